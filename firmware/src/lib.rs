@@ -1,0 +1,3 @@
+//! The reference model on a controller.
+#![no_std]
+#![forbid(unsafe_code)]

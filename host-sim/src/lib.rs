@@ -1,0 +1,2 @@
+//! Simulates, compares and diagnoses hydraulic drives against recordings.
+#![forbid(unsafe_code)]

@@ -1,0 +1,99 @@
+//! The vocabulary of the machine file: every SI parameter of a drive, in one table.
+//!
+//! Reader, coefficient builder, fit and report all speak of parameters by [`Parameter`]; key, unit,
+//! admissible range and default stand here and nowhere else.
+
+/// What a parameter is when the machine file does not give it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Default {
+    /// The machine file must give it.
+    Required,
+    /// This value, in the parameter's unit.
+    Value(f64),
+    /// Half the stroke times the area of the chamber: the dead volume of hoses is then left out.
+    HalfStrokeVolume,
+}
+
+/// Key, unit, range and default of one parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Description {
+    /// The key as in the machine file, with its table: `valve.gain_per_v`.
+    pub key: &'static str,
+    /// SI unit, as a recording's header would write it.
+    pub unit: &'static str,
+    /// Smallest admissible value, included.
+    pub min: f64,
+    /// Largest admissible value, included.
+    pub max: f64,
+    /// What it is when the file does not say.
+    pub default: Default,
+    /// One line for people, with sign convention and the paper's equation where it has one.
+    pub meaning: &'static str,
+}
+
+macro_rules! parameters {
+    ($($name:ident: $key:literal, $unit:literal, $min:expr, $max:expr, $default:expr, $meaning:literal;)*) => {
+        /// A parameter of the drive, in SI units.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+        #[repr(u8)]
+        pub enum Parameter { $(#[doc = $meaning] $name,)* }
+
+        impl Parameter {
+            /// Every parameter, in the order of the machine file.
+            pub const ALL: &'static [Parameter] = &[$(Parameter::$name,)*];
+
+            /// How many there are.
+            pub const COUNT: usize = Self::ALL.len();
+
+            /// Key, unit, range and default.
+            #[must_use]
+            pub const fn description(self) -> Description {
+                match self {
+                    $(Parameter::$name => Description {
+                        key: $key, unit: $unit, min: $min, max: $max, default: $default, meaning: $meaning,
+                    },)*
+                }
+            }
+        }
+    };
+}
+
+use Default::{HalfStrokeVolume, Required, Value};
+const NONE: f64 = f64::INFINITY;
+
+parameters! {
+    SupplyPressure: "supply.pressure_pa", "Pa", 1e5, 1e8, Value(7.0e6), "Supply pressure p0, constant; with a pump drive the pressure all others are scaled by. (3), (4)";
+    TankPressure: "supply.tank_pressure_pa", "Pa", -1e5, 1e7, Value(0.0), "Pressure of the return line.";
+    FlowLimit: "supply.flow_limit_m3_per_s", "m3/s", 1e-7, NONE, Value(NONE), "Largest flow through either valve edge, both signs.";
+    ValveGain: "valve.gain_per_v", "1/V", -10.0, 10.0, Value(0.1), "Slope of the static characteristic: slider travel per volt. (15)";
+    ValveOffset: "valve.offset", "1", -1.0, 1.0, Value(0.0), "Slider position at zero volts; positive extends. (15)";
+    DeadZone: "valve.dead_zone", "1", 0.0, 0.999, Value(0.0), "Overlap: slider travel from centre, to both sides, that passes no oil.";
+    RateLimit: "valve.rate_limit_per_s", "1/s", 1e-3, NONE, Value(NONE), "Largest speed of the slider's set value, both signs. Fig. 5";
+    TimeConstant1: "valve.time_constants_s[0]", "s", 0.0, 10.0, Value(0.0), "First lag of the slider. (16)";
+    TimeConstant2: "valve.time_constants_s[1]", "s", 0.0, 10.0, Value(0.0), "Second lag of the slider. (16)";
+    TransportDelay: "valve.transport_delay_s", "s", 0.0, 1.0, Value(0.0), "Dead time between command and slider. (16)";
+    FlowCoefficient: "valve.flow_coefficient", "m3/s/sqrt(Pa)", 1e-12, 1.0, Value(2.4e-7), "K_Q: flow per slider travel beyond the dead zone and root of pressure. (3), (4)";
+    LaminarTransition: "valve.laminar_transition_pa", "Pa", 1.0, 1e6, Value(2e3), "Pressure difference p_t below which the root becomes linear.";
+    AreaA: "cylinder.area_a_m2", "m2", 1e-6, 10.0, Required, "Piston area on side A; its pressure extends. (5)";
+    AreaB: "cylinder.area_b_m2", "m2", 1e-6, 10.0, Required, "Piston area on side B, the rod side; its pressure retracts. (5)";
+    Stroke: "cylinder.stroke_m", "m", 1e-3, 100.0, Value(0.3), "Length of travel.";
+    VolumeA: "cylinder.volume_a_m3", "m3", 1e-9, 10.0, HalfStrokeVolume, "Oil in chamber A and its hose at mid-stroke. (7)";
+    VolumeB: "cylinder.volume_b_m3", "m3", 1e-9, 10.0, HalfStrokeVolume, "Oil in chamber B and its hose at mid-stroke. (7)";
+    BulkModulus: "cylinder.bulk_modulus_pa", "Pa", 1e6, 1e11, Value(1.2e9), "Bulk modulus E0 of the oil. (7)";
+    MovingMass: "cylinder.moving_mass_kg", "kg", 1e-2, 1e7, Value(20.0), "Moving mass m, load reduced to the rod included. (8)";
+    ViscousFriction: "cylinder.viscous_friction_n_s_per_m", "N s/m", 0.0, 1e9, Value(1.0e4), "Viscous friction D. (8)";
+    LoadForce: "load.force_n", "N", -1e8, 1e8, Value(0.0), "External force F on the rod; positive extends. (8)";
+    PumpDisplacement: "pump.displacement_m3_per_rev", "m3/rev", 1e-9, 1.0, Value(1.6e-6), "Oil delivered per turn by the pump of a pump-controlled drive.";
+    ReturnCoefficient: "directional_valve.flow_coefficient", "m3/s/sqrt(Pa)", 1e-12, 1.0, Value(1.0e-6), "Flow per root of pressure from the returning chamber to tank, with the directional valve open.";
+    LvdtCounts: "sensing.lvdt_counts_per_unit", "1", 1.0, 1e9, Value(32768.0), "Counts of the slider's LVDT per full slider travel (16 bit, both signs).";
+    EncoderCounts: "sensing.encoder_counts_per_rev", "1", 1.0, 1e9, Value(3600.0), "Counts of the joint's encoder per turn.";
+    LinkageBase: "linkage.base_m", "m", 1e-3, 100.0, Value(0.6), "Side of the linkage triangle from joint to the cylinder's foot.";
+    LinkageArm: "linkage.arm_m", "m", 1e-3, 100.0, Value(0.5), "Side of the linkage triangle from joint to the rod's eye.";
+    LinkageLengthRetracted: "linkage.length_retracted_m", "m", 1e-3, 100.0, Value(0.45), "Third side, foot to rod eye, with the rod fully in (position 0).";
+    LinkageAngleAtZero: "linkage.angle_at_zero_rad", "rad", -7.0, 7.0, Value(0.0), "Angle of the triangle at the joint where the encoder counts 0.";
+    InternalLeakage: "effects.internal-leakage.conductance_m3_per_s_pa", "m3/s/Pa", 0.0, 1e-6, Value(0.0), "Laminar leakage past the piston per (pa - pb); positive from A to B.";
+    HoseCompliance: "effects.hose-compliance.compliance_m3_per_pa", "m3/Pa", 0.0, 1e-6, Value(0.0), "Volume that each chamber's hose takes up per pressure, beside V/E0.";
+    PumpSlip: "effects.pump-slip.conductance_m3_per_s_pa", "m3/s/Pa", 0.0, 1e-6, Value(0.0), "Flow lost inside the turning pump per pressure difference across it.";
+    CoulombFriction: "effects.coulomb-friction.force_n", "N", 0.0, 1e8, Value(0.0), "Dry friction force against motion; the rod sticks while the other forces stay below it.";
+}
