@@ -1,6 +1,6 @@
 //! A drive's SI parameters.
 
-use crate::parameter::{Default, Parameter};
+use crate::parameter::{Fallback, Parameter};
 
 /// Where the oil comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,7 +25,7 @@ impl Machine<f64> {
     pub fn with_defaults(source: Source) -> Self {
         let mut machine = Self { source, values: [f64::NAN; Parameter::COUNT] };
         for &parameter in Parameter::ALL {
-            if let Default::Value(value) = parameter.description().default {
+            if let Fallback::Value(value) = parameter.description().default {
                 machine.set(parameter, value);
             }
         }

@@ -5,7 +5,7 @@
 
 /// What a parameter is when the machine file does not give it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Default {
+pub enum Fallback {
     /// The machine file must give it.
     Required,
     /// This value, in the parameter's unit.
@@ -26,7 +26,7 @@ pub struct Description {
     /// Largest admissible value, included.
     pub max: f64,
     /// What it is when the file does not say.
-    pub default: Default,
+    pub default: Fallback,
     /// One line for people, with sign convention and the paper's equation where it has one.
     pub meaning: &'static str,
 }
@@ -59,7 +59,7 @@ macro_rules! parameters {
     };
 }
 
-use Default::{HalfStrokeVolume, Required, Value};
+use Fallback::{HalfStrokeVolume, Required, Value};
 const NONE: f64 = f64::INFINITY;
 
 parameters! {
