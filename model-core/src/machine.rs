@@ -53,3 +53,111 @@ impl<R: Copy> Machine<R> {
         Machine { source: self.source, values: self.values.map(convert) }
     }
 }
+
+impl Machine<f64> {
+    /// Checks every parameter that the drive uses against its range.
+    ///
+    /// # Errors
+    /// The first parameter out of range, with its value and what was expected.
+    pub fn check(&self) -> Result<(), MachineError> {
+        for &parameter in Parameter::ALL {
+            let description = parameter.description();
+            let value = self.get(parameter);
+            // NaN is in no range.
+            if !(description.min <= value && value <= description.max) {
+                return Err(MachineError::OutOfRange { parameter, value });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Why a machine does not become a drive.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum MachineError {
+    /// A parameter is not in its range.
+    #[error(
+        "{} = {value} {}: expected {} to {}",
+        .parameter.description().key, .parameter.description().unit, .parameter.description().min, .parameter.description().max
+    )]
+    OutOfRange {
+        /// Which.
+        parameter: Parameter,
+        /// Its value in its unit.
+        value: f64,
+    },
+    /// A coefficient computed from the parameter does not fit the fixed-point format.
+    #[error(
+        "{} = {value} {}: {coefficient} becomes {scaled:.6}, which does not fit; expected a magnitude below {limit}",
+        .parameter.description().key, .parameter.description().unit
+    )]
+    DoesNotFit {
+        /// The parameter that moves the coefficient most.
+        parameter: Parameter,
+        /// Its value in its unit.
+        value: f64,
+        /// The coefficient, in words.
+        coefficient: &'static str,
+        /// The coefficient's value.
+        scaled: f64,
+        /// What its magnitude must stay below.
+        limit: f64,
+    },
+    /// The delay line is shorter than the transport delay.
+    #[error("valve.transport_delay_s = {value} s: needs {ticks} ticks of delay line, has {line}")]
+    DelayTooLong {
+        /// The delay in s.
+        value: f64,
+        /// Ticks needed.
+        ticks: usize,
+        /// Ticks there are.
+        line: usize,
+    },
+}
+
+/// Period of the model's step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Tick {
+    /// 0.5 ms
+    HalfMillisecond,
+    /// 1 ms
+    OneMillisecond,
+    /// 2 ms
+    TwoMilliseconds,
+}
+
+impl Tick {
+    /// Length in s.
+    #[must_use]
+    pub const fn seconds(self) -> f64 {
+        match self {
+            Tick::HalfMillisecond => 5e-4,
+            Tick::OneMillisecond => 1e-3,
+            Tick::TwoMilliseconds => 2e-3,
+        }
+    }
+}
+
+/// What 1 means, per quantity, in SI units. Flow and velocity belong together: flow 1 moves the piston's side A at velocity 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Bases {
+    /// Pressure 1, Pa: the supply pressure.
+    pub pressure_pa: f64,
+    /// Velocity 1, m/s.
+    pub velocity_m_per_s: f64,
+    /// Flow 1, m³/s.
+    pub flow_m3_per_s: f64,
+    /// Force 1, N.
+    pub force_n: f64,
+    /// Position 1, m: the stroke.
+    pub stroke_m: f64,
+    /// Command 1, V.
+    pub command_v: f64,
+    /// Pump speed 1, revolutions per second.
+    pub pump_speed_rev_per_s: f64,
+    /// Tick, s.
+    pub tick_s: f64,
+}

@@ -1,0 +1,280 @@
+//! SI parameters → per-unit coefficients. Only this file converts, for host and target alike.
+
+#![expect(clippy::float_arithmetic, reason = "coefficients are computed once, before a run, in real arithmetic")]
+
+use crate::chambers::Chambers;
+use crate::drive::{Drive, OilSource};
+use crate::flow::{Edges, Flows, Lines, Pump};
+use crate::machine::{Bases, Machine, MachineError, Source, Tick};
+use crate::mechanics::{GAMMA, Mechanics};
+use crate::number::{Number, Real, Transition};
+use crate::parameter::Parameter as P;
+use crate::valve::Valve;
+
+/// Command at 1, V.
+const COMMAND_V: f64 = 10.0;
+/// Pump speed at 1, revolutions per second.
+const PUMP_SPEED_REV_PER_S: f64 = 50.0;
+
+impl<N: Number> Drive<N> {
+    /// The coefficients of `machine` at `tick`, for states whose delay line holds `DELAY` ticks.
+    ///
+    /// # Errors
+    /// A parameter is out of its range, or a coefficient does not fit the number format; the error says which value.
+    pub fn new<const DELAY: usize>(machine: &Machine<N::Real>, tick: Tick) -> Result<Self, MachineError> {
+        machine.map(Real::value).check()?;
+        let builder = Builder { machine, tick_s: tick.seconds(), bases: bases(&machine.map(Real::value), tick) };
+        let source = match machine.source {
+            Source::Valve => OilSource::Valve(builder.valve::<N>(DELAY)?, builder.edges()?),
+            Source::Pump => OilSource::Pump(builder.pump()?),
+        };
+        let mechanics = builder.mechanics::<N>()?;
+        let [spring_a, spring_b] = builder.springs::<N>()?;
+        Ok(Drive {
+            source,
+            chambers: builder.chambers()?,
+            mechanics,
+            gamma: builder.gain::<N>("the step's γ", P::Stroke, N::Real::constant(GAMMA))?,
+            springs: [spring_a, spring_b],
+            bases: builder.bases,
+        })
+    }
+}
+
+/// Scales in which all coefficients of a sensible drive fit.
+fn bases(machine: &Machine<f64>, tick: Tick) -> Bases {
+    let (tick_s, area_a, area_b) = (tick.seconds(), machine.get(P::AreaA), machine.get(P::AreaB));
+    let pressure_pa = machine.get(P::SupplyPressure);
+    let largest_flow = match machine.source {
+        Source::Valve => machine.get(P::FlowLimit).min(machine.get(P::FlowCoefficient) * pressure_pa.sqrt()),
+        Source::Pump => machine.get(P::PumpDisplacement) * PUMP_SPEED_REV_PER_S,
+    };
+    let inertia = machine.get(P::MovingMass) + GAMMA * tick_s * machine.get(P::ViscousFriction);
+    let from_flow = largest_flow / area_a.min(area_b);
+    let from_force = 0.5 * tick_s * area_a * pressure_pa / inertia;
+    let velocity_m_per_s = from_flow.max(from_force);
+    Bases {
+        pressure_pa,
+        velocity_m_per_s,
+        flow_m3_per_s: area_a * velocity_m_per_s,
+        force_n: area_a * pressure_pa,
+        stroke_m: machine.get(P::Stroke),
+        command_v: COMMAND_V,
+        pump_speed_rev_per_s: PUMP_SPEED_REV_PER_S,
+        tick_s,
+    }
+}
+
+struct Builder<'a, R> {
+    machine: &'a Machine<R>,
+    tick_s: f64,
+    bases: Bases,
+}
+
+impl<R: Real> Builder<'_, R> {
+    fn get(&self, parameter: P) -> R {
+        self.machine.get(parameter)
+    }
+
+    fn misfit(&self, coefficient: &'static str, parameter: P, scaled: R, limit: f64) -> MachineError {
+        MachineError::DoesNotFit {
+            parameter,
+            value: self.get(parameter).value(),
+            coefficient,
+            scaled: scaled.value(),
+            limit,
+        }
+    }
+
+    fn gain<N: Number<Real = R>>(&self, name: &'static str, of: P, value: R) -> Result<N::Gain, MachineError> {
+        N::gain(value).ok_or_else(|| self.misfit(name, of, value, 4.0))
+    }
+
+    fn steep<N: Number<Real = R>>(&self, name: &'static str, of: P, value: R) -> Result<N::Steep, MachineError> {
+        N::steep(value).ok_or_else(|| self.misfit(name, of, value, 65536.0))
+    }
+
+    fn signal<N: Number<Real = R>>(&self, name: &'static str, of: P, value: R) -> Result<N, MachineError> {
+        N::signal(value).ok_or_else(|| self.misfit(name, of, value, 8.0))
+    }
+
+    /// A limit: infinite, or beyond the format, means that nothing limits.
+    fn limit<N: Number<Real = R>>(value: R) -> N {
+        N::signal(value).unwrap_or_else(|| N::saturated(value.value()))
+    }
+
+    fn valve<N: Number<Real = R>>(&self, line: usize) -> Result<Valve<N>, MachineError> {
+        let delay = self.get(P::TransportDelay) / R::constant(self.tick_s);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "0..1 s over a tick is a small count"
+        )]
+        let delay_ticks = delay.value() as usize;
+        if delay_ticks + 2 > line {
+            return Err(MachineError::DelayTooLong {
+                value: self.get(P::TransportDelay).value(),
+                ticks: delay_ticks + 2,
+                line,
+            });
+        }
+        let step_limit = self.get(P::RateLimit) * R::constant(self.tick_s);
+        let limits = N::signal(step_limit).is_some();
+        let half_per_step = if limits { R::constant(0.5) / step_limit } else { R::ZERO };
+        let (t1, t2) = (self.get(P::TimeConstant1), self.get(P::TimeConstant2));
+        let (decay_1, decay_2) = (self.decay(t1), self.decay(t2));
+        let apart = t1 - t2;
+        let cross = if apart.value().abs() > 1e-6 * t1.value().max(t2.value()) {
+            t1 * (decay_1 - decay_2) / apart
+        } else if t1.value() > 0.0 {
+            R::constant(self.tick_s) / t1 * decay_1
+        } else {
+            R::ZERO
+        };
+        Ok(Valve {
+            gain: self.gain::<N>(
+                "slider travel per 10 V",
+                P::ValveGain,
+                self.get(P::ValveGain) * R::constant(COMMAND_V),
+            )?,
+            offset: self.signal("slider offset", P::ValveOffset, self.get(P::ValveOffset))?,
+            step_limit: Self::limit(step_limit),
+            half_per_step: self.steep::<N>("inverse of the rate limit per tick", P::RateLimit, half_per_step)?,
+            delay_ticks,
+            delay_rest: self.signal("rest of the delay", P::TransportDelay, delay - R::constant(delay_ticks as f64))?,
+            decay_1: self.gain::<N>("decay of the first lag", P::TimeConstant1, decay_1)?,
+            decay_2: self.gain::<N>("decay of the second lag", P::TimeConstant2, decay_2)?,
+            cross: self.gain::<N>("coupling of the lags", P::TimeConstant1, cross)?,
+        })
+    }
+
+    /// e^(−h/T), 0 for no lag.
+    fn decay(&self, time_constant: R) -> R {
+        if time_constant.value() > 0.0 { (-(R::constant(self.tick_s) / time_constant)).exp() } else { R::ZERO }
+    }
+
+    fn lines<N: Number<Real = R>>(&self) -> Result<Lines<N>, MachineError> {
+        let base = R::constant(self.bases.pressure_pa);
+        Ok(Lines {
+            supply: self.signal("supply pressure", P::SupplyPressure, self.get(P::SupplyPressure) / base)?,
+            tank: self.signal("tank pressure", P::TankPressure, self.get(P::TankPressure) / base)?,
+        })
+    }
+
+    fn transition<N: Number<Real = R>>(&self) -> Result<Transition<N>, MachineError> {
+        let pressure = self.get(P::LaminarTransition) / R::constant(self.bases.pressure_pa);
+        Ok(Transition {
+            pressure: self.signal("laminar transition", P::LaminarTransition, pressure)?,
+            root: self.signal("root of the laminar transition", P::LaminarTransition, pressure.sqrt())?,
+        })
+    }
+
+    /// `K_Q` per unit.
+    fn orifice(&self, coefficient: P) -> R {
+        self.get(coefficient) * R::constant(self.bases.pressure_pa).sqrt() / R::constant(self.bases.flow_m3_per_s)
+    }
+
+    fn edges<N: Number<Real = R>>(&self) -> Result<Edges<N>, MachineError> {
+        Ok(Edges {
+            dead_zone: self.signal("dead zone", P::DeadZone, self.get(P::DeadZone))?,
+            gain: self.gain::<N>("flow at full opening", P::FlowCoefficient, self.orifice(P::FlowCoefficient))?,
+            limit: Self::limit(self.get(P::FlowLimit) / R::constant(self.bases.flow_m3_per_s)),
+            transition: self.transition()?,
+            lines: self.lines()?,
+        })
+    }
+
+    fn pump<N: Number<Real = R>>(&self) -> Result<Pump<N>, MachineError> {
+        let flow = R::constant(self.bases.flow_m3_per_s);
+        let full_speed = self.get(P::PumpDisplacement) * R::constant(PUMP_SPEED_REV_PER_S) / flow;
+        let slip = self.get(P::PumpSlip) * R::constant(self.bases.pressure_pa) / flow;
+        Ok(Pump {
+            displacement: self.gain::<N>("pump flow at 50 revolutions per second", P::PumpDisplacement, full_speed)?,
+            slip: self.signal("slip at supply pressure", P::PumpSlip, slip)?,
+            back: self.signal(
+                "return flow at supply pressure",
+                P::ReturnCoefficient,
+                self.orifice(P::ReturnCoefficient),
+            )?,
+            transition: self.transition()?,
+            lines: self.lines()?,
+            unity: self.steep::<N>("one", P::PumpDisplacement, R::ONE)?,
+        })
+    }
+
+    /// h·Q/(p·C): pressure rise over a tick at flow 1, for a chamber of capacity V/E0 + hose. (7)
+    fn stiffness(&self, volume: P) -> R {
+        let capacity = self.get(volume) / self.get(P::BulkModulus) + self.get(P::HoseCompliance);
+        R::constant(self.tick_s * self.bases.flow_m3_per_s / self.bases.pressure_pa) / capacity
+    }
+
+    /// α = Ab/Aa. (5)
+    fn ratio(&self) -> R {
+        self.get(P::AreaB) / self.get(P::AreaA)
+    }
+
+    fn chambers<N: Number<Real = R>>(&self) -> Result<Chambers<N>, MachineError> {
+        let (a, b) = (self.stiffness(P::VolumeA), self.stiffness(P::VolumeB));
+        let gamma = R::constant(GAMMA);
+        let leakage = self.get(P::InternalLeakage) * R::constant(self.bases.pressure_pa / self.bases.flow_m3_per_s);
+        Ok(Chambers {
+            stiffness_a: self.gain::<N>("pressure rise in A per tick at full flow", P::VolumeA, a)?,
+            stiffness_b: self.gain::<N>("pressure rise in B per tick at full flow", P::VolumeB, b)?,
+            implicit: Flows {
+                a: self.signal("pressure rise in A per tick at full flow", P::VolumeA, gamma * a)?,
+                b: self.signal("pressure rise in B per tick at full flow", P::VolumeB, gamma * b)?,
+            },
+            ratio: self.gain::<N>("area ratio B/A", P::AreaB, self.ratio())?,
+            leakage: self.signal("leakage at supply pressure", P::InternalLeakage, leakage)?,
+            unity: self.steep::<N>("one", P::VolumeA, R::ONE)?,
+        })
+    }
+
+    /// h·D/m
+    fn damping(&self) -> R {
+        self.get(P::ViscousFriction) * R::constant(self.tick_s) / self.get(P::MovingMass)
+    }
+
+    /// 1 + γ·h·D/m
+    fn own_diagonal(&self) -> R {
+        R::ONE + R::constant(GAMMA) * self.damping()
+    }
+
+    /// Velocity gained per tick at force 1, implicit in the viscous friction. (12)
+    fn mobility(&self) -> R {
+        R::constant(self.tick_s * self.bases.force_n / self.bases.velocity_m_per_s)
+            / (self.get(P::MovingMass) * self.own_diagonal())
+    }
+
+    fn springs<N: Number<Real = R>>(&self) -> Result<[N::Steep; 2], MachineError> {
+        let square = R::constant(GAMMA * GAMMA) * self.mobility();
+        let ratio = self.ratio();
+        Ok([
+            self.steep::<N>("oil spring A", P::MovingMass, square * self.stiffness(P::VolumeA))?,
+            self.steep::<N>("oil spring B", P::MovingMass, square * ratio * ratio * self.stiffness(P::VolumeB))?,
+        ])
+    }
+
+    fn mechanics<N: Number<Real = R>>(&self) -> Result<Mechanics<N>, MachineError> {
+        let constant = |value: f64| self.gain::<N>("a weight of the step", P::Stroke, R::constant(value));
+        let force = R::constant(self.bases.force_n);
+        let coulomb = self.get(P::CoulombFriction) / force;
+        let travel = R::constant(self.tick_s * self.bases.velocity_m_per_s) / self.get(P::Stroke);
+        Ok(Mechanics {
+            mobility: self.gain::<N>("velocity gained per tick at full force", P::MovingMass, self.mobility())?,
+            drag: self.gain::<N>("velocity lost per tick", P::ViscousFriction, self.damping() / self.own_diagonal())?,
+            back: self.gain::<N>("second stage", P::ViscousFriction, -(R::constant(2.0) / self.own_diagonal()))?,
+            mean: [constant(f64::midpoint(1.0, GAMMA))?, constant(0.5 * GAMMA)?],
+            weights: [constant(1.5)?, constant(0.5)?],
+            unity: constant(1.0)?,
+            travel: self.gain::<N>("strokes per tick", P::Stroke, travel)?,
+            coulomb: self.signal("dry friction over full force", P::CoulombFriction, coulomb)?,
+            coulomb_turn: self.signal(
+                "velocity that dry friction takes in a tick",
+                P::CoulombFriction,
+                R::constant(2.0) * coulomb * self.mobility(),
+            )?,
+            load: self.signal("load over full force", P::LoadForce, self.get(P::LoadForce) / force)?,
+        })
+    }
+}

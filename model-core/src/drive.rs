@@ -1,0 +1,324 @@
+//! The drive: all links in a chain, stepped together.
+//!
+//! Pressures and velocity form a stiff, coupled system. One tick solves it with the two-stage, L-stable, linearly implicit
+//! Rosenbrock step ROS2 (Verwer, Spee, Blom, Hundsdorfer: *A second-order Rosenbrock method applied to photochemical dispersion
+//! problems*, SIAM J. Sci. Comput. 20, 1999), γ = 1 − 1/√2:
+//!
+//! ```text
+//! (1 − γhJ)·k1 = h·f(tₙ, zₙ)
+//! (1 − γhJ)·k2 = h·f(tₙ₊₁, zₙ + k1) − 2·k1
+//! zₙ₊₁ = zₙ + 3/2·k1 + 1/2·k2
+//! ```
+//!
+//! The velocity couples to both pressures and each pressure to the velocity only, so the system is eliminated to one
+//! equation for the velocity by hand. The method keeps its second order with any approximate Jacobian J.
+//!
+//! Both stages are written so that the links do the last step themselves: the solution yields each tick's mean flows and
+//! stage forces, from which [`Chambers`] and [`Mechanics`] alone reproduce the chain bit for bit.
+
+use crate::chambers::{ChamberState, Chambers};
+use crate::flow::{Edges, Flows, Linearised, Pump, PumpDrive};
+use crate::machine::Bases;
+use crate::mechanics::{Forces, Mechanics, MotionState};
+use crate::number::Number;
+use crate::valve::{Slider, Valve, ValveState};
+
+/// Where the oil comes from, with coefficients.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum OilSource<N: Number> {
+    /// Proportional valve on a constant supply.
+    Valve(Valve<N>, Edges<N>),
+    /// Pump with directional valve.
+    Pump(Pump<N>),
+}
+
+/// Coefficients of a drive at one tick: configuration, never state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive<N: Number> {
+    pub(crate) source: OilSource<N>,
+    pub(crate) chambers: Chambers<N>,
+    pub(crate) mechanics: Mechanics<N>,
+    /// γ
+    pub(crate) gamma: N::Gain,
+    /// γ²·mobility·stiffness of each chamber: the oil springs in the eliminated equation.
+    pub(crate) springs: [N::Steep; 2],
+    pub(crate) bases: Bases,
+}
+
+/// State of a drive whose delay line holds `DELAY` ticks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "N: serde::Serialize, N::Travel: serde::Serialize",
+        deserialize = "N: serde::Deserialize<'de>, N::Travel: serde::Deserialize<'de>"
+    ))
+)]
+pub struct DriveState<N: Number, const DELAY: usize = 64> {
+    /// Slider and what leads to it; at rest and untouched in a pump-controlled drive.
+    pub valve: ValveState<N, DELAY>,
+    /// Chamber pressures.
+    pub chambers: ChamberState<N>,
+    /// Velocity and position.
+    pub motion: MotionState<N>,
+}
+
+/// Where the chain is entered in a tick, and with what.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Entry<N> {
+    /// Command, in 10 V, held over the tick.
+    Command(N),
+    /// Measured slider; the valve link is left out.
+    Slider(Slider<N>),
+    /// Speed of a pump and direction of its valve, held over the tick.
+    Pump(PumpDrive<N>),
+    /// Measured flows into A and out of B at both ends of the tick; valve and flow links are left out.
+    Flow {
+        /// At the start of the tick.
+        from: Flows<N>,
+        /// At its end.
+        to: Flows<N>,
+    },
+    /// Measured force of the oil on the rod at both ends of the tick; only the mechanics are left.
+    Force {
+        /// At the start of the tick.
+        from: N,
+        /// At its end.
+        to: N,
+    },
+}
+
+/// External force on the rod beside the machine's constant load, at both ends of a tick; positive extends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Load<N> {
+    /// At the start of the tick.
+    pub from: N,
+    /// At its end.
+    pub to: N,
+}
+
+impl<N: Number> Load<N> {
+    /// No force beside the constant load.
+    pub const NONE: Self = Self { from: N::ZERO, to: N::ZERO };
+}
+
+/// What the links handed to each other during a tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interfaces<N> {
+    /// Slider, where the tick entered above it.
+    pub slider: Option<Slider<N>>,
+    /// Mean net flows of the tick, leakage included.
+    pub flows: Flows<N>,
+    /// Net forces of the two stages, friction left out.
+    pub forces: Forces<N>,
+    /// Mean velocity of the tick.
+    pub velocity: N,
+}
+
+/// What feeds the chambers in a tick, at its two stages.
+enum Feed<N> {
+    Edges(Slider<N>),
+    Pump(PumpDrive<N>),
+    Given { from: Flows<N>, to: Flows<N> },
+}
+
+impl<N: Number> Drive<N> {
+    /// The scales of all per-unit quantities.
+    #[must_use]
+    pub fn bases(&self) -> &Bases {
+        &self.bases
+    }
+
+    /// The valve link, where the drive has one.
+    #[must_use]
+    pub fn valve(&self) -> Option<&Valve<N>> {
+        match &self.source {
+            OilSource::Valve(valve, _) => Some(valve),
+            OilSource::Pump(_) => None,
+        }
+    }
+
+    /// The chambers link.
+    #[must_use]
+    pub fn chambers(&self) -> &Chambers<N> {
+        &self.chambers
+    }
+
+    /// The mechanics link.
+    #[must_use]
+    pub fn mechanics(&self) -> &Mechanics<N> {
+        &self.mechanics
+    }
+
+    /// The flow link at a point: flows into A and out of B without leakage.
+    #[must_use]
+    pub fn flows(&self, slider: N, pump: PumpDrive<N>, pressures: ChamberState<N>) -> Flows<N> {
+        match &self.source {
+            OilSource::Valve(_, edges) => edges.flow(slider, pressures.a, pressures.b),
+            OilSource::Pump(source) => {
+                let flows = source.flow(pump, pressures.a, pressures.b);
+                Flows { a: flows.a.flow, b: flows.b.flow }
+            }
+        }
+    }
+
+    /// A drive at rest: `command` (in 10 V) held for long, no velocity.
+    #[must_use]
+    pub fn at_rest<const DELAY: usize>(
+        &self,
+        command: N,
+        pressures: ChamberState<N>,
+        position: N::Travel,
+    ) -> DriveState<N, DELAY> {
+        let valve = match &self.source {
+            OilSource::Valve(valve, _) => valve.at_rest(command),
+            OilSource::Pump(_) => ValveState::idle(),
+        };
+        DriveState { valve, chambers: pressures, motion: MotionState { velocity: N::ZERO, position } }
+    }
+
+    /// One tick. Fixed cost; no input of any size overflows or panics.
+    ///
+    /// An entry that the drive's source cannot take (a pump's speed on a valve drive, a slider on a pump drive) counts
+    /// as closed ports.
+    #[inline]
+    pub fn step<const DELAY: usize>(
+        &self,
+        state: &mut DriveState<N, DELAY>,
+        entry: Entry<N>,
+        load: Load<N>,
+    ) -> Interfaces<N> {
+        let closed = Flows { a: N::ZERO, b: N::ZERO };
+        let feed = match entry {
+            Entry::Force { from, to } => return self.step_force(state, from + load.from, to + load.to),
+            Entry::Command(command) => match &self.source {
+                OilSource::Valve(valve, _) => Feed::Edges(valve.step(&mut state.valve, command)),
+                OilSource::Pump(_) => Feed::Given { from: closed, to: closed },
+            },
+            Entry::Slider(slider) => Feed::Edges(slider),
+            Entry::Pump(pump) => Feed::Pump(pump),
+            Entry::Flow { from, to } => Feed::Given { from, to },
+        };
+        self.step_hydraulics(state, &feed, load)
+    }
+
+    /// Only the mechanics, under a given force of the oil.
+    #[inline]
+    fn step_force<const DELAY: usize>(&self, state: &mut DriveState<N, DELAY>, from: N, to: N) -> Interfaces<N> {
+        let rise = to - from;
+        let constant = self.mechanics.load;
+        let forces = Forces {
+            first: from + constant + N::dot([self.gamma], [rise]),
+            second: to + constant - N::dot([self.gamma], [rise]),
+        };
+        let velocity = self.mechanics.step(&mut state.motion, forces);
+        Interfaces { slider: None, flows: Flows { a: N::ZERO, b: N::ZERO }, forces, velocity }
+    }
+
+    #[inline]
+    fn step_hydraulics<const DELAY: usize>(
+        &self,
+        state: &mut DriveState<N, DELAY>,
+        feed: &Feed<N>,
+        load: Load<N>,
+    ) -> Interfaces<N> {
+        let (chambers, mechanics) = (&self.chambers, &self.mechanics);
+        let pressures = state.chambers;
+        let velocity = state.motion.velocity;
+        let constant = mechanics.load;
+
+        let flows = self.feed_from(feed, pressures);
+        let yielding = chambers.yielding(&flows);
+        let contact = mechanics.contact(velocity, self.pressure_force(pressures) + load.from + constant);
+        let stick = contact == crate::mechanics::Contact::Sticks;
+        let friction = mechanics.friction(contact);
+        // 1/(1 + γ²·mobility·(springs that yield)): the eliminated equation for the velocity.
+        let give = if stick { N::ZERO } else { N::inverse_one_plus([yielding.a, yielding.b], self.springs) };
+
+        // First stage.
+        let inflow = self.inflow(Flows { a: flows.a.flow, b: flows.b.flow }, pressures);
+        let net = Flows { a: inflow.a - velocity, b: chambers.displaced_b(velocity) - inflow.b };
+        let trial = chambers.rise(Flows { a: yielding.a.times(net.a), b: yielding.b.times(net.b) });
+        let force = self.stage_force(pressures, trial) + load.from + constant;
+        let guess = give.times(N::dot([mechanics.mobility, mechanics.drag], [force + friction, -velocity]));
+        let ahead = N::dot([self.gamma], [guess]);
+        let net1 =
+            Flows { a: yielding.a.times(net.a - ahead), b: yielding.b.times(net.b + chambers.displaced_b(ahead)) };
+        let k1 = chambers.rise(net1);
+        let first = self.stage_force(pressures, k1) + load.from + constant;
+        let v1 = mechanics.first_stage(contact, velocity, first);
+
+        // Second stage.
+        let (pressures2, velocity2) = (ChamberState { a: pressures.a + k1.a, b: pressures.b + k1.b }, velocity + v1);
+        let inflow = self.inflow(self.feed_to(feed, pressures2), pressures2);
+        let net = Flows {
+            a: inflow.a - velocity2 - net1.a - net1.a,
+            b: chambers.displaced_b(velocity2) - inflow.b - net1.b - net1.b,
+        };
+        let trial = chambers.rise(Flows { a: yielding.a.times(net.a), b: yielding.b.times(net.b) });
+        let force = self.stage_force(pressures2, trial) + load.to + constant;
+        let guess = give
+            .times(N::dot([mechanics.mobility, mechanics.drag, mechanics.back], [force + friction, -velocity2, v1]));
+        let ahead = N::dot([self.gamma], [guess]);
+        let net2 =
+            Flows { a: yielding.a.times(net.a - ahead), b: yielding.b.times(net.b + chambers.displaced_b(ahead)) };
+        let second = self.stage_force(pressures2, chambers.rise(net2)) + load.to + constant;
+        let v2 = mechanics.second_stage(contact, velocity, v1, second);
+
+        // The links take the step.
+        let mean = mechanics.finish(contact, &mut state.motion, v1, v2);
+        let kept =
+            Flows { a: N::dot(mechanics.weights, [net1.a, net2.a]), b: N::dot(mechanics.weights, [net1.b, net2.b]) };
+        let flows = Flows { a: kept.a + mean, b: chambers.displaced_b(mean) - kept.b };
+        chambers.step(&mut state.chambers, flows, mean);
+        let slider = if let Feed::Edges(slider) = feed { Some(*slider) } else { None };
+        Interfaces { slider, flows, forces: Forces { first, second }, velocity: mean }
+    }
+
+    /// Flows of the feed at the start of the tick, with their slopes.
+    #[inline]
+    fn feed_from(&self, feed: &Feed<N>, pressures: ChamberState<N>) -> Flows<Linearised<N>> {
+        let given = |flow: N| Linearised { flow, opening: N::ZERO, slope: self.chambers.unity };
+        match (feed, &self.source) {
+            (Feed::Edges(slider), OilSource::Valve(_, edges)) => edges.linearised(*slider, pressures.a, pressures.b),
+            (Feed::Pump(drive), OilSource::Pump(pump)) => pump.flow(*drive, pressures.a, pressures.b),
+            (Feed::Given { from, .. }, _) => Flows { a: given(from.a), b: given(from.b) },
+            _ => Flows { a: given(N::ZERO), b: given(N::ZERO) },
+        }
+    }
+
+    /// Flows of the feed at the end of the tick.
+    #[inline]
+    fn feed_to(&self, feed: &Feed<N>, pressures: ChamberState<N>) -> Flows<N> {
+        match (feed, &self.source) {
+            (Feed::Edges(slider), OilSource::Valve(_, edges)) => edges.flow(slider.to, pressures.a, pressures.b),
+            (Feed::Pump(drive), OilSource::Pump(pump)) => {
+                let flows = pump.flow(*drive, pressures.a, pressures.b);
+                Flows { a: flows.a.flow, b: flows.b.flow }
+            }
+            (Feed::Given { to, .. }, _) => *to,
+            _ => Flows { a: N::ZERO, b: N::ZERO },
+        }
+    }
+
+    /// Flow into A and out of B with the leakage past the piston.
+    #[inline]
+    fn inflow(&self, flows: Flows<N>, pressures: ChamberState<N>) -> Flows<N> {
+        let leaked = self.chambers.leaked(pressures);
+        Flows { a: flows.a - leaked, b: flows.b - leaked }
+    }
+
+    /// pa − α·pb.
+    #[inline]
+    fn pressure_force(&self, pressures: ChamberState<N>) -> N {
+        pressures.a - self.chambers.displaced_b(pressures.b)
+    }
+
+    /// pa − α·pb with γ of a stage's increment ahead.
+    #[inline]
+    fn stage_force(&self, pressures: ChamberState<N>, increment: ChamberState<N>) -> N {
+        let ahead = |pressure: N, increment: N| pressure + N::dot([self.gamma], [increment]);
+        self.pressure_force(ChamberState { a: ahead(pressures.a, increment.a), b: ahead(pressures.b, increment.b) })
+    }
+}

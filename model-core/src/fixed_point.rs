@@ -1,0 +1,386 @@
+//! Fixed point: formats, rounding and saturation, all of it.
+//!
+//! | quantity | format | range | step | why |
+//! |---|---|---|---|---|
+//! | signal ([`PerUnit`]) | `I4F28` | ±8 | 3.7e-9 | pressures reach several supplies under load; one 32-bit word |
+//! | gain | `I4F28`, magnitude below 4 | ±4 | 3.7e-9 | four products of gain and signal fit 64 bits without a check |
+//! | steep coefficient | `U16F16` | 0..65536 | 1.5e-5 | slope of the root near Δp = 0; only steers the Jacobian and the rate limiter's mean |
+//! | position | `I8F56` | ±128 strokes | 1.4e-17 | products of gain and velocity are added exactly: no drift, no dead band |
+//!
+//! A product of two 32-bit words is one instruction with a 64-bit result on every target; [`Number::dot`] keeps that
+//! result to the end and rounds once, to nearest, ties upward. A result beyond the range is held at its end.
+//!
+//! Error bounds, asserted in this file's tests: `times`, `dot` half a step (1.9e-9); `orifice_root` 2 steps + 6e-9
+//! of the value; `inverse_one_plus` 2e-8; slopes 1e-4 of the value (a Rosenbrock step is of second order for *any* Jacobian,
+//! so a slope needs no more).
+
+use core::ops::{Add, Neg, Sub};
+
+use fixed::types::{I4F28, I8F56, U16F16};
+
+use crate::number::{Number, Transition};
+
+/// A signal on the controller: per unit, `I4F28`, range ±8, step 2⁻²⁸. Sums saturate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PerUnit(I4F28);
+
+const FRACTION: u32 = 28;
+
+/// A gain stays below 4 after rounding to its format.
+const LARGEST_GAIN: f64 = 3.999_999_99;
+
+impl PerUnit {
+    /// The signal whose raw word is `bits`.
+    #[must_use]
+    pub const fn from_bits(bits: i32) -> Self {
+        Self(I4F28::from_bits(bits))
+    }
+
+    /// The raw word.
+    #[must_use]
+    pub const fn to_bits(self) -> i32 {
+        self.0.to_bits()
+    }
+}
+
+impl Add for PerUnit {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Self(self.0.saturating_add(other.0))
+    }
+}
+
+impl Sub for PerUnit {
+    type Output = Self;
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        Self(self.0.saturating_sub(other.0))
+    }
+}
+
+impl Neg for PerUnit {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        Self(self.0.saturating_neg())
+    }
+}
+
+/// A 64-bit product or sum of products with 28 + `shift` fractional bits, rounded to a signal.
+#[inline]
+fn rounded(wide: i64, shift: u32) -> PerUnit {
+    let half = 1_i64 << (shift - 1);
+    let word = wide.saturating_add(half) >> shift;
+    let clamped = word.clamp(i64::from(i32::MIN), i64::from(i32::MAX));
+    #[expect(clippy::cast_possible_truncation, reason = "clamped to the range of i32 above")]
+    PerUnit::from_bits(clamped as i32)
+}
+
+/// Upper word of the product of two unsigned words.
+#[inline]
+fn upper(a: u32, b: u32) -> u32 {
+    ((u64::from(a) * u64::from(b)) >> 32) as u32
+}
+
+/// Exact Σ gain·signal with 56 fractional bits. Each product is below 2⁶¹, so four of them fit.
+#[inline]
+fn products<const K: usize>(gains: [I4F28; K], signals: [PerUnit; K]) -> i64 {
+    const { assert!(K <= 4, "more than four products may overflow 64 bits") };
+    gains
+        .into_iter()
+        .zip(signals)
+        .fold(0_i64, |sum, (gain, signal)| sum.wrapping_add(i64::from(gain.to_bits()) * i64::from(signal.to_bits())))
+}
+
+impl Number for PerUnit {
+    type Real = f64;
+    type Gain = I4F28;
+    type Steep = U16F16;
+    type Travel = I8F56;
+
+    const ZERO: Self = Self(I4F28::ZERO);
+    const ONE: Self = Self(I4F28::ONE);
+
+    fn signal(value: f64) -> Option<Self> {
+        if value.is_finite() { I4F28::checked_from_num(value).map(Self) } else { None }
+    }
+    fn saturated(value: f64) -> Self {
+        if value.is_nan() { Self::ZERO } else { Self(I4F28::saturating_from_num(value)) }
+    }
+    #[inline]
+    fn counted(counts: i32) -> Self {
+        Self::from_bits(counts.saturating_mul(1 << (FRACTION - 16)))
+    }
+    fn to_f64(self) -> f64 {
+        self.0.to_num()
+    }
+    fn to_real(self) -> f64 {
+        self.0.to_num()
+    }
+    fn gain(value: f64) -> Option<I4F28> {
+        let fits = value.is_finite() && value.abs() < LARGEST_GAIN;
+        if fits { I4F28::checked_from_num(value) } else { None }
+    }
+    fn steep(value: f64) -> Option<U16F16> {
+        if value.is_finite() { U16F16::checked_from_num(value) } else { None }
+    }
+    #[inline]
+    fn times(self, other: Self) -> Self {
+        rounded(i64::from(self.to_bits()) * i64::from(other.to_bits()), FRACTION)
+    }
+    #[inline]
+    fn dot<const K: usize>(gains: [I4F28; K], signals: [Self; K]) -> Self {
+        rounded(products(gains, signals), FRACTION)
+    }
+    #[inline]
+    fn amplified(self, by: U16F16) -> Self {
+        rounded(i64::from(self.to_bits()) * i64::from(by.to_bits()), 16)
+    }
+    #[inline]
+    fn halved(self) -> Self {
+        Self::from_bits(self.to_bits() >> 1)
+    }
+    #[inline]
+    fn orifice_root(self, transition: Transition<Self>) -> (Self, U16F16) {
+        let inverse = InverseFourthRoot::of(self, transition.pressure);
+        // pt²/w = (√pt·w^-¼)⁴, the laminar share of the slope, needs half the bits only.
+        let ratio = inverse.scaled(transition.root) >> 12; // F16
+        let ratio = ratio.min(0xffff);
+        let square = (ratio * ratio) >> 16;
+        let laminar = (square * square) >> 16;
+        (self.rooted(inverse), inverse.slope(laminar))
+    }
+    #[inline]
+    fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [U16F16; K]) -> Self {
+        let sum = weights.into_iter().zip(steep).fold(0_u64, |sum, (weight, steep)| {
+            sum.saturating_add(u64::from(weight.to_bits().unsigned_abs()) * u64::from(steep.to_bits()))
+        });
+        reciprocal_of_one_plus(sum)
+    }
+    fn travel(strokes: f64) -> I8F56 {
+        if strokes.is_nan() { I8F56::ZERO } else { I8F56::saturating_from_num(strokes) }
+    }
+    #[inline]
+    fn travelled<const K: usize>(from: I8F56, gains: [I4F28; K], signals: [Self; K]) -> I8F56 {
+        from.saturating_add(I8F56::from_bits(products(gains, signals)))
+    }
+    fn strokes(travel: I8F56) -> f64 {
+        travel.to_num()
+    }
+}
+
+impl PerUnit {
+    /// Δ·w^-¼.
+    #[inline]
+    fn rooted(self, inverse: InverseFourthRoot) -> Self {
+        // |Δ| ≤ √w < 2^(32 − s/2), so Δ may move up by s/2 − 1 and keep its sign bit; then the upper word keeps all its digits.
+        let up = (inverse.zeros >> 1).saturating_sub(1);
+        let wide = i64::from(self.to_bits() << up) * i64::from(inverse.mantissa);
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "a product of two words shifted by 31 is below 2^31 as mantissa < 2^31 and the root is below 2^30·√8"
+        )]
+        let word = (wide >> 31) as i32;
+        // `word` holds Δ·mantissa with 27 + up fractional bits; times 2^q and back to 28. As up ≈ s/2 and q ≈ s/4, `down` is 1 at least.
+        let down = (up.cast_signed() - 1 - inverse.exponent()).unsigned_abs();
+        Self::from_bits(word.saturating_add(1 << (down - 1)) >> down)
+    }
+}
+
+/// w^-¼ for w = Δ² + pt², as `mantissa`·2^-30·2^((zeros − 8) div 4).
+#[derive(Clone, Copy)]
+struct InverseFourthRoot {
+    /// In [1, 2), 30 fractional bits.
+    mantissa: u32,
+    /// Leading zeros of w in 64 bits with 56 fractional bits.
+    zeros: u32,
+}
+
+/// μ^-¼ over [½, 1) in 32 intervals: value (F31) at the left end, and drop to the right end (F31).
+const SEEDS: [(u32, u32); 32] = seeds();
+
+/// 2^(r/4) with 31 fractional bits.
+const QUARTER_OCTAVES: [u32; 4] = [2_147_483_648, 2_553_802_834, 3_037_000_500, 3_611_622_603];
+
+impl InverseFourthRoot {
+    #[inline]
+    fn of(delta: PerUnit, transition: PerUnit) -> Self {
+        let square = |signal: PerUnit| {
+            let magnitude = u64::from(signal.to_bits().unsigned_abs());
+            magnitude * magnitude
+        };
+        let w = (square(delta) + square(transition)) | 1;
+        let zeros = w.leading_zeros();
+        let mu = ((w << zeros) >> 32) as u32;
+        #[expect(clippy::indexing_slicing, reason = "five bits index 32 seeds")]
+        let (left, drop) = SEEDS[(mu >> 26) as usize & 31];
+        let z = left - upper(drop, mu << 6);
+        // One Newton step for z^-4 = μ: z + z·(1 − μz⁴)/4.
+        let square = upper(z, z); // F30
+        let fourth = upper(square, square); // F28
+        let miss = (1 << FRACTION) - upper(mu, fourth).cast_signed(); // F28
+        #[expect(clippy::cast_possible_truncation, reason = "|miss| < 2^-12, so the correction is far below z")]
+        let correction = ((i64::from(z) * i64::from(miss)) >> 30) as i32;
+        let z = z.wrapping_add_signed(correction);
+        #[expect(clippy::indexing_slicing, reason = "two bits index four octaves")]
+        let mantissa = upper(z, QUARTER_OCTAVES[(zeros & 3) as usize]);
+        Self { mantissa, zeros }
+    }
+
+    /// Power of two of the value.
+    #[inline]
+    fn exponent(self) -> i32 {
+        (self.zeros >> 2).cast_signed() - 2
+    }
+
+    /// The value times a signal in 0..1, with 28 fractional bits.
+    #[inline]
+    fn scaled(self, by: PerUnit) -> u32 {
+        let wide = u64::from(self.mantissa) * u64::from(by.to_bits().unsigned_abs());
+        // `by` is the root of the transition, so the product is at most 1.
+        (wide >> 30_i32.wrapping_sub(self.exponent()).unsigned_abs()).min(1 << FRACTION) as u32
+    }
+
+    /// Half the value times one plus the laminar share (F16): the slope of the root.
+    #[inline]
+    fn slope(self, laminar: u32) -> U16F16 {
+        let twice = upper(self.mantissa, ((1 << 16) + laminar) << 14); // F28
+        U16F16::from_bits(twice >> (13 - self.exponent()).unsigned_abs())
+    }
+}
+
+/// Table of [`SEEDS`], computed by the compiler in integers.
+#[expect(clippy::indexing_slicing, reason = "evaluated by the compiler")]
+const fn seeds() -> [(u32, u32); 32] {
+    let mut table = [(0, 0); 32];
+    let mut index = 0;
+    while index < 32 {
+        let left = inverse_fourth_root(32 + index as u128);
+        table[index] = (left, left - inverse_fourth_root(33 + index as u128));
+        index += 1;
+    }
+    table
+}
+
+/// (n/64)^-¼ with 31 fractional bits, of which 24 are computed, for n in 32..=64: the largest z with z⁴·n ≤ 64.
+const fn inverse_fourth_root(n: u128) -> u32 {
+    let (mut low, mut high) = (1_u32 << 24, 1_u32 << 25);
+    while high - low > 1 {
+        let middle = u32::midpoint(low, high);
+        if (middle as u128).pow(4) * n <= 64 << 96 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low << 7
+}
+
+/// 1 / (1 + sum) with 28 fractional bits, from a sum with 44.
+#[inline]
+fn reciprocal_of_one_plus(sum: u64) -> PerUnit {
+    let value = sum.saturating_add(1 << 44);
+    let zeros = value.leading_zeros();
+    let mu = ((value << zeros) >> 32) as u32; // F32, in [½, 1)
+    let seed = u32::MAX / ((mu >> 16) + 1); // 1/μ, F16, just below
+    let seed = seed << 14; // F30, in [1, 2]
+    // One Newton step: z + z·(1 − μz).
+    #[expect(clippy::cast_possible_wrap, reason = "μz is below 1 with 30 fractional bits")]
+    let miss = (1 << 30) - upper(mu, seed) as i32; // F30
+    #[expect(clippy::cast_possible_truncation, reason = "miss < 2^-14")]
+    let correction = ((i64::from(seed) * i64::from(miss)) >> 30) as i32;
+    let z = seed.wrapping_add_signed(correction);
+    // value = μ·2^(32 − zeros + 32 − 44), so 1/value = z·2^(zeros − 20), and z has 30 fractional bits: 28 wanted.
+    PerUnit::from_bits((z >> 22_u32.saturating_sub(zeros)).min(1 << FRACTION).cast_signed())
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn signal(bits: i32) -> (PerUnit, f64) {
+        let signal = PerUnit::from_bits(bits);
+        (signal, signal.to_f64())
+    }
+
+    fn transition(bits: i32) -> Transition<PerUnit> {
+        let (pressure, value) = signal(bits);
+        Transition { pressure, root: PerUnit::saturated(value.sqrt()) }
+    }
+
+    const STEP: f64 = 1.0 / (1_u64 << 28) as f64;
+
+    #[test]
+    fn root_of_a_quarter_is_a_half() {
+        let (root, slope) = PerUnit::saturated(0.25).orifice_root(transition(1 << 8));
+        assert!((root.to_f64() - 0.5).abs() < 2e-8, "{root:?}");
+        assert!((slope.to_num::<f64>() - 1.0).abs() < 1e-4, "{slope:?}");
+    }
+
+    #[test]
+    fn half_is_the_inverse_of_one_plus_one() {
+        let half = PerUnit::inverse_one_plus([PerUnit::ONE], [U16F16::ONE]);
+        assert!((half.to_f64() - 0.5).abs() < 2e-8, "{half:?}");
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+        #[test]
+        fn root_and_slope_agree_with_the_formula(bits in any::<i32>(), small in 0_u32..31, pt in 1_i32..1 << 24) {
+            let (delta, d) = signal(bits >> small);
+            let (_, p) = signal(pt);
+            let (root, slope) = delta.orifice_root(transition(pt));
+            let w = d * d + p * p;
+            let exact = d / w.powf(0.25);
+            prop_assert!((root.to_f64() - exact).abs() <= 2.0 * STEP + 6e-9 * exact.abs(), "{} {exact}", root.to_f64());
+            let exact = (0.5 * d * d + p * p) / w.powf(1.25);
+            let slope: f64 = slope.to_num();
+            prop_assert!((slope - exact).abs() <= 4e-5 + 1e-3 * exact, "{slope} {exact}");
+        }
+
+        #[test]
+        fn root_is_odd(bits in -i32::MAX..=i32::MAX, pt in 1_i32..1 << 24) {
+            let (delta, _) = signal(bits);
+            let (up, _) = delta.orifice_root(transition(pt));
+            let (down, _) = (-delta).orifice_root(transition(pt));
+            prop_assert!((up.to_bits() + down.to_bits()).abs() <= 1);
+        }
+
+        #[test]
+        fn inverse_agrees_with_the_formula(weight in 0_i32..=i32::MAX, small in 0_u32..31, steep in any::<u32>(), less in 0_u32..31) {
+            let (weight, w) = signal(weight >> small);
+            let steep = U16F16::from_bits(steep >> less);
+            let exact = 1.0 / (1.0 + w * steep.to_num::<f64>());
+            let inverse = PerUnit::inverse_one_plus([weight], [steep]).to_f64();
+            prop_assert!((inverse - exact).abs() <= 2e-8, "{inverse} {exact}");
+        }
+
+        #[test]
+        fn products_round_to_nearest_and_saturate(a in any::<i32>(), b in any::<i32>()) {
+            let ((a, x), (b, y)) = (signal(a), signal(b));
+            let exact = (x * y).clamp(-8.0, 8.0 - STEP);
+            prop_assert!((a.times(b).to_f64() - exact).abs() <= 0.5 * STEP + 1e-14);
+        }
+
+        #[test]
+        fn sum_of_four_products_is_exact_to_half_a_step(g in prop::array::uniform4(-(1_i32 << 30) + 1..1_i32 << 30), s in prop::array::uniform4(any::<i32>())) {
+            let exact: i128 = g.iter().zip(&s).map(|(&g, &s)| i128::from(g) * i128::from(s)).sum();
+            let nearest = ((exact + (1 << 27)) >> 28).clamp(i128::from(i32::MIN), i128::from(i32::MAX));
+            let dot = PerUnit::dot(g.map(I4F28::from_bits), s.map(PerUnit::from_bits));
+            prop_assert_eq!(i128::from(dot.to_bits()), nearest);
+        }
+
+        #[test]
+        fn travel_loses_nothing(gain in -(1_i32 << 30) + 1..1_i32 << 30, bits in any::<i32>(), start in -(1_i64 << 60)..1_i64 << 60) {
+            let there = PerUnit::travelled(I8F56::from_bits(start), [I4F28::from_bits(gain)], [PerUnit::from_bits(bits)]);
+            let back = PerUnit::travelled(there, [I4F28::from_bits(-gain)], [PerUnit::from_bits(bits)]);
+            prop_assert_eq!(back.to_bits(), start);
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! The flow link: slider (or pump) and pressures → flow into A and out of B. (3), (4), §3 of the paper.
+//!
+//! Signs: slider > 0 opens P-A and B-T. Flow a > 0 goes into chamber A, flow b > 0 comes out of chamber B.
+//! The roots are signed, so a chamber above supply pushes oil back.
+
+use crate::number::{Number, Transition};
+use crate::valve::Slider;
+
+/// One flow with what the implicit step needs of its slope against the pressure it works on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Linearised<N: Number> {
+    /// The flow, per unit.
+    pub flow: N,
+    /// Magnitude of the opening: the slope is −`opening`·`slope`; 0 where the flow does not depend on the pressure.
+    pub opening: N,
+    /// Slope of the orifice's root.
+    pub slope: N::Steep,
+}
+
+/// Flow into A and out of B.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flows<F> {
+    /// Into chamber A.
+    pub a: F,
+    /// Out of chamber B.
+    pub b: F,
+}
+
+/// Pressures that the flow link works between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lines<N> {
+    /// Supply p0.
+    pub supply: N,
+    /// Tank.
+    pub tank: N,
+}
+
+/// The metering edges of a proportional valve: dead zone, square-root orifices, flow saturation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Edges<N: Number> {
+    /// Slider travel, to both sides, that passes no oil.
+    pub(crate) dead_zone: N,
+    /// `K_Q`·√(pressure base) / flow base.
+    pub(crate) gain: N::Gain,
+    /// Largest flow, both signs.
+    pub(crate) limit: N,
+    pub(crate) transition: Transition<N>,
+    pub(crate) lines: Lines<N>,
+}
+
+impl<N: Number> Edges<N> {
+    /// Flows at a slider position and two chamber pressures.
+    #[inline]
+    pub fn flow(&self, slider: N, pressure_a: N, pressure_b: N) -> Flows<N> {
+        let opening = self.opening(slider);
+        let across = self.across(opening, pressure_a, pressure_b);
+        let edge = |across: N| {
+            let (root, _) = across.orifice_root(self.transition);
+            opening.times(root).limited(self.limit)
+        };
+        Flows { a: edge(across.a), b: edge(across.b) }
+    }
+
+    /// Flows at the start of a tick, with their slopes at the larger opening of the tick for the implicit step.
+    #[inline]
+    pub fn linearised(&self, slider: Slider<N>, pressure_a: N, pressure_b: N) -> Flows<Linearised<N>> {
+        let (from, to) = (self.opening(slider.from), self.opening(slider.to));
+        // A closed valve that opens within the tick already works between the pressures it opens to.
+        let across = self.across(if from == N::ZERO { to } else { from }, pressure_a, pressure_b);
+        let edge = |across: N| {
+            let (root, slope) = across.orifice_root(self.transition);
+            let free = from.times(root);
+            let flow = free.limited(self.limit);
+            let opening = if flow == free { from.magnitude().max(to.magnitude()) } else { N::ZERO };
+            Linearised { flow, opening, slope }
+        };
+        Flows { a: edge(across.a), b: edge(across.b) }
+    }
+
+    /// Dead zone, not renormalised, times the flow gain.
+    #[inline]
+    fn opening(&self, slider: N) -> N {
+        let beyond = (slider - self.dead_zone).max(N::ZERO) + (slider + self.dead_zone).min(N::ZERO);
+        N::dot([self.gain], [beyond])
+    }
+
+    /// Pressure differences over the edges that an opening of this sign connects.
+    #[inline]
+    fn across(&self, opening: N, pressure_a: N, pressure_b: N) -> Flows<N> {
+        let Lines { supply, tank } = self.lines;
+        Flows {
+            a: opening.select_positive(supply - pressure_a, pressure_a - tank),
+            b: opening.select_positive(pressure_b - tank, supply - pressure_b),
+        }
+    }
+}
+
+/// What a pump-controlled drive is driven with over a tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PumpDrive<N> {
+    /// Speed, in 50 revolutions per second; only its magnitude counts, the directional valve gives the sign.
+    pub speed: N,
+    /// +1 leads the pump into A and B to tank, −1 the pump into B and A to tank, 0 closes all.
+    pub direction: i8,
+}
+
+/// A pump with a directional valve. Neither delivers backwards: a check valve holds the load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pump<N: Number> {
+    /// Displacement: flow per speed.
+    pub(crate) displacement: N::Gain,
+    /// Slip: flow lost per pressure difference.
+    pub(crate) slip: N,
+    /// Opening of the returning side.
+    pub(crate) back: N,
+    pub(crate) transition: Transition<N>,
+    pub(crate) lines: Lines<N>,
+    /// 1, as a slope.
+    pub(crate) unity: N::Steep,
+}
+
+impl<N: Number> Pump<N> {
+    /// Flows at a drive and two chamber pressures, with their slopes.
+    #[inline]
+    pub fn flow(&self, drive: PumpDrive<N>, pressure_a: N, pressure_b: N) -> Flows<Linearised<N>> {
+        let (over_a, over_b) = (pressure_a - self.lines.tank, pressure_b - self.lines.tank);
+        let negative = |side: Linearised<N>| Linearised { flow: -side.flow, ..side };
+        match drive.direction {
+            1.. => Flows { a: self.delivered(drive.speed, over_a), b: self.returned(over_b) },
+            0 => Flows { a: self.blocked(), b: self.blocked() },
+            _ => Flows { a: negative(self.returned(over_a)), b: negative(self.delivered(drive.speed, over_b)) },
+        }
+    }
+
+    #[inline]
+    fn delivered(&self, speed: N, over: N) -> Linearised<N> {
+        let flow = N::dot([self.displacement], [speed.magnitude()]) - self.slip.times(over);
+        if flow > N::ZERO { Linearised { flow, opening: self.slip, slope: self.unity } } else { self.blocked() }
+    }
+
+    #[inline]
+    fn returned(&self, over: N) -> Linearised<N> {
+        let (root, slope) = over.orifice_root(self.transition);
+        Linearised { flow: self.back.times(root), opening: self.back, slope }
+    }
+
+    #[inline]
+    fn blocked(&self) -> Linearised<N> {
+        Linearised { flow: N::ZERO, opening: N::ZERO, slope: self.unity }
+    }
+}

@@ -1,0 +1,257 @@
+//! The number a model is computed in.
+//!
+//! The equations of this crate are written once, over [`Number`]. Three kinds of number run them:
+//! [`PerUnit`](crate::fixed_point::PerUnit) on the controller, `f64` and dual numbers on the desktop. The last two are
+//! [`Real`]s, which are also what coefficients are computed in before a run.
+
+#![expect(clippy::float_arithmetic, reason = "this file is the real arithmetic that coefficients and desktop runs use")]
+
+use core::fmt::Debug;
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+/// Real arithmetic for the computation of coefficients, and for runs on the desktop.
+pub trait Real:
+    Copy
+    + Debug
+    + PartialOrd
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// 0
+    const ZERO: Self;
+    /// 1
+    const ONE: Self;
+
+    /// The constant `value`.
+    fn constant(value: f64) -> Self;
+
+    /// The value without derivatives.
+    fn value(self) -> f64;
+
+    /// Square root.
+    #[must_use]
+    fn sqrt(self) -> Self;
+
+    /// Exponential.
+    #[must_use]
+    fn exp(self) -> Self;
+
+    /// Cosine; the argument in rad.
+    #[must_use]
+    fn cos(self) -> Self;
+
+    /// Inverse cosine in rad, in 0..π.
+    #[must_use]
+    fn acos(self) -> Self;
+}
+
+/// A scaled signal, with the few operations the model's step is made of.
+///
+/// Sums and differences saturate where the type has a range. A product rounds to nearest.
+pub trait Number:
+    Copy + Debug + PartialEq + PartialOrd + Add<Output = Self> + Sub<Output = Self> + Neg<Output = Self>
+{
+    /// What coefficients are computed in before they become gains.
+    type Real: Real;
+    /// A coefficient of magnitude below 4.
+    type Gain: Copy + Debug + PartialEq;
+    /// A positive coefficient or slope that may be large, at lower relative precision.
+    type Steep: Copy + Debug + PartialEq;
+    /// The position: an accumulator that loses nothing of what is added to it.
+    type Travel: Copy + Debug + PartialEq;
+
+    /// 0
+    const ZERO: Self;
+    /// 1
+    const ONE: Self;
+
+    /// A signal, or `None` if the value does not fit the format.
+    fn signal(value: Self::Real) -> Option<Self>;
+
+    /// A signal from a plain value, held at the end of the range if it does not fit. NaN becomes 0.
+    fn saturated(value: f64) -> Self;
+
+    /// A sensor's count, in units of 65536 counts, held at the end of the range.
+    fn counted(counts: i32) -> Self;
+
+    /// The value of a signal without derivatives.
+    fn to_f64(self) -> f64;
+
+    /// The value of a signal with its derivatives.
+    fn to_real(self) -> Self::Real;
+
+    /// A gain, or `None` if its magnitude is 4 or more.
+    fn gain(value: Self::Real) -> Option<Self::Gain>;
+
+    /// A steep coefficient, or `None` if it is negative or 65536 or more.
+    fn steep(value: Self::Real) -> Option<Self::Steep>;
+
+    /// Product of two signals.
+    #[must_use]
+    fn times(self, other: Self) -> Self;
+
+    /// Sum of up to four signals, each with its gain, rounded once.
+    fn dot<const K: usize>(gains: [Self::Gain; K], signals: [Self; K]) -> Self;
+
+    /// This signal times a steep coefficient.
+    #[must_use]
+    fn amplified(self, by: Self::Steep) -> Self;
+
+    /// Half of the signal.
+    #[must_use]
+    fn halved(self) -> Self;
+
+    /// The root characteristic of an orifice that is laminar near Δp = 0,
+    /// g(Δ) = Δ / (Δ² + pt²)^¼, and its slope g′(Δ) for the Jacobian.
+    fn orifice_root(self, transition: Transition<Self>) -> (Self, Self::Steep);
+
+    /// 1 / (1 + Σ wᵢ·sᵢ) for weights wᵢ that are not negative.
+    fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [Self::Steep; K]) -> Self;
+
+    /// The larger of two.
+    #[must_use]
+    fn max(self, other: Self) -> Self {
+        if other > self { other } else { self }
+    }
+
+    /// The smaller of two.
+    #[must_use]
+    fn min(self, other: Self) -> Self {
+        if other < self { other } else { self }
+    }
+
+    /// Held within ±`limit`.
+    #[must_use]
+    fn limited(self, limit: Self) -> Self {
+        self.min(limit).max(-limit)
+    }
+
+    /// `positive` where this signal is above zero, else `otherwise`.
+    #[must_use]
+    fn select_positive(self, positive: Self, otherwise: Self) -> Self {
+        if self > Self::ZERO { positive } else { otherwise }
+    }
+
+    /// Magnitude.
+    #[must_use]
+    fn magnitude(self) -> Self {
+        self.max(-self)
+    }
+
+    /// A position from a plain value in strokes, held at the end of the range.
+    fn travel(strokes: Self::Real) -> Self::Travel;
+
+    /// The position after Σ gain·signal strokes more; nothing is rounded away.
+    fn travelled<const K: usize>(from: Self::Travel, gains: [Self::Gain; K], signals: [Self; K]) -> Self::Travel;
+
+    /// The position in strokes.
+    fn strokes(travel: Self::Travel) -> Self::Real;
+}
+
+/// Where an orifice turns from laminar to turbulent, in the form [`Number::orifice_root`] wants.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Transition<N> {
+    /// Transition pressure `p_t`, per unit.
+    pub pressure: N,
+    /// Its square root.
+    pub root: N,
+}
+
+impl<R: Real> Number for R {
+    type Real = R;
+    type Gain = R;
+    type Steep = R;
+    type Travel = R;
+
+    const ZERO: Self = R::ZERO;
+    const ONE: Self = R::ONE;
+
+    fn signal(value: R) -> Option<Self> {
+        value.value().is_finite().then_some(value)
+    }
+    fn saturated(value: f64) -> Self {
+        R::constant(if value.is_nan() { 0.0 } else { value.clamp(f64::MIN, f64::MAX) })
+    }
+    fn counted(counts: i32) -> Self {
+        R::constant(f64::from(counts) / 65536.0)
+    }
+    fn to_f64(self) -> f64 {
+        self.value()
+    }
+    fn to_real(self) -> R {
+        self
+    }
+    fn gain(value: R) -> Option<R> {
+        value.value().is_finite().then_some(value)
+    }
+    fn steep(value: R) -> Option<R> {
+        (value.value().is_finite() && value.value() >= 0.0).then_some(value)
+    }
+    fn times(self, other: Self) -> Self {
+        self * other
+    }
+    fn dot<const K: usize>(gains: [R; K], signals: [Self; K]) -> Self {
+        sum(gains, signals)
+    }
+    fn amplified(self, by: R) -> Self {
+        self * by
+    }
+    fn halved(self) -> Self {
+        self * R::constant(0.5)
+    }
+    fn orifice_root(self, transition: Transition<Self>) -> (Self, R) {
+        let square = transition.pressure * transition.pressure;
+        let hypotenuse = (self * self + square).sqrt();
+        let inverse = R::ONE / hypotenuse.sqrt();
+        let laminar = square / (hypotenuse * hypotenuse);
+        (self * inverse, inverse * R::constant(0.5) * (R::ONE + laminar))
+    }
+    fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [R; K]) -> Self {
+        R::ONE / (R::ONE + sum(weights, steep))
+    }
+    fn travel(strokes: R) -> R {
+        strokes
+    }
+    fn travelled<const K: usize>(from: R, gains: [R; K], signals: [Self; K]) -> R {
+        from + sum(gains, signals)
+    }
+    fn strokes(travel: R) -> R {
+        travel
+    }
+}
+
+#[inline]
+fn sum<R: Real, const K: usize>(gains: [R; K], signals: [R; K]) -> R {
+    gains.into_iter().zip(signals).fold(R::ZERO, |total, (gain, signal)| total + gain * signal)
+}
+
+impl Real for f64 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+    fn constant(value: f64) -> Self {
+        value
+    }
+    fn value(self) -> f64 {
+        self
+    }
+    fn sqrt(self) -> Self {
+        // Correctly rounded both ways, so the feature does not change a result.
+        #[cfg(feature = "std")]
+        return f64::sqrt(self);
+        #[cfg(not(feature = "std"))]
+        return libm::sqrt(self);
+    }
+    fn exp(self) -> Self {
+        libm::exp(self)
+    }
+    fn cos(self) -> Self {
+        libm::cos(self)
+    }
+    fn acos(self) -> Self {
+        libm::acos(self)
+    }
+}
