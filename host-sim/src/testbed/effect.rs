@@ -13,11 +13,11 @@ use super::tangent::Real;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum PlantEffect {
-    /// Hoses widen with pressure, less and less: each takes up C·p/(1 + p/p_s).
+    /// Hoses widen with pressure, less and less: each takes up C·p/(1 + p/ps).
     HoseCompliance {
         /// C, volume per pressure at zero pressure, m³/Pa, in each chamber.
         compliance_m3_per_pa: f64,
-        /// p_s, Pa: at this pressure half of the volume is missing. Large.
+        /// ps, Pa: at this pressure half of the volume is missing. Large.
         stiffening_pressure_pa: f64,
     },
     /// The turning pump loses flow: laminar gaps, and a small share that goes with the root.
@@ -38,7 +38,7 @@ pub enum PlantEffect {
         /// Pressure difference of the transition, Pa.
         transition_pa: f64,
     },
-    /// Dry friction by elastic bristles (LuGre without the Stribeck dip): it holds, elastically, below
+    /// Dry friction by elastic bristles (`LuGre` without the Stribeck dip): it holds, elastically, below
     /// its force, and slides at that force.
     CoulombFriction {
         /// Force in steady sliding, N.
@@ -51,22 +51,30 @@ pub enum PlantEffect {
 }
 
 impl PlantEffect {
-    /// Hose compliance that stiffens at 60 MPa.
+    /// Hose compliance that stiffens at 6·10⁷ Pa.
     #[must_use]
     pub const fn hose_compliance(compliance_m3_per_pa: f64) -> Self {
         Self::HoseCompliance { compliance_m3_per_pa, stiffening_pressure_pa: 6.0e7 }
     }
 
-    /// Pump slip with a tenth of it turbulent at 5 MPa.
+    /// Pump slip with a tenth of it turbulent at 5·10⁶ Pa.
     #[must_use]
     pub const fn pump_slip(conductance_m3_per_s_pa: f64) -> Self {
-        Self::PumpSlip { conductance_m3_per_s_pa, turbulent_share: 0.1, reference_pressure_pa: 5.0e6 }
+        Self::PumpSlip {
+            conductance_m3_per_s_pa,
+            turbulent_share: 0.1,
+            reference_pressure_pa: 5.0e6,
+        }
     }
 
-    /// Internal leakage of which a tenth turns turbulent beyond 3 MPa.
+    /// Internal leakage of which a tenth turns turbulent beyond 3·10⁶ Pa.
     #[must_use]
     pub const fn internal_leakage(conductance_m3_per_s_pa: f64) -> Self {
-        Self::InternalLeakage { conductance_m3_per_s_pa, turbulent_share: 0.1, transition_pa: 3.0e6 }
+        Self::InternalLeakage {
+            conductance_m3_per_s_pa,
+            turbulent_share: 0.1,
+            transition_pa: 3.0e6,
+        }
     }
 
     /// Dry friction on bristles of 3·10⁷ N/m with 2·10⁴ N·s/m.
@@ -113,7 +121,13 @@ impl PlantEffect {
                 pump_slip(law, inputs, state, terms);
             }
             Self::InternalLeakage { conductance_m3_per_s_pa, turbulent_share, transition_pa } => {
-                internal_leakage(conductance_m3_per_s_pa, turbulent_share, transition_pa, state, terms);
+                internal_leakage(
+                    conductance_m3_per_s_pa,
+                    turbulent_share,
+                    transition_pa,
+                    state,
+                    terms,
+                );
             }
             Self::CoulombFriction { force_n, stiffness_n_per_m, damping_n_s_per_m } => {
                 if let ([bristle], [rate]) = (own, rates) {
@@ -125,8 +139,13 @@ impl PlantEffect {
     }
 }
 
-/// dV/dp of C·p/(1 + p/p_s) is C/(1 + p/p_s)².
-fn hose_compliance<R: Real>(compliance: f64, stiffening_pa: f64, state: &State<R>, terms: &mut Terms<R>) {
+/// dV/dp of C·p/(1 + p/ps) is C/(1 + p/ps)².
+fn hose_compliance<R: Real>(
+    compliance: f64,
+    stiffening_pa: f64,
+    state: &State<R>,
+    terms: &mut Terms<R>,
+) {
     let at = |pressure: R| {
         let stretch = pressure / stiffening_pa + 1.0;
         R::from(compliance) / (stretch * stretch)
@@ -150,7 +169,8 @@ fn pump_slip<R: Real>(law: Slip, inputs: &Inputs, state: &State<R>, terms: &mut 
     let turning = speed / (speed + FADE_REV_PER_S) * law.conductance_m3_per_s_pa;
     let lost = |port: R| {
         let difference = port - inputs.tank_pressure_pa;
-        let root = signed_root(difference, inputs.laminar_transition_pa) * law.reference_pressure_pa.sqrt();
+        let root = signed_root(difference, inputs.laminar_transition_pa)
+            * law.reference_pressure_pa.sqrt();
         (difference * (1.0 - law.turbulent_share) + root * law.turbulent_share) * turning
     };
     match pump.direction {
@@ -160,7 +180,13 @@ fn pump_slip<R: Real>(law: Slip, inputs: &Inputs, state: &State<R>, terms: &mut 
     }
 }
 
-fn internal_leakage<R: Real>(conductance: f64, share: f64, transition_pa: f64, state: &State<R>, terms: &mut Terms<R>) {
+fn internal_leakage<R: Real>(
+    conductance: f64,
+    share: f64,
+    transition_pa: f64,
+    state: &State<R>,
+    terms: &mut Terms<R>,
+) {
     let difference = state.pressure_a - state.pressure_b;
     let relative = difference / transition_pa;
     let fading = (relative * relative + 1.0).sqrt().sqrt();
@@ -177,7 +203,15 @@ struct Bristle {
 }
 
 /// `bristle` is the deflection in parts of the one at which the bristles slide, Fc/σ0.
-fn coulomb_friction<R: Real>(law: Bristle, bristle: R, state: &State<R>, terms: &mut Terms<R>) -> R {
+fn coulomb_friction<R: Real>(
+    law: Bristle,
+    bristle: R,
+    state: &State<R>,
+    terms: &mut Terms<R>,
+) -> R {
+    if law.force_n <= 0.0 {
+        return 0.0.into();
+    }
     let deflection_speed = state.velocity - state.velocity.abs() * bristle;
     terms.force = terms.force - bristle * law.force_n - deflection_speed * law.damping_n_s_per_m;
     deflection_speed * (law.stiffness_n_per_m / law.force_n)

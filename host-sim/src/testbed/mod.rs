@@ -4,9 +4,15 @@
 //! it is the oracle of the fixed-point core's accuracy tests; solved to 1e-7, with effects and
 //! sensors, it makes the recordings that the diagnosis is tried on.
 
+#[cfg(test)]
+mod behaviour;
 mod effect;
+pub mod excitation;
+mod grammar;
 mod input;
+mod noise;
 mod orifice;
+mod outside;
 mod physics;
 mod plant;
 mod slider;
@@ -16,5 +22,7 @@ mod tangent;
 mod validation;
 
 pub use effect::PlantEffect;
-pub use input::{Commands, LoadError, LoadProfile, PumpCommand};
-pub use plant::{Command, InitialState, Plant, PlantError, PlantState};
+pub use excitation::{Dither, Excitation};
+pub use grammar::ExcitationError;
+pub use input::{Command, Commands, LoadError, LoadProfile, PumpCommand};
+pub use plant::{InitialState, Plant, PlantError, PlantState};

@@ -2,9 +2,9 @@
 
 use super::tangent::Real;
 
-/// The signed root of a pressure difference, made finite at zero: Δ/(Δ² + p_t²)^¼, √Pa.
+/// The signed root of a pressure difference, made finite at zero: `Δ/(Δ² + p_t²)^¼`, √Pa.
 ///
-/// For |Δ| ≫ p_t it is sgn(Δ)·√|Δ| (3), (4); below p_t it is linear (laminar).
+/// For |Δ| ≫ `p_t` it is sgn(Δ)·√|Δ| (3), (4); below `p_t` it is linear (laminar).
 #[must_use]
 pub(super) fn signed_root<R: Real>(difference_pa: R, transition_pa: f64) -> R {
     difference_pa / (difference_pa * difference_pa + transition_pa * transition_pa).sqrt().sqrt()

@@ -9,9 +9,9 @@ use model_core::parameter::Parameter;
 use thiserror::Error;
 
 use super::effect::PlantEffect;
-use super::input::{Commands, LoadLine, LoadProfile, PumpCommand};
-use super::physics::{BASE_STATES, Inputs, Physics};
-use super::slider::{Slider, SliderParameters, SliderPiece};
+use super::input::{Command, Commands, LoadProfile};
+use super::outside::Outside;
+use super::physics::Physics;
 use super::stiff::{self, Stepper};
 
 /// Where the drive starts, in SI units.
@@ -40,7 +40,12 @@ impl InitialState {
         let (area_a, area_b) = (machine.get(Parameter::AreaA), machine.get(Parameter::AreaB));
         let load_n = machine.get(Parameter::LoadForce);
         let pressure_a_pa = (2.0 * level_pa * area_b - load_n) / (area_a + area_b);
-        Self { pressure_a_pa, pressure_b_pa: 2.0 * level_pa - pressure_a_pa, position_m, velocity_m_per_s: 0.0 }
+        Self {
+            pressure_a_pa,
+            pressure_b_pa: 2.0 * level_pa - pressure_a_pa,
+            position_m,
+            velocity_m_per_s: 0.0,
+        }
     }
 }
 
@@ -84,6 +89,16 @@ pub enum PlantError {
         /// The time before, s.
         previous_s: f64,
     },
+    /// A time, a command or an initial value is not a number.
+    #[error("{what} at tick {tick} is {value}, expected a finite number")]
+    NotFinite {
+        /// Which signal.
+        what: &'static str,
+        /// Which tick.
+        tick: usize,
+        /// The value found.
+        value: f64,
+    },
     /// Commands of a valve for a pump drive, or the other way round.
     #[error("commands of another kind for a drive whose source is {source_of_drive:?}")]
     CommandKind {
@@ -115,47 +130,14 @@ pub enum PlantError {
 }
 
 /// Smallest and largest relative tolerance.
-const TOLERANCES: (f64, f64) = (1e-13, 1e-2);
-
-/// A stretch of time on which everything that acts from outside is smooth.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Segment {
-    slider: SliderPiece,
-    pump: Option<PumpCommand>,
-    load: LoadLine,
-    /// Which side of the dead zone the slider is on: decided once, so that no rounding at the edge
-    /// of the stretch puts a kink inside it.
-    side: i8,
-    dead_zone: f64,
-}
-
-impl Segment {
-    pub(super) fn inputs(&self, physics: &Physics, time_s: f64) -> Inputs {
-        let spool = self.slider.position(time_s);
-        let spool = match self.side {
-            1.. => spool.max(self.dead_zone),
-            0 => spool.clamp(-self.dead_zone, self.dead_zone),
-            ..=-1 => spool.min(-self.dead_zone),
-        };
-        physics.inputs(spool, self.pump, self.load.at(time_s))
-    }
-}
-
-/// A command for one tick.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Command {
-    /// Valve drives: V.
-    Valve(f64),
-    /// Pump drives.
-    Pump(PumpCommand),
-}
+const TOLERANCES: (f64, f64) = (1e-12, 1e-2);
 
 /// The plant: a machine's physics with effects and a load, to be simulated to a tolerance.
 #[derive(Clone, Debug)]
 pub struct Plant {
-    machine: Machine<f64>,
-    physics: Rc<Physics>,
-    load: LoadProfile,
+    pub(super) machine: Machine<f64>,
+    pub(super) physics: Rc<Physics>,
+    pub(super) load: LoadProfile,
     tolerance: f64,
 }
 
@@ -168,9 +150,10 @@ impl Plant {
         }
         for &parameter in Parameter::ALL {
             let value = machine.get(parameter);
-            let optional = matches!(parameter, Parameter::VolumeA | Parameter::VolumeB);
             let description = parameter.description();
-            if !(description.min..=description.max).contains(&value) && !(optional && value.is_nan()) {
+            let derived =
+                matches!(parameter, Parameter::VolumeA | Parameter::VolumeB) && value.is_nan();
+            if !(derived || (description.min..=description.max).contains(&value)) {
                 return Err(PlantError::Parameter { parameter, value });
             }
         }
@@ -178,7 +161,8 @@ impl Plant {
         Ok(Self { machine: *machine, physics, load: LoadProfile::none(), tolerance })
     }
 
-    /// The same plant with effects that the paper's model leaves out.
+    /// The same plant with effects that the paper's model leaves out, in the plant's own forms.
+    /// The effect parameters that the machine itself may hold are those of the core: not used here.
     #[must_use]
     pub fn with_effects(mut self, effects: &[PlantEffect]) -> Self {
         self.physics = Rc::new(Physics::new(&self.machine, effects));
@@ -209,13 +193,16 @@ impl Plant {
             return Err(PlantError::Lengths { commands: commands.len(), times: times_s.len() });
         }
         match commands {
-            Commands::Valve(volts) => self.run(initial, times_s, |tick, _| Command::Valve(volts[tick])),
+            Commands::Valve(volts) => {
+                self.run(initial, times_s, |tick, _| Command::Valve(volts[tick]))
+            }
             Commands::Pump(pump) => self.run(initial, times_s, |tick, _| Command::Pump(pump[tick])),
         }
     }
 
     /// The true signals at `times_s`, with a command chosen at each tick from the state at that tick:
-    /// a controller in the loop. Before the first tick the first command has always been there.
+    /// a controller in the loop. Before the first tick the first command has always been there; the
+    /// state shown at that tick, before the command is known, has the slider at its offset.
     pub fn run(
         &self,
         initial: &InitialState,
@@ -223,33 +210,38 @@ impl Plant {
         mut choose: impl FnMut(usize, &PlantState) -> Command,
     ) -> Result<Vec<PlantState>, PlantError> {
         let Some(&start_s) = times_s.first() else { return Ok(Vec::new()) };
+        check_times(times_s)?;
         let integration = |time_s| move |cause| PlantError::Integration { time_s, cause };
         let scales = self.physics.scales();
         let mut scaled = vec![0.0; self.physics.states()];
-        let initial_si =
-            [initial.pressure_a_pa, initial.pressure_b_pa, initial.velocity_m_per_s, initial.position_m];
-        for ((state, si), scale) in scaled.iter_mut().zip(initial_si).zip(scales) {
-            *state = si / scale;
+        let initial_si = [
+            initial.pressure_a_pa,
+            initial.pressure_b_pa,
+            initial.velocity_m_per_s,
+            initial.position_m,
+        ];
+        for ((state, value), scale) in scaled.iter_mut().zip(initial_si).zip(scales) {
+            if !value.is_finite() {
+                return Err(PlantError::NotFinite { what: "initial state", tick: 0, value });
+            }
+            *state = value / scale;
         }
 
-        let mut drive = Outside::new(self, start_s);
+        let mut drive = Outside::new(self);
         let mut state = drive.observe(&scaled, start_s);
         let mut command = choose(0, &state);
-        drive.command(start_s, command)?;
+        drive.command(0, start_s, command)?;
 
         let segment = Rc::new(Cell::new(drive.segment_from(start_s, start_s).0));
-        let problem = stiff::problem(&self.physics, &segment, start_s, scaled.clone(), self.tolerance)
-            .map_err(integration(start_s))?;
+        let problem =
+            stiff::problem(&self.physics, &segment, start_s, scaled.clone(), self.tolerance)
+                .map_err(integration(start_s))?;
         let mut stepper = Stepper::new(&problem).map_err(integration(start_s))?;
 
         let mut states = Vec::with_capacity(times_s.len());
         for (tick, &time_s) in times_s.iter().enumerate() {
             if tick > 0 {
-                let previous_s = times_s[tick - 1];
-                if time_s.is_nan() || time_s <= previous_s {
-                    return Err(PlantError::TimesNotRising { tick, found_s: time_s, previous_s });
-                }
-                let mut now_s = previous_s;
+                let mut now_s = times_s[tick - 1];
                 while now_s < time_s {
                     let (next, end_s) = drive.segment_from(now_s, time_s);
                     segment.set(next);
@@ -261,7 +253,7 @@ impl Plant {
                 }
                 state = drive.observe(&scaled, time_s);
                 command = choose(tick, &state);
-                drive.command(time_s, command)?;
+                drive.command(tick, time_s, command)?;
             }
             // With a pump, or a valve without delay and lags, the command acts in this very tick.
             state = drive.observe(&scaled, time_s);
@@ -271,95 +263,15 @@ impl Plant {
     }
 }
 
-/// Everything that acts on the hydraulics from outside, in the order of time.
-struct Outside<'a> {
-    plant: &'a Plant,
-    slider: Option<Slider>,
-    pump: Option<PumpCommand>,
-}
-
-impl<'a> Outside<'a> {
-    fn new(plant: &'a Plant, _start_s: f64) -> Self {
-        Self { plant, slider: None, pump: None }
-    }
-
-    fn command(&mut self, time_s: f64, command: Command) -> Result<(), PlantError> {
-        match (self.plant.physics.source(), command) {
-            (Source::Valve, Command::Valve(volts)) => match &mut self.slider {
-                Some(slider) => slider.command(time_s, volts),
-                None => {
-                    let parameters = SliderParameters::of(&self.plant.machine);
-                    self.slider = Some(Slider::at_rest(parameters, time_s, volts));
-                }
-            },
-            (Source::Pump, Command::Pump(pump)) => self.pump = Some(pump),
-            (source_of_drive, _) => return Err(PlantError::CommandKind { source_of_drive }),
+fn check_times(times_s: &[f64]) -> Result<(), PlantError> {
+    for (tick, &found_s) in times_s.iter().enumerate() {
+        if !found_s.is_finite() {
+            return Err(PlantError::NotFinite { what: "time", tick, value: found_s });
         }
-        Ok(())
-    }
-
-    /// What is in force from `from_s` on, and until when it is smooth, at most until `to_s`.
-    fn segment_from(&mut self, from_s: f64, to_s: f64) -> (Segment, f64) {
-        let (load, load_end_s) = self.plant.load.line_from(from_s);
-        let dead_zone = self.plant.physics.dead_zone();
-        let rest = (SliderPiece::resting_at(0.0), f64::INFINITY);
-        let (slider, corner_s) = self.slider.as_mut().map_or(rest, |slider| slider.piece_from(from_s));
-        let end_s = to_s.min(load_end_s).min(corner_s);
-        let (side, end_s) = dead_zone_side(&slider, dead_zone, from_s, end_s);
-        (Segment { slider, pump: self.pump, load, side, dead_zone }, end_s)
-    }
-
-    fn observe(&mut self, scaled: &[f64], time_s: f64) -> PlantState {
-        let mut si = [0.0; BASE_STATES];
-        for ((si, state), scale) in si.iter_mut().zip(scaled).zip(self.plant.physics.scales()) {
-            *si = state * scale;
-        }
-        let [pressure_a_pa, pressure_b_pa, velocity_m_per_s, position_m] = si;
-        let spool = self.slider.as_mut().map_or(0.0, |slider| slider.piece_from(time_s).0.position(time_s));
-        let inputs = self.plant.physics.inputs(spool, self.pump, 0.0);
-        let (flow_a_m3_per_s, flow_b_m3_per_s) = self.plant.physics.flows(&inputs, pressure_a_pa, pressure_b_pa);
-        PlantState {
-            spool,
-            flow_a_m3_per_s,
-            flow_b_m3_per_s,
-            pressure_a_pa,
-            pressure_b_pa,
-            position_m,
-            velocity_m_per_s,
+        let previous_s = tick.checked_sub(1).map_or(f64::NEG_INFINITY, |before| times_s[before]);
+        if found_s <= previous_s {
+            return Err(PlantError::TimesNotRising { tick, found_s, previous_s });
         }
     }
-}
-
-/// The side of the dead zone (+1 beyond it, 0 inside, −1) right after `from_s`, and when the slider
-/// leaves that side, at most `to_s`.
-///
-/// A slider that touches an edge and turns back between two ticks is not noticed here: the error
-/// control of the integrator has to see that one.
-fn dead_zone_side(slider: &SliderPiece, dead_zone: f64, from_s: f64, to_s: f64) -> (i8, f64) {
-    let side = |time_s: f64| {
-        let x = slider.position(time_s);
-        if x > dead_zone {
-            1_i8
-        } else if x < -dead_zone {
-            -1
-        } else {
-            0
-        }
-    };
-    // A hair inside the stretch, since at its start the slider may stand exactly on an edge.
-    let inside_s = from_s + (to_s - from_s) * 1e-6;
-    let start = side(inside_s);
-    if side(to_s) == start {
-        return (start, to_s);
-    }
-    let (mut low_s, mut high_s) = (inside_s, to_s);
-    for _ in 0..60 {
-        let middle_s = 0.5 * (low_s + high_s);
-        if side(middle_s) == start {
-            low_s = middle_s;
-        } else {
-            high_s = middle_s;
-        }
-    }
-    (start, high_s)
+    Ok(())
 }

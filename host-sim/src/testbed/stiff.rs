@@ -3,24 +3,27 @@
 //! One-step, so that a corner of the input costs no history: Kværnø's ESDIRK 5(4) with seven stages
 //! (A. Kværnø, BIT 44 (2004) 489–502), stiffly accurate, explicit first stage.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 use diffsol::small::{SmallMat, SmallVec};
 use diffsol::{DiffsolError, Tableau};
 use diffsol::{
-    NalgebraContext, NalgebraLU, NalgebraMat, NalgebraVec, NonLinearOp, OdeBuilder, OdeEquationsImplicit,
-    OdeSolverMethod, OdeSolverProblem, OdeSolverStopReason, RkState, Sdirk, Vector,
+    NalgebraContext, NalgebraLU, NalgebraMat, NalgebraVec, NonLinearOp, OdeBuilder,
+    OdeEquationsImplicit, OdeSolverMethod, OdeSolverProblem, OdeSolverStopReason, RkState, Sdirk,
+    Vector,
 };
 
+use super::outside::Segment;
 use super::physics::Physics;
-use super::plant::Segment;
 use super::tangent::Tangent;
 
 const STAGES: usize = 7;
 /// The diagonal.
 const G: f64 = 0.26;
 /// The rows below the diagonal; the last is the solution, the one before it the embedded solution.
+#[rustfmt::skip]
+#[expect(clippy::excessive_precision, reason = "as the author prints them")]
 const ROWS: [[f64; STAGES - 1]; STAGES] = [
     [0.0; 6],
     [G, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -49,7 +52,8 @@ fn entry(row: usize, column: usize) -> f64 {
 
 fn tableau() -> Tableau<f64> {
     let mut a = SmallMat::zeros(STAGES, STAGES);
-    let (mut b, mut c, mut d) = (SmallVec::zeros(STAGES), SmallVec::zeros(STAGES), SmallVec::zeros(STAGES));
+    let (mut b, mut c, mut d) =
+        (SmallVec::zeros(STAGES), SmallVec::zeros(STAGES), SmallVec::zeros(STAGES));
     for row in 0..STAGES {
         for column in 0..STAGES {
             a[(row, column)] = entry(row, column);
@@ -64,6 +68,9 @@ fn tableau() -> Tableau<f64> {
 
 type Matrix = NalgebraMat<f64>;
 
+/// The error of one step in parts of the tolerance that the whole solution is to keep: errors add up.
+const SHARE_OF_A_STEP: f64 = 0.1;
+
 /// Builds the problem: `states` scaled, `segment` says what acts from outside.
 pub(super) fn problem(
     physics: &Rc<Physics>,
@@ -71,27 +78,35 @@ pub(super) fn problem(
     start_s: f64,
     states: Vec<f64>,
     tolerance: f64,
-) -> Result<OdeSolverProblem<impl OdeEquationsImplicit<M = Matrix, V = NalgebraVec<f64>, T = f64, C = NalgebraContext>>, DiffsolError> {
+) -> Result<
+    OdeSolverProblem<
+        impl OdeEquationsImplicit<M = Matrix, V = NalgebraVec<f64>, T = f64, C = NalgebraContext>,
+    >,
+    DiffsolError,
+> {
     let count = states.len();
+    let tolerance = SHARE_OF_A_STEP * tolerance;
     let (rhs_physics, rhs_segment) = (Rc::clone(physics), Rc::clone(segment));
     let (jacobian_physics, jacobian_segment) = (Rc::clone(physics), Rc::clone(segment));
+    let zeros = vec![Tangent::new(0.0, 0.0); count];
+    let scratch = RefCell::new((zeros.clone(), zeros));
     let mut problem = OdeBuilder::<Matrix>::new()
         .t0(start_s)
         .h0(1e-6)
         .rtol(tolerance)
         .atol(vec![tolerance; count])
         .rhs_implicit(
-            move |y, _p, t, rates| rhs_physics.rates(&rhs_segment.get().inputs(&rhs_physics, t), y, rates),
+            move |y, _p, t, rates| {
+                rhs_physics.rates(&rhs_segment.get().inputs(&rhs_physics, t), y, rates);
+            },
             move |y, _p, t, direction, product| {
-                const MOST: usize = 16;
-                let mut variables = [Tangent::new(0.0, 0.0); MOST];
-                let mut rates = [Tangent::new(0.0, 0.0); MOST];
+                let (variables, rates) = &mut *scratch.borrow_mut();
                 for ((variable, &value), &slope) in variables.iter_mut().zip(y).zip(direction) {
                     *variable = Tangent::new(value, slope);
                 }
                 let inputs = jacobian_segment.get().inputs(&jacobian_physics, t);
-                jacobian_physics.rates(&inputs, &variables[..y.len()], &mut rates[..y.len()]);
-                for (target, rate) in product.iter_mut().zip(&rates) {
+                jacobian_physics.rates(&inputs, variables, rates);
+                for (target, rate) in product.iter_mut().zip(rates.iter()) {
                     *target = rate.slope;
                 }
             },
@@ -121,7 +136,8 @@ where
 
 impl<'a, Equations> Stepper<'a, Equations>
 where
-    Equations: OdeEquationsImplicit<M = Matrix, V = NalgebraVec<f64>, T = f64, C = NalgebraContext> + 'a,
+    Equations:
+        OdeEquationsImplicit<M = Matrix, V = NalgebraVec<f64>, T = f64, C = NalgebraContext> + 'a,
 {
     pub(super) fn new(problem: &'a OdeSolverProblem<Equations>) -> Result<Self, DiffsolError> {
         let tableau = tableau();
@@ -158,7 +174,11 @@ where
             match reason {
                 OdeSolverStopReason::TstopReached => {
                     // A step that the stop has cut short says little about the next one.
-                    self.free_step_s = proposed_s.max(if left_s < self.free_step_s { self.free_step_s } else { 0.0 });
+                    self.free_step_s = proposed_s.max(if left_s < self.free_step_s {
+                        self.free_step_s
+                    } else {
+                        0.0
+                    });
                     *self.solver.state_mut().t = end_s;
                     return Ok(());
                 }
@@ -179,7 +199,8 @@ mod tests {
     fn the_tableau_has_order_five_and_its_estimate_order_four() {
         let a = |i: usize, j: usize| entry(i, j);
         let c = |i: usize| (0..STAGES).map(|j| a(i, j)).sum::<f64>();
-        let apply = |f: &dyn Fn(usize) -> f64, i: usize| (0..STAGES).map(|j| a(i, j) * f(j)).sum::<f64>();
+        let apply =
+            |f: &dyn Fn(usize) -> f64, i: usize| (0..STAGES).map(|j| a(i, j) * f(j)).sum::<f64>();
         let ac = |i| apply(&c, i);
         let ac2 = |i| apply(&|j| c(j).powi(2), i);
         let ac3 = |i| apply(&|j| c(j).powi(3), i);
@@ -208,13 +229,18 @@ mod tests {
             (&aac2, 1.0 / 60.0),
             (&aaac, 1.0 / 120.0),
         ];
-        let sum = |row: usize, f: &dyn Fn(usize) -> f64| (0..STAGES).map(|i| a(row, i) * f(i)).sum::<f64>();
+        let sum = |row: usize, f: &dyn Fn(usize) -> f64| {
+            (0..STAGES).map(|i| a(row, i) * f(i)).sum::<f64>()
+        };
         for (index, (tree, value)) in upto_four.iter().enumerate() {
             assert!((sum(STAGES - 1, tree) - value).abs() < 1e-13, "solution, tree {index}");
             assert!((sum(STAGES - 2, tree) - value).abs() < 1e-13, "estimate, tree {index}");
         }
         for (index, (tree, value)) in five.iter().enumerate() {
-            assert!((sum(STAGES - 1, tree) - value).abs() < 1e-13, "solution, tree {index} of order five");
+            assert!(
+                (sum(STAGES - 1, tree) - value).abs() < 1e-13,
+                "solution, tree {index} of order five"
+            );
         }
     }
 }
