@@ -6,23 +6,31 @@
 
 #[cfg(test)]
 mod behaviour;
+mod bench;
 mod effect;
 pub mod excitation;
 mod grammar;
 mod input;
+mod linkage;
 mod noise;
 mod orifice;
 mod outside;
 mod physics;
 mod plant;
+pub mod sensors;
 mod slider;
 mod stiff;
+mod synthetic;
 mod tangent;
 #[cfg(test)]
 mod validation;
 
+pub use bench::{Bench, Drive};
 pub use effect::PlantEffect;
 pub use excitation::{Dither, Excitation};
 pub use grammar::ExcitationError;
 pub use input::{Command, Commands, LoadError, LoadProfile, PumpCommand};
+pub use linkage::{Linkage, LinkageError};
 pub use plant::{InitialState, Plant, PlantError, PlantState};
+pub use sensors::Sensors;
+pub use synthetic::{SyntheticRecording, WriteError};
