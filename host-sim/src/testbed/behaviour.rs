@@ -173,6 +173,12 @@ fn a_pump_moves_the_rod_at_flow_over_area_both_ways_and_a_closed_valve_holds_it(
 }
 
 #[test]
+fn a_plant_can_be_handed_to_another_thread() {
+    fn shared<T: Send + Sync>(_: &T) {}
+    shared(&Plant::new(&press(), 1e-7).unwrap());
+}
+
+#[test]
 fn what_cannot_be_simulated_is_said_with_its_values() {
     let machine = press();
     let initial = InitialState::at_rest(&machine, 0.15);

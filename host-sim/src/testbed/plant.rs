@@ -2,6 +2,7 @@
 
 use std::cell::Cell;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use diffsol::DiffsolError;
 use model_core::machine::{Machine, Source};
@@ -136,7 +137,7 @@ const TOLERANCES: (f64, f64) = (1e-12, 1e-2);
 #[derive(Clone, Debug)]
 pub struct Plant {
     pub(super) machine: Machine<f64>,
-    pub(super) physics: Rc<Physics>,
+    pub(super) physics: Arc<Physics>,
     pub(super) load: LoadProfile,
     tolerance: f64,
 }
@@ -157,7 +158,7 @@ impl Plant {
                 return Err(PlantError::Parameter { parameter, value });
             }
         }
-        let physics = Rc::new(Physics::new(machine, &[]));
+        let physics = Arc::new(Physics::new(machine, &[]));
         Ok(Self { machine: *machine, physics, load: LoadProfile::none(), tolerance })
     }
 
@@ -165,7 +166,7 @@ impl Plant {
     /// The effect parameters that the machine itself may hold are those of the core: not used here.
     #[must_use]
     pub fn with_effects(mut self, effects: &[PlantEffect]) -> Self {
-        self.physics = Rc::new(Physics::new(&self.machine, effects));
+        self.physics = Arc::new(Physics::new(&self.machine, effects));
         self
     }
 

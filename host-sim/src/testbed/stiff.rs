@@ -5,6 +5,7 @@
 
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
+use std::sync::Arc;
 
 use diffsol::small::{SmallMat, SmallVec};
 use diffsol::{DiffsolError, Tableau};
@@ -73,7 +74,7 @@ const SHARE_OF_A_STEP: f64 = 0.1;
 
 /// Builds the problem: `states` scaled, `segment` says what acts from outside.
 pub(super) fn problem(
-    physics: &Rc<Physics>,
+    physics: &Arc<Physics>,
     segment: &Rc<Cell<Segment>>,
     start_s: f64,
     states: Vec<f64>,
@@ -86,8 +87,8 @@ pub(super) fn problem(
 > {
     let count = states.len();
     let tolerance = SHARE_OF_A_STEP * tolerance;
-    let (rhs_physics, rhs_segment) = (Rc::clone(physics), Rc::clone(segment));
-    let (jacobian_physics, jacobian_segment) = (Rc::clone(physics), Rc::clone(segment));
+    let (rhs_physics, rhs_segment) = (Arc::clone(physics), Rc::clone(segment));
+    let (jacobian_physics, jacobian_segment) = (Arc::clone(physics), Rc::clone(segment));
     let zeros = vec![Tangent::new(0.0, 0.0); count];
     let scratch = RefCell::new((zeros.clone(), zeros));
     let mut problem = OdeBuilder::<Matrix>::new()

@@ -98,13 +98,24 @@ impl SyntheticRecording {
         let folder =
             path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let write = || -> io::Result<()> {
-            let mut file = tempfile::NamedTempFile::new_in(folder)?;
+            let mut file = file_in(folder)?;
             file.write_all(self.to_csv().as_bytes())?;
             file.persist(path)?;
             Ok(())
         };
         write().map_err(|cause| WriteError { path: path.to_owned(), cause })
     }
+}
+
+/// A temporary file with the rights of any new file, not only for its owner.
+fn file_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder)
 }
 
 fn signed_rpm(pump: &PumpCommand) -> f64 {
