@@ -1,2 +1,4 @@
 //! Simulates, compares and diagnoses hydraulic drives against recordings.
 #![forbid(unsafe_code)]
+
+pub mod testbed;

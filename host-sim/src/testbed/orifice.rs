@@ -1,0 +1,54 @@
+//! Flow through the valve's edges.
+
+use super::tangent::Real;
+
+/// The signed root of a pressure difference, made finite at zero: `Δ/(Δ² + p_t²)^¼`, √Pa.
+///
+/// For |Δ| ≫ `p_t` it is sgn(Δ)·√|Δ| (3), (4); below `p_t` it is linear (laminar).
+#[must_use]
+pub(super) fn signed_root<R: Real>(difference_pa: R, transition_pa: f64) -> R {
+    difference_pa / (difference_pa * difference_pa + transition_pa * transition_pa).sqrt().sqrt()
+}
+
+/// Opening of the edges: slider travel beyond the dead zone, with the slider's sign.
+#[must_use]
+pub(super) fn opening(spool: f64, dead_zone: f64) -> f64 {
+    if spool > dead_zone {
+        spool - dead_zone
+    } else if spool < -dead_zone {
+        spool + dead_zone
+    } else {
+        0.0
+    }
+}
+
+/// A flow held within ± the limit, m³/s.
+#[must_use]
+pub(super) fn limited<R: Real>(flow: R, limit_m3_per_s: f64) -> R {
+    if flow.value() > limit_m3_per_s {
+        limit_m3_per_s.into()
+    } else if flow.value() < -limit_m3_per_s {
+        (-limit_m3_per_s).into()
+    } else {
+        flow
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_root_is_odd_linear_at_zero_and_a_root_far_away() {
+        assert!((signed_root(4.0e6, 2.0e3) - 2000.0).abs() < 1e-3);
+        assert!((signed_root(-4.0e6, 2.0e3) + signed_root(4.0e6, 2.0e3)).abs() < 1e-12);
+        assert!((signed_root(1.0, 2.0e3) - 1.0 / 2.0e3_f64.sqrt()).abs() < 1e-8);
+    }
+
+    #[test]
+    fn the_dead_zone_is_subtracted_not_renormalised() {
+        assert!((opening(0.5, 0.1) - 0.4).abs() < 1e-16);
+        assert!((opening(-0.5, 0.1) + 0.4).abs() < 1e-16);
+        assert!(opening(0.1, 0.1).abs() < 1e-16);
+    }
+}
