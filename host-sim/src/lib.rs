@@ -1,2 +1,6 @@
 //! Simulates, compares and diagnoses hydraulic drives against recordings.
 #![forbid(unsafe_code)]
+
+pub mod atomic;
+pub mod diagnostic;
+pub mod recording;
