@@ -22,7 +22,7 @@ pub struct Place {
     /// The file, as the user named it.
     pub file: String,
     /// `None` when the error is about the file as a whole.
-    pub spot: Option<Spot>,
+    pub spot: Option<Box<Spot>>,
 }
 
 impl Place {
@@ -41,7 +41,8 @@ impl Place {
         let end = floor_boundary(text, span.end).max(start);
         let column = text[..start].chars().count() + 1;
         let width = text[start..end].chars().count().max(1);
-        Self { file: file.to_owned(), spot: Some(Spot { line, column, width, text: text.to_owned() }) }
+        let spot = Spot { line, column, width, text: text.to_owned() };
+        Self { file: file.to_owned(), spot: Some(Box::new(spot)) }
     }
 
     /// The bytes `span` of a whole text; of a span over several lines only the first is marked.

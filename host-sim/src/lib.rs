@@ -3,4 +3,5 @@
 
 pub mod atomic;
 pub mod diagnostic;
+pub mod machine_file;
 pub mod recording;

@@ -14,7 +14,6 @@ mod twincat;
 mod units;
 mod write;
 
-#[expect(unused_imports, reason = "the reader of machine files comes next")]
 pub(crate) use channels::nearest_signal;
 pub use channels::{ChannelMap, MapError, Mapping};
 pub use csv::{read, read_from};

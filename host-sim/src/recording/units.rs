@@ -47,37 +47,40 @@ const fn unit(symbol: &'static str, dimension: Dimension, multiply: f64, divide:
     Unit { symbol, dimension, multiply, divide, add }
 }
 
+/// Added to any number, -0.0 among them, it changes nothing; +0.0 would turn -0.0 into 0.0.
+const NO_OFFSET: f64 = -0.0;
+
 const PSI_PA: f64 = 6_894.757_293_168_361;
 
 /// Every known unit; the first of a dimension is the one used inside the program.
 const UNITS: &[Unit] = &[
-    unit("s", Dimension::Time, 1.0, 1.0, 0.0),
-    unit("ms", Dimension::Time, 1.0, 1e3, 0.0),
-    unit("µs", Dimension::Time, 1.0, 1e6, 0.0),
-    unit("V", Dimension::Voltage, 1.0, 1.0, 0.0),
-    unit("mV", Dimension::Voltage, 1.0, 1e3, 0.0),
-    unit("mA", Dimension::Current, 1.0, 1.0, 0.0),
-    unit("1", Dimension::Ratio, 1.0, 1.0, 0.0),
-    unit("%", Dimension::Ratio, 1.0, 1e2, 0.0),
-    unit("m", Dimension::Length, 1.0, 1.0, 0.0),
-    unit("mm", Dimension::Length, 1.0, 1e3, 0.0),
-    unit("rad", Dimension::Angle, 1.0, 1.0, 0.0),
-    unit("deg", Dimension::Angle, std::f64::consts::PI, 180.0, 0.0),
-    unit("m/s", Dimension::Speed, 1.0, 1.0, 0.0),
-    unit("mm/s", Dimension::Speed, 1.0, 1e3, 0.0),
-    unit("rev/s", Dimension::Rotation, 1.0, 1.0, 0.0),
-    unit("rpm", Dimension::Rotation, 1.0, 60.0, 0.0),
-    unit("rad/s", Dimension::Rotation, 1.0, std::f64::consts::TAU, 0.0),
-    unit("Pa", Dimension::Pressure, 1.0, 1.0, 0.0),
-    unit("kPa", Dimension::Pressure, 1e3, 1.0, 0.0),
-    unit("MPa", Dimension::Pressure, 1e6, 1.0, 0.0),
-    unit("bar", Dimension::Pressure, 1e5, 1.0, 0.0),
-    unit("psi", Dimension::Pressure, PSI_PA, 1.0, 0.0),
-    unit("N", Dimension::Force, 1.0, 1.0, 0.0),
-    unit("kN", Dimension::Force, 1e3, 1.0, 0.0),
-    unit("m3/s", Dimension::Flow, 1.0, 1.0, 0.0),
-    unit("l/min", Dimension::Flow, 1.0, 6e4, 0.0),
-    unit("°C", Dimension::Temperature, 1.0, 1.0, 0.0),
+    unit("s", Dimension::Time, 1.0, 1.0, NO_OFFSET),
+    unit("ms", Dimension::Time, 1.0, 1e3, NO_OFFSET),
+    unit("µs", Dimension::Time, 1.0, 1e6, NO_OFFSET),
+    unit("V", Dimension::Voltage, 1.0, 1.0, NO_OFFSET),
+    unit("mV", Dimension::Voltage, 1.0, 1e3, NO_OFFSET),
+    unit("mA", Dimension::Current, 1.0, 1.0, NO_OFFSET),
+    unit("1", Dimension::Ratio, 1.0, 1.0, NO_OFFSET),
+    unit("%", Dimension::Ratio, 1.0, 1e2, NO_OFFSET),
+    unit("m", Dimension::Length, 1.0, 1.0, NO_OFFSET),
+    unit("mm", Dimension::Length, 1.0, 1e3, NO_OFFSET),
+    unit("rad", Dimension::Angle, 1.0, 1.0, NO_OFFSET),
+    unit("deg", Dimension::Angle, std::f64::consts::PI, 180.0, NO_OFFSET),
+    unit("m/s", Dimension::Speed, 1.0, 1.0, NO_OFFSET),
+    unit("mm/s", Dimension::Speed, 1.0, 1e3, NO_OFFSET),
+    unit("rev/s", Dimension::Rotation, 1.0, 1.0, NO_OFFSET),
+    unit("rpm", Dimension::Rotation, 1.0, 60.0, NO_OFFSET),
+    unit("rad/s", Dimension::Rotation, 1.0, std::f64::consts::TAU, NO_OFFSET),
+    unit("Pa", Dimension::Pressure, 1.0, 1.0, NO_OFFSET),
+    unit("kPa", Dimension::Pressure, 1e3, 1.0, NO_OFFSET),
+    unit("MPa", Dimension::Pressure, 1e6, 1.0, NO_OFFSET),
+    unit("bar", Dimension::Pressure, 1e5, 1.0, NO_OFFSET),
+    unit("psi", Dimension::Pressure, PSI_PA, 1.0, NO_OFFSET),
+    unit("N", Dimension::Force, 1.0, 1.0, NO_OFFSET),
+    unit("kN", Dimension::Force, 1e3, 1.0, NO_OFFSET),
+    unit("m3/s", Dimension::Flow, 1.0, 1.0, NO_OFFSET),
+    unit("l/min", Dimension::Flow, 1.0, 6e4, NO_OFFSET),
+    unit("°C", Dimension::Temperature, 1.0, 1.0, NO_OFFSET),
     unit("K", Dimension::Temperature, 1.0, 1.0, -273.15),
 ];
 
