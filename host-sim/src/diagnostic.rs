@@ -1,0 +1,200 @@
+//! Errors about files, rendered for people: place, the line itself with carets, what was expected.
+
+use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
+use std::fmt;
+
+/// The characters of one line that an error is about.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Spot {
+    /// Line number, from 1.
+    pub line: usize,
+    /// Column of the first character concerned, counted in characters from 1.
+    pub column: usize,
+    /// How many characters are concerned; at least 1.
+    pub width: usize,
+    /// The line, without its end.
+    pub text: String,
+}
+
+/// A file, and where known the line and column in it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The file, as the user named it.
+    pub file: String,
+    /// `None` when the error is about the file as a whole.
+    pub spot: Option<Box<Spot>>,
+}
+
+impl Place {
+    /// The file as a whole.
+    #[must_use]
+    pub fn file(file: &str) -> Self {
+        Self { file: file.to_owned(), spot: None }
+    }
+
+    /// The bytes `span` of a line.
+    ///
+    /// A span that does not fit the line is cut to it.
+    #[must_use]
+    pub fn in_line(file: &str, line: usize, text: &str, span: std::ops::Range<usize>) -> Self {
+        let start = floor_boundary(text, span.start);
+        let end = floor_boundary(text, span.end).max(start);
+        let column = text[..start].chars().count() + 1;
+        let width = text[start..end].chars().count().max(1);
+        let spot = Spot { line, column, width, text: text.to_owned() };
+        Self { file: file.to_owned(), spot: Some(Box::new(spot)) }
+    }
+
+    /// The bytes `span` of a whole text; of a span over several lines only the first is marked.
+    #[must_use]
+    pub fn in_text(file: &str, text: &str, span: std::ops::Range<usize>) -> Self {
+        let start = floor_boundary(text, span.start);
+        let line_start = text[..start].rfind('\n').map_or(0, |at| at + 1);
+        let line_end = text[start..].find('\n').map_or(text.len(), |at| start + at);
+        let line = text[..start].matches('\n').count() + 1;
+        let content = text[line_start..line_end].trim_end_matches('\r');
+        let end = span.end.min(line_end).saturating_sub(line_start);
+        Self::in_line(file, line, content, start - line_start..end)
+    }
+
+    /// The line number, from 1, where there is one.
+    #[must_use]
+    pub fn line(&self) -> Option<usize> {
+        self.spot.as_ref().map(|spot| spot.line)
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.spot {
+            None => f.write_str(&self.file),
+            Some(spot) => write!(f, "{}:{}:{}", self.file, spot.line, spot.column),
+        }
+    }
+}
+
+/// An error that knows its place and what would have been right there.
+pub trait Explained: std::error::Error {
+    /// Where it is.
+    fn place(&self) -> &Place;
+    /// What was found, without place.
+    fn found(&self) -> String;
+    /// What was expected instead, or what to do; a phrase without full stop.
+    fn expected(&self) -> String;
+}
+
+/// The error as several lines of plain text, in the manner of a compiler's message:
+///
+/// ```text
+/// error: column `position [mm]` holds `abc`
+///   --> run.csv:3:5
+///    |
+///  3 | 0.1,abc
+///    |     ^^^
+///    |
+///    = expected: a decimal number
+/// ```
+#[must_use]
+pub fn render(error: &impl Explained) -> String {
+    let found = error.found();
+    let expected = error.expected();
+    let place = error.place();
+    let title = Level::ERROR.primary_title(found.as_str());
+    let note = Level::NOTE.with_name("expected").message(expected.as_str());
+    match &place.spot {
+        None => format!("error: {found}\n  --> {place}\n   = expected: {expected}"),
+        Some(spot) => {
+            let start = byte_of_char(&spot.text, spot.column - 1);
+            let end = byte_of_char(&spot.text, spot.column - 1 + spot.width);
+            let snippet = Snippet::source(spot.text.as_str())
+                .line_start(spot.line)
+                .path(place.file.as_str())
+                .annotation(AnnotationKind::Primary.span(start..end));
+            Renderer::plain().render(&[title.element(snippet).element(note)])
+        }
+    }
+}
+
+/// A piece of a file as it can stand in a message: short, and with control characters spelt out.
+pub(crate) fn quoted(text: &str) -> String {
+    const LONGEST: usize = 60;
+    if text.is_empty() {
+        return "an empty cell".to_owned();
+    }
+    let mut short: String = text.chars().take(LONGEST).flat_map(visible).collect();
+    if text.chars().nth(LONGEST).is_some() {
+        short.push('…');
+    }
+    format!("`{short}`")
+}
+
+fn visible(character: char) -> impl Iterator<Item = char> {
+    let escaped = character.is_control();
+    character.escape_debug().filter(move |_| escaped).chain((!escaped).then_some(character))
+}
+
+fn floor_boundary(text: &str, at: usize) -> usize {
+    text.floor_char_boundary(at.min(text.len()))
+}
+
+fn byte_of_char(text: &str, count: usize) -> usize {
+    text.char_indices().nth(count).map_or(text.len(), |(at, _)| at)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug, thiserror::Error)]
+    #[error("{place}")]
+    struct Example {
+        place: Place,
+    }
+
+    impl Explained for Example {
+        fn place(&self) -> &Place {
+            &self.place
+        }
+        fn found(&self) -> String {
+            "column `position [mm]` holds `abc`".to_owned()
+        }
+        fn expected(&self) -> String {
+            "a decimal number".to_owned()
+        }
+    }
+
+    #[test]
+    fn a_rendered_error_shows_the_line_and_marks_the_cell() {
+        let place = Place::in_text("run.csv", "time\n°C\n0.1,abc\n", 13..16);
+        let text = render(&Example { place });
+        let expected = "\
+error: column `position [mm]` holds `abc`
+ --> run.csv:3:5
+  |
+3 | 0.1,abc
+  |     ^^^
+  |
+  = expected: a decimal number";
+        assert_eq!(text, expected);
+    }
+
+    #[test]
+    fn an_error_about_the_whole_file_has_no_snippet() {
+        let text = render(&Example { place: Place::file("run.csv") });
+        assert!(text.contains("--> run.csv\n"), "{text}");
+        assert!(text.contains("= expected: a decimal number"), "{text}");
+    }
+
+    #[test]
+    fn columns_count_characters_and_odd_spans_are_cut() {
+        let place = Place::in_line("f", 7, "°C;x", 4..5);
+        assert_eq!(place.to_string(), "f:7:4");
+        assert_eq!(Place::in_line("f", 1, "°", 1..900).to_string(), "f:1:1");
+    }
+
+    #[test]
+    fn found_text_is_short_and_without_control_characters() {
+        assert_eq!(quoted("a\u{1b}[1m"), "`a\\u{1b}[1m`");
+        assert!(quoted(&"x".repeat(1000)).len() < 100);
+    }
+}

@@ -1,0 +1,198 @@
+//! Why a recording cannot be used.
+
+use super::signal::Signal;
+use crate::diagnostic::{Explained, Place, quoted};
+use std::fmt;
+use std::io;
+
+/// Why a recording cannot be read, or not be used for what is asked of it.
+#[expect(missing_docs, reason = "every field is named in the text of its variant; `place` is where it was found")]
+#[derive(Debug, thiserror::Error)]
+pub enum RecordingError {
+    /// The file cannot be opened or read.
+    Io { place: Place, source: io::Error },
+    /// The file cannot be written.
+    Write { place: Place, source: io::Error },
+    /// There is nothing in the file but blank lines and comments.
+    Empty { place: Place },
+    /// There are fewer than two rows that can be used; `skipped` rows had an empty cell or a repeated time.
+    TooFewRows { place: Place, rows: usize, skipped: usize },
+    /// More rows than the program takes.
+    TooManyRows { place: Place, most: usize },
+    /// More columns than the program takes.
+    TooManyColumns { place: Place, most: usize },
+    /// A line is longer than a recording's can be.
+    LineTooLong { place: Place, most_bytes: usize },
+    /// More blank lines and comments than a recording can have.
+    TooManySkippedLines { place: Place, most: usize },
+    /// A line is not UTF-8 text.
+    NotUtf8 { place: Place, byte: u8 },
+    /// A line holds a control character, as binary files do.
+    ControlCharacter { place: Place, character: char },
+    /// A quotation mark is not closed on its line.
+    OpenQuote { place: Place },
+    /// The first column is not time.
+    NoTimeColumn { place: Place, header: String },
+    /// Two columns hold the same signal.
+    DuplicateColumn { place: Place, signal: Signal, first: String, second: String },
+    /// A known name without a unit in brackets.
+    MissingUnit { place: Place, signal: Signal, header: String },
+    /// A known name with a unit that nobody knows.
+    UnknownUnit { place: Place, signal: Signal, header: String, unit: String },
+    /// A known name with a unit that measures something else.
+    WrongDimension { place: Place, signal: Signal, header: String, unit: String },
+    /// A column that `--map` names is not in the file.
+    MappedColumnAbsent { place: Place, signal: Signal, header: String, present: Vec<String> },
+    /// A row has more or fewer cells than the header.
+    RaggedRow { place: Place, found: usize, expected: usize },
+    /// A cell of a known column is not a number.
+    NotANumber { place: Place, header: String, found: String },
+    /// A cell of a known column is NaN or infinite, as written or after conversion to SI.
+    NotFinite { place: Place, header: String, found: String },
+    /// Time is smaller than in the row before, both in s.
+    TimeBackwards { place: Place, previous_s: f64, found_s: f64 },
+    /// An export without the header rows or columns that its kind needs.
+    ExportLayout { place: Place, missing: &'static str },
+    /// An export whose times are dates and not offsets; they have no room in a double.
+    FullTimestamps { place: Place, found: String },
+    /// The channels of an export have no stretch of time in common.
+    NoCommonTime { place: Place, from_s: f64, to_s: f64 },
+    /// A signal that is needed is not there.
+    MissingSignal { place: Place, signal: Signal, present: Vec<&'static str> },
+    /// A signal that shall be judged never changes; the value is in SI units.
+    ConstantSignal { place: Place, signal: Signal, value: f64 },
+    /// A column has not as many values as there are times.
+    LengthMismatch { place: Place, header: String, found: usize, expected: usize },
+}
+
+use RecordingError as E;
+
+impl Explained for RecordingError {
+    fn place(&self) -> &Place {
+        match self {
+            E::Io { place, .. }
+            | E::Write { place, .. }
+            | E::Empty { place }
+            | E::TooFewRows { place, .. }
+            | E::TooManyRows { place, .. }
+            | E::TooManyColumns { place, .. }
+            | E::LineTooLong { place, .. }
+            | E::TooManySkippedLines { place, .. }
+            | E::NotUtf8 { place, .. }
+            | E::ControlCharacter { place, .. }
+            | E::OpenQuote { place }
+            | E::NoTimeColumn { place, .. }
+            | E::DuplicateColumn { place, .. }
+            | E::MissingUnit { place, .. }
+            | E::UnknownUnit { place, .. }
+            | E::WrongDimension { place, .. }
+            | E::MappedColumnAbsent { place, .. }
+            | E::RaggedRow { place, .. }
+            | E::NotANumber { place, .. }
+            | E::NotFinite { place, .. }
+            | E::TimeBackwards { place, .. }
+            | E::ExportLayout { place, .. }
+            | E::FullTimestamps { place, .. }
+            | E::NoCommonTime { place, .. }
+            | E::MissingSignal { place, .. }
+            | E::ConstantSignal { place, .. }
+            | E::LengthMismatch { place, .. } => place,
+        }
+    }
+
+    fn found(&self) -> String {
+        match self {
+            E::Io { source, .. } => format!("cannot be read: {source}"),
+            E::Write { source, .. } => format!("cannot be written: {source}"),
+            E::Empty { .. } => "there is nothing in the file".into(),
+            E::TooFewRows { rows: 0, skipped: 0, .. } => "a header and no rows".into(),
+            E::TooFewRows { rows, skipped: 0, .. } => format!("{rows} row"),
+            E::TooFewRows { rows, skipped, .. } => {
+                format!("{rows} usable rows; {skipped} have an empty cell or repeat a time")
+            }
+            E::TooManyRows { most, .. } => format!("more than {most} rows"),
+            E::TooManyColumns { most, .. } => format!("more than {most} columns"),
+            E::LineTooLong { most_bytes, .. } => format!("a line of more than {most_bytes} bytes"),
+            E::TooManySkippedLines { most, .. } => format!("more than {most} blank lines and comments"),
+            E::NotUtf8 { byte, .. } => format!("byte 0x{byte:02X}, which is not UTF-8 text"),
+            E::ControlCharacter { character, .. } => {
+                format!("control character U+{:04X}, which is not text", u32::from(*character))
+            }
+            E::OpenQuote { .. } => "a quotation mark that is not closed on its line".into(),
+            E::NoTimeColumn { header, .. } => format!("the first column is {}", quoted(header)),
+            E::DuplicateColumn { signal, first, second, .. } => {
+                format!("columns {} and {} both hold {signal}", quoted(first), quoted(second))
+            }
+            E::MissingUnit { header, .. } => format!("column {} has no unit", quoted(header)),
+            E::UnknownUnit { header, unit, .. } => {
+                format!("column {} has the unknown unit {}", quoted(header), quoted(unit))
+            }
+            E::WrongDimension { signal, unit, .. } => format!("{signal} is given in {}", quoted(unit)),
+            E::MappedColumnAbsent { signal, header, .. } => {
+                format!("{signal} is mapped to {}, which is no column of this file", quoted(header))
+            }
+            E::RaggedRow { found, .. } => format!("a row of {found} cells"),
+            E::NotANumber { header, found, .. } | E::NotFinite { header, found, .. } => {
+                format!("column {} holds {}", quoted(header), quoted(found))
+            }
+            E::TimeBackwards { previous_s, found_s, .. } => format!("time {found_s} s after {previous_s} s"),
+            E::ExportLayout { missing, .. } => format!("a TwinCAT Scope export without {missing}"),
+            E::FullTimestamps { found, .. } => format!("a full timestamp, {}", quoted(found)),
+            E::NoCommonTime { from_s, to_s, .. } => {
+                format!("the last channel begins at {from_s} s, the first one ends at {to_s} s")
+            }
+            E::MissingSignal { signal, .. } => format!("there is no {signal}"),
+            E::ConstantSignal { signal, value, .. } => format!("{signal} is {value} {} in every row", signal.si_unit()),
+            E::LengthMismatch { header, found, .. } => format!("column {} has {found} values", quoted(header)),
+        }
+    }
+
+    fn expected(&self) -> String {
+        match self {
+            E::Io { .. } => "a readable file".into(),
+            E::Write { .. } => "a folder that can be written to".into(),
+            E::Empty { .. } => "a header such as `time [s],command [V],position [mm]` and rows".into(),
+            E::TooFewRows { .. } => "at least two rows at different times with a number in every known column".into(),
+            E::TooManyRows { .. } | E::TooManyColumns { .. } => "a smaller recording".into(),
+            E::LineTooLong { .. } | E::TooManySkippedLines { .. } => {
+                "a text file with a header and one row a line".into()
+            }
+            E::NotUtf8 { .. } => "text in UTF-8; other encodings must be converted".into(),
+            E::ControlCharacter { .. } => "a text file in UTF-8 with line ends LF or CRLF".into(),
+            E::OpenQuote { .. } => "a closing quotation mark on the same line".into(),
+            E::NoTimeColumn { header, .. } => {
+                format!("`time [s]` (or ms, µs) in the first column, or --map \"time={header}\"")
+            }
+            E::DuplicateColumn { signal, .. } => format!("one column for {signal}; choose with --map \"{signal}=…\""),
+            E::MissingUnit { signal, .. } | E::UnknownUnit { signal, .. } => {
+                format!("a unit in brackets after the name, one of: {}", signal.units())
+            }
+            E::WrongDimension { signal, .. } => format!("a unit of {signal}, one of: {}", signal.units()),
+            E::MappedColumnAbsent { present, .. } => format!("one of its headers: {}", present.join(", ")),
+            E::RaggedRow { expected, .. } => format!("{expected} cells, as many as the header has"),
+            E::NotANumber { .. } => "a decimal number such as -12.5 or 1.5e-3".into(),
+            E::NotFinite { .. } => "a finite number".into(),
+            E::TimeBackwards { .. } => "times that rise from row to row".into(),
+            E::ExportLayout { .. } => {
+                "header rows `Name`, `Data-Type`, `SampleTime[ms]` … and a time column before the channels".into()
+            }
+            E::FullTimestamps { .. } => "times in ms since the start: export without full timestamps".into(),
+            E::NoCommonTime { .. } => "channels recorded at the same time".into(),
+            E::MissingSignal { signal, present, .. } => {
+                format!(
+                    "a column `{signal} [{}]`, or a --map for it; the file has: {}",
+                    signal.si_unit(),
+                    present.join(", ")
+                )
+            }
+            E::ConstantSignal { .. } => "a signal that moves; one that never changes cannot be judged".into(),
+            E::LengthMismatch { expected, .. } => format!("{expected}, one for each time"),
+        }
+    }
+}
+
+impl fmt::Display for RecordingError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}; expected {}", self.place(), self.found(), self.expected())
+    }
+}

@@ -1,0 +1,339 @@
+//! The text export of `TwinCAT` Scope.
+//!
+//! What is assumed of its layout, after the maker's documentation of the text export and exports of
+//! Scope 3.4:
+//!
+//! - A block about the file (`Name`, `File`, `Starttime of export`, …), then a block about the
+//!   channels that begins with a row `Name` again. Each row of a block begins with its key: `Name`,
+//!   `SymbolComment`, `Data-Type`, `SampleTime[ms]`, `SymbolName`, `Unit` and others. Blank lines
+//!   stand between; an export without the first block is read too.
+//! - A column that repeats the key in every row of the channel block is a time column. The channels
+//!   to its right, up to the next time column, are sampled at its times. Hence both forms are read:
+//!   one time column for each channel, and one for each sample time.
+//! - Then the rows: times in ms since the start of the export, and values as scaled by the export.
+//!   Channels with fewer samples end early, with empty cells. A line `EOF` may close the file.
+//! - Separator is a tab or a semicolon, with decimal comma or point, or a comma with points.
+//!
+//! A channel is known by its name (`position [mm]`), or by name or symbol through the channel map
+//! (`GVL.Kolbenweg [mm]`); its unit stands in brackets in the map or in the name, or else in the row
+//! `Unit` (`mm (Length)`). All signals come out at the times of the first known channel of the file:
+//! those with other times are interpolated linearly there, and times outside any signal's own are
+//! left out. Time goes out as `time [s]`. Full timestamps instead of ms are refused.
+
+use super::channels::ChannelMap;
+use super::columns::{Offer, assign};
+use super::csv::number;
+use super::error::RecordingError;
+use super::lines::{Line, Lines, MAX_ROWS, Splitter, parse_number};
+use super::signal::split_header;
+use super::units::{Dimension, Unit};
+use super::{Column, Note, Recording, Signal};
+use crate::diagnostic::Place;
+use std::io::Read;
+
+/// The first cell of an export; no recording's first column can have this header.
+pub(super) const FIRST_CELL: &str = "Name";
+
+/// Most header rows; a real export has about twenty.
+const MAX_HEADER_ROWS: usize = 200;
+
+/// Larger than any time in ms: a full timestamp counts 100 ns since 1601.
+const FULL_TIMESTAMP: f64 = 1e15;
+
+/// The channel block: rows of cells, the first of each its key.
+type Block = Vec<Vec<String>>;
+
+/// One known channel with its samples.
+struct Channel {
+    time_cell: usize,
+    value_cell: usize,
+    column: Column,
+    time_s: Vec<f64>,
+}
+
+/// Reads an export whose first line has the cells `first`.
+pub(super) fn read<R: Read>(
+    mut lines: Lines<R>,
+    mut splitter: Splitter,
+    first: Vec<String>,
+    map: &ChannelMap,
+) -> Result<Recording, RecordingError> {
+    let file = lines.file();
+    let name = lines.file_name().to_owned();
+    let separator = splitter.separator();
+    let time = Column { header: "time".into(), signal: Signal::Time, unit: milliseconds(), values: Vec::new() };
+    let mut block: Block = vec![first];
+    let mut channels: Option<Channels> = None;
+    let mut header_rows = 1;
+    let mut rows = 0;
+    while let Some(line) = lines.next()? {
+        let cells = splitter.split(line)?;
+        let key = cells.get(0);
+        if key == "EOF" {
+            break;
+        }
+        if channels.is_none() && !key.is_empty() && parse_number(key, separator != b',').is_none() {
+            if key == FIRST_CELL {
+                block.clear();
+            }
+            header_rows += 1;
+            if header_rows > MAX_HEADER_ROWS {
+                return Err(RecordingError::ExportLayout { place: line.whole(), missing: "rows of numbers" });
+            }
+            block.push(cells.iter().map(str::to_owned).collect());
+            continue;
+        }
+        let channels = match &mut channels {
+            Some(channels) => channels,
+            none => none.insert(Channels::find(&block, map, &file)?),
+        };
+        rows += 1;
+        if rows > MAX_ROWS {
+            return Err(RecordingError::TooManyRows { place: line.whole(), most: MAX_ROWS });
+        }
+        if cells.len() > channels.width && (channels.width..cells.len()).any(|at| !cells.get(at).is_empty()) {
+            return Err(RecordingError::RaggedRow {
+                place: line.whole(),
+                found: cells.len(),
+                expected: channels.width,
+            });
+        }
+        for channel in &mut channels.known {
+            let (time_text, text) = (cells.get(channel.time_cell), cells.get(channel.value_cell));
+            if !time_text.is_empty() && !text.is_empty() {
+                let time_s = number(line, time_text, &time, separator, channel.time_cell)?;
+                let value = number(line, text, &channel.column, separator, channel.value_cell)?;
+                channels.repeated += usize::from(!channel.push(line, separator, time_s, value)?);
+                if channels.repeated == 1 {
+                    channels.first_repeated = line.number();
+                }
+            }
+        }
+    }
+    match channels {
+        Some(channels) => channels.into_recording(&name, &file),
+        None => Err(RecordingError::TooFewRows { place: file, rows: 0, skipped: 0 }),
+    }
+}
+
+fn milliseconds() -> Unit {
+    Unit::parse("ms").unwrap_or(Unit::si(Dimension::Time))
+}
+
+impl Channel {
+    /// An export has the unit elsewhere; a recording that is written needs it in the header.
+    fn with_unit_in_header(mut self) -> Self {
+        if split_header(&self.column.header).1 != Some(self.column.unit.symbol()) {
+            self.column.header = format!("{} [{}]", self.column.header, self.column.unit);
+        }
+        self
+    }
+
+    /// Adds a sample; `false` when it repeats the time before it and is left out.
+    fn push(&mut self, line: Line<'_>, separator: u8, time_s: f64, value: f64) -> Result<bool, RecordingError> {
+        let place = || line.cell(separator, self.time_cell);
+        if time_s > FULL_TIMESTAMP * 1e-3 {
+            let found = format!("{:.0}", time_s * 1e3);
+            return Err(RecordingError::FullTimestamps { place: place(), found });
+        }
+        match self.time_s.last() {
+            Some(&previous_s) if time_s < previous_s => {
+                return Err(RecordingError::TimeBackwards { place: place(), previous_s, found_s: time_s });
+            }
+            Some(&previous_s) if time_s <= previous_s => return Ok(false),
+            _ => {}
+        }
+        self.time_s.push(time_s);
+        self.column.values.push(value);
+        Ok(true)
+    }
+}
+
+/// The known channels of an export.
+struct Channels {
+    width: usize,
+    known: Vec<Channel>,
+    ignored: Vec<String>,
+    notes: Vec<Note>,
+    repeated: usize,
+    first_repeated: usize,
+}
+
+impl Channels {
+    fn find(block: &Block, map: &ChannelMap, file: &Place) -> Result<Self, RecordingError> {
+        let cell = |key: &str, index: usize| {
+            let row = block.iter().find(|row| row[0] == key)?;
+            row.get(index).map(String::as_str).filter(|text| !text.is_empty())
+        };
+        if !block.iter().any(|row| row[0] == "SampleTime[ms]" || row[0] == "Data-Type") {
+            let missing = "a row `SampleTime[ms]` or `Data-Type`";
+            return Err(RecordingError::ExportLayout { place: file.clone(), missing });
+        }
+        let width = block.first().map_or(0, Vec::len);
+        let is_time = |index: usize| {
+            cell(FIRST_CELL, index) == Some(FIRST_CELL)
+                && block.iter().all(|row| row.get(index).is_none_or(|text| text.is_empty() || *text == row[0]))
+        };
+        let mut places = Vec::new();
+        let mut offers = Vec::new();
+        let mut time_cell = 0;
+        for index in 0..width {
+            if is_time(index) {
+                time_cell = index;
+            } else if let Some(name) = cell(FIRST_CELL, index) {
+                places.push((time_cell, index));
+                offers.push(offer(name, cell("SymbolName", index), cell("Unit", index)));
+            }
+        }
+        let assignment = assign(&offers, map, file, |_| file.clone())?;
+        let known: Vec<Channel> = assignment
+            .known
+            .into_iter()
+            .map(|(at, column)| Channel {
+                time_cell: places[at].0,
+                value_cell: places[at].1,
+                column,
+                time_s: Vec::new(),
+            })
+            .filter(|channel| channel.column.signal != Signal::Time)
+            .map(Channel::with_unit_in_header)
+            .collect();
+        if known.is_empty() {
+            return Err(RecordingError::ExportLayout {
+                place: file.clone(),
+                missing: "a channel that is a known signal; name them with --map",
+            });
+        }
+        Ok(Self { width, known, ignored: assignment.ignored, notes: assignment.notes, repeated: 0, first_repeated: 0 })
+    }
+
+    fn into_recording(mut self, name: &str, file: &Place) -> Result<Recording, RecordingError> {
+        if let Some(empty) = self.known.iter().find(|channel| channel.time_s.len() < 2) {
+            return Err(RecordingError::TooFewRows {
+                place: file.clone(),
+                rows: empty.time_s.len(),
+                skipped: self.repeated,
+            });
+        }
+        let start = |channel: &Channel| channel.time_s.first().copied().unwrap_or(f64::INFINITY);
+        let end = |channel: &Channel| channel.time_s.last().copied().unwrap_or(f64::NEG_INFINITY);
+        let from_s = self.known.iter().map(start).fold(f64::NEG_INFINITY, f64::max);
+        let to_s = self.known.iter().map(end).fold(f64::INFINITY, f64::min);
+        let all_s = self.known[0].time_s.clone();
+        let time_s: Vec<f64> = all_s.iter().copied().filter(|time| (from_s..=to_s).contains(time)).collect();
+        if time_s.len() < 2 {
+            return Err(RecordingError::NoCommonTime { place: file.clone(), from_s, to_s });
+        }
+        let mut resampled = Vec::new();
+        let mut columns = vec![Column::si(Signal::Time, time_s.clone())];
+        for mut channel in self.known {
+            if channel.time_s != time_s {
+                if channel.time_s != all_s {
+                    resampled.push(channel.column.signal);
+                }
+                channel.column.values = interpolate(&channel.time_s, &channel.column.values, &time_s);
+            }
+            columns.push(channel.column);
+        }
+        let rows_left_out = all_s.len() - time_s.len();
+        if !resampled.is_empty() || rows_left_out > 0 {
+            self.notes.push(Note::Resampled { signals: resampled, rows_left_out });
+        }
+        if self.repeated > 0 {
+            self.notes.push(Note::DuplicateTimes { rows: self.repeated, first_line: self.first_repeated });
+        }
+        Ok(Recording::assemble(name, columns, self.ignored, self.notes))
+    }
+}
+
+fn offer(name: &str, symbol: Option<&str>, unit: Option<&str>) -> Offer {
+    // `mm (Length)`, or `(None)`.
+    let unit = unit.map(|text| text.split('(').next().unwrap_or_default().trim()).filter(|text| !text.is_empty());
+    let owned = |text: Option<&str>| text.map(str::to_owned);
+    let (short, in_name) = split_header(name);
+    let mut names = vec![(name.to_owned(), owned(unit)), (short.to_owned(), owned(in_name.or(unit)))];
+    names.extend(symbol.map(|symbol| (symbol.to_owned(), owned(unit))));
+    Offer { header: name.to_owned(), names }
+}
+
+/// Values at `at_s` on the lines between samples; every `at_s` lies within `time_s`, and both rise.
+fn interpolate(time_s: &[f64], values: &[f64], at_s: &[f64]) -> Vec<f64> {
+    let mut next = 1;
+    let value_at = |&at: &f64| {
+        while next + 1 < time_s.len() && time_s[next] < at {
+            next += 1;
+        }
+        let (t0, t1) = (time_s[next - 1], time_s[next]);
+        let (v0, v1) = (values[next - 1], values[next]);
+        if at >= t1 { v1 } else { v0 + (v1 - v0) * ((at - t0) / (t1 - t0)) }
+    };
+    at_s.iter().map(value_at).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{ChannelMap, Note, RecordingError, Signal, read_from};
+
+    /// Two sample times; the slow channel begins later and has fewer rows.
+    const EXPORT: &str = "Name\tBench\nFile\tC:\\bench.csv\nStarttime of export\t132959733843760000\t2. Mai 2022\n\n\n\
+        Name\tcommand [V]\tPos\tName\tpressure_a\n\
+        SymbolComment\t\t\tSymbolComment\t\n\
+        Data-Type\tREAL64\tREAL32\tData-Type\tREAL32\n\
+        SampleTime[ms]\t0,5\t0,5\tSampleTime[ms]\t1\n\
+        SymbolName\tMAIN.u\tMAIN.axis.pos\tSymbolName\tMAIN.pa\n\
+        Unit\t(None)\t(None)\tUnit\tbar (Pressure)\n\n\
+        0\t0\t10\t0,5\t50\n\
+        0,5\t1\t11\t1,5\t60\n\
+        1\t2\t12\t\t\n\
+        1,5\t3\t13,5\t\t\n\
+        2\t3\t14\t\t\nEOF\n";
+
+    fn read(text: &str, map: &[&str]) -> Result<super::Recording, RecordingError> {
+        let map = ChannelMap::from_arguments(map.iter().copied()).unwrap();
+        read_from("scope.csv", text.as_bytes(), &map)
+    }
+
+    #[test]
+    fn channels_come_out_at_the_times_of_the_first() {
+        let recording = read(EXPORT, &["position=MAIN.axis.pos [mm]"]).unwrap();
+        assert_eq!(recording.time_s(), [0.0005, 0.001, 0.0015]);
+        assert_eq!(recording.signal(Signal::Command).unwrap(), [1.0, 2.0, 3.0]);
+        assert_eq!(recording.signal(Signal::Position).unwrap(), [0.011, 0.012, 0.0135]);
+        assert_eq!(recording.signal(Signal::PressureA).unwrap(), [5e6, 5.5e6, 6e6]);
+        assert_eq!(recording.column(Signal::PressureA).unwrap().header, "pressure_a [bar]");
+        assert_eq!(recording.notes(), [Note::Resampled { signals: vec![Signal::PressureA], rows_left_out: 2 }]);
+    }
+
+    #[test]
+    fn a_channel_is_also_mapped_by_its_name() {
+        let recording = read(EXPORT, &["position=Pos [m]"]).unwrap();
+        assert_eq!(recording.signal(Signal::Position).unwrap(), [11.0, 12.0, 13.5]);
+        let unmapped = read(EXPORT, &[]).unwrap();
+        assert_eq!(unmapped.ignored(), ["Pos"]);
+    }
+
+    #[test]
+    fn semicolons_and_one_time_column_for_each_channel() {
+        let text = "Name;spool;Name;position [mm]\nSampleTime[ms];1;SampleTime[ms];1\n0;0,1;0;1\n1;0,2;1;2\n1;9;2;3\n";
+        let recording = read(text, &[]).unwrap();
+        assert_eq!(recording.signal(Signal::Spool).unwrap(), [0.1, 0.2]);
+        assert_eq!(recording.signal(Signal::Position).unwrap(), [0.001, 0.002]);
+        assert!(recording.notes().contains(&Note::DuplicateTimes { rows: 1, first_line: 5 }));
+    }
+
+    #[test]
+    fn exports_that_cannot_be_used_say_why() {
+        let full = "Name\tspool\nData-Type\tREAL\n132959733843760000\t1\n132959733843770000\t1\n";
+        assert!(matches!(read(full, &[]).unwrap_err(), RecordingError::FullTimestamps { .. }));
+        let bare = "Name\tspool\n0\t1\n";
+        assert!(matches!(read(bare, &[]).unwrap_err(), RecordingError::ExportLayout { .. }));
+        let unknown = "Name\tfoo\nData-Type\tREAL\n0\t1\n";
+        assert!(matches!(read(unknown, &[]).unwrap_err(), RecordingError::ExportLayout { .. }));
+        let apart = "Name\tspool\tName\tflow [l/min]\nData-Type\tR\tData-Type\tR\n0\t1\t5\t1\n1\t1\t6\t1\n";
+        assert!(matches!(read(apart, &[]).unwrap_err(), RecordingError::NoCommonTime { .. }));
+        let back = "Name\tspool\nData-Type\tREAL\n1\t1\n0\t1\n";
+        assert!(matches!(read(back, &[]).unwrap_err(), RecordingError::TimeBackwards { .. }));
+        let text = "Name\tspool\nData-Type\tREAL\n1\tx\n";
+        assert!(matches!(read(text, &[]).unwrap_err(), RecordingError::NotANumber { .. }));
+    }
+}
