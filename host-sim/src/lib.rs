@@ -2,7 +2,11 @@
 #![forbid(unsafe_code)]
 
 pub mod atomic;
+pub mod compare;
 pub mod diagnostic;
+pub mod dual;
 pub mod machine_file;
 pub mod recording;
+pub mod residual;
+pub mod simulate;
 pub mod testbed;

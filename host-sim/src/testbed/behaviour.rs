@@ -16,12 +16,7 @@ fn ticks(count: usize) -> Vec<f64> {
 }
 
 /// A valve drive whose command keeps the slider inside its dead zone.
-fn closed_valve(
-    effects: &[PlantEffect],
-    load: LoadProfile,
-    initial: &InitialState,
-    count: usize,
-) -> Vec<PlantState> {
+fn closed_valve(effects: &[PlantEffect], load: LoadProfile, initial: &InitialState, count: usize) -> Vec<PlantState> {
     let plant = Plant::new(&press(), SIMPLE).unwrap().with_effects(effects).with_load(load);
     plant.simulate(&Commands::Valve(vec![0.0; count]), initial, &ticks(count)).unwrap()
 }
@@ -38,8 +33,7 @@ fn the_tangent_jacobian_agrees_with_differences_with_every_effect_on() {
         let mut machine = heavy();
         machine.source = source;
         let physics = Physics::new(&machine, &effects);
-        let pump = (source == Source::Pump)
-            .then_some(PumpCommand { speed_rev_per_s: speed, direction: -1 });
+        let pump = (source == Source::Pump).then_some(PumpCommand { speed_rev_per_s: speed, direction: -1 });
         for spool in [-0.3, 0.0, 0.2, 0.9] {
             let inputs = physics.inputs(spool, pump, 100.0);
             let at = [0.4, 0.7, -0.05, 0.5, 0.6];
@@ -50,9 +44,8 @@ fn the_tangent_jacobian_agrees_with_differences_with_every_effect_on() {
                 let (mut rates_above, mut rates_below) = ([0.0; 5], [0.0; 5]);
                 physics.rates(&inputs, &above, &mut rates_above);
                 physics.rates(&inputs, &below, &mut rates_below);
-                let variables: [Tangent; 5] = std::array::from_fn(|i| {
-                    Tangent::new(at[i], if i == column { 1.0 } else { 0.0 })
-                });
+                let variables: [Tangent; 5] =
+                    std::array::from_fn(|i| Tangent::new(at[i], if i == column { 1.0 } else { 0.0 }));
                 let mut rates = [Tangent::new(0.0, 0.0); 5];
                 physics.rates(&inputs, &variables, &mut rates);
                 for row in 0..at.len() {
@@ -77,13 +70,9 @@ fn dry_friction_holds_a_load_below_its_force_and_lets_go_above() {
     machine.set(VolumeB, 10.0);
     machine.set(ViscousFriction, 1.0e4);
     let plant = Plant::new(&machine, SIMPLE).unwrap().with_effects(&effects);
-    let load =
-        LoadProfile::through(vec![(0.0, 0.0), (0.1, 900.0), (0.6, 900.0), (0.7, 1500.0)]).unwrap();
+    let load = LoadProfile::through(vec![(0.0, 0.0), (0.1, 900.0), (0.6, 900.0), (0.7, 1500.0)]).unwrap();
     let initial = InitialState::at_rest(&machine, 0.15);
-    let states = plant
-        .with_load(load)
-        .simulate(&Commands::Valve(vec![0.0; 1001]), &initial, &ticks(1001))
-        .unwrap();
+    let states = plant.with_load(load).simulate(&Commands::Valve(vec![0.0; 1001]), &initial, &ticks(1001)).unwrap();
     let held = states[600].position_m - states[150].position_m;
     assert!(held.abs() < 1e-8, "it creeps by {held:.2e} m");
     // Bristles give by Fc/stiffness · ln(1/(1 − F/Fc)): 76.8 µm, less a little that the oil bears.
@@ -92,31 +81,20 @@ fn dry_friction_holds_a_load_below_its_force_and_lets_go_above() {
     // (1500 − 1000) N / 1e4 N s/m = 50 mm/s once it slides, less what the oil spring takes.
     let spring_n_per_m = 1.2e8 * (3.117e-3_f64.powi(2) + 1.861e-3_f64.powi(2));
     let expected = (500.0 - spring_n_per_m * (states[1000].position_m - 0.15)) / 1e4;
-    assert!(
-        (states[1000].velocity_m_per_s - expected).abs() < 3e-4,
-        "{}",
-        states[1000].velocity_m_per_s
-    );
+    assert!((states[1000].velocity_m_per_s - expected).abs() < 3e-4, "{}", states[1000].velocity_m_per_s);
 }
 
 #[test]
 fn leakage_past_the_piston_conserves_oil_and_evens_the_pressures() {
     let machine = press();
-    let initial = InitialState {
-        pressure_a_pa: 4.0e6,
-        pressure_b_pa: 1.0e6,
-        ..InitialState::at_rest(&machine, 0.15)
-    };
-    let states =
-        closed_valve(&[PlantEffect::internal_leakage(2e-11)], LoadProfile::none(), &initial, 3000);
-    let oil = |s: &PlantState| {
-        s.pressure_a_pa / 2.3e12 + s.pressure_b_pa / 3.6e12 + (3.117e-3 - 1.861e-3) * s.position_m
-    };
+    let initial = InitialState { pressure_a_pa: 4.0e6, pressure_b_pa: 1.0e6, ..InitialState::at_rest(&machine, 0.15) };
+    let states = closed_valve(&[PlantEffect::internal_leakage(2e-11)], LoadProfile::none(), &initial, 3000);
+    let oil =
+        |s: &PlantState| s.pressure_a_pa / 2.3e12 + s.pressure_b_pa / 3.6e12 + (3.117e-3 - 1.861e-3) * s.position_m;
     assert!((oil(&states[2999]) - oil(&states[0])).abs() < 1e-12);
     let gap = (states[2999].pressure_a_pa - states[2999].pressure_b_pa).abs();
     assert!(gap < 2e5, "{gap}");
-    let still =
-        closed_valve(&[], LoadProfile::none(), &InitialState::at_rest(&machine, 0.15), 1000);
+    let still = closed_valve(&[], LoadProfile::none(), &InitialState::at_rest(&machine, 0.15), 1000);
     assert!((still[999].position_m - 0.15).abs() < 1e-12);
 }
 
@@ -129,10 +107,8 @@ fn a_hose_makes_the_oil_spring_softer_by_its_share_of_the_capacity() {
         let states = closed_valve(effects, load(), &initial, 2000);
         states[1999].position_m - 0.15
     };
-    let stiffness = |extra: f64| {
-        3.117e-3_f64.powi(2) / (1.0 / 2.3e12 + extra)
-            + 1.861e-3_f64.powi(2) / (1.0 / 3.6e12 + extra)
-    };
+    let stiffness =
+        |extra: f64| 3.117e-3_f64.powi(2) / (1.0 / 2.3e12 + extra) + 1.861e-3_f64.powi(2) / (1.0 / 3.6e12 + extra);
     assert!((give(&[]) * stiffness(0.0) / 2000.0 - 1.0).abs() < 1e-6);
     // at about 3 MPa of 60 the hose has stiffened by a tenth
     let found = give(&[PlantEffect::hose_compliance(4e-13)]) * stiffness(4e-13) / 2000.0;
@@ -141,9 +117,7 @@ fn a_hose_makes_the_oil_spring_softer_by_its_share_of_the_capacity() {
 
 fn pump_drive() -> Machine<f64> {
     let mut machine = Machine::with_defaults(Source::Pump);
-    for (parameter, value) in
-        [(AreaA, 1.9635e-3), (AreaB, 1.6493e-3), (Stroke, 0.075), (ViscousFriction, 2.0e3)]
-    {
+    for (parameter, value) in [(AreaA, 1.9635e-3), (AreaB, 1.6493e-3), (Stroke, 0.075), (ViscousFriction, 2.0e3)] {
         machine.set(parameter, value);
     }
     machine
@@ -183,17 +157,12 @@ fn what_cannot_be_simulated_is_said_with_its_values() {
     let machine = press();
     let initial = InitialState::at_rest(&machine, 0.15);
     let plant = Plant::new(&machine, 1e-7).unwrap();
-    let error = |commands: Commands, times: &[f64]| {
-        plant.simulate(&commands, &initial, times).unwrap_err().to_string()
-    };
+    let error = |commands: Commands, times: &[f64]| plant.simulate(&commands, &initial, times).unwrap_err().to_string();
     assert_eq!(
         error(Commands::Valve(vec![0.0; 3]), &[0.0, 1.0]),
         "3 commands for 2 times; expected one command per time"
     );
-    assert_eq!(
-        error(Commands::Valve(vec![0.0; 2]), &[1.0, 1.0]),
-        "time 1 s at tick 1 does not follow 1 s"
-    );
+    assert_eq!(error(Commands::Valve(vec![0.0; 2]), &[1.0, 1.0]), "time 1 s at tick 1 does not follow 1 s");
     assert!(error(Commands::Pump(vec![PumpCommand::default()]), &[0.0]).contains("Valve"));
     assert_eq!(
         error(Commands::Valve(vec![0.0, f64::NAN]), &[0.0, 1e-3]),

@@ -53,11 +53,7 @@ impl Bench {
     ///
     /// The sensors read at the tick, before the command of that tick acts; the controller sees
     /// that reading.
-    pub fn record(
-        &self,
-        drive: &Drive,
-        initial: &InitialState,
-    ) -> Result<SyntheticRecording, PlantError> {
+    pub fn record(&self, drive: &Drive, initial: &InitialState) -> Result<SyntheticRecording, PlantError> {
         let commands_v = match drive {
             Drive::Open(excitation) => excitation.sample(self.tick_s),
             Drive::Commands(commands_v) => commands_v.clone(),
@@ -89,9 +85,7 @@ impl Bench {
                     return Command::Pump(commands[tick]);
                 }
                 Drive::Open(_) | Drive::Commands(_) => commands_v[tick],
-                Drive::Closed { reference_m, gain_v_per_m } => {
-                    gain_v_per_m * (reference_m[tick] - reading.position_m)
-                }
+                Drive::Closed { reference_m, gain_v_per_m } => gain_v_per_m * (reference_m[tick] - reading.position_m),
             };
             let dither_v = self.dither.map_or(0.0, |dither| dither.at(time_s[tick]));
             let command_v = (wanted_v + dither_v).clamp(-COMMAND_LIMIT_V, COMMAND_LIMIT_V);
@@ -156,11 +150,7 @@ mod tests {
     #[test]
     fn runs_take_milliseconds() {
         let friction = [PlantEffect::coulomb_friction(800.0)];
-        let all = [
-            friction[0],
-            PlantEffect::hose_compliance(1e-13),
-            PlantEffect::internal_leakage(2e-12),
-        ];
+        let all = [friction[0], PlantEffect::hose_compliance(1e-13), PlantEffect::internal_leakage(2e-12)];
         let dither = Some(Dither { amplitude_v: 0.3, frequency_hz: 120.0 });
         let closed = Drive::Closed {
             reference_m: (0..4001).map(|k| 0.15 + 0.05 * (f64::from(k) * 2e-3).sin()).collect(),
@@ -180,8 +170,7 @@ mod tests {
             for machine in [printed(), heavy()] {
                 for tolerance in [1e-7, 1e-10] {
                     let plant = Plant::new(&machine, tolerance).unwrap().with_effects(effects);
-                    let mut bench =
-                        Bench::new(plant.with_load(LoadProfile::none()), Sensors::exact());
+                    let mut bench = Bench::new(plant.with_load(LoadProfile::none()), Sensors::exact());
                     bench.dither = dither;
                     let clock = std::time::Instant::now();
                     bench.record(drive, &InitialState::at_rest(&machine, 0.15)).unwrap();

@@ -60,21 +60,13 @@ impl PlantEffect {
     /// Pump slip with a tenth of it turbulent at 5·10⁶ Pa.
     #[must_use]
     pub const fn pump_slip(conductance_m3_per_s_pa: f64) -> Self {
-        Self::PumpSlip {
-            conductance_m3_per_s_pa,
-            turbulent_share: 0.1,
-            reference_pressure_pa: 5.0e6,
-        }
+        Self::PumpSlip { conductance_m3_per_s_pa, turbulent_share: 0.1, reference_pressure_pa: 5.0e6 }
     }
 
     /// Internal leakage of which a tenth turns turbulent beyond 3·10⁶ Pa.
     #[must_use]
     pub const fn internal_leakage(conductance_m3_per_s_pa: f64) -> Self {
-        Self::InternalLeakage {
-            conductance_m3_per_s_pa,
-            turbulent_share: 0.1,
-            transition_pa: 3.0e6,
-        }
+        Self::InternalLeakage { conductance_m3_per_s_pa, turbulent_share: 0.1, transition_pa: 3.0e6 }
     }
 
     /// Dry friction on bristles of 3·10⁷ N/m with 2·10⁴ N·s/m.
@@ -121,13 +113,7 @@ impl PlantEffect {
                 pump_slip(law, inputs, state, terms);
             }
             Self::InternalLeakage { conductance_m3_per_s_pa, turbulent_share, transition_pa } => {
-                internal_leakage(
-                    conductance_m3_per_s_pa,
-                    turbulent_share,
-                    transition_pa,
-                    state,
-                    terms,
-                );
+                internal_leakage(conductance_m3_per_s_pa, turbulent_share, transition_pa, state, terms);
             }
             Self::CoulombFriction { force_n, stiffness_n_per_m, damping_n_s_per_m } => {
                 if let ([bristle], [rate]) = (own, rates) {
@@ -140,12 +126,7 @@ impl PlantEffect {
 }
 
 /// dV/dp of C·p/(1 + p/ps) is C/(1 + p/ps)².
-fn hose_compliance<R: Real>(
-    compliance: f64,
-    stiffening_pa: f64,
-    state: &State<R>,
-    terms: &mut Terms<R>,
-) {
+fn hose_compliance<R: Real>(compliance: f64, stiffening_pa: f64, state: &State<R>, terms: &mut Terms<R>) {
     let at = |pressure: R| {
         let stretch = pressure / stiffening_pa + 1.0;
         R::from(compliance) / (stretch * stretch)
@@ -169,8 +150,7 @@ fn pump_slip<R: Real>(law: Slip, inputs: &Inputs, state: &State<R>, terms: &mut 
     let turning = speed / (speed + FADE_REV_PER_S) * law.conductance_m3_per_s_pa;
     let lost = |port: R| {
         let difference = port - inputs.tank_pressure_pa;
-        let root = signed_root(difference, inputs.laminar_transition_pa)
-            * law.reference_pressure_pa.sqrt();
+        let root = signed_root(difference, inputs.laminar_transition_pa) * law.reference_pressure_pa.sqrt();
         (difference * (1.0 - law.turbulent_share) + root * law.turbulent_share) * turning
     };
     match pump.direction {
@@ -180,13 +160,7 @@ fn pump_slip<R: Real>(law: Slip, inputs: &Inputs, state: &State<R>, terms: &mut 
     }
 }
 
-fn internal_leakage<R: Real>(
-    conductance: f64,
-    share: f64,
-    transition_pa: f64,
-    state: &State<R>,
-    terms: &mut Terms<R>,
-) {
+fn internal_leakage<R: Real>(conductance: f64, share: f64, transition_pa: f64, state: &State<R>, terms: &mut Terms<R>) {
     let difference = state.pressure_a - state.pressure_b;
     let relative = difference / transition_pa;
     let fading = (relative * relative + 1.0).sqrt().sqrt();
@@ -203,12 +177,7 @@ struct Bristle {
 }
 
 /// `bristle` is the deflection in parts of the one at which the bristles slide, Fc/σ0.
-fn coulomb_friction<R: Real>(
-    law: Bristle,
-    bristle: R,
-    state: &State<R>,
-    terms: &mut Terms<R>,
-) -> R {
+fn coulomb_friction<R: Real>(law: Bristle, bristle: R, state: &State<R>, terms: &mut Terms<R>) -> R {
     if law.force_n <= 0.0 {
         return 0.0.into();
     }

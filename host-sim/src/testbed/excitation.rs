@@ -98,11 +98,7 @@ impl Excitation {
     pub fn sample(&self, tick_s: f64) -> Vec<f64> {
         // A tick that falls on an edge of the signal, but for rounding, is past it.
         let hair_s = 1e-6 * tick_s;
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a count of ticks"
-        )]
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of ticks")]
         let last = (self.duration_s() / tick_s).round() as usize;
         let times = (0..=last).map(|tick| tick as f64 * tick_s + hair_s);
         let phases = |phases: &[(f64, f64)], time_s: f64| {
@@ -116,28 +112,15 @@ impl Excitation {
             }
             Self::Steps { amplitude_v } => {
                 let (hold, cycle) = (REST_S + PAPER_HOLD_S, PAPER_HOLD_S + PAPER_PAUSE_S);
-                let steps = [
-                    (REST_S, amplitude_v),
-                    (hold, 0.0),
-                    (REST_S + cycle, -amplitude_v),
-                    (hold + cycle, 0.0),
-                ];
+                let steps = [(REST_S, amplitude_v), (hold, 0.0), (REST_S + cycle, -amplitude_v), (hold + cycle, 0.0)];
                 times.map(|time_s| phases(&steps, time_s)).collect()
             }
             Self::Sweep { amplitude_v, from_hz, to_hz, duration_s } => {
                 let growth = libm::log(to_hz / from_hz) / duration_s;
                 let turns = |time_s: f64| {
-                    if growth.abs() > 0.0 {
-                        from_hz * libm::expm1(growth * time_s) / growth
-                    } else {
-                        from_hz * time_s
-                    }
+                    if growth.abs() > 0.0 { from_hz * libm::expm1(growth * time_s) / growth } else { from_hz * time_s }
                 };
-                times
-                    .map(|time_s| {
-                        amplitude_v * libm::sin(std::f64::consts::TAU * turns(time_s - hair_s))
-                    })
-                    .collect()
+                times.map(|time_s| amplitude_v * libm::sin(std::f64::consts::TAU * turns(time_s - hair_s))).collect()
             }
             Self::Random { amplitude_v, shortest_s, longest_s, duration_s, seed } => {
                 let mut noise = Noise::new(seed, 0);
@@ -184,9 +167,7 @@ mod tests {
     fn the_paper_sequence_changes_at_the_printed_times() {
         let volts = Excitation::paper_steps(4.0).sample(1e-3);
         assert_eq!(volts.len(), 1801);
-        for (tick, expected) in
-            [(99, 0.0), (100, 4.0), (599, 4.0), (600, 0.0), (949, 0.0), (950, -4.0), (1450, 0.0)]
-        {
+        for (tick, expected) in [(99, 0.0), (100, 4.0), (599, 4.0), (600, 0.0), (949, 0.0), (950, -4.0), (1450, 0.0)] {
             assert!((volts[tick] - expected).abs() < 1e-12, "tick {tick}");
         }
     }
@@ -205,19 +186,13 @@ mod tests {
         let volts = Excitation::random_steps(3).sample(1e-3);
         assert_eq!(volts, Excitation::random_steps(3).sample(1e-3));
         assert_ne!(volts, Excitation::random_steps(4).sample(1e-3));
-        let changes: Vec<usize> =
-            (1..volts.len()).filter(|&k| (volts[k] - volts[k - 1]).abs() > 0.0).collect();
+        let changes: Vec<usize> = (1..volts.len()).filter(|&k| (volts[k] - volts[k - 1]).abs() > 0.0).collect();
         assert!(changes.windows(2).all(|pair| (80..=501).contains(&(pair[1] - pair[0]))));
     }
 
     #[test]
     fn a_triangle_rises_first_and_reaches_both_ends() {
-        let volts = Excitation::Triangle { amplitude_v: 2.0, frequency_hz: 1.0, duration_s: 1.0 }
-            .sample(0.01);
-        assert!(
-            volts[0].abs() < 1e-12
-                && (volts[25] - 2.0).abs() < 1e-12
-                && (volts[75] + 2.0).abs() < 1e-12
-        );
+        let volts = Excitation::Triangle { amplitude_v: 2.0, frequency_hz: 1.0, duration_s: 1.0 }.sample(0.01);
+        assert!(volts[0].abs() < 1e-12 && (volts[25] - 2.0).abs() < 1e-12 && (volts[75] + 2.0).abs() < 1e-12);
     }
 }

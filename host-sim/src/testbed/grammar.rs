@@ -36,9 +36,7 @@ pub enum ExcitationError {
         found: String,
     },
     /// An item is not a number with a unit.
-    #[error(
-        "input {name}: \"{item}\" is not a number with unit V, mV, s, ms or Hz, nor seed=integer"
-    )]
+    #[error("input {name}: \"{item}\" is not a number with unit V, mV, s, ms or Hz, nor seed=integer")]
     Item {
         /// The excitation's name.
         name: &'static str,
@@ -96,22 +94,14 @@ struct Items {
 
 impl Items {
     fn read(name: &'static str, text: &str) -> Result<Self, ExcitationError> {
-        let mut items = Self {
-            name,
-            volts: Vec::new(),
-            seconds: Vec::new(),
-            hertz: Vec::new(),
-            seeds: Vec::new(),
-        };
+        let mut items = Self { name, volts: Vec::new(), seconds: Vec::new(), hertz: Vec::new(), seeds: Vec::new() };
         for item in text.split(',').map(str::trim).filter(|item| !item.is_empty()) {
             let wrong = || ExcitationError::Item { name, item: item.to_owned() };
             if let Some(seed) = item.strip_prefix("seed=") {
                 items.seeds.push(seed.parse().map_err(|_| wrong())?);
                 continue;
             }
-            let unit_at = item
-                .find(|c: char| c.is_alphabetic() && !matches!(c, 'e' | 'E'))
-                .ok_or_else(wrong)?;
+            let unit_at = item.find(|c: char| c.is_alphabetic() && !matches!(c, 'e' | 'E')).ok_or_else(wrong)?;
             let (number, unit) = item.split_at(unit_at);
             let number: f64 = number.trim().parse().map_err(|_| wrong())?;
             match unit {
@@ -139,30 +129,17 @@ impl Items {
 
     fn volts(&self, default: Option<f64>) -> Result<f64, ExcitationError> {
         let (what, unit) = ("the amplitude", "V");
-        let value = self.volts.first().copied().or(default).ok_or(ExcitationError::Missing {
-            name: self.name,
-            what,
-            unit,
-        })?;
+        let value =
+            self.volts.first().copied().or(default).ok_or(ExcitationError::Missing { name: self.name, what, unit })?;
         self.within(what, value, unit, (-10.0, 10.0))
     }
 
-    fn seconds(
-        &self,
-        index: usize,
-        what: &'static str,
-        default: f64,
-    ) -> Result<f64, ExcitationError> {
+    fn seconds(&self, index: usize, what: &'static str, default: f64) -> Result<f64, ExcitationError> {
         let value = self.seconds.get(index).copied().unwrap_or(default);
         self.within(what, value, "s", (1e-3, 3600.0))
     }
 
-    fn hertz(
-        &self,
-        index: usize,
-        what: &'static str,
-        default: f64,
-    ) -> Result<f64, ExcitationError> {
+    fn hertz(&self, index: usize, what: &'static str, default: f64) -> Result<f64, ExcitationError> {
         let value = self.hertz.get(index).copied().unwrap_or(default);
         self.within(what, value, "Hz", (1e-3, 1e3))
     }
@@ -220,8 +197,7 @@ impl FromStr for Excitation {
                 items.at_most([1, 3, 0, 1])?;
                 let shortest_s = items.seconds(0, "the shortest step", 0.08)?;
                 let longest_s = items.seconds(1, "the longest step", 0.5_f64.max(shortest_s))?;
-                let longest_s =
-                    items.within("the longest step", longest_s, "s", (shortest_s, 3600.0))?;
+                let longest_s = items.within("the longest step", longest_s, "s", (shortest_s, 3600.0))?;
                 Ok(Self::Random {
                     amplitude_v: items.volts(Some(10.0))?,
                     shortest_s,
@@ -249,10 +225,7 @@ mod tests {
     #[test]
     fn the_contract_examples_are_read() {
         assert_eq!("step:4V".parse(), Ok(Excitation::Step { amplitude_v: 4.0, hold_s: 0.5 }));
-        assert_eq!(
-            "step: -4e3 mV, 250ms".parse(),
-            Ok(Excitation::Step { amplitude_v: -4.0, hold_s: 0.25 })
-        );
+        assert_eq!("step: -4e3 mV, 250ms".parse(), Ok(Excitation::Step { amplitude_v: -4.0, hold_s: 0.25 }));
         assert_eq!("sweep".parse(), Ok(Excitation::paper_sweep()));
         assert_eq!("sweep:6.5V,0.4Hz,5Hz,4s".parse(), Ok(Excitation::paper_sweep()));
         assert_eq!("random:seed=7".parse(), Ok(Excitation::random_steps(7)));
@@ -272,9 +245,6 @@ mod tests {
         assert_eq!(message("step:4V,1Hz"), "input step: 1 values in Hz, expected at most 0");
         assert!(message("step:4").contains("\"4\" is not a number with unit"));
         assert!(message("step:NaNV").contains("\"NaNV\""));
-        assert!(
-            message("random:10V,0.5s,0.1s")
-                .contains("the longest step is 0.1 s, expected 0.5 to 3600 s")
-        );
+        assert!(message("random:10V,0.5s,0.1s").contains("the longest step is 0.1 s, expected 0.5 to 3600 s"));
     }
 }

@@ -106,11 +106,9 @@ impl LoadProfile {
         let corner_s = self.points.get(next).map_or(f64::INFINITY, |point| point.0);
         let before = next.checked_sub(1).and_then(|index| self.points.get(index));
         let line = match (before, self.points.get(next)) {
-            (Some(&(from_s, from_n)), Some(&(to_s, to_n))) => LoadLine {
-                start_s: from_s,
-                force_n: from_n,
-                slope_n_per_s: (to_n - from_n) / (to_s - from_s),
-            },
+            (Some(&(from_s, from_n)), Some(&(to_s, to_n))) => {
+                LoadLine { start_s: from_s, force_n: from_n, slope_n_per_s: (to_n - from_n) / (to_s - from_s) }
+            }
             (Some(&(start_s, force_n)), None) | (None, Some(&(start_s, force_n))) => {
                 LoadLine { start_s, force_n, slope_n_per_s: 0.0 }
             }

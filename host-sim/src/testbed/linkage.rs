@@ -19,9 +19,7 @@ pub struct Linkage {
 
 /// A triangle that does not close within the stroke.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
-#[error(
-    "linkage: cylinder length {length_m} m within the stroke, expected between {shortest_m} and {longest_m} m"
-)]
+#[error("linkage: cylinder length {length_m} m within the stroke, expected between {shortest_m} and {longest_m} m")]
 pub struct LinkageError {
     /// The length that does not fit, m.
     pub length_m: f64,
@@ -40,8 +38,7 @@ impl Linkage {
             length_retracted_m: machine.get(Parameter::LinkageLengthRetracted),
             angle_at_zero_rad: machine.get(Parameter::LinkageAngleAtZero),
         };
-        let (shortest_m, longest_m) =
-            ((linkage.base_m - linkage.arm_m).abs(), linkage.base_m + linkage.arm_m);
+        let (shortest_m, longest_m) = ((linkage.base_m - linkage.arm_m).abs(), linkage.base_m + linkage.arm_m);
         for position_m in [0.0, machine.get(Parameter::Stroke)] {
             let length_m = linkage.length_retracted_m + position_m;
             if !(shortest_m..=longest_m).contains(&length_m) {

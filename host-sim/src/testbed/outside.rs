@@ -49,12 +49,7 @@ impl<'a> Outside<'a> {
     }
 
     /// Holds a command from `time_s` on. The first one has always been there.
-    pub(super) fn command(
-        &mut self,
-        tick: usize,
-        time_s: f64,
-        command: Command,
-    ) -> Result<(), PlantError> {
+    pub(super) fn command(&mut self, tick: usize, time_s: f64, command: Command) -> Result<(), PlantError> {
         let value = match command {
             Command::Valve(volts) => volts,
             Command::Pump(pump) => pump.speed_rev_per_s,
@@ -64,9 +59,9 @@ impl<'a> Outside<'a> {
         }
         match (self.plant.physics.source(), command) {
             (Source::Valve, Command::Valve(volts)) => {
-                let slider = self.slider.get_or_insert_with(|| {
-                    Slider::at_rest(SliderParameters::of(&self.plant.machine), time_s, volts)
-                });
+                let slider = self
+                    .slider
+                    .get_or_insert_with(|| Slider::at_rest(SliderParameters::of(&self.plant.machine), time_s, volts));
                 slider.command(time_s, volts);
             }
             (Source::Pump, Command::Pump(pump)) => self.pump = Some(pump),
@@ -80,8 +75,7 @@ impl<'a> Outside<'a> {
         let (load, load_end_s) = self.plant.load.line_from(from_s);
         let dead_zone = self.plant.physics.dead_zone();
         let rest = (SliderPiece::resting_at(0.0), f64::INFINITY);
-        let (slider, corner_s) =
-            self.slider.as_mut().map_or(rest, |slider| slider.piece_from(from_s));
+        let (slider, corner_s) = self.slider.as_mut().map_or(rest, |slider| slider.piece_from(from_s));
         let end_s = to_s.min(load_end_s).min(corner_s);
         let (side, end_s) = dead_zone_side(&slider, dead_zone, from_s, end_s);
         (Segment { slider, pump: self.pump, load, side, dead_zone }, end_s)
@@ -94,13 +88,9 @@ impl<'a> Outside<'a> {
         }
         let [pressure_a_pa, pressure_b_pa, velocity_m_per_s, position_m] = si;
         let offset = self.plant.machine.get(Parameter::ValveOffset);
-        let spool = self
-            .slider
-            .as_mut()
-            .map_or(offset, |slider| slider.piece_from(time_s).0.position(time_s));
+        let spool = self.slider.as_mut().map_or(offset, |slider| slider.piece_from(time_s).0.position(time_s));
         let inputs = self.plant.physics.inputs(spool, self.pump, 0.0);
-        let (flow_a_m3_per_s, flow_b_m3_per_s) =
-            self.plant.physics.flows(&inputs, pressure_a_pa, pressure_b_pa);
+        let (flow_a_m3_per_s, flow_b_m3_per_s) = self.plant.physics.flows(&inputs, pressure_a_pa, pressure_b_pa);
         PlantState {
             spool,
             flow_a_m3_per_s,

@@ -79,8 +79,7 @@ impl Physics {
         let get = |parameter| machine.get(parameter);
         // A volume that the file does not give is half the stroke times the area (7).
         let half_stroke = 0.5 * get(Parameter::Stroke);
-        let volume =
-            |given: f64, area: f64| if given.is_nan() { half_stroke * area } else { given };
+        let volume = |given: f64, area: f64| if given.is_nan() { half_stroke * area } else { given };
         let (area_a, area_b) = (get(Parameter::AreaA), get(Parameter::AreaB));
         let modulus = get(Parameter::BulkModulus);
         Self {
@@ -124,13 +123,7 @@ impl Physics {
     }
 
     pub(super) fn inputs(&self, spool: f64, pump: Option<PumpCommand>, force_n: f64) -> Inputs {
-        Inputs {
-            spool,
-            pump,
-            force_n,
-            tank_pressure_pa: self.tank_pa,
-            laminar_transition_pa: self.transition_pa,
-        }
+        Inputs { spool, pump, force_n, tank_pressure_pa: self.tank_pa, laminar_transition_pa: self.transition_pa }
     }
 
     /// Qa and Qb, m³/s, through the valve (3), (4), or from the pump and through the return.
@@ -148,10 +141,7 @@ impl Physics {
                 } else {
                     return (0.0.into(), 0.0.into());
                 };
-                (
-                    limited(root(across_a) * gain, self.flow_limit),
-                    limited(root(across_b) * gain, self.flow_limit),
-                )
+                (limited(root(across_a) * gain, self.flow_limit), limited(root(across_b) * gain, self.flow_limit))
             }
             Source::Pump => {
                 let Some(pump) = inputs.pump else { return (0.0.into(), 0.0.into()) };
@@ -180,9 +170,7 @@ impl Physics {
             into_b: state.velocity * self.area_b - flow_b,
             capacity_a: self.capacity_a.into(),
             capacity_b: self.capacity_b.into(),
-            force: state.pressure_a * self.area_a
-                - state.pressure_b * self.area_b
-                - state.velocity * self.damping
+            force: state.pressure_a * self.area_a - state.pressure_b * self.area_b - state.velocity * self.damping
                 + (self.load_n + inputs.force_n),
         };
         let mut from = BASE_STATES;

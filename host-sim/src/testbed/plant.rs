@@ -41,12 +41,7 @@ impl InitialState {
         let (area_a, area_b) = (machine.get(Parameter::AreaA), machine.get(Parameter::AreaB));
         let load_n = machine.get(Parameter::LoadForce);
         let pressure_a_pa = (2.0 * level_pa * area_b - load_n) / (area_a + area_b);
-        Self {
-            pressure_a_pa,
-            pressure_b_pa: 2.0 * level_pa - pressure_a_pa,
-            position_m,
-            velocity_m_per_s: 0.0,
-        }
+        Self { pressure_a_pa, pressure_b_pa: 2.0 * level_pa - pressure_a_pa, position_m, velocity_m_per_s: 0.0 }
     }
 }
 
@@ -152,8 +147,7 @@ impl Plant {
         for &parameter in Parameter::ALL {
             let value = machine.get(parameter);
             let description = parameter.description();
-            let derived =
-                matches!(parameter, Parameter::VolumeA | Parameter::VolumeB) && value.is_nan();
+            let derived = matches!(parameter, Parameter::VolumeA | Parameter::VolumeB) && value.is_nan();
             if !(derived || (description.min..=description.max).contains(&value)) {
                 return Err(PlantError::Parameter { parameter, value });
             }
@@ -194,9 +188,7 @@ impl Plant {
             return Err(PlantError::Lengths { commands: commands.len(), times: times_s.len() });
         }
         match commands {
-            Commands::Valve(volts) => {
-                self.run(initial, times_s, |tick, _| Command::Valve(volts[tick]))
-            }
+            Commands::Valve(volts) => self.run(initial, times_s, |tick, _| Command::Valve(volts[tick])),
             Commands::Pump(pump) => self.run(initial, times_s, |tick, _| Command::Pump(pump[tick])),
         }
     }
@@ -215,12 +207,7 @@ impl Plant {
         let integration = |time_s| move |cause| PlantError::Integration { time_s, cause };
         let scales = self.physics.scales();
         let mut scaled = vec![0.0; self.physics.states()];
-        let initial_si = [
-            initial.pressure_a_pa,
-            initial.pressure_b_pa,
-            initial.velocity_m_per_s,
-            initial.position_m,
-        ];
+        let initial_si = [initial.pressure_a_pa, initial.pressure_b_pa, initial.velocity_m_per_s, initial.position_m];
         for ((state, value), scale) in scaled.iter_mut().zip(initial_si).zip(scales) {
             if !value.is_finite() {
                 return Err(PlantError::NotFinite { what: "initial state", tick: 0, value });
@@ -234,9 +221,8 @@ impl Plant {
         drive.command(0, start_s, command)?;
 
         let segment = Rc::new(Cell::new(drive.segment_from(start_s, start_s).0));
-        let problem =
-            stiff::problem(&self.physics, &segment, start_s, scaled.clone(), self.tolerance)
-                .map_err(integration(start_s))?;
+        let problem = stiff::problem(&self.physics, &segment, start_s, scaled.clone(), self.tolerance)
+            .map_err(integration(start_s))?;
         let mut stepper = Stepper::new(&problem).map_err(integration(start_s))?;
 
         let mut states = Vec::with_capacity(times_s.len());

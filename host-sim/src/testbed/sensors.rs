@@ -73,11 +73,7 @@ impl PressureSensor {
     fn measure(&self, pressure_pa: f64, noise: &mut Noise) -> f64 {
         // The noise is drawn in any case, so that a quieter sensor sees the same numbers scaled.
         let seen = pressure_pa + noise.gaussian(self.noise_std_pa);
-        let step = if self.bits == 0 {
-            0.0
-        } else {
-            self.range_pa * 2.0_f64.powi(1 - i32::from(self.bits))
-        };
+        let step = if self.bits == 0 { 0.0 } else { self.range_pa * 2.0_f64.powi(1 - i32::from(self.bits)) };
         quantised(seen, step).clamp(-self.range_pa, self.range_pa)
     }
 }
@@ -98,10 +94,7 @@ impl Sensors {
     /// 2.5·10⁷ Pa and 16 bit with 3·10⁴ Pa of noise.
     pub fn of(machine: &Machine<f64>) -> Result<Self, LinkageError> {
         Ok(Self {
-            spool: SpoolSensor {
-                counts_per_unit: machine.get(Parameter::LvdtCounts),
-                noise_std: 0.0,
-            },
+            spool: SpoolSensor { counts_per_unit: machine.get(Parameter::LvdtCounts), noise_std: 0.0 },
             position: PositionSensor::encoder(machine)?,
             pressure: PressureSensor { noise_std_pa: 3.0e4, range_pa: 2.5e7, bits: 16 },
         })
@@ -191,12 +184,8 @@ mod tests {
 
     #[test]
     fn exact_sensors_show_the_truth() {
-        let state = PlantState {
-            spool: 0.123_456_789,
-            pressure_a_pa: 1.234_567e6,
-            position_m: 0.1,
-            ..PlantState::default()
-        };
+        let state =
+            PlantState { spool: 0.123_456_789, pressure_a_pa: 1.234_567e6, position_m: 0.1, ..PlantState::default() };
         let reading = Measuring::new(Sensors::exact(), 3).read(&state);
         assert_eq!(reading.spool.to_bits(), state.spool.to_bits());
         assert_eq!(reading.pressure_a_pa.to_bits(), state.pressure_a_pa.to_bits());

@@ -33,10 +33,7 @@ impl SliderParameters {
             gain_per_v: machine.get(Parameter::ValveGain),
             offset: machine.get(Parameter::ValveOffset),
             rate_per_s: machine.get(Parameter::RateLimit),
-            time_constants_s: [
-                machine.get(Parameter::TimeConstant1),
-                machine.get(Parameter::TimeConstant2),
-            ],
+            time_constants_s: [machine.get(Parameter::TimeConstant1), machine.get(Parameter::TimeConstant2)],
             delay_s: machine.get(Parameter::TransportDelay),
         }
     }
@@ -73,25 +70,15 @@ impl SliderPiece {
     /// A slider that stays where it is.
     #[must_use]
     pub(super) const fn resting_at(position: f64) -> Self {
-        Self {
-            start_s: 0.0,
-            value: position,
-            slope_per_s: 0.0,
-            lags_s: [0.0; 2],
-            transient: [0.0; 2],
-        }
+        Self { start_s: 0.0, value: position, slope_per_s: 0.0, lags_s: [0.0; 2], transient: [0.0; 2] }
     }
 
     /// `states` are the first lag's output and the slider position at the start of the ramp.
     fn new(ramp: Ramp, lags_s: [f64; 2], states: [f64; 2]) -> Self {
         let [first, second] = lags_s;
-        let first_transient =
-            if first > 0.0 { states[0] - ramp.value + ramp.slope_per_s * first } else { 0.0 };
-        let second_transient = if second > 0.0 {
-            states[1] - ramp.value + ramp.slope_per_s * (first + second)
-        } else {
-            0.0
-        };
+        let first_transient = if first > 0.0 { states[0] - ramp.value + ramp.slope_per_s * first } else { 0.0 };
+        let second_transient =
+            if second > 0.0 { states[1] - ramp.value + ramp.slope_per_s * (first + second) } else { 0.0 };
         Self {
             start_s: ramp.start_s,
             value: ramp.value,
@@ -110,8 +97,7 @@ impl SliderPiece {
             return [set, set];
         }
         let mut inner = set;
-        let mut x =
-            set - self.slope_per_s * (first + second) + self.transient[1] * (-t / second).exp();
+        let mut x = set - self.slope_per_s * (first + second) + self.transient[1] * (-t / second).exp();
         if first > 0.0 {
             inner += self.transient[0] * (-t / first).exp() - self.slope_per_s * first;
             // The second lag's answer to exp(-t/first), finite and exact for equal lags too.
@@ -173,11 +159,7 @@ impl Slider {
             let slope_per_s = self.parameters.rate_per_s.copysign(target - value);
             self.ramps.push_back(Ramp { start_s: acts_s, value, slope_per_s });
         }
-        self.ramps.push_back(Ramp {
-            start_s: acts_s + duration_s,
-            value: target,
-            slope_per_s: 0.0,
-        });
+        self.ramps.push_back(Ramp { start_s: acts_s + duration_s, value: target, slope_per_s: 0.0 });
     }
 
     /// The piece in force from `time_s` on, and the time of the next corner of the set value
@@ -199,13 +181,8 @@ mod tests {
     use super::*;
 
     fn slider(lags: [f64; 2], rate_per_s: f64, delay_s: f64) -> Slider {
-        let parameters = SliderParameters {
-            gain_per_v: 0.05,
-            offset: 0.01,
-            rate_per_s,
-            time_constants_s: lags,
-            delay_s,
-        };
+        let parameters =
+            SliderParameters { gain_per_v: 0.05, offset: 0.01, rate_per_s, time_constants_s: lags, delay_s };
         Slider::at_rest(parameters, 0.0, 0.0)
     }
 
@@ -238,14 +215,7 @@ mod tests {
 
     #[test]
     fn closed_form_agrees_with_small_euler_steps_for_any_order_of_lags() {
-        for lags in [
-            [0.018, 0.0279],
-            [0.0279, 0.018],
-            [0.02, 0.02],
-            [0.02, 0.02 + 1e-12],
-            [0.03, 0.0],
-            [0.0, 0.03],
-        ] {
+        for lags in [[0.018, 0.0279], [0.0279, 0.018], [0.02, 0.02], [0.02, 0.02 + 1e-12], [0.03, 0.0], [0.0, 0.03]] {
             let mut slider = slider(lags, 12.0, 0.0023);
             let commands = [(0.0, 8.0), (0.012, -6.0), (0.1, 1.0)];
             let (mut r, mut a, mut x, step) = (0.01, 0.01, 0.01, 1e-6);
@@ -259,8 +229,7 @@ mod tests {
                 if k % 1000 == 0 {
                     assert!((position(&mut slider, t) - x).abs() < 5e-5, "{lags:?} {t}");
                 }
-                let delayed =
-                    commands.iter().rev().find(|(at, _)| at + 0.0023 <= t).map_or(0.0, |c| c.1);
+                let delayed = commands.iter().rev().find(|(at, _)| at + 0.0023 <= t).map_or(0.0, |c| c.1);
                 r += (0.05 * delayed + 0.01 - r).clamp(-12.0 * step, 12.0 * step);
                 a = if lags[0] > 0.0 { a + step * (r - a) / lags[0] } else { r };
                 x = if lags[1] > 0.0 { x + step * (a - x) / lags[1] } else { a };

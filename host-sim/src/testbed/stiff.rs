@@ -10,9 +10,8 @@ use std::sync::Arc;
 use diffsol::small::{SmallMat, SmallVec};
 use diffsol::{DiffsolError, Tableau};
 use diffsol::{
-    NalgebraContext, NalgebraLU, NalgebraMat, NalgebraVec, NonLinearOp, OdeBuilder,
-    OdeEquationsImplicit, OdeSolverMethod, OdeSolverProblem, OdeSolverStopReason, RkState, Sdirk,
-    Vector,
+    NalgebraContext, NalgebraLU, NalgebraMat, NalgebraVec, NonLinearOp, OdeBuilder, OdeEquationsImplicit,
+    OdeSolverMethod, OdeSolverProblem, OdeSolverStopReason, RkState, Sdirk, Vector,
 };
 
 use super::outside::Segment;
@@ -53,8 +52,7 @@ fn entry(row: usize, column: usize) -> f64 {
 
 fn tableau() -> Tableau<f64> {
     let mut a = SmallMat::zeros(STAGES, STAGES);
-    let (mut b, mut c, mut d) =
-        (SmallVec::zeros(STAGES), SmallVec::zeros(STAGES), SmallVec::zeros(STAGES));
+    let (mut b, mut c, mut d) = (SmallVec::zeros(STAGES), SmallVec::zeros(STAGES), SmallVec::zeros(STAGES));
     for row in 0..STAGES {
         for column in 0..STAGES {
             a[(row, column)] = entry(row, column);
@@ -80,9 +78,7 @@ pub(super) fn problem(
     states: Vec<f64>,
     tolerance: f64,
 ) -> Result<
-    OdeSolverProblem<
-        impl OdeEquationsImplicit<M = Matrix, V = NalgebraVec<f64>, T = f64, C = NalgebraContext>,
-    >,
+    OdeSolverProblem<impl OdeEquationsImplicit<M = Matrix, V = NalgebraVec<f64>, T = f64, C = NalgebraContext>>,
     DiffsolError,
 > {
     let count = states.len();
@@ -137,8 +133,7 @@ where
 
 impl<'a, Equations> Stepper<'a, Equations>
 where
-    Equations:
-        OdeEquationsImplicit<M = Matrix, V = NalgebraVec<f64>, T = f64, C = NalgebraContext> + 'a,
+    Equations: OdeEquationsImplicit<M = Matrix, V = NalgebraVec<f64>, T = f64, C = NalgebraContext> + 'a,
 {
     pub(super) fn new(problem: &'a OdeSolverProblem<Equations>) -> Result<Self, DiffsolError> {
         let tableau = tableau();
@@ -175,11 +170,7 @@ where
             match reason {
                 OdeSolverStopReason::TstopReached => {
                     // A step that the stop has cut short says little about the next one.
-                    self.free_step_s = proposed_s.max(if left_s < self.free_step_s {
-                        self.free_step_s
-                    } else {
-                        0.0
-                    });
+                    self.free_step_s = proposed_s.max(if left_s < self.free_step_s { self.free_step_s } else { 0.0 });
                     *self.solver.state_mut().t = end_s;
                     return Ok(());
                 }
@@ -200,8 +191,7 @@ mod tests {
     fn the_tableau_has_order_five_and_its_estimate_order_four() {
         let a = |i: usize, j: usize| entry(i, j);
         let c = |i: usize| (0..STAGES).map(|j| a(i, j)).sum::<f64>();
-        let apply =
-            |f: &dyn Fn(usize) -> f64, i: usize| (0..STAGES).map(|j| a(i, j) * f(j)).sum::<f64>();
+        let apply = |f: &dyn Fn(usize) -> f64, i: usize| (0..STAGES).map(|j| a(i, j) * f(j)).sum::<f64>();
         let ac = |i| apply(&c, i);
         let ac2 = |i| apply(&|j| c(j).powi(2), i);
         let ac3 = |i| apply(&|j| c(j).powi(3), i);
@@ -230,18 +220,13 @@ mod tests {
             (&aac2, 1.0 / 60.0),
             (&aaac, 1.0 / 120.0),
         ];
-        let sum = |row: usize, f: &dyn Fn(usize) -> f64| {
-            (0..STAGES).map(|i| a(row, i) * f(i)).sum::<f64>()
-        };
+        let sum = |row: usize, f: &dyn Fn(usize) -> f64| (0..STAGES).map(|i| a(row, i) * f(i)).sum::<f64>();
         for (index, (tree, value)) in upto_four.iter().enumerate() {
             assert!((sum(STAGES - 1, tree) - value).abs() < 1e-13, "solution, tree {index}");
             assert!((sum(STAGES - 2, tree) - value).abs() < 1e-13, "estimate, tree {index}");
         }
         for (index, (tree, value)) in five.iter().enumerate() {
-            assert!(
-                (sum(STAGES - 1, tree) - value).abs() < 1e-13,
-                "solution, tree {index} of order five"
-            );
+            assert!((sum(STAGES - 1, tree) - value).abs() < 1e-13, "solution, tree {index} of order five");
         }
     }
 }

@@ -66,8 +66,7 @@ impl SyntheticRecording {
     pub fn to_csv(&self) -> String {
         let pump_rpm: Vec<f64> = self.pump.iter().map(signed_rpm).collect();
         let direction: Vec<f64> = self.pump.iter().map(|pump| f64::from(pump.direction)).collect();
-        let time_s: Vec<f64> =
-            self.time_s.iter().map(|time_s| (time_s * 1e9).round() / 1e9).collect();
+        let time_s: Vec<f64> = self.time_s.iter().map(|time_s| (time_s * 1e9).round() / 1e9).collect();
         let mut columns = vec![
             ("time [s]", &time_s),
             ("command [V]", &self.command_v),
@@ -85,8 +84,7 @@ impl SyntheticRecording {
         for row in 0..self.len() {
             for (index, (_, values)) in columns.iter().enumerate() {
                 let separator = if index > 0 { "," } else { "" };
-                write!(text, "{separator}{}", values[row])
-                    .expect("writing to a String does not fail");
+                write!(text, "{separator}{}", values[row]).expect("writing to a String does not fail");
             }
             text.push('\n');
         }
@@ -95,8 +93,7 @@ impl SyntheticRecording {
 
     /// Writes [`Self::to_csv`] beside `path` and renames it into place: never half a file.
     pub fn write_csv(&self, path: &Path) -> Result<(), WriteError> {
-        let folder =
-            path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let write = || -> io::Result<()> {
             let mut file = file_in(folder)?;
             file.write_all(self.to_csv().as_bytes())?;
@@ -154,8 +151,7 @@ mod tests {
     #[test]
     fn a_pump_drive_has_speed_and_direction_instead_of_command_and_spool() {
         let pump = PumpCommand { speed_rev_per_s: 20.0, direction: -1 };
-        let recording =
-            SyntheticRecording { pump: vec![pump], command_v: vec![], spool: vec![], ..one_row() };
+        let recording = SyntheticRecording { pump: vec![pump], command_v: vec![], spool: vec![], ..one_row() };
         assert_eq!(
             recording.to_csv(),
             "time [s],pump_speed [rpm],valve_direction [1],position [m],pressure_a [Pa],pressure_b [Pa]\n0.003,-1200,-1,0.15,1000000,-12.5\n"

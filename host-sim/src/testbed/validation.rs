@@ -51,8 +51,7 @@ pub(super) fn heavy() -> Machine<f64> {
 /// Classical RK4 with substeps of `h`, states r-lag, x, pa, pb, v, y, everything written out.
 fn reference(machine: &Machine<f64>, volts: &[f64], tick_s: f64, substeps: u32) -> Vec<[f64; 4]> {
     let p = |parameter: Parameter| machine.get(parameter);
-    let (gain, offset, rate, delay) =
-        (p(ValveGain), p(ValveOffset), p(RateLimit), p(TransportDelay));
+    let (gain, offset, rate, delay) = (p(ValveGain), p(ValveOffset), p(RateLimit), p(TransportDelay));
     let target = |k: usize| gain * volts[k] + offset;
     let mut limited = vec![target(0)];
     for k in 1..volts.len() {
@@ -64,11 +63,7 @@ fn reference(machine: &Machine<f64>, volts: &[f64], tick_s: f64, substeps: u32) 
         if time <= 0.0 {
             return target(0);
         }
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a tick's number"
-        )]
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a tick's number")]
         let k = ((time / tick_s) as usize).min(volts.len() - 1);
         let reach = (rate * (time - k as f64 * tick_s)).max(0.0);
         limited[k] + (target(k) - limited[k]).clamp(-reach, reach)
@@ -86,8 +81,7 @@ fn reference(machine: &Machine<f64>, volts: &[f64], tick_s: f64, substeps: u32) 
         } else {
             (0.0, 0.0)
         };
-        let (qa, qb) =
-            (qa.clamp(-p(FlowLimit), p(FlowLimit)), qb.clamp(-p(FlowLimit), p(FlowLimit)));
+        let (qa, qb) = (qa.clamp(-p(FlowLimit), p(FlowLimit)), qb.clamp(-p(FlowLimit), p(FlowLimit)));
         let force = p(AreaA) * pa - p(AreaB) * pb - p(ViscousFriction) * v;
         [
             (r(time) - lag) / p(TimeConstant1),
@@ -111,9 +105,7 @@ fn reference(machine: &Machine<f64>, volts: &[f64], tick_s: f64, substeps: u32) 
             let k2 = slope(t + 0.5 * h, &moved(0.5 * h, &k1));
             let k3 = slope(t + 0.5 * h, &moved(0.5 * h, &k2));
             let k4 = slope(t + h, &moved(h, &k3));
-            s = std::array::from_fn(|i| {
-                s[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i])
-            });
+            s = std::array::from_fn(|i| s[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
         }
     }
     rows
@@ -125,11 +117,8 @@ fn times(count: usize) -> Vec<f64> {
 
 /// Steps of both signs, small and large, one of them too short for the ramp to arrive.
 fn steps(count: usize) -> Vec<f64> {
-    let pattern =
-        [(0, 0.0), (50, 4.0), (250, -9.5), (270, 7.0), (550, 0.0), (650, -3.0), (800, 2.3)];
-    (0..count)
-        .map(|k| pattern.iter().rev().find(|entry| entry.0 <= k % 900).map_or(0.0, |entry| entry.1))
-        .collect()
+    let pattern = [(0, 0.0), (50, 4.0), (250, -9.5), (270, 7.0), (550, 0.0), (650, -3.0), (800, 2.3)];
+    (0..count).map(|k| pattern.iter().rev().find(|entry| entry.0 <= k % 900).map_or(0.0, |entry| entry.1)).collect()
 }
 
 fn simulate(machine: &Machine<f64>, volts: &[f64], tolerance: f64) -> Vec<PlantState> {
@@ -141,8 +130,7 @@ fn simulate(machine: &Machine<f64>, volts: &[f64], tolerance: f64) -> Vec<PlantS
 /// Largest differences of slider, both pressures (in supply pressures) and position (in strokes).
 fn distance(machine: &Machine<f64>, one: &[[f64; 4]], other: &[[f64; 4]]) -> [f64; 4] {
     assert_eq!(one.len(), other.len());
-    let scale =
-        [1.0, machine.get(SupplyPressure), machine.get(SupplyPressure), machine.get(Stroke)];
+    let scale = [1.0, machine.get(SupplyPressure), machine.get(SupplyPressure), machine.get(Stroke)];
     let mut worst = [0.0_f64; 4];
     for (a, b) in one.iter().zip(other) {
         for i in 0..4 {
@@ -165,10 +153,7 @@ fn the_plant_agrees_with_an_independent_runge_kutta_solution() {
         let took = clock.elapsed();
         let [x, pa, pb, y] = distance(&machine, &found, &reference(&machine, &volts, 1e-3, 1000));
         println!("{name}: x {x:.1e}, pa {pa:.1e}, pb {pb:.1e}, y {y:.1e} in {took:?}");
-        assert!(
-            x < 1e-8 && pa < 1e-6 && pb < 1e-6 && y < 1e-7,
-            "{name}: {x:.1e} {pa:.1e} {pb:.1e} {y:.1e}"
-        );
+        assert!(x < 1e-8 && pa < 1e-6 && pb < 1e-6 && y < 1e-7, "{name}: {x:.1e} {pa:.1e} {pb:.1e} {y:.1e}");
     }
 }
 
@@ -183,10 +168,7 @@ fn the_solution_converges_with_the_tolerance() {
             let took = clock.elapsed();
             let [_, pa, pb, y] = distance(&machine, &finest, &found);
             println!("{name} at {tolerance:.0e}: pa {pa:.1e}, pb {pb:.1e}, y {y:.1e} in {took:?}");
-            assert!(
-                pa < bound && pb < bound && y < 0.1 * bound,
-                "{name}: {pa:.1e} {pb:.1e} {y:.1e}"
-            );
+            assert!(pa < bound && pb < bound && y < 0.1 * bound, "{name}: {pa:.1e} {pb:.1e} {y:.1e}");
         }
     }
 }
@@ -196,9 +178,7 @@ fn the_solution_converges_with_the_tolerance() {
 #[test]
 fn the_solution_converges_through_saturation_jumps_and_sticking() {
     let mut jumping = press();
-    for (parameter, value) in
-        [(RateLimit, f64::INFINITY), (TimeConstant1, 0.0), (TimeConstant2, 0.0)]
-    {
+    for (parameter, value) in [(RateLimit, f64::INFINITY), (TimeConstant1, 0.0), (TimeConstant2, 0.0)] {
         jumping.set(parameter, value);
     }
     let mut equal_lags = heavy();
@@ -209,27 +189,19 @@ fn the_solution_converges_through_saturation_jumps_and_sticking() {
         PlantEffect::hose_compliance(2e-13),
         PlantEffect::internal_leakage(2e-12),
     ];
-    for (name, machine) in
-        [("printed", printed()), ("jumping", jumping), ("equal lags", equal_lags)]
-    {
+    for (name, machine) in [("printed", printed()), ("jumping", jumping), ("equal lags", equal_lags)] {
         for effects in [&[][..], &rich] {
             let volts = Excitation::random_steps(11).sample(1e-3);
             let run = |tolerance: f64| {
                 let plant = Plant::new(&machine, tolerance).unwrap().with_effects(effects);
                 let initial = InitialState::at_rest(&machine, 0.15);
-                rows(
-                    &plant
-                        .simulate(&Commands::Valve(volts.clone()), &initial, &times(volts.len()))
-                        .unwrap(),
-                )
+                rows(&plant.simulate(&Commands::Valve(volts.clone()), &initial, &times(volts.len())).unwrap())
             };
             let finest = run(1e-12);
             for (tolerance, bound) in [(1e-7, 1e-5), (1e-10, 1e-8)] {
                 let [_, pa, pb, y] = distance(&machine, &finest, &run(tolerance));
                 let count = effects.len();
-                println!(
-                    "{name}, {count} effects at {tolerance:.0e}: pa {pa:.1e}, pb {pb:.1e}, y {y:.1e}"
-                );
+                println!("{name}, {count} effects at {tolerance:.0e}: pa {pa:.1e}, pb {pb:.1e}, y {y:.1e}");
                 assert!(pa < bound && pb < bound && y < bound, "{name}: {pa:.1e} {pb:.1e} {y:.1e}");
             }
         }

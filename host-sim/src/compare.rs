@@ -1,0 +1,214 @@
+//! Fit of every measured signal, end to end and link by link.
+//!
+//! A link that is driven by its measured input and still misses its measured output is the link that lacks physics.
+
+use std::fmt;
+
+use model_core::fixed_point::PerUnit;
+use model_core::machine::{Machine, Source, Tick};
+
+use crate::machine_file::LoadSource;
+use crate::recording::{Recording, RecordingError, Signal};
+use crate::residual::SignalFit;
+use crate::simulate::{
+    EntryPoint, SimulateError, StartOffset, Stimulus, Trajectory, computed_below, first_entry, natural_tick, simulate,
+};
+
+/// The number type of a simulation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, clap::ValueEnum)]
+pub enum Arithmetic {
+    /// What the controller computes.
+    #[default]
+    Fixed,
+    /// f64.
+    Float,
+}
+
+impl Arithmetic {
+    /// Simulates in this number type.
+    pub fn simulate(
+        self,
+        machine: &Machine<f64>,
+        stimulus: &Stimulus,
+        offset: StartOffset<f64>,
+    ) -> Result<Trajectory, SimulateError> {
+        Ok(match self {
+            Arithmetic::Fixed => simulate::<PerUnit>(machine, stimulus, offset)?,
+            Arithmetic::Float => simulate::<f64>(machine, stimulus, offset)?,
+        })
+    }
+}
+
+/// A part of the chain between measured signals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Section {
+    /// From the furthest measured signal upstream to every measured signal.
+    EndToEnd,
+    /// Command → slider.
+    Valve,
+    /// Slider → pressures and position: flow, chambers and mechanics together.
+    BelowSlider,
+    /// Measured flow → pressures and position.
+    BelowFlow,
+    /// Slider (or pump) and recorded pressures → position: what the flow brings less what the oil gives way.
+    FlowAndChambers,
+    /// Recorded pressures or force → position and velocity.
+    Mechanics,
+}
+
+impl Section {
+    /// Whether the section holds so few links that a miss in it names the place.
+    #[must_use]
+    pub fn is_link(self) -> bool {
+        matches!(self, Section::Valve | Section::FlowAndChambers | Section::Mechanics)
+    }
+}
+
+impl fmt::Display for Section {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Section::EndToEnd => "end to end",
+            Section::Valve => "valve",
+            Section::BelowSlider => "below slider",
+            Section::BelowFlow => "below flow",
+            Section::FlowAndChambers => "flow + chambers",
+            Section::Mechanics => "mechanics",
+        })
+    }
+}
+
+/// One section of the chain simulated from its measured input.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SectionFit {
+    /// Which.
+    pub section: Section,
+    /// Where it was entered.
+    pub entry: EntryPoint,
+    /// The fit of each measured signal that it computes.
+    pub fits: Vec<SignalFit>,
+    /// What it computed.
+    pub trajectory: Trajectory,
+}
+
+/// All sections of one recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// The recording's name.
+    pub recording: String,
+    /// Sections in the chain's order; the first is end to end.
+    pub sections: Vec<SectionFit>,
+}
+
+impl Comparison {
+    /// The link with the lowest fit, where links could be told apart.
+    #[must_use]
+    pub fn worst_link(&self) -> Option<(Section, SignalFit)> {
+        self.sections
+            .iter()
+            .filter(|section| section.section.is_link())
+            .flat_map(|section| section.fits.iter().map(move |fit| (section.section, *fit)))
+            .min_by(|(_, a), (_, b)| a.nrmse_percent.total_cmp(&b.nrmse_percent))
+    }
+}
+
+/// Why a comparison is not possible.
+#[derive(Debug, thiserror::Error)]
+pub enum CompareError {
+    /// The simulation is not possible.
+    #[error(transparent)]
+    Simulate(#[from] SimulateError),
+    /// The recording cannot be judged.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// Nothing measured is computed.
+    #[error("{recording}: nothing to compare; expected a measured spool, pressure_a, pressure_b, position or velocity")]
+    NothingMeasured {
+        /// The recording.
+        recording: String,
+    },
+}
+
+/// One planned section: where it is entered, where its load comes from, what it is judged by.
+struct Plan {
+    section: Section,
+    entry: EntryPoint,
+    load: LoadSource,
+    judged: Vec<Signal>,
+}
+
+/// Simulates every section that the recording allows and compares.
+pub fn compare(
+    machine: &Machine<f64>,
+    load: LoadSource,
+    recording: &Recording,
+    arithmetic: Arithmetic,
+    tick: Option<Tick>,
+) -> Result<Comparison, CompareError> {
+    let tick = tick.unwrap_or_else(|| natural_tick(recording));
+    let sections = plans(machine.source, load, recording)?
+        .into_iter()
+        .map(|plan| {
+            let stimulus = Stimulus::new(recording, machine, plan.entry, plan.load, tick)?;
+            let trajectory = arithmetic.simulate(machine, &stimulus, StartOffset::none())?;
+            let fits = plan
+                .judged
+                .iter()
+                .filter_map(|&signal| {
+                    let (recorded, simulated) = (recording.signal(signal)?, trajectory.signal(signal)?);
+                    Some(SignalFit::of(signal, recording.time_s(), recorded, simulated))
+                })
+                .collect();
+            Ok(SectionFit { section: plan.section, entry: plan.entry, fits, trajectory })
+        })
+        .collect::<Result<Vec<_>, CompareError>>()?;
+    Ok(Comparison { recording: recording.name().to_owned(), sections })
+}
+
+/// Measured signals below an entry that can be judged: pressures that are an input cannot.
+#[must_use]
+pub fn judged(recording: &Recording, entry: EntryPoint, load: LoadSource) -> Vec<Signal> {
+    let given = |signal: Signal| {
+        load == LoadSource::RecordedPressures && matches!(signal, Signal::PressureA | Signal::PressureB | Signal::Force)
+    };
+    computed_below(entry).iter().copied().filter(|&signal| recording.has(signal) && !given(signal)).collect()
+}
+
+fn plans(source: Source, load: LoadSource, recording: &Recording) -> Result<Vec<Plan>, CompareError> {
+    let first = first_entry(source, recording)?;
+    let all = judged(recording, first, load);
+    if all.is_empty() {
+        return Err(CompareError::NothingMeasured { recording: recording.name().to_owned() });
+    }
+    for &signal in &all {
+        recording.check_varies(signal)?;
+    }
+    let has = |signal| recording.has(signal);
+    let pressures = has(Signal::PressureA) && has(Signal::PressureB);
+    let motion: Vec<Signal> = [Signal::Position, Signal::Velocity].into_iter().filter(|&signal| has(signal)).collect();
+    let feed = match source {
+        Source::Valve => has(Signal::Spool).then_some(EntryPoint::Slider),
+        Source::Pump => has(Signal::PumpSpeed).then_some(EntryPoint::Pump),
+    };
+    let mut plans = vec![Plan { section: Section::EndToEnd, entry: first, load, judged: all }];
+    let mut add = |section, entry, load, judged: Vec<Signal>| {
+        if !judged.is_empty() {
+            plans.push(Plan { section, entry, load, judged });
+        }
+    };
+    if first == EntryPoint::Command && has(Signal::Spool) {
+        add(Section::Valve, EntryPoint::Command, load, vec![Signal::Spool]);
+        add(Section::BelowSlider, EntryPoint::Slider, load, judged(recording, EntryPoint::Slider, load));
+    }
+    if has(Signal::Flow) && first != EntryPoint::Flow {
+        add(Section::BelowFlow, EntryPoint::Flow, load, judged(recording, EntryPoint::Flow, load));
+    }
+    if let Some(feed) = feed
+        && pressures
+    {
+        add(Section::FlowAndChambers, feed, LoadSource::RecordedPressures, motion.clone());
+    }
+    if (pressures || has(Signal::Force)) && load == LoadSource::Constant && first != EntryPoint::Force {
+        add(Section::Mechanics, EntryPoint::Force, LoadSource::Constant, motion);
+    }
+    Ok(plans)
+}
