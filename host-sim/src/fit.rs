@@ -119,7 +119,15 @@ pub enum FitError {
 }
 
 /// Fits `free` parameters of `machine` to the recordings, from a former solution's coordinates where one is given.
-pub fn fit(machine: &Machine<f64>, free: &[Free], cases: &[&Prepared], from: Option<&Fit>) -> Result<Fit, FitError> {
+///
+/// The search ends when the loss falls by less than `precision` of itself in a step.
+pub fn fit(
+    machine: &Machine<f64>,
+    free: &[Free],
+    cases: &[&Prepared],
+    from: Option<&Fit>,
+    precision: f64,
+) -> Result<Fit, FitError> {
     let levels = cases.iter().any(|case| needs_level(case));
     let count = free.len() + usize::from(levels);
     let mut problem = Problem::new(machine, free, cases, from);
@@ -128,7 +136,7 @@ pub fn fit(machine: &Machine<f64>, free: &[Free], cases: &[&Prepared], from: Opt
     macro_rules! minimise {
         ($($slots:literal)*) => {
             match count {
-                $(0..=$slots => problem.minimise::<$slots>(),)*
+                $(0..=$slots => problem.minimise::<$slots>(precision),)*
                 _ => return Err(FitError::TooMany { count }),
             }
         };
@@ -290,9 +298,9 @@ impl<'a> Problem<'a> {
     }
 
     /// Minimises with `P` partial derivatives a run; whether it converged.
-    fn minimise<const P: usize>(&mut self) -> bool {
+    fn minimise<const P: usize>(&mut self, precision: f64) -> bool {
         let solver = LevenbergMarquardt::new()
-            .with_ftol(1e-7)
+            .with_ftol(precision)
             .with_xtol(1e-5)
             .with_gtol(0.0)
             .with_patience(20)

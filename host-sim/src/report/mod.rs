@@ -1,0 +1,5 @@
+//! What was found, for programs (`json`), for the terminal (`terminal`) and for people (`html`). Every output is a view
+//! of one [`Diagnosis`](crate::diagnose::Diagnosis).
+
+pub mod json;
+pub mod terminal;
