@@ -2,11 +2,16 @@
 #![forbid(unsafe_code)]
 
 pub mod atomic;
+pub mod cli;
 pub mod compare;
 pub mod diagnostic;
 pub mod dual;
 pub mod machine_file;
+pub mod paper;
+pub mod plot;
+pub mod presentation;
 pub mod recording;
 pub mod residual;
 pub mod simulate;
 pub mod testbed;
+pub mod weakest;
