@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod atomic;
+pub mod cli;
 pub mod compare;
 pub mod diagnose;
 pub mod diagnostic;
@@ -10,10 +11,14 @@ pub mod fit;
 pub mod hypothesis;
 pub mod locate;
 pub mod machine_file;
+pub mod paper;
+pub mod plot;
 pub mod prepare;
+pub mod presentation;
 pub mod recording;
 pub mod report;
 pub mod residual;
 pub mod simulate;
 pub mod testbed;
 pub mod verdict;
+pub mod weakest;

@@ -86,6 +86,26 @@ impl PlantEffect {
         }
     }
 
+    /// Names and units of the effects that [`Self::named`] makes.
+    pub const KNOWN: [(&'static str, &'static str); 4] = [
+        ("hose-compliance", "m3/Pa"),
+        ("pump-slip", "m3/s/Pa"),
+        ("internal-leakage", "m3/s/Pa"),
+        ("coulomb-friction", "N"),
+    ];
+
+    /// The effect of this name and strength, in the unit that [`Self::KNOWN`] says, with its other parameters as usual.
+    #[must_use]
+    pub fn named(name: &str, strength: f64) -> Option<Self> {
+        match name {
+            "hose-compliance" => Some(Self::hose_compliance(strength)),
+            "pump-slip" => Some(Self::pump_slip(strength)),
+            "internal-leakage" => Some(Self::internal_leakage(strength)),
+            "coulomb-friction" => Some(Self::coulomb_friction(strength)),
+            _ => None,
+        }
+    }
+
     /// How many states of its own it integrates (all start at zero and are of order one).
     #[must_use]
     pub const fn states(&self) -> usize {

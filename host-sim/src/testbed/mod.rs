@@ -22,6 +22,7 @@ mod slider;
 mod stiff;
 mod synthetic;
 mod tangent;
+mod truth;
 #[cfg(test)]
 mod validation;
 
@@ -34,3 +35,4 @@ pub use linkage::{Linkage, LinkageError};
 pub use plant::{InitialState, Plant, PlantError, PlantState};
 pub use sensors::Sensors;
 pub use synthetic::{SyntheticRecording, WriteError};
+pub use truth::truth_near;

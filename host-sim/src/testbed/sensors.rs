@@ -93,11 +93,17 @@ impl Sensors {
     /// The paper's: LVDT and joint encoder as the machine has them; pressure transmitters of
     /// 2.5·10⁷ Pa and 16 bit with 3·10⁴ Pa of noise.
     pub fn of(machine: &Machine<f64>) -> Result<Self, LinkageError> {
-        Ok(Self {
+        Ok(Self::with_position(machine, PositionSensor::encoder(machine)?))
+    }
+
+    /// As [`Self::of`], with another sensor of the position: a drive without linkage has a scale at its rod.
+    #[must_use]
+    pub fn with_position(machine: &Machine<f64>, position: PositionSensor) -> Self {
+        Self {
             spool: SpoolSensor { counts_per_unit: machine.get(Parameter::LvdtCounts), noise_std: 0.0 },
-            position: PositionSensor::encoder(machine)?,
+            position,
             pressure: PressureSensor { noise_std_pa: 3.0e4, range_pa: 2.5e7, bits: 16 },
-        })
+        }
     }
 
     /// Sensors that show the truth.

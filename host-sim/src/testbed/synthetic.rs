@@ -8,6 +8,7 @@ use thiserror::Error;
 
 use super::input::PumpCommand;
 use super::plant::PlantState;
+use crate::recording::{Column, Recording, RecordingError, Signal};
 
 /// A recording made by the test bed. Row k holds every signal at time k; the command is held from
 /// there to the next row.
@@ -89,6 +90,39 @@ impl SyntheticRecording {
             text.push('\n');
         }
         text
+    }
+
+    /// The recording with each channel rounded to what its sensor can tell, so that its text is short: command 0.1 mV,
+    /// slider 1e-6, position 0.1 µm, pressure 1 Pa.
+    #[must_use]
+    pub fn rounded(mut self) -> Self {
+        let round = |values: &mut Vec<f64>, per_unit: f64| {
+            for value in values {
+                // + 0.0 turns -0.0 into 0.0
+                *value = (*value * per_unit).round() / per_unit + 0.0;
+            }
+        };
+        round(&mut self.command_v, 1e4);
+        round(&mut self.spool, 1e6);
+        round(&mut self.position_m, 1e7);
+        round(&mut self.reference_m, 1e7);
+        round(&mut self.pressure_a_pa, 1.0);
+        round(&mut self.pressure_b_pa, 1.0);
+        self
+    }
+
+    /// The recording of a valve drive as the rest of the program takes it; only what sensors see.
+    pub fn to_recording(&self, name: &str) -> Result<Recording, RecordingError> {
+        let mut columns = vec![
+            Column::si(Signal::Time, self.time_s.clone()),
+            Column::si(Signal::Command, self.command_v.clone()),
+            Column::si(Signal::Spool, self.spool.clone()),
+            Column::si(Signal::Position, self.position_m.clone()),
+            Column::si(Signal::PressureA, self.pressure_a_pa.clone()),
+            Column::si(Signal::PressureB, self.pressure_b_pa.clone()),
+        ];
+        columns.retain(|column| column.signal == Signal::Time || !column.values.is_empty());
+        Recording::new(name, columns)
     }
 
     /// Writes [`Self::to_csv`] beside `path` and renames it into place: never half a file.

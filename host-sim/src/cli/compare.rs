@@ -1,0 +1,250 @@
+//! `host-sim compare`: the fit of every measured signal, end to end and link by link.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::{Attribute, Cell, CellAlignment, Table};
+use model_core::machine::Tick;
+use rayon::prelude::*;
+
+use super::input::{self, MachineArguments};
+use super::{CliError, Console, Outcome};
+use crate::atomic;
+use crate::compare::{Arithmetic, Comparison, Section, compare};
+use crate::machine_file::{LoadSource, MachineFile};
+use crate::plot;
+use crate::presentation::{difference, percent};
+use crate::recording::{Recording, Signal};
+use crate::weakest::{Weakest, obstacles, weakest};
+
+/// Arguments of `compare`.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Examples:
+  host-sim compare --machine M.toml --recording train-1.csv train-2.csv
+  host-sim compare --machine M.toml --recording run.csv --map \"position=Kolbenweg [mm]\" --plot run.svg
+  host-sim compare --machine M.toml --recording run.csv --exit-code --tolerance 97
+
+NRMSE fit is 100·(1 − ‖y − ŷ‖/‖y − mean y‖) %: 100 is perfect, 0 no better than the mean. A section is simulated from its own
+measured input, so that a miss in it is made in it.")]
+pub struct Arguments {
+    #[command(flatten)]
+    machine: MachineArguments,
+    /// Recordings to compare with (CSV)
+    #[arg(long, value_name = "R.csv", required = true, num_args = 1..)]
+    recording: Vec<PathBuf>,
+    /// Draw recorded against simulated, with the residual below; for several recordings a file each, named after it
+    #[arg(long, value_name = "P.svg")]
+    plot: Option<PathBuf>,
+    /// Answer 1 when a signal's fit end to end is below the tolerance
+    #[arg(long)]
+    exit_code: bool,
+    /// Lowest NRMSE fit that is in tolerance, %
+    #[arg(long, value_name = "percent", default_value_t = 95.0, requires = "exit_code")]
+    tolerance: f64,
+}
+
+/// What is compared, checked.
+struct Plan {
+    file: MachineFile,
+    recordings: Vec<Recording>,
+    tick: Option<Tick>,
+    arithmetic: Arithmetic,
+    /// A path for each recording; empty without `--plot`.
+    plots: Vec<PathBuf>,
+}
+
+pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+    let plan = plan(arguments, console)?;
+    let comparisons = compared(&plan, &arguments.machine.machine, console)?;
+    for (path, svg) in plan.plots.iter().zip(drawings(&plan, &comparisons)) {
+        atomic::write(path, |out| out.write_all(svg.as_bytes()))
+            .map_err(|cause| CliError::Write { path: path.clone(), cause })?;
+    }
+    for note in plan.recordings.iter().flat_map(input::notes) {
+        console.print(format_args!("note: {note}"))?;
+    }
+    console.print(table(&comparisons, console.terminal))?;
+    for line in sentences(&comparisons, plan.file.load_source) {
+        console.print(line)?;
+    }
+    for path in &plan.plots {
+        console.print(format_args!("plot: {}", path.display()))?;
+    }
+    if !arguments.exit_code {
+        return Ok(Outcome::Done);
+    }
+    let below: Vec<String> = below(&comparisons, arguments.tolerance).collect();
+    console.print(verdict(&below, arguments.tolerance))?;
+    Ok(if below.is_empty() { Outcome::Done } else { Outcome::OutOfTolerance })
+}
+
+fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> {
+    if !(arguments.tolerance <= 100.0) {
+        let (argument, expected) = ("--tolerance", "at most 100 %");
+        return Err(CliError::Number { argument, found: arguments.tolerance, expected });
+    }
+    let (file, channels) = arguments.machine.read()?;
+    let bar = console.progress(arguments.recording.len(), "reading");
+    let recordings = arguments
+        .recording
+        .iter()
+        .map(|path| {
+            let recording = input::recording(path, &channels);
+            bar.inc(1);
+            recording
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    bar.finish_and_clear();
+    let plots = arguments.plot.as_ref().map_or_else(Vec::new, |path| plot_paths(path, &recordings));
+    Ok(Plan { file, recordings, tick: arguments.machine.tick(), arithmetic: arguments.machine.arithmetic, plots })
+}
+
+/// `out.svg` for one recording; `out-train-1.svg` … for several, numbered when their names repeat.
+fn plot_paths(path: &Path, recordings: &[Recording]) -> Vec<PathBuf> {
+    if recordings.len() == 1 {
+        return vec![path.to_owned()];
+    }
+    let text =
+        |part: Option<&std::ffi::OsStr>| part.map_or_else(String::new, |part| part.to_string_lossy().into_owned());
+    let names: Vec<String> = recordings.iter().map(|recording| text(Path::new(recording.name()).file_stem())).collect();
+    let distinct = names.iter().collect::<BTreeSet<_>>().len() == names.len();
+    let extension = path.extension().map_or_else(String::new, |extension| format!(".{}", extension.to_string_lossy()));
+    let named = |(index, name): (usize, &String)| {
+        let number = if distinct { String::new() } else { format!("{}-", index + 1) };
+        path.with_file_name(format!("{}-{number}{name}{extension}", text(path.file_stem())))
+    };
+    names.iter().enumerate().map(named).collect()
+}
+
+fn compared(plan: &Plan, machine: &Path, console: &Console<'_>) -> Result<Vec<Comparison>, CliError> {
+    let bar = console.progress(plan.recordings.len(), "comparing");
+    let comparisons = plan
+        .recordings
+        .par_iter()
+        .map(|recording| {
+            let found = compare(&plan.file.machine, plan.file.load_source, recording, plan.arithmetic, plan.tick);
+            bar.inc(1);
+            found.map_err(|cause| CliError::Compare { machine: machine.to_owned(), cause })
+        })
+        .collect();
+    bar.finish_and_clear();
+    comparisons
+}
+
+fn drawings<'a>(plan: &'a Plan, comparisons: &'a [Comparison]) -> impl Iterator<Item = String> + 'a {
+    plan.recordings.iter().zip(comparisons).map(|(recording, comparison)| {
+        let panels = comparison.sections.first().map_or_else(Vec::new, |whole| {
+            let judged: Vec<Signal> = whole.fits.iter().map(|fit| fit.signal).collect();
+            plot::panels(recording, whole.entry, &whole.trajectory, &judged)
+        });
+        plot::svg(recording.name(), &format!("recorded against {}, simulated end to end", plan.file.name), &panels)
+    })
+}
+
+/// One row a recording, section and signal; the weakest part of each recording in bold on a terminal.
+fn table(comparisons: &[Comparison], terminal: bool) -> Table {
+    const NUMBERS: std::ops::RangeInclusive<usize> = 3..=7;
+    let mut table = Table::new();
+    table.load_style(UTF8_HORIZONTAL_ONLY);
+    if !terminal {
+        table.force_no_tty();
+    }
+    table.set_header(["recording", "section", "signal", "NRMSE fit %", "R²", "RMSE", "max error", "at s"]);
+    for comparison in comparisons {
+        let worst = weakest(std::slice::from_ref(comparison));
+        for (index, section) in comparison.sections.iter().enumerate() {
+            for (row, fit) in section.fits.iter().enumerate() {
+                let recording = if index + row == 0 { comparison.recording.clone() } else { String::new() };
+                let name = if row == 0 { section.section.to_string() } else { String::new() };
+                let bold = worst.is_some_and(|w| (w.section, w.signal) == (section.section, fit.signal));
+                let cells = [
+                    recording,
+                    name,
+                    fit.signal.to_string(),
+                    percent(fit.nrmse_percent),
+                    format!("{:.6}", fit.r_squared),
+                    difference(fit.signal, fit.rmse),
+                    difference(fit.signal, fit.max_error),
+                    format!("{:.3}", fit.max_at_s),
+                ];
+                table.add_row(cells.map(|text| {
+                    let cell = Cell::new(text);
+                    if bold && terminal { cell.add_attribute(Attribute::Bold) } else { cell }
+                }));
+            }
+        }
+    }
+    for (_, column) in table.column_iter_mut().enumerate().filter(|(index, _)| NUMBERS.contains(index)) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
+}
+
+/// Which part is weakest, in each recording and over all, what that means, and what keeps parts from being told apart.
+fn sentences(comparisons: &[Comparison], load: LoadSource) -> Vec<String> {
+    let mut lines: Vec<String> = comparisons
+        .iter()
+        .filter_map(|comparison| {
+            let found = weakest(std::slice::from_ref(comparison))?;
+            Some(format!("{}: weakest is {}", comparison.recording, described(found)))
+        })
+        .collect();
+    if let Some(found) = weakest(comparisons) {
+        if comparisons.len() > 1 {
+            lines.push(format!("over all {}: weakest is {} on average", comparisons.len(), described(found)));
+        }
+        lines.push(meaning(found));
+    }
+    let missing: BTreeSet<String> =
+        comparisons.iter().flat_map(|comparison| obstacles(comparison, load)).map(|found| found.to_string()).collect();
+    lines.extend(missing.into_iter().map(|missing| format!("But {missing}.")));
+    lines
+}
+
+fn described(found: Weakest) -> String {
+    format!("{}, {} at {} %", found.section, found.signal, percent(found.nrmse_percent))
+}
+
+fn meaning(found: Weakest) -> String {
+    let signal = found.signal;
+    let told = match found.section {
+        Section::EndToEnd => {
+            return "This is the whole chain: whatever it misses may be missed anywhere in it.".to_owned();
+        }
+        Section::Valve => format!("Driven by the recorded command, the valve alone misses the recorded {signal}"),
+        Section::BelowSlider => {
+            format!("Driven by the recorded slider, flow, chambers and mechanics together miss the recorded {signal}")
+        }
+        Section::BelowFlow => format!("Driven by the recorded flow, chambers and mechanics together miss the {signal}"),
+        Section::FlowAndChambers => format!(
+            "At the recorded pressures, the flow less what the oil gives way does not make the recorded {signal}: orifices, \
+             pump, leakage or compressibility"
+        ),
+        Section::Mechanics => {
+            format!("Driven by the recorded pressures, mass, friction and load alone miss the recorded {signal}")
+        }
+    };
+    if found.among > 1 {
+        format!("{told}; the other parts do better. Physics is missing there, or a parameter of it is off.")
+    } else {
+        format!("{told}. It is the only part that could be judged by itself.")
+    }
+}
+
+fn below(comparisons: &[Comparison], tolerance: f64) -> impl Iterator<Item = String> + '_ {
+    comparisons.iter().flat_map(move |comparison| {
+        let fits = comparison.sections.first().into_iter().flat_map(|whole| &whole.fits);
+        // A fit that is not a number is not in tolerance.
+        fits.filter(move |fit| !(fit.nrmse_percent >= tolerance))
+            .map(|fit| format!("{} {} ({} %)", comparison.recording, fit.signal, percent(fit.nrmse_percent)))
+    })
+}
+
+fn verdict(below: &[String], tolerance: f64) -> String {
+    if below.is_empty() {
+        format!("in tolerance: every signal fits end to end with at least {tolerance} %")
+    } else {
+        format!("out of tolerance: below {tolerance} % end to end: {}", below.join(", "))
+    }
+}

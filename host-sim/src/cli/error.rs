@@ -1,0 +1,158 @@
+//! Why a command could not be done.
+
+use std::io;
+use std::path::PathBuf;
+
+use model_core::machine::Source;
+
+use crate::compare::CompareError;
+use crate::diagnostic::{self, Explained};
+use crate::machine_file::MachineFileError;
+use crate::paper::PaperError;
+use crate::recording::{MapError, RecordingError};
+use crate::simulate::SimulateError;
+use crate::testbed::{ExcitationError, LinkageError, PlantError};
+
+/// Why a command could not be done.
+#[derive(Debug, thiserror::Error)]
+pub enum CliError {
+    /// The machine file.
+    #[error(transparent)]
+    MachineFile(#[from] MachineFileError),
+    /// A recording, or the writing of one.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// An argument of `--map`.
+    #[error("--map: {0}")]
+    Map(#[from] MapError),
+    /// An excitation given as text.
+    #[error(transparent)]
+    Excitation(#[from] ExcitationError),
+    /// The machine and the recording do not make a simulation.
+    #[error("{machine}: {cause}")]
+    Simulate {
+        /// The machine file.
+        machine: PathBuf,
+        /// Why.
+        cause: SimulateError,
+    },
+    /// The machine and the recording do not make a comparison.
+    #[error("{machine}: {cause}")]
+    Compare {
+        /// The machine file.
+        machine: PathBuf,
+        /// Why.
+        cause: CompareError,
+    },
+    /// The paper's experiment.
+    #[error(transparent)]
+    Paper(#[from] PaperError),
+    /// The virtual drive.
+    #[error("{excitation}: {cause}")]
+    Plant {
+        /// What it was excited with.
+        excitation: String,
+        /// Why.
+        cause: PlantError,
+    },
+    /// The encoder's linkage.
+    #[error("{machine}: {cause}; --position-step measures at the rod instead")]
+    Linkage {
+        /// The machine file.
+        machine: PathBuf,
+        /// Why.
+        cause: LinkageError,
+    },
+    /// The rod of the virtual drive leaves its cylinder.
+    #[error(
+        "{excitation}: the rod goes from {low_mm:.1} to {high_mm:.1} mm; expected it to stay within 0 to {stroke_mm:.1} mm: \
+         excite it less, or shorter"
+    )]
+    LeavesStroke {
+        /// What it was excited with.
+        excitation: String,
+        /// Lowest position, mm.
+        low_mm: f64,
+        /// Highest position, mm.
+        high_mm: f64,
+        /// Stroke, mm.
+        stroke_mm: f64,
+    },
+    /// A command in volts for a drive that has none.
+    #[error(
+        "{machine}: the drive's source is its {source_of_drive:?}; expected a [valve], which is what {what} commands"
+    )]
+    NeedsValve {
+        /// The machine file.
+        machine: PathBuf,
+        /// What it has.
+        source_of_drive: Source,
+        /// The argument or command.
+        what: &'static str,
+    },
+    /// An `--effect` that the test bed does not have.
+    #[error("--effect {argument}: expected one of {known}, then `=` and a number, such as coulomb-friction=800")]
+    Effect {
+        /// The argument.
+        argument: String,
+        /// The names with their units.
+        known: String,
+    },
+    /// A number among the arguments that makes no sense.
+    #[error("{argument} is {found}; expected {expected}")]
+    Number {
+        /// The argument.
+        argument: &'static str,
+        /// Its value.
+        found: f64,
+        /// What would do.
+        expected: &'static str,
+    },
+    /// The folder holds recordings that this run would not replace.
+    #[error("{} is there already and would be taken for one of this run's; expected a folder without other train-*.csv or holdout-*.csv", path.display())]
+    OtherRecording {
+        /// The recording.
+        path: PathBuf,
+    },
+    /// A file or folder that cannot be written.
+    #[error("{}: cannot be written: {cause}; expected a folder that can be written to", path.display())]
+    Write {
+        /// Where to.
+        path: PathBuf,
+        /// What the system says.
+        cause: io::Error,
+    },
+    /// Standard output cannot be written.
+    #[error("standard output: {0}")]
+    Output(io::Error),
+}
+
+impl CliError {
+    /// The message as it is shown: with the line it is about where it has one.
+    #[must_use]
+    pub fn render(&self) -> String {
+        fn shown(error: &impl Explained) -> String {
+            diagnostic::render(error)
+        }
+        match self {
+            CliError::MachineFile(error) => shown(error),
+            CliError::Recording(error) | CliError::Compare { cause: CompareError::Recording(error), .. } => {
+                shown(error)
+            }
+            other => format!("error: {other}"),
+        }
+    }
+
+    /// Whether the reader of the output has gone, as `head` does.
+    #[must_use]
+    pub fn is_closed_pipe(&self) -> bool {
+        match self {
+            CliError::Output(error)
+            | CliError::Write { cause: error, .. }
+            | CliError::Recording(RecordingError::Write { source: error, .. }) => {
+                error.kind() == io::ErrorKind::BrokenPipe
+            }
+            _ => false,
+        }
+    }
+}

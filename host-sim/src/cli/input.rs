@@ -1,0 +1,77 @@
+//! Arguments that several commands share, and what they become.
+
+use std::path::{Path, PathBuf};
+
+use model_core::machine::Tick;
+
+use super::CliError;
+use crate::compare::Arithmetic;
+use crate::machine_file::{self, MachineFile};
+use crate::recording::{self, ChannelMap, Recording};
+
+/// The drive, how its recordings are to be read, and how it is computed.
+#[derive(Clone, Debug, clap::Args)]
+pub struct MachineArguments {
+    /// Machine file of the drive (TOML, SI units)
+    #[arg(long, value_name = "M.toml")]
+    pub machine: PathBuf,
+    /// Which column holds a signal, where its header does not say; may be repeated
+    #[arg(long = "map", value_name = "name=header")]
+    pub maps: Vec<String>,
+    /// Number type of the simulation; fixed is what the controller computes
+    #[arg(long, value_enum, default_value_t)]
+    pub arithmetic: Arithmetic,
+    /// Step of the model in ms; without it 1, or 0.5 for recordings faster than that
+    #[arg(long, value_enum, value_name = "ms")]
+    pub tick: Option<TickArgument>,
+}
+
+/// Step of the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum TickArgument {
+    /// 0.5 ms
+    #[value(name = "0.5")]
+    Half,
+    /// 1 ms
+    #[value(name = "1")]
+    One,
+    /// 2 ms
+    #[value(name = "2")]
+    Two,
+}
+
+impl From<TickArgument> for Tick {
+    fn from(argument: TickArgument) -> Self {
+        match argument {
+            TickArgument::Half => Tick::HalfMillisecond,
+            TickArgument::One => Tick::OneMillisecond,
+            TickArgument::Two => Tick::TwoMilliseconds,
+        }
+    }
+}
+
+impl MachineArguments {
+    /// The machine file, and which columns hold which signals: the command line over the machine file.
+    pub fn read(&self) -> Result<(MachineFile, ChannelMap), CliError> {
+        let maps = ChannelMap::from_arguments(self.maps.iter().map(String::as_str))?;
+        let file = machine_file::read(&self.machine)?;
+        let channels = file.channels.clone().overlaid_with(&maps);
+        Ok((file, channels))
+    }
+
+    /// The step that was asked for.
+    #[must_use]
+    pub fn tick(&self) -> Option<Tick> {
+        self.tick.map(Tick::from)
+    }
+}
+
+/// A recording of a file.
+pub(super) fn recording(path: &Path, channels: &ChannelMap) -> Result<Recording, CliError> {
+    Ok(recording::read(path, channels)?)
+}
+
+/// The notes of a recording, each with its name.
+pub(super) fn notes(recording: &Recording) -> impl Iterator<Item = String> + '_ {
+    recording.notes().iter().map(|note| format!("{}: {note}", recording.name()))
+}

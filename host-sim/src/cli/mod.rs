@@ -1,0 +1,92 @@
+//! The command line: one file a command, each from parsed arguments by way of a checked plan to a run.
+//!
+//! Results are plain data from the rest of the library; what is printed here is a view of them. Exit status: 0 done, 1 by
+//! `--exit-code`, 2 it could not be done, with one message on standard error.
+
+pub mod compare;
+mod console;
+mod error;
+mod input;
+pub mod paper;
+pub mod simulate;
+pub mod testbed;
+
+use std::io::Write;
+use std::process::ExitCode;
+
+pub use console::Console;
+pub use error::CliError;
+pub use input::{MachineArguments, TickArgument};
+
+/// Simulates and compares valve-controlled hydraulic drives against recordings.
+#[derive(Debug, clap::Parser)]
+#[command(name = "host-sim", version, max_term_width = 110, arg_required_else_help = true)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// One command and its arguments.
+#[derive(Debug, clap::Subcommand)]
+pub enum Command {
+    /// Simulate a recording or an input signal and write the signals as CSV.
+    Simulate(simulate::Arguments),
+    /// Compare recordings with the model, end to end and link by link.
+    Compare(compare::Arguments),
+    /// Repeat the paper's experiment on a virtual test bed and print its tables.
+    Paper(paper::Arguments),
+    /// Make synthetic recordings of a drive, with effects that its machine file knows nothing of.
+    Testbed(testbed::Arguments),
+}
+
+/// How a command ended that could be done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// Done: exit status 0.
+    Done,
+    /// Done, and `--exit-code` asks to say that something is out of tolerance: exit status 1.
+    OutOfTolerance,
+}
+
+/// Runs a command.
+pub fn run(command: &Command, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+    match command {
+        Command::Simulate(arguments) => simulate::run(arguments, console),
+        Command::Compare(arguments) => compare::run(arguments, console),
+        Command::Paper(arguments) => paper::run(arguments, console),
+        Command::Testbed(arguments) => testbed::run(arguments, console),
+    }
+}
+
+/// The exit status of a result; an error is written to `errors`.
+///
+/// A reader that has closed the other end of standard output has seen what it wanted: that is no error.
+pub fn finish(result: Result<Outcome, CliError>, errors: &mut dyn Write) -> ExitCode {
+    match result {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::OutOfTolerance) => ExitCode::from(1),
+        Err(error) if error.is_closed_pipe() => ExitCode::SUCCESS,
+        Err(error) => {
+            // Nobody is left to tell when standard error is closed too.
+            let _ = writeln!(errors, "{}", error.render());
+            ExitCode::from(2)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_arguments_are_consistent_and_every_command_shows_an_example() {
+        let mut cli = super::Cli::command();
+        cli.build();
+        cli.clone().debug_assert();
+        for command in cli.get_subcommands_mut().filter(|command| command.get_name() != "help") {
+            let help = command.render_long_help().to_string();
+            assert!(help.contains("Example"), "{help}");
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! `host-sim paper`: the paper's tables, from the virtual test bed.
+
+use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::{CellAlignment, Table};
+
+use super::{CliError, Console, Outcome};
+use crate::compare::Arithmetic;
+use crate::paper::{
+    CHARACTERISTIC, COMMANDS_V, DEVIATIONS, DITHER, Experiment, FRICTION_N, LEAKAGE_M3_PER_S_PA, SETTLED_S,
+    TABLE_2_PERCENT, experiment,
+};
+
+/// Arguments of `paper`.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Example:
+  host-sim paper
+
+The model is presets/paper-as-printed.toml.")]
+pub struct Arguments {
+    /// Number type of the simulation; fixed is what the controller computes
+    #[arg(long, value_enum, default_value_t)]
+    arithmetic: Arithmetic,
+}
+
+pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+    let bar = console.progress(COMMANDS_V.len(), "running the steps");
+    let found = experiment(arguments.arithmetic, || bar.inc(1))?;
+    bar.finish_and_clear();
+    console.print(introduction())?;
+    console.print("\nTable 1. Similarity of the slider for step responses: from the command, by static characteristic, rate limit and (16)")?;
+    console.print(table_1(&found))?;
+    console.print(
+        "The paper's Table 1 is lost from its text, which says of it: worst at 2 and 4 V; at 6, 8 and 10 V \"97%\".",
+    )?;
+    console.print("\nTable 2. Similarity of the position for step responses: from the command (Fig. 6b), and from the measured slider (Fig. 3)")?;
+    console.print(table_2(&found))?;
+    console.print(characteristic(&found))?;
+    Ok(Outcome::Done)
+}
+
+fn introduction() -> String {
+    let deviations: Vec<String> = DEVIATIONS
+        .iter()
+        .map(|(parameter, factor)| format!("{} {:+.1} %", parameter.description().key, 100.0 * (factor - 1.0)))
+        .collect();
+    format!(
+        "The paper's recordings were not published: these are synthetic, made on a virtual test bed.\n\
+         Its drive is the preset paper-as-printed with {},\n\
+         {FRICTION_N} N of dry friction and {LEAKAGE_M3_PER_S_PA:e} m3/s/Pa of leakage past the piston, which the model does not have;\n\
+         16-bit LVDT with noise, joint encoder of 3600 impulses, dither of {} V at {} Hz. The figures beside the paper's are not a\n\
+         check of the model against the paper's drive. Similarity is the NRMSE fit, 100·(1 − ‖y − ŷ‖/‖y − mean y‖) %; the paper does\n\
+         not define its own.",
+        deviations.join(", "),
+        DITHER.amplitude_v,
+        DITHER.frequency_hz
+    )
+}
+
+fn table(header: &[&str], rows: Vec<Vec<String>>) -> Table {
+    let mut table = Table::new();
+    table.load_style(UTF8_HORIZONTAL_ONLY).force_no_tty().set_header(header).add_rows(rows);
+    for column in table.column_iter_mut() {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
+}
+
+fn table_1(found: &Experiment) -> Table {
+    let rows = found.steps.iter().map(|step| {
+        let fit = step.slider;
+        let paper = if step.command_v < 5.0 { "lost" } else { "lost (97)" };
+        vec![
+            format!("{}", step.command_v),
+            format!("{:.2}", fit.nrmse_percent),
+            paper.to_owned(),
+            format!("{:.3}", 100.0 * fit.rmse),
+            format!("{:.3}", 100.0 * fit.max_error),
+        ]
+    });
+    table(
+        &["input [V]", "similarity [%]", "paper [%]", "RMSE [% of travel]", "max error [% of travel]"],
+        rows.collect(),
+    )
+}
+
+fn table_2(found: &Experiment) -> Table {
+    let rows = found.steps.iter().zip(TABLE_2_PERCENT).map(|(step, paper)| {
+        vec![
+            format!("{}", step.command_v),
+            format!("{:.2}", step.position.nrmse_percent),
+            format!("{paper:.2}"),
+            format!("{:.3}", 1e3 * step.position.rmse),
+            format!("{:.2}", step.position_from_slider.nrmse_percent),
+            format!("{:.3}", 1e3 * step.position_from_slider.rmse),
+        ]
+    });
+    let header = [
+        "input [V]",
+        "from command [%]",
+        "paper [%]",
+        "RMSE [mm]",
+        "from measured slider [%]",
+        "RMSE from slider [mm]",
+    ];
+    table(&header, rows.collect())
+}
+
+fn characteristic(found: &Experiment) -> String {
+    format!(
+        "\nStatic characteristic by linear regression on the slider later than {SETTLED_S} s after the step\n\
+         \x20 here          y = {:.4} U + {:.4}\n\
+         \x20 paper's (15)  y = {:.4} U + {:.4}",
+        found.slope_per_v, found.offset, CHARACTERISTIC.0, CHARACTERISTIC.1
+    )
+}

@@ -1,0 +1,131 @@
+//! `host-sim simulate`: the signals of the model for a recording or for an input signal.
+
+use std::path::PathBuf;
+
+use model_core::machine::{Machine, Source, Tick};
+use model_core::parameter::Parameter;
+
+use super::input::{self, MachineArguments};
+use super::{CliError, Console, Outcome};
+use crate::atomic;
+use crate::compare::{Arithmetic, judged};
+use crate::machine_file::LoadSource;
+use crate::plot;
+use crate::recording::{Column, Recording, Signal};
+use crate::simulate::{EntryPoint, SimulateError, StartOffset, Stimulus, Trajectory, first_entry, natural_tick};
+use crate::testbed::Excitation;
+
+/// Arguments of `simulate`.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Examples:
+  host-sim simulate --machine M.toml --recording run.csv --out simulated.csv
+  host-sim simulate --machine M.toml --input \"step:4V\" --out step.csv
+
+With --recording the file holds one row per recorded row in the recording's own columns and units; the signals that the model
+computes are replaced. With --input the drive starts at mid-stroke, at rest, and every signal is written in SI units.
+Inputs: zero:2s  step:4V,0.5s  steps:4V  sweep:6.5V,0.4Hz,5Hz,4s  random:10V,0.08s,0.5s,4s,seed=1  triangle:2V,0.5Hz,4s")]
+#[command(group(clap::ArgGroup::new("stimulus").required(true).args(["recording", "input"])))]
+pub struct Arguments {
+    #[command(flatten)]
+    machine: MachineArguments,
+    /// Recording to simulate (CSV)
+    #[arg(long, value_name = "R.csv")]
+    recording: Option<PathBuf>,
+    /// Signal at the command, such as "step:4V"
+    #[arg(long, value_name = "signal")]
+    input: Option<String>,
+    /// Where to write the simulated signals
+    #[arg(long, value_name = "S.csv")]
+    out: PathBuf,
+    /// Also draw recorded against simulated
+    #[arg(long, value_name = "P.svg", requires = "recording")]
+    plot: Option<PathBuf>,
+}
+
+/// What is simulated, checked.
+struct Plan {
+    name: String,
+    machine: Machine<f64>,
+    load: LoadSource,
+    /// The recording, or the input signal alone.
+    recording: Recording,
+    entry: EntryPoint,
+    tick: Tick,
+    arithmetic: Arithmetic,
+}
+
+pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+    let plan = plan(arguments)?;
+    for note in input::notes(&plan.recording) {
+        console.note(note);
+    }
+    let bar = console.progress(1, "simulating");
+    let simulated =
+        simulate(&plan).map_err(|cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause })?;
+    bar.finish_and_clear();
+    let drawing = arguments.plot.as_ref().map(|path| {
+        let signals = judged(&plan.recording, plan.entry, plan.load);
+        let panels = plot::panels(&plan.recording, plan.entry, &simulated, &signals);
+        (path, plot::svg(plan.recording.name(), &plan.name, &panels))
+    });
+    match arguments.recording {
+        Some(_) => {
+            let series: Vec<(Signal, &[f64])> =
+                simulated.series.iter().map(|(signal, values)| (*signal, values.as_slice())).collect();
+            plan.recording.write_csv(&arguments.out, &series)?;
+        }
+        None => response(&plan.recording, &simulated)?.write_csv(&arguments.out, &[])?,
+    }
+    if let Some((path, svg)) = drawing {
+        atomic::write(path, |out| out.write_all(svg.as_bytes()))
+            .map_err(|cause| CliError::Write { path: path.clone(), cause })?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn plan(arguments: &Arguments) -> Result<Plan, CliError> {
+    let (file, channels) = arguments.machine.read()?;
+    let (machine, asked) = (file.machine, arguments.machine.tick());
+    let (recording, load) = if let Some(path) = &arguments.recording {
+        (input::recording(path, &channels)?, file.load_source)
+    } else {
+        let excitation: Excitation = arguments.input.as_deref().unwrap_or_default().parse()?;
+        if machine.source != Source::Valve {
+            let (machine, source_of_drive) = (arguments.machine.machine.clone(), machine.source);
+            return Err(CliError::NeedsValve { machine, source_of_drive, what: "--input" });
+        }
+        (excited(&machine, &excitation, asked.unwrap_or(Tick::OneMillisecond))?, LoadSource::Constant)
+    };
+    let entry = first_entry(machine.source, &recording)
+        .map_err(|cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause })?;
+    let tick = asked.unwrap_or_else(|| natural_tick(&recording));
+    Ok(Plan { name: file.name, machine, load, recording, entry, tick, arithmetic: arguments.machine.arithmetic })
+}
+
+/// A recording of the command alone; the rod starts at mid-stroke.
+fn excited(machine: &Machine<f64>, excitation: &Excitation, tick: Tick) -> Result<Recording, CliError> {
+    let command_v = excitation.sample(tick.seconds());
+    // Times to the nanosecond: 0.003 and not 0.0030000000000000001.
+    let time_s = (0..command_v.len()).map(|k| (k as f64 * tick.seconds() * 1e9).round() / 1e9).collect();
+    let position_m = vec![0.5 * machine.get(Parameter::Stroke); command_v.len()];
+    let columns = vec![
+        Column::si(Signal::Time, time_s),
+        Column::si(Signal::Command, command_v),
+        Column::si(Signal::Position, position_m),
+    ];
+    Ok(Recording::new("the input", columns)?)
+}
+
+/// The command and every signal that follows from it, in SI units.
+fn response(input: &Recording, simulated: &Trajectory) -> Result<Recording, CliError> {
+    const SIGNALS: [Signal; 6] =
+        [Signal::Spool, Signal::Position, Signal::Velocity, Signal::PressureA, Signal::PressureB, Signal::Flow];
+    let given = input.columns().iter().filter(|column| column.signal != Signal::Position).cloned();
+    let computed = SIGNALS.iter().filter_map(|&signal| Some(Column::si(signal, simulated.signal(signal)?.to_vec())));
+    Ok(Recording::new("the response", given.chain(computed).collect())?)
+}
+
+fn simulate(plan: &Plan) -> Result<Trajectory, SimulateError> {
+    let stimulus = Stimulus::new(&plan.recording, &plan.machine, plan.entry, plan.load, plan.tick)?;
+    plan.arithmetic.simulate(&plan.machine, &stimulus, StartOffset::none())
+}

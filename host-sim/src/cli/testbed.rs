@@ -1,0 +1,215 @@
+//! `host-sim testbed`: synthetic recordings of a drive that holds more than its machine file says.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use model_core::machine::{Machine, Source};
+use model_core::parameter::Parameter;
+use rayon::prelude::*;
+
+use super::input::TickArgument;
+use super::{CliError, Console, Outcome};
+use crate::atomic;
+use crate::machine_file::{self, MachineFile};
+use crate::testbed::sensors::PositionSensor;
+use crate::testbed::{
+    Bench, Dither, Drive, Excitation, InitialState, Plant, PlantEffect, Sensors, SyntheticRecording, truth_near,
+};
+
+/// Arguments of `testbed`.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Example:
+  host-sim testbed --machine M.toml --effect coulomb-friction=800 --train \"random:8V,seed=1\" --train \"steps:6V\" \\
+      --holdout \"sweep:5V\" --seed 7 --out case
+
+The machine file holds the nominal values. The drive on the test bed is drawn about them by [fit.sigma] and the seed
+(--spread 0 leaves it exact), starts at mid-stroke, at rest, and has the effects given. The folder gets the machine file as it
+is, train-1.csv …, holdout-1.csv …: command, slider, position and both pressures as the sensors show them.
+The same arguments make the same files.")]
+pub struct Arguments {
+    /// Machine file of the drive's nominal values (TOML, SI units)
+    #[arg(long, value_name = "M.toml")]
+    machine: PathBuf,
+    /// Command of a recording to train on, such as "steps:6V"; may be repeated
+    #[arg(long, value_name = "signal", required = true)]
+    train: Vec<Excitation>,
+    /// Command of a recording to hold out; may be repeated
+    #[arg(long, value_name = "signal")]
+    holdout: Vec<Excitation>,
+    /// Effect of the drive that its machine file does not know, with its strength in SI units; may be repeated
+    #[arg(long, value_name = "name=strength")]
+    effect: Vec<String>,
+    /// How far the drive is from its nominal values, in standard deviations of [fit.sigma]
+    #[arg(long, value_name = "factor", default_value_t = 1.0)]
+    spread: f64,
+    /// Noise of slider and pressures, in parts of the usual: 5e-4 of travel, 0.3 bar
+    #[arg(long, value_name = "factor", default_value_t = 1.0)]
+    noise: f64,
+    /// Step of a linear scale on the rod, mm; without it the encoder on the joint measures the position
+    #[arg(long, value_name = "mm")]
+    position_step: Option<f64>,
+    /// Dither on the command: amplitude in V, frequency in Hz
+    #[arg(long, value_names = ["V", "Hz"], num_args = 2)]
+    dither: Vec<f64>,
+    /// Proportional control of the position with this gain, V/m; the signals are then deviations of the set value, times the gain
+    #[arg(long, value_name = "V/m")]
+    closed_loop: Option<f64>,
+    /// Interval of control and recording, ms
+    #[arg(long, value_enum, value_name = "ms", default_value = "1")]
+    tick: TickArgument,
+    /// Seed of the drive's deviations and of the sensors' noise
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Folder to write to; made where it is not there
+    #[arg(long, value_name = "folder")]
+    out: PathBuf,
+}
+
+/// What is made, checked.
+struct Plan {
+    file: MachineFile,
+    bench: Bench,
+    initial: InitialState,
+    closed_loop: Option<f64>,
+    /// File name and excitation of each recording.
+    recordings: Vec<(String, Excitation)>,
+}
+
+/// Usual noise of the slider's sensor, in parts of its travel.
+const SPOOL_NOISE: f64 = 5e-4;
+
+pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+    let plan = plan(arguments)?;
+    let bar = console.progress(plan.recordings.len(), "running the test bed");
+    let made = plan
+        .recordings
+        .par_iter()
+        .enumerate()
+        .map(|(index, (name, excitation))| {
+            let text = record(&plan, index, excitation)?.to_csv();
+            bar.inc(1);
+            Ok((arguments.out.join(name), text))
+        })
+        .collect::<Result<Vec<_>, CliError>>()?;
+    bar.finish_and_clear();
+
+    // Everything is made before the first file is written.
+    let machine = arguments.out.join("machine.toml");
+    let toml = plan.file.to_text(&machine.display().to_string())?;
+    refuse_others(&arguments.out, &plan)?;
+    let failed = |path: &Path| {
+        let path = path.to_owned();
+        move |cause| CliError::Write { path, cause }
+    };
+    fs::create_dir_all(&arguments.out).map_err(failed(&arguments.out))?;
+    for (path, text) in made.iter().chain([&(machine, toml)]) {
+        atomic::write(path, |out| out.write_all(text.as_bytes())).map_err(failed(path))?;
+    }
+    for (path, _) in &made {
+        console.print(path.display())?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn plan(arguments: &Arguments) -> Result<Plan, CliError> {
+    let not_negative = "a finite number that is not negative";
+    number("--spread", arguments.spread, 0.0..=100.0, "0 to 100")?;
+    number("--noise", arguments.noise, 0.0..=f64::MAX, not_negative)?;
+    number("--position-step", arguments.position_step.unwrap_or(0.0), 0.0..=f64::MAX, not_negative)?;
+    number("--closed-loop", arguments.closed_loop.unwrap_or(1.0), 1e-3..=1e6, "0.001 to 1000000 V/m")?;
+    let file = machine_file::read(&arguments.machine)?;
+    if file.machine.source != Source::Valve {
+        let (machine, source_of_drive) = (arguments.machine.clone(), file.machine.source);
+        return Err(CliError::NeedsValve { machine, source_of_drive, what: "the test bed" });
+    }
+    let truth = truth_near(&file.machine, &file.sigma, arguments.spread, arguments.seed);
+    let effects = arguments.effect.iter().map(|text| effect(text)).collect::<Result<Vec<_>, _>>()?;
+    let plant = Plant::new(&truth, 1e-7)
+        .map_err(|cause| CliError::Plant { excitation: arguments.machine.display().to_string(), cause })?
+        .with_effects(&effects);
+    let mut bench = Bench::new(plant, sensors(arguments, &truth)?);
+    bench.tick_s = model_core::machine::Tick::from(arguments.tick).seconds();
+    bench.seed = arguments.seed;
+    if let [amplitude_v, frequency_hz] = arguments.dither[..] {
+        number("--dither", amplitude_v, 0.0..=10.0, "an amplitude of 0 to 10 V")?;
+        number("--dither", frequency_hz, 0.0..=0.5 / bench.tick_s, "a frequency up to half of the control rate, Hz")?;
+        bench.dither = Some(Dither { amplitude_v, frequency_hz });
+    }
+    let initial = InitialState::at_rest(&truth, 0.5 * truth.get(Parameter::Stroke));
+    let named = |kind: &'static str, excitations: &[Excitation]| {
+        let numbered = |(index, excitation): (usize, &Excitation)| (format!("{kind}-{}.csv", index + 1), *excitation);
+        excitations.iter().enumerate().map(numbered).collect::<Vec<_>>()
+    };
+    let recordings = [named("train", &arguments.train), named("holdout", &arguments.holdout)].concat();
+    Ok(Plan { file, bench, initial, closed_loop: arguments.closed_loop, recordings })
+}
+
+fn number(
+    argument: &'static str,
+    found: f64,
+    range: std::ops::RangeInclusive<f64>,
+    expected: &'static str,
+) -> Result<(), CliError> {
+    if range.contains(&found) { Ok(()) } else { Err(CliError::Number { argument, found, expected }) }
+}
+
+fn effect(argument: &str) -> Result<PlantEffect, CliError> {
+    let parsed = argument.split_once('=').and_then(|(name, strength)| {
+        let strength: f64 = strength.trim().parse().ok()?;
+        if strength.is_finite() && strength >= 0.0 { PlantEffect::named(name.trim(), strength) } else { None }
+    });
+    parsed.ok_or_else(|| {
+        let known: Vec<String> = PlantEffect::KNOWN.iter().map(|(name, unit)| format!("{name} [{unit}]")).collect();
+        CliError::Effect { argument: argument.to_owned(), known: known.join(", ") }
+    })
+}
+
+fn sensors(arguments: &Arguments, truth: &Machine<f64>) -> Result<Sensors, CliError> {
+    let linkage_error = |cause| CliError::Linkage { machine: arguments.machine.clone(), cause };
+    let mut sensors = match arguments.position_step {
+        Some(step_mm) => Sensors::with_position(truth, PositionSensor::Linear { resolution_m: 1e-3 * step_mm }),
+        None => Sensors::of(truth).map_err(linkage_error)?,
+    };
+    sensors.spool.noise_std = SPOOL_NOISE * arguments.noise;
+    sensors.pressure.noise_std_pa *= arguments.noise;
+    Ok(sensors)
+}
+
+fn record(plan: &Plan, index: usize, excitation: &Excitation) -> Result<SyntheticRecording, CliError> {
+    let mut bench = plan.bench.clone();
+    bench.seed = bench.seed.wrapping_mul(1000).wrapping_add(index as u64);
+    let drive = match plan.closed_loop {
+        None => Drive::Open(*excitation),
+        Some(gain_v_per_m) => {
+            let about = plan.initial.position_m;
+            let reference_m =
+                excitation.sample(bench.tick_s).iter().map(|volts| about + volts / gain_v_per_m).collect();
+            Drive::Closed { reference_m, gain_v_per_m }
+        }
+    };
+    let described = || format!("{excitation:?}");
+    let recording =
+        bench.record(&drive, &plan.initial).map_err(|cause| CliError::Plant { excitation: described(), cause })?;
+    let positions = recording.truth.iter().map(|state| state.position_m);
+    let (low, high) = positions.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| (low.min(y), high.max(y)));
+    let stroke = bench.plant.machine().get(Parameter::Stroke);
+    if low < 0.0 || high > stroke {
+        let (low_mm, high_mm, stroke_mm) = (1e3 * low, 1e3 * high, 1e3 * stroke);
+        return Err(CliError::LeavesStroke { excitation: described(), low_mm, high_mm, stroke_mm });
+    }
+    Ok(recording.rounded())
+}
+
+/// Recordings of another run in the folder would be taken for recordings of this one.
+fn refuse_others(folder: &Path, plan: &Plan) -> Result<(), CliError> {
+    // A folder that is not there yet holds nothing.
+    let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
+    for entry in entries.flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let recording = (name.starts_with("train-") || name.starts_with("holdout-")) && name.ends_with(".csv");
+        if recording && plan.recordings.iter().all(|(own, _)| *own != name) {
+            return Err(CliError::OtherRecording { path: entry.path() });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,206 @@
+//! Panels drawn one below the other.
+
+use plotters::backend::SVGBackend;
+use plotters::coord::Shift;
+use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
+use plotters::element::{PathElement, Rectangle, Text};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{Color, IntoFont, RGBAColor, RGBColor, ShapeStyle, TextStyle};
+
+use super::axis::{Axis, extent};
+use super::thin::thinned;
+use super::{Panel, Style, Trace};
+
+/// Width of a figure, px.
+const WIDTH: i32 = 1000;
+/// Coordinates inside the SVG are this much finer than a pixel, since they are whole numbers.
+const FINE: i32 = 8;
+
+const LEFT: i32 = 74;
+const RIGHT: i32 = WIDTH - 22;
+const TOP: i32 = 66;
+const BOTTOM: i32 = 52;
+const HEADING: i32 = 40;
+const UPPER: i32 = 150;
+const GAP: i32 = 12;
+const LOWER: i32 = 74;
+const INPUT: i32 = 84;
+
+const INK: RGBColor = RGBColor(33, 37, 41);
+const FAINT_INK: RGBColor = RGBColor(95, 103, 112);
+const GRID: RGBColor = RGBColor(228, 231, 235);
+const FRAME: RGBColor = RGBColor(176, 183, 191);
+const PAPER: RGBColor = RGBColor(255, 255, 255);
+const SHADE: RGBAColor = RGBAColor(255, 193, 7, 0.22);
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
+
+/// Draws panels below each other over one time axis; the text of an SVG with a `viewBox`, 1000 px wide.
+///
+/// Series of more than 2000 points are thinned: of each stretch the lowest and the highest point stay.
+#[must_use]
+#[expect(clippy::missing_panics_doc, reason = "drawing into a text does not fail")]
+pub fn svg(title: &str, subtitle: &str, panels: &[Panel]) -> String {
+    let height = TOP + panels.iter().map(height_of).sum::<i32>() + BOTTOM;
+    let mut text = String::new();
+    {
+        let size = ((WIDTH * FINE).unsigned_abs(), (height * FINE).unsigned_abs());
+        let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
+        draw(&area, title, subtitle, panels).expect("drawing into a text does not fail");
+        area.present().expect("drawing into a text does not fail");
+    }
+    let fine = format!("width=\"{}\" height=\"{}\"", WIDTH * FINE, height * FINE);
+    text.replacen(&fine, &format!("width=\"{WIDTH}\" height=\"{height}\""), 1)
+}
+
+fn height_of(panel: &Panel) -> i32 {
+    HEADING + if panel.residuals.is_empty() { chart_height(panel) } else { chart_height(panel) + GAP + LOWER } + GAP
+}
+
+/// What drives the model needs less room than what is judged.
+fn chart_height(panel: &Panel) -> i32 {
+    if panel.traces.iter().all(|trace| trace.style == Style::Input) { INPUT } else { UPPER }
+}
+
+fn draw(area: &Area<'_>, title: &str, subtitle: &str, panels: &[Panel]) -> Drawn {
+    area.fill(&PAPER)?;
+    write(area, title, (LEFT, 16), 20, INK, HPos::Left)?;
+    write(area, subtitle, (LEFT, 42), 13, FAINT_INK, HPos::Left)?;
+    let times = panels.iter().flat_map(|panel| [panel.time_s.first(), panel.time_s.last()]).flatten();
+    let time = Axis::exact(extent(times), LEFT, RIGHT);
+    let mut top = TOP;
+    for panel in panels {
+        heading(area, panel, top)?;
+        let upper = (top + HEADING, top + HEADING + chart_height(panel));
+        chart(area, panel, &panel.traces, &time, upper, false)?;
+        let mut bottom = upper.1;
+        if !panel.residuals.is_empty() {
+            let lower = (upper.1 + GAP, upper.1 + GAP + LOWER);
+            chart(area, panel, &panel.residuals, &time, lower, true)?;
+            bottom = lower.1;
+        }
+        if top + height_of(panel) == area_bottom(panels) {
+            for (value, label) in time.ticks(10.0) {
+                write(area, &label, (time.pixel(value), bottom + 8), 13, INK, HPos::Center)?;
+            }
+            write(area, "time [s]", (i32::midpoint(LEFT, RIGHT), bottom + 28), 13, INK, HPos::Center)?;
+        }
+        top += height_of(panel);
+    }
+    Ok(())
+}
+
+fn area_bottom(panels: &[Panel]) -> i32 {
+    TOP + panels.iter().map(height_of).sum::<i32>()
+}
+
+/// Title, unit and remark on the left, the legend on the right.
+fn heading(area: &Area<'_>, panel: &Panel, top: i32) -> Drawn {
+    let y = top + 17;
+    let title = format!("{} [{}]", panel.title, panel.unit);
+    write(area, &title, (LEFT, y), 15, INK, HPos::Left)?;
+    write(area, &panel.note, (LEFT + text_width(&title, 15) + 18, y + 2), 13, FAINT_INK, HPos::Left)?;
+    let mut right = RIGHT;
+    for trace in panel.traces.iter().rev() {
+        let (_, look) = look(trace.style);
+        write(area, &trace.label, (right, y + 2), 13, INK, HPos::Right)?;
+        right -= text_width(&trace.label, 13) + 8;
+        area.draw(&PathElement::new(vec![fine((right - 26, y + 8)), fine((right, y + 8))], look))?;
+        right -= 26 + 22;
+    }
+    Ok(())
+}
+
+/// Axes, grid, shaded intervals and lines between two heights.
+fn chart(
+    area: &Area<'_>,
+    panel: &Panel,
+    traces: &[Trace],
+    time: &Axis,
+    (top, bottom): (i32, i32),
+    lower: bool,
+) -> Drawn {
+    let mut range = extent(traces.iter().flat_map(|trace| &trace.values));
+    if lower {
+        range = (range.0.min(0.0), range.1.max(0.0));
+    }
+    let vertical = Axis::airy(range, bottom, top);
+    for &(from_s, to_s) in &panel.intervals {
+        let (from, to) = (time.pixel(from_s), time.pixel(to_s).max(time.pixel(from_s) + 1));
+        area.draw(&Rectangle::new([fine((from, top)), fine((to, bottom))], SHADE.filled()))?;
+    }
+    for (value, _) in time.ticks(10.0) {
+        let x = time.pixel(value);
+        area.draw(&PathElement::new(vec![fine((x, top)), fine((x, bottom))], line(GRID, 1.0)))?;
+    }
+    for (value, label) in vertical.ticks(if lower { 3.0 } else { 5.0 * f64::from(bottom - top) / f64::from(UPPER) }) {
+        let y = vertical.pixel(value);
+        let colour = if lower && value == 0.0 { FRAME } else { GRID };
+        area.draw(&PathElement::new(vec![fine((LEFT, y)), fine((RIGHT, y))], line(colour, 1.0)))?;
+        let right = TextPlace { anchor: Pos::new(HPos::Right, VPos::Center), size: 12 };
+        write_at(area, &label, (LEFT - 8, y), right, INK)?;
+    }
+    let fine_time = time.scaled(FINE);
+    let fine_vertical = vertical.scaled(FINE);
+    for trace in traces {
+        let points = thinned(&panel.time_s, &trace.values);
+        let path: Vec<(i32, i32)> =
+            points.into_iter().map(|(time, value)| (fine_time.pixel(time), fine_vertical.pixel(value))).collect();
+        if path.len() > 1 {
+            area.draw(&PathElement::new(path, look(trace.style).1))?;
+        }
+    }
+    let frame = [fine((LEFT, top)), fine((RIGHT, bottom))];
+    area.draw(&Rectangle::new(frame, line(FRAME, 1.0)))?;
+    if lower {
+        let what = TextPlace { anchor: Pos::new(HPos::Left, VPos::Top), size: 12 };
+        write_at(area, "recorded − simulated", (LEFT + 6, top + 4), what, FAINT_INK)?;
+    }
+    Ok(())
+}
+
+/// Colour and line of a style.
+fn look(style: Style) -> (RGBColor, ShapeStyle) {
+    let (colour, width) = match style {
+        Style::Input => (RGBColor(110, 98, 84), 1.4),
+        Style::Recorded => (RGBColor(173, 181, 189), 4.0),
+        Style::Simulated | Style::After => (RGBColor(0, 96, 176), 1.5),
+        Style::Before => (RGBColor(214, 96, 0), 1.5),
+    };
+    (colour, line(colour, width))
+}
+
+fn line(colour: RGBColor, width_px: f64) -> ShapeStyle {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few pixels")]
+    let width = (width_px * f64::from(FINE)).round() as u32;
+    colour.stroke_width(width)
+}
+
+fn fine((x, y): (i32, i32)) -> (i32, i32) {
+    (x * FINE, y * FINE)
+}
+
+#[derive(Clone, Copy)]
+struct TextPlace {
+    anchor: Pos,
+    size: i32,
+}
+
+fn write(area: &Area<'_>, text: &str, at: (i32, i32), size: i32, colour: RGBColor, side: HPos) -> Drawn {
+    write_at(area, text, at, TextPlace { anchor: Pos::new(side, VPos::Top), size }, colour)
+}
+
+fn write_at(area: &Area<'_>, text: &str, at: (i32, i32), place: TextPlace, colour: RGBColor) -> Drawn {
+    if text.is_empty() {
+        return Ok(());
+    }
+    let style: TextStyle<'_> = ("sans-serif", place.size * FINE).into_font().color(&colour).pos(place.anchor);
+    area.draw(&Text::new(text.to_owned(), fine(at), style))
+}
+
+/// About how wide a text is, px: no font is at hand.
+fn text_width(text: &str, size: i32) -> i32 {
+    let letters = i32::try_from(text.chars().count()).unwrap_or(i32::MAX / 100).min(10_000);
+    letters * size * 52 / 100
+}

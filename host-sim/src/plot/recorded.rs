@@ -1,0 +1,66 @@
+//! The panels of a recording beside its simulation.
+
+use super::{Panel, Style, Trace};
+use crate::presentation::{percent, unit_for_people};
+use crate::recording::{Recording, Signal};
+use crate::residual::SignalFit;
+use crate::simulate::{EntryPoint, Trajectory};
+
+/// A panel of what drives the model, then one of every signal that `judged` names, recorded against simulated with the
+/// residual below.
+#[must_use]
+pub fn panels(recording: &Recording, entry: EntryPoint, simulated: &Trajectory, judged: &[Signal]) -> Vec<Panel> {
+    let time_s = recording.time_s();
+    let readable = |signal: Signal, values: &[f64]| -> Vec<f64> {
+        let unit = unit_for_people(signal);
+        values.iter().map(|value| unit.from_si(*value)).collect()
+    };
+    let empty = |signal: Signal| Panel::new(title(signal), unit_for_people(signal).symbol(), time_s.to_vec());
+    let input = driving(entry).and_then(|signal| {
+        let trace = Trace::new("recorded, drives the model", readable(signal, recording.signal(signal)?), Style::Input);
+        Some(empty(signal).trace(trace))
+    });
+    let compared = judged.iter().filter_map(|&signal| {
+        let (measured, model) = (recording.signal(signal)?, simulated.signal(signal)?);
+        let fit = SignalFit::of(signal, time_s, measured, model);
+        let panel = empty(signal)
+            .note(&format!("NRMSE fit {} %", percent(fit.nrmse_percent)))
+            .trace(Trace::new("recorded", readable(signal, measured), Style::Recorded))
+            .trace(Trace::new("simulated", readable(signal, model), Style::Simulated));
+        Some(panel.residuals())
+    });
+    input.into_iter().chain(compared).collect()
+}
+
+fn driving(entry: EntryPoint) -> Option<Signal> {
+    match entry {
+        EntryPoint::Command => Some(Signal::Command),
+        EntryPoint::Slider => Some(Signal::Spool),
+        EntryPoint::Pump => Some(Signal::PumpSpeed),
+        EntryPoint::Flow => Some(Signal::Flow),
+        EntryPoint::Force => Some(Signal::Force),
+    }
+}
+
+/// A signal's name as a heading.
+pub(crate) fn title(signal: Signal) -> &'static str {
+    match signal {
+        Signal::Time => "Time",
+        Signal::Command => "Command",
+        Signal::Spool => "Slider",
+        Signal::Flow => "Flow into A",
+        Signal::PumpSpeed => "Pump speed",
+        Signal::ValveDirection => "Directional valve",
+        Signal::PressureA => "Pressure A",
+        Signal::PressureB => "Pressure B",
+        Signal::SupplyPressure => "Supply pressure",
+        Signal::TankPressure => "Tank pressure",
+        Signal::LoadForce => "Load force",
+        Signal::Force => "Force",
+        Signal::Position => "Position",
+        Signal::Velocity => "Velocity",
+        Signal::Angle => "Joint angle",
+        Signal::OilTemperature => "Oil temperature",
+        Signal::Reference => "Reference",
+    }
+}

@@ -1,0 +1,77 @@
+//! Numbers as people read them: mm, bar, per cent of slider travel, and as many digits as say something.
+
+use crate::recording::{Dimension, Signal, Unit};
+
+/// The unit in which tables and plots show a signal: mm, mm/s, bar, l/min, %, kN … whatever the recording used.
+#[must_use]
+pub fn unit_for_people(signal: Signal) -> Unit {
+    let si = signal.si_unit();
+    let symbol = match si.dimension() {
+        Dimension::Length => "mm",
+        Dimension::Speed => "mm/s",
+        Dimension::Pressure => "bar",
+        Dimension::Flow => "l/min",
+        Dimension::Angle => "deg",
+        Dimension::Rotation => "rpm",
+        Dimension::Ratio if signal == Signal::Spool => "%",
+        _ => return si,
+    };
+    Unit::parse(symbol).unwrap_or(si)
+}
+
+/// A difference of two values of `signal` with its unit: `0.0312 mm`; of the slider `0.41 % of travel`.
+#[must_use]
+pub fn difference(signal: Signal, si: f64) -> String {
+    let unit = unit_for_people(signal);
+    let number = significant(unit.from_si(si) - unit.from_si(0.0), 3);
+    if signal == Signal::Spool { format!("{number} % of travel") } else { format!("{number} {unit}") }
+}
+
+/// A number with so many significant digits, without powers of ten: `1234`, `0.00123`; zero is `0`.
+#[must_use]
+pub fn significant(value: f64, digits: i32) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return if value == 0.0 { "0".into() } else { value.to_string() };
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "the exponent of an f64 is small")]
+    let exponent = value.abs().log10().floor() as i32;
+    let decimals = usize::try_from((digits - 1 - exponent).clamp(0, 12)).unwrap_or(0);
+    format!("{value:.decimals$}")
+}
+
+/// Share as a percentage that never shows a miss as none: `99.9987` and not `100.00`.
+#[must_use]
+pub fn percent(value: f64) -> String {
+    let missing = (100.0 - value).abs();
+    let decimals = if missing >= 0.1 || missing == 0.0 { 2 } else { 4 };
+    format!("{value:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn differences_are_in_units_people_read() {
+        assert_eq!(difference(Signal::Position, 3.12e-5), "0.0312 mm");
+        assert_eq!(difference(Signal::PressureA, 123_456.0), "1.23 bar");
+        assert_eq!(difference(Signal::Spool, 0.0041), "0.410 % of travel");
+        assert_eq!(difference(Signal::OilTemperature, 2.0), "2.00 °C");
+    }
+
+    #[test]
+    fn significant_digits_have_no_powers_of_ten() {
+        assert_eq!(significant(1234.5, 3), "1234");
+        assert_eq!(significant(-0.001_234_5, 3), "-0.00123");
+        assert_eq!(significant(0.0, 3), "0");
+        assert_eq!(significant(f64::INFINITY, 3), "inf");
+    }
+
+    #[test]
+    fn a_small_miss_is_not_rounded_away() {
+        assert_eq!(
+            (percent(99.9987), percent(98.456), percent(100.0)),
+            ("99.9987".into(), "98.46".into(), "100.00".into())
+        );
+    }
+}

@@ -1,0 +1,42 @@
+//! A drive as it is, near to what its machine file says of it.
+
+use std::collections::BTreeMap;
+
+use model_core::machine::Machine;
+use model_core::parameter::Parameter;
+
+use super::noise::Noise;
+
+/// A drive drawn about its nominal values: each parameter in `sigma` is off by its standard deviation times a Gaussian
+/// number times `spread`, but by no more than two deviations and never out of its range. The others are exact.
+#[must_use]
+pub fn truth_near(nominal: &Machine<f64>, sigma: &BTreeMap<Parameter, f64>, spread: f64, seed: u64) -> Machine<f64> {
+    let mut truth = *nominal;
+    for (&parameter, &deviation) in sigma {
+        // A stream for each parameter: one more in the table changes no other. The first streams are the sensors'.
+        let mut noise = Noise::new(seed, 1000 + parameter as u64);
+        let off = noise.gaussian(1.0).clamp(-2.0, 2.0) * deviation * spread;
+        let description = parameter.description();
+        truth.set(parameter, (nominal.get(parameter) + off).clamp(description.min, description.max));
+    }
+    truth
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use model_core::machine::Source;
+
+    #[test]
+    fn only_listed_values_move_and_by_two_deviations_at_most() {
+        let nominal = Machine::with_defaults(Source::Valve);
+        let sigma = BTreeMap::from([(Parameter::ValveGain, 0.01), (Parameter::TransportDelay, 1.0)]);
+        let truth = truth_near(&nominal, &sigma, 1.0, 3);
+        let off = (truth.get(Parameter::ValveGain) - nominal.get(Parameter::ValveGain)).abs();
+        assert!(off > 0.0 && off <= 0.02);
+        assert!((0.0..=1.0).contains(&truth.get(Parameter::TransportDelay)), "within its range");
+        assert!((truth.get(Parameter::BulkModulus) - nominal.get(Parameter::BulkModulus)).abs() < 1e-9);
+        assert_eq!(truth, truth_near(&nominal, &sigma, 1.0, 3));
+        assert_eq!(nominal.get(Parameter::ValveGain), truth_near(&nominal, &sigma, 0.0, 3).get(Parameter::ValveGain));
+    }
+}
