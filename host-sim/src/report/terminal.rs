@@ -5,6 +5,7 @@ use std::fmt::Write;
 use comfy_table::{ContentArrangement, Table, presets};
 
 use crate::diagnose::{Diagnosis, Verdict};
+use crate::fit::Estimate;
 
 /// The whole text.
 #[must_use]
@@ -44,7 +45,7 @@ pub fn text(diagnosis: &Diagnosis) -> String {
     }
     let _ = write!(text, "\n{}\n", fits(diagnosis));
     if !diagnosis.refitted.is_empty() {
-        let _ = write!(text, "\n{}\n", parameters(diagnosis));
+        let _ = write!(text, "\n{}\n", parameters(&diagnosis.refitted));
     }
     let _ = write!(text, "\n{}\n", trials(diagnosis));
     if !diagnosis.not_testable.is_empty() {
@@ -102,9 +103,11 @@ fn fits(diagnosis: &Diagnosis) -> Table {
     table
 }
 
-fn parameters(diagnosis: &Diagnosis) -> Table {
+/// Fitted parameters with their uncertainty.
+#[must_use]
+pub fn parameters(estimates: &[Estimate]) -> Table {
     let mut table = table(&["refitted parameter", "nominal", "fitted", "±", "unit"]);
-    for estimate in &diagnosis.refitted {
+    for estimate in estimates {
         let description = estimate.parameter.description();
         table.add_row([
             description.key.to_owned(),
