@@ -30,7 +30,10 @@ pub const TABLE_2_PERCENT: [f64; 5] = [94.20, 97.18, 98.88, 97.78, 99.42];
 pub const CHARACTERISTIC: (f64, f64) = (0.0559, 0.0345);
 
 /// When a step begins and how long it is held, s.
-const STEP_S: (f64, f64) = (0.1, 1.0);
+const STEP_S: (f64, f64) = (0.1, 2.5);
+
+/// Where the rod starts, in parts of the stroke: low, since every step extends it.
+const START: f64 = 0.1;
 
 /// The slider is settled so long after a step, s.
 pub const SETTLED_S: f64 = 0.3;
@@ -38,18 +41,18 @@ pub const SETTLED_S: f64 = 0.3;
 /// How the drive on the test bed differs from the model: parameter, factor.
 pub const DEVIATIONS: [(Parameter, f64); 6] = [
     (Parameter::ValveGain, 1.004),
-    (Parameter::TimeConstant1, 1.08),
-    (Parameter::TimeConstant2, 0.95),
-    (Parameter::DeadZone, 1.01),
-    (Parameter::FlowCoefficient, 0.985),
-    (Parameter::ViscousFriction, 1.03),
+    (Parameter::TimeConstant1, 1.15),
+    (Parameter::TimeConstant2, 0.9),
+    (Parameter::DeadZone, 1.005),
+    (Parameter::FlowCoefficient, 0.99),
+    (Parameter::ViscousFriction, 1.02),
 ];
 
 /// Dry friction of the drive on the test bed, N.
-pub const FRICTION_N: f64 = 250.0;
+pub const FRICTION_N: f64 = 150.0;
 
 /// Leakage past the piston of the drive on the test bed, m³/s/Pa.
-pub const LEAKAGE_M3_PER_S_PA: f64 = 1.0e-13;
+pub const LEAKAGE_M3_PER_S_PA: f64 = 3.0e-14;
 
 /// Dither on the command.
 pub const DITHER: Dither = Dither { amplitude_v: 0.5, frequency_hz: 50.0 };
@@ -138,7 +141,7 @@ fn record(model: &Machine<f64>, command_v: f64, seed: u64) -> Result<Recording, 
     bench.dither = Some(DITHER);
     bench.seed = seed;
     let drive = Drive::Open(Excitation::Step { amplitude_v: command_v, hold_s: STEP_S.1 });
-    let initial = InitialState::at_rest(&truth, 0.5 * truth.get(Parameter::Stroke));
+    let initial = InitialState::at_rest(&truth, START * truth.get(Parameter::Stroke));
     let mut seen = bench.record(&drive, &initial).map_err(failed)?;
     // The paper's recordings hold no pressures.
     seen.pressure_a_pa.clear();
@@ -204,7 +207,7 @@ mod tests {
         assert!((found.offset - CHARACTERISTIC.1).abs() < 2e-4, "{}", found.offset);
         for step in &found.steps {
             for fit in [step.slider, step.position, step.position_from_slider] {
-                assert!((85.0..99.9).contains(&fit.nrmse_percent), "{} V: {fit:?}", step.command_v);
+                assert!((88.0..99.9).contains(&fit.nrmse_percent), "{} V: {fit:?}", step.command_v);
             }
         }
     }

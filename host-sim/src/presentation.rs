@@ -1,6 +1,14 @@
 //! Numbers as people read them: mm, bar, per cent of slider travel, and as many digits as say something.
 
+use comfy_table::{LineStyle, TableStyle};
+
 use crate::recording::{Dimension, Signal, Unit};
+
+/// Tables with a line above, below, and under the header.
+pub const TABLE: TableStyle = TableStyle::new()
+    .top_border(LineStyle::none().fill('─').junction('─'))
+    .header_separator(LineStyle::none().fill('─').junction('─'))
+    .bottom_border(LineStyle::none().fill('─').junction('─'));
 
 /// The unit in which tables and plots show a signal: mm, mm/s, bar, l/min, %, kN … whatever the recording used.
 #[must_use]

@@ -3,7 +3,6 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{Attribute, Cell, CellAlignment, Table};
 use model_core::machine::Tick;
 use rayon::prelude::*;
@@ -14,7 +13,7 @@ use crate::atomic;
 use crate::compare::{Arithmetic, Comparison, Section, compare};
 use crate::machine_file::{LoadSource, MachineFile};
 use crate::plot;
-use crate::presentation::{difference, percent};
+use crate::presentation::{TABLE, difference, percent};
 use crate::recording::{Recording, Signal};
 use crate::weakest::{Weakest, obstacles, weakest};
 
@@ -146,7 +145,7 @@ fn drawings<'a>(plan: &'a Plan, comparisons: &'a [Comparison]) -> impl Iterator<
 fn table(comparisons: &[Comparison], terminal: bool) -> Table {
     const NUMBERS: std::ops::RangeInclusive<usize> = 3..=7;
     let mut table = Table::new();
-    table.load_style(UTF8_HORIZONTAL_ONLY);
+    table.load_style(TABLE);
     if !terminal {
         table.force_no_tty();
     }

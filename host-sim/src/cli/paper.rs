@@ -1,6 +1,5 @@
 //! `host-sim paper`: the paper's tables, from the virtual test bed.
 
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{CellAlignment, Table};
 
 use super::{CliError, Console, Outcome};
@@ -9,6 +8,7 @@ use crate::paper::{
     CHARACTERISTIC, COMMANDS_V, DEVIATIONS, DITHER, Experiment, FRICTION_N, LEAKAGE_M3_PER_S_PA, SETTLED_S,
     TABLE_2_PERCENT, experiment,
 };
+use crate::presentation::TABLE;
 
 /// Arguments of `paper`.
 #[derive(Clone, Debug, clap::Args)]
@@ -58,7 +58,7 @@ fn introduction() -> String {
 
 fn table(header: &[&str], rows: Vec<Vec<String>>) -> Table {
     let mut table = Table::new();
-    table.load_style(UTF8_HORIZONTAL_ONLY).force_no_tty().set_header(header).add_rows(rows);
+    table.load_style(TABLE).force_no_tty().set_header(header).add_rows(rows);
     for column in table.column_iter_mut() {
         column.set_cell_alignment(CellAlignment::Right);
     }

@@ -19,10 +19,13 @@ const FINE: i32 = 8;
 const LEFT: i32 = 74;
 const RIGHT: i32 = WIDTH - 22;
 const TOP: i32 = 66;
-const BOTTOM: i32 = 52;
+const BOTTOM: i32 = 34;
 const HEADING: i32 = 40;
+/// Labels of the time axis below each panel.
+const LABELS: i32 = 26;
 const UPPER: i32 = 150;
-const GAP: i32 = 12;
+/// Between a chart and the residuals below it, with room for their caption.
+const GAP: i32 = 24;
 const LOWER: i32 = 74;
 const INPUT: i32 = 84;
 
@@ -55,7 +58,7 @@ pub fn svg(title: &str, subtitle: &str, panels: &[Panel]) -> String {
 }
 
 fn height_of(panel: &Panel) -> i32 {
-    HEADING + if panel.residuals.is_empty() { chart_height(panel) } else { chart_height(panel) + GAP + LOWER } + GAP
+    HEADING + if panel.residuals.is_empty() { chart_height(panel) } else { chart_height(panel) + GAP + LOWER } + LABELS
 }
 
 /// What drives the model needs less room than what is judged.
@@ -80,19 +83,12 @@ fn draw(area: &Area<'_>, title: &str, subtitle: &str, panels: &[Panel]) -> Drawn
             chart(area, panel, &panel.residuals, &time, lower, true)?;
             bottom = lower.1;
         }
-        if top + height_of(panel) == area_bottom(panels) {
-            for (value, label) in time.ticks(10.0) {
-                write(area, &label, (time.pixel(value), bottom + 8), 13, INK, HPos::Center)?;
-            }
-            write(area, "time [s]", (i32::midpoint(LEFT, RIGHT), bottom + 28), 13, INK, HPos::Center)?;
+        for (value, label) in time.ticks(10.0) {
+            write(area, &label, (time.pixel(value), bottom + 7), 12, INK, HPos::Center)?;
         }
         top += height_of(panel);
     }
-    Ok(())
-}
-
-fn area_bottom(panels: &[Panel]) -> i32 {
-    TOP + panels.iter().map(height_of).sum::<i32>()
+    write(area, "time [s]", (i32::midpoint(LEFT, RIGHT), top + 4), 13, INK, HPos::Center)
 }
 
 /// Title, unit and remark on the left, the legend on the right.
@@ -134,7 +130,7 @@ fn chart(
         let x = time.pixel(value);
         area.draw(&PathElement::new(vec![fine((x, top)), fine((x, bottom))], line(GRID, 1.0)))?;
     }
-    for (value, label) in vertical.ticks(if lower { 3.0 } else { 5.0 * f64::from(bottom - top) / f64::from(UPPER) }) {
+    for (value, label) in vertical.ticks(if lower { 4.0 } else { 5.0 * f64::from(bottom - top) / f64::from(UPPER) }) {
         let y = vertical.pixel(value);
         let colour = if lower && value == 0.0 { FRAME } else { GRID };
         area.draw(&PathElement::new(vec![fine((LEFT, y)), fine((RIGHT, y))], line(colour, 1.0)))?;
@@ -151,11 +147,11 @@ fn chart(
             area.draw(&PathElement::new(path, look(trace.style).1))?;
         }
     }
-    let frame = [fine((LEFT, top)), fine((RIGHT, bottom))];
-    area.draw(&Rectangle::new(frame, line(FRAME, 1.0)))?;
+    let corners = [(LEFT, top), (RIGHT, top), (RIGHT, bottom), (LEFT, bottom), (LEFT, top)];
+    area.draw(&PathElement::new(corners.map(fine).to_vec(), line(FRAME, 1.0)))?;
     if lower {
-        let what = TextPlace { anchor: Pos::new(HPos::Left, VPos::Top), size: 12 };
-        write_at(area, "recorded − simulated", (LEFT + 6, top + 4), what, FAINT_INK)?;
+        let caption = format!("recorded − simulated [{}]", panel.unit);
+        write(area, &caption, (LEFT, top - 17), 12, FAINT_INK, HPos::Left)?;
     }
     Ok(())
 }
@@ -195,12 +191,14 @@ fn write_at(area: &Area<'_>, text: &str, at: (i32, i32), place: TextPlace, colou
     if text.is_empty() {
         return Ok(());
     }
-    let style: TextStyle<'_> = ("sans-serif", place.size * FINE).into_font().color(&colour).pos(place.anchor);
+    // The SVG backend writes a font size that is smaller by this factor.
+    let size = 1.24 * f64::from(place.size * FINE);
+    let style: TextStyle<'_> = ("sans-serif", size).into_font().color(&colour).pos(place.anchor);
     area.draw(&Text::new(text.to_owned(), fine(at), style))
 }
 
 /// About how wide a text is, px: no font is at hand.
 fn text_width(text: &str, size: i32) -> i32 {
     let letters = i32::try_from(text.chars().count()).unwrap_or(i32::MAX / 100).min(10_000);
-    letters * size * 52 / 100
+    letters * size * 54 / 100
 }

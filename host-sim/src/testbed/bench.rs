@@ -88,7 +88,8 @@ impl Bench {
                 Drive::Closed { reference_m, gain_v_per_m } => gain_v_per_m * (reference_m[tick] - reading.position_m),
             };
             let dither_v = self.dither.map_or(0.0, |dither| dither.at(time_s[tick]));
-            let command_v = (wanted_v + dither_v).clamp(-COMMAND_LIMIT_V, COMMAND_LIMIT_V);
+            // The valve's card adds its dither behind its input.
+            let command_v = wanted_v.clamp(-COMMAND_LIMIT_V, COMMAND_LIMIT_V) + dither_v;
             recording.command_v.push(command_v);
             recording.spool.push(reading.spool);
             Command::Valve(command_v)
