@@ -183,9 +183,9 @@ pub fn diagnose(
     };
     let shown = trained
         .into_iter()
-        .zip(base.levels.iter().copied().map(Some))
+        .zip(base.levels.iter().zip(&after.fit.levels).map(|(&before, &after)| Some((before, after))))
         .chain(held.into_iter().map(|prepared| (prepared, None)))
-        .map(|(prepared, level)| show(prepared, level, &base.machine, &after.fit.machine))
+        .map(|(prepared, levels)| show(prepared, levels, &base.machine, &after.fit.machine))
         .collect::<Result<Vec<_>, MachineError>>()?;
     let refitted = after
         .fit
@@ -307,16 +307,17 @@ fn check_entries(training: &[Prepared], held: &[Prepared]) -> Result<(), Diagnos
     }
 }
 
+/// Simulates before and after, from the fitted pressure levels at rest; a held-out recording has none and starts at half.
 fn show(
     prepared: Prepared,
-    level: Option<f64>,
+    levels: Option<(f64, f64)>,
     before: &Machine<f64>,
     after: &Machine<f64>,
 ) -> Result<Shown, MachineError> {
-    let offset = StartOffset { level: level.unwrap_or(0.5) };
-    let before = simulate::<f64>(before, &prepared.stimulus, offset)?;
-    let after = simulate::<f64>(after, &prepared.stimulus, offset)?;
-    Ok(Shown { held_out: level.is_none(), prepared, before, after })
+    let (level_before, level_after) = levels.unwrap_or((0.5, 0.5));
+    let before = simulate::<f64>(before, &prepared.stimulus, StartOffset { level: level_before })?;
+    let after = simulate::<f64>(after, &prepared.stimulus, StartOffset { level: level_after })?;
+    Ok(Shown { held_out: levels.is_none(), prepared, before, after })
 }
 
 impl Shown {

@@ -2,10 +2,11 @@
 
 use std::fmt::Write;
 
-use comfy_table::{ContentArrangement, Table, presets};
+use comfy_table::{ContentArrangement, Table};
 
 use crate::diagnose::{Diagnosis, Verdict};
 use crate::fit::Estimate;
+use crate::presentation::TABLE;
 
 /// The whole text.
 #[must_use]
@@ -81,7 +82,7 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
 
 fn table(header: &[&str]) -> Table {
     let mut table = Table::new();
-    table.load_style(presets::UTF8_HORIZONTAL_ONLY).set_content_arrangement(ContentArrangement::Disabled);
+    table.load_style(TABLE).set_content_arrangement(ContentArrangement::Disabled);
     table.set_header(header.iter().copied());
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(comfy_table::CellAlignment::Right);
