@@ -43,6 +43,12 @@ impl PerUnit {
     pub const fn to_bits(self) -> i32 {
         self.0.to_bits()
     }
+
+    /// A position as a signal, in strokes, rounded down to the signal's step and held at ±8.
+    #[must_use]
+    pub fn of_travel(travel: I8F56) -> Self {
+        Self(I4F28::saturating_from_num(travel))
+    }
 }
 
 impl Add for PerUnit {

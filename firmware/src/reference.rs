@@ -1,0 +1,123 @@
+//! The reference model as a controller carries it: coefficients and state together, one step a control period.
+
+use model_core::chambers::ChamberState;
+use model_core::drive::{Drive, DriveState, Entry, Load};
+use model_core::fixed_point::PerUnit;
+use model_core::machine::{Bases, Machine, MachineError, Tick};
+use model_core::number::Number;
+use model_core::parameter::Parameter;
+
+/// What the model says the machine does now, per unit (see [`Reference::bases`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Predicted {
+    /// Slider position; 1 is full travel, positive extends.
+    pub slider: PerUnit,
+    /// Pressure in A, of supply.
+    pub pressure_a: PerUnit,
+    /// Pressure in B, of supply.
+    pub pressure_b: PerUnit,
+    /// Velocity, of the velocity base; positive extends.
+    pub velocity: PerUnit,
+    /// Position, of the stroke.
+    pub position: PerUnit,
+}
+
+/// The reference model with a delay line of `DELAY` ticks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reference<const DELAY: usize> {
+    drive: Drive<PerUnit>,
+    state: DriveState<PerUnit, DELAY>,
+}
+
+impl<const DELAY: usize> Reference<DELAY> {
+    /// The model at rest with no command, at a position of 0..1 of the stroke; the pressures balance the load at half the supply.
+    ///
+    /// # Errors
+    /// A parameter is out of range or does not fit the fixed-point formats; the error says which.
+    pub fn at_rest(machine: &Machine<f64>, tick: Tick, position: f64) -> Result<Self, MachineError> {
+        let drive = Drive::new::<DELAY>(machine, tick)?;
+        let half = PerUnit::saturated(0.5);
+        let ratio = PerUnit::saturated(machine.get(Parameter::AreaB) / machine.get(Parameter::AreaA));
+        let load = PerUnit::saturated(machine.get(Parameter::LoadForce) / drive.bases().force_n);
+        let pressures = ChamberState { a: half.times(ratio) - load, b: half };
+        let state = drive.at_rest(PerUnit::ZERO, pressures, PerUnit::travel(position));
+        Ok(Self { drive, state })
+    }
+
+    /// One control period with a command in 10 V, of any size.
+    pub fn step(&mut self, command: PerUnit) -> Predicted {
+        self.drive.step(&mut self.state, Entry::Command(command), Load::NONE);
+        self.predicted()
+    }
+
+    /// What the model says now.
+    #[must_use]
+    pub fn predicted(&self) -> Predicted {
+        let DriveState { valve, chambers, motion } = &self.state;
+        Predicted {
+            slider: valve.slider(),
+            pressure_a: chambers.a,
+            pressure_b: chambers.b,
+            velocity: motion.velocity,
+            position: PerUnit::of_travel(motion.position),
+        }
+    }
+
+    /// What 1 means, in SI units.
+    #[must_use]
+    pub fn bases(&self) -> &Bases {
+        self.drive.bases()
+    }
+
+    /// The state, to be stored.
+    #[must_use]
+    pub fn state(&self) -> &DriveState<PerUnit, DELAY> {
+        &self.state
+    }
+
+    /// Goes on from a stored state, bit for bit.
+    pub fn restore(&mut self, state: DriveState<PerUnit, DELAY>) {
+        self.state = state;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use model_core::machine::Source;
+
+    use super::*;
+
+    fn reference() -> Reference<64> {
+        let mut machine = Machine::with_defaults(Source::Valve);
+        machine.set(Parameter::AreaA, 3.117e-3);
+        machine.set(Parameter::AreaB, 1.861e-3);
+        machine.set(Parameter::VolumeA, 5.2e-4);
+        machine.set(Parameter::VolumeB, 3.3e-4);
+        Reference::at_rest(&machine, Tick::OneMillisecond, 0.5).unwrap()
+    }
+
+    #[test]
+    fn a_positive_command_extends_and_none_holds() {
+        let mut model = reference();
+        let before = model.predicted();
+        assert_eq!(model.step(PerUnit::ZERO).position, before.position);
+        for _ in 0..200 {
+            model.step(PerUnit::saturated(0.5));
+        }
+        assert!(model.predicted().position > before.position);
+    }
+
+    #[test]
+    fn a_stored_state_goes_on_bit_for_bit() {
+        let mut model = reference();
+        let command = |k: i32| PerUnit::saturated(f64::from(k % 40 - 20) / 20.0);
+        for k in 0..100 {
+            model.step(command(k));
+        }
+        let stored = *model.state();
+        let first: [Predicted; 50] = core::array::from_fn(|k| model.step(command(i32::try_from(k).unwrap())));
+        model.restore(stored);
+        let again: [Predicted; 50] = core::array::from_fn(|k| model.step(command(i32::try_from(k).unwrap())));
+        assert_eq!(first, again);
+    }
+}
