@@ -41,18 +41,34 @@ impl<N: Number> Drive<N> {
     }
 }
 
+/// Largest gain that a choice of scales aims at.
+const GAIN_AIM: f64 = 3.9;
+
 /// Scales in which all coefficients of a sensible drive fit.
+///
+/// Pressures are scaled by the supply, so the velocity's scale decides: a larger one makes the pressure rise per tick
+/// larger, a smaller one the flow at full opening and the velocity gained per tick. The one preferred holds the largest
+/// flow and a velocity gain of 2; it gives way as far as the others need. What cannot be had is an oil spring so stiff
+/// that (ω·tick)² exceeds about 15.
 fn bases(machine: &Machine<f64>, tick: Tick) -> Bases {
     let (tick_s, area_a, area_b) = (tick.seconds(), machine.get(P::AreaA), machine.get(P::AreaB));
     let pressure_pa = machine.get(P::SupplyPressure);
-    let largest_flow = match machine.source {
-        Source::Valve => machine.get(P::FlowLimit).min(machine.get(P::FlowCoefficient) * pressure_pa.sqrt()),
-        Source::Pump => machine.get(P::PumpDisplacement) * PUMP_SPEED_REV_PER_S,
+    let opened = machine.get(P::FlowCoefficient) * pressure_pa.sqrt();
+    let (largest_flow, gained_flow) = match machine.source {
+        Source::Valve => (machine.get(P::FlowLimit).min(opened), opened),
+        Source::Pump => {
+            let full_speed = machine.get(P::PumpDisplacement) * PUMP_SPEED_REV_PER_S;
+            (full_speed, full_speed)
+        }
     };
     let inertia = machine.get(P::MovingMass) + GAMMA * tick_s * machine.get(P::ViscousFriction);
+    let capacity = |volume: P| machine.get(volume) / machine.get(P::BulkModulus) + machine.get(P::HoseCompliance);
+    let smaller_capacity = capacity(P::VolumeA).min(capacity(P::VolumeB));
     let from_flow = largest_flow / area_a.min(area_b);
-    let from_force = 0.5 * tick_s * area_a * pressure_pa / inertia;
-    let velocity_m_per_s = from_flow.max(from_force);
+    let from_force = tick_s * area_a * pressure_pa / inertia;
+    let least = (0.5 * from_flow).max(from_force / GAIN_AIM).max(gained_flow / (GAIN_AIM * area_a));
+    let most = GAIN_AIM * pressure_pa * smaller_capacity / (tick_s * area_a);
+    let velocity_m_per_s = from_flow.max(0.5 * from_force).min(most).max(least);
     Bases {
         pressure_pa,
         velocity_m_per_s,
