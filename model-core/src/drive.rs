@@ -241,7 +241,7 @@ impl<N: Number> Drive<N> {
         let net = Flows { a: inflow1.a - velocity, b: chambers.displaced_b(velocity) - inflow1.b };
         let trial = chambers.rise(Flows { a: yielding.a.times(net.a), b: yielding.b.times(net.b) });
         let force = self.stage_force(pressures, trial) + load.from + constant;
-        let guess = give.times(N::dot([mechanics.mobility, mechanics.drag], [force + friction, -velocity]));
+        let guess = N::dot([mechanics.mobility, mechanics.drag], [give.times(force + friction), give.times(-velocity)]);
         let ahead = N::dot([self.gamma], [guess]);
         let net1 =
             Flows { a: yielding.a.times(net.a - ahead), b: yielding.b.times(net.b + chambers.displaced_b(ahead)) };
@@ -258,8 +258,10 @@ impl<N: Number> Drive<N> {
         };
         let trial = chambers.rise(Flows { a: yielding.a.times(net.a), b: yielding.b.times(net.b) });
         let force = self.stage_force(pressures2, trial) + load.to + constant;
-        let guess = give
-            .times(N::dot([mechanics.mobility, mechanics.drag, mechanics.back], [force + friction, -velocity2, v1]));
+        let guess = N::dot(
+            [mechanics.mobility, mechanics.drag, mechanics.back],
+            [give.times(force + friction), give.times(-velocity2), give.times(v1)],
+        );
         let ahead = N::dot([self.gamma], [guess]);
         let net2 =
             Flows { a: yielding.a.times(net.a - ahead), b: yielding.b.times(net.b + chambers.displaced_b(ahead)) };
@@ -272,9 +274,10 @@ impl<N: Number> Drive<N> {
             Flows { a: N::dot(mechanics.weights, [net1.a, net2.a]), b: N::dot(mechanics.weights, [net1.b, net2.b]) };
         // A flow that no pressure moves has the mean of its ends. Taken so, a closed valve passes exactly nothing: the solved
         // flow's rounding would pump the closed chambers up within hours.
+        let solved = |flow: N| if Mechanics::is_held(v1, v2) { None } else { Some(flow) };
         let flows = Flows {
-            a: chambers.mean(&flows.a, inflow1.a, inflow2.a, kept.a + mean),
-            b: chambers.mean(&flows.b, inflow1.b, inflow2.b, chambers.displaced_b(mean) - kept.b),
+            a: chambers.mean(&flows.a, inflow1.a, inflow2.a, solved(kept.a + mean)),
+            b: chambers.mean(&flows.b, inflow1.b, inflow2.b, solved(chambers.displaced_b(mean) - kept.b)),
         };
         chambers.step(&mut state.chambers, flows, mean);
         let slider = if let Feed::Edges(slider) = feed { Some(*slider) } else { None };
