@@ -110,7 +110,7 @@ pub struct Interfaces<N> {
     pub slider: Option<Slider<N>>,
     /// Mean net flows of the tick, leakage included.
     pub flows: Flows<N>,
-    /// Net forces of the two stages, friction left out.
+    /// Net forces at the start of the tick and at its two stages, friction left out.
     pub forces: Forces<N>,
     /// Mean velocity of the tick.
     pub velocity: N,
@@ -209,6 +209,7 @@ impl<N: Number> Drive<N> {
         let rise = to - from;
         let constant = self.mechanics.load;
         let forces = Forces {
+            start: from + constant,
             first: from + constant + N::dot([self.gamma], [rise]),
             second: to + constant - N::dot([self.gamma], [rise]),
         };
@@ -230,7 +231,8 @@ impl<N: Number> Drive<N> {
 
         let flows = self.feed_from(feed, pressures);
         let yielding = chambers.yielding(&flows);
-        let contact = mechanics.contact(velocity, self.pressure_force(pressures) + load.from + constant);
+        let start = self.pressure_force(pressures) + load.from + constant;
+        let contact = mechanics.contact(velocity, start);
         let stick = contact == crate::mechanics::Contact::Sticks;
         let friction = mechanics.friction(contact);
         // 1/(1 + γ²·mobility·(springs that yield)): the eliminated equation for the velocity.
@@ -281,7 +283,7 @@ impl<N: Number> Drive<N> {
         };
         chambers.step(&mut state.chambers, flows, mean);
         let slider = if let Feed::Edges(slider) = feed { Some(*slider) } else { None };
-        Interfaces { slider, flows, forces: Forces { first, second }, velocity: mean }
+        Interfaces { slider, flows, forces: Forces { start, first, second }, velocity: mean }
     }
 
     /// Flows of the feed at the start of the tick, with their slopes.

@@ -50,9 +50,11 @@ pub struct MotionState<N: Number> {
     pub position: N::Travel,
 }
 
-/// Net force on the rod without viscous friction, at the two stages of a tick.
+/// Net force on the rod without friction, in a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forces<N> {
+    /// At the start of the tick: what dry friction has to hold.
+    pub start: N,
     /// First stage.
     pub first: N,
     /// Second stage.
@@ -76,7 +78,7 @@ impl<N: Number> Mechanics<N> {
     /// One tick under the given forces. Returns the mean velocity of the tick.
     #[inline]
     pub fn step(&self, state: &mut MotionState<N>, forces: Forces<N>) -> N {
-        let contact = self.contact(state.velocity, forces.first);
+        let contact = self.contact(state.velocity, forces.start);
         let first = self.first_stage(contact, state.velocity, forces.first);
         let second = self.second_stage(contact, state.velocity, first, forces.second);
         self.finish(contact, state, first, second)

@@ -110,7 +110,7 @@ proptest! {
         drive.chambers().step(&mut state.chambers, Flows { a: flow_a, b: flow_b }, speed);
         let position = <PerUnit as Number>::Travel::from_bits(position);
         let mut motion = MotionState { velocity, position };
-        drive.mechanics().step(&mut motion, Forces { first, second });
+        drive.mechanics().step(&mut motion, Forces { start: speed, first, second });
     }
 }
 

@@ -60,7 +60,7 @@ proptest! {
         let drive = drive::<PerUnit>(&machine, tick);
         let velocity = PerUnit::from_bits(bits >> small);
         let mut state = MotionState { velocity, position: PerUnit::travel(0.0) };
-        let free = Forces { first: PerUnit::ZERO, second: PerUnit::ZERO };
+        let free = Forces { start: PerUnit::ZERO, first: PerUnit::ZERO, second: PerUnit::ZERO };
         for _ in 0..50 {
             let before = state.velocity;
             drive.mechanics().step(&mut state, free);
