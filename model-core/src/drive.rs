@@ -38,6 +38,8 @@ pub struct Drive<N: Number> {
     pub(crate) source: OilSource<N>,
     pub(crate) chambers: Chambers<N>,
     pub(crate) mechanics: Mechanics<N>,
+    /// The mechanics under a given force: without the oil spring, whose turning the others' mass is matched to.
+    pub(crate) unsprung: Mechanics<N>,
     /// γ
     pub(crate) gamma: N::Gain,
     /// γ²·mobility·stiffness of each chamber: the oil springs in the eliminated equation.
@@ -145,7 +147,7 @@ impl<N: Number> Drive<N> {
         &self.chambers
     }
 
-    /// The mechanics link.
+    /// The mechanics link, with the mass matched to the oil spring it works on; [`Entry::Force`] takes the mass as it is.
     #[must_use]
     pub fn mechanics(&self) -> &Mechanics<N> {
         &self.mechanics
@@ -207,13 +209,13 @@ impl<N: Number> Drive<N> {
     #[inline]
     fn step_force<const DELAY: usize>(&self, state: &mut DriveState<N, DELAY>, from: N, to: N) -> Interfaces<N> {
         let rise = to - from;
-        let constant = self.mechanics.load;
+        let constant = self.unsprung.load;
         let forces = Forces {
             start: from + constant,
             first: from + constant + N::dot([self.gamma], [rise]),
             second: to + constant - N::dot([self.gamma], [rise]),
         };
-        let velocity = self.mechanics.step(&mut state.motion, forces);
+        let velocity = self.unsprung.step(&mut state.motion, forces);
         Interfaces { slider: None, flows: Flows { a: N::ZERO, b: N::ZERO }, forces, velocity }
     }
 
