@@ -59,11 +59,11 @@ impl<N: Number> Chambers<N> {
         self.leakage.times(pressures.a - pressures.b)
     }
 
-    /// Mean flow of a tick at one port: of its two ends where it does not depend on the pressure, else as solved.
+    /// Mean flow of a tick at one port: as solved, where it depends on the pressure and there is a solution; else that of its ends.
     #[inline]
-    pub(crate) fn mean(&self, side: &Linearised<N>, from: N, to: N, solved: N) -> N {
-        let given = side.opening == N::ZERO && self.leakage == N::ZERO;
-        if given { (from + to).halved() } else { solved }
+    pub(crate) fn mean(&self, side: &Linearised<N>, from: N, to: N, solved: Option<N>) -> N {
+        let depends = side.opening != N::ZERO || self.leakage != N::ZERO;
+        solved.filter(|_| depends).unwrap_or_else(|| (from + to).halved())
     }
 
     /// How far each chamber yields in the implicit step: 1/(1 − γ·h·∂f/∂p).

@@ -28,12 +28,14 @@ impl<N: Number> Drive<N> {
             Source::Valve => OilSource::Valve(builder.valve::<N>(DELAY)?, builder.edges()?),
             Source::Pump => OilSource::Pump(builder.pump()?),
         };
-        let mechanics = builder.mechanics::<N>()?;
+        let mechanics = builder.mechanics::<N>(builder.sprung_mass())?;
+        let unsprung = builder.mechanics::<N>(builder.get(P::MovingMass))?;
         let [spring_a, spring_b] = builder.springs::<N>()?;
         Ok(Drive {
             source,
             chambers: builder.chambers()?,
             mechanics,
+            unsprung,
             gamma: builder.gain::<N>("the step's γ", P::Stroke, N::Real::constant(GAMMA))?,
             springs: [spring_a, spring_b],
             bases: builder.bases,
@@ -41,18 +43,36 @@ impl<N: Number> Drive<N> {
     }
 }
 
+/// Largest gain that a choice of scales aims at.
+const GAIN_AIM: f64 = 3.9;
+/// What the mass on the oil spring may be smaller by, at most: see `sprung_mass`.
+const SPRUNG: f64 = 1.05;
+
 /// Scales in which all coefficients of a sensible drive fit.
+///
+/// Pressures are scaled by the supply, so the velocity's scale decides: a larger one makes the pressure rise per tick
+/// larger, a smaller one the flow at full opening and the velocity gained per tick. The one preferred holds the largest
+/// flow and a velocity gain of 2; it gives way as far as the others need. What cannot be had is an oil spring so stiff
+/// that (ω·tick)² exceeds about 15.
 fn bases(machine: &Machine<f64>, tick: Tick) -> Bases {
     let (tick_s, area_a, area_b) = (tick.seconds(), machine.get(P::AreaA), machine.get(P::AreaB));
     let pressure_pa = machine.get(P::SupplyPressure);
-    let largest_flow = match machine.source {
-        Source::Valve => machine.get(P::FlowLimit).min(machine.get(P::FlowCoefficient) * pressure_pa.sqrt()),
-        Source::Pump => machine.get(P::PumpDisplacement) * PUMP_SPEED_REV_PER_S,
+    let opened = machine.get(P::FlowCoefficient) * pressure_pa.sqrt();
+    let (largest_flow, gained_flow) = match machine.source {
+        Source::Valve => (machine.get(P::FlowLimit).min(opened), opened),
+        Source::Pump => {
+            let full_speed = machine.get(P::PumpDisplacement) * PUMP_SPEED_REV_PER_S;
+            (full_speed, full_speed)
+        }
     };
     let inertia = machine.get(P::MovingMass) + GAMMA * tick_s * machine.get(P::ViscousFriction);
+    let capacity = |volume: P| machine.get(volume) / machine.get(P::BulkModulus) + machine.get(P::HoseCompliance);
+    let smaller_capacity = capacity(P::VolumeA).min(capacity(P::VolumeB));
     let from_flow = largest_flow / area_a.min(area_b);
-    let from_force = 0.5 * tick_s * area_a * pressure_pa / inertia;
-    let velocity_m_per_s = from_flow.max(from_force);
+    let from_force = tick_s * area_a * pressure_pa / inertia;
+    let least = (0.5 * from_flow).max(SPRUNG * from_force / GAIN_AIM).max(gained_flow / (GAIN_AIM * area_a));
+    let most = GAIN_AIM * pressure_pa * smaller_capacity / (tick_s * area_a);
+    let velocity_m_per_s = from_flow.max(0.5 * from_force).min(most).max(least);
     Bases {
         pressure_pa,
         velocity_m_per_s,
@@ -209,8 +229,7 @@ impl<R: Real> Builder<'_, R> {
 
     /// h·Q/(p·C): pressure rise over a tick at flow 1, for a chamber of capacity V/E0 + hose. (7)
     fn stiffness(&self, volume: P) -> R {
-        let capacity = self.get(volume) / self.get(P::BulkModulus) + self.get(P::HoseCompliance);
-        R::constant(self.tick_s * self.bases.flow_m3_per_s / self.bases.pressure_pa) / capacity
+        R::constant(self.tick_s * self.bases.flow_m3_per_s / self.bases.pressure_pa) / self.capacity(volume)
     }
 
     /// α = Ab/Aa. (5)
@@ -235,24 +254,43 @@ impl<R: Real> Builder<'_, R> {
         })
     }
 
+    /// Compressibility of a chamber: V/E0 and its hose. (7)
+    fn capacity(&self, volume: P) -> R {
+        self.get(volume) / self.get(P::BulkModulus) + self.get(P::HoseCompliance)
+    }
+
+    /// The mass at which the step turns the oil spring as fast as the moving mass turns it in truth.
+    ///
+    /// One step multiplies a mode by R(z) = eᶻ + (γ − γ² − 1/6)·z³ + …, so an oil spring of K on m, with θ² = h²·K/m, turns
+    /// slower by (γ − γ² − 1/6)·θ²; a mass smaller by twice that makes up for it. Of second order like the step itself, it
+    /// fades where there is no ringing to keep: under strong damping, D² ≫ K·m, and where the step resolves none, θ > 1.
+    fn sprung_mass(&self) -> R {
+        let mass = self.get(P::MovingMass);
+        let side = |area: P, volume: P| self.get(area) * self.get(area) / self.capacity(volume);
+        let spring = side(P::AreaA, P::VolumeA) + side(P::AreaB, P::VolumeB);
+        let damping = self.get(P::ViscousFriction);
+        let turn = R::constant(self.tick_s * self.tick_s) * spring / mass;
+        let fading = R::ONE + damping * damping / (spring * mass) + turn * turn;
+        mass / (R::ONE + R::constant(2.0 * (GAMMA - GAMMA * GAMMA - 1.0 / 6.0)) * turn / fading)
+    }
+
     /// h·D/m
-    fn damping(&self) -> R {
-        self.get(P::ViscousFriction) * R::constant(self.tick_s) / self.get(P::MovingMass)
+    fn damping(&self, mass: R) -> R {
+        self.get(P::ViscousFriction) * R::constant(self.tick_s) / mass
     }
 
     /// 1 + γ·h·D/m
-    fn own_diagonal(&self) -> R {
-        R::ONE + R::constant(GAMMA) * self.damping()
+    fn own_diagonal(&self, mass: R) -> R {
+        R::ONE + R::constant(GAMMA) * self.damping(mass)
     }
 
     /// Velocity gained per tick at force 1, implicit in the viscous friction. (12)
-    fn mobility(&self) -> R {
-        R::constant(self.tick_s * self.bases.force_n / self.bases.velocity_m_per_s)
-            / (self.get(P::MovingMass) * self.own_diagonal())
+    fn mobility(&self, mass: R) -> R {
+        R::constant(self.tick_s * self.bases.force_n / self.bases.velocity_m_per_s) / (mass * self.own_diagonal(mass))
     }
 
     fn springs<N: Number<Real = R>>(&self) -> Result<[N::Steep; 2], MachineError> {
-        let square = R::constant(GAMMA * GAMMA) * self.mobility();
+        let square = R::constant(GAMMA * GAMMA) * self.mobility(self.sprung_mass());
         let ratio = self.ratio();
         Ok([
             self.steep::<N>("oil spring A", P::MovingMass, square * self.stiffness(P::VolumeA))?,
@@ -260,15 +298,19 @@ impl<R: Real> Builder<'_, R> {
         ])
     }
 
-    fn mechanics<N: Number<Real = R>>(&self) -> Result<Mechanics<N>, MachineError> {
+    fn mechanics<N: Number<Real = R>>(&self, mass: R) -> Result<Mechanics<N>, MachineError> {
         let constant = |value: f64| self.gain::<N>("a weight of the step", P::Stroke, R::constant(value));
         let force = R::constant(self.bases.force_n);
         let coulomb = self.get(P::CoulombFriction) / force;
         let travel = R::constant(self.tick_s * self.bases.velocity_m_per_s) / self.get(P::Stroke);
         Ok(Mechanics {
-            mobility: self.gain::<N>("velocity gained per tick at full force", P::MovingMass, self.mobility())?,
-            drag: self.gain::<N>("velocity lost per tick", P::ViscousFriction, self.damping() / self.own_diagonal())?,
-            back: self.gain::<N>("second stage", P::ViscousFriction, -(R::constant(2.0) / self.own_diagonal()))?,
+            mobility: self.gain::<N>("velocity gained per tick at full force", P::MovingMass, self.mobility(mass))?,
+            drag: self.gain::<N>(
+                "velocity lost per tick",
+                P::ViscousFriction,
+                self.damping(mass) / self.own_diagonal(mass),
+            )?,
+            back: self.gain::<N>("second stage", P::ViscousFriction, -(R::constant(2.0) / self.own_diagonal(mass)))?,
             mean: [constant(f64::midpoint(1.0, GAMMA))?, constant(0.5 * GAMMA)?],
             weights: [constant(1.5)?, constant(0.5)?],
             unity: constant(1.0)?,
@@ -277,7 +319,7 @@ impl<R: Real> Builder<'_, R> {
             coulomb_turn: self.signal(
                 "velocity that dry friction takes in a tick",
                 P::CoulombFriction,
-                R::constant(2.0) * coulomb * self.mobility(),
+                R::constant(2.0) * coulomb * self.mobility(mass),
             )?,
             load: self.signal("load over full force", P::LoadForce, self.get(P::LoadForce) / force)?,
         })

@@ -38,6 +38,8 @@ pub struct Drive<N: Number> {
     pub(crate) source: OilSource<N>,
     pub(crate) chambers: Chambers<N>,
     pub(crate) mechanics: Mechanics<N>,
+    /// The mechanics under a given force: without the oil spring, whose turning the others' mass is matched to.
+    pub(crate) unsprung: Mechanics<N>,
     /// γ
     pub(crate) gamma: N::Gain,
     /// γ²·mobility·stiffness of each chamber: the oil springs in the eliminated equation.
@@ -110,7 +112,7 @@ pub struct Interfaces<N> {
     pub slider: Option<Slider<N>>,
     /// Mean net flows of the tick, leakage included.
     pub flows: Flows<N>,
-    /// Net forces of the two stages, friction left out.
+    /// Net forces at the start of the tick and at its two stages, friction left out.
     pub forces: Forces<N>,
     /// Mean velocity of the tick.
     pub velocity: N,
@@ -145,7 +147,7 @@ impl<N: Number> Drive<N> {
         &self.chambers
     }
 
-    /// The mechanics link.
+    /// The mechanics link, with the mass matched to the oil spring it works on; [`Entry::Force`] takes the mass as it is.
     #[must_use]
     pub fn mechanics(&self) -> &Mechanics<N> {
         &self.mechanics
@@ -207,12 +209,13 @@ impl<N: Number> Drive<N> {
     #[inline]
     fn step_force<const DELAY: usize>(&self, state: &mut DriveState<N, DELAY>, from: N, to: N) -> Interfaces<N> {
         let rise = to - from;
-        let constant = self.mechanics.load;
+        let constant = self.unsprung.load;
         let forces = Forces {
+            start: from + constant,
             first: from + constant + N::dot([self.gamma], [rise]),
             second: to + constant - N::dot([self.gamma], [rise]),
         };
-        let velocity = self.mechanics.step(&mut state.motion, forces);
+        let velocity = self.unsprung.step(&mut state.motion, forces);
         Interfaces { slider: None, flows: Flows { a: N::ZERO, b: N::ZERO }, forces, velocity }
     }
 
@@ -230,7 +233,8 @@ impl<N: Number> Drive<N> {
 
         let flows = self.feed_from(feed, pressures);
         let yielding = chambers.yielding(&flows);
-        let contact = mechanics.contact(velocity, self.pressure_force(pressures) + load.from + constant);
+        let start = self.pressure_force(pressures) + load.from + constant;
+        let contact = mechanics.contact(velocity, start);
         let stick = contact == crate::mechanics::Contact::Sticks;
         let friction = mechanics.friction(contact);
         // 1/(1 + γ²·mobility·(springs that yield)): the eliminated equation for the velocity.
@@ -241,7 +245,7 @@ impl<N: Number> Drive<N> {
         let net = Flows { a: inflow1.a - velocity, b: chambers.displaced_b(velocity) - inflow1.b };
         let trial = chambers.rise(Flows { a: yielding.a.times(net.a), b: yielding.b.times(net.b) });
         let force = self.stage_force(pressures, trial) + load.from + constant;
-        let guess = give.times(N::dot([mechanics.mobility, mechanics.drag], [force + friction, -velocity]));
+        let guess = N::dot([mechanics.mobility, mechanics.drag], [give.times(force + friction), give.times(-velocity)]);
         let ahead = N::dot([self.gamma], [guess]);
         let net1 =
             Flows { a: yielding.a.times(net.a - ahead), b: yielding.b.times(net.b + chambers.displaced_b(ahead)) };
@@ -258,8 +262,10 @@ impl<N: Number> Drive<N> {
         };
         let trial = chambers.rise(Flows { a: yielding.a.times(net.a), b: yielding.b.times(net.b) });
         let force = self.stage_force(pressures2, trial) + load.to + constant;
-        let guess = give
-            .times(N::dot([mechanics.mobility, mechanics.drag, mechanics.back], [force + friction, -velocity2, v1]));
+        let guess = N::dot(
+            [mechanics.mobility, mechanics.drag, mechanics.back],
+            [give.times(force + friction), give.times(-velocity2), give.times(v1)],
+        );
         let ahead = N::dot([self.gamma], [guess]);
         let net2 =
             Flows { a: yielding.a.times(net.a - ahead), b: yielding.b.times(net.b + chambers.displaced_b(ahead)) };
@@ -272,13 +278,14 @@ impl<N: Number> Drive<N> {
             Flows { a: N::dot(mechanics.weights, [net1.a, net2.a]), b: N::dot(mechanics.weights, [net1.b, net2.b]) };
         // A flow that no pressure moves has the mean of its ends. Taken so, a closed valve passes exactly nothing: the solved
         // flow's rounding would pump the closed chambers up within hours.
+        let solved = |flow: N| if Mechanics::is_held(v1, v2) { None } else { Some(flow) };
         let flows = Flows {
-            a: chambers.mean(&flows.a, inflow1.a, inflow2.a, kept.a + mean),
-            b: chambers.mean(&flows.b, inflow1.b, inflow2.b, chambers.displaced_b(mean) - kept.b),
+            a: chambers.mean(&flows.a, inflow1.a, inflow2.a, solved(kept.a + mean)),
+            b: chambers.mean(&flows.b, inflow1.b, inflow2.b, solved(chambers.displaced_b(mean) - kept.b)),
         };
         chambers.step(&mut state.chambers, flows, mean);
         let slider = if let Feed::Edges(slider) = feed { Some(*slider) } else { None };
-        Interfaces { slider, flows, forces: Forces { first, second }, velocity: mean }
+        Interfaces { slider, flows, forces: Forces { start, first, second }, velocity: mean }
     }
 
     /// Flows of the feed at the start of the tick, with their slopes.

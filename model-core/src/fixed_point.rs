@@ -146,6 +146,10 @@ impl Number for PerUnit {
         rounded(i64::from(self.to_bits()) * i64::from(by.to_bits()), 16)
     }
     #[inline]
+    fn is_held(self) -> bool {
+        matches!(self.to_bits(), i32::MIN | i32::MAX)
+    }
+    #[inline]
     fn halved(self) -> Self {
         Self::from_bits(self.to_bits() >> 1)
     }

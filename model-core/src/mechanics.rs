@@ -50,9 +50,11 @@ pub struct MotionState<N: Number> {
     pub position: N::Travel,
 }
 
-/// Net force on the rod without viscous friction, at the two stages of a tick.
+/// Net force on the rod without friction, in a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forces<N> {
+    /// At the start of the tick: what dry friction has to hold.
+    pub start: N,
     /// First stage.
     pub first: N,
     /// Second stage.
@@ -76,7 +78,7 @@ impl<N: Number> Mechanics<N> {
     /// One tick under the given forces. Returns the mean velocity of the tick.
     #[inline]
     pub fn step(&self, state: &mut MotionState<N>, forces: Forces<N>) -> N {
-        let contact = self.contact(state.velocity, forces.first);
+        let contact = self.contact(state.velocity, forces.start);
         let first = self.first_stage(contact, state.velocity, forces.first);
         let second = self.second_stage(contact, state.velocity, first, forces.second);
         self.finish(contact, state, first, second)
@@ -128,13 +130,34 @@ impl<N: Number> Mechanics<N> {
         N::dot([self.mobility, self.drag, self.back], [force + self.friction(contact), -(velocity + first), first])
     }
 
+    /// Whether the increments of a tick are beyond the format.
+    #[inline]
+    pub(crate) fn is_held(first: N, second: N) -> bool {
+        first.is_held() || second.is_held()
+    }
+
     /// Moves the rod by the two increments and returns its mean velocity over the tick.
+    ///
+    /// Where an increment is held at the end of the format the step is no longer the method's, and no longer stable: two
+    /// held stages can throw the rod to and fro for ever. It then goes on where it is pushed to, with a velocity of one half at
+    /// most, from where the step is linear.
     #[inline]
     pub(crate) fn finish(&self, contact: Contact, state: &mut MotionState<N>, first: N, second: N) -> N {
         let [weigh_first, weigh_second] = self.mean;
         let mean = N::dot([self.unity, weigh_first, weigh_second], [state.velocity, first, second]);
+        let slow = N::ONE.halved();
+        let limit = |velocity: N| {
+            if first.is_held() {
+                first.limited(slow)
+            } else if second.is_held() {
+                velocity.limited(slow)
+            } else {
+                velocity
+            }
+        };
+        let mean = limit(mean);
         state.position = N::travelled(state.position, [self.travel], [mean]);
-        let moved = state.velocity + N::dot(self.weights, [first, second]);
+        let moved = limit(state.velocity + N::dot(self.weights, [first, second]));
         // Friction turned with the velocity somewhere within the tick: give back what it took too much, at most to rest.
         state.velocity = match contact {
             Contact::Extends if moved < N::ZERO => (moved + self.coulomb_turn).min(N::ZERO),

@@ -100,6 +100,11 @@ pub trait Number:
     #[must_use]
     fn amplified(self, by: Self::Steep) -> Self;
 
+    /// Whether the signal is held at an end of its range, where it says only that the true value lies beyond.
+    fn is_held(self) -> bool {
+        false
+    }
+
     /// Half of the signal.
     #[must_use]
     fn halved(self) -> Self;

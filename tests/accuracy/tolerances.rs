@@ -43,8 +43,8 @@ const TABLE: &[Tolerance] = &[
     Tolerance {
         case: Case::RandomSteps,
         position_percent: 0.01,
-        pressure_percent: 0.15,
-        reason: "one step of ROS2 turns the heavy drive's oil spring (66 Hz) by 1 % too little: 0.147 % at the worst of 40 seeds",
+        pressure_percent: 0.1,
+        reason: "as for the paper's signals: no signal of the valve may be worse; it was 0.147 % before the mass was matched to the oil spring",
     },
     Tolerance {
         case: Case::Rounding,

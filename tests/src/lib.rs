@@ -1,4 +1,5 @@
 //! What the system tests share: the drives, the core and the oracle on the same commands, and machines drawn at random.
 
+pub mod any_machine;
 pub mod drives;
 pub mod simulate;

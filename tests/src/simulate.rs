@@ -133,3 +133,11 @@ pub fn oracle(machine: &Machine<f64>, tick: Tick, volts: &[f64], initial: &Initi
     };
     states.iter().map(row).collect()
 }
+
+/// What an entry, a load or a state of any size looks like: every word is possible, small and large ones alike often.
+pub fn any_word() -> impl proptest::strategy::Strategy<Value = model_core::fixed_point::PerUnit> {
+    use proptest::prelude::*;
+    let word = (any::<i32>(), 0_u32..31).prop_map(|(bits, small)| bits >> small);
+    prop_oneof![3 => word, 1 => prop::sample::select(vec![i32::MIN, i32::MIN + 1, -1, 0, 1, i32::MAX])]
+        .prop_map(model_core::fixed_point::PerUnit::from_bits)
+}

@@ -1,0 +1,60 @@
+//! Valve, chambers and mechanics alone, and the drive from its slider on: bit for bit.
+
+use host_sim::testbed::{Excitation, InitialState};
+use model_core::drive::{Entry, Load};
+use model_core::fixed_point::PerUnit;
+use model_core::machine::{Machine, Tick};
+use model_core::number::Number;
+use proptest::prelude::*;
+use proptest::test_runner::{Config, RngSeed};
+use system_tests::any_machine::{any_machine, any_tick};
+use system_tests::drives;
+use system_tests::simulate::{State, at_rest, command, drive};
+
+fn chain_and_links_agree<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Tick, seed: u64) {
+    let drive = drive::<N>(machine, tick);
+    let valve = drive.valve().unwrap();
+    let mut chain: State<N> = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.1));
+    let (mut valve_alone, mut from_slider) = (chain.valve, chain);
+    let (mut chambers_alone, mut mechanics_alone) = (chain.chambers, chain.motion);
+    for (tick, volts) in Excitation::random_steps(seed).sample(1e-3).into_iter().enumerate() {
+        // A load that comes and goes, so that the chain takes it too.
+        let load =
+            if tick % 700 < 300 { Load::NONE } else { Load { from: N::saturated(0.05), to: N::saturated(0.05) } };
+        let seen = drive.step(&mut chain, Entry::Command(command(volts)), load);
+        let slider = seen.slider.unwrap();
+
+        assert_eq!(valve.step(&mut valve_alone, command(volts)), slider, "the valve alone");
+        assert_eq!(valve_alone, chain.valve);
+        assert_eq!(slider.to, chain.valve.slider());
+
+        assert_eq!(drive.step(&mut from_slider, Entry::Slider(slider), load), seen, "the drive from its slider on");
+        assert_eq!((from_slider.chambers, from_slider.motion), (chain.chambers, chain.motion));
+
+        drive.chambers().step(&mut chambers_alone, seen.flows, seen.velocity);
+        assert_eq!(chambers_alone, chain.chambers, "the chambers alone");
+
+        assert_eq!(drive.mechanics().step(&mut mechanics_alone, seen.forces), seen.velocity, "the mechanics alone");
+        assert_eq!(mechanics_alone, chain.motion);
+    }
+}
+
+#[test]
+fn links_alone_reproduce_the_chain_of_each_named_drive() {
+    for named in drives::named() {
+        for tick in [Tick::HalfMillisecond, Tick::OneMillisecond, Tick::TwoMilliseconds] {
+            chain_and_links_agree::<PerUnit>(&named.machine, tick, 1);
+            chain_and_links_agree::<f64>(&named.machine, tick, 1);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(Config { cases: 100, rng_seed: RngSeed::Fixed(20_201), ..Config::default() })]
+
+    #[test]
+    fn links_alone_reproduce_the_chain_of_any_drive(machine in any_machine(), tick in any_tick(), seed in any::<u64>()) {
+        chain_and_links_agree::<PerUnit>(&machine, tick, seed);
+        chain_and_links_agree::<f64>(&machine, tick, seed);
+    }
+}

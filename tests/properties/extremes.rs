@@ -1,0 +1,150 @@
+//! No input of any size overflows or panics: debug builds check every sum.
+
+use model_core::chambers::ChamberState;
+use model_core::drive::{Drive, Entry, Load};
+use model_core::fixed_point::PerUnit;
+use model_core::flow::{Flows, PumpDrive};
+use model_core::machine::{Machine, Source, Tick};
+use model_core::mechanics::{Forces, MotionState};
+use model_core::number::Number;
+use model_core::parameter::Parameter as P;
+use model_core::valve::Slider;
+use proptest::prelude::*;
+use serde_json::Value;
+use system_tests::any_machine::{any_machine, any_tick};
+use system_tests::simulate::{DELAY, State, any_word, drive};
+
+use super::cases;
+
+fn any_entry() -> impl Strategy<Value = Entry<PerUnit>> {
+    prop_oneof![
+        any_word().prop_map(Entry::Command),
+        (any_word(), any_word()).prop_map(|(from, to)| Entry::Slider(Slider { from, to })),
+        (any_word(), any::<i8>()).prop_map(|(speed, direction)| Entry::Pump(PumpDrive { speed, direction })),
+        (any_word(), any_word(), any_word(), any_word())
+            .prop_map(|(a, b, c, d)| Entry::Flow { from: Flows { a, b }, to: Flows { a: c, b: d } }),
+        (any_word(), any_word()).prop_map(|(from, to)| Entry::Force { from, to }),
+    ]
+}
+
+fn any_load() -> impl Strategy<Value = Load<PerUnit>> {
+    (any_word(), any_word()).prop_map(|(from, to)| Load { from, to })
+}
+
+/// Replaces every word of a stored state.
+fn scramble(stored: &mut Value, words: &mut impl Iterator<Item = i64>) {
+    match stored {
+        Value::Number(number) => {
+            let word = words.next().unwrap();
+            let fits = number.as_i64().is_some_and(|old| i32::try_from(old).is_ok());
+            *number = if fits { (word >> 32).into() } else { word.into() };
+        }
+        Value::Array(items) => items.iter_mut().for_each(|item| scramble(item, words)),
+        Value::Object(fields) => fields.values_mut().for_each(|field| scramble(field, words)),
+        Value::Null | Value::Bool(_) | Value::String(_) => {}
+    }
+}
+
+/// A state whose every word is anything, the private ones too: what a damaged store might hold.
+fn any_state(drive: &Drive<PerUnit>, seed: u64) -> State<PerUnit> {
+    // A position beyond 32 bits marks the one word that is 64 bits wide.
+    let rest = drive.at_rest::<DELAY>(
+        PerUnit::ZERO,
+        ChamberState { a: PerUnit::ZERO, b: PerUnit::ZERO },
+        PerUnit::travel(0.5),
+    );
+    let mut stored = serde_json::to_value(rest).unwrap();
+    let head = stored["valve"]["head"].clone();
+    let mut state = seed;
+    let mut words = std::iter::repeat_with(|| {
+        // SplitMix64
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let word = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let word = (word ^ (word >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (word ^ (word >> 31)).cast_signed()
+    });
+    scramble(&mut stored, &mut words);
+    stored["valve"]["head"] = if seed & 1 == 0 { head } else { u32::MAX.into() };
+    serde_json::from_value(stored).unwrap()
+}
+
+proptest! {
+    #![proptest_config(cases(3000))]
+
+    #[test]
+    fn no_state_and_no_input_overflows(
+        machine in any_machine(),
+        tick in any_tick(),
+        pump in any::<bool>(),
+        seed in any::<u64>(),
+        inputs in prop::collection::vec((any_entry(), any_load()), 1..30),
+    ) {
+        let mut machine = machine;
+        if pump {
+            machine.source = Source::Pump;
+            machine.set(P::PumpDisplacement, machine.get(P::AreaB) / 50.0 * 0.2);
+            machine.set(P::PumpSlip, machine.get(P::InternalLeakage));
+        }
+        let drive = Drive::<PerUnit>::new::<DELAY>(&machine, tick);
+        prop_assume!(!pump || drive.is_ok());
+        let drive = drive.unwrap();
+        let mut state = any_state(&drive, seed);
+        for (entry, load) in inputs {
+            drive.step(&mut state, entry, load);
+        }
+    }
+
+    #[test]
+    fn no_link_alone_overflows(
+        machine in any_machine(),
+        tick in any_tick(),
+        seed in any::<u64>(),
+        words in prop::array::uniform10(any_word()),
+        position in any::<i64>(),
+    ) {
+        let drive = Drive::<PerUnit>::new::<DELAY>(&machine, tick).unwrap();
+        let [command, slider, a, b, flow_a, flow_b, velocity, speed, first, second] = words;
+        let mut state = any_state(&drive, seed);
+        drive.valve().unwrap().step(&mut state.valve, command);
+        let _ = drive.flows(slider, PumpDrive { speed: command, direction: 1 }, ChamberState { a, b });
+        drive.chambers().step(&mut state.chambers, Flows { a: flow_a, b: flow_b }, speed);
+        let position = <PerUnit as Number>::Travel::from_bits(position);
+        let mut motion = MotionState { velocity, position };
+        drive.mechanics().step(&mut motion, Forces { start: speed, first, second });
+    }
+}
+
+/// The drive with its valve closed, thrown off: pressures in supply pressures, velocity in its base. Its largest velocity in the
+/// second half of 3000 ticks.
+fn thrown<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Tick, [a, b, velocity]: [f64; 3]) -> f64 {
+    let drive = drive::<N>(machine, tick);
+    let pressures = ChamberState { a: N::saturated(a), b: N::saturated(b) };
+    let mut state: State<N> = drive.at_rest(N::ZERO, pressures, N::travel(0.0));
+    state.motion.velocity = N::saturated(velocity);
+    let mut speed = || {
+        drive.step(&mut state, Entry::Command(N::ZERO), Load::NONE);
+        state.motion.velocity.to_f64().abs()
+    };
+    (0..3000).map(|tick| if tick < 1500 { 0.0 * speed() } else { speed() }).fold(0.0, f64::max)
+}
+
+proptest! {
+    #![proptest_config(cases(1000))]
+
+    /// In fixed point the stages of a stiff drive end at ±8: what the format cuts off must not keep the rod going.
+    #[test]
+    fn a_drive_thrown_far_off_comes_to_rest(
+        machine in any_machine(),
+        tick in any_tick(),
+        pressures in prop::array::uniform2(-1.5..1.5_f64),
+        velocity in -8.0..8.0_f64,
+    ) {
+        let mut machine = machine;
+        machine.set(P::ValveOffset, 0.0);
+        machine.set(P::DeadZone, 0.05);
+        let start = [pressures[0], pressures[1], velocity];
+        let real = thrown::<f64>(&machine, tick, start);
+        let fixed = thrown::<PerUnit>(&machine, tick, start);
+        prop_assert!(fixed <= 0.05 + 2.0 * real, "{fixed}, {real} in f64");
+    }
+}

@@ -1,0 +1,70 @@
+//! Dry friction holds exactly and only ever brakes.
+
+use host_sim::testbed::InitialState;
+use model_core::drive::{Entry, Load};
+use model_core::fixed_point::PerUnit;
+use model_core::machine::{Machine, Tick};
+use model_core::mechanics::{Forces, MotionState};
+use model_core::number::Number;
+use model_core::parameter::Parameter as P;
+use proptest::prelude::*;
+use system_tests::any_machine::{any_machine, any_tick};
+use system_tests::simulate::{at_rest, drive};
+
+use super::cases;
+
+/// With dry friction of up to a tenth of the drive's force, and a valve that stands closed.
+fn with_friction() -> impl Strategy<Value = Machine<f64>> {
+    (any_machine(), 0.001..0.1).prop_map(|(mut machine, share)| {
+        machine.set(P::CoulombFriction, share * machine.get(P::AreaA) * machine.get(P::SupplyPressure));
+        machine.set(P::ValveOffset, 0.0);
+        machine.set(P::DeadZone, machine.get(P::DeadZone).max(0.01));
+        machine.set(P::InternalLeakage, 0.0);
+        machine
+    })
+}
+
+fn held<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Tick, share: f64, shaking: &[f64]) {
+    let drive = drive::<N>(machine, tick);
+    let friction_n = machine.get(P::CoulombFriction);
+    let mut initial = InitialState::at_rest(machine, 0.1);
+    // Up to half the friction is spent on the pressures, up to another half on the load.
+    initial.pressure_a_pa += 0.49 * share * friction_n / machine.get(P::AreaA);
+    let start = at_rest(&drive, 0.0, &initial);
+    let mut state = start;
+    let force = |share: &f64| N::saturated(0.49 * share * friction_n / drive.bases().force_n);
+    for pair in shaking.windows(2) {
+        let seen = drive.step(&mut state, Entry::Command(N::ZERO), Load { from: force(&pair[0]), to: force(&pair[1]) });
+        assert_eq!(seen.velocity, N::ZERO);
+        assert_eq!(state.motion, start.motion, "it sticks");
+        assert_eq!(state.chambers, start.chambers, "and no oil is pressed");
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(200))]
+
+    #[test]
+    fn what_sticks_stays_exactly_where_it_is(
+        machine in with_friction(),
+        tick in any_tick(),
+        share in -1.0..1.0,
+        shaking in prop::collection::vec(-1.0..1.0, 2..100),
+    ) {
+        held::<PerUnit>(&machine, tick, share, &shaking);
+        held::<f64>(&machine, tick, share, &shaking);
+    }
+
+    #[test]
+    fn dry_friction_never_accelerates(machine in with_friction(), tick in any_tick(), bits in -(1 << 28)..=1 << 28, small in 0_u32..28) {
+        let drive = drive::<PerUnit>(&machine, tick);
+        let velocity = PerUnit::from_bits(bits >> small);
+        let mut state = MotionState { velocity, position: PerUnit::travel(0.0) };
+        let free = Forces { start: PerUnit::ZERO, first: PerUnit::ZERO, second: PerUnit::ZERO };
+        for _ in 0..50 {
+            let before = state.velocity;
+            drive.mechanics().step(&mut state, free);
+            prop_assert!(state.velocity.magnitude() <= before.magnitude(), "{before:?} {:?}", state.velocity);
+        }
+    }
+}

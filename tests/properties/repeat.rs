@@ -1,0 +1,82 @@
+//! The same again is the same, bit for bit: run twice, stored and continued, or with effects of nothing.
+
+use host_sim::testbed::{Excitation, InitialState};
+use model_core::drive::{Drive, Entry, Interfaces, Load};
+use model_core::fixed_point::PerUnit;
+use model_core::machine::{Machine, Tick};
+use model_core::number::Number;
+use model_core::parameter::Parameter as P;
+use proptest::prelude::*;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use system_tests::any_machine::{any_machine, any_plain_machine, any_tick};
+use system_tests::simulate::{State, at_rest, command, drive};
+
+use super::cases;
+
+fn run<N: Number<Real = f64>>(drive: &Drive<N>, state: &mut State<N>, volts: &[f64]) -> Vec<Interfaces<N>> {
+    volts.iter().map(|&volts| drive.step(state, Entry::Command(command(volts)), Load::NONE)).collect()
+}
+
+fn stored_and_continued<N>(machine: &Machine<f64>, tick: Tick, volts: &[f64], at: usize)
+where
+    N: Number<Real = f64> + Serialize + DeserializeOwned,
+    N::Travel: Serialize + DeserializeOwned,
+{
+    let drive = drive::<N>(machine, tick);
+    let start = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.1));
+    let (mut through, mut first) = (start, start);
+    let whole = run(&drive, &mut through, volts);
+    run(&drive, &mut first, &volts[..at]);
+    let text = serde_json::to_string(&first).unwrap();
+    let mut second: State<N> = serde_json::from_str(&text).unwrap();
+    assert_eq!(first, second, "what is read is what was stored");
+    assert_eq!(run(&drive, &mut second, &volts[at..]), whole[at..], "it goes on as if nothing had been");
+    assert_eq!(second, through);
+}
+
+proptest! {
+    #![proptest_config(cases(60))]
+
+    #[test]
+    fn a_run_that_is_stored_and_continued_is_the_run(
+        machine in any_machine(),
+        tick in any_tick(),
+        seed in any::<u64>(),
+        at in 0_usize..1000,
+    ) {
+        let volts = Excitation::random_steps(seed).sample(1e-3);
+        stored_and_continued::<PerUnit>(&machine, tick, &volts[..1000], at);
+        stored_and_continued::<f64>(&machine, tick, &volts[..1000], at);
+    }
+
+    #[test]
+    fn a_run_can_be_repeated(machine in any_machine(), tick in any_tick(), seed in any::<u64>()) {
+        let volts = Excitation::random_steps(seed).sample(1e-3);
+        let once = || {
+            let drive = drive::<PerUnit>(&machine, tick);
+            let mut state = at_rest(&drive, 0.0, &InitialState::at_rest(&machine, 0.1));
+            (run(&drive, &mut state, &volts), state)
+        };
+        prop_assert_eq!(once(), once());
+    }
+
+    /// Effects too small for the format are the model without them: nothing is added for their mere presence.
+    #[test]
+    fn an_effect_of_nothing_changes_nothing(machine in any_plain_machine(), tick in any_tick(), seed in any::<u64>()) {
+        let volts = Excitation::random_steps(seed).sample(1e-3);
+        let with = |leakage: f64, hose: f64, friction_n: f64| {
+            let mut machine = machine;
+            machine.set(P::InternalLeakage, leakage);
+            machine.set(P::HoseCompliance, hose);
+            machine.set(P::CoulombFriction, friction_n);
+            let drive = drive::<PerUnit>(&machine, tick);
+            let mut state = at_rest(&drive, 0.0, &InitialState::at_rest(&machine, 0.1));
+            (run(&drive, &mut state, &volts), state)
+        };
+        let without = with(0.0, 0.0, 0.0);
+        prop_assert_eq!(&with(1e-30, 0.0, 0.0), &without, "leakage");
+        prop_assert_eq!(&with(0.0, 1e-30, 0.0), &without, "hose");
+        prop_assert_eq!(&with(0.0, 0.0, 1e-12), &without, "friction");
+    }
+}
