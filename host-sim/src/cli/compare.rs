@@ -224,10 +224,16 @@ fn meaning(found: Weakest) -> String {
             format!("Driven by the recorded pressures, mass, friction and load alone miss the recorded {signal}")
         }
     };
-    if found.among > 1 {
-        format!("{told}; the other parts do better. Physics is missing there, or a parameter of it is off.")
-    } else {
-        format!("{told}. It is the only part that could be judged by itself.")
+    match (found.rival(), found.runner_up) {
+        (Some((rival, fit)), _) => format!(
+            "{told}.\nBut {rival} misses nearly as much ({} %): which of the two lacks physics, or has a parameter off, is not \
+             settled by these figures.",
+            percent(fit)
+        ),
+        (None, Some(_)) => {
+            format!("{told}; the other parts do better.\nPhysics is missing there, or a parameter of it is off.")
+        }
+        (None, None) => format!("{told}.\nIt is the only part that could be judged by itself."),
     }
 }
 

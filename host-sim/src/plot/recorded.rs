@@ -15,7 +15,11 @@ pub fn panels(recording: &Recording, entry: EntryPoint, simulated: &Trajectory, 
         let unit = unit_for_people(signal);
         values.iter().map(|value| unit.from_si(*value)).collect()
     };
-    let empty = |signal: Signal| Panel::new(title(signal), unit_for_people(signal).symbol(), time_s.to_vec());
+    let empty = |signal: Signal| {
+        let unit = unit_for_people(signal);
+        let unit = if signal == Signal::Spool { "% of travel" } else { unit.symbol() };
+        Panel::new(title(signal), unit, time_s.to_vec())
+    };
     let input = driving(entry).and_then(|signal| {
         let trace = Trace::new("recorded, drives the model", readable(signal, recording.signal(signal)?), Style::Input);
         Some(empty(signal).trace(trace))
