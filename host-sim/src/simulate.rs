@@ -537,7 +537,7 @@ impl<'a> Grid<'a> {
                 let share = ((time - self.time_s[row]) / (self.time_s[row + 1] - self.time_s[row])).clamp(0.0, 1.0);
                 // Exactly the recorded value where a row lies on the grid.
                 let share = if (share - share.round()).abs() < 1e-6 { share.round() } else { share };
-                if share == 1.0 { values[row + 1] } else { values[row] + share * (values[row + 1] - values[row]) }
+                if share >= 1.0 { values[row + 1] } else { values[row] + share * (values[row + 1] - values[row]) }
             })
             .collect()
     }

@@ -20,9 +20,9 @@ pub fn panels(recording: &Recording, entry: EntryPoint, simulated: &Trajectory, 
         let unit = if signal == Signal::Spool { "% of travel" } else { unit.symbol() };
         Panel::new(title(signal), unit, time_s.to_vec())
     };
-    let input = driving(entry).and_then(|signal| {
-        let trace = Trace::new("recorded, drives the model", readable(signal, recording.signal(signal)?), Style::Input);
-        Some(empty(signal).trace(trace))
+    let signal = driving(entry);
+    let input = recording.signal(signal).map(|values| {
+        empty(signal).trace(Trace::new("recorded, drives the model", readable(signal, values), Style::Input))
     });
     let compared = judged.iter().filter_map(|&signal| {
         let (measured, model) = (recording.signal(signal)?, simulated.signal(signal)?);
@@ -36,13 +36,13 @@ pub fn panels(recording: &Recording, entry: EntryPoint, simulated: &Trajectory, 
     input.into_iter().chain(compared).collect()
 }
 
-fn driving(entry: EntryPoint) -> Option<Signal> {
+fn driving(entry: EntryPoint) -> Signal {
     match entry {
-        EntryPoint::Command => Some(Signal::Command),
-        EntryPoint::Slider => Some(Signal::Spool),
-        EntryPoint::Pump => Some(Signal::PumpSpeed),
-        EntryPoint::Flow => Some(Signal::Flow),
-        EntryPoint::Force => Some(Signal::Force),
+        EntryPoint::Command => Signal::Command,
+        EntryPoint::Slider => Signal::Spool,
+        EntryPoint::Pump => Signal::PumpSpeed,
+        EntryPoint::Flow => Signal::Flow,
+        EntryPoint::Force => Signal::Force,
     }
 }
 
