@@ -59,6 +59,13 @@ impl<N: Number> Chambers<N> {
         self.leakage.times(pressures.a - pressures.b)
     }
 
+    /// Mean flow of a tick at one port: of its two ends where it does not depend on the pressure, else as solved.
+    #[inline]
+    pub(crate) fn mean(&self, side: &Linearised<N>, from: N, to: N, solved: N) -> N {
+        let given = side.opening == N::ZERO && self.leakage == N::ZERO;
+        if given { (from + to).halved() } else { solved }
+    }
+
     /// How far each chamber yields in the implicit step: 1/(1 − γ·h·∂f/∂p).
     ///
     /// Leakage couples the chambers; on the diagonal it counts twice, which over-damps that coupling.

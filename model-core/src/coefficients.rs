@@ -189,7 +189,12 @@ impl<R: Real> Builder<'_, R> {
         let full_speed = self.get(P::PumpDisplacement) * R::constant(PUMP_SPEED_REV_PER_S) / flow;
         let slip = self.get(P::PumpSlip) * R::constant(self.bases.pressure_pa) / flow;
         Ok(Pump {
-            displacement: self.gain::<N>("pump flow at 50 revolutions per second", P::PumpDisplacement, full_speed)?,
+            into_a: self.gain::<N>("pump flow at 50 revolutions per second", P::PumpDisplacement, full_speed)?,
+            into_b: self.gain::<N>(
+                "pump flow into B at 50 revolutions per second",
+                P::PumpReverseRatio,
+                full_speed * self.get(P::PumpReverseRatio),
+            )?,
             slip: self.signal("slip at supply pressure", P::PumpSlip, slip)?,
             back: self.signal(
                 "return flow at supply pressure",

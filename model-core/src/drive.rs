@@ -237,8 +237,8 @@ impl<N: Number> Drive<N> {
         let give = if stick { N::ZERO } else { N::inverse_one_plus([yielding.a, yielding.b], self.springs) };
 
         // First stage.
-        let inflow = self.inflow(Flows { a: flows.a.flow, b: flows.b.flow }, pressures);
-        let net = Flows { a: inflow.a - velocity, b: chambers.displaced_b(velocity) - inflow.b };
+        let inflow1 = self.inflow(Flows { a: flows.a.flow, b: flows.b.flow }, pressures);
+        let net = Flows { a: inflow1.a - velocity, b: chambers.displaced_b(velocity) - inflow1.b };
         let trial = chambers.rise(Flows { a: yielding.a.times(net.a), b: yielding.b.times(net.b) });
         let force = self.stage_force(pressures, trial) + load.from + constant;
         let guess = give.times(N::dot([mechanics.mobility, mechanics.drag], [force + friction, -velocity]));
@@ -251,10 +251,10 @@ impl<N: Number> Drive<N> {
 
         // Second stage.
         let (pressures2, velocity2) = (ChamberState { a: pressures.a + k1.a, b: pressures.b + k1.b }, velocity + v1);
-        let inflow = self.inflow(self.feed_to(feed, pressures2), pressures2);
+        let inflow2 = self.inflow(self.feed_to(feed, pressures2), pressures2);
         let net = Flows {
-            a: inflow.a - velocity2 - net1.a - net1.a,
-            b: chambers.displaced_b(velocity2) - inflow.b - net1.b - net1.b,
+            a: inflow2.a - velocity2 - net1.a - net1.a,
+            b: chambers.displaced_b(velocity2) - inflow2.b - net1.b - net1.b,
         };
         let trial = chambers.rise(Flows { a: yielding.a.times(net.a), b: yielding.b.times(net.b) });
         let force = self.stage_force(pressures2, trial) + load.to + constant;
@@ -270,7 +270,12 @@ impl<N: Number> Drive<N> {
         let mean = mechanics.finish(contact, &mut state.motion, v1, v2);
         let kept =
             Flows { a: N::dot(mechanics.weights, [net1.a, net2.a]), b: N::dot(mechanics.weights, [net1.b, net2.b]) };
-        let flows = Flows { a: kept.a + mean, b: chambers.displaced_b(mean) - kept.b };
+        // A flow that no pressure moves has the mean of its ends. Taken so, a closed valve passes exactly nothing: the solved
+        // flow's rounding would pump the closed chambers up within hours.
+        let flows = Flows {
+            a: chambers.mean(&flows.a, inflow1.a, inflow2.a, kept.a + mean),
+            b: chambers.mean(&flows.b, inflow1.b, inflow2.b, chambers.displaced_b(mean) - kept.b),
+        };
         chambers.step(&mut state.chambers, flows, mean);
         let slider = if let Feed::Edges(slider) = feed { Some(*slider) } else { None };
         Interfaces { slider, flows, forces: Forces { first, second }, velocity: mean }

@@ -107,8 +107,10 @@ pub struct PumpDrive<N> {
 /// A pump with a directional valve. Neither delivers backwards: a check valve holds the load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pump<N: Number> {
-    /// Displacement: flow per speed.
-    pub(crate) displacement: N::Gain,
+    /// Flow per speed into A.
+    pub(crate) into_a: N::Gain,
+    /// Flow per speed into B.
+    pub(crate) into_b: N::Gain,
     /// Slip: flow lost per pressure difference.
     pub(crate) slip: N,
     /// Opening of the returning side.
@@ -126,15 +128,18 @@ impl<N: Number> Pump<N> {
         let (over_a, over_b) = (pressure_a - self.lines.tank, pressure_b - self.lines.tank);
         let negative = |side: Linearised<N>| Linearised { flow: -side.flow, ..side };
         match drive.direction {
-            1.. => Flows { a: self.delivered(drive.speed, over_a), b: self.returned(over_b) },
+            1.. => Flows { a: self.delivered(self.into_a, drive.speed, over_a), b: self.returned(over_b) },
             0 => Flows { a: self.blocked(), b: self.blocked() },
-            _ => Flows { a: negative(self.returned(over_a)), b: negative(self.delivered(drive.speed, over_b)) },
+            _ => Flows {
+                a: negative(self.returned(over_a)),
+                b: negative(self.delivered(self.into_b, drive.speed, over_b)),
+            },
         }
     }
 
     #[inline]
-    fn delivered(&self, speed: N, over: N) -> Linearised<N> {
-        let flow = N::dot([self.displacement], [speed.magnitude()]) - self.slip.times(over);
+    fn delivered(&self, displacement: N::Gain, speed: N, over: N) -> Linearised<N> {
+        let flow = N::dot([displacement], [speed.magnitude()]) - self.slip.times(over);
         if flow > N::ZERO { Linearised { flow, opening: self.slip, slope: self.unity } } else { self.blocked() }
     }
 

@@ -85,6 +85,7 @@ parameters! {
     ViscousFriction: "cylinder.viscous_friction_n_s_per_m", "N s/m", 0.0, 1e9, Value(1.0e4), "Viscous friction D. (8)";
     LoadForce: "load.force_n", "N", -1e8, 1e8, Value(0.0), "External force F on the rod; positive extends. (8)";
     PumpDisplacement: "pump.displacement_m3_per_rev", "m3/rev", 1e-9, 1.0, Value(1.6e-6), "Oil delivered per turn by the pump of a pump-controlled drive.";
+    PumpReverseRatio: "pump.reverse_ratio", "1", 0.2, 5.0, Value(1.0), "Oil delivered per turn into B over that into A: pumps built for one sense deliver differently in the other.";
     ReturnCoefficient: "directional_valve.flow_coefficient", "m3/s/sqrt(Pa)", 1e-12, 1.0, Value(1.0e-6), "Flow per root of pressure from the returning chamber to tank, with the directional valve open.";
     LvdtCounts: "sensing.lvdt_counts_per_unit", "1", 1.0, 1e9, Value(32768.0), "Counts of the slider's LVDT per full slider travel (16 bit, both signs).";
     EncoderCounts: "sensing.encoder_counts_per_rev", "1", 1.0, 1e9, Value(3600.0), "Counts of the joint's encoder per turn.";

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use model_core::machine::Source;
 
 use crate::compare::CompareError;
+use crate::diagnose::DiagnoseError;
 use crate::diagnostic::{self, Explained};
 use crate::machine_file::MachineFileError;
 use crate::paper::PaperError;
@@ -43,6 +44,28 @@ pub enum CliError {
         machine: PathBuf,
         /// Why.
         cause: CompareError,
+    },
+    /// The recordings do not make a diagnosis or a fit.
+    #[error("{machine}: {cause}")]
+    Diagnose {
+        /// The machine file.
+        machine: PathBuf,
+        /// Why.
+        cause: DiagnoseError,
+    },
+    /// A folder without training recordings.
+    #[error("{}: no train-*.csv; expected machine.toml, train-*.csv and holdout-*.csv", folder.display())]
+    NothingToTrain {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A folder that cannot be listed.
+    #[error("{}: cannot be read: {cause}; expected a folder with machine.toml, train-*.csv and holdout-*.csv", folder.display())]
+    Folder {
+        /// The folder.
+        folder: PathBuf,
+        /// What the system says.
+        cause: io::Error,
     },
     /// The paper's experiment.
     #[error(transparent)]
@@ -136,7 +159,9 @@ impl CliError {
         }
         match self {
             CliError::MachineFile(error) => shown(error),
-            CliError::Recording(error) | CliError::Compare { cause: CompareError::Recording(error), .. } => {
+            CliError::Recording(error)
+            | CliError::Compare { cause: CompareError::Recording(error), .. }
+            | CliError::Diagnose { cause: DiagnoseError::Recording(CompareError::Recording(error)), .. } => {
                 shown(error)
             }
             other => format!("error: {other}"),

@@ -5,7 +5,9 @@
 
 pub mod compare;
 mod console;
+pub mod diagnose;
 mod error;
+pub mod fit;
 mod input;
 pub mod paper;
 pub mod simulate;
@@ -34,6 +36,10 @@ pub enum Command {
     Simulate(simulate::Arguments),
     /// Compare recordings with the model, end to end and link by link.
     Compare(compare::Arguments),
+    /// Refit a drive's ordinary parameters to recordings.
+    Fit(fit::Arguments),
+    /// Find what a model lacks: where, which physics, and how much better it fits with it.
+    Diagnose(diagnose::Arguments),
     /// Repeat the paper's experiment on a virtual test bed and print its tables.
     Paper(paper::Arguments),
     /// Make synthetic recordings of a drive, with effects that its machine file knows nothing of.
@@ -54,6 +60,8 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<Outcome, CliE
     match command {
         Command::Simulate(arguments) => simulate::run(arguments, console),
         Command::Compare(arguments) => compare::run(arguments, console),
+        Command::Fit(arguments) => fit::run(arguments, console),
+        Command::Diagnose(arguments) => diagnose::run(arguments, console),
         Command::Paper(arguments) => paper::run(arguments, console),
         Command::Testbed(arguments) => testbed::run(arguments, console),
     }

@@ -1,0 +1,147 @@
+//! `host-sim diagnose`: find the mismatch, name the physics that was left out, show the fit improve.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::input;
+use super::{CliError, Console, Outcome};
+use crate::atomic;
+use crate::diagnose::{Diagnosis, Verdict, diagnose, steps};
+use crate::machine_file::{self, MachineFile};
+use crate::recording::{ChannelMap, Recording};
+use crate::report::{html, json, terminal};
+
+/// Arguments of `diagnose`.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Examples:
+  host-sim diagnose examples/press-63-40
+  host-sim diagnose --machine M.toml --train a.csv b.csv c.csv --holdout d.csv --json D.json --save-machine F.toml --report D.html
+
+Training recordings make the choice, each left out in turn; the held-out ones are opened once, after it, to confirm or veto.
+The report of a FOLDER goes to diagnosis-<name>.html in the working folder unless --report says otherwise.")]
+pub struct Arguments {
+    /// Folder with machine.toml, train-*.csv and holdout-*.csv
+    #[arg(value_name = "FOLDER", required_unless_present = "machine", conflicts_with_all = ["machine", "train", "holdout"])]
+    folder: Option<PathBuf>,
+    /// Machine file of the drive (TOML, SI units)
+    #[arg(long, value_name = "M.toml", requires = "train")]
+    machine: Option<PathBuf>,
+    /// Recordings to train on (CSV)
+    #[arg(long, value_name = "R.csv", num_args = 1..)]
+    train: Vec<PathBuf>,
+    /// Recordings to confirm on, never used to choose (CSV)
+    #[arg(long, value_name = "R.csv", num_args = 1..)]
+    holdout: Vec<PathBuf>,
+    /// Which column holds a signal, where its header does not say; may be repeated
+    #[arg(long = "map", value_name = "name=header")]
+    maps: Vec<String>,
+    /// Step of the model in ms; without it 1, or 0.5 for recordings faster than that
+    #[arg(long, value_enum, value_name = "ms")]
+    tick: Option<input::TickArgument>,
+    /// Write the diagnosis for programs
+    #[arg(long, value_name = "D.json")]
+    json: Option<PathBuf>,
+    /// Write the machine file with refitted parameters and the effects found
+    #[arg(long, value_name = "F.toml")]
+    save_machine: Option<PathBuf>,
+    /// Write a page for people
+    #[arg(long, value_name = "D.html")]
+    report: Option<PathBuf>,
+    /// Answer 1 when something is missing or unexplained
+    #[arg(long)]
+    exit_code: bool,
+}
+
+/// What is diagnosed, read and checked.
+struct Plan {
+    machine: PathBuf,
+    file: MachineFile,
+    training: Vec<Recording>,
+    held_out: Vec<Recording>,
+    report: Option<PathBuf>,
+}
+
+pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+    let plan = plan(arguments)?;
+    for note in plan.training.iter().chain(&plan.held_out).flat_map(input::notes) {
+        console.note(note);
+    }
+    let steps = usize::try_from(steps(&plan.file)).unwrap_or(usize::MAX);
+    let bar = console.progress(steps, "diagnosing");
+    let tick = arguments.tick.map(Into::into);
+    let diagnosis = diagnose(&plan.file, &plan.training, &plan.held_out, tick, &|_| bar.inc(1));
+    bar.finish_and_clear();
+    let diagnosis = diagnosis.map_err(|cause| CliError::Diagnose { machine: plan.machine.clone(), cause })?;
+
+    if let Some(path) = &arguments.json {
+        write(path, &format!("{:#}\n", json::document(&diagnosis)))?;
+    }
+    if let Some(path) = &arguments.save_machine {
+        saved(&plan.file, &diagnosis).save(path)?;
+    }
+    if let Some(path) = &plan.report {
+        write(path, &html::page(&diagnosis))?;
+    }
+    console.print(terminal::text(&diagnosis))?;
+    if let Some(path) = &plan.report {
+        console.print(format_args!("report: {}", path.display()))?;
+    }
+    let missing = diagnosis.verdict != Verdict::NothingMissing;
+    Ok(if arguments.exit_code && missing { Outcome::OutOfTolerance } else { Outcome::Done })
+}
+
+fn plan(arguments: &Arguments) -> Result<Plan, CliError> {
+    let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
+    let (machine, train, holdout, report) = match (&arguments.folder, &arguments.machine) {
+        (Some(folder), _) => {
+            let name =
+                folder.file_name().map_or_else(|| "drive".to_owned(), |name| name.to_string_lossy().into_owned());
+            let report = arguments.report.clone().unwrap_or_else(|| PathBuf::from(format!("diagnosis-{name}.html")));
+            let train = listed(folder, "train-")?;
+            if train.is_empty() {
+                return Err(CliError::NothingToTrain { folder: folder.clone() });
+            }
+            (folder.join("machine.toml"), train, listed(folder, "holdout-")?, Some(report))
+        }
+        (None, Some(machine)) => {
+            (machine.clone(), arguments.train.clone(), arguments.holdout.clone(), arguments.report.clone())
+        }
+        (None, None) => return Err(CliError::NothingToTrain { folder: PathBuf::from(".") }),
+    };
+    let file = machine_file::read(&machine)?;
+    let channels = file.channels.clone().overlaid_with(&maps);
+    let read = |paths: &[PathBuf]| {
+        paths.iter().map(|path| input::recording(path, &channels)).collect::<Result<Vec<_>, CliError>>()
+    };
+    Ok(Plan { training: read(&train)?, held_out: read(&holdout)?, machine, file, report })
+}
+
+/// The recordings of a folder whose names start so, in the order of their names.
+fn listed(folder: &Path, prefix: &str) -> Result<Vec<PathBuf>, CliError> {
+    let unreadable = |cause: io::Error| CliError::Folder { folder: folder.to_owned(), cause };
+    let mut found = Vec::new();
+    for entry in folder.read_dir().map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
+        let named = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(prefix));
+        if named && path.extension().is_some_and(|extension| extension == "csv") {
+            found.push(path);
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// The machine file after the diagnosis.
+fn saved(file: &MachineFile, diagnosis: &Diagnosis) -> MachineFile {
+    let mut after = file.clone();
+    after.machine = diagnosis.machine_after;
+    let effects = diagnosis.findings.iter().flat_map(|finding| &finding.parameters);
+    after.given.extend(diagnosis.refitted.iter().chain(effects).map(|estimate| estimate.parameter));
+    after.effects.extend(diagnosis.findings.iter().map(|finding| finding.effect.name));
+    after
+}
+
+fn write(path: &Path, text: &str) -> Result<(), CliError> {
+    atomic::write(path, |out| out.write_all(text.as_bytes()))
+        .map_err(|cause| CliError::Write { path: path.to_owned(), cause })
+}

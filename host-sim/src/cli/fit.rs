@@ -1,0 +1,66 @@
+//! `host-sim fit`: refit the ordinary parameters of a drive to recordings.
+
+use std::path::PathBuf;
+
+use super::input;
+use super::{CliError, Console, Outcome};
+use crate::diagnose::{DiagnoseError, ordinary};
+use crate::fit::fit;
+use crate::machine_file;
+use crate::prepare::Prepared;
+use crate::recording::ChannelMap;
+use crate::report::terminal;
+
+/// Arguments of `fit`.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Example:
+  host-sim fit --machine M.toml --train train-1.csv train-2.csv --save-machine F.toml
+
+The parameters of [fit.sigma] move, each around its nominal value by its standard deviation; without that table the usually
+uncertain ones that the file gives, by a tenth.")]
+pub struct Arguments {
+    /// Machine file of the drive (TOML, SI units)
+    #[arg(long, value_name = "M.toml")]
+    machine: PathBuf,
+    /// Recordings to fit to (CSV)
+    #[arg(long, value_name = "R.csv", required = true, num_args = 1..)]
+    train: Vec<PathBuf>,
+    /// Which column holds a signal, where its header does not say; may be repeated
+    #[arg(long = "map", value_name = "name=header")]
+    maps: Vec<String>,
+    /// Step of the model in ms; without it 1, or 0.5 for recordings faster than that
+    #[arg(long, value_enum, value_name = "ms")]
+    tick: Option<input::TickArgument>,
+    /// Where to write the machine file with fitted values
+    #[arg(long, value_name = "F.toml")]
+    save_machine: PathBuf,
+}
+
+pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+    let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
+    let mut file = machine_file::read(&arguments.machine)?;
+    let channels = file.channels.clone().overlaid_with(&maps);
+    let failed = |cause: DiagnoseError| CliError::Diagnose { machine: arguments.machine.clone(), cause };
+    let mut prepared = Vec::new();
+    for path in &arguments.train {
+        let recording = input::recording(path, &channels)?;
+        for note in input::notes(&recording) {
+            console.note(note);
+        }
+        let tick = arguments.tick.map(Into::into);
+        let case = Prepared::new(&recording, &file.machine, file.load_source, tick);
+        prepared.push(case.map_err(|cause| failed(cause.into()))?);
+    }
+    let cases: Vec<&Prepared> = prepared.iter().collect();
+    let bar = console.progress(1, "fitting");
+    let fitted = fit(&file.machine, &ordinary(&file), &cases, None, 1e-8).map_err(|cause| failed(cause.into()))?;
+    bar.finish_and_clear();
+    file.machine = fitted.machine;
+    file.given.extend(fitted.estimates.iter().map(|estimate| estimate.parameter));
+    file.save(&arguments.save_machine)?;
+    console.print(terminal::parameters(&fitted.estimates))?;
+    if !fitted.converged {
+        console.note("the search did not converge: the values are the best it met");
+    }
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,367 @@
+//! The whole way: recordings in, diagnosis out.
+//!
+//! recording → prepare → refit → locate → hypothesis → fit → verdict. Training recordings make the choice; the held-out
+//! ones are opened once, after it.
+
+use std::collections::BTreeMap;
+
+use model_core::machine::{Machine, MachineError, Tick};
+use model_core::parameter::Parameter;
+
+use crate::compare::CompareError;
+use crate::fit::{Estimate, FitError, Free, Freedom};
+use crate::hypothesis::{CATALOGUE, Hypothesis, Subsystem};
+use crate::locate::{Case, Location, locate, misses};
+use crate::machine_file::MachineFile;
+use crate::prepare::Prepared;
+use crate::recording::{Recording, Signal};
+use crate::residual::SignalFit;
+use crate::simulate::{StartOffset, Trajectory, simulate};
+use crate::verdict::{Candidate, Confirmation, Question, Selection, confirm, select};
+
+/// How sure the model follows within the noise: no signal further off than half the noise again.
+const WITHIN_NOISE: f64 = 1.5;
+
+/// How it ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Named effects account for a mismatch, and recordings that were held out confirm it.
+    MissingPhysics,
+    /// The refitted model follows the recordings within their noise.
+    NothingMissing,
+    /// There is a mismatch above the noise that no effect of the catalogue accounts for.
+    Unexplained,
+}
+
+/// One claimed effect.
+#[derive(Clone, Debug)]
+pub struct Finding {
+    /// The effect.
+    pub effect: &'static Hypothesis,
+    /// Probability among the effects tried, on left-out recordings.
+    pub confidence: f64,
+    /// Its fitted parameters.
+    pub parameters: Vec<Estimate>,
+    /// Other effects that gained on the left-out recordings, with their probability.
+    pub alternatives: Vec<(&'static Hypothesis, f64)>,
+}
+
+/// Signals of one recording: recorded, and simulated before and after.
+#[derive(Clone, Debug)]
+pub struct Shown {
+    /// The recording, prepared.
+    pub prepared: Prepared,
+    /// Whether it was held out.
+    pub held_out: bool,
+    /// Simulated with refitted ordinary parameters.
+    pub before: Trajectory,
+    /// Simulated with the effects as well; the same as before if nothing is claimed.
+    pub after: Trajectory,
+}
+
+/// Mean NRMSE fit of each signal over recordings, %.
+pub type Fits = BTreeMap<&'static str, f64>;
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct Diagnosis {
+    /// The drive's name.
+    pub machine: String,
+    /// How it ended.
+    pub verdict: Verdict,
+    /// Where; `None` if nothing is missing.
+    pub located: Option<Location>,
+    /// What is claimed, most certain first.
+    pub findings: Vec<Finding>,
+    /// Effects that training recordings chose and held-out ones did not confirm.
+    pub not_confirmed: Vec<&'static Hypothesis>,
+    /// What the held-out recordings said; `None` if there was no choice to confirm.
+    pub confirmation: Option<Confirmation>,
+    /// Ordinary parameters that were refitted (with the effects, if any).
+    pub refitted: Vec<Estimate>,
+    /// Every recording with its simulations.
+    pub shown: Vec<Shown>,
+    /// The course of the selection.
+    pub selection: Selection,
+    /// The machine after: refitted, with the effects claimed.
+    pub machine_after: Machine<f64>,
+    /// Effects that these recordings cannot show, whatever the drive.
+    pub not_testable: Vec<&'static Hypothesis>,
+}
+
+/// Why there is no diagnosis.
+#[derive(Debug, thiserror::Error)]
+pub enum DiagnoseError {
+    /// A recording cannot be used.
+    #[error(transparent)]
+    Recording(#[from] CompareError),
+    /// A fit is not possible.
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    /// The machine does not become a drive.
+    #[error(transparent)]
+    Machine(#[from] MachineError),
+    /// There is nothing to train on.
+    #[error("no training recording; expected at least one")]
+    NoTraining,
+    /// The training recordings do not start the chain at the same place.
+    #[error(
+        "{first} enters the chain at {entry}, {other} at {other_entry}; expected all training and held-out recordings to have the same inputs"
+    )]
+    MixedEntries {
+        /// A recording.
+        first: String,
+        /// Its entry.
+        entry: String,
+        /// Another one.
+        other: String,
+        /// Its entry.
+        other_entry: String,
+    },
+}
+
+/// Progress of a diagnosis: `done` of about `of` steps, and what was just finished.
+pub type Progress<'a> = &'a (dyn Fn(&str) + Sync);
+
+/// How many progress steps a diagnosis of this machine takes at least.
+#[must_use]
+pub fn steps(file: &MachineFile) -> u64 {
+    1 + CATALOGUE.iter().filter(|hypothesis| !hypothesis.is_on(&file.machine)).count() as u64
+}
+
+/// Diagnoses a drive from training recordings, and confirms on held-out ones.
+pub fn diagnose(
+    file: &MachineFile,
+    training: &[Recording],
+    held_out: &[Recording],
+    tick: Option<Tick>,
+    progress: Progress<'_>,
+) -> Result<Diagnosis, DiagnoseError> {
+    let prepare = |recording: &Recording| Prepared::new(recording, &file.machine, file.load_source, tick);
+    let trained: Vec<Prepared> = training.iter().map(prepare).collect::<Result<_, _>>()?;
+    let held: Vec<Prepared> = held_out.iter().map(prepare).collect::<Result<_, _>>()?;
+    let entry = trained.first().ok_or(DiagnoseError::NoTraining)?.stimulus.entry;
+    check_entries(&trained, &held)?;
+
+    let ordinary = ordinary(file);
+    let (hypotheses, not_testable): (Vec<_>, Vec<_>) = CATALOGUE
+        .iter()
+        .copied()
+        .filter(|hypothesis| !hypothesis.is_on(&file.machine))
+        .partition(|hypothesis| (hypothesis.shows_in)(file.machine.source, entry, file.load_source));
+    let references: Vec<&Prepared> = trained.iter().collect();
+    let question =
+        Question { machine: &file.machine, ordinary: &ordinary, hypotheses: &hypotheses, training: &references };
+    let selection = select(&question, &|name| progress(name))?;
+
+    let base = &selection.base.fit;
+    let cases: Vec<Case<'_>> = training
+        .iter()
+        .zip(&trained)
+        .zip(&base.levels)
+        .map(|((recording, prepared), &level)| Case { recording, prepared, level })
+        .collect();
+    let above_noise = misses(&base.machine, &cases)?.iter().any(|miss| miss.over_noise > WITHIN_NOISE);
+
+    let (findings, not_confirmed, confirmation, after) = decide(&selection, &held, above_noise)?;
+    let verdict = if !findings.is_empty() {
+        Verdict::MissingPhysics
+    } else if above_noise {
+        Verdict::Unexplained
+    } else {
+        Verdict::NothingMissing
+    };
+    let located = if verdict == Verdict::NothingMissing {
+        None
+    } else {
+        let mut location = locate(&base.machine, file.load_source, &cases)?;
+        if let Some(finding) = findings.first() {
+            location.subsystem = finding.effect.subsystem;
+        }
+        Some(location)
+    };
+    let shown = trained
+        .into_iter()
+        .zip(base.levels.iter().zip(&after.fit.levels).map(|(&before, &after)| Some((before, after))))
+        .chain(held.into_iter().map(|prepared| (prepared, None)))
+        .map(|(prepared, levels)| show(prepared, levels, &base.machine, &after.fit.machine))
+        .collect::<Result<Vec<_>, MachineError>>()?;
+    let refitted = after
+        .fit
+        .estimates
+        .iter()
+        .filter(|estimate| ordinary.iter().any(|free| free.parameter == estimate.parameter))
+        .copied()
+        .collect();
+    Ok(Diagnosis {
+        machine: file.name.clone(),
+        verdict,
+        located,
+        findings,
+        not_confirmed,
+        confirmation,
+        refitted,
+        shown,
+        machine_after: after.fit.machine,
+        not_testable,
+        selection,
+    })
+}
+
+type Decision = (Vec<Finding>, Vec<&'static Hypothesis>, Option<Confirmation>, Candidate);
+
+/// Opens the held-out recordings for the chosen set: they confirm it as a whole or veto it.
+fn decide(selection: &Selection, held: &[Prepared], above_noise: bool) -> Result<Decision, MachineError> {
+    let chosen = &selection.chosen;
+    if chosen.effects.is_empty() || !above_noise {
+        return Ok((Vec::new(), Vec::new(), None, selection.base.clone()));
+    }
+    let held: Vec<&Prepared> = held.iter().collect();
+    let confirmation = confirm(&selection.base.fit.machine, &chosen.fit.machine, &held)?;
+    if !held.is_empty() && !confirmation.confirms() {
+        return Ok((Vec::new(), chosen.effects.clone(), Some(confirmation), selection.base.clone()));
+    }
+    let mut findings: Vec<Finding> = chosen.effects.iter().map(|&effect| finding(effect, selection)).collect();
+    findings.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
+    Ok((findings, Vec::new(), (!held.is_empty()).then_some(confirmation), chosen.clone()))
+}
+
+/// A finding with its probability among what was tried in the round that chose it.
+fn finding(effect: &'static Hypothesis, selection: &Selection) -> Finding {
+    let round = selection
+        .rounds
+        .iter()
+        .find(|round| {
+            let best = round.iter().filter(|trial| trial.accepted).max_by(|a, b| a.net().total_cmp(&b.net()));
+            best.is_some_and(|best| best.effect.name == effect.name)
+        })
+        .or(selection.rounds.first());
+    let nets: Vec<(&'static Hypothesis, f64)> =
+        round.into_iter().flatten().map(|trial| (trial.effect, trial.net())).collect();
+    let largest = nets.iter().map(|(_, net)| *net).fold(0.0, f64::max);
+    // No effect at all stands against them with a net gain of 0.
+    let total: f64 = nets.iter().map(|(_, net)| (net - largest).exp()).sum::<f64>() + (-largest).exp();
+    let probability = |name: &str| {
+        nets.iter().find(|(effect, _)| effect.name == name).map_or(0.0, |(_, net)| (net - largest).exp() / total)
+    };
+    let parameters = effect
+        .strengths
+        .iter()
+        .filter_map(|strength| {
+            selection.chosen.fit.estimates.iter().find(|estimate| estimate.parameter == strength.parameter).copied()
+        })
+        .collect();
+    let mut alternatives: Vec<(&'static Hypothesis, f64)> = nets
+        .iter()
+        .filter(|(other, _)| selection.chosen.effects.iter().all(|chosen| chosen.name != other.name))
+        .map(|(other, _)| (*other, probability(other.name)))
+        .filter(|(_, probability)| *probability > 1e-3)
+        .collect();
+    alternatives.sort_by(|a, b| b.1.total_cmp(&a.1));
+    Finding { effect, confidence: probability(effect.name).min(0.999), parameters, alternatives }
+}
+
+/// Ordinary parameters that may move: those of `[fit.sigma]`, else every one that the file gives and that is usually
+/// uncertain, by a tenth of its value.
+#[must_use]
+pub fn ordinary(file: &MachineFile) -> Vec<Free> {
+    const USUALLY_UNCERTAIN: &[Parameter] = &[
+        Parameter::ValveGain,
+        Parameter::DeadZone,
+        Parameter::RateLimit,
+        Parameter::TimeConstant1,
+        Parameter::TimeConstant2,
+        Parameter::TransportDelay,
+        Parameter::FlowCoefficient,
+        Parameter::BulkModulus,
+        Parameter::ViscousFriction,
+        Parameter::PumpDisplacement,
+    ];
+    let around = |parameter: Parameter, sigma: f64| Free {
+        parameter,
+        freedom: Freedom::Around { nominal: file.machine.get(parameter), sigma },
+    };
+    if file.has_sigma_table {
+        return file.sigma.iter().map(|(&parameter, &sigma)| around(parameter, sigma)).collect();
+    }
+    USUALLY_UNCERTAIN
+        .iter()
+        .copied()
+        .filter(|parameter| file.given.contains(parameter))
+        .map(|parameter| around(parameter, 0.1 * file.machine.get(parameter).abs()))
+        .filter(|free| matches!(free.freedom, Freedom::Around { sigma, .. } if sigma > 0.0 && sigma.is_finite()))
+        .collect()
+}
+
+fn check_entries(training: &[Prepared], held: &[Prepared]) -> Result<(), DiagnoseError> {
+    let Some(first) = training.first() else { return Err(DiagnoseError::NoTraining) };
+    match training.iter().chain(held).find(|other| other.stimulus.entry != first.stimulus.entry) {
+        None => Ok(()),
+        Some(other) => Err(DiagnoseError::MixedEntries {
+            first: first.name.clone(),
+            entry: format!("{:?}", first.stimulus.entry).to_lowercase(),
+            other: other.name.clone(),
+            other_entry: format!("{:?}", other.stimulus.entry).to_lowercase(),
+        }),
+    }
+}
+
+/// Simulates before and after, from the fitted pressure levels at rest; a held-out recording has none and starts at half.
+fn show(
+    prepared: Prepared,
+    levels: Option<(f64, f64)>,
+    before: &Machine<f64>,
+    after: &Machine<f64>,
+) -> Result<Shown, MachineError> {
+    let (level_before, level_after) = levels.unwrap_or((0.5, 0.5));
+    let before = simulate::<f64>(before, &prepared.stimulus, StartOffset { level: level_before })?;
+    let after = simulate::<f64>(after, &prepared.stimulus, StartOffset { level: level_after })?;
+    Ok(Shown { held_out: levels.is_none(), prepared, before, after })
+}
+
+impl Shown {
+    /// Fit of each judged signal before or after.
+    pub fn fits(&self, after: bool) -> impl Iterator<Item = SignalFit> + '_ {
+        let trajectory = if after { &self.after } else { &self.before };
+        self.prepared.channels.iter().filter_map(move |channel| {
+            let simulated = trajectory.signal(channel.signal)?;
+            Some(SignalFit::of(channel.signal, &self.prepared.time_s, &channel.recorded, simulated))
+        })
+    }
+}
+
+impl Diagnosis {
+    /// Mean NRMSE fit of each signal, before or after, on training or held-out recordings.
+    #[must_use]
+    pub fn mean_fits(&self, held_out: bool, after: bool) -> Fits {
+        let fits = self.of(held_out).flat_map(|shown| shown.fits(after)).map(|fit| (fit.signal, fit.nrmse_percent));
+        mean(fits)
+    }
+
+    /// Mean NRMSE fit that a perfect model would reach on held-out recordings.
+    #[must_use]
+    pub fn noise_floor(&self, held_out: bool) -> Fits {
+        let channels = self.of(held_out).flat_map(|shown| &shown.prepared.channels);
+        mean(channels.map(|channel| (channel.signal, channel.noise_floor_percent())))
+    }
+
+    fn of(&self, held_out: bool) -> impl Iterator<Item = &Shown> {
+        self.shown.iter().filter(move |shown| shown.held_out == held_out)
+    }
+
+    /// The subsystem in question, where something is missing.
+    #[must_use]
+    pub fn subsystem(&self) -> Option<Subsystem> {
+        self.located.as_ref().map(|located| located.subsystem)
+    }
+}
+
+fn mean(values: impl Iterator<Item = (Signal, f64)>) -> Fits {
+    let mut sums: BTreeMap<&'static str, (f64, f64)> = BTreeMap::new();
+    for (signal, value) in values {
+        let entry = sums.entry(signal.name()).or_default();
+        *entry = (entry.0 + value, entry.1 + 1.0);
+    }
+    sums.into_iter().map(|(name, (sum, count))| (name, sum / count)).collect()
+}

@@ -1,0 +1,47 @@
+//! # Coulomb friction
+//!
+//! ## What it adds
+//! Dry friction of constant size against the motion: F = −Fc·sgn v while sliding; at rest any force up to Fc is held. It is
+//! set-valued: the rod really sticks.
+//!
+//! ## How it shows
+//! The force that the model lacks steps at v = 0. After a stop the pressures stay apart by 2·Fc/A between the directions; the
+//! rod starts late and stops early.
+//!
+//! ## What looks alike
+//! A constant load does not flip with the direction. Stribeck friction adds a hump at low speed. A valve's dead zone leaves
+//! the pressures flat while the rod rests.
+//!
+//! ## Parameters
+//! Fc in N, not negative; 1–5 % of the cylinder's full force.
+//!
+//! ## Source
+//! B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, *A survey of models … for the control of machines with friction*,
+//! Automatica 30, 1994.
+
+use model_core::parameter::Parameter;
+
+use super::{Hypothesis, LookAlike, Strength, Subsystem};
+use crate::machine_file::LoadSource;
+
+pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
+    name: "coulomb-friction",
+    subsystem: Subsystem::Mechanics,
+    equation: "F = −Fc·sgn v; at rest |F| ≤ Fc",
+    strengths: &[Strength {
+        name: "force_n",
+        parameter: Parameter::CoulombFriction,
+        typical: |machine| 0.02 * machine.get(Parameter::AreaA) * machine.get(Parameter::SupplyPressure),
+    }],
+    look_alikes: &[
+        LookAlike { effect: "stribeck-friction", told_apart_by: "constant-speed strokes below 10 mm/s" },
+        LookAlike {
+            effect: "friction-asymmetry",
+            told_apart_by: "slow strokes both ways with both pressures recorded",
+        },
+    ],
+    separated_by: "constant-speed strokes below 10 mm/s",
+    source: "Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30, 1994",
+    // With the load taken from the pressures the force balance is an input.
+    shows_in: |_, _, load| matches!(load, LoadSource::Constant),
+};

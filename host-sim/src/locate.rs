@@ -1,0 +1,270 @@
+//! Where a mismatch sits: which link, which signal, when, and in which states of the drive.
+//!
+//! The refitted model is run twice over every recording: entered where the chain begins, and entered at the measured slider,
+//! where there is one. A link that is driven by its measured input and still misses its measured output lacks physics.
+
+use model_core::machine::{Machine, MachineError};
+
+use crate::fit::standardised;
+use crate::hypothesis::Subsystem;
+use crate::machine_file::LoadSource;
+use crate::prepare::Prepared;
+use crate::recording::{Recording, Signal};
+use crate::simulate::{EntryPoint, StartOffset, Trajectory, simulate};
+
+/// A stretch of a recording.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Interval {
+    /// The recording.
+    pub recording: String,
+    /// Start, s.
+    pub from_s: f64,
+    /// End, s.
+    pub to_s: f64,
+}
+
+/// How far one signal misses, in standard deviations of its noise (root mean square over all recordings).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Miss {
+    /// The signal.
+    pub signal: Signal,
+    /// RMSE over noise; 1 is a perfect model.
+    pub over_noise: f64,
+}
+
+/// The place of a mismatch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Location {
+    /// The link.
+    pub subsystem: Subsystem,
+    /// The signal that misses most.
+    pub signal: Signal,
+    /// Share of that signal's squared error that lies in the intervals.
+    pub share: f64,
+    /// Where the error is made, the largest first; five a recording at most.
+    pub intervals: Vec<Interval>,
+    /// In which states of the drive, in words.
+    pub region: String,
+    /// Every judged signal, end to end.
+    pub misses: Vec<Miss>,
+}
+
+/// A training recording with what was prepared from it.
+#[derive(Clone, Copy, Debug)]
+pub struct Case<'a> {
+    /// As read.
+    pub recording: &'a Recording,
+    /// As the fit sees it.
+    pub prepared: &'a Prepared,
+    /// Pressure level at rest, share of supply, where pressures are not recorded.
+    pub level: f64,
+}
+
+/// Locates what `machine`, already refitted, misses.
+pub fn locate(machine: &Machine<f64>, load: LoadSource, cases: &[Case<'_>]) -> Result<Location, MachineError> {
+    let misses = misses(machine, cases)?;
+    let slider = entered_at_slider(machine, load, cases)?;
+    let signal = worst(&misses);
+    let subsystem = subsystem(&misses, &slider, cases);
+    let mut intervals = Vec::new();
+    let (mut inside, mut total) = (0.0, 0.0);
+    let mut states = States::default();
+    for case in cases {
+        let trajectory = simulate::<f64>(machine, &case.prepared.stimulus, StartOffset { level: case.level })?;
+        let Some(channel) = case.prepared.channels.iter().find(|channel| channel.signal == signal) else { continue };
+        let Some(simulated) = trajectory.signal(signal) else { continue };
+        let errors: Vec<f64> = channel
+            .recorded
+            .iter()
+            .zip(simulated)
+            .map(|(recorded, simulated)| (recorded - simulated) / channel.noise)
+            .collect();
+        let made = made(signal, &case.prepared.time_s, &errors);
+        let (stretches, held) = stretches(&made);
+        inside += held;
+        total += made.iter().map(|error| error * error).sum::<f64>();
+        let time_s = &case.prepared.time_s;
+        intervals.extend(stretches.into_iter().map(|(from, to)| Interval {
+            recording: case.prepared.name.clone(),
+            from_s: time_s[from],
+            to_s: time_s[to],
+        }));
+        states.add(machine, &trajectory, &made);
+    }
+    let share = if total > 0.0 { inside / total } else { 0.0 };
+    Ok(Location { subsystem, signal, share, intervals, region: states.region(), misses })
+}
+
+/// RMSE over noise of every judged signal.
+pub fn misses(machine: &Machine<f64>, cases: &[Case<'_>]) -> Result<Vec<Miss>, MachineError> {
+    let mut sums: Vec<(Signal, f64, f64)> = Vec::new();
+    for case in cases {
+        let series = standardised(machine, case.prepared, case.level)?;
+        for (channel, series) in case.prepared.channels.iter().zip(&series) {
+            let square: f64 = series.iter().map(|value| value * value).sum();
+            match sums.iter_mut().find(|(signal, ..)| *signal == channel.signal) {
+                Some((_, sum, rows)) => {
+                    *sum += square;
+                    *rows += series.len() as f64;
+                }
+                None => sums.push((channel.signal, square, series.len() as f64)),
+            }
+        }
+    }
+    Ok(sums.into_iter().map(|(signal, sum, rows)| Miss { signal, over_noise: (sum / rows).sqrt() }).collect())
+}
+
+/// The misses of everything below the slider, driven by the measured slider.
+fn entered_at_slider(machine: &Machine<f64>, load: LoadSource, cases: &[Case<'_>]) -> Result<Vec<Miss>, MachineError> {
+    let prepared: Vec<Prepared> = cases
+        .iter()
+        .filter(|case| case.prepared.stimulus.entry == EntryPoint::Command && case.recording.has(Signal::Spool))
+        .filter_map(|case| {
+            let tick = Some(case.prepared.stimulus.tick);
+            Prepared::entered_at(EntryPoint::Slider, case.recording, machine, load, tick).ok()
+        })
+        .collect();
+    let cases: Vec<Case<'_>> = prepared
+        .iter()
+        .zip(cases)
+        .map(|(prepared, case)| Case { recording: case.recording, prepared, level: case.level })
+        .collect();
+    misses(machine, &cases)
+}
+
+fn worst(misses: &[Miss]) -> Signal {
+    let worst = misses.iter().max_by(|a, b| a.over_noise.total_cmp(&b.over_noise));
+    worst.map_or(Signal::Position, |miss| miss.signal)
+}
+
+/// A link misses when its output, driven by its measured input, is further off than half the noise again.
+const GATE: f64 = 1.5;
+
+fn subsystem(end_to_end: &[Miss], below_slider: &[Miss], cases: &[Case<'_>]) -> Subsystem {
+    let of =
+        |misses: &[Miss], signal| misses.iter().find(|miss| miss.signal == signal).map_or(0.0, |miss| miss.over_noise);
+    let slider = of(end_to_end, Signal::Spool);
+    let below = if below_slider.is_empty() { end_to_end } else { below_slider };
+    let rest = below.iter().map(|miss| miss.over_noise).fold(0.0, f64::max);
+    if slider > GATE && slider > 0.5 * rest {
+        return Subsystem::Valve;
+    }
+    let pressures = of(below, Signal::PressureA).max(of(below, Signal::PressureB));
+    if pressures > GATE {
+        // Pressures that miss while the motion follows: the chambers' balance is kept, the forces are not.
+        return if of(below, Signal::Position) > pressures { Subsystem::Flow } else { Subsystem::Mechanics };
+    }
+    let pump = cases.iter().any(|case| case.prepared.stimulus.entry == EntryPoint::Pump);
+    if pump { Subsystem::Chambers } else { Subsystem::Flow }
+}
+
+/// Where an error is *made*: a position keeps what was lost before, so its change over 50 ms counts.
+fn made(signal: Signal, time_s: &[f64], errors: &[f64]) -> Vec<f64> {
+    if signal != Signal::Position || errors.len() < 3 {
+        return errors.to_vec();
+    }
+    let interval = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small positive count")]
+    let half = ((0.025 / interval).round() as usize).clamp(1, errors.len() / 2);
+    (0..errors.len())
+        .map(|row| {
+            let (from, to) = (row.saturating_sub(half), (row + half).min(errors.len() - 1));
+            errors[to] - errors[from]
+        })
+        .collect()
+}
+
+/// The stretches with the largest errors, as first and last row, and the squared error they hold.
+fn stretches(errors: &[f64]) -> (Vec<(usize, usize)>, f64) {
+    let mean = errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64;
+    let threshold = mean.max(9.0);
+    let join = errors.len() / 100 + 1;
+    let mut found: Vec<(usize, usize, f64)> = Vec::new();
+    for (row, error) in errors.iter().enumerate() {
+        let square = error * error;
+        if square <= threshold {
+            continue;
+        }
+        match found.last_mut() {
+            Some((_, last, sum)) if row - *last <= join => {
+                *last = row;
+                *sum += square;
+            }
+            _ => found.push((row, row, square)),
+        }
+    }
+    found.retain(|(first, last, _)| last > first);
+    found.sort_by(|a, b| b.2.total_cmp(&a.2));
+    found.truncate(5);
+    (found.iter().map(|(first, last, _)| (*first, *last)).collect(), found.iter().map(|(.., sum)| sum).sum())
+}
+
+/// Errors and time spent per region of the state space.
+#[derive(Debug, Default)]
+struct States {
+    rows: f64,
+    error: f64,
+    regions: Vec<(&'static str, f64, f64)>,
+}
+
+impl States {
+    fn add(&mut self, machine: &Machine<f64>, trajectory: &Trajectory, errors: &[f64]) {
+        use model_core::parameter::Parameter;
+        let series = |signal| trajectory.signal(signal).unwrap_or(&[]);
+        let at = |values: &[f64], row: usize| values.get(row).copied().unwrap_or(0.0);
+        let (velocity, spool) = (series(Signal::Velocity), series(Signal::Spool));
+        let (a, b) = (series(Signal::PressureA), series(Signal::PressureB));
+        let peak = velocity.iter().fold(0.0_f64, |peak, value| peak.max(value.abs())).max(f64::MIN_POSITIVE);
+        let supply = machine.get(Parameter::SupplyPressure);
+        for (row, error) in errors.iter().enumerate() {
+            let (v, x) = (at(velocity, row) / peak, at(spool, row).abs());
+            let high = at(a, row).max(at(b, row)) / supply;
+            let low = at(a, row).min(at(b, row));
+            let still = v.abs() < 0.02;
+            let inside = [
+                ("while the rod rests", still),
+                ("near zero velocity while extending", v > 0.0 && v < 0.15 && !still),
+                ("near zero velocity while retracting", v < 0.0 && v > -0.15 && !still),
+                ("while extending", v > 0.02),
+                ("while retracting", v < -0.02),
+                ("at high speed", v.abs() > 0.6),
+                ("beyond 60 % of slider travel", x > 0.6),
+                ("below 30 % of slider travel, moving", x < 0.3 && !spool.is_empty() && !still),
+                ("with a chamber below 40 bar", !a.is_empty() && low < 4e6),
+                ("with a chamber above 60 % of supply", high > 0.6),
+            ];
+            if self.regions.is_empty() {
+                self.regions = inside.iter().map(|(name, _)| (*name, 0.0, 0.0)).collect();
+            }
+            let square = error * error;
+            self.rows += 1.0;
+            self.error += square;
+            for (region, (_, holds)) in self.regions.iter_mut().zip(inside) {
+                if holds {
+                    region.1 += 1.0;
+                    region.2 += square;
+                }
+            }
+        }
+    }
+
+    /// The region that holds a third of the error at least and most of it for the time spent there.
+    fn region(&self) -> String {
+        let dense = |rows: f64, error: f64| (error / self.error) / (rows / self.rows).max(1e-9);
+        let best = self
+            .regions
+            .iter()
+            .filter(|(_, rows, error)| *rows > 0.0 && *error > self.error / 3.0)
+            .max_by(|a, b| dense(a.1, a.2).total_cmp(&dense(b.1, b.2)));
+        match best {
+            Some((name, rows, error)) if dense(*rows, *error) > 1.3 => {
+                format!(
+                    "{name}: {:.0} % of the error in {:.0} % of the time",
+                    100.0 * error / self.error,
+                    100.0 * rows / self.rows
+                )
+            }
+            _ => "spread over all states".to_owned(),
+        }
+    }
+}

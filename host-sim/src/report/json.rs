@@ -1,0 +1,103 @@
+//! The diagnosis as JSON, schema `host-sim/diagnosis/1`.
+
+use serde_json::{Value, json};
+
+use crate::diagnose::{Diagnosis, Finding};
+
+/// The document.
+#[must_use]
+pub fn document(diagnosis: &Diagnosis) -> Value {
+    let fits = |held_out: bool| {
+        json!({
+            "before": rounded(&diagnosis.mean_fits(held_out, false)),
+            "after": rounded(&diagnosis.mean_fits(held_out, true)),
+            "noise_floor": rounded(&diagnosis.noise_floor(held_out)),
+        })
+    };
+    let located = diagnosis.located.as_ref().map_or(json!({}), |location| {
+        let intervals: Vec<Value> = location
+            .intervals
+            .iter()
+            .map(|interval| {
+                json!({ "recording": interval.recording, "from_s": digits(interval.from_s, 6), "to_s": digits(interval.to_s, 6) })
+            })
+            .collect();
+        json!({
+            "subsystem": location.subsystem,
+            "signal": location.signal.name(),
+            "share": digits(location.share, 3),
+            "intervals": intervals,
+            "region": location.region,
+        })
+    });
+    json!({
+        "schema": "host-sim/diagnosis/1",
+        "machine": diagnosis.machine,
+        "verdict": diagnosis.verdict,
+        "located": located,
+        "findings": diagnosis.findings.iter().map(|finding| finding_of(diagnosis, finding)).collect::<Vec<_>>(),
+        "not_confirmed": diagnosis.not_confirmed.iter().map(|effect| effect.name).collect::<Vec<_>>(),
+        "not_testable": diagnosis.not_testable.iter().map(|effect| effect.name).collect::<Vec<_>>(),
+        "parameters": diagnosis.refitted.iter().map(|estimate| {
+            let description = estimate.parameter.description();
+            json!({
+                "name": description.key,
+                "before": digits(estimate.before, 6),
+                "value": digits(estimate.value, 6),
+                "std": digits(estimate.std, 3),
+                "unit": description.unit,
+            })
+        }).collect::<Vec<_>>(),
+        "fit": { "train": fits(false), "holdout": fits(true) },
+    })
+}
+
+fn finding_of(diagnosis: &Diagnosis, finding: &Finding) -> Value {
+    let parameters: Vec<Value> = finding
+        .effect
+        .strengths
+        .iter()
+        .zip(&finding.parameters)
+        .map(|(strength, estimate)| {
+            json!({
+                "name": strength.name,
+                "value": digits(estimate.value, 6),
+                "std": digits(estimate.std, 3),
+                "unit": estimate.parameter.description().unit,
+            })
+        })
+        .collect();
+    let alternatives: Vec<Value> = finding
+        .alternatives
+        .iter()
+        .map(|(effect, confidence)| json!({ "effect": effect.name, "confidence": digits(*confidence, 3) }))
+        .collect();
+    json!({
+        "effect": finding.effect.name,
+        "subsystem": finding.effect.subsystem,
+        "confidence": digits(finding.confidence, 3),
+        "parameters": parameters,
+        "evidence": {
+            "holdout_fit_before": rounded(&diagnosis.mean_fits(true, false)),
+            "holdout_fit_after": rounded(&diagnosis.mean_fits(true, true)),
+        },
+        "alternatives": alternatives,
+        "separated_by": finding.effect.separated_by,
+    })
+}
+
+fn rounded(fits: &crate::diagnose::Fits) -> Value {
+    fits.iter()
+        .map(|(name, fit)| ((*name).to_owned(), json!(digits(*fit, 6))))
+        .collect::<serde_json::Map<_, _>>()
+        .into()
+}
+
+/// A number with so many significant digits: the rest is noise, and short numbers compare.
+fn digits(value: f64, significant: i32) -> f64 {
+    if value == 0.0 || !value.is_finite() {
+        return 0.0;
+    }
+    let precision = usize::try_from(significant - 1).unwrap_or(0);
+    format!("{value:.precision$e}").parse().unwrap_or(value)
+}

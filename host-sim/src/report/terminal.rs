@@ -1,0 +1,139 @@
+//! The diagnosis on the terminal.
+
+use std::fmt::Write;
+
+use comfy_table::{ContentArrangement, Table};
+
+use crate::diagnose::{Diagnosis, Verdict};
+use crate::fit::Estimate;
+use crate::presentation::TABLE;
+
+/// The whole text.
+#[must_use]
+pub fn text(diagnosis: &Diagnosis) -> String {
+    let mut text = sentence(diagnosis);
+    text.push('\n');
+    if let Some(location) = &diagnosis.located {
+        let _ = writeln!(
+            text,
+            "\nlocated    {} · {} · {}\n           {} intervals hold {:.0} % of the error",
+            location.subsystem,
+            location.signal,
+            location.region,
+            location.intervals.len(),
+            100.0 * location.share
+        );
+    }
+    for finding in &diagnosis.findings {
+        let _ = writeln!(text, "\nfinding    {} (confidence {:.3})", finding.effect.name, finding.confidence);
+        let _ = writeln!(text, "equation   {}", finding.effect.equation);
+        for (strength, estimate) in finding.effect.strengths.iter().zip(&finding.parameters) {
+            let unit = estimate.parameter.description().unit;
+            let _ =
+                writeln!(text, "parameter  {} = {:.4e} ± {:.1e} {unit}", strength.name, estimate.value, estimate.std);
+        }
+        for (effect, confidence) in &finding.alternatives {
+            let _ = writeln!(text, "instead    {} ({confidence:.3})", effect.name);
+        }
+        let _ = writeln!(text, "to be sure {}", finding.effect.separated_by);
+    }
+    for effect in &diagnosis.not_confirmed {
+        let _ = writeln!(
+            text,
+            "\nnot confirmed: {} was chosen on training recordings; the held-out ones do not bear it out",
+            effect.name
+        );
+    }
+    let _ = write!(text, "\n{}\n", fits(diagnosis));
+    if !diagnosis.refitted.is_empty() {
+        let _ = write!(text, "\n{}\n", parameters(&diagnosis.refitted));
+    }
+    let _ = write!(text, "\n{}\n", trials(diagnosis));
+    if !diagnosis.not_testable.is_empty() {
+        let names: Vec<_> = diagnosis.not_testable.iter().map(|effect| effect.name).collect();
+        let _ = writeln!(text, "not testable with these recordings: {}", names.join(", "));
+    }
+    text
+}
+
+/// The verdict in a sentence.
+#[must_use]
+pub fn sentence(diagnosis: &Diagnosis) -> String {
+    let name = &diagnosis.machine;
+    match diagnosis.verdict {
+        Verdict::MissingPhysics => {
+            let effects: Vec<_> = diagnosis.findings.iter().map(|finding| finding.effect.name).collect();
+            let confirmed = match diagnosis.confirmation {
+                Some(confirmation) => {
+                    format!("confirmed on {} of {} held-out recordings", confirmation.improved, confirmation.recordings)
+                }
+                None => "not confirmed: no recording was held out".to_owned(),
+            };
+            format!("{name}: missing physics: {}; {confirmed}", effects.join(" and "))
+        }
+        Verdict::NothingMissing => {
+            format!("{name}: nothing missing: the refitted model follows the recordings within their noise")
+        }
+        Verdict::Unexplained => {
+            format!("{name}: unexplained: a mismatch above the noise that no effect of the catalogue accounts for")
+        }
+    }
+}
+
+fn table(header: &[&str]) -> Table {
+    let mut table = Table::new();
+    table.load_style(TABLE).set_content_arrangement(ContentArrangement::Disabled);
+    table.set_header(header.iter().copied());
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(comfy_table::CellAlignment::Right);
+    }
+    table
+}
+
+fn fits(diagnosis: &Diagnosis) -> Table {
+    let mut table = table(&["NRMSE fit, % (free run)", "before", "after", "noise floor"]);
+    for (held_out, label) in [(false, "training"), (true, "held out")] {
+        let (before, after) = (diagnosis.mean_fits(held_out, false), diagnosis.mean_fits(held_out, true));
+        let floor = diagnosis.noise_floor(held_out);
+        for (signal, fit) in &before {
+            let of =
+                |fits: &crate::diagnose::Fits| fits.get(signal).map_or_else(String::new, |fit| format!("{fit:.2}"));
+            table.add_row([format!("{label} · {signal}"), format!("{fit:.2}"), of(&after), of(&floor)]);
+        }
+    }
+    table
+}
+
+/// Fitted parameters with their uncertainty.
+#[must_use]
+pub fn parameters(estimates: &[Estimate]) -> Table {
+    let mut table = table(&["refitted parameter", "nominal", "fitted", "±", "unit"]);
+    for estimate in estimates {
+        let description = estimate.parameter.description();
+        table.add_row([
+            description.key.to_owned(),
+            format!("{:.4e}", estimate.before),
+            format!("{:.4e}", estimate.value),
+            format!("{:.1e}", estimate.std),
+            description.unit.to_owned(),
+        ]);
+    }
+    table
+}
+
+fn trials(diagnosis: &Diagnosis) -> Table {
+    let mut table = table(&["effect tried", "gain on left-out", "needed", "recordings gained", ""]);
+    for (round, trials) in diagnosis.selection.rounds.iter().enumerate() {
+        for trial in trials {
+            let gained = trial.gains.iter().filter(|gain| **gain > 0.0).count();
+            table.add_row([
+                if round == 0 { trial.effect.name.to_owned() } else { format!("… and {}", trial.effect.name) },
+                format!("{:.1}", trial.gains.iter().sum::<f64>()),
+                format!("{:.1}", trial.penalty),
+                format!("{gained}/{}", trial.gains.len()),
+                if trial.accepted { "passes".to_owned() } else { String::new() },
+            ]);
+        }
+    }
+    table
+}

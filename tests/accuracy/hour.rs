@@ -1,0 +1,176 @@
+//! One hour at 1 kHz: nothing drifts, nothing is swallowed.
+
+use std::thread;
+
+use host_sim::testbed::InitialState;
+use model_core::drive::{Entry, Load};
+use model_core::fixed_point::PerUnit;
+use model_core::machine::{Machine, Tick};
+use model_core::number::Number;
+use model_core::parameter::Parameter::{DeadZone, LoadForce, SupplyPressure, ValveGain, ValveOffset};
+use system_tests::drives::{self, NamedDrive, with};
+use system_tests::simulate::{Distance, Row, at_rest, command, core, drive, oracle, row};
+
+use crate::tolerances::{Case, of};
+
+const TICK: Tick = Tick::OneMillisecond;
+const HOUR: usize = 3_600_000;
+/// A cycle of the command, ticks.
+const CYCLE: usize = 2000;
+/// Cycles after which the oracle repeats itself.
+const SETTLED: usize = 6;
+/// One step of the output card, V: commands are whole steps, so that both sides are given the very same.
+const CARD_V: f64 = 10.0 / 32768.0;
+
+/// What a drive with closed valve may creep in an hour, % of stroke: a velocity of one or two steps (4e-9 of about 0.2 m/s)
+/// raises a pressure by less than half a step a tick and so meets no resistance.
+const CREEP_PERCENT: f64 = 0.003;
+/// Error of a small opening: dead zone, offset, command and flow are each rounded to steps of 4e-9.
+const OPENING_STEPS: f64 = 2e-8;
+
+/// A trapezoid: 0.2 s up, 0.5 s held, 0.2 s down, 0.1 s at zero, and the same to the other side. V.
+fn trapezoid(out_v: f64, back_v: f64) -> Vec<f64> {
+    let half = |volts: f64| {
+        (0..CYCLE / 2).map(move |tick| {
+            let tick = tick as f64;
+            let share = (tick / 200.0).min((900.0 - tick) / 200.0).clamp(0.0, 1.0);
+            (volts * share / CARD_V).round() * CARD_V
+        })
+    };
+    half(out_v).chain(half(-back_v)).collect()
+}
+
+fn cycles(cycle: &[f64], count: usize) -> Vec<f64> {
+    cycle.iter().copied().cycle().take(CYCLE * count + 1).collect()
+}
+
+/// The oracle at the end of its settled cycles, and how far a further cycle takes it.
+///
+/// With constant volumes and no stops nothing depends on the position, so once the pressures repeat, every cycle adds the same.
+fn periodic(machine: &Machine<f64>, cycle: &[f64]) -> (Row, f64) {
+    let rows = oracle(machine, TICK, &cycles(cycle, SETTLED), &InitialState::at_rest(machine, 0.15));
+    let at = |cycle: usize| rows[CYCLE * cycle];
+    let travel = at(SETTLED).position - at(SETTLED - 1).position;
+    let before = at(SETTLED - 1).position - at(SETTLED - 2).position;
+    assert!((travel - before).abs() < 2e-9, "the oracle does not repeat itself yet: {travel:e} {before:e}");
+    assert!((at(SETTLED).pressure_a - at(SETTLED - 1).pressure_a).abs() < 1e-8);
+    (at(SETTLED), travel)
+}
+
+/// The trapezoid of 5 V outwards that comes back to where it started, but for a step of the output card.
+fn closed_cycle(machine: &Machine<f64>) -> Vec<f64> {
+    let (mut low_v, mut high_v) = (3.0, 9.0);
+    for _ in 0..10 {
+        let middle_v = f64::midpoint(low_v, high_v);
+        let (_, travel) = periodic(machine, &trapezoid(5.0, middle_v));
+        if travel > 0.0 { low_v = middle_v } else { high_v = middle_v }
+    }
+    trapezoid(5.0, f64::midpoint(low_v, high_v))
+}
+
+fn cycling<N: Number<Real = f64>>(named: &NamedDrive, ticks: usize, cycle: &[f64]) -> Row {
+    let drive = drive::<N>(&named.machine, TICK);
+    let mut state = at_rest(&drive, cycle[0], &InitialState::at_rest(&named.machine, 0.15));
+    let commands: Vec<N> = cycle.iter().map(|&volts| command(volts)).collect();
+    for &command in commands.iter().cycle().take(ticks) {
+        drive.step(&mut state, Entry::Command(command), Load::NONE);
+    }
+    row(&state)
+}
+
+fn an_hour_of_cycling(named: &NamedDrive) {
+    let cycle = closed_cycle(&named.machine);
+    let (settled, travel) = periodic(&named.machine, &cycle);
+    let rest = (HOUR / CYCLE - SETTLED) as f64;
+    let truth = Row { position: settled.position + rest * travel, ..settled };
+    assert!((0.0..1.0).contains(&truth.position), "the cycle leaves the stroke: {truth:?}");
+    for (name, found) in
+        [("fixed", cycling::<PerUnit>(named, HOUR, &cycle)), ("f64", cycling::<f64>(named, HOUR, &cycle))]
+    {
+        let pressures = (found.pressure_a - truth.pressure_a).abs().max((found.pressure_b - truth.pressure_b).abs());
+        let found = Distance { position: (found.position - truth.position).abs(), pressure: pressures };
+        println!(
+            "{:<8} {name:<5} after one hour: position {:.5} %, pressure {:.5} % ({:.4} strokes in the oracle)",
+            named.name,
+            100.0 * found.position,
+            100.0 * found.pressure,
+            truth.position - 0.5
+        );
+        assert!(of(Case::Hour).holds(found), "{} {name}: {found:?}", named.name);
+    }
+}
+
+#[test]
+fn an_hour_of_cycling_ends_where_the_oracle_does() {
+    thread::scope(|scope| {
+        for named in drives::named() {
+            scope.spawn(move || an_hour_of_cycling(&named));
+        }
+    });
+}
+
+fn creep_in_an_hour(named: &NamedDrive) {
+    let machine = with(&named.machine, &[(LoadForce, 8e3)]);
+    let drive = drive::<PerUnit>(&machine, TICK);
+    // Half a supply pressure off balance, so that it has to settle first.
+    let mut initial = InitialState::at_rest(&machine, 0.15);
+    initial.pressure_a_pa += 3.5e6;
+    let mut state = at_rest(&drive, 0.0, &initial);
+    let mut run = |ticks: usize| {
+        for _ in 0..ticks {
+            drive.step(&mut state, Entry::Command(PerUnit::ZERO), Load::NONE);
+        }
+        row(&state)
+    };
+    let settled = run(10_000);
+    let after = run(HOUR);
+    let creep_percent = 100.0 * (after.position - settled.position);
+    println!("{:<8} creeps by {creep_percent:.6} % of stroke in one hour", named.name);
+    assert!(creep_percent.abs() <= CREEP_PERCENT, "{}: {creep_percent} %", named.name);
+    let moved = (after.pressure_a - settled.pressure_a).abs().max((after.pressure_b - settled.pressure_b).abs());
+    assert!(moved < 1e-7, "{}: pressures creep by {moved:e}", named.name);
+}
+
+#[test]
+fn a_closed_valve_holds_a_load_for_an_hour() {
+    thread::scope(|scope| {
+        for named in drives::named() {
+            scope.spawn(move || creep_in_an_hour(&named));
+        }
+    });
+}
+
+/// Travel in the second half of a run with the slider held `opening` beyond its dead zone.
+fn crept(rows: &[Row]) -> f64 {
+    rows[rows.len() - 1].position - rows[rows.len() / 2].position
+}
+
+#[test]
+fn a_small_opening_is_not_swallowed() {
+    for named in drives::named() {
+        let machine = &named.machine;
+        let held = |opening: f64, side: f64, ticks: usize| {
+            let slider = side * (machine.get(DeadZone) + opening);
+            vec![(slider - machine.get(ValveOffset)) / machine.get(ValveGain); ticks]
+        };
+        for (opening, ticks) in [(1e-2, 4_000), (1e-4, 20_000), (1e-5, 20_000), (1e-6, 20_000), (1e-7, 60_000)] {
+            for side in [1.0, -1.0] {
+                // A wide opening settles the pressures where a small one would hold them, which takes that one long.
+                let start = InitialState::at_rest(machine, 0.15);
+                let settled = oracle(machine, TICK, &held(1e-2, side, 3000), &start)[2999];
+                let supply_pa = machine.get(SupplyPressure);
+                let pressure_a_pa = settled.pressure_a * supply_pa;
+                let initial = InitialState { pressure_a_pa, pressure_b_pa: settled.pressure_b * supply_pa, ..start };
+                let volts = held(opening, side, ticks);
+                let truth = crept(&oracle(machine, TICK, &volts, &initial));
+                let real = crept(&core::<f64>(machine, TICK, &volts, &initial)) / truth - 1.0;
+                let fixed = crept(&core::<PerUnit>(machine, TICK, &volts, &initial)) / truth - 1.0;
+                let text =
+                    format!("{:<8} opening {:+.0e}: f64 {real:+.1e}, fixed {fixed:+.1e}", named.name, side * opening);
+                println!("{text}");
+                assert!(real.abs() < 1e-5, "{text}");
+                assert!(fixed.abs() < 5e-6 + OPENING_STEPS / opening, "{text}");
+            }
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! The table of what was found, a snapshot beside this file.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use system_tests::simulate::Distance;
+
+/// A drive on a signal.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Line {
+    /// Which drive.
+    pub(crate) drive: String,
+    /// Which signal.
+    pub(crate) signal: String,
+    /// f64 against the oracle.
+    pub(crate) real: Distance,
+    /// Fixed point against the oracle.
+    pub(crate) fixed: Distance,
+    /// Fixed point against f64.
+    pub(crate) rounding: Distance,
+}
+
+const HEAD: &str = "\
+Largest error over all ticks at 1 kHz against the oracle at 1e-10: position in % of stroke, either pressure in % of supply.
+drive    signal               f64 position  pressure   fixed position  pressure   fixed-f64 position  pressure
+";
+
+/// Largest change of an entry against the snapshot: another processor's libm, another release of the oracle's solver.
+const RELATIVE: f64 = 0.05;
+/// And the last digit of the table, %.
+const LAST_DIGIT: f64 = 1.1e-6;
+
+impl Line {
+    fn numbers(&self) -> [f64; 6] {
+        let of = |found: Distance| [100.0 * found.position, 100.0 * found.pressure];
+        let ([a, b], [c, d], [e, f]) = (of(self.real), of(self.fixed), of(self.rounding));
+        [a, b, c, d, e, f]
+    }
+
+    fn parse(text: &str) -> Option<(String, [f64; 6])> {
+        let (name, numbers) = text.split_at_checked(30)?;
+        let numbers: Vec<f64> = numbers.split_whitespace().map_while(|number| number.parse().ok()).collect();
+        Some((name.trim().to_owned(), numbers.try_into().ok()?))
+    }
+}
+
+impl fmt::Display for Line {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        let [a, b, c, d, e, f] = self.numbers();
+        let (drive, signal) = (&self.drive, &self.signal);
+        write!(formatter, "{drive:<8} {signal:<20} {a:>13.6} {b:>9.6} {c:>16.6} {d:>9.6} {e:>20.6} {f:>9.6}")
+    }
+}
+
+/// Prints the table and compares it with the snapshot, or renews that.
+///
+/// # Panics
+/// They differ.
+pub(crate) fn compare(lines: &[Line]) {
+    let body: Vec<String> = lines.iter().map(Line::to_string).collect();
+    let table = format!("{HEAD}{}\n", body.join("\n"));
+    println!("{table}");
+    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("accuracy/table.txt");
+    if std::env::var_os("RENEW").is_some() {
+        std::fs::write(file, table).unwrap();
+        return;
+    }
+    let snapshot = std::fs::read_to_string(file).unwrap();
+    let wanted: Vec<_> = snapshot.lines().skip(HEAD.lines().count()).map(Line::parse).collect();
+    assert_eq!(wanted.len(), lines.len(), "the snapshot has other rows; RENEW=1 writes it anew");
+    for (text, wanted) in body.iter().zip(wanted) {
+        let (name, wanted) = wanted.expect("a row of the snapshot has a name and six numbers");
+        let (found_name, found) = Line::parse(text).expect("written just now");
+        assert_eq!(found_name, name, "the snapshot has other rows; RENEW=1 writes it anew");
+        for (found, wanted) in found.into_iter().zip(wanted) {
+            let near = (found - wanted).abs() <= RELATIVE * wanted + LAST_DIGIT;
+            assert!(near, "{name}: {found} is no longer {wanted}; RENEW=1 writes the snapshot anew");
+        }
+    }
+}
