@@ -41,8 +41,10 @@ pub fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 || !value.is_finite() {
         return if value == 0.0 { "0".into() } else { value.to_string() };
     }
-    #[expect(clippy::cast_possible_truncation, reason = "the exponent of an f64 is small")]
-    let exponent = value.abs().log10().floor() as i32;
+    // The exponent after rounding: 0.09999 has three digits as 0.100.
+    let precision = usize::try_from(digits - 1).unwrap_or(0);
+    let scientific = format!("{value:.precision$e}");
+    let exponent = scientific.rsplit_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0_i32);
     let decimals = usize::try_from((digits - 1 - exponent).clamp(0, 12)).unwrap_or(0);
     format!("{value:.decimals$}")
 }
@@ -71,6 +73,7 @@ mod tests {
     fn significant_digits_have_no_powers_of_ten() {
         assert_eq!(significant(1234.5, 3), "1234");
         assert_eq!(significant(-0.001_234_5, 3), "-0.00123");
+        assert_eq!(significant(0.099_99, 3), "0.100");
         assert_eq!(significant(0.0, 3), "0");
         assert_eq!(significant(f64::INFINITY, 3), "inf");
     }

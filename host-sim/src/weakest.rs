@@ -13,8 +13,16 @@ pub struct Weakest {
     pub signal: Signal,
     /// The NRMSE fit of this signal from the part's measured input, %; over several recordings the mean.
     pub nrmse_percent: f64,
-    /// How many parts it was chosen among.
-    pub among: usize,
+    /// The part that misses most after it, and its lowest fit, %; `None` when no other could be judged by itself.
+    pub runner_up: Option<(Section, f64)>,
+}
+
+impl Weakest {
+    /// Whether another part misses nearly as much (at least four fifths), so that the order of the two means little.
+    #[must_use]
+    pub fn rival(&self) -> Option<(Section, f64)> {
+        self.runner_up.filter(|(_, fit)| 100.0 - fit >= 0.8 * (100.0 - self.nrmse_percent))
+    }
 }
 
 /// What keeps links from being told apart.
@@ -59,14 +67,12 @@ pub fn weakest(comparisons: &[Comparison]) -> Option<Weakest> {
             None => means.push((section, signal, fit, 1)),
         }
     }
-    let mut sections: Vec<Section> = means.iter().map(|(section, ..)| *section).collect();
-    sections.sort_unstable();
-    sections.dedup();
-    means
-        .into_iter()
-        .map(|(section, signal, sum, count)| (section, signal, sum / count as f64))
-        .min_by(|a, b| a.2.total_cmp(&b.2))
-        .map(|(section, signal, nrmse_percent)| Weakest { section, signal, nrmse_percent, among: sections.len() })
+    let mut means: Vec<_> =
+        means.into_iter().map(|(section, signal, sum, count)| (section, signal, sum / count as f64)).collect();
+    means.sort_by(|a, b| a.2.total_cmp(&b.2));
+    let &(section, signal, nrmse_percent) = means.first()?;
+    let runner_up = means.iter().find(|other| other.0 != section).map(|other| (other.0, other.2));
+    Some(Weakest { section, signal, nrmse_percent, runner_up })
 }
 
 /// What keeps the links of a comparison from being told apart; empty when each stands alone.
@@ -139,7 +145,8 @@ mod tests {
             (Section::Mechanics, Signal::Position, 90.0),
         ]);
         let found = weakest(std::slice::from_ref(&one)).unwrap();
-        assert_eq!((found.section, found.signal, found.among), (Section::Mechanics, Signal::Position, 3));
+        assert_eq!((found.section, found.signal), (Section::Mechanics, Signal::Position));
+        assert_eq!((found.runner_up, found.rival()), (Some((Section::FlowAndChambers, 95.0)), None));
         assert_eq!(obstacles(&one, LoadSource::Constant), [Obstacle::NoPressures]);
     }
 

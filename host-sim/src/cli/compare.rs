@@ -79,7 +79,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
 }
 
 fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> {
-    if !(arguments.tolerance <= 100.0) {
+    if !(f64::NEG_INFINITY..=100.0).contains(&arguments.tolerance) {
         let (argument, expected) = ("--tolerance", "at most 100 %");
         return Err(CliError::Number { argument, found: arguments.tolerance, expected });
     }
@@ -217,25 +217,30 @@ fn meaning(found: Weakest) -> String {
         }
         Section::BelowFlow => format!("Driven by the recorded flow, chambers and mechanics together miss the {signal}"),
         Section::FlowAndChambers => format!(
-            "At the recorded pressures, the flow less what the oil gives way does not make the recorded {signal}: orifices, \
-             pump, leakage or compressibility"
+            "At the recorded pressures, the flow less what the oil gives way does not make the recorded {signal} (orifices,\n\
+             pump, leakage or compressibility)"
         ),
         Section::Mechanics => {
             format!("Driven by the recorded pressures, mass, friction and load alone miss the recorded {signal}")
         }
     };
-    if found.among > 1 {
-        format!("{told}; the other parts do better. Physics is missing there, or a parameter of it is off.")
-    } else {
-        format!("{told}. It is the only part that could be judged by itself.")
+    match (found.rival(), found.runner_up) {
+        (Some((rival, fit)), _) => format!(
+            "{told}.\nBut {rival} misses nearly as much ({} %): which of the two lacks physics, or has a parameter off, is not \
+             settled by these figures.",
+            percent(fit)
+        ),
+        (None, Some(_)) => {
+            format!("{told}; the other parts do better.\nPhysics is missing there, or a parameter of it is off.")
+        }
+        (None, None) => format!("{told}.\nIt is the only part that could be judged by itself."),
     }
 }
 
 fn below(comparisons: &[Comparison], tolerance: f64) -> impl Iterator<Item = String> + '_ {
     comparisons.iter().flat_map(move |comparison| {
         let fits = comparison.sections.first().into_iter().flat_map(|whole| &whole.fits);
-        // A fit that is not a number is not in tolerance.
-        fits.filter(move |fit| !(fit.nrmse_percent >= tolerance))
+        fits.filter(move |fit| !(tolerance..).contains(&fit.nrmse_percent))
             .map(|fit| format!("{} {} ({} %)", comparison.recording, fit.signal, percent(fit.nrmse_percent)))
     })
 }

@@ -205,10 +205,11 @@ fn refuse_others(folder: &Path, plan: &Plan) -> Result<(), CliError> {
     // A folder that is not there yet holds nothing.
     let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
     for entry in entries.flatten() {
-        let name = entry.file_name().to_string_lossy().into_owned();
-        let recording = (name.starts_with("train-") || name.starts_with("holdout-")) && name.ends_with(".csv");
+        let (name, path) = (entry.file_name().to_string_lossy().into_owned(), entry.path());
+        let kind = name.starts_with("train-") || name.starts_with("holdout-");
+        let recording = kind && path.extension().is_some_and(|extension| extension == "csv");
         if recording && plan.recordings.iter().all(|(own, _)| *own != name) {
-            return Err(CliError::OtherRecording { path: entry.path() });
+            return Err(CliError::OtherRecording { path });
         }
     }
     Ok(())

@@ -40,10 +40,12 @@ impl Axis {
     /// Round values on the axis, about so many, with their labels.
     pub(super) fn ticks(&self, about: f64) -> Vec<(f64, String)> {
         let rough = (self.high - self.low) / about;
-        let decade = rough.log10().floor();
-        let unit = 10.0_f64.powf(decade);
-        let step = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * unit).into_iter().find(|step| *step >= rough * 0.999);
-        let step = step.unwrap_or(10.0 * unit);
+        let unit = 10.0_f64.powf(rough.log10().floor());
+        let steps = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * unit);
+        let coarse = steps.iter().position(|step| *step >= rough * 0.999).unwrap_or(steps.len() - 1);
+        // One number on an axis tells nothing of its scale.
+        let enough = |step: f64| (self.high / step).floor() - (self.low / step).ceil() >= 1.0;
+        let step = steps[..=coarse].iter().rev().copied().find(|step| enough(*step)).unwrap_or(0.5 * unit);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..12")]
         let decimals = (-(step * 1.001).log10().floor()).clamp(0.0, 12.0) as usize;
         let first = (self.low / step).ceil();
@@ -91,6 +93,11 @@ mod tests {
         assert_eq!(labels(-2500.0, 2500.0), ["−2000", "−1000", "0", "1000", "2000"]);
         assert_eq!(labels(148.97, 149.03), ["148.98", "149.00", "149.02"]);
         assert_eq!(labels(0.0, 1e-6).len(), 6);
+        let few: Vec<String> =
+            Axis::exact((-1180.0, 1600.0), 0, 100).ticks(2.8).into_iter().map(|(_, label)| label).collect();
+        assert_eq!(few, ["−1000", "0", "1000"]);
+        let lone = Axis::exact((-1.9, 1.9), 0, 100).ticks(2.0).len();
+        assert!(lone >= 2, "{lone}");
     }
 
     #[test]

@@ -34,7 +34,7 @@ const FAINT_INK: RGBColor = RGBColor(95, 103, 112);
 const GRID: RGBColor = RGBColor(228, 231, 235);
 const FRAME: RGBColor = RGBColor(176, 183, 191);
 const PAPER: RGBColor = RGBColor(255, 255, 255);
-const SHADE: RGBAColor = RGBAColor(255, 193, 7, 0.22);
+const SHADE: RGBAColor = RGBAColor(255, 193, 7, 0.28);
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
@@ -123,7 +123,7 @@ fn chart(
     }
     let vertical = Axis::airy(range, bottom, top);
     for &(from_s, to_s) in &panel.intervals {
-        let (from, to) = (time.pixel(from_s), time.pixel(to_s).max(time.pixel(from_s) + 1));
+        let (from, to) = (time.pixel(from_s), time.pixel(to_s).max(time.pixel(from_s) + 3));
         area.draw(&Rectangle::new([fine((from, top)), fine((to, bottom))], SHADE.filled()))?;
     }
     for (value, _) in time.ticks(10.0) {
@@ -200,5 +200,46 @@ fn write_at(area: &Area<'_>, text: &str, at: (i32, i32), place: TextPlace, colou
 /// About how wide a text is, px: no font is at hand.
 fn text_width(text: &str, size: i32) -> i32 {
     let letters = i32::try_from(text.chars().count()).unwrap_or(i32::MAX / 100).min(10_000);
-    letters * size * 54 / 100
+    letters * size * 50 / 100
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn panel() -> Panel {
+        let time_s: Vec<f64> = (0..5000).map(|k| f64::from(k) * 1e-3).collect();
+        let wave = |shift: f64| time_s.iter().map(|time| 12.0 * (time - shift).sin() + 150.0).collect::<Vec<f64>>();
+        Panel::new("Position", "mm", time_s.clone())
+            .note("NRMSE fit 97.10 % before, 99.80 % after")
+            .trace(Trace::new("recorded", wave(0.0), Style::Recorded))
+            .trace(Trace::new("before", wave(0.1), Style::Before))
+            .trace(Trace::new("after", wave(0.01), Style::After))
+            .residuals()
+            .shade(1.2, 1.5)
+    }
+
+    #[test]
+    fn a_figure_scales_and_asks_for_no_font_of_this_machine() {
+        let text = svg("Holdout 1", "press-63-40", &[panel(), panel()]);
+        let size = "width=\"1000\" height=\"728\" viewBox=\"0 0 8000 5824\"";
+        assert!(text.contains(size), "{}", text.lines().next().unwrap());
+        assert!(text.contains("font-family=\"sans-serif\"") && !text.contains("NaN") && !text.contains("inf"));
+        assert_eq!(text.matches("before").count(), 2 * 2, "in the legend and the remark of each panel");
+        assert_eq!(text, svg("Holdout 1", "press-63-40", &[panel(), panel()]));
+        assert!(text.len() < 300_000, "{}", text.len());
+    }
+
+    #[test]
+    fn text_is_escaped_and_odd_values_are_left_out() {
+        let odd = Panel::new("a < b & c", "1", vec![0.0, 1.0, f64::NAN])
+            .trace(Trace::new("<recorded>", vec![f64::NAN, f64::INFINITY, 1.0], Style::Recorded))
+            .trace(Trace::new("simulated", vec![], Style::Simulated))
+            .residuals()
+            .shade(f64::NAN, 2.0);
+        let text = svg("\"quoted\" <title>", "", &[odd, Panel::default()]);
+        assert!(text.contains("a &lt; b &amp; c") && text.contains("&lt;title&gt;"), "{text}");
+        assert!(!text.contains("NaN") && !text.contains("inf"));
+        assert!(svg("nothing", "", &[]).contains("<svg"));
+    }
 }

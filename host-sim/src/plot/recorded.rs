@@ -15,10 +15,14 @@ pub fn panels(recording: &Recording, entry: EntryPoint, simulated: &Trajectory, 
         let unit = unit_for_people(signal);
         values.iter().map(|value| unit.from_si(*value)).collect()
     };
-    let empty = |signal: Signal| Panel::new(title(signal), unit_for_people(signal).symbol(), time_s.to_vec());
-    let input = driving(entry).and_then(|signal| {
-        let trace = Trace::new("recorded, drives the model", readable(signal, recording.signal(signal)?), Style::Input);
-        Some(empty(signal).trace(trace))
+    let empty = |signal: Signal| {
+        let unit = unit_for_people(signal);
+        let unit = if signal == Signal::Spool { "% of travel" } else { unit.symbol() };
+        Panel::new(title(signal), unit, time_s.to_vec())
+    };
+    let signal = driving(entry);
+    let input = recording.signal(signal).map(|values| {
+        empty(signal).trace(Trace::new("recorded, drives the model", readable(signal, values), Style::Input))
     });
     let compared = judged.iter().filter_map(|&signal| {
         let (measured, model) = (recording.signal(signal)?, simulated.signal(signal)?);
@@ -32,13 +36,13 @@ pub fn panels(recording: &Recording, entry: EntryPoint, simulated: &Trajectory, 
     input.into_iter().chain(compared).collect()
 }
 
-fn driving(entry: EntryPoint) -> Option<Signal> {
+fn driving(entry: EntryPoint) -> Signal {
     match entry {
-        EntryPoint::Command => Some(Signal::Command),
-        EntryPoint::Slider => Some(Signal::Spool),
-        EntryPoint::Pump => Some(Signal::PumpSpeed),
-        EntryPoint::Flow => Some(Signal::Flow),
-        EntryPoint::Force => Some(Signal::Force),
+        EntryPoint::Command => Signal::Command,
+        EntryPoint::Slider => Signal::Spool,
+        EntryPoint::Pump => Signal::PumpSpeed,
+        EntryPoint::Flow => Signal::Flow,
+        EntryPoint::Force => Signal::Force,
     }
 }
 

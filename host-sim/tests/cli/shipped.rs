@@ -1,0 +1,138 @@
+//! The shipped example, and what is printed of it.
+
+use super::{done, example, root, run, text};
+
+/// The command in the example's README, as words.
+fn documented_command() -> Vec<String> {
+    let readme = std::fs::read_to_string(example("README.md")).unwrap();
+    let (_, rest) = readme.split_once("```sh\n").unwrap();
+    let command = rest.split_once("```").unwrap().0.replace("\\\n", " ");
+    let mut words = Vec::new();
+    for (index, part) in command.split('"').enumerate() {
+        if index % 2 == 1 {
+            words.push(part.to_owned());
+        } else {
+            words.extend(part.split_whitespace().map(str::to_owned));
+        }
+    }
+    words
+}
+
+#[test]
+fn the_documented_command_makes_the_example_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut words = documented_command();
+    assert_eq!(words.remove(0), "host-sim");
+    let out = words.iter().position(|word| word == "--out").unwrap() + 1;
+    words[out] = folder.path().display().to_string();
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    assert_eq!(done(&root(), &words).lines().count(), 6);
+    let mut bytes = 0;
+    for entry in std::fs::read_dir(folder.path()).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        let (made, shipped) = (folder.path().join(&name), example(&name));
+        let (made, shipped) = (std::fs::read_to_string(made).unwrap(), std::fs::read_to_string(shipped).unwrap());
+        bytes += shipped.len();
+        if made != shipped {
+            // Another platform may round the last bit otherwise, which moves a sensor by one of its steps.
+            agree(&name, &made, &shipped);
+        }
+    }
+    assert!(bytes < 500_000, "{bytes}");
+}
+
+fn agree(name: &str, made: &str, shipped: &str) {
+    let steps = [1e-9, 1e-4, 3.2e-5, 2.6e-5, 770.0, 770.0];
+    assert_eq!(made.lines().next(), shipped.lines().next(), "{name}");
+    assert_eq!(made.lines().count(), shipped.lines().count(), "{name}");
+    for (line, (made, shipped)) in made.lines().zip(shipped.lines()).enumerate().skip(1) {
+        for ((made, shipped), step) in made.split(',').zip(shipped.split(',')).zip(steps) {
+            let number = |cell: &str| cell.parse::<f64>().unwrap();
+            assert!((number(made) - number(shipped)).abs() <= step, "{name}:{}: {made} {shipped}", line + 1);
+        }
+    }
+}
+
+/// Renew with `UPDATE_SNAPSHOTS=1`.
+#[test]
+fn the_table_of_a_comparison_is_as_it_was() {
+    let (machine, first, second) = (example("machine.toml"), example("train-1.csv"), example("holdout-1.csv"));
+    let found = done(&root(), &["compare", "--machine", &machine, "--recording", &first, &second]);
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli/compare.txt");
+    if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
+        std::fs::write(&path, &found).unwrap();
+    }
+    assert_eq!(found, std::fs::read_to_string(path).unwrap());
+}
+
+#[test]
+fn the_exit_code_tells_whether_every_signal_is_in_tolerance() {
+    let (machine, recording) = (example("machine.toml"), example("train-1.csv"));
+    let arguments = ["compare", "--machine", &machine, "--recording", &recording, "--exit-code", "--tolerance"];
+    let answer = |tolerance: &str| {
+        let output = run(&root(), &[&arguments[..], &[tolerance]].concat());
+        (output.status.code(), text(&output.stdout).lines().last().unwrap().to_owned())
+    };
+    let (code, line) = answer("50");
+    assert_eq!((code, line.starts_with("in tolerance")), (Some(0), true));
+    let (code, line) = answer("95");
+    assert_eq!((code, line.starts_with("out of tolerance: below 95 %")), (Some(1), true));
+    assert!(line.contains("train-1.csv pressure_a (") && !line.contains("spool"), "{line}");
+    assert_eq!(answer("90").0, Some(1));
+    let output = run(&root(), &[&arguments[..], &["101"]].concat());
+    assert_eq!(output.status.code(), Some(2));
+}
+
+#[test]
+fn a_comparison_says_what_it_cannot_tell() {
+    let folder = tempfile::tempdir().unwrap();
+    let full = std::fs::read_to_string(example("train-1.csv")).unwrap();
+    let keep = |columns: &[usize]| -> String {
+        let line = |line: &str| {
+            let cells: Vec<&str> = line.split(',').collect();
+            columns.iter().map(|column| cells[*column]).collect::<Vec<_>>().join(",") + "\n"
+        };
+        full.lines().map(line).collect()
+    };
+    let answer = |columns: &[usize]| {
+        std::fs::write(folder.path().join("run.csv"), keep(columns)).unwrap();
+        done(folder.path(), &["compare", "--machine", &example("machine.toml"), "--recording", "run.csv"])
+    };
+    let all = answer(&[0, 1, 2, 3, 4, 5]);
+    assert!(all.contains("mechanics") && !all.contains("that takes"), "{all}");
+    let without_pressures = answer(&[0, 1, 2, 3]);
+    assert!(without_pressures.contains("(`pressure_a`, `pressure_b`)"), "{without_pressures}");
+    let position_only = answer(&[0, 1, 3]);
+    assert!(position_only.contains("the whole chain") && position_only.contains("(`spool`)"), "{position_only}");
+}
+
+#[test]
+fn several_recordings_give_a_plot_each() {
+    let folder = tempfile::tempdir().unwrap();
+    let (machine, first, second) = (example("machine.toml"), example("train-3.csv"), example("train-4.csv"));
+    let compare = |recordings: &[&str]| {
+        let arguments = [&["compare", "--machine", &machine, "--plot", "p.svg", "--recording"], recordings].concat();
+        done(folder.path(), &arguments);
+    };
+    compare(&[&first]);
+    compare(&[&first, &second]);
+    compare(&[&first, &first]);
+    let mut names: Vec<String> = std::fs::read_dir(folder.path())
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    assert_eq!(names, ["p-1-train-3.svg", "p-2-train-3.svg", "p-train-3.svg", "p-train-4.svg", "p.svg"]);
+    let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    assert_eq!(read("p.svg"), read("p-train-3.svg"), "the same every time");
+}
+
+#[test]
+fn the_papers_tables_stand_beside_the_papers_figures() {
+    let printed = done(&root(), &["paper"]);
+    for expected in
+        ["synthetic", "Table 1", "Table 2", "94.20", "99.42", "0.0559 U + 0.0345", "NRMSE fit", "does not have"]
+    {
+        assert!(printed.contains(expected), "{expected} in {printed}");
+    }
+}

@@ -1,0 +1,89 @@
+//! What `simulate` writes.
+
+use std::path::Path;
+
+use super::{MACHINE, done, example, folder_with};
+
+/// Header and rows of numbers.
+fn table(path: &Path) -> (String, Vec<Vec<f64>>) {
+    let text = std::fs::read_to_string(path).unwrap();
+    let (header, rows) = text.split_once('\n').unwrap();
+    let numbers = |line: &str| line.split(',').map(|cell| cell.parse().unwrap()).collect();
+    (header.to_owned(), rows.lines().map(numbers).collect())
+}
+
+#[test]
+fn one_row_for_each_recorded_row_in_the_recordings_columns_and_units() {
+    // Uneven times, a column that is not known, units that people use.
+    let recorded = "time [ms];command [mV];spool [%];Kolbenweg [mm];remark;pressure_a [bar];pressure_b [bar]\n\
+        0;0;0,5;150;a;20,1;35\n10,5;4000;0,5;150;b;20,1;35\n20;4000;3;150;c;21;35\n300;4000;22;155;d;30;30\n";
+    let folder = folder_with(MACHINE, recorded);
+    let arguments = ["simulate", "--machine", "machine.toml", "--recording", "run.csv", "--out", "out.csv"];
+    done(folder.path(), &[&arguments[..], &["--map", "position=Kolbenweg [mm]", "--plot", "out.svg"]].concat());
+    let (header, rows) = table(&folder.path().join("out.csv"));
+    assert_eq!(header, "time [ms],command [mV],spool [%],Kolbenweg [mm],pressure_a [bar],pressure_b [bar]");
+    let inputs: Vec<(f64, f64)> = rows.iter().map(|row| (row[0], row[1])).collect();
+    assert_eq!(inputs, [(0.0, 0.0), (10.5, 4000.0), (20.0, 4000.0), (300.0, 4000.0)]);
+    assert!((rows[0][3] - 150.0).abs() < 1e-6, "it starts where the recording starts");
+    assert!((rows[3][2] - 22.36).abs() < 0.1, "the slider is in %: {}", rows[3][2]);
+    assert!(rows[3][3] > 150.5 && rows[3][3] < 170.0, "the position is in mm: {}", rows[3][3]);
+    let svg = std::fs::read_to_string(folder.path().join("out.svg")).unwrap();
+    assert!(svg.contains("viewBox") && svg.contains("sans-serif") && svg.contains("Position [mm]"));
+}
+
+#[test]
+fn an_input_signal_gives_every_signal_in_si_units_from_mid_stroke() {
+    let folder = folder_with(MACHINE, "");
+    let out = |extra: &[&str], name: &str| {
+        let arguments = ["simulate", "--machine", "machine.toml", "--input", "step:4V", "--out", name];
+        done(folder.path(), &[&arguments[..], extra].concat());
+        table(&folder.path().join(name))
+    };
+    let (header, rows) = out(&[], "a.csv");
+    assert_eq!(
+        header,
+        "time [s],command [V],spool [1],position [m],velocity [m/s],pressure_a [Pa],pressure_b [Pa],flow [m3/s]"
+    );
+    assert_eq!(rows.len(), 951);
+    assert!((rows[0][3] - 0.15).abs() < 1e-9 && rows[0][4].abs() < 1e-9);
+    assert!(rows[950][3] > 0.159, "4 V extends: {}", rows[950][3]);
+
+    let (_, float) = out(&["--arithmetic", "float"], "b.csv");
+    let scales = [1.0, 10.0, 1.0, 0.3, 1.0, 7e6, 7e6, 1e-3];
+    for (fixed, float) in rows.iter().zip(&float) {
+        for ((fixed, float), scale) in fixed.iter().zip(float).zip(scales) {
+            assert!((fixed - float).abs() < 1e-4 * scale, "{fixed} {float}");
+        }
+    }
+    assert_ne!(rows, float, "two number types");
+    assert_eq!(out(&["--tick", "0.5"], "c.csv").1.len(), 1901);
+    assert_eq!(out(&["--tick", "2"], "d.csv").1.len(), 476);
+}
+
+#[test]
+fn fixed_and_float_agree_on_a_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let (machine, recording) = (example("machine.toml"), example("train-1.csv"));
+    let out = |arithmetic: &str| {
+        let arguments = ["simulate", "--machine", &machine, "--recording", &recording, "--out", arithmetic];
+        done(folder.path(), &[&arguments[..], &["--arithmetic", arithmetic]].concat());
+        table(&folder.path().join(arithmetic))
+    };
+    let ((fixed_header, fixed), (float_header, float)) = (out("fixed"), out("float"));
+    assert_eq!(fixed_header, float_header);
+    assert_eq!(fixed.len(), std::fs::read_to_string(&recording).unwrap().lines().count() - 1);
+    let scales = [1.0, 10.0, 1.0, 0.3, 7e6, 7e6];
+    for (fixed, float) in fixed.iter().zip(&float) {
+        for ((fixed, float), scale) in fixed.iter().zip(float).zip(scales) {
+            assert!((fixed - float).abs() < 1e-4 * scale, "{fixed} {float}");
+        }
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn the_signals_can_go_down_a_pipe() {
+    let folder = folder_with(MACHINE, "");
+    let arguments = ["simulate", "--machine", "machine.toml", "--input", "zero:10ms", "--out", "/dev/stdout"];
+    assert_eq!(done(folder.path(), &arguments).lines().count(), 12);
+}

@@ -1,0 +1,53 @@
+//! What `testbed` makes and refuses.
+
+use super::{MACHINE, done, folder_with, listing, refused};
+
+const TESTBED: [&str; 7] = ["testbed", "--machine", "machine.toml", "--out", "case", "--train", "step:4V,0.1s"];
+
+#[test]
+fn a_case_holds_the_machine_file_as_it_is_and_its_recordings() {
+    let folder = folder_with(MACHINE, "");
+    let more = ["--holdout", "zero:0.1s", "--dither", "0.1", "80", "--effect", "coulomb-friction=800", "--tick", "2"];
+    done(folder.path(), &[&TESTBED[..], &more].concat());
+    let case = folder.path().join("case");
+    let names: Vec<_> = listing(&case).iter().map(|path| path.file_name().unwrap().to_owned()).collect();
+    assert_eq!(names, ["holdout-1.csv", "machine.toml", "train-1.csv"]);
+    assert_eq!(std::fs::read_to_string(case.join("machine.toml")).unwrap(), MACHINE);
+    let train = std::fs::read_to_string(case.join("train-1.csv")).unwrap();
+    assert!(train.starts_with("time [s],command [V],spool [1],position [m],pressure_a [Pa],pressure_b [Pa]\n0,0,"));
+    assert_eq!(train.lines().count(), 2 + 275);
+    assert!(train.contains("\n0.002,0.0844,"), "the dither is part of the command");
+}
+
+#[test]
+fn a_closed_loop_records_its_set_value() {
+    let folder = folder_with(MACHINE, "");
+    done(folder.path(), &[&TESTBED[..], &["--closed-loop", "400", "--position-step", "0.01"]].concat());
+    let train = std::fs::read_to_string(folder.path().join("case/train-1.csv")).unwrap();
+    assert!(train.lines().next().unwrap().ends_with("reference [m]"));
+    assert!(train.contains(",0.16\n"), "4 V / 400 V/m = 10 mm about mid-stroke");
+}
+
+#[test]
+fn what_the_test_bed_cannot_do_is_said_and_nothing_is_written() {
+    let folder = folder_with(MACHINE, "");
+    for (more, expected) in [
+        (&["--effect", "rust=3"][..], "expected one of hose-compliance [m3/Pa]"),
+        (&["--effect", "coulomb-friction=-3"], "expected one of"),
+        (&["--train", "step:9V,20s"], "expected it to stay within 0 to 300.0 mm"),
+        (&["--noise", "NaN"], "--noise is NaN"),
+        (&["--dither", "1", "900"], "half of the control rate"),
+        (&["--spread=-1"], "--spread is -1"),
+    ] {
+        let message = refused(folder.path(), &[&TESTBED[..], more].concat());
+        assert!(message.contains(expected), "{message}");
+    }
+}
+
+#[test]
+fn recordings_of_another_case_are_not_mixed_in() {
+    let folder = folder_with(MACHINE, "");
+    done(folder.path(), &[&TESTBED[..], &["--train", "zero:0.1s"]].concat());
+    let message = refused(folder.path(), &TESTBED);
+    assert!(message.contains("train-2.csv is there already"), "{message}");
+}
