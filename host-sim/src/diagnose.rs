@@ -350,6 +350,12 @@ impl Diagnosis {
         self.shown.iter().filter(move |shown| shown.held_out == held_out)
     }
 
+    /// The recording to show first: a held-out one where there is one.
+    #[must_use]
+    pub fn example(&self) -> Option<&Shown> {
+        self.shown.iter().find(|shown| shown.held_out).or(self.shown.first())
+    }
+
     /// The subsystem in question, where something is missing.
     #[must_use]
     pub fn subsystem(&self) -> Option<Subsystem> {

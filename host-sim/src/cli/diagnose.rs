@@ -47,6 +47,9 @@ pub struct Arguments {
     /// Write a page for people
     #[arg(long, value_name = "D.html")]
     report: Option<PathBuf>,
+    /// Draw the first held-out recording: recorded, before and after
+    #[arg(long, value_name = "P.svg")]
+    plot: Option<PathBuf>,
     /// Answer 1 when something is missing or unexplained
     #[arg(long)]
     exit_code: bool,
@@ -81,6 +84,9 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     }
     if let Some(path) = &plan.report {
         write(path, &html::page(&diagnosis))?;
+    }
+    if let (Some(path), Some(shown)) = (&arguments.plot, diagnosis.example()) {
+        write(path, &html::overlay(&diagnosis, shown))?;
     }
     console.print(terminal::text(&diagnosis))?;
     if let Some(path) = &plan.report {

@@ -22,6 +22,7 @@ mod thin;
 
 pub use canvas::svg;
 pub use recorded::panels;
+pub(crate) use recorded::title;
 
 /// What a trace is, which says how it is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -4,7 +4,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::terminal::sentence;
 use crate::diagnose::{Diagnosis, Fits, Shown};
-use crate::plot::{Panel, Style, Trace, svg};
+use crate::plot::{Panel, Style, Trace, svg, title};
 use crate::presentation::{percent, significant, unit_for_people};
 use crate::recording::Signal;
 
@@ -25,7 +25,6 @@ summary { cursor: pointer; padding: .3rem 0; }
 #[must_use]
 pub fn page(diagnosis: &Diagnosis) -> String {
     let verdict = sentence(diagnosis);
-    let first = diagnosis.shown.iter().find(|shown| shown.held_out).or(diagnosis.shown.first());
     html! {
         (DOCTYPE)
         html lang="en" {
@@ -38,7 +37,7 @@ pub fn page(diagnosis: &Diagnosis) -> String {
             body {
                 h1 { (verdict) }
                 (fits(diagnosis))
-                @if let Some(shown) = first { (figure(diagnosis, shown)) }
+                @if let Some(shown) = diagnosis.example() { (figure(diagnosis, shown)) }
                 (located(diagnosis))
                 (findings(diagnosis))
                 (parameters(diagnosis))
@@ -156,6 +155,12 @@ fn trials(diagnosis: &Diagnosis) -> Markup {
 }
 
 fn figure(diagnosis: &Diagnosis, shown: &Shown) -> Markup {
+    html! { figure { (PreEscaped(overlay(diagnosis, shown))) } }
+}
+
+/// Recorded, before and after with residuals, as SVG: every judged signal of one recording.
+#[must_use]
+pub fn overlay(diagnosis: &Diagnosis, shown: &Shown) -> String {
     let claimed = !diagnosis.findings.is_empty();
     let panels: Vec<Panel> = shown
         .prepared
@@ -164,7 +169,7 @@ fn figure(diagnosis: &Diagnosis, shown: &Shown) -> Markup {
         .map(|channel| {
             let readable = |values: &[f64]| readable(channel.signal, values);
             let unit = unit_for_people(channel.signal);
-            let mut panel = Panel::new(channel.signal.name(), unit.symbol(), shown.prepared.time_s.clone())
+            let mut panel = Panel::new(title(channel.signal), unit.symbol(), shown.prepared.time_s.clone())
                 .trace(Trace::new("recorded", readable(&channel.recorded), Style::Recorded));
             if let Some(before) = shown.before.signal(channel.signal) {
                 panel = panel.trace(Trace::new("before", readable(before), Style::Before));
@@ -182,7 +187,7 @@ fn figure(diagnosis: &Diagnosis, shown: &Shown) -> Markup {
         })
         .collect();
     let subtitle = if shown.held_out { "held out" } else { "training" };
-    html! { figure { (PreEscaped(svg(&shown.prepared.name, subtitle, &panels))) } }
+    svg(&shown.prepared.name, subtitle, &panels)
 }
 
 fn readable(signal: Signal, values: &[f64]) -> Vec<f64> {
