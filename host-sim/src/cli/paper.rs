@@ -45,12 +45,13 @@ fn introduction() -> String {
         .collect();
     format!(
         "The paper's recordings were not published: these are synthetic, made on a virtual test bed.\n\
-         Its drive is the preset paper-as-printed with {},\n\
+         Its drive is the preset paper-as-printed with\n{},\n\
          {FRICTION_N} N of dry friction and {LEAKAGE_M3_PER_S_PA:e} m3/s/Pa of leakage past the piston, which the model does not have;\n\
-         16-bit LVDT with noise, joint encoder of 3600 impulses, dither of {} V at {} Hz. The figures beside the paper's are not a\n\
-         check of the model against the paper's drive. Similarity is the NRMSE fit, 100·(1 − ‖y − ŷ‖/‖y − mean y‖) %; the paper does\n\
-         not define its own.",
-        deviations.join(", "),
+         16-bit LVDT with noise, joint encoder of 3600 impulses, dither of {} V at {} Hz.\n\
+         These differences were chosen, so how near the figures come to the paper's was chosen too: they show the procedure and\n\
+         the order of size, and are no check of the model against the paper's drive.\n\
+         Similarity is the NRMSE fit, 100·(1 − ‖y − ŷ‖/‖y − mean y‖) %; the paper does not define its own.",
+        deviations.chunks(3).map(|three| three.join(", ")).collect::<Vec<_>>().join(",\n"),
         DITHER.amplitude_v,
         DITHER.frequency_hz
     )
