@@ -313,7 +313,7 @@ impl<'a> Problem<'a> {
         report.termination.was_successful()
     }
 
-    /// Diagonal of the covariance of the coordinates. The residuals are correlated in time, so the inverse of JᵀJ is
+    /// Diagonal of the covariance of the coordinates. The residuals are correlated in time, so the inverse of `JᵀJ` is
     /// scaled by their mean square and by how many neighbours tell the same.
     fn covariance(&self) -> Vec<f64> {
         let Some(jacobian) = &self.jacobian else { return Vec::new() };
