@@ -1,0 +1,237 @@
+//! Recording → simulation: the core driven by what was recorded.
+//!
+//! A [`Stimulus`] is a recording laid on the core's tick grid. [`run`] steps the core over it in any number type and hands out the
+//! signals at the recorded rows.
+
+mod grid;
+mod stimulus;
+
+use model_core::chambers::ChamberState;
+use model_core::drive::{Drive, DriveState};
+use model_core::machine::{Machine, MachineError};
+use model_core::number::{Number, Real};
+use model_core::parameter::Parameter;
+
+pub use stimulus::{EntryPoint, SimulateError, Start, Stimulus, first_entry, natural_tick};
+
+use crate::recording::Signal;
+
+/// Ticks of delay line on the desktop: more than a quarter of a second at any tick.
+pub const DELAY_LINE: usize = 512;
+
+/// Signals of the chain at one recorded row, in SI units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample<R> {
+    /// Slider position, 1.
+    pub spool: R,
+    /// Flow into A, m³/s.
+    pub flow_a_m3_per_s: R,
+    /// Pressure in A, Pa.
+    pub pressure_a_pa: R,
+    /// Pressure in B, Pa.
+    pub pressure_b_pa: R,
+    /// Force of the oil on the rod, N.
+    pub force_n: R,
+    /// Velocity, m/s.
+    pub velocity_m_per_s: R,
+    /// Position, m.
+    pub position_m: R,
+}
+
+impl<R: Real> Sample<R> {
+    /// The value of a recorded signal, if the chain computes it.
+    #[must_use]
+    pub fn signal(&self, signal: Signal) -> Option<R> {
+        match signal {
+            Signal::Spool => Some(self.spool),
+            Signal::Flow => Some(self.flow_a_m3_per_s),
+            Signal::PressureA => Some(self.pressure_a_pa),
+            Signal::PressureB => Some(self.pressure_b_pa),
+            Signal::Force => Some(self.force_n),
+            Signal::Velocity => Some(self.velocity_m_per_s),
+            Signal::Position => Some(self.position_m),
+            _ => None,
+        }
+    }
+
+    fn between(a: Self, b: Self, share: f64) -> Self {
+        let mix = |a: R, b: R| a + (b - a) * R::constant(share);
+        Self {
+            spool: mix(a.spool, b.spool),
+            flow_a_m3_per_s: mix(a.flow_a_m3_per_s, b.flow_a_m3_per_s),
+            pressure_a_pa: mix(a.pressure_a_pa, b.pressure_a_pa),
+            pressure_b_pa: mix(a.pressure_b_pa, b.pressure_b_pa),
+            force_n: mix(a.force_n, b.force_n),
+            velocity_m_per_s: mix(a.velocity_m_per_s, b.velocity_m_per_s),
+            position_m: mix(a.position_m, b.position_m),
+        }
+    }
+}
+
+/// Signals that the chain computes below an entry, in its order.
+#[must_use]
+pub fn computed_below(entry: EntryPoint) -> &'static [Signal] {
+    const ALL: &[Signal] = &[
+        Signal::Spool,
+        Signal::Flow,
+        Signal::PressureA,
+        Signal::PressureB,
+        Signal::Force,
+        Signal::Velocity,
+        Signal::Position,
+    ];
+    match entry {
+        EntryPoint::Command => ALL,
+        EntryPoint::Slider | EntryPoint::Pump => &ALL[1..],
+        EntryPoint::Flow => &ALL[2..],
+        EntryPoint::Force => &ALL[5..],
+    }
+}
+
+/// The signals of a simulation at the recorded rows, in SI units.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Trajectory {
+    /// One series for each signal computed below the entry.
+    pub series: Vec<(Signal, Vec<f64>)>,
+}
+
+impl Trajectory {
+    /// A computed signal.
+    #[must_use]
+    pub fn signal(&self, signal: Signal) -> Option<&[f64]> {
+        self.series.iter().find(|(found, _)| *found == signal).map(|(_, values)| values.as_slice())
+    }
+}
+
+/// Freedom of a run beyond the recording: what a fit may move about the start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StartOffset<R> {
+    /// Share of supply pressure in chamber B at rest, where pressures are not recorded.
+    pub level: R,
+}
+
+impl<R: Real> StartOffset<R> {
+    /// Half the supply.
+    #[must_use]
+    pub fn none() -> Self {
+        Self { level: R::constant(0.5) }
+    }
+}
+
+/// Pressures at the start where the recording has none: the level in B, and the balance of forces.
+fn balanced<R: Real>(machine: &Machine<R>, level: R) -> (R, R) {
+    let get = |parameter| machine.get(parameter);
+    let a = (level * get(Parameter::AreaB) - get(Parameter::LoadForce)) / get(Parameter::AreaA);
+    let supply = get(Parameter::SupplyPressure);
+    let (low, high) = (supply * R::constant(0.02), supply * R::constant(0.98));
+    let a = if a < low {
+        low
+    } else if a > high {
+        high
+    } else {
+        a
+    };
+    let b = (a * get(Parameter::AreaA) + get(Parameter::LoadForce)) / get(Parameter::AreaB);
+    (
+        a,
+        if b < low {
+            low
+        } else if b > high {
+            high
+        } else {
+            b
+        },
+    )
+}
+
+/// Runs the core over a stimulus and hands each recorded row's sample to `sink`, in order.
+pub fn run<N: Number>(
+    machine: &Machine<N::Real>,
+    stimulus: &Stimulus,
+    offset: StartOffset<N::Real>,
+    mut sink: impl FnMut(usize, &Sample<N::Real>),
+) -> Result<(), MachineError> {
+    let drive = Drive::<N>::new::<DELAY_LINE>(machine, stimulus.tick)?;
+    let bases = *drive.bases();
+    let constant = N::Real::constant;
+    let (pressure_a, pressure_b) = match stimulus.start.pressures_pa {
+        Some((a, b)) => (constant(a), constant(b)),
+        None => balanced(machine, offset.level * machine.get(Parameter::SupplyPressure)),
+    };
+    let fit = |value: N::Real| N::signal(value).unwrap_or_else(|| N::saturated(value.value()));
+    let pressures = ChamberState {
+        a: fit(pressure_a / constant(bases.pressure_pa)),
+        b: fit(pressure_b / constant(bases.pressure_pa)),
+    };
+    let position = N::travel(constant(stimulus.start.position_m) / machine.get(Parameter::Stroke));
+    let command = N::saturated(stimulus.start.command_v / bases.command_v);
+    let mut state: DriveState<N, DELAY_LINE> = drive.at_rest(command, pressures, position);
+
+    let mut rows = stimulus.rows.iter().enumerate().peekable();
+    let mut before = sample(&drive, machine, stimulus, &state, 0);
+    for point in 0..=stimulus.ticks {
+        if point > 0 {
+            let tick = point - 1;
+            drive.step(&mut state, stimulus.entry_at(tick, &bases), stimulus.load_at(tick, &bases));
+        }
+        // A row lies on this point, or in the tick before it.
+        let wanted = |at: usize, share: f64| if share == 0.0 { at == point } else { at + 1 == point };
+        if rows.peek().is_none_or(|(_, (at, _))| *at > point) {
+            continue;
+        }
+        let now = sample(&drive, machine, stimulus, &state, point);
+        while let Some((row, &(_, share))) = rows.next_if(|(_, (at, share))| wanted(*at, *share)) {
+            if share == 0.0 {
+                sink(row, &now);
+            } else {
+                sink(row, &Sample::between(before, now, share));
+            }
+        }
+        before = now;
+    }
+    Ok(())
+}
+
+fn sample<N: Number>(
+    drive: &Drive<N>,
+    machine: &Machine<N::Real>,
+    stimulus: &Stimulus,
+    state: &DriveState<N, DELAY_LINE>,
+    point: usize,
+) -> Sample<N::Real> {
+    let bases = drive.bases();
+    let constant = N::Real::constant;
+    let spool = stimulus.slider_at(point).unwrap_or_else(|| state.valve.slider());
+    let flows = drive.flows(spool, stimulus.pump_at(point, bases), state.chambers);
+    let pressure_a_pa = state.chambers.a.to_real() * constant(bases.pressure_pa);
+    let pressure_b_pa = state.chambers.b.to_real() * constant(bases.pressure_pa);
+    Sample {
+        spool: spool.to_real(),
+        flow_a_m3_per_s: flows.a.to_real() * constant(bases.flow_m3_per_s),
+        pressure_a_pa,
+        pressure_b_pa,
+        force_n: machine.get(Parameter::AreaA) * pressure_a_pa - machine.get(Parameter::AreaB) * pressure_b_pa,
+        velocity_m_per_s: state.motion.velocity.to_real() * constant(bases.velocity_m_per_s),
+        position_m: N::strokes(state.motion.position) * machine.get(Parameter::Stroke),
+    }
+}
+
+/// A whole simulation in a plain number type.
+pub fn simulate<N: Number<Real = f64>>(
+    machine: &Machine<f64>,
+    stimulus: &Stimulus,
+    offset: StartOffset<f64>,
+) -> Result<Trajectory, MachineError> {
+    let signals = computed_below(stimulus.entry);
+    let mut series: Vec<(Signal, Vec<f64>)> =
+        signals.iter().map(|&signal| (signal, Vec::with_capacity(stimulus.rows()))).collect();
+    run::<N>(machine, stimulus, offset, |_, sample| {
+        for (signal, values) in &mut series {
+            values.extend(sample.signal(*signal));
+        }
+    })?;
+    Ok(Trajectory { series })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,330 @@
+//! A recording laid on the core's grid: where the chain is entered, with what, from which state.
+
+use model_core::drive::{Entry, Load};
+use model_core::flow::{Flows, PumpDrive};
+use model_core::machine::{Bases, Machine, MachineError, Source, Tick};
+use model_core::number::Number;
+use model_core::parameter::Parameter;
+use model_core::valve::Slider;
+
+use super::grid::Grid;
+use crate::machine_file::LoadSource;
+use crate::recording::{Recording, Signal};
+
+/// Where the chain is entered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum EntryPoint {
+    /// Command at the valve.
+    Command,
+    /// Measured slider.
+    Slider,
+    /// Speed of the pump and direction of its valve.
+    Pump,
+    /// Measured flow into A; what leaves B is taken to be the same times the area ratio.
+    Flow,
+    /// Measured force of the oil, or the one that follows from both recorded pressures.
+    Force,
+}
+
+/// Why a recording cannot drive a simulation.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SimulateError {
+    /// No signal to enter the chain with.
+    #[error("{recording}: nothing drives the model; expected a column {expected}")]
+    NoInput {
+        /// The recording.
+        recording: String,
+        /// Columns that would do.
+        expected: &'static str,
+    },
+    /// A signal that the entry or the load needs is missing.
+    #[error("{recording}: no column `{signal}`; expected it because {reason}")]
+    Missing {
+        /// The recording.
+        recording: String,
+        /// The signal.
+        signal: Signal,
+        /// What needs it.
+        reason: &'static str,
+    },
+    /// The recording is longer than the grid can hold.
+    #[error("{recording}: {duration_s} s at a tick of {tick_s} s; expected at most {limit} ticks")]
+    TooLong {
+        /// The recording.
+        recording: String,
+        /// Its duration.
+        duration_s: f64,
+        /// The tick.
+        tick_s: f64,
+        /// Most ticks.
+        limit: usize,
+    },
+    /// The machine does not become a drive.
+    #[error(transparent)]
+    Machine(#[from] MachineError),
+}
+
+/// What drives the chain, one value a grid point (`ticks + 1` of them) or a tick (`ticks`), in SI units.
+#[derive(Clone, Debug, PartialEq)]
+enum Input {
+    /// Held over each tick, V.
+    Command(Vec<f64>),
+    /// At grid points, 1.
+    Slider(Vec<f64>),
+    /// Mean speed (rev/s) and direction over each tick.
+    Pump(Vec<f64>, Vec<i8>),
+    /// At grid points, m³/s.
+    Flow(Vec<f64>),
+    /// At grid points, N.
+    Force(Vec<f64>),
+}
+
+/// State that a simulation starts from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start {
+    /// Command held before, V.
+    pub command_v: f64,
+    /// Chamber pressures, Pa; `None` where the recording does not have them: half the supply and the balance of forces.
+    pub pressures_pa: Option<(f64, f64)>,
+    /// Position, m.
+    pub position_m: f64,
+}
+
+/// A recording laid on the core's grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stimulus {
+    /// Where the chain is entered.
+    pub entry: EntryPoint,
+    /// The core's tick.
+    pub tick: Tick,
+    /// State at the first row.
+    pub start: Start,
+    pub(super) ticks: usize,
+    input: Input,
+    /// External force at grid points, N.
+    load_n: Option<Vec<f64>>,
+    /// For each recorded row: the grid point at or before it, and how far on to the next, 0..1.
+    pub(super) rows: Vec<(usize, f64)>,
+}
+
+/// The entry furthest upstream that a recording allows for a machine's oil source.
+pub fn first_entry(source: Source, recording: &Recording) -> Result<EntryPoint, SimulateError> {
+    let has = |signal| recording.has(signal);
+    let candidates: &[(EntryPoint, bool)] = match source {
+        Source::Valve => &[
+            (EntryPoint::Command, has(Signal::Command)),
+            (EntryPoint::Slider, has(Signal::Spool)),
+            (EntryPoint::Flow, has(Signal::Flow)),
+            (EntryPoint::Force, has(Signal::Force)),
+        ],
+        Source::Pump => &[
+            (EntryPoint::Pump, has(Signal::PumpSpeed)),
+            (EntryPoint::Flow, has(Signal::Flow)),
+            (EntryPoint::Force, has(Signal::Force)),
+        ],
+    };
+    let expected = match source {
+        Source::Valve => "command, spool, flow or force",
+        Source::Pump => "pump_speed, flow or force",
+    };
+    let found = candidates.iter().find(|(_, there)| *there).map(|(entry, _)| *entry);
+    found.ok_or_else(|| SimulateError::NoInput { recording: recording.name().to_owned(), expected })
+}
+
+/// The tick that suits a recording: 1 ms, or 0.5 ms where it is sampled faster than 1 kHz.
+#[must_use]
+pub fn natural_tick(recording: &Recording) -> Tick {
+    if recording.sample_interval_s() < 0.75e-3 { Tick::HalfMillisecond } else { Tick::OneMillisecond }
+}
+
+impl Stimulus {
+    /// Lays a recording on the grid of `tick`.
+    pub fn new(
+        recording: &Recording,
+        machine: &Machine<f64>,
+        entry: EntryPoint,
+        load: LoadSource,
+        tick: Tick,
+    ) -> Result<Self, SimulateError> {
+        let grid = Grid::new(recording, tick)?;
+        let need = |signal, reason| {
+            recording.signal(signal).ok_or_else(|| SimulateError::Missing {
+                recording: recording.name().to_owned(),
+                signal,
+                reason,
+            })
+        };
+        let input = match entry {
+            EntryPoint::Command => {
+                Input::Command(grid.held(need(Signal::Command, "the chain is entered at the command")?))
+            }
+            EntryPoint::Slider => {
+                Input::Slider(grid.points(need(Signal::Spool, "the chain is entered at the slider")?))
+            }
+            EntryPoint::Flow => Input::Flow(grid.points(need(Signal::Flow, "the chain is entered at the flow")?)),
+            EntryPoint::Pump => {
+                let speed = grid.points(need(Signal::PumpSpeed, "the pump drives the chain")?);
+                let mean: Vec<f64> = speed.windows(2).map(|pair| f64::midpoint(pair[0], pair[1])).collect();
+                let direction = match recording.signal(Signal::ValveDirection) {
+                    Some(direction) => grid.held(direction).iter().map(|&value| sign(value)).collect(),
+                    None => mean.iter().map(|&value| sign(value)).collect(),
+                };
+                Input::Pump(mean, direction)
+            }
+            EntryPoint::Force => Input::Force(match recording.signal(Signal::Force) {
+                Some(force) => grid.points(force),
+                None => grid.points(&pressure_force(recording, machine)?),
+            }),
+        };
+        let load_n = match (load, entry) {
+            (
+                LoadSource::RecordedPressures,
+                EntryPoint::Command | EntryPoint::Slider | EntryPoint::Pump | EntryPoint::Flow,
+            ) => {
+                let balance: Vec<f64> = pressure_force(recording, machine)?.iter().map(|force| -force).collect();
+                let constant = machine.get(Parameter::LoadForce);
+                Some(
+                    grid.points(&smoothed(&balance, 0.05 / recording.sample_interval_s()))
+                        .iter()
+                        .map(|force| force - constant)
+                        .collect(),
+                )
+            }
+            _ => recording.signal(Signal::LoadForce).map(|force| grid.points(force)),
+        };
+        Ok(Self { entry, tick, start: start(recording), ticks: grid.ticks, input, load_n, rows: grid.rows })
+    }
+
+    /// How many rows the recording has.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// How many ticks a run takes.
+    #[must_use]
+    pub fn ticks(&self) -> usize {
+        self.ticks
+    }
+
+    pub(super) fn entry_at<N: Number>(&self, tick: usize, bases: &Bases) -> Entry<N> {
+        let at = |values: &[f64], base: f64| N::saturated(values.get(tick).copied().unwrap_or(0.0) / base);
+        let next = |values: &[f64], base: f64| N::saturated(values.get(tick + 1).copied().unwrap_or(0.0) / base);
+        match &self.input {
+            Input::Command(volts) => Entry::Command(at(volts, bases.command_v)),
+            Input::Slider(spool) => Entry::Slider(Slider { from: at(spool, 1.0), to: next(spool, 1.0) }),
+            Input::Pump(speed, direction) => Entry::Pump(PumpDrive {
+                speed: at(speed, bases.pump_speed_rev_per_s),
+                direction: direction.get(tick).copied().unwrap_or(0),
+            }),
+            Input::Flow(flow) => {
+                let base = bases.flow_m3_per_s;
+                let both = |flow: N| Flows { a: flow, b: flow };
+                Entry::Flow { from: both(at(flow, base)), to: both(next(flow, base)) }
+            }
+            Input::Force(force) => Entry::Force { from: at(force, bases.force_n), to: next(force, bases.force_n) },
+        }
+    }
+
+    pub(super) fn load_at<N: Number>(&self, tick: usize, bases: &Bases) -> Load<N> {
+        self.load_n.as_ref().map_or(Load::NONE, |force| {
+            let at = |index: usize| N::saturated(force.get(index).copied().unwrap_or(0.0) / bases.force_n);
+            Load { from: at(tick), to: at(tick + 1) }
+        })
+    }
+
+    pub(super) fn pump_at<N: Number>(&self, tick: usize, bases: &Bases) -> PumpDrive<N> {
+        match self.entry_at(tick, bases) {
+            Entry::Pump(pump) => pump,
+            _ => PumpDrive { speed: N::ZERO, direction: 0 },
+        }
+    }
+
+    pub(super) fn slider_at<N: Number>(&self, point: usize) -> Option<N> {
+        match &self.input {
+            Input::Slider(spool) => spool.get(point).map(|&value| N::saturated(value)),
+            _ => None,
+        }
+    }
+}
+
+fn sign(value: f64) -> i8 {
+    if value > 0.5e-9 {
+        1
+    } else if value < -0.5e-9 {
+        -1
+    } else {
+        0
+    }
+}
+
+/// Aa·pa − Ab·pb of the recorded pressures, N.
+fn pressure_force(recording: &Recording, machine: &Machine<f64>) -> Result<Vec<f64>, SimulateError> {
+    let need = |signal| {
+        recording.signal(signal).ok_or_else(|| SimulateError::Missing {
+            recording: recording.name().to_owned(),
+            signal,
+            reason: "the force on the rod is taken from both chamber pressures",
+        })
+    };
+    let (area_a, area_b) = (machine.get(Parameter::AreaA), machine.get(Parameter::AreaB));
+    let (a, b) = (need(Signal::PressureA)?, need(Signal::PressureB)?);
+    Ok(a.iter().zip(b).map(|(a, b)| area_a * a - area_b * b).collect())
+}
+
+/// Centred moving average over `width` samples (at least one); shorter at both ends.
+fn smoothed(values: &[f64], width: f64) -> Vec<f64> {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small positive count")]
+    let half = (0.5 * width).clamp(0.0, 1e6) as usize;
+    let mut sums = Vec::with_capacity(values.len() + 1);
+    sums.push(0.0);
+    for value in values {
+        sums.push(sums[sums.len() - 1] + value);
+    }
+    (0..values.len())
+        .map(|index| {
+            let reach = half.min(index).min(values.len() - 1 - index);
+            (sums[index + reach + 1] - sums[index - reach]) / (2 * reach + 1) as f64
+        })
+        .collect()
+}
+
+/// The start is averaged over this time at least, s: shorter than a valve needs to move a rod.
+const REST_LEAST_S: f64 = 0.02;
+/// And as long as the command stays where it began, at most this long, s.
+const REST_MOST_S: f64 = 0.1;
+
+/// The state a recording starts from: means over the rest at its start, so that the noise of one row does not shift all others.
+fn start(recording: &Recording) -> Start {
+    let time_s = recording.time_s();
+    let command = recording.signal(Signal::Command);
+    let held = |row: usize| command.is_some_and(|command| command[row].to_bits() == command[0].to_bits());
+    let rest = (0..time_s.len())
+        .take_while(|&row| {
+            let since = time_s[row] - time_s[0];
+            since < REST_LEAST_S || (since < REST_MOST_S && held(row))
+        })
+        .count();
+    let began = |signal| recording.signal(signal).map(|values: &[f64]| at_start(&time_s[..rest], &values[..rest]));
+    Start {
+        command_v: command.map_or(0.0, |command| command[0]),
+        pressures_pa: began(Signal::PressureA).zip(began(Signal::PressureB)),
+        position_m: began(Signal::Position).unwrap_or(0.0),
+    }
+}
+
+/// The value of a signal at its first row, from the rows around: their mean, or where they clearly rise or fall, the start of
+/// the line through them.
+fn at_start(time_s: &[f64], values: &[f64]) -> f64 {
+    let count = values.len() as f64;
+    let (middle, mean) = (time_s.iter().sum::<f64>() / count, values.iter().sum::<f64>() / count);
+    let spread: f64 = time_s.iter().map(|time| (time - middle).powi(2)).sum();
+    if values.len() < 4 || spread <= 0.0 {
+        return values[0];
+    }
+    let slope = time_s.iter().zip(values).map(|(time, value)| (time - middle) * (value - mean)).sum::<f64>() / spread;
+    let about: f64 =
+        time_s.iter().zip(values).map(|(time, value)| (value - mean - slope * (time - middle)).powi(2)).sum();
+    let slope_std = (about / (count - 2.0) / spread).sqrt();
+    if slope.abs() > 4.0 * slope_std { mean + slope * (time_s[0] - middle) } else { mean }
+}

@@ -1,0 +1,144 @@
+use model_core::fixed_point::PerUnit;
+use model_core::machine::{Machine, Source, Tick};
+use model_core::parameter::Parameter;
+
+use super::{EntryPoint, StartOffset, Stimulus, Trajectory, simulate};
+use crate::machine_file::LoadSource;
+use crate::recording::{Column, Recording, Signal};
+
+fn press() -> Machine<f64> {
+    let mut machine = Machine::with_defaults(Source::Valve);
+    for (parameter, value) in [
+        (Parameter::AreaA, 3.117e-3),
+        (Parameter::AreaB, 1.861e-3),
+        (Parameter::VolumeA, 5.2e-4),
+        (Parameter::VolumeB, 3.3e-4),
+        (Parameter::ValveGain, 0.0559),
+        (Parameter::DeadZone, 0.1),
+        (Parameter::TimeConstant1, 0.018),
+        (Parameter::TimeConstant2, 0.0279),
+        (Parameter::TransportDelay, 0.0073),
+        (Parameter::RateLimit, 12.0),
+        (Parameter::ViscousFriction, 4e4),
+    ] {
+        machine.set(parameter, value);
+    }
+    machine
+}
+
+fn command_at(time_s: f64) -> f64 {
+    if time_s < 0.0995 {
+        0.0
+    } else if time_s < 0.5995 {
+        6.0
+    } else {
+        -5.0
+    }
+}
+
+fn recording(time_s: Vec<f64>, mut signals: Vec<(Signal, Vec<f64>)>) -> Recording {
+    let mut columns = vec![Column::si(Signal::Time, time_s)];
+    columns.extend(signals.drain(..).map(|(signal, values)| Column::si(signal, values)));
+    Recording::new("made", columns).unwrap()
+}
+
+fn commanded(time_s: Vec<f64>) -> Recording {
+    let command = time_s.iter().map(|&time| command_at(time)).collect();
+    let position = vec![0.15; time_s.len()];
+    recording(time_s, vec![(Signal::Command, command), (Signal::Position, position)])
+}
+
+fn run(recording: &Recording, entry: EntryPoint, load: LoadSource) -> Trajectory {
+    let machine = press();
+    let stimulus = Stimulus::new(recording, &machine, entry, load, Tick::OneMillisecond).unwrap();
+    simulate::<f64>(&machine, &stimulus, StartOffset::none()).unwrap()
+}
+
+fn grid(interval_s: f64, rows: u32) -> Vec<f64> {
+    (0..rows).map(|row| f64::from(row) * interval_s).collect()
+}
+
+fn farthest(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn entered_at_its_own_slider_the_rest_of_the_chain_is_the_same() {
+    let whole = run(&commanded(grid(1e-3, 1200)), EntryPoint::Command, LoadSource::Constant);
+    let series = |signal| whole.signal(signal).unwrap().to_vec();
+    let spool = recording(
+        grid(1e-3, 1200),
+        vec![
+            (Signal::Spool, series(Signal::Spool)),
+            (Signal::PressureA, series(Signal::PressureA)),
+            (Signal::PressureB, series(Signal::PressureB)),
+            (Signal::Position, series(Signal::Position)),
+        ],
+    );
+    let below = run(&spool, EntryPoint::Slider, LoadSource::Constant);
+    assert!(farthest(below.signal(Signal::Position).unwrap(), &series(Signal::Position)) < 1e-12);
+    assert!(farthest(below.signal(Signal::PressureA).unwrap(), &series(Signal::PressureA)) < 1e-3);
+}
+
+#[test]
+fn a_slower_and_an_uneven_recording_of_the_same_command_give_the_same_motion() {
+    let fine = run(&commanded(grid(1e-3, 1201)), EntryPoint::Command, LoadSource::Constant);
+    let fine = fine.signal(Signal::Position).unwrap();
+    let slow = run(&commanded(grid(5e-3, 241)), EntryPoint::Command, LoadSource::Constant);
+    let every_fifth: Vec<f64> = fine.iter().step_by(5).copied().collect();
+    assert!(farthest(slow.signal(Signal::Position).unwrap(), &every_fifth) < 1e-12);
+
+    // Rows off the core's grid: the command changes up to a tick early, the position is linear between ticks.
+    let uneven: Vec<f64> = (0..1150).map(|row| f64::from(row) * 1e-3 + 0.0004 * f64::from(row % 3)).collect();
+    let found = run(&commanded(uneven.clone()), EntryPoint::Command, LoadSource::Constant);
+    let expected: Vec<f64> = uneven
+        .iter()
+        .map(|time| {
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a row")]
+            let row = (time * 1e3).floor() as usize;
+            fine[row] + (time * 1e3 - (time * 1e3).floor()) * (fine[row + 1] - fine[row])
+        })
+        .collect();
+    // 2 ms at the largest speed.
+    assert!(farthest(found.signal(Signal::Position).unwrap(), &expected) < 2e-3 * 0.16);
+}
+
+#[test]
+fn a_load_taken_from_the_pressures_brings_them_and_the_motion_back() {
+    let whole = run(&commanded(grid(1e-3, 1200)), EntryPoint::Command, LoadSource::Constant);
+    let series = |signal| whole.signal(signal).unwrap().to_vec();
+    let slider = recording(
+        grid(1e-3, 1200),
+        vec![
+            (Signal::Spool, series(Signal::Spool)),
+            (Signal::PressureA, series(Signal::PressureA)),
+            (Signal::PressureB, series(Signal::PressureB)),
+            (Signal::Position, series(Signal::Position)),
+        ],
+    );
+    let found = run(&slider, EntryPoint::Slider, LoadSource::RecordedPressures);
+    // The load stands for viscous friction as well, which therefore acts twice: half a percent of the way.
+    let error = farthest(found.signal(Signal::Position).unwrap(), &series(Signal::Position));
+    assert!(error < 3e-3, "{error}");
+}
+
+#[test]
+fn without_recorded_pressures_the_chambers_balance_the_load_at_half_the_supply() {
+    let found = run(&commanded(grid(1e-3, 50)), EntryPoint::Command, LoadSource::Constant);
+    let first = |signal| found.signal(signal).unwrap()[0];
+    assert!((first(Signal::PressureB) - 3.5e6).abs() < 1.0);
+    assert!(first(Signal::Force).abs() < 1e-6);
+}
+
+#[test]
+fn fixed_point_follows_float_on_a_recording() {
+    let machine = press();
+    let recording = commanded(grid(1e-3, 1200));
+    let stimulus =
+        Stimulus::new(&recording, &machine, EntryPoint::Command, LoadSource::Constant, Tick::OneMillisecond).unwrap();
+    let fixed = simulate::<PerUnit>(&machine, &stimulus, StartOffset::none()).unwrap();
+    let float = simulate::<f64>(&machine, &stimulus, StartOffset::none()).unwrap();
+    let of = |trajectory: &Trajectory| trajectory.signal(Signal::Position).unwrap().to_vec();
+    assert!(farthest(&of(&fixed), &of(&float)) < 1e-4 * 0.3);
+}
