@@ -53,13 +53,13 @@ fn agree(name: &str, made: &str, shipped: &str) {
     }
 }
 
-/// Renew with `UPDATE_SNAPSHOTS=1`.
+/// Renew with `RENEW=1`.
 #[test]
 fn the_table_of_a_comparison_is_as_it_was() {
     let (machine, first, second) = (example("machine.toml"), example("train-1.csv"), example("holdout-1.csv"));
     let found = done(&root(), &["compare", "--machine", &machine, "--recording", &first, &second]);
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli/compare.txt");
-    if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
+    if std::env::var_os("RENEW").is_some() {
         std::fs::write(&path, &found).unwrap();
     }
     assert_eq!(found, std::fs::read_to_string(path).unwrap());
