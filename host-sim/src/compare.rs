@@ -99,18 +99,6 @@ pub struct Comparison {
     pub sections: Vec<SectionFit>,
 }
 
-impl Comparison {
-    /// The link with the lowest fit, where links could be told apart.
-    #[must_use]
-    pub fn worst_link(&self) -> Option<(Section, SignalFit)> {
-        self.sections
-            .iter()
-            .filter(|section| section.section.is_link())
-            .flat_map(|section| section.fits.iter().map(move |fit| (section.section, *fit)))
-            .min_by(|(_, a), (_, b)| a.nrmse_percent.total_cmp(&b.nrmse_percent))
-    }
-}
-
 /// Why a comparison is not possible.
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {

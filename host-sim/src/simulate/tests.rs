@@ -54,6 +54,14 @@ fn run(recording: &Recording, entry: EntryPoint, load: LoadSource) -> Trajectory
     simulate::<f64>(&machine, &stimulus, StartOffset::none()).unwrap()
 }
 
+/// What sensors without noise would have recorded of a run at 1 kHz, without the command.
+fn measured(run: &Trajectory) -> Recording {
+    let signals = [Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Position];
+    let series = |signal| (signal, run.signal(signal).unwrap().to_vec());
+    let rows = u32::try_from(run.signal(Signal::Position).unwrap().len()).unwrap();
+    recording(grid(1e-3, rows), signals.into_iter().map(series).collect())
+}
+
 fn grid(interval_s: f64, rows: u32) -> Vec<f64> {
     (0..rows).map(|row| f64::from(row) * interval_s).collect()
 }
@@ -67,15 +75,7 @@ fn farthest(a: &[f64], b: &[f64]) -> f64 {
 fn entered_at_its_own_slider_the_rest_of_the_chain_is_the_same() {
     let whole = run(&commanded(grid(1e-3, 1200)), EntryPoint::Command, LoadSource::Constant);
     let series = |signal| whole.signal(signal).unwrap().to_vec();
-    let spool = recording(
-        grid(1e-3, 1200),
-        vec![
-            (Signal::Spool, series(Signal::Spool)),
-            (Signal::PressureA, series(Signal::PressureA)),
-            (Signal::PressureB, series(Signal::PressureB)),
-            (Signal::Position, series(Signal::Position)),
-        ],
-    );
+    let spool = measured(&whole);
     let below = run(&spool, EntryPoint::Slider, LoadSource::Constant);
     assert!(farthest(below.signal(Signal::Position).unwrap(), &series(Signal::Position)) < 1e-12);
     assert!(farthest(below.signal(Signal::PressureA).unwrap(), &series(Signal::PressureA)) < 1e-3);
@@ -108,15 +108,7 @@ fn a_slower_and_an_uneven_recording_of_the_same_command_give_the_same_motion() {
 fn a_load_taken_from_the_pressures_brings_them_and_the_motion_back() {
     let whole = run(&commanded(grid(1e-3, 1200)), EntryPoint::Command, LoadSource::Constant);
     let series = |signal| whole.signal(signal).unwrap().to_vec();
-    let slider = recording(
-        grid(1e-3, 1200),
-        vec![
-            (Signal::Spool, series(Signal::Spool)),
-            (Signal::PressureA, series(Signal::PressureA)),
-            (Signal::PressureB, series(Signal::PressureB)),
-            (Signal::Position, series(Signal::Position)),
-        ],
-    );
+    let slider = measured(&whole);
     let found = run(&slider, EntryPoint::Slider, LoadSource::RecordedPressures);
     // The load stands for viscous friction as well, which therefore acts twice: half a percent of the way.
     let error = farthest(found.signal(Signal::Position).unwrap(), &series(Signal::Position));
