@@ -76,13 +76,21 @@ impl Neg for PerUnit {
 }
 
 /// A 64-bit product or sum of products with 28 + `shift` fractional bits, rounded to a signal.
+///
+/// `wide` stays 2³² below the ends of its range (see [`products`]), so the half step is added without a check.
 #[inline]
 fn rounded(wide: i64, shift: u32) -> PerUnit {
-    let half = 1_i64 << (shift - 1);
-    let word = wide.saturating_add(half) >> shift;
-    let clamped = word.clamp(i64::from(i32::MIN), i64::from(i32::MAX));
-    #[expect(clippy::cast_possible_truncation, reason = "clamped to the range of i32 above")]
-    PerUnit::from_bits(clamped as i32)
+    let shifted = wide.wrapping_add(1 << (shift - 1)) >> shift;
+    #[expect(clippy::cast_possible_truncation, reason = "what does not fit is held at the end of the range")]
+    let word = shifted as i32;
+    let fits = i64::from(word) == shifted;
+    PerUnit::from_bits(if fits { word } else { end_of_range(shifted < 0) })
+}
+
+/// The word that a value beyond the range is held at.
+#[inline]
+const fn end_of_range(negative: bool) -> i32 {
+    if negative { i32::MIN } else { i32::MAX }
 }
 
 /// Upper word of the product of two unsigned words.
