@@ -160,7 +160,7 @@ pub(crate) fn pump_case(seed: u64, effect: Option<PlantEffect>) -> Case {
         (P::MovingMass, 20.0),
         (P::ViscousFriction, 5.0e3),
         (P::PumpDisplacement, 1.6e-6),
-        (P::ReturnCoefficient, 3e-7),
+        (P::ReturnCoefficient, 1e-7),
     ];
     for (parameter, value) in values {
         nominal.set(parameter, value);
@@ -170,7 +170,7 @@ pub(crate) fn pump_case(seed: u64, effect: Option<PlantEffect>) -> Case {
         (P::PumpDisplacement, 3e-8),
         (P::BulkModulus, 5e7),
         (P::ViscousFriction, 5e2),
-        (P::ReturnCoefficient, 1.5e-8),
+        (P::ReturnCoefficient, 5e-9),
     ]);
     file.has_sigma_table = true;
     let truth = truth_near(&nominal, &file.sigma, 1.0, seed);
@@ -239,7 +239,10 @@ fn pump_recording(
     let sign = direction.iter().map(|&direction| f64::from(direction));
     let columns = vec![
         Column::si(Signal::Time, made.time_s),
-        Column::si(Signal::PumpSpeed, times().zip(sign.clone()).map(|(t, sign)| sign * speed_at(&strokes, t)).collect()),
+        Column::si(
+            Signal::PumpSpeed,
+            times().zip(sign.clone()).map(|(t, sign)| sign * speed_at(&strokes, t)).collect(),
+        ),
         Column::si(Signal::ValveDirection, sign.collect()),
         Column::si(Signal::LoadForce, times().map(|time_s| force_at(&points, time_s)).collect()),
         Column::si(Signal::Position, made.position_m),

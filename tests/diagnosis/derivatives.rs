@@ -10,8 +10,7 @@ use model_core::parameter::Parameter as P;
 
 use super::bed::{pump_case, valve_case};
 
-const SIGNALS: [Signal; 5] =
-    [Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Velocity, Signal::Position];
+const SIGNALS: [Signal; 5] = [Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Velocity, Signal::Position];
 
 fn plain(machine: &Machine<f64>, stimulus: &Stimulus) -> Vec<[f64; 5]> {
     let mut rows = Vec::new();

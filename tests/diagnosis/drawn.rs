@@ -67,8 +67,11 @@ fn count(said: &[Said], wanted: impl Fn(&Said) -> bool) -> usize {
 
 #[test]
 fn a_drawn_valve_drive_is_given_its_own_effect_or_none() {
-    let draws: Vec<(&str, u64)> = KINDS.iter().flat_map(|&kind| [1, 2, 3].map(|seed| (kind, seed))).collect();
-    let said: Vec<Said> = draws.par_iter().map(|&(kind, seed)| valve(kind, seed, seed != 2)).collect();
+    let mut draws: Vec<(&str, u64)> = KINDS.iter().flat_map(|&kind| [1, 2, 3].map(|seed| (kind, seed))).collect();
+    // On this one the search once stopped at a bound of the pressure level, and hose compliance was claimed for it.
+    draws.push(("none", 121));
+    let said: Vec<Said> =
+        draws.par_iter().map(|&(kind, seed)| valve(kind, seed, seed % 2 == 1 && seed < 100)).collect();
     table(&said);
     for said in &said {
         assert!(said.claimed == said.truth || said.claimed == "none", "{}: {}", said.case, said.claimed);
@@ -108,8 +111,7 @@ fn many_drawn_drives_are_given_their_own_effect_or_none() {
     let wrong = count(&effects, |said| said.claimed != said.truth && said.claimed != "none");
     println!("right {right}/40, wrong {wrong}/40, {:.0} s", start.elapsed().as_secs_f64());
     let kinds = ["pump-slip", "none", "internal-leakage", "hose-compliance"];
-    let pumps: Vec<Said> =
-        (300..308_usize).into_par_iter().map(|seed| pump(kinds[seed % 4], seed as u64)).collect();
+    let pumps: Vec<Said> = (300..308_usize).into_par_iter().map(|seed| pump(kinds[seed % 4], seed as u64)).collect();
     table(&pumps);
     println!("all in {:.0} s", start.elapsed().as_secs_f64());
     assert!(alarms <= 1, "{alarms} of 40");

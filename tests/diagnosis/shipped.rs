@@ -70,7 +70,8 @@ fn what_was_held_out_is_followed_better_with_the_effect() {
     let fit = &document["fit"]["holdout"];
     for (signal, before) in fit["before"].as_object().unwrap() {
         let number = |value: &Value| value.as_f64().unwrap();
-        let (before, after, floor) = (number(before), number(&fit["after"][signal]), number(&fit["noise_floor"][signal]));
+        let (before, after, floor) =
+            (number(before), number(&fit["after"][signal]), number(&fit["noise_floor"][signal]));
         println!("held out, {signal}: {before} % before, {after} % after, {floor} % at the noise");
         // The slider knows nothing of leakage.
         if signal != "spool" {
