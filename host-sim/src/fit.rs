@@ -104,6 +104,8 @@ pub struct Fit {
     pub levels: Vec<f64>,
     /// Coordinates of the solution, to start another fit from.
     coordinates: Vec<f64>,
+    /// The same of each level, by the recording's name.
+    level_coordinates: Vec<(String, f64)>,
     /// Whether the optimiser met one of its criteria.
     pub converged: bool,
 }
@@ -145,7 +147,10 @@ pub fn fit(
             std: free.slope(coordinate).abs() * covariance.get(index).copied().unwrap_or(f64::NAN).max(0.0).sqrt(),
         })
         .collect();
+    let needing = cases.iter().filter(|case| needs_level(case)).map(|case| case.name.clone());
+    let level_coordinates = needing.zip(problem.coordinates.iter().skip(free.len()).copied()).collect();
     Ok(Fit {
+        level_coordinates,
         machine: problem.machine(),
         estimates,
         levels: problem.levels(),
@@ -287,6 +292,14 @@ impl<'a> Problem<'a> {
                     .find(|(estimate, _)| estimate.parameter == free.parameter);
                 *coordinate = known.map_or(0.0, |(_, &coordinate)| coordinate);
             }
+            // The same model on other recordings: their levels are known as well. Another model may have bent them.
+            if free.iter().map(|free| free.parameter).eq(from.estimates.iter().map(|estimate| estimate.parameter)) {
+                let needing = cases.iter().filter(|case| needs_level(case));
+                for (case, coordinate) in needing.zip(coordinates.iter_mut().skip(free.len())) {
+                    let known = from.level_coordinates.iter().find(|(name, _)| *name == case.name);
+                    *coordinate = known.map_or(0.0, |(_, coordinate)| *coordinate);
+                }
+            }
         }
         Self { base, free, cases, coordinates, jacobian: None }
     }
@@ -342,7 +355,7 @@ impl<'a> Problem<'a> {
         report.termination.was_successful()
     }
 
-    /// Diagonal of the covariance of the coordinates. The residuals are correlated in time, so the inverse of JᵀJ is
+    /// Diagonal of the covariance of the coordinates. The residuals are correlated in time, so the inverse of `JᵀJ` is
     /// scaled by their mean square and by how many neighbours tell the same.
     fn covariance(&self) -> Vec<f64> {
         let Some(jacobian) = &self.jacobian else { return Vec::new() };

@@ -88,7 +88,7 @@ pub(crate) fn valve_case(
     seed: u64,
     effect: Option<PlantEffect>,
     pressures: bool,
-    push: Option<(usize, LoadProfile)>,
+    push: Option<&(usize, LoadProfile)>,
 ) -> Case {
     let file = press();
     let mut dice = Dice::new(seed);
@@ -110,7 +110,7 @@ pub(crate) fn valve_case(
         ("holdout-2.csv", sweep(5.0)),
     ];
     let record = |(index, (name, excitation)): (usize, &(&str, Excitation))| {
-        let pushed = push.as_ref().filter(|(at, _)| *at == index).map(|(_, load)| load.clone());
+        let pushed = push.filter(|(at, _)| *at == index).map(|(_, load)| load.clone());
         let plant = Plant::new(&truth, 1e-7).unwrap().with_effects(effect.as_slice());
         let plant = plant.with_load(pushed.unwrap_or_else(LoadProfile::none));
         let mut sensors = Sensors::with_position(&truth, PositionSensor::Linear { resolution_m: 2.5e-5 });
@@ -220,6 +220,7 @@ fn pump_recording(
             now_s += 0.6;
         }
     }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of ticks")]
     let ticks = (now_s / TICK_S).round() as usize;
     let times = || (0..ticks).map(|tick| tick as f64 * TICK_S);
     // A tick that falls on an edge, but for rounding, is past it.

@@ -108,8 +108,10 @@ fn many_drawn_drives_are_given_their_own_effect_or_none() {
         .collect();
     table(&effects);
     let right = count(&effects, |said| said.claimed == said.truth);
-    let wrong = count(&effects, |said| said.claimed != said.truth && said.claimed != "none");
-    println!("right {right}/40, wrong {wrong}/40, {:.0} s", start.elapsed().as_secs_f64());
+    let wrong = count(&effects, |said| said.claimed != "none" && !said.claimed.contains(said.truth));
+    // The test bed's effects have other forms than the hypotheses; a second effect may take what is left of that.
+    let more = count(&effects, |said| said.claimed != said.truth && said.claimed.contains(said.truth));
+    println!("right {right}/40, more {more}/40, wrong {wrong}/40, {:.0} s", start.elapsed().as_secs_f64());
     let kinds = ["pump-slip", "none", "internal-leakage", "hose-compliance"];
     let pumps: Vec<Said> = (300..308_usize).into_par_iter().map(|seed| pump(kinds[seed % 4], seed as u64)).collect();
     table(&pumps);

@@ -12,7 +12,7 @@ fn push() -> LoadProfile {
 
 #[test]
 fn a_push_in_one_recording_is_located_there_and_not_called_physics() {
-    let diagnosis = valve_case(11, None, true, Some((1, push()))).diagnose();
+    let diagnosis = valve_case(11, None, true, Some(&(1, push()))).diagnose();
     assert_eq!(claimed(&diagnosis), "none");
     assert_eq!(diagnosis.verdict, Verdict::Unexplained);
     let located = diagnosis.located.unwrap();
@@ -25,7 +25,7 @@ fn a_push_in_one_recording_is_located_there_and_not_called_physics() {
 #[test]
 fn a_push_in_one_recording_does_not_hide_an_effect_that_all_of_them_show() {
     let leak = PlantEffect::internal_leakage(4e-12);
-    let diagnosis = valve_case(12, Some(leak), true, Some((0, push()))).diagnose();
+    let diagnosis = valve_case(12, Some(leak), true, Some(&(0, push()))).diagnose();
     let found = claimed(&diagnosis);
     assert!(found == "internal-leakage" || found == "none", "{found}");
 }

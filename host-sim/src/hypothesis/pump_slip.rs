@@ -1,7 +1,7 @@
 //! # Pump slip
 //!
 //! ## What it adds
-//! Inside a turning pump oil returns from the pressure side: Q = displacement·speed − S·(p − p_tank). A check valve keeps the
+//! Inside a turning pump oil returns from the pressure side: Q = displacement·speed − S·`(p − p_tank)`. A check valve keeps the
 //! pump from turning back, so slip never empties a chamber.
 //!
 //! ## How it shows
