@@ -92,8 +92,9 @@ impl<const P: usize> Div for Dual<P> {
     type Output = Self;
     #[inline]
     fn div(self, other: Self) -> Self {
+        // Not by the inverse: the value must be that of an f64 run to the last bit.
+        let value = self.value / other.value;
         let inverse = 1.0 / other.value;
-        let value = self.value * inverse;
         Self::combine(value, &self, inverse, &other, -value * inverse)
     }
 }

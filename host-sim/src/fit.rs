@@ -59,11 +59,15 @@ impl Free {
         value.clamp(description.min, description.max)
     }
 
-    /// Derivative of the value by the coordinate.
+    /// Derivative of the value by the coordinate; 0 where the value is held at an end of its range.
     fn slope(&self, coordinate: f64) -> f64 {
+        let (description, value) = (self.parameter.description(), self.value(coordinate));
+        if value <= description.min || value >= description.max {
+            return 0.0;
+        }
         match self.freedom {
             Freedom::Around { sigma, .. } => sigma,
-            Freedom::Strength { .. } => self.value(coordinate),
+            Freedom::Strength { .. } => value,
         }
     }
 
@@ -100,6 +104,8 @@ pub struct Fit {
     pub levels: Vec<f64>,
     /// Coordinates of the solution, to start another fit from.
     coordinates: Vec<f64>,
+    /// The same of each level, by the recording's name.
+    level_coordinates: Vec<(String, f64)>,
     /// Whether the optimiser met one of its criteria.
     pub converged: bool,
 }
@@ -128,20 +134,7 @@ pub fn fit(
     from: Option<&Fit>,
     precision: f64,
 ) -> Result<Fit, FitError> {
-    let levels = cases.iter().any(|case| needs_level(case));
-    let count = free.len() + usize::from(levels);
-    let mut problem = Problem::new(machine, free, cases, from);
-    // The optimiser has no way to report why residuals fail, so the start is tried first.
-    Evaluation::values(&problem.machine(), &problem.levels(), cases)?;
-    macro_rules! minimise {
-        ($($slots:literal)*) => {
-            match count {
-                $(0..=$slots => problem.minimise::<$slots>(precision),)*
-                _ => return Err(FitError::TooMany { count }),
-            }
-        };
-    }
-    let converged = minimise!(4 8 12 16 24);
+    let (problem, converged) = solve(machine, free, cases, from, precision, true)?;
     let covariance = problem.covariance();
     let estimates = free
         .iter()
@@ -154,13 +147,53 @@ pub fn fit(
             std: free.slope(coordinate).abs() * covariance.get(index).copied().unwrap_or(f64::NAN).max(0.0).sqrt(),
         })
         .collect();
+    let needing = cases.iter().filter(|case| needs_level(case)).map(|case| case.name.clone());
+    let level_coordinates = needing.zip(problem.coordinates.iter().skip(free.len()).copied()).collect();
     Ok(Fit {
+        level_coordinates,
         machine: problem.machine(),
         estimates,
         levels: problem.levels(),
         coordinates: problem.coordinates.as_slice().to_vec(),
         converged,
     })
+}
+
+/// The machine of such a fit alone, without the derivatives at the solution that only standard deviations need.
+pub fn fitted(
+    machine: &Machine<f64>,
+    free: &[Free],
+    cases: &[&Prepared],
+    from: Option<&Fit>,
+    precision: f64,
+) -> Result<Machine<f64>, FitError> {
+    Ok(solve(machine, free, cases, from, precision, false)?.0.machine())
+}
+
+/// The problem at its solution, and whether the optimiser met one of its criteria.
+fn solve<'a>(
+    machine: &'a Machine<f64>,
+    free: &'a [Free],
+    cases: &'a [&'a Prepared],
+    from: Option<&Fit>,
+    precision: f64,
+    derivatives: bool,
+) -> Result<(Problem<'a>, bool), FitError> {
+    let levels = cases.iter().any(|case| needs_level(case));
+    let count = free.len() + usize::from(levels);
+    let mut problem = Problem::new(machine, free, cases, from);
+    // The optimiser has no way to report why residuals fail, so the start is tried first.
+    Evaluation::values(&problem.machine(), &problem.levels(), cases)?;
+    macro_rules! minimise {
+        ($($slots:literal)*) => {
+            match count {
+                $(0..=$slots => problem.minimise::<$slots>(precision, derivatives),)*
+                _ => return Err(FitError::TooMany { count }),
+            }
+        };
+    }
+    let converged = minimise!(4 8 10 12 16 24);
+    Ok((problem, converged))
 }
 
 /// Residuals of a machine on one recording, each over its channel's noise: one series for each channel.
@@ -259,6 +292,14 @@ impl<'a> Problem<'a> {
                     .find(|(estimate, _)| estimate.parameter == free.parameter);
                 *coordinate = known.map_or(0.0, |(_, &coordinate)| coordinate);
             }
+            // The same model on other recordings: their levels are known as well. Another model may have bent them.
+            if free.iter().map(|free| free.parameter).eq(from.estimates.iter().map(|estimate| estimate.parameter)) {
+                let needing = cases.iter().filter(|case| needs_level(case));
+                for (case, coordinate) in needing.zip(coordinates.iter_mut().skip(free.len())) {
+                    let known = from.level_coordinates.iter().find(|(name, _)| *name == case.name);
+                    *coordinate = known.map_or(0.0, |(_, coordinate)| *coordinate);
+                }
+            }
         }
         Self { base, free, cases, coordinates, jacobian: None }
     }
@@ -297,8 +338,8 @@ impl<'a> Problem<'a> {
         self.cases.iter().map(|case| case.channels.len() * case.time_s.len()).sum::<usize>() + self.coordinates.len()
     }
 
-    /// Minimises with `P` partial derivatives a run; whether it converged.
-    fn minimise<const P: usize>(&mut self, precision: f64) -> bool {
+    /// Minimises with `P` partial derivatives a run, and keeps the derivatives at the solution if asked; whether it converged.
+    fn minimise<const P: usize>(&mut self, precision: f64, derivatives: bool) -> bool {
         let solver = LevenbergMarquardt::new()
             .with_ftol(precision)
             .with_xtol(1e-5)
@@ -307,9 +348,10 @@ impl<'a> Problem<'a> {
             .with_stepbound(10.0);
         let start = Slots::<'_, '_, P> { problem: self };
         let (_, report) = solver.minimize(start);
-        let last = Slots::<'_, '_, P> { problem: self };
-        let jacobian = last.jacobian();
-        self.jacobian = jacobian;
+        if derivatives {
+            let jacobian = Slots::<'_, '_, P> { problem: self }.jacobian();
+            self.jacobian = jacobian;
+        }
         report.termination.was_successful()
     }
 
@@ -344,9 +386,14 @@ pub(crate) fn effective_samples(series: &[f64]) -> f64 {
     (series.len() as f64 * (1.0 - r) / (1.0 + r)).max(1.0)
 }
 
-/// Level at rest from its coordinate.
+/// Level at rest from its coordinate, between 0 and 1: a hard bound would stop the search at it, with a slope that is not there.
 fn level(coordinate: f64) -> f64 {
-    (0.5 + LEVEL_SIGMA * coordinate).clamp(0.05, 0.95)
+    1.0 / (1.0 + (-4.0 * LEVEL_SIGMA * coordinate).exp())
+}
+
+/// Derivative of the level by its coordinate.
+fn level_slope(coordinate: f64) -> f64 {
+    4.0 * LEVEL_SIGMA * level(coordinate) * (1.0 - level(coordinate))
 }
 
 /// The problem as the optimiser wants it, with `P` partials a run.
@@ -390,7 +437,7 @@ impl<const P: usize> LeastSquaresProblem<f64, Dyn, Dyn> for Slots<'_, '_, P> {
             .map(|(case, prepared)| {
                 let level = problem.level_index(case).map_or(Dual::variable(0.5, P), |index| {
                     let mut dual = Dual::variable(level(problem.coordinates[index]), level_slot);
-                    dual.partials[level_slot] = LEVEL_SIGMA;
+                    dual.partials[level_slot] = level_slope(problem.coordinates[index]);
                     dual
                 });
                 Evaluation::duals(&machine, level, prepared)

@@ -9,7 +9,7 @@
 use model_core::machine::MachineError;
 use rayon::prelude::*;
 
-use crate::fit::{Fit, FitError, Free, effective_samples, fit, loss, standardised};
+use crate::fit::{Fit, FitError, Free, effective_samples, fit, fitted, loss, standardised};
 use crate::hypothesis::Hypothesis;
 use crate::prepare::Prepared;
 use model_core::machine::Machine;
@@ -158,8 +158,8 @@ fn candidate(
                 .map(|(_, case)| *case)
                 .collect();
             // Close to the solution already: it moves by what one recording weighs.
-            let fold = fit(question.machine, &free, &others, Some(&all), 1e-4)?;
-            Ok(standardised(&fold.machine, case, level)?)
+            let fold = fitted(question.machine, &free, &others, Some(&all), 1e-4)?;
+            Ok(standardised(&fold, case, level)?)
         })
         .collect::<Result<_, FitError>>()?;
     Ok(Candidate { effects: effects.to_vec(), fit: all, left_out })

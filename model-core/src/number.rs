@@ -196,18 +196,23 @@ impl<R: Real> Number for R {
     fn steep(value: R) -> Option<R> {
         (value.value().is_finite() && value.value() >= 0.0).then_some(value)
     }
+    #[inline]
     fn times(self, other: Self) -> Self {
         self * other
     }
+    #[inline]
     fn dot<const K: usize>(gains: [R; K], signals: [Self; K]) -> Self {
         sum(gains, signals)
     }
+    #[inline]
     fn amplified(self, by: R) -> Self {
         self * by
     }
+    #[inline]
     fn halved(self) -> Self {
         self * R::constant(0.5)
     }
+    #[inline]
     fn orifice_root(self, transition: Transition<Self>) -> (Self, R) {
         let square = transition.pressure * transition.pressure;
         let hypotenuse = (self * self + square).sqrt();
@@ -215,12 +220,14 @@ impl<R: Real> Number for R {
         let laminar = square / (hypotenuse * hypotenuse);
         (self * inverse, inverse * R::constant(0.5) * (R::ONE + laminar))
     }
+    #[inline]
     fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [R; K]) -> Self {
         R::ONE / (R::ONE + sum(weights, steep))
     }
     fn travel(strokes: R) -> R {
         strokes
     }
+    #[inline]
     fn travelled<const K: usize>(from: R, gains: [R; K], signals: [Self; K]) -> R {
         from + sum(gains, signals)
     }
@@ -229,9 +236,14 @@ impl<R: Real> Number for R {
     }
 }
 
+/// By reference: a dual number is too large to be moved through an iterator.
 #[inline]
 fn sum<R: Real, const K: usize>(gains: [R; K], signals: [R; K]) -> R {
-    gains.into_iter().zip(signals).fold(R::ZERO, |total, (gain, signal)| total + gain * signal)
+    let mut total = R::ZERO;
+    for (gain, signal) in gains.iter().zip(&signals) {
+        total = total + *gain * *signal;
+    }
+    total
 }
 
 impl Real for f64 {

@@ -13,7 +13,7 @@
 //! only. Leakage goes on at constant pressure, compliance does not.
 //!
 //! ## Parameters
-//! C in m³/Pa, not negative; effective bulk moduli of 0.4–1 GPa are usual with hoses.
+//! C in m³/Pa, not negative; effective bulk moduli of `0.4–1 GPa` are usual with hoses.
 //!
 //! ## Source
 //! H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967, §2-5 (effective bulk modulus with containers).

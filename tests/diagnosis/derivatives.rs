@@ -1,0 +1,86 @@
+//! The derivatives that every fit rests on, against differences of plain runs.
+
+use host_sim::dual::Dual;
+use host_sim::prepare::Prepared;
+use host_sim::recording::Signal;
+use host_sim::simulate::{StartOffset, Stimulus, run};
+use model_core::machine::Machine;
+use model_core::number::Real;
+use model_core::parameter::Parameter as P;
+
+use super::bed::{pump_case, valve_case};
+
+const SIGNALS: [Signal; 5] = [Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Velocity, Signal::Position];
+
+fn plain(machine: &Machine<f64>, stimulus: &Stimulus) -> Vec<[f64; 5]> {
+    let mut rows = Vec::new();
+    run::<f64>(machine, stimulus, StartOffset::none(), |_, sample| {
+        rows.push(SIGNALS.map(|signal| sample.signal(signal).unwrap()));
+    })
+    .unwrap();
+    rows
+}
+
+fn dual(machine: &Machine<f64>, stimulus: &Stimulus, parameter: P) -> Vec<[Dual<1>; 5]> {
+    let mut lifted = machine.map(Dual::constant);
+    lifted.set(parameter, Dual::variable(machine.get(parameter), 0));
+    let mut rows = Vec::new();
+    run::<Dual<1>>(&lifted, stimulus, StartOffset::none(), |_, sample| {
+        rows.push(SIGNALS.map(|signal| sample.signal(signal).unwrap()));
+    })
+    .unwrap();
+    rows
+}
+
+/// Values to the last bit; derivatives within 1e-4 of the signal's largest, against central differences of a step so small
+/// that the rod starts and stops in the same ticks.
+fn check(machine: &Machine<f64>, stimulus: &Stimulus, parameter: P, scale: f64) {
+    let step = 1e-6 * scale;
+    let moved = |by: f64| {
+        let mut moved = *machine;
+        moved.set(parameter, machine.get(parameter) + by);
+        plain(&moved, stimulus)
+    };
+    let (at, above, below) = (plain(machine, stimulus), moved(step), moved(-step));
+    let exact = dual(machine, stimulus, parameter);
+    let key = parameter.description().key;
+    for (index, signal) in SIGNALS.iter().enumerate() {
+        let largest = exact.iter().fold(0.0_f64, |largest, row| largest.max(row[index].partials[0].abs()));
+        let mut worst = 0.0_f64;
+        for (row, plain) in at.iter().enumerate() {
+            assert_eq!(exact[row][index].value.to_bits(), plain[index].to_bits(), "{key}, {signal}, row {row}");
+            let difference = (above[row][index] - below[row][index]) / (2.0 * step);
+            worst = worst.max((exact[row][index].partials[0] - difference).abs());
+        }
+        assert!(worst <= 1e-4 * largest, "{key}, {signal}: {worst:e} of {largest:e}");
+    }
+}
+
+#[test]
+fn derivatives_of_a_valve_drive_by_every_uncertain_value_are_its_differences() {
+    let case = valve_case(31, None, true, None);
+    let mut machine = case.file.machine;
+    // A delay of whole ticks has a derivative on each side; this one is of 7.3 ticks.
+    machine.set(P::TransportDelay, 0.0073);
+    for (parameter, value) in [(P::InternalLeakage, 3e-12), (P::HoseCompliance, 3e-13), (P::CoulombFriction, 500.0)] {
+        machine.set(parameter, value);
+    }
+    let prepared = Prepared::new(&case.training[0], &machine, case.file.load_source, None).unwrap();
+    for &parameter in case.file.sigma.keys() {
+        check(&machine, &prepared.stimulus, parameter, machine.get(parameter));
+    }
+    for parameter in [P::InternalLeakage, P::HoseCompliance, P::CoulombFriction] {
+        check(&machine, &prepared.stimulus, parameter, machine.get(parameter));
+    }
+}
+
+#[test]
+fn derivatives_of_a_pump_drive_by_every_uncertain_value_are_its_differences() {
+    let case = pump_case(32, None);
+    let mut machine = case.file.machine;
+    machine.set(P::PumpSlip, 3e-13);
+    let prepared = Prepared::new(&case.training[0], &machine, case.file.load_source, None).unwrap();
+    for &parameter in case.file.sigma.keys().chain(&[P::PumpSlip]) {
+        check(&machine, &prepared.stimulus, parameter, machine.get(parameter));
+    }
+}

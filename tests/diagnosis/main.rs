@@ -1,0 +1,35 @@
+//! Does the diagnosis name what is missing, and nothing that is not?
+//!
+//! The shipped example and a real drive, the whole way; cases drawn on the virtual test bed, whose effects have other forms
+//! than the hypotheses; what happens once; and the parts that all of it rests on: derivatives and the fit.
+
+mod bed;
+mod derivatives;
+mod drawn;
+mod once;
+mod real;
+mod recover;
+mod shipped;
+
+use std::path::{Path, PathBuf};
+
+use clap::Parser;
+use host_sim::cli::{self, Cli, Console, Outcome};
+
+/// The top of the repository.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Runs the program in this process; gives what it printed.
+fn done(arguments: &[&str]) -> String {
+    let cli = Cli::try_parse_from(["host-sim"].iter().chain(arguments)).unwrap();
+    let mut out = Vec::new();
+    let outcome = cli::run(&cli.command, &mut Console::into_buffer(&mut out)).unwrap();
+    assert_eq!(outcome, Outcome::Done, "{arguments:?}");
+    String::from_utf8(out).unwrap()
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}

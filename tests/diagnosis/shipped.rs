@@ -1,0 +1,185 @@
+//! The shipped example, as the README's first command diagnoses it: 2·10⁻¹² m³/s/Pa of internal leakage.
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use host_sim::machine_file;
+use host_sim::prepare::Prepared;
+use host_sim::recording::{self, ChannelMap, Signal};
+use serde_json::Value;
+
+use super::{done, root, text};
+
+/// What its README says was put into it.
+const EFFECT: &str = "internal-leakage";
+const CONDUCTANCE: f64 = 2.0e-12;
+
+/// What one diagnosis wrote.
+struct Written {
+    json: String,
+    machine: String,
+    page: String,
+    printed: String,
+}
+
+fn folder() -> PathBuf {
+    root().join("examples/press-63-40")
+}
+
+/// Diagnoses the example in a pool of so many threads.
+fn diagnosed(threads: usize) -> Written {
+    let out = tempfile::tempdir().unwrap();
+    let [json, machine, page] = ["d.json", "after.toml", "d.html"].map(|name| out.path().join(name));
+    let run = || {
+        let example = folder();
+        let arguments = ["diagnose", text(&example), "--json", text(&json), "--save-machine", text(&machine)];
+        done(&[&arguments[..], &["--report", text(&page)]].concat())
+    };
+    let printed = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run);
+    let read = |path: &Path| std::fs::read_to_string(path).unwrap();
+    Written { json: read(&json), machine: read(&machine), page: read(&page), printed }
+}
+
+fn by_two_threads() -> &'static Written {
+    static WRITTEN: OnceLock<Written> = OnceLock::new();
+    WRITTEN.get_or_init(|| diagnosed(2))
+}
+
+fn document() -> Value {
+    serde_json::from_str(&by_two_threads().json).unwrap()
+}
+
+#[test]
+fn the_examples_effect_is_named_with_its_strength_and_its_place() {
+    let document = document();
+    assert_eq!(document["verdict"], "missing-physics");
+    assert_eq!(document["findings"].as_array().unwrap().len(), 1, "{document:#}");
+    let finding = &document["findings"][0];
+    assert_eq!(finding["effect"], EFFECT);
+    assert_eq!(finding["subsystem"], "chambers");
+    assert_eq!(document["located"]["subsystem"], "chambers");
+    let found = finding["parameters"][0]["value"].as_f64().unwrap();
+    assert!((found / CONDUCTANCE - 1.0).abs() < 0.15, "{found:e} where {CONDUCTANCE:e} was put in");
+    assert!(finding["confidence"].as_f64().unwrap() > 0.5);
+    assert!(by_two_threads().printed.contains(EFFECT));
+}
+
+#[test]
+fn what_was_held_out_is_followed_better_with_the_effect() {
+    let document = document();
+    let fit = &document["fit"]["holdout"];
+    for (signal, before) in fit["before"].as_object().unwrap() {
+        let number = |value: &Value| value.as_f64().unwrap();
+        let (before, after, floor) =
+            (number(before), number(&fit["after"][signal]), number(&fit["noise_floor"][signal]));
+        println!("held out, {signal}: {before} % before, {after} % after, {floor} % at the noise");
+        // The slider knows nothing of leakage.
+        if signal != "spool" {
+            assert!(after > before, "{signal}: {before} {after}");
+            assert!(floor - after < 0.5 * (floor - before), "{signal}: {before} {after} {floor}");
+        }
+    }
+}
+
+/// Keys and types of the contract, each as a JSON pointer into the document.
+#[test]
+fn the_json_has_the_contracts_keys_and_types() {
+    let document = document();
+    let at = |pointer: &str| document.pointer(pointer).unwrap_or_else(|| panic!("no {pointer}"));
+    assert_eq!(at("/schema"), "host-sim/diagnosis/1");
+    let strings = [
+        "/verdict",
+        "/located/subsystem",
+        "/located/signal",
+        "/located/region",
+        "/located/intervals/0/recording",
+        "/findings/0/effect",
+        "/findings/0/subsystem",
+        "/findings/0/separated_by",
+        "/findings/0/parameters/0/name",
+        "/findings/0/parameters/0/unit",
+    ];
+    for pointer in strings {
+        assert!(!at(pointer).as_str().unwrap().is_empty(), "{pointer}");
+    }
+    let numbers = [
+        "/located/intervals/0/from_s",
+        "/located/intervals/0/to_s",
+        "/findings/0/parameters/0/value",
+        "/findings/0/parameters/0/std",
+    ];
+    for pointer in numbers {
+        assert!(at(pointer).is_number(), "{pointer}");
+    }
+    for pointer in ["/located/share", "/findings/0/confidence"] {
+        assert!((0.0..=1.0).contains(&at(pointer).as_f64().unwrap()), "{pointer}");
+    }
+    let fits = [
+        "/findings/0/evidence/holdout_fit_before",
+        "/findings/0/evidence/holdout_fit_after",
+        "/fit/train/before",
+        "/fit/train/after",
+        "/fit/holdout/before",
+        "/fit/holdout/after",
+        "/fit/holdout/noise_floor",
+    ];
+    for pointer in fits {
+        let fits = at(pointer).as_object().unwrap();
+        assert!(fits.contains_key("position") && fits.values().all(|fit| fit.as_f64().unwrap() <= 100.0), "{pointer}");
+    }
+    let subsystems = ["valve", "flow", "chambers", "mechanics", "sensing"];
+    assert!(subsystems.contains(&at("/located/subsystem").as_str().unwrap()));
+    for alternative in at("/findings/0/alternatives").as_array().unwrap() {
+        assert!(alternative["effect"].is_string() && alternative["confidence"].is_number());
+    }
+    for interval in at("/located/intervals").as_array().unwrap() {
+        assert!(interval["from_s"].as_f64().unwrap() < interval["to_s"].as_f64().unwrap(), "{interval}");
+        assert!(folder().join(interval["recording"].as_str().unwrap()).is_file(), "{interval}");
+    }
+}
+
+#[test]
+fn the_saved_machine_is_read_again_and_follows_the_held_out_recordings_at_their_noise() {
+    let out = tempfile::tempdir().unwrap();
+    let saved = out.path().join("after.toml");
+    std::fs::write(&saved, &by_two_threads().machine).unwrap();
+    let file = machine_file::read(&saved).unwrap();
+    assert!(file.effects.contains(EFFECT));
+    for name in ["holdout-1.csv", "holdout-2.csv"] {
+        let (recorded, simulated) = (folder().join(name), out.path().join(name));
+        let arguments = ["simulate", "--machine", text(&saved), "--recording", text(&recorded)];
+        done(&[&arguments[..], &["--out", text(&simulated)]].concat());
+        let read = |path: &Path| recording::read(path, &ChannelMap::default()).unwrap();
+        let (recorded, simulated) = (read(&recorded), read(&simulated));
+        let prepared = Prepared::new(&recorded, &file.machine, file.load_source, None).unwrap();
+        for channel in &prepared.channels {
+            let simulated = simulated.signal(channel.signal).unwrap();
+            let square: f64 = channel.recorded.iter().zip(simulated).map(|(a, b)| (a - b).powi(2)).sum();
+            let over_noise = (square / simulated.len() as f64).sqrt() / channel.noise;
+            println!("{name}, {}: {over_noise:.3} of the noise", channel.signal);
+            // A position keeps every small error of the flow: some steps of its scale after 3 s.
+            let most = if channel.signal == Signal::Position { 10.0 } else { 1.1 };
+            assert!(over_noise < most, "{name}, {}: {over_noise}", channel.signal);
+        }
+    }
+}
+
+#[test]
+fn one_thread_and_two_write_the_same_bytes() {
+    let (one, two) = (diagnosed(1), by_two_threads());
+    assert_eq!(one.json, two.json);
+    assert_eq!(one.machine, two.machine);
+    assert_eq!(one.page, two.page);
+}
+
+#[test]
+fn the_page_needs_nothing_from_elsewhere_and_is_small() {
+    let page = &by_two_threads().page;
+    assert!(page.len() < 3_000_000, "{} bytes", page.len());
+    assert!(page.contains("<svg") && page.contains(EFFECT));
+    // The name of a drawing's language is an address that nobody opens.
+    let page = page.replace("http://www.w3.org/2000/svg", "");
+    for foreign in ["http:", "https:", "<script", "<link", "<img", "<iframe", "@import", "url("] {
+        assert!(!page.contains(foreign), "{foreign}");
+    }
+}
