@@ -7,7 +7,7 @@ use crate::drive::{Drive, OilSource};
 use crate::flow::{Edges, Flows, Lines, Pump};
 use crate::machine::{Bases, Machine, MachineError, Source, Tick};
 use crate::mechanics::{GAMMA, Mechanics};
-use crate::number::{Number, Real, Transition};
+use crate::number::{Number, Real};
 use crate::parameter::Parameter as P;
 use crate::valve::Valve;
 
@@ -181,12 +181,9 @@ impl<R: Real> Builder<'_, R> {
         })
     }
 
-    fn transition<N: Number<Real = R>>(&self) -> Result<Transition<N>, MachineError> {
+    fn transition<N: Number<Real = R>>(&self) -> Result<N, MachineError> {
         let pressure = self.get(P::LaminarTransition) / R::constant(self.bases.pressure_pa);
-        Ok(Transition {
-            pressure: self.signal("laminar transition", P::LaminarTransition, pressure)?,
-            root: self.signal("root of the laminar transition", P::LaminarTransition, pressure.sqrt())?,
-        })
+        self.signal("laminar transition", P::LaminarTransition, pressure)
     }
 
     /// `K_Q` per unit.

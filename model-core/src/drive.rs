@@ -10,6 +10,10 @@
 //! zₙ₊₁ = zₙ + 3/2·k1 + 1/2·k2
 //! ```
 //!
+//! For an orifice J takes the slope of the chord to Δp = 0, never the flatter tangent: with the tangent a stiff chamber that
+//! empties through its orifice overshoots within a stage to where the root is steep, and the two stages can cancel far from the true
+//! steady state.
+//!
 //! The velocity couples to both pressures and each pressure to the velocity only, so the system is eliminated to one
 //! equation for the velocity by hand. The method keeps its second order with any approximate Jacobian J.
 //!

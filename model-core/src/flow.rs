@@ -3,7 +3,7 @@
 //! Signs: slider > 0 opens P-A and B-T. Flow a > 0 goes into chamber A, flow b > 0 comes out of chamber B.
 //! The roots are signed, so a chamber above supply pushes oil back.
 
-use crate::number::{Number, Transition};
+use crate::number::Number;
 use crate::valve::Slider;
 
 /// One flow with what the implicit step needs of its slope against the pressure it works on.
@@ -13,7 +13,7 @@ pub struct Linearised<N: Number> {
     pub flow: N,
     /// Magnitude of the opening: the slope is −`opening`·`slope`; 0 where the flow does not depend on the pressure.
     pub opening: N,
-    /// Slope of the orifice's root.
+    /// Slope of the orifice's root: of its chord to zero pressure difference.
     pub slope: N::Steep,
 }
 
@@ -44,7 +44,8 @@ pub struct Edges<N: Number> {
     pub(crate) gain: N::Gain,
     /// Largest flow, both signs.
     pub(crate) limit: N,
-    pub(crate) transition: Transition<N>,
+    /// Pressure difference at which the root turns from laminar to turbulent.
+    pub(crate) transition: N,
     pub(crate) lines: Lines<N>,
 }
 
@@ -115,7 +116,8 @@ pub struct Pump<N: Number> {
     pub(crate) slip: N,
     /// Opening of the returning side.
     pub(crate) back: N,
-    pub(crate) transition: Transition<N>,
+    /// Pressure difference at which the root turns from laminar to turbulent.
+    pub(crate) transition: N,
     pub(crate) lines: Lines<N>,
     /// 1, as a slope.
     pub(crate) unity: N::Steep,

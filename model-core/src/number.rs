@@ -110,8 +110,8 @@ pub trait Number:
     fn halved(self) -> Self;
 
     /// The root characteristic of an orifice that is laminar near Δp = 0,
-    /// g(Δ) = Δ / (Δ² + pt²)^¼, and its slope g′(Δ) for the Jacobian.
-    fn orifice_root(self, transition: Transition<Self>) -> (Self, Self::Steep);
+    /// g(Δ) = Δ / (Δ² + pt²)^¼, and the slope of its chord to Δ = 0, g(Δ)/Δ, for the Jacobian; pt is `transition`.
+    fn orifice_root(self, transition: Self) -> (Self, Self::Steep);
 
     /// 1 / (1 + Σ wᵢ·sᵢ) for weights wᵢ that are not negative.
     fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [Self::Steep; K]) -> Self;
@@ -154,16 +154,6 @@ pub trait Number:
 
     /// The position in strokes.
     fn strokes(travel: Self::Travel) -> Self::Real;
-}
-
-/// Where an orifice turns from laminar to turbulent, in the form [`Number::orifice_root`] wants.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Transition<N> {
-    /// Transition pressure `p_t`, per unit.
-    pub pressure: N,
-    /// Its square root.
-    pub root: N,
 }
 
 impl<R: Real> Number for R {
@@ -213,12 +203,10 @@ impl<R: Real> Number for R {
         self * R::constant(0.5)
     }
     #[inline]
-    fn orifice_root(self, transition: Transition<Self>) -> (Self, R) {
-        let square = transition.pressure * transition.pressure;
-        let hypotenuse = (self * self + square).sqrt();
-        let inverse = R::ONE / hypotenuse.sqrt();
-        let laminar = square / (hypotenuse * hypotenuse);
-        (self * inverse, inverse * R::constant(0.5) * (R::ONE + laminar))
+    fn orifice_root(self, transition: Self) -> (Self, R) {
+        let hypotenuse = (self * self + transition * transition).sqrt();
+        let chord = R::ONE / hypotenuse.sqrt();
+        (self * chord, chord)
     }
     #[inline]
     fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [R; K]) -> Self {

@@ -7,6 +7,7 @@ mod extremes;
 mod friction;
 mod physics;
 mod repeat;
+mod settling;
 mod symmetry;
 
 use proptest::test_runner::{Config, RngSeed};
