@@ -11,7 +11,7 @@ use model_core::parameter::Parameter;
 use crate::compare::CompareError;
 use crate::fit::{Estimate, FitError, Free, Freedom};
 use crate::hypothesis::{CATALOGUE, Hypothesis, Subsystem};
-use crate::locate::{Case, Location, locate, misses};
+use crate::locate::{Case, Location, Miss, locate, misses};
 use crate::machine_file::MachineFile;
 use crate::prepare::Prepared;
 use crate::recording::{Recording, Signal};
@@ -74,6 +74,8 @@ pub struct Diagnosis {
     pub located: Option<Location>,
     /// What is claimed, most certain first.
     pub findings: Vec<Finding>,
+    /// Signals that are still further off than the noise explains with the effects claimed, over training recordings.
+    pub left: Vec<Miss>,
     /// Effects that training recordings chose and held-out ones did not confirm.
     pub not_confirmed: Vec<&'static Hypothesis>,
     /// What the held-out recordings said; `None` if there was no choice to confirm.
@@ -175,12 +177,14 @@ pub fn diagnose(
     let located = if verdict == Verdict::NothingMissing {
         None
     } else {
-        let mut location = locate(&base.machine, file.load_source, &cases)?;
-        if let Some(finding) = findings.first() {
-            location.subsystem = finding.effect.subsystem;
-        }
-        Some(location)
+        // What was named tells the link better than what it looks like from outside.
+        let named = findings.first().map(|finding| finding.effect.subsystem);
+        Some(locate(&base.machine, file.load_source, &cases, named)?)
     };
+    let after_cases: Vec<Case<'_>> =
+        cases.iter().zip(&after.fit.levels).map(|(case, &level)| Case { level, ..*case }).collect();
+    let mut left = misses(&after.fit.machine, &after_cases)?;
+    left.retain(|miss| miss.over_noise > WITHIN_NOISE);
     let shown = trained
         .into_iter()
         .zip(base.levels.iter().zip(&after.fit.levels).map(|(&before, &after)| Some((before, after))))
@@ -199,6 +203,7 @@ pub fn diagnose(
         verdict,
         located,
         findings,
+        left,
         not_confirmed,
         confirmation,
         refitted,
@@ -218,7 +223,7 @@ fn decide(selection: &Selection, held: &[Prepared], above_noise: bool) -> Result
         return Ok((Vec::new(), Vec::new(), None, selection.base.clone()));
     }
     let held: Vec<&Prepared> = held.iter().collect();
-    let confirmation = confirm(&selection.base.fit.machine, &chosen.fit.machine, &held)?;
+    let confirmation = confirm(&selection.base.fit.machine, &chosen.fit.machine, &chosen.effects, &held)?;
     if !held.is_empty() && !confirmation.confirms() {
         return Ok((Vec::new(), chosen.effects.clone(), Some(confirmation), selection.base.clone()));
     }

@@ -11,6 +11,7 @@ pub mod fit;
 pub mod hypothesis;
 pub mod locate;
 pub mod machine_file;
+mod noise;
 pub mod paper;
 pub mod plot;
 pub mod prepare;

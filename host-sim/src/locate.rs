@@ -60,12 +60,17 @@ pub struct Case<'a> {
     pub level: f64,
 }
 
-/// Locates what `machine`, already refitted, misses.
-pub fn locate(machine: &Machine<f64>, load: LoadSource, cases: &[Case<'_>]) -> Result<Location, MachineError> {
+/// Locates what `machine`, already refitted, misses: in the link that was named, or else in the one that misses its output.
+pub fn locate(
+    machine: &Machine<f64>,
+    load: LoadSource,
+    cases: &[Case<'_>],
+    named: Option<Subsystem>,
+) -> Result<Location, MachineError> {
     let misses = misses(machine, cases)?;
     let slider = entered_at_slider(machine, load, cases)?;
-    let signal = worst(&misses);
-    let subsystem = subsystem(&misses, &slider, cases);
+    let subsystem = named.unwrap_or_else(|| subsystem(&misses, &slider, cases));
+    let signal = worst(&misses, subsystem);
     let mut intervals = Vec::new();
     let (mut inside, mut total) = (0.0, 0.0);
     let mut states = States::default();
@@ -132,9 +137,11 @@ fn entered_at_slider(machine: &Machine<f64>, load: LoadSource, cases: &[Case<'_>
     misses(machine, &cases)
 }
 
-fn worst(misses: &[Miss]) -> Signal {
-    let worst = misses.iter().max_by(|a, b| a.over_noise.total_cmp(&b.over_noise));
-    worst.map_or(Signal::Position, |miss| miss.signal)
+/// The signal that misses most of those that the link puts out: the slider for the valve, all others for the rest.
+fn worst(misses: &[Miss], subsystem: Subsystem) -> Signal {
+    let of_link = |miss: &&Miss| (miss.signal == Signal::Spool) == (subsystem == Subsystem::Valve);
+    let worst = misses.iter().filter(of_link).max_by(|a, b| a.over_noise.total_cmp(&b.over_noise));
+    worst.or(misses.first()).map_or(Signal::Position, |miss| miss.signal)
 }
 
 /// A link misses when its output, driven by its measured input, is further off than half the noise again.

@@ -38,8 +38,12 @@ pub fn difference(signal: Signal, si: f64) -> String {
 /// A number with so many significant digits, without powers of ten: `1234`, `0.00123`; zero is `0`.
 #[must_use]
 pub fn significant(value: f64, digits: i32) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return if value == 0.0 { "0".into() } else { value.to_string() };
+    if !value.is_finite() {
+        return value.to_string();
+    }
+    // Less than any sensor sees, in any unit for people.
+    if value.abs() < 1e-9 {
+        return "0".into();
     }
     // The exponent after rounding: 0.09999 has three digits as 0.100.
     let precision = usize::try_from(digits - 1).unwrap_or(0);

@@ -1,5 +1,6 @@
 //! Recorded minus simulated, and the figures of merit of a simulation.
 
+use crate::noise::{noise, resolution};
 use crate::recording::Signal;
 
 /// How well one simulated signal follows the recorded one.
@@ -18,6 +19,8 @@ pub struct SignalFit {
     pub max_error: f64,
     /// Time of the largest error, s.
     pub max_at_s: f64,
+    /// RMSE over the noise of the recorded signal; about 1 for a perfect model.
+    pub over_noise: f64,
 }
 
 impl SignalFit {
@@ -34,13 +37,15 @@ impl SignalFit {
             .map(|(error, time)| (error.abs(), *time))
             .fold((0.0, 0.0), |worst, here| if here.0 > worst.0 { here } else { worst });
         let share = if square == 0.0 { 0.0 } else { square / spread };
+        let rmse = (square / recorded.len() as f64).sqrt();
         Self {
             signal,
             nrmse_percent: 100.0 * (1.0 - share.sqrt()),
             r_squared: 1.0 - share,
-            rmse: (square / recorded.len() as f64).sqrt(),
+            rmse,
             max_error,
             max_at_s,
+            over_noise: rmse / noise(recorded, resolution(recorded)),
         }
     }
 }

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use crate::fit::{Fit, FitError, Free, effective_samples, fit, fitted, loss, standardised};
 use crate::hypothesis::Hypothesis;
 use crate::prepare::Prepared;
+use crate::recording::Signal;
 use model_core::machine::Machine;
 
 /// Most effects claimed at once.
@@ -93,7 +94,7 @@ pub fn select(question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<
             .map(|&effect| {
                 let effects: Vec<_> = chosen.effects.iter().copied().chain([effect]).collect();
                 let candidate = candidate(question, &effects, Some(&chosen.fit))?;
-                let trial = judge(effect, &chosen, &candidate);
+                let trial = judge(question, effect, &chosen, &candidate);
                 done(effect.name);
                 Ok((candidate, trial))
             })
@@ -115,7 +116,7 @@ fn backward(question: &Question<'_>, mut full: Candidate) -> Result<Candidate, F
             let mut effects = full.effects.clone();
             let effect = effects.remove(index);
             let without = candidate(question, &effects, Some(&full.fit))?;
-            if !judge(effect, &without, &full).accepted {
+            if !judge(question, effect, &without, &full).accepted {
                 dropped = Some(without);
                 break;
             }
@@ -140,7 +141,14 @@ fn candidate(
         .copied()
         .chain(effects.iter().flat_map(|effect| effect.free(question.machine)))
         .collect();
-    let all = fit(question.machine, &free, question.training, from, 1e-6)?;
+    let mut all = fit(question.machine, &free, question.training, from, 1e-6)?;
+    if from.is_some() {
+        // The solution without the effect may have bent the ordinary parameters into another valley: the nominal ones start too.
+        let nominal = fit(question.machine, &free, question.training, None, 1e-6)?;
+        if nominal.loss < all.loss {
+            all = nominal;
+        }
+    }
     let count = question.training.len();
     let left_out = (0..count)
         .into_par_iter()
@@ -165,58 +173,86 @@ fn candidate(
     Ok(Candidate { effects: effects.to_vec(), fit: all, left_out })
 }
 
+/// Log-likelihood gained on one signal: ½·n·ln(loss before/loss after). A mean square of 1 is the noise itself: nothing below it
+/// can be gained. n are the independent samples of the residual that has fewer, so that a gain one way is a loss the other.
+fn gained(before: &[f64], after: &[f64]) -> f64 {
+    let floor = before.len() as f64;
+    0.5 * independent(before, after) * (loss(before).max(floor) / loss(after).max(floor)).ln()
+}
+
+fn independent(before: &[f64], after: &[f64]) -> f64 {
+    effective_samples(before).min(effective_samples(after))
+}
+
 /// Whether `with` is worth its parameters over `without`, on recordings that were left out.
-fn judge(effect: &'static Hypothesis, without: &Candidate, with: &Candidate) -> Trial {
-    let mut samples = 0.0;
-    let mut best_share = 0.0_f64;
-    let gains: Vec<f64> = without
-        .left_out
+fn judge(question: &Question<'_>, effect: &'static Hypothesis, without: &Candidate, with: &Candidate) -> Trial {
+    let (mut samples, mut reached, mut best_share) = (0.0, 0.0, 0.0_f64);
+    let gains: Vec<f64> = question
+        .training
         .iter()
-        .zip(&with.left_out)
-        .map(|(before, after)| {
-            let gain = |(before, after): (&Vec<f64>, &Vec<f64>)| {
-                let independent = effective_samples(before);
-                samples += independent;
-                // A mean square of 1 is the noise itself: nothing below it can be gained.
-                let floor = before.len() as f64;
-                let (before, after) = (loss(before).max(floor), loss(after).max(floor));
-                best_share = best_share.max(1.0 - after / before);
-                0.5 * independent * (before / after).ln()
-            };
-            before.iter().zip(after).map(gain).sum()
+        .zip(without.left_out.iter().zip(&with.left_out))
+        .map(|(case, (before, after))| {
+            let mut total = 0.0;
+            for (channel, (before, after)) in case.channels.iter().zip(before.iter().zip(after)) {
+                let gain = gained(before, after);
+                samples += independent(before, after);
+                total += gain;
+                if effect.subsystem.reaches(channel.signal) {
+                    let floor = before.len() as f64;
+                    reached += gain;
+                    best_share = best_share.max(1.0 - loss(after).max(floor) / loss(before).max(floor));
+                }
+            }
+            total
         })
         .collect();
     let parameters = effect.strengths.len() as f64;
     let penalty = 0.5 * parameters * f64::max(samples, 2.0).ln() + 3.0;
     let improved = gains.iter().filter(|gain| **gain > 0.0).count();
     let needed = if gains.len() > 2 { gains.len() - 1 } else { gains.len() };
+    // A strength at an end of its range, or one that the recordings do not determine, is no finding.
     let significant = effect.strengths.iter().all(|strength| {
-        with.fit
-            .estimates
-            .iter()
-            .find(|estimate| estimate.parameter == strength.parameter)
-            .is_some_and(|estimate| estimate.value > 3.0 * estimate.std)
+        let estimate = with.fit.estimates.iter().find(|estimate| estimate.parameter == strength.parameter);
+        estimate.is_some_and(|estimate| {
+            !estimate.at_bound && estimate.std.is_finite() && estimate.value > 3.0 * estimate.std
+        })
     });
-    let accepted = gains.iter().sum::<f64>() > penalty && improved >= needed && significant && best_share > LEAST_SHARE;
+    let accepted = gains.iter().sum::<f64>() > penalty
+        && reached > 0.0
+        && improved >= needed
+        && significant
+        && best_share > LEAST_SHARE;
     Trial { effect, gains, penalty, accepted }
 }
 
 /// What the held-out recordings say of a choice that they did not take part in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Confirmation {
-    /// Log-likelihood gained over the base on all held-out recordings.
+    /// Log-likelihood gained over the base on all held-out recordings, on signals that the effects reach.
     pub gain: f64,
+    /// The signal that gained least, over all held-out recordings.
+    pub least_gain: f64,
+    /// Lowest NRMSE fit of a signal with the effects, %.
+    pub least_fit_percent: f64,
     /// Held-out recordings on which it gained.
     pub improved: usize,
     /// Held-out recordings.
     pub recordings: usize,
 }
 
+/// A loss of log-likelihood that chance makes rarely (one in twenty).
+const CHANCE: f64 = 3.0;
+
 impl Confirmation {
-    /// Whether they confirm it: a gain in all, and on at least half of the recordings.
+    /// Whether they confirm it: a gain in all and on at least half of the recordings, no signal clearly worse, and none
+    /// that the model follows worse than its mean would.
     #[must_use]
     pub fn confirms(&self) -> bool {
-        self.recordings > 0 && self.gain > 0.0 && 2 * self.improved >= self.recordings
+        self.recordings > 0
+            && self.gain > 0.0
+            && self.least_gain > -CHANCE
+            && self.least_fit_percent > 0.0
+            && 2 * self.improved >= self.recordings
     }
 }
 
@@ -224,18 +260,34 @@ impl Confirmation {
 pub fn confirm(
     base: &Machine<f64>,
     chosen: &Machine<f64>,
+    effects: &[&Hypothesis],
     held_out: &[&Prepared],
 ) -> Result<Confirmation, MachineError> {
-    let mut confirmation = Confirmation { gain: 0.0, improved: 0, recordings: held_out.len() };
+    let mut improved = 0;
+    let mut signals: Vec<(Signal, f64)> = Vec::new();
+    let mut least_fit_percent = 100.0_f64;
     for case in held_out {
         let (before, after) = (standardised(base, case, 0.5)?, standardised(chosen, case, 0.5)?);
-        let gain: f64 = before
-            .iter()
-            .zip(&after)
-            .map(|(before, after)| 0.5 * effective_samples(before) * (loss(before) / loss(after)).ln())
-            .sum();
-        confirmation.gain += gain;
-        confirmation.improved += usize::from(gain > 0.0);
+        let mut total = 0.0;
+        for (channel, (before, after)) in case.channels.iter().zip(before.iter().zip(&after)) {
+            if !effects.iter().any(|effect| effect.subsystem.reaches(channel.signal)) {
+                continue;
+            }
+            let gain = gained(before, after);
+            total += gain;
+            match signals.iter_mut().find(|(signal, _)| *signal == channel.signal) {
+                Some((_, sum)) => *sum += gain,
+                None => signals.push((channel.signal, gain)),
+            }
+            least_fit_percent = least_fit_percent.min(channel.fit_percent(after));
+        }
+        improved += usize::from(total > 0.0);
     }
-    Ok(confirmation)
+    Ok(Confirmation {
+        gain: signals.iter().map(|(_, gain)| gain).sum(),
+        least_gain: signals.iter().map(|(_, gain)| *gain).fold(f64::INFINITY, f64::min),
+        least_fit_percent,
+        improved,
+        recordings: held_out.len(),
+    })
 }

@@ -3,6 +3,7 @@
 use crate::compare::{Comparison, Section};
 use crate::machine_file::LoadSource;
 use crate::recording::Signal;
+use crate::residual::SignalFit;
 
 /// The part of the chain that follows its recordings least.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,11 +14,25 @@ pub struct Weakest {
     pub signal: Signal,
     /// The NRMSE fit of this signal from the part's measured input, %; over several recordings the mean.
     pub nrmse_percent: f64,
+    /// Its RMSE over the signal's noise; over several recordings the mean.
+    pub over_noise: f64,
     /// The part that misses most after it, and its lowest fit, %; `None` when no other could be judged by itself.
     pub runner_up: Option<(Section, f64)>,
 }
 
+/// A part that misses its signal by less than twice the noise follows it: its inputs have noise as well.
+const FOLLOWS: f64 = 2.0;
+/// And one that fits better than this, %, follows as well as a part alone can be simulated: the load from the pressures leaves
+/// inertia out, and rows are joined by straight lines.
+const FOLLOWS_PERCENT: f64 = 99.5;
+
 impl Weakest {
+    /// Whether even this part follows its recordings within the noise, so that nothing says that physics is missing.
+    #[must_use]
+    pub fn follows(&self) -> bool {
+        self.over_noise < FOLLOWS || self.nrmse_percent > FOLLOWS_PERCENT
+    }
+
     /// Whether another part misses nearly as much (at least four fifths), so that the order of the two means little.
     #[must_use]
     pub fn rival(&self) -> Option<(Section, f64)> {
@@ -39,7 +54,7 @@ pub enum Obstacle {
 }
 
 /// The parts that a comparison is cut into: links, and what could not be cut further.
-fn parts(comparison: &Comparison) -> impl Iterator<Item = (Section, Signal, f64)> + '_ {
+fn parts(comparison: &Comparison) -> impl Iterator<Item = (Section, SignalFit)> + '_ {
     let cut = |wanted: Section| comparison.sections.iter().any(|section| section.section == wanted);
     let below = cut(Section::FlowAndChambers) || cut(Section::Mechanics);
     let alone = !(below || cut(Section::Valve));
@@ -51,28 +66,30 @@ fn parts(comparison: &Comparison) -> impl Iterator<Item = (Section, Signal, f64)
             Section::EndToEnd => alone,
             other => other.is_link(),
         })
-        .flat_map(|section| section.fits.iter().map(move |fit| (section.section, fit.signal, fit.nrmse_percent)))
+        .flat_map(|section| section.fits.iter().map(move |fit| (section.section, *fit)))
 }
 
 /// The part with the lowest fit over all the comparisons; where a part is in several, its mean counts.
 #[must_use]
 pub fn weakest(comparisons: &[Comparison]) -> Option<Weakest> {
-    let mut means: Vec<(Section, Signal, f64, usize)> = Vec::new();
-    for (section, signal, fit) in comparisons.iter().flat_map(parts) {
-        match means.iter_mut().find(|(s, g, ..)| (*s, *g) == (section, signal)) {
-            Some((.., sum, count)) => {
-                *sum += fit;
-                *count += 1;
-            }
-            None => means.push((section, signal, fit, 1)),
+    let mut parts_of: Vec<(Section, Vec<SignalFit>)> = Vec::new();
+    for (section, fit) in comparisons.iter().flat_map(parts) {
+        match parts_of.iter_mut().find(|(known, fits)| *known == section && fits[0].signal == fit.signal) {
+            Some((_, fits)) => fits.push(fit),
+            None => parts_of.push((section, vec![fit])),
         }
     }
-    let mut means: Vec<_> =
-        means.into_iter().map(|(section, signal, sum, count)| (section, signal, sum / count as f64)).collect();
+    let mean = |fits: &[SignalFit], of: fn(&SignalFit) -> f64| fits.iter().map(of).sum::<f64>() / fits.len() as f64;
+    let mut means: Vec<(Section, Signal, f64, f64)> = parts_of
+        .iter()
+        .map(|(section, fits)| {
+            (*section, fits[0].signal, mean(fits, |fit| fit.nrmse_percent), mean(fits, |fit| fit.over_noise))
+        })
+        .collect();
     means.sort_by(|a, b| a.2.total_cmp(&b.2));
-    let &(section, signal, nrmse_percent) = means.first()?;
+    let &(section, signal, nrmse_percent, over_noise) = means.first()?;
     let runner_up = means.iter().find(|other| other.0 != section).map(|other| (other.0, other.2));
-    Some(Weakest { section, signal, nrmse_percent, runner_up })
+    Some(Weakest { section, signal, nrmse_percent, over_noise, runner_up })
 }
 
 /// What keeps the links of a comparison from being told apart; empty when each stands alone.
@@ -121,7 +138,6 @@ impl std::fmt::Display for Obstacle {
 mod tests {
     use super::*;
     use crate::compare::SectionFit;
-    use crate::residual::SignalFit;
     use crate::simulate::{EntryPoint, Trajectory};
 
     fn comparison(sections: &[(Section, Signal, f64)]) -> Comparison {

@@ -206,6 +206,10 @@ fn described(found: Weakest) -> String {
 }
 
 fn meaning(found: Weakest) -> String {
+    if found.follows() {
+        return "Every part follows its recordings within about their noise: nothing says that physics is missing."
+            .to_owned();
+    }
     let signal = found.signal;
     let told = match found.section {
         Section::EndToEnd => {

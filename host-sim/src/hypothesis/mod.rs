@@ -15,6 +15,7 @@ use model_core::parameter::Parameter;
 
 use crate::fit::{Free, Freedom};
 use crate::machine_file::LoadSource;
+use crate::recording::Signal;
 use crate::simulate::EntryPoint;
 
 /// A part of the chain, as a finding names it.
@@ -31,6 +32,14 @@ pub enum Subsystem {
     Mechanics,
     /// Motion → measured motion.
     Sensing,
+}
+
+impl Subsystem {
+    /// Whether what happens in this link moves the signal: only the valve moves the slider.
+    #[must_use]
+    pub fn reaches(self, signal: Signal) -> bool {
+        self == Subsystem::Valve || signal != Signal::Spool
+    }
 }
 
 impl fmt::Display for Subsystem {

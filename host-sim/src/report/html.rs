@@ -2,7 +2,7 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::terminal::sentence;
+use super::terminal::{sentence, still_missing, uncertainty};
 use crate::diagnose::{Diagnosis, Fits, Shown};
 use crate::plot::{Panel, Style, Trace, svg, title};
 use crate::presentation::{percent, significant, unit_for_people};
@@ -97,7 +97,7 @@ fn findings(diagnosis: &Diagnosis) -> Markup {
             table {
                 tr { th { "parameter" } th { "value" } th { "±" } th { "unit" } }
                 @for (strength, estimate) in finding.effect.strengths.iter().zip(&finding.parameters) {
-                    tr { td { (strength.name) } td { (format!("{:.4e}", estimate.value)) } td { (format!("{:.1e}", estimate.std)) }
+                    tr { td { (strength.name) } td { (format!("{:.4e}", estimate.value)) } td { (uncertainty(estimate)) }
                         td { (estimate.parameter.description().unit) } }
                 }
             }
@@ -107,6 +107,7 @@ fn findings(diagnosis: &Diagnosis) -> Markup {
             ul { @for other in finding.effect.look_alikes { li { "Not to be taken for " (other.effect) ": " (other.told_apart_by) "." } } }
             p { "To be sure: " (finding.effect.separated_by) ". Source: " (finding.effect.source) "." }
         }
+        @if !diagnosis.findings.is_empty() && !diagnosis.left.is_empty() { p { (still_missing(diagnosis)) "." } }
         @for effect in &diagnosis.not_confirmed {
             p { (effect.name) " was chosen on the training recordings; the held-out ones do not bear it out." }
         }
@@ -116,13 +117,13 @@ fn findings(diagnosis: &Diagnosis) -> Markup {
 fn parameters(diagnosis: &Diagnosis) -> Markup {
     html! {
         @if !diagnosis.refitted.is_empty() {
-            h2 { "Parameters that were refitted first" }
+            h2 { "Ordinary parameters, fitted together with what was found" }
             table {
                 tr { th { "parameter" } th { "nominal" } th { "fitted" } th { "±" } th { "unit" } }
                 @for estimate in &diagnosis.refitted {
                     @let description = estimate.parameter.description();
                     tr { td { (description.key) } td { (format!("{:.4e}", estimate.before)) } td { (format!("{:.4e}", estimate.value)) }
-                        td { (format!("{:.1e}", estimate.std)) } td { (description.unit) } }
+                        td { (uncertainty(estimate)) } td { (description.unit) } }
                 }
             }
         }

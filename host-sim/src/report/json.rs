@@ -36,6 +36,10 @@ pub fn document(diagnosis: &Diagnosis) -> Value {
         "verdict": diagnosis.verdict,
         "located": located,
         "findings": diagnosis.findings.iter().map(|finding| finding_of(diagnosis, finding)).collect::<Vec<_>>(),
+        "confirmed": diagnosis.confirmation.map(|confirmation| confirmation.confirms()),
+        "still_above_noise": diagnosis.left.iter().map(|miss| {
+            json!({ "signal": miss.signal.name(), "rmse_over_noise": digits(miss.over_noise, 3) })
+        }).collect::<Vec<_>>(),
         "not_confirmed": diagnosis.not_confirmed.iter().map(|effect| effect.name).collect::<Vec<_>>(),
         "not_testable": diagnosis.not_testable.iter().map(|effect| effect.name).collect::<Vec<_>>(),
         "parameters": diagnosis.refitted.iter().map(|estimate| {
@@ -46,6 +50,7 @@ pub fn document(diagnosis: &Diagnosis) -> Value {
                 "value": digits(estimate.value, 6),
                 "std": digits(estimate.std, 3),
                 "unit": description.unit,
+                "at_bound": estimate.at_bound,
             })
         }).collect::<Vec<_>>(),
         "fit": { "train": fits(false), "holdout": fits(true) },
@@ -93,11 +98,8 @@ fn rounded(fits: &crate::diagnose::Fits) -> Value {
         .into()
 }
 
-/// A number with so many significant digits: the rest is noise, and short numbers compare.
-fn digits(value: f64, significant: i32) -> f64 {
-    if value == 0.0 || !value.is_finite() {
-        return 0.0;
-    }
-    let precision = usize::try_from(significant - 1).unwrap_or(0);
-    format!("{value:.precision$e}").parse().unwrap_or(value)
+/// A number with so many significant digits: the rest is noise, and short numbers compare. What is not known is null.
+fn digits(value: f64, significant: usize) -> Option<f64> {
+    let precision = significant.saturating_sub(1);
+    value.is_finite().then(|| format!("{value:.precision$e}").parse().unwrap_or(value))
 }

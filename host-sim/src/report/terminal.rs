@@ -29,8 +29,13 @@ pub fn text(diagnosis: &Diagnosis) -> String {
         let _ = writeln!(text, "equation   {}", finding.effect.equation);
         for (strength, estimate) in finding.effect.strengths.iter().zip(&finding.parameters) {
             let unit = estimate.parameter.description().unit;
-            let _ =
-                writeln!(text, "parameter  {} = {:.4e} ± {:.1e} {unit}", strength.name, estimate.value, estimate.std);
+            let _ = writeln!(
+                text,
+                "parameter  {} = {:.4e} ± {} {unit}",
+                strength.name,
+                estimate.value,
+                uncertainty(estimate)
+            );
         }
         for (effect, confidence) in &finding.alternatives {
             let _ = writeln!(text, "instead    {} ({confidence:.3})", effect.name);
@@ -49,6 +54,9 @@ pub fn text(diagnosis: &Diagnosis) -> String {
         let _ = write!(text, "\n{}\n", parameters(&diagnosis.refitted));
     }
     let _ = write!(text, "\n{}\n", trials(diagnosis));
+    if diagnosis.verdict == Verdict::MissingPhysics && !diagnosis.left.is_empty() {
+        let _ = writeln!(text, "{}", still_missing(diagnosis));
+    }
     if !diagnosis.not_testable.is_empty() {
         let names: Vec<_> = diagnosis.not_testable.iter().map(|effect| effect.name).collect();
         let _ = writeln!(text, "not testable with these recordings: {}", names.join(", "));
@@ -77,6 +85,26 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
         Verdict::Unexplained => {
             format!("{name}: unexplained: a mismatch above the noise that no effect of the catalogue accounts for")
         }
+    }
+}
+
+/// What the effects claimed leave above the noise.
+#[must_use]
+pub fn still_missing(diagnosis: &Diagnosis) -> String {
+    let signals: Vec<String> =
+        diagnosis.left.iter().map(|miss| format!("{} ({:.1} times its noise)", miss.signal, miss.over_noise)).collect();
+    format!("something is still missing: the model with these effects misses {}", signals.join(", "))
+}
+
+/// A standard deviation, or why there is none.
+#[must_use]
+pub fn uncertainty(estimate: &Estimate) -> String {
+    if estimate.at_bound {
+        "at its bound".to_owned()
+    } else if estimate.std.is_finite() {
+        format!("{:.1e}", estimate.std)
+    } else {
+        "not determined".to_owned()
     }
 }
 
@@ -114,7 +142,7 @@ pub fn parameters(estimates: &[Estimate]) -> Table {
             description.key.to_owned(),
             format!("{:.4e}", estimate.before),
             format!("{:.4e}", estimate.value),
-            format!("{:.1e}", estimate.std),
+            uncertainty(estimate),
             description.unit.to_owned(),
         ]);
     }

@@ -151,6 +151,7 @@ pub fn run<N: Number>(
     offset: StartOffset<N::Real>,
     mut sink: impl FnMut(usize, &Sample<N::Real>),
 ) -> Result<(), MachineError> {
+    let machine = &unbraked(machine, stimulus);
     let drive = Drive::<N>::new::<DELAY_LINE>(machine, stimulus.tick)?;
     let bases = *drive.bases();
     let constant = N::Real::constant;
@@ -190,6 +191,16 @@ pub fn run<N: Number>(
         before = now;
     }
     Ok(())
+}
+
+/// The machine with light damping in place of its friction where the load balances the recorded pressures.
+fn unbraked<R: Real>(machine: &Machine<R>, stimulus: &Stimulus) -> Machine<R> {
+    let mut machine = *machine;
+    if let Some(damping) = stimulus.damping {
+        machine.set(Parameter::ViscousFriction, R::constant(damping));
+        machine.set(Parameter::CoulombFriction, R::ZERO);
+    }
+    machine
 }
 
 fn sample<N: Number>(

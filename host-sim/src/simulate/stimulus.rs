@@ -9,6 +9,7 @@ use model_core::valve::Slider;
 
 use super::grid::Grid;
 use crate::machine_file::LoadSource;
+use crate::noise::{noise, resolution};
 use crate::recording::{Recording, Signal};
 
 /// Where the chain is entered.
@@ -20,7 +21,7 @@ pub enum EntryPoint {
     Slider,
     /// Speed of the pump and direction of its valve.
     Pump,
-    /// Measured flow into A; what leaves B is taken to be the same times the area ratio.
+    /// Measured flow into A; what leaves B is taken to be the same times the area ratio, as at constant pressures.
     Flow,
     /// Measured force of the oil, or the one that follows from both recorded pressures.
     Force,
@@ -73,8 +74,8 @@ enum Input {
     Slider(Vec<f64>),
     /// Mean speed (rev/s) and direction over each tick.
     Pump(Vec<f64>, Vec<i8>),
-    /// At grid points, m³/s.
-    Flow(Vec<f64>),
+    /// At grid points, m³/s, and Ab/Aa.
+    Flow(Vec<f64>, f64),
     /// At grid points, N.
     Force(Vec<f64>),
 }
@@ -103,6 +104,9 @@ pub struct Stimulus {
     input: Input,
     /// External force at grid points, N.
     load_n: Option<Vec<f64>>,
+    /// Viscous friction, N s/m, in place of all friction of the machine, where that force balances the recorded pressures: these
+    /// hold the machine's friction already.
+    pub(super) damping: Option<f64>,
     /// For each recorded row: the grid point at or before it, and how far on to the next, 0..1.
     pub(super) rows: Vec<(usize, f64)>,
 }
@@ -161,7 +165,10 @@ impl Stimulus {
             EntryPoint::Slider => {
                 Input::Slider(grid.points(need(Signal::Spool, "the chain is entered at the slider")?))
             }
-            EntryPoint::Flow => Input::Flow(grid.points(need(Signal::Flow, "the chain is entered at the flow")?)),
+            EntryPoint::Flow => Input::Flow(
+                grid.points(need(Signal::Flow, "the chain is entered at the flow")?),
+                machine.get(Parameter::AreaB) / machine.get(Parameter::AreaA),
+            ),
             EntryPoint::Pump => {
                 let speed = grid.points(need(Signal::PumpSpeed, "the pump drives the chain")?);
                 let mean: Vec<f64> = speed.windows(2).map(|pair| f64::midpoint(pair[0], pair[1])).collect();
@@ -176,23 +183,15 @@ impl Stimulus {
                 None => grid.points(&pressure_force(recording, machine)?),
             }),
         };
-        let load_n = match (load, entry) {
-            (
-                LoadSource::RecordedPressures,
-                EntryPoint::Command | EntryPoint::Slider | EntryPoint::Pump | EntryPoint::Flow,
-            ) => {
-                let balance: Vec<f64> = pressure_force(recording, machine)?.iter().map(|force| -force).collect();
-                let constant = machine.get(Parameter::LoadForce);
-                Some(
-                    grid.points(&smoothed(&balance, 0.05 / recording.sample_interval_s()))
-                        .iter()
-                        .map(|force| force - constant)
-                        .collect(),
-                )
-            }
-            _ => recording.signal(Signal::LoadForce).map(|force| grid.points(force)),
+        let balanced = load == LoadSource::RecordedPressures && entry != EntryPoint::Force;
+        let damping = balanced.then(|| light_damping(machine));
+        let load_n = if let Some(damping) = damping {
+            let balance = balance(recording, machine, damping)?;
+            Some(grid.points(&balance))
+        } else {
+            recording.signal(Signal::LoadForce).map(|force| grid.points(force))
         };
-        Ok(Self { entry, tick, start: start(recording), ticks: grid.ticks, input, load_n, rows: grid.rows })
+        Ok(Self { entry, tick, start: start(recording), ticks: grid.ticks, input, load_n, damping, rows: grid.rows })
     }
 
     /// How many rows the recording has.
@@ -217,10 +216,12 @@ impl Stimulus {
                 speed: at(speed, bases.pump_speed_rev_per_s),
                 direction: direction.get(tick).copied().unwrap_or(0),
             }),
-            Input::Flow(flow) => {
+            Input::Flow(flow, ratio) => {
                 let base = bases.flow_m3_per_s;
-                let both = |flow: N| Flows { a: flow, b: flow };
-                Entry::Flow { from: both(at(flow, base)), to: both(next(flow, base)) }
+                Entry::Flow {
+                    from: Flows { a: at(flow, base), b: at(flow, base / ratio) },
+                    to: Flows { a: next(flow, base), b: next(flow, base / ratio) },
+                }
             }
             Input::Force(force) => Entry::Force { from: at(force, bases.force_n), to: next(force, bases.force_n) },
         }
@@ -270,6 +271,58 @@ fn pressure_force(recording: &Recording, machine: &Machine<f64>) -> Result<Vec<f
     let (area_a, area_b) = (machine.get(Parameter::AreaA), machine.get(Parameter::AreaB));
     let (a, b) = (need(Signal::PressureA)?, need(Signal::PressureB)?);
     Ok(a.iter().zip(b).map(|(a, b)| area_a * a - area_b * b).collect())
+}
+
+/// Viscous friction that keeps the rod from ringing on the oil and hardly brakes it otherwise, N s/m: a twentieth of critical
+/// damping, or the machine's where that is less.
+fn light_damping(machine: &Machine<f64>) -> f64 {
+    let side = |area: Parameter, volume: Parameter| {
+        machine.get(area).powi(2) * machine.get(Parameter::BulkModulus) / machine.get(volume)
+    };
+    let spring = side(Parameter::AreaA, Parameter::VolumeA) + side(Parameter::AreaB, Parameter::VolumeB);
+    let critical = 2.0 * (spring * machine.get(Parameter::MovingMass)).sqrt();
+    (0.05 * critical).min(machine.get(Parameter::ViscousFriction))
+}
+
+/// The force beside the machine's constant load that balances the recorded pressures, and the damping at the recorded
+/// velocity where the position is recorded, N.
+fn balance(recording: &Recording, machine: &Machine<f64>, damping: f64) -> Result<Vec<f64>, SimulateError> {
+    let pressures = pressure_force(recording, machine)?;
+    let rows_in = |time_s: f64| time_s / recording.sample_interval_s();
+    let width_s = SMOOTHED_S * (share_of_noise(&pressures) / SMOOTHED_AT).min(1.0);
+    let force = smoothed(&pressures, rows_in(width_s));
+    let constant = machine.get(Parameter::LoadForce);
+    let braked: Vec<f64> = match recording.signal(Signal::Position) {
+        Some(position) => {
+            let velocity = slopes(recording.time_s(), &smoothed(position, rows_in(width_s)));
+            velocity.iter().map(|velocity| damping * velocity).collect()
+        }
+        None => vec![0.0; force.len()],
+    };
+    Ok(force.iter().zip(braked).map(|(force, braked)| braked - force - constant).collect())
+}
+
+/// Slope of a series at each row, from its neighbours.
+fn slopes(time_s: &[f64], values: &[f64]) -> Vec<f64> {
+    let last = values.len() - 1;
+    (0..values.len())
+        .map(|row| {
+            let (before, after) = (row.saturating_sub(1), (row + 1).min(last));
+            (values[after] - values[before]) / (time_s[after] - time_s[before])
+        })
+        .collect()
+}
+
+/// A force taken from noisy pressures is smoothed over this time, s: as long as it does not blur a stroke's start and end.
+const SMOOTHED_S: f64 = 0.05;
+/// From this share of noise on; over less time where there is less.
+const SMOOTHED_AT: f64 = 0.01;
+
+/// Noise of a series over its span.
+fn share_of_noise(values: &[f64]) -> f64 {
+    let (low, high) =
+        values.iter().fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(*value), high.max(*value)));
+    if high > low { noise(values, resolution(values)) / (high - low) } else { 0.0 }
 }
 
 /// Centred moving average over `width` samples (at least one); shorter at both ends.

@@ -1,0 +1,71 @@
+//! The noise of a sensor, estimated from what it recorded.
+
+/// Rows of one segment that the noise is estimated from.
+const SEGMENT: usize = 64;
+
+/// Standard deviation of white noise in a smooth signal: root mean square of its third differences over √20 (Gasser, Sroka,
+/// Jennen-Steinmetz 1986) in short segments, of which the median counts, so that steps and spikes do not; at least what
+/// rounding to the resolution makes, and at least 1e-5 of the signal's span: no sensor is better, and no tick finer.
+pub(crate) fn noise(values: &[f64], resolution: f64) -> f64 {
+    let squares: Vec<f64> = values.windows(4).map(|w| ((w[3] - w[0]) - 3.0 * (w[2] - w[1])).powi(2) / 20.0).collect();
+    let mut segments: Vec<f64> =
+        squares.chunks(SEGMENT).map(|segment| segment.iter().sum::<f64>() / segment.len() as f64).collect();
+    let (low, high) =
+        values.iter().fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(*value), high.max(*value)));
+    median(&mut segments).sqrt().max(resolution / 12.0_f64.sqrt()).max(1e-5 * (high - low)).max(f64::MIN_POSITIVE)
+}
+
+/// The step that most neighbouring values differ by, where a sensor shows one: the smallest difference that is not nil
+/// and occurs more than rarely.
+pub(crate) fn resolution(values: &[f64]) -> f64 {
+    let mut steps: Vec<f64> =
+        values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0).collect();
+    if steps.is_empty() {
+        return 0.0;
+    }
+    let rank = steps.len() / 20;
+    let (_, step, _) = steps.select_nth_unstable_by(rank, f64::total_cmp);
+    let step = *step;
+    // A resolution shows in that steps are multiples of it; noise of many digits has none.
+    let multiples = values
+        .windows(2)
+        .map(|pair| (pair[1] - pair[0]).abs() / step)
+        .filter(|ratio| (ratio - ratio.round()).abs() < 0.02)
+        .count();
+    if multiples * 10 >= values.len() * 9 { step } else { 0.0 }
+}
+
+/// The median; 0 for nothing.
+fn median(values: &mut [f64]) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_of_a_quantised_ramp_is_that_of_its_rounding() {
+        let ramp: Vec<f64> = (0..4000).map(|k| (f64::from(k) * 0.013).floor() * 0.5).collect();
+        let step = resolution(&ramp);
+        assert!((step - 0.5).abs() < 1e-12);
+        assert!((noise(&ramp, step) - 0.5 / 12.0_f64.sqrt()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn noise_on_a_sine_is_found_within_a_tenth() {
+        let mut seed = 1_u32;
+        let mut uniform = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(seed >> 8) / f64::from(1 << 24) - 0.5
+        };
+        let values: Vec<f64> =
+            (0..5000).map(|k| (f64::from(k) * 0.01).sin() + 0.02 * (uniform() + uniform() + uniform())).collect();
+        let found = noise(&values, resolution(&values));
+        assert!((found / 0.01 - 1.0).abs() < 0.1, "{found}");
+    }
+}
