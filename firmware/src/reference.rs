@@ -53,7 +53,7 @@ impl<const DELAY: usize> Reference<DELAY> {
     /// What the model says now.
     #[must_use]
     pub fn predicted(&self) -> Predicted {
-        let DriveState { valve, chambers, motion } = &self.state;
+        let DriveState { valve, chambers, motion, .. } = &self.state;
         Predicted {
             slider: valve.slider(),
             pressure_a: chambers.a,

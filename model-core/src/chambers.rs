@@ -19,6 +19,8 @@ pub struct Chambers<N: Number> {
     pub(crate) ratio: N::Gain,
     /// Internal leakage: flow per pressure difference. 0 is neutral.
     pub(crate) leakage: N,
+    /// Whether leakage evens the pressures within a few ticks, so that its mean flow has to be the solved one.
+    pub(crate) leaks_fast: bool,
     /// 1, as a slope.
     pub(crate) unity: N::Steep,
 }
@@ -35,10 +37,14 @@ pub struct ChamberState<N> {
 
 impl<N: Number> Chambers<N> {
     /// One tick with the mean flows (net of leakage) and the mean velocity of that tick. Exact: the volume balance (11).
+    ///
+    /// `rest` is what rounding left of both pressures, for [`Number::accumulated`]: a flow that raises a pressure by less than
+    /// half a step a tick still fills the chamber.
     #[inline]
-    pub fn step(&self, state: &mut ChamberState<N>, flows: Flows<N>, velocity: N) {
-        let rise = self.rise(Flows { a: flows.a - velocity, b: self.displaced_b(velocity) - flows.b });
-        *state = ChamberState { a: state.a + rise.a, b: state.b + rise.b };
+    pub fn step(&self, state: &mut ChamberState<N>, rest: &mut ChamberState<N>, flows: Flows<N>, velocity: N) {
+        let net = Flows { a: flows.a - velocity, b: self.displaced_b(velocity) - flows.b };
+        (state.a, rest.a) = state.a.accumulated(rest.a, [self.stiffness_a], [net.a]);
+        (state.b, rest.b) = state.b.accumulated(rest.b, [self.stiffness_b], [net.b]);
     }
 
     /// Pressure rise over a tick for the net oil that stays in each chamber.
@@ -60,9 +66,11 @@ impl<N: Number> Chambers<N> {
     }
 
     /// Mean flow of a tick at one port: as solved, where it depends on the pressure and there is a solution; else that of its ends.
+    ///
+    /// Of its ends, leakage leaves one chamber with the very word that enters the other, and no oil comes from rounding.
     #[inline]
     pub(crate) fn mean(&self, side: &Linearised<N>, from: N, to: N, solved: Option<N>) -> N {
-        let depends = side.opening != N::ZERO || self.leakage != N::ZERO;
+        let depends = side.opening != N::ZERO || self.leaks_fast;
         solved.filter(|_| depends).unwrap_or_else(|| (from + to).halved())
     }
 

@@ -30,10 +30,10 @@ impl<N: Number> Drive<N> {
         };
         let mechanics = builder.mechanics::<N>(builder.sprung_mass())?;
         let unsprung = builder.mechanics::<N>(builder.get(P::MovingMass))?;
-        let [spring_a, spring_b] = builder.springs::<N>()?;
+        let [spring_a, spring_b] = builder.springs::<N>().map_err(|error| builder.with_cause(error))?;
         Ok(Drive {
             source,
-            chambers: builder.chambers()?,
+            chambers: builder.chambers().map_err(|error| builder.with_cause(error))?,
             mechanics,
             unsprung,
             gamma: builder.gain::<N>("the step's γ", P::Stroke, N::Real::constant(GAMMA))?,
@@ -43,6 +43,8 @@ impl<N: Number> Drive<N> {
     }
 }
 
+/// What the magnitude of a gain must stay below.
+const GAIN_LIMIT: f64 = 4.0;
 /// Largest gain that a choice of scales aims at.
 const GAIN_AIM: f64 = 3.9;
 /// What the mass on the oil spring may be smaller by, at most: see `sprung_mass`.
@@ -65,9 +67,8 @@ fn bases(machine: &Machine<f64>, tick: Tick) -> Bases {
             (full_speed, full_speed)
         }
     };
-    let inertia = machine.get(P::MovingMass) + GAMMA * tick_s * machine.get(P::ViscousFriction);
-    let capacity = |volume: P| machine.get(volume) / machine.get(P::BulkModulus) + machine.get(P::HoseCompliance);
-    let smaller_capacity = capacity(P::VolumeA).min(capacity(P::VolumeB));
+    let inertia = inertia(machine, tick_s);
+    let smaller_capacity = smaller_capacity(machine);
     let from_flow = largest_flow / area_a.min(area_b);
     let from_force = tick_s * area_a * pressure_pa / inertia;
     let least = (0.5 * from_flow).max(SPRUNG * from_force / GAIN_AIM).max(gained_flow / (GAIN_AIM * area_a));
@@ -84,6 +85,21 @@ fn bases(machine: &Machine<f64>, tick: Tick) -> Bases {
         tick_s,
     }
 }
+
+/// m + γ·h·D: what a force has to move within a tick.
+fn inertia(machine: &Machine<f64>, tick_s: f64) -> f64 {
+    machine.get(P::MovingMass) + GAMMA * tick_s * machine.get(P::ViscousFriction)
+}
+
+/// That of the stiffer chamber. (7)
+fn smaller_capacity(machine: &Machine<f64>) -> f64 {
+    let capacity = |volume: P| machine.get(volume) / machine.get(P::BulkModulus) + machine.get(P::HoseCompliance);
+    capacity(P::VolumeA).min(capacity(P::VolumeB))
+}
+
+/// Share of a pressure difference that leakage evens within a tick, from where on it is solved for. Explicit, a share of 2 is
+/// unstable.
+const FAST_LEAKAGE: f64 = 0.5;
 
 struct Builder<'a, R> {
     machine: &'a Machine<R>,
@@ -106,8 +122,30 @@ impl<R: Real> Builder<'_, R> {
         }
     }
 
+    /// The oil spring where it is what leaves no scale that fits, else the error as it is.
+    ///
+    /// `bases` lets the velocity gained per tick fit first, so that too fast an oil spring shows in the chambers' pressure rise.
+    fn with_cause(&self, error: MachineError) -> MachineError {
+        let machine = self.machine.map(Real::value);
+        let turn_inertia =
+            self.tick_s * self.tick_s * machine.get(P::AreaA) * machine.get(P::AreaA) / smaller_capacity(&machine);
+        let limit = GAIN_LIMIT * GAIN_AIM / SPRUNG;
+        let turn = turn_inertia / inertia(&machine, self.tick_s);
+        if turn <= limit {
+            return error;
+        }
+        MachineError::OilSpringTooFast {
+            mass_kg: machine.get(P::MovingMass),
+            tick_s: self.tick_s,
+            turn,
+            limit,
+            least_kg: turn_inertia / limit - GAMMA * self.tick_s * machine.get(P::ViscousFriction),
+            times: turn / limit,
+        }
+    }
+
     fn gain<N: Number<Real = R>>(&self, name: &'static str, of: P, value: R) -> Result<N::Gain, MachineError> {
-        N::gain(value).ok_or_else(|| self.misfit(name, of, value, 4.0))
+        N::gain(value).ok_or_else(|| self.misfit(name, of, value, GAIN_LIMIT))
     }
 
     fn steep<N: Number<Real = R>>(&self, name: &'static str, of: P, value: R) -> Result<N::Steep, MachineError> {
@@ -247,6 +285,7 @@ impl<R: Real> Builder<'_, R> {
             },
             ratio: self.gain::<N>("area ratio B/A", P::AreaB, self.ratio())?,
             leakage: self.signal("leakage at supply pressure", P::InternalLeakage, leakage)?,
+            leaks_fast: (leakage * (a + b)).value() > FAST_LEAKAGE,
             unity: self.steep::<N>("one", P::VolumeA, R::ONE)?,
         })
     }
@@ -320,5 +359,66 @@ impl<R: Real> Builder<'_, R> {
             )?,
             load: self.signal("load over full force", P::LoadForce, self.get(P::LoadForce) / force)?,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use crate::fixed_point::PerUnit;
+
+    /// A 63/40 × 300 mm cylinder that moves next to nothing, without friction.
+    fn light() -> Machine<f64> {
+        let mut machine = Machine::with_defaults(Source::Valve);
+        for (parameter, value) in [
+            (P::AreaA, 3.117e-3),
+            (P::AreaB, 1.861e-3),
+            (P::VolumeA, 5.2e-4),
+            (P::VolumeB, 3.3e-4),
+            (P::ViscousFriction, 0.0),
+            (P::MovingMass, 0.02),
+        ] {
+            machine.set(parameter, value);
+        }
+        machine
+    }
+
+    fn refusal(machine: &Machine<f64>, tick: Tick) -> Option<MachineError> {
+        Drive::<PerUnit>::new::<64>(machine, tick).err()
+    }
+
+    #[test]
+    fn too_fast_an_oil_spring_is_refused_by_its_mass_and_what_is_said_to_fit_does() {
+        let machine = light();
+        let error = refusal(&machine, Tick::OneMillisecond).unwrap();
+        let MachineError::OilSpringTooFast { mass_kg, least_kg, times, turn, .. } = error else { panic!("{error}") };
+        assert!((mass_kg - 0.02).abs() < 1e-12);
+        // h²·Aa²·E0/(Vb·m)
+        assert!((turn / (1e-6 * 3.117e-3 * 3.117e-3 * 1.2e9 / 3.3e-4 / 0.02) - 1.0).abs() < 1e-9);
+        let text = std::format!("{error}");
+        assert!(text.starts_with("cylinder.moving_mass_kg = 0.02 kg") && text.contains("shorter tick"), "{text}");
+
+        let mut heavier = machine;
+        heavier.set(P::MovingMass, 1.001 * least_kg);
+        assert_eq!(refusal(&heavier, Tick::OneMillisecond), None);
+        let mut larger = machine;
+        for volume in [P::VolumeA, P::VolumeB] {
+            larger.set(volume, 1.001 * times * machine.get(volume));
+        }
+        assert_eq!(refusal(&larger, Tick::OneMillisecond), None);
+        heavier.set(P::MovingMass, 0.99 * least_kg);
+        assert!(matches!(refusal(&heavier, Tick::OneMillisecond), Some(MachineError::OilSpringTooFast { .. })));
+        assert_eq!(refusal(&heavier, Tick::HalfMillisecond), None);
+    }
+
+    #[test]
+    fn a_chamber_too_small_for_its_flow_is_refused_by_its_volume() {
+        let mut machine = light();
+        machine.set(P::MovingMass, 1e4);
+        machine.set(P::VolumeB, 1e-6);
+        let error = refusal(&machine, Tick::OneMillisecond).unwrap();
+        assert!(matches!(error, MachineError::DoesNotFit { parameter: P::VolumeB, .. }), "{error}");
     }
 }

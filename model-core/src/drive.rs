@@ -66,6 +66,8 @@ pub struct DriveState<N: Number, const DELAY: usize = 64> {
     pub valve: ValveState<N, DELAY>,
     /// Chamber pressures.
     pub chambers: ChamberState<N>,
+    /// What rounding left of the chamber pressures, below their step.
+    pub rest: ChamberState<N>,
     /// Velocity and position.
     pub motion: MotionState<N>,
 }
@@ -181,7 +183,8 @@ impl<N: Number> Drive<N> {
             OilSource::Valve(valve, _) => valve.at_rest(command),
             OilSource::Pump(_) => ValveState::idle(),
         };
-        DriveState { valve, chambers: pressures, motion: MotionState { velocity: N::ZERO, position } }
+        let rest = ChamberState { a: N::ZERO, b: N::ZERO };
+        DriveState { valve, chambers: pressures, rest, motion: MotionState { velocity: N::ZERO, position } }
     }
 
     /// One tick. Fixed cost; no input of any size overflows or panics.
@@ -287,7 +290,7 @@ impl<N: Number> Drive<N> {
             a: chambers.mean(&flows.a, inflow1.a, inflow2.a, solved(kept.a + mean)),
             b: chambers.mean(&flows.b, inflow1.b, inflow2.b, solved(chambers.displaced_b(mean) - kept.b)),
         };
-        chambers.step(&mut state.chambers, flows, mean);
+        chambers.step(&mut state.chambers, &mut state.rest, flows, mean);
         let slider = if let Feed::Edges(slider) = feed { Some(*slider) } else { None };
         Interfaces { slider, flows, forces: Forces { start, first, second }, velocity: mean }
     }

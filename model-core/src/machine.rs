@@ -103,6 +103,25 @@ pub enum MachineError {
         /// What its magnitude must stay below.
         limit: f64,
     },
+    /// The oil spring turns too fast for the tick.
+    #[error(
+        "cylinder.moving_mass_kg = {mass_kg} kg: too little for its oil spring at a tick of {tick_s} s, as (ω·tick)² = {turn:.1}; \
+         expected below {limit:.1}: a shorter tick, at least {least_kg:.6} kg, or a chamber {times:.2} times the volume"
+    )]
+    OilSpringTooFast {
+        /// The moving mass in kg.
+        mass_kg: f64,
+        /// The tick in s.
+        tick_s: f64,
+        /// (ω·tick)² of the mass, viscous friction included, on the stiffer chamber.
+        turn: f64,
+        /// What it must stay below.
+        limit: f64,
+        /// The least mass that fits, in kg.
+        least_kg: f64,
+        /// How many times the stiffer chamber's capacity fits.
+        times: f64,
+    },
     /// The delay line is shorter than the transport delay.
     #[error("valve.transport_delay_s = {value} s: needs {ticks} ticks of delay line, has {line}")]
     DelayTooLong {

@@ -96,6 +96,11 @@ pub trait Number:
     /// Sum of up to four signals, each with its gain, rounded once.
     fn dot<const K: usize>(gains: [Self::Gain; K], signals: [Self; K]) -> Self;
 
+    /// This signal after Σ gain·signal more, and what its rounding leaves for the next time, in units of 2⁻²⁸; `rest` is what
+    /// was left last time. So nothing is lost of what is added, however little it is.
+    #[must_use]
+    fn accumulated<const K: usize>(self, rest: Self, gains: [Self::Gain; K], signals: [Self; K]) -> (Self, Self);
+
     /// This signal times a steep coefficient.
     #[must_use]
     fn amplified(self, by: Self::Steep) -> Self;
@@ -193,6 +198,10 @@ impl<R: Real> Number for R {
     #[inline]
     fn dot<const K: usize>(gains: [R; K], signals: [Self; K]) -> Self {
         sum(gains, signals)
+    }
+    #[inline]
+    fn accumulated<const K: usize>(self, rest: Self, gains: [R; K], signals: [Self; K]) -> (Self, Self) {
+        (self + sum(gains, signals), rest)
     }
     #[inline]
     fn amplified(self, by: R) -> Self {

@@ -5,6 +5,7 @@
 //!
 //! `cargo test -p system-tests --test accuracy -- --nocapture` prints all of it; with `RENEW=1` it writes `table.txt` anew.
 
+mod effects;
 mod hour;
 mod loads;
 mod order;

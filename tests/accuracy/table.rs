@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 use system_tests::simulate::Distance;
 
+use crate::tolerances::Tolerance;
+
 /// A drive on a signal.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Line {
@@ -37,6 +39,16 @@ impl Line {
         [a, b, c, d, e, f]
     }
 
+    /// Holds the line against what is allowed to the oracle, and between fixed point and f64.
+    ///
+    /// # Panics
+    /// It misses.
+    pub(crate) fn check(&self, allowed: Tolerance, rounding: Tolerance) {
+        assert!(allowed.holds(self.real), "f64 misses {allowed:?}: {self}");
+        assert!(allowed.holds(self.fixed), "fixed point misses {allowed:?}: {self}");
+        assert!(rounding.holds(self.rounding), "fixed point and f64 part by more than {rounding:?}: {self}");
+    }
+
     fn parse(text: &str) -> Option<(String, [f64; 6])> {
         let (name, numbers) = text.split_at_checked(30)?;
         let numbers: Vec<f64> = numbers.split_whitespace().map_while(|number| number.parse().ok()).collect();
@@ -52,15 +64,15 @@ impl fmt::Display for Line {
     }
 }
 
-/// Prints the table and compares it with the snapshot, or renews that.
+/// Prints the table and compares it with the snapshot of this name, or renews that.
 ///
 /// # Panics
 /// They differ.
-pub(crate) fn compare(lines: &[Line]) {
+pub(crate) fn compare(snapshot: &str, lines: &[Line]) {
     let body: Vec<String> = lines.iter().map(Line::to_string).collect();
     let table = format!("{HEAD}{}\n", body.join("\n"));
     println!("{table}");
-    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("accuracy/table.txt");
+    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("accuracy").join(snapshot);
     if std::env::var_os("RENEW").is_some() {
         std::fs::write(file, table).unwrap();
         return;

@@ -10,8 +10,9 @@ use host_sim::testbed::{
     Bench, Drive, Excitation, InitialState, LoadProfile, Plant, PlantEffect, PumpCommand, Sensors, SyntheticRecording,
     truth_near,
 };
-use model_core::machine::{Machine, Source};
+use model_core::machine::Machine;
 use model_core::parameter::Parameter as P;
+use system_tests::drives;
 
 use super::root;
 
@@ -147,24 +148,7 @@ fn within_stroke(bench: &Bench, excitation: Excitation, truth: &Machine<f64>) ->
 
 /// A pump-controlled cylinder with pressures and the external force recorded.
 pub(crate) fn pump_case(seed: u64, effect: Option<PlantEffect>) -> Case {
-    let mut nominal = Machine::with_defaults(Source::Pump);
-    let values = [
-        (P::SupplyPressure, 1e7),
-        (P::TankPressure, 4e5),
-        (P::AreaA, 1.9635e-3),
-        (P::AreaB, 1.6493e-3),
-        (P::Stroke, 0.2),
-        (P::VolumeA, 2.5e-4),
-        (P::VolumeB, 2.2e-4),
-        (P::BulkModulus, 1.2e9),
-        (P::MovingMass, 20.0),
-        (P::ViscousFriction, 5.0e3),
-        (P::PumpDisplacement, 1.6e-6),
-        (P::ReturnCoefficient, 1e-7),
-    ];
-    for (parameter, value) in values {
-        nominal.set(parameter, value);
-    }
+    let nominal = drives::pump();
     let mut file = MachineFile::from_machine("pump drive", nominal);
     file.sigma = BTreeMap::from([
         (P::PumpDisplacement, 3e-8),

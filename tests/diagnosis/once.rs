@@ -22,8 +22,9 @@ fn a_push_in_one_recording_is_located_there_and_not_called_physics() {
     assert!(located.intervals.iter().any(inside), "{located:?}");
 }
 
+/// This case, not a law: in other draws the push hides the leak (seed 13) or is itself taken for dry friction beside it (seed 15).
 #[test]
-fn a_push_in_one_recording_does_not_hide_an_effect_that_all_of_them_show() {
+fn a_leak_in_all_recordings_beside_a_push_in_one_is_named_alone_or_not_at_all() {
     let leak = PlantEffect::internal_leakage(4e-12);
     let diagnosis = valve_case(12, Some(leak), true, Some(&(0, push()))).diagnose();
     let found = claimed(&diagnosis);

@@ -16,7 +16,7 @@ fn chain_and_links_agree<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Ti
     let valve = drive.valve().unwrap();
     let mut chain: State<N> = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.1));
     let (mut valve_alone, mut from_slider) = (chain.valve, chain);
-    let (mut chambers_alone, mut mechanics_alone) = (chain.chambers, chain.motion);
+    let (mut chambers_alone, mut rest_alone, mut mechanics_alone) = (chain.chambers, chain.rest, chain.motion);
     for (tick, volts) in Excitation::random_steps(seed).sample(1e-3).into_iter().enumerate() {
         // A load that comes and goes, so that the chain takes it too.
         let load =
@@ -29,10 +29,13 @@ fn chain_and_links_agree<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Ti
         assert_eq!(slider.to, chain.valve.slider());
 
         assert_eq!(drive.step(&mut from_slider, Entry::Slider(slider), load), seen, "the drive from its slider on");
-        assert_eq!((from_slider.chambers, from_slider.motion), (chain.chambers, chain.motion));
+        assert_eq!(
+            (from_slider.chambers, from_slider.rest, from_slider.motion),
+            (chain.chambers, chain.rest, chain.motion)
+        );
 
-        drive.chambers().step(&mut chambers_alone, seen.flows, seen.velocity);
-        assert_eq!(chambers_alone, chain.chambers, "the chambers alone");
+        drive.chambers().step(&mut chambers_alone, &mut rest_alone, seen.flows, seen.velocity);
+        assert_eq!((chambers_alone, rest_alone), (chain.chambers, chain.rest), "the chambers alone");
 
         assert_eq!(drive.mechanics().step(&mut mechanics_alone, seen.forces), seen.velocity, "the mechanics alone");
         assert_eq!(mechanics_alone, chain.motion);

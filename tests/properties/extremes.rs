@@ -107,7 +107,7 @@ proptest! {
         let mut state = any_state(&drive, seed);
         drive.valve().unwrap().step(&mut state.valve, command);
         let _ = drive.flows(slider, PumpDrive { speed: command, direction: 1 }, ChamberState { a, b });
-        drive.chambers().step(&mut state.chambers, Flows { a: flow_a, b: flow_b }, speed);
+        drive.chambers().step(&mut state.chambers, &mut state.rest, Flows { a: flow_a, b: flow_b }, speed);
         let position = <PerUnit as Number>::Travel::from_bits(position);
         let mut motion = MotionState { velocity, position };
         drive.mechanics().step(&mut motion, Forces { start: speed, first, second });

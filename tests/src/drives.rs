@@ -64,6 +64,29 @@ pub fn named() -> [NamedDrive; 3] {
     ]
 }
 
+/// A 50/20 × 200 mm cylinder on a reversible pump of 1.6 cm³.
+#[must_use]
+pub fn pump() -> Machine<f64> {
+    let mut machine = Machine::with_defaults(Source::Pump);
+    for (parameter, value) in [
+        (P::SupplyPressure, 1e7),
+        (P::TankPressure, 4e5),
+        (P::AreaA, 1.9635e-3),
+        (P::AreaB, 1.6493e-3),
+        (P::Stroke, 0.2),
+        (P::VolumeA, 2.5e-4),
+        (P::VolumeB, 2.2e-4),
+        (P::BulkModulus, 1.2e9),
+        (P::MovingMass, 20.0),
+        (P::ViscousFriction, 5.0e3),
+        (P::PumpDisplacement, 1.6e-6),
+        (P::ReturnCoefficient, 1e-7),
+    ] {
+        machine.set(parameter, value);
+    }
+    machine
+}
+
 /// A machine with some of its parameters changed.
 #[must_use]
 pub fn with(machine: &Machine<f64>, changes: &[(P, f64)]) -> Machine<f64> {

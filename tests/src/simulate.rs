@@ -1,8 +1,9 @@
 //! The core and the oracle on the same commands, in the same units.
 
-use host_sim::testbed::{Commands, InitialState, Plant};
+use host_sim::testbed::{Commands, InitialState, Plant, PlantEffect, PumpCommand};
 use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState, Entry, Load};
+use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, Tick};
 use model_core::number::Number;
 use model_core::parameter::Parameter;
@@ -105,14 +106,41 @@ pub fn core<N: Number<Real = f64>>(
     volts: &[f64],
     initial: &InitialState,
 ) -> Vec<Row> {
+    let entries = volts.iter().map(|&volts| Entry::Command(command(volts)));
+    run::<N>(machine, tick, volts.first().copied().unwrap_or(0.0), entries, initial)
+}
+
+/// The core's run of a pump drive.
+#[must_use]
+pub fn core_pump<N: Number<Real = f64>>(
+    machine: &Machine<f64>,
+    tick: Tick,
+    commands: &[PumpCommand],
+    initial: &InitialState,
+) -> Vec<Row> {
+    let full_speed = drive::<N>(machine, tick).bases().pump_speed_rev_per_s;
+    let entry = |command: &PumpCommand| {
+        let speed = N::saturated(command.speed_rev_per_s / full_speed);
+        Entry::Pump(PumpDrive { speed, direction: command.direction })
+    };
+    run::<N>(machine, tick, 0.0, commands.iter().map(entry), initial)
+}
+
+fn run<N: Number<Real = f64>>(
+    machine: &Machine<f64>,
+    tick: Tick,
+    first_v: f64,
+    entries: impl Iterator<Item = Entry<N>>,
+    initial: &InitialState,
+) -> Vec<Row> {
     let drive = drive::<N>(machine, tick);
-    let mut state = at_rest(&drive, volts.first().copied().unwrap_or(0.0), initial);
-    let step = |&volts: &f64| {
+    let mut state = at_rest(&drive, first_v, initial);
+    let step = |entry: Entry<N>| {
         let row = row(&state);
-        drive.step(&mut state, Entry::Command(command(volts)), Load::NONE);
+        drive.step(&mut state, entry, Load::NONE);
         row
     };
-    volts.iter().map(step).collect()
+    entries.map(step).collect()
 }
 
 /// The oracle's run on the same commands.
@@ -121,9 +149,24 @@ pub fn core<N: Number<Real = f64>>(
 /// The oracle cannot solve it.
 #[must_use]
 pub fn oracle(machine: &Machine<f64>, tick: Tick, volts: &[f64], initial: &InitialState) -> Vec<Row> {
-    let plant = Plant::new(machine, ORACLE_TOLERANCE).unwrap_or_else(|error| panic!("{error}"));
-    let times_s: Vec<f64> = (0..volts.len()).map(|k| k as f64 * tick.seconds()).collect();
-    let states = plant.simulate(&Commands::Valve(volts.to_vec()), initial, &times_s);
+    oracle_with(machine, &[], tick, &Commands::Valve(volts.to_vec()), initial)
+}
+
+/// The oracle's run with effects.
+///
+/// # Panics
+/// The oracle cannot solve it.
+#[must_use]
+pub fn oracle_with(
+    machine: &Machine<f64>,
+    effects: &[PlantEffect],
+    tick: Tick,
+    commands: &Commands,
+    initial: &InitialState,
+) -> Vec<Row> {
+    let plant = Plant::new(machine, ORACLE_TOLERANCE).unwrap_or_else(|error| panic!("{error}")).with_effects(effects);
+    let times_s: Vec<f64> = (0..commands.len()).map(|k| k as f64 * tick.seconds()).collect();
+    let states = plant.simulate(commands, initial, &times_s);
     let (supply_pa, stroke_m) = (machine.get(Parameter::SupplyPressure), machine.get(Parameter::Stroke));
     let states = states.unwrap_or_else(|error| panic!("{error}"));
     let row = |state: &host_sim::testbed::PlantState| Row {
