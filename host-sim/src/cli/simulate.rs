@@ -6,6 +6,7 @@ use model_core::machine::{Machine, Source, Tick};
 use model_core::parameter::Parameter;
 
 use super::input::{self, MachineArguments};
+use super::target::{check_not_read, check_target};
 use super::{CliError, Console, Outcome};
 use crate::atomic;
 use crate::compare::{Arithmetic, judged};
@@ -84,6 +85,11 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
 }
 
 fn plan(arguments: &Arguments) -> Result<Plan, CliError> {
+    let read: Vec<PathBuf> = arguments.recording.iter().chain([&arguments.machine.machine]).cloned().collect();
+    for target in [Some(&arguments.out), arguments.plot.as_ref()].into_iter().flatten() {
+        check_target(target)?;
+        check_not_read(target, &read)?;
+    }
     let (file, channels) = arguments.machine.read()?;
     let (machine, asked) = (file.machine, arguments.machine.tick());
     let (recording, load) = if let Some(path) = &arguments.recording {

@@ -85,6 +85,13 @@ fn repeated_times_and_incomplete_rows_are_left_out_and_counted() {
     assert_eq!(recording.signal(Signal::Spool).unwrap(), [0.0, 1.0, 3.0]);
     let expected = [Note::DuplicateTimes { rows: 2, first_line: 4 }, Note::IncompleteRows { rows: 1, first_line: 5 }];
     assert_eq!(recording.notes(), expected);
+    let told: Vec<String> = recording.notes().iter().map(ToString::to_string).collect();
+    assert_eq!(told[0], "2 rows repeat the time before them and are left out, the first in line 4");
+    assert_eq!(told[1], "1 row has an empty cell and is left out, in line 5");
+    let once = read_text("time [s],spool\n0,0\n1,1\n1,9\n2,2\n50,3\n").unwrap();
+    let told: Vec<String> = once.notes().iter().map(ToString::to_string).collect();
+    assert_eq!(told[0], "1 row repeats the time before it and is left out, in line 4");
+    assert_eq!(told[1], "1 gap in time, of 48 s at 2 s");
 }
 
 #[test]
@@ -180,7 +187,7 @@ fn a_signal_that_shall_be_judged_must_be_there_and_vary() {
     let constant = recording.check_varies(Signal::Spool).unwrap_err();
     assert_eq!(
         constant.to_string(),
-        "run.csv: spool is 0.5 1 in every row; expected a signal that moves; one that never changes cannot be judged"
+        "run.csv: spool is 0.5 in every row; expected a signal that moves; one that never changes cannot be judged"
     );
     assert_error!(recording.check_varies(Signal::Position).unwrap_err(), RecordingError::MissingSignal { .. });
 }

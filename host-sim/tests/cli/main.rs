@@ -7,6 +7,7 @@ mod bad_input;
 mod shared;
 mod shipped;
 mod simulate;
+mod targets;
 mod testbed;
 
 use std::path::{Path, PathBuf};
