@@ -168,7 +168,7 @@ proptest! {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("out.csv");
         let measured = recording.signal(Signal::PressureA).unwrap();
-        recording.write_csv(&path, &[(Signal::Position, measured)]).unwrap();
+        recording.write_csv(&path, &[(Signal::Position, measured)], &[]).unwrap();
         let map = ChannelMap::from_arguments(["pressure_a=p, \"A\" [psi]"]).unwrap();
         let again = recording::read(&path, &map).unwrap();
         let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();

@@ -117,7 +117,7 @@ fn plan(arguments: &Arguments) -> Result<Plan, CliError> {
     };
     // A refined machine file may take the place of the one it was made of; nothing else may.
     let recordings = [train.as_slice(), &holdout].concat();
-    for target in arguments.save_machine.iter() {
+    if let Some(target) = &arguments.save_machine {
         check_target(target)?;
         check_not_read(target, &recordings)?;
     }
@@ -133,7 +133,7 @@ fn plan(arguments: &Arguments) -> Result<Plan, CliError> {
     };
     let (training, held_out) = (read(&train)?, read(&holdout)?);
     check_distinct(&training, &held_out)?;
-    Ok(Plan { training, held_out, machine, file, report })
+    Ok(Plan { machine, file, training, held_out, report })
 }
 
 /// A recording confirms nothing that it was used to choose, and counts once: by whatever name, even as a copy.

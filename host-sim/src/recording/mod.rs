@@ -21,6 +21,7 @@ pub use error::RecordingError;
 pub use lines::{MAX_COLUMNS, MAX_LINE_BYTES, MAX_ROWS, MAX_SKIPPED_LINES};
 pub use signal::Signal;
 pub use units::{Dimension, Unit};
+pub use write::Series;
 
 use crate::diagnostic::{Place, counted, engineering, rounded};
 use std::fmt;
@@ -130,6 +131,16 @@ pub struct Recording {
     columns: Vec<Column>,
     ignored: Vec<String>,
     notes: Vec<Note>,
+    left_out: LeftOut,
+}
+
+/// Rows of the file that are not among the values, kept to be written back.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct LeftOut {
+    /// For each, how many kept rows stand before it.
+    after: Vec<usize>,
+    /// For each, the cells of the known columns in SI units; what is blank or cannot be read is `None`.
+    cells: Vec<Option<f64>>,
 }
 
 impl Recording {
@@ -178,7 +189,7 @@ impl Recording {
         if let Some(&[before, after]) = longest {
             notes.push(Note::Gaps { count: gaps.count(), longest_s: after - before, at_s: before });
         }
-        Self { path: path.to_owned(), columns, ignored, notes }
+        Self { path: path.to_owned(), columns, ignored, notes, left_out: LeftOut::default() }
     }
 
     /// The file's name without its folder.

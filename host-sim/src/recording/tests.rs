@@ -198,17 +198,17 @@ fn a_recording_is_written_in_its_own_columns_and_units() {
     let path = folder.path().join("out.csv");
     let text = "time [ms];x;\"position [mm]\";command [V]\n0;;0,1;-0,5\n2,5;;0,3;1e-7\n";
     let recording = read_text(text).unwrap();
-    recording.write_csv(&path, &[(Signal::Command, &[0.1, 1.0 / 3.0]), (Signal::Flow, &[0.0, 0.0])]).unwrap();
+    recording.write_csv(&path, &[(Signal::Command, &[0.1, 1.0 / 3.0]), (Signal::Flow, &[0.0, 0.0])], &[]).unwrap();
     let written = std::fs::read_to_string(&path).unwrap();
     assert_eq!(written, "time [ms],position [mm],command [V]\n0,0.1,0.1\n2.5,0.3,0.3333333333333333\n");
-    let nan = recording.write_csv(&path, &[(Signal::Command, &[0.0, f64::NAN])]).unwrap_err();
+    let nan = recording.write_csv(&path, &[(Signal::Command, &[0.0, f64::NAN])], &[]).unwrap_err();
     assert_error!(nan, RecordingError::NotFinite { .. });
     assert_error!(
-        recording.write_csv(&path, &[(Signal::Command, &[0.0])]).unwrap_err(),
+        recording.write_csv(&path, &[(Signal::Command, &[0.0])], &[]).unwrap_err(),
         RecordingError::LengthMismatch { .. }
     );
     assert_eq!(std::fs::read_to_string(&path).unwrap(), written);
-    let nowhere = recording.write_csv(&folder.path().join("no/out.csv"), &[]).unwrap_err();
+    let nowhere = recording.write_csv(&folder.path().join("no/out.csv"), &[], &[]).unwrap_err();
     assert_error!(nowhere, RecordingError::Write { .. });
     assert_error!(read(folder.path(), &ChannelMap::default()).unwrap_err(), RecordingError::Io { .. });
     assert_error!(read(&folder.path().join("none"), &ChannelMap::default()).unwrap_err(), RecordingError::Io { .. });
