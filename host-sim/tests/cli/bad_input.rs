@@ -1,6 +1,6 @@
 //! Input that cannot be used: one clear message, exit status 2, no file.
 
-use super::{MACHINE, done, example, folder_with, refused};
+use super::{MACHINE, at_hand, done, example, folder_with, refused};
 
 const SIMULATE: [&str; 7] = ["simulate", "--machine", "machine.toml", "--recording", "run.csv", "--out", "out.csv"];
 const COMPARE: [&str; 7] = ["compare", "--machine", "machine.toml", "--recording", "run.csv", "--plot", "out.svg"];
@@ -134,7 +134,7 @@ fn an_output_that_cannot_be_written_is_said() {
     rights.set_readonly(true);
     std::fs::set_permissions(&closed, rights).unwrap();
     if std::fs::write(closed.join("try"), "").is_ok() {
-        println!("skipped the read-only folder: this user may write everywhere");
+        at_hand::skipped("the read-only folder: this user may write everywhere");
         std::fs::remove_file(closed.join("try")).unwrap();
     } else {
         refused(folder.path(), &with_out("closed/out.csv"));
