@@ -128,6 +128,39 @@ pub(crate) fn quoted(text: &str) -> String {
     format!("`{short}`")
 }
 
+/// So many things: `1 row`, `2 rows`.
+pub(crate) fn counted(count: usize, thing: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {thing}{plural}")
+}
+
+/// A unit as it follows a number, with a space before it; a pure number has none.
+pub(crate) fn after_number(unit: &str) -> String {
+    if unit == "1" { String::new() } else { format!(" {unit}") }
+}
+
+/// A number to six digits, as much as says something of a duration.
+pub(crate) fn rounded(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
+/// A number with every digit it has, and from a million on, or below a thousandth, a power of ten that is a multiple of three:
+/// `0.25`, `31.5e6`.
+pub(crate) fn engineering(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() || (1e-3..1e6).contains(&value.abs()) {
+        return value.to_string();
+    }
+    let scientific = format!("{value:e}");
+    let Some((mantissa, exponent)) = scientific.split_once('e') else { return scientific };
+    let Ok(exponent) = exponent.parse::<i32>() else { return scientific };
+    let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+    let shift = usize::try_from(exponent.rem_euclid(3)).unwrap_or(0);
+    let fraction = format!("{fraction:0<shift$}");
+    let (moved, rest) = fraction.split_at(shift);
+    let point = if rest.is_empty() { "" } else { "." };
+    format!("{whole}{moved}{point}{rest}e{}", exponent.div_euclid(3) * 3)
+}
+
 fn visible(character: char) -> impl Iterator<Item = char> {
     let escaped = character.is_control();
     character.escape_debug().filter(move |_| escaped).chain((!escaped).then_some(character))
@@ -190,6 +223,13 @@ error: column `position [mm]` holds `abc`
         let place = Place::in_line("f", 7, "°C;x", 4..5);
         assert_eq!(place.to_string(), "f:7:4");
         assert_eq!(Place::in_line("f", 1, "°", 1..900).to_string(), "f:1:1");
+    }
+
+    #[test]
+    fn large_and_small_numbers_have_powers_of_thousand() {
+        let told = [0.0, 0.25, -999_999.0, 31.5e6, 1e300, -1.234_567e8, 2e-5, f64::INFINITY].map(engineering);
+        assert_eq!(told, ["0", "0.25", "-999999", "31.5e6", "1e300", "-123.4567e6", "20e-6", "inf"]);
+        assert_eq!(engineering(rounded(1e300 / 3.0)), "333.333e297");
     }
 
     #[test]

@@ -11,13 +11,7 @@ use super::{done, root, text};
 
 /// The recordings: `$HOST_SIM_SHARED/data/eha`, or beside the repository. Says why where they are not.
 fn recordings() -> Option<PathBuf> {
-    let shared = std::env::var_os("HOST_SIM_SHARED").map_or_else(|| root().join("../shared"), PathBuf::from);
-    let folder = shared.join("data/eha");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!("skipped: there is no {}; set HOST_SIM_SHARED to a folder that holds `data/eha`", folder.display());
-    None
+    system_tests::at_hand::shared("data/eha")
 }
 
 fn machine() -> PathBuf {

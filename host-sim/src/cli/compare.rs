@@ -8,6 +8,7 @@ use model_core::machine::Tick;
 use rayon::prelude::*;
 
 use super::input::{self, MachineArguments};
+use super::target::{check_not_read, check_target};
 use super::{CliError, Console, Outcome};
 use crate::atomic;
 use crate::compare::{Arithmetic, Comparison, Section, compare};
@@ -96,6 +97,11 @@ fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> 
         .collect::<Result<Vec<_>, _>>()?;
     bar.finish_and_clear();
     let plots = arguments.plot.as_ref().map_or_else(Vec::new, |path| plot_paths(path, &recordings));
+    let read = [arguments.recording.as_slice(), std::slice::from_ref(&arguments.machine.machine)].concat();
+    for target in &plots {
+        check_target(target)?;
+        check_not_read(target, &read)?;
+    }
     Ok(Plan { file, recordings, tick: arguments.machine.tick(), arithmetic: arguments.machine.arithmetic, plots })
 }
 

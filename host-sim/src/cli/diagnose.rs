@@ -4,6 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::input;
+use super::target::{check_not_read, check_target};
 use super::{CliError, Console, Outcome};
 use crate::atomic;
 use crate::diagnose::{Diagnosis, Verdict, diagnose, steps};
@@ -114,12 +115,42 @@ fn plan(arguments: &Arguments) -> Result<Plan, CliError> {
         }
         (None, None) => return Err(CliError::NothingToTrain { folder: PathBuf::from(".") }),
     };
+    // A refined machine file may take the place of the one it was made of; nothing else may.
+    let recordings = [train.as_slice(), &holdout].concat();
+    if let Some(target) = &arguments.save_machine {
+        check_target(target)?;
+        check_not_read(target, &recordings)?;
+    }
+    let read = [recordings, vec![machine.clone()]].concat();
+    for target in [&arguments.json, &report, &arguments.plot].into_iter().flatten() {
+        check_target(target)?;
+        check_not_read(target, &read)?;
+    }
     let file = machine_file::read(&machine)?;
     let channels = file.channels.clone().overlaid_with(&maps);
     let read = |paths: &[PathBuf]| {
         paths.iter().map(|path| input::recording(path, &channels)).collect::<Result<Vec<_>, CliError>>()
     };
-    Ok(Plan { training: read(&train)?, held_out: read(&holdout)?, machine, file, report })
+    let (training, held_out) = (read(&train)?, read(&holdout)?);
+    check_distinct(&training, &held_out)?;
+    Ok(Plan { machine, file, training, held_out, report })
+}
+
+/// A recording confirms nothing that it was used to choose, and counts once: by whatever name, even as a copy.
+fn check_distinct(training: &[Recording], held_out: &[Recording]) -> Result<(), CliError> {
+    let all: Vec<&Recording> = training.iter().chain(held_out).collect();
+    for (index, second) in all.iter().enumerate() {
+        if let Some(at) = all[..index].iter().position(|first| first.columns() == second.columns()) {
+            let expected = if at < training.len() && index >= training.len() {
+                "held-out recordings that are not trained on"
+            } else {
+                "each recording once"
+            };
+            let (first, second) = (all[at].path().to_owned(), second.path().to_owned());
+            return Err(CliError::SameRecording { first, second, expected });
+        }
+    }
+    Ok(())
 }
 
 /// The recordings of a folder whose names start so, in the order of their names.

@@ -5,9 +5,10 @@ use std::path::PathBuf;
 
 use model_core::machine::Source;
 
+use crate::atomic;
 use crate::compare::CompareError;
 use crate::diagnose::DiagnoseError;
-use crate::diagnostic::{self, Explained};
+use crate::diagnostic::{self, Explained, engineering, rounded};
 use crate::machine_file::MachineFileError;
 use crate::paper::PaperError;
 use crate::recording::{MapError, RecordingError};
@@ -138,12 +139,30 @@ pub enum CliError {
         path: PathBuf,
     },
     /// A file or folder that cannot be written.
-    #[error("{}: cannot be written: {cause}; expected a folder that can be written to", path.display())]
+    #[error("{}: cannot be written: {cause}; expected {}", path.display(), atomic::expected(cause))]
     Write {
         /// Where to.
         path: PathBuf,
         /// What the system says.
         cause: io::Error,
+    },
+    /// A file to write that is also one to read.
+    #[error("{} would be written over {}, which is read; expected another name", target.display(), read.display())]
+    Overwrites {
+        /// Where to.
+        target: PathBuf,
+        /// What is read.
+        read: PathBuf,
+    },
+    /// One recording in two places, of which each should tell something of its own.
+    #[error("{first} and {second} hold the same recording; expected {expected}")]
+    SameRecording {
+        /// A recording.
+        first: String,
+        /// Another one.
+        second: String,
+        /// What would do.
+        expected: &'static str,
     },
     /// Standard output cannot be written.
     #[error("standard output: {0}")]
@@ -157,6 +176,13 @@ impl CliError {
         fn shown(error: &impl Explained) -> String {
             diagnostic::render(error)
         }
+        if let Some(SimulateError::TooLong { recording, duration_s, tick_s, limit }) = self.simulation() {
+            let (duration, tick_ms) = (engineering(rounded(*duration_s)), 1e3 * tick_s);
+            let most = engineering(rounded(*limit as f64 * tick_s));
+            return format!(
+                "error: {recording}: {duration} s, more than the simulation takes at a tick of {tick_ms} ms; expected at most {most} s"
+            );
+        }
         match self {
             CliError::MachineFile(error) => shown(error),
             CliError::Recording(error)
@@ -165,6 +191,16 @@ impl CliError {
                 shown(error)
             }
             other => format!("error: {other}"),
+        }
+    }
+
+    /// Why a simulation was not possible, where that is the reason.
+    fn simulation(&self) -> Option<&SimulateError> {
+        match self {
+            CliError::Simulate { cause, .. }
+            | CliError::Compare { cause: CompareError::Simulate(cause), .. }
+            | CliError::Diagnose { cause: DiagnoseError::Recording(CompareError::Simulate(cause)), .. } => Some(cause),
+            _ => None,
         }
     }
 

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::input;
+use super::target::{check_not_read, check_target};
 use super::{CliError, Console, Outcome};
 use crate::diagnose::{DiagnoseError, ordinary};
 use crate::fit::fit;
@@ -37,6 +38,8 @@ pub struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+    check_target(&arguments.save_machine)?;
+    check_not_read(&arguments.save_machine, &arguments.train)?;
     let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
     let mut file = machine_file::read(&arguments.machine)?;
     let channels = file.channels.clone().overlaid_with(&maps);

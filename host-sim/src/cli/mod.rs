@@ -11,6 +11,7 @@ pub mod fit;
 mod input;
 pub mod paper;
 pub mod simulate;
+mod target;
 pub mod testbed;
 
 use std::io::Write;

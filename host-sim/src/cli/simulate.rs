@@ -6,12 +6,13 @@ use model_core::machine::{Machine, Source, Tick};
 use model_core::parameter::Parameter;
 
 use super::input::{self, MachineArguments};
+use super::target::{check_not_read, check_target};
 use super::{CliError, Console, Outcome};
 use crate::atomic;
 use crate::compare::{Arithmetic, judged};
 use crate::machine_file::LoadSource;
 use crate::plot;
-use crate::recording::{Column, Recording, Signal};
+use crate::recording::{Column, Recording, Series, Signal};
 use crate::simulate::{EntryPoint, SimulateError, StartOffset, Stimulus, Trajectory, first_entry, natural_tick};
 use crate::testbed::Excitation;
 
@@ -22,7 +23,9 @@ use crate::testbed::Excitation;
   host-sim simulate --machine M.toml --input \"step:4V\" --out step.csv
 
 With --recording the file holds one row per recorded row in the recording's own columns and units; the signals that the model
-computes are replaced. With --input the drive starts at mid-stroke, at rest, and every signal is written in SI units.
+computes are replaced. Where the recording has none of these, they are added in SI units. A row with a repeated time or an empty
+cell keeps what it holds and gets the signals at its time. With --input the drive starts at mid-stroke, at rest, and every signal is
+written in SI units: spool, position, velocity, both pressures, flow into A, force of the oil.
 Inputs: zero:2s  step:4V,0.5s  steps:4V  sweep:6.5V,0.4Hz,5Hz,4s  random:10V,0.08s,0.5s,4s,seed=1  triangle:2V,0.5Hz,4s")]
 #[command(group(clap::ArgGroup::new("stimulus").required(true).args(["recording", "input"])))]
 pub struct Arguments {
@@ -41,6 +44,17 @@ pub struct Arguments {
     #[arg(long, value_name = "P.svg", requires = "recording")]
     plot: Option<PathBuf>,
 }
+
+/// Every signal that the model computes, in the order in which it is written.
+const SIGNALS: [Signal; 7] = [
+    Signal::Spool,
+    Signal::Position,
+    Signal::Velocity,
+    Signal::PressureA,
+    Signal::PressureB,
+    Signal::Flow,
+    Signal::Force,
+];
 
 /// What is simulated, checked.
 struct Plan {
@@ -70,11 +84,13 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     });
     match arguments.recording {
         Some(_) => {
-            let series: Vec<(Signal, &[f64])> =
-                simulated.series.iter().map(|(signal, values)| (*signal, values.as_slice())).collect();
-            plan.recording.write_csv(&arguments.out, &series)?;
+            let computed: Vec<Series<'_>> =
+                SIGNALS.iter().filter_map(|&signal| Some((signal, simulated.signal(signal)?))).collect();
+            let replaces = computed.iter().any(|(signal, _)| plan.recording.has(*signal));
+            let added = if replaces { &[] } else { computed.as_slice() };
+            plan.recording.write_csv(&arguments.out, &computed, added)?;
         }
-        None => response(&plan.recording, &simulated)?.write_csv(&arguments.out, &[])?,
+        None => response(&plan.recording, &simulated)?.write_csv(&arguments.out, &[], &[])?,
     }
     if let Some((path, svg)) = drawing {
         atomic::write(path, |out| out.write_all(svg.as_bytes()))
@@ -84,6 +100,11 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
 }
 
 fn plan(arguments: &Arguments) -> Result<Plan, CliError> {
+    let read: Vec<PathBuf> = arguments.recording.iter().chain([&arguments.machine.machine]).cloned().collect();
+    for target in [Some(&arguments.out), arguments.plot.as_ref()].into_iter().flatten() {
+        check_target(target)?;
+        check_not_read(target, &read)?;
+    }
     let (file, channels) = arguments.machine.read()?;
     let (machine, asked) = (file.machine, arguments.machine.tick());
     let (recording, load) = if let Some(path) = &arguments.recording {
@@ -118,8 +139,6 @@ fn excited(machine: &Machine<f64>, excitation: &Excitation, tick: Tick) -> Resul
 
 /// The command and every signal that follows from it, in SI units.
 fn response(input: &Recording, simulated: &Trajectory) -> Result<Recording, CliError> {
-    const SIGNALS: [Signal; 6] =
-        [Signal::Spool, Signal::Position, Signal::Velocity, Signal::PressureA, Signal::PressureB, Signal::Flow];
     let given = input.columns().iter().filter(|column| column.signal != Signal::Position).cloned();
     let computed = SIGNALS.iter().filter_map(|&signal| Some(Column::si(signal, simulated.signal(signal)?.to_vec())));
     Ok(Recording::new("the response", given.chain(computed).collect())?)

@@ -1,6 +1,7 @@
 //! Why a machine file cannot be used.
 
-use crate::diagnostic::{Explained, Place, quoted};
+use crate::atomic;
+use crate::diagnostic::{Explained, Place, after_number, quoted};
 use std::fmt;
 use std::io;
 
@@ -88,7 +89,7 @@ impl Explained for MachineFileError {
             E::MissingTable { table, .. } => format!("there is no table [{table}]"),
             E::MissingKey { key, .. } => format!("`{key}` is missing"),
             E::WrongType { key, found, .. } => format!("`{key}` is of type {found}"),
-            E::OutOfRange { key, value, unit, .. } => format!("`{key}` is {value:?} {unit}"),
+            E::OutOfRange { key, value, unit, .. } => format!("`{key}` is {value:?}{}", after_number(unit)),
             E::BadSigma { key, value, .. } => format!("the standard deviation of `{key}` is {value:?}"),
             E::TooManyEntries { key, found, .. } => format!("`{key}` has {found} entries"),
             E::TwoSources { .. } => "both [valve] and [pump]".into(),
@@ -103,7 +104,7 @@ impl Explained for MachineFileError {
     fn expected(&self) -> String {
         match self {
             E::Io { .. } => "a readable machine file".into(),
-            E::Write { .. } => "a folder that can be written to".into(),
+            E::Write { source, .. } => atomic::expected(source).into(),
             E::TooLarge { .. } => "a machine file, which is a page of text".into(),
             E::NotUtf8 { .. } => "text in UTF-8".into(),
             E::Syntax { .. } => "tables such as [valve] with lines `key = value`".into(),
@@ -114,10 +115,15 @@ impl Explained for MachineFileError {
                     .map_or_else(|| format!("one of: {known}"), |name| format!("perhaps `{name}`; known here: {known}"))
             }
             E::MissingTable { table, .. } => format!("a table [{table}]"),
-            E::MissingKey { key, unit, meaning, .. } => format!("`{key}` in {unit}: {meaning}"),
+            E::MissingKey { key, unit, meaning, .. } => match *unit {
+                "1" => format!("`{key}`: {meaning}"),
+                unit => format!("`{key}` in {unit}: {meaning}"),
+            },
             E::WrongType { expected, .. } => (*expected).to_owned(),
-            E::OutOfRange { min, max, unit, .. } if max.is_infinite() => format!("at least {min:?} {unit}"),
-            E::OutOfRange { min, max, unit, .. } => format!("{min:?} to {max:?} {unit}"),
+            E::OutOfRange { min, max, unit, .. } if max.is_infinite() => {
+                format!("at least {min:?}{}", after_number(unit))
+            }
+            E::OutOfRange { min, max, unit, .. } => format!("{min:?} to {max:?}{}", after_number(unit)),
             E::BadSigma { .. } => "a positive number; a value that is exact is not listed".into(),
             E::TooManyEntries { most, .. } => format!("at most {most}"),
             E::TwoSources { .. } | E::NoSource { .. } => {

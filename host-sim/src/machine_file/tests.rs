@@ -143,7 +143,7 @@ fn impossible_values_are_refused() {
     }
     assert_error!(parse(&VALVE.replace("= 20", "= -20")).unwrap_err(), MachineFileError::OutOfRange { .. });
     let error = parse(&VALVE.replace("0.1049 ", "1.0 ")).unwrap_err();
-    assert_eq!(error.to_string(), "machine.toml:9:13: `valve.dead_zone` is 1.0 1; expected 0.0 to 0.999 1");
+    assert_eq!(error.to_string(), "machine.toml:9:13: `valve.dead_zone` is 1.0; expected 0.0 to 0.999");
 }
 
 #[test]

@@ -4,7 +4,7 @@
 //! form: `;` and tab as separators (taken from the header row) with decimal commas, a byte order
 //! mark, CRLF, comment lines beginning with `#`, quoted cells. Times may be uneven and have gaps. A
 //! row that repeats the time before it, or has an empty cell in a known column, is left out and
-//! counted in the recording's notes; no value is made up. Whatever else is wrong is an error.
+//! counted in the recording's notes, and written back where the recording is; no value is made up. Whatever else is wrong is an error.
 //!
 //! Memory: one line and the values of known columns, whatever the file holds.
 
@@ -12,7 +12,7 @@ use super::channels::ChannelMap;
 use super::columns::{Offer, assign};
 use super::error::RecordingError;
 use super::lines::{Cells, Line, Lines, MAX_ROWS, Splitter, detect_separator, parse_number};
-use super::{Column, Note, Recording, Signal, twincat};
+use super::{Column, LeftOut, Note, Recording, Signal, twincat};
 use crate::diagnostic::Place;
 use std::fs::File;
 use std::io::Read;
@@ -57,6 +57,7 @@ pub fn read_from(name: &str, input: impl Read, map: &ChannelMap) -> Result<Recor
         rows: 0,
         repeated: None,
         incomplete: None,
+        left_out: LeftOut::default(),
     };
     while let Some(line) = lines.next()? {
         let cells = splitter.split(line)?;
@@ -70,7 +71,9 @@ pub fn read_from(name: &str, input: impl Read, map: &ChannelMap) -> Result<Recor
     if kept < 2 {
         return Err(RecordingError::TooFewRows { place: file, rows: kept, skipped: table.rows - kept });
     }
-    Ok(Recording::assemble(name, columns, assignment.ignored, notes))
+    let mut recording = Recording::assemble(name, columns, assignment.ignored, notes);
+    recording.left_out = table.left_out;
+    Ok(recording)
 }
 
 /// Rows as they come in; the first column is time.
@@ -86,6 +89,7 @@ struct Table {
     repeated: Option<(usize, usize)>,
     /// How many rows have an empty cell, and the line of the first.
     incomplete: Option<(usize, usize)>,
+    left_out: LeftOut,
 }
 
 impl Table {
@@ -102,6 +106,7 @@ impl Table {
         let without_time = cells.get(0).is_empty();
         if empty == self.columns.len() || (empty > 0 && !without_time) {
             count(&mut self.incomplete, line);
+            self.leave_out(cells);
             return Ok(());
         }
         for (index, column) in &self.columns {
@@ -114,6 +119,7 @@ impl Table {
             }
             if found_s <= previous_s {
                 count(&mut self.repeated, line);
+                self.leave_out(cells);
                 return Ok(());
             }
         }
@@ -121,6 +127,15 @@ impl Table {
             column.values.push(value);
         }
         Ok(())
+    }
+
+    fn leave_out(&mut self, cells: Cells<'_>) {
+        let kept = self.columns[0].1.values.len();
+        self.left_out.after.push(kept);
+        for (index, column) in &self.columns {
+            let value = parse_number(cells.get(*index), self.separator != b',').map(|value| column.unit.to_si(value));
+            self.left_out.cells.push(value.filter(|value| value.is_finite()));
+        }
     }
 }
 

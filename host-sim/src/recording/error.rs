@@ -1,7 +1,8 @@
 //! Why a recording cannot be used.
 
 use super::signal::Signal;
-use crate::diagnostic::{Explained, Place, quoted};
+use crate::atomic;
+use crate::diagnostic::{Explained, Place, after_number, counted, engineering, quoted};
 use std::fmt;
 use std::io;
 
@@ -106,9 +107,10 @@ impl Explained for RecordingError {
             E::Write { source, .. } => format!("cannot be written: {source}"),
             E::Empty { .. } => "there is nothing in the file".into(),
             E::TooFewRows { rows: 0, skipped: 0, .. } => "a header and no rows".into(),
-            E::TooFewRows { rows, skipped: 0, .. } => format!("{rows} row"),
+            E::TooFewRows { rows, skipped: 0, .. } => counted(*rows, "row"),
             E::TooFewRows { rows, skipped, .. } => {
-                format!("{rows} usable rows; {skipped} have an empty cell or repeat a time")
+                let verbs = if *skipped == 1 { "has an empty cell or repeats" } else { "have an empty cell or repeat" };
+                format!("{}; {skipped} {verbs} a time", counted(*rows, "usable row"))
             }
             E::TooManyRows { most, .. } => format!("more than {most} rows"),
             E::TooManyColumns { most, .. } => format!("more than {most} columns"),
@@ -135,14 +137,22 @@ impl Explained for RecordingError {
             E::NotANumber { header, found, .. } | E::NotFinite { header, found, .. } => {
                 format!("column {} holds {}", quoted(header), quoted(found))
             }
-            E::TimeBackwards { previous_s, found_s, .. } => format!("time {found_s} s after {previous_s} s"),
+            E::TimeBackwards { previous_s, found_s, .. } => {
+                format!("time {} s after {} s", engineering(*found_s), engineering(*previous_s))
+            }
             E::ExportLayout { missing, .. } => format!("a TwinCAT Scope export without {missing}"),
             E::FullTimestamps { found, .. } => format!("a full timestamp, {}", quoted(found)),
             E::NoCommonTime { from_s, to_s, .. } => {
-                format!("the last channel begins at {from_s} s, the first one ends at {to_s} s")
+                format!(
+                    "the last channel begins at {} s, the first one ends at {} s",
+                    engineering(*from_s),
+                    engineering(*to_s)
+                )
             }
             E::MissingSignal { signal, .. } => format!("there is no {signal}"),
-            E::ConstantSignal { signal, value, .. } => format!("{signal} is {value} {} in every row", signal.si_unit()),
+            E::ConstantSignal { signal, value, .. } => {
+                format!("{signal} is {value}{} in every row", after_number(signal.si_unit().symbol()))
+            }
             E::LengthMismatch { header, found, .. } => format!("column {} has {found} values", quoted(header)),
         }
     }
@@ -150,7 +160,7 @@ impl Explained for RecordingError {
     fn expected(&self) -> String {
         match self {
             E::Io { .. } => "a readable file".into(),
-            E::Write { .. } => "a folder that can be written to".into(),
+            E::Write { source, .. } => atomic::expected(source).into(),
             E::Empty { .. } => "a header such as `time [s],command [V],position [mm]` and rows".into(),
             E::TooFewRows { .. } => "at least two rows at different times with a number in every known column".into(),
             E::TooManyRows { .. } | E::TooManyColumns { .. } => "a smaller recording".into(),

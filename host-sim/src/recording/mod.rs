@@ -21,8 +21,9 @@ pub use error::RecordingError;
 pub use lines::{MAX_COLUMNS, MAX_LINE_BYTES, MAX_ROWS, MAX_SKIPPED_LINES};
 pub use signal::Signal;
 pub use units::{Dimension, Unit};
+pub use write::Series;
 
-use crate::diagnostic::Place;
+use crate::diagnostic::{Place, counted, engineering, rounded};
 use std::fmt;
 use std::path::Path;
 
@@ -93,20 +94,29 @@ pub enum Note {
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Note::DuplicateTimes { rows: 1, first_line } => {
+                write!(f, "1 row repeats the time before it and is left out, in line {first_line}")
+            }
             Note::DuplicateTimes { rows, first_line } => {
                 write!(f, "{rows} rows repeat the time before them and are left out, the first in line {first_line}")
+            }
+            Note::IncompleteRows { rows: 1, first_line } => {
+                write!(f, "1 row has an empty cell and is left out, in line {first_line}")
             }
             Note::IncompleteRows { rows, first_line } => {
                 write!(f, "{rows} rows have an empty cell and are left out, the first in line {first_line}")
             }
             Note::Gaps { count, longest_s, at_s } => {
-                write!(f, "{count} gaps in time, the longest of {longest_s} s at {at_s} s")
+                let which = if *count == 1 { "" } else { "the longest " };
+                let (longest, at) = (engineering(rounded(*longest_s)), engineering(*at_s));
+                write!(f, "{} in time, {which}of {longest} s at {at} s", counted(*count, "gap"))
             }
             Note::MappedColumnAbsent { signal, header } => write!(f, "no column `{header}` for {signal}"),
             Note::Resampled { signals, rows_left_out } => {
                 let names: Vec<_> = signals.iter().map(|signal| signal.name()).collect();
                 write!(f, "{} interpolated to the times of the first channel", names.join(", "))?;
-                write!(f, "; {rows_left_out} rows outside the common time are left out")
+                let are = if *rows_left_out == 1 { "is" } else { "are" };
+                write!(f, "; {} outside the common time {are} left out", counted(*rows_left_out, "row"))
             }
         }
     }
@@ -121,6 +131,16 @@ pub struct Recording {
     columns: Vec<Column>,
     ignored: Vec<String>,
     notes: Vec<Note>,
+    left_out: LeftOut,
+}
+
+/// Rows of the file that are not among the values, kept to be written back.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct LeftOut {
+    /// For each, how many kept rows stand before it.
+    after: Vec<usize>,
+    /// For each, the cells of the known columns in SI units; what is blank or cannot be read is `None`.
+    cells: Vec<Option<f64>>,
 }
 
 impl Recording {
@@ -169,7 +189,7 @@ impl Recording {
         if let Some(&[before, after]) = longest {
             notes.push(Note::Gaps { count: gaps.count(), longest_s: after - before, at_s: before });
         }
-        Self { path: path.to_owned(), columns, ignored, notes }
+        Self { path: path.to_owned(), columns, ignored, notes, left_out: LeftOut::default() }
     }
 
     /// The file's name without its folder.

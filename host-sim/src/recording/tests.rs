@@ -85,6 +85,13 @@ fn repeated_times_and_incomplete_rows_are_left_out_and_counted() {
     assert_eq!(recording.signal(Signal::Spool).unwrap(), [0.0, 1.0, 3.0]);
     let expected = [Note::DuplicateTimes { rows: 2, first_line: 4 }, Note::IncompleteRows { rows: 1, first_line: 5 }];
     assert_eq!(recording.notes(), expected);
+    let told: Vec<String> = recording.notes().iter().map(ToString::to_string).collect();
+    assert_eq!(told[0], "2 rows repeat the time before them and are left out, the first in line 4");
+    assert_eq!(told[1], "1 row has an empty cell and is left out, in line 5");
+    let once = read_text("time [s],spool\n0,0\n1,1\n1,9\n2,2\n50,3\n").unwrap();
+    let told: Vec<String> = once.notes().iter().map(ToString::to_string).collect();
+    assert_eq!(told[0], "1 row repeats the time before it and is left out, in line 4");
+    assert_eq!(told[1], "1 gap in time, of 48 s at 2 s");
 }
 
 #[test]
@@ -180,7 +187,7 @@ fn a_signal_that_shall_be_judged_must_be_there_and_vary() {
     let constant = recording.check_varies(Signal::Spool).unwrap_err();
     assert_eq!(
         constant.to_string(),
-        "run.csv: spool is 0.5 1 in every row; expected a signal that moves; one that never changes cannot be judged"
+        "run.csv: spool is 0.5 in every row; expected a signal that moves; one that never changes cannot be judged"
     );
     assert_error!(recording.check_varies(Signal::Position).unwrap_err(), RecordingError::MissingSignal { .. });
 }
@@ -191,17 +198,17 @@ fn a_recording_is_written_in_its_own_columns_and_units() {
     let path = folder.path().join("out.csv");
     let text = "time [ms];x;\"position [mm]\";command [V]\n0;;0,1;-0,5\n2,5;;0,3;1e-7\n";
     let recording = read_text(text).unwrap();
-    recording.write_csv(&path, &[(Signal::Command, &[0.1, 1.0 / 3.0]), (Signal::Flow, &[0.0, 0.0])]).unwrap();
+    recording.write_csv(&path, &[(Signal::Command, &[0.1, 1.0 / 3.0]), (Signal::Flow, &[0.0, 0.0])], &[]).unwrap();
     let written = std::fs::read_to_string(&path).unwrap();
     assert_eq!(written, "time [ms],position [mm],command [V]\n0,0.1,0.1\n2.5,0.3,0.3333333333333333\n");
-    let nan = recording.write_csv(&path, &[(Signal::Command, &[0.0, f64::NAN])]).unwrap_err();
+    let nan = recording.write_csv(&path, &[(Signal::Command, &[0.0, f64::NAN])], &[]).unwrap_err();
     assert_error!(nan, RecordingError::NotFinite { .. });
     assert_error!(
-        recording.write_csv(&path, &[(Signal::Command, &[0.0])]).unwrap_err(),
+        recording.write_csv(&path, &[(Signal::Command, &[0.0])], &[]).unwrap_err(),
         RecordingError::LengthMismatch { .. }
     );
     assert_eq!(std::fs::read_to_string(&path).unwrap(), written);
-    let nowhere = recording.write_csv(&folder.path().join("no/out.csv"), &[]).unwrap_err();
+    let nowhere = recording.write_csv(&folder.path().join("no/out.csv"), &[], &[]).unwrap_err();
     assert_error!(nowhere, RecordingError::Write { .. });
     assert_error!(read(folder.path(), &ChannelMap::default()).unwrap_err(), RecordingError::Io { .. });
     assert_error!(read(&folder.path().join("none"), &ChannelMap::default()).unwrap_err(), RecordingError::Io { .. });

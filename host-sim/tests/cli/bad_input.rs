@@ -1,6 +1,6 @@
 //! Input that cannot be used: one clear message, exit status 2, no file.
 
-use super::{MACHINE, done, example, folder_with, refused};
+use super::{MACHINE, at_hand, done, example, folder_with, refused};
 
 const SIMULATE: [&str; 7] = ["simulate", "--machine", "machine.toml", "--recording", "run.csv", "--out", "out.csv"];
 const COMPARE: [&str; 7] = ["compare", "--machine", "machine.toml", "--recording", "run.csv", "--plot", "out.svg"];
@@ -40,6 +40,19 @@ fn time_must_not_go_backwards() {
 }
 
 #[test]
+fn a_recording_that_is_too_long_is_named_with_its_duration_in_few_digits() {
+    let folder = folder_with(MACHINE, "time [s],command [V],position [m]\n0,0,0\n0.001,0,0\n1.23e300,0,1\n");
+    let diagnose = ["diagnose", "--machine", "machine.toml", "--train", "run.csv"];
+    let fit = ["fit", "--machine", "machine.toml", "--train", "run.csv", "--save-machine", "f.toml"];
+    for command in [&SIMULATE[..], &COMPARE, &diagnose, &fit] {
+        let message = refused(folder.path(), command);
+        let expected =
+            "error: run.csv: 1.23e300 s, more than the simulation takes at a tick of 1 ms; expected at most 50000 s";
+        assert!(message.contains(expected) && message.len() < 400, "{message}");
+    }
+}
+
+#[test]
 fn an_unknown_unit_names_the_known_ones() {
     let message = on_recording("time [s],command [V],position [furlong]\n0,0,0\n1,0,1\n");
     assert!(message.contains("`furlong`") && message.contains("m mm"), "{message}");
@@ -71,7 +84,7 @@ fn errors_of_the_machine_file_show_their_line() {
     for (machine, expected) in [
         (MACHINE.replace("area_b_m2 = 1.861e-3\n", ""), "`cylinder.area_b_m2` is missing"),
         (MACHINE.replace("gain_per_v", "gain"), "unknown key `gain` in [valve]"),
-        (MACHINE.replace("0.1049", "nan"), "`valve.dead_zone` is NaN 1"),
+        (MACHINE.replace("0.1049", "nan"), "`valve.dead_zone` is NaN\n"),
         (MACHINE.replace("= 7.0e6", "= \"70 bar\""), "`supply.pressure_pa` is of type string"),
         (MACHINE.replace("[supply]", "[supply"), "not TOML"),
     ] {
@@ -111,7 +124,7 @@ fn an_output_that_cannot_be_written_is_said() {
     let folder = folder_with(MACHINE, "time [s],command [V],position [m]\n0,0,0\n1,0,1\n");
     let with_out = |out| [&SIMULATE[..6], &[out]].concat();
     let message = refused(folder.path(), &with_out("no/such/folder/out.csv"));
-    assert!(message.contains("no/such/folder/out.csv") && message.contains("expected: a folder"), "{message}");
+    assert!(message.contains("no/such/folder/out.csv") && message.contains("expected a folder"), "{message}");
     let plot = [&COMPARE[..6], &["no/such/out.svg"]].concat();
     assert!(refused(folder.path(), &plot).contains("no/such/out.svg: cannot be written"));
 
@@ -121,7 +134,7 @@ fn an_output_that_cannot_be_written_is_said() {
     rights.set_readonly(true);
     std::fs::set_permissions(&closed, rights).unwrap();
     if std::fs::write(closed.join("try"), "").is_ok() {
-        println!("skipped the read-only folder: this user may write everywhere");
+        at_hand::skipped("the read-only folder: this user may write everywhere");
         std::fs::remove_file(closed.join("try")).unwrap();
     } else {
         refused(folder.path(), &with_out("closed/out.csv"));

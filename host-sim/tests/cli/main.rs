@@ -3,10 +3,13 @@
 //! These tests stand in this package because only here cargo tells where the binary is; exit status, closed pipes and
 //! half-written files are properties of a process, not of a function.
 
+#[path = "../at_hand/mod.rs"]
+mod at_hand;
 mod bad_input;
 mod shared;
 mod shipped;
 mod simulate;
+mod targets;
 mod testbed;
 
 use std::path::{Path, PathBuf};

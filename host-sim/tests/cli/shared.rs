@@ -1,19 +1,8 @@
 //! Cases that are not part of the repository, where they are at hand.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::{done, root};
-
-/// The folder of cases: `$HOST_SIM_SHARED/concealed`, or beside the repository.
-fn cases() -> Option<PathBuf> {
-    let shared = std::env::var_os("HOST_SIM_SHARED").map_or_else(|| root().join("../shared"), PathBuf::from);
-    let folder = shared.join("concealed");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!("skipped: there is no {}; set HOST_SIM_SHARED to a folder that holds `concealed`", folder.display());
-    None
-}
+use super::{at_hand, done};
 
 fn recordings(case: &Path) -> Vec<String> {
     let files = std::fs::read_dir(case).unwrap().map(|entry| entry.unwrap().path());
@@ -27,10 +16,10 @@ fn recordings(case: &Path) -> Vec<String> {
 
 #[test]
 fn every_case_at_hand_is_simulated_and_compared() {
-    let Some(folder) = cases() else { return };
+    let Some(folder) = at_hand::shared("concealed") else { return };
     let out = tempfile::tempdir().unwrap();
     let mut seen = 0;
-    for entry in std::fs::read_dir(folder).unwrap() {
+    for entry in std::fs::read_dir(&folder).unwrap() {
         let case = entry.unwrap().path();
         let machine = case.join("machine.toml").display().to_string();
         if !Path::new(&machine).is_file() {
@@ -48,5 +37,6 @@ fn every_case_at_hand_is_simulated_and_compared() {
         }
         seen += 1;
     }
+    assert!(seen > 0, "{} holds no case", folder.display());
     println!("{seen} cases");
 }

@@ -42,14 +42,14 @@ fn an_input_signal_gives_every_signal_in_si_units_from_mid_stroke() {
     let (header, rows) = out(&[], "a.csv");
     assert_eq!(
         header,
-        "time [s],command [V],spool [1],position [m],velocity [m/s],pressure_a [Pa],pressure_b [Pa],flow [m3/s]"
+        "time [s],command [V],spool [1],position [m],velocity [m/s],pressure_a [Pa],pressure_b [Pa],flow [m3/s],force [N]"
     );
     assert_eq!(rows.len(), 951);
     assert!((rows[0][3] - 0.15).abs() < 1e-9 && rows[0][4].abs() < 1e-9);
     assert!(rows[950][3] > 0.159, "4 V extends: {}", rows[950][3]);
 
     let (_, float) = out(&["--arithmetic", "float"], "b.csv");
-    let scales = [1.0, 10.0, 1.0, 0.3, 1.0, 7e6, 7e6, 1e-3];
+    let scales = [1.0, 10.0, 1.0, 0.3, 1.0, 7e6, 7e6, 1e-3, 3e4];
     for (fixed, float) in rows.iter().zip(&float) {
         for ((fixed, float), scale) in fixed.iter().zip(float).zip(scales) {
             assert!((fixed - float).abs() < 1e-4 * scale, "{fixed} {float}");
@@ -78,6 +78,36 @@ fn fixed_and_float_agree_on_a_recording() {
             assert!((fixed - float).abs() < 1e-4 * scale, "{fixed} {float}");
         }
     }
+}
+
+#[test]
+fn rows_that_cannot_be_used_are_written_too() {
+    let recorded =
+        "time [s],command [V],position [m]\n0,0,0.1\n0.1,4,0.1\n0.1,5,0.2\n0.15,,0.3\n0.2,4,0.1\n,,\n0.3,4,\n";
+    let folder = folder_with(MACHINE, recorded);
+    let arguments = ["simulate", "--machine", "machine.toml", "--recording", "run.csv", "--out", "out.csv"];
+    done(folder.path(), &arguments);
+    let text = std::fs::read_to_string(folder.path().join("out.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = text.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    let given: Vec<String> = rows.iter().map(|row| row[..2].join(",")).collect();
+    assert_eq!(given, ["0,0", "0.1,4", "0.1,5", "0.15,", "0.2,4", ",", "0.3,4"]);
+    let position = |row: usize| rows[row][2].parse::<f64>().unwrap();
+    assert_eq!(rows[2][2], rows[1][2], "the same time, the same position");
+    assert!((position(3) - f64::midpoint(position(1), position(4))).abs() < 1e-12);
+    assert_eq!((rows[5][2], rows[6][2]), ("", ""), "no time, and a time that the simulation does not reach");
+}
+
+#[test]
+fn a_recording_of_the_command_alone_gets_every_signal() {
+    let folder = folder_with(MACHINE, "time [ms],command [V]\n0,0\n10,4\n300,4\n");
+    let arguments = ["simulate", "--machine", "machine.toml", "--recording", "run.csv", "--out", "out.csv"];
+    done(folder.path(), &arguments);
+    let (header, rows) = table(&folder.path().join("out.csv"));
+    assert_eq!(
+        header,
+        "time [ms],command [V],spool [1],position [m],velocity [m/s],pressure_a [Pa],pressure_b [Pa],flow [m3/s],force [N]"
+    );
+    assert!(rows[2][3] > rows[0][3], "4 V extends");
 }
 
 #[cfg(unix)]

@@ -1,0 +1,21 @@
+//! The files that a command will write, checked before it begins: a long run must not end without its result.
+
+use std::path::{Path, PathBuf};
+
+use super::CliError;
+use crate::atomic;
+
+/// Checks that this file could be written now. Nothing is left there.
+pub(super) fn check_target(path: &Path) -> Result<(), CliError> {
+    atomic::check(path).map_err(|cause| CliError::Write { path: path.to_owned(), cause })
+}
+
+/// Checks that a file to write is none of those that are read, by whatever names.
+pub(super) fn check_not_read(target: &Path, read: &[PathBuf]) -> Result<(), CliError> {
+    // What is not there yet, or cannot be resolved, is none of them.
+    let Ok(resolved) = target.canonicalize() else { return Ok(()) };
+    match read.iter().find(|path| path.canonicalize().is_ok_and(|path| path.is_file() && path == resolved)) {
+        Some(path) => Err(CliError::Overwrites { target: target.to_owned(), read: path.clone() }),
+        None => Ok(()),
+    }
+}
