@@ -39,6 +39,7 @@
 #[cfg(feature = "std")]
 extern crate std;
 
+mod bases;
 pub mod chambers;
 mod coefficients;
 pub mod drive;
@@ -48,5 +49,6 @@ pub mod machine;
 pub mod mechanics;
 pub mod number;
 pub mod parameter;
+mod roots;
 pub mod sensing;
 pub mod valve;
