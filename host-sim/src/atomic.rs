@@ -26,12 +26,12 @@ pub fn write(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -
     Ok(())
 }
 
-/// Checks that [`write`] could write this file now, and leaves nothing.
+/// Checks that [`write()`] could write this file now, and leaves nothing.
 pub fn check(path: &Path) -> io::Result<()> {
     if is_stream(path) { Ok(()) } else { temporary(path).map(drop) }
 }
 
-/// What would have been right where [`write`] or [`check`] has failed; a phrase.
+/// What would have been right where [`write()`] or [`check`] has failed; a phrase.
 #[must_use]
 pub fn expected(error: &io::Error) -> &'static str {
     if error.kind() == io::ErrorKind::IsADirectory {
