@@ -10,7 +10,7 @@ use model_core::parameter::Parameter;
 
 use crate::compare::CompareError;
 use crate::fit::{Estimate, FitError, Free, Freedom};
-use crate::hypothesis::{CATALOGUE, Hypothesis, Subsystem};
+use crate::hypothesis::{CATALOGUE, Hypothesis};
 use crate::locate::{Case, Location, Miss, locate, misses};
 use crate::machine_file::MachineFile;
 use crate::prepare::Prepared;
@@ -359,12 +359,6 @@ impl Diagnosis {
     #[must_use]
     pub fn example(&self) -> Option<&Shown> {
         self.shown.iter().find(|shown| shown.held_out).or(self.shown.first())
-    }
-
-    /// The subsystem in question, where something is missing.
-    #[must_use]
-    pub fn subsystem(&self) -> Option<Subsystem> {
-        self.located.as_ref().map(|located| located.subsystem)
     }
 }
 

@@ -17,8 +17,6 @@ pub struct Channel {
     pub recorded: Vec<f64>,
     /// Standard deviation of the sensor's noise and quantisation, SI.
     pub noise: f64,
-    /// Smallest step between recorded values: the sensor's resolution, SI; 0 if none shows.
-    pub resolution: f64,
 }
 
 impl Channel {
@@ -84,8 +82,7 @@ impl Prepared {
             .map(|signal| {
                 recording.check_varies(signal)?;
                 let recorded = recording.require(signal)?.to_vec();
-                let resolution = resolution(&recorded);
-                Ok(Channel { signal, noise: noise(&recorded, resolution), recorded, resolution })
+                Ok(Channel { signal, noise: noise(&recorded, resolution(&recorded)), recorded })
             })
             .collect::<Result<_, CompareError>>()?;
         Ok(Self { name: recording.name().to_owned(), time_s: recording.time_s().to_vec(), stimulus, channels })

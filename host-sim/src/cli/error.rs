@@ -8,7 +8,7 @@ use model_core::machine::Source;
 use crate::atomic;
 use crate::compare::CompareError;
 use crate::diagnose::DiagnoseError;
-use crate::diagnostic::{self, Explained, engineering, rounded};
+use crate::diagnostic::{self, Explained};
 use crate::machine_file::MachineFileError;
 use crate::paper::PaperError;
 use crate::recording::{MapError, RecordingError};
@@ -176,12 +176,9 @@ impl CliError {
         fn shown(error: &impl Explained) -> String {
             diagnostic::render(error)
         }
-        if let Some(SimulateError::TooLong { recording, duration_s, tick_s, limit }) = self.simulation() {
-            let (duration, tick_ms) = (engineering(rounded(*duration_s)), 1e3 * tick_s);
-            let most = engineering(rounded(*limit as f64 * tick_s));
-            return format!(
-                "error: {recording}: {duration} s, more than the simulation takes at a tick of {tick_ms} ms; expected at most {most} s"
-            );
+        // It is the recording's fault, not the machine file's.
+        if let Some(too_long @ SimulateError::TooLong { .. }) = self.simulation() {
+            return format!("error: {too_long}");
         }
         match self {
             CliError::MachineFile(error) => shown(error),

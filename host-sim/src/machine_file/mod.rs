@@ -92,12 +92,6 @@ impl MachineFile {
             text: String::new(),
         }
     }
-
-    /// The names of every effect that a machine file can switch on.
-    #[must_use]
-    pub fn known_effects() -> Vec<&'static str> {
-        keys::effects().collect()
-    }
 }
 
 #[cfg(test)]

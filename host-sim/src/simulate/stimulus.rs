@@ -8,6 +8,7 @@ use model_core::parameter::Parameter;
 use model_core::valve::Slider;
 
 use super::grid::Grid;
+use crate::diagnostic::{engineering, rounded};
 use crate::machine_file::LoadSource;
 use crate::noise::{noise, resolution};
 use crate::recording::{Recording, Signal};
@@ -49,7 +50,10 @@ pub enum SimulateError {
         reason: &'static str,
     },
     /// The recording is longer than the grid can hold.
-    #[error("{recording}: {duration_s} s at a tick of {tick_s} s; expected at most {limit} ticks")]
+    #[error(
+        "{recording}: {} s, more than the simulation takes at a tick of {} ms; expected at most {} s",
+        engineering(rounded(*.duration_s)), 1e3 * .tick_s, engineering(rounded(*.limit as f64 * .tick_s))
+    )]
     TooLong {
         /// The recording.
         recording: String,
