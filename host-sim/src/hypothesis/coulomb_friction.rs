@@ -21,18 +21,13 @@
 
 use model_core::parameter::Parameter;
 
-use super::{Hypothesis, LookAlike, Strength, Subsystem};
-use crate::machine_file::LoadSource;
+use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
 
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "coulomb-friction",
     subsystem: Subsystem::Mechanics,
     equation: "F = −Fc·sgn v; at rest |F| ≤ Fc",
-    strengths: &[Strength {
-        name: "force_n",
-        parameter: Parameter::CoulombFriction,
-        typical: |machine| 0.02 * machine.get(Parameter::AreaA) * machine.get(Parameter::SupplyPressure),
-    }],
+    forms: &[&[Strength { parameter: Parameter::CoulombFriction, kind: Kind::Amount(|scene| (2e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())) }]],
     look_alikes: &[
         LookAlike { effect: "stribeck-friction", told_apart_by: "constant-speed strokes below 10 mm/s" },
         LookAlike {
@@ -40,8 +35,9 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "slow strokes both ways with both pressures recorded",
         },
     ],
+    extends: &[],
     separated_by: "constant-speed strokes below 10 mm/s",
     source: "Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30, 1994",
     // With the load taken from the pressures the force balance is an input.
-    shows_in: |_, _, load| matches!(load, LoadSource::Constant),
+    shows_in: |scene| scene.load == crate::machine_file::LoadSource::Constant,
 };

@@ -20,20 +20,17 @@
 
 use model_core::parameter::Parameter;
 
-use super::{Hypothesis, LookAlike, Strength, Subsystem};
+use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
 
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "hose-compliance",
     subsystem: Subsystem::Chambers,
     equation: "dp/dt = (Q − A·v) / (V/E0 + C)",
-    strengths: &[Strength {
-        name: "compliance_m3_per_pa",
-        parameter: Parameter::HoseCompliance,
-        typical: |machine| {
-            let volume = machine.get(Parameter::VolumeA).max(machine.get(Parameter::VolumeB));
-            0.5 * volume / machine.get(Parameter::BulkModulus)
-        },
-    }],
+    forms: &[&[Strength { parameter: Parameter::HoseCompliance, kind: Kind::Amount(|scene| {
+            let volume = scene.machine.get(Parameter::VolumeA).max(scene.machine.get(Parameter::VolumeB));
+            let own = volume / scene.machine.get(Parameter::BulkModulus);
+            (0.05 * own, 10.0 * own)
+        }) }]],
     look_alikes: &[
         LookAlike {
             effect: "entrained-air",
@@ -44,7 +41,8 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "closed-valve hold under load: leakage goes on, compliance rests",
         },
     ],
+    extends: &[],
     separated_by: "pressure steps against a blocked rod at two pressure levels",
     source: "Merritt, Hydraulic Control Systems, 1967, §2-5",
-    shows_in: |_, entry, _| !matches!(entry, crate::simulate::EntryPoint::Force),
+    shows_in: |scene| scene.entry != crate::simulate::EntryPoint::Force,
 };

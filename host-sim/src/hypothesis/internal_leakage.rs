@@ -17,17 +17,17 @@
 
 use model_core::parameter::Parameter;
 
-use super::{Hypothesis, LookAlike, Strength, Subsystem};
+use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
 
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "internal-leakage",
     subsystem: Subsystem::Chambers,
     equation: "Q_leak = G·(pa − pb)",
-    strengths: &[Strength {
-        name: "conductance_m3_per_s_pa",
-        parameter: Parameter::InternalLeakage,
-        typical: |machine| 0.01 * machine.get(Parameter::AreaA) * 0.1 / machine.get(Parameter::SupplyPressure),
-    }],
+    forms: &[&[Strength { parameter: Parameter::InternalLeakage, kind: Kind::Amount(|scene| {
+            // 0.02 to 10 % of the full flow at full pressure.
+            let full = scene.full_flow_m3_per_s() / scene.machine.get(Parameter::SupplyPressure);
+            (2e-4 * full, 0.1 * full)
+        }) }]],
     look_alikes: &[
         LookAlike { effect: "pump-slip", told_apart_by: "closed-valve hold under load: slip rests with the pump" },
         LookAlike {
@@ -35,7 +35,8 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "both pressures: what leaks inside, one chamber loses and the other gains",
         },
     ],
+    extends: &[],
     separated_by: "closed-valve hold under load, both pressures recorded",
     source: "Merritt, Hydraulic Control Systems, 1967, §6-1",
-    shows_in: |_, entry, _| !matches!(entry, crate::simulate::EntryPoint::Force),
+    shows_in: |scene| scene.entry != crate::simulate::EntryPoint::Force,
 };

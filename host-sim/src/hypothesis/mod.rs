@@ -10,10 +10,9 @@ mod pump_slip;
 
 use std::fmt;
 
-use model_core::machine::{Machine, Source};
+use model_core::machine::Machine;
 use model_core::parameter::Parameter;
 
-use crate::fit::{Free, Freedom};
 use crate::machine_file::LoadSource;
 use crate::recording::Signal;
 use crate::simulate::EntryPoint;
@@ -63,16 +62,68 @@ pub struct LookAlike {
     pub told_apart_by: &'static str,
 }
 
+/// What a hypothesis may know of a drive before it is fitted: where its strengths usually lie depends on the drive's size.
+#[derive(Clone, Debug)]
+pub struct Scene<'a> {
+    /// The nominal machine.
+    pub machine: &'a Machine<f64>,
+    /// Where the chain is entered.
+    pub entry: EntryPoint,
+    /// Where the load comes from.
+    pub load: LoadSource,
+    /// Signals that are measured and judged.
+    pub judged: &'a [Signal],
+    /// Lowest and highest recorded position, m; the whole stroke where none is recorded.
+    pub travel_m: (f64, f64),
+    /// Longest recording, s.
+    pub duration_s: f64,
+}
+
+impl Scene<'_> {
+    /// The force of the full supply on side A, N.
+    #[must_use]
+    pub fn full_force_n(&self) -> f64 {
+        self.machine.get(Parameter::AreaA) * self.machine.get(Parameter::SupplyPressure)
+    }
+
+    /// The flow at full opening and full supply pressure, m³/s.
+    #[must_use]
+    pub fn full_flow_m3_per_s(&self) -> f64 {
+        let opened = self.machine.get(Parameter::FlowCoefficient) * self.machine.get(Parameter::SupplyPressure).sqrt();
+        opened.min(self.machine.get(Parameter::FlowLimit))
+    }
+
+    /// Whether a signal is measured and judged.
+    #[must_use]
+    pub fn judges(&self, signal: Signal) -> bool {
+        self.judged.contains(&signal)
+    }
+}
+
+/// How a strength moves in a search.
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    /// How much of the effect there is: positive, 0 is neutral. Moves in its logarithm; the range is what is usual.
+    Amount(fn(&Scene<'_>) -> (f64, f64)),
+    /// The same of either sign; the value is the largest usual magnitude.
+    Signed(fn(&Scene<'_>) -> f64),
+    /// How the effect acts, not how much: positive, moves in its logarithm; tried first at so many points of the usual range.
+    Shape(fn(&Scene<'_>) -> (f64, f64), usize),
+    /// The same for a place, which may have either sign: moves linearly.
+    Place(fn(&Scene<'_>) -> (f64, f64), usize),
+}
+
 /// One parameter of an effect.
 #[derive(Clone, Copy, Debug)]
 pub struct Strength {
-    /// Its name in reports, with its unit.
-    pub name: &'static str,
     /// The machine's parameter.
     pub parameter: Parameter,
-    /// A typical value for a drive, in the parameter's unit; fits start here.
-    pub typical: fn(&Machine<f64>) -> f64,
+    /// How it moves, and where it usually lies.
+    pub kind: Kind,
 }
+
+/// A set of strengths that an effect is fitted with; the others stay neutral.
+pub type Form = &'static [Strength];
 
 /// An effect that can be switched on in the chain.
 #[derive(Clone, Copy, Debug)]
@@ -83,16 +134,18 @@ pub struct Hypothesis {
     pub subsystem: Subsystem,
     /// Its equation, for people.
     pub equation: &'static str,
-    /// What it has to fit.
-    pub strengths: &'static [Strength],
+    /// The ways it is fitted in, the plainest first: with more strengths, or with others.
+    pub forms: &'static [Form],
     /// What may be taken for it.
     pub look_alikes: &'static [LookAlike],
+    /// Effects that it is an extension of: it has to earn what it has more than these.
+    pub extends: &'static [&'static str],
     /// The test that shows it apart from others.
     pub separated_by: &'static str,
     /// Where the physics is described.
     pub source: &'static str,
-    /// Whether a drive of this kind, entered there, with its load known like this, can show it at all.
-    pub shows_in: fn(Source, EntryPoint, LoadSource) -> bool,
+    /// Whether a drive in this scene can show it at all.
+    pub shows_in: fn(&Scene<'_>) -> bool,
 }
 
 /// Every effect that is tried, in the order of the chain.
@@ -103,21 +156,29 @@ pub const CATALOGUE: &[&Hypothesis] = &[
     &coulomb_friction::HYPOTHESIS,
 ];
 
-impl Hypothesis {
-    /// What a fit moves for this effect.
+impl Strength {
+    /// Its name in reports, with its unit: the last part of its key.
     #[must_use]
-    pub fn free(&self, machine: &Machine<f64>) -> Vec<Free> {
-        let free = |strength: &Strength| Free {
-            parameter: strength.parameter,
-            freedom: Freedom::Strength { typical: (strength.typical)(machine) },
-        };
-        self.strengths.iter().map(free).collect()
+    pub fn name(&self) -> &'static str {
+        let key = self.parameter.description().key;
+        key.rsplit_once('.').map_or(key, |(_, name)| name)
+    }
+}
+
+impl Hypothesis {
+    /// Every parameter of every form, each once.
+    pub fn parameters(&self) -> impl Iterator<Item = Parameter> {
+        let table = format!("effects.{}.", self.name);
+        Parameter::ALL.iter().copied().filter(move |parameter| parameter.description().key.starts_with(&table))
     }
 
     /// Whether the machine file already has it.
     #[must_use]
     pub fn is_on(&self, machine: &Machine<f64>) -> bool {
-        self.strengths.iter().any(|strength| machine.get(strength.parameter) > 0.0)
+        let amounts = self.forms.iter().flat_map(|form| form.iter());
+        amounts
+            .filter(|strength| matches!(strength.kind, Kind::Amount(_) | Kind::Signed(_)))
+            .any(|strength| machine.get(strength.parameter) != 0.0)
     }
 }
 
@@ -132,13 +193,44 @@ mod tests {
         machine.set(Parameter::AreaB, 2e-3);
         machine.set(Parameter::VolumeA, 5e-4);
         machine.set(Parameter::VolumeB, 3e-4);
+        let scene = Scene {
+            machine: &machine,
+            entry: EntryPoint::Command,
+            load: LoadSource::Constant,
+            judged: &[Signal::Position],
+            travel_m: (0.05, 0.25),
+            duration_s: 5.0,
+        };
         for hypothesis in CATALOGUE {
-            for strength in hypothesis.strengths {
+            for strength in hypothesis.forms.iter().flat_map(|form| form.iter()) {
                 let description = strength.parameter.description();
                 assert!(description.key.starts_with(&format!("effects.{}.", hypothesis.name)), "{}", description.key);
-                let typical = (strength.typical)(&machine);
-                assert!(typical > 0.0 && typical < description.max, "{}: {typical}", hypothesis.name);
+                let (low, high) = match strength.kind {
+                    Kind::Amount(range) | Kind::Shape(range, _) | Kind::Place(range, _) => range(&scene),
+                    Kind::Signed(size) => (-size(&scene), size(&scene)),
+                };
+                assert!(low < high && description.min <= low && high <= description.max, "{}: {low}..{high}", description.key);
+                let positive = matches!(strength.kind, Kind::Amount(_) | Kind::Shape(..));
+                assert!(!positive || low > 0.0, "{}: {low}", description.key);
             }
+            for other in hypothesis.extends {
+                assert!(CATALOGUE.iter().any(|known| known.name == *other), "{}: extends {other}", hypothesis.name);
+            }
+        }
+    }
+
+    #[test]
+    fn every_effect_of_the_machine_files_vocabulary_is_a_hypothesis() {
+        for parameter in Parameter::ALL {
+            let key = parameter.description().key;
+            let Some(name) = key.strip_prefix("effects.").and_then(|rest| rest.split_once('.')).map(|(name, _)| name) else {
+                continue;
+            };
+            let hypothesis = CATALOGUE.iter().find(|hypothesis| hypothesis.name == name);
+            let tried = hypothesis.is_some_and(|hypothesis| {
+                hypothesis.forms.iter().any(|form| form.iter().any(|strength| strength.parameter == *parameter))
+            });
+            assert!(tried, "{key}");
         }
     }
 }

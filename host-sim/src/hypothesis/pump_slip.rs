@@ -16,26 +16,25 @@
 //! ## Source
 //! W. E. Wilson, *Rotary-pump theory*, Trans. ASME 68, 1946 (laminar slip of positive-displacement pumps).
 
-use model_core::machine::Source;
 use model_core::parameter::Parameter;
 
-use super::{Hypothesis, LookAlike, Strength, Subsystem};
+use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
 
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "pump-slip",
     subsystem: Subsystem::Flow,
     equation: "Q = V_g·n − S·(p − p_tank)",
-    strengths: &[Strength {
-        name: "conductance_m3_per_s_pa",
-        parameter: Parameter::PumpSlip,
-        // 5 % of the flow at 20 rev/s and 50 bar.
-        typical: |machine| 0.05 * machine.get(Parameter::PumpDisplacement) * 20.0 / 5e6,
-    }],
+    forms: &[&[Strength { parameter: Parameter::PumpSlip, kind: Kind::Amount(|scene| {
+            // 0.5 to 20 % of the flow at 20 rev/s and 50 bar.
+            let full = scene.machine.get(Parameter::PumpDisplacement) * 20.0 / 5e6;
+            (0.005 * full, 0.2 * full)
+        }) }]],
     look_alikes: &[LookAlike {
         effect: "internal-leakage",
         told_apart_by: "closed-valve hold under load: leakage goes on with the pump at rest",
     }],
+    extends: &[],
     separated_by: "constant speeds at two loads, and a hold under load with the pump at rest",
     source: "Wilson, Rotary-pump theory, Trans. ASME 68, 1946",
-    shows_in: |source, _, _| matches!(source, Source::Pump),
+    shows_in: |scene| scene.entry == crate::simulate::EntryPoint::Pump,
 };
