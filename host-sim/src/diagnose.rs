@@ -9,15 +9,15 @@ use model_core::machine::{Machine, MachineError, Tick};
 use model_core::parameter::Parameter;
 
 use crate::compare::CompareError;
-use crate::fit::{Estimate, FitError, Free, Freedom};
-use crate::hypothesis::{CATALOGUE, Hypothesis};
+use crate::fit::{Estimate, FitError, Free, Freedom, StartState, settle};
+use crate::hypothesis::{CATALOGUE, Hypothesis, Scene};
 use crate::locate::{Case, Location, Miss, locate, misses};
 use crate::machine_file::MachineFile;
 use crate::prepare::Prepared;
 use crate::recording::{Recording, Signal};
 use crate::residual::SignalFit;
-use crate::simulate::{StartOffset, Trajectory, simulate};
-use crate::verdict::{Candidate, Confirmation, Question, Selection, confirm, select};
+use crate::simulate::{Trajectory, simulate};
+use crate::verdict::{Candidate, Chosen, Confirmation, Question, Selection, Trial, confirm, select};
 
 /// How sure the model follows within the noise: no signal further off than half the noise again.
 const WITHIN_NOISE: f64 = 1.5;
@@ -143,26 +143,35 @@ pub fn diagnose(
     let prepare = |recording: &Recording| Prepared::new(recording, &file.machine, file.load_source, tick);
     let trained: Vec<Prepared> = training.iter().map(prepare).collect::<Result<_, _>>()?;
     let held: Vec<Prepared> = held_out.iter().map(prepare).collect::<Result<_, _>>()?;
-    let entry = trained.first().ok_or(DiagnoseError::NoTraining)?.stimulus.entry;
+    let first = trained.first().ok_or(DiagnoseError::NoTraining)?;
     check_entries(&trained, &held)?;
 
+    let judged: Vec<Signal> = first.channels.iter().map(|channel| channel.signal).collect();
+    let scene = Scene {
+        machine: &file.machine,
+        entry: first.stimulus.entry,
+        load: file.load_source,
+        judged: &judged,
+        travel_m: travelled(&file.machine, training),
+        duration_s: trained.iter().map(Prepared::duration_s).fold(0.0, f64::max),
+    };
     let ordinary = ordinary(file);
     let (hypotheses, not_testable): (Vec<_>, Vec<_>) = CATALOGUE
         .iter()
         .copied()
         .filter(|hypothesis| !hypothesis.is_on(&file.machine))
-        .partition(|hypothesis| (hypothesis.shows_in)(file.machine.source, entry, file.load_source));
+        .partition(|hypothesis| (hypothesis.shows_in)(&scene));
     let references: Vec<&Prepared> = trained.iter().collect();
     let question =
-        Question { machine: &file.machine, ordinary: &ordinary, hypotheses: &hypotheses, training: &references };
+        Question { scene: &scene, ordinary: &ordinary, hypotheses: &hypotheses, training: &references };
     let selection = select(&question, &|name| progress(name))?;
 
     let base = &selection.base.fit;
     let cases: Vec<Case<'_>> = training
         .iter()
         .zip(&trained)
-        .zip(&base.levels)
-        .map(|((recording, prepared), &level)| Case { recording, prepared, level })
+        .zip(&base.starts)
+        .map(|((recording, prepared), &start)| Case { recording, prepared, start })
         .collect();
     let above_noise = misses(&base.machine, &cases)?.iter().any(|miss| miss.over_noise > WITHIN_NOISE);
 
@@ -182,22 +191,17 @@ pub fn diagnose(
         Some(locate(&base.machine, file.load_source, &cases, named)?)
     };
     let after_cases: Vec<Case<'_>> =
-        cases.iter().zip(&after.fit.levels).map(|(case, &level)| Case { level, ..*case }).collect();
+        cases.iter().zip(&after.fit.starts).map(|(case, &start)| Case { start, ..*case }).collect();
     let mut left = misses(&after.fit.machine, &after_cases)?;
     left.retain(|miss| miss.over_noise > WITHIN_NOISE);
     let shown = trained
         .into_iter()
-        .zip(base.levels.iter().zip(&after.fit.levels).map(|(&before, &after)| Some((before, after))))
+        .zip(base.starts.iter().zip(&after.fit.starts).map(|(&before, &after)| Some((before, after))))
         .chain(held.into_iter().map(|prepared| (prepared, None)))
-        .map(|(prepared, levels)| show(prepared, levels, &base.machine, &after.fit.machine))
+        .map(|(prepared, starts)| show(prepared, starts, &base.machine, &after.fit.machine))
         .collect::<Result<Vec<_>, MachineError>>()?;
-    let refitted = after
-        .fit
-        .estimates
-        .iter()
-        .filter(|estimate| ordinary.iter().any(|free| free.parameter == estimate.parameter))
-        .copied()
-        .collect();
+    let mut refitted = after.estimates();
+    refitted.retain(|estimate| ordinary.iter().any(|free| free.parameter == estimate.parameter));
     Ok(Diagnosis {
         machine: file.name.clone(),
         verdict,
@@ -223,48 +227,51 @@ fn decide(selection: &Selection, held: &[Prepared], above_noise: bool) -> Result
         return Ok((Vec::new(), Vec::new(), None, selection.base.clone()));
     }
     let held: Vec<&Prepared> = held.iter().collect();
-    let confirmation = confirm(&selection.base.fit.machine, &chosen.fit.machine, &chosen.effects, &held)?;
+    let confirmation = confirm(&selection.base.fit.machine, &chosen.fit.machine, &held)?;
     if !held.is_empty() && !confirmation.confirms() {
-        return Ok((Vec::new(), chosen.effects.clone(), Some(confirmation), selection.base.clone()));
+        let vetoed = chosen.effects.iter().map(|chosen| chosen.effect).collect();
+        return Ok((Vec::new(), vetoed, Some(confirmation), selection.base.clone()));
     }
-    let mut findings: Vec<Finding> = chosen.effects.iter().map(|&effect| finding(effect, selection)).collect();
+    let mut findings: Vec<Finding> = chosen.effects.iter().map(|chosen| finding(chosen, selection)).collect();
     findings.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
     Ok((findings, Vec::new(), (!held.is_empty()).then_some(confirmation), chosen.clone()))
 }
 
-/// A finding with its probability among what was tried in the round that chose it.
-fn finding(effect: &'static Hypothesis, selection: &Selection) -> Finding {
-    let round = selection
-        .rounds
-        .iter()
-        .find(|round| {
-            let best = round.iter().filter(|trial| trial.accepted).max_by(|a, b| a.net().total_cmp(&b.net()));
-            best.is_some_and(|best| best.effect.name == effect.name)
-        })
-        .or(selection.rounds.first());
-    let nets: Vec<(&'static Hypothesis, f64)> =
-        round.into_iter().flatten().map(|trial| (trial.effect, trial.net())).collect();
-    let largest = nets.iter().map(|(_, net)| *net).fold(0.0, f64::max);
+/// A finding with its probability among the sets that were refitted in the round of the chosen one.
+fn finding(chosen: &Chosen, selection: &Selection) -> Finding {
+    let count = selection.chosen.effects.len();
+    let sets: &[Trial] = selection.rounds.get(count - 1).map_or(&[], Vec::as_slice);
+    let largest = sets.iter().map(|set| set.net).fold(0.0, f64::max);
     // No effect at all stands against them with a net gain of 0.
-    let total: f64 = nets.iter().map(|(_, net)| (net - largest).exp()).sum::<f64>() + (-largest).exp();
+    let total: f64 = sets.iter().map(|set| (set.net - largest).exp()).sum::<f64>() + (-largest).exp();
     let probability = |name: &str| {
-        nets.iter().find(|(effect, _)| effect.name == name).map_or(0.0, |(_, net)| (net - largest).exp() / total)
+        let with = sets.iter().filter(|set| set.effects.iter().any(|effect| effect.name == name));
+        with.map(|set| (set.net - largest).exp()).sum::<f64>() / total
     };
-    let parameters = effect
-        .strengths
+    let estimates = selection.chosen.estimates();
+    let parameters = chosen
+        .form
         .iter()
-        .filter_map(|strength| {
-            selection.chosen.fit.estimates.iter().find(|estimate| estimate.parameter == strength.parameter).copied()
-        })
+        .filter_map(|strength| estimates.iter().find(|estimate| estimate.parameter == strength.parameter).copied())
         .collect();
-    let mut alternatives: Vec<(&'static Hypothesis, f64)> = nets
-        .iter()
-        .filter(|(other, _)| selection.chosen.effects.iter().all(|chosen| chosen.name != other.name))
-        .map(|(other, _)| (*other, probability(other.name)))
-        .filter(|(_, probability)| *probability > 1e-3)
-        .collect();
+    let mut alternatives: Vec<(&'static Hypothesis, f64)> = Vec::new();
+    for effect in sets.iter().flat_map(|set| set.effects.iter().copied()) {
+        let claimed = selection.chosen.effects.iter().any(|chosen| chosen.effect.name == effect.name);
+        let probability = probability(effect.name);
+        if !claimed && probability > 1e-3 && alternatives.iter().all(|(known, _)| known.name != effect.name) {
+            alternatives.push((effect, probability));
+        }
+    }
     alternatives.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let effect = chosen.effect;
     Finding { effect, confidence: probability(effect.name).min(0.999), parameters, alternatives }
+}
+
+/// Lowest and highest recorded position, m; the whole stroke where none is recorded.
+fn travelled(machine: &Machine<f64>, recordings: &[Recording]) -> (f64, f64) {
+    let positions = recordings.iter().filter_map(|recording| recording.signal(Signal::Position)).flatten();
+    let (low, high) = positions.fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(*value), high.max(*value)));
+    if low < high { (low, high) } else { (0.0, machine.get(Parameter::Stroke)) }
 }
 
 /// Ordinary parameters that may move: those of `[fit.sigma]`, else every one that the file gives and that is usually
@@ -312,17 +319,20 @@ fn check_entries(training: &[Prepared], held: &[Prepared]) -> Result<(), Diagnos
     }
 }
 
-/// Simulates before and after, from the fitted pressure levels at rest; a held-out recording has none and starts at half.
+/// Simulates before and after, from the fitted starts; a held-out recording has none and starts from what suits each best.
 fn show(
     prepared: Prepared,
-    levels: Option<(f64, f64)>,
+    starts: Option<(StartState, StartState)>,
     before: &Machine<f64>,
     after: &Machine<f64>,
 ) -> Result<Shown, MachineError> {
-    let (level_before, level_after) = levels.unwrap_or((0.5, 0.5));
-    let before = simulate::<f64>(before, &prepared.stimulus, StartOffset { level: level_before })?;
-    let after = simulate::<f64>(after, &prepared.stimulus, StartOffset { level: level_after })?;
-    Ok(Shown { held_out: levels.is_none(), prepared, before, after })
+    let (from_before, from_after) = match starts {
+        Some(starts) => starts,
+        None => (settle(before, &prepared)?, settle(after, &prepared)?),
+    };
+    let before = simulate::<f64>(before, &prepared.stimulus, from_before.offset(&prepared))?;
+    let after = simulate::<f64>(after, &prepared.stimulus, from_after.offset(&prepared))?;
+    Ok(Shown { held_out: starts.is_none(), prepared, before, after })
 }
 
 impl Shown {

@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod atomic;
+pub mod candidate;
 pub mod cli;
 pub mod compare;
 pub mod diagnose;
@@ -19,6 +20,7 @@ pub mod presentation;
 pub mod recording;
 pub mod report;
 pub mod residual;
+pub mod screen;
 pub mod simulate;
 pub mod testbed;
 pub mod verdict;

@@ -5,12 +5,12 @@
 
 use model_core::machine::{Machine, MachineError};
 
-use crate::fit::standardised;
+use crate::fit::{StartState, standardised};
 use crate::hypothesis::Subsystem;
 use crate::machine_file::LoadSource;
 use crate::prepare::Prepared;
 use crate::recording::{Recording, Signal};
-use crate::simulate::{EntryPoint, StartOffset, Trajectory, simulate};
+use crate::simulate::{EntryPoint, Trajectory, simulate};
 
 /// A stretch of a recording.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -56,8 +56,8 @@ pub struct Case<'a> {
     pub recording: &'a Recording,
     /// As the fit sees it.
     pub prepared: &'a Prepared,
-    /// Pressure level at rest, share of supply, where pressures are not recorded.
-    pub level: f64,
+    /// The state it starts from.
+    pub start: StartState,
 }
 
 /// Locates what `machine`, already refitted, misses: in the link that was named, or else in the one that misses its output.
@@ -75,14 +75,15 @@ pub fn locate(
     let (mut inside, mut total) = (0.0, 0.0);
     let mut states = States::default();
     for case in cases {
-        let trajectory = simulate::<f64>(machine, &case.prepared.stimulus, StartOffset { level: case.level })?;
+        let trajectory = simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(case.prepared))?;
         let Some(channel) = case.prepared.channels.iter().find(|channel| channel.signal == signal) else { continue };
         let Some(simulated) = trajectory.signal(signal) else { continue };
         let errors: Vec<f64> = channel
             .recorded
             .iter()
             .zip(simulated)
-            .map(|(recorded, simulated)| (recorded - simulated) / channel.noise)
+            .zip(&channel.failed)
+            .map(|((recorded, simulated), failed)| if *failed { 0.0 } else { (recorded - simulated) / channel.noise })
             .collect();
         let made = made(signal, &case.prepared.time_s, &errors);
         let (stretches, held) = stretches(&made);
@@ -104,7 +105,7 @@ pub fn locate(
 pub fn misses(machine: &Machine<f64>, cases: &[Case<'_>]) -> Result<Vec<Miss>, MachineError> {
     let mut sums: Vec<(Signal, f64, f64)> = Vec::new();
     for case in cases {
-        let series = standardised(machine, case.prepared, case.level)?;
+        let series = standardised(machine, case.prepared, case.start)?;
         for (channel, series) in case.prepared.channels.iter().zip(&series) {
             let square: f64 = series.iter().map(|value| value * value).sum();
             match sums.iter_mut().find(|(signal, ..)| *signal == channel.signal) {
@@ -132,7 +133,7 @@ fn entered_at_slider(machine: &Machine<f64>, load: LoadSource, cases: &[Case<'_>
     let cases: Vec<Case<'_>> = prepared
         .iter()
         .zip(cases)
-        .map(|(prepared, case)| Case { recording: case.recording, prepared, level: case.level })
+        .map(|(prepared, case)| Case { recording: case.recording, prepared, start: case.start })
         .collect();
     misses(machine, &cases)
 }

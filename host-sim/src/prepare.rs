@@ -15,6 +15,8 @@ pub struct Channel {
     pub signal: Signal,
     /// What was recorded, SI.
     pub recorded: Vec<f64>,
+    /// Rows where the sensor failed for a moment: spikes. They are not judged.
+    pub failed: Vec<bool>,
     /// Standard deviation of the sensor's noise and quantisation, SI.
     pub noise: f64,
 }
@@ -50,6 +52,8 @@ pub struct Prepared {
     pub stimulus: Stimulus,
     /// The judged signals in the chain's order.
     pub channels: Vec<Channel>,
+    /// Standard deviation of the position at the start, m: what its sensor leaves open.
+    pub start_sigma_m: f64,
 }
 
 impl Prepared {
@@ -82,9 +86,61 @@ impl Prepared {
             .map(|signal| {
                 recording.check_varies(signal)?;
                 let recorded = recording.require(signal)?.to_vec();
-                Ok(Channel { signal, noise: noise(&recorded, resolution(&recorded)), recorded })
+                let noise = noise(&recorded, resolution(&recorded));
+                Ok(Channel { signal, failed: spikes(&recorded, noise), noise, recorded })
             })
             .collect::<Result<_, CompareError>>()?;
-        Ok(Self { name: recording.name().to_owned(), time_s: recording.time_s().to_vec(), stimulus, channels })
+        let start_sigma_m = recording.signal(Signal::Position).map_or(0.0, |position| {
+            let step = resolution(position);
+            (step * step / 12.0 + noise(position, step).powi(2) / ROWS_AT_REST).sqrt()
+        });
+        Ok(Self {
+            name: recording.name().to_owned(),
+            time_s: recording.time_s().to_vec(),
+            stimulus,
+            channels,
+            start_sigma_m,
+        })
     }
+
+    /// From the first row to the last, s.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        self.time_s.last().zip(self.time_s.first()).map_or(0.0, |(last, first)| last - first)
+    }
+
+    /// The same recording judged by some of its signals only.
+    #[must_use]
+    pub fn judged_by(&self, wanted: impl Fn(Signal) -> bool) -> Self {
+        let channels = self.channels.iter().filter(|channel| wanted(channel.signal)).cloned().collect();
+        Self { channels, ..self.clone() }
+    }
+}
+
+/// Rows that the start is averaged over at least.
+const ROWS_AT_REST: f64 = 20.0;
+/// A row is a spike that is further from the median of the seven around it than so many standard deviations of the noise, and
+/// twice as far as its neighbours are from each other.
+const SPIKE: f64 = 8.0;
+
+/// Rows where the sensor failed for a moment.
+fn spikes(values: &[f64], noise: f64) -> Vec<bool> {
+    let last = values.len() - 1;
+    let median_at = |row: usize| {
+        let (from, to) = (row.saturating_sub(3), (row + 3).min(last));
+        let mut around = values[from..=to].to_vec();
+        around.sort_by(f64::total_cmp);
+        around[around.len() / 2]
+    };
+    (0..values.len())
+        .map(|row| {
+            let (before, after) = (values[row.saturating_sub(1)], values[(row + 1).min(last)]);
+            let far = |from: f64| (values[row] - from).abs() > SPIKE * noise;
+            // Most rows are next to their neighbours, and cost no median.
+            (far(before) || far(after)) && {
+                let spread = (before - after).abs().max(0.5 * SPIKE * noise);
+                (values[row] - median_at(row)).abs() > 2.0 * spread
+            }
+        })
+        .collect()
 }

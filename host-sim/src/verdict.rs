@@ -1,55 +1,45 @@
 //! Which effects are claimed, decided on the training recordings alone, then confirmed or vetoed on the held-out ones.
 //!
-//! Every training recording is left out in turn; a candidate is refitted in the chain on the others and judged on the one it
-//! never saw. The gain is a log-likelihood: ½·n·ln(loss before/loss after) per signal, with n the number of *independent*
-//! samples in the residual (neighbouring samples of a mismatch tell the same). A candidate must gain more than a Bayesian
-//! information penalty for its parameters, and in all left-out recordings but one: what happens once is a disturbance.
-//! Forward selection, one effect at a time; then backward: an effect that the others make superfluous goes again.
+//! Every effect is screened; the most promising are refitted in the chain; the best few are each tried with a second one, and so
+//! on, so that a pair is found even where neither of it is best alone. Sets are compared by a log-likelihood in which each
+//! signal's noise level is unknown: ½·n·ln(loss), with n the number of *independent* samples in the residual (neighbouring samples
+//! of a mismatch tell the same), less a Bayesian information penalty for the strengths. A claim must also gain on recordings that
+//! were left out, on all but one of them (what happens once is a disturbance), and take away at least half of what is above the
+//! noise: an effect that does less is a stand-in for something else.
 
-use model_core::machine::MachineError;
+use model_core::machine::{Machine, MachineError};
 use rayon::prelude::*;
 
-use crate::fit::{Fit, FitError, Free, effective_samples, fit, fitted, loss, standardised};
+pub use crate::candidate::{Candidate, Chosen, Question, Residuals};
+use crate::fit::{FitError, effective_samples, loss, settle, standardised};
 use crate::hypothesis::Hypothesis;
 use crate::prepare::Prepared;
 use crate::recording::Signal;
-use model_core::machine::Machine;
 
 /// Most effects claimed at once.
 const MOST_EFFECTS: usize = 3;
-/// A claim must lower the left-out loss of some signal at least by this share: less is not worth a parameter in a controller.
-const LEAST_SHARE: f64 = 0.02;
+/// Effects that are refitted in a round, the most promising by the screening.
+const REFITTED: usize = 7;
+/// Sets that the next round starts from.
+const BEAM: usize = 3;
+/// Effects that are refitted beside each of those.
+const BESIDE: usize = 4;
+/// What an effect must take away of what is above the noise.
+const LEAST_SHARE: f64 = 0.5;
+/// What a gain must be beyond the information penalty: one in twenty by chance.
+const CHANCE: f64 = 3.0;
+/// A set whose worst signal is this close to its noise is not searched further.
+const AT_NOISE: f64 = 1.03;
 
-/// A set of effects with its fit.
-#[derive(Clone, Debug)]
-pub struct Candidate {
-    /// The effects beyond the machine file's own.
-    pub effects: Vec<&'static Hypothesis>,
-    /// Fitted on all training recordings.
-    pub fit: Fit,
-    /// Standardised residuals on each training recording while it was left out, one series a channel.
-    left_out: Vec<Vec<Vec<f64>>>,
-}
-
-/// What one more effect gained over a set without it, on recordings left out.
+/// What one set gained over the one before it.
 #[derive(Clone, Debug)]
 pub struct Trial {
-    /// The effect tried.
+    /// The effect that is new in it.
     pub effect: &'static Hypothesis,
-    /// Log-likelihood gained per left-out recording.
-    pub gains: Vec<f64>,
-    /// What it had to gain in all.
-    pub penalty: f64,
-    /// Whether it passed.
-    pub accepted: bool,
-}
-
-impl Trial {
-    /// Total gain less the penalty.
-    #[must_use]
-    pub fn net(&self) -> f64 {
-        self.gains.iter().sum::<f64>() - self.penalty
-    }
+    /// All its effects.
+    pub effects: Vec<&'static Hypothesis>,
+    /// Log-likelihood gained over the base, less the penalty.
+    pub net: f64,
 }
 
 /// The outcome of the selection on training recordings.
@@ -59,53 +49,163 @@ pub struct Selection {
     pub base: Candidate,
     /// The chosen set; the base again if nothing is claimed.
     pub chosen: Candidate,
-    /// Every trial, round by round.
+    /// Every set that was refitted, round by round, the best first.
     pub rounds: Vec<Vec<Trial>>,
 }
 
-/// The question put to the training recordings.
-#[derive(Clone, Copy, Debug)]
-pub struct Question<'a> {
-    /// The nominal machine.
-    pub machine: &'a Machine<f64>,
-    /// Ordinary parameters that may move.
-    pub ordinary: &'a [Free],
-    /// Effects that these recordings can show.
-    pub hypotheses: &'a [&'static Hypothesis],
-    /// Training recordings.
-    pub training: &'a [&'a Prepared],
+/// Chooses the effects. `done` is told after each refit.
+pub fn select(question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<Selection, FitError> {
+    let base = Candidate::base(question)?;
+    done("refit");
+    let mut rounds = Vec::new();
+    let mut chosen = base.clone();
+    let mut beam = vec![base.clone()];
+    for round in 0..MOST_EFFECTS {
+        let found = widened(question, &beam, if round == 0 { REFITTED } else { BESIDE }, done)?;
+        let ranked = ranked(&base, found);
+        rounds.push(ranked.iter().map(|(candidate, net)| trial(candidate, *net)).collect());
+        let mut accepted = None;
+        for (candidate, _) in ranked.iter().take(BEAM) {
+            if accepts(question, &chosen, candidate)? {
+                accepted = Some(candidate.clone());
+                break;
+            }
+        }
+        beam = ranked.into_iter().take(BEAM).map(|(candidate, _)| candidate).collect();
+        if let Some(better) = accepted {
+            chosen = backward(question, better)?;
+        }
+        let enough = beam.first().is_none_or(|best| best.worst_over_noise(question) < AT_NOISE);
+        // Two that go together may each be nothing alone, but a third is only looked for beside what was found.
+        if enough || (round > 0 && chosen.effects.len() <= round) {
+            break;
+        }
+    }
+    Ok(Selection { base, chosen, rounds })
 }
 
-/// Chooses the effects. `done` is told after each candidate.
-pub fn select(question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<Selection, FitError> {
-    let base = candidate(question, &[], None)?;
-    done("refit");
-    let mut chosen = base.clone();
-    let mut rounds = Vec::new();
-    while chosen.effects.len() < MOST_EFFECTS {
+/// Every set of the beam with one more effect, each effect in its most promising forms.
+fn widened(
+    question: &Question<'_>,
+    beam: &[Candidate],
+    most: usize,
+    done: &(impl Fn(&str) + Sync),
+) -> Result<Vec<Candidate>, FitError> {
+    let mut found: Vec<Candidate> = Vec::new();
+    for from in beam {
         let open: Vec<&'static Hypothesis> = question
             .hypotheses
             .iter()
             .copied()
-            .filter(|hypothesis| chosen.effects.iter().all(|effect| effect.name != hypothesis.name))
+            .filter(|hypothesis| from.effects.iter().all(|chosen| chosen.effect.name != hypothesis.name))
+            .filter(|hypothesis| from.effects.iter().all(|chosen| !related(chosen.effect, hypothesis)))
             .collect();
-        let tried: Vec<(Candidate, Trial)> = open
+        let mut leads = from.leads(question, &open)?;
+        let mut names: Vec<&str> = Vec::new();
+        leads.retain(|lead| {
+            if !names.contains(&lead.effect.name) {
+                names.push(lead.effect.name);
+            }
+            names.iter().position(|name| *name == lead.effect.name).is_some_and(|rank| rank < most)
+        });
+        let refitted: Vec<Candidate> = leads
             .par_iter()
-            .map(|&effect| {
-                let effects: Vec<_> = chosen.effects.iter().copied().chain([effect]).collect();
-                let candidate = candidate(question, &effects, Some(&chosen.fit))?;
-                let trial = judge(question, effect, &chosen, &candidate);
-                done(effect.name);
-                Ok((candidate, trial))
+            .map(|lead| {
+                let candidate = from.with(question, lead)?;
+                done(lead.effect.name);
+                Ok(candidate)
             })
             .collect::<Result<_, FitError>>()?;
-        rounds.push(tried.iter().map(|(_, trial)| trial.clone()).collect());
-        let best =
-            tried.into_iter().filter(|(_, trial)| trial.accepted).max_by(|(_, a), (_, b)| a.net().total_cmp(&b.net()));
-        let Some((candidate, _)) = best else { break };
-        chosen = backward(question, candidate)?;
+        found.extend(refitted);
     }
-    Ok(Selection { base, chosen, rounds })
+    Ok(found)
+}
+
+/// Whether one is an extension of the other: never claimed together.
+fn related(one: &Hypothesis, other: &Hypothesis) -> bool {
+    one.extends.contains(&other.name)
+        || other.extends.contains(&one.name)
+        || one.extends.iter().any(|plain| other.extends.contains(plain))
+}
+
+/// Best first by log-likelihood gained over the base less penalty; only the best form of the same effects stays.
+fn ranked(base: &Candidate, found: Vec<Candidate>) -> Vec<(Candidate, f64)> {
+    let Some(best) = found.iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss)) else { return Vec::new() };
+    // The independent samples of the best residuals, so that all are measured alike.
+    let samples: Vec<f64> = best.residuals.iter().flatten().map(|series| effective_samples(series)).collect();
+    let total: f64 = samples.iter().sum();
+    let net = |candidate: &Candidate| {
+        let series = base.residuals.iter().flatten().zip(candidate.residuals.iter().flatten());
+        let gain: f64 = series
+            .zip(&samples)
+            .map(|((before, after), samples)| 0.5 * samples * (floored(before) / floored(after)).ln())
+            .sum();
+        gain - 0.5 * candidate.strengths() as f64 * total.max(2.0).ln()
+    };
+    let mut ranked: Vec<(Candidate, f64)> = found.into_iter().map(|candidate| (net(&candidate), candidate)).map(|(net, candidate)| (candidate, net)).collect();
+    ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let mut seen: Vec<Vec<&str>> = Vec::new();
+    ranked.retain(|(candidate, _)| {
+        let mut names: Vec<&str> = candidate.effects.iter().map(|chosen| chosen.effect.name).collect();
+        names.sort_unstable();
+        let new = !seen.contains(&names);
+        seen.push(names);
+        new
+    });
+    ranked
+}
+
+fn trial(candidate: &Candidate, net: f64) -> Trial {
+    let effects: Vec<_> = candidate.effects.iter().map(|chosen| chosen.effect).collect();
+    Trial { effect: effects[effects.len() - 1], effects, net }
+}
+
+/// The loss of a series, or what pure noise would lose if that is more: nothing below it can be gained.
+fn floored(series: &[f64]) -> f64 {
+    loss(series).max(series.len() as f64)
+}
+
+/// Log-likelihood gained on one signal. n are the independent samples of the residual that has fewer, so that a gain one way is
+/// a loss the other.
+fn gained(before: &[f64], after: &[f64]) -> f64 {
+    0.5 * independent(before, after) * (floored(before) / floored(after)).ln()
+}
+
+fn independent(before: &[f64], after: &[f64]) -> f64 {
+    effective_samples(before).min(effective_samples(after))
+}
+
+/// What is above the noise.
+fn excess(residuals: &Residuals) -> f64 {
+    residuals.iter().flatten().map(|series| floored(series) - series.len() as f64).sum()
+}
+
+/// Whether `with` is worth its strengths over `without`.
+fn accepts(question: &Question<'_>, without: &Candidate, with: &Candidate) -> Result<bool, FitError> {
+    if excess(&with.residuals) > (1.0 - LEAST_SHARE) * excess(&without.residuals) {
+        return Ok(false);
+    }
+    let (before, after) = (without.left_out(question)?, with.left_out(question)?);
+    let mut samples = 0.0;
+    let gains: Vec<f64> = before
+        .iter()
+        .zip(&after)
+        .map(|(before, after)| {
+            before
+                .iter()
+                .zip(after)
+                .map(|(before, after)| {
+                    samples += independent(before, after);
+                    gained(before, after)
+                })
+                .sum()
+        })
+        .collect();
+    let more = with.strengths().saturating_sub(without.strengths()) as f64;
+    let penalty = 0.5 * more * f64::max(samples, 2.0).ln() + CHANCE;
+    let improved = gains.iter().filter(|gain| **gain > 0.0).count();
+    let needed = if gains.len() > 2 { gains.len() - 1 } else { gains.len() };
+    Ok(gains.iter().sum::<f64>() > penalty && improved >= needed)
 }
 
 /// Drops every effect that the others make superfluous.
@@ -113,10 +213,8 @@ fn backward(question: &Question<'_>, mut full: Candidate) -> Result<Candidate, F
     while full.effects.len() > 1 {
         let mut dropped = None;
         for index in 0..full.effects.len() {
-            let mut effects = full.effects.clone();
-            let effect = effects.remove(index);
-            let without = candidate(question, &effects, Some(&full.fit))?;
-            if !judge(question, effect, &without, &full).accepted {
+            let without = full.without(question, index)?;
+            if !accepts(question, &without, &full)? {
                 dropped = Some(without);
                 break;
             }
@@ -129,106 +227,10 @@ fn backward(question: &Question<'_>, mut full: Candidate) -> Result<Candidate, F
     Ok(full)
 }
 
-/// Fits a set of effects on all training recordings, and on all but each.
-fn candidate(
-    question: &Question<'_>,
-    effects: &[&'static Hypothesis],
-    from: Option<&Fit>,
-) -> Result<Candidate, FitError> {
-    let free: Vec<Free> = question
-        .ordinary
-        .iter()
-        .copied()
-        .chain(effects.iter().flat_map(|effect| effect.free(question.machine)))
-        .collect();
-    let mut all = fit(question.machine, &free, question.training, from, 1e-6)?;
-    if from.is_some() {
-        // The solution without the effect may have bent the ordinary parameters into another valley: the nominal ones start too.
-        let nominal = fit(question.machine, &free, question.training, None, 1e-6)?;
-        if nominal.loss < all.loss {
-            all = nominal;
-        }
-    }
-    let count = question.training.len();
-    let left_out = (0..count)
-        .into_par_iter()
-        .map(|index| {
-            let case = question.training[index];
-            let level = all.levels[index];
-            if count == 1 {
-                return Ok(standardised(&all.machine, case, level)?);
-            }
-            let others: Vec<&Prepared> = question
-                .training
-                .iter()
-                .enumerate()
-                .filter(|(other, _)| *other != index)
-                .map(|(_, case)| *case)
-                .collect();
-            // Close to the solution already: it moves by what one recording weighs.
-            let fold = fitted(question.machine, &free, &others, Some(&all), 1e-4)?;
-            Ok(standardised(&fold, case, level)?)
-        })
-        .collect::<Result<_, FitError>>()?;
-    Ok(Candidate { effects: effects.to_vec(), fit: all, left_out })
-}
-
-/// Log-likelihood gained on one signal: ½·n·ln(loss before/loss after). A mean square of 1 is the noise itself: nothing below it
-/// can be gained. n are the independent samples of the residual that has fewer, so that a gain one way is a loss the other.
-fn gained(before: &[f64], after: &[f64]) -> f64 {
-    let floor = before.len() as f64;
-    0.5 * independent(before, after) * (loss(before).max(floor) / loss(after).max(floor)).ln()
-}
-
-fn independent(before: &[f64], after: &[f64]) -> f64 {
-    effective_samples(before).min(effective_samples(after))
-}
-
-/// Whether `with` is worth its parameters over `without`, on recordings that were left out.
-fn judge(question: &Question<'_>, effect: &'static Hypothesis, without: &Candidate, with: &Candidate) -> Trial {
-    let (mut samples, mut reached, mut best_share) = (0.0, 0.0, 0.0_f64);
-    let gains: Vec<f64> = question
-        .training
-        .iter()
-        .zip(without.left_out.iter().zip(&with.left_out))
-        .map(|(case, (before, after))| {
-            let mut total = 0.0;
-            for (channel, (before, after)) in case.channels.iter().zip(before.iter().zip(after)) {
-                let gain = gained(before, after);
-                samples += independent(before, after);
-                total += gain;
-                if effect.subsystem.reaches(channel.signal) {
-                    let floor = before.len() as f64;
-                    reached += gain;
-                    best_share = best_share.max(1.0 - loss(after).max(floor) / loss(before).max(floor));
-                }
-            }
-            total
-        })
-        .collect();
-    let parameters = effect.strengths.len() as f64;
-    let penalty = 0.5 * parameters * f64::max(samples, 2.0).ln() + 3.0;
-    let improved = gains.iter().filter(|gain| **gain > 0.0).count();
-    let needed = if gains.len() > 2 { gains.len() - 1 } else { gains.len() };
-    // A strength at an end of its range, or one that the recordings do not determine, is no finding.
-    let significant = effect.strengths.iter().all(|strength| {
-        let estimate = with.fit.estimates.iter().find(|estimate| estimate.parameter == strength.parameter);
-        estimate.is_some_and(|estimate| {
-            !estimate.at_bound && estimate.std.is_finite() && estimate.value > 3.0 * estimate.std
-        })
-    });
-    let accepted = gains.iter().sum::<f64>() > penalty
-        && reached > 0.0
-        && improved >= needed
-        && significant
-        && best_share > LEAST_SHARE;
-    Trial { effect, gains, penalty, accepted }
-}
-
 /// What the held-out recordings say of a choice that they did not take part in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Confirmation {
-    /// Log-likelihood gained over the base on all held-out recordings, on signals that the effects reach.
+    /// Log-likelihood gained over the base on all held-out recordings.
     pub gain: f64,
     /// The signal that gained least, over all held-out recordings.
     pub least_gain: f64,
@@ -240,9 +242,6 @@ pub struct Confirmation {
     pub recordings: usize,
 }
 
-/// A loss of log-likelihood that chance makes rarely (one in twenty).
-const CHANCE: f64 = 3.0;
-
 impl Confirmation {
     /// Whether they confirm it: a gain in all and on at least half of the recordings, no signal clearly worse, and none
     /// that the model follows worse than its mean would.
@@ -250,7 +249,7 @@ impl Confirmation {
     pub fn confirms(&self) -> bool {
         self.recordings > 0
             && self.gain > 0.0
-            && self.least_gain > -CHANCE
+            && self.least_gain > -CHANCE.max(0.1 * self.gain)
             && self.least_fit_percent > 0.0
             && 2 * self.improved >= self.recordings
     }
@@ -260,19 +259,16 @@ impl Confirmation {
 pub fn confirm(
     base: &Machine<f64>,
     chosen: &Machine<f64>,
-    effects: &[&Hypothesis],
     held_out: &[&Prepared],
 ) -> Result<Confirmation, MachineError> {
     let mut improved = 0;
     let mut signals: Vec<(Signal, f64)> = Vec::new();
     let mut least_fit_percent = 100.0_f64;
     for case in held_out {
-        let (before, after) = (standardised(base, case, 0.5)?, standardised(chosen, case, 0.5)?);
+        let before = standardised(base, case, settle(base, case)?)?;
+        let after = standardised(chosen, case, settle(chosen, case)?)?;
         let mut total = 0.0;
         for (channel, (before, after)) in case.channels.iter().zip(before.iter().zip(&after)) {
-            if !effects.iter().any(|effect| effect.subsystem.reaches(channel.signal)) {
-                continue;
-            }
             let gain = gained(before, after);
             total += gain;
             match signals.iter_mut().find(|(signal, _)| *signal == channel.signal) {

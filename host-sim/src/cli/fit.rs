@@ -6,7 +6,7 @@ use super::input;
 use super::target::{check_not_read, check_target};
 use super::{CliError, Console, Outcome};
 use crate::diagnose::{DiagnoseError, ordinary};
-use crate::fit::fit;
+use crate::fit::{From, fit};
 use crate::machine_file;
 use crate::prepare::Prepared;
 use crate::recording::ChannelMap;
@@ -56,12 +56,12 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     }
     let cases: Vec<&Prepared> = prepared.iter().collect();
     let bar = console.progress(1, "fitting");
-    let fitted = fit(&file.machine, &ordinary(&file), &cases, None, 1e-8).map_err(|cause| failed(cause.into()))?;
+    let fitted = fit(&file.machine, &ordinary(&file), &cases, &From::default(), 1e-8).map_err(|cause| failed(cause.into()))?;
     bar.finish_and_clear();
     file.machine = fitted.machine;
-    file.given.extend(fitted.estimates.iter().map(|estimate| estimate.parameter));
+    file.given.extend(fitted.free.iter().map(|free| free.parameter));
     file.save(&arguments.save_machine)?;
-    console.print(terminal::parameters(&fitted.estimates))?;
+    console.print(terminal::parameters(&fitted.estimates(1.0)))?;
     if !fitted.converged {
         console.note("the search did not converge: the values are the best it met");
     }

@@ -1,25 +1,33 @@
 //! Refit of parameters on all training recordings together.
 //!
 //! Levenberg-Marquardt (crate `levenberg-marquardt`, a port of MINPACK) over residuals divided by each channel's noise, with the
-//! Jacobian from the core run on dual numbers. A pseudo-Huber loss keeps single spikes from steering. Nominal values with a
-//! stated standard deviation enter as Gaussian priors; effects are fitted in the logarithm of their strength, so their sign
-//! is given. Where no pressure is recorded, each recording's level of pressure at rest is free.
+//! derivatives from the core run on dual numbers. A pseudo-Huber loss keeps single spikes from steering. Every free value has a
+//! prior: a nominal one with a stated standard deviation, or the usual range of an effect's strength, in whose logarithm
+//! strengths move, so their sign is given. The state that each recording starts from is free as well, within what its sensors
+//! leave open.
 
+mod information;
 mod problem;
 mod residuals;
+mod sensitivity;
+mod start;
 
 use model_core::machine::{Machine, MachineError};
 use model_core::parameter::Parameter;
+use nalgebra::DVector;
 
 use crate::prepare::Prepared;
-use problem::{Minimum, Problem, needs_level};
-pub(crate) use residuals::effective_samples;
-use residuals::{Evaluation, soft};
+pub(crate) use information::OF_START;
+pub use information::Information;
+use problem::{Minimum, Problem};
+pub use residuals::{effective_samples, loss, soft, standardised};
+pub use sensitivity::{Change, Sensitivity};
+pub use start::{StartState, settle};
 
 /// Most parameters of one fit.
-pub const MOST_PARAMETERS: usize = 24;
+pub const MOST_PARAMETERS: usize = 28;
 
-/// How a free parameter moves.
+/// How a free parameter moves; its own coordinate has a unit normal prior in each case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Freedom {
     /// Around a nominal value, with a Gaussian prior of this standard deviation, in the parameter's unit.
@@ -29,10 +37,12 @@ pub enum Freedom {
         /// Its standard deviation.
         sigma: f64,
     },
-    /// Positive and of unknown size: moves in its logarithm, from this value on.
-    Strength {
-        /// A typical value, to start from.
-        typical: f64,
+    /// Positive and of roughly known size: moves in its logarithm.
+    Logarithm {
+        /// Middle of the usual range.
+        centre: f64,
+        /// Standard deviation of the logarithm.
+        spread: f64,
     },
 }
 
@@ -46,14 +56,24 @@ pub struct Free {
 }
 
 impl Free {
-    /// The value at the fit's own coordinate, which is 0 at the start.
-    fn value(&self, coordinate: f64) -> f64 {
+    /// The value at the fit's own coordinate, which is 0 at the middle of the prior.
+    #[must_use]
+    pub fn value(&self, coordinate: f64) -> f64 {
         let description = self.parameter.description();
         let value = match self.freedom {
             Freedom::Around { nominal, sigma } => nominal + sigma * coordinate,
-            Freedom::Strength { typical } => typical * coordinate.clamp(-23.0, 23.0).exp(),
+            Freedom::Logarithm { centre, spread } => centre * (spread * coordinate).clamp(-40.0, 40.0).exp(),
         };
         value.clamp(description.min, description.max)
+    }
+
+    /// The coordinate of a value.
+    #[must_use]
+    pub fn coordinate(&self, value: f64) -> f64 {
+        match self.freedom {
+            Freedom::Around { nominal, sigma } => (value - nominal) / sigma,
+            Freedom::Logarithm { centre, spread } => (value / centre).max(1e-17).ln() / spread,
+        }
     }
 
     /// Whether the value is held at an end of its range.
@@ -67,15 +87,7 @@ impl Free {
         match self.freedom {
             _ if self.at_bound(coordinate) => 0.0,
             Freedom::Around { sigma, .. } => sigma,
-            Freedom::Strength { .. } => self.value(coordinate),
-        }
-    }
-
-    /// The prior's residual.
-    fn prior(&self, coordinate: f64) -> f64 {
-        match self.freedom {
-            Freedom::Around { .. } => coordinate,
-            Freedom::Strength { .. } => 0.0,
+            Freedom::Logarithm { spread, .. } => spread * self.value(coordinate),
         }
     }
 }
@@ -101,18 +113,59 @@ pub struct Estimate {
 pub struct Fit {
     /// The machine with fitted values.
     pub machine: Machine<f64>,
-    /// Every free parameter.
-    pub estimates: Vec<Estimate>,
-    /// Level of pressure at rest per training recording, share of supply.
-    pub levels: Vec<f64>,
-    /// Coordinates of the solution, to start another fit from.
-    coordinates: Vec<f64>,
-    /// The same of each level, by the recording's name.
-    level_coordinates: Vec<(String, f64)>,
+    /// What was free.
+    pub free: Vec<Free>,
+    /// Coordinates of the solution.
+    pub coordinates: Vec<f64>,
+    /// The state each recording starts from.
+    pub starts: Vec<StartState>,
+    /// What each recording tells of the free parameters, at the solution.
+    pub information: Vec<Information>,
     /// Whether the optimiser met one of its criteria.
     pub converged: bool,
     /// Half the sum of squares that it minimised, priors included.
     pub loss: f64,
+}
+
+impl Fit {
+    /// Every free parameter with its standard deviation; `inflation` is how many times more rows there are than independent
+    /// samples.
+    #[must_use]
+    pub fn estimates(&self, inflation: f64) -> Vec<Estimate> {
+        let deviations = Information::deviations(&self.information, inflation);
+        self.free
+            .iter()
+            .zip(self.coordinates.iter().zip(&deviations))
+            .map(|(free, (&coordinate, deviation))| Estimate {
+                parameter: free.parameter,
+                before: free.value(0.0),
+                value: free.value(coordinate),
+                std: if free.at_bound(coordinate) { f64::NAN } else { free.slope(coordinate).abs() * deviation },
+                at_bound: free.at_bound(coordinate),
+            })
+            .collect()
+    }
+
+    /// Every coordinate: of the free parameters, then of each recording's start.
+    pub(crate) fn all_coordinates(&self) -> DVector<f64> {
+        let starts = self.starts.iter().flat_map(|start| [start.level, start.shift]);
+        DVector::from_iterator(
+            self.coordinates.len() + OF_START * self.starts.len(),
+            self.coordinates.iter().copied().chain(starts),
+        )
+    }
+
+    /// The machine that this fit would have ended at without one of its recordings: one Newton step away from the solution.
+    #[must_use]
+    pub fn without(&self, recording: usize) -> Machine<f64> {
+        let step = Information::step_without(&self.information, recording, &self.coordinates);
+        let mut machine = self.machine;
+        for (free, (&coordinate, step)) in self.free.iter().zip(self.coordinates.iter().zip(&step)) {
+            // A step far beyond the prior is not to be trusted as far.
+            machine.set(free.parameter, free.value(coordinate + step.clamp(-2.0, 2.0)));
+        }
+        machine
+    }
 }
 
 /// Why a fit is not possible.
@@ -129,90 +182,48 @@ pub enum FitError {
     Machine(#[from] MachineError),
 }
 
-/// Fits `free` parameters of `machine` to the recordings, from a former solution's coordinates where one is given.
+/// Where a search starts.
+#[derive(Clone, Debug, Default)]
+pub struct From<'a> {
+    /// A former solution; parameters that it does not have start at the middle of their prior.
+    pub solution: Option<&'a Fit>,
+    /// Coordinates of single parameters that go before the former solution's.
+    pub coordinates: &'a [(Parameter, f64)],
+}
+
+/// Fits `free` parameters of `machine` to the recordings.
 ///
 /// The search ends when the loss falls by less than `precision` of itself in a step.
 pub fn fit(
     machine: &Machine<f64>,
     free: &[Free],
     cases: &[&Prepared],
-    from: Option<&Fit>,
+    from: &From<'_>,
     precision: f64,
 ) -> Result<Fit, FitError> {
-    let (problem, minimum) = solve(machine, free, cases, from, precision, true)?;
-    let deviations = problem.deviations();
-    let estimates = free
-        .iter()
-        .zip(problem.coordinates.iter().zip(&deviations))
-        .map(|(free, (&coordinate, deviation))| Estimate {
-            parameter: free.parameter,
-            before: free.value(0.0),
-            value: free.value(coordinate),
-            std: if free.at_bound(coordinate) { f64::NAN } else { free.slope(coordinate).abs() * deviation },
-            at_bound: free.at_bound(coordinate),
-        })
-        .collect();
-    let needing = cases.iter().filter(|case| needs_level(case)).map(|case| case.name.clone());
-    let level_coordinates = needing.zip(problem.coordinates.iter().skip(free.len()).copied()).collect();
-    Ok(Fit {
-        level_coordinates,
-        machine: problem.machine(),
-        estimates,
-        levels: problem.levels(),
-        coordinates: problem.coordinates.as_slice().to_vec(),
-        converged: minimum.converged,
-        loss: minimum.loss,
-    })
-}
-
-/// The machine of such a fit alone, without the derivatives at the solution that only standard deviations need.
-pub fn fitted(
-    machine: &Machine<f64>,
-    free: &[Free],
-    cases: &[&Prepared],
-    from: Option<&Fit>,
-    precision: f64,
-) -> Result<Machine<f64>, FitError> {
-    Ok(solve(machine, free, cases, from, precision, false)?.0.machine())
-}
-
-/// The problem at its solution, and how the search ended.
-fn solve<'a>(
-    machine: &'a Machine<f64>,
-    free: &'a [Free],
-    cases: &'a [&'a Prepared],
-    from: Option<&Fit>,
-    precision: f64,
-    derivatives: bool,
-) -> Result<(Problem<'a>, Minimum), FitError> {
-    let levels = cases.iter().any(|case| needs_level(case));
-    let count = free.len() + usize::from(levels);
+    let count = free.len() + 1;
     let mut problem = Problem::new(machine, free, cases, from);
     // The optimiser has no way to report why residuals fail, so the start is tried first.
-    Evaluation::values(&problem.machine(), &problem.levels(), cases)?;
+    model_core::drive::Drive::<f64>::new::<{ crate::simulate::DELAY_LINE }>(
+        &problem.machine(),
+        cases.first().map_or(model_core::machine::Tick::OneMillisecond, |case| case.stimulus.tick),
+    )?;
     macro_rules! minimise {
         ($($slots:literal)*) => {
             match count {
-                $(0..=$slots => problem.minimise::<$slots>(precision, derivatives),)*
+                $(0..=$slots => problem.minimise::<$slots>(precision),)*
                 _ => return Err(FitError::TooMany { count }),
             }
         };
     }
-    let minimum = minimise!(4 8 10 12 16 24);
-    Ok((problem, minimum))
-}
-
-/// Residuals of a machine on one recording, each over its channel's noise: one series for each channel.
-///
-/// A recording without pressures starts from the pressure level given, as a share of supply.
-pub fn standardised(machine: &Machine<f64>, case: &Prepared, level: f64) -> Result<Vec<Vec<f64>>, MachineError> {
-    let rows = Evaluation::residuals(machine, level, case)?;
-    let count = case.channels.len();
-    Ok((0..count).map(|channel| rows.iter().skip(channel).step_by(count).copied().collect()).collect())
-}
-
-/// The pseudo-Huber loss of a series of residuals over noise: their square where they are small.
-#[must_use]
-pub fn loss(series: &[f64]) -> f64 {
-    series.iter().map(|residual| soft(*residual).0.powi(2)).sum()
+    let Minimum { converged, loss } = minimise!(4 8 12 16 20 24 28);
+    Ok(Fit {
+        machine: problem.machine(),
+        free: free.to_vec(),
+        starts: problem.starts(),
+        coordinates: problem.coordinates.iter().take(free.len()).copied().collect(),
+        information: problem.information,
+        converged,
+        loss,
+    })
 }

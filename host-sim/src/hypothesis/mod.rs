@@ -105,7 +105,9 @@ impl Scene<'_> {
 pub enum Kind {
     /// How much of the effect there is: positive, 0 is neutral. Moves in its logarithm; the range is what is usual.
     Amount(fn(&Scene<'_>) -> (f64, f64)),
-    /// The same of either sign; the value is the largest usual magnitude.
+    /// The same for an amount that the residuals jump with, so that no slope leads to it.
+    Jump(fn(&Scene<'_>) -> (f64, f64)),
+    /// The same as an amount, of either sign; the value is the largest usual magnitude.
     Signed(fn(&Scene<'_>) -> f64),
     /// How the effect acts, not how much: positive, moves in its logarithm; tried first at so many points of the usual range.
     Shape(fn(&Scene<'_>) -> (f64, f64), usize),
@@ -156,13 +158,11 @@ pub const CATALOGUE: &[&Hypothesis] = &[
     &coulomb_friction::HYPOTHESIS,
 ];
 
-impl Strength {
-    /// Its name in reports, with its unit: the last part of its key.
-    #[must_use]
-    pub fn name(&self) -> &'static str {
-        let key = self.parameter.description().key;
-        key.rsplit_once('.').map_or(key, |(_, name)| name)
-    }
+/// A parameter's name in reports, with its unit: the last part of its key.
+#[must_use]
+pub fn short_name(parameter: Parameter) -> &'static str {
+    let key = parameter.description().key;
+    key.rsplit_once('.').map_or(key, |(_, name)| name)
 }
 
 impl Hypothesis {
@@ -177,7 +177,7 @@ impl Hypothesis {
     pub fn is_on(&self, machine: &Machine<f64>) -> bool {
         let amounts = self.forms.iter().flat_map(|form| form.iter());
         amounts
-            .filter(|strength| matches!(strength.kind, Kind::Amount(_) | Kind::Signed(_)))
+            .filter(|strength| matches!(strength.kind, Kind::Amount(_) | Kind::Jump(_) | Kind::Signed(_)))
             .any(|strength| machine.get(strength.parameter) != 0.0)
     }
 }
@@ -206,11 +206,11 @@ mod tests {
                 let description = strength.parameter.description();
                 assert!(description.key.starts_with(&format!("effects.{}.", hypothesis.name)), "{}", description.key);
                 let (low, high) = match strength.kind {
-                    Kind::Amount(range) | Kind::Shape(range, _) | Kind::Place(range, _) => range(&scene),
+                    Kind::Amount(range) | Kind::Jump(range) | Kind::Shape(range, _) | Kind::Place(range, _) => range(&scene),
                     Kind::Signed(size) => (-size(&scene), size(&scene)),
                 };
                 assert!(low < high && description.min <= low && high <= description.max, "{}: {low}..{high}", description.key);
-                let positive = matches!(strength.kind, Kind::Amount(_) | Kind::Shape(..));
+                let positive = matches!(strength.kind, Kind::Amount(_) | Kind::Jump(_) | Kind::Shape(..));
                 assert!(!positive || low > 0.0, "{}: {low}", description.key);
             }
             for other in hypothesis.extends {

@@ -4,6 +4,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::terminal::{sentence, still_missing, uncertainty};
 use crate::diagnose::{Diagnosis, Fits, Shown};
+use crate::hypothesis::short_name;
 use crate::plot::{Panel, Style, Trace, svg, title};
 use crate::presentation::{percent, significant, unit_for_people};
 use crate::recording::Signal;
@@ -96,8 +97,8 @@ fn findings(diagnosis: &Diagnosis) -> Markup {
             }
             table {
                 tr { th { "parameter" } th { "value" } th { "±" } th { "unit" } }
-                @for (strength, estimate) in finding.effect.strengths.iter().zip(&finding.parameters) {
-                    tr { td { (strength.name) } td { (format!("{:.4e}", estimate.value)) } td { (uncertainty(estimate)) }
+                @for estimate in &finding.parameters {
+                    tr { td { (short_name(estimate.parameter)) } td { (format!("{:.4e}", estimate.value)) } td { (uncertainty(estimate)) }
                         td { (estimate.parameter.description().unit) } }
                 }
             }
@@ -133,18 +134,13 @@ fn parameters(diagnosis: &Diagnosis) -> Markup {
 fn trials(diagnosis: &Diagnosis) -> Markup {
     html! {
         h2 { "What was tried" }
-        p { "Every training recording was left out in turn; the gain is in log-likelihood on the recording left out." }
+        p { "Every set of effects was refitted in the chain on all training recordings; the gain is in log-likelihood, less a penalty for its parameters." }
         table {
-            tr { th { "effect" } th { "gain" } th { "needed" } th { "recordings gained" } th {} }
-            @for (round, trials) in diagnosis.selection.rounds.iter().enumerate() {
-                @for trial in trials {
-                    tr {
-                        td { @if round > 0 { "… and " } (trial.effect.name) }
-                        td { (format!("{:.1}", trial.gains.iter().sum::<f64>())) }
-                        td { (format!("{:.1}", trial.penalty)) }
-                        td { (trial.gains.iter().filter(|gain| **gain > 0.0).count()) "/" (trial.gains.len()) }
-                        td { @if trial.accepted { "passes" } }
-                    }
+            tr { th { "refitted with" } th { "gain" } }
+            @for trial in diagnosis.selection.rounds.iter().flatten() {
+                tr {
+                    td { (trial.effects.iter().map(|effect| effect.name).collect::<Vec<_>>().join(" + ")) }
+                    td { (format!("{:.1}", trial.net)) }
                 }
             }
         }

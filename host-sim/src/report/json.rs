@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::diagnose::{Diagnosis, Finding};
+use crate::hypothesis::short_name;
 
 /// The document.
 #[must_use]
@@ -59,13 +60,11 @@ pub fn document(diagnosis: &Diagnosis) -> Value {
 
 fn finding_of(diagnosis: &Diagnosis, finding: &Finding) -> Value {
     let parameters: Vec<Value> = finding
-        .effect
-        .strengths
+        .parameters
         .iter()
-        .zip(&finding.parameters)
-        .map(|(strength, estimate)| {
+        .map(|estimate| {
             json!({
-                "name": strength.name,
+                "name": short_name(estimate.parameter),
                 "value": digits(estimate.value, 6),
                 "std": digits(estimate.std, 3),
                 "unit": estimate.parameter.description().unit,

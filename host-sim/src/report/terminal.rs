@@ -6,6 +6,7 @@ use comfy_table::{ContentArrangement, Table};
 
 use crate::diagnose::{Diagnosis, Verdict};
 use crate::fit::Estimate;
+use crate::hypothesis::short_name;
 use crate::presentation::TABLE;
 
 /// The whole text.
@@ -27,12 +28,12 @@ pub fn text(diagnosis: &Diagnosis) -> String {
     for finding in &diagnosis.findings {
         let _ = writeln!(text, "\nfinding    {} (confidence {:.3})", finding.effect.name, finding.confidence);
         let _ = writeln!(text, "equation   {}", finding.effect.equation);
-        for (strength, estimate) in finding.effect.strengths.iter().zip(&finding.parameters) {
+        for estimate in &finding.parameters {
             let unit = estimate.parameter.description().unit;
             let _ = writeln!(
                 text,
                 "parameter  {} = {:.4e} ± {} {unit}",
-                strength.name,
+                short_name(estimate.parameter),
                 estimate.value,
                 uncertainty(estimate)
             );
@@ -150,18 +151,10 @@ pub fn parameters(estimates: &[Estimate]) -> Table {
 }
 
 fn trials(diagnosis: &Diagnosis) -> Table {
-    let mut table = table(&["effect tried", "gain on left-out", "needed", "recordings gained", ""]);
-    for (round, trials) in diagnosis.selection.rounds.iter().enumerate() {
-        for trial in trials {
-            let gained = trial.gains.iter().filter(|gain| **gain > 0.0).count();
-            table.add_row([
-                if round == 0 { trial.effect.name.to_owned() } else { format!("… and {}", trial.effect.name) },
-                format!("{:.1}", trial.gains.iter().sum::<f64>()),
-                format!("{:.1}", trial.penalty),
-                format!("{gained}/{}", trial.gains.len()),
-                if trial.accepted { "passes".to_owned() } else { String::new() },
-            ]);
-        }
+    let mut table = table(&["refitted with", "log-likelihood gained less penalty"]);
+    for trial in diagnosis.selection.rounds.iter().flatten() {
+        let names: Vec<_> = trial.effects.iter().map(|effect| effect.name).collect();
+        table.add_row([names.join(" + "), format!("{:.1}", trial.net)]);
     }
     table
 }

@@ -108,13 +108,15 @@ impl Trajectory {
 pub struct StartOffset<R> {
     /// Share of supply pressure in chamber B at rest, where pressures are not recorded.
     pub level: R,
+    /// What the rod stands further out than the recording's start, m: less than its sensor resolves.
+    pub shift_m: R,
 }
 
 impl<R: Real> StartOffset<R> {
     /// Half the supply.
     #[must_use]
     pub fn none() -> Self {
-        Self { level: R::constant(0.5) }
+        Self { level: R::constant(0.5), shift_m: R::ZERO }
     }
 }
 
@@ -164,7 +166,7 @@ pub fn run<N: Number>(
         a: fit(pressure_a / constant(bases.pressure_pa)),
         b: fit(pressure_b / constant(bases.pressure_pa)),
     };
-    let position = N::travel(constant(stimulus.start.position_m) / machine.get(Parameter::Stroke));
+    let position = N::travel((constant(stimulus.start.position_m) + offset.shift_m) / machine.get(Parameter::Stroke));
     let command = N::saturated(stimulus.start.command_v / bases.command_v);
     let mut state: DriveState<N, DELAY_LINE> = drive.at_rest(command, pressures, position);
 

@@ -1,0 +1,226 @@
+//! A set of effects with its refit in the chain.
+
+use model_core::machine::Machine;
+use model_core::parameter::Parameter;
+use rayon::prelude::*;
+
+use crate::fit::{Estimate, Fit, FitError, Free, From, Sensitivity, effective_samples, fit, loss, settle, standardised};
+use crate::hypothesis::{Form, Hypothesis, Kind, Scene};
+use crate::prepare::Prepared;
+use crate::screen::{Lead, screen};
+
+/// The question put to the training recordings.
+#[derive(Clone, Copy, Debug)]
+pub struct Question<'a> {
+    /// What is known of the drive before.
+    pub scene: &'a Scene<'a>,
+    /// Ordinary parameters that may move.
+    pub ordinary: &'a [Free],
+    /// Effects that these recordings can show.
+    pub hypotheses: &'a [&'static Hypothesis],
+    /// Training recordings.
+    pub training: &'a [&'a Prepared],
+}
+
+/// An effect in one of its forms.
+#[derive(Clone, Copy, Debug)]
+pub struct Chosen {
+    /// The effect.
+    pub effect: &'static Hypothesis,
+    /// The form.
+    pub form: Form,
+}
+
+/// Standardised residuals: for each recording one series a channel.
+pub type Residuals = Vec<Vec<Vec<f64>>>;
+
+/// A set of effects with its fit.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// The effects beyond the machine file's own.
+    pub effects: Vec<Chosen>,
+    /// Fitted on all training recordings.
+    pub fit: Fit,
+    /// Strengths that no slope leads to, as they were found.
+    pub jumps: Vec<(Parameter, f64)>,
+    /// Residuals on the training recordings.
+    pub residuals: Residuals,
+}
+
+/// The search ends when the loss falls by less than this share in a step.
+const PRECISION: f64 = 1e-5;
+
+impl Candidate {
+    /// The machine file's model, refitted.
+    pub fn base(question: &Question<'_>) -> Result<Self, FitError> {
+        let fit = fit(question.scene.machine, question.ordinary, question.training, &From::default(), 1e-8)?;
+        Self::of(question, Vec::new(), fit, Vec::new())
+    }
+
+    fn of(
+        question: &Question<'_>,
+        effects: Vec<Chosen>,
+        fit: Fit,
+        jumps: Vec<(Parameter, f64)>,
+    ) -> Result<Self, FitError> {
+        let residuals = question
+            .training
+            .par_iter()
+            .zip(&fit.starts)
+            .map(|(case, start)| standardised(&fit.machine, case, *start))
+            .collect::<Result<_, _>>()?;
+        Ok(Self { effects, fit, jumps, residuals })
+    }
+
+    /// What could be added to it, the most promising first.
+    pub fn leads(&self, question: &Question<'_>, hypotheses: &[&'static Hypothesis]) -> Result<Vec<Lead>, FitError> {
+        let Some(sensitivity) = Sensitivity::at(&self.fit, question.training)? else { return Ok(Vec::new()) };
+        Ok(screen(question.scene, &self.fit, &sensitivity, hypotheses)?)
+    }
+
+    /// With one more effect, refitted from where the lead points.
+    pub fn with(&self, question: &Question<'_>, lead: &Lead) -> Result<Self, FitError> {
+        let mut effects = self.effects.clone();
+        effects.push(Chosen { effect: lead.effect, form: lead.form });
+        let mut jumps = self.jumps.clone();
+        jumps.extend(lead.values.iter().filter(|(parameter, _)| is_jump(lead.form, *parameter)));
+        Self::refitted(question, effects, jumps, &self.fit, &lead.values)
+    }
+
+    /// Without one of its effects.
+    pub fn without(&self, question: &Question<'_>, index: usize) -> Result<Self, FitError> {
+        let mut effects = self.effects.clone();
+        let gone = effects.remove(index);
+        let mut jumps = self.jumps.clone();
+        jumps.retain(|(parameter, _)| !is_jump(gone.form, *parameter));
+        Self::refitted(question, effects, jumps, &self.fit, &[])
+    }
+
+    fn refitted(
+        question: &Question<'_>,
+        effects: Vec<Chosen>,
+        mut jumps: Vec<(Parameter, f64)>,
+        from: &Fit,
+        values: &[(Parameter, f64)],
+    ) -> Result<Self, FitError> {
+        let strengths = effects.iter().flat_map(|chosen| chosen.form.iter());
+        let smooth = strengths.filter(|strength| !matches!(strength.kind, Kind::Jump(_)));
+        let free: Vec<Free> =
+            question.ordinary.iter().copied().chain(smooth.map(|strength| strength.free(question.scene))).collect();
+        let coordinates: Vec<(Parameter, f64)> = values
+            .iter()
+            .filter_map(|(parameter, value)| {
+                let free = free.iter().find(|free| free.parameter == *parameter)?;
+                Some((*parameter, free.coordinate(*value)))
+            })
+            .collect();
+        let from = From { solution: Some(from), coordinates: &coordinates };
+        let mut found = fit(&jumped(question.scene.machine, &jumps), &free, question.training, &from, PRECISION)?;
+        for _ in 0..if jumps.is_empty() { 0 } else { 2 } {
+            let Some(sensitivity) = Sensitivity::at(&found, question.training)? else { break };
+            for (parameter, value) in &mut jumps {
+                *value = nearby(&found.machine, &sensitivity, *parameter, *value)?;
+            }
+            drop(sensitivity);
+            let again = From { solution: Some(&found), coordinates: &[] };
+            found = fit(&jumped(question.scene.machine, &jumps), &free, question.training, &again, PRECISION)?;
+        }
+        Self::of(question, effects, found, jumps)
+    }
+
+    /// Residuals on each training recording by a model that never saw it, from the start that suits that model.
+    pub fn left_out(&self, question: &Question<'_>) -> Result<Residuals, FitError> {
+        let training = question.training;
+        training
+            .par_iter()
+            .enumerate()
+            .map(|(index, case)| {
+                let machine = if training.len() > 1 { self.fit.without(index) } else { self.fit.machine };
+                Ok(standardised(&machine, case, settle(&machine, case)?)?)
+            })
+            .collect()
+    }
+
+    /// How many strengths it has.
+    #[must_use]
+    pub fn strengths(&self) -> usize {
+        self.effects.iter().map(|chosen| chosen.form.len()).sum()
+    }
+
+    /// Fitted values of what was free, with the strengths that were found without a slope.
+    #[must_use]
+    pub fn estimates(&self) -> Vec<Estimate> {
+        let (mut rows, mut independent) = (0.0, 0.0);
+        for series in self.residuals.iter().flatten() {
+            rows += series.len() as f64;
+            independent += effective_samples(series);
+        }
+        let mut estimates = self.fit.estimates(rows / independent);
+        estimates.extend(self.jumps.iter().map(|&(parameter, value)| Estimate {
+            parameter,
+            before: 0.0,
+            value,
+            std: value * NARROWEST,
+            at_bound: false,
+        }));
+        estimates
+    }
+
+    /// RMSE over noise of the worst channel.
+    #[must_use]
+    pub fn worst_over_noise(&self, question: &Question<'_>) -> f64 {
+        let channels = question.training.first().map_or(0, |case| case.channels.len());
+        (0..channels)
+            .map(|channel| {
+                let (square, rows) = self.residuals.iter().fold((0.0, 0.0), |sum, case| {
+                    (sum.0 + case.get(channel).map_or(0.0, |series| loss(series)), sum.1 + case.get(channel).map_or(0, Vec::len) as f64)
+                });
+                (square / f64::max(rows, 1.0)).sqrt()
+            })
+            .fold(0.0, f64::max)
+    }
+}
+
+fn is_jump(form: Form, parameter: Parameter) -> bool {
+    form.iter().any(|strength| strength.parameter == parameter && matches!(strength.kind, Kind::Jump(_)))
+}
+
+fn jumped(machine: &Machine<f64>, jumps: &[(Parameter, f64)]) -> Machine<f64> {
+    let mut machine = *machine;
+    for (parameter, value) in jumps {
+        machine.set(*parameter, *value);
+    }
+    machine
+}
+
+/// A strength that no slope leads to is known to this share of itself.
+const NARROWEST: f64 = 0.01;
+
+/// A better value of such a strength near where it is.
+fn nearby(
+    machine: &Machine<f64>,
+    sensitivity: &Sensitivity<'_>,
+    parameter: Parameter,
+    value: f64,
+) -> Result<f64, FitError> {
+    let gain = |value: f64| -> Result<f64, FitError> {
+        let mut machine = *machine;
+        machine.set(parameter, value);
+        Ok(sensitivity.gain(&sensitivity.change(&machine)?))
+    };
+    let (mut best, mut width) = ((value, gain(value)?), 0.16);
+    while width > NARROWEST {
+        let (mut moved, around) = (false, best.0);
+        for there in [around * (1.0 - width), around * (1.0 + width)] {
+            let found = gain(there)?;
+            if found > best.1 {
+                best = (there, found);
+                moved = true;
+            }
+        }
+        if !moved {
+            width *= 0.5;
+        }
+    }
+    Ok(best.0)
+}

@@ -1,0 +1,225 @@
+//! How each residual moves with each free parameter at a solution, for many questions about small changes at little cost.
+
+use model_core::machine::{Machine, MachineError};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use rayon::prelude::*;
+
+use super::residuals::{missed, soft};
+use super::start::{level, level_slope, needs_level};
+use super::{Fit, Information, OF_START};
+use crate::dual::{Dual, single};
+use crate::prepare::Prepared;
+use crate::recording::Signal;
+use crate::simulate::{StartOffset, run};
+
+/// Rows that are kept at most; of longer recordings every so-manieth.
+const MOST_ROWS: usize = 60_000;
+
+/// Residuals of one recording at a solution, with their slopes.
+#[derive(Debug)]
+struct Block {
+    /// Softened residual and the slope of the softening, per kept row and channel.
+    residuals: Vec<(f64, f64)>,
+    /// Slope by each coordinate of the recording (free parameters, level, shift), row by row.
+    slopes: Vec<f32>,
+}
+
+/// Residuals at a solution, linear in its free parameters.
+#[derive(Debug)]
+pub struct Sensitivity<'a> {
+    cases: &'a [&'a Prepared],
+    fit: &'a Fit,
+    blocks: Vec<Block>,
+    stride: usize,
+    factor: Cholesky<f64, Dyn>,
+    gradient: DVector<f64>,
+}
+
+/// A change of all residuals: one vector a recording.
+pub type Change = Vec<Vec<f64>>;
+
+impl<'a> Sensitivity<'a> {
+    /// Runs every recording once more at the solution.
+    pub fn at(fit: &'a Fit, cases: &'a [&'a Prepared]) -> Result<Option<Self>, MachineError> {
+        let rows: usize = cases.iter().map(|case| case.time_s.len()).sum();
+        let stride = rows.div_ceil(MOST_ROWS).max(1);
+        let count = fit.free.len();
+        macro_rules! blocks {
+            ($($slots:literal)*) => {
+                match count + 1 {
+                    $(0..=$slots => Self::blocks::<$slots>(fit, cases, stride)?,)*
+                    _ => return Ok(None),
+                }
+            };
+        }
+        let blocks = blocks!(4 8 12 16 20 24 28);
+        let information: Vec<Information> = blocks.iter().map(|block| block.information(count)).collect();
+        let (matrix, gradient, _) = Information::assembled(&information, &fit.all_coordinates());
+        Ok(matrix.cholesky().map(|factor| Self { cases, fit, blocks, stride, factor, gradient }))
+    }
+
+    fn blocks<const P: usize>(fit: &Fit, cases: &[&Prepared], stride: usize) -> Result<Vec<Block>, MachineError> {
+        let count = fit.free.len();
+        let mut machine = fit.machine.map(Dual::<P>::constant_of);
+        for (index, (free, &coordinate)) in fit.free.iter().zip(&fit.coordinates).enumerate() {
+            let mut value = Dual::constant_of(free.value(coordinate));
+            value.partials[index] = single(free.slope(coordinate));
+            machine.set(free.parameter, value);
+        }
+        cases
+            .par_iter()
+            .zip(&fit.starts)
+            .map(|(case, start)| {
+                let mut block = Block { residuals: Vec::new(), slopes: Vec::new() };
+                let mut level = Dual::<P>::constant_of(level(start.level));
+                if needs_level(case) {
+                    level.partials[count] = single(level_slope(start.level));
+                }
+                let shift_m = Dual::constant_of(start.shift * case.start_sigma_m);
+                run::<Dual<P>>(&machine, &case.stimulus, StartOffset { level, shift_m }, |row, sample| {
+                    if row % stride != 0 {
+                        return;
+                    }
+                    for channel in &case.channels {
+                        let simulated = sample.signal(channel.signal);
+                        let judged = simulated.filter(|_| !channel.failed[row]);
+                        let (residual, slope) = soft(missed(channel, row, judged.map(|simulated| simulated.value)));
+                        let slope = if judged.is_some() { slope } else { 0.0 };
+                        block.residuals.push((residual, slope));
+                        let scale = single(-slope / channel.noise);
+                        match judged {
+                            Some(dual) => block.slopes.extend(dual.partials[..=count].iter().map(|by| by * scale)),
+                            None => block.slopes.extend(std::iter::repeat_n(0.0, count + 1)),
+                        }
+                        let moves = channel.signal == Signal::Position;
+                        block.slopes.push(if moves { single(case.start_sigma_m) * scale } else { 0.0 });
+                    }
+                })?;
+                Ok(block)
+            })
+            .collect()
+    }
+
+    /// Residuals of another machine, as they would enter the loss, less those of the solution.
+    pub fn change(&self, machine: &Machine<f64>) -> Result<Change, MachineError> {
+        self.cases
+            .iter()
+            .zip(self.fit.starts.iter().zip(&self.blocks))
+            .map(|(case, (start, block))| {
+                let mut change = Vec::with_capacity(block.residuals.len());
+                run::<f64>(machine, &case.stimulus, start.offset(case), |row, sample| {
+                    if row % self.stride != 0 {
+                        return;
+                    }
+                    for channel in &case.channels {
+                        let index = change.len();
+                        let (here, slope) = block.residuals[index];
+                        let there = soft(missed(channel, row, sample.signal(channel.signal))).0;
+                        change.push(if slope == 0.0 { 0.0 } else { there - here });
+                    }
+                })?;
+                Ok(change)
+            })
+            .collect()
+    }
+
+    /// Slopes by every coordinate times a change.
+    fn across(&self, change: &Change) -> DVector<f64> {
+        let count = self.fit.free.len();
+        let mut sum = DVector::zeros(self.gradient.len());
+        for (index, (block, change)) in self.blocks.iter().zip(change).enumerate() {
+            let mut own = vec![0.0_f64; count + OF_START];
+            for (slopes, change) in block.slopes.chunks_exact(count + OF_START).zip(change) {
+                for (sum, slope) in own.iter_mut().zip(slopes) {
+                    *sum += f64::from(*slope) * change;
+                }
+            }
+            for (slot, value) in own.into_iter().enumerate() {
+                sum[if slot < count { slot } else { slot + OF_START * index }] += value;
+            }
+        }
+        sum
+    }
+
+    /// Half the sum of squares that is gained when residuals change so and the free parameters then settle anew.
+    #[must_use]
+    pub fn gain(&self, change: &Change) -> f64 {
+        let mut by = 0.0;
+        for (block, change) in self.blocks.iter().zip(change) {
+            by += block.residuals.iter().zip(change).map(|((here, _), change)| change * (change + 2.0 * here)).sum::<f64>();
+        }
+        let gradient = &self.gradient + self.across(change);
+        let settled = gradient.dot(&self.factor.solve(&gradient)) - self.gradient.dot(&self.factor.solve(&self.gradient));
+        self.stride as f64 * 0.5 * (settled - by)
+    }
+
+    /// How much of each direction lowers the loss most once the free parameters have settled, each at least 0 where `positive`
+    /// says so; and what that gains.
+    #[must_use]
+    pub fn amounts(&self, directions: &[Change], positive: &[bool]) -> (Vec<f64>, f64) {
+        let across: Vec<DVector<f64>> = directions.iter().map(|direction| self.across(direction)).collect();
+        let settled: Vec<DVector<f64>> = across.iter().map(|across| self.factor.solve(across)).collect();
+        let own = self.factor.solve(&self.gradient);
+        let inner = |a: &Change, b: &dyn Fn(usize, usize) -> f64| -> f64 {
+            a.iter().enumerate().map(|(case, a)| a.iter().enumerate().map(|(row, a)| a * b(case, row)).sum::<f64>()).sum()
+        };
+        let count = directions.len();
+        let mut matrix = DMatrix::zeros(count, count);
+        let mut right = DVector::zeros(count);
+        for row in 0..count {
+            right[row] = across[row].dot(&own)
+                - inner(&directions[row], &|case, index| self.blocks[case].residuals[index].0);
+            for column in row..count {
+                let plain = inner(&directions[row], &|case, index| directions[column][case][index]);
+                matrix[(row, column)] = plain - across[row].dot(&settled[column]);
+                matrix[(column, row)] = matrix[(row, column)];
+            }
+        }
+        // A direction that the free parameters can imitate counts for nothing.
+        for index in 0..count {
+            let size: f64 = matrix[(index, index)];
+            matrix[(index, index)] = size * (1.0 + 1e-9) + 1e-6;
+        }
+        let mut active: Vec<usize> = (0..count).collect();
+        loop {
+            let size = active.len();
+            let part = DMatrix::from_fn(size, size, |row, column| matrix[(active[row], active[column])]);
+            let wanted = DVector::from_fn(size, |row, _| right[active[row]]);
+            let Some(solved) = part.cholesky().map(|factor| factor.solve(&wanted)) else { return (vec![0.0; count], 0.0) };
+            let negative = (0..size).filter(|&slot| positive[active[slot]] && solved[slot] <= 0.0);
+            let Some(worst) = negative.min_by(|&a, &b| solved[a].total_cmp(&solved[b])) else {
+                let mut amounts = vec![0.0; count];
+                for (slot, &index) in active.iter().enumerate() {
+                    amounts[index] = solved[slot];
+                }
+                return (amounts, self.stride as f64 * 0.5 * solved.dot(&wanted));
+            };
+            active.remove(worst);
+            if active.is_empty() {
+                return (vec![0.0; count], 0.0);
+            }
+        }
+    }
+}
+
+impl Block {
+    /// Normal equations of the kept rows.
+    fn information(&self, count: usize) -> Information {
+        let size = count + OF_START;
+        let mut matrix = DMatrix::zeros(size, size);
+        let mut gradient = DVector::zeros(size);
+        let mut square = 0.0;
+        for (slopes, (residual, _)) in self.slopes.chunks_exact(size).zip(&self.residuals) {
+            for row in 0..size {
+                let by = f64::from(slopes[row]);
+                gradient[row] += by * residual;
+                for column in row..size {
+                    matrix[(row, column)] += by * f64::from(slopes[column]);
+                }
+            }
+            square += residual * residual;
+        }
+        matrix.fill_lower_triangle_with_upper_triangle();
+        Information { matrix, gradient, square, rows: self.residuals.len() as f64 }
+    }
+}

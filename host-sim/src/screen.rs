@@ -1,0 +1,227 @@
+//! Which effects are worth a refit: each is tried at a few points of its usual range, and what it would gain once everything
+//! that is free has settled anew is read off the residuals' slopes. One simulation a point instead of a fit.
+
+use model_core::machine::{Machine, MachineError};
+use model_core::parameter::Parameter;
+use rayon::prelude::*;
+
+use crate::fit::{Fit, Free, Freedom, Sensitivity};
+use crate::hypothesis::{Form, Hypothesis, Kind, Scene, Strength};
+
+/// A form of an effect at the point of its range where it promises most.
+#[derive(Clone, Debug)]
+pub struct Lead {
+    /// The effect.
+    pub effect: &'static Hypothesis,
+    /// The form.
+    pub form: Form,
+    /// Value of every strength, SI.
+    pub values: Vec<(Parameter, f64)>,
+    /// Half the sum of squares that it would gain.
+    pub gain: f64,
+}
+
+impl Strength {
+    /// How a fit moves it: a broad prior over its usual range.
+    #[must_use]
+    pub fn free(&self, scene: &Scene<'_>) -> Free {
+        // The usual range, widened threefold, is ±2 standard deviations.
+        let logarithm = |(low, high): (f64, f64)| Freedom::Logarithm {
+            centre: (low * high).sqrt(),
+            spread: ((high / low).ln() + 2.0 * 3.0_f64.ln()) / 4.0,
+        };
+        let freedom = match self.kind {
+            Kind::Amount(range) | Kind::Jump(range) | Kind::Shape(range, _) => logarithm(range(scene)),
+            Kind::Signed(size) => Freedom::Around { nominal: 0.0, sigma: size(scene) },
+            Kind::Place(range, _) => {
+                let (low, high) = range(scene);
+                Freedom::Around { nominal: f64::midpoint(low, high), sigma: 0.5 * (high - low) }
+            }
+        };
+        Free { parameter: self.parameter, freedom }
+    }
+
+    /// Whether it says how much of the effect there is.
+    fn is_amount(&self) -> bool {
+        matches!(self.kind, Kind::Amount(_) | Kind::Jump(_) | Kind::Signed(_))
+    }
+
+    /// The size that directions are taken at.
+    fn unit(&self, scene: &Scene<'_>) -> f64 {
+        match self.kind {
+            Kind::Amount(range) | Kind::Jump(range) | Kind::Shape(range, _) => {
+                let (low, high) = range(scene);
+                (low * high).sqrt()
+            }
+            Kind::Signed(size) => 0.3 * size(scene),
+            Kind::Place(range, _) => range(scene).1,
+        }
+    }
+
+    /// Points of a shape's range to try.
+    fn tries(&self, scene: &Scene<'_>) -> Vec<f64> {
+        let share = |index: usize, count: usize| (index as f64 + 0.5) / count as f64;
+        match self.kind {
+            Kind::Shape(range, count) => {
+                let (low, high) = range(scene);
+                (0..count).map(|index| low * (high / low).powf(share(index, count))).collect()
+            }
+            Kind::Place(range, count) => {
+                let (low, high) = range(scene);
+                (0..count).map(|index| low + (high - low) * share(index, count)).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+}
+
+/// The best point of every form, the most promising first. Forms that promise nothing are left out.
+pub fn screen(
+    scene: &Scene<'_>,
+    fit: &Fit,
+    sensitivity: &Sensitivity<'_>,
+    hypotheses: &[&'static Hypothesis],
+) -> Result<Vec<Lead>, MachineError> {
+    let forms: Vec<(&'static Hypothesis, Form)> =
+        hypotheses.iter().flat_map(|effect| effect.forms.iter().map(move |form| (*effect, *form))).collect();
+    let points: Vec<(usize, Vec<(Parameter, f64)>)> = forms
+        .iter()
+        .enumerate()
+        .flat_map(|(index, (_, form))| shapes(scene, form).into_iter().map(move |shape| (index, shape)))
+        .collect();
+    let leads: Vec<(usize, Option<Lead>)> = points
+        .into_par_iter()
+        .map(|(index, shape)| {
+            let (effect, form) = forms[index];
+            // A point that does not become a drive is no lead.
+            (index, lead(scene, fit, sensitivity, effect, form, &shape).ok().flatten())
+        })
+        .collect();
+    let mut best: Vec<Option<Lead>> = vec![None; forms.len()];
+    for (index, lead) in leads {
+        if let Some(lead) = lead
+            && best[index].as_ref().is_none_or(|known| known.gain < lead.gain)
+        {
+            best[index] = Some(lead);
+        }
+    }
+    let mut found: Vec<Lead> = best.into_iter().flatten().collect();
+    found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    Ok(found)
+}
+
+/// Every combination of the shapes' points.
+fn shapes(scene: &Scene<'_>, form: Form) -> Vec<Vec<(Parameter, f64)>> {
+    form.iter().filter(|strength| !strength.is_amount()).fold(vec![Vec::new()], |grid, strength| {
+        let tries = strength.tries(scene);
+        grid.iter()
+            .flat_map(|point| tries.iter().map(|value| [point.as_slice(), &[(strength.parameter, *value)]].concat()))
+            .collect()
+    })
+}
+
+fn with(machine: &Machine<f64>, values: &[(Parameter, f64)]) -> Machine<f64> {
+    let mut machine = *machine;
+    for &(parameter, value) in values {
+        let description = parameter.description();
+        machine.set(parameter, value.clamp(description.min, description.max));
+    }
+    machine
+}
+
+fn lead(
+    scene: &Scene<'_>,
+    fit: &Fit,
+    sensitivity: &Sensitivity<'_>,
+    effect: &'static Hypothesis,
+    form: Form,
+    shape: &[(Parameter, f64)],
+) -> Result<Option<Lead>, MachineError> {
+    let amounts: Vec<&Strength> = form.iter().filter(|strength| strength.is_amount()).collect();
+    let lead_at = |values: Vec<(Parameter, f64)>| -> Result<Lead, MachineError> {
+        let gain = sensitivity.gain(&sensitivity.change(&with(&fit.machine, &values))?);
+        Ok(Lead { effect, form, values, gain })
+    };
+    if let [Strength { parameter, kind: Kind::Jump(range) }] = form {
+        return jump(range(scene), |value| lead_at(vec![(*parameter, value)])).map(Some);
+    }
+    let positive: Vec<bool> = amounts.iter().map(|strength| matches!(strength.kind, Kind::Amount(_))).collect();
+    let mut units: Vec<f64> = amounts.iter().map(|strength| strength.unit(scene)).collect();
+    let mut best: Option<Lead> = None;
+    // The second time from where the first arrives: a large amount shows another direction than a small one.
+    for _ in 0..2 {
+        let directions = amounts
+            .iter()
+            .zip(&units)
+            .map(|(strength, unit)| {
+                let values = [shape, &[(strength.parameter, *unit)]].concat();
+                sensitivity.change(&with(&fit.machine, &values))
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let (shares, promised) = sensitivity.amounts(&directions, &positive);
+        if promised <= 0.0 || shares.iter().all(|share| *share == 0.0) {
+            break;
+        }
+        for step in [1.0, 0.4] {
+            let values: Vec<(Parameter, f64)> = amounts
+                .iter()
+                .zip(shares.iter().zip(&units))
+                .filter(|(_, (share, _))| **share != 0.0)
+                .map(|(strength, (share, unit))| (strength.parameter, step * share.clamp(-30.0, 30.0) * unit))
+                .collect();
+            let lead = lead_at([shape, &values].concat())?;
+            let enough = lead.gain > 0.5 * promised;
+            if best.as_ref().is_none_or(|known| known.gain < lead.gain) {
+                best = Some(lead);
+            }
+            if enough {
+                break;
+            }
+        }
+        let near = shares.iter().all(|share| *share == 0.0 || (0.6..1.6).contains(&share.abs()));
+        if near {
+            break;
+        }
+        for (unit, share) in units.iter_mut().zip(&shares) {
+            if *share != 0.0 {
+                *unit *= share.abs().clamp(0.02, 30.0);
+            }
+        }
+    }
+    Ok(best.filter(|lead| lead.gain > 0.0).map(|mut lead| {
+        // A strength that this point does without starts small.
+        for (strength, unit) in amounts.iter().zip(&units) {
+            if lead.values.iter().all(|(parameter, _)| *parameter != strength.parameter) {
+                lead.values.push((strength.parameter, 0.03 * unit));
+            }
+        }
+        lead
+    }))
+}
+
+/// The best value of a strength that residuals jump with: no slope leads there, so the range is tried and then narrowed down.
+fn jump(range: (f64, f64), at: impl Fn(f64) -> Result<Lead, MachineError>) -> Result<Lead, MachineError> {
+    const POINTS: usize = 12;
+    let (low, high) = (range.0.ln(), range.1.ln());
+    let mut best = at(range.0)?;
+    let mut place = low;
+    let mut width = (high - low) / POINTS as f64;
+    for index in 1..=POINTS {
+        let here = low + width * index as f64;
+        let lead = at(here.exp())?;
+        if lead.gain > best.gain {
+            (best, place) = (lead, here);
+        }
+    }
+    for _ in 0..5 {
+        width *= 0.5;
+        for here in [place - width, place + width] {
+            let lead = at(here.exp())?;
+            if lead.gain > best.gain {
+                (best, place) = (lead, here);
+                break;
+            }
+        }
+    }
+    Ok(best)
+}
