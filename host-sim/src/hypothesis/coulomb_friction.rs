@@ -27,12 +27,31 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "coulomb-friction",
     subsystem: Subsystem::Mechanics,
     equation: "F = −Fc·sgn v; at rest |F| ≤ Fc",
-    forms: &[&[Strength { parameter: Parameter::CoulombFriction, kind: Kind::Amount(|scene| (2e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())) }]],
+    forms: &[&[Strength {
+        parameter: Parameter::CoulombFriction,
+        kind: Kind::Amount(|scene| (2e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
+    }]],
     look_alikes: &[
         LookAlike { effect: "stribeck-friction", told_apart_by: "constant-speed strokes below 10 mm/s" },
         LookAlike {
             effect: "friction-asymmetry",
             told_apart_by: "slow strokes both ways with both pressures recorded",
+        },
+        LookAlike {
+            effect: "presliding",
+            told_apart_by: "sine sweep of small amplitude, both pressures recorded: only bristles open a loop",
+        },
+        LookAlike {
+            effect: "position-dependent-friction",
+            told_apart_by: "constant-speed strokes over the whole stroke: Coulomb friction is the same everywhere",
+        },
+        LookAlike {
+            effect: "pressure-dependent-friction",
+            told_apart_by: "strokes at two loads at the same speed: Coulomb friction does not change",
+        },
+        LookAlike {
+            effect: "linkage-backlash",
+            told_apart_by: "slow triangle, both pressures recorded: they build up when friction holds the rod",
         },
     ],
     extends: &[],

@@ -26,11 +26,14 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "hose-compliance",
     subsystem: Subsystem::Chambers,
     equation: "dp/dt = (Q − A·v) / (V/E0 + C)",
-    forms: &[&[Strength { parameter: Parameter::HoseCompliance, kind: Kind::Amount(|scene| {
+    forms: &[&[Strength {
+        parameter: Parameter::HoseCompliance,
+        kind: Kind::Amount(|scene| {
             let volume = scene.machine.get(Parameter::VolumeA).max(scene.machine.get(Parameter::VolumeB));
             let own = volume / scene.machine.get(Parameter::BulkModulus);
             (0.05 * own, 10.0 * own)
-        }) }]],
+        }),
+    }]],
     look_alikes: &[
         LookAlike {
             effect: "entrained-air",
@@ -39,6 +42,14 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
         LookAlike {
             effect: "internal-leakage",
             told_apart_by: "closed-valve hold under load: leakage goes on, compliance rests",
+        },
+        LookAlike {
+            effect: "position-dependent-volume",
+            told_apart_by: "strokes over the whole stroke: hoses are as soft at both ends",
+        },
+        LookAlike {
+            effect: "position-sensor-lag",
+            told_apart_by: "constant-speed strokes: at constant pressure compliance rests, a lag stays",
         },
     ],
     extends: &[],

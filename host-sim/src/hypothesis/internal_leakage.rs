@@ -23,16 +23,35 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "internal-leakage",
     subsystem: Subsystem::Chambers,
     equation: "Q_leak = G·(pa − pb)",
-    forms: &[&[Strength { parameter: Parameter::InternalLeakage, kind: Kind::Amount(|scene| {
+    forms: &[&[Strength {
+        parameter: Parameter::InternalLeakage,
+        kind: Kind::Amount(|scene| {
             // 0.02 to 10 % of the full flow at full pressure.
             let full = scene.full_flow_m3_per_s() / scene.machine.get(Parameter::SupplyPressure);
             (2e-4 * full, 0.1 * full)
-        }) }]],
+        }),
+    }]],
     look_alikes: &[
         LookAlike { effect: "pump-slip", told_apart_by: "closed-valve hold under load: slip rests with the pump" },
         LookAlike {
             effect: "external-leakage",
             told_apart_by: "both pressures: what leaks inside, one chamber loses and the other gains",
+        },
+        LookAlike {
+            effect: "valve-leakage",
+            told_apart_by: "closed-valve hold and strokes at two loads: the piston leaks at every opening",
+        },
+        LookAlike {
+            effect: "laminar-transition",
+            told_apart_by: "closed-valve hold under load: only leakage lets it creep",
+        },
+        LookAlike {
+            effect: "hose-compliance",
+            told_apart_by: "closed-valve hold under load: leakage goes on, compliance rests",
+        },
+        LookAlike {
+            effect: "oil-temperature",
+            told_apart_by: "long run for warming up: with wear the leakage rises and the friction stays",
         },
     ],
     extends: &[],

@@ -4,9 +4,35 @@
 //! runs in model-core; here stands what the diagnosis needs to try it.
 
 mod coulomb_friction;
+mod dead_zone_asymmetry;
+mod end_stop;
+mod entrained_air;
+mod external_leakage;
+mod flow_force;
+mod flow_gain_nonlinearity;
+mod friction_asymmetry;
 mod hose_compliance;
 mod internal_leakage;
+mod laminar_transition;
+mod linkage_backlash;
+mod metering_asymmetry;
+mod null_drift;
+mod oil_temperature;
+mod position_dependent_friction;
+mod position_dependent_load;
+mod position_dependent_volume;
+mod position_sensor_lag;
+mod presliding;
+mod pressure_dependent_friction;
 mod pump_slip;
+mod sensor_offset;
+mod solenoid_saturation;
+mod spool_stiction;
+mod stribeck_friction;
+mod supply_droop;
+mod tank_back_pressure;
+mod valve_hysteresis;
+mod valve_leakage;
 
 use std::fmt;
 
@@ -152,10 +178,36 @@ pub struct Hypothesis {
 
 /// Every effect that is tried, in the order of the chain.
 pub const CATALOGUE: &[&Hypothesis] = &[
+    &valve_hysteresis::HYPOTHESIS,
+    &spool_stiction::HYPOTHESIS,
+    &null_drift::HYPOTHESIS,
+    &solenoid_saturation::HYPOTHESIS,
+    &flow_force::HYPOTHESIS,
+    &dead_zone_asymmetry::HYPOTHESIS,
+    &flow_gain_nonlinearity::HYPOTHESIS,
+    &metering_asymmetry::HYPOTHESIS,
+    &supply_droop::HYPOTHESIS,
+    &tank_back_pressure::HYPOTHESIS,
+    &valve_leakage::HYPOTHESIS,
+    &laminar_transition::HYPOTHESIS,
     &pump_slip::HYPOTHESIS,
     &internal_leakage::HYPOTHESIS,
+    &external_leakage::HYPOTHESIS,
+    &entrained_air::HYPOTHESIS,
     &hose_compliance::HYPOTHESIS,
+    &position_dependent_volume::HYPOTHESIS,
     &coulomb_friction::HYPOTHESIS,
+    &stribeck_friction::HYPOTHESIS,
+    &friction_asymmetry::HYPOTHESIS,
+    &position_dependent_friction::HYPOTHESIS,
+    &pressure_dependent_friction::HYPOTHESIS,
+    &position_dependent_load::HYPOTHESIS,
+    &end_stop::HYPOTHESIS,
+    &presliding::HYPOTHESIS,
+    &oil_temperature::HYPOTHESIS,
+    &linkage_backlash::HYPOTHESIS,
+    &position_sensor_lag::HYPOTHESIS,
+    &sensor_offset::HYPOTHESIS,
 ];
 
 /// A parameter's name in reports, with its unit: the last part of its key.

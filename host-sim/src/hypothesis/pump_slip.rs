@@ -24,11 +24,14 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "pump-slip",
     subsystem: Subsystem::Flow,
     equation: "Q = V_g·n − S·(p − p_tank)",
-    forms: &[&[Strength { parameter: Parameter::PumpSlip, kind: Kind::Amount(|scene| {
+    forms: &[&[Strength {
+        parameter: Parameter::PumpSlip,
+        kind: Kind::Amount(|scene| {
             // 0.5 to 20 % of the flow at 20 rev/s and 50 bar.
             let full = scene.machine.get(Parameter::PumpDisplacement) * 20.0 / 5e6;
             (0.005 * full, 0.2 * full)
-        }) }]],
+        }),
+    }]],
     look_alikes: &[LookAlike {
         effect: "internal-leakage",
         told_apart_by: "closed-valve hold under load: leakage goes on with the pump at rest",

@@ -1,0 +1,53 @@
+//! # Flow-gain nonlinearity
+//!
+//! ## What it adds
+//! Notches and round holes make the area of an edge a curve over the opening o beyond the overlap: the flow gain is
+//! multiplied by 1 + c1·|o| + c2·o².
+//!
+//! ## How it shows
+//! The flow that the model lacks is a function of the slider alone, on all four edges alike: small steps fit and large
+//! ones do not, or the other way round, at every load.
+//!
+//! ## What looks alike
+//! A drooping supply depends on the flow that all take together, and on time. A saturated magnet leaves the slider
+//! short of its travel. A flow limit is sharp.
+//!
+//! ## Parameters
+//! c1 per opening and c2 per opening squared, either sign: ±10–80 % at full opening. c2 is worth its place in notched
+//! spools with two slopes.
+//!
+//! ## Source
+//! W. Backé, *Systematik der hydraulischen Widerstandsschaltungen in Ventilen und Regelkreisen*, Krausskopf 1974; N. D.
+//! Manring, *Hydraulic Control Systems*, Wiley 2005 (port shapes).
+
+use model_core::parameter::Parameter;
+
+use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use crate::simulate::EntryPoint;
+
+const LINEAR: Strength = Strength { parameter: Parameter::FlowGainLinear, kind: Kind::Signed(|_| 0.8) };
+
+pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
+    name: "flow-gain-nonlinearity",
+    subsystem: Subsystem::Flow,
+    equation: "Q = K_Q·o·(1 + c1·|o| + c2·o²)·√Δp",
+    forms: &[&[LINEAR], &[LINEAR, Strength { parameter: Parameter::FlowGainQuadratic, kind: Kind::Signed(|_| 0.8) }]],
+    look_alikes: &[
+        LookAlike {
+            effect: "supply-droop",
+            told_apart_by: "steps of several sizes, both pressures recorded: droop takes flow at the supply edge only",
+        },
+        LookAlike {
+            effect: "solenoid-saturation",
+            told_apart_by: "steps of several sizes, slider recorded: on a saturated magnet it does not arrive",
+        },
+        LookAlike {
+            effect: "metering-asymmetry",
+            told_apart_by: "steps of several sizes, both pressures recorded: a curved gain changes with the opening",
+        },
+    ],
+    extends: &[],
+    separated_by: "steps of several sizes at two loads",
+    source: "Backé, Systematik der hydraulischen Widerstandsschaltungen, 1974",
+    shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Slider),
+};

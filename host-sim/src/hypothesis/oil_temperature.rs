@@ -1,0 +1,54 @@
+//! # Oil temperature
+//!
+//! ## What it adds
+//! The oil warms in the course of the recording and loses viscosity, by half every 15–20 K: with u = 1 − s·(1 −
+//! e^(−t/T)) viscous friction becomes D·u and each laminar leakage G/u.
+//!
+//! ## How it shows
+//! Strokes become faster and drift at rest larger, slowly and together: the product of friction and leakage stays
+//! constant.
+//!
+//! ## What looks alike
+//! A worn seal leaks more at the same friction. Drift of the valve's neutral favours one direction. Dry friction does
+//! not depend on the speed.
+//!
+//! ## Parameters
+//! Share s of the viscosity that is lost in the end, either sign (negative: the oil cools), up to 0.5 usually. T in s,
+//! from less than a stroke to far longer than the recording, where the change is a ramp.
+//!
+//! ## Source
+//! ASTM D341 (viscosity over temperature, after Walther); G. E. Totten (ed.), *Handbook of Hydraulic Fluid Technology*,
+//! Marcel Dekker 2000; H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967, chapter 2.
+
+use model_core::parameter::Parameter;
+
+use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use crate::machine_file::LoadSource;
+
+pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
+    name: "oil-temperature",
+    subsystem: Subsystem::Mechanics,
+    equation: "D·u and G/u, u = 1 − s·(1 − e^(−t/T))",
+    forms: &[&[
+        Strength { parameter: Parameter::ViscosityLoss, kind: Kind::Signed(|_| 0.5) },
+        Strength {
+            parameter: Parameter::WarmingTime,
+            kind: Kind::Shape(|scene| (0.5, (10.0 * scene.duration_s).clamp(1.0, 1e5)), 3),
+        },
+    ]],
+    look_alikes: &[
+        LookAlike {
+            effect: "internal-leakage",
+            told_apart_by: "long run for warming up: with wear the leakage rises and the friction stays",
+        },
+        LookAlike {
+            effect: "null-drift",
+            told_apart_by: "long run for warming up: warm oil speeds both directions up, drift one only",
+        },
+    ],
+    extends: &[],
+    separated_by: "long run for warming up, constant-speed strokes and closed-valve hold repeated",
+    source: "Totten (ed.), Handbook of Hydraulic Fluid Technology, 2000; ASTM D341",
+    // With the load taken from the pressures the force balance is an input.
+    shows_in: |scene| scene.load == LoadSource::Constant,
+};

@@ -1,0 +1,67 @@
+//! # Position-dependent friction
+//!
+//! ## What it adds
+//! Dry friction that changes along the stroke, by side load, a bent rod or a worn bore: with the position η from −1
+//! (fully in) to +1 (fully out), F = −(F0 + F1·η + F2·η²)·sgn v. It includes Coulomb friction.
+//!
+//! ## How it shows
+//! The missing force flips with the direction and its size varies with the position; Δp of slow strokes both ways opens
+//! and closes along the stroke.
+//!
+//! ## What looks alike
+//! A spring or a linkage's geometry also varies with the position, but does not flip. Pressed seals follow the
+//! pressure.
+//!
+//! ## Parameters
+//! F0 at mid-stroke in N, not negative, 1–5 % of full force; slope F1 and bow F2 in N, either sign: 10–300 % of it, up
+//! to 10 % of full force.
+//!
+//! ## Source
+//! B. Armstrong-Hélouvry, *Control of Machines with Friction*, Kluwer 1991 (friction as a function of position).
+
+use model_core::parameter::Parameter;
+
+use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use crate::machine_file::LoadSource;
+use crate::recording::Signal;
+
+const FORCE: Strength = Strength {
+    parameter: Parameter::PositionFriction,
+    kind: Kind::Amount(|scene| (2e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
+};
+const SLOPE: Strength =
+    Strength { parameter: Parameter::PositionFrictionSlope, kind: Kind::Signed(|scene| 0.1 * scene.full_force_n()) };
+const BOW: Strength =
+    Strength { parameter: Parameter::PositionFrictionBow, kind: Kind::Signed(|scene| 0.1 * scene.full_force_n()) };
+
+pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
+    name: "position-dependent-friction",
+    subsystem: Subsystem::Mechanics,
+    equation: "F = −(F0 + F1·η + F2·η²)·sgn v, η = −1 fully in, +1 fully out",
+    forms: &[&[FORCE, SLOPE], &[FORCE, SLOPE, BOW]],
+    look_alikes: &[
+        LookAlike {
+            effect: "position-dependent-load",
+            told_apart_by: "strokes over the whole stroke, both ways: a load does not flip with the direction",
+        },
+        LookAlike {
+            effect: "coulomb-friction",
+            told_apart_by: "strokes over the whole stroke at constant speed: Coulomb friction is the same everywhere",
+        },
+        LookAlike {
+            effect: "pressure-dependent-friction",
+            told_apart_by: "strokes at two loads over the whole stroke: pressed seals follow the load, not the place",
+        },
+        LookAlike {
+            effect: "end-stop",
+            told_apart_by: "strokes over the whole stroke, both ways: leaving a stop the rod is not held",
+        },
+    ],
+    extends: &["coulomb-friction"],
+    separated_by: "constant-speed strokes over the whole stroke both ways, both pressures recorded",
+    source: "Armstrong-Hélouvry, Control of Machines with Friction, 1991",
+    // With the load taken from the pressures the force balance is an input; without motion no place is known.
+    shows_in: |scene| {
+        scene.load == LoadSource::Constant && (scene.judges(Signal::Position) || scene.judges(Signal::Velocity))
+    },
+};

@@ -1,0 +1,80 @@
+//! # Sensor offset
+//!
+//! ## What it adds
+//! One channel reads wrong by a constant or by a factor: a pressure, the slider's LVDT, or the position's scale. One
+//! error of one channel at a time.
+//!
+//! ## How it shows
+//! The same in every recording and at every instant: a constant pressure that is there without supply, a slider off its
+//! centre at rest, strokes that are all too long by the same share. What the channel says disagrees with all others,
+//! which agree among themselves.
+//!
+//! ## What looks alike
+//! Physics varies with time, load or position, a wrong reading does not: test it first. Without the slider's sensor, an
+//! offset of the slider and unequal overlap are one and the same.
+//!
+//! ## Parameters
+//! Pressure in Pa, either sign, up to 10 % of the supply; slider in parts of full travel, up to 5 %; gain errors of
+//! pressure and slider up to 10 %, of the position up to 5 %, positive reads too much.
+//!
+//! ## Source
+//! R. Isermann, *Fault-Diagnosis Systems*, Springer 2006 (offset and gain faults of sensors); E. O. Doebelin,
+//! *Measurement Systems: Application and Design*, McGraw-Hill.
+
+use model_core::parameter::Parameter;
+
+use super::{Hypothesis, Kind, LookAlike, Scene, Strength, Subsystem};
+use crate::recording::Signal;
+
+fn pressure_pa(scene: &Scene<'_>) -> f64 {
+    0.1 * scene.machine.get(Parameter::SupplyPressure)
+}
+
+pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
+    name: "sensor-offset",
+    subsystem: Subsystem::Sensing,
+    equation: "read = (1 + f)·true + offset, one channel",
+    forms: &[
+        &[Strength { parameter: Parameter::PressureAOffset, kind: Kind::Signed(pressure_pa) }],
+        &[Strength { parameter: Parameter::PressureBOffset, kind: Kind::Signed(pressure_pa) }],
+        &[Strength { parameter: Parameter::SpoolOffset, kind: Kind::Signed(|_| 0.05) }],
+        &[Strength { parameter: Parameter::PressureAFactor, kind: Kind::Signed(|_| 0.1) }],
+        &[Strength { parameter: Parameter::PressureBFactor, kind: Kind::Signed(|_| 0.1) }],
+        &[Strength { parameter: Parameter::SpoolFactor, kind: Kind::Signed(|_| 0.1) }],
+        &[Strength { parameter: Parameter::PositionFactor, kind: Kind::Signed(|_| 0.05) }],
+    ],
+    look_alikes: &[
+        LookAlike {
+            effect: "null-drift",
+            told_apart_by: "long run for warming up: a sensor's offset is the same from start to end",
+        },
+        LookAlike {
+            effect: "dead-zone-asymmetry",
+            told_apart_by: "slow triangle, slider recorded: a wrong reading shows at zero command, too",
+        },
+        LookAlike {
+            effect: "external-leakage",
+            told_apart_by: "closed-valve hold under load: a sensor's offset stays, a leaking chamber empties",
+        },
+        LookAlike {
+            effect: "metering-asymmetry",
+            told_apart_by: "closed-valve hold under load: unequal edges shift no pressure at rest",
+        },
+        LookAlike {
+            effect: "friction-asymmetry",
+            told_apart_by: "closed-valve hold under load: friction of either direction ends with the motion",
+        },
+        LookAlike {
+            effect: "position-dependent-load",
+            told_apart_by: "strokes over the whole stroke: a sensor's offset is the same at every position",
+        },
+    ],
+    extends: &[],
+    separated_by: "closed-valve hold with the supply shut off, all sensors recorded",
+    source: "Isermann, Fault-Diagnosis Systems, 2006",
+    shows_in: |scene| {
+        [Signal::PressureA, Signal::PressureB, Signal::Spool, Signal::Position]
+            .iter()
+            .any(|&signal| scene.judges(signal))
+    },
+};

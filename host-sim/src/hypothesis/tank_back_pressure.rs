@@ -1,0 +1,51 @@
+//! # Tank back-pressure
+//!
+//! ## What it adds
+//! Return line, filter and cooler resist the oil that leaves the cylinder: at the valve's tank port `p = p_T + R·Q²`.
+//!
+//! ## How it shows
+//! Only flow through the tank edge is missing: the outlet pressure of a fast stroke lies higher than the model's, that
+//! of a slow stroke does not.
+//!
+//! ## What looks alike
+//! A drooping supply shows at the other edge. A smaller tank edge raises the outlet pressure in the same proportion at
+//! slow speed.
+//!
+//! ## Parameters
+//! R in Pa·s²/m⁶, not negative: 0.5–40 bar at full flow squared, usually 1–25.
+//!
+//! ## Source
+//! W. Backé and H. Murrenhoff, *Grundlagen der Ölhydraulik*, RWTH Aachen (line and filter resistances); H. E. Merritt,
+//! *Hydraulic Control Systems*, Wiley 1967, chapter 3 (turbulent losses).
+
+use model_core::parameter::Parameter;
+
+use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use crate::simulate::EntryPoint;
+
+pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
+    name: "tank-back-pressure",
+    subsystem: Subsystem::Flow,
+    equation: "p at the tank edge = p_T + R·Q²",
+    forms: &[&[Strength {
+        parameter: Parameter::ReturnResistance,
+        kind: Kind::Amount(|scene| {
+            let square = scene.full_flow_m3_per_s().powi(2);
+            (5e4 / square, 4e6 / square)
+        }),
+    }]],
+    look_alikes: &[
+        LookAlike {
+            effect: "supply-droop",
+            told_apart_by: "steps of several sizes, both pressures recorded: which edge the flow is missing at",
+        },
+        LookAlike {
+            effect: "metering-asymmetry",
+            told_apart_by: "steps of several sizes, both pressures recorded: unequal edges show at slow speed, too",
+        },
+    ],
+    extends: &[],
+    separated_by: "steps of several sizes, both pressures and the tank pressure recorded",
+    source: "Backé & Murrenhoff, Grundlagen der Ölhydraulik, RWTH Aachen",
+    shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Slider),
+};
