@@ -236,6 +236,8 @@ impl Hypothesis {
 
 #[cfg(test)]
 mod tests {
+    use model_core::machine::Source;
+
     use super::*;
 
     #[test]

@@ -29,7 +29,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "spool-stiction",
     subsystem: Subsystem::Valve,
     equation: "x holds while |x_set − x| ≤ band, then x = x_set",
-    forms: &[&[Strength { parameter: Parameter::StictionBand, kind: Kind::Amount(|_| (2e-3, 0.06)) }]],
+    forms: &[&[Strength { parameter: Parameter::StictionBand, kind: Kind::Jump(|_| (2e-3, 0.06)) }]],
     look_alikes: &[
         LookAlike { effect: "valve-hysteresis", told_apart_by: "slow triangle: play follows without jumps" },
         LookAlike {
