@@ -45,12 +45,12 @@ fn check(machine: &Machine<f64>, stimulus: &Stimulus, parameter: P, scale: f64) 
     let exact = dual(machine, stimulus, parameter);
     let key = parameter.description().key;
     for (index, signal) in SIGNALS.iter().enumerate() {
-        let largest = exact.iter().fold(0.0_f64, |largest, row| largest.max(row[index].partials[0].abs()));
+        let largest = exact.iter().fold(0.0_f64, |largest, row| largest.max(f64::from(row[index].partials[0]).abs()));
         let mut worst = 0.0_f64;
         for (row, plain) in at.iter().enumerate() {
             assert_eq!(exact[row][index].value.to_bits(), plain[index].to_bits(), "{key}, {signal}, row {row}");
             let difference = (above[row][index] - below[row][index]) / (2.0 * step);
-            worst = worst.max((exact[row][index].partials[0] - difference).abs());
+            worst = worst.max((f64::from(exact[row][index].partials[0]) - difference).abs());
         }
         assert!(worst <= 1e-4 * largest, "{key}, {signal}: {worst:e} of {largest:e}");
     }

@@ -1,7 +1,6 @@
 //! The fit on what the model itself computed: it must find what was put in.
 
-use host_sim::fit::{Free, Freedom, fit};
-use host_sim::hypothesis::CATALOGUE;
+use host_sim::fit::{Free, Freedom, From, fit};
 use host_sim::prepare::{Channel, Prepared};
 use host_sim::simulate::{StartOffset, simulate};
 use model_core::machine::Machine;
@@ -32,9 +31,10 @@ fn a_fit_to_the_models_own_signals_recovers_what_they_were_made_with() {
         let sign = if index % 2 == 0 { 1.0 } else { -1.0 };
         truth.set(parameter, truth.get(parameter) + sign * sigma);
     }
-    truth.set(P::InternalLeakage, 3e-12);
-    truth.set(P::HoseCompliance, 3e-13);
-    truth.set(P::CoulombFriction, 500.0);
+    let strengths = [(P::InternalLeakage, 3e-12), (P::HoseCompliance, 3e-13), (P::CoulombFriction, 500.0)];
+    for (parameter, strength) in strengths {
+        truth.set(parameter, strength);
+    }
     let cases = computed(&case, &truth);
     let cases: Vec<&Prepared> = cases.iter().collect();
     let around = |(&parameter, &sigma): (&P, &f64)| Free {
@@ -42,11 +42,13 @@ fn a_fit_to_the_models_own_signals_recovers_what_they_were_made_with() {
         // A prior as wide as this has no say.
         freedom: Freedom::Around { nominal: file.machine.get(parameter), sigma: 30.0 * sigma },
     };
-    let effects = CATALOGUE.iter().filter(|effect| effect.name != "pump-slip");
-    let free: Vec<Free> =
-        file.sigma.iter().map(around).chain(effects.flat_map(|effect| effect.free(&file.machine))).collect();
-    let fit = fit(&file.machine, &free, &cases, None, 1e-12).unwrap();
-    for estimate in &fit.estimates {
+    let strength = |(parameter, strength): (P, f64)| Free {
+        parameter,
+        freedom: Freedom::Logarithm { centre: 0.3 * strength, spread: 30.0 },
+    };
+    let free: Vec<Free> = file.sigma.iter().map(around).chain(strengths.map(strength)).collect();
+    let fit = fit(&file.machine, &free, &cases, &From::default(), 1e-12).unwrap();
+    for estimate in &fit.estimates(1.0) {
         let put_in = truth.get(estimate.parameter);
         let off = estimate.value / put_in - 1.0;
         println!("{}: {put_in:e}, found {off:+.1e} of it off", estimate.parameter.description().key);
