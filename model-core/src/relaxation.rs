@@ -6,13 +6,13 @@
 
 use crate::number::Number;
 
-/// Largest power of two that a share is held times.
-const FINEST: f64 = 1_048_576.0;
+/// Largest power of two that a share is held times: 2 to this.
+const FINEST: u32 = 20;
 
 /// The largest power of two up to 2²⁰ with which `share` stays at 1 at most.
 #[expect(clippy::float_arithmetic, reason = "chosen once, before a run")]
 pub(crate) fn fineness(share: f64) -> f64 {
-    [FINEST, 65_536.0, 4096.0, 256.0, 16.0, 4.0, 2.0].into_iter().find(|fine| share * fine <= 1.0).unwrap_or(1.0)
+    (1..=FINEST).rev().map(|power| f64::from(1_u32 << power)).find(|fine| share * fine <= 1.0).unwrap_or(1.0)
 }
 
 /// Coefficients of the approach at one tick.
@@ -58,7 +58,7 @@ mod tests {
     fn shares_are_made_fine_but_never_beyond_one() {
         for share in [5e-9, 1e-6, 3e-5, 0.01, 0.2, 0.4, 0.7, 1.0] {
             let fine = fineness(share);
-            assert!(share * fine <= 1.0 && (share * fine > 1.0 / 32.0 || fine >= FINEST), "{share}: {fine}");
+            assert!(share * fine <= 1.0 && (share * fine > 0.5 || fine >= 1_048_576.0), "{share}: {fine}");
         }
     }
 }

@@ -84,3 +84,79 @@ impl<N: Number> Droop<N> {
         own.times((N::ONE - N::dot([self.at_once], [given]).amplified(slope_scale)).max(N::ZERO))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chambers::ChamberState;
+    use crate::drive::{Drive, DriveState, Entry, Load};
+    use crate::fixed_point::PerUnit;
+    use crate::flow::PumpDrive;
+    use crate::machine::{Machine, Source, Tick};
+    use crate::parameter::Parameter as P;
+    use crate::valve::Slider;
+
+    /// 10 bar at 0.1 l/s.
+    fn machine(time_constant_s: f64) -> Machine<f64> {
+        let mut machine = Machine::with_defaults(Source::Valve);
+        for (parameter, value) in [
+            (P::AreaA, 3e-3),
+            (P::AreaB, 2e-3),
+            (P::VolumeA, 5e-4),
+            (P::VolumeB, 3e-4),
+            (P::DroopResistance, 1e10),
+            (P::DroopTime, time_constant_s),
+        ] {
+            machine.set(parameter, value);
+        }
+        machine
+    }
+
+    /// Supply pressures in Pa after so many ticks with the valve half open, and the flow it then draws into A in m³/s.
+    fn after<N: Number<Real = f64>>(machine: &Machine<f64>, ticks: usize) -> [f64; 2] {
+        let drive = Drive::<N>::new::<64>(machine, Tick::OneMillisecond).unwrap();
+        let half = N::saturated(0.5);
+        let mut state: DriveState<N> =
+            drive.at_rest(N::ZERO, ChamberState { a: N::saturated(0.4), b: N::saturated(0.6) }, N::travel(0.5));
+        for _ in 0..ticks {
+            drive.step(&mut state, Entry::Slider(Slider { from: half, to: half }), Load::NONE);
+        }
+        let closed = PumpDrive { speed: N::ZERO, direction: 0 };
+        let flow = drive.flows_from(state.supply.pressure, half, closed, state.chambers).a.to_f64();
+        let bases = drive.bases();
+        [state.supply.pressure.to_f64() * bases.pressure_pa, flow * bases.flow_m3_per_s]
+    }
+
+    #[test]
+    fn a_supply_without_memory_has_fallen_by_its_resistance_times_the_flow() {
+        for [pressure_pa, flow] in [after::<f64>(&machine(0.0), 1000), after::<PerUnit>(&machine(0.0), 1000)] {
+            assert!(flow > 1e-4, "{flow}");
+            assert!((pressure_pa - (7e6 - 1e10 * flow)).abs() < 20.0, "{pressure_pa} at {flow}");
+        }
+    }
+
+    #[test]
+    fn a_steady_draw_brings_the_supply_down_by_63_percent_within_the_time_constant() {
+        let drive = Drive::<PerUnit>::new::<64>(&machine(0.1), Tick::OneMillisecond).unwrap();
+        let crate::drive::OilSource::Valve(_, edges) = &drive.source else { unreachable!() };
+        let effects = edges.effects.unwrap();
+        let droop = effects.droop.unwrap();
+        let draw = Draw { flow: PerUnit::ONE, steepness: PerUnit::ZERO };
+        let mut supply = SupplyState::at_rest(PerUnit::ONE);
+        for _ in 0..100 {
+            supply = droop.after(supply, PerUnit::ONE, PerUnit::ONE, draw, effects.slope_scale);
+        }
+        let fall = 1e10 * drive.bases().flow_m3_per_s / 7e6;
+        let exact = 1.0 - fall * (1.0 - libm::exp(-1.0));
+        assert!((supply.pressure.to_f64() - exact).abs() < 1e-8, "{} {exact}", supply.pressure.to_f64());
+    }
+
+    #[test]
+    fn an_accumulator_remembers() {
+        let [slow, _] = after::<PerUnit>(&machine(1.0), 20);
+        let [quick, _] = after::<PerUnit>(&machine(0.0), 20);
+        assert!(7e6 - slow < 0.05 * (7e6 - quick), "{slow} {quick}");
+        let [settled, flow] = after::<PerUnit>(&machine(0.01), 1000);
+        assert!((settled - (7e6 - 1e10 * flow)).abs() < 50.0, "{settled} at {flow}");
+    }
+}

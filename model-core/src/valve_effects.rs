@@ -181,3 +181,118 @@ impl<N: Number> Stiction<N> {
         if (free - slider).magnitude() > self.band { free } else { slider }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::drive::Drive;
+    use crate::fixed_point::PerUnit;
+    use crate::machine::{Machine, Source, Tick};
+    use crate::number::Number;
+    use crate::parameter::Parameter as P;
+    use crate::valve::{AcrossEdges, Slider, Valve, ValveState};
+
+    /// A valve of 0.1 travel per volt without any dynamics: its slider is its target.
+    fn valve<N: Number<Real = f64>>(changes: &[(P, f64)]) -> Valve<N> {
+        let mut machine = Machine::with_defaults(Source::Valve);
+        for &(parameter, value) in
+            [(P::AreaA, 3e-3), (P::AreaB, 2e-3), (P::VolumeA, 5e-4), (P::VolumeB, 3e-4)].iter().chain(changes)
+        {
+            machine.set(parameter, value);
+        }
+        *Drive::new::<64>(&machine, Tick::OneMillisecond).unwrap().valve().unwrap()
+    }
+
+    /// The slider after each of a few set values, one a tick.
+    fn sliders<const K: usize>(changes: &[(P, f64)], targets: [f64; K]) -> [f64; K] {
+        let valve = valve::<PerUnit>(changes);
+        let mut state: ValveState<PerUnit, 64> = valve.at_rest(PerUnit::ZERO);
+        targets.map(|target| valve.step(&mut state, PerUnit::saturated(target)).to.to_f64())
+    }
+
+    fn assert_near<const K: usize>(found: [f64; K], expected: [f64; K]) {
+        for (one, other) in found.iter().zip(&expected) {
+            assert!((one - other).abs() < 3e-8, "{found:?}, expected {expected:?}");
+        }
+    }
+
+    #[test]
+    fn hysteresis_settles_its_width_apart_from_below_and_from_above() {
+        let changes = [(P::HysteresisWidth, 0.2)];
+        assert_near(sliders(&changes, [0.5, 0.8, 0.5, 0.2, 0.5]), [0.4, 0.7, 0.6, 0.3, 0.4]);
+        // Half-widths 0.05, 0.1, 0.15. After 0.5 they hold 0.45, 0.4, 0.35; at 0.3 only the first has had to follow, to 0.35.
+        let spread = [(P::HysteresisWidth, 0.2), (P::HysteresisSpread, 0.5)];
+        assert_near(sliders(&spread, [0.5, 0.3]), [0.4, (0.35 + 0.4 + 0.35) / 3.0]);
+    }
+
+    #[test]
+    fn a_stuck_slider_makes_a_staircase_of_a_ramp() {
+        let found = sliders(&[(P::StictionBand, 0.1)], [0.06, 0.11, 0.16, 0.205, 0.22, 0.13, 0.11]);
+        assert_near(found, [0.0, 0.11, 0.11, 0.11, 0.22, 0.22, 0.11]);
+    }
+
+    #[test]
+    fn a_jump_is_handed_on_as_the_straight_line_over_its_tick() {
+        let valve = valve::<f64>(&[(P::StictionBand, 0.1)]);
+        let mut state: ValveState<f64, 64> = valve.at_rest(0.0);
+        assert_eq!(valve.step(&mut state, 0.5), Slider { from: 0.0, to: 0.5 });
+        assert_eq!(valve.step(&mut state, 0.5), Slider { from: 0.5, to: 0.5 });
+    }
+
+    #[test]
+    fn the_neutral_has_drifted_to_63_percent_after_its_time_constant() {
+        let valve = valve::<PerUnit>(&[(P::NullDriftTravel, -0.1), (P::NullDriftTime, 1.0)]);
+        let mut state: ValveState<PerUnit, 64> = valve.at_rest(PerUnit::ZERO);
+        for _ in 0..1000 {
+            valve.step(&mut state, PerUnit::ZERO);
+        }
+        // The last tick's mean lies half a tick before 1 s.
+        let exact = -0.1 * (1.0 - libm::exp(-0.9995));
+        assert!((state.slider().to_f64() - exact).abs() < 1e-8, "{}", state.slider().to_f64());
+    }
+
+    #[test]
+    fn the_slowest_drift_does_not_stall() {
+        let valve = valve::<PerUnit>(&[(P::NullDriftTravel, 0.5), (P::NullDriftTime, 1e5)]);
+        let mut state: ValveState<PerUnit, 64> = valve.at_rest(PerUnit::ZERO);
+        for _ in 0..100_000 {
+            valve.step(&mut state, PerUnit::ZERO);
+        }
+        // 100 s of 1e5.
+        assert!((state.slider().to_f64() - 0.5 * 9.995e-4).abs() < 1e-7, "{}", state.slider().to_f64());
+    }
+
+    #[test]
+    fn half_a_travel_beyond_the_onset_is_halved_by_a_curvature_of_two() {
+        let changes = [(P::SolenoidOnset, 0.5), (P::SolenoidCurvature, 2.0)];
+        assert_near(sliders(&changes, [0.4, 1.0, -1.0]), [0.4, 0.75, -0.75]);
+    }
+
+    #[test]
+    fn a_flow_force_as_strong_as_the_valve_halves_the_opening() {
+        let changes = [(P::SupplyPressure, 5e6), (P::FlowForce, 2e-7), (P::DeadZone, 0.1)];
+        let valve = valve::<PerUnit>(&changes);
+        let across = AcrossEdges { extending: PerUnit::ONE, retracting: PerUnit::saturated(3.0) };
+        let slider = |target: f64| {
+            let mut state: ValveState<PerUnit, 64> = valve.at_rest(PerUnit::ZERO);
+            valve.step_against(&mut state, PerUnit::saturated(target), across).to.to_f64()
+        };
+        // 0.5 beyond the dead zone extending, against 1; 0.4 retracting, against 3.
+        assert_near([slider(0.6), slider(-0.5), slider(0.05)], [0.35, -0.2, 0.05]);
+    }
+
+    #[test]
+    fn no_flow_force_makes_the_slider_swing_for_ever() {
+        for lags in [[0.0, 0.0], [1e-3, 0.0], [0.0, 0.02], [1e-4, 1e-4], [0.018, 0.0279], [0.1, 1e-3]] {
+            let changes = [(P::FlowForce, 1e-6), (P::TimeConstant1, lags[0]), (P::TimeConstant2, lags[1])];
+            let valve = valve::<f64>(&changes);
+            let across = AcrossEdges { extending: 8.0, retracting: 8.0 };
+            let mut state: ValveState<f64, 64> = valve.at_rest(0.0);
+            for _ in 0..5000 {
+                valve.step_against(&mut state, 0.9, across);
+            }
+            let Slider { from, to } = valve.step_against(&mut state, 0.9, across);
+            // 0.9/(1 + 7·8)
+            assert!((from - to).abs() < 1e-9 && (to - 0.9 / 57.0).abs() < 1e-9, "{lags:?}: {from} {to}");
+        }
+    }
+}
