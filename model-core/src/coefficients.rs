@@ -1,6 +1,9 @@
-//! SI parameters → per-unit coefficients. Only this file converts, for host and target alike.
+//! SI parameters → per-unit coefficients. Only this file and those below it convert, for host and target alike.
 
 #![expect(clippy::float_arithmetic, reason = "coefficients are computed once, before a run, in real arithmetic")]
+
+mod flow_effects;
+mod valve_effects;
 
 use crate::bases::{COMMAND_V, GAIN_AIM, PUMP_SPEED_REV_PER_S, SPRUNG, bases, inertia, smaller_capacity};
 use crate::chambers::Chambers;
@@ -147,6 +150,7 @@ impl<R: Real> Builder<'_, R> {
             decay_1: self.gain::<N>("decay of the first lag", P::TimeConstant1, decay_1)?,
             decay_2: self.gain::<N>("decay of the second lag", P::TimeConstant2, decay_2)?,
             cross: self.gain::<N>("coupling of the lags", P::TimeConstant1, cross)?,
+            effects: self.valve_effects(R::ONE - decay_2 - cross)?,
         })
     }
 
@@ -164,7 +168,8 @@ impl<R: Real> Builder<'_, R> {
     }
 
     fn transition<N: Number<Real = R>>(&self) -> Result<N, MachineError> {
-        let pressure = self.get(P::LaminarTransition) / R::constant(self.bases.pressure_pa);
+        let pressure = self.get(P::LaminarTransition) + self.get(P::LaminarPressure);
+        let pressure = pressure / R::constant(self.bases.pressure_pa);
         self.signal("laminar transition", P::LaminarTransition, pressure)
     }
 
@@ -175,11 +180,12 @@ impl<R: Real> Builder<'_, R> {
 
     fn edges<N: Number<Real = R>>(&self) -> Result<Edges<N>, MachineError> {
         Ok(Edges {
-            dead_zone: self.signal("dead zone", P::DeadZone, self.get(P::DeadZone))?,
+            overlap: self.overlap()?,
             gain: self.gain::<N>("flow at full opening", P::FlowCoefficient, self.orifice(P::FlowCoefficient))?,
             limit: Self::limit(self.get(P::FlowLimit) / R::constant(self.bases.flow_m3_per_s)),
             transition: self.transition()?,
             lines: self.lines()?,
+            effects: self.edge_effects()?,
         })
     }
 

@@ -25,7 +25,8 @@ use crate::flow::{Edges, Flows, Linearised, Pump, PumpDrive};
 use crate::machine::Bases;
 use crate::mechanics::{Forces, Mechanics, MotionState};
 use crate::number::Number;
-use crate::valve::{Slider, Valve, ValveState};
+use crate::supply::SupplyState;
+use crate::valve::{AcrossEdges, Slider, Valve, ValveState};
 
 /// Where the oil comes from, with coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,6 +71,8 @@ pub struct DriveState<N: Number, const DELAY: usize = 64> {
     pub rest: ChamberState<N>,
     /// Velocity and position.
     pub motion: MotionState<N>,
+    /// Supply pressure; constant but for `supply-droop`.
+    pub supply: SupplyState<N>,
 }
 
 /// Where the chain is entered in a tick, and with what.
@@ -159,11 +162,17 @@ impl<N: Number> Drive<N> {
         &self.mechanics
     }
 
-    /// The flow link at a point: flows into A and out of B without leakage.
+    /// The flow link at a point: flows into A and out of B without leakage, from a supply of which nothing was drawn.
     #[must_use]
     pub fn flows(&self, slider: N, pump: PumpDrive<N>, pressures: ChamberState<N>) -> Flows<N> {
+        self.flows_from(self.unloaded().pressure, slider, pump, pressures)
+    }
+
+    /// The flow link at a point, with the supply at the pressure `supply` where it droops.
+    #[must_use]
+    pub fn flows_from(&self, supply: N, slider: N, pump: PumpDrive<N>, pressures: ChamberState<N>) -> Flows<N> {
         match &self.source {
-            OilSource::Valve(_, edges) => edges.flow(slider, pressures.a, pressures.b),
+            OilSource::Valve(_, edges) => edges.flow(slider, pressures, supply),
             OilSource::Pump(source) => {
                 let flows = source.flow(pump, pressures.a, pressures.b);
                 Flows { a: flows.a.flow, b: flows.b.flow }
@@ -171,7 +180,15 @@ impl<N: Number> Drive<N> {
         }
     }
 
-    /// A drive at rest: `command` (in 10 V) held for long, no velocity.
+    /// The supply of which nothing was drawn for long.
+    fn unloaded(&self) -> SupplyState<N> {
+        match &self.source {
+            OilSource::Valve(_, edges) => SupplyState::at_rest(edges.lines.supply),
+            OilSource::Pump(pump) => SupplyState::at_rest(pump.lines.supply),
+        }
+    }
+
+    /// A drive at rest: `command` (in 10 V) held for long, no velocity, nothing drawn from the supply.
     #[must_use]
     pub fn at_rest<const DELAY: usize>(
         &self,
@@ -184,7 +201,8 @@ impl<N: Number> Drive<N> {
             OilSource::Pump(_) => ValveState::idle(),
         };
         let rest = ChamberState { a: N::ZERO, b: N::ZERO };
-        DriveState { valve, chambers: pressures, rest, motion: MotionState { velocity: N::ZERO, position } }
+        let motion = MotionState { velocity: N::ZERO, position };
+        DriveState { valve, chambers: pressures, rest, motion, supply: self.unloaded() }
     }
 
     /// One tick. Fixed cost; no input of any size overflows or panics.
@@ -202,7 +220,14 @@ impl<N: Number> Drive<N> {
         let feed = match entry {
             Entry::Force { from, to } => return self.step_force(state, from + load.from, to + load.to),
             Entry::Command(command) => match &self.source {
-                OilSource::Valve(valve, _) => Feed::Edges(valve.step(&mut state.valve, command)),
+                OilSource::Valve(valve, edges) => {
+                    let across = if valve.feels_flow() {
+                        edges.across_open(state.chambers, state.supply.pressure)
+                    } else {
+                        AcrossEdges::NONE
+                    };
+                    Feed::Edges(valve.step_against(&mut state.valve, command, across))
+                }
                 OilSource::Pump(_) => Feed::Given { from: closed, to: closed },
             },
             Entry::Slider(slider) => Feed::Edges(slider),
@@ -238,7 +263,7 @@ impl<N: Number> Drive<N> {
         let velocity = state.motion.velocity;
         let constant = mechanics.load;
 
-        let flows = self.feed_from(feed, pressures);
+        let (flows, drawn) = self.feed_from(feed, pressures, state.supply.pressure);
         let yielding = chambers.yielding(&flows);
         let start = self.pressure_force(pressures) + load.from + constant;
         let contact = mechanics.contact(velocity, start);
@@ -262,7 +287,8 @@ impl<N: Number> Drive<N> {
 
         // Second stage.
         let (pressures2, velocity2) = (ChamberState { a: pressures.a + k1.a, b: pressures.b + k1.b }, velocity + v1);
-        let inflow2 = self.inflow(self.feed_to(feed, pressures2), pressures2);
+        let supply2 = self.supplied(feed, pressures2, state.supply, drawn);
+        let inflow2 = self.inflow(self.feed_to(feed, pressures2, supply2.pressure), pressures2);
         let net = Flows {
             a: inflow2.a - velocity2 - net1.a - net1.a,
             b: chambers.displaced_b(velocity2) - inflow2.b - net1.b - net1.b,
@@ -291,33 +317,44 @@ impl<N: Number> Drive<N> {
             b: chambers.mean(&flows.b, inflow1.b, inflow2.b, solved(chambers.displaced_b(mean) - kept.b)),
         };
         chambers.step(&mut state.chambers, &mut state.rest, flows, mean);
+        state.supply = self.supplied(feed, state.chambers, state.supply, drawn);
         let slider = if let Feed::Edges(slider) = feed { Some(*slider) } else { None };
         Interfaces { slider, flows, forces: Forces { start, first, second }, velocity: mean }
     }
 
-    /// Flows of the feed at the start of the tick, with their slopes.
+    /// Flows of the feed at the start of the tick, with their slopes, and the flow drawn from a supply that droops.
     #[inline]
-    fn feed_from(&self, feed: &Feed<N>, pressures: ChamberState<N>) -> Flows<Linearised<N>> {
+    fn feed_from(&self, feed: &Feed<N>, pressures: ChamberState<N>, supply: N) -> (Flows<Linearised<N>>, N) {
         let given = |flow: N| Linearised { flow, opening: N::ZERO, slope: self.chambers.unity };
-        match (feed, &self.source) {
-            (Feed::Edges(slider), OilSource::Valve(_, edges)) => edges.linearised(*slider, pressures.a, pressures.b),
+        let flows = match (feed, &self.source) {
+            (Feed::Edges(slider), OilSource::Valve(_, edges)) => return edges.linearised(*slider, pressures, supply),
             (Feed::Pump(drive), OilSource::Pump(pump)) => pump.flow(*drive, pressures.a, pressures.b),
             (Feed::Given { from, .. }, _) => Flows { a: given(from.a), b: given(from.b) },
             _ => Flows { a: given(N::ZERO), b: given(N::ZERO) },
-        }
+        };
+        (flows, N::ZERO)
     }
 
     /// Flows of the feed at the end of the tick.
     #[inline]
-    fn feed_to(&self, feed: &Feed<N>, pressures: ChamberState<N>) -> Flows<N> {
+    fn feed_to(&self, feed: &Feed<N>, pressures: ChamberState<N>, supply: N) -> Flows<N> {
         match (feed, &self.source) {
-            (Feed::Edges(slider), OilSource::Valve(_, edges)) => edges.flow(slider.to, pressures.a, pressures.b),
+            (Feed::Edges(slider), OilSource::Valve(_, edges)) => edges.flow(slider.to, pressures, supply),
             (Feed::Pump(drive), OilSource::Pump(pump)) => {
                 let flows = pump.flow(*drive, pressures.a, pressures.b);
                 Flows { a: flows.a.flow, b: flows.b.flow }
             }
             (Feed::Given { to, .. }, _) => *to,
             _ => Flows { a: N::ZERO, b: N::ZERO },
+        }
+    }
+
+    /// The supply at the end of a tick that ends at these pressures; it stays where nothing feeds from it.
+    #[inline]
+    fn supplied(&self, feed: &Feed<N>, pressures: ChamberState<N>, supply: SupplyState<N>, drawn: N) -> SupplyState<N> {
+        match (feed, &self.source) {
+            (Feed::Edges(slider), OilSource::Valve(_, edges)) => edges.supplied(slider.to, pressures, supply, drawn),
+            _ => supply,
         }
     }
 

@@ -3,8 +3,10 @@
 //! Signs: slider > 0 opens P-A and B-T. Flow a > 0 goes into chamber A, flow b > 0 comes out of chamber B.
 //! The roots are signed, so a chamber above supply pushes oil back.
 
+use crate::chambers::ChamberState;
+use crate::edge_effects::EdgeEffects;
 use crate::number::Number;
-use crate::valve::Slider;
+use crate::valve::{AcrossEdges, Slider};
 
 /// One flow with what the implicit step needs of its slope against the pressure it works on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,26 +37,45 @@ pub struct Lines<N> {
     pub tank: N,
 }
 
+/// Slider travel from the centre that passes no oil, to either side; `dead-zone-asymmetry` lets the sides differ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Overlap<N> {
+    pub(crate) extending: N,
+    pub(crate) retracting: N,
+}
+
+impl<N: Number> Overlap<N> {
+    /// Travel beyond the overlap, signed like the slider; not renormalised.
+    #[inline]
+    pub(crate) fn beyond(&self, slider: N) -> N {
+        (slider - self.extending).max(N::ZERO) + (slider + self.retracting).min(N::ZERO)
+    }
+}
+
 /// The metering edges of a proportional valve: dead zone, square-root orifices, flow saturation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Edges<N: Number> {
-    /// Slider travel, to both sides, that passes no oil.
-    pub(crate) dead_zone: N,
+    pub(crate) overlap: Overlap<N>,
     /// `K_Q`·√(pressure base) / flow base.
     pub(crate) gain: N::Gain,
     /// Largest flow, both signs.
     pub(crate) limit: N,
-    /// Pressure difference at which the root turns from laminar to turbulent.
+    /// Pressure difference at which the root turns from laminar to turbulent, `laminar-transition` included.
     pub(crate) transition: N,
     pub(crate) lines: Lines<N>,
+    /// What makes the four edges differ; `None` leaves two equal ones at a time.
+    pub(crate) effects: Option<EdgeEffects<N>>,
 }
 
 impl<N: Number> Edges<N> {
-    /// Flows at a slider position and two chamber pressures.
+    /// Flows at a slider position, two chamber pressures, and that of a supply that droops.
     #[inline]
-    pub fn flow(&self, slider: N, pressure_a: N, pressure_b: N) -> Flows<N> {
+    pub fn flow(&self, slider: N, pressures: ChamberState<N>, supply: N) -> Flows<N> {
+        if let Some(effects) = &self.effects {
+            return self.flow_of_four(effects, slider, pressures, supply);
+        }
         let opening = self.opening(slider);
-        let across = self.across(opening, pressure_a, pressure_b);
+        let across = self.across(opening, pressures);
         let edge = |across: N| {
             let (root, _) = across.orifice_root(self.transition);
             opening.times(root).limited(self.limit)
@@ -62,12 +83,16 @@ impl<N: Number> Edges<N> {
         Flows { a: edge(across.a), b: edge(across.b) }
     }
 
-    /// Flows at the start of a tick, with their slopes at the larger opening of the tick for the implicit step.
+    /// Flows at the start of a tick, with their slopes at the larger opening of the tick for the implicit step; and the flow drawn
+    /// from a supply that droops.
     #[inline]
-    pub fn linearised(&self, slider: Slider<N>, pressure_a: N, pressure_b: N) -> Flows<Linearised<N>> {
+    pub fn linearised(&self, slider: Slider<N>, pressures: ChamberState<N>, supply: N) -> (Flows<Linearised<N>>, N) {
+        if let Some(effects) = &self.effects {
+            return self.linearised_of_four(effects, slider, pressures, supply);
+        }
         let (from, to) = (self.opening(slider.from), self.opening(slider.to));
         // A closed valve that opens within the tick already works between the pressures it opens to.
-        let across = self.across(if from == N::ZERO { to } else { from }, pressure_a, pressure_b);
+        let across = self.across(if from == N::ZERO { to } else { from }, pressures);
         let edge = |across: N| {
             let (root, slope) = across.orifice_root(self.transition);
             let free = from.times(root);
@@ -75,23 +100,37 @@ impl<N: Number> Edges<N> {
             let opening = if flow == free { from.magnitude().max(to.magnitude()) } else { N::ZERO };
             Linearised { flow, opening, slope }
         };
-        Flows { a: edge(across.a), b: edge(across.b) }
+        (Flows { a: edge(across.a), b: edge(across.b) }, N::ZERO)
     }
 
-    /// Dead zone, not renormalised, times the flow gain.
+    /// Pressure over both edges that either way of the slider opens, without sign.
+    #[inline]
+    pub(crate) fn across_open(&self, pressures: ChamberState<N>, supply: N) -> AcrossEdges<N> {
+        let Lines { supply, tank } = self.lines_at(supply);
+        let sum = |from: N, to: N| (supply - from).magnitude() + (to - tank).magnitude();
+        AcrossEdges { extending: sum(pressures.a, pressures.b), retracting: sum(pressures.b, pressures.a) }
+    }
+
+    /// The lines, with the supply as it is now where it droops.
+    #[inline]
+    pub(crate) fn lines_at(&self, supply: N) -> Lines<N> {
+        let droops = self.effects.as_ref().is_some_and(|effects| effects.droop.is_some());
+        if droops { Lines { supply, ..self.lines } } else { self.lines }
+    }
+
+    /// Dead zone, times the flow gain.
     #[inline]
     fn opening(&self, slider: N) -> N {
-        let beyond = (slider - self.dead_zone).max(N::ZERO) + (slider + self.dead_zone).min(N::ZERO);
-        N::dot([self.gain], [beyond])
+        N::dot([self.gain], [self.overlap.beyond(slider)])
     }
 
     /// Pressure differences over the edges that an opening of this sign connects.
     #[inline]
-    fn across(&self, opening: N, pressure_a: N, pressure_b: N) -> Flows<N> {
+    fn across(&self, opening: N, pressures: ChamberState<N>) -> Flows<N> {
         let Lines { supply, tank } = self.lines;
         Flows {
-            a: opening.select_positive(supply - pressure_a, pressure_a - tank),
-            b: opening.select_positive(pressure_b - tank, supply - pressure_b),
+            a: opening.select_positive(supply - pressures.a, pressures.a - tank),
+            b: opening.select_positive(pressures.b - tank, supply - pressures.b),
         }
     }
 }

@@ -31,6 +31,9 @@ pub trait Real:
     /// The value without derivatives.
     fn value(self) -> f64;
 
+    /// Whether it is 0, and would be for any parameter: a dual number of value 0 that has a derivative is not nil.
+    fn is_nil(self) -> bool;
+
     /// Square root.
     #[must_use]
     fn sqrt(self) -> Self;
@@ -251,6 +254,9 @@ impl Real for f64 {
     }
     fn value(self) -> f64 {
         self
+    }
+    fn is_nil(self) -> bool {
+        self == 0.0
     }
     fn sqrt(self) -> Self {
         // Correctly rounded both ways, so the feature does not change a result.

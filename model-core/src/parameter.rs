@@ -109,7 +109,7 @@ parameters! {
     DroopTime: "effects.supply-droop.time_constant_s", "s", 0.0, 1e3, Value(0.0), "Time constant of that fall: the resistance times the accumulator's capacity.";
     ReturnResistance: "effects.tank-back-pressure.resistance_pa_s2_per_m6", "Pa s2/m6", 0.0, 1e18, Value(0.0), "Pressure drop of the return line per flow squared.";
     ValveLeakageOpening: "effects.valve-leakage.opening", "1", 0.0, 0.5, Value(0.0), "Opening that supply and tank edges of both ports have at the centre.";
-    ValveLeakageReach: "effects.valve-leakage.reach", "1", 1e-3, 1.0, Value(0.05), "Slider travel from centre over which that opening falls to half.";
+    ValveLeakageReach: "effects.valve-leakage.reach", "1", 4e-3, 1.0, Value(0.05), "Slider travel from centre over which that opening falls to half.";
     LaminarPressure: "effects.laminar-transition.pressure_pa", "Pa", 0.0, 1e7, Value(0.0), "What the pressure difference of transition is more than the valve's own.";
     PumpSlip: "effects.pump-slip.conductance_m3_per_s_pa", "m3/s/Pa", 0.0, 1e-6, Value(0.0), "Flow lost inside the turning pump per pressure difference across it.";
     InternalLeakage: "effects.internal-leakage.conductance_m3_per_s_pa", "m3/s/Pa", 0.0, 1e-6, Value(0.0), "Laminar leakage past the piston per (pa - pb); positive from A to B.";

@@ -5,6 +5,7 @@
 //! that reaches the slider whatever the tick is; the lags answer that mean exactly (no discretisation error of their own).
 
 use crate::number::Number;
+use crate::valve_effects::{ValveEffectState, ValveEffects};
 
 /// Coefficients of the valve at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +28,7 @@ pub struct Valve<N: Number> {
     pub(crate) decay_2: N::Gain,
     /// T1·(e^(−h/T1) − e^(−h/T2)) / (T1 − T2)
     pub(crate) cross: N::Gain,
+    pub(crate) effects: ValveEffects<N>,
 }
 
 /// State of the valve, with the delay line of `DELAY` ticks (a power of two).
@@ -48,9 +50,14 @@ pub struct ValveState<N: Number, const DELAY: usize> {
     lag: N,
     /// Slider position; 1 is full travel.
     slider: N,
+    effects: ValveEffectState<N>,
 }
 
 /// The slider over one tick; between the two it moves linearly.
+///
+/// A slider that sticks and jumps within the tick is handed on so too: the jump comes at any time within the tick alike, and the
+/// straight line has the mean opening of a jump in the middle. Taken at the start or the end of the tick, every jump would be
+/// half a tick early or late.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slider<N> {
     /// At the start of the tick.
@@ -59,25 +66,70 @@ pub struct Slider<N> {
     pub to: N,
 }
 
+/// Sum of the pressure differences over the two edges that the slider opens, without sign: what a flow force works with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AcrossEdges<N> {
+    /// P-A and B-T, open where the slider extends.
+    pub extending: N,
+    /// A-T and P-B, open where it retracts.
+    pub retracting: N,
+}
+
+impl<N: Number> AcrossEdges<N> {
+    /// No pressure: the slider moves as if no oil flowed.
+    pub const NONE: Self = Self { extending: N::ZERO, retracting: N::ZERO };
+}
+
 impl<N: Number> Valve<N> {
-    /// The valve at rest with `command` (in 10 V) having been held for long.
+    /// The valve at rest with `command` (in 10 V) having been held for long, and no oil flowing.
+    ///
+    /// Hysteresis has settled in the middle of its width, the neutral has yet to drift, and the slider is stuck nowhere.
     #[must_use]
     pub fn at_rest<const DELAY: usize>(&self, command: N) -> ValveState<N, DELAY> {
-        let set = self.target(command);
-        ValveState { set, line: [set; DELAY], head: 0, lag: set, slider: set }
+        let set = self.effects.fed(self.target(command));
+        let effects = ValveEffectState::at_rest(set);
+        ValveState { set, line: [set; DELAY], head: 0, lag: set, slider: set, effects }
     }
 
-    /// One tick with `command` (in 10 V, any size) held.
+    /// One tick with `command` (in 10 V, any size) held and no flow force.
     #[inline]
     pub fn step<const DELAY: usize>(&self, state: &mut ValveState<N, DELAY>, command: N) -> Slider<N> {
-        let mean = self.limit_rate(&mut state.set, command);
+        self.step_against(state, command, AcrossEdges::NONE)
+    }
+
+    /// One tick with `command` (in 10 V, any size) held, against the force of the oil that flows.
+    #[inline]
+    pub fn step_against<const DELAY: usize>(
+        &self,
+        state: &mut ValveState<N, DELAY>,
+        command: N,
+        across: AcrossEdges<N>,
+    ) -> Slider<N> {
+        let target = self.effects.characteristic(self.target(command), &mut state.effects);
+        let mean = self.limit_rate(&mut state.set, target);
         let delayed = self.delay(&mut state.line, &mut state.head, mean);
         let from = state.slider;
-        // Both lags relax towards the mean; `cross` is what the first hands to the second meanwhile.
-        let (first, second) = (state.lag - delayed, state.slider - delayed);
-        state.lag = delayed + N::dot([self.decay_1], [first]);
-        state.slider = delayed + N::dot([self.decay_2, self.cross], [second, first]);
+        let second = self.effects.second_lag(&state.effects, from);
+        let (mut lag, mut free) = self.lagged(state.lag, second, delayed);
+        if let Some(force) = &self.effects.flow_force {
+            (lag, free) = self.lagged(state.lag, second, delayed - force.closes(free, across));
+        }
+        state.lag = lag;
+        state.slider = self.effects.handed_on(&mut state.effects, from, free);
         Slider { from, to: state.slider }
+    }
+
+    /// Whether the slider feels a flow force.
+    #[inline]
+    pub(crate) fn feels_flow(&self) -> bool {
+        self.effects.flow_force.is_some()
+    }
+
+    /// Both lags a tick later, relaxing towards `set`; `cross` is what the first hands to the second meanwhile.
+    #[inline]
+    fn lagged(&self, first: N, second: N, set: N) -> (N, N) {
+        let (first, second) = (first - set, second - set);
+        (set + N::dot([self.decay_1], [first]), set + N::dot([self.decay_2, self.cross], [second, first]))
     }
 
     /// Static characteristic. (15)
@@ -88,8 +140,8 @@ impl<N: Number> Valve<N> {
 
     /// Moves the set value and returns its mean over the tick: it ramps for the share |d|/limit of it, then rests.
     #[inline]
-    fn limit_rate(&self, set: &mut N, command: N) -> N {
-        let step = (self.target(command) - *set).limited(self.step_limit);
+    fn limit_rate(&self, set: &mut N, target: N) -> N {
+        let step = (target - *set).limited(self.step_limit);
         *set = *set + step;
         *set - step.times(step.magnitude().amplified(self.half_per_step))
     }
@@ -111,7 +163,8 @@ impl<N: Number> Valve<N> {
 impl<N: Number, const DELAY: usize> ValveState<N, DELAY> {
     /// The state of a drive without a valve.
     pub(crate) fn idle() -> Self {
-        Self { set: N::ZERO, line: [N::ZERO; DELAY], head: 0, lag: N::ZERO, slider: N::ZERO }
+        let effects = ValveEffectState::at_rest(N::ZERO);
+        Self { set: N::ZERO, line: [N::ZERO; DELAY], head: 0, lag: N::ZERO, slider: N::ZERO, effects }
     }
 
     /// Slider position; 1 is full travel, positive extends the rod.

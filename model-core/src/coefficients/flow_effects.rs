@@ -1,0 +1,111 @@
+//! Coefficients of the flow link's effects; `None` where the strength is nil.
+
+use super::Builder;
+use crate::edge_effects::{EdgeEffects, GainCurve, ReturnLine, SLOPE_SCALE, ValveLeakage};
+use crate::flow::Overlap;
+use crate::machine::MachineError;
+use crate::number::{Number, Real};
+use crate::parameter::Parameter as P;
+use crate::relaxation::fineness;
+use crate::supply::Droop;
+
+impl<R: Real> Builder<'_, R> {
+    /// The dead zone of either side, none below 0.
+    pub(super) fn overlap<N: Number<Real = R>>(&self) -> Result<Overlap<N>, MachineError> {
+        let (both, half) = (self.get(P::DeadZone), R::constant(0.5) * self.get(P::DeadZoneDifference));
+        let side = |travel: R| {
+            let travel = if travel.value() < 0.0 { R::ZERO } else { travel };
+            self.signal("dead zone", P::DeadZone, travel)
+        };
+        Ok(Overlap { extending: side(both + half)?, retracting: side(both - half)? })
+    }
+
+    /// What makes the four edges differ, or the supply droop.
+    pub(super) fn edge_effects<N: Number<Real = R>>(&self) -> Result<Option<EdgeEffects<N>>, MachineError> {
+        let (linear, quadratic) = (self.get(P::FlowGainLinear), self.get(P::FlowGainQuadratic));
+        let bends = !(linear.is_nil() && quadratic.is_nil());
+        let curve = if bends { Some(self.gain_curve(linear, quadratic)?) } else { None };
+        let effects = EdgeEffects {
+            curve,
+            tank_excess: self.unless_nil(P::MeteringRatio, |ratio| {
+                self.gain::<N>("excess of the tank edges", P::MeteringRatio, ratio)
+            })?,
+            return_line: self.unless_nil(P::ReturnResistance, |resistance| self.return_line(resistance))?,
+            leakage: self.unless_nil(P::ValveLeakageOpening, |opening| self.valve_leakage(opening))?,
+            droop: self.unless_nil(P::DroopResistance, |resistance| self.droop(resistance))?,
+            slope_fraction: self.signal("a slope's scale", P::FlowCoefficient, R::ONE / R::constant(SLOPE_SCALE))?,
+            slope_scale: self.steep::<N>("a slope's scale", P::FlowCoefficient, R::constant(SLOPE_SCALE))?,
+            unity: self.steep::<N>("one", P::FlowCoefficient, R::ONE)?,
+        };
+        self.check_largest_opening::<N>()?;
+        let EdgeEffects { curve, tank_excess, return_line, leakage, droop, .. } = &effects;
+        let differ = curve.is_some() || tank_excess.is_some() || return_line.is_some() || leakage.is_some();
+        Ok((differ || droop.is_some()).then_some(effects))
+    }
+
+    /// An opening that the format holds: full travel, bent, on the tank edge if that is the larger, and the leakage.
+    fn check_largest_opening<N: Number<Real = R>>(&self) -> Result<(), MachineError> {
+        let bent = self.get(P::FlowGainLinear) + self.get(P::FlowGainQuadratic);
+        let excess = self.get(P::MeteringRatio);
+        let excess = if excess.value() > 0.0 { excess } else { R::ZERO };
+        let opening = (R::ONE + bent) * (R::ONE + excess) + self.get(P::ValveLeakageOpening);
+        let of = if excess.value() > bent.value() { P::MeteringRatio } else { P::FlowGainLinear };
+        let flow = self.orifice(P::FlowCoefficient) * opening;
+        self.signal::<N>("flow at full opening with its effects", of, flow).map(|_| ())
+    }
+
+    fn gain_curve<N: Number<Real = R>>(&self, linear: R, quadratic: R) -> Result<GainCurve<N>, MachineError> {
+        let quarter = |of: P, value: R| self.gain::<N>("bend of the flow gain", of, R::constant(0.25) * value);
+        Ok(GainCurve { quarters: [quarter(P::FlowGainLinear, linear)?, quarter(P::FlowGainQuadratic, quadratic)?] })
+    }
+
+    /// R·Q²/p per unit, at the flow of full opening and full pressure.
+    fn return_line<N: Number<Real = R>>(&self, resistance: R) -> Result<ReturnLine<N>, MachineError> {
+        let coefficient = self.get(P::FlowCoefficient);
+        Ok(ReturnLine {
+            resistance: self.gain::<N>(
+                "return line's share of the pressure over the edge",
+                P::ReturnResistance,
+                resistance * coefficient * coefficient,
+            )?,
+        })
+    }
+
+    fn valve_leakage<N: Number<Real = R>>(&self, opening: R) -> Result<ValveLeakage<N>, MachineError> {
+        let reach = self.get(P::ValveLeakageReach);
+        Ok(ValveLeakage {
+            opening: self.signal("opening at the centre", P::ValveLeakageOpening, opening)?,
+            narrowness: self.steep::<N>(
+                "inverse square of the reach",
+                P::ValveLeakageReach,
+                R::ONE / (reach * reach),
+            )?,
+        })
+    }
+
+    fn droop<N: Number<Real = R>>(&self, resistance: R) -> Result<Droop<N>, MachineError> {
+        let resistance = resistance * R::constant(self.bases.flow_m3_per_s / self.bases.pressure_pa);
+        let time_constant = self.get(P::DroopTime);
+        let share = R::ONE - self.decay(time_constant);
+        let at_end = R::ONE - share * time_constant / R::constant(self.tick_s);
+        // For a slow supply that is a difference of two near 1: of its series then, h/2τ − (h/τ)²/6.
+        let ticks = time_constant.value() / self.tick_s;
+        let at_end = if ticks > 1e4 {
+            let turn = R::constant(self.tick_s) / time_constant;
+            turn * (R::constant(0.5) - turn / R::constant(6.0))
+        } else {
+            at_end
+        };
+        let at_once = resistance * at_end;
+        let at_start = resistance * (share - at_end);
+        let fine = fineness([share, at_once, at_start].map(Real::value).into_iter().fold(0.0, f64::max));
+        let scaled = |value: R| {
+            self.gain::<N>("fall of the supply pressure per flow", P::DroopResistance, value * R::constant(fine))
+        };
+        Ok(Droop {
+            shares: [scaled(share)?, scaled(-at_start)?, scaled(-at_once)?],
+            fine: self.gain::<N>("fineness of the droop", P::DroopTime, R::ONE / R::constant(fine))?,
+            at_once: self.gain::<N>("fall of the supply pressure per flow", P::DroopResistance, at_once)?,
+        })
+    }
+}

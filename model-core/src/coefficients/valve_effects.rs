@@ -1,0 +1,74 @@
+//! Coefficients of the valve link's effects; `None` where the strength is nil.
+
+use super::Builder;
+use crate::machine::MachineError;
+use crate::number::{Number, Real};
+use crate::parameter::Parameter as P;
+use crate::relaxation::{Relaxation, fineness};
+use crate::valve_effects::{FlowForce, Hysteresis, NullDrift, SolenoidSaturation, Stiction, ValveEffects};
+
+impl<R: Real> Builder<'_, R> {
+    /// `share` is how much of a set value the lags let through in a tick.
+    pub(super) fn valve_effects<N: Number<Real = R>>(&self, share: R) -> Result<ValveEffects<N>, MachineError> {
+        Ok(ValveEffects {
+            drift: self.unless_nil(P::NullDriftTravel, |travel| self.null_drift(travel))?,
+            saturation: self.unless_nil(P::SolenoidCurvature, |curvature| self.solenoid(curvature))?,
+            hysteresis: self.unless_nil(P::HysteresisWidth, |width| self.hysteresis(width))?,
+            flow_force: self.unless_nil(P::FlowForce, |closing| self.flow_force(closing, share))?,
+            stiction: self.unless_nil(P::StictionBand, |band| {
+                Ok(Stiction { band: self.signal("band of the stuck slider", P::StictionBand, band)? })
+            })?,
+        })
+    }
+
+    /// An effect where its strength, or a derivative by it, is there.
+    pub(super) fn unless_nil<T>(
+        &self,
+        strength: P,
+        effect: impl FnOnce(R) -> Result<T, MachineError>,
+    ) -> Result<Option<T>, MachineError> {
+        let strength = self.get(strength);
+        if strength.is_nil() { Ok(None) } else { effect(strength).map(Some) }
+    }
+
+    fn null_drift<N: Number<Real = R>>(&self, travel: R) -> Result<NullDrift<N>, MachineError> {
+        let share = R::ONE - self.decay(self.get(P::NullDriftTime));
+        let fine = fineness(share.value());
+        let of = P::NullDriftTime;
+        Ok(NullDrift {
+            travel: self.signal("drift of the neutral", P::NullDriftTravel, travel)?,
+            relaxation: Relaxation {
+                share: self.gain::<N>("drift per tick", of, share * R::constant(fine))?,
+                fine: self.gain::<N>("fineness of the drift", of, R::ONE / R::constant(fine))?,
+            },
+        })
+    }
+
+    fn solenoid<N: Number<Real = R>>(&self, curvature: R) -> Result<SolenoidSaturation<N>, MachineError> {
+        Ok(SolenoidSaturation {
+            onset: self.signal("onset of the solenoid's saturation", P::SolenoidOnset, self.get(P::SolenoidOnset))?,
+            curvature: self.steep::<N>("the solenoid's saturation", P::SolenoidCurvature, curvature)?,
+        })
+    }
+
+    fn hysteresis<N: Number<Real = R>>(&self, width: R) -> Result<Hysteresis<N>, MachineError> {
+        let spread = self.get(P::HysteresisSpread);
+        let half = |share: R| self.signal("width of a play", P::HysteresisWidth, R::constant(0.5) * width * share);
+        Ok(Hysteresis {
+            half_widths: [half(R::ONE - spread)?, half(R::ONE)?, half(R::ONE + spread)?],
+            third: self.gain::<N>("a third", P::HysteresisWidth, R::ONE / R::constant(3.0))?,
+        })
+    }
+
+    fn flow_force<N: Number<Real = R>>(&self, closing: R, share: R) -> Result<FlowForce<N>, MachineError> {
+        let closing = closing * R::constant(self.bases.pressure_pa);
+        // Rounding may leave slow lags a share just below none.
+        let share = if share.value() < 0.0 { R::ZERO } else { share };
+        Ok(FlowForce {
+            closing: self.signal("flow force at supply pressure", P::FlowForce, closing)?,
+            overlap: self.overlap()?,
+            share: self.signal("share of the lags", P::TimeConstant1, share)?,
+            unity: self.steep::<N>("one", P::FlowForce, R::ONE)?,
+        })
+    }
+}

@@ -1,0 +1,186 @@
+//! The four metering edges one by one: how the flow link computes where an effect makes them differ.
+//!
+//! ```text
+//! Qa = Q(P-A) − Q(A-T)      Qb = Q(B-T) − Q(P-B)      Qs = Q(P-A) + Q(P-B)
+//! Q(edge) = K·opening·g(Δp), within the flow limit
+//! ```
+//!
+//! With every effect at nil this is the flow of [`Edges`] but for rounding: the opening that the paper's valve has is then one edge
+//! of each port, and the other is closed.
+
+use crate::chambers::ChamberState;
+use crate::edge_effects::EdgeEffects;
+use crate::flow::{Edges, Flows, Linearised};
+use crate::number::Number;
+use crate::supply::{Draw, SupplyState};
+use crate::valve::Slider;
+
+/// One of something for each metering edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Four<T> {
+    /// P-A
+    supply_a: T,
+    /// A-T
+    tank_a: T,
+    /// P-B
+    supply_b: T,
+    /// B-T
+    tank_b: T,
+}
+
+impl<T: Copy> Four<T> {
+    #[inline]
+    fn with<U: Copy, V>(&self, other: &Four<U>, each: impl Fn(T, U) -> V) -> Four<V> {
+        Four {
+            supply_a: each(self.supply_a, other.supply_a),
+            tank_a: each(self.tank_a, other.tank_a),
+            supply_b: each(self.supply_b, other.supply_b),
+            tank_b: each(self.tank_b, other.tank_b),
+        }
+    }
+}
+
+/// What passes an edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Passing<N: Number> {
+    flow: N,
+    /// Slope of the root's chord.
+    slope: N::Steep,
+    /// Whether the flow is that of the pressure, not the limit.
+    follows: bool,
+}
+
+impl<N: Number> Four<Passing<N>> {
+    #[inline]
+    fn ports(&self) -> Flows<N> {
+        Flows { a: self.supply_a.flow - self.tank_a.flow, b: self.tank_b.flow - self.supply_b.flow }
+    }
+
+    #[inline]
+    fn drawn(&self) -> N {
+        self.supply_a.flow + self.supply_b.flow
+    }
+
+    /// Opening times slope of each edge, over the scale of slopes.
+    #[inline]
+    fn steepness(&self, openings: &Four<N>, fraction: N) -> Four<N> {
+        self.with(
+            openings,
+            |passing, opening| {
+                if passing.follows { opening.times(fraction).amplified(passing.slope) } else { N::ZERO }
+            },
+        )
+    }
+}
+
+impl<N: Number> Edges<N> {
+    /// Flows at a slider position, two chamber pressures and the supply's.
+    #[inline]
+    pub(crate) fn flow_of_four(
+        &self,
+        effects: &EdgeEffects<N>,
+        slider: N,
+        pressures: ChamberState<N>,
+        supply: N,
+    ) -> Flows<N> {
+        self.passing(&self.openings(effects, slider), pressures, supply).ports()
+    }
+
+    /// Flows at the start of a tick with their slopes, and what is drawn from the supply.
+    #[inline]
+    pub(crate) fn linearised_of_four(
+        &self,
+        effects: &EdgeEffects<N>,
+        slider: Slider<N>,
+        pressures: ChamberState<N>,
+        supply: N,
+    ) -> (Flows<Linearised<N>>, N) {
+        let (from, to) = (self.openings(effects, slider.from), self.openings(effects, slider.to));
+        let passing = self.passing(&from, pressures, supply);
+        let started = self.overlap.beyond(slider.from);
+        let way = if started == N::ZERO { self.overlap.beyond(slider.to) } else { started };
+        let steep = passing.steepness(&larger(way, &from, &to), effects.slope_fraction);
+        let supplied = steep.supply_a + steep.supply_b;
+        let soft = |own: N| match &effects.droop {
+            Some(droop) => droop.softened(own, supplied, effects.slope_scale),
+            None => own,
+        };
+        let flows = passing.ports();
+        let port = |flow, opening| Linearised { flow, opening, slope: effects.slope_scale };
+        let linearised = Flows {
+            a: port(flows.a, soft(steep.supply_a) + steep.tank_a),
+            b: port(flows.b, soft(steep.supply_b) + steep.tank_b),
+        };
+        (linearised, passing.drawn())
+    }
+
+    /// The supply at the end of a tick that ends at this slider and these pressures, with `drawn` drawn at its start.
+    #[inline]
+    pub(crate) fn supplied(
+        &self,
+        slider: N,
+        pressures: ChamberState<N>,
+        supply: SupplyState<N>,
+        drawn: N,
+    ) -> SupplyState<N> {
+        let Some(effects) = &self.effects else { return supply };
+        let Some(droop) = &effects.droop else { return supply };
+        let openings = self.openings(effects, slider);
+        let passing = self.passing(&openings, pressures, supply.pressure);
+        let steep = passing.steepness(&openings, effects.slope_fraction);
+        let draw = Draw { flow: passing.drawn(), steepness: steep.supply_a + steep.supply_b };
+        droop.after(supply, self.lines.supply, drawn, draw, effects.slope_scale)
+    }
+
+    /// Openings of the edges, flow gain included, none negative.
+    #[inline]
+    fn openings(&self, effects: &EdgeEffects<N>, slider: N) -> Four<N> {
+        let beyond = self.overlap.beyond(slider);
+        let extending = effects.metered(beyond.max(N::ZERO));
+        let retracting = effects.metered((-beyond).max(N::ZERO));
+        let leaking = effects.leaking(slider);
+        let supply = |metered: N| N::dot([self.gain], [metered + leaking]);
+        let tank = |metered: N| N::dot([self.gain], [effects.tank_opening(metered, leaking)]);
+        Four {
+            supply_a: supply(extending),
+            tank_a: tank(retracting),
+            supply_b: supply(retracting),
+            tank_b: tank(extending),
+        }
+    }
+
+    #[inline]
+    fn passing(&self, openings: &Four<N>, pressures: ChamberState<N>, supply: N) -> Four<Passing<N>> {
+        let lines = self.lines_at(supply);
+        let across = Four {
+            supply_a: lines.supply - pressures.a,
+            tank_a: pressures.a - lines.tank,
+            supply_b: lines.supply - pressures.b,
+            tank_b: pressures.b - lines.tank,
+        };
+        openings.with(&across, |opening, across| {
+            let (root, slope) = across.orifice_root(self.transition);
+            let free = opening.times(root);
+            let flow = free.limited(self.limit);
+            Passing { flow, slope, follows: flow == free }
+        })
+    }
+}
+
+/// The larger openings of a tick, for its slopes; `way` is the sign of the opening that the tick works over.
+///
+/// A slider that crosses the centre within the tick has its end's larger opening counted where it started, as without effects.
+#[inline]
+fn larger<N: Number>(way: N, from: &Four<N>, to: &Four<N>) -> Four<N> {
+    // (working, other) edge of a port at both ends.
+    let port = |from: (N, N), to: (N, N)| (from.0.max(to.0.max(to.1)), from.1.max(to.0.min(to.1)));
+    if way > N::ZERO {
+        let (supply_a, tank_a) = port((from.supply_a, from.tank_a), (to.supply_a, to.tank_a));
+        let (tank_b, supply_b) = port((from.tank_b, from.supply_b), (to.tank_b, to.supply_b));
+        Four { supply_a, tank_a, supply_b, tank_b }
+    } else {
+        let (tank_a, supply_a) = port((from.tank_a, from.supply_a), (to.tank_a, to.supply_a));
+        let (supply_b, tank_b) = port((from.supply_b, from.tank_b), (to.supply_b, to.tank_b));
+        Four { supply_a, tank_a, supply_b, tank_b }
+    }
+}
