@@ -49,6 +49,18 @@ pub struct Candidate {
 
 /// The search ends when the loss falls by less than this share in a step.
 const PRECISION: f64 = 1e-5;
+/// The same for a first look.
+const ROUGHLY: f64 = 0.03;
+
+/// Where a refit begins.
+struct Beginning<'a> {
+    fit: &'a Fit,
+    /// Strengths that are new.
+    values: &'a [(Parameter, f64)],
+    /// Where the former fit's coordinates settle with them.
+    settled: &'a [f64],
+    precision: f64,
+}
 
 impl Candidate {
     /// The machine file's model, refitted.
@@ -78,13 +90,20 @@ impl Candidate {
         Ok(screen(question.scene, &self.fit, &sensitivity, hypotheses)?)
     }
 
-    /// With one more effect, refitted from where the lead points.
+    /// With one more effect, roughly refitted from where the lead points; [`Candidate::finished`] does the rest.
     pub fn with(&self, question: &Question<'_>, lead: &Lead) -> Result<Self, FitError> {
         let mut effects = self.effects.clone();
         effects.push(Chosen { effect: lead.effect, form: lead.form });
         let mut jumps = self.jumps.clone();
         jumps.extend(lead.values.iter().filter(|(parameter, _)| is_jump(lead.form, *parameter)));
-        Self::refitted(question, effects, jumps, &self.fit, &lead.values)
+        let from = Beginning { fit: &self.fit, values: &lead.values, settled: &lead.settled, precision: ROUGHLY };
+        Self::refitted(question, effects, jumps, &from)
+    }
+
+    /// Refitted to the end.
+    pub fn finished(&self, question: &Question<'_>) -> Result<Self, FitError> {
+        let from = Beginning { fit: &self.fit, values: &[], settled: &[], precision: PRECISION };
+        Self::refitted(question, self.effects.clone(), self.jumps.clone(), &from)
     }
 
     /// Without one of its effects.
@@ -93,37 +112,38 @@ impl Candidate {
         let gone = effects.remove(index);
         let mut jumps = self.jumps.clone();
         jumps.retain(|(parameter, _)| !is_jump(gone.form, *parameter));
-        Self::refitted(question, effects, jumps, &self.fit, &[])
+        let from = Beginning { fit: &self.fit, values: &[], settled: &[], precision: PRECISION };
+        Self::refitted(question, effects, jumps, &from)
     }
 
     fn refitted(
         question: &Question<'_>,
         effects: Vec<Chosen>,
         mut jumps: Vec<(Parameter, f64)>,
-        from: &Fit,
-        values: &[(Parameter, f64)],
+        from: &Beginning<'_>,
     ) -> Result<Self, FitError> {
         let strengths = effects.iter().flat_map(|chosen| chosen.form.iter());
         let smooth = strengths.filter(|strength| !matches!(strength.kind, Kind::Jump(_)));
         let free: Vec<Free> =
             question.ordinary.iter().copied().chain(smooth.map(|strength| strength.free(question.scene))).collect();
-        let coordinates: Vec<(Parameter, f64)> = values
+        let coordinates: Vec<(Parameter, f64)> = from
+            .values
             .iter()
             .filter_map(|(parameter, value)| {
                 let free = free.iter().find(|free| free.parameter == *parameter)?;
                 Some((*parameter, free.coordinate(*value)))
             })
             .collect();
-        let from = From { solution: Some(from), coordinates: &coordinates };
-        let mut found = fit(&jumped(question.scene.machine, &jumps), &free, question.training, &from, PRECISION)?;
+        let start = From { solution: Some(from.fit), coordinates: &coordinates, moved: from.settled };
+        let mut found = fit(&jumped(question.scene.machine, &jumps), &free, question.training, &start, from.precision)?;
         for _ in 0..if jumps.is_empty() { 0 } else { 2 } {
             let Some(sensitivity) = Sensitivity::at(&found, question.training)? else { break };
             for (parameter, value) in &mut jumps {
                 *value = nearby(&found.machine, &sensitivity, *parameter, *value)?;
             }
             drop(sensitivity);
-            let again = From { solution: Some(&found), coordinates: &[] };
-            found = fit(&jumped(question.scene.machine, &jumps), &free, question.training, &again, PRECISION)?;
+            let again = From { solution: Some(&found), ..From::default() };
+            found = fit(&jumped(question.scene.machine, &jumps), &free, question.training, &again, from.precision)?;
         }
         Self::of(question, effects, found, jumps)
     }

@@ -19,6 +19,8 @@ pub struct Lead {
     pub values: Vec<(Parameter, f64)>,
     /// Half the sum of squares that it would gain.
     pub gain: f64,
+    /// Coordinates that what was free before settles at: parameters, then each recording's start.
+    pub settled: Vec<f64>,
 }
 
 impl Strength {
@@ -139,8 +141,8 @@ fn lead(
 ) -> Result<Option<Lead>, MachineError> {
     let amounts: Vec<&Strength> = form.iter().filter(|strength| strength.is_amount()).collect();
     let lead_at = |values: Vec<(Parameter, f64)>| -> Result<Lead, MachineError> {
-        let gain = sensitivity.gain(&sensitivity.change(&with(&fit.machine, &values))?);
-        Ok(Lead { effect, form, values, gain })
+        let change = sensitivity.change(&with(&fit.machine, &values))?;
+        Ok(Lead { effect, form, values, gain: sensitivity.gain(&change), settled: sensitivity.settled(&change) })
     };
     if let [Strength { parameter, kind: Kind::Jump(range) }] = form {
         return jump(range(scene), |value| lead_at(vec![(*parameter, value)])).map(Some);

@@ -20,6 +20,10 @@ use crate::recording::Signal;
 const MOST_EFFECTS: usize = 3;
 /// Effects that are refitted in a round, the most promising by the screening.
 const REFITTED: usize = 7;
+/// Sets of a round that are refitted to the end.
+const FINISHED: usize = 5;
+/// An effect that promises less than this share of the best is not refitted.
+const PROMISING: f64 = 0.05;
 /// Sets that the next round starts from.
 const BEAM: usize = 3;
 /// Effects that are refitted beside each of those.
@@ -62,7 +66,14 @@ pub fn select(question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<
     let mut beam = vec![base.clone()];
     for round in 0..MOST_EFFECTS {
         let found = widened(question, &beam, if round == 0 { REFITTED } else { BESIDE }, done)?;
-        let ranked = ranked(&base, found);
+        // Only the best are worth an exact refit.
+        let mut first = ranked(&base, found);
+        let rest = first.split_off(first.len().min(FINISHED));
+        let finished = first
+            .par_iter()
+            .map(|(candidate, _)| candidate.finished(question))
+            .collect::<Result<Vec<_>, FitError>>()?;
+        let ranked = ranked(&base, finished.into_iter().chain(rest.into_iter().map(|(candidate, _)| candidate)).collect());
         rounds.push(ranked.iter().map(|(candidate, net)| trial(candidate, *net)).collect());
         let mut accepted = None;
         for (candidate, _) in ranked.iter().take(BEAM) {
@@ -102,6 +113,8 @@ fn widened(
             .collect();
         let mut leads = from.leads(question, &open)?;
         let mut names: Vec<&str> = Vec::new();
+        let most_promised = leads.first().map_or(0.0, |lead| lead.gain);
+        leads.retain(|lead| lead.gain > PROMISING * most_promised && lead.gain > CHANCE);
         leads.retain(|lead| {
             if !names.contains(&lead.effect.name) {
                 names.push(lead.effect.name);

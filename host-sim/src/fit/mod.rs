@@ -189,6 +189,8 @@ pub struct From<'a> {
     pub solution: Option<&'a Fit>,
     /// Coordinates of single parameters that go before the former solution's.
     pub coordinates: &'a [(Parameter, f64)],
+    /// Every coordinate of the former solution, moved; empty where they start as they were.
+    pub moved: &'a [f64],
 }
 
 /// Fits `free` parameters of `machine` to the recordings.

@@ -27,16 +27,15 @@ impl<'a> Problem<'a> {
     pub(super) fn new(base: &'a Machine<f64>, free: &'a [Free], cases: &'a [&'a Prepared], from: &From<'_>) -> Self {
         let mut coordinates = DVector::zeros(free.len() + OF_START * cases.len());
         if let Some(known) = from.solution {
+            let all = if from.moved.is_empty() { known.all_coordinates() } else { DVector::from_column_slice(from.moved) };
+            let known_starts = all.rows(known.free.len(), all.len() - known.free.len());
             for (free, coordinate) in free.iter().zip(coordinates.iter_mut()) {
-                let mut pairs = known.free.iter().zip(&known.coordinates);
+                let mut pairs = known.free.iter().zip(all.iter());
                 let found = pairs.find(|(other, _)| other.parameter == free.parameter);
                 *coordinate = found.map_or(0.0, |(_, coordinate)| *coordinate);
             }
             if known.starts.len() == cases.len() {
-                for (index, start) in known.starts.iter().enumerate() {
-                    coordinates[free.len() + OF_START * index] = start.level;
-                    coordinates[free.len() + OF_START * index + 1] = start.shift;
-                }
+                coordinates.rows_mut(free.len(), known_starts.len()).copy_from(&known_starts);
             }
         }
         for (parameter, wanted) in from.coordinates {

@@ -153,6 +153,13 @@ impl<'a> Sensitivity<'a> {
         self.stride as f64 * 0.5 * (settled - by)
     }
 
+    /// Where the free parameters, and each recording's start, settle when residuals change so.
+    #[must_use]
+    pub fn settled(&self, change: &Change) -> Vec<f64> {
+        let step = self.factor.solve(&(&self.gradient + self.across(change)));
+        self.fit.all_coordinates().iter().zip(step.iter()).map(|(here, step)| here - step.clamp(-3.0, 3.0)).collect()
+    }
+
     /// How much of each direction lowers the loss most once the free parameters have settled, each at least 0 where `positive`
     /// says so; and what that gains.
     #[must_use]
