@@ -119,6 +119,9 @@ impl<const P: usize> Real for Dual<P> {
     fn value(self) -> f64 {
         self.value
     }
+    fn is_nil(self) -> bool {
+        self.value == 0.0 && self.partials.iter().all(|partial| *partial == 0.0)
+    }
     #[inline]
     fn sqrt(self) -> Self {
         let root = self.value.sqrt();

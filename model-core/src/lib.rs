@@ -40,15 +40,22 @@
 extern crate std;
 
 mod bases;
+mod capacity;
 pub mod chambers;
 mod coefficients;
 pub mod drive;
+mod end_stop;
 pub mod fixed_point;
 pub mod flow;
+mod friction;
 pub mod machine;
 pub mod mechanics;
 pub mod number;
 pub mod parameter;
+mod position_load;
+mod presliding;
 mod roots;
 pub mod sensing;
+pub mod sensors;
+mod temperature;
 pub mod valve;

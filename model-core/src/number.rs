@@ -31,6 +31,9 @@ pub trait Real:
     /// The value without derivatives.
     fn value(self) -> f64;
 
+    /// Whether value and derivatives are 0.
+    fn is_nil(self) -> bool;
+
     /// Square root.
     #[must_use]
     fn sqrt(self) -> Self;
@@ -121,6 +124,9 @@ pub trait Number:
     /// 1 / (1 + Σ wᵢ·sᵢ) for weights wᵢ that are not negative.
     fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [Self::Steep; K]) -> Self;
 
+    /// This signal as a gain, held at the ends of a gain's range.
+    fn as_gain(self) -> Self::Gain;
+
     /// The larger of two.
     #[must_use]
     fn max(self, other: Self) -> Self {
@@ -156,6 +162,9 @@ pub trait Number:
 
     /// The position after Σ gain·signal strokes more; nothing is rounded away.
     fn travelled<const K: usize>(from: Self::Travel, gains: [Self::Gain; K], signals: [Self; K]) -> Self::Travel;
+
+    /// The position as a signal, in strokes, rounded down to the signal's step and held at the ends of its range.
+    fn of_travel(travel: Self::Travel) -> Self;
 
     /// The position in strokes.
     fn strokes(travel: Self::Travel) -> Self::Real;
@@ -221,12 +230,20 @@ impl<R: Real> Number for R {
     fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [R; K]) -> Self {
         R::ONE / (R::ONE + sum(weights, steep))
     }
+    #[inline]
+    fn as_gain(self) -> R {
+        self
+    }
     fn travel(strokes: R) -> R {
         strokes
     }
     #[inline]
     fn travelled<const K: usize>(from: R, gains: [R; K], signals: [Self; K]) -> R {
         from + sum(gains, signals)
+    }
+    #[inline]
+    fn of_travel(travel: R) -> R {
+        travel
     }
     fn strokes(travel: R) -> R {
         travel
@@ -251,6 +268,9 @@ impl Real for f64 {
     }
     fn value(self) -> f64 {
         self
+    }
+    fn is_nil(self) -> bool {
+        self == 0.0
     }
     fn sqrt(self) -> Self {
         // Correctly rounded both ways, so the feature does not change a result.
