@@ -138,7 +138,7 @@ impl<const P: usize> Real for Dual<P> {
         self.value
     }
     fn is_nil(self) -> bool {
-        self.value == 0.0 && self.partials.iter().all(|&partial| partial == 0.0)
+        self.value == 0.0 && self.partials.iter().all(|partial| *partial == 0.0)
     }
     #[inline]
     fn sqrt(self) -> Self {

@@ -55,7 +55,13 @@ pub(crate) fn bases(machine: &Machine<f64>, tick: Tick) -> Bases {
 
 /// m + γ·h·D: what a force has to move within a tick.
 pub(crate) fn inertia(machine: &Machine<f64>, tick_s: f64) -> f64 {
-    machine.get(P::MovingMass) + GAMMA * tick_s * machine.get(P::ViscousFriction)
+    machine.get(P::MovingMass) + GAMMA * tick_s * machine.get(P::ViscousFriction) * thinnest(machine)
+}
+
+/// Least viscosity there is or will be, of the one that the machine's values are for.
+pub(crate) fn thinnest<R: Real>(machine: &Machine<R>) -> R {
+    let loss = machine.get(P::ViscosityLoss);
+    if loss.value() > 0.0 { R::ONE - loss } else { R::ONE }
 }
 
 /// That of the stiffer chamber. (7)

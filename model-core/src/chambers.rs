@@ -2,14 +2,17 @@
 //!
 //! Flows are scaled so that 1 is what the piston's side A displaces at velocity 1. Then
 //! dpa = ca·(qa − v) and dpb = cb·(α·v − qb) over a tick, with α = Ab/Aa and c = h·(E0/V)·A·(velocity base)/(pressure base).
+//!
+//! With entrained air or volumes that follow the piston, c is that of the tick's start, see `capacity`.
 
+use crate::capacity::Capacity;
 use crate::flow::{Flows, Linearised};
 use crate::number::Number;
 
 /// Coefficients of both chambers at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chambers<N: Number> {
-    /// ca: pressure rise in A over a tick at flow 1.
+    /// ca: pressure rise in A over a tick at flow 1; where the capacity varies, at the least there is.
     pub(crate) stiffness_a: N::Gain,
     /// cb: pressure rise in B over a tick at flow −1.
     pub(crate) stiffness_b: N::Gain,
@@ -17,12 +20,33 @@ pub struct Chambers<N: Number> {
     pub(crate) implicit: Flows<N>,
     /// α = Ab/Aa. (5)
     pub(crate) ratio: N::Gain,
-    /// Internal leakage: flow per pressure difference. 0 is neutral.
+    /// Internal leakage: flow per pressure difference, in the thinnest oil. 0 is neutral.
     pub(crate) leakage: N,
     /// Whether leakage evens the pressures within a few ticks, so that its mean flow has to be the solved one.
     pub(crate) leaks_fast: bool,
     /// 1, as a slope.
     pub(crate) unity: N::Steep,
+    /// Leakage to tank.
+    pub(crate) external: Option<ExternalLeakage<N>>,
+    /// What makes the chambers softer than they are here.
+    pub(crate) capacity: Option<Capacity<N>>,
+}
+
+/// Laminar leakage out of both chambers: flow per pressure above tank, in the thinnest oil.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ExternalLeakage<N> {
+    pub(crate) a: N,
+    pub(crate) b: N,
+    /// Pressure of the tank.
+    pub(crate) tank: N,
+}
+
+/// The chambers in one tick.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Filled<N: Number> {
+    pub(crate) chambers: Chambers<N>,
+    /// Stiffness of each chamber over the one of its coefficients.
+    pub(crate) shares: Option<Flows<N>>,
 }
 
 /// Pressures of both chambers, per unit of supply pressure.
@@ -36,12 +60,64 @@ pub struct ChamberState<N> {
 }
 
 impl<N: Number> Chambers<N> {
-    /// One tick with the mean flows (net of leakage) and the mean velocity of that tick. Exact: the volume balance (11).
+    /// One tick with the mean flows (net of leakage), the mean velocity of that tick, and the position at its start in strokes. Exact:
+    /// the volume balance (11), at the capacity of the tick's start.
     ///
     /// `rest` is what rounding left of both pressures, for [`Number::accumulated`]: a flow that raises a pressure by less than
     /// half a step a tick still fills the chamber.
     #[inline]
-    pub fn step(&self, state: &mut ChamberState<N>, rest: &mut ChamberState<N>, flows: Flows<N>, velocity: N) {
+    pub fn step(
+        &self,
+        state: &mut ChamberState<N>,
+        rest: &mut ChamberState<N>,
+        flows: Flows<N>,
+        velocity: N,
+        position: N,
+    ) {
+        match &self.capacity {
+            None => self.fill(state, rest, flows, velocity),
+            Some(capacity) => self.filled(capacity, *state, position).chambers.fill(state, rest, flows, velocity),
+        }
+    }
+
+    /// The chambers at these pressures, with the piston at this position (strokes) and oil of this thinness, where any of
+    /// these makes a difference.
+    #[inline]
+    pub(crate) fn at(&self, pressures: ChamberState<N>, position: N, thinness: Option<N>) -> Option<Filled<N>> {
+        if self.capacity.is_none() && thinness.is_none() {
+            return None;
+        }
+        let mut filled = match &self.capacity {
+            Some(capacity) => self.filled(capacity, pressures, position),
+            None => Filled { chambers: *self, shares: None },
+        };
+        if let Some(thinness) = thinness {
+            let chambers = &mut filled.chambers;
+            chambers.leakage = chambers.leakage.times(thinness);
+            chambers.external = chambers.external.map(|out| ExternalLeakage {
+                a: out.a.times(thinness),
+                b: out.b.times(thinness),
+                tank: out.tank,
+            });
+        }
+        Some(filled)
+    }
+
+    #[inline]
+    fn filled(&self, capacity: &Capacity<N>, pressures: ChamberState<N>, position: N) -> Filled<N> {
+        let shares = capacity.shares(pressures, position);
+        let chambers = Chambers {
+            stiffness_a: N::dot([self.stiffness_a], [shares.a]).as_gain(),
+            stiffness_b: N::dot([self.stiffness_b], [shares.b]).as_gain(),
+            implicit: Flows { a: self.implicit.a.times(shares.a), b: self.implicit.b.times(shares.b) },
+            ..*self
+        };
+        Filled { chambers, shares: Some(shares) }
+    }
+
+    /// Takes in a tick's mean flows.
+    #[inline]
+    pub(crate) fn fill(&self, state: &mut ChamberState<N>, rest: &mut ChamberState<N>, flows: Flows<N>, velocity: N) {
         let net = Flows { a: flows.a - velocity, b: self.displaced_b(velocity) - flows.b };
         (state.a, rest.a) = state.a.accumulated(rest.a, [self.stiffness_a], [net.a]);
         (state.b, rest.b) = state.b.accumulated(rest.b, [self.stiffness_b], [net.b]);
@@ -59,10 +135,13 @@ impl<N: Number> Chambers<N> {
         N::dot([self.ratio], [velocity])
     }
 
-    /// Flow past the piston, from A to B.
+    /// Flow into A and out of B with the leakage past the piston and out of both chambers.
     #[inline]
-    pub(crate) fn leaked(&self, pressures: ChamberState<N>) -> N {
-        self.leakage.times(pressures.a - pressures.b)
+    pub(crate) fn inflow(&self, flows: Flows<N>, pressures: ChamberState<N>) -> Flows<N> {
+        let leaked = self.leakage.times(pressures.a - pressures.b);
+        let inner = Flows { a: flows.a - leaked, b: flows.b - leaked };
+        let Some(ExternalLeakage { a, b, tank }) = self.external else { return inner };
+        Flows { a: inner.a - a.times(pressures.a - tank), b: inner.b + b.times(pressures.b - tank) }
     }
 
     /// Mean flow of a tick at one port: as solved, where it depends on the pressure and there is a solution; else that of its ends.
@@ -80,9 +159,10 @@ impl<N: Number> Chambers<N> {
     #[inline]
     pub(crate) fn yielding(&self, flows: &Flows<Linearised<N>>) -> Flows<N> {
         let twice = self.leakage + self.leakage;
-        let side = |implicit: N, side: &Linearised<N>| {
-            N::inverse_one_plus([implicit.times(side.opening), implicit.times(twice)], [side.slope, self.unity])
+        let [out_a, out_b] = self.external.map_or([twice; 2], |out| [twice + out.a, twice + out.b]);
+        let side = |implicit: N, side: &Linearised<N>, leakage: N| {
+            N::inverse_one_plus([implicit.times(side.opening), implicit.times(leakage)], [side.slope, self.unity])
         };
-        Flows { a: side(self.implicit.a, &flows.a), b: side(self.implicit.b, &flows.b) }
+        Flows { a: side(self.implicit.a, &flows.a, out_a), b: side(self.implicit.b, &flows.b, out_b) }
     }
 }

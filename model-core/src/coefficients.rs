@@ -2,15 +2,17 @@
 
 #![expect(clippy::float_arithmetic, reason = "coefficients are computed once, before a run, in real arithmetic")]
 
+mod chambers;
 mod flow_effects;
+mod mechanics;
+mod sensors;
 mod valve_effects;
 
 use crate::bases::{COMMAND_V, GAIN_AIM, PUMP_SPEED_REV_PER_S, SPRUNG, bases, inertia, smaller_capacity};
-use crate::chambers::Chambers;
 use crate::drive::{Drive, OilSource};
-use crate::flow::{Edges, Flows, Lines, Pump};
+use crate::flow::{Edges, Lines, Pump};
 use crate::machine::{Bases, Machine, MachineError, Source, Tick};
-use crate::mechanics::{GAMMA, Mechanics};
+use crate::mechanics::GAMMA;
 use crate::number::{Number, Real};
 use crate::parameter::Parameter as P;
 use crate::valve::Valve;
@@ -37,6 +39,8 @@ impl<N: Number> Drive<N> {
             unsprung,
             gamma: builder.gain::<N>("the step's γ", P::Stroke, N::Real::constant(GAMMA))?,
             springs: [spring_a, spring_b],
+            sensors: builder.sensors(DELAY)?,
+            warming: builder.warming()?,
             bases: builder.bases,
         })
     }
@@ -44,10 +48,6 @@ impl<N: Number> Drive<N> {
 
 /// What the magnitude of a gain must stay below.
 const GAIN_LIMIT: f64 = 4.0;
-/// Share of a pressure difference that leakage evens within a tick, from where on it is solved for. Explicit, a share of 2 is
-/// unstable.
-const FAST_LEAKAGE: f64 = 0.5;
-
 struct Builder<'a, R> {
     machine: &'a Machine<R>,
     tick_s: f64,
@@ -109,20 +109,7 @@ impl<R: Real> Builder<'_, R> {
     }
 
     fn valve<N: Number<Real = R>>(&self, line: usize) -> Result<Valve<N>, MachineError> {
-        let delay = self.get(P::TransportDelay) / R::constant(self.tick_s);
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "0..1 s over a tick is a small count"
-        )]
-        let delay_ticks = delay.value() as usize;
-        if delay_ticks + 2 > line {
-            return Err(MachineError::DelayTooLong {
-                value: self.get(P::TransportDelay).value(),
-                ticks: delay_ticks + 2,
-                line,
-            });
-        }
+        let (delay_ticks, delay_rest) = self.delay(P::TransportDelay, line)?;
         let step_limit = self.get(P::RateLimit) * R::constant(self.tick_s);
         let limits = N::signal(step_limit).is_some();
         let half_per_step = if limits { R::constant(0.5) / step_limit } else { R::ZERO };
@@ -146,12 +133,32 @@ impl<R: Real> Builder<'_, R> {
             step_limit: Self::limit(step_limit),
             half_per_step: self.steep::<N>("inverse of the rate limit per tick", P::RateLimit, half_per_step)?,
             delay_ticks,
-            delay_rest: self.signal("rest of the delay", P::TransportDelay, delay - R::constant(delay_ticks as f64))?,
+            delay_rest: self.signal("rest of the delay", P::TransportDelay, delay_rest)?,
             decay_1: self.gain::<N>("decay of the first lag", P::TimeConstant1, decay_1)?,
             decay_2: self.gain::<N>("decay of the second lag", P::TimeConstant2, decay_2)?,
             cross: self.gain::<N>("coupling of the lags", P::TimeConstant1, cross)?,
             effects: self.valve_effects(R::ONE - decay_2 - cross)?,
         })
+    }
+
+    /// A delay in whole ticks of a line that is long enough, and the rest of it in ticks.
+    fn delay(&self, of: P, line: usize) -> Result<(usize, R), MachineError> {
+        let delay = self.get(of) / R::constant(self.tick_s);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "0..1 s over a tick is a small count"
+        )]
+        let whole = delay.value() as usize;
+        if whole + 2 > line {
+            return Err(MachineError::DelayTooLong {
+                parameter: of,
+                value: self.get(of).value(),
+                ticks: whole + 2,
+                line,
+            });
+        }
+        Ok((whole, delay - R::constant(whole as f64)))
     }
 
     /// e^(−h/T), 0 for no lag.
@@ -209,105 +216,6 @@ impl<R: Real> Builder<'_, R> {
             transition: self.transition()?,
             lines: self.lines()?,
             unity: self.steep::<N>("one", P::PumpDisplacement, R::ONE)?,
-        })
-    }
-
-    /// h·Q/(p·C): pressure rise over a tick at flow 1, for a chamber of capacity V/E0 + hose. (7)
-    fn stiffness(&self, volume: P) -> R {
-        R::constant(self.tick_s * self.bases.flow_m3_per_s / self.bases.pressure_pa) / self.capacity(volume)
-    }
-
-    /// α = Ab/Aa. (5)
-    fn ratio(&self) -> R {
-        self.get(P::AreaB) / self.get(P::AreaA)
-    }
-
-    fn chambers<N: Number<Real = R>>(&self) -> Result<Chambers<N>, MachineError> {
-        let (a, b) = (self.stiffness(P::VolumeA), self.stiffness(P::VolumeB));
-        let gamma = R::constant(GAMMA);
-        let leakage = self.get(P::InternalLeakage) * R::constant(self.bases.pressure_pa / self.bases.flow_m3_per_s);
-        Ok(Chambers {
-            stiffness_a: self.gain::<N>("pressure rise in A per tick at full flow", P::VolumeA, a)?,
-            stiffness_b: self.gain::<N>("pressure rise in B per tick at full flow", P::VolumeB, b)?,
-            implicit: Flows {
-                a: self.signal("pressure rise in A per tick at full flow", P::VolumeA, gamma * a)?,
-                b: self.signal("pressure rise in B per tick at full flow", P::VolumeB, gamma * b)?,
-            },
-            ratio: self.gain::<N>("area ratio B/A", P::AreaB, self.ratio())?,
-            leakage: self.signal("leakage at supply pressure", P::InternalLeakage, leakage)?,
-            leaks_fast: (leakage * (a + b)).value() > FAST_LEAKAGE,
-            unity: self.steep::<N>("one", P::VolumeA, R::ONE)?,
-        })
-    }
-
-    /// Compressibility of a chamber: V/E0 and its hose. (7)
-    fn capacity(&self, volume: P) -> R {
-        self.get(volume) / self.get(P::BulkModulus) + self.get(P::HoseCompliance)
-    }
-
-    /// The mass at which the step turns the oil spring as fast as the moving mass turns it in truth.
-    ///
-    /// One step multiplies a mode by R(z) = eᶻ + (γ − γ² − 1/6)·z³ + …, so an oil spring of K on m, with θ² = h²·K/m, turns
-    /// slower by (γ − γ² − 1/6)·θ²; a mass smaller by twice that makes up for it. Of second order like the step itself, it
-    /// fades where there is no ringing to keep: under strong damping, D² ≫ K·m, and where the step resolves none, θ > 1.
-    fn sprung_mass(&self) -> R {
-        let mass = self.get(P::MovingMass);
-        let side = |area: P, volume: P| self.get(area) * self.get(area) / self.capacity(volume);
-        let spring = side(P::AreaA, P::VolumeA) + side(P::AreaB, P::VolumeB);
-        let damping = self.get(P::ViscousFriction);
-        let turn = R::constant(self.tick_s * self.tick_s) * spring / mass;
-        let fading = R::ONE + damping * damping / (spring * mass) + turn * turn;
-        mass / (R::ONE + R::constant(2.0 * (GAMMA - GAMMA * GAMMA - 1.0 / 6.0)) * turn / fading)
-    }
-
-    /// h·D/m
-    fn damping(&self, mass: R) -> R {
-        self.get(P::ViscousFriction) * R::constant(self.tick_s) / mass
-    }
-
-    /// 1 + γ·h·D/m
-    fn own_diagonal(&self, mass: R) -> R {
-        R::ONE + R::constant(GAMMA) * self.damping(mass)
-    }
-
-    /// Velocity gained per tick at force 1, implicit in the viscous friction. (12)
-    fn mobility(&self, mass: R) -> R {
-        R::constant(self.tick_s * self.bases.force_n / self.bases.velocity_m_per_s) / (mass * self.own_diagonal(mass))
-    }
-
-    fn springs<N: Number<Real = R>>(&self) -> Result<[N::Steep; 2], MachineError> {
-        let square = R::constant(GAMMA * GAMMA) * self.mobility(self.sprung_mass());
-        let ratio = self.ratio();
-        Ok([
-            self.steep::<N>("oil spring A", P::MovingMass, square * self.stiffness(P::VolumeA))?,
-            self.steep::<N>("oil spring B", P::MovingMass, square * ratio * ratio * self.stiffness(P::VolumeB))?,
-        ])
-    }
-
-    fn mechanics<N: Number<Real = R>>(&self, mass: R) -> Result<Mechanics<N>, MachineError> {
-        let constant = |value: f64| self.gain::<N>("a weight of the step", P::Stroke, R::constant(value));
-        let force = R::constant(self.bases.force_n);
-        let coulomb = self.get(P::CoulombFriction) / force;
-        let travel = R::constant(self.tick_s * self.bases.velocity_m_per_s) / self.get(P::Stroke);
-        Ok(Mechanics {
-            mobility: self.gain::<N>("velocity gained per tick at full force", P::MovingMass, self.mobility(mass))?,
-            drag: self.gain::<N>(
-                "velocity lost per tick",
-                P::ViscousFriction,
-                self.damping(mass) / self.own_diagonal(mass),
-            )?,
-            back: self.gain::<N>("second stage", P::ViscousFriction, -(R::constant(2.0) / self.own_diagonal(mass)))?,
-            mean: [constant(f64::midpoint(1.0, GAMMA))?, constant(0.5 * GAMMA)?],
-            weights: [constant(1.5)?, constant(0.5)?],
-            unity: constant(1.0)?,
-            travel: self.gain::<N>("strokes per tick", P::Stroke, travel)?,
-            coulomb: self.signal("dry friction over full force", P::CoulombFriction, coulomb)?,
-            coulomb_turn: self.signal(
-                "velocity that dry friction takes in a tick",
-                P::CoulombFriction,
-                R::constant(2.0) * coulomb * self.mobility(mass),
-            )?,
-            load: self.signal("load over full force", P::LoadForce, self.get(P::LoadForce) / force)?,
         })
     }
 }

@@ -23,9 +23,11 @@
 use crate::chambers::{ChamberState, Chambers};
 use crate::flow::{Edges, Flows, Linearised, Pump, PumpDrive};
 use crate::machine::Bases;
-use crate::mechanics::{Forces, Mechanics, MotionState};
+use crate::mechanics::{Contact, Forces, Mechanics, MotionState, Surroundings};
 use crate::number::Number;
+use crate::sensors::{Sensed, SensedState, Sensors};
 use crate::supply::SupplyState;
+use crate::temperature::{Oil, Warming};
 use crate::valve::{AcrossEdges, Slider, Valve, ValveState};
 
 /// Where the oil comes from, with coefficients.
@@ -49,6 +51,9 @@ pub struct Drive<N: Number> {
     pub(crate) gamma: N::Gain,
     /// γ²·mobility·stiffness of each chamber: the oil springs in the eliminated equation.
     pub(crate) springs: [N::Steep; 2],
+    pub(crate) sensors: Sensors<N>,
+    /// Of the oil.
+    pub(crate) warming: Option<Warming<N>>,
     pub(crate) bases: Bases,
 }
 
@@ -73,6 +78,10 @@ pub struct DriveState<N: Number, const DELAY: usize = 64> {
     pub motion: MotionState<N>,
     /// Supply pressure; constant but for `supply-droop`.
     pub supply: SupplyState<N>,
+    /// What the position's sensor has seen.
+    pub sensed: SensedState<N, DELAY>,
+    /// How much of the oil's warming is done, 0..1.
+    pub warmth: N::Travel,
 }
 
 /// Where the chain is entered in a tick, and with what.
@@ -125,6 +134,8 @@ pub struct Interfaces<N> {
     pub forces: Forces<N>,
     /// Mean velocity of the tick.
     pub velocity: N,
+    /// Position at the start of the tick, strokes.
+    pub position: N,
 }
 
 /// What feeds the chambers in a tick, at its two stages.
@@ -201,8 +212,21 @@ impl<N: Number> Drive<N> {
             OilSource::Pump(_) => ValveState::idle(),
         };
         let rest = ChamberState { a: N::ZERO, b: N::ZERO };
-        let motion = MotionState { velocity: N::ZERO, position };
-        DriveState { valve, chambers: pressures, rest, motion, supply: self.unloaded() }
+        DriveState {
+            valve,
+            chambers: pressures,
+            rest,
+            motion: MotionState::at_rest(position),
+            supply: self.unloaded(),
+            sensed: SensedState::at_rest(position),
+            warmth: N::travel(N::ZERO.to_real()),
+        }
+    }
+
+    /// What the sensors read. The slider is the valve's own; a drive that is entered at a measured slider has it from there.
+    #[must_use]
+    pub fn sensed<const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> Sensed<N> {
+        self.sensors.read(&state.sensed, state.valve.slider(), state.chambers, &state.motion)
     }
 
     /// One tick. Fixed cost; no input of any size overflows or panics.
@@ -211,6 +235,21 @@ impl<N: Number> Drive<N> {
     /// as closed ports.
     #[inline]
     pub fn step<const DELAY: usize>(
+        &self,
+        state: &mut DriveState<N, DELAY>,
+        entry: Entry<N>,
+        load: Load<N>,
+    ) -> Interfaces<N> {
+        let seen = self.step_links(state, entry, load);
+        self.sensors.step(&mut state.sensed, state.motion.position);
+        if let Some(warming) = &self.warming {
+            warming.step(&mut state.warmth);
+        }
+        seen
+    }
+
+    #[inline]
+    fn step_links<const DELAY: usize>(
         &self,
         state: &mut DriveState<N, DELAY>,
         entry: Entry<N>,
@@ -246,9 +285,11 @@ impl<N: Number> Drive<N> {
             start: from + constant,
             first: from + constant + N::dot([self.gamma], [rise]),
             second: to + constant - N::dot([self.gamma], [rise]),
+            around: Self::surroundings(state, self.warming.as_ref().map(|warming| warming.oil(state.warmth))),
         };
+        let position = N::of_travel(state.motion.position);
         let velocity = self.unsprung.step(&mut state.motion, forces);
-        Interfaces { slider: None, flows: Flows { a: N::ZERO, b: N::ZERO }, forces, velocity }
+        Interfaces { slider: None, flows: Flows { a: N::ZERO, b: N::ZERO }, forces, velocity, position }
     }
 
     #[inline]
@@ -258,55 +299,63 @@ impl<N: Number> Drive<N> {
         feed: &Feed<N>,
         load: Load<N>,
     ) -> Interfaces<N> {
-        let (chambers, mechanics) = (&self.chambers, &self.mechanics);
+        let mechanics = &self.mechanics;
         let pressures = state.chambers;
         let velocity = state.motion.velocity;
+        let position = N::of_travel(state.motion.position);
+        let oil = self.warming.as_ref().map(|warming| warming.oil(state.warmth));
+        let filled = self.chambers.at(pressures, position, oil.map(|oil| oil.thinness));
+        let chambers = filled.as_ref().map_or(&self.chambers, |filled| &filled.chambers);
+        let around = Self::surroundings(state, oil);
+        let equation = mechanics.equation(&state.motion, around);
         let constant = mechanics.load;
 
         let (flows, drawn) = self.feed_from(feed, pressures, state.supply.pressure);
         let yielding = chambers.yielding(&flows);
         let start = self.pressure_force(pressures) + load.from + constant;
-        let contact = mechanics.contact(velocity, start);
-        let stick = contact == crate::mechanics::Contact::Sticks;
-        let friction = mechanics.friction(contact);
+        let contact = equation.contact(velocity, start);
         // 1/(1 + γ²·mobility·(springs that yield)): the eliminated equation for the velocity.
-        let give = if stick { N::ZERO } else { N::inverse_one_plus([yielding.a, yielding.b], self.springs) };
+        let weights = match filled.as_ref().and_then(|filled| filled.shares) {
+            Some(shares) => [yielding.a.times(shares.a), yielding.b.times(shares.b)],
+            None => [yielding.a, yielding.b],
+        };
+        let give = |share: Option<N>| {
+            N::inverse_one_plus(share.map_or(weights, |share| weights.map(|weight| weight.times(share))), self.springs)
+        };
+        let gives = if contact == Contact::Sticks { None } else { Some(equation.gives(give)) };
 
         // First stage.
-        let inflow1 = self.inflow(Flows { a: flows.a.flow, b: flows.b.flow }, pressures);
+        let inflow1 = chambers.inflow(Flows { a: flows.a.flow, b: flows.b.flow }, pressures);
         let net = Flows { a: inflow1.a - velocity, b: chambers.displaced_b(velocity) - inflow1.b };
         let trial = chambers.rise(Flows { a: yielding.a.times(net.a), b: yielding.b.times(net.b) });
         let force = self.stage_force(pressures, trial) + load.from + constant;
-        let guess = N::dot([mechanics.mobility, mechanics.drag], [give.times(force + friction), give.times(-velocity)]);
+        let guess = equation.first_stage(contact, velocity, force, gives);
         let ahead = N::dot([self.gamma], [guess]);
         let net1 =
             Flows { a: yielding.a.times(net.a - ahead), b: yielding.b.times(net.b + chambers.displaced_b(ahead)) };
         let k1 = chambers.rise(net1);
         let first = self.stage_force(pressures, k1) + load.from + constant;
-        let v1 = mechanics.first_stage(contact, velocity, first);
+        let v1 = equation.first_stage(contact, velocity, first, None);
 
         // Second stage.
         let (pressures2, velocity2) = (ChamberState { a: pressures.a + k1.a, b: pressures.b + k1.b }, velocity + v1);
         let supply2 = self.supplied(feed, pressures2, state.supply, drawn);
-        let inflow2 = self.inflow(self.feed_to(feed, pressures2, supply2.pressure), pressures2);
+        let inflow2 = chambers.inflow(self.feed_to(feed, pressures2, supply2.pressure), pressures2);
         let net = Flows {
             a: inflow2.a - velocity2 - net1.a - net1.a,
             b: chambers.displaced_b(velocity2) - inflow2.b - net1.b - net1.b,
         };
         let trial = chambers.rise(Flows { a: yielding.a.times(net.a), b: yielding.b.times(net.b) });
         let force = self.stage_force(pressures2, trial) + load.to + constant;
-        let guess = N::dot(
-            [mechanics.mobility, mechanics.drag, mechanics.back],
-            [give.times(force + friction), give.times(-velocity2), give.times(v1)],
-        );
+        let guess = equation.second_stage(contact, velocity, v1, force, gives);
         let ahead = N::dot([self.gamma], [guess]);
         let net2 =
             Flows { a: yielding.a.times(net.a - ahead), b: yielding.b.times(net.b + chambers.displaced_b(ahead)) };
         let second = self.stage_force(pressures2, chambers.rise(net2)) + load.to + constant;
-        let v2 = mechanics.second_stage(contact, velocity, v1, second);
+        let v2 = equation.second_stage(contact, velocity, v1, second, None);
 
         // The links take the step.
-        let mean = mechanics.finish(contact, &mut state.motion, v1, v2);
+        let mean = equation.finish(contact, &mut state.motion, v1, v2);
         let kept =
             Flows { a: N::dot(mechanics.weights, [net1.a, net2.a]), b: N::dot(mechanics.weights, [net1.b, net2.b]) };
         // A flow that no pressure moves has the mean of its ends. Taken so, a closed valve passes exactly nothing: the solved
@@ -316,10 +365,10 @@ impl<N: Number> Drive<N> {
             a: chambers.mean(&flows.a, inflow1.a, inflow2.a, solved(kept.a + mean)),
             b: chambers.mean(&flows.b, inflow1.b, inflow2.b, solved(chambers.displaced_b(mean) - kept.b)),
         };
-        chambers.step(&mut state.chambers, &mut state.rest, flows, mean);
+        chambers.fill(&mut state.chambers, &mut state.rest, flows, mean);
         state.supply = self.supplied(feed, state.chambers, state.supply, drawn);
         let slider = if let Feed::Edges(slider) = feed { Some(*slider) } else { None };
-        Interfaces { slider, flows, forces: Forces { start, first, second }, velocity: mean }
+        Interfaces { slider, flows, forces: Forces { start, first, second, around }, velocity: mean, position }
     }
 
     /// Flows of the feed at the start of the tick, with their slopes, and the flow drawn from a supply that droops.
@@ -358,11 +407,13 @@ impl<N: Number> Drive<N> {
         }
     }
 
-    /// Flow into A and out of B with the leakage past the piston.
+    /// What friction depends on beside the motion.
     #[inline]
-    fn inflow(&self, flows: Flows<N>, pressures: ChamberState<N>) -> Flows<N> {
-        let leaked = self.chambers.leaked(pressures);
-        Flows { a: flows.a - leaked, b: flows.b - leaked }
+    fn surroundings<const DELAY: usize>(state: &DriveState<N, DELAY>, oil: Option<Oil<N>>) -> Surroundings<N> {
+        Surroundings {
+            pressed: state.chambers.a.max(N::ZERO) + state.chambers.b.max(N::ZERO),
+            viscosity: oil.map_or(N::ZERO, |oil| oil.excess),
+        }
     }
 
     /// pa − α·pb.

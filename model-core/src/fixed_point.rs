@@ -184,12 +184,21 @@ impl Number for PerUnit {
         });
         reciprocal_of_one_plus(sum)
     }
+    #[inline]
+    fn as_gain(self) -> I4F28 {
+        const LARGEST: i32 = (1 << 30) - 1;
+        I4F28::from_bits(self.to_bits().clamp(-LARGEST, LARGEST))
+    }
     fn travel(strokes: f64) -> I8F56 {
         if strokes.is_nan() { I8F56::ZERO } else { I8F56::saturating_from_num(strokes) }
     }
     #[inline]
     fn travelled<const K: usize>(from: I8F56, gains: [I4F28; K], signals: [Self; K]) -> I8F56 {
         from.saturating_add(I8F56::from_bits(products(gains, signals)))
+    }
+    #[inline]
+    fn of_travel(travel: I8F56) -> Self {
+        Self::of_travel(travel)
     }
     fn strokes(travel: I8F56) -> f64 {
         travel.to_num()

@@ -40,20 +40,27 @@
 extern crate std;
 
 mod bases;
+mod capacity;
 pub mod chambers;
 mod coefficients;
 pub mod drive;
 mod edge_effects;
+mod end_stop;
 pub mod fixed_point;
 pub mod flow;
+mod friction;
 pub mod machine;
 pub mod mechanics;
 mod metering;
 pub mod number;
 pub mod parameter;
+mod position_load;
+mod presliding;
 mod relaxation;
 mod roots;
 pub mod sensing;
+pub mod sensors;
 pub mod supply;
+mod temperature;
 pub mod valve;
 mod valve_effects;

@@ -122,9 +122,11 @@ pub enum MachineError {
         /// How many times the stiffer chamber's capacity fits.
         times: f64,
     },
-    /// The delay line is shorter than the transport delay.
-    #[error("valve.transport_delay_s = {value} s: needs {ticks} ticks of delay line, has {line}")]
+    /// The delay line is shorter than a delay.
+    #[error("{} = {value} s: needs {ticks} ticks of delay line, has {line}", .parameter.description().key)]
     DelayTooLong {
+        /// Which delay.
+        parameter: Parameter,
         /// The delay in s.
         value: f64,
         /// Ticks needed.

@@ -2,21 +2,27 @@
 //!
 //! m·dv/dt = F + Aa·pa − Ab·pb − D·v, scaled by the force Aa·(pressure base). The tick is the two-stage L-stable
 //! linearly implicit step of `drive`; alone, this link takes the forces of the two stages.
+//!
+//! Effects that add to the mass's own diagonal 1 + γ·h·D/m (viscosity, a spring, bristles, a stop) do so as dampers s that act on the
+//! velocity at the stage, v + γ·k: a spring of stiffness k is one of s = γ·h·k, with its force at the tick's start beside it. With
+//! r the old diagonal over the new, mobility and `back` shrink by r and the drag becomes drag·r + (1 − r)/γ.
 
+use crate::end_stop::{Side, Stops};
+use crate::friction::{DryFriction, Level};
 use crate::number::Number;
+use crate::position_load::PositionLoad;
+use crate::presliding::Bristles;
+
+pub use crate::friction::Contact;
 
 /// γ = 1 − 1/√2, at which the two-stage step is L-stable.
 pub const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
 
-/// Coefficients of the mass at one tick. All are divided by 1 + γ·h·D/m, the mass's own diagonal.
+/// Coefficients of the mass at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mechanics<N: Number> {
-    /// Velocity gained in a tick per force.
-    pub(crate) mobility: N::Gain,
-    /// Velocity lost in a tick to viscous friction, per velocity.
-    pub(crate) drag: N::Gain,
-    /// −2/(1 + γ·h·D/m): what the second stage takes back of the first.
-    pub(crate) back: N::Gain,
+    /// With the least viscous friction.
+    pub(crate) row: Row<N>,
     /// ½(1 + γ) and ½γ: weights of the stages in the mean velocity.
     pub(crate) mean: [N::Gain; 2],
     /// 3/2 and 1/2: weights of the stages in the new velocity.
@@ -25,12 +31,45 @@ pub struct Mechanics<N: Number> {
     pub(crate) unity: N::Gain,
     /// Strokes per tick at velocity 1.
     pub(crate) travel: N::Gain,
-    /// Dry friction force. 0 is neutral.
-    pub(crate) coulomb: N,
-    /// Twice the velocity that the dry friction takes in a tick.
-    pub(crate) coulomb_turn: N,
+    /// Dry friction.
+    pub(crate) dry: DryFriction<N>,
     /// Constant external force, positive extends.
     pub(crate) load: N,
+    /// What adds to the mass's own diagonal.
+    pub(crate) resistance: Option<Resistance<N>>,
+}
+
+/// The equation of the velocity. All are divided by 1 + γ·h·D/m, the mass's own diagonal, and what else is on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Row<N: Number> {
+    /// Velocity gained in a tick per force.
+    pub(crate) mobility: N::Gain,
+    /// Velocity lost in a tick to viscous friction, per velocity.
+    pub(crate) drag: N::Gain,
+    /// −2/(1 + γ·h·D/m): what the second stage takes back of the first.
+    pub(crate) back: N::Gain,
+    /// The mass's own diagonal over this one, where more is on it.
+    pub(crate) share: Option<N>,
+}
+
+/// Effects on the mass's own diagonal. Weights are γ·h/m·s over the diagonal without them; 0 for what is not on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Resistance<N: Number> {
+    /// Weight of the machine's whole viscous friction.
+    pub(crate) viscosity: N::Steep,
+    pub(crate) load: Option<PositionLoad<N>>,
+    /// Weight of the load's stiffness.
+    pub(crate) load_weight: N::Steep,
+    pub(crate) bristles: Option<Bristles<N>>,
+    pub(crate) stops: Option<Stops<N>>,
+    /// 1/γ
+    pub(crate) per_gamma: N::Gain,
+    /// 1 − 2γ: what of the first stage's travel is left in a spring's second.
+    pub(crate) second: N::Gain,
+    /// γ
+    pub(crate) gamma: N::Gain,
+    /// 0
+    pub(crate) none: N::Steep,
 }
 
 /// Velocity and position.
@@ -48,9 +87,19 @@ pub struct MotionState<N: Number> {
     pub velocity: N,
     /// Position.
     pub position: N::Travel,
+    /// How far presliding's bristles are bent, −1..1; positive holds against extending. 0 where there are none.
+    pub bristles: N,
 }
 
-/// Net force on the rod without friction, in a tick.
+impl<N: Number> MotionState<N> {
+    /// No velocity, nothing bent.
+    #[must_use]
+    pub fn at_rest(position: N::Travel) -> Self {
+        Self { velocity: N::ZERO, position, bristles: N::ZERO }
+    }
+}
+
+/// Net force on the rod in a tick, without friction and without what depends on the rod's own position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forces<N> {
     /// At the start of the tick: what dry friction has to hold.
@@ -59,81 +108,204 @@ pub struct Forces<N> {
     pub first: N,
     /// Second stage.
     pub second: N,
+    /// What else the friction depends on.
+    pub around: Surroundings<N>,
 }
 
-/// How dry friction acts during one tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Contact {
-    /// The rod sticks.
-    Sticks,
-    /// It slides; friction points against extending.
-    Extends,
-    /// It slides; friction points against retracting.
-    Retracts,
-    /// No motion and no force.
-    Free,
+/// What friction depends on beside the motion, at the start of a tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surroundings<N> {
+    /// Sum of both chamber pressures above 0, on the seals.
+    pub pressed: N,
+    /// Viscosity of the oil above the least it has or will have, in shares of the one that the machine's values are for.
+    pub viscosity: N,
+}
+
+impl<N: Number> Surroundings<N> {
+    /// No pressures, and the thinnest oil.
+    pub const NONE: Self = Self { pressed: N::ZERO, viscosity: N::ZERO };
+}
+
+/// A factor on a stage's velocity, by which a drive's oil springs hold it; for a rod that is free of a stop and one that is held.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Gives<N> {
+    pub(crate) free: N,
+    pub(crate) held: N,
+}
+
+/// The equation of the mass in one tick, from where the rod stands.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Equation<'a, N: Number> {
+    mechanics: &'a Mechanics<N>,
+    pub(crate) row: Row<N>,
+    level: Level<N>,
+    held: Option<Held<N>>,
+    own: Option<Own<'a, N>>,
+}
+
+/// Forces of the rod's own position in one tick.
+#[derive(Clone, Copy, Debug)]
+struct Own<'a, N: Number> {
+    resistance: &'a Resistance<N>,
+    from_middle: N,
+    bent: N,
+    /// Stiffness that the bristles still have.
+    q: N,
+    /// At the start of the tick.
+    start: N,
+}
+
+/// A stop that the rod touches.
+#[derive(Clone, Copy, Debug)]
+struct Held<N: Number> {
+    side: Side,
+    depth: N,
+    stiffness: N::Steep,
+    row: Row<N>,
+}
+
+impl<N: Number> Row<N> {
+    /// With more on the diagonal; `share` is the old one over the new.
+    #[inline]
+    fn braked(&self, share: N, per_gamma: N::Gain) -> Self {
+        let shrunk = |gain: N::Gain| N::dot([gain], [share]);
+        Self {
+            mobility: shrunk(self.mobility).as_gain(),
+            drag: (shrunk(self.drag) + N::dot([per_gamma], [N::ONE - share])).as_gain(),
+            back: shrunk(self.back).as_gain(),
+            share: Some(share),
+        }
+    }
+}
+
+impl<N: Number> Own<'_, N> {
+    /// Of the second stage, after `ahead` of mean velocity in the first, which moved the rod by `moved` strokes.
+    #[inline]
+    fn second(&self, ahead: N, moved: N) -> N {
+        let Resistance { load, bristles, .. } = self.resistance;
+        let spring = load.map_or(N::ZERO, |load| load.second(self.from_middle, moved));
+        spring - bristles.map_or(N::ZERO, |law| law.force.times(law.second(self.bent, self.q, ahead)))
+    }
 }
 
 impl<N: Number> Mechanics<N> {
     /// One tick under the given forces. Returns the mean velocity of the tick.
     #[inline]
     pub fn step(&self, state: &mut MotionState<N>, forces: Forces<N>) -> N {
-        let contact = self.contact(state.velocity, forces.start);
-        let first = self.first_stage(contact, state.velocity, forces.first);
-        let second = self.second_stage(contact, state.velocity, first, forces.second);
-        self.finish(contact, state, first, second)
+        let equation = self.equation(state, forces.around);
+        let contact = equation.contact(state.velocity, forces.start);
+        let first = equation.first_stage(contact, state.velocity, forces.first, None);
+        let second = equation.second_stage(contact, state.velocity, first, forces.second, None);
+        equation.finish(contact, state, first, second)
     }
 
-    /// Sticks, or slides which way. Set-valued: at rest, any force below the friction is held exactly.
+    /// The equation of the mass from where it stands.
     #[inline]
-    pub(crate) fn contact(&self, velocity: N, force: N) -> Contact {
-        if velocity > N::ZERO {
-            Contact::Extends
-        } else if velocity < N::ZERO {
-            Contact::Retracts
-        } else if force.magnitude() < self.coulomb {
-            Contact::Sticks
-        } else if force > N::ZERO {
-            Contact::Extends
-        } else if force < N::ZERO {
-            Contact::Retracts
+    pub(crate) fn equation(&self, state: &MotionState<N>, around: Surroundings<N>) -> Equation<'_, N> {
+        let from_middle = || N::of_travel(state.position) - N::ONE.halved();
+        let level = if self.dry.varies() {
+            self.dry.level(from_middle(), around.pressed)
         } else {
-            Contact::Free
-        }
-    }
-
-    /// The dry friction force.
-    #[inline]
-    pub(crate) fn friction(&self, contact: Contact) -> N {
-        match contact {
-            Contact::Extends => -self.coulomb,
-            Contact::Retracts => self.coulomb,
-            Contact::Sticks | Contact::Free => N::ZERO,
-        }
-    }
-
-    /// Velocity increment of the first stage.
-    #[inline]
-    pub(crate) fn first_stage(&self, contact: Contact, velocity: N, force: N) -> N {
-        if contact == Contact::Sticks {
-            return N::ZERO;
-        }
-        N::dot([self.mobility, self.drag], [force + self.friction(contact), -velocity])
-    }
-
-    /// Velocity increment of the second stage.
-    #[inline]
-    pub(crate) fn second_stage(&self, contact: Contact, velocity: N, first: N, force: N) -> N {
-        if contact == Contact::Sticks {
-            return N::ZERO;
-        }
-        N::dot([self.mobility, self.drag, self.back], [force + self.friction(contact), -(velocity + first), first])
+            self.dry.level(N::ZERO, N::ZERO)
+        };
+        let Some(resistance) = &self.resistance else {
+            return Equation { mechanics: self, row: self.row, level, held: None, own: None };
+        };
+        let from_middle = from_middle();
+        let spring = resistance.load.map_or(N::ZERO, |load| load.at(from_middle));
+        let bent = state.bristles.limited(N::ONE);
+        let (bristle, [q, fading]) = match &resistance.bristles {
+            Some(law) => (law.force.times(bent), law.yielding(bent, state.velocity)),
+            None => (N::ZERO, [N::ZERO; 2]),
+        };
+        let [stiffness_weight, damping_weight] =
+            resistance.bristles.map_or([resistance.none; 2], |law| [law.stiffness_weight, law.damping_weight]);
+        let braked = |touches: N, stop: N::Steep| {
+            let share = N::inverse_one_plus(
+                [around.viscosity.max(N::ZERO), N::ONE, q, fading, touches],
+                [resistance.viscosity, resistance.load_weight, stiffness_weight, damping_weight, stop],
+            );
+            self.row.braked(share, resistance.per_gamma)
+        };
+        let touched = resistance.stops.as_ref().and_then(|stops| Some((stops, stops.touched(state.position)?)));
+        let held = touched.map(|(stops, (side, depth))| Held {
+            side,
+            depth,
+            stiffness: stops.stiffness,
+            row: braked(N::ONE, stops.weight),
+        });
+        let own = Some(Own { resistance, from_middle, bent, q, start: spring - bristle });
+        Equation { mechanics: self, row: braked(N::ZERO, resistance.none), level, held, own }
     }
 
     /// Whether the increments of a tick are beyond the format.
     #[inline]
     pub(crate) fn is_held(first: N, second: N) -> bool {
         first.is_held() || second.is_held()
+    }
+}
+
+impl<N: Number> Equation<'_, N> {
+    /// How dry friction acts on a rod with this velocity under this force at the start.
+    #[inline]
+    pub(crate) fn contact(&self, velocity: N, force: N) -> Contact {
+        let force = self.own.map_or(force, |own| force + own.start);
+        let force = self.held.map_or(force, |held| force + held.side.push(held.depth.amplified(held.stiffness)));
+        self.level.contact(velocity, force)
+    }
+
+    /// What `give` yields for the mass's own diagonal of a rod that is free of a stop, and one that is held.
+    #[inline]
+    pub(crate) fn gives(&self, give: impl Fn(Option<N>) -> N) -> Gives<N> {
+        let free = give(self.row.share);
+        Gives { free, held: self.held.map_or(free, |held| give(held.row.share)) }
+    }
+
+    /// Velocity increment of the first stage.
+    #[inline]
+    pub(crate) fn first_stage(&self, contact: Contact, velocity: N, force: N, gives: Option<Gives<N>>) -> N {
+        if contact == Contact::Sticks {
+            return N::ZERO;
+        }
+        let force = force + self.level.force(contact, velocity);
+        let force = self.own.map_or(force, |own| force + own.start);
+        let solved = |row: &Row<N>, force: N, give: Option<N>| {
+            let yields = |signal: N| give.map_or(signal, |give| give.times(signal));
+            N::dot([row.mobility, row.drag], [yields(force), yields(-velocity)])
+        };
+        let free = solved(&self.row, force, gives.map(|gives| gives.free));
+        self.held.map_or(free, |held| {
+            let force = force + held.side.push(held.depth.amplified(held.stiffness));
+            held.side.hold(free, solved(&held.row, force, gives.map(|gives| gives.held)))
+        })
+    }
+
+    /// Velocity increment of the second stage.
+    #[inline]
+    pub(crate) fn second_stage(&self, contact: Contact, velocity: N, first: N, force: N, gives: Option<Gives<N>>) -> N {
+        if contact == Contact::Sticks {
+            return N::ZERO;
+        }
+        let there = velocity + first;
+        let force = force + self.level.force(contact, there);
+        let solved = |row: &Row<N>, force: N, give: Option<N>| {
+            let yields = |signal: N| give.map_or(signal, |give| give.times(signal));
+            N::dot([row.mobility, row.drag, row.back], [yields(force), yields(-there), yields(first)])
+        };
+        let Some(own) = &self.own else {
+            return solved(&self.row, force, gives.map(|gives| gives.free));
+        };
+        let ahead = velocity + N::dot([own.resistance.gamma], [first]);
+        let moved = N::dot([self.mechanics.travel], [ahead]);
+        let force = force + own.second(ahead, moved);
+        let free = solved(&self.row, force, gives.map(|gives| gives.free));
+        self.held.map_or(free, |held| {
+            // How much deeper a spring's second stage starts, in the direction out of the face.
+            let left = N::dot([own.resistance.second], [moved]);
+            let depth = held.depth - held.side.push(left);
+            let force = force + held.side.push(depth.amplified(held.stiffness));
+            held.side.hold(free, solved(&held.row, force, gives.map(|gives| gives.held)))
+        })
     }
 
     /// Moves the rod by the two increments and returns its mean velocity over the tick.
@@ -143,8 +315,9 @@ impl<N: Number> Mechanics<N> {
     /// most, from where the step is linear.
     #[inline]
     pub(crate) fn finish(&self, contact: Contact, state: &mut MotionState<N>, first: N, second: N) -> N {
-        let [weigh_first, weigh_second] = self.mean;
-        let mean = N::dot([self.unity, weigh_first, weigh_second], [state.velocity, first, second]);
+        let mechanics = self.mechanics;
+        let [weigh_first, weigh_second] = mechanics.mean;
+        let mean = N::dot([mechanics.unity, weigh_first, weigh_second], [state.velocity, first, second]);
         let slow = N::ONE.halved();
         let limit = |velocity: N| {
             if first.is_held() {
@@ -156,14 +329,34 @@ impl<N: Number> Mechanics<N> {
             }
         };
         let mean = limit(mean);
-        state.position = N::travelled(state.position, [self.travel], [mean]);
-        let moved = limit(state.velocity + N::dot(self.weights, [first, second]));
+        state.position = N::travelled(state.position, [mechanics.travel], [mean]);
+        let moved = limit(state.velocity + N::dot(mechanics.weights, [first, second]));
         // Friction turned with the velocity somewhere within the tick: give back what it took too much, at most to rest.
         state.velocity = match contact {
-            Contact::Extends if moved < N::ZERO => (moved + self.coulomb_turn).min(N::ZERO),
-            Contact::Retracts if moved > N::ZERO => (moved - self.coulomb_turn).max(N::ZERO),
+            Contact::Extends if moved < N::ZERO => (moved + self.turn()).min(N::ZERO),
+            Contact::Retracts if moved > N::ZERO => (moved - self.turn()).max(N::ZERO),
             _ => moved,
         };
+        if let Some(Own { resistance: Resistance { bristles, stops, .. }, .. }) = &self.own {
+            if let Some(law) = bristles {
+                state.bristles = law.bent(state.bristles, mean);
+            }
+            if let (Some(stops), None) = (stops, &self.held) {
+                state.position = stops.set_down(state.position);
+            }
+        }
         mean
+    }
+
+    /// What all dry friction takes of the velocity in a tick, to both sides.
+    #[inline]
+    fn turn(&self) -> N {
+        let mechanics = self.mechanics;
+        if self.own.is_none() && !mechanics.dry.varies() {
+            return mechanics.dry.turn;
+        }
+        let bristles = self.own.and_then(|own| own.resistance.bristles);
+        let both = self.level.both() + bristles.map_or(N::ZERO, |law| law.force + law.force);
+        N::dot([self.row.mobility], [both])
     }
 }

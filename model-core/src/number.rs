@@ -124,6 +124,9 @@ pub trait Number:
     /// 1 / (1 + Σ wᵢ·sᵢ) for weights wᵢ that are not negative.
     fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [Self::Steep; K]) -> Self;
 
+    /// This signal as a gain, held at the ends of a gain's range.
+    fn as_gain(self) -> Self::Gain;
+
     /// The larger of two.
     #[must_use]
     fn max(self, other: Self) -> Self {
@@ -159,6 +162,9 @@ pub trait Number:
 
     /// The position after Σ gain·signal strokes more; nothing is rounded away.
     fn travelled<const K: usize>(from: Self::Travel, gains: [Self::Gain; K], signals: [Self; K]) -> Self::Travel;
+
+    /// The position as a signal, in strokes, rounded down to the signal's step and held at the ends of its range.
+    fn of_travel(travel: Self::Travel) -> Self;
 
     /// The position in strokes.
     fn strokes(travel: Self::Travel) -> Self::Real;
@@ -224,12 +230,20 @@ impl<R: Real> Number for R {
     fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [R; K]) -> Self {
         R::ONE / (R::ONE + sum(weights, steep))
     }
+    #[inline]
+    fn as_gain(self) -> R {
+        self
+    }
     fn travel(strokes: R) -> R {
         strokes
     }
     #[inline]
     fn travelled<const K: usize>(from: R, gains: [R; K], signals: [Self; K]) -> R {
         from + sum(gains, signals)
+    }
+    #[inline]
+    fn of_travel(travel: R) -> R {
+        travel
     }
     fn strokes(travel: R) -> R {
         travel

@@ -34,7 +34,7 @@ fn chain_and_links_agree<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Ti
             (chain.chambers, chain.rest, chain.motion)
         );
 
-        drive.chambers().step(&mut chambers_alone, &mut rest_alone, seen.flows, seen.velocity);
+        drive.chambers().step(&mut chambers_alone, &mut rest_alone, seen.flows, seen.velocity, seen.position);
         assert_eq!((chambers_alone, rest_alone), (chain.chambers, chain.rest), "the chambers alone");
 
         assert_eq!(drive.mechanics().step(&mut mechanics_alone, seen.forces), seen.velocity, "the mechanics alone");

@@ -5,7 +5,7 @@ use model_core::drive::{Drive, Entry, Load};
 use model_core::fixed_point::PerUnit;
 use model_core::flow::{Flows, PumpDrive};
 use model_core::machine::{Machine, Source, Tick};
-use model_core::mechanics::{Forces, MotionState};
+use model_core::mechanics::{Forces, MotionState, Surroundings};
 use model_core::number::Number;
 use model_core::parameter::Parameter as P;
 use model_core::valve::Slider;
@@ -55,6 +55,7 @@ fn any_state(drive: &Drive<PerUnit>, seed: u64) -> State<PerUnit> {
     );
     let mut stored = serde_json::to_value(rest).unwrap();
     let head = stored["valve"]["head"].clone();
+    let rings = ["valve", "sensed"];
     let mut state = seed;
     let mut words = std::iter::repeat_with(|| {
         // SplitMix64
@@ -64,7 +65,9 @@ fn any_state(drive: &Drive<PerUnit>, seed: u64) -> State<PerUnit> {
         (word ^ (word >> 31)).cast_signed()
     });
     scramble(&mut stored, &mut words);
-    stored["valve"]["head"] = if seed & 1 == 0 { head } else { u32::MAX.into() };
+    for ring in rings {
+        stored[ring]["head"] = if seed & 1 == 0 { head.clone() } else { u32::MAX.into() };
+    }
     serde_json::from_value(stored).unwrap()
 }
 
@@ -100,6 +103,7 @@ proptest! {
         tick in any_tick(),
         seed in any::<u64>(),
         words in prop::array::uniform10(any_word()),
+        others in prop::array::uniform4(any_word()),
         position in any::<i64>(),
     ) {
         let drive = Drive::<PerUnit>::new::<DELAY>(&machine, tick).unwrap();
@@ -107,10 +111,12 @@ proptest! {
         let mut state = any_state(&drive, seed);
         drive.valve().unwrap().step(&mut state.valve, command);
         let _ = drive.flows(slider, PumpDrive { speed: command, direction: 1 }, ChamberState { a, b });
-        drive.chambers().step(&mut state.chambers, &mut state.rest, Flows { a: flow_a, b: flow_b }, speed);
+        drive.chambers().step(&mut state.chambers, &mut state.rest, Flows { a: flow_a, b: flow_b }, speed, b);
         let position = <PerUnit as Number>::Travel::from_bits(position);
-        let mut motion = MotionState { velocity, position };
-        drive.mechanics().step(&mut motion, Forces { start: speed, first, second });
+        let [bristles, pressed, viscosity, _] = others;
+        let mut motion = MotionState { velocity, position, bristles };
+        let around = Surroundings { pressed, viscosity };
+        drive.mechanics().step(&mut motion, Forces { start: speed, first, second, around });
     }
 }
 

@@ -4,7 +4,7 @@ use host_sim::testbed::InitialState;
 use model_core::drive::{Entry, Load};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
-use model_core::mechanics::{Forces, MotionState};
+use model_core::mechanics::{Forces, MotionState, Surroundings};
 use model_core::number::Number;
 use model_core::parameter::Parameter as P;
 use proptest::prelude::*;
@@ -59,8 +59,9 @@ proptest! {
     fn dry_friction_never_accelerates(machine in with_friction(), tick in any_tick(), bits in -(1 << 28)..=1 << 28, small in 0_u32..28) {
         let drive = drive::<PerUnit>(&machine, tick);
         let velocity = PerUnit::from_bits(bits >> small);
-        let mut state = MotionState { velocity, position: PerUnit::travel(0.0) };
-        let free = Forces { start: PerUnit::ZERO, first: PerUnit::ZERO, second: PerUnit::ZERO };
+        let mut state = MotionState { velocity, ..MotionState::at_rest(PerUnit::travel(0.0)) };
+        let none = PerUnit::ZERO;
+        let free = Forces { start: none, first: none, second: none, around: Surroundings::NONE };
         for _ in 0..50 {
             let before = state.velocity;
             drive.mechanics().step(&mut state, free);

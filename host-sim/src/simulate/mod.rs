@@ -7,10 +7,11 @@ mod grid;
 mod stimulus;
 
 use model_core::chambers::ChamberState;
-use model_core::drive::{Drive, DriveState};
+use model_core::drive::{Drive, DriveState, Entry};
 use model_core::machine::{Machine, MachineError};
 use model_core::number::{Number, Real};
 use model_core::parameter::Parameter;
+use model_core::valve::Slider;
 
 pub use stimulus::{EntryPoint, SimulateError, Start, Stimulus, first_entry, natural_tick};
 
@@ -19,7 +20,7 @@ use crate::recording::Signal;
 /// Ticks of delay line on the desktop: more than a quarter of a second at any tick.
 pub const DELAY_LINE: usize = 512;
 
-/// Signals of the chain at one recorded row, in SI units.
+/// Signals of the chain at one recorded row, as the sensors read them, in SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample<R> {
     /// Slider position, 1.
@@ -30,7 +31,7 @@ pub struct Sample<R> {
     pub pressure_a_pa: R,
     /// Pressure in B, Pa.
     pub pressure_b_pa: R,
-    /// Force of the oil on the rod, N.
+    /// Force of the oil on the rod as it follows from both pressures, N.
     pub force_n: R,
     /// Velocity, m/s.
     pub velocity_m_per_s: R,
@@ -158,7 +159,7 @@ pub fn run<N: Number>(
     let bases = *drive.bases();
     let constant = N::Real::constant;
     let (pressure_a, pressure_b) = match stimulus.start.pressures_pa {
-        Some((a, b)) => (constant(a), constant(b)),
+        Some((a, b)) => (behind(machine, PRESSURE_A, constant(a)), behind(machine, PRESSURE_B, constant(b))),
         None => balanced(machine, offset.level * machine.get(Parameter::SupplyPressure)),
     };
     let fit = |value: N::Real| N::signal(value).unwrap_or_else(|| N::saturated(value.value()));
@@ -175,7 +176,8 @@ pub fn run<N: Number>(
     for point in 0..=stimulus.ticks {
         if point > 0 {
             let tick = point - 1;
-            drive.step(&mut state, stimulus.entry_at(tick, &bases), stimulus.load_at(tick, &bases));
+            let entry = entered(machine, stimulus.entry_at(tick, &bases));
+            drive.step(&mut state, entry, stimulus.load_at(tick, &bases));
         }
         // A row lies on this point, or in the tick before it.
         let wanted = |at: usize, share: f64| if share == 0.0 { at == point } else { at + 1 == point };
@@ -195,12 +197,63 @@ pub fn run<N: Number>(
     Ok(())
 }
 
+/// Gain error and offset of a sensor.
+type SensorError = (Parameter, Parameter);
+const PRESSURE_A: SensorError = (Parameter::PressureAFactor, Parameter::PressureAOffset);
+const PRESSURE_B: SensorError = (Parameter::PressureBFactor, Parameter::PressureBOffset);
+const SPOOL: SensorError = (Parameter::SpoolFactor, Parameter::SpoolOffset);
+
+/// The true value behind what a sensor read: (reading − offset)/(1 + factor).
+fn behind<R: Real>(machine: &Machine<R>, (factor, offset): SensorError, reading: R) -> R {
+    (reading - machine.get(offset)) / (R::ONE + machine.get(factor))
+}
+
+/// What the chain is entered with where the recording has the reading of a sensor.
+fn entered<N: Number>(machine: &Machine<N::Real>, entry: Entry<N>) -> Entry<N> {
+    match entry {
+        Entry::Slider(Slider { from, to }) => {
+            Entry::Slider(Slider { from: true_slider(machine, from), to: true_slider(machine, to) })
+        }
+        other => other,
+    }
+}
+
+fn true_slider<N: Number>(machine: &Machine<N::Real>, reading: N) -> N {
+    let (factor, offset) = SPOOL;
+    if machine.get(factor).is_nil() && machine.get(offset).is_nil() {
+        return reading;
+    }
+    let slider = behind(machine, SPOOL, reading.to_real());
+    N::signal(slider).unwrap_or_else(|| N::saturated(slider.value()))
+}
+
+/// What a load that balances the recorded pressures holds already: every force on the rod but viscous friction and the constant load.
+const BALANCED: [Parameter; 15] = [
+    Parameter::CoulombFriction,
+    Parameter::StribeckForce,
+    Parameter::StribeckExcess,
+    Parameter::AsymmetricExtending,
+    Parameter::AsymmetricRetracting,
+    Parameter::PositionFriction,
+    Parameter::PositionFrictionSlope,
+    Parameter::PositionFrictionBow,
+    Parameter::PressureFriction,
+    Parameter::PreslidingForce,
+    Parameter::LoadSpring,
+    Parameter::LoadSpringForce,
+    Parameter::LoadSpringBow,
+    Parameter::StopStiffness,
+    Parameter::StopDamping,
+];
+
 /// The machine with light damping in place of its friction where the load balances the recorded pressures.
 fn unbraked<R: Real>(machine: &Machine<R>, stimulus: &Stimulus) -> Machine<R> {
     let mut machine = *machine;
     if let Some(damping) = stimulus.damping {
         machine.set(Parameter::ViscousFriction, R::constant(damping));
-        machine.set(Parameter::CoulombFriction, R::ZERO);
+        for parameter in BALANCED {
+            machine.set(parameter, R::ZERO);
+        }
     }
     machine
 }
@@ -214,18 +267,20 @@ fn sample<N: Number>(
 ) -> Sample<N::Real> {
     let bases = drive.bases();
     let constant = N::Real::constant;
-    let spool = stimulus.slider_at(point).unwrap_or_else(|| state.valve.slider());
-    let flows = drive.flows(spool, stimulus.pump_at(point, bases), state.chambers);
-    let pressure_a_pa = state.chambers.a.to_real() * constant(bases.pressure_pa);
-    let pressure_b_pa = state.chambers.b.to_real() * constant(bases.pressure_pa);
+    let sensed = drive.sensed(state);
+    let recorded = stimulus.slider_at::<N>(point);
+    let slider = recorded.map_or_else(|| state.valve.slider(), |reading| true_slider(machine, reading));
+    let flows = drive.flows(slider, stimulus.pump_at(point, bases), state.chambers);
+    let pressure_a_pa = sensed.pressure_a.to_real() * constant(bases.pressure_pa);
+    let pressure_b_pa = sensed.pressure_b.to_real() * constant(bases.pressure_pa);
     Sample {
-        spool: spool.to_real(),
+        spool: recorded.unwrap_or(sensed.spool).to_real(),
         flow_a_m3_per_s: flows.a.to_real() * constant(bases.flow_m3_per_s),
         pressure_a_pa,
         pressure_b_pa,
         force_n: machine.get(Parameter::AreaA) * pressure_a_pa - machine.get(Parameter::AreaB) * pressure_b_pa,
-        velocity_m_per_s: state.motion.velocity.to_real() * constant(bases.velocity_m_per_s),
-        position_m: N::strokes(state.motion.position) * machine.get(Parameter::Stroke),
+        velocity_m_per_s: sensed.velocity.to_real() * constant(bases.velocity_m_per_s),
+        position_m: N::strokes(sensed.position) * machine.get(Parameter::Stroke),
     }
 }
 

@@ -1,0 +1,288 @@
+//! Coefficients of the mechanics, and of the oil's temperature.
+
+use super::Builder;
+use crate::bases::thinnest;
+use crate::end_stop::{Face, Stops};
+use crate::friction::{DryFriction, Placed, Stribeck};
+use crate::machine::MachineError;
+use crate::mechanics::{GAMMA, Mechanics, Resistance, Row};
+use crate::number::{Number, Real};
+use crate::parameter::Parameter as P;
+use crate::position_load::{PositionLoad, Signed};
+use crate::presliding::Bristles;
+use crate::temperature::Warming;
+
+/// Most that the bristles bend over a tick at velocity 1, in their full bend: what the format of a slope holds.
+const MOST_BEND: f64 = 6e4;
+/// Positions beyond this many strokes are out of a signal's range: no stop is there.
+const OUT_OF_REACH: f64 = 7.9;
+/// Least e-folds a tick at which an exponential is taken instead of its first terms.
+const SLOW: f64 = 1e-4;
+
+impl<R: Real> Builder<'_, R> {
+    /// The mass at which the step turns the oil spring as fast as the moving mass turns it in truth.
+    ///
+    /// One step multiplies a mode by R(z) = eᶻ + (γ − γ² − 1/6)·z³ + …, so an oil spring of K on m, with θ² = h²·K/m, turns
+    /// slower by (γ − γ² − 1/6)·θ²; a mass smaller by twice that makes up for it. Of second order like the step itself, it
+    /// fades where there is no ringing to keep: under strong damping, D² ≫ K·m, and where the step resolves none, θ > 1.
+    pub(super) fn sprung_mass(&self) -> R {
+        let mass = self.get(P::MovingMass);
+        let side = |area: P, volume: P| self.get(area) * self.get(area) / self.capacity(volume);
+        let spring = side(P::AreaA, P::VolumeA) + side(P::AreaB, P::VolumeB);
+        let damping = self.get(P::ViscousFriction);
+        let turn = R::constant(self.tick_s * self.tick_s) * spring / mass;
+        let fading = R::ONE + damping * damping / (spring * mass) + turn * turn;
+        mass / (R::ONE + R::constant(2.0 * (GAMMA - GAMMA * GAMMA - 1.0 / 6.0)) * turn / fading)
+    }
+
+    /// h·D/m in the thinnest oil.
+    fn damping(&self, mass: R) -> R {
+        self.get(P::ViscousFriction) * thinnest(self.machine) * R::constant(self.tick_s) / mass
+    }
+
+    /// 1 + γ·h·D/m
+    fn own_diagonal(&self, mass: R) -> R {
+        R::ONE + R::constant(GAMMA) * self.damping(mass)
+    }
+
+    /// Velocity gained per tick at force 1, implicit in the viscous friction. (12)
+    fn mobility(&self, mass: R) -> R {
+        R::constant(self.tick_s * self.bases.force_n / self.bases.velocity_m_per_s) / (mass * self.own_diagonal(mass))
+    }
+
+    pub(super) fn springs<N: Number<Real = R>>(&self) -> Result<[N::Steep; 2], MachineError> {
+        let square = R::constant(GAMMA * GAMMA) * self.mobility(self.sprung_mass());
+        let ratio = self.ratio();
+        Ok([
+            self.steep::<N>("oil spring A", P::MovingMass, square * self.stiffest(P::VolumeA))?,
+            self.steep::<N>("oil spring B", P::MovingMass, square * ratio * ratio * self.stiffest(P::VolumeB))?,
+        ])
+    }
+
+    pub(super) fn mechanics<N: Number<Real = R>>(&self, mass: R) -> Result<Mechanics<N>, MachineError> {
+        let constant = |value: f64| self.gain::<N>("a weight of the step", P::Stroke, R::constant(value));
+        let travel = R::constant(self.tick_s * self.bases.velocity_m_per_s) / self.get(P::Stroke);
+        Ok(Mechanics {
+            row: Row {
+                mobility: self.gain::<N>(
+                    "velocity gained per tick at full force",
+                    P::MovingMass,
+                    self.mobility(mass),
+                )?,
+                drag: self.gain::<N>(
+                    "velocity lost per tick",
+                    P::ViscousFriction,
+                    self.damping(mass) / self.own_diagonal(mass),
+                )?,
+                back: self.gain::<N>(
+                    "second stage",
+                    P::ViscousFriction,
+                    -(R::constant(2.0) / self.own_diagonal(mass)),
+                )?,
+                share: None,
+            },
+            mean: [constant(f64::midpoint(1.0, GAMMA))?, constant(0.5 * GAMMA)?],
+            weights: [constant(1.5)?, constant(0.5)?],
+            unity: constant(1.0)?,
+            travel: self.gain::<N>("strokes per tick", P::Stroke, travel)?,
+            dry: self.dry_friction(mass)?,
+            load: self.signal("load over full force", P::LoadForce, self.force(P::LoadForce))?,
+            resistance: self.resistance(mass)?,
+        })
+    }
+
+    /// A force over the full force.
+    fn force(&self, of: P) -> R {
+        self.get(of) / R::constant(self.bases.force_n)
+    }
+
+    fn is_on(&self, strengths: &[P]) -> bool {
+        strengths.iter().any(|&strength| !self.get(strength).is_nil())
+    }
+
+    fn dry_friction<N: Number<Real = R>>(&self, mass: R) -> Result<DryFriction<N>, MachineError> {
+        let force = |of: P| self.signal::<N>("dry friction over full force", of, self.force(of));
+        let alike = self.force(P::CoulombFriction) + self.force(P::StribeckForce);
+        let extending = alike + self.force(P::AsymmetricExtending);
+        let retracting = alike + self.force(P::AsymmetricRetracting);
+        // The one that moves it most.
+        let largest = [P::StribeckForce, P::AsymmetricExtending, P::AsymmetricRetracting]
+            .into_iter()
+            .fold(P::CoulombFriction, |most, of| if self.get(of).value() > self.get(most).value() { of } else { most });
+        let stribeck = if self.is_on(&[P::StribeckExcess]) {
+            let per_velocity = R::constant(self.bases.velocity_m_per_s) / self.get(P::StribeckVelocity);
+            Some(Stribeck {
+                excess: force(P::StribeckExcess)?,
+                per_velocity: self.steep::<N>("inverse of the Stribeck velocity", P::StribeckVelocity, per_velocity)?,
+                unity: self.steep::<N>("one", P::StribeckVelocity, R::ONE)?,
+            })
+        } else {
+            None
+        };
+        let placed = if self.is_on(&[P::PositionFriction, P::PositionFrictionSlope, P::PositionFrictionBow]) {
+            Some(Placed {
+                level: force(P::PositionFriction)?,
+                slope: force(P::PositionFrictionSlope)?,
+                bow: force(P::PositionFrictionBow)?,
+            })
+        } else {
+            None
+        };
+        let seals = if self.is_on(&[P::PressureFriction]) {
+            let share = self.get(P::PressureFriction) / self.get(P::AreaA);
+            Some(self.signal("friction of the seals over full force", P::PressureFriction, share)?)
+        } else {
+            None
+        };
+        Ok(DryFriction {
+            extending: self.signal("dry friction over full force", largest, extending)?,
+            retracting: self.signal("dry friction over full force", largest, retracting)?,
+            turn: self.signal(
+                "velocity that dry friction takes in a tick",
+                largest,
+                (extending + retracting) * self.mobility(mass),
+            )?,
+            stribeck,
+            placed,
+            seals,
+        })
+    }
+
+    /// What a damper of 1 N s/m adds to the mass's own diagonal, over the diagonal.
+    fn weight(&self, mass: R) -> R {
+        R::constant(GAMMA * self.tick_s) / (mass * self.own_diagonal(mass))
+    }
+
+    fn resistance<N: Number<Real = R>>(&self, mass: R) -> Result<Option<Resistance<N>>, MachineError> {
+        let load = self.is_on(&[P::LoadSpring, P::LoadSpringForce, P::LoadSpringBow]);
+        let stops = self.is_on(&[P::StopStiffness, P::StopDamping]);
+        let bristles = self.is_on(&[P::PreslidingForce]);
+        let warms = self.is_on(&[P::ViscosityLoss]);
+        if !(load || stops || bristles || warms) {
+            return Ok(None);
+        }
+        let none = self.steep::<N>("nothing", P::Stroke, R::ZERO)?;
+        let gain = |value: f64| self.gain::<N>("a weight of the step", P::Stroke, R::constant(value));
+        let viscosity = self.get(P::ViscousFriction) * self.weight(mass);
+        let load_weight = self.solved_stiffness() * R::constant(GAMMA * self.tick_s) * self.weight(mass);
+        Ok(Some(Resistance {
+            viscosity: if warms {
+                self.steep::<N>("viscous friction on the mass", P::ViscousFriction, viscosity)?
+            } else {
+                none
+            },
+            load: if load { Some(self.position_load()?) } else { None },
+            load_weight: self.steep::<N>("load's stiffness on the mass", P::LoadSpring, load_weight)?,
+            bristles: if bristles { Some(self.bristles(mass)?) } else { None },
+            stops: if stops { Some(self.stops(mass)?) } else { None },
+            per_gamma: gain(1.0 / GAMMA)?,
+            second: gain(1.0 - 2.0 * GAMMA)?,
+            gamma: gain(GAMMA)?,
+            none,
+        }))
+    }
+
+    /// The load's stiffness where it holds the rod, N/m: solved for. One that throws it out is not.
+    fn solved_stiffness(&self) -> R {
+        let stiffness = self.get(P::LoadSpring);
+        if stiffness.value() > 0.0 { stiffness } else { R::ZERO }
+    }
+
+    fn position_load<N: Number<Real = R>>(&self) -> Result<PositionLoad<N>, MachineError> {
+        let force = R::constant(self.bases.force_n);
+        let stroke = self.get(P::Stroke);
+        let signed = |of: P, value: R| -> Result<Signed<N>, MachineError> {
+            let negative = value.value() < 0.0;
+            let magnitude =
+                self.steep::<N>("load of a stroke over full force", of, if negative { -value } else { value })?;
+            Ok(Signed { magnitude, negative })
+        };
+        let taken_back = R::constant(2.0 * GAMMA) * self.solved_stiffness() * stroke / force;
+        Ok(PositionLoad {
+            force: self.signal(
+                "load at mid-stroke over full force",
+                P::LoadSpringForce,
+                self.force(P::LoadSpringForce),
+            )?,
+            stiffness: signed(P::LoadSpring, self.get(P::LoadSpring) * stroke / force)?,
+            bow: signed(P::LoadSpringBow, self.get(P::LoadSpringBow) * stroke * stroke / force)?,
+            taken_back: self.steep::<N>("load of a stroke over full force", P::LoadSpring, taken_back)?,
+        })
+    }
+
+    fn stops<N: Number<Real = R>>(&self, mass: R) -> Result<Stops<N>, MachineError> {
+        let face = |at: P| {
+            let strokes = self.get(at) / self.get(P::Stroke);
+            (strokes.value().abs() < OUT_OF_REACH).then(|| Face { place: N::travel(strokes) })
+        };
+        let (stiffness, damping) = (self.get(P::StopStiffness), self.get(P::StopDamping));
+        let per_stroke = stiffness * self.get(P::Stroke) / R::constant(self.bases.force_n);
+        let weight = (damping + R::constant(GAMMA * self.tick_s) * stiffness) * self.weight(mass);
+        Ok(Stops {
+            retracted: face(P::StopRetracted),
+            extended: face(P::StopExtended),
+            stiffness: self.steep::<N>("stop's force of a stroke over full force", P::StopStiffness, per_stroke)?,
+            weight: self.steep::<N>("stop on the mass", P::StopStiffness, weight)?,
+        })
+    }
+
+    fn bristles<N: Number<Real = R>>(&self, mass: R) -> Result<Bristles<N>, MachineError> {
+        let (force, stiffness) = (self.get(P::PreslidingForce), self.get(P::PreslidingStiffness));
+        let travel_m = self.tick_s * self.bases.velocity_m_per_s;
+        // h·v/Z, Z = force/stiffness; with no force the bristles have no bend.
+        let bend = if (stiffness.value() * travel_m) < MOST_BEND * force.value() {
+            R::constant(travel_m) * stiffness / force
+        } else {
+            R::constant(MOST_BEND)
+        };
+        // The stiffness that goes with it.
+        let stiffness = force * bend / R::constant(travel_m);
+        let of_step = R::constant(GAMMA * self.tick_s) * stiffness;
+        let square = R::constant(4.0) * stiffness * self.get(P::MovingMass);
+        let critical = if square.value() < of_step.value() * of_step.value() { square.sqrt() } else { of_step };
+        let steep = |coefficient: &'static str, value: R| self.steep::<N>(coefficient, P::PreslidingStiffness, value);
+        let bending = "bend of the bristles in a tick at velocity 1";
+        Ok(Bristles {
+            force: self.signal(
+                "friction of the bristles over full force",
+                P::PreslidingForce,
+                self.force(P::PreslidingForce),
+            )?,
+            bend: steep(bending, bend)?,
+            bend_ahead: steep(bending, R::constant(GAMMA) * bend)?,
+            bend_second: steep(bending, R::constant(1.0 - 2.0 * GAMMA) * bend)?,
+            stiffness_weight: steep("stiffness of the bristles on the mass", of_step * self.weight(mass))?,
+            damping_weight: steep("damping of the bristles on the mass", critical * self.weight(mass))?,
+        })
+    }
+
+    pub(super) fn warming<N: Number<Real = R>>(&self) -> Result<Option<Warming<N>>, MachineError> {
+        let loss = self.get(P::ViscosityLoss);
+        if loss.is_nil() {
+            return Ok(None);
+        }
+        let folds = R::constant(self.tick_s) / self.get(P::WarmingTime);
+        let done = if folds.value() < SLOW {
+            folds * (R::ONE - folds * (R::constant(0.5) - folds / R::constant(6.0)))
+        } else {
+            R::ONE - (-folds).exp()
+        };
+        // As many digits as the format of a gain holds.
+        let mut share = 1.0;
+        while share > 1.0 / 4096.0 && done.value() < share {
+            share *= 0.5;
+        }
+        let thins = loss.value() > 0.0;
+        Ok(Some(Warming {
+            rate: self.gain::<N>("warming in a tick", P::WarmingTime, done / R::constant(share))?,
+            share: N::saturated(share),
+            change: self.signal("loss of viscosity", P::ViscosityLoss, if thins { loss } else { -loss })?,
+            thins,
+            per_thinnest: self.steep::<N>(
+                "inverse of the least viscosity",
+                P::ViscosityLoss,
+                R::ONE / thinnest(self.machine),
+            )?,
+        }))
+    }
+}

@@ -1,0 +1,45 @@
+//! A load that depends on where the rod is: F = −(force + stiffness·e + bow·e²), e from mid-stroke; positive holds against extending.
+//!
+//! A stiffness above 0 is part of the implicit step; the rest is evaluated at both stages.
+
+use crate::number::Number;
+
+/// Coefficients of the load, per unit of force and strokes from mid-stroke.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PositionLoad<N: Number> {
+    /// At mid-stroke.
+    pub(crate) force: N,
+    pub(crate) stiffness: Signed<N>,
+    pub(crate) bow: Signed<N>,
+    /// 2γ·stiffness where it is solved for: what the second stage takes back of the first.
+    pub(crate) taken_back: N::Steep,
+}
+
+/// A coefficient that may be large, with its sign.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Signed<N: Number> {
+    pub(crate) magnitude: N::Steep,
+    pub(crate) negative: bool,
+}
+
+impl<N: Number> Signed<N> {
+    #[inline]
+    fn times(&self, signal: N) -> N {
+        let product = signal.amplified(self.magnitude);
+        if self.negative { -product } else { product }
+    }
+}
+
+impl<N: Number> PositionLoad<N> {
+    /// The force on the rod at a position.
+    #[inline]
+    pub(crate) fn at(&self, from_middle: N) -> N {
+        -(self.force + self.stiffness.times(from_middle) + self.bow.times(from_middle.times(from_middle)))
+    }
+
+    /// The force of the second stage, `moved` strokes on.
+    #[inline]
+    pub(crate) fn second(&self, from_middle: N, moved: N) -> N {
+        self.at(from_middle + moved) + moved.amplified(self.taken_back)
+    }
+}
