@@ -152,11 +152,13 @@ pub fn compare(
     Ok(Comparison { recording: recording.name().to_owned(), sections })
 }
 
-/// Measured signals below an entry that can be judged: pressures that are an input cannot.
+/// Measured signals below an entry that can be judged: pressures that are an input cannot, nor yet that of the supply.
 #[must_use]
 pub fn judged(recording: &Recording, entry: EntryPoint, load: LoadSource) -> Vec<Signal> {
-    let given = |signal: Signal| {
-        load == LoadSource::RecordedPressures && matches!(signal, Signal::PressureA | Signal::PressureB | Signal::Force)
+    let given = |signal: Signal| match signal {
+        Signal::SupplyPressure => true,
+        Signal::PressureA | Signal::PressureB | Signal::Force => load == LoadSource::RecordedPressures,
+        _ => false,
     };
     computed_below(entry).iter().copied().filter(|&signal| recording.has(signal) && !given(signal)).collect()
 }

@@ -126,10 +126,11 @@ impl<N: Number> Edges<N> {
         let Some(effects) = &self.effects else { return supply };
         let Some(droop) = &effects.droop else { return supply };
         let openings = self.openings(effects, slider);
-        let passing = self.passing(&openings, pressures, supply.pressure);
-        let steep = passing.steepness(&openings, effects.slope_fraction);
-        let draw = Draw { flow: passing.drawn(), steepness: steep.supply_a + steep.supply_b };
-        droop.after(supply, self.lines.supply, drawn, draw, effects.slope_scale)
+        droop.after(supply, self.lines.supply, drawn, effects.slope_scale, |supply| {
+            let passing = self.passing(&openings, pressures, supply);
+            let steep = passing.steepness(&openings, effects.slope_fraction);
+            Draw { flow: passing.drawn(), steepness: steep.supply_a + steep.supply_b }
+        })
     }
 
     /// Openings of the edges, flow gain included, none negative.

@@ -11,6 +11,7 @@ use model_core::parameter::Parameter as P;
 use model_core::valve::Slider;
 use proptest::prelude::*;
 use serde_json::Value;
+use system_tests::any_effects::any_side_effects;
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::simulate::{DELAY, State, any_word, drive};
 
@@ -79,6 +80,7 @@ proptest! {
         machine in any_machine(),
         tick in any_tick(),
         pump in any::<bool>(),
+        effects in prop::option::of((any_side_effects(), any::<u16>())),
         seed in any::<u64>(),
         inputs in prop::collection::vec((any_entry(), any_load()), 1..30),
     ) {
@@ -88,8 +90,12 @@ proptest! {
             machine.set(P::PumpDisplacement, machine.get(P::AreaB) / 50.0 * 0.2);
             machine.set(P::PumpSlip, machine.get(P::InternalLeakage));
         }
+        let plain = effects.is_none();
+        if let Some((effects, which)) = effects {
+            machine = effects.on(&machine, |index| which >> index & 1 == 1);
+        }
         let drive = Drive::<PerUnit>::new::<DELAY>(&machine, tick);
-        prop_assume!(!pump || drive.is_ok());
+        prop_assume!(!pump && plain || drive.is_ok());
         let drive = drive.unwrap();
         let mut state = any_state(&drive, seed);
         for (entry, load) in inputs {

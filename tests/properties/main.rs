@@ -3,6 +3,8 @@
 //! The seeds are fixed, so that a run says the same everywhere; a case that once failed is kept in `proptest-regressions`.
 
 mod agreement;
+mod derivatives;
+mod effects;
 mod extremes;
 mod friction;
 mod physics;

@@ -25,6 +25,8 @@ pub const DELAY_LINE: usize = 512;
 pub struct Sample<R> {
     /// Slider position, 1.
     pub spool: R,
+    /// Supply pressure at the valve, Pa; without droop it is the machine's.
+    pub supply_pressure_pa: R,
     /// Flow into A, m³/s.
     pub flow_a_m3_per_s: R,
     /// Pressure in A, Pa.
@@ -45,6 +47,7 @@ impl<R: Real> Sample<R> {
     pub fn signal(&self, signal: Signal) -> Option<R> {
         match signal {
             Signal::Spool => Some(self.spool),
+            Signal::SupplyPressure => Some(self.supply_pressure_pa),
             Signal::Flow => Some(self.flow_a_m3_per_s),
             Signal::PressureA => Some(self.pressure_a_pa),
             Signal::PressureB => Some(self.pressure_b_pa),
@@ -59,6 +62,7 @@ impl<R: Real> Sample<R> {
         let mix = |a: R, b: R| a + (b - a) * R::constant(share);
         Self {
             spool: mix(a.spool, b.spool),
+            supply_pressure_pa: mix(a.supply_pressure_pa, b.supply_pressure_pa),
             flow_a_m3_per_s: mix(a.flow_a_m3_per_s, b.flow_a_m3_per_s),
             pressure_a_pa: mix(a.pressure_a_pa, b.pressure_a_pa),
             pressure_b_pa: mix(a.pressure_b_pa, b.pressure_b_pa),
@@ -69,11 +73,12 @@ impl<R: Real> Sample<R> {
     }
 }
 
-/// Signals that the chain computes below an entry, in its order.
+/// Signals that the chain computes below an entry, in its order. A supply pressure only where the valve draws from it.
 #[must_use]
 pub fn computed_below(entry: EntryPoint) -> &'static [Signal] {
     const ALL: &[Signal] = &[
         Signal::Spool,
+        Signal::SupplyPressure,
         Signal::Flow,
         Signal::PressureA,
         Signal::PressureB,
@@ -83,9 +88,10 @@ pub fn computed_below(entry: EntryPoint) -> &'static [Signal] {
     ];
     match entry {
         EntryPoint::Command => ALL,
-        EntryPoint::Slider | EntryPoint::Pump => &ALL[1..],
-        EntryPoint::Flow => &ALL[2..],
-        EntryPoint::Force => &ALL[5..],
+        EntryPoint::Slider => &ALL[1..],
+        EntryPoint::Pump => &ALL[2..],
+        EntryPoint::Flow => &ALL[3..],
+        EntryPoint::Force => &ALL[6..],
     }
 }
 
@@ -270,11 +276,13 @@ fn sample<N: Number>(
     let sensed = drive.sensed(state);
     let recorded = stimulus.slider_at::<N>(point);
     let slider = recorded.map_or_else(|| state.valve.slider(), |reading| true_slider(machine, reading));
-    let flows = drive.flows(slider, stimulus.pump_at(point, bases), state.chambers);
+    let supply = state.supply.pressure;
+    let flows = drive.flows_from(supply, slider, stimulus.pump_at(point, bases), state.chambers);
     let pressure_a_pa = sensed.pressure_a.to_real() * constant(bases.pressure_pa);
     let pressure_b_pa = sensed.pressure_b.to_real() * constant(bases.pressure_pa);
     Sample {
         spool: recorded.unwrap_or(sensed.spool).to_real(),
+        supply_pressure_pa: supply.to_real() * constant(bases.pressure_pa),
         flow_a_m3_per_s: flows.a.to_real() * constant(bases.flow_m3_per_s),
         pressure_a_pa,
         pressure_b_pa,

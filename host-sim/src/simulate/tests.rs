@@ -152,3 +152,23 @@ fn fixed_point_follows_float_on_a_recording() {
     let of = |trajectory: &Trajectory| trajectory.signal(Signal::Position).unwrap().to_vec();
     assert!(farthest(&of(&fixed), &of(&float)) < 1e-4 * 0.3);
 }
+
+#[test]
+fn a_supply_that_droops_is_computed_where_the_valve_draws_from_it() {
+    let mut machine = press();
+    machine.set(Parameter::DroopResistance, 1e10);
+    let at = |recording: &Recording, entry| {
+        let stimulus = Stimulus::new(recording, &machine, entry, LoadSource::Constant, Tick::OneMillisecond).unwrap();
+        simulate::<f64>(&machine, &stimulus, StartOffset::none()).unwrap()
+    };
+    let whole = at(&commanded(grid(1e-3, 2000)), EntryPoint::Command);
+    let (supply, flow) = (whole.signal(Signal::SupplyPressure).unwrap(), whole.signal(Signal::Flow).unwrap());
+    assert!((supply[0] - machine.get(Parameter::SupplyPressure)).abs() < 1e-6);
+    let lowest = supply.iter().fold(f64::INFINITY, |lowest, &value| lowest.min(value));
+    let most = flow.iter().fold(0.0_f64, |most, &value| most.max(value));
+    let fall = machine.get(Parameter::SupplyPressure) - lowest;
+    assert!(fall > 0.9e10 * most, "{fall} of {most}");
+    let below = at(&measured(&whole), EntryPoint::Slider);
+    let again = below.signal(Signal::SupplyPressure).unwrap();
+    assert!(farthest(again, supply) < 0.01 * fall);
+}

@@ -1,0 +1,129 @@
+//! What holds for every effect of the valve and the flow link, alone and together.
+
+use host_sim::testbed::{Excitation, InitialState};
+use model_core::chambers::ChamberState;
+use model_core::drive::{Drive, Entry, Interfaces, Load};
+use model_core::fixed_point::PerUnit;
+use model_core::machine::{Machine, Tick};
+use model_core::number::Number;
+use model_core::parameter::Parameter as P;
+use model_core::valve::Slider;
+use proptest::prelude::*;
+use system_tests::any_effects::{EFFECTS, STICTION, any_side_effects};
+use system_tests::any_machine::{any_plain_machine, any_tick};
+use system_tests::drives;
+use system_tests::simulate::{DELAY, State, at_rest, command, core, distance, drive};
+
+use super::cases;
+
+fn run<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Tick, volts: &[f64]) -> (Vec<Interfaces<N>>, State<N>) {
+    let drive = drive::<N>(machine, tick);
+    let mut state = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.1));
+    let step = |&volts: &f64| drive.step(&mut state, Entry::Command(command(volts)), Load::NONE);
+    (volts.iter().map(step).collect(), state)
+}
+
+proptest! {
+    #![proptest_config(cases(100))]
+
+    #[test]
+    fn without_strength_nothing_else_about_an_effect_counts(
+        machine in any_plain_machine(),
+        tick in any_tick(),
+        effects in any_side_effects(),
+        seed in any::<u64>(),
+    ) {
+        let volts = &Excitation::random_steps(seed).sample(1e-3)[..1000];
+        let neutral = effects.on(&machine, |_| false);
+        prop_assert_eq!(run::<PerUnit>(&neutral, tick, volts), run::<PerUnit>(&machine, tick, volts));
+        prop_assert_eq!(run::<f64>(&neutral, tick, volts), run::<f64>(&machine, tick, volts));
+    }
+}
+
+/// Budget of the rounding over 4 s, strokes, and share of the travel: as without effects.
+const POSITION: (f64, f64) = (1e-5, 4e-4);
+/// Supply pressures.
+const PRESSURE: f64 = 5e-5;
+
+proptest! {
+    #![proptest_config(cases(600))]
+
+    #[test]
+    fn fixed_point_and_f64_agree_with_each_effect_and_with_any_of_them(
+        machine in any_plain_machine(),
+        tick in any_tick(),
+        effects in any_side_effects(),
+        seed in any::<u64>(),
+        which in prop_oneof![(0..STICTION).prop_map(|index| 1_u32 << index), 0_u32..1 << STICTION],
+    ) {
+        let machine = effects.on(&machine, |index| which >> index & 1 == 1);
+        prop_assume!(Drive::<PerUnit>::new::<DELAY>(&machine, tick).is_ok());
+        let volts = Excitation::random_steps(seed).sample(tick.seconds());
+        let initial = InitialState::at_rest(&machine, 0.0);
+        let real = core::<f64>(&machine, tick, &volts, &initial);
+        let apart = distance(&real, &core::<PerUnit>(&machine, tick, &volts, &initial));
+        let travel = real.iter().fold(0.0_f64, |travel, row| travel.max(row.position.abs()));
+        let names: Vec<_> = EFFECTS.iter().enumerate().filter(|(index, _)| which >> index & 1 == 1).collect();
+        prop_assert!(apart.position <= POSITION.0 + POSITION.1 * travel, "{apart:?} of {travel}: {names:?}");
+        prop_assert!(apart.pressure <= PRESSURE, "{apart:?}: {names:?}");
+    }
+}
+
+#[test]
+fn a_stuck_slider_jumps_in_the_same_ticks_in_fixed_point_and_f64() {
+    let machine = drives::with(&drives::press(), &[(P::StictionBand, 0.02)]);
+    let volts = Excitation::paper_sweep().sample(1e-3);
+    let (real, _) = run::<f64>(&machine, Tick::OneMillisecond, &volts);
+    let (fixed, _) = run::<PerUnit>(&machine, Tick::OneMillisecond, &volts);
+    let jumps = real.iter().filter(|seen| seen.slider.is_some_and(|slider| slider.from != slider.to)).count();
+    assert!(jumps > 50 && jumps < real.len() / 2, "{jumps} of {}", real.len());
+    for (real, fixed) in real.iter().zip(&fixed) {
+        let (real, fixed) = (real.slider.unwrap().to, fixed.slider.unwrap().to.to_f64());
+        assert!((real - fixed).abs() < 1e-6, "{real} {fixed}");
+    }
+}
+
+/// Largest change of a pressure or the supply's from tick to tick, late with the slider held open.
+fn restlessness<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Tick, slider: f64, start: [f64; 2]) -> f64 {
+    let drive = drive::<N>(machine, tick);
+    let pressures = ChamberState { a: N::saturated(start[0]), b: N::saturated(start[1]) };
+    let mut state: State<N> = drive.at_rest(N::ZERO, pressures, N::travel(0.0));
+    let slider = Slider { from: N::saturated(slider), to: N::saturated(slider) };
+    let mut change = || {
+        let before = state;
+        drive.step(&mut state, Entry::Slider(slider), Load::NONE);
+        let of = |now: N, then: N| (now.to_f64() - then.to_f64()).abs();
+        of(state.chambers.a, before.chambers.a)
+            .max(of(state.chambers.b, before.chambers.b))
+            .max(of(state.supply.pressure, before.supply.pressure))
+    };
+    (0..6000).map(|tick| if tick < 5000 { 0.0 * change() } else { change() }).fold(0.0, f64::max)
+}
+
+proptest! {
+    #![proptest_config(cases(600))]
+
+    /// A supply without memory, a leaking valve, a tight return: the loops they close must settle, at any opening.
+    #[test]
+    fn no_effect_of_the_edges_keeps_the_pressures_swinging(
+        machine in any_plain_machine(),
+        tick in any_tick(),
+        effects in any_side_effects(),
+        droop in 0.0..3.0_f64,
+        slider in -1.0..1.0_f64,
+        start in prop::array::uniform2(-0.5..1.5_f64),
+    ) {
+        // The flow limit is none of these loops, and what meets it swings without any effect.
+        let machine = drives::with(&machine, &[(P::FlowLimit, f64::INFINITY)]);
+        let mut machine = effects.on(&machine, |index| (5..10).contains(&index));
+        let full = machine.get(P::FlowCoefficient) / machine.get(P::SupplyPressure).sqrt();
+        machine.set(P::DroopResistance, droop / full);
+        machine.set(P::DroopTime, 0.0);
+        prop_assume!(Drive::<PerUnit>::new::<DELAY>(&machine, tick).is_ok());
+        let plain = effects.on(&machine, |_| false);
+        let real = restlessness::<f64>(&machine, tick, slider, start);
+        let without = restlessness::<f64>(&plain, tick, slider, start);
+        let fixed = restlessness::<PerUnit>(&machine, tick, slider, start);
+        prop_assert!(real <= 1e-4 + 2.0 * without && fixed <= 1e-3 + 2.0 * without, "{real} {fixed}, {without} without");
+    }
+}
