@@ -74,6 +74,81 @@ fn derivatives_of_a_valve_drive_by_every_uncertain_value_are_its_differences() {
     }
 }
 
+/// Each alone, at strengths that do not stop the rod more often than it stops without.
+#[test]
+fn derivatives_by_the_smooth_effects_of_chambers_mechanics_and_sensors_are_differences() {
+    let case = valve_case(31, None, true, None);
+    let machine = case.file.machine;
+    let press = |changes: &[(P, f64)], of: &[(P, f64)]| {
+        let mut machine = machine;
+        for &(parameter, value) in changes.iter().chain(of) {
+            machine.set(parameter, value);
+        }
+        let prepared = Prepared::new(&case.training[0], &machine, case.file.load_source, None).unwrap();
+        for &(parameter, value) in of {
+            check(&machine, &prepared.stimulus, parameter, value.abs());
+        }
+    };
+    press(&[], &[(P::ExternalLeakageA, 2e-12), (P::ExternalLeakageB, 3e-12)]);
+    press(&[], &[(P::AirShare, 0.01)]);
+    press(&[], &[(P::VolumeShare, 0.5)]);
+    press(&[], &[(P::LoadSpring, 1e4), (P::LoadSpringForce, 300.0), (P::LoadSpringBow, 2e4)]);
+    press(&[(P::InternalLeakage, 3e-12)], &[(P::ViscosityLoss, 0.4), (P::WarmingTime, 3.0)]);
+    press(&[], &[(P::PositionLag, 5e-3), (P::PositionDelay, 7.3e-3)]);
+    press(&[], &[(P::PressureAOffset, 1e5), (P::PressureBFactor, 0.03), (P::PositionFactor, 0.02)]);
+}
+
+/// At a strength of 0 the value is that of the model without the effect, and the derivative is there.
+#[test]
+fn an_effect_of_nothing_has_a_derivative() {
+    let case = valve_case(31, None, true, None);
+    let machine = case.file.machine;
+    let prepared = Prepared::new(&case.training[0], &machine, case.file.load_source, None).unwrap();
+    let without = plain(&machine, &prepared.stimulus);
+    for parameter in [
+        P::ExternalLeakageA,
+        P::ExternalLeakageB,
+        P::AirShare,
+        P::VolumeShare,
+        P::CoulombFriction,
+        P::StribeckForce,
+        P::StribeckExcess,
+        P::AsymmetricExtending,
+        P::AsymmetricRetracting,
+        P::PositionFriction,
+        P::PositionFrictionSlope,
+        P::PressureFriction,
+        P::LoadSpring,
+        P::LoadSpringForce,
+        P::LoadSpringBow,
+        P::PreslidingForce,
+        P::ViscosityLoss,
+        P::BacklashPlay,
+        P::PositionLag,
+        P::PositionDelay,
+        P::PressureAOffset,
+        P::PressureBFactor,
+        P::PositionFactor,
+    ] {
+        let found = dual(&machine, &prepared.stimulus, parameter);
+        let key = parameter.description().key;
+        let mut moved = 0.0_f64;
+        for (found, without) in found.iter().zip(&without) {
+            for (found, without) in found.iter().zip(without) {
+                assert!(
+                    (found.value - without).abs() <= 1e-9 * (1.0 + without.abs()),
+                    "{key}: {} {without}",
+                    found.value
+                );
+                assert!(found.partials[0].is_finite(), "{key}");
+                moved = moved.max(found.partials[0].abs());
+            }
+        }
+        // Friction by position may be cut at nothing.
+        assert!(moved > 0.0 || parameter == P::PositionFrictionSlope, "{key}");
+    }
+}
+
 #[test]
 fn derivatives_of_a_pump_drive_by_every_uncertain_value_are_its_differences() {
     let case = pump_case(32, None);

@@ -1,0 +1,136 @@
+//! Fixed point and f64 are one model with each effect on, alone and all together, and no input overflows.
+
+use model_core::chambers::ChamberState;
+use model_core::drive::{Drive, Entry, Load};
+use model_core::fixed_point::PerUnit;
+use model_core::machine::{Machine, Tick};
+use model_core::number::Number;
+use model_core::parameter::Parameter as P;
+use proptest::prelude::*;
+
+use super::bench::{State, at_rest, cases, command, commanded, drive, effects, press, with};
+
+/// Of the sensed position over 1.2 s, strokes. Dry friction decides: the last bit may let the rod go a tick earlier.
+const POSITION: f64 = 2e-5;
+/// Of the pressures at its end, supply pressures; a stop that is met a tick sooner presses sooner.
+const PRESSURE: f64 = 1e-3;
+
+fn run<N: Number<Real = f64>>(machine: &Machine<f64>) -> (Vec<f64>, [f64; 2]) {
+    let drive = drive::<N>(machine);
+    let mut state = at_rest(&drive, [0.3, 0.5], 0.4);
+    let positions = (0..1200)
+        .map(|tick| {
+            commanded(&drive, &mut state, command(tick));
+            N::strokes(drive.sensed(&state).position)
+        })
+        .collect();
+    let sensed = drive.sensed(&state);
+    (positions, [sensed.pressure_a.to_f64(), sensed.pressure_b.to_f64()])
+}
+
+fn apart(machine: &Machine<f64>) -> (f64, f64) {
+    let (fixed, real) = (run::<PerUnit>(machine), run::<f64>(machine));
+    let position = fixed.0.iter().zip(&real.0).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+    let pressure = fixed.1.iter().zip(&real.1).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+    (position, pressure)
+}
+
+/// From the farthest in to the farthest out, strokes.
+fn travelled(machine: &Machine<f64>) -> f64 {
+    let (positions, _) = run::<f64>(machine);
+    positions.iter().copied().fold(f64::MIN, f64::max) - positions.iter().copied().fold(f64::MAX, f64::min)
+}
+
+#[test]
+fn fixed_point_and_f64_agree_with_each_effect() {
+    let mut failed = false;
+    for (name, strengths) in effects() {
+        let (position, pressure) = apart(&with(&press(), &strengths));
+        let ends = travelled(&with(&press(), &strengths));
+        assert!(ends > 0.1, "{name}: the drive moves, {ends}");
+        println!("{name:<28} {position:.1e} strokes, {pressure:.1e} supplies");
+        failed |= !(position < POSITION && pressure < PRESSURE);
+    }
+    assert!(!failed);
+}
+
+fn all_on() -> Machine<f64> {
+    effects().into_iter().fold(press(), |machine, (_, strengths)| with(&machine, &strengths))
+}
+
+#[test]
+fn links_alone_reproduce_the_chain_with_everything_on() {
+    fn check<N: Number<Real = f64>>() {
+        let drive = drive::<N>(&all_on());
+        let mut chain = at_rest(&drive, [0.3, 0.5], 0.4);
+        let (mut chambers, mut rest, mut motion) = (chain.chambers, chain.rest, chain.motion);
+        for tick in 0..1200 {
+            let seen = commanded(&drive, &mut chain, command(tick));
+            drive.chambers().step(&mut chambers, &mut rest, seen.flows, seen.velocity, seen.position);
+            assert_eq!((chambers, rest), (chain.chambers, chain.rest), "the chambers alone, tick {tick}");
+            assert_eq!(drive.mechanics().step(&mut motion, seen.forces), seen.velocity, "tick {tick}");
+            assert_eq!(motion, chain.motion, "the mechanics alone, tick {tick}");
+        }
+    }
+    check::<PerUnit>();
+    check::<f64>();
+}
+
+fn any_word() -> impl Strategy<Value = PerUnit> {
+    let word = (any::<i32>(), 0_u32..31).prop_map(|(bits, small)| bits >> small);
+    prop_oneof![3 => word, 1 => prop::sample::select(vec![i32::MIN, -1, 0, i32::MAX])].prop_map(PerUnit::from_bits)
+}
+
+proptest! {
+    #![proptest_config(cases(3000))]
+
+    #[test]
+    fn no_state_and_no_input_overflows_with_any_effects(
+        on in any::<u16>(),
+        strength in 0.01..3.0_f64,
+        tick in prop::sample::select(vec![Tick::HalfMillisecond, Tick::OneMillisecond, Tick::TwoMilliseconds]),
+        words in prop::array::uniform6(any_word()),
+        position in any::<i64>(),
+        warmth in any::<i64>(),
+        inputs in prop::collection::vec((any_word(), any_word(), any_word(), any::<bool>()), 1..20),
+    ) {
+        let mut machine = press();
+        for (index, (_, strengths)) in effects().into_iter().enumerate() {
+            if on >> index & 1 == 1 {
+                for (parameter, value) in strengths {
+                    let description = parameter.description();
+                    machine.set(parameter, (strength * value).clamp(description.min, description.max.min(0.9 * description.max)));
+                }
+            }
+        }
+        if let Ok(drive) = Drive::<PerUnit>::new::<64>(&machine, tick) {
+            let [a, b, velocity, bristles, rest_a, rest_b] = words;
+            let travel = <PerUnit as Number>::Travel::from_bits;
+            let mut state: State<PerUnit> = drive.at_rest(a, ChamberState { a, b }, travel(position));
+            state.rest = ChamberState { a: rest_a, b: rest_b };
+            state.motion.velocity = velocity;
+            state.motion.bristles = bristles;
+            state.warmth = travel(warmth);
+            for (first, second, load, force) in inputs {
+                let entry = if force { Entry::Force { from: first, to: second } } else { Entry::Command(first) };
+                drive.step(&mut state, entry, Load { from: load, to: second });
+                let _ = drive.sensed(&state);
+            }
+        }
+    }
+
+    #[test]
+    fn a_drive_thrown_far_off_with_everything_on_comes_to_rest(
+        start in prop::array::uniform2(-1.5..1.5_f64), velocity in -8.0..8.0_f64, air in 0.0..0.05_f64,
+    ) {
+        // Without leakage: a drive that leaks creeps.
+        let tight = [P::ExternalLeakageA, P::ExternalLeakageB, P::InternalLeakage].map(|leakage| (leakage, 0.0));
+        let drive = drive::<PerUnit>(&with(&with(&all_on(), &tight), &[(P::AirShare, air)]));
+        let mut state = at_rest(&drive, start, 0.5);
+        state.motion.velocity = PerUnit::saturated(velocity);
+        for _ in 0..3000 {
+            commanded(&drive, &mut state, 0.0);
+        }
+        prop_assert!(state.motion.velocity.to_f64().abs() < 1e-3, "{:?}", state.motion);
+    }
+}

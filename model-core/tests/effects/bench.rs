@@ -1,0 +1,111 @@
+//! The drive that the effects are tried on.
+
+use model_core::chambers::ChamberState;
+use model_core::drive::{Drive, DriveState, Entry, Interfaces, Load};
+use model_core::machine::{Machine, Source, Tick};
+use model_core::number::Number;
+use model_core::parameter::Parameter as P;
+use proptest::test_runner::{Config, RngSeed};
+
+pub(crate) type State<N> = DriveState<N, 64>;
+
+pub(crate) const TICK: Tick = Tick::OneMillisecond;
+/// Position of mid-stroke, and the stroke, m.
+pub(crate) const STROKE_M: f64 = 0.3;
+
+/// A 63/40 × 300 mm cylinder with a closed valve at command 0.
+pub(crate) fn press() -> Machine<f64> {
+    with(
+        &Machine::with_defaults(Source::Valve),
+        &[
+            (P::AreaA, 3.117e-3),
+            (P::AreaB, 1.861e-3),
+            (P::VolumeA, 5.2e-4),
+            (P::VolumeB, 3.3e-4),
+            (P::DeadZone, 0.05),
+            (P::TimeConstant1, 0.01),
+            (P::ViscousFriction, 1e4),
+            (P::MovingMass, 50.0),
+        ],
+    )
+}
+
+pub(crate) fn with(machine: &Machine<f64>, changes: &[(P, f64)]) -> Machine<f64> {
+    let mut changed = *machine;
+    for &(parameter, value) in changes {
+        changed.set(parameter, value);
+    }
+    changed
+}
+
+pub(crate) fn drive<N: Number<Real = f64>>(machine: &Machine<f64>) -> Drive<N> {
+    Drive::new::<64>(machine, TICK).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// At rest, pressures in supply pressures, position in strokes.
+pub(crate) fn at_rest<N: Number<Real = f64>>(drive: &Drive<N>, [a, b]: [f64; 2], position: f64) -> State<N> {
+    drive.at_rest(N::ZERO, ChamberState { a: N::saturated(a), b: N::saturated(b) }, N::travel(position))
+}
+
+/// Under a force of the oil alone, N.
+pub(crate) fn pushed<N: Number<Real = f64>>(drive: &Drive<N>, state: &mut State<N>, force_n: f64) -> Interfaces<N> {
+    let force = N::saturated(force_n / drive.bases().force_n);
+    drive.step(state, Entry::Force { from: force, to: force }, Load::NONE)
+}
+
+/// Under a command, in 10 V.
+pub(crate) fn commanded<N: Number<Real = f64>>(drive: &Drive<N>, state: &mut State<N>, command: f64) -> Interfaces<N> {
+    drive.step(state, Entry::Command(N::saturated(command)), Load::NONE)
+}
+
+/// A command that goes out, rests, comes back and reverses quickly.
+pub(crate) fn command(tick: usize) -> f64 {
+    [0.5, 0.0, -0.6, 0.3, -0.3, 0.9, 0.0, -0.8][tick / 150 % 8]
+}
+
+pub(crate) fn velocity_m_per_s<N: Number<Real = f64>>(drive: &Drive<N>, state: &State<N>) -> f64 {
+    state.motion.velocity.to_f64() * drive.bases().velocity_m_per_s
+}
+
+pub(crate) fn position_m<N: Number<Real = f64>>(drive: &Drive<N>, state: &State<N>) -> f64 {
+    N::strokes(state.motion.position) * drive.bases().stroke_m
+}
+
+pub(crate) fn cases(cases: u32) -> Config {
+    Config { cases, rng_seed: RngSeed::Fixed(20_200), failure_persistence: None, ..Config::default() }
+}
+
+/// Each effect at a strength that shows, by name.
+pub(crate) fn effects() -> Vec<(&'static str, Vec<(P, f64)>)> {
+    vec![
+        ("external-leakage", vec![(P::ExternalLeakageA, 2e-12), (P::ExternalLeakageB, 4e-12)]),
+        ("entrained-air", vec![(P::AirShare, 0.01)]),
+        ("position-dependent-volume", vec![(P::VolumeShare, 1.0)]),
+        ("coulomb-friction", vec![(P::CoulombFriction, 500.0)]),
+        ("stribeck-friction", vec![(P::StribeckForce, 300.0), (P::StribeckExcess, 300.0), (P::StribeckVelocity, 0.02)]),
+        ("friction-asymmetry", vec![(P::AsymmetricExtending, 600.0), (P::AsymmetricRetracting, 300.0)]),
+        (
+            "position-dependent-friction",
+            vec![(P::PositionFriction, 400.0), (P::PositionFrictionSlope, 200.0), (P::PositionFrictionBow, 100.0)],
+        ),
+        ("pressure-dependent-friction", vec![(P::PressureFriction, 5e-5)]),
+        ("position-dependent-load", vec![(P::LoadSpring, 2e4), (P::LoadSpringForce, 500.0), (P::LoadSpringBow, 1e4)]),
+        (
+            "end-stop",
+            vec![(P::StopRetracted, 0.12), (P::StopExtended, 0.18), (P::StopStiffness, 1e8), (P::StopDamping, 1e4)],
+        ),
+        ("presliding", vec![(P::PreslidingForce, 500.0), (P::PreslidingStiffness, 1e8)]),
+        ("oil-temperature", vec![(P::ViscosityLoss, 0.6), (P::WarmingTime, 0.5), (P::InternalLeakage, 2e-12)]),
+        ("linkage-backlash", vec![(P::BacklashPlay, 1e-3)]),
+        ("position-sensor-lag", vec![(P::PositionLag, 5e-3), (P::PositionDelay, 7.3e-3)]),
+        (
+            "sensor-offset",
+            vec![
+                (P::PressureAOffset, 1e5),
+                (P::PressureBFactor, 0.02),
+                (P::SpoolOffset, 0.01),
+                (P::PositionFactor, 0.01),
+            ],
+        ),
+    ]
+}

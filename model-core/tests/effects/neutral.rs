@@ -1,0 +1,85 @@
+//! An effect of strength 0 is the model without it, bit for bit, whatever its other parameters are.
+
+use model_core::drive::Entry;
+use model_core::fixed_point::PerUnit;
+use model_core::machine::Machine;
+use model_core::number::Number;
+use model_core::parameter::Parameter as P;
+use proptest::prelude::*;
+
+use super::bench::{State, at_rest, cases, command, commanded, drive, press, with};
+
+fn run<N: Number<Real = f64>>(machine: &Machine<f64>) -> Vec<State<N>> {
+    let drive = drive::<N>(machine);
+    let mut state = at_rest(&drive, [0.3, 0.5], 0.4);
+    let step = |tick: usize| {
+        if tick % 500 < 450 {
+            commanded(&drive, &mut state, command(tick));
+        } else {
+            let force = N::saturated(0.1);
+            drive.step(&mut state, Entry::Force { from: force, to: force }, model_core::drive::Load::NONE);
+        }
+        let sensed = drive.sensed(&state);
+        assert_eq!(sensed.position, state.motion.position, "the exact position is sensed");
+        assert_eq!((sensed.pressure_a, sensed.pressure_b), (state.chambers.a, state.chambers.b));
+        assert_eq!((sensed.spool, sensed.velocity), (state.valve.slider(), state.motion.velocity));
+        state
+    };
+    (0..1200).map(step).collect()
+}
+
+/// Parameters that say nothing while the strength of their effect is 0.
+const SECONDARY: [(P, f64, f64); 7] = [
+    (P::StribeckVelocity, 1e-5, 10.0),
+    (P::StopRetracted, -1.0, 1.0),
+    (P::StopExtended, -1.0, 1.0),
+    (P::PreslidingStiffness, 1.0, 1e12),
+    (P::WarmingTime, 1e-2, 1e5),
+    (P::ValveLeakageReach, 1e-3, 1.0),
+    (P::NullDriftTime, 1e-2, 1e5),
+];
+
+proptest! {
+    #![proptest_config(cases(20))]
+
+    #[test]
+    fn nothing_of_an_effect_is_the_model_without_it(
+        shares in prop::array::uniform7(0.0..1.0_f64),
+        friction_n in prop::sample::select(vec![0.0, 700.0]),
+        leakage in prop::sample::select(vec![0.0, 3e-12]),
+    ) {
+        let plain = with(&press(), &[(P::CoulombFriction, friction_n), (P::InternalLeakage, leakage)]);
+        let mut neutral = plain;
+        for ((parameter, low, high), share) in SECONDARY.into_iter().zip(shares) {
+            neutral.set(parameter, low + share * (high - low));
+        }
+        prop_assert!(run::<PerUnit>(&neutral) == run::<PerUnit>(&plain));
+        prop_assert!(run::<f64>(&neutral) == run::<f64>(&plain));
+    }
+}
+
+/// Where a strength is too small to move a bit, the code that it switches on computes what the code without it does.
+#[test]
+fn next_to_nothing_of_an_effect_is_next_to_nothing() {
+    let plain = run::<f64>(&press());
+    for (name, strengths) in super::bench::effects() {
+        if matches!(name, "linkage-backlash" | "position-sensor-lag" | "sensor-offset") {
+            continue;
+        }
+        let faint: Vec<(P, f64)> = strengths
+            .into_iter()
+            .filter(|(parameter, _)| !matches!(parameter, P::InternalLeakage))
+            .map(|(parameter, value)| match parameter {
+                P::StribeckVelocity | P::WarmingTime | P::PreslidingStiffness => (parameter, value),
+                P::StopRetracted => (parameter, -1.0),
+                P::StopExtended => (parameter, 1.0),
+                _ => (parameter, 1e-12 * value),
+            })
+            .collect();
+        let found = run::<f64>(&with(&press(), &faint));
+        for (a, b) in found.iter().zip(&plain) {
+            let apart = (a.motion.position - b.motion.position).abs().max((a.chambers.a - b.chambers.a).abs());
+            assert!(apart < 1e-9, "{name}: {apart:e}");
+        }
+    }
+}
