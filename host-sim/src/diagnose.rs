@@ -330,8 +330,10 @@ fn show(
         Some(starts) => starts,
         None => (settle(before, &prepared)?, settle(after, &prepared)?),
     };
-    let before = simulate::<f64>(before, &prepared.stimulus, from_before.offset(&prepared))?;
-    let after = simulate::<f64>(after, &prepared.stimulus, from_after.offset(&prepared))?;
+    let mut stimulus = prepared.stimulus.clone();
+    stimulus.wants_flow = true;
+    let before = simulate::<f64>(before, &stimulus, from_before.offset(&prepared))?;
+    let after = simulate::<f64>(after, &stimulus, from_after.offset(&prepared))?;
     Ok(Shown { held_out: starts.is_none(), prepared, before, after })
 }
 

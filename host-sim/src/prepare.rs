@@ -1,6 +1,6 @@
 //! Recording → what a fit and a verdict need to know of it: the stimulus, the judged signals, and the noise in each.
 
-use model_core::machine::{Machine, Tick};
+use model_core::machine::{Machine, Source, Tick};
 
 use crate::compare::{CompareError, judged};
 use crate::machine_file::LoadSource;
@@ -76,11 +76,16 @@ impl Prepared {
         tick: Option<Tick>,
     ) -> Result<Self, CompareError> {
         let tick = tick.unwrap_or_else(|| natural_tick(recording));
-        let stimulus = Stimulus::new(recording, machine, entry, load, tick)?;
-        let signals = judged(recording, entry, load);
+        let mut stimulus = Stimulus::new(recording, machine, entry, load, tick)?;
+        let mut signals = judged(recording, entry, load);
+        let fed = machine.source == Source::Valve && matches!(entry, EntryPoint::Command | EntryPoint::Slider);
+        if fed && recording.check_varies(Signal::SupplyPressure).is_ok() && recording.has(Signal::SupplyPressure) {
+            signals.push(Signal::SupplyPressure);
+        }
         if signals.is_empty() {
             return Err(CompareError::NothingMeasured { recording: recording.name().to_owned() });
         }
+        stimulus.wants_flow = signals.contains(&Signal::Flow);
         let channels = signals
             .into_iter()
             .map(|signal| {

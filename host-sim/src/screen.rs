@@ -77,6 +77,61 @@ impl Strength {
     }
 }
 
+/// A point that promises less than this share of the most promising one is not looked at again.
+const WORTHWHILE: f64 = 0.02;
+/// Points that are looked at again, at most.
+const MOST_TRIED: usize = 24;
+
+/// What a point of a form's shapes promises along the directions of its amounts.
+#[derive(Debug)]
+struct Promise {
+    /// Which form.
+    form: usize,
+    shape: Vec<(Parameter, f64)>,
+    /// Of each amount, in its unit.
+    shares: Vec<f64>,
+    gain: f64,
+}
+
+impl Promise {
+    fn of(
+        scene: &Scene<'_>,
+        fit: &Fit,
+        sensitivity: &Sensitivity<'_>,
+        form: Form,
+        shape: Vec<(Parameter, f64)>,
+        index: usize,
+    ) -> Self {
+        let units: Vec<f64> = amounts(form).map(|strength| strength.unit(scene)).collect();
+        let (shares, gain) = directed(fit, sensitivity, form, &shape, &units).unwrap_or_default();
+        Self { form: index, shape, shares, gain }
+    }
+}
+
+/// The strengths that say how much of the effect there is.
+fn amounts(form: Form) -> impl Iterator<Item = &'static Strength> {
+    form.iter().filter(|strength| strength.is_amount())
+}
+
+/// How much of each amount lowers the loss most, in units of each, by the direction that it moves the residuals in; and the gain.
+fn directed(
+    fit: &Fit,
+    sensitivity: &Sensitivity<'_>,
+    form: Form,
+    shape: &[(Parameter, f64)],
+    units: &[f64],
+) -> Result<(Vec<f64>, f64), MachineError> {
+    let positive: Vec<bool> = amounts(form).map(|strength| !matches!(strength.kind, Kind::Signed(_))).collect();
+    let directions = amounts(form)
+        .zip(units)
+        .map(|(strength, unit)| {
+            let values = [shape, &[(strength.parameter, *unit)]].concat();
+            sensitivity.change(&with(&fit.machine, &values))
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    Ok(sensitivity.amounts(&directions, &positive))
+}
+
 /// The best point of every form, the most promising first. Forms that promise nothing are left out.
 pub fn screen(
     scene: &Scene<'_>,
@@ -91,12 +146,21 @@ pub fn screen(
         .enumerate()
         .flat_map(|(index, (_, form))| shapes(scene, form).into_iter().map(move |shape| (index, shape)))
         .collect();
-    let leads: Vec<(usize, Option<Lead>)> = points
+    // First what each point promises along its directions, then the promising ones for real.
+    let promised: Vec<Promise> = points
         .into_par_iter()
-        .map(|(index, shape)| {
-            let (effect, form) = forms[index];
+        .map(|(index, shape)| Promise::of(scene, fit, sensitivity, forms[index].1, shape, index))
+        .collect();
+    let mut gains: Vec<f64> = promised.iter().map(|promise| promise.gain).collect();
+    gains.sort_by(|a, b| b.total_cmp(a));
+    let least = gains.first().map_or(0.0, |most| WORTHWHILE * most).max(gains.get(MOST_TRIED).copied().unwrap_or(0.0));
+    let leads: Vec<(usize, Option<Lead>)> = promised
+        .into_par_iter()
+        .filter(|promise| promise.gain >= least)
+        .map(|promise| {
+            let (effect, form) = forms[promise.form];
             // A point that does not become a drive is no lead.
-            (index, lead(scene, fit, sensitivity, effect, form, &shape).ok().flatten())
+            (promise.form, lead(scene, fit, sensitivity, effect, form, &promise).ok().flatten())
         })
         .collect();
     let mut best: Vec<Option<Lead>> = vec![None; forms.len()];
@@ -137,9 +201,8 @@ fn lead(
     sensitivity: &Sensitivity<'_>,
     effect: &'static Hypothesis,
     form: Form,
-    shape: &[(Parameter, f64)],
+    promise: &Promise,
 ) -> Result<Option<Lead>, MachineError> {
-    let amounts: Vec<&Strength> = form.iter().filter(|strength| strength.is_amount()).collect();
     let lead_at = |values: Vec<(Parameter, f64)>| -> Result<Lead, MachineError> {
         let change = sensitivity.change(&with(&fit.machine, &values))?;
         Ok(Lead { effect, form, values, gain: sensitivity.gain(&change), settled: sensitivity.settled(&change) })
@@ -147,31 +210,21 @@ fn lead(
     if let [Strength { parameter, kind: Kind::Jump(range) }] = form {
         return jump(range(scene), |value| lead_at(vec![(*parameter, value)])).map(Some);
     }
-    let positive: Vec<bool> = amounts.iter().map(|strength| matches!(strength.kind, Kind::Amount(_))).collect();
-    let mut units: Vec<f64> = amounts.iter().map(|strength| strength.unit(scene)).collect();
+    let mut units: Vec<f64> = amounts(form).map(|strength| strength.unit(scene)).collect();
+    let (mut shares, mut promised) = (promise.shares.clone(), promise.gain);
     let mut best: Option<Lead> = None;
     // The second time from where the first arrives: a large amount shows another direction than a small one.
-    for _ in 0..2 {
-        let directions = amounts
-            .iter()
-            .zip(&units)
-            .map(|(strength, unit)| {
-                let values = [shape, &[(strength.parameter, *unit)]].concat();
-                sensitivity.change(&with(&fit.machine, &values))
-            })
-            .collect::<Result<Vec<_>, _>>()?;
-        let (shares, promised) = sensitivity.amounts(&directions, &positive);
+    for last in [false, true] {
         if promised <= 0.0 || shares.iter().all(|share| *share == 0.0) {
             break;
         }
         for step in [1.0, 0.4] {
-            let values: Vec<(Parameter, f64)> = amounts
-                .iter()
+            let values: Vec<(Parameter, f64)> = amounts(form)
                 .zip(shares.iter().zip(&units))
                 .filter(|(_, (share, _))| **share != 0.0)
                 .map(|(strength, (share, unit))| (strength.parameter, step * share.clamp(-30.0, 30.0) * unit))
                 .collect();
-            let lead = lead_at([shape, &values].concat())?;
+            let lead = lead_at([promise.shape.as_slice(), &values].concat())?;
             let enough = lead.gain > 0.5 * promised;
             if best.as_ref().is_none_or(|known| known.gain < lead.gain) {
                 best = Some(lead);
@@ -181,7 +234,7 @@ fn lead(
             }
         }
         let near = shares.iter().all(|share| *share == 0.0 || (0.6..1.6).contains(&share.abs()));
-        if near {
+        if near || last {
             break;
         }
         for (unit, share) in units.iter_mut().zip(&shares) {
@@ -189,10 +242,11 @@ fn lead(
                 *unit *= share.abs().clamp(0.02, 30.0);
             }
         }
+        (shares, promised) = directed(fit, sensitivity, form, &promise.shape, &units)?;
     }
     Ok(best.filter(|lead| lead.gain > 0.0).map(|mut lead| {
         // A strength that this point does without starts small.
-        for (strength, unit) in amounts.iter().zip(&units) {
+        for (strength, unit) in amounts(form).zip(&units) {
             if lead.values.iter().all(|(parameter, _)| *parameter != strength.parameter) {
                 lead.values.push((strength.parameter, 0.03 * unit));
             }

@@ -27,7 +27,7 @@ pub struct Sample<R> {
     pub spool: R,
     /// Supply pressure at the valve, Pa; without droop it is the machine's.
     pub supply_pressure_pa: R,
-    /// Flow into A, m³/s.
+    /// Flow into A, m³/s; 0 where the stimulus does not want it.
     pub flow_a_m3_per_s: R,
     /// Pressure in A, Pa.
     pub pressure_a_pa: R,
@@ -277,13 +277,17 @@ fn sample<N: Number>(
     let recorded = stimulus.slider_at::<N>(point);
     let slider = recorded.map_or_else(|| state.valve.slider(), |reading| true_slider(machine, reading));
     let supply = state.supply.pressure;
-    let flows = drive.flows_from(supply, slider, stimulus.pump_at(point, bases), state.chambers);
+    let flow_a = if stimulus.wants_flow {
+        drive.flows_from(supply, slider, stimulus.pump_at(point, bases), state.chambers).a
+    } else {
+        N::ZERO
+    };
     let pressure_a_pa = sensed.pressure_a.to_real() * constant(bases.pressure_pa);
     let pressure_b_pa = sensed.pressure_b.to_real() * constant(bases.pressure_pa);
     Sample {
         spool: recorded.unwrap_or(sensed.spool).to_real(),
         supply_pressure_pa: supply.to_real() * constant(bases.pressure_pa),
-        flow_a_m3_per_s: flows.a.to_real() * constant(bases.flow_m3_per_s),
+        flow_a_m3_per_s: flow_a.to_real() * constant(bases.flow_m3_per_s),
         pressure_a_pa,
         pressure_b_pa,
         force_n: machine.get(Parameter::AreaA) * pressure_a_pa - machine.get(Parameter::AreaB) * pressure_b_pa,

@@ -108,6 +108,8 @@ pub struct Stimulus {
     input: Input,
     /// External force at grid points, N.
     load_n: Option<Vec<f64>>,
+    /// Whether anybody asks for the flow at each row: it costs two more roots.
+    pub wants_flow: bool,
     /// Viscous friction, N s/m, in place of all friction of the machine, where that force balances the recorded pressures: these
     /// hold the machine's friction already.
     pub(super) damping: Option<f64>,
@@ -195,7 +197,7 @@ impl Stimulus {
         } else {
             recording.signal(Signal::LoadForce).map(|force| grid.points(force))
         };
-        Ok(Self { entry, tick, start: start(recording), ticks: grid.ticks, input, load_n, damping, rows: grid.rows })
+        Ok(Self { entry, tick, start: start(recording), ticks: grid.ticks, input, load_n, wants_flow: true, damping, rows: grid.rows })
     }
 
     /// How many rows the recording has.
