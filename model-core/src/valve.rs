@@ -112,7 +112,7 @@ impl<N: Number> Valve<N> {
         let second = self.effects.second_lag(&state.effects, from);
         let (mut lag, mut free) = self.lagged(state.lag, second, delayed);
         if let Some(force) = &self.effects.flow_force {
-            (lag, free) = self.lagged(state.lag, second, delayed - force.closes(free, across));
+            (lag, free) = self.lagged(state.lag, second, delayed - force.closes(second, free, across));
         }
         state.lag = lag;
         state.slider = self.effects.handed_on(&mut state.effects, from, free);

@@ -139,30 +139,38 @@ impl<N: Number> Hysteresis<N> {
     }
 }
 
-/// `flow-force`: the oil that flows through the open edges pushes the slider closed, by `closing`·o·Δp of set value.
+/// `flow-force`: the oil that flows through the open edges pushes the slider closed, by c = `closing`·o·Δp of set value.
 ///
 /// o is the travel beyond the dead zone: the steady flow force, 2·Cd·w·o·Δp·cos θ (Merritt, *Hydraulic Control Systems*, 1967,
-/// eq. 5-29), is one of the opening. Δp ≥ 0 is the sum of both open edges' differences at the start of the tick; o is taken where
-/// the force lets the slider come to by the end of the tick, o = `free`/(1 + `share`·`closing`·Δp), so that no force, however
-/// strong, makes the slider swing from tick to tick. A stuck slider's force is that of where it would be.
+/// eq. 5-29), is one of the opening. Δp ≥ 0 is the sum of both open edges' differences at the start of the tick. Over the tick
+/// stands the mean of c at both ends, weighed as the slower lag weighs them: ½ each where it is slow, all at the end without lags.
+/// c at the end is solved for, so that no force, however strong, makes the slider swing from tick to tick. A stuck slider's force is
+/// that of where it would be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FlowForce<N: Number> {
     /// Share of its opening that the slider closes by, per pressure.
     pub(crate) closing: N,
     pub(crate) overlap: Overlap<N>,
-    /// How much of a set value the lags let through in a tick.
-    pub(crate) share: N,
+    /// Weights of both ends of the tick.
+    pub(crate) weights: [N::Gain; 2],
+    /// How much of each end's c the lags let through within the tick.
+    pub(crate) shares: [N; 2],
     /// 1, as a slope.
     pub(crate) unity: N::Steep,
 }
 
 impl<N: Number> FlowForce<N> {
-    /// What the set value is reduced by, signed like the opening; `free` is the slider at the end of the tick without the force.
+    /// What the set value is reduced by, signed like the opening, for the slider at the start of the tick and at its end without
+    /// the force.
     #[inline]
-    pub(crate) fn closes(&self, free: N, across: AcrossEdges<N>) -> N {
-        let beyond = self.overlap.beyond(free);
-        let strength = self.closing.times(beyond.select_positive(across.extending, across.retracting));
-        beyond.times(N::inverse_one_plus([strength.times(self.share)], [self.unity])).times(strength)
+    pub(crate) fn closes(&self, from: N, to: N, across: AcrossEdges<N>) -> N {
+        let strength = |beyond: N| self.closing.times(beyond.select_positive(across.extending, across.retracting));
+        let opened = self.overlap.beyond(from);
+        let start = strength(opened).times(opened);
+        let [early, late] = self.shares;
+        let opens = self.overlap.beyond(to - early.times(start));
+        let held = opens.times(N::inverse_one_plus([strength(opens).times(late)], [self.unity]));
+        N::dot(self.weights, [start, strength(opens).times(held)])
     }
 }
 

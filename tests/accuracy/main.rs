@@ -11,4 +11,5 @@ mod loads;
 mod order;
 mod signals;
 mod table;
+mod ticks;
 mod tolerances;

@@ -64,11 +64,33 @@ impl<R: Real> Builder<'_, R> {
         let closing = closing * R::constant(self.bases.pressure_pa);
         // Rounding may leave slow lags a share just below none.
         let share = if share.value() < 0.0 { R::ZERO } else { share };
+        let late = self.late_weight();
+        let early = R::ONE - late;
+        let weight = |value: R| self.gain::<N>("weight of an end of the tick", P::TimeConstant1, value);
+        let through = |value: R| self.signal("share of the lags", P::TimeConstant1, value);
         Ok(FlowForce {
             closing: self.signal("flow force at supply pressure", P::FlowForce, closing)?,
             overlap: self.overlap()?,
-            share: self.signal("share of the lags", P::TimeConstant1, share)?,
+            weights: [weight(early)?, weight(late)?],
+            shares: [through(share * early)?, through(share * late)?],
             unity: self.steep::<N>("one", P::FlowForce, R::ONE)?,
         })
+    }
+
+    /// Weight of the end of a tick in what a lag makes of a straight line over it, (1 − (1 − e^−a)/a)/(1 − e^−a) with a = h/T, T the
+    /// slower lag: ½ for a slow one, 1 for none.
+    fn late_weight(&self) -> R {
+        let (t1, t2) = (self.get(P::TimeConstant1), self.get(P::TimeConstant2));
+        let slower = if t1.value() > t2.value() { t1 } else { t2 };
+        let turn = R::constant(self.tick_s) / slower;
+        if slower.value() <= 0.0 {
+            R::ONE
+        } else if turn.value() < 1e-3 {
+            // A difference of two near 1: of its series then.
+            R::constant(0.5) + turn / R::constant(12.0)
+        } else {
+            let share = R::ONE - self.decay(slower);
+            (R::ONE - share / turn) / share
+        }
     }
 }
