@@ -11,9 +11,9 @@ use proptest::prelude::*;
 use super::bench::{State, at_rest, cases, command, commanded, drive, effects, press, with};
 
 /// Of the sensed position over 1.2 s, strokes. Dry friction decides: the last bit may let the rod go a tick earlier.
-const POSITION: f64 = 2e-5;
+const POSITION: f64 = 2e-6;
 /// Of the pressures at its end, supply pressures; a stop that is met a tick sooner presses sooner.
-const PRESSURE: f64 = 1e-3;
+const PRESSURE: f64 = 1e-5;
 
 fn run<N: Number<Real = f64>>(machine: &Machine<f64>) -> (Vec<f64>, [f64; 2]) {
     let drive = drive::<N>(machine);
@@ -47,7 +47,7 @@ fn fixed_point_and_f64_agree_with_each_effect() {
     for (name, strengths) in effects() {
         let (position, pressure) = apart(&with(&press(), &strengths));
         let ends = travelled(&with(&press(), &strengths));
-        assert!(ends > 0.1, "{name}: the drive moves, {ends}");
+        assert!(ends > if name == "end-stop" { 0.03 } else { 0.05 }, "{name}: the drive moves, {ends}");
         println!("{name:<28} {position:.1e} strokes, {pressure:.1e} supplies");
         failed |= !(position < POSITION && pressure < PRESSURE);
     }
@@ -118,6 +118,11 @@ proptest! {
             }
         }
     }
+
+}
+
+proptest! {
+    #![proptest_config(cases(100))]
 
     #[test]
     fn a_drive_thrown_far_off_with_everything_on_comes_to_rest(

@@ -92,7 +92,7 @@ pub(crate) fn effects() -> Vec<(&'static str, Vec<(P, f64)>)> {
         ("position-dependent-load", vec![(P::LoadSpring, 2e4), (P::LoadSpringForce, 500.0), (P::LoadSpringBow, 1e4)]),
         (
             "end-stop",
-            vec![(P::StopRetracted, 0.12), (P::StopExtended, 0.18), (P::StopStiffness, 1e8), (P::StopDamping, 1e4)],
+            vec![(P::StopRetracted, 0.115), (P::StopExtended, 0.125), (P::StopStiffness, 1e8), (P::StopDamping, 1e4)],
         ),
         ("presliding", vec![(P::PreslidingForce, 500.0), (P::PreslidingStiffness, 1e8)]),
         ("oil-temperature", vec![(P::ViscosityLoss, 0.6), (P::WarmingTime, 0.5), (P::InternalLeakage, 2e-12)]),

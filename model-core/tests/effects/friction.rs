@@ -9,8 +9,11 @@ use proptest::prelude::*;
 
 use super::bench::{STROKE_M, at_rest, cases, drive, position_m, press, pushed, velocity_m_per_s, with};
 
-/// A law, and what holds the rod at 0.75 of the stroke under 3 MPa and 1 MPa: against extending and against retracting, N.
-fn laws() -> Vec<(&'static str, Vec<(P, f64)>, [f64; 2])> {
+/// Its name, its parameters, and the force that holds the rod against extending and against retracting, N.
+type Law = (&'static str, Vec<(P, f64)>, [f64; 2]);
+
+/// Each law, and what holds the rod at 0.75 of the stroke under 3 MPa and 1 MPa: against extending and against retracting, N.
+fn laws() -> Vec<Law> {
     vec![
         ("stribeck", vec![(P::StribeckForce, 300.0), (P::StribeckExcess, 200.0)], [500.0, 500.0]),
         ("asymmetric", vec![(P::AsymmetricExtending, 600.0), (P::AsymmetricRetracting, 250.0)], [600.0, 250.0]),

@@ -43,7 +43,7 @@ fn a_stiff_spring_swings_with_its_own_period_and_no_more_than_it_was_given() {
     }
     // ω = 100 1/s: 31.8 half turns a second.
     assert!((31..=32).contains(&crossings), "{crossings}");
-    assert!(largest <= 0.0100001, "{largest}");
+    assert!(largest <= 0.010_000_1, "{largest}");
     assert!(largest > 0.009, "{largest}");
 }
 
