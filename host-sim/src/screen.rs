@@ -60,6 +60,14 @@ impl Strength {
         }
     }
 
+    /// Its usual range.
+    fn range(&self, scene: &Scene<'_>) -> (f64, f64) {
+        match self.kind {
+            Kind::Amount(range) | Kind::Jump(range) | Kind::Shape(range, _) | Kind::Place(range, _) => range(scene),
+            Kind::Signed(size) => (-size(scene), size(scene)),
+        }
+    }
+
     /// Points of a shape's range to try.
     fn tries(&self, scene: &Scene<'_>) -> Vec<f64> {
         let share = |index: usize, count: usize| (index as f64 + 0.5) / count as f64;
@@ -207,8 +215,8 @@ fn lead(
         let change = sensitivity.change(&with(&fit.machine, &values))?;
         Ok(Lead { effect, form, values, gain: sensitivity.gain(&change), settled: sensitivity.settled(&change) })
     };
-    if let [Strength { parameter, kind: Kind::Jump(range) }] = form {
-        return jump(range(scene), |value| lead_at(vec![(*parameter, value)])).map(Some);
+    if form.iter().all(|strength| matches!(strength.kind, Kind::Jump(_))) {
+        return jump(scene, form, lead_at).map(Some);
     }
     let mut units: Vec<f64> = amounts(form).map(|strength| strength.unit(scene)).collect();
     let (mut shares, mut promised) = (promise.shares.clone(), promise.gain);
@@ -255,28 +263,49 @@ fn lead(
     }))
 }
 
-/// The best value of a strength that residuals jump with: no slope leads there, so the range is tried and then narrowed down.
-fn jump(range: (f64, f64), at: impl Fn(f64) -> Result<Lead, MachineError>) -> Result<Lead, MachineError> {
-    const POINTS: usize = 12;
-    let (low, high) = (range.0.ln(), range.1.ln());
-    let mut best = at(range.0)?;
-    let mut place = low;
-    let mut width = (high - low) / POINTS as f64;
-    for index in 1..=POINTS {
-        let here = low + width * index as f64;
-        let lead = at(here.exp())?;
-        if lead.gain > best.gain {
-            (best, place) = (lead, here);
+/// The best values of strengths that residuals jump with: no slope leads there, so the ranges are tried and then narrowed down,
+/// one strength at a time.
+fn jump(
+    scene: &Scene<'_>,
+    form: Form,
+    lead_at: impl Fn(Vec<(Parameter, f64)>) -> Result<Lead, MachineError>,
+) -> Result<Lead, MachineError> {
+    /// Points of the first strength's range, and of each further one's.
+    const POINTS: [usize; 2] = [12, 4];
+    let grid = |strength: &Strength, points: usize| -> Vec<f64> {
+        let (low, high) = strength.range(scene);
+        (0..points).map(|index| low * (high / low).powf((index as f64 + 0.5) / points as f64)).collect()
+    };
+    let points = form.iter().enumerate().fold(vec![Vec::new()], |points: Vec<Vec<(Parameter, f64)>>, (index, strength)| {
+        let tries = grid(strength, POINTS[index.min(1)]);
+        points
+            .iter()
+            .flat_map(|point| tries.iter().map(|value| [point.as_slice(), &[(strength.parameter, *value)]].concat()))
+            .collect()
+    });
+    let mut best: Option<Lead> = None;
+    for point in points {
+        let lead = lead_at(point)?;
+        if best.as_ref().is_none_or(|known| known.gain < lead.gain) {
+            best = Some(lead);
         }
     }
-    for _ in 0..5 {
-        width *= 0.5;
-        for here in [place - width, place + width] {
-            let lead = at(here.exp())?;
-            if lead.gain > best.gain {
-                (best, place) = (lead, here);
-                break;
+    let Some(mut best) = best else { return lead_at(Vec::new()) };
+    let mut width = 0.25;
+    while width > 0.02 {
+        let mut moved = false;
+        for index in 0..form.len() {
+            for factor in [1.0 - width, 1.0 + width] {
+                let mut values = best.values.clone();
+                values[index].1 *= factor;
+                let lead = lead_at(values)?;
+                if lead.gain > best.gain {
+                    (best, moved) = (lead, true);
+                }
             }
+        }
+        if !moved {
+            width *= 0.5;
         }
     }
     Ok(best)

@@ -30,6 +30,9 @@ const BEAM: usize = 3;
 const BESIDE: usize = 4;
 /// What an effect must take away of what is above the noise.
 const LEAST_SHARE: f64 = 0.5;
+/// How closely a real effect follows its textbook form, as a share of the error that it explains (RMS): a further effect that
+/// explains less than this of what the first ones did cannot be told from their own form's error.
+const FORM: f64 = 0.1;
 /// What a gain must be beyond the information penalty: one in twenty by chance.
 const CHANCE: f64 = 3.0;
 /// A set whose worst signal is this close to its noise is not searched further.
@@ -77,14 +80,14 @@ pub fn select(question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<
         rounds.push(ranked.iter().map(|(candidate, net)| trial(candidate, *net)).collect());
         let mut accepted = None;
         for (candidate, _) in ranked.iter().take(BEAM) {
-            if accepts(question, &chosen, candidate)? {
+            if accepts(question, &base, &chosen, candidate)? {
                 accepted = Some(candidate.clone());
                 break;
             }
         }
         beam = ranked.into_iter().take(BEAM).map(|(candidate, _)| candidate).collect();
         if let Some(better) = accepted {
-            chosen = backward(question, better)?;
+            chosen = backward(question, &base, better)?;
         }
         let enough = beam.first().is_none_or(|best| best.worst_over_noise(question) < AT_NOISE);
         // Two that go together may each be nothing alone, but a third is only looked for beside what was found.
@@ -194,8 +197,14 @@ fn excess(residuals: &Residuals) -> f64 {
 }
 
 /// Whether `with` is worth its strengths over `without`.
-fn accepts(question: &Question<'_>, without: &Candidate, with: &Candidate) -> Result<bool, FitError> {
-    if excess(&with.residuals) > (1.0 - LEAST_SHARE) * excess(&without.residuals) {
+fn accepts(
+    question: &Question<'_>,
+    base: &Candidate,
+    without: &Candidate,
+    with: &Candidate,
+) -> Result<bool, FitError> {
+    let (most, before, after) = (excess(&base.residuals), excess(&without.residuals), excess(&with.residuals));
+    if after > (1.0 - LEAST_SHARE) * before || (!without.effects.is_empty() && before - after < FORM * FORM * most) {
         return Ok(false);
     }
     let (before, after) = (without.left_out(question)?, with.left_out(question)?);
@@ -222,12 +231,12 @@ fn accepts(question: &Question<'_>, without: &Candidate, with: &Candidate) -> Re
 }
 
 /// Drops every effect that the others make superfluous.
-fn backward(question: &Question<'_>, mut full: Candidate) -> Result<Candidate, FitError> {
+fn backward(question: &Question<'_>, base: &Candidate, mut full: Candidate) -> Result<Candidate, FitError> {
     while full.effects.len() > 1 {
         let mut dropped = None;
         for index in 0..full.effects.len() {
             let without = full.without(question, index)?;
-            if !accepts(question, &without, &full)? {
+            if !accepts(question, base, &without, &full)? {
                 dropped = Some(without);
                 break;
             }

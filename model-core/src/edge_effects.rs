@@ -13,6 +13,8 @@ pub(crate) struct EdgeEffects<N: Number> {
     /// `metering-asymmetry`: what the tank edges' opening is more than the supply edges', as a share. −1..4.
     pub(crate) tank_excess: Option<N::Gain>,
     pub(crate) return_line: Option<ReturnLine<N>>,
+    /// `tank-back-pressure`, its laminar part: half the return line's pressure drop per flow.
+    pub(crate) half_laminar: Option<N::Gain>,
     pub(crate) leakage: Option<ValveLeakage<N>>,
     pub(crate) droop: Option<Droop<N>>,
     /// 1/`SLOPE_SCALE`: steepnesses are carried that much smaller, so that they fit a signal.
@@ -55,26 +57,28 @@ impl<N: Number> EdgeEffects<N> {
     }
 }
 
-/// `flow-gain-nonlinearity`: o becomes o·(1 + linear·o + quadratic·o²), held where it would change its sign.
+/// `flow-gain-nonlinearity`: o becomes o·(1 + linear·o) + beyond·max(0, o − notch), held where it would change its sign.
 ///
-/// o is the travel beyond the dead zone. Two steps (7.5e-9) of error. Notched edges: Jelali & Kroll 2003, ch. 4.
+/// o is the travel beyond the dead zone: `linear` bends the whole edge, `beyond` is the full edge that follows a notch.
+/// Two steps (7.5e-9) of error. Notched edges: Jelali & Kroll 2003, ch. 4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct GainCurve<N: Number> {
     /// A quarter of both coefficients, which reach 10.
     pub(crate) quarters: [N::Gain; 2],
+    /// Opening at which the notch ends.
+    pub(crate) notch: N,
 }
 
 impl<N: Number> GainCurve<N> {
     #[inline]
     fn opening(&self, beyond: N) -> N {
-        let square = beyond.times(beyond);
-        let quarter = N::dot(self.quarters, [square, square.times(beyond)]);
+        let quarter = N::dot(self.quarters, [beyond.times(beyond), (beyond - self.notch).max(N::ZERO)]);
         let half = quarter + quarter;
         (beyond + half + half).max(N::ZERO)
     }
 }
 
-/// `tank-back-pressure`: the return line, an orifice in series with the tank edge, o becomes o/√(1 + R·o²).
+/// `tank-back-pressure`, its turbulent part: the return line, an orifice in series with the tank edge, o becomes o/√(1 + R·o²).
 ///
 /// With Q = o·√(p − pr) and pr − pt = R·Q² the pressure pr between them drops out: Q = o/√(1 + R·o²)·√(p − pt). So each chamber
 /// has its own line, which holds as only one of them returns at a time. R per unit, `K_Q`² included; error 4e-8 of the opening.
@@ -92,6 +96,19 @@ impl<N: Number> ReturnLine<N> {
         let (root, _) = (N::ONE + drop).orifice_root(N::ZERO);
         edge.times(root).times(N::inverse_one_plus([drop], [unity]))
     }
+}
+
+/// Flow of an orifice with a laminar line behind it, per opening: with a pressure drop of 2·ℓ·Q in the line,
+/// Q = o·(√(Δp + (ℓ·o)²) − ℓ·o). Taken as a difference of two regular roots it is odd and nothing at Δp = 0. `reduced` is ℓ·o.
+///
+/// The slope is that of the first root, which is steeper than the true chord.
+#[inline]
+pub(crate) fn behind_laminar_line<N: Number>(across: N, reduced: N, transition: N) -> (N, N::Steep) {
+    let square = reduced.times(reduced);
+    let (whole, slope) = (across.magnitude() + square).orifice_root(transition);
+    let (part, _) = square.orifice_root(transition);
+    let root = (whole - part).max(N::ZERO);
+    (across.select_positive(root, -root), slope)
 }
 
 /// `valve-leakage`: beside its metering opening every edge is open by `opening`/(1 + (x/reach)²).
@@ -159,12 +176,12 @@ mod tests {
     }
 
     #[test]
-    fn a_bent_flow_gain_follows_its_polynomial_and_never_turns() {
-        let changes = [(P::FlowGainLinear, 0.5), (P::FlowGainQuadratic, 1.0)];
-        // 0.5·(1 + 0.25 + 0.25)
+    fn a_flow_gain_bends_and_rises_beyond_its_notch_and_never_turns() {
+        let changes = [(P::FlowGainLinear, 0.5), (P::FlowGainBeyond, 1.0), (P::FlowGainNotch, 0.375)];
+        // 0.5·(1 + 0.25) + 0.125
         assert_near(flows(&changes, 0.5), [0.75 * FROM_SUPPLY[0], 0.75 * 2.0 / 3.0]);
         assert_near(flows(&changes, -0.5), [-0.75 * 0.5, -0.75 * FROM_SUPPLY[1]]);
-        assert_near(flows(&[(P::FlowGainQuadratic, -10.0)], 0.5), [0.0, 0.0]);
+        assert_near(flows(&[(P::FlowGainLinear, -0.9), (P::FlowGainBeyond, -0.9)], 0.9), [0.0, 0.0]);
     }
 
     #[test]
@@ -180,6 +197,14 @@ mod tests {
         let changes = [(P::ReturnResistance, 3.0 / (2.4e-7 * 2.4e-7))];
         assert_near(flows(&changes, 1.0), [FROM_SUPPLY[0], 0.5 * 2.0 / 3.0]);
         assert_near(flows(&changes, -1.0), [-0.5 * 0.5, -FROM_SUPPLY[1]]);
+    }
+
+    #[test]
+    fn a_laminar_line_takes_pressure_in_proportion_to_the_flow() {
+        // R·K/√p0 = 3/2: Q² + 3/2·Q = 4/9 over the open tank edge gives Q = ¼; Q² + 3/2·Q = 1/4 gives 0.151.
+        let changes = [(P::ReturnLaminar, 1.5 * libm::sqrt(7e6) / 2.4e-7)];
+        assert_near(flows(&changes, 1.0), [FROM_SUPPLY[0], (libm::sqrt(2.25 + 16.0 / 9.0) - 1.5) / 2.0]);
+        assert_near(flows(&changes, -1.0), [-(libm::sqrt(3.25) - 1.5) / 2.0, -FROM_SUPPLY[1]]);
     }
 
     #[test]
@@ -205,7 +230,7 @@ mod tests {
             let Err(MachineError::DoesNotFit { parameter, .. }) = drive else { panic!("{drive:?}") };
             parameter
         };
-        assert_eq!(refused(&[(P::FlowGainLinear, 10.0), (P::FlowGainQuadratic, 10.0)]), P::FlowGainLinear);
+        assert_eq!(refused(&[(P::FlowGainLinear, 10.0), (P::FlowGainBeyond, 10.0)]), P::FlowGainLinear);
         assert_eq!(refused(&[(P::MeteringRatio, 4.0)]), P::MeteringRatio);
         assert_eq!(refused(&[(P::ReturnResistance, 1e18)]), P::ReturnResistance);
         assert_eq!(refused(&[(P::DroopResistance, 1e13)]), P::DroopResistance);

@@ -9,7 +9,7 @@
 //! of each port, and the other is closed.
 
 use crate::chambers::ChamberState;
-use crate::edge_effects::EdgeEffects;
+use crate::edge_effects::{EdgeEffects, behind_laminar_line};
 use crate::flow::{Edges, Flows, Linearised};
 use crate::number::Number;
 use crate::supply::{Draw, SupplyState};
@@ -83,7 +83,7 @@ impl<N: Number> Edges<N> {
         pressures: ChamberState<N>,
         supply: N,
     ) -> Flows<N> {
-        self.passing(&self.openings(effects, slider), pressures, supply).ports()
+        self.passing(effects, &self.openings(effects, slider), pressures, supply).ports()
     }
 
     /// Flows at the start of a tick with their slopes, and what is drawn from the supply.
@@ -96,7 +96,7 @@ impl<N: Number> Edges<N> {
         supply: N,
     ) -> (Flows<Linearised<N>>, N) {
         let (from, to) = (self.openings(effects, slider.from), self.openings(effects, slider.to));
-        let passing = self.passing(&from, pressures, supply);
+        let passing = self.passing(effects, &from, pressures, supply);
         let started = self.overlap.beyond(slider.from);
         let way = if started == N::ZERO { self.overlap.beyond(slider.to) } else { started };
         let steep = passing.steepness(&larger(way, &from, &to), effects.slope_fraction);
@@ -127,7 +127,7 @@ impl<N: Number> Edges<N> {
         let Some(droop) = &effects.droop else { return supply };
         let openings = self.openings(effects, slider);
         droop.after(supply, self.lines.supply, drawn, effects.slope_scale, |supply| {
-            let passing = self.passing(&openings, pressures, supply);
+            let passing = self.passing(effects, &openings, pressures, supply);
             let steep = passing.steepness(&openings, effects.slope_fraction);
             Draw { flow: passing.drawn(), steepness: steep.supply_a + steep.supply_b }
         })
@@ -151,7 +151,13 @@ impl<N: Number> Edges<N> {
     }
 
     #[inline]
-    fn passing(&self, openings: &Four<N>, pressures: ChamberState<N>, supply: N) -> Four<Passing<N>> {
+    fn passing(
+        &self,
+        effects: &EdgeEffects<N>,
+        openings: &Four<N>,
+        pressures: ChamberState<N>,
+        supply: N,
+    ) -> Four<Passing<N>> {
         let lines = self.lines_at(supply);
         let across = Four {
             supply_a: lines.supply - pressures.a,
@@ -159,12 +165,24 @@ impl<N: Number> Edges<N> {
             supply_b: lines.supply - pressures.b,
             tank_b: pressures.b - lines.tank,
         };
-        openings.with(&across, |opening, across| {
-            let (root, slope) = across.orifice_root(self.transition);
+        let through = |opening: N, (root, slope): (N, N::Steep)| {
             let free = opening.times(root);
             let flow = free.limited(self.limit);
             Passing { flow, slope, follows: flow == free }
-        })
+        };
+        let supply = |opening: N, across: N| through(opening, across.orifice_root(self.transition));
+        let tank = |opening: N, across: N| match effects.half_laminar {
+            Some(half) => {
+                through(opening, behind_laminar_line(across, N::dot([half], [opening]), self.transition))
+            }
+            None => through(opening, across.orifice_root(self.transition)),
+        };
+        Four {
+            supply_a: supply(openings.supply_a, across.supply_a),
+            tank_a: tank(openings.tank_a, across.tank_a),
+            supply_b: supply(openings.supply_b, across.supply_b),
+            tank_b: tank(openings.tank_b, across.tank_b),
+        }
     }
 }
 

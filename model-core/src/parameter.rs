@@ -95,7 +95,8 @@ parameters! {
     LinkageAngleAtZero: "linkage.angle_at_zero_rad", "rad", -7.0, 7.0, Value(0.0), "Angle of the triangle at the joint where the encoder counts 0.";
     HysteresisWidth: "effects.valve-hysteresis.width", "1", 0.0, 0.5, Value(0.0), "Slider travel between settling from above and from below.";
     HysteresisSpread: "effects.valve-hysteresis.spread", "1", 0.0, 1.0, Value(0.0), "How far the widths of the three play elements lie apart: 0 all alike (backlash), 1 from nil to twice the mean.";
-    StictionBand: "effects.spool-stiction.band", "1", 0.0, 0.5, Value(0.0), "Slider travel that must be asked for before the stuck slider jumps there.";
+    StictionBand: "effects.spool-stiction.band", "1", 0.0, 0.5, Value(0.0), "Slider travel that must be asked for before the stuck slider jumps.";
+    StictionKept: "effects.spool-stiction.kept", "1", 0.0, 0.95, Value(0.0), "Share of the band that a jump ends short by: kinetic over static friction.";
     NullDriftTravel: "effects.null-drift.travel", "1", -0.5, 0.5, Value(0.0), "Slider travel that the neutral drifts by in the end; positive extends.";
     NullDriftTime: "effects.null-drift.time_constant_s", "s", 1e-2, 1e5, Value(10.0), "Time constant with which the neutral drifts.";
     SolenoidOnset: "effects.solenoid-saturation.onset", "1", 0.0, 2.0, Value(0.5), "Slider travel from centre where the solenoid's gain starts to fall.";
@@ -103,11 +104,13 @@ parameters! {
     FlowForce: "effects.flow-force.closing_per_pa", "1/Pa", 0.0, 1e-6, Value(0.0), "Share of its travel that the slider is pushed closed by, per pressure difference over both open edges.";
     DeadZoneDifference: "effects.dead-zone-asymmetry.difference", "1", -1.0, 1.0, Value(0.0), "Overlap on the extending side less that on the retracting side; half of it is added to one and taken from the other.";
     FlowGainLinear: "effects.flow-gain-nonlinearity.linear", "1", -0.95, 10.0, Value(0.0), "Relative change of the flow gain per opening.";
-    FlowGainQuadratic: "effects.flow-gain-nonlinearity.quadratic", "1", -10.0, 10.0, Value(0.0), "Relative change of the flow gain per opening squared.";
+    FlowGainBeyond: "effects.flow-gain-nonlinearity.beyond", "1", -0.95, 10.0, Value(0.0), "Relative change of the flow gain beyond the notch.";
+    FlowGainNotch: "effects.flow-gain-nonlinearity.notch", "1", 0.0, 2.0, Value(0.2), "Opening at which the notch ends.";
     MeteringRatio: "effects.metering-asymmetry.ratio", "1", -0.95, 4.0, Value(0.0), "Size of the tank edges over that of the supply edges, less 1.";
     DroopResistance: "effects.supply-droop.resistance_pa_s_per_m3", "Pa s/m3", 0.0, 1e13, Value(0.0), "Fall of the supply pressure per delivered flow.";
     DroopTime: "effects.supply-droop.time_constant_s", "s", 0.0, 1e3, Value(0.0), "Time constant of that fall: the resistance times the accumulator's capacity.";
     ReturnResistance: "effects.tank-back-pressure.resistance_pa_s2_per_m6", "Pa s2/m6", 0.0, 1e18, Value(0.0), "Pressure drop of the return line per flow squared.";
+    ReturnLaminar: "effects.tank-back-pressure.laminar_pa_s_per_m3", "Pa s/m3", 0.0, 1e13, Value(0.0), "Pressure drop of the return line per flow.";
     ValveLeakageOpening: "effects.valve-leakage.opening", "1", 0.0, 0.5, Value(0.0), "Opening that supply and tank edges of both ports have at the centre.";
     ValveLeakageReach: "effects.valve-leakage.reach", "1", 4e-3, 1.0, Value(0.05), "Slider travel from centre over which that opening falls to half.";
     LaminarPressure: "effects.laminar-transition.pressure_pa", "Pa", 0.0, 1e7, Value(0.0), "What the pressure difference of transition is more than the valve's own.";

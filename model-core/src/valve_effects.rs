@@ -174,19 +174,22 @@ impl<N: Number> FlowForce<N> {
     }
 }
 
-/// `spool-stiction`: the slider stays until it is asked for more than `band` elsewhere, then jumps there and stays again.
+/// `spool-stiction`: the slider stays until it is asked for more than `band` elsewhere, then jumps to within `kept` of there
+/// and stays again: static friction holds it, the smaller kinetic friction stops it short.
 ///
-/// Per unit slider travel; exact. The jump ends where the free slider is at the end of the tick; see [`Slider`](crate::valve::Slider) for
+/// Per unit slider travel; exact. The free slider that a jump goes to is that at the end of the tick; see [`Slider`](crate::valve::Slider) for
 /// how it lies within the tick. A stick-slip limit of Armstrong-Hélouvry, Dupont & Canudas de Wit, *Automatica* 30, 1994.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stiction<N: Number> {
     pub(crate) band: N,
+    pub(crate) kept: N,
 }
 
 impl<N: Number> Stiction<N> {
     #[inline]
     fn held(&self, slider: N, free: N) -> N {
-        if (free - slider).magnitude() > self.band { free } else { slider }
+        let asked = free - slider;
+        if asked.magnitude() > self.band { free - asked.select_positive(self.kept, -self.kept) } else { slider }
     }
 }
 
@@ -236,6 +239,12 @@ mod tests {
     fn a_stuck_slider_makes_a_staircase_of_a_ramp() {
         let found = sliders(&[(P::StictionBand, 0.1)], [0.06, 0.11, 0.16, 0.205, 0.22, 0.13, 0.11]);
         assert_near(found, [0.0, 0.11, 0.11, 0.11, 0.22, 0.22, 0.11]);
+    }
+
+    #[test]
+    fn a_jump_ends_short_by_what_kinetic_friction_keeps() {
+        let found = sliders(&[(P::StictionBand, 0.1), (P::StictionKept, 0.2)], [0.06, 0.11, 0.16, 0.2, -0.02]);
+        assert_near(found, [0.0, 0.09, 0.09, 0.18, 0.0]);
     }
 
     #[test]

@@ -21,7 +21,7 @@ const EFFECTS: [(&str, &[(P, f64)]); 12] = [
     ("solenoid-saturation", &[(P::SolenoidOnset, 0.2), (P::SolenoidCurvature, 2.0)]),
     ("flow-force", &[(P::FlowForce, 4e-8)]),
     ("dead-zone-asymmetry", &[(P::DeadZoneDifference, 0.1)]),
-    ("flow-gain-nonlinearity", &[(P::FlowGainLinear, 0.5), (P::FlowGainQuadratic, -0.5)]),
+    ("flow-gain-nonlinearity", &[(P::FlowGainLinear, 0.5), (P::FlowGainBeyond, -0.5)]),
     ("metering-asymmetry", &[(P::MeteringRatio, 0.4)]),
     ("supply-droop, static", &[(P::DroopResistance, 8e9)]),
     ("supply-droop, 20 ms", &[(P::DroopResistance, 8e9), (P::DroopTime, 0.02)]),

@@ -61,7 +61,7 @@ const SMOOTH: [(P, f64); 14] = [
     (P::FlowForce, 2e-8),
     (P::DeadZoneDifference, 0.04),
     (P::FlowGainLinear, 0.3),
-    (P::FlowGainQuadratic, 0.2),
+    (P::FlowGainBeyond, 0.2),
     (P::MeteringRatio, 0.2),
     (P::DroopResistance, 3e9),
     (P::ReturnResistance, 3e12),

@@ -58,7 +58,7 @@ impl SideEffects {
             (P::FlowForce, s(3) / supply_pa),
             (P::DeadZoneDifference, signed(4, 0.2)),
             (P::FlowGainLinear, signed(5, 0.5)),
-            (P::FlowGainQuadratic, if on(5) { both(bend, 0.5) } else { 0.0 }),
+            (P::FlowGainBeyond, if on(5) { both(bend, 0.5) } else { 0.0 }),
             (P::MeteringRatio, signed(6, 0.5)),
             (P::DroopResistance, 0.3 * s(7) * supply_pa.sqrt() / coefficient),
             (P::DroopTime, if memory < 0.2 { 0.0 } else { decades(memory, 1e-4, 1e3) }),

@@ -1,8 +1,8 @@
 //! # Flow-gain nonlinearity
 //!
 //! ## What it adds
-//! Notches and round holes make the area of an edge a curve over the opening o beyond the overlap: the flow gain is
-//! multiplied by 1 + c1·|o| + c2·o².
+//! Notches and round holes make the area of an edge a curve over the opening o beyond the overlap: the gain bends with the
+//! opening, and where a notch ends the full edge follows with a gain of its own.
 //!
 //! ## How it shows
 //! The flow that the model lacks is a function of the slider alone, on all four edges alike: small steps fit and large
@@ -13,8 +13,7 @@
 //! short of its travel. A flow limit is sharp.
 //!
 //! ## Parameters
-//! c1 per opening and c2 per opening squared, either sign: ±10–80 % at full opening. c2 is worth its place in notched
-//! spools with two slopes.
+//! c (bend per opening) and b (gain beyond the notch), either sign: ±10–80 %; the opening n at which the notch ends.
 //!
 //! ## Source
 //! W. Backé, *Systematik der hydraulischen Widerstandsschaltungen in Ventilen und Regelkreisen*, Krausskopf 1974; N. D.
@@ -26,12 +25,14 @@ use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
 use crate::simulate::EntryPoint;
 
 const LINEAR: Strength = Strength { parameter: Parameter::FlowGainLinear, kind: Kind::Signed(|_| 0.8) };
+const BEYOND: Strength = Strength { parameter: Parameter::FlowGainBeyond, kind: Kind::Signed(|_| 0.8) };
+const NOTCH: Strength = Strength { parameter: Parameter::FlowGainNotch, kind: Kind::Shape(|_| (0.05, 0.6), 4) };
 
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "flow-gain-nonlinearity",
     subsystem: Subsystem::Flow,
-    equation: "Q = K_Q·o·(1 + c1·|o| + c2·o²)·√Δp",
-    forms: &[&[LINEAR], &[LINEAR, Strength { parameter: Parameter::FlowGainQuadratic, kind: Kind::Signed(|_| 0.8) }]],
+    equation: "Q = K_Q·(o·(1 + c·o) + b·max(0, o − n))·√Δp",
+    forms: &[&[LINEAR], &[BEYOND, NOTCH], &[LINEAR, BEYOND, NOTCH]],
     look_alikes: &[
         LookAlike {
             effect: "supply-droop",

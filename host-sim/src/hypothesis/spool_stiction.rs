@@ -2,7 +2,7 @@
 //!
 //! ## What it adds
 //! The slider sticks in its bore, by lateral forces or dirt, until the command asks for a travel that differs by more
-//! than the band; then it jumps there at once: x holds while `|x_set − x| ≤ band`.
+//! than the band; then it jumps at once, to where kinetic friction stops it: x holds while `|x_set − x| ≤ band`.
 //!
 //! ## How it shows
 //! Flats in the slider while the command moves, then steps: what the valve link misses is a saw-tooth as high as the
@@ -13,7 +13,8 @@
 //! lets the pressures build up before it jumps; a stuck slider leaves them flat.
 //!
 //! ## Parameters
-//! Band in parts of full travel, not negative: 0.5–3 %, 6 % in a silted valve.
+//! Band in parts of full travel, not negative: 0.5–3 %, 6 % in a silted valve; the share of the band that a jump ends short by,
+//! the ratio of kinetic to static friction.
 //!
 //! ## Source
 //! J. F. Blackburn, G. Reethof, J. L. Shearer, *Fluid Power Control*, MIT Press 1960 (lateral forces, hydraulic lock);
@@ -25,11 +26,14 @@ use model_core::parameter::Parameter;
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
 use crate::simulate::EntryPoint;
 
+const BAND: Strength = Strength { parameter: Parameter::StictionBand, kind: Kind::Jump(|_| (2e-3, 0.06)) };
+const KEPT: Strength = Strength { parameter: Parameter::StictionKept, kind: Kind::Jump(|_| (0.05, 0.8)) };
+
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "spool-stiction",
     subsystem: Subsystem::Valve,
-    equation: "x holds while |x_set − x| ≤ band, then x = x_set",
-    forms: &[&[Strength { parameter: Parameter::StictionBand, kind: Kind::Jump(|_| (2e-3, 0.06)) }]],
+    equation: "x holds while |x_set − x| ≤ band, then x = x_set ∓ kept·band",
+    forms: &[&[BAND], &[BAND, KEPT]],
     look_alikes: &[
         LookAlike { effect: "valve-hysteresis", told_apart_by: "slow triangle: play follows without jumps" },
         LookAlike {

@@ -1,7 +1,8 @@
 //! # Tank back-pressure
 //!
 //! ## What it adds
-//! Return line, filter and cooler resist the oil that leaves the cylinder: at the valve's tank port `p = p_T + R·Q²`.
+//! Return line, filter and cooler resist the oil that leaves the cylinder: at the valve's tank port `p = p_T + R·Q²`, and in narrow lines or
+//! cold oil also `r·Q`.
 //!
 //! ## How it shows
 //! Only flow through the tank edge is missing: the outlet pressure of a fast stroke lies higher than the model's, that
@@ -12,7 +13,7 @@
 //! slow speed.
 //!
 //! ## Parameters
-//! R in Pa·s²/m⁶, not negative: 0.5–40 bar at full flow squared, usually 1–25.
+//! R in Pa·s²/m⁶ and r in Pa·s/m³, not negative: 0.5–40 bar at full flow, usually 1–25.
 //!
 //! ## Source
 //! W. Backé and H. Murrenhoff, *Grundlagen der Ölhydraulik*, RWTH Aachen (line and filter resistances); H. E. Merritt,
@@ -23,17 +24,26 @@ use model_core::parameter::Parameter;
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
 use crate::simulate::EntryPoint;
 
+const TURBULENT: Strength = Strength {
+    parameter: Parameter::ReturnResistance,
+    kind: Kind::Amount(|scene| {
+        let square = scene.full_flow_m3_per_s().powi(2);
+        (5e4 / square, 4e6 / square)
+    }),
+};
+const LAMINAR: Strength = Strength {
+    parameter: Parameter::ReturnLaminar,
+    kind: Kind::Amount(|scene| {
+        let flow = scene.full_flow_m3_per_s();
+        (5e4 / flow, 4e6 / flow)
+    }),
+};
+
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "tank-back-pressure",
     subsystem: Subsystem::Flow,
-    equation: "p at the tank edge = p_T + R·Q²",
-    forms: &[&[Strength {
-        parameter: Parameter::ReturnResistance,
-        kind: Kind::Amount(|scene| {
-            let square = scene.full_flow_m3_per_s().powi(2);
-            (5e4 / square, 4e6 / square)
-        }),
-    }]],
+    equation: "p at the tank edge = p_T + R·Q² + r·Q",
+    forms: &[&[TURBULENT], &[LAMINAR], &[TURBULENT, LAMINAR]],
     look_alikes: &[
         LookAlike {
             effect: "supply-droop",

@@ -22,15 +22,19 @@ impl<R: Real> Builder<'_, R> {
 
     /// What makes the four edges differ, or the supply droop.
     pub(super) fn edge_effects<N: Number<Real = R>>(&self) -> Result<Option<EdgeEffects<N>>, MachineError> {
-        let (linear, quadratic) = (self.get(P::FlowGainLinear), self.get(P::FlowGainQuadratic));
-        let bends = !(linear.is_nil() && quadratic.is_nil());
-        let curve = if bends { Some(self.gain_curve(linear, quadratic)?) } else { None };
+        let (linear, beyond) = (self.get(P::FlowGainLinear), self.get(P::FlowGainBeyond));
+        let bends = !(linear.is_nil() && beyond.is_nil());
+        let curve = if bends { Some(self.gain_curve(linear, beyond)?) } else { None };
         let effects = EdgeEffects {
             curve,
             tank_excess: self.unless_nil(P::MeteringRatio, |ratio| {
                 self.gain::<N>("excess of the tank edges", P::MeteringRatio, ratio)
             })?,
             return_line: self.unless_nil(P::ReturnResistance, |resistance| self.return_line(resistance))?,
+            half_laminar: self.unless_nil(P::ReturnLaminar, |laminar| {
+                let drop = laminar * R::constant(0.5 * self.bases.flow_m3_per_s / self.bases.pressure_pa);
+                self.gain::<N>("return line's laminar pressure drop", P::ReturnLaminar, drop)
+            })?,
             leakage: self.unless_nil(P::ValveLeakageOpening, |opening| self.valve_leakage(opening))?,
             droop: self.unless_nil(P::DroopResistance, |resistance| self.droop(resistance))?,
             slope_fraction: self.signal("a slope's scale", P::FlowCoefficient, R::ONE / R::constant(SLOPE_SCALE))?,
@@ -38,14 +42,15 @@ impl<R: Real> Builder<'_, R> {
             unity: self.steep::<N>("one", P::FlowCoefficient, R::ONE)?,
         };
         self.check_largest_opening::<N>()?;
-        let EdgeEffects { curve, tank_excess, return_line, leakage, droop, .. } = &effects;
-        let differ = curve.is_some() || tank_excess.is_some() || return_line.is_some() || leakage.is_some();
+        let EdgeEffects { curve, tank_excess, return_line, half_laminar, leakage, droop, .. } = &effects;
+        let returns = return_line.is_some() || half_laminar.is_some();
+        let differ = curve.is_some() || tank_excess.is_some() || returns || leakage.is_some();
         Ok((differ || droop.is_some()).then_some(effects))
     }
 
     /// An opening that the format holds: full travel, bent, on the tank edge if that is the larger, and the leakage.
     fn check_largest_opening<N: Number<Real = R>>(&self) -> Result<(), MachineError> {
-        let bent = self.get(P::FlowGainLinear) + self.get(P::FlowGainQuadratic);
+        let bent = self.get(P::FlowGainLinear) + self.get(P::FlowGainBeyond);
         let excess = self.get(P::MeteringRatio);
         let excess = if excess.value() > 0.0 { excess } else { R::ZERO };
         let opening = (R::ONE + bent) * (R::ONE + excess) + self.get(P::ValveLeakageOpening);
@@ -54,9 +59,12 @@ impl<R: Real> Builder<'_, R> {
         self.signal::<N>("flow at full opening with its effects", of, flow).map(|_| ())
     }
 
-    fn gain_curve<N: Number<Real = R>>(&self, linear: R, quadratic: R) -> Result<GainCurve<N>, MachineError> {
+    fn gain_curve<N: Number<Real = R>>(&self, linear: R, beyond: R) -> Result<GainCurve<N>, MachineError> {
         let quarter = |of: P, value: R| self.gain::<N>("bend of the flow gain", of, R::constant(0.25) * value);
-        Ok(GainCurve { quarters: [quarter(P::FlowGainLinear, linear)?, quarter(P::FlowGainQuadratic, quadratic)?] })
+        Ok(GainCurve {
+            quarters: [quarter(P::FlowGainLinear, linear)?, quarter(P::FlowGainBeyond, beyond)?],
+            notch: self.signal("end of the notch", P::FlowGainNotch, self.get(P::FlowGainNotch))?,
+        })
     }
 
     /// R·Q²/p per unit, at the flow of full opening and full pressure.
