@@ -231,7 +231,7 @@ fn nearby(
     let (mut best, mut width) = ((value, gain(value)?), 0.16);
     while width > NARROWEST {
         let (mut moved, around) = (false, best.0);
-        for there in [around * (1.0 - width), around * (1.0 + width)] {
+        for there in [around * (1.0 - width), (around * (1.0 + width)).min(parameter.description().max)] {
             let found = gain(there)?;
             if found > best.1 {
                 best = (there, found);

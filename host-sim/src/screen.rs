@@ -297,7 +297,8 @@ fn jump(
         for index in 0..form.len() {
             for factor in [1.0 - width, 1.0 + width] {
                 let mut values = best.values.clone();
-                values[index].1 *= factor;
+                let (parameter, value) = values[index];
+                values[index].1 = (value * factor).min(parameter.description().max);
                 let lead = lead_at(values)?;
                 if lead.gain > best.gain {
                     (best, moved) = (lead, true);

@@ -89,7 +89,9 @@ pub fn select(question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<
         if let Some(better) = accepted {
             chosen = backward(question, &base, better)?;
         }
-        let enough = beam.first().is_none_or(|best| best.worst_over_noise(question) < AT_NOISE);
+        // Nothing that a further effect could explain would be told from the form's own error.
+        let explained = |best: &Candidate| excess(&best.residuals) < FORM * FORM * excess(&base.residuals);
+        let enough = beam.first().is_none_or(|best| best.worst_over_noise(question) < AT_NOISE || explained(best));
         // Two that go together may each be nothing alone, but a third is only looked for beside what was found.
         if enough || (round > 0 && chosen.effects.len() <= round) {
             break;
