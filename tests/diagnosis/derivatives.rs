@@ -86,13 +86,14 @@ fn derivatives_by_the_smooth_effects_of_chambers_mechanics_and_sensors_are_diffe
         }
         let prepared = Prepared::new(&case.training[0], &machine, case.file.load_source, None).unwrap();
         for &(parameter, value) in of {
-            check(&machine, &prepared.stimulus, parameter, value.abs());
+            // Some move the rod by micrometres: a step large enough to be seen above rounding.
+            check(&machine, &prepared.stimulus, parameter, 30.0 * value.abs());
         }
     };
     press(&[], &[(P::ExternalLeakageA, 2e-12), (P::ExternalLeakageB, 3e-12)]);
     press(&[], &[(P::AirShare, 0.01)]);
     press(&[], &[(P::VolumeShare, 0.5)]);
-    press(&[], &[(P::LoadSpring, 1e4), (P::LoadSpringForce, 300.0), (P::LoadSpringBow, 2e4)]);
+    press(&[], &[(P::LoadSpring, 1e4), (P::LoadSpringForce, 300.0), (P::LoadSpringBow, 2e5)]);
     press(&[(P::InternalLeakage, 3e-12)], &[(P::ViscosityLoss, 0.4), (P::WarmingTime, 3.0)]);
     press(&[], &[(P::PositionLag, 5e-3), (P::PositionDelay, 7.3e-3)]);
     press(&[], &[(P::PressureAOffset, 1e5), (P::PressureBFactor, 0.03), (P::PositionFactor, 0.02)]);

@@ -8,6 +8,7 @@ use model_core::parameter::Parameter;
 use model_core::valve::Slider;
 
 use super::grid::Grid;
+use super::{PRESSURE_A, PRESSURE_B, behind};
 use crate::diagnostic::{engineering, rounded};
 use crate::machine_file::LoadSource;
 use crate::noise::{noise, resolution};
@@ -265,7 +266,7 @@ fn sign(value: f64) -> i8 {
     }
 }
 
-/// Aa·pa − Ab·pb of the recorded pressures, N.
+/// Aa·pa − Ab·pb of the pressures behind the recorded readings, N.
 fn pressure_force(recording: &Recording, machine: &Machine<f64>) -> Result<Vec<f64>, SimulateError> {
     let need = |signal| {
         recording.signal(signal).ok_or_else(|| SimulateError::Missing {
@@ -276,7 +277,9 @@ fn pressure_force(recording: &Recording, machine: &Machine<f64>) -> Result<Vec<f
     };
     let (area_a, area_b) = (machine.get(Parameter::AreaA), machine.get(Parameter::AreaB));
     let (a, b) = (need(Signal::PressureA)?, need(Signal::PressureB)?);
-    Ok(a.iter().zip(b).map(|(a, b)| area_a * a - area_b * b).collect())
+    let force =
+        |(a, b): (&f64, &f64)| area_a * behind(machine, PRESSURE_A, *a) - area_b * behind(machine, PRESSURE_B, *b);
+    Ok(a.iter().zip(b).map(force).collect())
 }
 
 /// Viscous friction that keeps the rod from ringing on the oil and hardly brakes it otherwise, N s/m: a twentieth of critical

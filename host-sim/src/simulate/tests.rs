@@ -49,9 +49,12 @@ fn commanded(time_s: Vec<f64>) -> Recording {
 }
 
 fn run(recording: &Recording, entry: EntryPoint, load: LoadSource) -> Trajectory {
-    let machine = press();
-    let stimulus = Stimulus::new(recording, &machine, entry, load, Tick::OneMillisecond).unwrap();
-    simulate::<f64>(&machine, &stimulus, StartOffset::none()).unwrap()
+    run_of(&press(), recording, entry, load)
+}
+
+fn run_of(machine: &Machine<f64>, recording: &Recording, entry: EntryPoint, load: LoadSource) -> Trajectory {
+    let stimulus = Stimulus::new(recording, machine, entry, load, Tick::OneMillisecond).unwrap();
+    simulate::<f64>(machine, &stimulus, StartOffset::none()).unwrap()
 }
 
 /// What sensors without noise would have recorded of a run at 1 kHz, without the command.
@@ -79,6 +82,30 @@ fn entered_at_its_own_slider_the_rest_of_the_chain_is_the_same() {
     let below = run(&spool, EntryPoint::Slider, LoadSource::Constant);
     assert!(farthest(below.signal(Signal::Position).unwrap(), &series(Signal::Position)) < 1e-12);
     assert!(farthest(below.signal(Signal::PressureA).unwrap(), &series(Signal::PressureA)) < 1e-3);
+}
+
+/// What wrong sensors recorded, entered with the same sensors, is the same drive.
+#[test]
+fn readings_of_wrong_sensors_are_taken_back_to_the_truth() {
+    let mut machine = press();
+    for (parameter, value) in [
+        (Parameter::PressureAOffset, 2e5),
+        (Parameter::PressureBFactor, 0.05),
+        (Parameter::SpoolOffset, 0.02),
+        (Parameter::SpoolFactor, -0.1),
+        (Parameter::PositionFactor, 0.03),
+    ] {
+        machine.set(parameter, value);
+    }
+    let whole = run_of(&machine, &commanded(grid(1e-3, 1200)), EntryPoint::Command, LoadSource::Constant);
+    let right = run(&commanded(grid(1e-3, 1200)), EntryPoint::Command, LoadSource::Constant);
+    let first = |trajectory: &Trajectory, signal| trajectory.signal(signal).unwrap()[0];
+    assert!((first(&whole, Signal::PressureA) - first(&right, Signal::PressureA) - 2e5).abs() < 1e-6);
+    assert!((first(&whole, Signal::PressureB) - 1.05 * first(&right, Signal::PressureB)).abs() < 1e-6);
+    let below = run_of(&machine, &measured(&whole), EntryPoint::Slider, LoadSource::Constant);
+    for (signal, tolerance) in [(Signal::Position, 1e-9), (Signal::PressureA, 1.0), (Signal::Force, 1e-2)] {
+        assert!(farthest(below.signal(signal).unwrap(), whole.signal(signal).unwrap()) < tolerance, "{signal}");
+    }
 }
 
 #[test]
