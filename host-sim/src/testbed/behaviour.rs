@@ -35,7 +35,7 @@ fn the_tangent_jacobian_agrees_with_differences_with_every_effect_on() {
         let physics = Physics::new(&machine, &effects);
         let pump = (source == Source::Pump).then_some(PumpCommand { speed_rev_per_s: speed, direction: -1 });
         for spool in [-0.3, 0.0, 0.2, 0.9] {
-            let inputs = physics.inputs(spool, pump, 100.0);
+            let inputs = physics.inputs(0.0, spool, pump, 100.0);
             let at = [0.4, 0.7, -0.05, 0.5, 0.6];
             for column in 0..at.len() {
                 let (mut above, mut below) = (at, at);

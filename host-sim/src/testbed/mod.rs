@@ -7,6 +7,8 @@
 #[cfg(test)]
 mod behaviour;
 mod bench;
+pub mod draw;
+mod edges;
 mod effect;
 pub mod excitation;
 mod grammar;
@@ -18,6 +20,8 @@ mod outside;
 mod physics;
 mod plant;
 pub mod sensors;
+mod shaped_slider;
+mod sight;
 mod slider;
 mod stiff;
 mod synthetic;
@@ -27,7 +31,11 @@ mod truth;
 mod validation;
 
 pub use bench::{Bench, Drive};
-pub use effect::PlantEffect;
+pub use edges::GainCurve;
+pub use effect::{
+    Channel, DryFriction, FlowEffect, FrictionLevel, LoadEffect, OilTemperature, PlantEffect, SensingEffect,
+    ValveEffect,
+};
 pub use excitation::{Dither, Excitation};
 pub use grammar::ExcitationError;
 pub use input::{Command, Commands, LoadError, LoadProfile, PumpCommand};
