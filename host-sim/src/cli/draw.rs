@@ -66,7 +66,7 @@ impl From<EffectsArgument> for Concealed {
 }
 
 pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
-    let known = || draw::VOCABULARY.iter().chain(&draw::ON_REQUEST);
+    let known = || draw::VOCABULARY.iter().chain(&draw::ON_REQUEST).chain(&draw::OUTSIDE);
     if let Some(found) = arguments.only.iter().find(|name| known().all(|known| known != name)) {
         let known = known().copied().collect::<Vec<_>>().join(", ");
         return Err(CliError::EffectName { found: found.clone(), known });

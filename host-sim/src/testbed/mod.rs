@@ -10,6 +10,8 @@ mod bench;
 pub mod draw;
 mod edges;
 mod effect;
+#[cfg(test)]
+mod effects_behaviour;
 pub mod excitation;
 mod grammar;
 mod input;

@@ -15,6 +15,7 @@ use super::slider::{Slider, SliderParameters, SliderPiece};
 
 /// The slider on a stretch of time.
 #[derive(Clone, Copy, Debug)]
+#[expect(clippy::large_enum_variant, reason = "one at a time, copied from a cell; a box could not be copied")]
 enum Path {
     Piece(SliderPiece),
     Curve(Curve),

@@ -74,8 +74,8 @@ fn hysteresis_is_as_wide_as_said_at_any_rate() {
             let positions = run(&[effect], 7e6, ticks, &command);
             let none = run(&[], 7e6, ticks, &command);
             // On the way down through zero and up through it again, one period and a bit in.
-            let row = |periods: f64| (periods * f64::from(ticks) / 1.25) as usize;
-            let width = (positions[row(0.5)] - none[row(0.5)]) - (positions[row(1.0)] - none[row(1.0)]);
+            let [half, whole] = [2, 4].map(|quarters| quarters * positions.len() / 5);
+            let width = (positions[half] - none[half]) - (positions[whole] - none[whole]);
             assert!((width - 0.04).abs() < 2e-3, "{effect:?} {period_s}: {width}");
         }
     }

@@ -221,7 +221,7 @@ mod tests {
     #[test]
     fn play_follows_by_half_of_it_on_either_side_and_rests_after_a_reversal() {
         let seen = seen(SensingEffect::Backlash { play_m: 1e-3 });
-        assert!((seen[1200].1 - seen[1200].0 - 0.5e-3).abs() < 5e-5, "retracting");
+        assert!((seen[1500].1 - seen[1500].0 - 0.5e-3).abs() < 5e-5, "retracting");
         assert!((seen[1900].1 - seen[1900].0 + 0.5e-3).abs() < 5e-5, "extending");
         // 1 mm below the crest takes 41 ms; half of it is free.
         let rest = (seen[1250].1 - seen[1275].1).abs();
@@ -235,10 +235,10 @@ mod tests {
             (SensingEffect::PositionFilter { frequency_hz: 20.0, damping: 0.8 }, 1.6 / (std::f64::consts::TAU * 20.0)),
         ] {
             let seen = seen(effect);
-            for k in [1000, 1100, 1600] {
+            for k in [1000_u16, 1100, 1600] {
                 let phase = std::f64::consts::TAU * (f64::from(k) * 1e-3 - lag_s);
                 let expected = 0.1 + 0.03 * phase.sin();
-                assert!((seen[k as usize].1 - expected).abs() < 1.5e-4, "{effect:?} {k}");
+                assert!((seen[usize::from(k)].1 - expected).abs() < 1.5e-4, "{effect:?} {k}");
             }
         }
     }

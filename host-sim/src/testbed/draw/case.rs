@@ -1,5 +1,6 @@
 //! One case: drive, setting, effects, recordings; drawn again until it shows what it conceals.
 
+use model_core::machine::Machine;
 use model_core::parameter::Parameter as P;
 
 use super::super::effect::{LoadEffect, PlantEffect};
@@ -39,15 +40,19 @@ pub fn draw(lot: &Lot, index: u64) -> Result<Option<Drawn>, PlantError> {
 /// What the case conceals. Over a lot, every name has its turn before one comes again.
 fn names(lot: &Lot, index: u64) -> Vec<String> {
     let mut order = Noise::new(lot.seed, 0);
-    let known: Vec<String> =
-        if lot.only.is_empty() { VOCABULARY.map(str::to_owned).to_vec() } else { lot.only.clone() };
-    let mut shuffled = known;
+    let (outside, asked): (Vec<String>, Vec<String>) = lot.only.iter().cloned().partition(|name| name.starts_with('~'));
+    let or_all = |names: Vec<String>, all: &[&str]| {
+        if names.is_empty() { all.iter().map(|&name| name.to_owned()).collect() } else { names }
+    };
+    let only_outside = asked.is_empty() && !outside.is_empty();
+    let (outside, mut shuffled): (Vec<String>, Vec<String>) = (or_all(outside, &OUTSIDE), or_all(asked, &VOCABULARY));
     for last in (1..shuffled.len()).rev() {
         shuffled.swap(last, order.below(last + 1));
     }
     let mut dice = Noise::new(lot.seed, index << 8);
     let turn = |index: u64| shuffled[usize::try_from(index).unwrap_or(0) % shuffled.len()].clone();
     let concealed = match lot.concealed {
+        _ if only_outside => Concealed::Outside,
         Concealed::Mixed => match dice.below(20) {
             0..=2 => Concealed::None,
             3..=4 => Concealed::Outside,
@@ -58,7 +63,7 @@ fn names(lot: &Lot, index: u64) -> Vec<String> {
     };
     match concealed {
         Concealed::None => Vec::new(),
-        Concealed::Outside => vec![OUTSIDE[dice.below(OUTSIDE.len())].to_owned()],
+        Concealed::Outside => vec![outside[dice.below(outside.len())].clone()],
         Concealed::Single | Concealed::Mixed => vec![turn(index)],
         Concealed::Pair => {
             let first = turn(index);
@@ -79,7 +84,7 @@ fn attempt_at(lot: &Lot, index: u64, names: &[String], dice: &mut Noise) -> Resu
     let id = format!("c{index:03}");
     let machine = drive::draw(dice);
     let file = drive::file(&id, &machine, lot.hard, dice);
-    let setting = setting(lot, machine, names, dice);
+    let setting = setting(lot, &machine, names, dice);
     let training = if lot.hard { [2, 3, 4][dice.below(3)] } else { 4 };
     let mut signals = signals(&setting, training, names, dice);
 
@@ -113,10 +118,10 @@ fn attempt_at(lot: &Lot, index: u64, names: &[String], dice: &mut Noise) -> Resu
     let pushed = names.iter().any(|name| name == "~external-disturbance");
     let shown = Shown { setting: &setting, sigma: &file.sigma, made: &made[..training.min(2)] };
     let visible = if names.is_empty() { Vec::new() } else { shown.without_each(&effects, pushed)? };
-    Ok(Some(finish(lot, &setting, file, names, effects, visible, made, training, dice)))
+    Ok(Some(Attempt { lot, setting, file, names, effects, visible, made, training }.finished(dice)))
 }
 
-fn setting(lot: &Lot, machine: model_core::machine::Machine<f64>, names: &[String], dice: &mut Noise) -> Setting {
+fn setting(lot: &Lot, machine: &Machine<f64>, names: &[String], dice: &mut Noise) -> Setting {
     use Channels::{Full, Position, Pressures, Spool};
     let channels = if lot.hard {
         [Position, Position, Spool, Spool, Pressures, Pressures, Pressures, Full][dice.below(8)]
@@ -126,10 +131,9 @@ fn setting(lot: &Lot, machine: model_core::machine::Machine<f64>, names: &[Strin
     let rate_hz = if lot.hard { [1000.0, 1000.0, 500.0, 500.0, 200.0] } else { [1000.0, 1000.0, 1000.0, 500.0, 500.0] };
     let rate_hz: f64 = rate_hz[dice.below(5)];
     let mode = match dice.below(20) {
-        0..=11 => Mode::Open,
+        16.. => Mode::Closed,
         12..=15 if rate_hz > 300.0 => Mode::Dither,
-        12..=15 => Mode::Open,
-        _ => Mode::Closed,
+        _ => Mode::Open,
     };
     // Stiction under dither is no stiction.
     let mode =
@@ -140,7 +144,7 @@ fn setting(lot: &Lot, machine: model_core::machine::Machine<f64>, names: &[Strin
     let flow_per_volt =
         machine.get(P::ValveGain) * machine.get(P::FlowCoefficient) * (0.5 * machine.get(P::SupplyPressure)).sqrt();
     Setting {
-        machine,
+        machine: *machine,
         mode,
         channels,
         tick_s: 1.0 / rate_hz,
@@ -188,7 +192,7 @@ fn signals(setting: &Setting, training: usize, names: &[String], dice: &mut Nois
 }
 
 /// Somebody leans on the rod once.
-fn push(machine: &model_core::machine::Machine<f64>, duration_s: f64, dice: &mut Noise) -> LoadProfile {
+fn push(machine: &Machine<f64>, duration_s: f64, dice: &mut Noise) -> LoadProfile {
     let force_n = dice.sign() * machine.get(P::SupplyPressure) * machine.get(P::AreaA) * dice.decades(0.05, 0.25);
     let (start_s, rise_s, hold_s) =
         (duration_s * dice.uniform(0.2, 0.6), dice.uniform(0.02, 0.1), dice.uniform(0.15, 0.5));
@@ -231,59 +235,66 @@ fn stops_are_met(effects: &[PlantEffect], made: &[(Signal, SyntheticRecording)])
     })
 }
 
-#[expect(clippy::too_many_arguments, reason = "the parts of a case come together here, once")]
-fn finish(
-    lot: &Lot,
-    setting: &Setting,
+/// A case that is in its stroke, before its recordings are made poor.
+struct Attempt<'a> {
+    lot: &'a Lot,
+    setting: Setting,
     file: MachineFile,
-    names: &[String],
+    names: &'a [String],
     effects: Vec<PlantEffect>,
     visible: Vec<f64>,
     made: Vec<(Signal, SyntheticRecording)>,
     training: usize,
-    dice: &mut Noise,
-) -> Drawn {
-    let spikes = if dice.happens(if lot.hard { 0.25 } else { 0.08 }) { 0.003 } else { 0.0 };
-    let mut floors = Vec::new();
-    let mut recordings = Vec::new();
-    for (index, (_, mut recording)) in made.into_iter().enumerate() {
-        let stem =
-            if index < training { format!("train-{}", index + 1) } else { format!("holdout-{}", index + 1 - training) };
-        if spikes > 0.0 {
-            for channel in [
-                &mut recording.spool,
-                &mut recording.position_m,
-                &mut recording.pressure_a_pa,
-                &mut recording.pressure_b_pa,
-            ] {
-                spiked(channel, spikes, dice);
+}
+
+impl Attempt<'_> {
+    /// Spikes, rounding, only the channels that the case records, and the truth.
+    fn finished(self, dice: &mut Noise) -> Drawn {
+        let spikes = if dice.happens(if self.lot.hard { 0.25 } else { 0.08 }) { 0.003 } else { 0.0 };
+        let mut floors = Vec::new();
+        let mut recordings = Vec::new();
+        for (index, (_, mut recording)) in self.made.into_iter().enumerate() {
+            let stem = if index < self.training {
+                format!("train-{}", index + 1)
+            } else {
+                format!("holdout-{}", index + 1 - self.training)
+            };
+            if spikes > 0.0 {
+                for channel in [
+                    &mut recording.spool,
+                    &mut recording.position_m,
+                    &mut recording.pressure_a_pa,
+                    &mut recording.pressure_b_pa,
+                ] {
+                    spiked(channel, spikes, dice);
+                }
             }
+            let mut recording = recording.rounded();
+            floors.push((stem.clone(), noise_floor(&recording, self.setting.channels)));
+            recording.reference_m.clear();
+            let [spool, _, pressures, _] = self.setting.channels.recorded();
+            if !spool {
+                recording.spool.clear();
+            }
+            if !pressures {
+                recording.pressure_a_pa.clear();
+                recording.pressure_b_pa.clear();
+            }
+            recordings.push((format!("{stem}.csv"), recording));
         }
-        let mut recording = recording.rounded();
-        floors.push((stem.clone(), noise_floor(&recording, setting.channels)));
-        recording.reference_m.clear();
-        let [spool, _, pressures, _] = setting.channels.recorded();
-        if !spool {
-            recording.spool.clear();
-        }
-        if !pressures {
-            recording.pressure_a_pa.clear();
-            recording.pressure_b_pa.clear();
-        }
-        recordings.push((format!("{stem}.csv"), recording));
+        let known = VOCABULARY.iter().chain(&super::ON_REQUEST).chain(&OUTSIDE);
+        let truth = CaseTruth {
+            effects: self.names.iter().filter_map(|name| known.clone().find(|known| *known == name).copied()).collect(),
+            forms: self.effects,
+            channels: self.setting.channels.name(),
+            mode: self.setting.mode.name(),
+            noise: self.setting.noise,
+            rate_hz: (1.0 / self.setting.tick_s).round(),
+            spikes,
+            hard: self.lot.hard,
+            noise_floor: floors,
+            visible: self.visible.iter().map(|visible| drive::rounded(*visible, 4)).collect(),
+        };
+        Drawn { id: self.file.name.clone(), file: self.file, recordings, truth }
     }
-    let known = VOCABULARY.iter().chain(&super::ON_REQUEST).chain(&OUTSIDE);
-    let truth = CaseTruth {
-        effects: names.iter().filter_map(|name| known.clone().find(|known| *known == name).copied()).collect(),
-        forms: effects,
-        channels: setting.channels.name(),
-        mode: setting.mode.name(),
-        noise: setting.noise,
-        rate_hz: (1.0 / setting.tick_s).round(),
-        spikes,
-        hard: lot.hard,
-        noise_floor: floors,
-        visible: visible.iter().map(|visible| drive::rounded(*visible, 4)).collect(),
-    };
-    Drawn { id: file.name.clone(), file, recordings, truth }
 }

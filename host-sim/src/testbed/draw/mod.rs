@@ -43,7 +43,7 @@ pub struct Lot {
     pub concealed: Concealed,
     /// Whether nominal values are rough and recordings poor.
     pub hard: bool,
-    /// Names to choose from; empty means [`VOCABULARY`].
+    /// Names to choose from; without any, all of [`VOCABULARY`], and of [`OUTSIDE`] where that is asked for.
     pub only: Vec<String>,
 }
 

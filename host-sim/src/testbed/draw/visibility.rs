@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 
+use model_core::machine::Machine;
 use model_core::parameter::Parameter;
 use nalgebra::{DMatrix, DVector};
 
@@ -28,26 +29,24 @@ impl Shown<'_> {
     /// For each effect (or, without any, for the push): RMS of what a refit without it leaves, noise included, in parts
     /// of the noise, in the worst channel.
     pub(super) fn without_each(&self, effects: &[PlantEffect], pushed: bool) -> Result<Vec<f64>, PlantError> {
-        let full = |truth: &dyn Fn(&Signal, &[f64]) -> Result<SyntheticRecording, PlantError>| {
-            self.stacked(|signal, made| Ok(self.rows(&truth(signal, &made.command_v)?)))
-        };
         let machine = &self.setting.machine;
-        let base = full(&|signal, volts| self.setting.repeat(machine, effects, volts, signal, true))?;
+        let base = self.repeated(machine, effects, true)?;
         let mut columns = Vec::new();
         for (&parameter, &deviation) in self.sigma {
             let mut moved = *machine;
             let range = parameter.description();
             moved.set(parameter, (machine.get(parameter) + 0.5 * deviation).clamp(range.min, range.max));
-            let other = full(&|signal, volts| self.setting.repeat(&moved, effects, volts, signal, true))?;
+            let other = self.repeated(&moved, effects, true)?;
             columns.push((other - &base) * 2.0);
         }
+        columns.extend((0..self.made.len()).map(|recording| self.other_start(recording)));
         let jacobian = DMatrix::from_columns(&columns);
         let count = if pushed { 1 } else { effects.len() };
         (0..count)
             .map(|left_out| {
                 let rest: Vec<PlantEffect> =
                     effects.iter().enumerate().filter(|&(k, _)| pushed || k != left_out).map(|(_, &e)| e).collect();
-                let without = full(&|signal, volts| self.setting.repeat(machine, &rest, volts, signal, !pushed))?;
+                let without = self.repeated(machine, &rest, !pushed)?;
                 Ok(self.worst_channel(&projected(&jacobian, &(&base - without), self.weight())))
             })
             .collect()
@@ -59,13 +58,16 @@ impl Shown<'_> {
         (rows as f64 / ROWS as f64).max(1.0)
     }
 
-    fn stacked(
+    /// What the recordings would show of another drive, all in one vector.
+    fn repeated(
         &self,
-        rows: impl Fn(&Signal, &SyntheticRecording) -> Result<Vec<f64>, PlantError>,
+        machine: &Machine<f64>,
+        effects: &[PlantEffect],
+        pushed: bool,
     ) -> Result<DVector<f64>, PlantError> {
         let mut all = Vec::new();
         for (signal, made) in self.made {
-            all.extend(rows(signal, made)?);
+            all.extend(self.rows(&self.setting.repeat(machine, effects, &made.command_v, signal, pushed)?));
         }
         Ok(DVector::from_vec(all))
     }
@@ -81,6 +83,17 @@ impl Shown<'_> {
             rows.extend((0..4).map(|k| if seen[k] { values[k] / noise[k] } else { 0.0 }));
         }
         rows
+    }
+
+    /// What a start of one recording a centimetre away would make: a simulation starts where the recording does.
+    fn other_start(&self, moved: usize) -> DVector<f64> {
+        const AWAY_M: f64 = 0.01;
+        let away = AWAY_M / self.setting.noise_of()[1];
+        let rows = |recording: usize| {
+            let count = self.rows(&self.made[recording].1).len();
+            (0..count).map(move |k| if recording == moved && k % 4 == 1 { away } else { 0.0 })
+        };
+        DVector::from_vec((0..self.made.len()).flat_map(rows).collect())
     }
 
     fn worst_channel(&self, residual: &DVector<f64>) -> f64 {

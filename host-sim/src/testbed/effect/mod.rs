@@ -207,8 +207,8 @@ pub(super) struct Fixed<'a> {
     pub(super) stroke_m: f64,
 }
 
-fn dry_friction<R: Real>(law: &DryFriction, own: (&[R], &mut [R]), state: &State<R>, terms: &mut Terms<R>) {
-    if let ([bristle], [rate]) = own {
+fn dry_friction<R: Real>(law: &DryFriction, (own, rates): (&[R], &mut [R]), state: &State<R>, terms: &mut Terms<R>) {
+    if let ([bristle], [rate]) = (own, rates) {
         *rate = law.apply(*bristle, state, terms);
     }
 }
