@@ -1,11 +1,11 @@
 //! The drive of a case on its bench: signals that keep it inside its stroke, and what is recorded.
 
-use model_core::machine::Machine;
+use model_core::machine::{Machine, Source};
 use model_core::parameter::Parameter as P;
 
 use super::super::bench::{Bench, Drive};
 use super::super::effect::PlantEffect;
-use super::super::input::LoadProfile;
+use super::super::input::{LoadProfile, PumpCommand};
 use super::super::noise::Noise;
 use super::super::plant::{InitialState, Plant, PlantError};
 use super::super::sensors::{PositionSensor, PressureSensor, Sensors, SpoolSensor};
@@ -92,6 +92,7 @@ impl Setting {
                 gain_v_per_m: self.gain_v_per_m,
             },
             Mode::Open => Drive::Commands(scaled.collect()),
+            Mode::Pump => Drive::Pump(scaled.map(turning).collect()),
             Mode::Dither => {
                 let (volts, hertz) = self.dither;
                 let dither = |tick: usize| {
@@ -113,18 +114,20 @@ impl Setting {
         &self,
         machine: &Machine<f64>,
         effects: &[PlantEffect],
-        commands_v: &[f64],
+        made: &SyntheticRecording,
         signal: &Signal,
         pushed: bool,
     ) -> Result<SyntheticRecording, PlantError> {
         let settling = signals::ticks(SETTLING_S, self.tick_s);
-        let first = commands_v.first().copied().unwrap_or(0.0);
-        let commands = std::iter::repeat_n(first, settling).chain(commands_v.iter().copied()).collect();
+        let drive = if self.mode == Mode::Pump {
+            Drive::Pump(held_before(&made.pump, settling))
+        } else {
+            Drive::Commands(held_before(&made.command_v, settling))
+        };
         let load = if pushed { self.load_later(signal) } else { LoadProfile::none() };
         let other = Self { machine: *machine, ..self.clone() };
-        let mut recording = other
-            .bench(effects, signal, Sensors::exact(), load)?
-            .record(&Drive::Commands(commands), &InitialState::at_rest(machine, signal.start_m))?;
+        let mut recording =
+            other.bench(effects, signal, Sensors::exact(), load)?.record(&drive, &resting(machine, signal.start_m))?;
         recording.cut_before(settling);
         Ok(recording)
     }
@@ -176,6 +179,32 @@ impl Setting {
             }
         }
         Ok(None)
+    }
+}
+
+/// Turns per second with a sign, as the pump and its directional valve take it; closed at rest.
+fn turning(signed_rev_per_s: f64) -> PumpCommand {
+    let direction = if signed_rev_per_s.abs() < 1e-3 {
+        0
+    } else if signed_rev_per_s > 0.0 {
+        1
+    } else {
+        -1
+    };
+    PumpCommand { speed_rev_per_s: signed_rev_per_s.abs(), direction }
+}
+
+/// Commands, with the first one held for some rows before them.
+fn held_before<T: Copy>(commands: &[T], rows: usize) -> Vec<T> {
+    let before = commands.first().into_iter().flat_map(|&first| std::iter::repeat_n(first, rows));
+    before.chain(commands.iter().copied()).collect()
+}
+
+/// At rest; a pump leaves its chambers near the tank's pressure, a valve at half the supply.
+fn resting(machine: &Machine<f64>, position_m: f64) -> InitialState {
+    match machine.source {
+        Source::Valve => InitialState::at_rest(machine, position_m),
+        Source::Pump => InitialState::at_rest_with_level(machine, position_m, 2.0e6),
     }
 }
 

@@ -1,6 +1,6 @@
 //! One case: drive, setting, effects, recordings; drawn again until it shows what it conceals.
 
-use model_core::machine::Machine;
+use model_core::machine::{Machine, Source};
 use model_core::parameter::Parameter as P;
 
 use super::super::effect::{LoadEffect, PlantEffect};
@@ -13,7 +13,7 @@ use super::signals::{self, HELD_OUT, TRAINING};
 use super::strength::{self, About};
 use super::truth::{CaseTruth, noise_floor};
 use super::visibility::Shown;
-use super::{Channels, Concealed, Drawn, Lot, Mode, OUTSIDE, VOCABULARY, drive};
+use super::{Channels, Concealed, Drawn, Lot, Mode, OUTSIDE, PUMP_SLIP, VOCABULARY, drive};
 use crate::machine_file::MachineFile;
 
 /// Draws of one case before the last one is taken as it is, if it can be used at all.
@@ -77,12 +77,13 @@ fn names(lot: &Lot, index: u64) -> Vec<String> {
 /// Two kinds of dry friction are one richer kind; two of a name are one.
 fn compatible(one: &str, other: &str) -> bool {
     let friction = |name: &str| name.ends_with("friction") || name == "friction-asymmetry" || name == "presliding";
-    one != other && !(friction(one) && friction(other))
+    one != other && !(friction(one) && friction(other)) && one != PUMP_SLIP && other != PUMP_SLIP
 }
 
 fn attempt_at(lot: &Lot, index: u64, names: &[String], dice: &mut Noise) -> Result<Option<Drawn>, PlantError> {
     let id = format!("c{index:03}");
-    let machine = drive::draw(dice);
+    let pump = names.iter().any(|name| name == PUMP_SLIP);
+    let machine = if pump { drive::draw_pump(dice) } else { drive::draw(dice) };
     let file = drive::file(&id, &machine, lot.hard, dice);
     let setting = setting(lot, &machine, names, dice);
     let training = if lot.hard { [2, 3, 4][dice.below(3)] } else { 4 };
@@ -138,6 +139,8 @@ fn setting(lot: &Lot, machine: &Machine<f64>, names: &[String], dice: &mut Noise
     // Stiction under dither is no stiction.
     let mode =
         if mode == Mode::Dither && names.iter().any(|name| name == "spool-stiction") { Mode::Open } else { mode };
+    let pump = machine.source == Source::Pump;
+    let (mode, channels) = if pump { (Mode::Pump, Channels::Pump) } else { (mode, channels) };
     let noise = if lot.hard { [1.0, 1.0, 2.0, 3.0][dice.below(4)] } else { [1.0, 1.0, 1.0, 2.0][dice.below(4)] };
     // Speed of the rod per volt beyond the dead zone, at half the pressure.
     let area = 0.5 * (machine.get(P::AreaA) + machine.get(P::AreaB));
@@ -171,6 +174,7 @@ fn signals(setting: &Setting, training: usize, names: &[String], dice: &mut Nois
             let duration_s = dice.uniform(4.0, 5.5);
             let amplitude = match setting.mode {
                 Mode::Closed => stroke_m * dice.uniform(0.12, 0.3),
+                Mode::Pump => dice.uniform(15.0, 40.0),
                 Mode::Open | Mode::Dither => (1.2 * dead_v + dice.uniform(1.8, 6.0)).min(9.5),
             };
             // Extending, the whole piston has to be filled.

@@ -48,6 +48,32 @@ pub(super) fn draw(dice: &mut Noise) -> Machine<f64> {
     machine
 }
 
+/// A small drive behind a pump of its own: the valve only gives the direction.
+pub(super) fn draw_pump(dice: &mut Noise) -> Machine<f64> {
+    let mut machine = Machine::with_defaults(Source::Pump);
+    let area_a = dice.decades(1.2e-3, 3.5e-3);
+    let area_b = area_a * dice.uniform(0.6, 0.92);
+    let stroke_m = dice.uniform(0.15, 0.35);
+    for (parameter, value) in [
+        (P::AreaA, area_a),
+        (P::AreaB, area_b),
+        (P::Stroke, stroke_m),
+        (P::VolumeA, 0.5 * stroke_m * area_a * dice.uniform(0.9, 1.4)),
+        (P::VolumeB, 0.5 * stroke_m * area_b * dice.uniform(0.9, 1.4)),
+        (P::BulkModulus, dice.uniform(1.0e9, 1.5e9)),
+        (P::MovingMass, dice.decades(10.0, 80.0)),
+        (P::ViscousFriction, dice.decades(3.0e3, 3.0e4)),
+        (P::LoadForce, -area_a * dice.uniform(8.0e5, 4.0e6)),
+        (P::PumpDisplacement, dice.decades(1.2e-6, 3.0e-6)),
+        (P::ReturnCoefficient, dice.decades(2.0e-7, 1.0e-6)),
+    ] {
+        machine.set(parameter, rounded(value, 6));
+    }
+    machine
+}
+
+const PUMP: [(P, f64); 4] =
+    [(P::PumpDisplacement, 0.02), (P::BulkModulus, 0.06), (P::ViscousFriction, 0.1), (P::ReturnCoefficient, 0.05)];
 /// Which nominal values may be off, and by how much: in parts of the value.
 const MODERATE: [(P, f64); 9] = [
     (P::ValveGain, 0.05),
@@ -81,10 +107,15 @@ const HARD_LOAD_SHARE: f64 = 0.025;
 
 /// The machine file: the truth with Gaussian errors, and what it says of them.
 pub(super) fn file(name: &str, truth: &Machine<f64>, hard: bool, dice: &mut Noise) -> MachineFile {
-    let list: &[(P, f64)] = if hard { &HARD } else { &MODERATE };
+    let valve = truth.source == Source::Valve;
+    let list: &[(P, f64)] = match (valve, hard) {
+        (false, _) => &PUMP,
+        (true, true) => &HARD,
+        (true, false) => &MODERATE,
+    };
     let mut sigma: BTreeMap<P, f64> =
         list.iter().map(|&(parameter, share)| (parameter, rounded(share * truth.get(parameter), 3))).collect();
-    if hard {
+    if hard && valve {
         let full_n = truth.get(P::SupplyPressure) * truth.get(P::AreaA);
         sigma.extend([(P::ValveOffset, HARD_OFFSET), (P::LoadForce, rounded(HARD_LOAD_SHARE * full_n, 2))]);
     }

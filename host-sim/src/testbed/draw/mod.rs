@@ -48,8 +48,8 @@ pub struct Lot {
 }
 
 /// The effects that are drawn without being asked for: those that differ in more than name from another one.
-/// (`hose-compliance` is a softer oil and a larger volume, `pump-slip` needs a pump; both and `laminar-transition` can be
-/// asked for.)
+/// (`hose-compliance` is a softer oil and a larger volume, `pump-slip` makes another kind of drive; both and
+/// `laminar-transition` can be asked for.)
 pub const VOCABULARY: [&str; 27] = [
     "valve-hysteresis",
     "spool-stiction",
@@ -81,7 +81,10 @@ pub const VOCABULARY: [&str; 27] = [
 ];
 
 /// What can be asked for beside [`VOCABULARY`].
-pub const ON_REQUEST: [&str; 2] = ["hose-compliance", "laminar-transition"];
+pub const ON_REQUEST: [&str; 3] = ["hose-compliance", "laminar-transition", PUMP_SLIP];
+
+/// The one that makes a pump-controlled drive of the case.
+const PUMP_SLIP: &str = "pump-slip";
 
 /// What is drawn from outside the vocabulary.
 pub const OUTSIDE: [&str; 3] = ["~external-disturbance", "~pump-ripple", "~structural-flexibility"];
@@ -94,6 +97,8 @@ pub(crate) enum Channels {
     Pressures,
     /// Everything, the supply pressure too.
     Full,
+    /// Of a pump drive: its speed and direction, pressures, position.
+    Pump,
 }
 
 impl Channels {
@@ -103,13 +108,14 @@ impl Channels {
             Self::Spool => "uxy",
             Self::Pressures => "uxpy",
             Self::Full => "full",
+            Self::Pump => "upy",
         }
     }
 
     /// Slider, position, pressure in A and in B.
     fn recorded(self) -> [bool; 4] {
-        let pressures = matches!(self, Self::Pressures | Self::Full);
-        [self != Self::Position, true, pressures, pressures]
+        let pressures = matches!(self, Self::Pressures | Self::Full | Self::Pump);
+        [!matches!(self, Self::Position | Self::Pump), true, pressures, pressures]
     }
 }
 
@@ -119,12 +125,14 @@ pub(crate) enum Mode {
     Open,
     Dither,
     Closed,
+    /// Speed and direction of a pump, open loop.
+    Pump,
 }
 
 impl Mode {
     fn name(self) -> &'static str {
         match self {
-            Self::Open => "open",
+            Self::Open | Self::Pump => "open",
             Self::Dither => "dither",
             Self::Closed => "closed",
         }

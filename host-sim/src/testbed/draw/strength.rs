@@ -151,6 +151,12 @@ fn chambers(name: &str, about: &About<'_>, dice: &mut Noise) -> Option<PlantEffe
             PlantEffect::EntrainedAir { share: dice.decades(0.003, 0.05), dissolving_pa: dice.decades(4.0e6, 1.5e7) }
         }
         "position-dependent-volume" => PlantEffect::PositionDependentVolume,
+        // 3 to 20 % of what the pump delivers at 20 turns a second and 3·10⁶ Pa
+        "pump-slip" => PlantEffect::PumpSlip {
+            conductance_m3_per_s_pa: dice.decades(0.03, 0.2) * 20.0 * about.get(P::PumpDisplacement) / 3.0e6,
+            turbulent_share: dice.uniform(0.0, 0.3),
+            reference_pressure_pa: 3.0e6,
+        },
         // A share of the oil's own compressibility.
         "hose-compliance" => {
             PlantEffect::hose_compliance(dice.decades(0.3, 2.0) * about.get(P::VolumeA) / about.get(P::BulkModulus))

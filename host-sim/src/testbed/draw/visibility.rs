@@ -67,7 +67,7 @@ impl Shown<'_> {
     ) -> Result<DVector<f64>, PlantError> {
         let mut all = Vec::new();
         for (signal, made) in self.made {
-            all.extend(self.rows(&self.setting.repeat(machine, effects, &made.command_v, signal, pushed)?));
+            all.extend(self.rows(&self.setting.repeat(machine, effects, made, signal, pushed)?));
         }
         Ok(DVector::from_vec(all))
     }
