@@ -85,21 +85,25 @@ impl Setting {
     pub(super) fn run(&self, effects: &[PlantEffect], signal: &Signal) -> Result<SyntheticRecording, PlantError> {
         let settling = signals::ticks(SETTLING_S, self.tick_s);
         let shape = std::iter::repeat_n(0.0, settling).chain(signal.shape.iter().copied());
-        let scaled = shape.map(|s| s * signal.amplitude[usize::from(s < 0.0)]);
+        let scaled: Vec<f64> = shape.map(|s| s * signal.amplitude[usize::from(s < 0.0)]).collect();
         let drive = match self.mode {
             Mode::Closed => Drive::Closed {
-                reference_m: scaled.map(|off_m| signal.start_m + off_m).collect(),
+                reference_m: scaled.iter().map(|off_m| signal.start_m + off_m).collect(),
                 gain_v_per_m: self.gain_v_per_m,
             },
-            Mode::Open => Drive::Commands(scaled.collect()),
-            Mode::Pump => Drive::Pump(scaled.map(turning).collect()),
+            Mode::Open => Drive::Commands(scaled),
+            Mode::Pump => {
+                // The bench holds a speed over a tick, a real pump goes on: its mean over the tick.
+                let next = scaled.iter().skip(1).chain(scaled.last());
+                Drive::Pump(scaled.iter().zip(next).map(|(now, next)| turning(0.5 * (now + next))).collect())
+            }
             Mode::Dither => {
                 let (volts, hertz) = self.dither;
                 let dither = |tick: usize| {
                     let since_s = (tick.max(settling) - settling) as f64 * self.tick_s;
                     volts * libm::sin(std::f64::consts::TAU * hertz * since_s)
                 };
-                Drive::Commands(scaled.enumerate().map(|(tick, volts)| volts + dither(tick)).collect())
+                Drive::Commands(scaled.iter().enumerate().map(|(tick, volts)| volts + dither(tick)).collect())
             }
         };
         let mut recording = self

@@ -9,7 +9,7 @@ use super::super::noise::Noise;
 use super::super::plant::PlantError;
 use super::super::synthetic::SyntheticRecording;
 use super::bench::{Setting, Signal, spiked, travel};
-use super::signals::{self, HELD_OUT, TRAINING};
+use super::signals::{self, HELD_OUT, Kind, TRAINING};
 use super::strength::{self, About};
 use super::truth::{CaseTruth, noise_floor};
 use super::visibility::Shown;
@@ -171,6 +171,8 @@ fn signals(setting: &Setting, training: usize, names: &[String], dice: &mut Nois
         .chain(HELD_OUT)
         .enumerate()
         .map(|(index, kind)| {
+            // A pump has to gather speed.
+            let kind = if setting.mode == Mode::Pump { Kind::Trapezoids } else { kind };
             let duration_s = dice.uniform(4.0, 5.5);
             let amplitude = match setting.mode {
                 Mode::Closed => stroke_m * dice.uniform(0.12, 0.3),
