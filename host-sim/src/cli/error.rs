@@ -122,6 +122,14 @@ pub enum CliError {
         /// The names with their units.
         known: String,
     },
+    /// A name that the test bed cannot draw.
+    #[error("--only {found}: expected one of {known}")]
+    EffectName {
+        /// The name.
+        found: String,
+        /// The names there are.
+        known: String,
+    },
     /// A number among the arguments that makes no sense.
     #[error("{argument} is {found}; expected {expected}")]
     Number {

@@ -6,6 +6,7 @@
 pub mod compare;
 mod console;
 pub mod diagnose;
+pub mod draw;
 mod error;
 pub mod fit;
 mod input;

@@ -7,6 +7,7 @@ use model_core::machine::{Machine, Source};
 use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
+use super::draw;
 use super::input::TickArgument;
 use super::{CliError, Console, Outcome};
 use crate::atomic;
@@ -18,6 +19,7 @@ use crate::testbed::{
 
 /// Arguments of `testbed`.
 #[derive(Clone, Debug, clap::Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 #[command(after_help = "Example:
   host-sim testbed --machine M.toml --effect coulomb-friction=800 --train \"random:8V,seed=1\" --train \"steps:6V\" \\
       --holdout \"sweep:5V\" --seed 7 --out case
@@ -27,9 +29,12 @@ The machine file holds the nominal values. The drive on the test bed is drawn ab
 is, train-1.csv …, holdout-1.csv …: command, slider, position and both pressures as the sensors show them.
 The same arguments make the same files.")]
 pub struct Arguments {
+    /// What else it can do
+    #[command(subcommand)]
+    other: Option<Other>,
     /// Machine file of the drive's nominal values (TOML, SI units)
-    #[arg(long, value_name = "M.toml")]
-    machine: PathBuf,
+    #[arg(long, value_name = "M.toml", required = true)]
+    machine: Option<PathBuf>,
     /// Command of a recording to train on, such as "steps:6V"; may be repeated
     #[arg(long, value_name = "signal", required = true)]
     train: Vec<Excitation>,
@@ -61,8 +66,15 @@ pub struct Arguments {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Folder to write to; made where it is not there
-    #[arg(long, value_name = "folder")]
-    out: PathBuf,
+    #[arg(long, value_name = "folder", required = true)]
+    out: Option<PathBuf>,
+}
+
+/// What the test bed can do beside one case as asked for.
+#[derive(Clone, Debug, clap::Subcommand)]
+pub enum Other {
+    /// Draw concealed cases at random, with the truth beside them.
+    Draw(draw::Arguments),
 }
 
 /// What is made, checked.
@@ -79,7 +91,13 @@ struct Plan {
 const SPOOL_NOISE: f64 = 5e-4;
 
 pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
-    let plan = plan(arguments)?;
+    if let Some(Other::Draw(arguments)) = &arguments.other {
+        return draw::run(arguments, console);
+    }
+    let (Some(machine), Some(out)) = (&arguments.machine, &arguments.out) else {
+        unreachable!("without a subcommand both are required")
+    };
+    let plan = plan(arguments, machine)?;
     let bar = console.progress(plan.recordings.len(), "running the test bed");
     let made = plan
         .recordings
@@ -88,20 +106,20 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         .map(|(index, (name, excitation))| {
             let text = record(&plan, index, excitation)?.to_csv();
             bar.inc(1);
-            Ok((arguments.out.join(name), text))
+            Ok((out.join(name), text))
         })
         .collect::<Result<Vec<_>, CliError>>()?;
     bar.finish_and_clear();
 
     // Everything is made before the first file is written.
-    let machine = arguments.out.join("machine.toml");
+    let machine = out.join("machine.toml");
     let toml = plan.file.to_text(&machine.display().to_string())?;
-    refuse_others(&arguments.out, &plan)?;
+    refuse_others(out, &plan)?;
     let failed = |path: &Path| {
         let path = path.to_owned();
         move |cause| CliError::Write { path, cause }
     };
-    fs::create_dir_all(&arguments.out).map_err(failed(&arguments.out))?;
+    fs::create_dir_all(out).map_err(failed(out))?;
     for (path, text) in made.iter().chain([&(machine, toml)]) {
         atomic::write(path, |out| out.write_all(text.as_bytes())).map_err(failed(path))?;
     }
@@ -111,23 +129,23 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     Ok(Outcome::Done)
 }
 
-fn plan(arguments: &Arguments) -> Result<Plan, CliError> {
+fn plan(arguments: &Arguments, machine: &Path) -> Result<Plan, CliError> {
     let not_negative = "a finite number that is not negative";
     number("--spread", arguments.spread, 0.0..=100.0, "0 to 100")?;
     number("--noise", arguments.noise, 0.0..=f64::MAX, not_negative)?;
     number("--position-step", arguments.position_step.unwrap_or(0.0), 0.0..=f64::MAX, not_negative)?;
     number("--closed-loop", arguments.closed_loop.unwrap_or(1.0), 1e-3..=1e6, "0.001 to 1000000 V/m")?;
-    let file = machine_file::read(&arguments.machine)?;
+    let file = machine_file::read(machine)?;
     if file.machine.source != Source::Valve {
-        let (machine, source_of_drive) = (arguments.machine.clone(), file.machine.source);
+        let (machine, source_of_drive) = (machine.to_owned(), file.machine.source);
         return Err(CliError::NeedsValve { machine, source_of_drive, what: "the test bed" });
     }
     let truth = truth_near(&file.machine, &file.sigma, arguments.spread, arguments.seed);
     let effects = arguments.effect.iter().map(|text| effect(text)).collect::<Result<Vec<_>, _>>()?;
     let plant = Plant::new(&truth, 1e-7)
-        .map_err(|cause| CliError::Plant { excitation: arguments.machine.display().to_string(), cause })?
+        .map_err(|cause| CliError::Plant { excitation: machine.display().to_string(), cause })?
         .with_effects(&effects);
-    let mut bench = Bench::new(plant, sensors(arguments, &truth)?);
+    let mut bench = Bench::new(plant, sensors(arguments, machine, &truth)?);
     bench.tick_s = model_core::machine::Tick::from(arguments.tick).seconds();
     bench.seed = arguments.seed;
     if let [amplitude_v, frequency_hz] = arguments.dither[..] {
@@ -159,13 +177,13 @@ fn effect(argument: &str) -> Result<PlantEffect, CliError> {
         if strength.is_finite() && strength >= 0.0 { PlantEffect::named(name.trim(), strength) } else { None }
     });
     parsed.ok_or_else(|| {
-        let known: Vec<String> = PlantEffect::KNOWN.iter().map(|(name, unit)| format!("{name} [{unit}]")).collect();
+        let known: Vec<String> = PlantEffect::known().map(|(name, unit)| format!("{name} [{unit}]")).collect();
         CliError::Effect { argument: argument.to_owned(), known: known.join(", ") }
     })
 }
 
-fn sensors(arguments: &Arguments, truth: &Machine<f64>) -> Result<Sensors, CliError> {
-    let linkage_error = |cause| CliError::Linkage { machine: arguments.machine.clone(), cause };
+fn sensors(arguments: &Arguments, machine: &Path, truth: &Machine<f64>) -> Result<Sensors, CliError> {
+    let linkage_error = |cause| CliError::Linkage { machine: machine.to_owned(), cause };
     let mut sensors = match arguments.position_step {
         Some(step_mm) => Sensors::with_position(truth, PositionSensor::Linear { resolution_m: 1e-3 * step_mm }),
         None => Sensors::of(truth).map_err(linkage_error)?,

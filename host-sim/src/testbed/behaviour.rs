@@ -28,6 +28,19 @@ fn the_tangent_jacobian_agrees_with_differences_with_every_effect_on() {
         PlantEffect::coulomb_friction(500.0),
         PlantEffect::internal_leakage(1e-12),
         PlantEffect::pump_slip(1e-12),
+        PlantEffect::external_leakage([1e-12, 3e-13]),
+        PlantEffect::entrained_air(0.01),
+        PlantEffect::PositionDependentVolume,
+        PlantEffect::named("position-dependent-friction", 400.0).unwrap(),
+        PlantEffect::named("stribeck-friction", 400.0).unwrap(),
+        PlantEffect::named("pressure-dependent-friction", 1e-4).unwrap(),
+        PlantEffect::named("position-dependent-load", 900.0).unwrap(),
+        PlantEffect::named("end-stop", 0.149).unwrap(),
+        PlantEffect::named("supply-droop", 3e9).unwrap(),
+        PlantEffect::named("tank-back-pressure", 5e12).unwrap(),
+        PlantEffect::named("valve-leakage", 0.01).unwrap(),
+        PlantEffect::named("oil-temperature", 1.0).unwrap(),
+        PlantEffect::named("~pump-ripple", 0.02).unwrap(),
     ];
     for (source, speed) in [(Source::Valve, 0.0), (Source::Pump, 20.0)] {
         let mut machine = heavy();
@@ -35,18 +48,19 @@ fn the_tangent_jacobian_agrees_with_differences_with_every_effect_on() {
         let physics = Physics::new(&machine, &effects);
         let pump = (source == Source::Pump).then_some(PumpCommand { speed_rev_per_s: speed, direction: -1 });
         for spool in [-0.3, 0.0, 0.2, 0.9] {
-            let inputs = physics.inputs(spool, pump, 100.0);
-            let at = [0.4, 0.7, -0.05, 0.5, 0.6];
+            let inputs = physics.inputs(0.0, spool, pump, 100.0);
+            let at = [0.4, 0.7, -0.05, 0.5, 0.6, 0.4, -0.3, 0.2, -0.1, 0.7];
+            assert_eq!(at.len(), physics.states());
             for column in 0..at.len() {
                 let (mut above, mut below) = (at, at);
                 above[column] += 1e-6;
                 below[column] -= 1e-6;
-                let (mut rates_above, mut rates_below) = ([0.0; 5], [0.0; 5]);
+                let (mut rates_above, mut rates_below) = ([0.0; 10], [0.0; 10]);
                 physics.rates(&inputs, &above, &mut rates_above);
                 physics.rates(&inputs, &below, &mut rates_below);
-                let variables: [Tangent; 5] =
+                let variables: [Tangent; 10] =
                     std::array::from_fn(|i| Tangent::new(at[i], if i == column { 1.0 } else { 0.0 }));
-                let mut rates = [Tangent::new(0.0, 0.0); 5];
+                let mut rates = [Tangent::new(0.0, 0.0); 10];
                 physics.rates(&inputs, &variables, &mut rates);
                 for row in 0..at.len() {
                     let difference = (rates_above[row] - rates_below[row]) / 2e-6;

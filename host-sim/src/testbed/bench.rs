@@ -4,6 +4,7 @@ use super::excitation::{Dither, Excitation};
 use super::input::{Command, PumpCommand};
 use super::plant::{InitialState, Plant, PlantError};
 use super::sensors::{Measuring, Sensors};
+use super::sight::Sight;
 use super::synthetic::SyntheticRecording;
 
 /// Where the command comes from.
@@ -74,11 +75,17 @@ impl Bench {
 
         let time_s = recording.time_s.clone();
         let mut measuring = Measuring::new(self.sensors, self.seed);
+        let mut sight = Sight::new(self.plant.physics.effects());
         recording.truth = self.plant.run(initial, &time_s, |tick, state| {
-            let reading = measuring.read(state);
+            let seen = sight.see(time_s[tick], state);
+            let reading = measuring.read(&seen);
+            recording.seen.push(seen);
             recording.position_m.push(reading.position_m);
             recording.pressure_a_pa.push(reading.pressure_a_pa);
             recording.pressure_b_pa.push(reading.pressure_b_pa);
+            if self.sensors.sees_supply {
+                recording.supply_pressure_pa.push(reading.supply_pressure_pa);
+            }
             let wanted_v = match drive {
                 Drive::Pump(commands) => {
                     recording.pump.push(commands[tick]);
@@ -95,8 +102,11 @@ impl Bench {
             Command::Valve(command_v)
         })?;
         // The slider rests on the first command, which was not chosen yet when the sensors were read.
-        if let (Some(spool), Some(state)) = (recording.spool.first_mut(), recording.truth.first()) {
-            *spool = Measuring::new(self.sensors, self.seed).read(state).spool;
+        if let (Some(state), Some(seen)) = (recording.truth.first(), recording.seen.first_mut()) {
+            *seen = Sight::new(self.plant.physics.effects()).see(0.0, state);
+            if let Some(spool) = recording.spool.first_mut() {
+                *spool = Measuring::new(self.sensors, self.seed).read(seen).spool;
+            }
         }
         Ok(recording)
     }

@@ -100,6 +100,12 @@ impl LoadProfile {
         Ok(Self { points })
     }
 
+    /// The same profile, later by a time.
+    #[must_use]
+    pub(super) fn later(&self, by_s: f64) -> Self {
+        Self { points: self.points.iter().map(|&(time_s, force_n)| (time_s + by_s, force_n)).collect() }
+    }
+
     /// The straight line in force from `time_s` on, and the time of the next corner (or infinity).
     pub(super) fn line_from(&self, time_s: f64) -> (LoadLine, f64) {
         let next = self.points.partition_point(|&(at, _)| at <= time_s);

@@ -7,7 +7,11 @@
 #[cfg(test)]
 mod behaviour;
 mod bench;
+pub mod draw;
+mod edges;
 mod effect;
+#[cfg(test)]
+mod effects_behaviour;
 pub mod excitation;
 mod grammar;
 mod input;
@@ -18,6 +22,8 @@ mod outside;
 mod physics;
 mod plant;
 pub mod sensors;
+mod shaped_slider;
+mod sight;
 mod slider;
 mod stiff;
 mod synthetic;
@@ -27,7 +33,11 @@ mod truth;
 mod validation;
 
 pub use bench::{Bench, Drive};
-pub use effect::PlantEffect;
+pub use edges::GainCurve;
+pub use effect::{
+    Channel, DryFriction, FlowEffect, FrictionLevel, LoadEffect, OilTemperature, PlantEffect, SensingEffect,
+    ValveEffect,
+};
 pub use excitation::{Dither, Excitation};
 pub use grammar::ExcitationError;
 pub use input::{Command, Commands, LoadError, LoadProfile, PumpCommand};

@@ -23,6 +23,28 @@ impl Noise {
         from + (to - from) * ((self.generator.next_u64() >> 11) as f64 * STEP)
     }
 
+    /// Evenly over the decades between two positive values.
+    pub(super) fn decades(&mut self, from: f64, to: f64) -> f64 {
+        libm::exp(self.uniform(libm::log(from), libm::log(to)))
+    }
+
+    /// A number below `count`, which is not 0.
+    pub(super) fn below(&mut self, count: usize) -> usize {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below count, not negative")]
+        let drawn = self.uniform(0.0, count as f64) as usize;
+        drawn.min(count - 1)
+    }
+
+    /// Whether something of this chance happens.
+    pub(super) fn happens(&mut self, chance: f64) -> bool {
+        self.uniform(0.0, 1.0) < chance
+    }
+
+    /// +1 or −1.
+    pub(super) fn sign(&mut self) -> f64 {
+        if self.happens(0.5) { 1.0 } else { -1.0 }
+    }
+
     /// Gaussian with mean 0 and the given standard deviation (Box and Muller).
     ///
     /// By `libm` rather than the platform's functions, whose last bit differs.

@@ -10,18 +10,6 @@ pub(super) fn signed_root<R: Real>(difference_pa: R, transition_pa: f64) -> R {
     difference_pa / (difference_pa * difference_pa + transition_pa * transition_pa).sqrt().sqrt()
 }
 
-/// Opening of the edges: slider travel beyond the dead zone, with the slider's sign.
-#[must_use]
-pub(super) fn opening(spool: f64, dead_zone: f64) -> f64 {
-    if spool > dead_zone {
-        spool - dead_zone
-    } else if spool < -dead_zone {
-        spool + dead_zone
-    } else {
-        0.0
-    }
-}
-
 /// A flow held within ± the limit, m³/s.
 #[must_use]
 pub(super) fn limited<R: Real>(flow: R, limit_m3_per_s: f64) -> R {
@@ -43,12 +31,5 @@ mod tests {
         assert!((signed_root(4.0e6, 2.0e3) - 2000.0).abs() < 1e-3);
         assert!((signed_root(-4.0e6, 2.0e3) + signed_root(4.0e6, 2.0e3)).abs() < 1e-12);
         assert!((signed_root(1.0, 2.0e3) - 1.0 / 2.0e3_f64.sqrt()).abs() < 1e-8);
-    }
-
-    #[test]
-    fn the_dead_zone_is_subtracted_not_renormalised() {
-        assert!((opening(0.5, 0.1) - 0.4).abs() < 1e-16);
-        assert!((opening(-0.5, 0.1) + 0.4).abs() < 1e-16);
-        assert!(opening(0.1, 0.1).abs() < 1e-16);
     }
 }

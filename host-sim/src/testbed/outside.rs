@@ -6,39 +6,82 @@
 use model_core::machine::Source;
 use model_core::parameter::Parameter;
 
+use super::effect::PlantEffect;
 use super::input::{Command, LoadLine, PumpCommand};
-use super::physics::{BASE_STATES, Inputs, Physics};
+use super::physics::{Inputs, Physics};
 use super::plant::{Plant, PlantError, PlantState};
+use super::shaped_slider::{Curve, ShapedSlider};
 use super::slider::{Slider, SliderParameters, SliderPiece};
+
+/// The slider on a stretch of time.
+#[derive(Clone, Copy, Debug)]
+#[expect(clippy::large_enum_variant, reason = "one at a time, copied from a cell; a box could not be copied")]
+enum Path {
+    Piece(SliderPiece),
+    Curve(Curve),
+}
+
+impl Path {
+    fn position(&self, time_s: f64) -> f64 {
+        match self {
+            Self::Piece(piece) => piece.position(time_s),
+            Self::Curve(curve) => curve.position(time_s),
+        }
+    }
+}
+
+/// The slider with its history: in closed form, or in small steps where effects shape it.
+enum AnySlider {
+    Plain(Slider),
+    Shaped(Box<ShapedSlider>),
+}
+
+impl AnySlider {
+    fn command(&mut self, time_s: f64, volts: f64) {
+        match self {
+            Self::Plain(slider) => slider.command(time_s, volts),
+            Self::Shaped(slider) => slider.command(time_s, volts),
+        }
+    }
+
+    fn position(&mut self, time_s: f64) -> f64 {
+        match self {
+            Self::Plain(slider) => slider.piece_from(time_s).0.position(time_s),
+            Self::Shaped(slider) => slider.position(),
+        }
+    }
+}
 
 /// A stretch of time on which everything that acts from outside is smooth.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Segment {
-    slider: SliderPiece,
+    slider: Path,
     pump: Option<PumpCommand>,
     load: LoadLine,
     /// Which side of the dead zone the slider is on: decided once, so that no rounding at the edge
     /// of the stretch puts a kink inside it.
     side: i8,
-    dead_zone: f64,
+    /// Overlap on the extending and on the retracting side.
+    dead_zone: [f64; 2],
 }
 
 impl Segment {
     pub(super) fn inputs(&self, physics: &Physics, time_s: f64) -> Inputs {
         let spool = self.slider.position(time_s);
+        let [extending, retracting] = self.dead_zone;
         let spool = match self.side {
-            1.. => spool.max(self.dead_zone),
-            0 => spool.clamp(-self.dead_zone, self.dead_zone),
-            ..=-1 => spool.min(-self.dead_zone),
+            1.. => spool.max(extending),
+            0 => spool.clamp(-retracting, extending),
+            ..=-1 => spool.min(-retracting),
         };
-        physics.inputs(spool, self.pump, self.load.at(time_s))
+        physics.inputs(time_s, spool, self.pump, self.load.at(time_s))
     }
 }
 
 /// Everything that acts on the hydraulics from outside, in the order of time.
 pub(super) struct Outside<'a> {
     plant: &'a Plant,
-    slider: Option<Slider>,
+    slider: Option<AnySlider>,
     pump: Option<PumpCommand>,
 }
 
@@ -59,9 +102,7 @@ impl<'a> Outside<'a> {
         }
         match (self.plant.physics.source(), command) {
             (Source::Valve, Command::Valve(volts)) => {
-                let slider = self
-                    .slider
-                    .get_or_insert_with(|| Slider::at_rest(SliderParameters::of(&self.plant.machine), time_s, volts));
+                let slider = self.slider.get_or_insert_with(|| slider_at_rest(self.plant, time_s, volts));
                 slider.command(time_s, volts);
             }
             (Source::Pump, Command::Pump(pump)) => self.pump = Some(pump),
@@ -70,36 +111,56 @@ impl<'a> Outside<'a> {
         Ok(())
     }
 
-    /// What is in force from `from_s` on, and until when it is smooth, at most until `to_s`.
-    pub(super) fn segment_from(&mut self, from_s: f64, to_s: f64) -> (Segment, f64) {
+    /// What is in force from `from_s` on, and until when it is smooth, at most until `to_s`; `scaled` is the state there.
+    pub(super) fn segment_from(&mut self, from_s: f64, to_s: f64, scaled: &[f64]) -> (Segment, f64) {
         let (load, load_end_s) = self.plant.load.line_from(from_s);
-        let dead_zone = self.plant.physics.dead_zone();
-        let rest = (SliderPiece::resting_at(0.0), f64::INFINITY);
-        let (slider, corner_s) = self.slider.as_mut().map_or(rest, |slider| slider.piece_from(from_s));
+        let physics = &self.plant.physics;
+        let dead_zone = physics.edges().dead_zone;
+        let (slider, corner_s) = match &mut self.slider {
+            None => (Path::Piece(SliderPiece::resting_at(0.0)), f64::INFINITY),
+            Some(AnySlider::Plain(slider)) => {
+                let (piece, corner_s) = slider.piece_from(from_s);
+                (Path::Piece(piece), corner_s)
+            }
+            Some(AnySlider::Shaped(slider)) => {
+                let state = physics.state(&physics.inputs(from_s, slider.position(), self.pump, 0.0), scaled);
+                let (curve, end_s) = slider.curve_from(from_s, to_s.min(load_end_s), physics.edges(), &state);
+                (Path::Curve(curve), end_s)
+            }
+        };
         let end_s = to_s.min(load_end_s).min(corner_s);
         let (side, end_s) = dead_zone_side(&slider, dead_zone, from_s, end_s);
         (Segment { slider, pump: self.pump, load, side, dead_zone }, end_s)
     }
 
     pub(super) fn observe(&mut self, scaled: &[f64], time_s: f64) -> PlantState {
-        let mut si = [0.0; BASE_STATES];
-        for ((si, state), scale) in si.iter_mut().zip(scaled).zip(self.plant.physics.scales()) {
-            *si = state * scale;
-        }
-        let [pressure_a_pa, pressure_b_pa, velocity_m_per_s, position_m] = si;
+        let physics = &self.plant.physics;
         let offset = self.plant.machine.get(Parameter::ValveOffset);
-        let spool = self.slider.as_mut().map_or(offset, |slider| slider.piece_from(time_s).0.position(time_s));
-        let inputs = self.plant.physics.inputs(spool, self.pump, 0.0);
-        let (flow_a_m3_per_s, flow_b_m3_per_s) = self.plant.physics.flows(&inputs, pressure_a_pa, pressure_b_pa);
+        let spool = self.slider.as_mut().map_or(offset, |slider| slider.position(time_s));
+        let inputs = physics.inputs(time_s, spool, self.pump, 0.0);
+        let state = physics.state(&inputs, scaled);
+        let (flow_a_m3_per_s, flow_b_m3_per_s) = physics.flows(&inputs, &state);
         PlantState {
             spool,
             flow_a_m3_per_s,
             flow_b_m3_per_s,
-            pressure_a_pa,
-            pressure_b_pa,
-            position_m,
-            velocity_m_per_s,
+            pressure_a_pa: state.pressure_a,
+            pressure_b_pa: state.pressure_b,
+            position_m: state.position,
+            velocity_m_per_s: state.velocity,
+            supply_pressure_pa: state.supply,
         }
+    }
+}
+
+fn slider_at_rest(plant: &Plant, time_s: f64, volts: f64) -> AnySlider {
+    let parameters = SliderParameters::of(&plant.machine);
+    let valve = |effect: &PlantEffect| if let PlantEffect::Valve(effect) = effect { Some(*effect) } else { None };
+    let shapes: Vec<_> = plant.physics.effects().iter().filter_map(valve).collect();
+    if shapes.is_empty() {
+        AnySlider::Plain(Slider::at_rest(parameters, time_s, volts))
+    } else {
+        AnySlider::Shaped(Box::new(ShapedSlider::at_rest(parameters, &shapes, time_s, volts)))
     }
 }
 
@@ -108,12 +169,12 @@ impl<'a> Outside<'a> {
 ///
 /// A slider that touches an edge and turns back between two ticks is not noticed here: the error
 /// control of the integrator has to see that one.
-fn dead_zone_side(slider: &SliderPiece, dead_zone: f64, from_s: f64, to_s: f64) -> (i8, f64) {
+fn dead_zone_side(slider: &Path, [extending, retracting]: [f64; 2], from_s: f64, to_s: f64) -> (i8, f64) {
     let side = |time_s: f64| {
         let x = slider.position(time_s);
-        if x > dead_zone {
+        if x > extending {
             1_i8
-        } else if x < -dead_zone {
+        } else if x < -retracting {
             -1
         } else {
             0
@@ -154,9 +215,10 @@ mod tests {
         slider.command(0.0, 5.0);
         let (piece, corner_s) = slider.piece_from(0.0);
         assert!((corner_s - 0.05).abs() < 1e-15);
-        let (side, end_s) = dead_zone_side(&piece, 0.2, 0.0, corner_s);
+        let piece = Path::Piece(piece);
+        let (side, end_s) = dead_zone_side(&piece, [0.2, 0.2], 0.0, corner_s);
         assert_eq!(side, 0);
         assert!((end_s - 0.02).abs() < 1e-15);
-        assert_eq!(dead_zone_side(&piece, 0.2, end_s, corner_s), (1, corner_s));
+        assert_eq!(dead_zone_side(&piece, [0.2, 0.2], end_s, corner_s), (1, corner_s));
     }
 }

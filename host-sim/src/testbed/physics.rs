@@ -7,9 +7,10 @@
 use model_core::machine::{Machine, Source};
 use model_core::parameter::Parameter;
 
-use super::effect::PlantEffect;
+use super::edges::{Edges, GainCurve, Line, Ports};
+use super::effect::{Fixed, PlantEffect};
 use super::input::PumpCommand;
-use super::orifice::{limited, opening, signed_root};
+use super::orifice::signed_root;
 use super::tangent::Real;
 
 /// Number of the drive's own states: pa, pb, v, y.
@@ -18,12 +19,15 @@ pub(super) const BASE_STATES: usize = 4;
 /// What acts on the hydraulics from outside at one moment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Inputs {
+    pub(super) time_s: f64,
     /// Slider position, 1 (valve drives).
     pub(super) spool: f64,
     /// The pump and its directional valve (pump drives).
     pub(super) pump: Option<PumpCommand>,
     /// Force on the rod beside the machine's own load, N; positive extends.
     pub(super) force_n: f64,
+    /// As the machine has it.
+    pub(super) supply_pa: f64,
     pub(super) tank_pressure_pa: f64,
     pub(super) laminar_transition_pa: f64,
 }
@@ -34,6 +38,20 @@ pub(super) struct State<R> {
     pub(super) pressure_a: R,
     pub(super) pressure_b: R,
     pub(super) velocity: R,
+    pub(super) position: R,
+    /// At the valve's port P.
+    pub(super) supply: R,
+    /// In parts of what the machine's parameters hold for.
+    pub(super) viscosity: R,
+}
+
+/// What every term depends on, and effects may change.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Conditions<R> {
+    /// Pressure at the valve's port P, Pa.
+    pub(super) supply: R,
+    /// Viscosity in parts of what the machine's parameters hold for.
+    pub(super) viscosity: R,
 }
 
 /// What the effects may change: net flows into the chambers, their capacities, the force on the rod.
@@ -43,7 +61,17 @@ pub(super) struct Terms<R> {
     pub(super) into_a: R,
     /// m³/s: what raises pb.
     pub(super) into_b: R,
-    /// m³/Pa: dV/dp of chamber A, V/E0 and whatever else yields.
+    /// m³/s out of the supply through the valve.
+    pub(super) delivered: R,
+    /// m³ of oil in chamber A.
+    pub(super) volume_a: R,
+    /// m³ in chamber B.
+    pub(super) volume_b: R,
+    /// 1/Pa: what the oil in A yields beside 1/E0.
+    pub(super) softness_a: R,
+    /// 1/Pa, in B.
+    pub(super) softness_b: R,
+    /// m³/Pa: what yields beside the oil of chamber A.
     pub(super) capacity_a: R,
     /// m³/Pa, of chamber B.
     pub(super) capacity_b: R,
@@ -57,16 +85,15 @@ pub(super) struct Physics {
     source: Source,
     supply_pa: f64,
     tank_pa: f64,
-    flow_limit: f64,
-    dead_zone: f64,
-    flow_coefficient: f64,
+    edges: Edges,
     return_coefficient: f64,
     displacement: f64,
     transition_pa: f64,
     area_a: f64,
     area_b: f64,
-    capacity_a: f64,
-    capacity_b: f64,
+    volume_a: f64,
+    volume_b: f64,
+    modulus: f64,
     mass: f64,
     damping: f64,
     load_n: f64,
@@ -81,21 +108,36 @@ impl Physics {
         let half_stroke = 0.5 * get(Parameter::Stroke);
         let volume = |given: f64, area: f64| if given.is_nan() { half_stroke * area } else { given };
         let (area_a, area_b) = (get(Parameter::AreaA), get(Parameter::AreaB));
-        let modulus = get(Parameter::BulkModulus);
+        let dead_zone = get(Parameter::DeadZone);
+        let mut edges = Edges {
+            coefficient: get(Parameter::FlowCoefficient),
+            dead_zone: [dead_zone, dead_zone],
+            transition_pa: get(Parameter::LaminarTransition),
+            laminar_pa: 0.0,
+            flow_limit: get(Parameter::FlowLimit),
+            gain: GainCurve::Proportional,
+            sizes: [1.0; 4],
+            supply_line: Line::default(),
+            return_line: Line::default(),
+        };
+        for effect in effects {
+            if let PlantEffect::Flow(effect) = effect {
+                effect.configure(&mut edges);
+            }
+        }
         Self {
             source: machine.source,
             supply_pa: get(Parameter::SupplyPressure),
             tank_pa: get(Parameter::TankPressure),
-            flow_limit: get(Parameter::FlowLimit),
-            dead_zone: get(Parameter::DeadZone),
-            flow_coefficient: get(Parameter::FlowCoefficient),
+            edges,
             return_coefficient: get(Parameter::ReturnCoefficient),
             displacement: get(Parameter::PumpDisplacement),
             transition_pa: get(Parameter::LaminarTransition),
             area_a,
             area_b,
-            capacity_a: volume(get(Parameter::VolumeA), area_a) / modulus,
-            capacity_b: volume(get(Parameter::VolumeB), area_b) / modulus,
+            volume_a: volume(get(Parameter::VolumeA), area_a),
+            volume_b: volume(get(Parameter::VolumeB), area_b),
+            modulus: get(Parameter::BulkModulus),
             mass: get(Parameter::MovingMass),
             damping: get(Parameter::ViscousFriction),
             load_n: get(Parameter::LoadForce),
@@ -108,8 +150,12 @@ impl Physics {
         self.source
     }
 
-    pub(super) fn dead_zone(&self) -> f64 {
-        self.dead_zone
+    pub(super) fn edges(&self) -> &Edges {
+        &self.edges
+    }
+
+    pub(super) fn effects(&self) -> &[PlantEffect] {
+        &self.effects
     }
 
     /// States to integrate: the drive's and the effects'.
@@ -122,35 +168,52 @@ impl Physics {
         [self.supply_pa, self.supply_pa, 1.0, self.stroke_m]
     }
 
-    pub(super) fn inputs(&self, spool: f64, pump: Option<PumpCommand>, force_n: f64) -> Inputs {
-        Inputs { spool, pump, force_n, tank_pressure_pa: self.tank_pa, laminar_transition_pa: self.transition_pa }
+    pub(super) fn inputs(&self, time_s: f64, spool: f64, pump: Option<PumpCommand>, force_n: f64) -> Inputs {
+        Inputs {
+            time_s,
+            spool,
+            pump,
+            force_n,
+            supply_pa: self.supply_pa,
+            tank_pressure_pa: self.tank_pa,
+            laminar_transition_pa: self.transition_pa,
+        }
+    }
+
+    /// The state in SI units, with the conditions as the effects have changed them.
+    pub(super) fn state<R: Real>(&self, inputs: &Inputs, scaled: &[R]) -> State<R> {
+        let mut conditions = Conditions { supply: self.supply_pa.into(), viscosity: 1.0.into() };
+        let mut from = BASE_STATES;
+        for effect in &self.effects {
+            let to = from + effect.states();
+            effect.condition(inputs, &scaled[from..to], &mut conditions);
+            from = to;
+        }
+        State {
+            pressure_a: scaled[0] * self.supply_pa,
+            pressure_b: scaled[1] * self.supply_pa,
+            velocity: scaled[2],
+            position: scaled[3] * self.stroke_m,
+            supply: conditions.supply,
+            viscosity: conditions.viscosity,
+        }
     }
 
     /// Qa and Qb, m³/s, through the valve (3), (4), or from the pump and through the return.
-    pub(super) fn flows<R: Real>(&self, inputs: &Inputs, pressure_a: R, pressure_b: R) -> (R, R) {
-        let root = |difference: R| signed_root(difference, self.transition_pa);
-        let to_tank = |pressure: R| pressure - self.tank_pa;
-        let from_supply = |pressure: R| -pressure + self.supply_pa;
+    pub(super) fn flows<R: Real>(&self, inputs: &Inputs, state: &State<R>) -> (R, R) {
         match self.source {
             Source::Valve => {
-                let gain = self.flow_coefficient * opening(inputs.spool, self.dead_zone);
-                let (across_a, across_b) = if gain > 0.0 {
-                    (from_supply(pressure_a), to_tank(pressure_b))
-                } else if gain < 0.0 {
-                    (to_tank(pressure_a), from_supply(pressure_b))
-                } else {
-                    return (0.0.into(), 0.0.into());
-                };
-                (limited(root(across_a) * gain, self.flow_limit), limited(root(across_b) * gain, self.flow_limit))
+                let (a, b, supply) = (state.pressure_a, state.pressure_b, state.supply);
+                self.edges.flows(inputs.spool, &Ports { supply, tank_pa: self.tank_pa, a, b })
             }
             Source::Pump => {
                 let Some(pump) = inputs.pump else { return (0.0.into(), 0.0.into()) };
                 let delivered: R = (self.displacement * pump.speed_rev_per_s).into();
-                let returned = |pressure: R| root(to_tank(pressure)) * self.return_coefficient;
+                let returned = |port: R| signed_root(port - self.tank_pa, self.transition_pa) * self.return_coefficient;
                 match pump.direction {
-                    1.. => (delivered, returned(pressure_b)),
+                    1.. => (delivered, returned(state.pressure_b)),
                     0 => (0.0.into(), 0.0.into()),
-                    ..=-1 => (-returned(pressure_a), -delivered),
+                    ..=-1 => (-returned(state.pressure_a), -delivered),
                 }
             }
         }
@@ -158,29 +221,33 @@ impl Physics {
 
     /// Derivatives of the scaled states, 1/s: (1), (2), (8) and dy/dt = v, with the effects added.
     pub(super) fn rates<R: Real>(&self, inputs: &Inputs, scaled: &[R], rates: &mut [R]) {
-        let [pressure_scale, _, _, _] = self.scales();
-        let state = State {
-            pressure_a: scaled[0] * pressure_scale,
-            pressure_b: scaled[1] * pressure_scale,
-            velocity: scaled[2],
-        };
-        let (flow_a, flow_b) = self.flows(inputs, state.pressure_a, state.pressure_b);
+        let state = self.state(inputs, scaled);
+        let (flow_a, flow_b) = self.flows(inputs, &state);
+        let (none, damping) = (R::from(0.0), state.viscosity * self.damping);
         let mut terms = Terms {
             into_a: flow_a - state.velocity * self.area_a,
             into_b: state.velocity * self.area_b - flow_b,
-            capacity_a: self.capacity_a.into(),
-            capacity_b: self.capacity_b.into(),
-            force: state.pressure_a * self.area_a - state.pressure_b * self.area_b - state.velocity * self.damping
+            delivered: self.edges.delivered(inputs.spool, (flow_a, flow_b)),
+            volume_a: self.volume_a.into(),
+            volume_b: self.volume_b.into(),
+            softness_a: none,
+            softness_b: none,
+            capacity_a: none,
+            capacity_b: none,
+            force: state.pressure_a * self.area_a - state.pressure_b * self.area_b - state.velocity * damping
                 + (self.load_n + inputs.force_n),
         };
+        let plant = Fixed { edges: &self.edges, areas_m2: [self.area_a, self.area_b], stroke_m: self.stroke_m };
         let mut from = BASE_STATES;
         for effect in &self.effects {
             let own = from..from + effect.states();
             from = own.end;
-            effect.apply(inputs, &state, &scaled[own.clone()], &mut rates[own], &mut terms);
+            effect.apply(&plant, inputs, &state, (&scaled[own.clone()], &mut rates[own]), &mut terms);
         }
-        rates[0] = terms.into_a / terms.capacity_a / pressure_scale;
-        rates[1] = terms.into_b / terms.capacity_b / pressure_scale;
+        let capacity_a = terms.volume_a * (terms.softness_a + 1.0 / self.modulus) + terms.capacity_a;
+        let capacity_b = terms.volume_b * (terms.softness_b + 1.0 / self.modulus) + terms.capacity_b;
+        rates[0] = terms.into_a / capacity_a / self.supply_pa;
+        rates[1] = terms.into_b / capacity_b / self.supply_pa;
         rates[2] = terms.force / self.mass;
         rates[3] = state.velocity / self.stroke_m;
     }

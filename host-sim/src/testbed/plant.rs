@@ -62,6 +62,8 @@ pub struct PlantState {
     pub position_m: f64,
     /// Rod velocity, m/s.
     pub velocity_m_per_s: f64,
+    /// Pressure at the valve's port P, Pa.
+    pub supply_pressure_pa: f64,
 }
 
 /// Why a plant could not be simulated.
@@ -220,7 +222,7 @@ impl Plant {
         let mut command = choose(0, &state);
         drive.command(0, start_s, command)?;
 
-        let segment = Rc::new(Cell::new(drive.segment_from(start_s, start_s).0));
+        let segment = Rc::new(Cell::new(drive.segment_from(start_s, start_s, &scaled).0));
         let problem = stiff::problem(&self.physics, &segment, start_s, scaled.clone(), self.tolerance)
             .map_err(integration(start_s))?;
         let mut stepper = Stepper::new(&problem).map_err(integration(start_s))?;
@@ -230,13 +232,13 @@ impl Plant {
             if tick > 0 {
                 let mut now_s = times_s[tick - 1];
                 while now_s < time_s {
-                    let (next, end_s) = drive.segment_from(now_s, time_s);
+                    let (next, end_s) = drive.segment_from(now_s, time_s, &scaled);
                     segment.set(next);
                     stepper.advance(end_s).map_err(integration(now_s))?;
                     now_s = end_s;
-                }
-                for (index, state) in scaled.iter_mut().enumerate() {
-                    *state = stepper.state(index);
+                    for (index, state) in scaled.iter_mut().enumerate() {
+                        *state = stepper.state(index);
+                    }
                 }
                 state = drive.observe(&scaled, time_s);
                 command = choose(tick, &state);

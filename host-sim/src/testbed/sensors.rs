@@ -5,7 +5,6 @@ use model_core::parameter::Parameter;
 
 use super::linkage::{Linkage, LinkageError};
 use super::noise::Noise;
-use super::plant::PlantState;
 
 /// A value rounded to the steps of a converter.
 fn quantised(value: f64, step: f64) -> f64 {
@@ -85,8 +84,12 @@ pub struct Sensors {
     pub spool: SpoolSensor,
     /// Rod position.
     pub position: PositionSensor,
-    /// Both chamber pressures.
+    /// Standard deviation of the noise on the position before rounding, m; 0 for an encoder, which counts.
+    pub position_noise_m: f64,
+    /// Both chamber pressures, and the supply pressure where it is recorded.
     pub pressure: PressureSensor,
+    /// Whether the supply pressure is recorded.
+    pub sees_supply: bool,
 }
 
 impl Sensors {
@@ -102,7 +105,9 @@ impl Sensors {
         Self {
             spool: SpoolSensor { counts_per_unit: machine.get(Parameter::LvdtCounts), noise_std: 0.0 },
             position,
+            position_noise_m: 0.0,
             pressure: PressureSensor { noise_std_pa: 3.0e4, range_pa: 2.5e7, bits: 16 },
+            sees_supply: false,
         }
     }
 
@@ -112,13 +117,15 @@ impl Sensors {
         Self {
             spool: SpoolSensor { counts_per_unit: f64::INFINITY, noise_std: 0.0 },
             position: PositionSensor::Linear { resolution_m: 0.0 },
+            position_noise_m: 0.0,
             pressure: PressureSensor { noise_std_pa: 0.0, range_pa: f64::INFINITY, bits: 0 },
+            sees_supply: false,
         }
     }
 }
 
 /// What the sensors show at one tick.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reading {
     /// Slider position, 1.
     pub spool: f64,
@@ -128,34 +135,38 @@ pub struct Reading {
     pub pressure_a_pa: f64,
     /// Pressure in chamber B, Pa.
     pub pressure_b_pa: f64,
+    /// Pressure of the supply, Pa.
+    pub supply_pressure_pa: f64,
 }
 
 /// The sensors at work, with the noise of each.
 #[derive(Clone, Debug)]
 pub(super) struct Measuring {
     sensors: Sensors,
-    noise: [Noise; 3],
+    noise: [Noise; 5],
 }
 
 impl Measuring {
     pub(super) fn new(sensors: Sensors, seed: u64) -> Self {
-        Self { sensors, noise: [1, 2, 3].map(|stream| Noise::new(seed, stream)) }
+        Self { sensors, noise: [1, 2, 3, 4, 5].map(|stream| Noise::new(seed, stream)) }
     }
 
-    pub(super) fn read(&mut self, state: &PlantState) -> Reading {
-        let [spool_noise, noise_a, noise_b] = &mut self.noise;
-        let Sensors { spool, position, pressure } = &self.sensors;
+    /// What is shown of the signals as sensors without noise would see them.
+    pub(super) fn read(&mut self, seen: &Reading) -> Reading {
+        let [spool_noise, noise_a, noise_b, position_noise, supply_noise] = &mut self.noise;
+        let Sensors { spool, position, position_noise_m, pressure, .. } = &self.sensors;
         let counts = spool.counts_per_unit;
-        let seen = state.spool + spool_noise.gaussian(spool.noise_std);
+        let noisy = seen.spool + spool_noise.gaussian(spool.noise_std);
         Reading {
             spool: if counts.is_finite() {
-                (seen * counts).round().clamp(-counts, counts - 1.0) / counts
+                (noisy * counts).round().clamp(-counts, counts - 1.0) / counts
             } else {
-                seen
+                noisy
             },
-            position_m: position.measure(state.position_m),
-            pressure_a_pa: pressure.measure(state.pressure_a_pa, noise_a),
-            pressure_b_pa: pressure.measure(state.pressure_b_pa, noise_b),
+            position_m: position.measure(seen.position_m + position_noise.gaussian(*position_noise_m)),
+            pressure_a_pa: pressure.measure(seen.pressure_a_pa, noise_a),
+            pressure_b_pa: pressure.measure(seen.pressure_b_pa, noise_b),
+            supply_pressure_pa: pressure.measure(seen.supply_pressure_pa, supply_noise),
         }
     }
 }
@@ -183,15 +194,14 @@ mod tests {
     fn the_lvdt_counts_in_parts_of_32768_and_stops_at_its_end() {
         let machine = Machine::with_defaults(Source::Valve);
         let mut measuring = Measuring::new(Sensors::of(&machine).unwrap(), 0);
-        let mut read = |spool| measuring.read(&PlantState { spool, ..PlantState::default() }).spool;
+        let mut read = |spool| measuring.read(&Reading { spool, ..Reading::default() }).spool;
         assert!((read(0.5 + 1e-5) - 0.5).abs() < 1e-16);
         assert!((read(1.2) - 32767.0 / 32768.0).abs() < 1e-16);
     }
 
     #[test]
     fn exact_sensors_show_the_truth() {
-        let state =
-            PlantState { spool: 0.123_456_789, pressure_a_pa: 1.234_567e6, position_m: 0.1, ..PlantState::default() };
+        let state = Reading { spool: 0.123_456_789, pressure_a_pa: 1.234_567e6, position_m: 0.1, ..Reading::default() };
         let reading = Measuring::new(Sensors::exact(), 3).read(&state);
         assert_eq!(reading.spool.to_bits(), state.spool.to_bits());
         assert_eq!(reading.pressure_a_pa.to_bits(), state.pressure_a_pa.to_bits());

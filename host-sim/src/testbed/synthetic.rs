@@ -8,6 +8,7 @@ use thiserror::Error;
 
 use super::input::PumpCommand;
 use super::plant::PlantState;
+use super::sensors::Reading;
 use crate::recording::{Column, Recording, RecordingError, Signal};
 
 /// A recording made by the test bed. Row k holds every signal at time k; the command is held from
@@ -28,10 +29,14 @@ pub struct SyntheticRecording {
     pub pressure_a_pa: Vec<f64>,
     /// Pressure in chamber B as measured, Pa.
     pub pressure_b_pa: Vec<f64>,
+    /// Supply pressure as measured, Pa; empty where it is not recorded.
+    pub supply_pressure_pa: Vec<f64>,
     /// Set position of a closed-loop run, m; empty otherwise.
     pub reference_m: Vec<f64>,
     /// The true signals, which no recording has.
     pub truth: Vec<PlantState>,
+    /// What sensors without noise and rounding would have shown.
+    pub seen: Vec<Reading>,
 }
 
 /// A recording that could not be written.
@@ -77,6 +82,7 @@ impl SyntheticRecording {
             ("position [m]", &self.position_m),
             ("pressure_a [Pa]", &self.pressure_a_pa),
             ("pressure_b [Pa]", &self.pressure_b_pa),
+            ("supply_pressure [Pa]", &self.supply_pressure_pa),
             ("reference [m]", &self.reference_m),
         ];
         columns.retain(|column| !column.1.is_empty());
@@ -90,6 +96,27 @@ impl SyntheticRecording {
             text.push('\n');
         }
         text
+    }
+
+    /// Leaves out the first rows; time starts anew.
+    pub(super) fn cut_before(&mut self, rows: usize) {
+        let rows = rows.min(self.len());
+        let channels = [
+            &mut self.command_v,
+            &mut self.spool,
+            &mut self.position_m,
+            &mut self.pressure_a_pa,
+            &mut self.pressure_b_pa,
+            &mut self.supply_pressure_pa,
+            &mut self.reference_m,
+        ];
+        for channel in channels {
+            channel.drain(..rows.min(channel.len()));
+        }
+        self.pump.drain(..rows.min(self.pump.len()));
+        self.truth.drain(..rows.min(self.truth.len()));
+        self.seen.drain(..rows.min(self.seen.len()));
+        self.time_s.truncate(self.time_s.len() - rows);
     }
 
     /// The recording with each channel rounded to what its sensor can tell, so that its text is short: command 0.1 mV,
@@ -108,6 +135,7 @@ impl SyntheticRecording {
         round(&mut self.reference_m, 1e7);
         round(&mut self.pressure_a_pa, 1.0);
         round(&mut self.pressure_b_pa, 1.0);
+        round(&mut self.supply_pressure_pa, 1.0);
         self
     }
 
@@ -120,6 +148,7 @@ impl SyntheticRecording {
             Column::si(Signal::Position, self.position_m.clone()),
             Column::si(Signal::PressureA, self.pressure_a_pa.clone()),
             Column::si(Signal::PressureB, self.pressure_b_pa.clone()),
+            Column::si(Signal::SupplyPressure, self.supply_pressure_pa.clone()),
         ];
         columns.retain(|column| column.signal == Signal::Time || !column.values.is_empty());
         Recording::new(name, columns)

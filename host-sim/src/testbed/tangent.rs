@@ -28,6 +28,25 @@ pub(super) trait Real:
     /// Distance from zero; its slope at zero is taken as +1.
     #[must_use]
     fn abs(self) -> Self;
+    /// The exponential.
+    #[must_use]
+    fn exp(self) -> Self;
+    /// The natural logarithm; the argument is positive.
+    #[must_use]
+    fn ln(self) -> Self;
+    /// The sine, of radians.
+    #[must_use]
+    fn sin(self) -> Self;
+    /// A power; the base is positive.
+    #[must_use]
+    fn powf(self, exponent: f64) -> Self {
+        (self.ln() * exponent).exp()
+    }
+    /// The larger of the number and a bound.
+    #[must_use]
+    fn at_least(self, bound: f64) -> Self {
+        if self.value() < bound { bound.into() } else { self }
+    }
 }
 
 impl Real for f64 {
@@ -39,6 +58,15 @@ impl Real for f64 {
     }
     fn abs(self) -> Self {
         f64::abs(self)
+    }
+    fn exp(self) -> Self {
+        libm::exp(self)
+    }
+    fn ln(self) -> Self {
+        libm::log(self)
+    }
+    fn sin(self) -> Self {
+        libm::sin(self)
     }
 }
 
@@ -75,6 +103,16 @@ impl Real for Tangent {
     }
     fn abs(self) -> Self {
         if self.value < 0.0 { -self } else { self }
+    }
+    fn exp(self) -> Self {
+        let value = libm::exp(self.value);
+        Self::new(value, value * self.slope)
+    }
+    fn ln(self) -> Self {
+        Self::new(libm::log(self.value), self.slope / self.value)
+    }
+    fn sin(self) -> Self {
+        Self::new(libm::sin(self.value), self.slope * libm::cos(self.value))
     }
 }
 
@@ -148,6 +186,9 @@ mod tests {
 
     fn formula<R: Real>(x: R) -> R {
         (x * x + 3.0).sqrt() / (x - 0.5) - (-x).abs() * 2.0
+            + (x * x + 1.0).powf(0.7)
+            + (x * x).at_least(0.1)
+            + (x * 2.0).sin()
     }
 
     #[test]

@@ -51,3 +51,34 @@ fn recordings_of_another_case_are_not_mixed_in() {
     let message = refused(folder.path(), &TESTBED);
     assert!(message.contains("train-2.csv is there already"), "{message}");
 }
+
+#[test]
+fn drawn_cases_have_their_files_and_the_truth_beside_them() {
+    let folder = folder_with(MACHINE, "");
+    let draw = ["testbed", "draw", "--seed", "3", "--count", "2", "--effects", "none", "--hard", "--out", "cases"];
+    done(folder.path(), &draw);
+    let cases = folder.path().join("cases");
+    let truth: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(cases.join("truth.json")).unwrap()).unwrap();
+    for id in ["c000", "c001"] {
+        assert_eq!(truth[id]["effects"], serde_json::json!([]));
+        assert_eq!(truth[id]["accept"], serde_json::json!([[]]));
+        let floor = truth[id]["noise_floor_nrmse"].as_object().unwrap();
+        for (stem, channels) in floor {
+            assert!(cases.join(id).join(format!("{stem}.csv")).exists());
+            assert!((0.0..0.5).contains(&channels["y"].as_f64().unwrap()));
+        }
+        assert!(floor.contains_key("train-1") && floor.contains_key("holdout-2"));
+        let machine = std::fs::read_to_string(cases.join(id).join("machine.toml")).unwrap();
+        assert!(machine.contains("[fit.sigma]") && machine.contains("\"load.force_n\""));
+    }
+    done(folder.path(), &["diagnose", "cases/c000", "--json", "d.json"]);
+}
+
+#[test]
+fn a_name_that_cannot_be_drawn_is_refused_with_those_that_can() {
+    let folder = folder_with(MACHINE, "");
+    let message = refused(folder.path(), &["testbed", "draw", "--only", "rust", "--out", "cases"]);
+    assert!(message.contains("--only rust: expected one of valve-hysteresis"), "{message}");
+    assert!(!folder.path().join("cases").exists());
+}

@@ -5,9 +5,26 @@
 //! itself. To add one: a variant, its name, its function, its line in [`PlantEffect::apply`]; what
 //! has a memory takes an extra state.
 
+mod chambers;
+mod flow;
+mod friction;
+mod load;
+mod named;
+mod oil;
+mod sensing;
+mod valve;
+
+use super::edges::Edges;
 use super::orifice::signed_root;
-use super::physics::{Inputs, State, Terms};
+use super::physics::{Conditions, Inputs, State, Terms};
 use super::tangent::Real;
+
+pub use flow::FlowEffect;
+pub use friction::{DryFriction, FrictionLevel};
+pub use load::LoadEffect;
+pub use oil::OilTemperature;
+pub use sensing::{Channel, SensingEffect};
+pub use valve::ValveEffect;
 
 /// An effect of the plant, with its parameters in SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +65,36 @@ pub enum PlantEffect {
         /// Bristle damping σ1, N·s/m.
         damping_n_s_per_m: f64,
     },
+    /// Leakage out of the chambers, partly turbulent.
+    ExternalLeakage {
+        /// Flow per small pressure out of A and out of B, m³/s/Pa.
+        conductances_m3_per_s_pa: [f64; 2],
+        /// Share that turns turbulent, 0–1.
+        turbulent_share: f64,
+        /// Pressure of the transition, Pa.
+        transition_pa: f64,
+    },
+    /// Air in the oil, polytropic, which goes into solution as the pressure rises.
+    EntrainedAir {
+        /// Share of the volume at atmospheric pressure.
+        share: f64,
+        /// Absolute pressure at which half of it is in solution, Pa.
+        dissolving_pa: f64,
+    },
+    /// The chambers' volumes follow the piston.
+    PositionDependentVolume,
+    /// Between command and slider.
+    Valve(ValveEffect),
+    /// Between slider and chambers.
+    Flow(FlowEffect),
+    /// Dry friction.
+    Friction(DryFriction),
+    /// A force that goes by the position.
+    Load(LoadEffect),
+    /// Between the true signals and the sensors.
+    Sensing(SensingEffect),
+    /// The oil warms up.
+    OilTemperature(OilTemperature),
 }
 
 impl PlantEffect {
@@ -75,7 +122,7 @@ impl PlantEffect {
         Self::CoulombFriction { force_n, stiffness_n_per_m: 3.0e7, damping_n_s_per_m: 2.0e4 }
     }
 
-    /// The name in the project's vocabulary.
+    /// The name in the project's vocabulary; a leading ~ marks what is outside of it.
     #[must_use]
     pub const fn name(&self) -> &'static str {
         match self {
@@ -83,26 +130,15 @@ impl PlantEffect {
             Self::PumpSlip { .. } => "pump-slip",
             Self::InternalLeakage { .. } => "internal-leakage",
             Self::CoulombFriction { .. } => "coulomb-friction",
-        }
-    }
-
-    /// Names and units of the effects that [`Self::named`] makes.
-    pub const KNOWN: [(&'static str, &'static str); 4] = [
-        ("hose-compliance", "m3/Pa"),
-        ("pump-slip", "m3/s/Pa"),
-        ("internal-leakage", "m3/s/Pa"),
-        ("coulomb-friction", "N"),
-    ];
-
-    /// The effect of this name and strength, in the unit that [`Self::KNOWN`] says, with its other parameters as usual.
-    #[must_use]
-    pub fn named(name: &str, strength: f64) -> Option<Self> {
-        match name {
-            "hose-compliance" => Some(Self::hose_compliance(strength)),
-            "pump-slip" => Some(Self::pump_slip(strength)),
-            "internal-leakage" => Some(Self::internal_leakage(strength)),
-            "coulomb-friction" => Some(Self::coulomb_friction(strength)),
-            _ => None,
+            Self::ExternalLeakage { .. } => "external-leakage",
+            Self::EntrainedAir { .. } => "entrained-air",
+            Self::PositionDependentVolume => "position-dependent-volume",
+            Self::Valve(effect) => effect.name(),
+            Self::Flow(effect) => effect.name(),
+            Self::Friction(friction) => friction.name(),
+            Self::Load(effect) => effect.name(),
+            Self::Sensing(effect) => effect.name(),
+            Self::OilTemperature(_) => "oil-temperature",
         }
     }
 
@@ -110,49 +146,71 @@ impl PlantEffect {
     #[must_use]
     pub const fn states(&self) -> usize {
         match self {
-            Self::CoulombFriction { .. } => 1,
-            Self::HoseCompliance { .. } | Self::PumpSlip { .. } | Self::InternalLeakage { .. } => 0,
+            Self::CoulombFriction { .. } | Self::Friction(_) | Self::OilTemperature(_) => 1,
+            Self::Flow(effect) => effect.states(),
+            _ => 0,
         }
     }
 
-    /// Adds the effect to the plant's terms; `own` are its states, `rates` their derivatives.
+    /// Changes the conditions that every term depends on: supply pressure and viscosity.
+    pub(super) fn condition<R: Real>(&self, inputs: &Inputs, own: &[R], conditions: &mut Conditions<R>) {
+        match self {
+            Self::Flow(effect) => effect.condition(inputs, own, conditions),
+            Self::OilTemperature(_) => OilTemperature::condition(own, conditions),
+            _ => {}
+        }
+    }
+
+    /// Adds the effect to the plant's terms; `own` are its states and their derivatives.
     pub(super) fn apply<R: Real>(
         &self,
+        plant: &Fixed<'_>,
         inputs: &Inputs,
         state: &State<R>,
-        own: &[R],
-        rates: &mut [R],
+        own: (&[R], &mut [R]),
         terms: &mut Terms<R>,
     ) {
         match *self {
             Self::HoseCompliance { compliance_m3_per_pa, stiffening_pressure_pa } => {
-                hose_compliance(compliance_m3_per_pa, stiffening_pressure_pa, state, terms);
+                chambers::hose_compliance(compliance_m3_per_pa, stiffening_pressure_pa, state, terms);
             }
             Self::PumpSlip { conductance_m3_per_s_pa, turbulent_share, reference_pressure_pa } => {
                 let law = Slip { conductance_m3_per_s_pa, turbulent_share, reference_pressure_pa };
                 pump_slip(law, inputs, state, terms);
             }
             Self::InternalLeakage { conductance_m3_per_s_pa, turbulent_share, transition_pa } => {
-                internal_leakage(conductance_m3_per_s_pa, turbulent_share, transition_pa, state, terms);
+                chambers::internal_leakage(conductance_m3_per_s_pa, turbulent_share, transition_pa, state, terms);
             }
+            Self::ExternalLeakage { conductances_m3_per_s_pa, turbulent_share, transition_pa } => {
+                chambers::external_leakage(conductances_m3_per_s_pa, turbulent_share, transition_pa, state, terms);
+            }
+            Self::EntrainedAir { share, dissolving_pa } => chambers::entrained_air(share, dissolving_pa, state, terms),
+            Self::PositionDependentVolume => chambers::moving_volumes(plant.areas_m2, plant.stroke_m, state, terms),
             Self::CoulombFriction { force_n, stiffness_n_per_m, damping_n_s_per_m } => {
-                if let ([bristle], [rate]) = (own, rates) {
-                    let law = Bristle { force_n, stiffness_n_per_m, damping_n_s_per_m };
-                    *rate = coulomb_friction(law, *bristle, state, terms);
-                }
+                let level = FrictionLevel::Constant(force_n);
+                dry_friction(&DryFriction { level, stiffness_n_per_m, damping_n_s_per_m }, own, state, terms);
             }
+            Self::Friction(friction) => dry_friction(&friction, own, state, terms),
+            Self::Flow(effect) => effect.apply(plant.edges, inputs, state, own, terms),
+            Self::Load(effect) => effect.apply(state, terms),
+            Self::OilTemperature(oil) => oil.apply(inputs.supply_pa, own.1, terms),
+            Self::Valve(_) | Self::Sensing(_) => {}
         }
     }
 }
 
-/// dV/dp of C·p/(1 + p/ps) is C/(1 + p/ps)².
-fn hose_compliance<R: Real>(compliance: f64, stiffening_pa: f64, state: &State<R>, terms: &mut Terms<R>) {
-    let at = |pressure: R| {
-        let stretch = pressure / stiffening_pa + 1.0;
-        R::from(compliance) / (stretch * stretch)
-    };
-    terms.capacity_a = terms.capacity_a + at(state.pressure_a);
-    terms.capacity_b = terms.capacity_b + at(state.pressure_b);
+/// What of the plant does not change.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fixed<'a> {
+    pub(super) edges: &'a Edges,
+    pub(super) areas_m2: [f64; 2],
+    pub(super) stroke_m: f64,
+}
+
+fn dry_friction<R: Real>(law: &DryFriction, (own, rates): (&[R], &mut [R]), state: &State<R>, terms: &mut Terms<R>) {
+    if let ([bristle], [rate]) = (own, rates) {
+        *rate = law.apply(*bristle, state, terms);
+    }
 }
 
 #[derive(Clone, Copy)]
@@ -178,30 +236,4 @@ fn pump_slip<R: Real>(law: Slip, inputs: &Inputs, state: &State<R>, terms: &mut 
         0 => {}
         ..=-1 => terms.into_b = terms.into_b - lost(state.pressure_b),
     }
-}
-
-fn internal_leakage<R: Real>(conductance: f64, share: f64, transition_pa: f64, state: &State<R>, terms: &mut Terms<R>) {
-    let difference = state.pressure_a - state.pressure_b;
-    let relative = difference / transition_pa;
-    let fading = (relative * relative + 1.0).sqrt().sqrt();
-    let flow = (difference * (1.0 - share) + difference / fading * share) * conductance;
-    terms.into_a = terms.into_a - flow;
-    terms.into_b = terms.into_b + flow;
-}
-
-#[derive(Clone, Copy)]
-struct Bristle {
-    force_n: f64,
-    stiffness_n_per_m: f64,
-    damping_n_s_per_m: f64,
-}
-
-/// `bristle` is the deflection in parts of the one at which the bristles slide, Fc/σ0.
-fn coulomb_friction<R: Real>(law: Bristle, bristle: R, state: &State<R>, terms: &mut Terms<R>) -> R {
-    if law.force_n <= 0.0 {
-        return 0.0.into();
-    }
-    let deflection_speed = state.velocity - state.velocity.abs() * bristle;
-    terms.force = terms.force - bristle * law.force_n - deflection_speed * law.damping_n_s_per_m;
-    deflection_speed * (law.stiffness_n_per_m / law.force_n)
 }

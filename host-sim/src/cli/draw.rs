@@ -1,0 +1,131 @@
+//! `host-sim testbed draw`: concealed cases at random, to try a diagnosis on.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+
+use super::{CliError, Console, Outcome};
+use crate::atomic;
+use crate::testbed::draw::{self, Concealed, Lot};
+
+/// Arguments of `testbed draw`.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Example:
+  host-sim testbed draw --seed 7 --count 20 --effects mixed --out cases
+
+Every case is a folder with machine.toml (nominal values, off the truth by what [fit.sigma] says), train-1.csv … and
+holdout-1.csv …; truth.json says what each conceals. The same arguments make the same files, and a case is the same
+whatever the count.")]
+pub struct Arguments {
+    /// Seed of everything
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// How many cases
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    count: u64,
+    /// What the cases conceal
+    #[arg(long, value_enum, default_value = "mixed")]
+    effects: EffectsArgument,
+    /// Rough nominal values, fewer and noisier channels
+    #[arg(long)]
+    hard: bool,
+    /// Only effects of this name; may be repeated
+    #[arg(long, value_name = "name")]
+    only: Vec<String>,
+    /// Folder to write to; made where it is not there
+    #[arg(long, value_name = "folder")]
+    out: PathBuf,
+}
+
+/// What `--effects` can be.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum EffectsArgument {
+    /// Nothing
+    None,
+    /// One effect each
+    Single,
+    /// Two effects each
+    Pair,
+    /// Something outside the vocabulary
+    Outside,
+    /// Some of all, most of them single
+    Mixed,
+}
+
+impl From<EffectsArgument> for Concealed {
+    fn from(argument: EffectsArgument) -> Self {
+        match argument {
+            EffectsArgument::None => Self::None,
+            EffectsArgument::Single => Self::Single,
+            EffectsArgument::Pair => Self::Pair,
+            EffectsArgument::Outside => Self::Outside,
+            EffectsArgument::Mixed => Self::Mixed,
+        }
+    }
+}
+
+pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+    let known = || draw::VOCABULARY.iter().chain(&draw::ON_REQUEST).chain(&draw::OUTSIDE);
+    if let Some(found) = arguments.only.iter().find(|name| known().all(|known| known != name)) {
+        let known = known().copied().collect::<Vec<_>>().join(", ");
+        return Err(CliError::EffectName { found: found.clone(), known });
+    }
+    let lot = Lot {
+        seed: arguments.seed,
+        concealed: arguments.effects.into(),
+        hard: arguments.hard,
+        only: arguments.only.clone(),
+    };
+    let bar = console.progress(usize::try_from(arguments.count).unwrap_or(usize::MAX), "drawing cases");
+    let cases = (0..arguments.count)
+        .into_par_iter()
+        .map(|index| {
+            let drawn = draw::draw(&lot, index)
+                .map_err(|cause| CliError::Plant { excitation: format!("case {index}"), cause })?;
+            bar.inc(1);
+            let Some(drawn) = drawn else { return Ok(None) };
+            let folder = arguments.out.join(&drawn.id);
+            let machine = folder.join("machine.toml");
+            let mut files: Vec<(PathBuf, String)> =
+                drawn.recordings.iter().map(|(name, recording)| (folder.join(name), recording.to_csv())).collect();
+            let toml = drawn.file.to_text(&machine.display().to_string())?;
+            files.push((machine, toml));
+            Ok(Some((drawn.id, drawn.truth, files)))
+        })
+        .collect::<Result<Vec<_>, CliError>>()?;
+    bar.finish_and_clear();
+
+    let mut truths = Vec::new();
+    for (id, truth, files) in cases.into_iter().flatten() {
+        let folder = arguments.out.join(&id);
+        refuse_others(&folder, &files)?;
+        fs::create_dir_all(&folder).map_err(failed(&folder))?;
+        for (path, text) in &files {
+            write(path, text)?;
+        }
+        console.print(folder.display())?;
+        truths.push((id, truth));
+    }
+    write(&arguments.out.join("truth.json"), &draw::to_json(&truths))?;
+    Ok(Outcome::Done)
+}
+
+fn failed(path: &Path) -> impl FnOnce(std::io::Error) -> CliError {
+    let path = path.to_owned();
+    move |cause| CliError::Write { path, cause }
+}
+
+fn write(path: &Path, text: &str) -> Result<(), CliError> {
+    atomic::write(path, |out| out.write_all(text.as_bytes())).map_err(failed(path))
+}
+
+/// Recordings of another lot in the folder would be taken for recordings of this case.
+fn refuse_others(folder: &Path, files: &[(PathBuf, String)]) -> Result<(), CliError> {
+    let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
+    let other = |path: &PathBuf| path.extension().is_some_and(|e| e == "csv") && files.iter().all(|own| own.0 != *path);
+    match entries.flatten().map(|entry| entry.path()).find(other) {
+        Some(path) => Err(CliError::OtherRecording { path }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,62 @@
+//! What a drawn case has to be.
+
+use model_core::parameter::Parameter as P;
+use rayon::prelude::*;
+
+use super::*;
+
+fn lot(concealed: Concealed, seed: u64, only: &[&str]) -> Lot {
+    Lot { seed, concealed, hard: seed % 2 == 1, only: only.iter().map(|name| (*name).to_owned()).collect() }
+}
+
+#[test]
+fn a_case_is_the_same_again_and_another_seed_is_another_case() {
+    let text = |seed: u64| {
+        let drawn = draw(&lot(Concealed::Single, seed, &["internal-leakage"]), 2).unwrap().unwrap();
+        let files: Vec<String> = drawn.recordings.iter().map(|(_, recording)| recording.to_csv()).collect();
+        (files, drawn.file.to_text("m.toml").unwrap(), to_json(&[(drawn.id, drawn.truth)]))
+    };
+    let one = text(1);
+    assert_eq!(one, text(1));
+    assert_ne!(one.1, text(2).1);
+}
+
+#[test]
+fn every_name_can_be_drawn_and_stays_inside_its_stroke() {
+    let names: Vec<&str> = VOCABULARY.iter().chain(&ON_REQUEST).chain(&OUTSIDE).copied().collect();
+    names.par_iter().enumerate().for_each(|(index, name)| {
+        let drawn = draw(&lot(Concealed::Single, 4, &[name]), index as u64).unwrap().unwrap();
+        assert_eq!(drawn.truth.effects, [*name]);
+        assert!(drawn.truth.forms.iter().all(|form| form.name() == *name));
+        let stroke_m = drawn.file.machine.get(P::Stroke);
+        for (file, recording) in &drawn.recordings {
+            assert!(recording.len() > 700, "{name} {file}");
+            for state in &recording.truth {
+                assert!((0.0..=stroke_m).contains(&state.position_m), "{name} {file}");
+                assert!(state.pressure_a_pa.is_finite() && state.spool.is_finite(), "{name} {file}");
+            }
+        }
+        assert!(drawn.truth.visible.iter().all(|visible| *visible > 1.0), "{name}: {:?}", drawn.truth.visible);
+    });
+}
+
+#[test]
+fn two_effects_are_two_and_a_lot_takes_each_name_in_turn() {
+    let pair = draw(&lot(Concealed::Pair, 8, &[]), 1).unwrap().unwrap().truth;
+    assert_eq!((pair.effects.len(), pair.visible.len()), (2, 2));
+    assert_ne!(pair.effects[0], pair.effects[1]);
+    let only = ["internal-leakage", "linkage-backlash"];
+    let mut two = [0, 1].map(|k| draw(&lot(Concealed::Single, 2, &only), k).unwrap().unwrap().truth.effects[0]);
+    two.sort_unstable();
+    assert_eq!(two, only);
+}
+
+#[test]
+fn an_effect_that_the_noise_hides_may_be_left_out() {
+    let mut truth = draw(&lot(Concealed::None, 4, &[]), 0).unwrap().unwrap().truth;
+    assert!(truth.effects.is_empty());
+    assert_eq!(truth.accept(), [Vec::<&str>::new()]);
+    truth.effects = vec!["end-stop", "null-drift"];
+    truth.visible = vec![1.1, 3.0];
+    assert_eq!(truth.accept(), [vec!["end-stop", "null-drift"], vec!["null-drift"]]);
+}
