@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::fit::{Estimate, Fit, FitError, Free, From, Sensitivity, effective_samples, fit, loss, settle, standardised};
 use crate::hypothesis::{Form, Hypothesis, Kind, Scene};
 use crate::prepare::Prepared;
-use crate::screen::{Lead, screen};
+use crate::screen::{Lead, extended, screen};
 
 /// The question put to the training recordings.
 #[derive(Clone, Copy, Debug)]
@@ -65,7 +65,13 @@ struct Beginning<'a> {
 impl Candidate {
     /// The machine file's model, refitted.
     pub fn base(question: &Question<'_>) -> Result<Self, FitError> {
-        let fit = fit(question.scene.machine, question.ordinary, question.training, &From::default(), 1e-8)?;
+        let fit = fit(question.scene.machine, question.ordinary, question.training, &From::default(), Some(1e-8))?;
+        Self::of(question, Vec::new(), fit, Vec::new())
+    }
+
+    /// The machine file's model as it is: an effect that is not in it may have bent the refitted one far.
+    pub fn nominal(question: &Question<'_>) -> Result<Self, FitError> {
+        let fit = fit(question.scene.machine, question.ordinary, question.training, &From::default(), None)?;
         Self::of(question, Vec::new(), fit, Vec::new())
     }
 
@@ -88,6 +94,26 @@ impl Candidate {
     pub fn leads(&self, question: &Question<'_>, hypotheses: &[&'static Hypothesis]) -> Result<Vec<Lead>, FitError> {
         let Some(sensitivity) = Sensitivity::at(&self.fit, question.training)? else { return Ok(Vec::new()) };
         Ok(screen(question.scene, &self.fit, &sensitivity, hypotheses)?)
+    }
+
+    /// Where extensions of its newest effect could start.
+    pub fn extensions(&self, question: &Question<'_>, of: &[&'static Hypothesis]) -> Result<Vec<Lead>, FitError> {
+        let Some(sensitivity) = Sensitivity::at(&self.fit, question.training)? else { return Ok(Vec::new()) };
+        let mut found = Vec::new();
+        for effect in of {
+            found.extend(extended(question.scene, &self.fit, &sensitivity, effect)?);
+        }
+        Ok(found)
+    }
+
+    /// With an extension in the place of the effect that it extends.
+    pub fn with_extension(&self, question: &Question<'_>, lead: &Lead) -> Result<Self, FitError> {
+        let plain = lead.effect.extends.map_or("", |extension| extension.plain);
+        let mut effects = self.effects.clone();
+        effects.retain(|chosen| chosen.effect.name != plain);
+        effects.push(Chosen { effect: lead.effect, form: lead.form });
+        let from = Beginning { fit: &self.fit, values: &lead.values, settled: &lead.settled, precision: ROUGHLY };
+        Self::refitted(question, effects, self.jumps.clone(), &from)
     }
 
     /// With one more effect, roughly refitted from where the lead points; [`Candidate::finished`] does the rest.
@@ -135,7 +161,7 @@ impl Candidate {
             })
             .collect();
         let start = From { solution: Some(from.fit), coordinates: &coordinates, moved: from.settled };
-        let mut found = fit(&jumped(question.scene.machine, &jumps), &free, question.training, &start, from.precision)?;
+        let mut found = fit(&jumped(question.scene.machine, &jumps), &free, question.training, &start, Some(from.precision))?;
         for _ in 0..if jumps.is_empty() { 0 } else { 2 } {
             let Some(sensitivity) = Sensitivity::at(&found, question.training)? else { break };
             for (parameter, value) in &mut jumps {
@@ -143,7 +169,7 @@ impl Candidate {
             }
             drop(sensitivity);
             let again = From { solution: Some(&found), ..From::default() };
-            found = fit(&jumped(question.scene.machine, &jumps), &free, question.training, &again, from.precision)?;
+            found = fit(&jumped(question.scene.machine, &jumps), &free, question.training, &again, Some(from.precision))?;
         }
         Self::of(question, effects, found, jumps)
     }

@@ -21,6 +21,7 @@ pub mod recording;
 pub mod report;
 pub mod residual;
 pub mod screen;
+pub mod search;
 pub mod simulate;
 pub mod testbed;
 pub mod verdict;

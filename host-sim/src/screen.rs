@@ -19,6 +19,8 @@ pub struct Lead {
     pub values: Vec<(Parameter, f64)>,
     /// Half the sum of squares that it would gain.
     pub gain: f64,
+    /// Half the sum of squares that it would leave.
+    pub loss: f64,
     /// Coordinates that what was free before settles at: parameters, then each recording's start.
     pub settled: Vec<f64>,
 }
@@ -194,6 +196,47 @@ fn shapes(scene: &Scene<'_>, form: Form) -> Vec<Vec<(Parameter, f64)>> {
     })
 }
 
+/// The most promising start of every form of an extension from a solution with the plainer effect: what that had is taken over,
+/// and the rest is tried.
+pub fn extended(
+    scene: &Scene<'_>,
+    fit: &Fit,
+    sensitivity: &Sensitivity<'_>,
+    effect: &'static Hypothesis,
+) -> Result<Vec<Lead>, MachineError> {
+    let Some(extension) = effect.extends else { return Ok(Vec::new()) };
+    let given = fit.machine.get(extension.given);
+    let mut found = Vec::new();
+    for form in effect.forms {
+        let taken = |strength: &&Strength| extension.taken.contains(&strength.parameter);
+        let start: Vec<(Parameter, f64)> = std::iter::once((extension.given, 0.0))
+            .chain(form.iter().filter(taken).map(|strength| (strength.parameter, given)))
+            .collect();
+        let points = form.iter().filter(|strength| !taken(strength)).fold(vec![start], |points, strength| {
+            let tries = match strength.kind {
+                Kind::Amount(_) | Kind::Jump(_) => vec![0.1 * given, 0.5 * given, given],
+                Kind::Signed(_) => vec![-0.5 * given, 0.05 * given, 0.5 * given],
+                Kind::Shape(..) | Kind::Place(..) => strength.tries(scene),
+            };
+            points
+                .iter()
+                .flat_map(|point| tries.iter().map(|value| [point.as_slice(), &[(strength.parameter, *value)]].concat()))
+                .collect()
+        });
+        let leads: Vec<Lead> = points
+            .into_par_iter()
+            .map(|values| {
+                let change = sensitivity.change(&with(&fit.machine, &values))?;
+                let gain = sensitivity.gain(&change);
+                let (loss, settled) = (sensitivity.settled_loss() - gain, sensitivity.settled(&change));
+                Ok(Lead { effect, form, values, gain, loss, settled })
+            })
+            .collect::<Result<_, MachineError>>()?;
+        found.extend(leads.into_iter().min_by(|a, b| a.loss.total_cmp(&b.loss)));
+    }
+    Ok(found)
+}
+
 fn with(machine: &Machine<f64>, values: &[(Parameter, f64)]) -> Machine<f64> {
     let mut machine = *machine;
     for &(parameter, value) in values {
@@ -213,7 +256,9 @@ fn lead(
 ) -> Result<Option<Lead>, MachineError> {
     let lead_at = |values: Vec<(Parameter, f64)>| -> Result<Lead, MachineError> {
         let change = sensitivity.change(&with(&fit.machine, &values))?;
-        Ok(Lead { effect, form, values, gain: sensitivity.gain(&change), settled: sensitivity.settled(&change) })
+        let gain = sensitivity.gain(&change);
+        let (loss, settled) = (sensitivity.settled_loss() - gain, sensitivity.settled(&change));
+        Ok(Lead { effect, form, values, gain, loss, settled })
     };
     if form.iter().all(|strength| matches!(strength.kind, Kind::Jump(_))) {
         return jump(scene, form, lead_at).map(Some);

@@ -15,15 +15,14 @@ use crate::fit::{FitError, effective_samples, loss, settle, standardised};
 use crate::hypothesis::Hypothesis;
 use crate::prepare::Prepared;
 use crate::recording::Signal;
+use crate::search::widened;
 
 /// Most effects claimed at once.
 const MOST_EFFECTS: usize = 3;
 /// Effects that are refitted in a round, the most promising by the screening.
-const REFITTED: usize = 7;
+const REFITTED: usize = 9;
 /// Sets of a round that are refitted to the end.
 const FINISHED: usize = 5;
-/// An effect that promises less than this share of the best is not refitted.
-const PROMISING: f64 = 0.05;
 /// Sets that the next round starts from.
 const BEAM: usize = 3;
 /// Effects that are refitted beside each of those.
@@ -76,7 +75,8 @@ pub fn select(question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<
             .par_iter()
             .map(|(candidate, _)| candidate.finished(question))
             .collect::<Result<Vec<_>, FitError>>()?;
-        let ranked = ranked(&base, finished.into_iter().chain(rest.into_iter().map(|(candidate, _)| candidate)).collect());
+        let mut ranked = ranked(&base, finished.into_iter().chain(rest.into_iter().map(|(candidate, _)| candidate)).collect());
+        prefer_plain(&base, &mut ranked);
         rounds.push(ranked.iter().map(|(candidate, net)| trial(candidate, *net)).collect());
         let mut accepted = None;
         for (candidate, _) in ranked.iter().take(BEAM) {
@@ -98,52 +98,6 @@ pub fn select(question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<
         }
     }
     Ok(Selection { base, chosen, rounds })
-}
-
-/// Every set of the beam with one more effect, each effect in its most promising forms.
-fn widened(
-    question: &Question<'_>,
-    beam: &[Candidate],
-    most: usize,
-    done: &(impl Fn(&str) + Sync),
-) -> Result<Vec<Candidate>, FitError> {
-    let mut found: Vec<Candidate> = Vec::new();
-    for from in beam {
-        let open: Vec<&'static Hypothesis> = question
-            .hypotheses
-            .iter()
-            .copied()
-            .filter(|hypothesis| from.effects.iter().all(|chosen| chosen.effect.name != hypothesis.name))
-            .filter(|hypothesis| from.effects.iter().all(|chosen| !related(chosen.effect, hypothesis)))
-            .collect();
-        let mut leads = from.leads(question, &open)?;
-        let mut names: Vec<&str> = Vec::new();
-        let most_promised = leads.first().map_or(0.0, |lead| lead.gain);
-        leads.retain(|lead| lead.gain > PROMISING * most_promised && lead.gain > CHANCE);
-        leads.retain(|lead| {
-            if !names.contains(&lead.effect.name) {
-                names.push(lead.effect.name);
-            }
-            names.iter().position(|name| *name == lead.effect.name).is_some_and(|rank| rank < most)
-        });
-        let refitted: Vec<Candidate> = leads
-            .par_iter()
-            .map(|lead| {
-                let candidate = from.with(question, lead)?;
-                done(lead.effect.name);
-                Ok(candidate)
-            })
-            .collect::<Result<_, FitError>>()?;
-        found.extend(refitted);
-    }
-    Ok(found)
-}
-
-/// Whether one is an extension of the other: never claimed together.
-fn related(one: &Hypothesis, other: &Hypothesis) -> bool {
-    one.extends.contains(&other.name)
-        || other.extends.contains(&one.name)
-        || one.extends.iter().any(|plain| other.extends.contains(plain))
 }
 
 /// Best first by log-likelihood gained over the base less penalty; only the best form of the same effects stays.
@@ -171,6 +125,31 @@ fn ranked(base: &Candidate, found: Vec<Candidate>) -> Vec<(Candidate, f64)> {
         new
     });
     ranked
+}
+
+/// Puts a set with the plainer effect before the one with its extension, where that does not earn what it has more.
+fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>) {
+    let Some((best, best_net)) = ranked.first() else { return };
+    let most = excess(&base.residuals);
+    let plainer = ranked.iter().position(|(candidate, net)| {
+        let extended = best.effects.iter().any(|chosen| {
+            chosen.effect.extends.is_some_and(|extension| {
+                let others = best.effects.iter().filter(|other| other.effect.name != chosen.effect.name);
+                let mut wanted: Vec<&str> = others.map(|other| other.effect.name).chain([extension.plain]).collect();
+                let mut names: Vec<&str> = candidate.effects.iter().map(|chosen| chosen.effect.name).collect();
+                wanted.sort_unstable();
+                names.sort_unstable();
+                wanted == names
+            })
+        });
+        let earned = best_net - net > CHANCE
+            && excess(&candidate.residuals) - excess(&best.residuals) > FORM * FORM * most;
+        extended && !earned
+    });
+    if let Some(index) = plainer {
+        let plain = ranked.remove(index);
+        ranked.insert(0, plain);
+    }
 }
 
 fn trial(candidate: &Candidate, net: f64) -> Trial {
@@ -279,6 +258,9 @@ impl Confirmation {
     }
 }
 
+/// NRMSE fit, %, that a perfect model would reach on a signal that is mostly noise.
+const MOSTLY_NOISE: f64 = 50.0;
+
 /// Opens the held-out recordings, once.
 pub fn confirm(
     base: &Machine<f64>,
@@ -299,7 +281,10 @@ pub fn confirm(
                 Some((_, sum)) => *sum += gain,
                 None => signals.push((channel.signal, gain)),
             }
-            least_fit_percent = least_fit_percent.min(channel.fit_percent(after));
+            // A signal that is mostly noise fits no better than its mean, whatever the model.
+            if channel.noise_floor_percent() > MOSTLY_NOISE {
+                least_fit_percent = least_fit_percent.min(channel.fit_percent(after));
+            }
         }
         improved += usize::from(total > 0.0);
     }

@@ -195,13 +195,13 @@ pub struct From<'a> {
 
 /// Fits `free` parameters of `machine` to the recordings.
 ///
-/// The search ends when the loss falls by less than `precision` of itself in a step.
+/// The search ends when the loss falls by less than `precision` of itself in a step; there is none where it is not given.
 pub fn fit(
     machine: &Machine<f64>,
     free: &[Free],
     cases: &[&Prepared],
     from: &From<'_>,
-    precision: f64,
+    precision: Option<f64>,
 ) -> Result<Fit, FitError> {
     let count = free.len() + 1;
     let mut problem = Problem::new(machine, free, cases, from);
@@ -212,8 +212,9 @@ pub fn fit(
     )?;
     macro_rules! minimise {
         ($($slots:literal)*) => {
-            match count {
-                $(0..=$slots => problem.minimise::<$slots>(precision),)*
+            match (count, precision) {
+                $((0..=$slots, Some(precision)) => problem.minimise::<$slots>(precision),
+                  (0..=$slots, None) => problem.evaluate::<$slots>(),)*
                 _ => return Err(FitError::TooMany { count }),
             }
         };

@@ -72,6 +72,15 @@ impl<'a> Problem<'a> {
         machine
     }
 
+    /// Half the sum of squares at the coordinates, without a search.
+    pub(super) fn evaluate<const P: usize>(&mut self) -> Minimum {
+        let mut slots = Slots::<'_, '_, P>::new(self);
+        let loss = slots.residuals().map_or(f64::INFINITY, |residuals| 0.5 * residuals.norm_squared());
+        let information = std::mem::take(&mut slots.here.information);
+        self.information = information;
+        Minimum { converged: false, loss }
+    }
+
     /// Minimises with `P` partial derivatives a run.
     pub(super) fn minimise<const P: usize>(&mut self, precision: f64) -> Minimum {
         let solver = LevenbergMarquardt::new()

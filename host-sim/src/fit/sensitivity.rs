@@ -141,6 +141,12 @@ impl<'a> Sensitivity<'a> {
         sum
     }
 
+    /// Half the sum of squares once the free parameters have settled, without any change.
+    #[must_use]
+    pub fn settled_loss(&self) -> f64 {
+        self.fit.loss - 0.5 * self.gradient.dot(&self.factor.solve(&self.gradient))
+    }
+
     /// Half the sum of squares that is gained when residuals change so and the free parameters then settle anew.
     #[must_use]
     pub fn gain(&self, change: &Change) -> f64 {

@@ -54,7 +54,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "slow triangle, both pressures recorded: they build up when friction holds the rod",
         },
     ],
-    extends: &[],
+    extends: None,
     separated_by: "constant-speed strokes below 10 mm/s",
     source: "Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30, 1994",
     // With the load taken from the pressures the force balance is an input.

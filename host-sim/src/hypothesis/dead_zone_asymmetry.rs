@@ -44,7 +44,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "steps of several sizes: overlap takes the same travel from each, edges the same share",
         },
     ],
-    extends: &[],
+    extends: None,
     separated_by: "slow triangle through the centre, slider recorded",
     source: "Tao & Kokotović, Adaptive Control of Systems with Actuator and Sensor Nonlinearities, 1996",
     shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Slider),

@@ -65,7 +65,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "strokes over the whole stroke, both ways: leaving a stop the rod is not held",
         },
     ],
-    extends: &[],
+    extends: None,
     separated_by: "strokes over the whole stroke, slowly into the end, both pressures recorded",
     source: "Hunt & Crossley, J. Applied Mechanics 42, 1975",
     // With the load taken from the pressures the force balance is an input; a rod that never moved met no stop.

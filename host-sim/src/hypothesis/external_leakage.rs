@@ -48,7 +48,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "closed-valve hold under load: a sensor's offset stays, a leaking chamber empties",
         },
     ],
-    extends: &[],
+    extends: None,
     separated_by: "closed-valve hold under load, both pressures recorded",
     source: "Merritt, Hydraulic Control Systems, 1967, ch. 6",
     shows_in: |scene| scene.entry != EntryPoint::Force,

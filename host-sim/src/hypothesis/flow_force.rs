@@ -50,7 +50,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "steps of several sizes, slider recorded: droop leaves the slider in its place",
         },
     ],
-    extends: &[],
+    extends: None,
     separated_by: "strokes at two loads and steps of several sizes, slider recorded",
     source: "Merritt, Hydraulic Control Systems, 1967, §5-6",
     shows_in: |scene| scene.entry == EntryPoint::Command,

@@ -47,7 +47,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "steps of several sizes, both pressures recorded: a curved gain changes with the opening",
         },
     ],
-    extends: &[],
+    extends: None,
     separated_by: "steps of several sizes at two loads",
     source: "Backé, Systematik der hydraulischen Widerstandsschaltungen, 1974",
     shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Slider),

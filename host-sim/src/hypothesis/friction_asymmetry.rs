@@ -22,7 +22,7 @@
 
 use model_core::parameter::Parameter;
 
-use super::{Hypothesis, Kind, LookAlike, Scene, Strength, Subsystem};
+use super::{Extension, Hypothesis, Kind, LookAlike, Scene, Strength, Subsystem};
 use crate::machine_file::LoadSource;
 
 fn force_n(scene: &Scene<'_>) -> (f64, f64) {
@@ -55,7 +55,11 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "closed-valve hold under load: a pressure sensor's offset is there at rest, too",
         },
     ],
-    extends: &["coulomb-friction"],
+    extends: Some(Extension {
+        plain: "coulomb-friction",
+        given: Parameter::CoulombFriction,
+        taken: &[Parameter::AsymmetricExtending, Parameter::AsymmetricRetracting],
+    }),
     separated_by: "constant-speed strokes both ways, both pressures recorded",
     source: "Bonchis, Corke, Rye, IEEE ICRA 1999",
     // With the load taken from the pressures the force balance is an input.

@@ -52,7 +52,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "constant-speed strokes: at constant pressure compliance rests, a lag stays",
         },
     ],
-    extends: &[],
+    extends: None,
     separated_by: "pressure steps against a blocked rod at two pressure levels",
     source: "Merritt, Hydraulic Control Systems, 1967, §2-5",
     shows_in: |scene| scene.entry != crate::simulate::EntryPoint::Force,

@@ -39,7 +39,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "closed-valve hold under load: only leakage lets it creep",
         },
     ],
-    extends: &[],
+    extends: None,
     separated_by: "strokes at two loads, one of which takes nearly the whole supply, both pressures recorded",
     source: "Borutzky, Barnard, Thoma, Simulation Modelling Practice and Theory 10, 2002",
     shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Slider),

@@ -47,7 +47,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "constant-speed strokes: play is the same at every speed, a lag grows with it",
         },
     ],
-    extends: &[],
+    extends: None,
     separated_by: "slow triangle, both pressures recorded",
     source: "Nordin & Gutman, Automatica 38, 2002",
     shows_in: |scene| scene.judges(Signal::Position),

@@ -47,7 +47,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "closed-valve hold under load: a pressure sensor's offset is there at rest, too",
         },
     ],
-    extends: &[],
+    extends: None,
     separated_by: "steps of several sizes both ways, both pressures recorded",
     source: "Jelali & Kroll, Hydraulic Servo-systems, 2003, ch. 4",
     shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Slider),

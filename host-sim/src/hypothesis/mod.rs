@@ -153,6 +153,17 @@ pub struct Strength {
 /// A set of strengths that an effect is fitted with; the others stay neutral.
 pub type Form = &'static [Strength];
 
+/// What an effect has in common with a plainer one.
+#[derive(Clone, Copy, Debug)]
+pub struct Extension {
+    /// The plainer effect.
+    pub plain: &'static str,
+    /// Its strength.
+    pub given: Parameter,
+    /// The extension's strengths that take its place.
+    pub taken: &'static [Parameter],
+}
+
 /// An effect that can be switched on in the chain.
 #[derive(Clone, Copy, Debug)]
 pub struct Hypothesis {
@@ -166,8 +177,8 @@ pub struct Hypothesis {
     pub forms: &'static [Form],
     /// What may be taken for it.
     pub look_alikes: &'static [LookAlike],
-    /// Effects that it is an extension of: it has to earn what it has more than these.
-    pub extends: &'static [&'static str],
+    /// The effect that it is an extension of, if any: it has to earn what it has more.
+    pub extends: Option<Extension>,
     /// The test that shows it apart from others.
     pub separated_by: &'static str,
     /// Where the physics is described.
@@ -267,8 +278,10 @@ mod tests {
                 let positive = matches!(strength.kind, Kind::Amount(_) | Kind::Jump(_) | Kind::Shape(..));
                 assert!(!positive || low > 0.0, "{}: {low}", description.key);
             }
-            for other in hypothesis.extends {
-                assert!(CATALOGUE.iter().any(|known| known.name == *other), "{}: extends {other}", hypothesis.name);
+            if let Some(extension) = hypothesis.extends {
+                let plain = CATALOGUE.iter().find(|known| known.name == extension.plain).unwrap();
+                assert!(plain.parameters().any(|parameter| parameter == extension.given));
+                assert!(extension.taken.iter().all(|taken| hypothesis.parameters().any(|own| own == *taken)));
             }
         }
     }

@@ -46,7 +46,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "long run for warming up: warm oil speeds both directions up, drift one only",
         },
     ],
-    extends: &[],
+    extends: None,
     separated_by: "long run for warming up, constant-speed strokes and closed-valve hold repeated",
     source: "Totten (ed.), Handbook of Hydraulic Fluid Technology, 2000; ASTM D341",
     // With the load taken from the pressures the force balance is an input.

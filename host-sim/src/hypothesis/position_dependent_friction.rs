@@ -21,7 +21,7 @@
 
 use model_core::parameter::Parameter;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{Extension, Hypothesis, Kind, LookAlike, Strength, Subsystem};
 use crate::machine_file::LoadSource;
 use crate::recording::Signal;
 
@@ -57,7 +57,11 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "strokes over the whole stroke, both ways: leaving a stop the rod is not held",
         },
     ],
-    extends: &["coulomb-friction"],
+    extends: Some(Extension {
+        plain: "coulomb-friction",
+        given: Parameter::CoulombFriction,
+        taken: &[Parameter::PositionFriction],
+    }),
     separated_by: "constant-speed strokes over the whole stroke both ways, both pressures recorded",
     source: "Armstrong-Hélouvry, Control of Machines with Friction, 1991",
     // With the load taken from the pressures the force balance is an input; without motion no place is known.

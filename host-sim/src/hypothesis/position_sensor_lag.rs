@@ -41,7 +41,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "constant-speed strokes: at constant pressure compliance rests, a lag stays",
         },
     ],
-    extends: &[],
+    extends: None,
     separated_by: "constant-speed strokes at several speeds and a sine sweep, both pressures recorded",
     source: "Doebelin, Measurement Systems: Application and Design",
     shows_in: |scene| scene.judges(Signal::Position),

@@ -22,7 +22,7 @@
 
 use model_core::parameter::Parameter;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{Extension, Hypothesis, Kind, LookAlike, Strength, Subsystem};
 use crate::machine_file::LoadSource;
 
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
@@ -60,7 +60,11 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "sine sweep of small amplitude, both pressures recorded: play leaves no force",
         },
     ],
-    extends: &["coulomb-friction"],
+    extends: Some(Extension {
+        plain: "coulomb-friction",
+        given: Parameter::CoulombFriction,
+        taken: &[Parameter::PreslidingForce],
+    }),
     separated_by: "sine sweep of small amplitude, both pressures recorded",
     source: "Canudas de Wit, Olsson, Åström, Lischinsky, IEEE Trans. Automatic Control 40, 1995",
     // With the load taken from the pressures the force balance is an input.

@@ -48,7 +48,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "strokes at two loads over the whole stroke: friction of the place does not follow the load",
         },
     ],
-    extends: &[],
+    extends: None,
     separated_by: "strokes at two loads at the same constant speed, both pressures recorded",
     source: "Bonchis, Corke, Rye, IEEE ICRA 1999",
     // With the load taken from the pressures the force balance is an input.

@@ -42,7 +42,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "steps of several sizes with the supply shut off: saturation stays, flow force is gone",
         },
     ],
-    extends: &[],
+    extends: None,
     separated_by: "steps of several sizes up to full command, slider recorded",
     source: "Vaughan & Gamble, J. Dyn. Syst. Meas. Control 118, 1996",
     shows_in: |scene| scene.entry == EntryPoint::Command,

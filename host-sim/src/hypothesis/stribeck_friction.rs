@@ -22,7 +22,7 @@
 
 use model_core::parameter::Parameter;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{Extension, Hypothesis, Kind, LookAlike, Strength, Subsystem};
 use crate::machine_file::LoadSource;
 
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
@@ -54,7 +54,11 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "constant-speed strokes, pressures recorded: a slider that jumps leaves them flat before",
         },
     ],
-    extends: &["coulomb-friction"],
+    extends: Some(Extension {
+        plain: "coulomb-friction",
+        given: Parameter::CoulombFriction,
+        taken: &[Parameter::StribeckForce],
+    }),
     separated_by: "constant-speed strokes from 1 to 100 mm/s, both pressures recorded",
     source: "Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30, 1994",
     // With the load taken from the pressures the force balance is an input.

@@ -52,7 +52,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "steps of several sizes, slider recorded: flow force moves the slider",
         },
     ],
-    extends: &[],
+    extends: None,
     separated_by: "steps of several sizes, supply pressure recorded",
     source: "Merritt, Hydraulic Control Systems, 1967, ch. 11",
     shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Slider),

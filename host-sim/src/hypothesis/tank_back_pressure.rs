@@ -54,7 +54,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "steps of several sizes, both pressures recorded: unequal edges show at slow speed, too",
         },
     ],
-    extends: &[],
+    extends: None,
     separated_by: "steps of several sizes, both pressures and the tank pressure recorded",
     source: "Backé & Murrenhoff, Grundlagen der Ölhydraulik, RWTH Aachen",
     shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Slider),

@@ -49,7 +49,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "slow triangle with slider or pressures recorded: they know nothing of play in the linkage",
         },
     ],
-    extends: &[],
+    extends: None,
     separated_by: "slow triangle at two rates, slider recorded",
     source: "Krasnosel'skii & Pokrovskii, Systems with Hysteresis, 1989",
     shows_in: |scene| scene.entry == EntryPoint::Command,

@@ -43,7 +43,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "closed-valve hold under load: without leakage a closed valve holds",
         },
     ],
-    extends: &[],
+    extends: None,
     separated_by: "closed-valve hold under load, both pressures recorded",
     source: "Eryilmaz & Wilson, J. Franklin Institute 343, 2006",
     shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Slider),

@@ -1,0 +1,109 @@
+//! Sets with one more effect: what is worth a refit, refitted roughly.
+
+use rayon::prelude::*;
+
+use crate::candidate::{Candidate, Question};
+use crate::fit::FitError;
+use crate::hypothesis::Hypothesis;
+use crate::screen::Lead;
+
+/// An effect that promises less than this share of what the best does is not refitted.
+const PROMISING: f64 = 0.05;
+/// Nor is one that promises less than chance gives.
+const CHANCE: f64 = 3.0;
+
+/// Every set of the beam with one more effect, at most `most` effects each, in their promising forms.
+///
+/// Where nothing is in a set yet, leads are looked for beside the nominal machine as well. Extensions of an effect start from
+/// its refit.
+pub fn widened(
+    question: &Question<'_>,
+    beam: &[Candidate],
+    most: usize,
+    done: &(impl Fn(&str) + Sync),
+) -> Result<Vec<Candidate>, FitError> {
+    let mut found = Vec::new();
+    for from in beam {
+        let open = open_to(question, from);
+        let plain: Vec<&'static Hypothesis> = open.iter().copied().filter(|effect| effect.extends.is_none()).collect();
+        let nominal = if from.effects.is_empty() { Some(Candidate::nominal(question)?) } else { None };
+        let mut leads: Vec<(Lead, &Candidate)> = Vec::new();
+        for reference in std::iter::once(from).chain(&nominal) {
+            leads.extend(reference.leads(question, &plain)?.into_iter().map(|lead| (lead, reference)));
+        }
+        let refitted: Vec<Candidate> = promising(leads, from.fit.loss, most)
+            .par_iter()
+            .map(|(lead, reference)| {
+                let candidate = reference.with(question, lead)?;
+                done(lead.effect.name);
+                Ok(candidate)
+            })
+            .collect::<Result<_, FitError>>()?;
+        let extended = extensions(question, from, &open, &refitted, done)?;
+        found.extend(refitted);
+        found.extend(extended);
+    }
+    Ok(found)
+}
+
+/// Effects that may be added: neither there already, nor an extension of one that is.
+fn open_to(question: &Question<'_>, from: &Candidate) -> Vec<&'static Hypothesis> {
+    let related = |one: &Hypothesis, other: &Hypothesis| {
+        let plain = |effect: &Hypothesis| effect.extends.map_or(effect.name, |extension| extension.plain);
+        plain(one) == plain(other)
+    };
+    let open = |hypothesis: &&Hypothesis| from.effects.iter().all(|chosen| !related(chosen.effect, hypothesis));
+    question.hypotheses.iter().copied().filter(open).collect()
+}
+
+/// The leads of the most promising effects; of the same form only the better of both references.
+fn promising<'a>(mut leads: Vec<(Lead, &'a Candidate)>, loss: f64, most: usize) -> Vec<(Lead, &'a Candidate)> {
+    leads.sort_by(|a, b| a.0.loss.total_cmp(&b.0.loss));
+    let best = leads.first().map_or(0.0, |(lead, _)| loss - lead.loss);
+    let mut forms: Vec<*const _> = Vec::new();
+    let mut names: Vec<&str> = Vec::new();
+    leads.retain(|(lead, _)| {
+        let form = lead.form.as_ptr();
+        let new = !forms.contains(&form);
+        forms.push(form);
+        if !names.contains(&lead.effect.name) {
+            names.push(lead.effect.name);
+        }
+        let rank = names.iter().position(|name| *name == lead.effect.name);
+        new && loss - lead.loss > CHANCE.max(PROMISING * best) && rank.is_some_and(|rank| rank < most)
+    });
+    leads
+}
+
+/// Refits of the extensions of effects that were refitted.
+fn extensions(
+    question: &Question<'_>,
+    from: &Candidate,
+    open: &[&'static Hypothesis],
+    refitted: &[Candidate],
+    done: &(impl Fn(&str) + Sync),
+) -> Result<Vec<Candidate>, FitError> {
+    let mut found = Vec::new();
+    for plain in refitted {
+        let Some(newest) = plain.effects.last() else { continue };
+        let richer: Vec<&'static Hypothesis> = open
+            .iter()
+            .copied()
+            .filter(|effect| effect.extends.is_some_and(|extension| extension.plain == newest.effect.name))
+            .collect();
+        if richer.is_empty() || plain.fit.loss >= from.fit.loss {
+            continue;
+        }
+        let leads = plain.extensions(question, &richer)?;
+        let more: Vec<Candidate> = leads
+            .par_iter()
+            .map(|lead| {
+                let candidate = plain.with_extension(question, lead)?;
+                done(lead.effect.name);
+                Ok(candidate)
+            })
+            .collect::<Result<_, FitError>>()?;
+        found.extend(more);
+    }
+    Ok(found)
+}
