@@ -4,10 +4,15 @@
 //! where there is one. A link that is driven by its measured input and still misses its measured output lacks physics.
 
 use model_core::machine::{Machine, MachineError};
+use model_core::parameter::Parameter;
+use nalgebra::DVector;
 
-use crate::fit::{StartState, standardised};
+use crate::evidence::{Account, Evidence, Lack, Pattern, weigh};
+use crate::fit::{StartState, effective_samples, loss, standardised};
 use crate::hypothesis::Subsystem;
+use crate::links::{Balance, Coefficients, Observed, WINDOW_S, Window, residuals};
 use crate::machine_file::LoadSource;
+use crate::patterns::{patterns, wrong_parameters};
 use crate::prepare::Prepared;
 use crate::recording::{Recording, Signal};
 use crate::simulate::{EntryPoint, Trajectory, simulate};
@@ -60,16 +65,25 @@ pub struct Case<'a> {
     pub start: StartState,
 }
 
-/// Locates what `machine`, already refitted, misses: in the link that was named, or else in the one that misses its output.
+/// Locates what `machine`, already refitted, misses.
+///
+/// The subsystem is the first of `named`, those of the effects claimed, the one that explains most first; without any, the one
+/// that the balances of the links speak for. `promises` are the log-likelihoods that the best hypothesis of each subsystem would
+/// gain; they decide with the balances where no pressures were recorded.
 pub fn locate(
     machine: &Machine<f64>,
     load: LoadSource,
     cases: &[Case<'_>],
-    named: Option<Subsystem>,
+    named: &[Subsystem],
+    promises: &[(Subsystem, f64)],
 ) -> Result<Location, MachineError> {
     let misses = misses(machine, cases)?;
-    let slider = entered_at_slider(machine, load, cases)?;
-    let subsystem = named.unwrap_or_else(|| subsystem(&misses, &slider, cases));
+    let below = entered_at_slider(machine, load, cases);
+    let (accounts, evidence) = evidence(machine, load, &below)?;
+    let subsystem = match named.first() {
+        Some(named) => *named,
+        None => judged(machine, cases, &below, &accounts, &evidence, promises)?,
+    };
     let signal = worst(&misses, subsystem);
     let mut intervals = Vec::new();
     let (mut inside, mut total) = (0.0, 0.0);
@@ -120,50 +134,124 @@ pub fn misses(machine: &Machine<f64>, cases: &[Case<'_>]) -> Result<Vec<Miss>, M
     Ok(sums.into_iter().map(|(signal, sum, rows)| Miss { signal, over_noise: (sum / rows).sqrt() }).collect())
 }
 
-/// The misses of everything below the slider, driven by the measured slider.
-fn entered_at_slider(machine: &Machine<f64>, load: LoadSource, cases: &[Case<'_>]) -> Result<Vec<Miss>, MachineError> {
-    let prepared: Vec<Prepared> = cases
+/// The recordings entered at the measured slider, where it was left out above.
+fn entered_at_slider<'a>(machine: &Machine<f64>, load: LoadSource, cases: &[Case<'a>]) -> Vec<Below<'a>> {
+    cases
         .iter()
-        .filter(|case| case.prepared.stimulus.entry == EntryPoint::Command && case.recording.has(Signal::Spool))
-        .filter_map(|case| {
+        .map(|case| {
             let tick = Some(case.prepared.stimulus.tick);
-            Prepared::entered_at(EntryPoint::Slider, case.recording, machine, load, tick).ok()
+            let enters = case.prepared.stimulus.entry == EntryPoint::Command && case.recording.has(Signal::Spool);
+            let prepared = enters.then(|| Prepared::entered_at(EntryPoint::Slider, case.recording, machine, load, tick).ok());
+            Below { recording: case.recording, start: case.start, prepared: prepared.flatten().unwrap_or_else(|| case.prepared.clone()) }
         })
-        .collect();
-    let cases: Vec<Case<'_>> = prepared
-        .iter()
-        .zip(cases)
-        .map(|(prepared, case)| Case { recording: case.recording, prepared, start: case.start })
-        .collect();
-    misses(machine, &cases)
+        .collect()
+}
+
+/// A recording entered as far down the chain as its slider allows.
+struct Below<'a> {
+    recording: &'a Recording,
+    prepared: Prepared,
+    start: StartState,
+}
+
+impl Below<'_> {
+    fn case(&self) -> Case<'_> {
+        Case { recording: self.recording, prepared: &self.prepared, start: self.start }
+    }
+}
+
+/// What the balances of the links leave over, and which link that speaks for.
+fn evidence(
+    machine: &Machine<f64>,
+    load: LoadSource,
+    below: &[Below<'_>],
+) -> Result<(Vec<Account>, Evidence), MachineError> {
+    let by = Coefficients::of(machine);
+    let (supply_pa, stroke_m) = (machine.get(Parameter::SupplyPressure), machine.get(Parameter::Stroke));
+    let mut accounts = Vec::new();
+    for case in below {
+        if let Some(observed) = Observed::of(machine, &case.case())? {
+            let windows = Window::over(&observed.time_s, WINDOW_S);
+            let residuals = residuals(&observed, &by, &windows, load != LoadSource::RecordedPressures);
+            accounts.push(Account { observed, windows, residuals });
+        }
+    }
+    let stacked = |lacks: &dyn Fn(&Account) -> Vec<Lack>| -> Vec<DVector<f64>> {
+        let each: Vec<Vec<Vec<f64>>> = accounts
+            .iter()
+            .map(|account| lacks(account).iter().map(|lack| account.left_by(lack, &by)).collect())
+            .collect();
+        let count = each.iter().map(Vec::len).min().unwrap_or(0);
+        (0..count)
+            .map(|index| DVector::from_iterator(
+                each.iter().map(|of| of[index].len()).sum(),
+                each.iter().flat_map(|of| of[index].iter().copied()),
+            ))
+            .collect()
+    };
+    let wrong = stacked(&|account| wrong_parameters(&account.observed, &by, supply_pa));
+    let lacks = |account: &Account| patterns(&account.observed, &by, stroke_m);
+    let left_by = stacked(&|account| lacks(account).into_iter().map(|(_, lack)| lack).collect());
+    let of: Vec<Subsystem> = accounts.first().map_or_else(Vec::new, |account| lacks(account).iter().map(|(of, _)| *of).collect());
+    let patterns: Vec<Pattern> =
+        of.into_iter().zip(left_by).map(|(subsystem, left)| Pattern { subsystem, left }).collect();
+    let all = || accounts.iter().flat_map(|account| &account.residuals);
+    let left = DVector::from_iterator(all().count(), all().map(|residual| residual.value / residual.sigma));
+    let balances: Vec<Balance> = all().map(|residual| residual.balance).collect();
+    let evidence = weigh(&left, &balances, &wrong, &patterns);
+    Ok((accounts, evidence))
+}
+
+/// The link that the evidence speaks for.
+fn judged(
+    machine: &Machine<f64>,
+    cases: &[Case<'_>],
+    below: &[Below<'_>],
+    accounts: &[Account],
+    evidence: &Evidence,
+    promises: &[(Subsystem, f64)],
+) -> Result<Subsystem, MachineError> {
+    let surprise = |cases: &[Case<'_>], of: &dyn Fn(Signal) -> bool| -> Result<f64, MachineError> {
+        let mut sum = 0.0;
+        for case in cases {
+            let series = standardised(machine, case.prepared, case.start)?;
+            let wanted = case.prepared.channels.iter().zip(&series).filter(|(channel, _)| of(channel.signal));
+            sum += wanted.map(|(_, series)| surprise(series)).sum::<f64>();
+        }
+        Ok(sum)
+    };
+    let slider = surprise(cases, &|signal| signal == Signal::Spool)?;
+    let driven: Vec<Case<'_>> = below.iter().map(Below::case).collect();
+    let rest = surprise(&driven, &|signal| signal != Signal::Spool)?;
+    if std::env::var("LOCATE_DEBUG").is_ok() {
+        eprintln!("slider {slider:.0} rest {rest:.0} {evidence:?}");
+    }
+    if slider > rest {
+        return Ok(Subsystem::Valve);
+    }
+    let share = |values: &[(Subsystem, f64)], subsystem: Subsystem| {
+        let largest = values.iter().map(|(_, value)| *value).fold(0.0, f64::max);
+        values.iter().find(|(of, _)| *of == subsystem).map_or(0.0, |(_, value)| value / largest.max(1.0))
+    };
+    let measured = accounts.iter().any(|account| account.observed.has_pressures);
+    let total = |subsystem| {
+        share(&evidence.links, subsystem) + if measured { 0.0 } else { share(promises, subsystem) }
+    };
+    let best = evidence.links.iter().map(|(of, _)| *of).max_by(|a, b| total(*a).total_cmp(&total(*b)));
+    Ok(best.unwrap_or(Subsystem::Flow))
+}
+
+/// Log-likelihood by which a series is further off than its noise: ½·n·ln(mean square) with n independent samples.
+fn surprise(series: &[f64]) -> f64 {
+    let mean = loss(series) / series.len() as f64;
+    0.5 * effective_samples(series) * mean.max(1.0).ln()
 }
 
 /// The signal that misses most of those that the link puts out: the slider for the valve, all others for the rest.
 fn worst(misses: &[Miss], subsystem: Subsystem) -> Signal {
     let of_link = |miss: &&Miss| (miss.signal == Signal::Spool) == (subsystem == Subsystem::Valve);
     let worst = misses.iter().filter(of_link).max_by(|a, b| a.over_noise.total_cmp(&b.over_noise));
-    worst.or(misses.first()).map_or(Signal::Position, |miss| miss.signal)
-}
-
-/// A link misses when its output, driven by its measured input, is further off than half the noise again.
-const GATE: f64 = 1.5;
-
-fn subsystem(end_to_end: &[Miss], below_slider: &[Miss], cases: &[Case<'_>]) -> Subsystem {
-    let of =
-        |misses: &[Miss], signal| misses.iter().find(|miss| miss.signal == signal).map_or(0.0, |miss| miss.over_noise);
-    let slider = of(end_to_end, Signal::Spool);
-    let below = if below_slider.is_empty() { end_to_end } else { below_slider };
-    let rest = below.iter().map(|miss| miss.over_noise).fold(0.0, f64::max);
-    if slider > GATE && slider > 0.5 * rest {
-        return Subsystem::Valve;
-    }
-    let pressures = of(below, Signal::PressureA).max(of(below, Signal::PressureB));
-    if pressures > GATE {
-        // Pressures that miss while the motion follows: the chambers' balance is kept, the forces are not.
-        return if of(below, Signal::Position) > pressures { Subsystem::Flow } else { Subsystem::Mechanics };
-    }
-    let pump = cases.iter().any(|case| case.prepared.stimulus.entry == EntryPoint::Pump);
-    if pump { Subsystem::Chambers } else { Subsystem::Flow }
+    worst.or(misses.iter().max_by(|a, b| a.over_noise.total_cmp(&b.over_noise))).map_or(Signal::Position, |miss| miss.signal)
 }
 
 /// Where an error is *made*: a position keeps what was lost before, so its change over 50 ms counts.
@@ -217,7 +305,6 @@ struct States {
 
 impl States {
     fn add(&mut self, machine: &Machine<f64>, trajectory: &Trajectory, errors: &[f64]) {
-        use model_core::parameter::Parameter;
         let series = |signal| trajectory.signal(signal).unwrap_or(&[]);
         let at = |values: &[f64], row: usize| values.get(row).copied().unwrap_or(0.0);
         let (velocity, spool) = (series(Signal::Velocity), series(Signal::Spool));
