@@ -114,10 +114,12 @@ pub struct Evidence {
     pub links: Vec<(Subsystem, f64)>,
     /// Root mean square of each balance, in standard deviations, with wrong ordinary parameters taken out.
     pub over_noise: Vec<(Balance, f64)>,
+    /// All that is above the noise, as a log-likelihood.
+    pub total: f64,
 }
 
-/// Weighs the patterns against what is left over. `wrong` is what a usual error of each ordinary parameter would leave, `free`
-/// the balances that nothing but friction and load go into.
+/// Weighs the patterns against what is left over. `wrong` is what a usual error of each ordinary parameter would leave, `balances`
+/// the balance that each belongs to.
 #[must_use]
 pub fn weigh(left: &DVector<f64>, balances: &[Balance], wrong: &[DVector<f64>], patterns: &[Pattern]) -> Evidence {
     let rest = Rest::of(left, wrong);
@@ -125,19 +127,22 @@ pub fn weigh(left: &DVector<f64>, balances: &[Balance], wrong: &[DVector<f64>], 
     let penalty = 0.5 * rows.max(2.0).ln();
     // The noise is known: what is left cannot be told from it below one a row.
     let gain = |square: f64| 0.5 * rows * (rest.square.max(rows) / square.max(rows)).ln();
-    let projected: Vec<(Subsystem, DVector<f64>)> =
-        patterns.iter().map(|pattern| (pattern.subsystem, rest.without_wrong(&pattern.left))).collect();
+    let projected: Vec<DVector<f64>> = patterns.iter().map(|pattern| rest.without_wrong(&pattern.left)).collect();
     let mut links: Vec<(Subsystem, f64)> = Vec::new();
     for subsystem in
         [Subsystem::Valve, Subsystem::Flow, Subsystem::Chambers, Subsystem::Mechanics, Subsystem::Sensing]
     {
-        let of: Vec<&DVector<f64>> =
-            projected.iter().filter(|(link, _)| *link == subsystem).map(|(_, left)| left).collect();
+        let of: Vec<(&DVector<f64>, &DVector<f64>)> = patterns
+            .iter()
+            .zip(&projected)
+            .filter(|(pattern, _)| pattern.subsystem == subsystem)
+            .map(|(pattern, projected)| (&pattern.left, projected))
+            .collect();
         let mut best = 0.0_f64;
         for (index, one) in of.iter().enumerate() {
-            best = best.max(gain(rest.after(&[one])) - penalty);
+            best = best.max(gain(rest.after(&[*one])) - penalty);
             for other in &of[index + 1..] {
-                best = best.max(gain(rest.after(&[one, other])) - 2.0 * penalty);
+                best = best.max(gain(rest.after(&[*one, *other])) - 2.0 * penalty);
             }
         }
         links.push((subsystem, best));
@@ -154,7 +159,7 @@ pub fn weigh(left: &DVector<f64>, balances: &[Balance], wrong: &[DVector<f64>], 
         }
     }
     let over_noise = over_noise.into_iter().map(|(balance, square, count)| (balance, (square / count).sqrt())).collect();
-    Evidence { links, over_noise }
+    Evidence { links, over_noise, total: gain(rows) }
 }
 
 /// What is left over once wrong ordinary parameters are taken out, each within its usual error.
@@ -181,19 +186,18 @@ impl Rest {
         values - &self.wrong * self.solved.solve(&self.wrong.tr_mul(values))
     }
 
-    /// Square left with some (already projected) patterns in any amount.
-    fn after(&self, patterns: &[&DVector<f64>]) -> f64 {
-        // The projected patterns' products stand for those in the metric of the prior: near enough to rank them.
-        match patterns {
-            [one] => {
-                let size = one.norm_squared();
+    /// Square left with one or two patterns (each as it is and projected) in any amount.
+    fn after(&self, patterns: &[(&DVector<f64>, &DVector<f64>)]) -> f64 {
+        match *patterns {
+            [(one, without)] => {
+                let size = one.dot(without);
                 if size > 0.0 { self.square - self.left.dot(one).powi(2) / size } else { self.square }
             }
-            [one, other] => {
-                let (a, b, c) = (one.norm_squared(), one.dot(other), other.norm_squared());
+            [(one, one_without), (other, other_without)] => {
+                let (a, b, c) = (one.dot(one_without), one.dot(other_without), other.dot(other_without));
                 let (p, q) = (self.left.dot(one), self.left.dot(other));
                 let determinant = a * c - b * b;
-                if determinant <= 1e-9 * a * c {
+                if determinant <= 1e-6 * a * c {
                     return self.after(&patterns[..1]);
                 }
                 self.square - (c * p * p - 2.0 * b * p * q + a * q * q) / determinant

@@ -352,6 +352,8 @@ pub enum Balance {
     ChamberA,
     /// Oil of chamber B, r_b.
     ChamberB,
+    /// Slider against the one that the valve makes of the command, r_x.
+    Slider,
     /// Momentum of the rod, r_F.
     Force,
     /// Motion against the simulated one, r_v.
@@ -446,4 +448,19 @@ pub fn residuals(observed: &Observed, by: &Coefficients, windows: &[Window], for
         }
     }
     found
+}
+
+/// The slider's balance over every window: recorded less simulated from the command, each row's `missed` in standard deviations
+/// of the noise. Its noise is taken from what is left over too, should the slider itself have hidden some.
+#[must_use]
+pub fn slider_residuals(missed: &[f64], windows: &[Window]) -> Vec<Residual> {
+    let noise = crate::noise::noise(missed, 0.0).max(1.0);
+    windows
+        .iter()
+        .map(|window| Residual {
+            balance: Balance::Slider,
+            value: window.sum(missed),
+            sigma: noise * window.variance(|_| [1.0, 0.0, 0.0]).sqrt(),
+        })
+        .collect()
 }

@@ -8,9 +8,9 @@ use model_core::parameter::Parameter;
 use nalgebra::DVector;
 
 use crate::evidence::{Account, Evidence, Lack, Pattern, weigh};
-use crate::fit::{StartState, effective_samples, loss, standardised};
+use crate::fit::{Fit, Free, Freedom, From, StartState, fit, standardised};
 use crate::hypothesis::Subsystem;
-use crate::links::{Balance, Coefficients, Observed, WINDOW_S, Window, residuals};
+use crate::links::{Balance, Coefficients, Observed, WINDOW_S, Window, residuals, slider_residuals};
 use crate::machine_file::LoadSource;
 use crate::patterns::{patterns, wrong_parameters};
 use crate::prepare::Prepared;
@@ -79,10 +79,10 @@ pub fn locate(
 ) -> Result<Location, MachineError> {
     let misses = misses(machine, cases)?;
     let below = entered_at_slider(machine, load, cases);
-    let (accounts, evidence) = evidence(machine, load, &below)?;
+    let (accounts, evidence) = evidence(machine, load, below)?;
     let subsystem = match named.first() {
         Some(named) => *named,
-        None => judged(machine, cases, &below, &accounts, &evidence, promises)?,
+        None => judged(machine, cases, &accounts, &evidence, promises)?,
     };
     let signal = worst(&misses, subsystem);
     let mut intervals = Vec::new();
@@ -164,12 +164,26 @@ impl Below<'_> {
 fn evidence(
     machine: &Machine<f64>,
     load: LoadSource,
-    below: &[Below<'_>],
+    mut below: Vec<Below<'_>>,
 ) -> Result<(Vec<Account>, Evidence), MachineError> {
+    // Pressures make balances of their own; without them the motion is simulated, by a model that the valve's lacks did not bend.
+    let has_pressures = below.iter().any(|case| case.prepared.channels.iter().any(|channel| channel.signal == Signal::PressureA));
+    let alone = if has_pressures {
+        None
+    } else {
+        let cases: Vec<Prepared> = below.iter().map(|case| case.prepared.judged_by(|signal| signal != Signal::Spool)).collect();
+        refitted(machine, &cases, BELOW_SLIDER)
+    };
+    let machine = alone.as_ref().map_or(machine, |fit| {
+        for (case, start) in below.iter_mut().zip(&fit.starts) {
+            case.start = *start;
+        }
+        &fit.machine
+    });
     let by = Coefficients::of(machine);
     let (supply_pa, stroke_m) = (machine.get(Parameter::SupplyPressure), machine.get(Parameter::Stroke));
     let mut accounts = Vec::new();
-    for case in below {
+    for case in &below {
         if let Some(observed) = Observed::of(machine, &case.case())? {
             let windows = Window::over(&observed.time_s, WINDOW_S);
             let residuals = residuals(&observed, &by, &windows, load != LoadSource::RecordedPressures);
@@ -206,27 +220,13 @@ fn evidence(
 fn judged(
     machine: &Machine<f64>,
     cases: &[Case<'_>],
-    below: &[Below<'_>],
     accounts: &[Account],
     evidence: &Evidence,
     promises: &[(Subsystem, f64)],
 ) -> Result<Subsystem, MachineError> {
-    let surprise = |cases: &[Case<'_>], of: &dyn Fn(Signal) -> bool| -> Result<f64, MachineError> {
-        let mut sum = 0.0;
-        for case in cases {
-            let series = standardised(machine, case.prepared, case.start)?;
-            let wanted = case.prepared.channels.iter().zip(&series).filter(|(channel, _)| of(channel.signal));
-            sum += wanted.map(|(_, series)| surprise(series)).sum::<f64>();
-        }
-        Ok(sum)
-    };
-    let slider = surprise(cases, &|signal| signal == Signal::Spool)?;
-    let driven: Vec<Case<'_>> = below.iter().map(Below::case).collect();
-    let rest = surprise(&driven, &|signal| signal != Signal::Spool)?;
-    if std::env::var("LOCATE_DEBUG").is_ok() {
-        eprintln!("slider {slider:.0} rest {rest:.0} {evidence:?}");
-    }
-    if slider > rest {
+    let slider = valve(machine, cases)?;
+    let worst = |evidence: &Evidence| evidence.over_noise.iter().map(|(_, value)| *value).fold(0.0, f64::max);
+    if worst(&slider) > GATE && worst(&slider) > worst(evidence) {
         return Ok(Subsystem::Valve);
     }
     let share = |values: &[(Subsystem, f64)], subsystem: Subsystem| {
@@ -241,10 +241,67 @@ fn judged(
     Ok(best.unwrap_or(Subsystem::Flow))
 }
 
-/// Log-likelihood by which a series is further off than its noise: ½·n·ln(mean square) with n independent samples.
-fn surprise(series: &[f64]) -> f64 {
-    let mean = loss(series) / series.len() as f64;
-    0.5 * effective_samples(series) * mean.max(1.0).ln()
+/// A link is missed when what is left over, wrong parameters taken out, is further off than half the noise again.
+const GATE: f64 = 1.5;
+
+/// Parameters of the valve alone.
+const OF_VALVE: &[Parameter] = &[
+    Parameter::ValveGain,
+    Parameter::ValveOffset,
+    Parameter::RateLimit,
+    Parameter::TimeConstant1,
+    Parameter::TimeConstant2,
+    Parameter::TransportDelay,
+];
+/// Parameters of the links below it that are never known well.
+const BELOW_SLIDER: &[Parameter] =
+    &[Parameter::FlowCoefficient, Parameter::DeadZone, Parameter::BulkModulus, Parameter::ViscousFriction];
+
+/// A link's own parameters refitted to its own output, so that what other links lack does not bend it.
+fn refitted(machine: &Machine<f64>, cases: &[Prepared], parameters: &[Parameter]) -> Option<Fit> {
+    let free: Vec<Free> = parameters
+        .iter()
+        .filter_map(|&parameter| {
+            let nominal = machine.get(parameter);
+            let sigma = if parameter == Parameter::ValveOffset { 0.01 } else { 0.1 * nominal.abs() };
+            (nominal.is_finite() && sigma > 0.0)
+                .then_some(Free { parameter, freedom: Freedom::Around { nominal, sigma } })
+        })
+        .collect();
+    let references: Vec<&Prepared> = cases.iter().filter(|case| !case.channels.is_empty()).collect();
+    if references.len() < cases.len() {
+        return None;
+    }
+    fit(machine, &free, &references, &From::default(), 1e-5).ok()
+}
+
+/// What the valve leaves over between the command and the measured slider.
+fn valve(machine: &Machine<f64>, cases: &[Case<'_>]) -> Result<Evidence, MachineError> {
+    let alone: Vec<Prepared> = cases.iter().map(|case| case.prepared.judged_by(|signal| signal == Signal::Spool)).collect();
+    let alone = refitted(machine, &alone, OF_VALVE);
+    let machine = alone.as_ref().map_or(machine, |fit| &fit.machine);
+    let mut left = Vec::new();
+    let mut wrong: [Vec<f64>; 4] = Default::default();
+    for case in cases {
+        let Some(channel) = case.prepared.channels.iter().position(|channel| channel.signal == Signal::Spool) else { continue };
+        let missed = standardised(machine, case.prepared, case.start)?.swap_remove(channel);
+        let trajectory = simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(case.prepared))?;
+        let Some(slider) = trajectory.signal(Signal::Spool) else { continue };
+        let windows = Window::over(&case.prepared.time_s, WINDOW_S);
+        let noise = case.prepared.channels[channel].noise;
+        for (window, residual) in windows.iter().zip(slider_residuals(&missed, &windows)) {
+            let per = 1.0 / (noise * residual.sigma);
+            left.push(residual.value / residual.sigma);
+            // Gain, offset, lags and delay.
+            wrong[0].push(0.05 * per * window.sum(slider));
+            wrong[1].push(0.01 * per * window.sum(&vec![1.0; slider.len()]));
+            wrong[2].push(0.003 * per * window.change(slider));
+            wrong[3].push(1e-5 * per * window.curvature(slider));
+        }
+    }
+    let balances = vec![Balance::Slider; left.len()];
+    let wrong: Vec<DVector<f64>> = wrong.into_iter().map(DVector::from_vec).collect();
+    Ok(weigh(&DVector::from_vec(left), &balances, &wrong, &[]))
 }
 
 /// The signal that misses most of those that the link puts out: the slider for the valve, all others for the rest.

@@ -195,7 +195,7 @@ fn mechanics(observed: &Observed, stroke_m: f64) -> Vec<(Subsystem, Lack)> {
 
 fn sensing(observed: &Observed) -> Vec<(Subsystem, Lack)> {
     let (v, y) = (&observed.velocity_m_per_s, &observed.position_m);
-    let mut found = vec![observed.each(|row| -v[row]), y.clone()];
+    let mut found = vec![observed.each(|row| -v[row])];
     for time_s in [0.01, 0.03] {
         let late = lagged(&observed.time_s, y, time_s);
         found.push(observed.each(|row| late[row] - y[row]));
