@@ -129,8 +129,7 @@ pub fn weigh(left: &DVector<f64>, balances: &[Balance], wrong: &[DVector<f64>], 
     let gain = |square: f64| 0.5 * rows * (rest.square.max(rows) / square.max(rows)).ln();
     let projected: Vec<DVector<f64>> = patterns.iter().map(|pattern| rest.without_wrong(&pattern.left)).collect();
     let mut links: Vec<(Subsystem, f64)> = Vec::new();
-    for subsystem in
-        [Subsystem::Valve, Subsystem::Flow, Subsystem::Chambers, Subsystem::Mechanics, Subsystem::Sensing]
+    for subsystem in [Subsystem::Valve, Subsystem::Flow, Subsystem::Chambers, Subsystem::Mechanics, Subsystem::Sensing]
     {
         let of: Vec<(&DVector<f64>, &DVector<f64>)> = patterns
             .iter()
@@ -158,7 +157,8 @@ pub fn weigh(left: &DVector<f64>, balances: &[Balance], wrong: &[DVector<f64>], 
             None => over_noise.push((*balance, value * value, 1.0)),
         }
     }
-    let over_noise = over_noise.into_iter().map(|(balance, square, count)| (balance, (square / count).sqrt())).collect();
+    let over_noise =
+        over_noise.into_iter().map(|(balance, square, count)| (balance, (square / count).sqrt())).collect();
     Evidence { links, over_noise, total: gain(rows) }
 }
 

@@ -136,8 +136,7 @@ impl Observed {
         let position_m = bridged(position);
         let missed_m = position_m.iter().zip(of(Signal::Position)).map(|(measured, simulated)| measured - simulated);
         let time_s = prepared.time_s.clone();
-        let velocity_m_per_s =
-            if has_pressures { slopes(&time_s, &position_m) } else { of(Signal::Velocity) };
+        let velocity_m_per_s = if has_pressures { slopes(&time_s, &position_m) } else { of(Signal::Velocity) };
         let noise_of = |signal| channel(signal).map_or(0.0, |channel| channel.noise);
         let recorded = |signal| case.recording.signal(signal).map(<[f64]>::to_vec);
         let supply = machine.get(Parameter::SupplyPressure);
@@ -201,7 +200,13 @@ impl Observed {
             .map(|row| {
                 let pump_rev_per_s = speed.map_or(0.0, |speed| speed[row]);
                 let sense = direction.map_or(pump_rev_per_s, |direction| direction[row]);
-                let sense = if sense.abs() < 1e-9 { 0 } else if sense > 0.0 { 1 } else { -1 };
+                let sense = if sense.abs() < 1e-9 {
+                    0
+                } else if sense > 0.0 {
+                    1
+                } else {
+                    -1
+                };
                 let at = |drive: &Drive<f64>, slider: f64, a: f64, b: f64| {
                     let bases = drive.bases();
                     let pump = PumpDrive { speed: pump_rev_per_s / bases.pump_speed_rev_per_s, direction: sense };
@@ -428,7 +433,8 @@ pub fn residuals(observed: &Observed, by: &Coefficients, windows: &[Window], for
     let mut found = Vec::with_capacity(3 * windows.len());
     for window in windows {
         let (moved, of_motion) = (window.change(&observed.position_m), of_motion(window));
-        let of_slider = |of: fn(&RowFlow) -> f64| noise.slider.powi(2) * window.variance(|row| [of(&flows[row]), 0.0, 0.0]);
+        let of_slider =
+            |of: fn(&RowFlow) -> f64| noise.slider.powi(2) * window.variance(|row| [of(&flows[row]), 0.0, 0.0]);
         let a = capacity_a * window.change(&observed.pressure_a_pa) + area_a * moved - window.sum(&flow_a);
         let of_a = noise.a_pa.powi(2) * window.variance(|row| [flows[row].yield_per_pa.0, capacity_a, 0.0])
             + of_slider(|flow| flow.by_slider.0)

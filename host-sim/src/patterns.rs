@@ -140,13 +140,18 @@ fn chambers(observed: &Observed, by: &Coefficients, stroke_m: f64) -> Vec<(Subsy
     let stepped = |pressures: &[f64], sign: f64| {
         // ∫(y − y_mid) dp: a volume that moves with the rod.
         let mut held = 0.0;
-        observed.each(|row| row as f64).iter().enumerate().map(|(row, _)| {
-            if row > 0 {
-                let middle = f64::midpoint(y[row], y[row - 1]) - 0.5 * stroke_m;
-                held += sign * middle * (pressures[row] - pressures[row - 1]);
-            }
-            held
-        }).collect::<Vec<f64>>()
+        observed
+            .each(|row| row as f64)
+            .iter()
+            .enumerate()
+            .map(|(row, _)| {
+                if row > 0 {
+                    let middle = f64::midpoint(y[row], y[row - 1]) - 0.5 * stroke_m;
+                    held += sign * middle * (pressures[row] - pressures[row - 1]);
+                }
+                held
+            })
+            .collect::<Vec<f64>>()
     };
     let (area_a, area_b) = by.area;
     let ratio = by.capacity.1 / by.capacity.0;

@@ -1,0 +1,211 @@
+//! Which link a mismatch sits in, by the balances of the links alone.
+
+use model_core::machine::{Machine, MachineError};
+use model_core::parameter::Parameter;
+use nalgebra::DVector;
+
+use crate::evidence::{Account, Evidence, Lack, Pattern, weigh};
+use crate::fit::{Fit, Free, Freedom, From, StartState, fit, standardised};
+use crate::hypothesis::Subsystem;
+use crate::links::{Balance, Coefficients, Observed, WINDOW_S, Window, residuals, slider_residuals};
+use crate::locate::Case;
+use crate::machine_file::LoadSource;
+use crate::patterns::{patterns, wrong_parameters};
+use crate::prepare::Prepared;
+use crate::recording::{Recording, Signal};
+use crate::simulate::{EntryPoint, simulate};
+
+/// The link that misses its output, as far as the recordings tell.
+///
+/// `promises` are the log-likelihoods that the best hypothesis of each subsystem would gain; where no pressures are recorded they
+/// count as much as the balances.
+pub fn missing_link(
+    machine: &Machine<f64>,
+    load: LoadSource,
+    cases: &[Case<'_>],
+    promises: &[(Subsystem, f64)],
+) -> Result<Subsystem, MachineError> {
+    let (accounts, evidence) = evidence(machine, load, entered_at_slider(machine, load, cases))?;
+    judged(machine, cases, &accounts, &evidence, promises)
+}
+
+/// The recordings entered at the measured slider, where it was left out above.
+fn entered_at_slider<'a>(machine: &Machine<f64>, load: LoadSource, cases: &[Case<'a>]) -> Vec<Below<'a>> {
+    cases
+        .iter()
+        .map(|case| {
+            let tick = Some(case.prepared.stimulus.tick);
+            let enters = case.prepared.stimulus.entry == EntryPoint::Command && case.recording.has(Signal::Spool);
+            let prepared =
+                enters.then(|| Prepared::entered_at(EntryPoint::Slider, case.recording, machine, load, tick).ok());
+            Below {
+                recording: case.recording,
+                start: case.start,
+                prepared: prepared.flatten().unwrap_or_else(|| case.prepared.clone()),
+            }
+        })
+        .collect()
+}
+
+/// A recording entered as far down the chain as its slider allows.
+struct Below<'a> {
+    recording: &'a Recording,
+    prepared: Prepared,
+    start: StartState,
+}
+
+impl Below<'_> {
+    fn case(&self) -> Case<'_> {
+        Case { recording: self.recording, prepared: &self.prepared, start: self.start }
+    }
+}
+
+/// What the balances of the links leave over, and which link that speaks for.
+fn evidence(
+    machine: &Machine<f64>,
+    load: LoadSource,
+    mut below: Vec<Below<'_>>,
+) -> Result<(Vec<Account>, Evidence), MachineError> {
+    // Pressures make balances of their own; without them the motion is simulated, by a model that the valve's lacks did not bend.
+    let has_pressures =
+        below.iter().any(|case| case.prepared.channels.iter().any(|channel| channel.signal == Signal::PressureA));
+    let alone = if has_pressures {
+        None
+    } else {
+        let cases: Vec<Prepared> =
+            below.iter().map(|case| case.prepared.judged_by(|signal| signal != Signal::Spool)).collect();
+        refitted(machine, &cases, BELOW_SLIDER)
+    };
+    let machine = alone.as_ref().map_or(machine, |fit| {
+        for (case, start) in below.iter_mut().zip(&fit.starts) {
+            case.start = *start;
+        }
+        &fit.machine
+    });
+    let by = Coefficients::of(machine);
+    let (supply_pa, stroke_m) = (machine.get(Parameter::SupplyPressure), machine.get(Parameter::Stroke));
+    let mut accounts = Vec::new();
+    for case in &below {
+        if let Some(observed) = Observed::of(machine, &case.case())? {
+            let windows = Window::over(&observed.time_s, WINDOW_S);
+            let residuals = residuals(&observed, &by, &windows, load != LoadSource::RecordedPressures);
+            accounts.push(Account { observed, windows, residuals });
+        }
+    }
+    let stacked = |lacks: &dyn Fn(&Account) -> Vec<Lack>| -> Vec<DVector<f64>> {
+        let each: Vec<Vec<Vec<f64>>> = accounts
+            .iter()
+            .map(|account| lacks(account).iter().map(|lack| account.left_by(lack, &by)).collect())
+            .collect();
+        let count = each.iter().map(Vec::len).min().unwrap_or(0);
+        (0..count)
+            .map(|index| {
+                DVector::from_iterator(
+                    each.iter().map(|of| of[index].len()).sum(),
+                    each.iter().flat_map(|of| of[index].iter().copied()),
+                )
+            })
+            .collect()
+    };
+    let wrong = stacked(&|account| wrong_parameters(&account.observed, &by, supply_pa));
+    let lacks = |account: &Account| patterns(&account.observed, &by, stroke_m);
+    let left_by = stacked(&|account| lacks(account).into_iter().map(|(_, lack)| lack).collect());
+    let of: Vec<Subsystem> =
+        accounts.first().map_or_else(Vec::new, |account| lacks(account).iter().map(|(of, _)| *of).collect());
+    let patterns: Vec<Pattern> =
+        of.into_iter().zip(left_by).map(|(subsystem, left)| Pattern { subsystem, left }).collect();
+    let all = || accounts.iter().flat_map(|account| &account.residuals);
+    let left = DVector::from_iterator(all().count(), all().map(|residual| residual.value / residual.sigma));
+    let balances: Vec<Balance> = all().map(|residual| residual.balance).collect();
+    let evidence = weigh(&left, &balances, &wrong, &patterns);
+    Ok((accounts, evidence))
+}
+
+/// The link that the evidence speaks for.
+fn judged(
+    machine: &Machine<f64>,
+    cases: &[Case<'_>],
+    accounts: &[Account],
+    evidence: &Evidence,
+    promises: &[(Subsystem, f64)],
+) -> Result<Subsystem, MachineError> {
+    let slider = valve(machine, cases)?;
+    let worst = |evidence: &Evidence| evidence.over_noise.iter().map(|(_, value)| *value).fold(0.0, f64::max);
+    if worst(&slider) > GATE && worst(&slider) > worst(evidence) {
+        return Ok(Subsystem::Valve);
+    }
+    let share = |values: &[(Subsystem, f64)], subsystem: Subsystem| {
+        let largest = values.iter().map(|(_, value)| *value).fold(0.0, f64::max);
+        values.iter().find(|(of, _)| *of == subsystem).map_or(0.0, |(_, value)| value / largest.max(1.0))
+    };
+    let measured = accounts.iter().any(|account| account.observed.has_pressures);
+    let total = |subsystem| share(&evidence.links, subsystem) + if measured { 0.0 } else { share(promises, subsystem) };
+    let best = evidence.links.iter().map(|(of, _)| *of).max_by(|a, b| total(*a).total_cmp(&total(*b)));
+    Ok(best.unwrap_or(Subsystem::Flow))
+}
+
+/// A link is missed when what is left over, wrong parameters taken out, is further off than half the noise again.
+const GATE: f64 = 1.5;
+
+/// Parameters of the valve alone.
+const OF_VALVE: &[Parameter] = &[
+    Parameter::ValveGain,
+    Parameter::ValveOffset,
+    Parameter::RateLimit,
+    Parameter::TimeConstant1,
+    Parameter::TimeConstant2,
+    Parameter::TransportDelay,
+];
+/// Parameters of the links below it that are never known well.
+const BELOW_SLIDER: &[Parameter] =
+    &[Parameter::FlowCoefficient, Parameter::DeadZone, Parameter::BulkModulus, Parameter::ViscousFriction];
+
+/// A link's own parameters refitted to its own output, so that what other links lack does not bend it.
+fn refitted(machine: &Machine<f64>, cases: &[Prepared], parameters: &[Parameter]) -> Option<Fit> {
+    let free: Vec<Free> = parameters
+        .iter()
+        .filter_map(|&parameter| {
+            let nominal = machine.get(parameter);
+            let sigma = if parameter == Parameter::ValveOffset { 0.01 } else { 0.1 * nominal.abs() };
+            (nominal.is_finite() && sigma > 0.0)
+                .then_some(Free { parameter, freedom: Freedom::Around { nominal, sigma } })
+        })
+        .collect();
+    let references: Vec<&Prepared> = cases.iter().filter(|case| !case.channels.is_empty()).collect();
+    if references.len() < cases.len() {
+        return None;
+    }
+    fit(machine, &free, &references, &From::default(), 1e-5).ok()
+}
+
+/// What the valve leaves over between the command and the measured slider.
+fn valve(machine: &Machine<f64>, cases: &[Case<'_>]) -> Result<Evidence, MachineError> {
+    let alone: Vec<Prepared> =
+        cases.iter().map(|case| case.prepared.judged_by(|signal| signal == Signal::Spool)).collect();
+    let alone = refitted(machine, &alone, OF_VALVE);
+    let machine = alone.as_ref().map_or(machine, |fit| &fit.machine);
+    let mut left = Vec::new();
+    let mut wrong: [Vec<f64>; 4] = Default::default();
+    for case in cases {
+        let Some(channel) = case.prepared.channels.iter().position(|channel| channel.signal == Signal::Spool) else {
+            continue;
+        };
+        let missed = standardised(machine, case.prepared, case.start)?.swap_remove(channel);
+        let trajectory = simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(case.prepared))?;
+        let Some(slider) = trajectory.signal(Signal::Spool) else { continue };
+        let windows = Window::over(&case.prepared.time_s, WINDOW_S);
+        let noise = case.prepared.channels[channel].noise;
+        for (window, residual) in windows.iter().zip(slider_residuals(&missed, &windows)) {
+            let per = 1.0 / (noise * residual.sigma);
+            left.push(residual.value / residual.sigma);
+            // Gain, offset, lags and delay.
+            wrong[0].push(0.05 * per * window.sum(slider));
+            wrong[1].push(0.01 * per * window.sum(&vec![1.0; slider.len()]));
+            wrong[2].push(0.003 * per * window.change(slider));
+            wrong[3].push(1e-5 * per * window.curvature(slider));
+        }
+    }
+    let balances = vec![Balance::Slider; left.len()];
+    let wrong: Vec<DVector<f64>> = wrong.into_iter().map(DVector::from_vec).collect();
+    Ok(weigh(&DVector::from_vec(left), &balances, &wrong, &[]))
+}
