@@ -9,7 +9,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::hypothesis::Subsystem;
-use crate::links::{Balance, Coefficients, Observed, Residual, Window};
+use crate::links::{Balance, Coefficients, Observed, Residual};
+use crate::window::Window;
 
 /// Something that the drive does and the model lacks, as a value a row.
 #[derive(Clone, Debug)]

@@ -32,3 +32,4 @@ pub mod spectrum;
 pub mod testbed;
 pub mod verdict;
 pub mod weakest;
+pub mod window;

@@ -7,15 +7,16 @@ use model_core::machine::{Machine, MachineError};
 
 use crate::fit::{StartState, standardised};
 use crate::hypothesis::Subsystem;
-use crate::links::{bridged, rows_in};
+use crate::links::bridged;
 use crate::machine_file::LoadSource;
-use crate::missing_link::missing_link;
+use crate::missing_link::{MissingLink, missing_link};
 use crate::prepare::{Channel, Prepared};
 use crate::recording::{Recording, Signal};
 use crate::region::{Course, since};
 use crate::shape::{Shape, State, once, over, periodic};
 use crate::simulate::{Trajectory, simulate};
 use crate::spectrum::strongest_line;
+use crate::window::rows_in;
 
 /// A stretch of a recording.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -80,17 +81,32 @@ pub fn locate(
     promises: &[(Subsystem, f64)],
 ) -> Result<Location, MachineError> {
     let misses = misses(machine, cases)?;
-    let subsystem = match named.first() {
-        Some(named) => *named,
-        None => missing_link(machine, load, cases, promises)?,
+    let link = missing_link(machine, load, cases, promises)?;
+    let event = once(
+        &link
+            .of_rod
+            .iter()
+            .map(|left| (left.recording.as_str(), left.time_s.as_slice(), left.above_noise.as_slice()))
+            .collect::<Vec<_>>(),
+    );
+    let mut oscillating = None;
+    for case in cases {
+        let trajectory = simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(case.prepared))?;
+        oscillating = oscillating.or_else(|| oscillation(case, &trajectory));
+    }
+    let subsystem = match (named.first(), &event, &oscillating) {
+        (Some(named), ..) => *named,
+        // What happens once and never again is pushed from outside.
+        (None, Some(_), _) if !link.has_pressures => Subsystem::Mechanics,
+        (None, _, Some(Shape::Periodic { signal, .. })) => oscillates(*signal, &link),
+        _ => link.subsystem,
     };
+    let event = event.filter(|_| subsystem == Subsystem::Mechanics);
     let signal = worst(&misses, subsystem);
     let mut intervals = Vec::new();
     let (mut inside, mut total) = (0.0, 0.0);
     let mut course = Course::default();
     let mut all: Vec<f64> = Vec::new();
-    let mut series: Vec<(&str, &[f64], Vec<f64>)> = Vec::new();
-    let mut periodic = None;
     for case in cases {
         let trajectory = simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(case.prepared))?;
         let Some(channel) = case.prepared.channels.iter().find(|channel| channel.signal == signal) else { continue };
@@ -107,14 +123,10 @@ pub fn locate(
             to_s: time_s[to],
         }));
         extend(&mut course, case, &trajectory);
-        periodic = periodic.or_else(|| oscillation(case, &trajectory));
         all.extend(&made);
-        series.push((&case.prepared.name, time_s, made));
     }
     let share = if total > 0.0 { inside / total } else { 0.0 };
-    let series: Vec<(&str, &[f64], &[f64])> =
-        series.iter().map(|(name, time_s, errors)| (*name, *time_s, errors.as_slice())).collect();
-    let shape = once(&series).or(periodic).unwrap_or_else(|| over(&all, &states(&course)));
+    let shape = event.or(oscillating).unwrap_or_else(|| over(&all, &states(&course)));
     Ok(Location { subsystem, signal, share, intervals, region: course.region(&all), shape, misses })
 }
 
@@ -123,6 +135,16 @@ fn over_noise(channel: &Channel, simulated: &[f64]) -> Vec<f64> {
     let rows = channel.recorded.iter().zip(simulated).zip(&channel.failed);
     rows.map(|((recorded, simulated), failed)| if *failed { 0.0 } else { (recorded - simulated) / channel.noise })
         .collect()
+}
+
+/// The link that an oscillation in this signal comes from: the supply's ripple reaches the chambers; a structure that rings
+/// carries the encoder along, and the chambers do not know.
+fn oscillates(signal: Signal, link: &MissingLink) -> Subsystem {
+    match signal {
+        Signal::PressureA | Signal::PressureB | Signal::SupplyPressure => Subsystem::Flow,
+        Signal::Position if link.subsystem != Subsystem::Valve => Subsystem::Sensing,
+        _ => link.subsystem,
+    }
 }
 
 /// Slowest oscillation that is not the motion itself, Hz.

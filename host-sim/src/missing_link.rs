@@ -7,13 +7,36 @@ use nalgebra::DVector;
 use crate::evidence::{Account, Evidence, Lack, Pattern, weigh};
 use crate::fit::{Fit, Free, Freedom, From, StartState, fit, standardised};
 use crate::hypothesis::Subsystem;
-use crate::links::{Balance, Coefficients, Observed, WINDOW_S, Window, residuals, slider_residuals};
+use crate::links::{Balance, Coefficients, Observed, residuals, slider_residuals};
 use crate::locate::Case;
 use crate::machine_file::LoadSource;
 use crate::patterns::{patterns, wrong_parameters};
 use crate::prepare::Prepared;
 use crate::recording::{Recording, Signal};
 use crate::simulate::{EntryPoint, simulate};
+use crate::window::{WINDOW_S, Window};
+
+/// What is left over in one recording's balances of one link.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeftOver {
+    /// The recording.
+    pub recording: String,
+    /// Middle of each window, s.
+    pub time_s: Vec<f64>,
+    /// What is above the noise there, in its standard deviations.
+    pub above_noise: Vec<f64>,
+}
+
+/// The link that misses its output, with what it leaves over.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MissingLink {
+    /// The link.
+    pub subsystem: Subsystem,
+    /// Momentum of the rod, or where no pressures are recorded its motion; empty without a position.
+    pub of_rod: Vec<LeftOver>,
+    /// Whether both pressures are recorded.
+    pub has_pressures: bool,
+}
 
 /// The link that misses its output, as far as the recordings tell.
 ///
@@ -24,9 +47,25 @@ pub fn missing_link(
     load: LoadSource,
     cases: &[Case<'_>],
     promises: &[(Subsystem, f64)],
-) -> Result<Subsystem, MachineError> {
+) -> Result<MissingLink, MachineError> {
     let (accounts, evidence) = evidence(machine, load, entered_at_slider(machine, load, cases))?;
-    judged(machine, cases, &accounts, &evidence, promises)
+    let subsystem = judged(machine, cases, &accounts, &evidence, promises)?;
+    let of_rod = accounts
+        .iter()
+        .map(|account| {
+            let rows = account.residuals.iter().enumerate();
+            let of_rod = rows.filter(|(_, residual)| matches!(residual.balance, Balance::Force | Balance::Motion));
+            let (time_s, above_noise) = of_rod
+                .map(|(index, residual)| {
+                    let window = &account.windows[index / account.per_window()];
+                    let square = (residual.value / residual.sigma).powi(2);
+                    (account.observed.time_s[window.middle()], (square - 1.0).max(0.0).sqrt())
+                })
+                .unzip();
+            LeftOver { recording: account.observed.name.clone(), time_s, above_noise }
+        })
+        .collect();
+    Ok(MissingLink { subsystem, of_rod, has_pressures: accounts.iter().any(|account| account.observed.has_pressures) })
 }
 
 /// The recordings entered at the measured slider, where it was left out above.
@@ -208,4 +247,131 @@ fn valve(machine: &Machine<f64>, cases: &[Case<'_>]) -> Result<Evidence, Machine
     let balances = vec![Balance::Slider; left.len()];
     let wrong: Vec<DVector<f64>> = wrong.into_iter().map(DVector::from_vec).collect();
     Ok(weigh(&DVector::from_vec(left), &balances, &wrong, &[]))
+}
+
+#[cfg(test)]
+mod tests {
+    use model_core::machine::{Source, Tick};
+
+    use super::*;
+    use crate::locate::locate;
+    use crate::recording::Column;
+    use crate::shape::Shape;
+    use crate::simulate::{StartOffset, Stimulus};
+
+    fn press() -> Machine<f64> {
+        let mut machine = Machine::with_defaults(Source::Valve);
+        for (parameter, value) in [
+            (Parameter::AreaA, 3.117e-3),
+            (Parameter::AreaB, 1.861e-3),
+            (Parameter::VolumeA, 5.2e-4),
+            (Parameter::VolumeB, 3.3e-4),
+            (Parameter::ValveGain, 0.0559),
+            (Parameter::DeadZone, 0.05),
+            (Parameter::TimeConstant1, 0.018),
+            (Parameter::RateLimit, 12.0),
+            (Parameter::ViscousFriction, 4e4),
+        ] {
+            machine.set(parameter, value);
+        }
+        machine
+    }
+
+    const TRUE: &[Signal] = &[Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Position];
+
+    /// What sensors with a little noise record of the press under a hidden force, with something added to a signal.
+    fn recorded(force_n: impl Fn(f64) -> f64, added: impl Fn(Signal, f64) -> f64) -> Recording {
+        let time_s: Vec<f64> = (0..3000).map(|row| f64::from(row) * 1e-3).collect();
+        let command: Vec<f64> = time_s.iter().map(|t| 3.0 * (4.0 * t).sin() + 2.0 * (9.0 * t).sin()).collect();
+        let load: Vec<f64> = time_s.iter().map(|t| force_n(*t)).collect();
+        let column = |signal: Signal, values: &[f64]| Column::si(signal, values.to_vec());
+        let driven = Recording::new(
+            "driven",
+            vec![
+                column(Signal::Time, &time_s),
+                column(Signal::Command, &command),
+                column(Signal::LoadForce, &load),
+                column(Signal::Position, &vec![0.15; time_s.len()]),
+            ],
+        )
+        .unwrap();
+        let tick = Tick::OneMillisecond;
+        let stimulus = Stimulus::new(&driven, &press(), EntryPoint::Command, LoadSource::Constant, tick).unwrap();
+        let trajectory = simulate::<f64>(&press(), &stimulus, StartOffset::none()).unwrap();
+        let mut seed = 5_u32;
+        let mut columns = vec![column(Signal::Time, &time_s), column(Signal::Command, &command)];
+        for &signal in TRUE {
+            let noise = match signal {
+                Signal::Spool => 5e-4,
+                Signal::Position => 2e-5,
+                _ => 1e4,
+            };
+            let values: Vec<f64> = trajectory
+                .signal(signal)
+                .unwrap()
+                .iter()
+                .zip(&time_s)
+                .map(|(value, time)| {
+                    seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                    value + added(signal, *time) + noise * 3.46 * (f64::from(seed >> 8) / f64::from(1 << 24) - 0.5)
+                })
+                .collect();
+            columns.push(column(signal, &values));
+        }
+        Recording::new("made", columns).unwrap()
+    }
+
+    fn located(recording: &Recording) -> crate::locate::Location {
+        let prepared = Prepared::new(recording, &press(), LoadSource::Constant, None).unwrap();
+        let case = Case { recording, prepared: &prepared, start: StartState::default() };
+        locate(&press(), LoadSource::Constant, &[case], &[], &[]).unwrap()
+    }
+
+    #[test]
+    fn balances_of_a_drive_without_lacks_are_at_their_noise() {
+        let recording = recorded(|_| 0.0, |_, _| 0.0);
+        let prepared = Prepared::new(&recording, &press(), LoadSource::Constant, None).unwrap();
+        let case = Case { recording: &recording, prepared: &prepared, start: StartState::default() };
+        let below = entered_at_slider(&press(), LoadSource::Constant, &[case]);
+        let (_, evidence) = evidence(&press(), LoadSource::Constant, below).unwrap();
+        for (balance, over_noise) in evidence.over_noise {
+            assert!((0.7..1.3).contains(&over_noise), "{balance:?} {over_noise}");
+        }
+    }
+
+    #[test]
+    fn a_push_happens_once_and_sits_in_the_mechanics() {
+        let found = located(&recorded(|t| if (1.2..1.3).contains(&t) { 3000.0 } else { 0.0 }, |_, _| 0.0));
+        assert_eq!(found.subsystem, Subsystem::Mechanics);
+        let Shape::Once { from_s, to_s, .. } = found.shape else { panic!("{:?}", found.shape) };
+        assert!((1.15..1.3).contains(&from_s) && (1.2..1.36).contains(&to_s), "{from_s} {to_s}");
+    }
+
+    #[test]
+    fn a_ripple_of_both_pressures_is_periodic_and_comes_from_the_flow() {
+        let ripple = |signal, t: f64| match signal {
+            Signal::PressureA | Signal::PressureB => 1e5 * (std::f64::consts::TAU * 60.0 * t).sin(),
+            _ => 0.0,
+        };
+        let found = located(&recorded(|_| 0.0, ripple));
+        assert_eq!(found.subsystem, Subsystem::Flow);
+        let Shape::Periodic { hz, amplitude, .. } = found.shape else { panic!("{:?}", found.shape) };
+        assert!((hz - 60.0).abs() < 0.5 && (amplitude / 1e5 - 1.0).abs() < 0.1, "{hz} {amplitude}");
+    }
+
+    #[test]
+    fn a_late_position_is_found_in_the_sensing() {
+        let dry = recorded(|_| 0.0, |_, _| 0.0);
+        let position = dry.signal(Signal::Position).unwrap();
+        let late: Vec<f64> = (0..position.len()).map(|row| position[row.saturating_sub(10)]).collect();
+        let columns = [Signal::Time, Signal::Command, Signal::Spool, Signal::PressureA, Signal::PressureB]
+            .into_iter()
+            .map(|signal| {
+                let values = if signal == Signal::Time { dry.time_s() } else { dry.signal(signal).unwrap() };
+                Column::si(signal, values.to_vec())
+            })
+            .chain([Column::si(Signal::Position, late)])
+            .collect();
+        assert_eq!(located(&Recording::new("late", columns).unwrap()).subsystem, Subsystem::Sensing);
+    }
 }

@@ -2,7 +2,8 @@
 
 use crate::evidence::Lack;
 use crate::hypothesis::Subsystem;
-use crate::links::{Coefficients, Observed, WINDOW_S, rows_in};
+use crate::links::{Coefficients, Observed};
+use crate::window::{WINDOW_S, rows_in};
 
 /// Usual relative error of an ordinary parameter that was fitted to a model that lacks something.
 const WRONG: f64 = 0.05;

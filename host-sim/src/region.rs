@@ -66,7 +66,13 @@ impl Course {
             Family {
                 values: self.each(|row| v[row].abs(), everywhere),
                 below: true,
-                words: |t| format!("velocity within {} mm/s of zero", significant(1e3 * t, 2)),
+                words: |t| {
+                    if t < 5e-5 {
+                        "while the rod rests".to_owned()
+                    } else {
+                        format!("velocity within {} mm/s of zero", significant(1e3 * t, 2))
+                    }
+                },
             },
             Family {
                 values: self.each(|row| v[row], everywhere),
