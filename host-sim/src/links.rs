@@ -257,15 +257,15 @@ fn slopes(time_s: &[f64], values: &[f64]) -> Vec<f64> {
 /// Which balance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Balance {
-    /// Oil of chamber A, r_a.
+    /// Oil of chamber A, `r_a`.
     ChamberA,
-    /// Oil of chamber B, r_b.
+    /// Oil of chamber B, `r_b`.
     ChamberB,
-    /// Slider against the one that the valve makes of the command, r_x.
+    /// Slider against the one that the valve makes of the command, `r_x`.
     Slider,
-    /// Momentum of the rod, r_F.
+    /// Momentum of the rod, `r_F`.
     Force,
-    /// Motion against the simulated one, r_v.
+    /// Motion against the simulated one, `r_v`.
     Motion,
 }
 
