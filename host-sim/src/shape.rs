@@ -80,7 +80,7 @@ const ONCE: f64 = 0.8;
 const BRIEF: f64 = 0.12;
 /// A line is one that holds so much of the error's power.
 const OF_POWER: f64 = 0.25;
-/// And is so far above the spectrum around it: noise does this once in 10⁵ bins.
+/// And is so far above the spectrum around it: white noise, whose power is exponentially distributed, is once in 10⁹ bins (2⁻³⁰).
 const ABOVE: f64 = 30.0;
 /// An error is made within so many rows at most; those further apart are independent.
 const MOST_ALIKE: f64 = 50.0;
