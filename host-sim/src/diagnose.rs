@@ -10,12 +10,13 @@ use model_core::parameter::Parameter;
 
 use crate::compare::CompareError;
 use crate::fit::{Estimate, FitError, Free, Freedom, StartState, settle};
-use crate::hypothesis::{CATALOGUE, Hypothesis, Scene};
+use crate::hypothesis::{CATALOGUE, Hypothesis, Scene, Subsystem};
 use crate::locate::{Case, Location, Miss, locate, misses};
 use crate::machine_file::MachineFile;
 use crate::prepare::Prepared;
 use crate::recording::{Recording, Signal};
 use crate::residual::SignalFit;
+use crate::screen::Lead;
 use crate::simulate::{Trajectory, simulate};
 use crate::verdict::{Candidate, Chosen, Confirmation, Question, Selection, Trial, confirm, select};
 
@@ -187,8 +188,9 @@ pub fn diagnose(
         None
     } else {
         // What was named tells the link better than what it looks like from outside.
-        let named = findings.first().map(|finding| finding.effect.subsystem);
-        Some(locate(&base.machine, file.load_source, &cases, named)?)
+        let named: Vec<Subsystem> = findings.iter().map(|finding| finding.effect.subsystem).collect();
+        let promises = promises(&selection.base.leads(&question, &hypotheses)?);
+        Some(locate(&base.machine, file.load_source, &cases, &named, &promises)?)
     };
     let after_cases: Vec<Case<'_>> =
         cases.iter().zip(&after.fit.starts).map(|(case, &start)| Case { start, ..*case }).collect();
@@ -265,6 +267,16 @@ fn finding(chosen: &Chosen, selection: &Selection) -> Finding {
     alternatives.sort_by(|a, b| b.1.total_cmp(&a.1));
     let effect = chosen.effect;
     Finding { effect, confidence: probability(effect.name).min(0.999), parameters, alternatives }
+}
+
+/// What the best hypothesis of each subsystem would gain.
+fn promises(leads: &[Lead]) -> Vec<(Subsystem, f64)> {
+    let mut best: BTreeMap<Subsystem, f64> = BTreeMap::new();
+    for lead in leads {
+        let gain = best.entry(lead.effect.subsystem).or_default();
+        *gain = gain.max(lead.gain);
+    }
+    best.into_iter().collect()
 }
 
 /// Lowest and highest recorded position, m; the whole stroke where none is recorded.

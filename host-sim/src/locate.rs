@@ -7,10 +7,16 @@ use model_core::machine::{Machine, MachineError};
 
 use crate::fit::{StartState, standardised};
 use crate::hypothesis::Subsystem;
+use crate::links::bridged;
 use crate::machine_file::LoadSource;
-use crate::prepare::Prepared;
+use crate::missing_link::{MissingLink, missing_link};
+use crate::prepare::{Channel, Prepared};
 use crate::recording::{Recording, Signal};
-use crate::simulate::{EntryPoint, Trajectory, simulate};
+use crate::region::{Course, since};
+use crate::shape::{Shape, State, once, over, periodic};
+use crate::simulate::{Trajectory, simulate};
+use crate::spectrum::strongest_line;
+use crate::window::rows_in;
 
 /// A stretch of a recording.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -45,6 +51,8 @@ pub struct Location {
     pub intervals: Vec<Interval>,
     /// In which states of the drive, in words.
     pub region: String,
+    /// What the error looks like.
+    pub shape: Shape,
     /// Every judged signal, end to end.
     pub misses: Vec<Miss>,
 }
@@ -60,31 +68,50 @@ pub struct Case<'a> {
     pub start: StartState,
 }
 
-/// Locates what `machine`, already refitted, misses: in the link that was named, or else in the one that misses its output.
+/// Locates what `machine`, already refitted, misses.
+///
+/// The subsystem is the first of `named`, those of the effects claimed, the one that explains most first; without any, the one
+/// that the balances of the links speak for. `promises` are the log-likelihoods that the best hypothesis of each subsystem would
+/// gain; they decide with the balances where no pressures were recorded.
 pub fn locate(
     machine: &Machine<f64>,
     load: LoadSource,
     cases: &[Case<'_>],
-    named: Option<Subsystem>,
+    named: &[Subsystem],
+    promises: &[(Subsystem, f64)],
 ) -> Result<Location, MachineError> {
     let misses = misses(machine, cases)?;
-    let slider = entered_at_slider(machine, load, cases)?;
-    let subsystem = named.unwrap_or_else(|| subsystem(&misses, &slider, cases));
+    let link = missing_link(machine, load, cases, promises)?;
+    let event = once(
+        &link
+            .of_rod
+            .iter()
+            .map(|left| (left.recording.as_str(), left.time_s.as_slice(), left.above_noise.as_slice()))
+            .collect::<Vec<_>>(),
+    );
+    let mut oscillating = None;
+    for case in cases {
+        let trajectory = simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(case.prepared))?;
+        oscillating = oscillating.or_else(|| oscillation(case, &trajectory));
+    }
+    let subsystem = match (named.first(), &event, &oscillating) {
+        (Some(named), ..) => *named,
+        // What happens once and never again is pushed from outside.
+        (None, Some(_), _) if !link.has_pressures => Subsystem::Mechanics,
+        (None, _, Some(Shape::Periodic { signal, .. })) => oscillates(*signal, &link),
+        _ => link.subsystem,
+    };
+    let event = event.filter(|_| subsystem == Subsystem::Mechanics);
     let signal = worst(&misses, subsystem);
     let mut intervals = Vec::new();
     let (mut inside, mut total) = (0.0, 0.0);
-    let mut states = States::default();
+    let mut course = Course::default();
+    let mut all: Vec<f64> = Vec::new();
     for case in cases {
         let trajectory = simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(case.prepared))?;
         let Some(channel) = case.prepared.channels.iter().find(|channel| channel.signal == signal) else { continue };
         let Some(simulated) = trajectory.signal(signal) else { continue };
-        let errors: Vec<f64> = channel
-            .recorded
-            .iter()
-            .zip(simulated)
-            .zip(&channel.failed)
-            .map(|((recorded, simulated), failed)| if *failed { 0.0 } else { (recorded - simulated) / channel.noise })
-            .collect();
+        let errors = over_noise(channel, simulated);
         let made = made(signal, &case.prepared.time_s, &errors);
         let (stretches, held) = stretches(&made);
         inside += held;
@@ -95,10 +122,101 @@ pub fn locate(
             from_s: time_s[from],
             to_s: time_s[to],
         }));
-        states.add(machine, &trajectory, &made);
+        extend(&mut course, case, &trajectory);
+        all.extend(&made);
     }
     let share = if total > 0.0 { inside / total } else { 0.0 };
-    Ok(Location { subsystem, signal, share, intervals, region: states.region(), misses })
+    let shape = event.or(oscillating).unwrap_or_else(|| over(&all, &states(&course)));
+    Ok(Location { subsystem, signal, share, intervals, region: course.region(&all), shape, misses })
+}
+
+/// Errors in standard deviations of the noise; none where the sensor failed.
+fn over_noise(channel: &Channel, simulated: &[f64]) -> Vec<f64> {
+    let rows = channel.recorded.iter().zip(simulated).zip(&channel.failed);
+    rows.map(|((recorded, simulated), failed)| if *failed { 0.0 } else { (recorded - simulated) / channel.noise })
+        .collect()
+}
+
+/// The link that an oscillation in this signal comes from: the supply's ripple reaches the chambers; a structure that rings
+/// carries the encoder along, and the chambers do not know.
+fn oscillates(signal: Signal, link: &MissingLink) -> Subsystem {
+    match signal {
+        Signal::PressureA | Signal::PressureB | Signal::SupplyPressure => Subsystem::Flow,
+        Signal::Position if link.subsystem != Subsystem::Valve => Subsystem::Sensing,
+        _ => link.subsystem,
+    }
+}
+
+/// Slowest oscillation that is not the motion itself, Hz.
+const SLOWEST_HZ: f64 = 8.0;
+
+/// The strongest line in what the model misses of any signal, or in the recorded supply.
+fn oscillation(case: &Case<'_>, trajectory: &Trajectory) -> Option<Shape> {
+    let prepared = case.prepared;
+    let interval_s = prepared.duration_s() / (prepared.time_s.len().max(2) - 1) as f64;
+    let missed = prepared.channels.iter().filter_map(|channel| {
+        let simulated = trajectory.signal(channel.signal)?;
+        let errors: Vec<f64> = over_noise(channel, simulated).iter().map(|error| error * channel.noise).collect();
+        Some((channel.signal, errors))
+    });
+    let supply = case.recording.signal(Signal::SupplyPressure).map(|values| (Signal::SupplyPressure, values.to_vec()));
+    let found = missed.chain(supply).filter_map(|(signal, values)| {
+        let line = strongest_line(&values, interval_s, SLOWEST_HZ)?;
+        // Only what is faster than the motion counts: the rest of the power is taken from differences over a window.
+        let fast = high_passed(&values, rows_in(&prepared.time_s, 0.5 / SLOWEST_HZ));
+        let mean_square = fast.iter().map(|value| value * value).sum::<f64>() / fast.len().max(1) as f64;
+        Some((line.above, periodic(line, mean_square, signal)?))
+    });
+    found.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, shape)| shape)
+}
+
+/// A series less its moving mean over `rows`.
+fn high_passed(values: &[f64], rows: usize) -> Vec<f64> {
+    let mut sums = vec![0.0];
+    for value in values {
+        sums.push(sums[sums.len() - 1] + value);
+    }
+    let half = rows / 2;
+    (half..values.len().saturating_sub(half))
+        .map(|row| values[row] - (sums[row + half + 1] - sums[row - half]) / (2 * half + 1) as f64)
+        .collect()
+}
+
+fn extend(course: &mut Course, case: &Case<'_>, trajectory: &Trajectory) {
+    let time_s = &case.prepared.time_s;
+    let of = |signal: Signal| {
+        let measured = case.prepared.channels.iter().find(|channel| channel.signal == signal).map(bridged);
+        let simulated = || trajectory.signal(signal).map(<[f64]>::to_vec);
+        measured.or_else(simulated).unwrap_or_else(|| vec![0.0; time_s.len()])
+    };
+    let velocity = trajectory.signal(Signal::Velocity).map_or_else(|| vec![0.0; time_s.len()], <[f64]>::to_vec);
+    let slider = case.recording.signal(Signal::Spool).map_or_else(|| of(Signal::Spool), <[f64]>::to_vec);
+    let fastest = velocity.iter().fold(0.0_f64, |fastest, v| fastest.max(v.abs()));
+    let turned = |row: usize| row > 0 && velocity[row] * velocity[row - 1] < 0.0;
+    course.since_reversal_s.extend(since(time_s, turned));
+    course.since_rest_s.extend(since(time_s, |row| velocity[row].abs() < 0.01 * fastest));
+    course.time_s.extend(time_s.iter().map(|time| time - time_s[0]));
+    course.position_m.extend(of(Signal::Position));
+    course.slider.extend(slider);
+    let command = case.recording.signal(Signal::Command);
+    course.command_v.extend(command.map_or_else(|| vec![0.0; time_s.len()], <[f64]>::to_vec));
+    course.pressure_a_pa.extend(of(Signal::PressureA));
+    course.pressure_b_pa.extend(of(Signal::PressureB));
+    course.velocity_m_per_s.extend(velocity);
+}
+
+/// The states that an error may be a function of.
+fn states(course: &Course) -> Vec<State> {
+    let state = |name, unit, values: &[f64]| State { name, unit, values: values.to_vec() };
+    vec![
+        state("slider", "1", &course.slider),
+        state("velocity", "m/s", &course.velocity_m_per_s),
+        state("position", "m", &course.position_m),
+        state("pressure in A", "Pa", &course.pressure_a_pa),
+        state("pressure in B", "Pa", &course.pressure_b_pa),
+        state("command", "V", &course.command_v),
+        state("time", "s", &course.time_s),
+    ]
 }
 
 /// RMSE over noise of every judged signal.
@@ -120,50 +238,13 @@ pub fn misses(machine: &Machine<f64>, cases: &[Case<'_>]) -> Result<Vec<Miss>, M
     Ok(sums.into_iter().map(|(signal, sum, rows)| Miss { signal, over_noise: (sum / rows).sqrt() }).collect())
 }
 
-/// The misses of everything below the slider, driven by the measured slider.
-fn entered_at_slider(machine: &Machine<f64>, load: LoadSource, cases: &[Case<'_>]) -> Result<Vec<Miss>, MachineError> {
-    let prepared: Vec<Prepared> = cases
-        .iter()
-        .filter(|case| case.prepared.stimulus.entry == EntryPoint::Command && case.recording.has(Signal::Spool))
-        .filter_map(|case| {
-            let tick = Some(case.prepared.stimulus.tick);
-            Prepared::entered_at(EntryPoint::Slider, case.recording, machine, load, tick).ok()
-        })
-        .collect();
-    let cases: Vec<Case<'_>> = prepared
-        .iter()
-        .zip(cases)
-        .map(|(prepared, case)| Case { recording: case.recording, prepared, start: case.start })
-        .collect();
-    misses(machine, &cases)
-}
-
 /// The signal that misses most of those that the link puts out: the slider for the valve, all others for the rest.
 fn worst(misses: &[Miss], subsystem: Subsystem) -> Signal {
     let of_link = |miss: &&Miss| (miss.signal == Signal::Spool) == (subsystem == Subsystem::Valve);
     let worst = misses.iter().filter(of_link).max_by(|a, b| a.over_noise.total_cmp(&b.over_noise));
-    worst.or(misses.first()).map_or(Signal::Position, |miss| miss.signal)
-}
-
-/// A link misses when its output, driven by its measured input, is further off than half the noise again.
-const GATE: f64 = 1.5;
-
-fn subsystem(end_to_end: &[Miss], below_slider: &[Miss], cases: &[Case<'_>]) -> Subsystem {
-    let of =
-        |misses: &[Miss], signal| misses.iter().find(|miss| miss.signal == signal).map_or(0.0, |miss| miss.over_noise);
-    let slider = of(end_to_end, Signal::Spool);
-    let below = if below_slider.is_empty() { end_to_end } else { below_slider };
-    let rest = below.iter().map(|miss| miss.over_noise).fold(0.0, f64::max);
-    if slider > GATE && slider > 0.5 * rest {
-        return Subsystem::Valve;
-    }
-    let pressures = of(below, Signal::PressureA).max(of(below, Signal::PressureB));
-    if pressures > GATE {
-        // Pressures that miss while the motion follows: the chambers' balance is kept, the forces are not.
-        return if of(below, Signal::Position) > pressures { Subsystem::Flow } else { Subsystem::Mechanics };
-    }
-    let pump = cases.iter().any(|case| case.prepared.stimulus.entry == EntryPoint::Pump);
-    if pump { Subsystem::Chambers } else { Subsystem::Flow }
+    worst
+        .or(misses.iter().max_by(|a, b| a.over_noise.total_cmp(&b.over_noise)))
+        .map_or(Signal::Position, |miss| miss.signal)
 }
 
 /// Where an error is *made*: a position keeps what was lost before, so its change over 50 ms counts.
@@ -205,74 +286,4 @@ fn stretches(errors: &[f64]) -> (Vec<(usize, usize)>, f64) {
     found.sort_by(|a, b| b.2.total_cmp(&a.2));
     found.truncate(5);
     (found.iter().map(|(first, last, _)| (*first, *last)).collect(), found.iter().map(|(.., sum)| sum).sum())
-}
-
-/// Errors and time spent per region of the state space.
-#[derive(Debug, Default)]
-struct States {
-    rows: f64,
-    error: f64,
-    regions: Vec<(&'static str, f64, f64)>,
-}
-
-impl States {
-    fn add(&mut self, machine: &Machine<f64>, trajectory: &Trajectory, errors: &[f64]) {
-        use model_core::parameter::Parameter;
-        let series = |signal| trajectory.signal(signal).unwrap_or(&[]);
-        let at = |values: &[f64], row: usize| values.get(row).copied().unwrap_or(0.0);
-        let (velocity, spool) = (series(Signal::Velocity), series(Signal::Spool));
-        let (a, b) = (series(Signal::PressureA), series(Signal::PressureB));
-        let peak = velocity.iter().fold(0.0_f64, |peak, value| peak.max(value.abs())).max(f64::MIN_POSITIVE);
-        let supply = machine.get(Parameter::SupplyPressure);
-        for (row, error) in errors.iter().enumerate() {
-            let (v, x) = (at(velocity, row) / peak, at(spool, row).abs());
-            let high = at(a, row).max(at(b, row)) / supply;
-            let low = at(a, row).min(at(b, row));
-            let still = v.abs() < 0.02;
-            let inside = [
-                ("while the rod rests", still),
-                ("near zero velocity while extending", v > 0.0 && v < 0.15 && !still),
-                ("near zero velocity while retracting", v < 0.0 && v > -0.15 && !still),
-                ("while extending", v > 0.02),
-                ("while retracting", v < -0.02),
-                ("at high speed", v.abs() > 0.6),
-                ("beyond 60 % of slider travel", x > 0.6),
-                ("below 30 % of slider travel, moving", x < 0.3 && !spool.is_empty() && !still),
-                ("with a chamber below 40 bar", !a.is_empty() && low < 4e6),
-                ("with a chamber above 60 % of supply", high > 0.6),
-            ];
-            if self.regions.is_empty() {
-                self.regions = inside.iter().map(|(name, _)| (*name, 0.0, 0.0)).collect();
-            }
-            let square = error * error;
-            self.rows += 1.0;
-            self.error += square;
-            for (region, (_, holds)) in self.regions.iter_mut().zip(inside) {
-                if holds {
-                    region.1 += 1.0;
-                    region.2 += square;
-                }
-            }
-        }
-    }
-
-    /// The region that holds a third of the error at least and most of it for the time spent there.
-    fn region(&self) -> String {
-        let dense = |rows: f64, error: f64| (error / self.error) / (rows / self.rows).max(1e-9);
-        let best = self
-            .regions
-            .iter()
-            .filter(|(_, rows, error)| *rows > 0.0 && *error > self.error / 3.0)
-            .max_by(|a, b| dense(a.1, a.2).total_cmp(&dense(b.1, b.2)));
-        match best {
-            Some((name, rows, error)) if dense(*rows, *error) > 1.3 => {
-                format!(
-                    "{name}: {:.0} % of the error in {:.0} % of the time",
-                    100.0 * error / self.error,
-                    100.0 * rows / self.rows
-                )
-            }
-            _ => "spread over all states".to_owned(),
-        }
-    }
 }

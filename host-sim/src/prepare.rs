@@ -22,6 +22,13 @@ pub struct Channel {
 }
 
 impl Channel {
+    /// A signal as recorded, with its noise and the rows where its sensor failed.
+    #[must_use]
+    pub fn of(signal: Signal, recorded: &[f64]) -> Self {
+        let noise = noise(recorded, resolution(recorded));
+        Self { signal, failed: spikes(recorded, noise), noise, recorded: recorded.to_vec() }
+    }
+
     /// The NRMSE fit, %, that a perfect model would reach: only the noise is left.
     #[must_use]
     pub fn noise_floor_percent(&self) -> f64 {
@@ -90,9 +97,7 @@ impl Prepared {
             .into_iter()
             .map(|signal| {
                 recording.check_varies(signal)?;
-                let recorded = recording.require(signal)?.to_vec();
-                let noise = noise(&recorded, resolution(&recorded));
-                Ok(Channel { signal, failed: spikes(&recorded, noise), noise, recorded })
+                Ok(Channel::of(signal, recording.require(signal)?))
             })
             .collect::<Result<_, CompareError>>()?;
         let start_sigma_m = recording.signal(Signal::Position).map_or(0.0, |position| {

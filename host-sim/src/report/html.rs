@@ -77,7 +77,7 @@ fn located(diagnosis: &Diagnosis) -> Markup {
             h2 { "Where" }
             div class="fact" {
                 strong { (location.subsystem) } ", seen in " (location.signal.name()) ": " (location.region) ". "
-                (location.intervals.len()) " intervals hold " (significant(100.0 * location.share, 2)) " % of the error."
+                (location.intervals.len()) " intervals hold " (significant(100.0 * location.share, 2)) " % of the error. The error: " (location.shape.to_string()) "."
             }
             table {
                 tr { th { "signal" } th { "RMSE before, in standard deviations of its noise" } }

@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use crate::diagnose::{Diagnosis, Finding};
 use crate::hypothesis::short_name;
+use crate::shape::Shape;
 
 /// The document.
 #[must_use]
@@ -29,6 +30,7 @@ pub fn document(diagnosis: &Diagnosis) -> Value {
             "share": digits(location.share, 3),
             "intervals": intervals,
             "region": location.region,
+            "shape": shape(&location.shape),
         })
     });
     json!({
@@ -56,6 +58,38 @@ pub fn document(diagnosis: &Diagnosis) -> Value {
         }).collect::<Vec<_>>(),
         "fit": { "train": fits(false), "holdout": fits(true) },
     })
+}
+
+/// What an error looks like: its kind, the sentence, and the numbers behind it.
+fn shape(shape: &Shape) -> Value {
+    let sentence = shape.to_string();
+    match shape {
+        Shape::Once { recording, from_s, to_s, share } => json!({
+            "kind": "once", "sentence": sentence, "recording": recording,
+            "from_s": digits(*from_s, 6), "to_s": digits(*to_s, 6), "share": digits(*share, 3),
+        }),
+        Shape::Periodic { hz, amplitude, signal } => json!({
+            "kind": "periodic", "sentence": sentence, "hz": digits(*hz, 4),
+            "amplitude": digits(*amplitude, 3), "unit": signal.si_unit().symbol(), "signal": signal.name(),
+        }),
+        Shape::Over { state, unit, explained, bins, pair } => {
+            let bins: Vec<Value> = bins
+                .iter()
+                .map(|bin| {
+                    json!({
+                        "from": digits(bin.from, 4), "to": digits(bin.to, 4),
+                        "mean_over_noise": digits(bin.mean, 3), "rows": bin.count,
+                    })
+                })
+                .collect();
+            let pair = pair.map(|(one, other, share)| json!({ "states": [one, other], "explained": digits(share, 3) }));
+            json!({
+                "kind": "over", "sentence": sentence, "state": state, "unit": unit,
+                "explained": digits(*explained, 3), "bins": bins, "pair": pair,
+            })
+        }
+        Shape::Everywhere => json!({ "kind": "everywhere", "sentence": sentence }),
+    }
 }
 
 fn finding_of(diagnosis: &Diagnosis, finding: &Finding) -> Value {

@@ -17,12 +17,13 @@ pub fn text(diagnosis: &Diagnosis) -> String {
     if let Some(location) = &diagnosis.located {
         let _ = writeln!(
             text,
-            "\nlocated    {} · {} · {}\n           {} intervals hold {:.0} % of the error",
+            "\nlocated    {} · {} · {}\n           {} intervals hold {:.0} % of the error\n           {}",
             location.subsystem,
             location.signal,
             location.region,
             location.intervals.len(),
-            100.0 * location.share
+            100.0 * location.share,
+            location.shape
         );
     }
     for finding in &diagnosis.findings {
