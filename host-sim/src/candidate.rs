@@ -4,7 +4,7 @@ use model_core::machine::Machine;
 use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
-use crate::fit::{Estimate, Fit, FitError, Free, From, Sensitivity, effective_samples, fit, loss, settle, standardised};
+use crate::fit::{StartState, set_tolerances, Estimate, Fit, FitError, Free, From, Sensitivity, effective_samples, fit, loss, settle, softened};
 use crate::hypothesis::{Form, Hypothesis, Kind, Scene};
 use crate::prepare::Prepared;
 use crate::screen::{Lead, extended, screen};
@@ -69,6 +69,17 @@ impl Candidate {
         Self::of(question, Vec::new(), fit, Vec::new())
     }
 
+    /// The machine file's model refitted, after which every channel tolerates what that leaves: residuals far beyond count
+    /// linearly in all that follows.
+    pub fn tolerated(scene: &Scene<'_>, ordinary: &[Free], training: &mut [Prepared]) -> Result<(), FitError> {
+        let nominal = vec![StartState::default(); training.len()];
+        set_tolerances(scene.machine, training, &nominal)?;
+        let references: Vec<&Prepared> = training.iter().collect();
+        let base = fit(scene.machine, ordinary, &references, &From::default(), Some(1e-4))?;
+        set_tolerances(&base.machine, training, &base.starts)?;
+        Ok(())
+    }
+
     /// The machine file's model as it is: an effect that is not in it may have bent the refitted one far.
     pub fn nominal(question: &Question<'_>) -> Result<Self, FitError> {
         let fit = fit(question.scene.machine, question.ordinary, question.training, &From::default(), None)?;
@@ -85,7 +96,7 @@ impl Candidate {
             .training
             .par_iter()
             .zip(&fit.starts)
-            .map(|(case, start)| standardised(&fit.machine, case, *start))
+            .map(|(case, start)| softened(&fit.machine, case, *start))
             .collect::<Result<_, _>>()?;
         Ok(Self { effects, fit, jumps, residuals })
     }
@@ -182,9 +193,25 @@ impl Candidate {
             .enumerate()
             .map(|(index, case)| {
                 let machine = if training.len() > 1 { self.fit.without(index) } else { self.fit.machine };
-                Ok(standardised(&machine, case, settle(&machine, case)?)?)
+                Ok(softened(&machine, case, settle(&machine, case)?)?)
             })
             .collect()
+    }
+
+    /// Whether every strength lies where such an effect can: an amount is not beyond its usual range widened threefold, a shape
+    /// neither beyond nor below.
+    #[must_use]
+    pub fn is_plausible(&self, scene: &Scene<'_>) -> bool {
+        /// The widened range, in standard deviations of the prior, with some room.
+        const WIDE: f64 = 2.2;
+        self.effects.iter().flat_map(|chosen| chosen.form).all(|strength| {
+            let coordinate = strength.free(scene).coordinate(self.fit.machine.get(strength.parameter));
+            match strength.kind {
+                Kind::Amount(_) | Kind::Jump(_) => coordinate < WIDE,
+                Kind::Shape(..) => coordinate.abs() < WIDE,
+                Kind::Signed(_) | Kind::Place(..) => coordinate.abs() < 1.5 * WIDE,
+            }
+        })
     }
 
     /// How many strengths it has.

@@ -142,7 +142,7 @@ pub fn diagnose(
     progress: Progress<'_>,
 ) -> Result<Diagnosis, DiagnoseError> {
     let prepare = |recording: &Recording| Prepared::new(recording, &file.machine, file.load_source, tick);
-    let trained: Vec<Prepared> = training.iter().map(prepare).collect::<Result<_, _>>()?;
+    let mut trained: Vec<Prepared> = training.iter().map(prepare).collect::<Result<_, _>>()?;
     let held: Vec<Prepared> = held_out.iter().map(prepare).collect::<Result<_, _>>()?;
     let first = trained.first().ok_or(DiagnoseError::NoTraining)?;
     check_entries(&trained, &held)?;
@@ -162,6 +162,7 @@ pub fn diagnose(
         .copied()
         .filter(|hypothesis| !hypothesis.is_on(&file.machine))
         .partition(|hypothesis| (hypothesis.shows_in)(&scene));
+    Candidate::tolerated(&scene, &ordinary, &mut trained)?;
     let references: Vec<&Prepared> = trained.iter().collect();
     let question =
         Question { scene: &scene, ordinary: &ordinary, hypotheses: &hypotheses, training: &references };

@@ -15,6 +15,8 @@ pub struct Channel {
     pub signal: Signal,
     /// What was recorded, SI.
     pub recorded: Vec<f64>,
+    /// How many times the noise the residual of the refitted model is, 1 at least: residuals far beyond that steer no fit.
+    pub tolerance: f64,
     /// Rows where the sensor failed for a moment: spikes. They are not judged.
     pub failed: Vec<bool>,
     /// Standard deviation of the sensor's noise and quantisation, SI.
@@ -26,7 +28,7 @@ impl Channel {
     #[must_use]
     pub fn of(signal: Signal, recorded: &[f64]) -> Self {
         let noise = noise(recorded, resolution(recorded));
-        Self { signal, failed: spikes(recorded, noise), noise, recorded: recorded.to_vec() }
+        Self { signal, failed: spikes(recorded, noise), tolerance: 1.0, noise, recorded: recorded.to_vec() }
     }
 
     /// The NRMSE fit, %, that a perfect model would reach: only the noise is left.

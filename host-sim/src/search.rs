@@ -25,11 +25,14 @@ pub fn widened(
     let mut found = Vec::new();
     for from in beam {
         let open = open_to(question, from);
-        let plain: Vec<&'static Hypothesis> = open.iter().copied().filter(|effect| effect.extends.is_none()).collect();
         let nominal = if from.effects.is_empty() { Some(Candidate::nominal(question)?) } else { None };
         let mut leads: Vec<(Lead, &Candidate)> = Vec::new();
         for reference in std::iter::once(from).chain(&nominal) {
-            leads.extend(reference.leads(question, &plain)?.into_iter().map(|lead| (lead, reference)));
+            leads.extend(reference.leads(question, &open)?.into_iter().map(|lead| (lead, reference)));
+        }
+        if std::env::var("DBG").is_ok() {
+            eprintln!("from {:?} loss {:.0}", from.effects.iter().map(|c| c.effect.name).collect::<Vec<_>>(), from.fit.loss);
+            for (l, r) in &leads { eprintln!("{} {} left {:.0} gain {:.0} {:?}", if std::ptr::eq(*r, from) {"base"} else {"nominal"}, l.effect.name, l.loss, l.gain, l.values); }
         }
         let refitted: Vec<Candidate> = promising(leads, from.fit.loss, most)
             .par_iter()

@@ -11,7 +11,7 @@ use model_core::machine::{Machine, MachineError};
 use rayon::prelude::*;
 
 pub use crate::candidate::{Candidate, Chosen, Question, Residuals};
-use crate::fit::{FitError, effective_samples, loss, settle, standardised};
+use crate::fit::{FitError, effective_samples, loss, settle, softened};
 use crate::hypothesis::Hypothesis;
 use crate::prepare::Prepared;
 use crate::recording::Signal;
@@ -69,13 +69,15 @@ pub fn select(question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<
     for round in 0..MOST_EFFECTS {
         let found = widened(question, &beam, if round == 0 { REFITTED } else { BESIDE }, done)?;
         // Only the best are worth an exact refit.
-        let mut first = ranked(&base, found);
+        let possible = found.into_iter().filter(|candidate| candidate.is_plausible(question.scene)).collect();
+        let mut first = ranked(&base, possible);
         let rest = first.split_off(first.len().min(FINISHED));
         let finished = first
             .par_iter()
             .map(|(candidate, _)| candidate.finished(question))
             .collect::<Result<Vec<_>, FitError>>()?;
-        let mut ranked = ranked(&base, finished.into_iter().chain(rest.into_iter().map(|(candidate, _)| candidate)).collect());
+        let finished = finished.into_iter().filter(|candidate| candidate.is_plausible(question.scene));
+        let mut ranked = ranked(&base, finished.chain(rest.into_iter().map(|(candidate, _)| candidate)).collect());
         prefer_plain(&base, &mut ranked);
         rounds.push(ranked.iter().map(|(candidate, net)| trial(candidate, *net)).collect());
         let mut accepted = None;
@@ -271,8 +273,8 @@ pub fn confirm(
     let mut signals: Vec<(Signal, f64)> = Vec::new();
     let mut least_fit_percent = 100.0_f64;
     for case in held_out {
-        let before = standardised(base, case, settle(base, case)?)?;
-        let after = standardised(chosen, case, settle(chosen, case)?)?;
+        let before = softened(base, case, settle(base, case)?)?;
+        let after = softened(chosen, case, settle(chosen, case)?)?;
         let mut total = 0.0;
         for (channel, (before, after)) in case.channels.iter().zip(before.iter().zip(&after)) {
             let gain = gained(before, after);

@@ -48,7 +48,7 @@ impl Information {
                 if channel.failed[row] {
                     continue;
                 }
-                let (residual, slope) = soft(missed(channel, row, Some(simulated.value)));
+                let (residual, slope) = soft(missed(channel, row, Some(simulated.value)), channel.tolerance);
                 let scale = single(-slope / channel.noise);
                 let shift = if channel.signal == Signal::Position { single(case.start_sigma_m) * scale } else { 0.0 };
                 sums.add(residual, &simulated.partials.map(|by| by * scale), shift);

@@ -20,7 +20,7 @@ use crate::prepare::Prepared;
 pub(crate) use information::OF_START;
 pub use information::Information;
 use problem::{Minimum, Problem};
-pub use residuals::{effective_samples, loss, soft, standardised};
+pub use residuals::{effective_samples, loss, set_tolerances, soft, softened, standardised};
 pub use sensitivity::{Change, Sensitivity};
 pub use start::{StartState, settle};
 

@@ -6,18 +6,55 @@ use super::start::StartState;
 use crate::prepare::{Channel, Prepared};
 use crate::simulate::run;
 
-/// Residuals beyond this many standard deviations of noise count linearly, not by their square.
+/// Residuals beyond this many times a channel's tolerance count linearly, not by their square.
 const HUBER: f64 = 5.0;
 
 /// The residual whose square is the pseudo-Huber loss of `residual`, and its derivative.
 #[must_use]
-pub fn soft(residual: f64) -> (f64, f64) {
-    if residual.abs() < 1e-6 {
+pub fn soft(residual: f64, tolerance: f64) -> (f64, f64) {
+    let limit = HUBER * tolerance;
+    if residual.abs() < 1e-6 * limit {
         return (residual, 1.0);
     }
-    let root = (1.0 + (residual / HUBER).powi(2)).sqrt();
-    let value = HUBER * (2.0 * (root - 1.0)).sqrt();
+    let root = (1.0 + (residual / limit).powi(2)).sqrt();
+    let value = limit * (2.0 * (root - 1.0)).sqrt();
     (value.copysign(residual), residual.abs() / (root * value))
+}
+
+/// Residuals as their squares enter the loss: [`standardised`], softened.
+pub fn softened(machine: &Machine<f64>, case: &Prepared, start: StartState) -> Result<Vec<Vec<f64>>, MachineError> {
+    let mut all = standardised(machine, case, start)?;
+    for (channel, series) in case.channels.iter().zip(&mut all) {
+        for residual in series {
+            *residual = soft(*residual, channel.tolerance).0;
+        }
+    }
+    Ok(all)
+}
+
+/// Gives every channel the tolerance that a model's residuals on all recordings ask for: their root mean square over the noise.
+pub fn set_tolerances(
+    machine: &Machine<f64>,
+    cases: &mut [Prepared],
+    starts: &[StartState],
+) -> Result<Vec<(crate::recording::Signal, f64)>, MachineError> {
+    let mut sums: Vec<(crate::recording::Signal, f64, f64)> = Vec::new();
+    for (case, start) in cases.iter().zip(starts) {
+        for (channel, series) in case.channels.iter().zip(standardised(machine, case, *start)?) {
+            let square: f64 = series.iter().map(|residual| residual * residual).sum();
+            match sums.iter_mut().find(|(signal, ..)| *signal == channel.signal) {
+                Some(sum) => (sum.1, sum.2) = (sum.1 + square, sum.2 + series.len() as f64),
+                None => sums.push((channel.signal, square, series.len() as f64)),
+            }
+        }
+    }
+    let tolerances: Vec<_> =
+        sums.into_iter().map(|(signal, square, rows)| (signal, (square / rows).sqrt().max(1.0))).collect();
+    for channel in cases.iter_mut().flat_map(|case| &mut case.channels) {
+        let found = tolerances.iter().find(|(signal, _)| *signal == channel.signal);
+        channel.tolerance = found.map_or(1.0, |(_, tolerance)| *tolerance);
+    }
+    Ok(tolerances)
 }
 
 /// Residuals of a machine on one recording, each over its channel's noise: one series for each channel. A row whose sensor
@@ -49,8 +86,8 @@ pub fn effective_samples(series: &[f64]) -> f64 {
     (series.len() as f64 * (1.0 - r) / (1.0 + r)).max(1.0)
 }
 
-/// The pseudo-Huber loss of a series of residuals over noise: their square where they are small.
+/// The loss of a series of softened residuals.
 #[must_use]
-pub fn loss(series: &[f64]) -> f64 {
-    series.iter().map(|residual| soft(*residual).0.powi(2)).sum()
+pub fn loss(softened: &[f64]) -> f64 {
+    softened.iter().map(|residual| residual * residual).sum()
 }

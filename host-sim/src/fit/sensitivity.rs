@@ -83,7 +83,8 @@ impl<'a> Sensitivity<'a> {
                     for channel in &case.channels {
                         let simulated = sample.signal(channel.signal);
                         let judged = simulated.filter(|_| !channel.failed[row]);
-                        let (residual, slope) = soft(missed(channel, row, judged.map(|simulated| simulated.value)));
+                        let missed = missed(channel, row, judged.map(|simulated| simulated.value));
+                        let (residual, slope) = soft(missed, channel.tolerance);
                         let slope = if judged.is_some() { slope } else { 0.0 };
                         block.residuals.push((residual, slope));
                         let scale = single(-slope / channel.noise);
@@ -114,7 +115,7 @@ impl<'a> Sensitivity<'a> {
                     for channel in &case.channels {
                         let index = change.len();
                         let (here, slope) = block.residuals[index];
-                        let there = soft(missed(channel, row, sample.signal(channel.signal))).0;
+                        let there = soft(missed(channel, row, sample.signal(channel.signal)), channel.tolerance).0;
                         change.push(if slope == 0.0 { 0.0 } else { there - here });
                     }
                 })?;

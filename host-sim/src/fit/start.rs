@@ -59,7 +59,7 @@ pub fn settle(machine: &Machine<f64>, case: &Prepared) -> Result<StartState, Mac
         for (index, (channel, residuals)) in case.channels.iter().zip(&here).enumerate() {
             let shift = if channel.signal == Signal::Position { -case.start_sigma_m / channel.noise } else { 0.0 };
             for (row, residual) in residuals.iter().enumerate() {
-                let (value, slope) = soft(*residual);
+                let (value, slope) = soft(*residual, channel.tolerance);
                 let by_level = moved.as_ref().map_or(0.0, |moved| slope * (moved[index][row] - residual) / STEP);
                 let by_shift = slope * shift;
                 h[0][0] += by_level * by_level;

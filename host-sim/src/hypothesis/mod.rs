@@ -119,6 +119,14 @@ impl Scene<'_> {
         opened.min(self.machine.get(Parameter::FlowLimit))
     }
 
+    /// Stiffness of both oil columns that the rod is held by, N/m.
+    #[must_use]
+    pub fn oil_spring_n_per_m(&self) -> f64 {
+        let get = |parameter| self.machine.get(parameter);
+        let side = |area, volume| get(area) * get(area) * get(Parameter::BulkModulus) / get(volume);
+        side(Parameter::AreaA, Parameter::VolumeA) + side(Parameter::AreaB, Parameter::VolumeB)
+    }
+
     /// Whether a signal is measured and judged.
     #[must_use]
     pub fn judges(&self, signal: Signal) -> bool {

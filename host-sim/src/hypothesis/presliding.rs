@@ -13,7 +13,9 @@
 //! motion from the sensor, while the pressures show none of it.
 //!
 //! ## Parameters
-//! Fc in N, not negative: 1–5 % of full force. σ in N/m: such that the deflection is 1–50 µm.
+//! Fc in N, not negative: 1–5 % of full force. σ in N/m: a thousandth to a tenth of the stiffness of the oil columns. Bristles that
+//! are stiffer than about a third of it give way less than the oil does anyway: the pressures then tell of a rod that sticks, which
+//! is Coulomb friction.
 //!
 //! ## Source
 //! C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, *A new model for control of systems with friction*, IEEE
@@ -37,11 +39,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
         Strength {
             parameter: Parameter::PreslidingStiffness,
             kind: Kind::Shape(
-                |scene| {
-                    // 1–50 µm at a friction of 2 % of full force.
-                    let force = 0.02 * scene.full_force_n();
-                    (force / 5e-5, force / 1e-6)
-                },
+                |scene| (1e-3 * scene.oil_spring_n_per_m(), 0.1 * scene.oil_spring_n_per_m()),
                 3,
             ),
         },
