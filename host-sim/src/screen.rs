@@ -90,7 +90,7 @@ impl Strength {
 /// A point that promises less than this share of the most promising one is not looked at again.
 const WORTHWHILE: f64 = 0.02;
 /// Points that are looked at again, at most.
-const MOST_TRIED: usize = 24;
+const MOST_TRIED: usize = 18;
 
 /// What a point of a form's shapes promises along the directions of its amounts.
 #[derive(Debug)]

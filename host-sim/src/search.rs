@@ -30,10 +30,6 @@ pub fn widened(
         for reference in std::iter::once(from).chain(&nominal) {
             leads.extend(reference.leads(question, &open)?.into_iter().map(|lead| (lead, reference)));
         }
-        if std::env::var("DBG").is_ok() {
-            eprintln!("from {:?} loss {:.0}", from.effects.iter().map(|c| c.effect.name).collect::<Vec<_>>(), from.fit.loss);
-            for (l, r) in &leads { eprintln!("{} {} left {:.0} gain {:.0} {:?}", if std::ptr::eq(*r, from) {"base"} else {"nominal"}, l.effect.name, l.loss, l.gain, l.values); }
-        }
         let refitted: Vec<Candidate> = promising(leads, from.fit.loss, most)
             .par_iter()
             .map(|(lead, reference)| {
@@ -63,17 +59,25 @@ fn open_to(question: &Question<'_>, from: &Candidate) -> Vec<&'static Hypothesis
 fn promising<'a>(mut leads: Vec<(Lead, &'a Candidate)>, loss: f64, most: usize) -> Vec<(Lead, &'a Candidate)> {
     leads.sort_by(|a, b| a.0.loss.total_cmp(&b.0.loss));
     let best = leads.first().map_or(0.0, |(lead, _)| loss - lead.loss);
-    let mut forms: Vec<*const _> = Vec::new();
+    let mut kept: Vec<(&str, *const _, f64)> = Vec::new();
     let mut names: Vec<&str> = Vec::new();
     leads.retain(|(lead, _)| {
-        let form = lead.form.as_ptr();
-        let new = !forms.contains(&form);
-        forms.push(form);
-        if !names.contains(&lead.effect.name) {
-            names.push(lead.effect.name);
+        let (name, form) = (lead.effect.name, lead.form.as_ptr());
+        if !names.contains(&name) {
+            names.push(name);
         }
-        let rank = names.iter().position(|name| *name == lead.effect.name);
-        new && loss - lead.loss > CHANCE.max(PROMISING * best) && rank.is_some_and(|rank| rank < most)
+        let rank = names.iter().position(|known| *known == name);
+        let mut same = kept.iter().filter(|(known, ..)| *known == name);
+        // Another form of the same effect has to come near the best one.
+        let another = same.clone().all(|(.., promised)| loss - lead.loss > 0.8 * promised);
+        let keep = same.all(|(_, known, _)| *known != form)
+            && another
+            && loss - lead.loss > CHANCE.max(PROMISING * best)
+            && rank.is_some_and(|rank| rank < most);
+        if keep {
+            kept.push((name, form, loss - lead.loss));
+        }
+        keep
     });
     leads
 }

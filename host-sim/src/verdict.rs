@@ -20,11 +20,11 @@ use crate::search::widened;
 /// Most effects claimed at once.
 const MOST_EFFECTS: usize = 3;
 /// Effects that are refitted in a round, the most promising by the screening.
-const REFITTED: usize = 9;
+const REFITTED: usize = 7;
 /// Sets of a round that are refitted to the end.
-const FINISHED: usize = 5;
+const FINISHED: usize = 4;
 /// Sets that the next round starts from.
-const BEAM: usize = 3;
+const BEAM: usize = 2;
 /// Effects that are refitted beside each of those.
 const BESIDE: usize = 4;
 /// What an effect must take away of what is above the noise.

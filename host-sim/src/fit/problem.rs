@@ -134,6 +134,9 @@ impl<'p, 'a, const P: usize> Slots<'p, 'a, P> {
     fn assembled(&self, information: &[Information]) -> Option<(DVector<f64>, DMatrix<f64>)> {
         let size = self.problem.coordinates.len();
         let (matrix, gradient, square) = Information::assembled(information, &self.problem.coordinates);
+        if !square.is_finite() {
+            return None;
+        }
         let triangle = matrix.cholesky()?.l();
         let reached = triangle.solve_lower_triangular(&gradient)?;
         let mut residuals = DVector::zeros(size + 1);
@@ -170,6 +173,9 @@ impl<const P: usize> LeastSquaresProblem<f64, Dyn, Dyn> for Slots<'_, '_, P> {
             .collect();
         let information = information.unwrap_or_default();
         let triangle = if information.is_empty() { None } else { self.assembled(&information) };
+        // A step to where there is no drive is one that goes wrong: the search then takes a shorter one.
+        let wrong = || self.before.triangle.as_ref().map(|(residuals, jacobian)| (residuals * 10.0, jacobian.clone()));
+        let triangle = triangle.or_else(wrong);
         self.here = Point { at: Some(coordinates.clone()), information, triangle };
     }
 

@@ -128,9 +128,13 @@ impl<R: Real> StartOffset<R> {
 }
 
 /// Pressures at the start where the recording has none: the level in B, and the balance of forces.
-fn balanced<R: Real>(machine: &Machine<R>, level: R) -> (R, R) {
+fn balanced<R: Real>(machine: &Machine<R>, level: R, position_m: R) -> (R, R) {
     let get = |parameter| machine.get(parameter);
-    let a = (level * get(Parameter::AreaB) - get(Parameter::LoadForce)) / get(Parameter::AreaA);
+    let beyond = position_m - get(Parameter::Stroke) * R::constant(0.5);
+    let spring = get(Parameter::LoadSpringForce)
+        + beyond * (get(Parameter::LoadSpring) + beyond * get(Parameter::LoadSpringBow));
+    let force = get(Parameter::LoadForce) - spring;
+    let a = (level * get(Parameter::AreaB) - force) / get(Parameter::AreaA);
     let supply = get(Parameter::SupplyPressure);
     let (low, high) = (supply * R::constant(0.02), supply * R::constant(0.98));
     let a = if a < low {
@@ -140,7 +144,7 @@ fn balanced<R: Real>(machine: &Machine<R>, level: R) -> (R, R) {
     } else {
         a
     };
-    let b = (a * get(Parameter::AreaA) + get(Parameter::LoadForce)) / get(Parameter::AreaB);
+    let b = (a * get(Parameter::AreaA) + force) / get(Parameter::AreaB);
     (
         a,
         if b < low {
@@ -164,16 +168,17 @@ pub fn run<N: Number>(
     let drive = Drive::<N>::new::<DELAY_LINE>(machine, stimulus.tick)?;
     let bases = *drive.bases();
     let constant = N::Real::constant;
+    let position_m = constant(stimulus.start.position_m) + offset.shift_m;
     let (pressure_a, pressure_b) = match stimulus.start.pressures_pa {
         Some((a, b)) => (behind(machine, PRESSURE_A, constant(a)), behind(machine, PRESSURE_B, constant(b))),
-        None => balanced(machine, offset.level * machine.get(Parameter::SupplyPressure)),
+        None => balanced(machine, offset.level * machine.get(Parameter::SupplyPressure), position_m),
     };
     let fit = |value: N::Real| N::signal(value).unwrap_or_else(|| N::saturated(value.value()));
     let pressures = ChamberState {
         a: fit(pressure_a / constant(bases.pressure_pa)),
         b: fit(pressure_b / constant(bases.pressure_pa)),
     };
-    let position = N::travel((constant(stimulus.start.position_m) + offset.shift_m) / machine.get(Parameter::Stroke));
+    let position = N::travel(position_m / machine.get(Parameter::Stroke));
     let command = N::saturated(stimulus.start.command_v / bases.command_v);
     let mut state: DriveState<N, DELAY_LINE> = drive.at_rest(command, pressures, position);
 
