@@ -54,7 +54,6 @@ impl Information {
                 sums.add(residual, &simulated.partials.map(|by| by * scale), shift);
             }
         })?;
-        sums.flush();
         let mut matrix = DMatrix::zeros(size, size);
         let mut gradient = DVector::zeros(size);
         for row in 0..=count {
@@ -132,15 +131,8 @@ impl Information {
     }
 }
 
-/// Rows that are summed in single precision before they are added up in double.
-const BATCH: usize = 64;
-
-/// Sums over rows.
+/// Sums over rows. In double: what single precision rounds away of two nearly equal columns is more than any prior.
 struct Sums<const P: usize> {
-    batch: [[f32; P]; P],
-    batch_gradient: [f32; P],
-    batch_shift: [f32; P],
-    waiting: usize,
     matrix: [[f64; P]; P],
     gradient: [f64; P],
     by_shift: [f64; P],
@@ -153,10 +145,6 @@ struct Sums<const P: usize> {
 impl<const P: usize> Sums<P> {
     fn new() -> Self {
         Self {
-            batch: [[0.0; P]; P],
-            batch_gradient: [0.0; P],
-            batch_shift: [0.0; P],
-            waiting: 0,
             matrix: [[0.0; P]; P],
             gradient: [0.0; P],
             by_shift: [0.0; P],
@@ -169,34 +157,19 @@ impl<const P: usize> Sums<P> {
 
     #[inline]
     fn add(&mut self, residual: f64, slopes: &[f32; P], shift: f32) {
-        let single_residual = single(residual);
-        for (row, by) in self.batch.iter_mut().zip(slopes) {
-            for (sum, slope) in row.iter_mut().zip(slopes) {
+        let (slopes, shift) = (slopes.map(f64::from), f64::from(shift));
+        for (row, by) in self.matrix.iter_mut().zip(&slopes) {
+            for (sum, slope) in row.iter_mut().zip(&slopes) {
                 *sum += by * slope;
             }
         }
         for (index, by) in slopes.iter().enumerate() {
-            self.batch_gradient[index] += by * single_residual;
-            self.batch_shift[index] += by * shift;
+            self.gradient[index] += by * residual;
+            self.by_shift[index] += by * shift;
         }
-        self.shift_square += f64::from(shift * shift);
-        self.shift_gradient += f64::from(shift) * residual;
+        self.shift_square += shift * shift;
+        self.shift_gradient += shift * residual;
         self.square += residual * residual;
         self.rows += 1.0;
-        self.waiting += 1;
-        if self.waiting == BATCH {
-            self.flush();
-        }
-    }
-
-    fn flush(&mut self) {
-        for row in 0..P {
-            for column in 0..P {
-                self.matrix[row][column] += f64::from(self.batch[row][column]);
-            }
-            self.gradient[row] += f64::from(self.batch_gradient[row]);
-            self.by_shift[row] += f64::from(self.batch_shift[row]);
-        }
-        (self.batch, self.batch_gradient, self.batch_shift, self.waiting) = ([[0.0; P]; P], [0.0; P], [0.0; P], 0);
     }
 }

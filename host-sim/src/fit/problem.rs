@@ -88,7 +88,9 @@ impl<'a> Problem<'a> {
             .with_xtol(1e-6)
             .with_gtol(0.0)
             .with_patience(20)
-            .with_stepbound(10.0);
+            // Every coordinate is in standard deviations of its prior already: a first step of several of them is far.
+            .with_scale_diag(false)
+            .with_stepbound(5.0);
         let start = Slots::<'_, '_, P>::new(self);
         let (end, report) = solver.minimize(start);
         let information = end.here.information;
