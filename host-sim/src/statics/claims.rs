@@ -102,8 +102,13 @@ fn unequal_gains(statics: &Statics) -> Option<(f64, f64)> {
     let edges = || [statics.positive, statics.negative].into_iter().flatten().map(|edge| edge.extrapolated);
     let play = statics.hysteresis.map_or(0.0, |hysteresis| hysteresis.width.abs());
     let at_an_edge = |local: &LocalGain| edges().any(|edge| local.from - play < edge && edge < local.to + play);
+    // Where the meter changes to a coarse range, its gain may change as well.
+    let read_finely = |local: &LocalGain| {
+        statics.staircase.is_none_or(|stairs| stairs.from_magnitude <= 0.0 || local.output.abs() < stairs.from_magnitude)
+    };
     let opened = statics.gains.iter().filter(|local| {
-        local.output.abs() > 0.1 * largest && !at_an_edge(local) && !stopped(f64::midpoint(local.from, local.to))
+        let inside = local.output.abs() > 0.1 * largest && !at_an_edge(local);
+        inside && read_finely(local) && !stopped(f64::midpoint(local.from, local.to))
     });
     let shares = opened.map(|local| local.gain / gain);
     let (low, high) = shares.fold((f64::MAX, f64::MIN), |(low, high), share| (low.min(share), high.max(share)));
@@ -129,10 +134,11 @@ pub(super) fn remarks(statics: &Statics, clock: bool, slider: bool) -> Vec<Strin
         };
         say(format!(
             "instrument: {} stands on {} levels {} apart{from}: a staircase of the meter, not of the valve; the loop is read at the \
-             edges of its steps",
+             edges of its steps{}",
             statics.output.header,
             stairs.levels,
-            short(stairs.step)
+            short(stairs.step),
+            if stairs.from_magnitude > 0.0 { ", and another gain there is not taken for the valve's" } else { "" },
         ));
     }
     for jump in &statics.jumps {
