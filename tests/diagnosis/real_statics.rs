@@ -67,7 +67,8 @@ fn a_crane_valves_table_shows_dead_zone_saturation_droop_and_return_pressure() {
     let lost = found.saturation.iter().find(|fallen| fallen.share < 0.2).unwrap();
     near(lost.from, 95.0, 0.1);
     let (supply, returning) = (found.supply.as_ref().unwrap(), found.returning.as_ref().unwrap());
-    near(supply.at_rest, 149.4, 1.0);
+    // 149.4 bar in most rows; those of 21-24 % were taken at 4 bar more.
+    near(supply.at_rest, 149.4, 2.0);
     near(supply.at_full, 138.4, 1.0);
     near(returning.at_full, 13.5, 1.0);
     assert_eq!(names(&found), ["solenoid-saturation", "flow-gain-nonlinearity", "supply-droop", "tank-back-pressure"]);
