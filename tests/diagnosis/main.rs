@@ -8,6 +8,9 @@ mod derivatives;
 mod drawn;
 mod once;
 mod real;
+mod real_actuator;
+mod real_statics;
+mod real_valve;
 mod recover;
 mod shipped;
 

@@ -12,6 +12,7 @@ use super::target::{check_not_read, check_target};
 use super::{CliError, Console, Outcome};
 use crate::atomic;
 use crate::compare::{Arithmetic, Comparison, Section, compare};
+use crate::judge;
 use crate::machine_file::{LoadSource, MachineFile};
 use crate::plot;
 use crate::presentation::{TABLE, difference, percent};
@@ -33,6 +34,9 @@ pub struct Arguments {
     /// Recordings to compare with (CSV)
     #[arg(long, value_name = "R.csv", required = true, num_args = 1..)]
     recording: Vec<PathBuf>,
+    /// Judge by these signals only, as though the model's others had not been measured: spool,pressure_a,…
+    #[arg(long, value_name = "signal,…", value_delimiter = ',', value_parser = judge::named)]
+    judge: Vec<Signal>,
     /// Draw recorded against simulated, with the residual below; for several recordings a file each, named after it
     #[arg(long, value_name = "P.svg")]
     plot: Option<PathBuf>,
@@ -90,7 +94,8 @@ fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> 
         .recording
         .iter()
         .map(|path| {
-            let recording = input::recording(path, &channels);
+            let read = input::recording(path, &channels);
+            let recording = read.and_then(|recording| input::judged(recording, &file, &arguments.judge));
             bar.inc(1);
             recording
         })

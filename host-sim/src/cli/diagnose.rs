@@ -8,8 +8,9 @@ use super::target::{check_not_read, check_target};
 use super::{CliError, Console, Outcome};
 use crate::atomic;
 use crate::diagnose::{Diagnosis, Verdict, diagnose, steps};
+use crate::judge;
 use crate::machine_file::{self, MachineFile};
-use crate::recording::{ChannelMap, Recording};
+use crate::recording::{ChannelMap, Recording, Signal};
 use crate::report::{html, json, terminal};
 
 /// Arguments of `diagnose`.
@@ -36,6 +37,9 @@ pub struct Arguments {
     /// Which column holds a signal, where its header does not say; may be repeated
     #[arg(long = "map", value_name = "name=header")]
     maps: Vec<String>,
+    /// Judge by these signals only, as though the model's others had not been measured: spool,pressure_a,…
+    #[arg(long, value_name = "signal,…", value_delimiter = ',', value_parser = judge::named)]
+    judge: Vec<Signal>,
     /// Step of the model in ms; without it 1, or 0.5 for recordings faster than that
     #[arg(long, value_enum, value_name = "ms")]
     tick: Option<input::TickArgument>,
@@ -129,7 +133,8 @@ fn plan(arguments: &Arguments) -> Result<Plan, CliError> {
     let file = machine_file::read(&machine)?;
     let channels = file.channels.clone().overlaid_with(&maps);
     let read = |paths: &[PathBuf]| {
-        paths.iter().map(|path| input::recording(path, &channels)).collect::<Result<Vec<_>, CliError>>()
+        let judged = |path| input::judged(input::recording(path, &channels)?, &file, &arguments.judge);
+        paths.iter().map(|path: &PathBuf| judged(path)).collect::<Result<Vec<_>, CliError>>()
     };
     let (training, held_out) = (read(&train)?, read(&holdout)?);
     check_distinct(&training, &held_out)?;

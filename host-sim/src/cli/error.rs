@@ -9,10 +9,12 @@ use crate::atomic;
 use crate::compare::CompareError;
 use crate::diagnose::DiagnoseError;
 use crate::diagnostic::{self, Explained};
+use crate::judge::JudgeError;
 use crate::machine_file::MachineFileError;
 use crate::paper::PaperError;
 use crate::recording::{MapError, RecordingError};
 use crate::simulate::SimulateError;
+use crate::statics::StaticsError;
 use crate::testbed::{ExcitationError, LinkageError, PlantError};
 
 /// Why a command could not be done.
@@ -24,6 +26,12 @@ pub enum CliError {
     /// A recording, or the writing of one.
     #[error(transparent)]
     Recording(#[from] RecordingError),
+    /// A static recording.
+    #[error(transparent)]
+    Statics(#[from] StaticsError),
+    /// What `--judge` asks for.
+    #[error("--judge: {0}")]
+    Judge(#[from] JudgeError),
     /// An argument of `--map`.
     #[error("--map: {0}")]
     Map(#[from] MapError),
@@ -191,6 +199,7 @@ impl CliError {
         match self {
             CliError::MachineFile(error) => shown(error),
             CliError::Recording(error)
+            | CliError::Statics(StaticsError::Recording(error))
             | CliError::Compare { cause: CompareError::Recording(error), .. }
             | CliError::Diagnose { cause: DiagnoseError::Recording(CompareError::Recording(error)), .. } => {
                 shown(error)

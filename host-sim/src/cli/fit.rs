@@ -7,9 +7,10 @@ use super::target::{check_not_read, check_target};
 use super::{CliError, Console, Outcome};
 use crate::diagnose::{DiagnoseError, ordinary};
 use crate::fit::{From, fit};
+use crate::judge;
 use crate::machine_file;
 use crate::prepare::Prepared;
-use crate::recording::ChannelMap;
+use crate::recording::{ChannelMap, Signal};
 use crate::report::terminal;
 
 /// Arguments of `fit`.
@@ -29,6 +30,9 @@ pub struct Arguments {
     /// Which column holds a signal, where its header does not say; may be repeated
     #[arg(long = "map", value_name = "name=header")]
     maps: Vec<String>,
+    /// Judge by these signals only, as though the model's others had not been measured: spool,pressure_a,…
+    #[arg(long, value_name = "signal,…", value_delimiter = ',', value_parser = judge::named)]
+    judge: Vec<Signal>,
     /// Step of the model in ms; without it 1, or 0.5 for recordings faster than that
     #[arg(long, value_enum, value_name = "ms")]
     tick: Option<input::TickArgument>,
@@ -46,7 +50,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let failed = |cause: DiagnoseError| CliError::Diagnose { machine: arguments.machine.clone(), cause };
     let mut prepared = Vec::new();
     for path in &arguments.train {
-        let recording = input::recording(path, &channels)?;
+        let recording = input::judged(input::recording(path, &channels)?, &file, &arguments.judge)?;
         for note in input::notes(&recording) {
             console.note(note);
         }
@@ -56,7 +60,8 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     }
     let cases: Vec<&Prepared> = prepared.iter().collect();
     let bar = console.progress(1, "fitting");
-    let fitted = fit(&file.machine, &ordinary(&file), &cases, &From::default(), Some(1e-8)).map_err(|cause| failed(cause.into()))?;
+    let fitted = fit(&file.machine, &ordinary(&file), &cases, &From::default(), Some(1e-8))
+        .map_err(|cause| failed(cause.into()))?;
     bar.finish_and_clear();
     file.machine = fitted.machine;
     file.given.extend(fitted.free.iter().map(|free| free.parameter));

@@ -6,8 +6,9 @@ use model_core::machine::Tick;
 
 use super::CliError;
 use crate::compare::Arithmetic;
+use crate::judge;
 use crate::machine_file::{self, MachineFile};
-use crate::recording::{self, ChannelMap, Recording};
+use crate::recording::{self, ChannelMap, Recording, Signal};
 
 /// The drive, how its recordings are to be read, and how it is computed.
 #[derive(Clone, Debug, clap::Args)]
@@ -69,6 +70,11 @@ impl MachineArguments {
 /// A recording of a file.
 pub(super) fn recording(path: &Path, channels: &ChannelMap) -> Result<Recording, CliError> {
     Ok(recording::read(path, channels)?)
+}
+
+/// A recording limited to the signals that `--judge` names; whole where it names none.
+pub(super) fn judged(recording: Recording, file: &MachineFile, wanted: &[Signal]) -> Result<Recording, CliError> {
+    Ok(judge::judged_by(recording, file.machine.source, file.load_source, wanted)?)
 }
 
 /// The notes of a recording, each with its name.

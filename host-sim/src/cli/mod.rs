@@ -12,6 +12,7 @@ pub mod fit;
 mod input;
 pub mod paper;
 pub mod simulate;
+pub mod statics;
 mod target;
 pub mod testbed;
 
@@ -42,6 +43,8 @@ pub enum Command {
     Fit(fit::Arguments),
     /// Find what a model lacks: where, which physics, and how much better it fits with it.
     Diagnose(diagnose::Arguments),
+    /// Read a valve's static characteristic off a sweep, a table of means or runs, without a clock.
+    Statics(statics::Arguments),
     /// Repeat the paper's experiment on a virtual test bed and print its tables.
     Paper(paper::Arguments),
     /// Make synthetic recordings of a drive, with effects that its machine file knows nothing of.
@@ -64,6 +67,7 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<Outcome, CliE
         Command::Compare(arguments) => compare::run(arguments, console),
         Command::Fit(arguments) => fit::run(arguments, console),
         Command::Diagnose(arguments) => diagnose::run(arguments, console),
+        Command::Statics(arguments) => statics::run(arguments, console),
         Command::Paper(arguments) => paper::run(arguments, console),
         Command::Testbed(arguments) => testbed::run(arguments, console),
     }

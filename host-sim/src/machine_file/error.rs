@@ -47,6 +47,8 @@ pub enum MachineFileError {
     UnknownSignal { place: Place, found: String, nearest: &'static str },
     /// A signal is mapped to the empty text.
     EmptyHeader { place: Place, signal: &'static str },
+    /// A sensor whose reading does not change with the signal.
+    NoSpan { place: Place, key: String },
 }
 
 use MachineFileError as E;
@@ -72,7 +74,8 @@ impl Explained for MachineFileError {
             | E::DirectionalValveWithoutPump { place }
             | E::UnknownChoice { place, .. }
             | E::UnknownSignal { place, .. }
-            | E::EmptyHeader { place, .. } => place,
+            | E::EmptyHeader { place, .. }
+            | E::NoSpan { place, .. } => place,
         }
     }
 
@@ -98,6 +101,7 @@ impl Explained for MachineFileError {
             E::UnknownChoice { key, found, .. } => format!("`{key}` is {}", quoted(found)),
             E::UnknownSignal { found, .. } => format!("{} is no known signal", quoted(found)),
             E::EmptyHeader { signal, .. } => format!("{signal} is mapped to the empty text"),
+            E::NoSpan { key, .. } => format!("`{key}` is 0"),
         }
     }
 
@@ -133,6 +137,7 @@ impl Explained for MachineFileError {
             E::UnknownChoice { choices, .. } => (*choices).to_owned(),
             E::UnknownSignal { nearest, .. } => format!("the name of a signal, perhaps `{nearest}`"),
             E::EmptyHeader { .. } => "the header of a column, such as \"Kolbenweg [mm]\"".into(),
+            E::NoSpan { .. } => "by how much the reading rises when the signal rises by one SI unit".into(),
         }
     }
 }

@@ -4,6 +4,7 @@
 //! `[channels]` and `[fit.sigma]`. Anything else is an error, and every error names file, line, key
 //! and what was expected there.
 
+mod channels;
 mod error;
 mod keys;
 mod reader;

@@ -3,7 +3,7 @@
 use super::keys::{self, EFFECTS};
 use super::{LoadSource, MachineFile, MachineFileError};
 use crate::diagnostic::Place;
-use crate::recording::{ChannelMap, Mapping, Signal, nearest_signal};
+use crate::recording::ChannelMap;
 use model_core::machine::{Machine, Source};
 use model_core::parameter::{Fallback, Parameter};
 use std::collections::{BTreeMap, BTreeSet};
@@ -16,7 +16,7 @@ use toml_edit::{Document, Item, TableLike, Value};
 /// Largest machine file, in bytes.
 pub const MAX_FILE_BYTES: u64 = 1 << 20;
 
-const NUMBER: &str = "a number";
+pub(super) const NUMBER: &str = "a number";
 const TABLE: &str = "a table";
 const TEXT: &str = "a text in quotation marks";
 
@@ -70,10 +70,10 @@ fn span_of_key(table: &dyn TableLike, key: &str) -> Option<Range<usize>> {
     table.get_key_value(key).and_then(|(key, item)| key.span().or_else(|| item.span()))
 }
 
-struct Reader<'a> {
+pub(super) struct Reader<'a> {
     file: &'a str,
     text: &'a str,
-    result: MachineFile,
+    pub(super) result: MachineFile,
 }
 
 impl<'a> Reader<'a> {
@@ -93,15 +93,15 @@ impl<'a> Reader<'a> {
         Self { file, text, result }
     }
 
-    fn place(&self, span: Option<Range<usize>>) -> Place {
+    pub(super) fn place(&self, span: Option<Range<usize>>) -> Place {
         span.map_or_else(|| Place::file(self.file), |span| Place::in_text(self.file, self.text, span))
     }
 
-    fn key_place(&self, table: &dyn TableLike, key: &str) -> Place {
+    pub(super) fn key_place(&self, table: &dyn TableLike, key: &str) -> Place {
         self.place(span_of_key(table, key))
     }
 
-    fn wrong_type(&self, item: &Item, key: &str, expected: &'static str) -> MachineFileError {
+    pub(super) fn wrong_type(&self, item: &Item, key: &str, expected: &'static str) -> MachineFileError {
         let (key, found) = (key.to_owned(), item.type_name().to_owned());
         MachineFileError::WrongType { place: self.place(item.span()), key, found, expected }
     }
@@ -110,7 +110,7 @@ impl<'a> Reader<'a> {
         item.as_table_like().ok_or_else(|| self.wrong_type(item, key, TABLE))
     }
 
-    fn string<'t>(&self, item: &'t Item, key: &str) -> Result<&'t str, MachineFileError> {
+    pub(super) fn string<'t>(&self, item: &'t Item, key: &str) -> Result<&'t str, MachineFileError> {
         item.as_str().ok_or_else(|| self.wrong_type(item, key, TEXT))
     }
 
@@ -218,21 +218,6 @@ impl<'a> Reader<'a> {
             found: found.to_owned(),
             choices: "\"constant\" or \"recorded-pressures\"",
         })?;
-        Ok(())
-    }
-
-    fn channels(&mut self, table: &dyn TableLike) -> Result<(), MachineFileError> {
-        for (key, item) in table.iter() {
-            let Some(signal) = Signal::parse(key) else {
-                let (place, found) = (self.key_place(table, key), key.to_owned());
-                return Err(MachineFileError::UnknownSignal { place, found, nearest: nearest_signal(key) });
-            };
-            let header = self.string(item, &format!("channels.{key}"))?.trim().to_owned();
-            if header.is_empty() {
-                return Err(MachineFileError::EmptyHeader { place: self.place(item.span()), signal: signal.name() });
-            }
-            self.result.channels.insert(signal, Mapping { header, required: false });
-        }
         Ok(())
     }
 

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::diagnostic::{Explained, render};
-use crate::recording::Signal;
+use crate::recording::{Scale, Signal};
 use model_core::machine::Source;
 
 const VALVE: &str = r#"# Data sheet, page 3.
@@ -217,4 +217,32 @@ fn a_drive_made_in_the_program_is_saved_and_read_again() {
     wrong.machine.set(Parameter::MovingMass, f64::NAN);
     assert_error!(wrong.save(&path).unwrap_err(), MachineFileError::OutOfRange { .. });
     assert_eq!(std::fs::read(&path).unwrap(), before);
+}
+
+#[test]
+fn a_sensor_that_reads_volts_has_its_zero_and_full_reading_beside_its_column() {
+    let channels = "\n[channels]\nspool = { column = \"spool_sensor [V]\", zero = 5, full = 5.0 }\n\
+        command = { column = \"command_5v_centre [V]\", zero = 5.0 }\nposition = \"Kolbenweg [mm]\"\n";
+    let file = parse(&format!("{VALVE}{channels}")).unwrap();
+    let scale = |signal| file.channels.get(signal).unwrap().scale;
+    assert_eq!(scale(Signal::Spool), Some(Scale { zero: 5.0, full: 5.0 }));
+    assert_eq!(scale(Signal::Command), Some(Scale { zero: 5.0, full: 1.0 }));
+    assert_eq!(scale(Signal::Position), None);
+    // It goes out as it came in, and a new one is written so that it reads back.
+    assert!(file.to_text("machine.toml").unwrap().contains("zero = 5, full = 5.0 }"));
+    let mut made = MachineFile::from_machine("made", file.machine);
+    made.channels = file.channels.clone();
+    assert_eq!(parse(&made.to_text("made.toml").unwrap()).unwrap().channels, file.channels);
+}
+
+#[test]
+fn a_sensor_that_says_too_little_or_too_much_is_refused() {
+    let spool = |sensor: &str| refused("supply", &format!("[channels]\nspool = {sensor}"), 6);
+    assert_error!(spool("{ column = \"s [V]\", zero = 5, ful = 5 }"), MachineFileError::UnknownKey { .. });
+    assert_error!(spool("{ zero = 5 }"), MachineFileError::MissingKey { key: "column", .. });
+    assert_error!(spool("{ column = \"\" }"), MachineFileError::EmptyHeader { .. });
+    assert_error!(spool("{ column = \"s\", full = \"5\" }"), MachineFileError::WrongType { .. });
+    assert_error!(spool("{ column = \"s\", zero = nan }"), MachineFileError::OutOfRange { .. });
+    assert_error!(spool("{ column = \"s\", full = 0.0 }"), MachineFileError::NoSpan { .. });
+    assert_error!(spool("5"), MachineFileError::WrongType { .. });
 }

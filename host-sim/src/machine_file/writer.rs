@@ -4,8 +4,9 @@ use super::keys::{self, EFFECTS};
 use super::{LoadSource, MachineFile, MachineFileError, read_text};
 use crate::atomic;
 use crate::diagnostic::Place;
+use crate::recording::Scale;
 use std::path::Path;
-use toml_edit::{Array, Document, DocumentMut, Item, Table, TableLike, Value};
+use toml_edit::{Array, Document, DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
 impl MachineFile {
     /// Writes the file: the text that was read, with comments and order, and in it whatever changed.
@@ -104,8 +105,18 @@ impl MachineFile {
     fn put_channels(&self, document: &mut DocumentMut, before: Option<&MachineFile>) {
         for (signal, mapping) in self.channels.iter() {
             let stands = before.and_then(|before| before.channels.get(signal));
-            if stands.is_none_or(|stands| stands.header != mapping.header) {
-                put(table(document.as_table_mut(), "channels"), signal.name(), Value::from(mapping.header.as_str()));
+            if stands.is_none_or(|stands| (&stands.header, stands.scale) != (&mapping.header, mapping.scale)) {
+                let value = mapping.scale.map_or_else(
+                    || Value::from(mapping.header.as_str()),
+                    |Scale { zero, full }| {
+                        let mut sensor = InlineTable::new();
+                        sensor.insert("column", Value::from(mapping.header.as_str()));
+                        sensor.insert("zero", Value::from(zero));
+                        sensor.insert("full", Value::from(full));
+                        Value::from(sensor)
+                    },
+                );
+                put(table(document.as_table_mut(), "channels"), signal.name(), value);
             }
         }
     }

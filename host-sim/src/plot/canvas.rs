@@ -12,14 +12,14 @@ use super::thin::thinned;
 use super::{Panel, Style, Trace};
 
 /// Width of a figure, px.
-const WIDTH: i32 = 1000;
+pub(super) const WIDTH: i32 = 1000;
 /// Coordinates inside the SVG are this much finer than a pixel, since they are whole numbers.
-const FINE: i32 = 8;
+pub(super) const FINE: i32 = 8;
 
-const LEFT: i32 = 74;
-const RIGHT: i32 = WIDTH - 22;
+pub(super) const LEFT: i32 = 74;
+pub(super) const RIGHT: i32 = WIDTH - 22;
 const TOP: i32 = 66;
-const BOTTOM: i32 = 34;
+pub(super) const BOTTOM: i32 = 34;
 const HEADING: i32 = 40;
 /// Labels of the time axis below each panel.
 const LABELS: i32 = 26;
@@ -29,15 +29,15 @@ const GAP: i32 = 24;
 const LOWER: i32 = 74;
 const INPUT: i32 = 84;
 
-const INK: RGBColor = RGBColor(33, 37, 41);
-const FAINT_INK: RGBColor = RGBColor(95, 103, 112);
-const GRID: RGBColor = RGBColor(228, 231, 235);
-const FRAME: RGBColor = RGBColor(176, 183, 191);
-const PAPER: RGBColor = RGBColor(255, 255, 255);
+pub(super) const INK: RGBColor = RGBColor(33, 37, 41);
+pub(super) const FAINT_INK: RGBColor = RGBColor(95, 103, 112);
+pub(super) const GRID: RGBColor = RGBColor(228, 231, 235);
+pub(super) const FRAME: RGBColor = RGBColor(176, 183, 191);
+pub(super) const PAPER: RGBColor = RGBColor(255, 255, 255);
 const SHADE: RGBAColor = RGBAColor(255, 193, 7, 0.28);
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
+pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+pub(super) type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
 
 /// Draws panels below each other over one time axis; the text of an SVG with a `viewBox`, 1000 px wide.
 ///
@@ -157,7 +157,7 @@ fn chart(
 }
 
 /// Colour and line of a style.
-fn look(style: Style) -> (RGBColor, ShapeStyle) {
+pub(super) fn look(style: Style) -> (RGBColor, ShapeStyle) {
     let (colour, width) = match style {
         Style::Input => (RGBColor(110, 98, 84), 1.4),
         Style::Recorded => (RGBColor(173, 181, 189), 4.0),
@@ -167,13 +167,13 @@ fn look(style: Style) -> (RGBColor, ShapeStyle) {
     (colour, line(colour, width))
 }
 
-fn line(colour: RGBColor, width_px: f64) -> ShapeStyle {
+pub(super) fn line(colour: RGBColor, width_px: f64) -> ShapeStyle {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few pixels")]
     let width = (width_px * f64::from(FINE)).round() as u32;
     colour.stroke_width(width)
 }
 
-fn fine((x, y): (i32, i32)) -> (i32, i32) {
+pub(super) fn fine((x, y): (i32, i32)) -> (i32, i32) {
     (x * FINE, y * FINE)
 }
 
@@ -183,7 +183,7 @@ struct TextPlace {
     size: i32,
 }
 
-fn write(area: &Area<'_>, text: &str, at: (i32, i32), size: i32, colour: RGBColor, side: HPos) -> Drawn {
+pub(super) fn write(area: &Area<'_>, text: &str, at: (i32, i32), size: i32, colour: RGBColor, side: HPos) -> Drawn {
     write_at(area, text, at, TextPlace { anchor: Pos::new(side, VPos::Top), size }, colour)
 }
 

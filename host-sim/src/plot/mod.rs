@@ -17,10 +17,12 @@
 
 mod axis;
 mod canvas;
+mod curve;
 mod recorded;
 mod thin;
 
 pub use canvas::svg;
+pub use curve::{Mark, curve};
 pub use recorded::panels;
 pub(crate) use recorded::title;
 

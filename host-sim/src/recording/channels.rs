@@ -3,20 +3,42 @@
 use super::signal::Signal;
 use std::collections::BTreeMap;
 
+/// How the readings of a sensor become the signal's value in SI units: (reading − zero)/full.
+///
+/// Readings are taken as they stand in the file, in whatever unit, so that `zero` and `full` can be read off a sensor's data
+/// sheet: a slider that is centred at 5 V and fully open at 10 V has zero 5 and full 5.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale {
+    /// The reading where the signal is 0.
+    pub zero: f64,
+    /// By how much the reading rises when the signal rises by one SI unit; not 0, negative where it falls.
+    pub full: f64,
+}
+
 /// One entry of a [`ChannelMap`].
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Mapping {
     /// The header of the column, with its unit in brackets: `Kolbenweg [mm]`.
     pub header: String,
     /// Whether a recording without this column is an error, or only noted.
     pub required: bool,
+    /// How readings become values, where the header's unit does not say.
+    pub scale: Option<Scale>,
+}
+
+impl Mapping {
+    /// A column that holds the signal in the unit of its header.
+    #[must_use]
+    pub fn column(header: impl Into<String>, required: bool) -> Self {
+        Self { header: header.into(), required, scale: None }
+    }
 }
 
 /// Known name → header text, from `--map "position=Kolbenweg [mm]"` or `[channels]` in the machine file.
 ///
 /// A column that carries a known name needs no entry. Where a signal has an entry and the mapped
 /// column is there, it takes the place of a column that carries the known name.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ChannelMap {
     entries: BTreeMap<Signal, Mapping>,
 }
@@ -74,7 +96,7 @@ impl ChannelMap {
             if let Some(first) = map.get(signal) {
                 return Err(MapError::Twice { signal: signal.name(), first: first.header.clone(), second: header });
             }
-            map.insert(signal, Mapping { header, required: true });
+            map.insert(signal, Mapping::column(header, true));
         }
         Ok(map)
     }
@@ -148,8 +170,8 @@ mod tests {
     #[test]
     fn the_command_line_goes_over_the_machine_file() {
         let mut file = ChannelMap::default();
-        file.insert(Signal::Spool, Mapping { header: "x".into(), required: false });
-        file.insert(Signal::Flow, Mapping { header: "Q".into(), required: false });
+        file.insert(Signal::Spool, Mapping::column("x", false));
+        file.insert(Signal::Flow, Mapping::column("Q", false));
         let both = file.overlaid_with(&ChannelMap::from_arguments(["spool=y"]).unwrap());
         assert_eq!(both.get(Signal::Spool).unwrap().header, "y");
         assert_eq!(both.get(Signal::Flow).unwrap().header, "Q");

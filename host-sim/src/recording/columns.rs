@@ -1,6 +1,6 @@
 //! From header texts to the signals they hold.
 
-use super::channels::{ChannelMap, Mapping};
+use super::channels::{ChannelMap, Mapping, Scale};
 use super::error::RecordingError;
 use super::signal::{Signal, split_header};
 use super::units::Unit;
@@ -73,18 +73,24 @@ pub(super) fn assign(
     for (index, offer) in offers.iter().enumerate() {
         let by_map = mapped.iter().find(|(at, ..)| *at == index);
         let found = match by_map {
-            Some(&(_, signal, mapping)) => offer.meant_by(mapping).map(|meant| (signal, meant.unit)),
+            Some(&(_, signal, mapping)) => offer.meant_by(mapping).map(|meant| (signal, meant.unit, mapping.scale)),
             None => offer
                 .names
                 .iter()
-                .find_map(|(name, unit)| Signal::parse(name).map(|signal| (signal, unit.clone())))
-                .filter(|(signal, _)| mapped.iter().all(|(_, other, _)| other != signal)),
+                .find_map(|(name, unit)| Signal::parse(name).map(|signal| (signal, unit.clone(), None)))
+                .filter(|(signal, ..)| mapped.iter().all(|(_, other, _)| other != signal)),
         };
-        let Some((signal, unit)) = found else {
+        let Some((signal, unit, scale)) = found else {
             assignment.ignored.push(offer.header.clone());
             continue;
         };
-        let unit = unit_of(signal, &offer.header, unit.as_deref(), || place(index))?;
+        let unit = match scale {
+            Some(Scale { zero, full }) => {
+                let readings_in = unit.as_deref().and_then(Unit::parse);
+                Unit::of_sensor(readings_in, signal.si_unit().dimension(), zero, full)
+            }
+            None => unit_of(signal, &offer.header, unit.as_deref(), || place(index))?,
+        };
         if let Some((_, first)) = assignment.known.iter().find(|(_, column)| column.signal == signal) {
             let (first, second) = (first.header.clone(), offer.header.clone());
             return Err(RecordingError::DuplicateColumn { place: place(index), signal, first, second });

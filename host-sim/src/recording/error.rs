@@ -44,6 +44,8 @@ pub enum RecordingError {
     WrongDimension { place: Place, signal: Signal, header: String, unit: String },
     /// A column that `--map` names is not in the file.
     MappedColumnAbsent { place: Place, signal: Signal, header: String, present: Vec<String> },
+    /// A column that was asked for by its header is not in the file.
+    ColumnAbsent { place: Place, header: String, present: Vec<String> },
     /// A row has more or fewer cells than the header.
     RaggedRow { place: Place, found: usize, expected: usize },
     /// A cell of a known column is not a number.
@@ -88,6 +90,7 @@ impl Explained for RecordingError {
             | E::UnknownUnit { place, .. }
             | E::WrongDimension { place, .. }
             | E::MappedColumnAbsent { place, .. }
+            | E::ColumnAbsent { place, .. }
             | E::RaggedRow { place, .. }
             | E::NotANumber { place, .. }
             | E::NotFinite { place, .. }
@@ -133,6 +136,7 @@ impl Explained for RecordingError {
             E::MappedColumnAbsent { signal, header, .. } => {
                 format!("{signal} is mapped to {}, which is no column of this file", quoted(header))
             }
+            E::ColumnAbsent { header, .. } => format!("{} is no column of this file", quoted(header)),
             E::RaggedRow { found, .. } => format!("a row of {found} cells"),
             E::NotANumber { header, found, .. } | E::NotFinite { header, found, .. } => {
                 format!("column {} holds {}", quoted(header), quoted(found))
@@ -178,7 +182,9 @@ impl Explained for RecordingError {
                 format!("a unit in brackets after the name, one of: {}", signal.units())
             }
             E::WrongDimension { signal, .. } => format!("a unit of {signal}, one of: {}", signal.units()),
-            E::MappedColumnAbsent { present, .. } => format!("one of its headers: {}", present.join(", ")),
+            E::MappedColumnAbsent { present, .. } | E::ColumnAbsent { present, .. } => {
+                format!("one of its headers: {}", present.join(", "))
+            }
             E::RaggedRow { expected, .. } => format!("{expected} cells, as many as the header has"),
             E::NotANumber { .. } => "a decimal number such as -12.5 or 1.5e-3".into(),
             E::NotFinite { .. } => "a finite number".into(),

@@ -10,16 +10,18 @@ mod csv;
 mod error;
 mod lines;
 mod signal;
+mod table;
 mod twincat;
 mod units;
 mod write;
 
 pub(crate) use channels::nearest_signal;
-pub use channels::{ChannelMap, MapError, Mapping};
+pub use channels::{ChannelMap, MapError, Mapping, Scale};
 pub use csv::{read, read_from};
 pub use error::RecordingError;
 pub use lines::{MAX_COLUMNS, MAX_LINE_BYTES, MAX_ROWS, MAX_SKIPPED_LINES};
 pub use signal::Signal;
+pub use table::Table;
 pub use units::{Dimension, Unit};
 pub use write::Series;
 
@@ -190,6 +192,23 @@ impl Recording {
             notes.push(Note::Gaps { count: gaps.count(), longest_s: after - before, at_s: before });
         }
         Self { path: path.to_owned(), columns, ignored, notes, left_out: LeftOut::default() }
+    }
+
+    /// This recording as though the signals that `kept` refuses had not been measured; their cells are not written back either.
+    #[must_use]
+    pub fn limited_to(&self, kept: impl Fn(Signal) -> bool) -> Self {
+        let stays: Vec<bool> =
+            self.columns.iter().map(|column| column.signal == Signal::Time || kept(column.signal)).collect();
+        let of = |index: usize| stays[index % stays.len()];
+        let mut limited = self.clone();
+        let mut index = 0..;
+        limited.columns.retain(|_| index.next().is_some_and(of));
+        let mut index = 0..;
+        limited.left_out.cells.retain(|_| index.next().is_some_and(of));
+        let set_aside =
+            self.columns.iter().zip(&stays).filter(|(_, stays)| !**stays).map(|(column, _)| column.header.clone());
+        limited.ignored.extend(set_aside);
+        limited
     }
 
     /// The file's name without its folder.

@@ -74,7 +74,7 @@ fn other_names_are_mapped_and_the_map_wins() {
 #[test]
 fn a_machine_files_map_may_name_columns_that_are_not_there() {
     let mut map = ChannelMap::default();
-    map.insert(Signal::Spool, Mapping { header: "S [%]".into(), required: false });
+    map.insert(Signal::Spool, Mapping::column("S [%]", false));
     let recording = read_from("run.csv", PLAIN.as_bytes(), &map).unwrap();
     assert!(matches!(recording.notes(), [Note::MappedColumnAbsent { signal: Signal::Spool, .. }]));
 }
@@ -232,4 +232,34 @@ fn recordings_made_in_the_program_are_checked() {
     );
     let infinite = Column::si(Signal::Spool, vec![0.0, f64::INFINITY]);
     assert_error!(new(vec![time(), infinite]).unwrap_err(), RecordingError::NotFinite { .. });
+}
+
+#[test]
+fn readings_of_a_sensor_become_values_and_are_written_back_as_readings() {
+    let mut map = ChannelMap::default();
+    let sensor =
+        |header: &str, zero, full| Mapping { scale: Some(Scale { zero, full }), ..Mapping::column(header, false) };
+    map.insert(Signal::Spool, sensor("spool_sensor [V]", 5.0, -5.0));
+    map.insert(Signal::Command, sensor("u", 5.0, 1.0));
+    map.insert(Signal::PressureA, sensor("p [counts]", 100.0, 1e-5));
+    let text = "time [s],u,spool_sensor [V],p [counts]\n0,5,5,100\n1,7.5,0,120\n";
+    let recording = read_from("run.csv", text.as_bytes(), &map).unwrap();
+    assert_eq!(recording.signal(Signal::Spool).unwrap(), [0.0, 1.0]);
+    assert_eq!(recording.signal(Signal::Command).unwrap(), [0.0, 2.5]);
+    assert!((recording.signal(Signal::PressureA).unwrap()[1] - 20e5).abs() < 1e-6);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("out.csv");
+    recording.write_csv(&path, &[], &[]).unwrap();
+    assert_eq!(std::fs::read_to_string(path).unwrap(), text);
+}
+
+#[test]
+fn a_recording_limited_to_some_signals_holds_and_writes_only_these() {
+    let recording = read_text("time [s],spool,flow [m3/s]\n0,0,1\n1,,2\n2,1,3\n").unwrap();
+    let limited = recording.limited_to(|signal| signal != Signal::Spool);
+    assert!(!limited.has(Signal::Spool) && limited.ignored() == ["spool"]);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("out.csv");
+    limited.write_csv(&path, &[], &[]).unwrap();
+    assert_eq!(std::fs::read_to_string(path).unwrap(), "time [s],flow [m3/s]\n0,1\n1,2\n2,3\n");
 }

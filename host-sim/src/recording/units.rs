@@ -107,6 +107,12 @@ impl Unit {
         *UNITS.iter().find(|unit| unit.dimension == dimension).expect("the table has a unit for every dimension")
     }
 
+    /// The readings of a sensor that measures something else: they become values of `dimension` by (reading − zero)/full.
+    pub(super) fn of_sensor(readings_in: Option<Self>, dimension: Dimension, zero: f64, full: f64) -> Self {
+        let symbol = readings_in.map_or("reading", Self::symbol);
+        Self { symbol, dimension, multiply: 1.0, divide: full, add: -zero / full }
+    }
+
     /// Every known unit of a dimension, SI first.
     pub fn of(dimension: Dimension) -> impl Iterator<Item = Self> {
         UNITS.iter().filter(move |unit| unit.dimension == dimension).copied()
@@ -146,6 +152,8 @@ impl Unit {
             return shortest(si);
         }
         let value = self.from_si(si);
+        // A sensor's zero reading has no sign of its own.
+        let value = if value == 0.0 && si != 0.0 { 0.0 } else { value };
         shortest(format!("{value:.14e}").parse().unwrap_or(value))
     }
 }

@@ -1,0 +1,91 @@
+//! One quantity over another: a static characteristic.
+
+use plotters::backend::SVGBackend;
+use plotters::drawing::IntoDrawingArea;
+use plotters::element::PathElement;
+use plotters::style::text_anchor::HPos;
+
+use super::Style;
+use super::axis::{Axis, extent};
+use super::canvas::{
+    Area, BOTTOM, Drawn, FAINT_INK, FINE, FRAME, GRID, INK, LEFT, PAPER, RIGHT, WIDTH, fine, line, look, write,
+};
+
+/// A place on the horizontal axis that is worth a line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// What is there.
+    pub label: String,
+    /// Where.
+    pub at: f64,
+}
+
+const UPPER_EDGE: i32 = 66;
+const LOWER_EDGE: i32 = 466;
+/// More points than can be told apart are left out evenly.
+const MOST_POINTS: usize = 6000;
+
+/// Draws `y` over `x`, each with its header, in the order of the rows; the text of an SVG.
+#[must_use]
+#[expect(clippy::missing_panics_doc, reason = "drawing into a text does not fail")]
+pub fn curve(title: &str, x: (&str, &[f64]), y: (&str, &[f64]), marks: &[Mark]) -> String {
+    let height = LOWER_EDGE + 30 + BOTTOM;
+    let mut text = String::new();
+    {
+        let size = ((WIDTH * FINE).unsigned_abs(), (height * FINE).unsigned_abs());
+        let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
+        draw(&area, title, x, y, marks).expect("drawing into a text does not fail");
+        area.present().expect("drawing into a text does not fail");
+    }
+    let fine = format!("width=\"{}\" height=\"{}\"", WIDTH * FINE, height * FINE);
+    text.replacen(&fine, &format!("width=\"{WIDTH}\" height=\"{height}\""), 1)
+}
+
+fn draw(area: &Area<'_>, title: &str, x: (&str, &[f64]), y: (&str, &[f64]), marks: &[Mark]) -> Drawn {
+    area.fill(&PAPER)?;
+    write(area, title, (LEFT, 16), 20, INK, HPos::Left)?;
+    write(area, y.0, (LEFT, 44), 13, INK, HPos::Left)?;
+    let across = Axis::airy(extent(x.1.iter()), LEFT, RIGHT);
+    let up = Axis::airy(extent(y.1.iter()), LOWER_EDGE, UPPER_EDGE);
+    for (value, label) in across.ticks(10.0) {
+        let at = across.pixel(value);
+        area.draw(&PathElement::new(vec![fine((at, UPPER_EDGE)), fine((at, LOWER_EDGE))], line(GRID, 1.0)))?;
+        write(area, &label, (at, LOWER_EDGE + 7), 12, INK, HPos::Center)?;
+    }
+    for (value, label) in up.ticks(8.0) {
+        let at = up.pixel(value);
+        area.draw(&PathElement::new(vec![fine((LEFT, at)), fine((RIGHT, at))], line(GRID, 1.0)))?;
+        write(area, &label, (LEFT - 8, at - 6), 12, INK, HPos::Right)?;
+    }
+    for (index, mark) in (0..).zip(marks) {
+        let at = across.pixel(mark.at);
+        area.draw(&PathElement::new(vec![fine((at, UPPER_EDGE)), fine((at, LOWER_EDGE))], line(FAINT_INK, 1.2)))?;
+        write(area, &mark.label, (at + 4, UPPER_EDGE + 4 + 15 * index), 12, FAINT_INK, HPos::Left)?;
+    }
+    let every = x.1.len().div_ceil(MOST_POINTS).max(1);
+    let (fine_across, fine_up) = (across.scaled(FINE), up.scaled(FINE));
+    let finite = x.1.iter().zip(y.1).filter(|(x, y)| x.is_finite() && y.is_finite());
+    let path: Vec<(i32, i32)> =
+        finite.step_by(every).map(|(x, y)| (fine_across.pixel(*x), fine_up.pixel(*y))).collect();
+    if path.len() > 1 {
+        area.draw(&PathElement::new(path, look(Style::Simulated).1))?;
+    }
+    let (top, bottom) = (UPPER_EDGE, LOWER_EDGE);
+    let corners = [(LEFT, top), (RIGHT, top), (RIGHT, bottom), (LEFT, bottom), (LEFT, top)];
+    area.draw(&PathElement::new(corners.map(fine).to_vec(), line(FRAME, 1.0)))?;
+    write(area, x.0, (i32::midpoint(LEFT, RIGHT), LOWER_EDGE + 28), 13, INK, HPos::Center)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_has_its_headers_and_marks_and_odd_values_are_left_out() {
+        let mark = Mark { label: "null".to_owned(), at: 0.5 };
+        let text = curve("a < b", ("I [mA]", &[0.0, 1.0, f64::NAN]), ("Q", &[1.0, 2.0, 3.0]), &[mark]);
+        assert!(text.contains("a &lt; b") && text.contains("I [mA]") && text.contains("null"), "{text}");
+        assert!(!text.contains("NaN"));
+        assert!(curve("", ("", &[]), ("", &[]), &[]).contains("<svg"));
+    }
+}

@@ -1,0 +1,55 @@
+//! A robot arm's valve opening and oil pressure, measured by others: no units, no clock, so only scale-free figures.
+
+use std::fmt::Write;
+
+use host_sim::compare::Arithmetic;
+use host_sim::diagnose::ordinary;
+use host_sim::fit::{From, fit};
+use host_sim::machine_file;
+use host_sim::prepare::Prepared;
+use host_sim::recording::{Recording, Signal, Table, read_from};
+use host_sim::simulate::{EntryPoint, StartOffset, Stimulus, natural_tick};
+
+use super::root;
+
+/// What a linear ARX model reaches in free run on the second half, in the pressure's own unit.
+const LINEAR: f64 = 0.949;
+/// The machine file's: one unit of p is 1 MPa.
+const PRESSURE_PA: f64 = 1e6;
+
+/// Rows of the table as a recording; a row counts as 10 ms.
+fn recording(table: &Table, map: &host_sim::recording::ChannelMap, rows: std::ops::Range<usize>) -> Recording {
+    let (u, p) = (table.column("u_valve").unwrap().1, table.column("p_oil_pressure").unwrap().1);
+    let mut text = "time [s],u,p\n".to_owned();
+    for row in rows {
+        writeln!(text, "{},{},{}", 0.01 * row as f64, u[row], p[row]).unwrap();
+    }
+    read_from("actuator.csv", text.as_bytes(), map).unwrap()
+}
+
+#[test]
+fn the_pressure_of_a_real_arm_is_followed_better_than_by_a_linear_model() {
+    let Some(folder) = system_tests::at_hand::shared("data/actuator") else { return };
+    let table = Table::read(&folder.join("actuator.csv")).unwrap();
+    let file = machine_file::read(&root().join("tests/diagnosis/actuator.toml")).unwrap();
+    let half = table.rows() / 2;
+    let first = recording(&table, &file.channels, 0..half);
+    let prepared = Prepared::new(&first, &file.machine, file.load_source, None).unwrap();
+    let fitted = fit(&file.machine, &ordinary(&file), &[&prepared], &From::default(), Some(1e-8)).unwrap();
+
+    // Free run over all rows: the second half has seen no pressure, neither in the fit nor at its start.
+    let whole = recording(&table, &file.channels, 0..table.rows());
+    let tick = natural_tick(&whole);
+    let stimulus = Stimulus::new(&whole, &fitted.machine, EntryPoint::Command, file.load_source, tick).unwrap();
+    let run = Arithmetic::Float.simulate(&fitted.machine, &stimulus, StartOffset::none()).unwrap();
+    let (recorded, simulated) = (whole.signal(Signal::PressureA).unwrap(), run.signal(Signal::PressureA).unwrap());
+    let rmse = |rows: std::ops::Range<usize>| {
+        let count = rows.len() as f64;
+        (rows.map(|row| ((recorded[row] - simulated[row]) / PRESSURE_PA).powi(2)).sum::<f64>() / count).sqrt()
+    };
+    let (train, test) = (rmse(0..half), rmse(half..table.rows()));
+    println!("free run, units of p: first half {train:.3}, second half {test:.3}; linear {LINEAR} on the second half");
+    assert!(test < 0.85 * LINEAR, "{test}");
+    // What is left is not noise: the model is better than a line and far from complete.
+    assert!(train > 0.3, "{train}");
+}
