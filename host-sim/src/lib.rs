@@ -31,6 +31,7 @@ pub mod shape;
 pub mod simulate;
 pub mod spectrum;
 pub mod testbed;
+pub mod unnamed;
 pub mod verdict;
 pub mod weakest;
 pub mod window;

@@ -10,6 +10,7 @@ mod once;
 mod real;
 mod recover;
 mod shipped;
+mod table;
 
 use std::path::{Path, PathBuf};
 
