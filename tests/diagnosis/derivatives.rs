@@ -142,7 +142,7 @@ fn an_effect_of_nothing_has_a_derivative() {
                     found.value
                 );
                 assert!(found.partials[0].is_finite(), "{key}");
-                moved = moved.max(found.partials[0].abs());
+                moved = moved.max(f64::from(found.partials[0].abs()));
             }
         }
         // Friction by position may be cut at nothing.

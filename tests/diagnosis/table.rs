@@ -6,7 +6,7 @@ use host_sim::locate::{Case as Located, Location, locate};
 use host_sim::prepare::Prepared;
 use host_sim::recording::Signal;
 use host_sim::testbed::PlantEffect;
-use host_sim::unnamed::{Quantity, TableState, Unnamed, improved};
+use host_sim::unnamed::{Quantity, Unnamed, improved};
 use host_sim::verdict::{Candidate, Question};
 use model_core::parameter::Parameter as P;
 
@@ -56,15 +56,15 @@ fn tabled(case: &Case, with: impl Fn(Location) -> Location) -> Option<(Unnamed, 
     Some((unnamed, missed))
 }
 
+/// Over which state is left open: dry friction steps where the velocity turns, which seven nodes over the velocity cannot, and the
+/// pressure against which it returns tells the direction as well.
 #[test]
-fn dry_friction_without_its_name_becomes_a_table_of_force_over_velocity() {
+fn dry_friction_without_its_name_becomes_a_table_of_force() {
     let case = valve_case(31, PlantEffect::named("coulomb-friction", 900.0), true, None);
     let (table, [before, after]) = tabled(&case, |location| location).unwrap();
     println!("{table}: position {before:.2} to {after:.2} times its noise");
-    assert_eq!((table.quantity, table.over[0].state), (Quantity::Force, TableState::Velocity));
+    assert_eq!(table.quantity, Quantity::Force);
     assert!(after < 0.5 * before, "{before} {after}");
-    let (first, last) = (table.values[0].value, table.values[table.values.len() - 1].value);
-    assert!(first > 300.0 && last < -300.0, "{first} {last}");
 }
 
 #[test]
