@@ -67,7 +67,7 @@ impl Machine<f64> {
             if !(description.min <= value && value <= description.max) {
                 return Err(MachineError::OutOfRange { parameter, value });
             }
-            if parameter.is_whole() && value != libm::floor(value) {
+            if parameter.is_whole() && value > libm::floor(value) {
                 return Err(MachineError::NotWhole { parameter, value });
             }
         }

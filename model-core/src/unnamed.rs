@@ -340,7 +340,7 @@ mod tests {
             for tick in 0..300 {
                 let command = PerUnit::saturated(if tick % 50 < 25 { 8.0 } else { -8.0 });
                 drive.step(&mut state, Entry::Command(command), Load::NONE);
-                drive.sensed(&state);
+                prop_assert!(drive.sensed(&state).spool.to_f64().abs() <= 8.0);
             }
         }
     }

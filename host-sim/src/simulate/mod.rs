@@ -261,7 +261,7 @@ fn unbraked<R: Real>(machine: &Machine<R>, stimulus: &Stimulus) -> Machine<R> {
             machine.set(parameter, R::ZERO);
         }
         // So is a table of forces.
-        if machine.get(Parameter::TableQuantity).value() == 1.0 {
+        if (machine.get(Parameter::TableQuantity).value() - 1.0).abs() < 0.5 {
             machine.set(Parameter::TableQuantity, R::ZERO);
         }
     }
