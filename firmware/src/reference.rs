@@ -53,9 +53,9 @@ impl<const DELAY: usize> Reference<DELAY> {
     /// What the model says now.
     #[must_use]
     pub fn predicted(&self) -> Predicted {
-        let DriveState { valve, chambers, motion, .. } = &self.state;
+        let DriveState { chambers, motion, .. } = &self.state;
         Predicted {
-            slider: valve.slider(),
+            slider: self.drive.slider(&self.state),
             pressure_a: chambers.a,
             pressure_b: chambers.b,
             velocity: motion.velocity,

@@ -18,6 +18,7 @@ use crate::recording::{Recording, Signal};
 use crate::residual::SignalFit;
 use crate::screen::Lead;
 use crate::simulate::{Trajectory, simulate};
+use crate::unnamed::{Unnamed, improved};
 use crate::verdict::{Candidate, Chosen, Confirmation, Question, Selection, Trial, confirm, select};
 
 /// How sure the model follows within the noise: no signal further off than half the noise again.
@@ -79,6 +80,8 @@ pub struct Diagnosis {
     pub left: Vec<Miss>,
     /// Effects that training recordings chose and held-out ones did not confirm.
     pub not_confirmed: Vec<&'static Hypothesis>,
+    /// A table for what no name accounts for, where that follows the held-out recordings better. Never a finding.
+    pub unnamed: Option<Unnamed>,
     /// What the held-out recordings said; `None` if there was no choice to confirm.
     pub confirmation: Option<Confirmation>,
     /// Ordinary parameters that were refitted (with the effects, if any).
@@ -193,6 +196,16 @@ pub fn diagnose(
         let promises = promises(&selection.base.leads(&question, &hypotheses)?);
         Some(locate(&base.machine, file.load_source, &cases, &named, &promises)?)
     };
+    let tabled = match &located {
+        Some(location) if verdict == Verdict::Unexplained => {
+            improved(&question, &after, location, &cases, &held.iter().collect::<Vec<_>>())?
+        }
+        _ => None,
+    };
+    let (after, unnamed) = match tabled {
+        Some((tabled, unnamed)) => (tabled, Some(unnamed)),
+        None => (after, None),
+    };
     let after_cases: Vec<Case<'_>> =
         cases.iter().zip(&after.fit.starts).map(|(case, &start)| Case { start, ..*case }).collect();
     let mut left = misses(&after.fit.machine, &after_cases)?;
@@ -212,6 +225,7 @@ pub fn diagnose(
         findings,
         left,
         not_confirmed,
+        unnamed,
         confirmation,
         refitted,
         shown,

@@ -33,6 +33,7 @@ pub mod simulate;
 pub mod spectrum;
 pub mod statics;
 pub mod testbed;
+pub mod unnamed;
 pub mod verdict;
 pub mod weakest;
 pub mod window;

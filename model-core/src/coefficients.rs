@@ -6,6 +6,7 @@ mod chambers;
 mod flow_effects;
 mod mechanics;
 mod sensors;
+mod unnamed;
 mod valve_effects;
 
 use crate::bases::{COMMAND_V, GAIN_AIM, PUMP_SPEED_REV_PER_S, SPRUNG, bases, inertia, smaller_capacity, thinnest};
@@ -41,6 +42,7 @@ impl<N: Number> Drive<N> {
             springs: [spring_a, spring_b],
             sensors: builder.sensors(DELAY)?,
             warming: builder.warming()?,
+            unnamed: builder.unnamed()?,
             bases: builder.bases,
         })
     }

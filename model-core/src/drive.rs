@@ -28,6 +28,7 @@ use crate::number::Number;
 use crate::sensors::{Sensed, SensedState, Sensors};
 use crate::supply::SupplyState;
 use crate::temperature::{Oil, Warming};
+use crate::unnamed::{States, Unnamed};
 use crate::valve::{AcrossEdges, Slider, Valve, ValveState};
 
 /// Where the oil comes from, with coefficients.
@@ -54,6 +55,8 @@ pub struct Drive<N: Number> {
     pub(crate) sensors: Sensors<N>,
     /// Of the oil.
     pub(crate) warming: Option<Warming<N>>,
+    /// Flow or slider travel without a name; a force stands in the mechanics.
+    pub(crate) unnamed: Option<Unnamed<N>>,
     pub(crate) bases: Bases,
 }
 
@@ -223,10 +226,32 @@ impl<N: Number> Drive<N> {
         }
     }
 
+    /// The slider that the edges see: the valve's own, with the travel of an unnamed table.
+    #[must_use]
+    pub fn slider<const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> N {
+        let slider = state.valve.slider();
+        match &self.unnamed {
+            Some(Unnamed::Travel(table)) => slider + table.at(Self::states(state, slider)),
+            _ => slider,
+        }
+    }
+
+    /// States of the drive with the slider here.
+    #[inline]
+    fn states<const DELAY: usize>(state: &DriveState<N, DELAY>, slider: N) -> States<N> {
+        States {
+            velocity: state.motion.velocity,
+            position: N::of_travel(state.motion.position),
+            slider,
+            pressure_a: state.chambers.a,
+            pressure_b: state.chambers.b,
+        }
+    }
+
     /// What the sensors read. The slider is the valve's own; a drive that is entered at a measured slider has it from there.
     #[must_use]
     pub fn sensed<const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> Sensed<N> {
-        self.sensors.read(&state.sensed, state.valve.slider(), state.chambers, &state.motion)
+        self.sensors.read(&state.sensed, self.slider(state), state.chambers, &state.motion)
     }
 
     /// One tick. Fixed cost; no input of any size overflows or panics.
@@ -265,7 +290,8 @@ impl<N: Number> Drive<N> {
                     } else {
                         AcrossEdges::NONE
                     };
-                    Feed::Edges(valve.step_against(&mut state.valve, command, across))
+                    let slider = valve.step_against(&mut state.valve, command, across);
+                    Feed::Edges(self.shifted(state, slider))
                 }
                 OilSource::Pump(_) => Feed::Given { from: closed, to: closed },
             },
@@ -274,6 +300,14 @@ impl<N: Number> Drive<N> {
             Entry::Flow { from, to } => Feed::Given { from, to },
         };
         self.step_hydraulics(state, &feed, load)
+    }
+
+    /// The slider over a tick with the travel of an unnamed table.
+    #[inline]
+    fn shifted<const DELAY: usize>(&self, state: &DriveState<N, DELAY>, slider: Slider<N>) -> Slider<N> {
+        let Some(Unnamed::Travel(table)) = &self.unnamed else { return slider };
+        let shifted = |slider: N| slider + table.at(Self::states(state, slider));
+        Slider { from: shifted(slider.from), to: shifted(slider.to) }
     }
 
     /// Only the mechanics, under a given force of the oil.
@@ -285,7 +319,7 @@ impl<N: Number> Drive<N> {
             start: from + constant,
             first: from + constant + N::dot([self.gamma], [rise]),
             second: to + constant - N::dot([self.gamma], [rise]),
-            around: Self::surroundings(state, self.warming.as_ref().map(|warming| warming.oil(state.warmth))),
+            around: self.surroundings(state, N::ZERO, self.warming.as_ref().map(|warming| warming.oil(state.warmth))),
         };
         let position = N::of_travel(state.motion.position);
         let velocity = self.unsprung.step(&mut state.motion, forces);
@@ -306,7 +340,13 @@ impl<N: Number> Drive<N> {
         let oil = self.warming.as_ref().map(|warming| warming.oil(state.warmth));
         let filled = self.chambers.at(pressures, position, oil.map(|oil| oil.thinness));
         let chambers = filled.as_ref().map_or(&self.chambers, |filled| &filled.chambers);
-        let around = Self::surroundings(state, oil);
+        let slider = match feed {
+            Feed::Edges(slider) => (slider.from + slider.to).halved(),
+            Feed::Pump(_) | Feed::Given { .. } => N::ZERO,
+        };
+        let around = self.surroundings(state, slider, oil);
+        let added = self.unnamed.as_ref().map(|unnamed| unnamed.flows(Self::states(state, slider)));
+        let with = |flows: Flows<N>| added.map_or(flows, |more| Flows { a: flows.a + more.a, b: flows.b + more.b });
         let equation = mechanics.equation(&state.motion, around);
         let constant = mechanics.load;
 
@@ -325,7 +365,7 @@ impl<N: Number> Drive<N> {
         let gives = if contact == Contact::Sticks { None } else { Some(equation.gives(give)) };
 
         // First stage.
-        let inflow1 = chambers.inflow(Flows { a: flows.a.flow, b: flows.b.flow }, pressures);
+        let inflow1 = with(chambers.inflow(Flows { a: flows.a.flow, b: flows.b.flow }, pressures));
         let net = Flows { a: inflow1.a - velocity, b: chambers.displaced_b(velocity) - inflow1.b };
         let trial = chambers.rise(Flows { a: yielding.a.times(net.a), b: yielding.b.times(net.b) });
         let force = self.stage_force(pressures, trial) + load.from + constant;
@@ -340,7 +380,7 @@ impl<N: Number> Drive<N> {
         // Second stage.
         let (pressures2, velocity2) = (ChamberState { a: pressures.a + k1.a, b: pressures.b + k1.b }, velocity + v1);
         let supply2 = self.supplied(feed, pressures2, state.supply, drawn);
-        let inflow2 = chambers.inflow(self.feed_to(feed, pressures2, supply2.pressure), pressures2);
+        let inflow2 = with(chambers.inflow(self.feed_to(feed, pressures2, supply2.pressure), pressures2));
         let net = Flows {
             a: inflow2.a - velocity2 - net1.a - net1.a,
             b: chambers.displaced_b(velocity2) - inflow2.b - net1.b - net1.b,
@@ -409,10 +449,17 @@ impl<N: Number> Drive<N> {
 
     /// What friction depends on beside the motion.
     #[inline]
-    fn surroundings<const DELAY: usize>(state: &DriveState<N, DELAY>, oil: Option<Oil<N>>) -> Surroundings<N> {
+    fn surroundings<const DELAY: usize>(
+        &self,
+        state: &DriveState<N, DELAY>,
+        slider: N,
+        oil: Option<Oil<N>>,
+    ) -> Surroundings<N> {
+        let pushed = self.mechanics.push.is_some();
         Surroundings {
             pressed: state.chambers.a.max(N::ZERO) + state.chambers.b.max(N::ZERO),
             viscosity: oil.map_or(N::ZERO, |oil| oil.excess),
+            states: if pushed { Self::states(state, slider) } else { States::NONE },
         }
     }
 

@@ -62,5 +62,6 @@ pub mod sensing;
 pub mod sensors;
 pub mod supply;
 mod temperature;
+mod unnamed;
 pub mod valve;
 mod valve_effects;

@@ -67,6 +67,9 @@ impl Machine<f64> {
             if !(description.min <= value && value <= description.max) {
                 return Err(MachineError::OutOfRange { parameter, value });
             }
+            if parameter.is_whole() && value > libm::floor(value) {
+                return Err(MachineError::NotWhole { parameter, value });
+            }
         }
         Ok(())
     }
@@ -84,6 +87,14 @@ pub enum MachineError {
         /// Which.
         parameter: Parameter,
         /// Its value in its unit.
+        value: f64,
+    },
+    /// A parameter that is a number of a list lies between two.
+    #[error("{} = {value}: expected a whole number", .parameter.description().key)]
+    NotWhole {
+        /// Which.
+        parameter: Parameter,
+        /// Its value.
         value: f64,
     },
     /// A coefficient computed from the parameter does not fit the fixed-point format.

@@ -12,6 +12,7 @@ use crate::friction::{DryFriction, Level};
 use crate::number::Number;
 use crate::position_load::PositionLoad;
 use crate::presliding::Bristles;
+use crate::unnamed::{Push, States};
 
 pub use crate::friction::Contact;
 
@@ -37,6 +38,8 @@ pub struct Mechanics<N: Number> {
     pub(crate) load: N,
     /// What adds to the mass's own diagonal.
     pub(crate) resistance: Option<Resistance<N>>,
+    /// A force without a name.
+    pub(crate) push: Option<Push<N>>,
 }
 
 /// The equation of the velocity. All are divided by 1 + γ·h·D/m, the mass's own diagonal, and what else is on it.
@@ -119,11 +122,13 @@ pub struct Surroundings<N> {
     pub pressed: N,
     /// Viscosity of the oil above the least it has or will have, in shares of the one that the machine's values are for.
     pub viscosity: N,
+    /// States that a table of forces is over.
+    pub states: States<N>,
 }
 
 impl<N: Number> Surroundings<N> {
     /// No pressures, and the thinnest oil.
-    pub const NONE: Self = Self { pressed: N::ZERO, viscosity: N::ZERO };
+    pub const NONE: Self = Self { pressed: N::ZERO, viscosity: N::ZERO, states: States::NONE };
 }
 
 /// A factor on a stage's velocity, by which a drive's oil springs hold it; for a rod that is free of a stop and one that is held.
@@ -141,6 +146,8 @@ pub(crate) struct Equation<'a, N: Number> {
     level: Level<N>,
     held: Option<Held<N>>,
     own: Option<Own<'a, N>>,
+    /// States at the start of the tick, for the table of forces.
+    states: States<N>,
 }
 
 /// Forces of the rod's own position in one tick.
@@ -209,7 +216,7 @@ impl<N: Number> Mechanics<N> {
             self.dry.level(N::ZERO, N::ZERO)
         };
         let Some(resistance) = &self.resistance else {
-            return Equation { mechanics: self, row: self.row, level, held: None, own: None };
+            return Equation { mechanics: self, row: self.row, level, held: None, own: None, states: around.states };
         };
         let from_middle = from_middle();
         let spring = resistance.load.map_or(N::ZERO, |load| load.at(from_middle));
@@ -235,7 +242,7 @@ impl<N: Number> Mechanics<N> {
             row: braked(N::ONE, stops.weight),
         });
         let own = Some(Own { resistance, from_middle, bent, q, start: spring - bristle });
-        Equation { mechanics: self, row: braked(N::ZERO, resistance.none), level, held, own }
+        Equation { mechanics: self, row: braked(N::ZERO, resistance.none), level, held, own, states: around.states }
     }
 
     /// Whether the increments of a tick are beyond the format.
@@ -250,8 +257,15 @@ impl<N: Number> Equation<'_, N> {
     #[inline]
     pub(crate) fn contact(&self, velocity: N, force: N) -> Contact {
         let force = self.own.map_or(force, |own| force + own.start);
+        let force = self.pushed(force, velocity);
         let force = self.held.map_or(force, |held| force + held.side.push(held.depth.amplified(held.stiffness)));
         self.level.contact(velocity, force)
+    }
+
+    /// A force with that of the table, at a stage's velocity.
+    #[inline]
+    fn pushed(&self, force: N, velocity: N) -> N {
+        self.mechanics.push.as_ref().map_or(force, |push| force + push.at(States { velocity, ..self.states }))
     }
 
     /// What `give` yields for the mass's own diagonal of a rod that is free of a stop, and one that is held.
@@ -267,7 +281,7 @@ impl<N: Number> Equation<'_, N> {
         if contact == Contact::Sticks {
             return N::ZERO;
         }
-        let force = force + self.level.force(contact, velocity);
+        let force = self.pushed(force, velocity) + self.level.force(contact, velocity);
         let force = self.own.map_or(force, |own| force + own.start);
         let solved = |row: &Row<N>, force: N, give: Option<N>| {
             let yields = |signal: N| give.map_or(signal, |give| give.times(signal));
@@ -287,7 +301,7 @@ impl<N: Number> Equation<'_, N> {
             return N::ZERO;
         }
         let there = velocity + first;
-        let force = force + self.level.force(contact, there);
+        let force = self.pushed(force, there) + self.level.force(contact, there);
         let solved = |row: &Row<N>, force: N, give: Option<N>| {
             let yields = |signal: N| give.map_or(signal, |give| give.times(signal));
             N::dot([row.mobility, row.drag, row.back], [yields(force), yields(-there), yields(first)])

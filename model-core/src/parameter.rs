@@ -152,4 +152,65 @@ parameters! {
     PositionFactor: "effects.sensor-offset.position_factor", "1", -0.9, 1.0, Value(0.0), "Gain error of the position's sensor, from where the recording starts.";
     ViscosityLoss: "effects.oil-temperature.viscosity_loss", "1", -3.0, 0.95, Value(0.0), "Share of the oil's viscosity that is lost in the end as it warms; viscous friction falls with it, leakage rises.";
     WarmingTime: "effects.oil-temperature.time_constant_s", "s", 1e-2, 1e5, Value(10.0), "Time constant with which the oil warms.";
+    TableQuantity: "effects.unnamed.quantity", "1", 0.0, 4.0, Value(0.0), "What the table adds to: 0 nothing, 1 force on the rod in N (positive extends), 2 flow into A and 3 flow out of B in m3/s, 4 slider travel after the lags.";
+    TableOver: "effects.unnamed.over", "1", 0.0, 5.0, Value(0.0), "State that its seven nodes are over: 0 none, 1 velocity in m/s, 2 position in m, 3 slider, 4 pressure A and 5 pressure B in Pa.";
+    TableOver2: "effects.unnamed.over_2", "1", 0.0, 5.0, Value(0.0), "State that each node's three values are over, by the same numbers; 0: one value a node.";
+    TableFrom: "effects.unnamed.from", "1", -1e9, 1e9, Value(0.0), "State at the first node, SI; below it the table holds its first value.";
+    TableTo: "effects.unnamed.to", "1", -1e9, 1e9, Value(1.0), "State at the seventh node, SI; above it the table holds its last value.";
+    TableFrom2: "effects.unnamed.from_2", "1", -1e9, 1e9, Value(0.0), "Second state at the first of three values.";
+    TableTo2: "effects.unnamed.to_2", "1", -1e9, 1e9, Value(1.0), "Second state at the third of three values.";
+    TableValue0: "effects.unnamed.values[0]", "1", -1e9, 1e9, Value(0.0), "Value 0 of the table, in the unit of its quantity.";
+    TableValue1: "effects.unnamed.values[1]", "1", -1e9, 1e9, Value(0.0), "Value 1 of the table, in the unit of its quantity.";
+    TableValue2: "effects.unnamed.values[2]", "1", -1e9, 1e9, Value(0.0), "Value 2 of the table, in the unit of its quantity.";
+    TableValue3: "effects.unnamed.values[3]", "1", -1e9, 1e9, Value(0.0), "Value 3 of the table, in the unit of its quantity.";
+    TableValue4: "effects.unnamed.values[4]", "1", -1e9, 1e9, Value(0.0), "Value 4 of the table, in the unit of its quantity.";
+    TableValue5: "effects.unnamed.values[5]", "1", -1e9, 1e9, Value(0.0), "Value 5 of the table, in the unit of its quantity.";
+    TableValue6: "effects.unnamed.values[6]", "1", -1e9, 1e9, Value(0.0), "Value 6 of the table, in the unit of its quantity.";
+    TableValue7: "effects.unnamed.values[7]", "1", -1e9, 1e9, Value(0.0), "Value 7 of the table, in the unit of its quantity.";
+    TableValue8: "effects.unnamed.values[8]", "1", -1e9, 1e9, Value(0.0), "Value 8 of the table, in the unit of its quantity.";
+    TableValue9: "effects.unnamed.values[9]", "1", -1e9, 1e9, Value(0.0), "Value 9 of the table, in the unit of its quantity.";
+    TableValue10: "effects.unnamed.values[10]", "1", -1e9, 1e9, Value(0.0), "Value 10 of the table, in the unit of its quantity.";
+    TableValue11: "effects.unnamed.values[11]", "1", -1e9, 1e9, Value(0.0), "Value 11 of the table, in the unit of its quantity.";
+    TableValue12: "effects.unnamed.values[12]", "1", -1e9, 1e9, Value(0.0), "Value 12 of the table, in the unit of its quantity.";
+    TableValue13: "effects.unnamed.values[13]", "1", -1e9, 1e9, Value(0.0), "Value 13 of the table, in the unit of its quantity.";
+    TableValue14: "effects.unnamed.values[14]", "1", -1e9, 1e9, Value(0.0), "Value 14 of the table, in the unit of its quantity.";
+    TableValue15: "effects.unnamed.values[15]", "1", -1e9, 1e9, Value(0.0), "Value 15 of the table, in the unit of its quantity.";
+    TableValue16: "effects.unnamed.values[16]", "1", -1e9, 1e9, Value(0.0), "Value 16 of the table, in the unit of its quantity.";
+    TableValue17: "effects.unnamed.values[17]", "1", -1e9, 1e9, Value(0.0), "Value 17 of the table, in the unit of its quantity.";
+    TableValue18: "effects.unnamed.values[18]", "1", -1e9, 1e9, Value(0.0), "Value 18 of the table, in the unit of its quantity.";
+    TableValue19: "effects.unnamed.values[19]", "1", -1e9, 1e9, Value(0.0), "Value 19 of the table, in the unit of its quantity.";
+    TableValue20: "effects.unnamed.values[20]", "1", -1e9, 1e9, Value(0.0), "Value 20 of the table, in the unit of its quantity.";
+}
+
+impl Parameter {
+    /// Values of the unnamed table: one a node, or row by row three a node where there is a second state.
+    pub const TABLE_VALUES: [Parameter; 21] = [
+        Parameter::TableValue0,
+        Parameter::TableValue1,
+        Parameter::TableValue2,
+        Parameter::TableValue3,
+        Parameter::TableValue4,
+        Parameter::TableValue5,
+        Parameter::TableValue6,
+        Parameter::TableValue7,
+        Parameter::TableValue8,
+        Parameter::TableValue9,
+        Parameter::TableValue10,
+        Parameter::TableValue11,
+        Parameter::TableValue12,
+        Parameter::TableValue13,
+        Parameter::TableValue14,
+        Parameter::TableValue15,
+        Parameter::TableValue16,
+        Parameter::TableValue17,
+        Parameter::TableValue18,
+        Parameter::TableValue19,
+        Parameter::TableValue20,
+    ];
+
+    /// Whether it is a number of a list, which has nothing between.
+    #[must_use]
+    pub const fn is_whole(self) -> bool {
+        matches!(self, Parameter::TableQuantity | Parameter::TableOver | Parameter::TableOver2)
+    }
 }

@@ -13,6 +13,7 @@ mod real_statics;
 mod real_valve;
 mod recover;
 mod shipped;
+mod table;
 
 use std::path::{Path, PathBuf};
 

@@ -6,7 +6,7 @@ use host_sim::testbed::{LoadProfile, PlantEffect};
 use super::bed::{claimed, valve_case};
 
 /// 3 kN against the rod for 0.4 s, as by a hand truck.
-fn push() -> LoadProfile {
+pub(crate) fn push() -> LoadProfile {
     LoadProfile::through(vec![(0.8, 0.0), (0.85, -3000.0), (1.25, -3000.0), (1.3, 0.0)]).unwrap()
 }
 

@@ -121,7 +121,7 @@ proptest! {
         let position = <PerUnit as Number>::Travel::from_bits(position);
         let [bristles, pressed, viscosity, _] = others;
         let mut motion = MotionState { velocity, position, bristles };
-        let around = Surroundings { pressed, viscosity };
+        let around = Surroundings { pressed, viscosity, ..Surroundings::NONE };
         drive.mechanics().step(&mut motion, Forces { start: speed, first, second, around });
     }
 }

@@ -179,6 +179,7 @@ fn saved(file: &MachineFile, diagnosis: &Diagnosis) -> MachineFile {
     after.machine = diagnosis.machine_after;
     let effects = diagnosis.findings.iter().flat_map(|finding| &finding.parameters);
     after.given.extend(diagnosis.refitted.iter().chain(effects).map(|estimate| estimate.parameter));
+    after.effects.extend(diagnosis.unnamed.as_ref().map(|_| "unnamed"));
     after.effects.extend(diagnosis.findings.iter().map(|finding| finding.effect.name));
     after
 }

@@ -190,6 +190,10 @@ impl<'a> Reader<'a> {
             let (min, max, unit) = (what.min, what.max, what.unit);
             return Err(MachineFileError::OutOfRange { place, key, value: number, min, max, unit });
         }
+        if parameter.is_whole() && number.fract() != 0.0 {
+            let (place, key) = (self.place(value.and_then(Value::span)), what.key.to_owned());
+            return Err(MachineFileError::NotWhole { place, key, value: number, max: what.max });
+        }
         self.result.machine.set(parameter, number);
         self.result.given.insert(parameter);
         Ok(())

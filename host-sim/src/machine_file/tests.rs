@@ -142,6 +142,10 @@ fn impossible_values_are_refused() {
         assert_error!(refused(table, line, at), MachineFileError::OutOfRange { .. });
     }
     assert_error!(parse(&VALVE.replace("= 20", "= -20")).unwrap_err(), MachineFileError::OutOfRange { .. });
+    let table = |lines: &str| parse(&format!("{VALVE}[effects.unnamed]\n{lines}\n")).unwrap_err();
+    assert_error!(table("quantity = 5"), MachineFileError::OutOfRange { .. });
+    assert_error!(table("over = 1.5"), MachineFileError::NotWhole { .. });
+    assert_error!(table("values = \"none\""), MachineFileError::WrongType { .. });
     let error = parse(&VALVE.replace("0.1049 ", "1.0 ")).unwrap_err();
     assert_eq!(error.to_string(), "machine.toml:9:13: `valve.dead_zone` is 1.0; expected 0.0 to 0.999");
 }

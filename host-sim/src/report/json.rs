@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use crate::diagnose::{Diagnosis, Finding};
 use crate::hypothesis::short_name;
 use crate::shape::Shape;
+use crate::unnamed::{Axis, Unnamed};
 
 /// The document.
 #[must_use]
@@ -39,6 +40,7 @@ pub fn document(diagnosis: &Diagnosis) -> Value {
         "verdict": diagnosis.verdict,
         "located": located,
         "findings": diagnosis.findings.iter().map(|finding| finding_of(diagnosis, finding)).collect::<Vec<_>>(),
+        "unnamed": diagnosis.unnamed.as_ref().map(unnamed),
         "confirmed": diagnosis.confirmation.map(|confirmation| confirmation.confirms()),
         "still_above_noise": diagnosis.left.iter().map(|miss| {
             json!({ "signal": miss.signal.name(), "rmse_over_noise": digits(miss.over_noise, 3) })
@@ -90,6 +92,27 @@ fn shape(shape: &Shape) -> Value {
         }
         Shape::Everywhere => json!({ "kind": "everywhere", "sentence": sentence }),
     }
+}
+
+/// A table for what has no name.
+fn unnamed(found: &Unnamed) -> Value {
+    let axis = |axis: &Axis| {
+        json!({
+            "state": axis.state.name(), "unit": axis.state.unit(),
+            "from": digits(axis.from, 6), "to": digits(axis.to, 6), "nodes": axis.nodes,
+        })
+    };
+    json!({
+        "quantity": found.quantity.name(),
+        "unit": found.quantity.unit(),
+        "over": found.over.iter().map(axis).collect::<Vec<_>>(),
+        "values": found.values.iter().map(|estimate| {
+            json!({ "value": digits(estimate.value, 6), "std": digits(estimate.std, 3) })
+        }).collect::<Vec<_>>(),
+        "improved": found.confirmation.improved,
+        "recordings": found.confirmation.recordings,
+        "sentence": found.to_string(),
+    })
 }
 
 fn finding_of(diagnosis: &Diagnosis, finding: &Finding) -> Value {

@@ -51,6 +51,9 @@ pub fn text(diagnosis: &Diagnosis) -> String {
             effect.name
         );
     }
+    if let Some(unnamed) = &diagnosis.unnamed {
+        let _ = writeln!(text, "\n{unnamed}");
+    }
     let _ = write!(text, "\n{}\n", fits(diagnosis));
     if !diagnosis.refitted.is_empty() {
         let _ = write!(text, "\n{}\n", parameters(&diagnosis.refitted));

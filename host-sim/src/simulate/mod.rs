@@ -265,6 +265,10 @@ fn unbraked<R: Real>(machine: &Machine<R>, stimulus: &Stimulus) -> Machine<R> {
         for parameter in BALANCED {
             machine.set(parameter, R::ZERO);
         }
+        // So is a table of forces.
+        if (machine.get(Parameter::TableQuantity).value() - 1.0).abs() < 0.5 {
+            machine.set(Parameter::TableQuantity, R::ZERO);
+        }
     }
     machine
 }
@@ -280,7 +284,7 @@ fn sample<N: Number>(
     let constant = N::Real::constant;
     let sensed = drive.sensed(state);
     let recorded = stimulus.slider_at::<N>(point);
-    let slider = recorded.map_or_else(|| state.valve.slider(), |reading| true_slider(machine, reading));
+    let slider = recorded.map_or_else(|| drive.slider(state), |reading| true_slider(machine, reading));
     let supply = state.supply.pressure;
     let flow_a = if stimulus.wants_flow {
         drive.flows_from(supply, slider, stimulus.pump_at(point, bases), state.chambers).a

@@ -35,9 +35,10 @@ impl<R: Real> Builder<'_, R> {
         mass / (R::ONE + R::constant(2.0 * (GAMMA - GAMMA * GAMMA - 1.0 / 6.0)) * turn / fading)
     }
 
-    /// h·D/m in the thinnest oil.
+    /// h·D/m in the thinnest oil, with what the table of forces is damped by.
     fn damping(&self, mass: R) -> R {
-        self.get(P::ViscousFriction) * thinnest(self.machine) * R::constant(self.tick_s) / mass
+        let damping = self.get(P::ViscousFriction) * thinnest(self.machine) + self.table_damping();
+        damping * R::constant(self.tick_s) / mass
     }
 
     /// 1 + γ·h·D/m
@@ -88,6 +89,7 @@ impl<R: Real> Builder<'_, R> {
             dry: self.dry_friction(mass)?,
             load: self.signal("load over full force", P::LoadForce, self.force(P::LoadForce))?,
             resistance: self.resistance(mass)?,
+            push: self.push()?,
         })
     }
 

@@ -125,7 +125,7 @@ fn any_law() -> impl Strategy<Value = Vec<(P, f64)>> {
 
 fn braked<N: Number<Real = f64>>(drive: &Drive<N>, velocity: N, from: f64) {
     let mut state = MotionState { velocity, ..MotionState::at_rest(N::travel(from)) };
-    let around = Surroundings { pressed: N::saturated(0.6), viscosity: N::ZERO };
+    let around = Surroundings { pressed: N::saturated(0.6), ..Surroundings::NONE };
     let free = Forces { start: N::ZERO, first: N::ZERO, second: N::ZERO, around };
     for _ in 0..60 {
         let before = state.velocity;

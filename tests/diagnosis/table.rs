@@ -1,0 +1,77 @@
+//! What has no name is still followed better by a table, unless it happened only once.
+
+use host_sim::fit::{Free, settle};
+use host_sim::hypothesis::Scene;
+use host_sim::locate::{Case as Located, Location, locate};
+use host_sim::prepare::Prepared;
+use host_sim::recording::Signal;
+use host_sim::testbed::PlantEffect;
+use host_sim::unnamed::{Quantity, Unnamed, improved};
+use host_sim::verdict::{Candidate, Question};
+use model_core::parameter::Parameter as P;
+
+use super::bed::{Case, valve_case};
+
+/// The table for a case of which the catalogue knows nothing, with how far the position misses on held-out recordings before and after
+/// (root mean square over noise).
+fn tabled(case: &Case, with: impl Fn(Location) -> Location) -> Option<(Unnamed, [f64; 2])> {
+    let prepare = |recording| Prepared::new(recording, &case.file.machine, case.file.load_source, None).unwrap();
+    let training: Vec<Prepared> = case.training.iter().map(prepare).collect();
+    let held: Vec<Prepared> = case.held_out.iter().map(prepare).collect();
+    let (training_refs, held_refs): (Vec<&Prepared>, Vec<&Prepared>) =
+        (training.iter().collect(), held.iter().collect());
+    let judged: Vec<Signal> = training[0].channels.iter().map(|channel| channel.signal).collect();
+    let scene = Scene {
+        machine: &case.file.machine,
+        entry: training[0].stimulus.entry,
+        load: case.file.load_source,
+        judged: &judged,
+        travel_m: (0.05, 0.25),
+        duration_s: 3.0,
+    };
+    let ordinary: Vec<Free> = host_sim::diagnose::ordinary(&case.file);
+    let question = Question { scene: &scene, ordinary: &ordinary, hypotheses: &[], training: &training_refs };
+    let base = Candidate::base(&question).unwrap();
+    let cases: Vec<Located<'_>> = case
+        .training
+        .iter()
+        .zip(&training)
+        .zip(&base.fit.starts)
+        .map(|((recording, prepared), &start)| Located { recording, prepared, start })
+        .collect();
+    let location = with(locate(&base.fit.machine, case.file.load_source, &cases, &[], &[]).unwrap());
+    let (candidate, unnamed) = improved(&question, &base, &location, &cases, &held_refs).unwrap()?;
+    assert_eq!(candidate.fit.machine.get(P::TableQuantity), f64::from(unnamed.quantity as u8));
+    let missed = [&base, &candidate].map(|candidate| {
+        let machine = &candidate.fit.machine;
+        let (mut square, mut rows) = (0.0, 0.0);
+        for case in &held {
+            let residuals = host_sim::fit::standardised(machine, case, settle(machine, case).unwrap()).unwrap();
+            let at = case.channels.iter().position(|channel| channel.signal == Signal::Position).unwrap();
+            square += residuals[at].iter().map(|value| value * value).sum::<f64>();
+            rows += residuals[at].len() as f64;
+        }
+        (square / rows).sqrt()
+    });
+    Some((unnamed, missed))
+}
+
+/// Over which state is left open: dry friction steps where the velocity turns, which seven nodes over the velocity cannot, and the
+/// pressure against which it returns tells the direction as well.
+#[test]
+fn dry_friction_without_its_name_becomes_a_table_of_force() {
+    let case = valve_case(31, PlantEffect::named("coulomb-friction", 900.0), true, None);
+    let (table, [before, after]) = tabled(&case, |location| location).unwrap();
+    println!("{table}: position {before:.2} to {after:.2} times its noise");
+    assert_eq!(table.quantity, Quantity::Force);
+    assert!(after < 0.5 * before, "{before} {after}");
+}
+
+#[test]
+fn a_push_in_one_recording_does_not_become_a_table() {
+    let push = super::once::push();
+    let case = valve_case(11, None, true, Some(&(1, push)));
+    // Even where it is not seen that it happens once.
+    let found = tabled(&case, |location| Location { shape: host_sim::shape::Shape::Everywhere, ..location });
+    assert!(found.is_none(), "{found:?}");
+}
