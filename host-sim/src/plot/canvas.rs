@@ -14,7 +14,7 @@ use super::{Panel, Style, Trace};
 /// Width of a figure, px.
 const WIDTH: i32 = 1000;
 /// Coordinates inside the SVG are this much finer than a pixel, since they are whole numbers.
-const FINE: i32 = 8;
+pub(super) const FINE: i32 = 8;
 
 const LEFT: i32 = 74;
 const RIGHT: i32 = WIDTH - 22;
@@ -29,32 +29,36 @@ const GAP: i32 = 24;
 const LOWER: i32 = 74;
 const INPUT: i32 = 84;
 
-const INK: RGBColor = RGBColor(33, 37, 41);
-const FAINT_INK: RGBColor = RGBColor(95, 103, 112);
-const GRID: RGBColor = RGBColor(228, 231, 235);
-const FRAME: RGBColor = RGBColor(176, 183, 191);
-const PAPER: RGBColor = RGBColor(255, 255, 255);
-const SHADE: RGBAColor = RGBAColor(255, 193, 7, 0.28);
+pub(super) const INK: RGBColor = RGBColor(33, 37, 41);
+pub(super) const FAINT_INK: RGBColor = RGBColor(95, 103, 112);
+pub(super) const GRID: RGBColor = RGBColor(228, 231, 235);
+pub(super) const FRAME: RGBColor = RGBColor(176, 183, 191);
+pub(super) const PAPER: RGBColor = RGBColor(255, 255, 255);
+pub(super) const SHADE: RGBAColor = RGBAColor(255, 193, 7, 0.28);
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
+pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+pub(super) type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
 
 /// Draws panels below each other over one time axis; the text of an SVG with a `viewBox`, 1000 px wide.
 ///
 /// Series of more than 2000 points are thinned: of each stretch the lowest and the highest point stay.
 #[must_use]
-#[expect(clippy::missing_panics_doc, reason = "drawing into a text does not fail")]
 pub fn svg(title: &str, subtitle: &str, panels: &[Panel]) -> String {
     let height = TOP + panels.iter().map(height_of).sum::<i32>() + BOTTOM;
+    drawn((WIDTH, height), |area| draw(area, title, subtitle, panels))
+}
+
+/// The text of an SVG of this size in px.
+pub(super) fn drawn((width, height): (i32, i32), draw: impl FnOnce(&Area<'_>) -> Drawn) -> String {
     let mut text = String::new();
     {
-        let size = ((WIDTH * FINE).unsigned_abs(), (height * FINE).unsigned_abs());
+        let size = ((width * FINE).unsigned_abs(), (height * FINE).unsigned_abs());
         let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
-        draw(&area, title, subtitle, panels).expect("drawing into a text does not fail");
+        draw(&area).expect("drawing into a text does not fail");
         area.present().expect("drawing into a text does not fail");
     }
-    let fine = format!("width=\"{}\" height=\"{}\"", WIDTH * FINE, height * FINE);
-    text.replacen(&fine, &format!("width=\"{WIDTH}\" height=\"{height}\""), 1)
+    let fine = format!("width=\"{}\" height=\"{}\"", width * FINE, height * FINE);
+    text.replacen(&fine, &format!("width=\"{width}\" height=\"{height}\""), 1)
 }
 
 fn height_of(panel: &Panel) -> i32 {
@@ -140,7 +144,7 @@ fn chart(
     let fine_time = time.scaled(FINE);
     let fine_vertical = vertical.scaled(FINE);
     for trace in traces {
-        let points = thinned(&panel.time_s, &trace.values);
+        let points = thinned(&panel.time_s, &trace.values, panel.points);
         let path: Vec<(i32, i32)> =
             points.into_iter().map(|(time, value)| (fine_time.pixel(time), fine_vertical.pixel(value))).collect();
         if path.len() > 1 {
@@ -157,7 +161,7 @@ fn chart(
 }
 
 /// Colour and line of a style.
-fn look(style: Style) -> (RGBColor, ShapeStyle) {
+pub(super) fn look(style: Style) -> (RGBColor, ShapeStyle) {
     let (colour, width) = match style {
         Style::Input => (RGBColor(110, 98, 84), 1.4),
         Style::Recorded => (RGBColor(173, 181, 189), 4.0),
@@ -167,27 +171,27 @@ fn look(style: Style) -> (RGBColor, ShapeStyle) {
     (colour, line(colour, width))
 }
 
-fn line(colour: RGBColor, width_px: f64) -> ShapeStyle {
+pub(super) fn line(colour: RGBColor, width_px: f64) -> ShapeStyle {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few pixels")]
     let width = (width_px * f64::from(FINE)).round() as u32;
     colour.stroke_width(width)
 }
 
-fn fine((x, y): (i32, i32)) -> (i32, i32) {
+pub(super) fn fine((x, y): (i32, i32)) -> (i32, i32) {
     (x * FINE, y * FINE)
 }
 
 #[derive(Clone, Copy)]
-struct TextPlace {
-    anchor: Pos,
-    size: i32,
+pub(super) struct TextPlace {
+    pub(super) anchor: Pos,
+    pub(super) size: i32,
 }
 
-fn write(area: &Area<'_>, text: &str, at: (i32, i32), size: i32, colour: RGBColor, side: HPos) -> Drawn {
+pub(super) fn write(area: &Area<'_>, text: &str, at: (i32, i32), size: i32, colour: RGBColor, side: HPos) -> Drawn {
     write_at(area, text, at, TextPlace { anchor: Pos::new(side, VPos::Top), size }, colour)
 }
 
-fn write_at(area: &Area<'_>, text: &str, at: (i32, i32), place: TextPlace, colour: RGBColor) -> Drawn {
+pub(super) fn write_at(area: &Area<'_>, text: &str, at: (i32, i32), place: TextPlace, colour: RGBColor) -> Drawn {
     if text.is_empty() {
         return Ok(());
     }
@@ -198,7 +202,7 @@ fn write_at(area: &Area<'_>, text: &str, at: (i32, i32), place: TextPlace, colou
 }
 
 /// About how wide a text is, px: no font is at hand.
-fn text_width(text: &str, size: i32) -> i32 {
+pub(super) fn text_width(text: &str, size: i32) -> i32 {
     let letters = i32::try_from(text.chars().count()).unwrap_or(i32::MAX / 100).min(10_000);
     letters * size * 50 / 100
 }

@@ -16,12 +16,16 @@
 //! ```
 
 mod axis;
+mod bars;
 mod canvas;
 mod recorded;
+mod scatter;
 mod thin;
 
+pub use bars::{Bar, BarGroup, bars};
 pub use canvas::svg;
 pub use recorded::panels;
+pub use scatter::{Figure, Layer, Marks, RangeBin, scatter};
 pub(crate) use recorded::title;
 
 /// What a trace is, which says how it is drawn.
@@ -75,6 +79,8 @@ pub struct Panel {
     pub residuals: Vec<Trace>,
     /// Stretches of time that are shaded, (from, to) in s.
     pub intervals: Vec<(f64, f64)>,
+    /// Most points of a trace; 2000 where it is not said.
+    pub points: Option<usize>,
 }
 
 impl Panel {
