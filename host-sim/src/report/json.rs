@@ -2,13 +2,15 @@
 
 use serde_json::{Value, json};
 
+use super::exhibits_json;
 use crate::diagnose::{Diagnosis, Finding};
+use crate::exhibits::Exhibits;
 use crate::hypothesis::short_name;
 use crate::shape::Shape;
 
 /// The document.
 #[must_use]
-pub fn document(diagnosis: &Diagnosis) -> Value {
+pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
     let fits = |held_out: bool| {
         json!({
             "before": rounded(&diagnosis.mean_fits(held_out, false)),
@@ -38,7 +40,7 @@ pub fn document(diagnosis: &Diagnosis) -> Value {
         "machine": diagnosis.machine,
         "verdict": diagnosis.verdict,
         "located": located,
-        "findings": diagnosis.findings.iter().map(|finding| finding_of(diagnosis, finding)).collect::<Vec<_>>(),
+        "findings": diagnosis.findings.iter().map(|finding| finding_of(diagnosis, exhibits, finding)).collect::<Vec<_>>(),
         "confirmed": diagnosis.confirmation.map(|confirmation| confirmation.confirms()),
         "still_above_noise": diagnosis.left.iter().map(|miss| {
             json!({ "signal": miss.signal.name(), "rmse_over_noise": digits(miss.over_noise, 3) })
@@ -57,6 +59,9 @@ pub fn document(diagnosis: &Diagnosis) -> Value {
             })
         }).collect::<Vec<_>>(),
         "fit": { "train": fits(false), "holdout": fits(true) },
+        "waterfall": exhibits_json::waterfall(&exhibits.waterfall),
+        "residuals": exhibits_json::residuals(&exhibits.whiteness),
+        "prepared": exhibits_json::prepared(&exhibits.found),
     })
 }
 
@@ -92,7 +97,7 @@ fn shape(shape: &Shape) -> Value {
     }
 }
 
-fn finding_of(diagnosis: &Diagnosis, finding: &Finding) -> Value {
+fn finding_of(diagnosis: &Diagnosis, exhibits: &Exhibits, finding: &Finding) -> Value {
     let parameters: Vec<Value> = finding
         .parameters
         .iter()
@@ -120,7 +125,8 @@ fn finding_of(diagnosis: &Diagnosis, finding: &Finding) -> Value {
             "holdout_fit_after": rounded(&diagnosis.mean_fits(true, true)),
         },
         "alternatives": alternatives,
-        "separated_by": finding.effect.separated_by,
+        "separated_by": exhibits.separated_by(finding),
+        "separation": exhibits_json::separation(exhibits, finding),
     })
 }
 
@@ -132,7 +138,7 @@ fn rounded(fits: &crate::diagnose::Fits) -> Value {
 }
 
 /// A number with so many significant digits: the rest is noise, and short numbers compare. What is not known is null.
-fn digits(value: f64, significant: usize) -> Option<f64> {
+pub(super) fn digits(value: f64, significant: usize) -> Option<f64> {
     let precision = significant.saturating_sub(1);
     value.is_finite().then(|| format!("{value:.precision$e}").parse().unwrap_or(value))
 }
