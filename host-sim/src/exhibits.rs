@@ -41,7 +41,12 @@ impl Exhibits {
             waterfall: Waterfall::of(&file.machine, diagnosis)?,
             whiteness: whiteness(diagnosis, &recordings),
             separations: separations(diagnosis, file.load_source, &recordings)?,
-            found: diagnosis.shown.iter().zip(&recordings).map(|(shown, recording)| found(recording, &shown.prepared)).collect(),
+            found: diagnosis
+                .shown
+                .iter()
+                .zip(&recordings)
+                .map(|(shown, recording)| found(recording, &shown.prepared))
+                .collect(),
             pictures: if with_pictures { pictures(diagnosis, &recordings)? } else { Vec::new() },
         })
     }

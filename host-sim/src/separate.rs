@@ -78,7 +78,9 @@ impl Separation {
         };
         match (self.tests.first(), &self.sensor) {
             (Some(best), _) if self.is_told() => apart(best),
-            (_, Some((sensor, best))) if best.over_noise >= TELLS => format!("{}, with {sensor} recorded too", apart(best)),
+            (_, Some((sensor, best))) if best.over_noise >= TELLS => {
+                format!("{}, with {sensor} recorded too", apart(best))
+            }
             (Some(best), _) => format!("no standard test tells them apart at this noise; the best is {}", apart(best)),
             (None, _) => "no standard test runs on this drive".to_owned(),
         }
@@ -86,7 +88,11 @@ impl Separation {
 }
 
 /// Every claimed effect against its rivals.
-pub fn separations(diagnosis: &Diagnosis, load: LoadSource, recordings: &[&Recording]) -> Result<Vec<Separation>, MachineError> {
+pub fn separations(
+    diagnosis: &Diagnosis,
+    load: LoadSource,
+    recordings: &[&Recording],
+) -> Result<Vec<Separation>, MachineError> {
     let chosen = &diagnosis.machine_after;
     let Some(first) = diagnosis.shown.first() else { return Ok(Vec::new()) };
     let by_command = chosen.source == Source::Valve && first.prepared.stimulus.entry == EntryPoint::Command;
@@ -139,14 +145,21 @@ fn rivals(diagnosis: &Diagnosis) -> Vec<Pair> {
                 && trial.effects.iter().all(|effect| effect.name != finding.effect.name)
                 && others.clone().all(|name| trial.effects.iter().any(|effect| effect.name == *name))
         };
-        let mut found: Vec<(f64, Pair)> = Vec::new();
+        let (mut found, mut nearest): (Vec<(f64, Pair)>, Option<(f64, Pair)>) = (Vec::new(), None);
         for trial in round.iter().filter(instead) {
             let Some(rival) = trial.effects.iter().find(|effect| !chosen.contains(&effect.name)) else { continue };
             let confidence = confidence(finding, rival);
-            if confidence >= NEGLIGIBLE || looks_alike(finding.effect, rival) {
-                let pair = Pair { effect: finding.effect.name, rival: rival.name, confidence, machine: trial.machine };
-                found.push((trial.net, pair));
+            // Without any of these, the one that came nearest.
+            let wanted = confidence >= NEGLIGIBLE || looks_alike(finding.effect, rival);
+            let pair = Pair { effect: finding.effect.name, rival: rival.name, confidence, machine: trial.machine };
+            if wanted {
+                found.push((trial.net, pair))
+            } else if nearest.is_none() {
+                nearest = Some((trial.net, pair))
             }
+        }
+        if found.is_empty() {
+            found.extend(nearest);
         }
         // Equally improbable ones in the order of how well they fitted.
         found.sort_by(|a, b| b.1.confidence.total_cmp(&a.1.confidence).then(b.0.total_cmp(&a.0)));
@@ -248,7 +261,8 @@ fn told_by(
     let base = run(chosen)?;
     let minus = |there: &[Vec<f64>]| -> Vec<DVector<f64>> {
         let each = there.iter().zip(&base);
-        each.map(|(there, base)| DVector::from_iterator(base.len(), there.iter().zip(base).map(|(a, b)| a - b))).collect()
+        each.map(|(there, base)| DVector::from_iterator(base.len(), there.iter().zip(base).map(|(a, b)| a - b)))
+            .collect()
     };
     let mut columns: Vec<Vec<DVector<f64>>> = Vec::new();
     for (parameter, step) in moves {
@@ -300,9 +314,8 @@ fn separation(pair: &Pair, tests: &[(&StandardTest, &Told)], sensors: &[Sensor])
         Some((sensors[new].signal, ranked(tests, sensors, &wider).into_iter().next()?))
     });
     let sensor = with.max_by(|a, b| a.1.per_20_s.total_cmp(&b.1.per_20_s));
-    let worth = |(_, distance): &(Signal, Distance)| {
-        at_hand.first().is_none_or(|best| distance.per_20_s > 2.0 * best.per_20_s)
-    };
+    let worth =
+        |(_, distance): &(Signal, Distance)| at_hand.first().is_none_or(|best| distance.per_20_s > 2.0 * best.per_20_s);
     Separation {
         effect: pair.effect,
         rival: pair.rival,

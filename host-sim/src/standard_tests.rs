@@ -39,7 +39,13 @@ impl StandardTest {
 #[must_use]
 pub fn standard_tests(machine: &Machine<f64>, largest_v: f64) -> Vec<StandardTest> {
     let drive = Drive::of(machine, largest_v);
-    let plain = |name, how: String, command_v| StandardTest { name, how, interval_s: INTERVAL_S, command_v, load_n: Vec::new() };
+    let plain = |name, how: String, command_v| StandardTest {
+        name,
+        how,
+        interval_s: INTERVAL_S,
+        command_v,
+        load_n: Vec::new(),
+    };
     let volts = |value: f64| crate::presentation::significant(value, 2);
     let slow = drive.volts_for(0.02).max(0.3 * largest_v);
     let excited = |excitation: Excitation| excitation.sample(INTERVAL_S);
@@ -49,10 +55,14 @@ pub fn standard_tests(machine: &Machine<f64>, largest_v: f64) -> Vec<StandardTes
         drive.hold(),
         plain(
             "slow triangle",
-            format!("±{} V at 0.2 Hz", volts(slow)),
-            excited(Excitation::Triangle { amplitude_v: slow, frequency_hz: 0.2, duration_s: 10.0 }),
+            format!("±{} V at 0.25 Hz", volts(slow)),
+            excited(Excitation::Triangle { amplitude_v: slow, frequency_hz: 0.25, duration_s: 8.0 }),
         ),
-        plain("constant speeds", "both ways at 5, 10, 30 and 100 mm/s".to_owned(), drive.strokes(&speeds.map(|speed| (drive.volts_for(speed), speed)))),
+        plain(
+            "constant speeds",
+            "both ways at 5, 10, 30 and 100 mm/s".to_owned(),
+            drive.strokes(&speeds.map(|speed| (drive.volts_for(speed), speed))),
+        ),
         plain(
             "steps of several sizes",
             format!("a quarter, half, three quarters and all of {} V, both ways", volts(full)),
@@ -72,7 +82,13 @@ pub fn standard_tests(machine: &Machine<f64>, largest_v: f64) -> Vec<StandardTes
         plain(
             "random steps",
             format!("within ±{} V, 0.08 to 0.5 s each", volts(full)),
-            excited(Excitation::Random { amplitude_v: full, shortest_s: 0.08, longest_s: 0.5, duration_s: 6.0, seed: 1 }),
+            excited(Excitation::Random {
+                amplitude_v: full,
+                shortest_s: 0.08,
+                longest_s: 0.5,
+                duration_s: 6.0,
+                seed: 1,
+            }),
         ),
     ];
     let whole = drive.whole_stroke(0.4 * full);
@@ -151,19 +167,19 @@ impl Drive {
     /// Out to the extended end and back beyond the middle, at a moderate command.
     fn whole_stroke(&self, volts: f64) -> Vec<f64> {
         let half = 0.47 * self.stroke_m / self.speed_at(volts).max(0.02);
-        let half = half.min(4.0);
+        let half = half.min(2.5);
         let phase = |sign: f64, seconds: f64| std::iter::repeat_n(sign * volts, Self::rows(seconds));
         phase(1.0, half).chain(phase(-1.0, 2.0 * half)).chain(phase(1.0, half)).collect()
     }
 
     /// Valve closed, a load on and off again.
     fn hold(&self) -> StandardTest {
-        let command_v = vec![0.0; Self::rows(10.0)];
+        let command_v = vec![0.0; Self::rows(6.0)];
         let load_n = (0..command_v.len())
             .map(|row| match row as f64 * INTERVAL_S {
                 time if time < 0.5 => 0.0,
-                time if time < 5.0 => 0.3 * self.full_force_n,
-                time if time < 9.5 => -0.3 * self.full_force_n,
+                time if time < 3.0 => 0.3 * self.full_force_n,
+                time if time < 5.5 => -0.3 * self.full_force_n,
                 _ => 0.0,
             })
             .collect();

@@ -35,10 +35,10 @@ const OPEN: f64 = 0.02;
 pub(super) fn of(effect: &Hypothesis, after: &Machine<f64>) -> Family {
     match effect.name {
         "valve-hysteresis" | "spool-stiction" => Family {
-            title: "Slider beside the model before, over the command",
-            caption: "Two branches: the command went up last, or down last. Hysteresis parts them by its width, whatever the rate.",
+            title: "Slider beside a linear valve, over the command",
+            caption: "Recorded slider less that of the model after without the effect. Two branches: it was sent up last, or down last; hysteresis parts them by its width, at any rate.",
             x: ("command", "V"),
-            y: ("slider − model before", "% of travel"),
+            y: ("slider − model without it", "% of travel"),
             needs: SLIDER,
             point: |_, m| Some((m.command_v, 100.0 * m.slider_off, m.turned)),
         },
@@ -52,15 +52,15 @@ pub(super) fn of(effect: &Hypothesis, after: &Machine<f64>) -> Family {
         },
         "null-drift" => Family {
             title: "Drift of the slider's neutral",
-            caption: "Slider beside the model before, since the recording's start.",
+            caption: "Slider less that of the model without drift, since the recording's start.",
             x: ("time", "s"),
-            y: ("slider − model before", "% of travel"),
+            y: ("slider − model without it", "% of travel"),
             needs: SLIDER,
             point: |_, m| Some((m.time_s, 100.0 * m.slider_off, 0)),
         },
         "flow-force" => Family {
             title: "Slider pushed closed, over the pressure difference at both open edges",
-            caption: "In parts of its own travel; negative: closer than the model before.",
+            caption: "In parts of its own travel; negative: closer than the model after without the effect.",
             x: ("pressure difference over the edges", "bar"),
             y: ("change of the slider", "% of its travel"),
             needs: &[Signal::Spool, Signal::PressureA, Signal::PressureB],
@@ -253,18 +253,18 @@ pub(super) fn of(effect: &Hypothesis, after: &Machine<f64>) -> Family {
             },
         },
         "linkage-backlash" => Family {
-            title: "Sensed position beside the model before, over the velocity",
+            title: "Sensed position beside that of a perfect sensor, over the velocity",
             caption: "Play shifts what is sensed against the way that the rod moves.",
             x: ("velocity", "mm/s"),
-            y: ("position − model before", "mm"),
+            y: ("position − model without it", "mm"),
             needs: &[Signal::Position],
             point: |_, m| Some((MM * m.velocity, MM * m.position_off_m, 0)),
         },
         "position-sensor-lag" => Family {
-            title: "Sensed position beside the model before, over the velocity",
+            title: "Sensed position beside that of a perfect sensor, over the velocity",
             caption: "A lag of the sensor leaves velocity times its time behind.",
             x: ("velocity", "mm/s"),
-            y: ("position − model before", "mm"),
+            y: ("position − model without it", "mm"),
             needs: &[Signal::Position],
             point: |_, m| (m.velocity.abs() > RESTS).then(|| (MM * m.velocity, MM * m.position_off_m, 0)),
         },
@@ -277,23 +277,23 @@ pub(super) fn of(effect: &Hypothesis, after: &Machine<f64>) -> Family {
 fn sensor(after: &Machine<f64>) -> Family {
     let is_off = |offset, factor| after.get(offset) != 0.0 || after.get(factor) != 0.0;
     let family = |x, y, needs, point| Family {
-        title: "What the sensor reads beside the model before",
+        title: "What the sensor reads beside a right one",
         caption: "A constant shifts all readings alike; a wrong gain tilts them.",
         x,
         y,
         needs,
         point,
     };
-    let bar = ("reading − model before", "bar");
+    let bar = ("reading − model without it", "bar");
     if is_off(Parameter::PressureAOffset, Parameter::PressureAFactor) {
         family(("pressure A", "bar"), bar, &[Signal::PressureA], |_, m| Some((BAR * m.a_pa, BAR * m.a_off_pa, 0)))
     } else if is_off(Parameter::PressureBOffset, Parameter::PressureBFactor) {
         family(("pressure B", "bar"), bar, &[Signal::PressureB], |_, m| Some((BAR * m.b_pa, BAR * m.b_off_pa, 0)))
     } else if is_off(Parameter::SpoolOffset, Parameter::SpoolFactor) {
-        let y = ("reading − model before", "% of travel");
+        let y = ("reading − model without it", "% of travel");
         family(("slider", "% of travel"), y, SLIDER, |_, m| Some((100.0 * m.slider, 100.0 * m.slider_off, 0)))
     } else {
-        let y = ("reading − model before", "mm");
+        let y = ("reading − model without it", "mm");
         family(("position", "mm"), y, &[Signal::Position], |_, m| Some((MM * m.position_m, MM * m.position_off_m, 0)))
     }
 }
@@ -301,8 +301,8 @@ fn sensor(after: &Machine<f64>) -> Family {
 /// The motion that the model before lacks: what can always be drawn.
 pub(super) fn lacking_motion(effect: &Hypothesis) -> Family {
     let family = |x, point| Family {
-        title: "Velocity that the model before lacks",
-        caption: "Sensed velocity less that of the model before; with the model after less that of the model before.",
+        title: "Velocity that the model lacks without the effect",
+        caption: "Sensed velocity less that of the model after without the effect; the curves: what the models before and after make of it.",
         x,
         y: ("lacking velocity", "mm/s"),
         needs: &[Signal::Position],

@@ -45,7 +45,7 @@ pub fn pictures_of(
     diagnosis: &Diagnosis,
     recordings: &[&Recording],
 ) -> Result<Vec<Picture>, MachineError> {
-    let law = Law::of(&without(&diagnosis.machine_after, effect));
+    let law = Law::of(&without(&diagnosis.machine_after, effect), &diagnosis.machine_after);
     let has = |signal| {
         diagnosis.shown.iter().all(|shown| shown.prepared.channels.iter().any(|channel| channel.signal == signal))
     };
@@ -83,30 +83,21 @@ fn picture(effect: &'static Hypothesis, family: &Family, law: &Law, drives: &Dri
         let points = moments.iter().filter_map(|moment| (family.point)(law, moment));
         points.filter(|(x, y, _)| x.is_finite() && y.is_finite()).collect()
     };
-    let mut layers = Vec::new();
+    let model = |name: &str, style, moments: &[Moment]| -> Vec<Layer> {
+        let branches = branches(&points(moments)).into_iter().enumerate();
+        let label = |index| if index == 0 { name.to_owned() } else { String::new() };
+        branches.map(|(index, (_, branch))| Layer { label: label(index), style, marks: curve(branch) }).collect()
+    };
+    let mut layers = model("model before", Style::Before, &drives.before);
     if measured {
         let recorded = points(&drives.recorded);
         let dots = thinned(recorded.iter().map(|(x, y, _)| (*x, *y)).collect());
-        if !dots.is_empty() {
-            layers.push(Layer {
-                label: "recorded".to_owned(),
-                style: Style::Recorded,
-                marks: Marks::Dots(within(dots)),
-            });
-        }
+        layers.push(Layer { label: "recorded".to_owned(), style: Style::Recorded, marks: Marks::Dots(within(dots)) });
         for (_, branch) in branches(&recorded) {
             layers.push(Layer { label: String::new(), style: Style::Recorded, marks: Marks::Bins(binned(branch)) });
         }
     }
-    for (name, style, moments) in
-        [("model before", Style::Before, &drives.before), ("model after", Style::After, &drives.after)]
-    {
-        for (index, (_, branch)) in branches(&points(moments)).into_iter().enumerate() {
-            let line = binned(branch).iter().map(|bin| (bin.x, bin.quartiles[1])).collect();
-            let label = if index == 0 { name.to_owned() } else { String::new() };
-            layers.push(Layer { label, style, marks: Marks::Line(line) });
-        }
-    }
+    layers.extend(model("model after", Style::After, &drives.after));
     layers.retain(|layer| match &layer.marks {
         Marks::Dots(points) | Marks::Line(points) => !points.is_empty(),
         Marks::Bins(bins) => !bins.is_empty(),
@@ -116,6 +107,27 @@ fn picture(effect: &'static Hypothesis, family: &Family, law: &Law, drives: &Dri
     let axis = |(title, unit): (&str, &str)| if unit == "1" { title.to_owned() } else { format!("{title} [{unit}]") };
     let figure = Figure { title: family.title.to_owned(), x: axis(family.x), y: axis(family.y), layers, band: None };
     Picture { effect: effect.name, caption: format!("{}{unmeasured}", family.caption), figure }
+}
+
+/// A curve that scatters more than this share of its range is none.
+const SCATTERED: f64 = 0.1;
+/// Most points of a model that makes no curve.
+const MOST_OF_MODEL: usize = 400;
+
+/// A line through the middles; where the model makes no curve of it, its points.
+fn curve(points: Vec<(f64, f64)>) -> Marks {
+    let bins = binned(points.clone());
+    let mut spread: Vec<f64> = bins.iter().map(|bin| bin.quartiles[2] - bin.quartiles[0]).collect();
+    spread.sort_by(f64::total_cmp);
+    let values = || within(points.clone()).into_iter().map(|point| point.1);
+    let range = values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min);
+    match spread.get(spread.len() / 2) {
+        Some(typical) if *typical > SCATTERED * range && *typical > 0.0 => {
+            let step = points.len().div_ceil(MOST_OF_MODEL).max(1);
+            Marks::Dots(within(points.into_iter().step_by(step).collect()))
+        }
+        _ => Marks::Line(bins.iter().map(|bin| (bin.x, bin.quartiles[1])).collect()),
+    }
 }
 
 /// Points of each branch that there is.
@@ -138,6 +150,9 @@ fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
 
 /// Without the few that lie far off the others in y: they would flatten what is to be seen.
 fn within(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    if points.is_empty() {
+        return points;
+    }
     let mut values: Vec<f64> = points.iter().map(|point| point.1).collect();
     values.sort_by(f64::total_cmp);
     let at = |share: f64| {

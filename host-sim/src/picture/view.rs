@@ -9,9 +9,10 @@ use model_core::parameter::Parameter;
 
 use super::Drives;
 use crate::diagnose::{Diagnosis, Shown};
+use crate::fit::settle;
 use crate::links::{Coefficients, bridged};
 use crate::recording::{Recording, Signal};
-use crate::simulate::{DELAY_LINE, Trajectory};
+use crate::simulate::{DELAY_LINE, Trajectory, simulate};
 use crate::window::Window;
 
 /// Length of a moment, s.
@@ -19,7 +20,10 @@ const MOMENT_S: f64 = 0.03;
 
 /// The model's laws that a picture measures against, the effect itself taken out.
 pub(super) struct Law {
+    /// The machine after without the effect.
     pub(super) machine: Machine<f64>,
+    /// The machine after.
+    after: Machine<f64>,
     pub(super) by: Coefficients,
     pub(super) dead_zone: f64,
     pub(super) flow_coefficient: f64,
@@ -28,9 +32,10 @@ pub(super) struct Law {
 }
 
 impl Law {
-    pub(super) fn of(machine: &Machine<f64>) -> Self {
+    pub(super) fn of(machine: &Machine<f64>, after: &Machine<f64>) -> Self {
         Self {
             machine: *machine,
+            after: *after,
             by: Coefficients::of(machine),
             dead_zone: machine.get(Parameter::DeadZone),
             flow_coefficient: machine.get(Parameter::FlowCoefficient),
@@ -46,21 +51,21 @@ pub(super) struct Moment {
     /// Since the recording's start, s.
     pub(super) time_s: f64,
     pub(super) command_v: f64,
-    /// Which way the command went last.
+    /// Which way the slider was sent last.
     pub(super) turned: i8,
     pub(super) slider: f64,
-    /// Slider less that of the model before.
+    /// Slider less that of the model without the effect.
     pub(super) slider_off: f64,
     pub(super) a_pa: f64,
     pub(super) b_pa: f64,
-    /// Pressures less those of the model before.
+    /// Pressures less those of the model without the effect.
     pub(super) a_off_pa: f64,
     pub(super) b_off_pa: f64,
     pub(super) a_rate: f64,
     pub(super) b_rate: f64,
     pub(super) supply_pa: f64,
     pub(super) position_m: f64,
-    /// Position and velocity less those of the model before.
+    /// Position and velocity less those of the model without the effect.
     pub(super) position_off_m: f64,
     pub(super) velocity_off: f64,
     pub(super) velocity: f64,
@@ -90,9 +95,12 @@ pub(super) fn moments(law: &Law, diagnosis: &Diagnosis, recordings: &[&Recording
         let before = simulated(law, shown, recording, &shown.before);
         let after = simulated(law, shown, recording, &shown.after);
         let recorded = recorded(shown, &before);
+        let start = settle(&law.after, &shown.prepared)?.offset(&shown.prepared);
+        let reference = simulate::<f64>(&law.machine, &shown.prepared.stimulus, start)?;
+        let reference = simulated(law, shown, recording, &reference);
         let flows = |view: &View| ports(law, shown.prepared.stimulus.tick, recording, view);
         let of = |view: &View| -> Result<Vec<Moment>, MachineError> {
-            Ok(over(&windows, shown, recording, view, &before, &flows(view)?))
+            Ok(over(&windows, shown, recording, view, &reference, &flows(view)?))
         };
         drives.recorded.extend(of(&recorded)?);
         drives.before.extend(of(&before)?);
@@ -159,7 +167,7 @@ fn over(
     shown: &Shown,
     recording: &Recording,
     view: &View,
-    before: &View,
+    reference: &View,
     (port_a, port_b): &(Vec<f64>, Vec<f64>),
 ) -> Vec<Moment> {
     let time_s = &shown.prepared.time_s;
@@ -167,9 +175,9 @@ fn over(
     let given = |signal: Signal| recording.signal(signal).map_or_else(|| vec![0.0; rows], <[f64]>::to_vec);
     let drives = if recording.has(Signal::Command) { Signal::Command } else { Signal::PumpSpeed };
     let (command, load, pump) = (given(drives), given(Signal::LoadForce), given(Signal::PumpSpeed));
-    let turned = turns(&command);
+    let turned = turns(&reference.slider);
     let minus = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
-    let position_off = minus(&view.position, &before.position);
+    let position_off = minus(&view.position, &reference.position);
     let ones = vec![1.0; rows];
     windows
         .iter()
@@ -182,11 +190,11 @@ fn over(
                 command_v: mean(&command),
                 turned: turned[window.middle()],
                 slider: mean(&view.slider),
-                slider_off: mean(&view.slider) - mean(&before.slider),
+                slider_off: mean(&view.slider) - mean(&reference.slider),
                 a_pa: mean(&view.a),
                 b_pa: mean(&view.b),
-                a_off_pa: mean(&view.a) - mean(&before.a),
-                b_off_pa: mean(&view.b) - mean(&before.b),
+                a_off_pa: mean(&view.a) - mean(&reference.a),
+                b_off_pa: mean(&view.b) - mean(&reference.b),
                 a_rate: slope(&view.a),
                 b_rate: slope(&view.b),
                 supply_pa: mean(&view.supply),
@@ -204,18 +212,42 @@ fn over(
         .collect()
 }
 
+/// The slider went one way once it has gone this far, in parts of its travel.
+const TURNS: f64 = 2e-3;
+
 /// Which way a series went last, at each row.
 fn turns(values: &[f64]) -> Vec<i8> {
-    let mut last = 0;
-    (0..values.len())
-        .map(|row| {
-            let change = if row == 0 { 0.0 } else { values[row] - values[row - 1] };
-            if change > 0.0 {
-                last = 1;
-            } else if change < 0.0 {
-                last = -1;
+    let (mut last, mut low, mut high) = (0, f64::MAX, f64::MIN);
+    values
+        .iter()
+        .map(|value| {
+            (low, high) = (low.min(*value), high.max(*value));
+            if *value > low + TURNS && last != 1 {
+                (last, high) = (1, *value);
+            } else if *value < high - TURNS && last != -1 {
+                (last, low) = (-1, *value);
+            }
+            // While it goes one way the other end follows.
+            match last {
+                1 => low = high,
+                -1 => high = low,
+                _ => {}
             }
             last
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_series_turns_where_it_comes_back_and_not_where_it_trembles() {
+        let mut values: Vec<f64> = (0..100).map(|k| 0.01 * f64::from(k)).collect();
+        values.extend((0..100).map(|k| 0.99 + 5e-4 * f64::from(k % 2)));
+        values.extend((0..100).map(|k| 0.99 - 0.01 * f64::from(k)));
+        let turned = turns(&values);
+        assert_eq!((turned[0], turned[50], turned[150], turned[199], turned[210], turned[299]), (0, 1, 1, 1, -1, -1));
+    }
 }

@@ -25,8 +25,8 @@ mod thin;
 pub use bars::{Bar, BarGroup, bars};
 pub use canvas::svg;
 pub use recorded::panels;
-pub use scatter::{Figure, Layer, Marks, RangeBin, scatter};
 pub(crate) use recorded::title;
+pub use scatter::{Figure, Layer, Marks, RangeBin, scatter};
 
 /// What a trace is, which says how it is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -11,11 +11,11 @@ use super::canvas::{
     write_at,
 };
 
-const WIDTH: i32 = 680;
-const HEIGHT: i32 = 400;
+const WIDTH: i32 = 580;
+const HEIGHT: i32 = 410;
 const LEFT: i32 = 74;
 const RIGHT: i32 = WIDTH - 18;
-const TOP: i32 = 64;
+const TOP: i32 = 84;
 const BOTTOM: i32 = HEIGHT - 52;
 
 /// The values in one range of x.
@@ -64,7 +64,7 @@ pub struct Figure {
     pub band: Option<f64>,
 }
 
-/// Draws a chart; the text of an SVG with a `viewBox`, 680 px wide.
+/// Draws a chart; the text of an SVG with a `viewBox`, 580 px wide.
 #[must_use]
 pub fn scatter(figure: &Figure) -> String {
     drawn((WIDTH, HEIGHT), |area| draw(area, figure))
@@ -73,7 +73,7 @@ pub fn scatter(figure: &Figure) -> String {
 fn draw(area: &Area<'_>, figure: &Figure) -> Drawn {
     area.fill(&PAPER)?;
     write(area, &figure.title, (LEFT, 10), 15, INK, HPos::Left)?;
-    write(area, &figure.y, (LEFT, 38), 12, FAINT_INK, HPos::Left)?;
+    write(area, &figure.y, (LEFT, 60), 12, FAINT_INK, HPos::Left)?;
     write(area, &figure.x, (i32::midpoint(LEFT, RIGHT), HEIGHT - 24), 12, INK, HPos::Center)?;
     legend(area, figure)?;
     let points: Vec<(f64, f64)> = figure.layers.iter().flat_map(|layer| corners(&layer.marks)).collect();
@@ -107,7 +107,7 @@ fn draw(area: &Area<'_>, figure: &Figure) -> Drawn {
         match &layer.marks {
             Marks::Dots(points) => {
                 for (x, y) in finite(points) {
-                    area.draw(&Circle::new(at(x, y), 14, colour.mix(0.55).filled()))?;
+                    area.draw(&Circle::new(at(x, y), 14, colour.mix(0.7).filled()))?;
                 }
             }
             Marks::Line(points) => {
@@ -131,13 +131,13 @@ fn draw(area: &Area<'_>, figure: &Figure) -> Drawn {
 fn legend(area: &Area<'_>, figure: &Figure) -> Drawn {
     let mut right = RIGHT;
     for layer in figure.layers.iter().rev().filter(|layer| !layer.label.is_empty()) {
-        write(area, &layer.label, (right, 38), 12, INK, HPos::Right)?;
+        write(area, &layer.label, (right, 36), 12, INK, HPos::Right)?;
         right -= text_width(&layer.label, 12) + 8;
         let (colour, stroke) = look(layer.style);
         if matches!(layer.marks, Marks::Dots(_)) {
-            area.draw(&Circle::new(fine((right - 6, 45)), 30, colour.filled()))?;
+            area.draw(&Circle::new(fine((right - 6, 43)), 30, colour.filled()))?;
         } else {
-            area.draw(&PathElement::new(vec![fine((right - 22, 45)), fine((right, 45))], stroke))?;
+            area.draw(&PathElement::new(vec![fine((right - 22, 43)), fine((right, 43))], stroke))?;
         }
         right -= 22 + 18;
     }

@@ -18,8 +18,11 @@ pub(super) fn waterfall(waterfall: &Waterfall) -> Value {
         .iter()
         .enumerate()
         .map(|(index, stage)| {
-            let signals: Map<String, Value> =
-                stage.signals.iter().map(|(signal, left)| (signal.name().to_owned(), json!(digits(*left, 4)))).collect();
+            let signals: Map<String, Value> = stage
+                .signals
+                .iter()
+                .map(|(signal, left)| (signal.name().to_owned(), json!(digits(*left, 4))))
+                .collect();
             json!({
                 "stage": stage.label,
                 "effect": stage.effect,
@@ -69,7 +72,8 @@ pub(super) fn prepared(found: &[Found]) -> Value {
                 (channel.signal.name().to_owned(), value)
             })
             .collect();
-        let dither = of.dither.map(|line| json!({ "hz": digits(line.hz, 4), "amplitude_v": digits(line.amplitude, 3) }));
+        let dither =
+            of.dither.map(|line| json!({ "hz": digits(line.hz, 4), "amplitude_v": digits(line.amplitude, 3) }));
         json!({
             "recording": of.recording, "rows": of.rows, "duration_s": digits(of.duration_s, 6),
             "channels": channels, "dither": dither, "notes": of.notes,
@@ -90,7 +94,8 @@ pub(super) fn separation(exhibits: &Exhibits, finding: &Finding) -> Value {
     let rivals: Vec<Value> = exhibits
         .rivals(finding)
         .map(|rival| {
-            let sensor = rival.sensor.as_ref().map(|(sensor, best)| json!({ "sensor": sensor.name(), "best": distance(best) }));
+            let sensor =
+                rival.sensor.as_ref().map(|(sensor, best)| json!({ "sensor": sensor.name(), "best": distance(best) }));
             json!({
                 "effect": rival.rival, "confidence": digits(rival.confidence, 3), "told_apart": rival.is_told(),
                 "advice": rival.advice(), "tests": rival.tests.iter().take(3).map(distance).collect::<Vec<_>>(),

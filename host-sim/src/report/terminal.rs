@@ -147,7 +147,8 @@ fn fits(diagnosis: &Diagnosis) -> Table {
 fn waterfall(exhibits: &Exhibits) -> Table {
     let stages = &exhibits.waterfall.stages;
     let which = if exhibits.waterfall.held_out { "held out" } else { "training" };
-    let signals: Vec<&str> = stages.iter().take(1).flat_map(|stage| &stage.signals).map(|(signal, _)| signal.name()).collect();
+    let signals: Vec<&str> =
+        stages.iter().take(1).flat_map(|stage| &stage.signals).map(|(signal, _)| signal.name()).collect();
     let first = format!("square error over noise², {which}");
     let header: Vec<&str> = std::iter::once(first.as_str()).chain(signals).collect();
     let mut table = table(&header);
@@ -156,7 +157,8 @@ fn waterfall(exhibits: &Exhibits) -> Table {
         table.add_row(std::iter::once(stage.label.clone()).chain(left).collect::<Vec<_>>());
     }
     let white = exhibits.whiteness.iter().map(|of| format!("{} %", significant(100.0 * of.outside(), 2)));
-    table.add_row(std::iter::once("lags of the rest outside the 99 % band".to_owned()).chain(white).collect::<Vec<_>>());
+    table
+        .add_row(std::iter::once("lags of the rest outside the 99 % band".to_owned()).chain(white).collect::<Vec<_>>());
     table
 }
 
@@ -171,7 +173,9 @@ fn prepared(exhibits: &Exhibits) -> String {
         .map(|channel| format!("{} {}", channel.signal, crate::presentation::difference(channel.signal, channel.noise)))
         .collect();
     let dither = found.iter().find_map(|of| of.dither);
-    let dither = dither.map_or_else(String::new, |line| format!("; dither {} V at {} Hz", significant(line.amplitude, 2), significant(line.hz, 3)));
+    let dither = dither.map_or_else(String::new, |line| {
+        format!("; dither {} V at {} Hz", significant(line.amplitude, 2), significant(line.hz, 3))
+    });
     format!("prepared   noise: {}; {failed} failed readings left out{dither}", noise.join(", "))
 }
 

@@ -64,8 +64,8 @@ pub(super) fn how_sure(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
             } @else if !diagnosis.findings.is_empty() {
                 p { "No recording was held out to confirm it." }
             }
-            p { "How often something is named where nothing is missing was measured on virtual drives and on recordings of outside causes: "
-                a href="docs/diagnosis.md" { "docs/diagnosis.md" } "." }
+            p { "False alarms are counted on virtual drives from which nothing was taken and on causes outside the catalogue: "
+                code { "docs/diagnosis.md" } "." }
             details {
                 summary { "Every set of effects that was refitted" }
                 p class="soft" { "In the chain, on all training recordings together. Gain in log-likelihood, less a penalty for its parameters." }
@@ -104,7 +104,7 @@ fn sureness(finding: &Finding, exhibits: &Exhibits) -> Markup {
             p { "To be sure: " (finding.effect.separated_by) "." }
         } @else {
             table {
-                tr { th { "against" } th { "test with the channels at hand" } th { "apart" } th { "with one more sensor" } }
+                tr { th { "against" } th class="text" { "test with the channels at hand" } th { "apart" } th class="text" { "with one more sensor" } }
                 @for rival in rivals {
                     tr {
                         td { (rival.rival) }

@@ -48,7 +48,13 @@ fn groups(waterfall: &Waterfall) -> Vec<BarGroup> {
                 .enumerate()
                 .take(last)
                 .filter_map(|(number, stage)| {
-                    let style = if stage.effect.is_some() { Style::After } else if number == 0 { Style::Recorded } else { Style::Before };
+                    let style = if stage.effect.is_some() {
+                        Style::After
+                    } else if number == 0 {
+                        Style::Recorded
+                    } else {
+                        Style::Before
+                    };
                     Some(Bar { label: stage.label.clone(), value: stage.signals.get(index)?.1, style })
                 })
                 .collect(),

@@ -75,7 +75,7 @@ fn improvement(diagnosis: &Diagnosis) -> Markup {
                         (percent(*before)) " %"
                         @if claimed { @if let Some(after) = after.get(signal) { " → " strong { (percent(*after)) " %" } } }
                     }
-                    @if let Some(floor) = floor.get(signal) { span class="name" { "noise alone leaves " (percent(*floor)) " %" } }
+                    @if let Some(floor) = floor.get(signal) { span class="name" { "noise floor " (percent(*floor)) " %" } }
                 }
             }
         }

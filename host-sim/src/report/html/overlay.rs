@@ -22,28 +22,29 @@ pub fn overlay(diagnosis: &Diagnosis, shown: &Shown) -> String {
 pub fn overlay_of(diagnosis: &Diagnosis, shown: &Shown, signals: &[Signal]) -> String {
     let claimed = !diagnosis.findings.is_empty();
     let channels = shown.prepared.channels.iter().filter(|channel| signals.contains(&channel.signal));
-    let panels: Vec<Panel> = channels
-        .map(|channel| {
-            let readable = |values: &[f64]| readable(channel.signal, values);
-            let unit = unit_for_people(channel.signal);
-            let unit = if channel.signal == Signal::Spool { "% of travel" } else { unit.symbol() };
-            let mut panel = Panel::new(title(channel.signal), unit, shown.prepared.time_s.clone())
-                .trace(Trace::new("recorded", readable(&channel.recorded), Style::Recorded));
-            if let Some(before) = shown.before.signal(channel.signal) {
-                panel = panel.trace(Trace::new("before", readable(before), Style::Before));
-            }
-            if let Some(after) = shown.after.signal(channel.signal).filter(|_| claimed) {
-                panel = panel.trace(Trace::new("after", readable(after), Style::After));
-            }
-            let located = diagnosis.located.as_ref().filter(|location| location.signal == channel.signal);
-            for interval in located.into_iter().flat_map(|location| &location.intervals) {
-                if interval.recording == shown.prepared.name && !shown.held_out {
-                    panel = panel.shade(interval.from_s, interval.to_s);
+    let panels: Vec<Panel> =
+        channels
+            .map(|channel| {
+                let readable = |values: &[f64]| readable(channel.signal, values);
+                let unit = unit_for_people(channel.signal);
+                let unit = if channel.signal == Signal::Spool { "% of travel" } else { unit.symbol() };
+                let mut panel = Panel::new(title(channel.signal), unit, shown.prepared.time_s.clone())
+                    .trace(Trace::new("recorded", readable(&channel.recorded), Style::Recorded));
+                if let Some(before) = shown.before.signal(channel.signal) {
+                    panel = panel.trace(Trace::new("before", readable(before), Style::Before));
                 }
-            }
-            Panel { points: Some(points(diagnosis)), ..panel }.residuals()
-        })
-        .collect();
+                if let Some(after) = shown.after.signal(channel.signal).filter(|_| claimed) {
+                    panel = panel.trace(Trace::new("after", readable(after), Style::After));
+                }
+                let located = diagnosis.located.as_ref().filter(|location| location.signal == channel.signal);
+                for interval in located.into_iter().flat_map(|location| &location.intervals) {
+                    if interval.recording == shown.prepared.name && !shown.held_out {
+                        panel = panel.shade(interval.from_s, interval.to_s);
+                    }
+                }
+                Panel { points: Some(points(diagnosis)), ..panel }.residuals()
+            })
+            .collect();
     let subtitle = if shown.held_out { "held out" } else { "training" };
     svg(&shown.prepared.name, subtitle, &panels)
 }
