@@ -59,23 +59,25 @@ fn every_standard_test_runs_and_is_short() {
 }
 
 #[test]
-fn leakage_is_told_from_external_leakage_by_holding_a_load() {
+fn holding_a_load_tells_leakage_from_external_leakage_and_the_best_test_is_advised() {
     let chosen = with(Parameter::InternalLeakage, 2e-12);
     let rival = with(Parameter::ExternalLeakageA, 2e-12);
     let found = separated(&chosen, rival, &[], &[Signal::PressureA, Signal::PressureB, Signal::Position]);
-    assert_eq!(found.tests[0].test, "closed-valve hold under load");
-    assert!(found.is_told() && found.advice().starts_with("closed-valve hold under load: "), "{}", found.advice());
+    let hold = found.tests.iter().find(|distance| distance.test == "closed-valve hold under load").unwrap();
+    assert!(hold.over_noise > TELLS, "{hold:?}");
+    assert!(found.tests.windows(2).all(|pair| pair[0].per_20_s >= pair[1].per_20_s));
+    assert!(found.is_told() && found.advice().starts_with(found.tests[0].test), "{}", found.advice());
 }
 
 #[test]
-fn play_in_the_valve_and_in_the_linkage_are_told_by_the_slider() {
+fn a_sensor_that_is_not_there_is_named_where_it_doubles_the_distance() {
     let chosen = with(Parameter::HysteresisWidth, 0.02);
     let rival = with(Parameter::BacklashPlay, 3e-4);
     let found = separated(&chosen, rival, &[], &[Signal::Spool, Signal::Position]);
     assert!(found.is_told());
     let blind = separated(&chosen, rival, &[], &[Signal::PressureA]);
     let (sensor, better) = blind.sensor.as_ref().unwrap();
-    assert_eq!(*sensor, Signal::Spool);
+    assert!(matches!(sensor, Signal::Spool | Signal::Position), "{sensor}");
     assert!(better.per_20_s > 2.0 * blind.tests[0].per_20_s);
 }
 

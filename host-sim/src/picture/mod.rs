@@ -184,7 +184,7 @@ fn binned(mut points: Vec<(f64, f64)>) -> Vec<RangeBin> {
     let mut from = 0;
     while from < points.len() {
         let mut to = (from + size).min(points.len());
-        while to < points.len() && points[to].0 - points[from].0 < CLOSEST * range {
+        while to < points.len() && points[to].0 - points[from].0 <= CLOSEST * range {
             to += 1;
         }
         if points.len() - to < LEAST_IN_BIN {
