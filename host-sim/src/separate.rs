@@ -145,7 +145,8 @@ fn rivals(diagnosis: &Diagnosis) -> Vec<Pair> {
                 && trial.effects.iter().all(|effect| effect.name != finding.effect.name)
                 && others.clone().all(|name| trial.effects.iter().any(|effect| effect.name == *name))
         };
-        let (mut found, mut nearest): (Vec<(f64, Pair)>, Option<(f64, Pair)>) = (Vec::new(), None);
+        let mut found: Vec<(f64, Pair)> = Vec::new();
+        let mut nearest: Option<(f64, Pair)> = None;
         for trial in round.iter().filter(instead) {
             let Some(rival) = trial.effects.iter().find(|effect| !chosen.contains(&effect.name)) else { continue };
             let confidence = confidence(finding, rival);
@@ -153,9 +154,9 @@ fn rivals(diagnosis: &Diagnosis) -> Vec<Pair> {
             let wanted = confidence >= NEGLIGIBLE || looks_alike(finding.effect, rival);
             let pair = Pair { effect: finding.effect.name, rival: rival.name, confidence, machine: trial.machine };
             if wanted {
-                found.push((trial.net, pair))
+                found.push((trial.net, pair));
             } else if nearest.is_none() {
-                nearest = Some((trial.net, pair))
+                nearest = Some((trial.net, pair));
             }
         }
         if found.is_empty() {

@@ -87,6 +87,7 @@ fn pair(shown: &Shown, recording: &Recording, signal: Signal) -> Option<(Vec<f64
 
 /// Correlations of residuals with themselves and with the input, over pairs of series.
 #[must_use]
+#[expect(clippy::type_complexity, reason = "pairs of series")]
 pub fn correlations(signal: Signal, lag_s: f64, series: &[(Vec<f64>, Vec<f64>)]) -> Whiteness {
     let centred = |values: &[f64]| -> Vec<f64> {
         let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;

@@ -32,6 +32,7 @@ const RESTS: f64 = 5e-4;
 const OPEN: f64 = 0.02;
 
 /// The picture of an effect. `after` tells which channel's sensor is off.
+#[expect(clippy::too_many_lines, reason = "one entry a family")]
 pub(super) fn of(effect: &Hypothesis, after: &Machine<f64>) -> Family {
     match effect.name {
         "valve-hysteresis" | "spool-stiction" => Family {
@@ -266,7 +267,7 @@ pub(super) fn of(effect: &Hypothesis, after: &Machine<f64>) -> Family {
             x: ("velocity", "mm/s"),
             y: ("position − model without it", "mm"),
             needs: &[Signal::Position],
-            point: |_, m| (m.velocity.abs() > RESTS).then(|| (MM * m.velocity, MM * m.position_off_m, 0)),
+            point: |_, m| (m.velocity.abs() > RESTS).then_some((MM * m.velocity, MM * m.position_off_m, 0)),
         },
         "sensor-offset" => sensor(after),
         _ => lacking_motion(effect),

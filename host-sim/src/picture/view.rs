@@ -149,7 +149,7 @@ fn ports(law: &Law, tick: Tick, recording: &Recording, view: &View) -> Result<(V
         .map(|row| {
             let speed = speed.map_or(0.0, |speed| speed[row]);
             let sense = direction.map_or(speed, |direction| direction[row]);
-            let direction = if sense.abs() < 1e-9 { 0 } else { sense.signum() as i8 };
+            let direction = i8::from(sense > 1e-9) - i8::from(sense < -1e-9);
             let pump = PumpDrive { speed: speed / bases.pump_speed_rev_per_s, direction };
             let state = ChamberState { a: view.a[row] / bases.pressure_pa, b: view.b[row] / bases.pressure_pa };
             let flows = if law.machine.source == Source::Valve {

@@ -1,5 +1,7 @@
 //! What is claimed, how sure it is, and how it gets to the controller.
 
+use std::fmt::Write;
+
 use maud::{Markup, html};
 
 use super::chart;
@@ -161,7 +163,7 @@ fn snippet(finding: &Finding) -> String {
         let rounded: f64 = format!("{:.5e}", estimate.value).parse().unwrap_or(estimate.value);
         let value = if (1e-3..1e6).contains(&rounded.abs()) { format!("{rounded:?}") } else { format!("{rounded:e}") };
         let unit = estimate.parameter.description().unit;
-        text.push_str(&format!("{} = {value}  # {unit}\n", short_name(estimate.parameter)));
+        let _ = writeln!(text, "{} = {value}  # {unit}", short_name(estimate.parameter));
     }
     text
 }
