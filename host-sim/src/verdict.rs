@@ -46,6 +46,8 @@ pub struct Trial {
     pub effects: Vec<&'static Hypothesis>,
     /// Log-likelihood gained over the base, less the penalty.
     pub net: f64,
+    /// The machine as refitted with them.
+    pub machine: Machine<f64>,
 }
 
 /// The outcome of the selection on training recordings.
@@ -156,7 +158,7 @@ fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>) {
 
 fn trial(candidate: &Candidate, net: f64) -> Trial {
     let effects: Vec<_> = candidate.effects.iter().map(|chosen| chosen.effect).collect();
-    Trial { effect: effects[effects.len() - 1], effects, net }
+    Trial { effect: effects[effects.len() - 1], effects, net, machine: candidate.fit.machine }
 }
 
 /// The loss of a series, or what pure noise would lose if that is more: nothing below it can be gained.

@@ -139,6 +139,21 @@ fn the_json_has_the_contracts_keys_and_types() {
 }
 
 #[test]
+fn every_step_of_the_waterfall_leaves_less_and_a_test_is_named_that_makes_sure() {
+    let document = document();
+    let stages = document["waterfall"]["stages"].as_array().unwrap();
+    let left: Vec<f64> = stages.iter().map(|stage| stage["square_over_noise"]["position"].as_f64().unwrap()).collect();
+    assert_eq!(stages.len(), 4, "{stages:#?}");
+    assert!(left[0] > left[1] && left[1] > 10.0 * left[2] && left[2] < 3.0, "{left:?}");
+    assert_eq!(stages[2]["effect"], EFFECT);
+    let outside = document["residuals"]["position"]["outside_band"].as_f64().unwrap();
+    assert!((0.0..=1.0).contains(&outside));
+    let rivals = document["findings"][0]["separation"]["rivals"].as_array().unwrap();
+    assert!(rivals.iter().all(|rival| rival["tests"][0]["over_noise"].is_number()), "{rivals:#?}");
+    assert!(!rivals.is_empty() && document["findings"][0]["separated_by"] == rivals[0]["advice"], "{rivals:#?}");
+}
+
+#[test]
 fn the_saved_machine_is_read_again_and_follows_the_held_out_recordings_at_their_noise() {
     let out = tempfile::tempdir().unwrap();
     let saved = out.path().join("after.toml");
@@ -177,6 +192,9 @@ fn the_page_needs_nothing_from_elsewhere_and_is_small() {
     let page = &by_two_threads().page;
     assert!(page.len() < 3_000_000, "{} bytes", page.len());
     assert!(page.contains("<svg") && page.contains(EFFECT));
+    for part in ["<h2>Where</h2>", "<h2>What: internal-leakage</h2>", "<h2>How sure</h2>", "[effects.internal-leakage]", "Flow missing from A"] {
+        assert!(page.contains(part), "{part}");
+    }
     // The name of a drawing's language is an address that nobody opens.
     let page = page.replace("http://www.w3.org/2000/svg", "");
     for foreign in ["http:", "https:", "<script", "<link", "<img", "<iframe", "@import", "url("] {

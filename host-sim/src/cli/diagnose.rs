@@ -8,6 +8,7 @@ use super::target::{check_not_read, check_target};
 use super::{CliError, Console, Outcome};
 use crate::atomic;
 use crate::diagnose::{Diagnosis, Verdict, diagnose, steps};
+use crate::exhibits::Exhibits;
 use crate::judge;
 use crate::machine_file::{self, MachineFile};
 use crate::recording::{ChannelMap, Recording, Signal};
@@ -79,21 +80,24 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let tick = arguments.tick.map(Into::into);
     let diagnosis = diagnose(&plan.file, &plan.training, &plan.held_out, tick, &|_| bar.inc(1));
     bar.finish_and_clear();
-    let diagnosis = diagnosis.map_err(|cause| CliError::Diagnose { machine: plan.machine.clone(), cause })?;
+    let failed = |cause| CliError::Diagnose { machine: plan.machine.clone(), cause };
+    let diagnosis = diagnosis.map_err(failed)?;
+    let exhibits = Exhibits::of(&plan.file, &plan.training, &plan.held_out, &diagnosis, plan.report.is_some())
+        .map_err(|cause| failed(cause.into()))?;
 
     if let Some(path) = &arguments.json {
-        write(path, &format!("{:#}\n", json::document(&diagnosis)))?;
+        write(path, &format!("{:#}\n", json::document(&diagnosis, &exhibits)))?;
     }
     if let Some(path) = &arguments.save_machine {
         saved(&plan.file, &diagnosis).save(path)?;
     }
     if let Some(path) = &plan.report {
-        write(path, &html::page(&diagnosis))?;
+        write(path, &html::page(&diagnosis, &exhibits))?;
     }
     if let (Some(path), Some(shown)) = (&arguments.plot, diagnosis.example()) {
         write(path, &html::overlay(&diagnosis, shown))?;
     }
-    console.print(terminal::text(&diagnosis))?;
+    console.print(terminal::text(&diagnosis, &exhibits))?;
     if let Some(path) = &plan.report {
         console.print(format_args!("report: {}", path.display()))?;
     }

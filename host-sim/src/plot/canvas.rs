@@ -34,7 +34,7 @@ pub(super) const FAINT_INK: RGBColor = RGBColor(95, 103, 112);
 pub(super) const GRID: RGBColor = RGBColor(228, 231, 235);
 pub(super) const FRAME: RGBColor = RGBColor(176, 183, 191);
 pub(super) const PAPER: RGBColor = RGBColor(255, 255, 255);
-const SHADE: RGBAColor = RGBAColor(255, 193, 7, 0.28);
+pub(super) const SHADE: RGBAColor = RGBAColor(255, 193, 7, 0.28);
 
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub(super) type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
@@ -43,18 +43,22 @@ pub(super) type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
 ///
 /// Series of more than 2000 points are thinned: of each stretch the lowest and the highest point stay.
 #[must_use]
-#[expect(clippy::missing_panics_doc, reason = "drawing into a text does not fail")]
 pub fn svg(title: &str, subtitle: &str, panels: &[Panel]) -> String {
     let height = TOP + panels.iter().map(height_of).sum::<i32>() + BOTTOM;
+    drawn((WIDTH, height), |area| draw(area, title, subtitle, panels))
+}
+
+/// The text of an SVG of this size in px.
+pub(super) fn drawn((width, height): (i32, i32), draw: impl FnOnce(&Area<'_>) -> Drawn) -> String {
     let mut text = String::new();
     {
-        let size = ((WIDTH * FINE).unsigned_abs(), (height * FINE).unsigned_abs());
+        let size = ((width * FINE).unsigned_abs(), (height * FINE).unsigned_abs());
         let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
-        draw(&area, title, subtitle, panels).expect("drawing into a text does not fail");
+        draw(&area).expect("drawing into a text does not fail");
         area.present().expect("drawing into a text does not fail");
     }
-    let fine = format!("width=\"{}\" height=\"{}\"", WIDTH * FINE, height * FINE);
-    text.replacen(&fine, &format!("width=\"{WIDTH}\" height=\"{height}\""), 1)
+    let fine = format!("width=\"{}\" height=\"{}\"", width * FINE, height * FINE);
+    text.replacen(&fine, &format!("width=\"{width}\" height=\"{height}\""), 1)
 }
 
 fn height_of(panel: &Panel) -> i32 {
@@ -140,7 +144,7 @@ fn chart(
     let fine_time = time.scaled(FINE);
     let fine_vertical = vertical.scaled(FINE);
     for trace in traces {
-        let points = thinned(&panel.time_s, &trace.values);
+        let points = thinned(&panel.time_s, &trace.values, panel.points);
         let path: Vec<(i32, i32)> =
             points.into_iter().map(|(time, value)| (fine_time.pixel(time), fine_vertical.pixel(value))).collect();
         if path.len() > 1 {
@@ -178,16 +182,16 @@ pub(super) fn fine((x, y): (i32, i32)) -> (i32, i32) {
 }
 
 #[derive(Clone, Copy)]
-struct TextPlace {
-    anchor: Pos,
-    size: i32,
+pub(super) struct TextPlace {
+    pub(super) anchor: Pos,
+    pub(super) size: i32,
 }
 
 pub(super) fn write(area: &Area<'_>, text: &str, at: (i32, i32), size: i32, colour: RGBColor, side: HPos) -> Drawn {
     write_at(area, text, at, TextPlace { anchor: Pos::new(side, VPos::Top), size }, colour)
 }
 
-fn write_at(area: &Area<'_>, text: &str, at: (i32, i32), place: TextPlace, colour: RGBColor) -> Drawn {
+pub(super) fn write_at(area: &Area<'_>, text: &str, at: (i32, i32), place: TextPlace, colour: RGBColor) -> Drawn {
     if text.is_empty() {
         return Ok(());
     }
@@ -198,7 +202,7 @@ fn write_at(area: &Area<'_>, text: &str, at: (i32, i32), place: TextPlace, colou
 }
 
 /// About how wide a text is, px: no font is at hand.
-fn text_width(text: &str, size: i32) -> i32 {
+pub(super) fn text_width(text: &str, size: i32) -> i32 {
     let letters = i32::try_from(text.chars().count()).unwrap_or(i32::MAX / 100).min(10_000);
     letters * size * 50 / 100
 }

@@ -16,15 +16,19 @@
 //! ```
 
 mod axis;
+mod bars;
 mod canvas;
 mod curve;
 mod recorded;
+mod scatter;
 mod thin;
 
+pub use bars::{Bar, BarGroup, bars};
 pub use canvas::svg;
 pub use curve::{Mark, curve};
 pub use recorded::panels;
 pub(crate) use recorded::title;
+pub use scatter::{Figure, Layer, Marks, RangeBin, scatter};
 
 /// What a trace is, which says how it is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -77,6 +81,8 @@ pub struct Panel {
     pub residuals: Vec<Trace>,
     /// Stretches of time that are shaded, (from, to) in s.
     pub intervals: Vec<(f64, f64)>,
+    /// Most points of a trace; 2000 where it is not said.
+    pub points: Option<usize>,
 }
 
 impl Panel {

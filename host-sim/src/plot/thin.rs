@@ -3,19 +3,20 @@
 /// Most points of a thinned trace.
 pub(super) const MOST_POINTS: usize = 2000;
 
-/// The finite points of a series, at most [`MOST_POINTS`]: of each of equal stretches the lowest and the highest, in order.
-pub(super) fn thinned(time_s: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
+/// The finite points of a series, at most `most` or [`MOST_POINTS`]: of each of equal stretches the lowest and the highest, in order.
+pub(super) fn thinned(time_s: &[f64], values: &[f64], most: Option<usize>) -> Vec<(f64, f64)> {
+    let most = most.unwrap_or(MOST_POINTS).max(4);
     let points: Vec<(f64, f64)> = time_s
         .iter()
         .copied()
         .zip(values.iter().copied())
         .filter(|(time, value)| time.is_finite() && value.is_finite())
         .collect();
-    if points.len() <= MOST_POINTS {
+    if points.len() <= most {
         return points;
     }
-    let stretches = MOST_POINTS / 2;
-    let mut kept = Vec::with_capacity(MOST_POINTS);
+    let stretches = most / 2;
+    let mut kept = Vec::with_capacity(most);
     for stretch in 0..stretches {
         let (from, to) = (stretch * points.len() / stretches, (stretch + 1) * points.len() / stretches);
         let by_value = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
@@ -40,7 +41,7 @@ mod tests {
         let mut values: Vec<f64> = time_s.iter().map(|time| (time * 1e-3).sin()).collect();
         values[54_321] = 7.0;
         values[11] = f64::NAN;
-        let kept = thinned(&time_s, &values);
+        let kept = thinned(&time_s, &values, None);
         assert!(kept.len() <= MOST_POINTS);
         assert!(kept.windows(2).all(|pair| pair[0].0 < pair[1].0));
         assert!(kept.contains(&(54_321.0, 7.0)));
@@ -48,6 +49,6 @@ mod tests {
 
     #[test]
     fn a_short_series_stays_as_it_is() {
-        assert_eq!(thinned(&[0.0, 1.0], &[5.0, 5.0]), [(0.0, 5.0), (1.0, 5.0)]);
+        assert_eq!(thinned(&[0.0, 1.0], &[5.0, 5.0], None), [(0.0, 5.0), (1.0, 5.0)]);
     }
 }

@@ -2,14 +2,16 @@
 
 use serde_json::{Value, json};
 
+use super::exhibits_json;
 use crate::diagnose::{Diagnosis, Finding};
+use crate::exhibits::Exhibits;
 use crate::hypothesis::short_name;
 use crate::shape::Shape;
 use crate::unnamed::{Axis, Unnamed};
 
 /// The document.
 #[must_use]
-pub fn document(diagnosis: &Diagnosis) -> Value {
+pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
     let fits = |held_out: bool| {
         json!({
             "before": rounded(&diagnosis.mean_fits(held_out, false)),
@@ -39,7 +41,7 @@ pub fn document(diagnosis: &Diagnosis) -> Value {
         "machine": diagnosis.machine,
         "verdict": diagnosis.verdict,
         "located": located,
-        "findings": diagnosis.findings.iter().map(|finding| finding_of(diagnosis, finding)).collect::<Vec<_>>(),
+        "findings": diagnosis.findings.iter().map(|finding| finding_of(diagnosis, exhibits, finding)).collect::<Vec<_>>(),
         "unnamed": diagnosis.unnamed.as_ref().map(unnamed),
         "confirmed": diagnosis.confirmation.map(|confirmation| confirmation.confirms()),
         "still_above_noise": diagnosis.left.iter().map(|miss| {
@@ -59,6 +61,9 @@ pub fn document(diagnosis: &Diagnosis) -> Value {
             })
         }).collect::<Vec<_>>(),
         "fit": { "train": fits(false), "holdout": fits(true) },
+        "waterfall": exhibits_json::waterfall(&exhibits.waterfall),
+        "residuals": exhibits_json::residuals(&exhibits.whiteness),
+        "prepared": exhibits_json::prepared(&exhibits.found),
     })
 }
 
@@ -115,7 +120,7 @@ fn unnamed(found: &Unnamed) -> Value {
     })
 }
 
-fn finding_of(diagnosis: &Diagnosis, finding: &Finding) -> Value {
+fn finding_of(diagnosis: &Diagnosis, exhibits: &Exhibits, finding: &Finding) -> Value {
     let parameters: Vec<Value> = finding
         .parameters
         .iter()
@@ -143,7 +148,8 @@ fn finding_of(diagnosis: &Diagnosis, finding: &Finding) -> Value {
             "holdout_fit_after": rounded(&diagnosis.mean_fits(true, true)),
         },
         "alternatives": alternatives,
-        "separated_by": finding.effect.separated_by,
+        "separated_by": exhibits.separated_by(finding),
+        "separation": exhibits_json::separation(exhibits, finding),
     })
 }
 
@@ -155,7 +161,7 @@ fn rounded(fits: &crate::diagnose::Fits) -> Value {
 }
 
 /// A number with so many significant digits: the rest is noise, and short numbers compare. What is not known is null.
-fn digits(value: f64, significant: usize) -> Option<f64> {
+pub(super) fn digits(value: f64, significant: usize) -> Option<f64> {
     let precision = significant.saturating_sub(1);
     value.is_finite().then(|| format!("{value:.precision$e}").parse().unwrap_or(value))
 }

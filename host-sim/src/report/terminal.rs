@@ -5,13 +5,14 @@ use std::fmt::Write;
 use comfy_table::{ContentArrangement, Table};
 
 use crate::diagnose::{Diagnosis, Verdict};
+use crate::exhibits::Exhibits;
 use crate::fit::Estimate;
 use crate::hypothesis::short_name;
-use crate::presentation::TABLE;
+use crate::presentation::{TABLE, significant};
 
 /// The whole text.
 #[must_use]
-pub fn text(diagnosis: &Diagnosis) -> String {
+pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     let mut text = sentence(diagnosis);
     text.push('\n');
     if let Some(location) = &diagnosis.located {
@@ -42,7 +43,13 @@ pub fn text(diagnosis: &Diagnosis) -> String {
         for (effect, confidence) in &finding.alternatives {
             let _ = writeln!(text, "instead    {} ({confidence:.3})", effect.name);
         }
-        let _ = writeln!(text, "to be sure {}", finding.effect.separated_by);
+        let mut rivals = exhibits.rivals(finding).peekable();
+        if rivals.peek().is_none() {
+            let _ = writeln!(text, "to be sure {}", finding.effect.separated_by);
+        }
+        for rival in rivals {
+            let _ = writeln!(text, "to be sure not {}: {}", rival.rival, rival.advice());
+        }
     }
     for effect in &diagnosis.not_confirmed {
         let _ = writeln!(
@@ -55,6 +62,8 @@ pub fn text(diagnosis: &Diagnosis) -> String {
         let _ = writeln!(text, "\n{unnamed}");
     }
     let _ = write!(text, "\n{}\n", fits(diagnosis));
+    let _ = write!(text, "\n{}\n", waterfall(exhibits));
+    let _ = writeln!(text, "{}", prepared(exhibits));
     if !diagnosis.refitted.is_empty() {
         let _ = write!(text, "\n{}\n", parameters(&diagnosis.refitted));
     }
@@ -135,6 +144,42 @@ fn fits(diagnosis: &Diagnosis) -> Table {
         }
     }
     table
+}
+
+/// What each step leaves of the error, a line each, and what is left at the end.
+fn waterfall(exhibits: &Exhibits) -> Table {
+    let stages = &exhibits.waterfall.stages;
+    let which = if exhibits.waterfall.held_out { "held out" } else { "training" };
+    let signals: Vec<&str> =
+        stages.iter().take(1).flat_map(|stage| &stage.signals).map(|(signal, _)| signal.name()).collect();
+    let first = format!("square error over noise², {which}");
+    let header: Vec<&str> = std::iter::once(first.as_str()).chain(signals).collect();
+    let mut table = table(&header);
+    for stage in stages {
+        let left = stage.signals.iter().map(|(_, left)| significant(*left, 3));
+        table.add_row(std::iter::once(stage.label.clone()).chain(left).collect::<Vec<_>>());
+    }
+    let white = exhibits.whiteness.iter().map(|of| format!("{} %", significant(100.0 * of.outside(), 2)));
+    table
+        .add_row(std::iter::once("lags of the rest outside the 99 % band".to_owned()).chain(white).collect::<Vec<_>>());
+    table
+}
+
+/// What the preparation found, in a line.
+fn prepared(exhibits: &Exhibits) -> String {
+    let found = &exhibits.found;
+    let failed: usize = found.iter().flat_map(|of| &of.channels).map(|channel| channel.spikes).sum();
+    let noise: Vec<String> = found
+        .iter()
+        .take(1)
+        .flat_map(|of| &of.channels)
+        .map(|channel| format!("{} {}", channel.signal, crate::presentation::difference(channel.signal, channel.noise)))
+        .collect();
+    let dither = found.iter().find_map(|of| of.dither);
+    let dither = dither.map_or_else(String::new, |line| {
+        format!("; dither {} V at {} Hz", significant(line.amplitude, 2), significant(line.hz, 3))
+    });
+    format!("prepared   noise: {}; {failed} failed readings left out{dither}", noise.join(", "))
 }
 
 /// Fitted parameters with their uncertainty.

@@ -1,0 +1,66 @@
+//! What a report shows beside the diagnosis itself, all as data: where the error went, what is left, what was prepared, and what
+//! would make sure. Pictures are computed only where a page asks for them.
+
+use model_core::machine::MachineError;
+
+use crate::diagnose::{Diagnosis, Finding};
+use crate::found::{Found, found};
+use crate::machine_file::MachineFile;
+use crate::picture::{Picture, pictures};
+use crate::recording::Recording;
+use crate::separate::{Separation, separations};
+use crate::waterfall::Waterfall;
+use crate::whiteness::{Whiteness, whiteness};
+
+/// Everything that is shown beside a diagnosis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Exhibits {
+    /// Where the error went.
+    pub waterfall: Waterfall,
+    /// Whether what is left is white, each signal.
+    pub whiteness: Vec<Whiteness>,
+    /// Each claimed effect against its rivals.
+    pub separations: Vec<Separation>,
+    /// What was found in each recording.
+    pub found: Vec<Found>,
+    /// The effects' own pictures; empty unless asked for.
+    pub pictures: Vec<Picture>,
+}
+
+impl Exhibits {
+    /// Computes them; `with_pictures` for a page.
+    pub fn of(
+        file: &MachineFile,
+        training: &[Recording],
+        held_out: &[Recording],
+        diagnosis: &Diagnosis,
+        with_pictures: bool,
+    ) -> Result<Self, MachineError> {
+        let recordings: Vec<&Recording> = training.iter().chain(held_out).collect();
+        Ok(Self {
+            waterfall: Waterfall::of(&file.machine, diagnosis)?,
+            whiteness: whiteness(diagnosis, &recordings),
+            separations: separations(diagnosis, file.load_source, &recordings)?,
+            found: diagnosis
+                .shown
+                .iter()
+                .zip(&recordings)
+                .map(|(shown, recording)| found(recording, &shown.prepared))
+                .collect(),
+            pictures: if with_pictures { pictures(diagnosis, &recordings)? } else { Vec::new() },
+        })
+    }
+
+    /// The rivals of one finding, the most probable first.
+    pub fn rivals<'a>(&'a self, finding: &Finding) -> impl Iterator<Item = &'a Separation> + use<'a> {
+        let effect = finding.effect.name;
+        self.separations.iter().filter(move |separation| separation.effect == effect)
+    }
+
+    /// The test that tells a finding from what it may be taken for: of its most probable rival, or the catalogue's where none
+    /// was simulated.
+    #[must_use]
+    pub fn separated_by(&self, finding: &Finding) -> String {
+        self.rivals(finding).next().map_or_else(|| finding.effect.separated_by.to_owned(), Separation::advice)
+    }
+}

@@ -1,0 +1,140 @@
+//! Where the error went, what is left of it, and what the recordings were like.
+
+use maud::{Markup, PreEscaped, html};
+
+use super::chart;
+use crate::diagnose::Diagnosis;
+use crate::found::Found;
+use crate::plot::{Bar, BarGroup, Figure, Layer, Marks, Style, bars, title};
+use crate::presentation::{difference, percent, significant, unit_for_people};
+use crate::waterfall::Waterfall;
+use crate::whiteness::Whiteness;
+
+pub(super) fn waterfall(waterfall: &Waterfall) -> Markup {
+    let which = if waterfall.held_out { "held-out" } else { "training" };
+    html! {
+        section {
+            h2 { "Where the error went" }
+            figure class="bars" { (PreEscaped(bars(
+                &format!("Error left after each step, {which} recordings"),
+                "mean square error over the noise's variance, 1 is the noise itself",
+                &groups(waterfall),
+            ))) }
+            @if let Some(shares) = waterfall.shares() {
+                p { "Of what the machine file leaves above the noise, in all signals together: "
+                    @for (index, (stage, share)) in waterfall.stages.iter().zip(&shares).enumerate().skip(1) {
+                        @if index > 1 { "; " }
+                        @if index + 1 == waterfall.stages.len() { (significant(100.0 * share.max(0.0), 2)) " % is left" } @else { (stage.label) " " (significant(100.0 * share, 3)) " %" }
+                    }
+                    "."
+                }
+            }
+        }
+    }
+}
+
+/// One group of bars a signal.
+fn groups(waterfall: &Waterfall) -> Vec<BarGroup> {
+    let signals = waterfall.stages.first().map_or(&[][..], |stage| &stage.signals);
+    let last = waterfall.stages.len().saturating_sub(1);
+    signals
+        .iter()
+        .enumerate()
+        .map(|(index, (signal, _))| BarGroup {
+            title: title(*signal).to_owned(),
+            bars: waterfall
+                .stages
+                .iter()
+                .enumerate()
+                .take(last)
+                .filter_map(|(number, stage)| {
+                    let style = if stage.effect.is_some() {
+                        Style::After
+                    } else if number == 0 {
+                        Style::Recorded
+                    } else {
+                        Style::Before
+                    };
+                    Some(Bar { label: stage.label.clone(), value: stage.signals.get(index)?.1, style })
+                })
+                .collect(),
+        })
+        .collect()
+}
+
+pub(super) fn whiteness(signals: &[Whiteness], diagnosis: &Diagnosis) -> Markup {
+    let after = if diagnosis.findings.is_empty() { "the refitted model leaves" } else { "the model after leaves" };
+    html! {
+        section {
+            h2 { "Is the rest white?" }
+            p { "What " (after) " should not follow from what was before it. Share of lags outside the 99 % band; a white residual has about 1 %." }
+            table {
+                tr { th { "signal" } th { "with itself" } th { "with the input" } }
+                @for of in signals {
+                    tr {
+                        td { (of.signal.name()) }
+                        td { (significant(100.0 * of.outside(), 2)) " %" }
+                        td { @if of.cross.is_empty() { "–" } @else { (significant(100.0 * of.cross_outside(), 2)) " %" } }
+                    }
+                }
+            }
+            details {
+                summary { "Correlations" }
+                div class="pair" { @for of in signals {
+                    (chart(&correlation(&format!("{}: with itself", title(of.signal)), of.lag_s, 1, &of.auto, of.auto_band)))
+                    @if !of.cross.is_empty() {
+                        @let first = -i32::try_from(of.cross.len() / 2).unwrap_or(0);
+                        (chart(&correlation(&format!("{}: with the input, which comes first from 0 on", title(of.signal)), of.lag_s, first, &of.cross, of.cross_band)))
+                    }
+                } }
+            }
+        }
+    }
+}
+
+fn correlation(name: &str, lag_s: f64, first: i32, values: &[f64], band: f64) -> Figure {
+    let points = (first..).zip(values).map(|(lag, value)| (1e3 * lag_s * f64::from(lag), *value)).collect();
+    Figure {
+        title: name.to_owned(),
+        x: "lag [ms]".to_owned(),
+        y: "correlation (shaded: 99 % band)".to_owned(),
+        layers: vec![Layer { label: String::new(), style: Style::After, marks: Marks::Line(points) }],
+        band: Some(band),
+    }
+}
+
+pub(super) fn prepared(found: &[Found]) -> Markup {
+    html! {
+        section {
+            h2 { "What was prepared" }
+            details {
+                summary { "Noise, sensor steps, failed rows, dither and start of every recording" }
+                table {
+                    tr { th { "recording" } th { "signal" } th { "noise" } th { "sensor step" } th { "failed rows" } th { "starts at" } th { "perfect fit" } }
+                    @for of in found {
+                        @for (index, channel) in of.channels.iter().enumerate() {
+                            @let unit = unit_for_people(channel.signal);
+                            tr {
+                                td { @if index == 0 { (of.recording) } }
+                                td { (channel.signal.name()) }
+                                td { (difference(channel.signal, channel.noise)) }
+                                td { @match channel.step { Some(step) => (difference(channel.signal, step)), None => "–" } }
+                                td { (channel.spikes) }
+                                td { (significant(unit.from_si(channel.start), 4)) " " (unit) }
+                                td { (percent(channel.ceiling_percent)) " %" }
+                            }
+                        }
+                    }
+                }
+                @for of in found {
+                    @if let Some(line) = of.dither { p { (of.recording) ": dither of " (significant(line.amplitude, 2)) " V at " (significant(line.hz, 3)) " Hz in the command." } }
+                    @for note in &of.notes { p { (of.recording) ": " (note) "." } }
+                }
+            }
+            @let failed: usize = found.iter().flat_map(|of| &of.channels).map(|channel| channel.spikes).sum();
+            @let rows: usize = found.iter().map(|of| of.rows).sum();
+            p class="soft" { (found.len()) " recordings, " (rows) " rows; " (failed) " readings failed for a moment and are not judged"
+                @if found.iter().any(|of| of.dither.is_some()) { "; dither in the command" } "." }
+        }
+    }
+}

@@ -1,0 +1,353 @@
+//! Which short test, or which further sensor, would tell a claimed effect from the ones that may be taken for it.
+//!
+//! The chosen machine and each rival's refitted one are simulated on the standard excitations. A refit with the new recording
+//! would move ordinary parameters and strengths within what is known of them, so what such a move can imitate is taken out
+//! first; the rest, in standard deviations of each sensor's noise, is how far apart the two would be.
+
+use model_core::machine::{Machine, MachineError, Source, Tick};
+use model_core::parameter::Parameter;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use crate::diagnose::{Diagnosis, Finding};
+use crate::hypothesis::Hypothesis;
+use crate::machine_file::LoadSource;
+use crate::recording::{Column, Recording, Signal};
+use crate::simulate::{EntryPoint, StartOffset, Stimulus, simulate};
+use crate::standard_tests::{StandardTest, standard_tests};
+use crate::verdict::Trial;
+
+/// Most rivals that a finding is held against.
+const MOST_RIVALS: usize = 3;
+/// Rivals with less probability are only tried if the catalogue names them as look-alikes.
+const NEGLIGIBLE: f64 = 0.01;
+/// Length that tests are compared over, s: a short one may be repeated.
+const PER_S: f64 = 20.0;
+/// A test tells two apart that are so many standard deviations of the noise apart in some signal.
+pub const TELLS: f64 = 1.0;
+/// Noise of a slider's sensor that is not there yet, of full travel.
+const NEW_SLIDER: f64 = 1e-3;
+/// Noise of a pressure sensor that is not there yet, of the supply pressure.
+const NEW_PRESSURE: f64 = 2e-3;
+
+/// How far apart two machines are in one test.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Distance {
+    /// The test.
+    pub test: &'static str,
+    /// How to run it.
+    pub how: String,
+    /// Its length, s.
+    pub duration_s: f64,
+    /// The signal in which they are furthest apart.
+    pub signal: Signal,
+    /// So many standard deviations of its noise, root mean square over the test.
+    pub over_noise: f64,
+    /// All signals together over 20 s: root of the sum of squares, in standard deviations.
+    pub per_20_s: f64,
+}
+
+/// A claimed effect against another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Separation {
+    /// The claimed effect.
+    pub effect: &'static str,
+    /// The other.
+    pub rival: &'static str,
+    /// Probability of the other among the sets tried.
+    pub confidence: f64,
+    /// Tests with the channels at hand, the one that separates most first.
+    pub tests: Vec<Distance>,
+    /// The sensor that would add most, and the best test with it.
+    pub sensor: Option<(Signal, Distance)>,
+}
+
+impl Separation {
+    /// Whether the best test with the channels at hand tells the two apart.
+    #[must_use]
+    pub fn is_told(&self) -> bool {
+        self.tests.first().is_some_and(|best| best.over_noise >= TELLS)
+    }
+
+    /// What to do, in a sentence without the effects' names.
+    #[must_use]
+    pub fn advice(&self) -> String {
+        let apart = |best: &Distance| {
+            let times = crate::presentation::significant(best.over_noise, 2);
+            format!("{}: {times} times the noise apart in {}", best.test, best.signal)
+        };
+        match (self.tests.first(), &self.sensor) {
+            (Some(best), _) if self.is_told() => apart(best),
+            (_, Some((sensor, best))) if best.over_noise >= TELLS => {
+                format!("{}, with {sensor} recorded too", apart(best))
+            }
+            (Some(best), _) => format!("no standard test tells them apart at this noise; the best is {}", apart(best)),
+            (None, _) => "no standard test runs on this drive".to_owned(),
+        }
+    }
+}
+
+/// Every claimed effect against its rivals.
+pub fn separations(
+    diagnosis: &Diagnosis,
+    load: LoadSource,
+    recordings: &[&Recording],
+) -> Result<Vec<Separation>, MachineError> {
+    let chosen = &diagnosis.machine_after;
+    let Some(first) = diagnosis.shown.first() else { return Ok(Vec::new()) };
+    let by_command = chosen.source == Source::Valve && first.prepared.stimulus.entry == EntryPoint::Command;
+    let pairs = rivals(diagnosis);
+    if !by_command || load != LoadSource::Constant || pairs.is_empty() {
+        return Ok(Vec::new());
+    }
+    let commands = recordings.iter().filter_map(|recording| recording.signal(Signal::Command)).flatten();
+    let largest_v = commands.fold(0.0_f64, |largest, volts| largest.max(volts.abs()));
+    let tests = standard_tests(chosen, largest_v);
+    let tick = first.prepared.stimulus.tick;
+    let sensors = sensors(diagnosis);
+    let rows: Vec<Vec<(usize, Told)>> = tests
+        .par_iter()
+        .map(|test| told_by(test, chosen, &moves(diagnosis), &pairs, &sensors, tick))
+        .collect::<Result<_, _>>()?;
+    Ok(pairs
+        .iter()
+        .enumerate()
+        .map(|(index, pair)| {
+            let of_pair: Vec<(&StandardTest, &Told)> = tests
+                .iter()
+                .zip(&rows)
+                .filter_map(|(test, rows)| Some((test, &rows.iter().find(|(rival, _)| *rival == index)?.1)))
+                .collect();
+            separation(pair, &of_pair, &sensors)
+        })
+        .collect())
+}
+
+/// One rival of one finding.
+struct Pair {
+    effect: &'static str,
+    rival: &'static str,
+    confidence: f64,
+    machine: Machine<f64>,
+}
+
+/// For each finding the sets that have another effect in its place: the probable ones, then look-alikes.
+fn rivals(diagnosis: &Diagnosis) -> Vec<Pair> {
+    let chosen: Vec<&str> = diagnosis.selection.chosen.effects.iter().map(|chosen| chosen.effect.name).collect();
+    let Some(round) = chosen.len().checked_sub(1).and_then(|round| diagnosis.selection.rounds.get(round)) else {
+        return Vec::new();
+    };
+    let mut pairs = Vec::new();
+    for finding in &diagnosis.findings {
+        let instead = |trial: &&Trial| {
+            let others = chosen.iter().filter(|name| **name != finding.effect.name);
+            trial.effects.len() == chosen.len()
+                && trial.effects.iter().all(|effect| effect.name != finding.effect.name)
+                && others.clone().all(|name| trial.effects.iter().any(|effect| effect.name == *name))
+        };
+        let mut found: Vec<(f64, Pair)> = Vec::new();
+        let mut nearest: Option<(f64, Pair)> = None;
+        for trial in round.iter().filter(instead) {
+            let Some(rival) = trial.effects.iter().find(|effect| !chosen.contains(&effect.name)) else { continue };
+            let confidence = confidence(finding, rival);
+            // Without any of these, the one that came nearest.
+            let wanted = confidence >= NEGLIGIBLE || looks_alike(finding.effect, rival);
+            let pair = Pair { effect: finding.effect.name, rival: rival.name, confidence, machine: trial.machine };
+            if wanted {
+                found.push((trial.net, pair));
+            } else if nearest.is_none() {
+                nearest = Some((trial.net, pair));
+            }
+        }
+        if found.is_empty() {
+            found.extend(nearest);
+        }
+        // Equally improbable ones in the order of how well they fitted.
+        found.sort_by(|a, b| b.1.confidence.total_cmp(&a.1.confidence).then(b.0.total_cmp(&a.0)));
+        pairs.extend(found.into_iter().take(MOST_RIVALS).map(|(_, pair)| pair));
+    }
+    pairs
+}
+
+fn confidence(finding: &Finding, rival: &Hypothesis) -> f64 {
+    finding.alternatives.iter().find(|(effect, _)| effect.name == rival.name).map_or(0.0, |(_, confidence)| *confidence)
+}
+
+fn looks_alike(effect: &Hypothesis, rival: &Hypothesis) -> bool {
+    let names = |one: &Hypothesis, other: &str| one.look_alikes.iter().any(|alike| alike.effect == other);
+    names(effect, rival.name) || names(rival, effect.name)
+}
+
+/// A sensor, its noise, and whether it is there.
+#[derive(Clone, Copy, Debug)]
+struct Sensor {
+    signal: Signal,
+    noise: f64,
+    present: bool,
+}
+
+fn sensors(diagnosis: &Diagnosis) -> Vec<Sensor> {
+    let mut found: Vec<Sensor> = Vec::new();
+    for channel in diagnosis.shown.iter().flat_map(|shown| &shown.prepared.channels) {
+        match found.iter_mut().find(|sensor| sensor.signal == channel.signal) {
+            Some(sensor) => sensor.noise = sensor.noise.max(channel.noise),
+            None => found.push(Sensor { signal: channel.signal, noise: channel.noise, present: true }),
+        }
+    }
+    let of_pressure = NEW_PRESSURE * diagnosis.machine_after.get(Parameter::SupplyPressure);
+    for (signal, noise) in
+        [(Signal::Spool, NEW_SLIDER), (Signal::PressureA, of_pressure), (Signal::PressureB, of_pressure)]
+    {
+        if found.iter().all(|sensor| sensor.signal != signal) {
+            found.push(Sensor { signal, noise, present: false });
+        }
+    }
+    found
+}
+
+/// Steps of one standard deviation that a refit may take.
+fn moves(diagnosis: &Diagnosis) -> Vec<(Parameter, f64)> {
+    let effects = diagnosis.findings.iter().flat_map(|finding| &finding.parameters);
+    diagnosis
+        .refitted
+        .iter()
+        .chain(effects)
+        .filter(|estimate| estimate.std.is_finite() && estimate.std > 0.0)
+        .map(|estimate| (estimate.parameter, estimate.std))
+        .collect()
+}
+
+/// Products of what two machines differ by in each sensor, and of what moves of parameters do.
+struct Told {
+    rows: usize,
+    /// For each sensor: Δ·Δ, Jᵀ·Δ, Jᵀ·J.
+    of: Vec<(f64, DVector<f64>, DMatrix<f64>)>,
+}
+
+impl Told {
+    /// What is left in each of these sensors, as a sum of squares, once the best move is taken out.
+    fn left(&self, sensors: &[usize]) -> Vec<f64> {
+        let count = self.of.first().map_or(0, |(_, g, _)| g.len());
+        let (mut normal, mut right) = (DMatrix::identity(count, count), DVector::zeros(count));
+        for &sensor in sensors {
+            normal += &self.of[sensor].2;
+            right += &self.of[sensor].1;
+        }
+        let step = normal.cholesky().map_or_else(|| DVector::zeros(count), |solved| solved.solve(&right));
+        let left = |&sensor: &usize| {
+            let (square, g, h) = &self.of[sensor];
+            (square - 2.0 * step.dot(g) + step.dot(&(h * &step))).max(0.0)
+        };
+        sensors.iter().map(left).collect()
+    }
+}
+
+/// Every rival on one test; none where the test does not run on the drive.
+fn told_by(
+    test: &StandardTest,
+    chosen: &Machine<f64>,
+    moves: &[(Parameter, f64)],
+    pairs: &[Pair],
+    sensors: &[Sensor],
+    tick: Tick,
+) -> Result<Vec<(usize, Told)>, MachineError> {
+    let Some(stimulus) = stimulus(test, chosen, tick) else { return Ok(Vec::new()) };
+    let run = |machine: &Machine<f64>| -> Result<Vec<Vec<f64>>, MachineError> {
+        let found = simulate::<f64>(machine, &stimulus, StartOffset::none())?;
+        let scaled = |sensor: &Sensor| {
+            found.signal(sensor.signal).unwrap_or_default().iter().map(|value| value / sensor.noise).collect()
+        };
+        Ok(sensors.iter().map(scaled).collect())
+    };
+    let base = run(chosen)?;
+    let minus = |there: &[Vec<f64>]| -> Vec<DVector<f64>> {
+        let each = there.iter().zip(&base);
+        each.map(|(there, base)| DVector::from_iterator(base.len(), there.iter().zip(base).map(|(a, b)| a - b)))
+            .collect()
+    };
+    let mut columns: Vec<Vec<DVector<f64>>> = Vec::new();
+    for (parameter, step) in moves {
+        let mut moved = *chosen;
+        let description = parameter.description();
+        moved.set(*parameter, (chosen.get(*parameter) + step).clamp(description.min, description.max));
+        // A move that does not become a drive is none.
+        if let Ok(there) = run(&moved) {
+            columns.push(minus(&there));
+        }
+    }
+    let mut found = Vec::new();
+    for (index, pair) in pairs.iter().enumerate() {
+        let apart = minus(&run(&pair.machine)?);
+        let of = apart.iter().enumerate().map(|(sensor, apart)| {
+            let by = |one: &Vec<DVector<f64>>| one[sensor].dot(apart);
+            let g = DVector::from_iterator(columns.len(), columns.iter().map(by));
+            let h = DMatrix::from_fn(columns.len(), columns.len(), |i, j| columns[i][sensor].dot(&columns[j][sensor]));
+            (apart.dot(apart), g, h)
+        });
+        found.push((index, Told { rows: stimulus.rows(), of: of.collect() }));
+    }
+    Ok(found)
+}
+
+/// A recording of the test's command and load alone, with the rod at mid-stroke.
+fn stimulus(test: &StandardTest, machine: &Machine<f64>, tick: Tick) -> Option<Stimulus> {
+    let time_s: Vec<f64> = (0..test.command_v.len()).map(|row| row as f64 * test.interval_s).collect();
+    let position = vec![0.5 * machine.get(Parameter::Stroke); time_s.len()];
+    let mut columns = vec![
+        Column::si(Signal::Time, time_s),
+        Column::si(Signal::Command, test.command_v.clone()),
+        Column::si(Signal::Position, position),
+    ];
+    if !test.load_n.is_empty() {
+        columns.push(Column::si(Signal::LoadForce, test.load_n.clone()));
+    }
+    let recording = Recording::new(test.name, columns).ok()?;
+    let mut stimulus = Stimulus::new(&recording, machine, EntryPoint::Command, LoadSource::Constant, tick).ok()?;
+    stimulus.wants_flow = false;
+    Some(stimulus)
+}
+
+fn separation(pair: &Pair, tests: &[(&StandardTest, &Told)], sensors: &[Sensor]) -> Separation {
+    let present: Vec<usize> = (0..sensors.len()).filter(|index| sensors[*index].present).collect();
+    let at_hand = ranked(tests, sensors, &present);
+    let with = (0..sensors.len()).filter(|index| !sensors[*index].present).filter_map(|new| {
+        let wider: Vec<usize> = present.iter().copied().chain([new]).collect();
+        Some((sensors[new].signal, ranked(tests, sensors, &wider).into_iter().next()?))
+    });
+    let sensor = with.max_by(|a, b| a.1.per_20_s.total_cmp(&b.1.per_20_s));
+    let worth =
+        |(_, distance): &(Signal, Distance)| at_hand.first().is_none_or(|best| distance.per_20_s > 2.0 * best.per_20_s);
+    Separation {
+        effect: pair.effect,
+        rival: pair.rival,
+        confidence: pair.confidence,
+        sensor: sensor.filter(worth),
+        tests: at_hand,
+    }
+}
+
+fn ranked(tests: &[(&StandardTest, &Told)], sensors: &[Sensor], with: &[usize]) -> Vec<Distance> {
+    let mut found: Vec<Distance> = tests
+        .iter()
+        .filter_map(|(test, told)| {
+            let left = told.left(with);
+            let (square, sensor) = left.iter().zip(with).max_by(|a, b| a.0.total_cmp(b.0))?;
+            let duration_s = test.duration_s();
+            Some(Distance {
+                test: test.name,
+                how: test.how.clone(),
+                duration_s,
+                signal: sensors[*sensor].signal,
+                over_noise: (square / told.rows.max(1) as f64).sqrt(),
+                per_20_s: (left.iter().sum::<f64>() * PER_S / duration_s).sqrt(),
+            })
+        })
+        .filter(|distance| distance.per_20_s.is_finite())
+        .collect();
+    found.sort_by(|a, b| b.per_20_s.total_cmp(&a.per_20_s));
+    found
+}
+
+#[cfg(test)]
+#[path = "separate_tests.rs"]
+mod tests;
