@@ -5,7 +5,7 @@ use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
 use crate::fit::{StartState, set_tolerances, Estimate, Fit, FitError, Free, From, Sensitivity, effective_samples, fit, loss, settle, softened};
-use crate::hypothesis::{Form, Hypothesis, Kind, Scene};
+use crate::hypothesis::{Form, Hypothesis, Kind, Scene, Strength};
 use crate::prepare::Prepared;
 use crate::screen::{Lead, extended, screen};
 
@@ -198,19 +198,29 @@ impl Candidate {
             .collect()
     }
 
-    /// Whether every strength lies where such an effect can: an amount is not beyond its usual range widened threefold, a shape
-    /// neither beyond nor below.
+    /// Whether every effect lies where such an effect can: no amount beyond its usual range widened threefold, no shape beyond or
+    /// below it, and of each effect at least one amount that is not negligible.
     #[must_use]
     pub fn is_plausible(&self, scene: &Scene<'_>) -> bool {
         /// The widened range, in standard deviations of the prior, with some room.
         const WIDE: f64 = 2.2;
-        self.effects.iter().flat_map(|chosen| chosen.form).all(|strength| {
-            let coordinate = strength.free(scene).coordinate(self.fit.machine.get(strength.parameter));
-            match strength.kind {
+        /// Share of the largest usual magnitude below which a signed amount is negligible.
+        const NEGLIGIBLE: f64 = 0.02;
+        self.effects.iter().all(|chosen| {
+            let at = |strength: &Strength| {
+                (strength.kind, strength.free(scene).coordinate(self.fit.machine.get(strength.parameter)))
+            };
+            let possible = chosen.form.iter().map(at).all(|(kind, coordinate)| match kind {
                 Kind::Amount(_) | Kind::Jump(_) => coordinate < WIDE,
                 Kind::Shape(..) => coordinate.abs() < WIDE,
                 Kind::Signed(_) | Kind::Place(..) => coordinate.abs() < 1.5 * WIDE,
-            }
+            });
+            let notable = chosen.form.iter().map(at).any(|(kind, coordinate)| match kind {
+                Kind::Amount(_) | Kind::Jump(_) => coordinate > -WIDE,
+                Kind::Signed(_) => coordinate.abs() > NEGLIGIBLE,
+                Kind::Shape(..) | Kind::Place(..) => false,
+            });
+            possible && notable
         })
     }
 

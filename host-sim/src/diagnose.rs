@@ -180,7 +180,7 @@ pub fn diagnose(
         .collect();
     let above_noise = misses(&base.machine, &cases)?.iter().any(|miss| miss.over_noise > WITHIN_NOISE);
 
-    let (findings, not_confirmed, confirmation, after) = decide(&selection, &held, above_noise)?;
+    let (findings, not_confirmed, confirmation, after) = decide(&selection, &held)?;
     let verdict = if !findings.is_empty() {
         Verdict::MissingPhysics
     } else if above_noise {
@@ -238,9 +238,9 @@ pub fn diagnose(
 type Decision = (Vec<Finding>, Vec<&'static Hypothesis>, Option<Confirmation>, Candidate);
 
 /// Opens the held-out recordings for the chosen set: they confirm it as a whole or veto it.
-fn decide(selection: &Selection, held: &[Prepared], above_noise: bool) -> Result<Decision, MachineError> {
+fn decide(selection: &Selection, held: &[Prepared]) -> Result<Decision, MachineError> {
     let chosen = &selection.chosen;
-    if chosen.effects.is_empty() || !above_noise {
+    if chosen.effects.is_empty() {
         return Ok((Vec::new(), Vec::new(), None, selection.base.clone()));
     }
     let held: Vec<&Prepared> = held.iter().collect();

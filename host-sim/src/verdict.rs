@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 pub use crate::candidate::{Candidate, Chosen, Question, Residuals};
 use crate::fit::{FitError, effective_samples, loss, settle, softened};
-use crate::hypothesis::Hypothesis;
+use crate::hypothesis::{CATALOGUE, Hypothesis};
 use crate::prepare::Prepared;
 use crate::recording::Signal;
 use crate::search::widened;
@@ -119,7 +119,8 @@ fn ranked(base: &Candidate, found: Vec<Candidate>) -> Vec<(Candidate, f64)> {
         gain - 0.5 * candidate.strengths() as f64 * total.max(2.0).ln()
     };
     let mut ranked: Vec<(Candidate, f64)> = found.into_iter().map(|candidate| (net(&candidate), candidate)).map(|(net, candidate)| (candidate, net)).collect();
-    ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
+    // Sets that are as likely as each other stay in the catalogue's order.
+    ranked.sort_by(|a, b| b.1.round().total_cmp(&a.1.round()).then_with(|| order(&a.0).cmp(&order(&b.0))));
     let mut seen: Vec<Vec<&str>> = Vec::new();
     ranked.retain(|(candidate, _)| {
         let mut names: Vec<&str> = candidate.effects.iter().map(|chosen| chosen.effect.name).collect();
@@ -129,6 +130,12 @@ fn ranked(base: &Candidate, found: Vec<Candidate>) -> Vec<(Candidate, f64)> {
         new
     });
     ranked
+}
+
+/// Places of a set's effects in the catalogue.
+fn order(candidate: &Candidate) -> Vec<usize> {
+    let place = |chosen: &Chosen| CATALOGUE.iter().position(|known| known.name == chosen.effect.name).unwrap_or(usize::MAX);
+    candidate.effects.iter().map(place).collect()
 }
 
 /// Puts a set with the plainer effect before the one with its extension, where that does not earn what it has more.

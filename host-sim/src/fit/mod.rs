@@ -25,7 +25,7 @@ pub use sensitivity::{Change, Sensitivity};
 pub use start::{StartState, settle};
 
 /// Most parameters of one fit.
-pub const MOST_PARAMETERS: usize = 32;
+pub const MOST_PARAMETERS: usize = 39;
 
 /// How a free parameter moves; its own coordinate has a unit normal prior in each case.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -219,7 +219,7 @@ pub fn fit(
             }
         };
     }
-    let Minimum { converged, loss } = minimise!(4 8 12 16 20 24 28 32);
+    let Minimum { converged, loss } = minimise!(4 8 12 16 20 24 28 32 40);
     Ok(Fit {
         machine: problem.machine(),
         free: free.to_vec(),

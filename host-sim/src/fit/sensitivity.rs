@@ -52,7 +52,7 @@ impl<'a> Sensitivity<'a> {
                 }
             };
         }
-        let blocks = blocks!(4 8 12 16 20 24 28 32);
+        let blocks = blocks!(4 8 12 16 20 24 28 32 40);
         let information: Vec<Information> = blocks.iter().map(|block| block.information(count)).collect();
         let (matrix, gradient, _) = Information::assembled(&information, &fit.all_coordinates());
         Ok(matrix.cholesky().map(|factor| Self { cases, fit, blocks, stride, factor, gradient }))
