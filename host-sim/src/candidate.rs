@@ -4,7 +4,10 @@ use model_core::machine::Machine;
 use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
-use crate::fit::{StartState, set_tolerances, Estimate, Fit, FitError, Free, From, Sensitivity, effective_samples, fit, loss, settle, softened};
+use crate::fit::{
+    Estimate, Fit, FitError, Free, From, Sensitivity, StartState, effective_samples, fit, loss, set_tolerances, settle,
+    softened,
+};
 use crate::hypothesis::{Form, Hypothesis, Kind, Scene, Strength};
 use crate::prepare::Prepared;
 use crate::screen::{Lead, extended, screen};
@@ -65,8 +68,19 @@ struct Beginning<'a> {
 impl Candidate {
     /// The machine file's model, refitted.
     pub fn base(question: &Question<'_>) -> Result<Self, FitError> {
-        let fit = fit(question.scene.machine, question.ordinary, question.training, &From::default(), Some(1e-8))?;
-        Self::of(question, Vec::new(), fit, Vec::new())
+        let fitted = |from: &From<'_>| {
+            let fit = fit(question.scene.machine, question.ordinary, question.training, from, Some(1e-8))?;
+            Self::of(question, Vec::new(), fit, Vec::new())
+        };
+        let mut best = fitted(&From::default())?;
+        // What is far off may only have been led into the wrong valley.
+        if best.worst_over_noise(question) > 1.2 {
+            let careful = fitted(&From { careful: true, ..From::default() })?;
+            if careful.fit.loss < best.fit.loss {
+                best = careful;
+            }
+        }
+        Ok(best)
     }
 
     /// The machine file's model refitted, after which every channel tolerates what that leaves: residuals far beyond count
@@ -171,8 +185,10 @@ impl Candidate {
                 Some((*parameter, free.coordinate(*value)))
             })
             .collect();
-        let start = From { solution: Some(from.fit), coordinates: &coordinates, moved: from.settled };
-        let mut found = fit(&jumped(question.scene.machine, &jumps), &free, question.training, &start, Some(from.precision))?;
+        let start =
+            From { solution: Some(from.fit), coordinates: &coordinates, moved: from.settled, ..From::default() };
+        let mut found =
+            fit(&jumped(question.scene.machine, &jumps), &free, question.training, &start, Some(from.precision))?;
         for _ in 0..if jumps.is_empty() { 0 } else { 2 } {
             let Some(sensitivity) = Sensitivity::at(&found, question.training)? else { break };
             for (parameter, value) in &mut jumps {
@@ -180,7 +196,8 @@ impl Candidate {
             }
             drop(sensitivity);
             let again = From { solution: Some(&found), ..From::default() };
-            found = fit(&jumped(question.scene.machine, &jumps), &free, question.training, &again, Some(from.precision))?;
+            found =
+                fit(&jumped(question.scene.machine, &jumps), &free, question.training, &again, Some(from.precision))?;
         }
         Self::of(question, effects, found, jumps)
     }
@@ -256,7 +273,10 @@ impl Candidate {
         (0..channels)
             .map(|channel| {
                 let (square, rows) = self.residuals.iter().fold((0.0, 0.0), |sum, case| {
-                    (sum.0 + case.get(channel).map_or(0.0, |series| loss(series)), sum.1 + case.get(channel).map_or(0, Vec::len) as f64)
+                    (
+                        sum.0 + case.get(channel).map_or(0.0, |series| loss(series)),
+                        sum.1 + case.get(channel).map_or(0, Vec::len) as f64,
+                    )
                 });
                 (square / f64::max(rows, 1.0)).sqrt()
             })

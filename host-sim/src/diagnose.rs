@@ -167,8 +167,7 @@ pub fn diagnose(
         .partition(|hypothesis| (hypothesis.shows_in)(&scene));
     Candidate::tolerated(&scene, &ordinary, &mut trained)?;
     let references: Vec<&Prepared> = trained.iter().collect();
-    let question =
-        Question { scene: &scene, ordinary: &ordinary, hypotheses: &hypotheses, training: &references };
+    let question = Question { scene: &scene, ordinary: &ordinary, hypotheses: &hypotheses, training: &references };
     let selection = select(&question, &|name| progress(name))?;
 
     let base = &selection.base.fit;
@@ -365,12 +364,16 @@ fn show(
 }
 
 impl Shown {
-    /// Fit of each judged signal before or after.
+    /// Fit of each judged signal before or after, but for the rows where its sensor failed.
     pub fn fits(&self, after: bool) -> impl Iterator<Item = SignalFit> + '_ {
         let trajectory = if after { &self.after } else { &self.before };
         self.prepared.channels.iter().filter_map(move |channel| {
             let simulated = trajectory.signal(channel.signal)?;
-            Some(SignalFit::of(channel.signal, &self.prepared.time_s, &channel.recorded, simulated))
+            let kept = |series: &[f64]| -> Vec<f64> {
+                series.iter().zip(&channel.failed).filter(|(_, failed)| !**failed).map(|(value, _)| *value).collect()
+            };
+            let (time_s, recorded) = (kept(&self.prepared.time_s), kept(&channel.recorded));
+            Some(SignalFit::of(channel.signal, &time_s, &recorded, &kept(simulated)))
         })
     }
 }

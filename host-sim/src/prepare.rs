@@ -34,7 +34,12 @@ impl Channel {
     /// The NRMSE fit, %, that a perfect model would reach: only the noise is left.
     #[must_use]
     pub fn noise_floor_percent(&self) -> f64 {
-        self.fit_of_square(self.recorded.len() as f64)
+        self.fit_of_square(self.kept().count() as f64)
+    }
+
+    /// What was recorded while the sensor worked.
+    fn kept(&self) -> impl Iterator<Item = f64> + '_ {
+        self.recorded.iter().zip(&self.failed).filter(|(_, failed)| !**failed).map(|(value, _)| *value)
     }
 
     /// The NRMSE fit, %, of residuals over noise.
@@ -44,8 +49,8 @@ impl Channel {
     }
 
     fn fit_of_square(&self, over_noise: f64) -> f64 {
-        let mean = self.recorded.iter().sum::<f64>() / self.recorded.len() as f64;
-        let spread: f64 = self.recorded.iter().map(|value| (value - mean).powi(2)).sum();
+        let mean = self.kept().sum::<f64>() / self.kept().count() as f64;
+        let spread: f64 = self.kept().map(|value| (value - mean).powi(2)).sum();
         100.0 * (1.0 - self.noise * (over_noise / spread).sqrt())
     }
 }
@@ -161,4 +166,3 @@ fn spikes(values: &[f64], noise: f64) -> Vec<bool> {
     }
     spikes
 }
-

@@ -220,7 +220,9 @@ pub fn extended(
             };
             points
                 .iter()
-                .flat_map(|point| tries.iter().map(|value| [point.as_slice(), &[(strength.parameter, *value)]].concat()))
+                .flat_map(|point| {
+                    tries.iter().map(|value| [point.as_slice(), &[(strength.parameter, *value)]].concat())
+                })
                 .collect()
         });
         let leads: Vec<Lead> = points
@@ -321,13 +323,16 @@ fn jump(
         let (low, high) = strength.range(scene);
         (0..points).map(|index| low * (high / low).powf((index as f64 + 0.5) / points as f64)).collect()
     };
-    let points = form.iter().enumerate().fold(vec![Vec::new()], |points: Vec<Vec<(Parameter, f64)>>, (index, strength)| {
-        let tries = grid(strength, POINTS[index.min(1)]);
-        points
-            .iter()
-            .flat_map(|point| tries.iter().map(|value| [point.as_slice(), &[(strength.parameter, *value)]].concat()))
-            .collect()
-    });
+    let points =
+        form.iter().enumerate().fold(vec![Vec::new()], |points: Vec<Vec<(Parameter, f64)>>, (index, strength)| {
+            let tries = grid(strength, POINTS[index.min(1)]);
+            points
+                .iter()
+                .flat_map(|point| {
+                    tries.iter().map(|value| [point.as_slice(), &[(strength.parameter, *value)]].concat())
+                })
+                .collect()
+        });
     let mut best: Option<Lead> = None;
     for point in points {
         let lead = lead_at(point)?;

@@ -56,7 +56,7 @@ fn open_to(question: &Question<'_>, from: &Candidate) -> Vec<&'static Hypothesis
 }
 
 /// The leads of the most promising effects; of the same form only the better of both references.
-fn promising<'a>(mut leads: Vec<(Lead, &'a Candidate)>, loss: f64, most: usize) -> Vec<(Lead, &'a Candidate)> {
+fn promising(mut leads: Vec<(Lead, &Candidate)>, loss: f64, most: usize) -> Vec<(Lead, &Candidate)> {
     leads.sort_by(|a, b| a.0.loss.total_cmp(&b.0.loss));
     let best = leads.first().map_or(0.0, |(lead, _)| loss - lead.loss);
     let mut kept: Vec<(&str, *const _, f64)> = Vec::new();

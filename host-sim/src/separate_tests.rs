@@ -36,8 +36,13 @@ fn sensors(present: &[Signal]) -> Vec<Sensor> {
     all.map(|(signal, noise)| Sensor { signal, noise, present: present.contains(&signal) }).to_vec()
 }
 
-fn separated(chosen: &Machine<f64>, rival: Machine<f64>, moves: &[(Parameter, f64)], present: &[Signal]) -> Separation {
-    let pairs = [Pair { effect: "chosen", rival: "rival", confidence: 0.2, machine: rival }];
+fn separated(
+    chosen: &Machine<f64>,
+    rival: &Machine<f64>,
+    moves: &[(Parameter, f64)],
+    present: &[Signal],
+) -> Separation {
+    let pairs = [Pair { effect: "chosen", rival: "rival", confidence: 0.2, machine: *rival }];
     let (tests, sensors) = (standard_tests(chosen, 10.0), sensors(present));
     let told: Vec<Vec<(usize, Told)>> = tests
         .iter()
@@ -62,7 +67,7 @@ fn every_standard_test_runs_and_is_short() {
 fn holding_a_load_tells_leakage_from_external_leakage_and_the_best_test_is_advised() {
     let chosen = with(Parameter::InternalLeakage, 2e-12);
     let rival = with(Parameter::ExternalLeakageA, 2e-12);
-    let found = separated(&chosen, rival, &[], &[Signal::PressureA, Signal::PressureB, Signal::Position]);
+    let found = separated(&chosen, &rival, &[], &[Signal::PressureA, Signal::PressureB, Signal::Position]);
     let hold = found.tests.iter().find(|distance| distance.test == "closed-valve hold under load").unwrap();
     assert!(hold.over_noise > TELLS, "{hold:?}");
     assert!(found.tests.windows(2).all(|pair| pair[0].per_20_s >= pair[1].per_20_s));
@@ -73,9 +78,9 @@ fn holding_a_load_tells_leakage_from_external_leakage_and_the_best_test_is_advis
 fn a_sensor_that_is_not_there_is_named_where_it_doubles_the_distance() {
     let chosen = with(Parameter::HysteresisWidth, 0.02);
     let rival = with(Parameter::BacklashPlay, 3e-4);
-    let found = separated(&chosen, rival, &[], &[Signal::Spool, Signal::Position]);
+    let found = separated(&chosen, &rival, &[], &[Signal::Spool, Signal::Position]);
     assert!(found.is_told());
-    let blind = separated(&chosen, rival, &[], &[Signal::PressureA]);
+    let blind = separated(&chosen, &rival, &[], &[Signal::PressureA]);
     let (sensor, better) = blind.sensor.as_ref().unwrap();
     assert!(matches!(sensor, Signal::Spool | Signal::Position), "{sensor}");
     assert!(better.per_20_s > 2.0 * blind.tests[0].per_20_s);
@@ -86,7 +91,7 @@ fn what_a_refit_would_take_away_separates_nothing() {
     let chosen = press();
     let rival = with(Parameter::ViscousFriction, 1.01e5);
     let channels = [Signal::PressureA, Signal::PressureB, Signal::Position];
-    let far = separated(&chosen, rival, &[], &channels);
-    let near = separated(&chosen, rival, &[(Parameter::ViscousFriction, 1e4)], &channels);
+    let far = separated(&chosen, &rival, &[], &channels);
+    let near = separated(&chosen, &rival, &[(Parameter::ViscousFriction, 1e4)], &channels);
     assert!(near.tests[0].per_20_s < 0.1 * far.tests[0].per_20_s, "{near:?} {far:?}");
 }

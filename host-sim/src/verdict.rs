@@ -118,7 +118,11 @@ fn ranked(base: &Candidate, found: Vec<Candidate>) -> Vec<(Candidate, f64)> {
             .sum();
         gain - 0.5 * candidate.strengths() as f64 * total.max(2.0).ln()
     };
-    let mut ranked: Vec<(Candidate, f64)> = found.into_iter().map(|candidate| (net(&candidate), candidate)).map(|(net, candidate)| (candidate, net)).collect();
+    let mut ranked: Vec<(Candidate, f64)> = found
+        .into_iter()
+        .map(|candidate| (net(&candidate), candidate))
+        .map(|(net, candidate)| (candidate, net))
+        .collect();
     // Sets that are as likely as each other stay in the catalogue's order.
     ranked.sort_by(|a, b| b.1.round().total_cmp(&a.1.round()).then_with(|| order(&a.0).cmp(&order(&b.0))));
     let mut seen: Vec<Vec<&str>> = Vec::new();
@@ -134,7 +138,8 @@ fn ranked(base: &Candidate, found: Vec<Candidate>) -> Vec<(Candidate, f64)> {
 
 /// Places of a set's effects in the catalogue.
 fn order(candidate: &Candidate) -> Vec<usize> {
-    let place = |chosen: &Chosen| CATALOGUE.iter().position(|known| known.name == chosen.effect.name).unwrap_or(usize::MAX);
+    let place =
+        |chosen: &Chosen| CATALOGUE.iter().position(|known| known.name == chosen.effect.name).unwrap_or(usize::MAX);
     candidate.effects.iter().map(place).collect()
 }
 
@@ -153,8 +158,8 @@ fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>) {
                 wanted == names
             })
         });
-        let earned = best_net - net > CHANCE
-            && excess(&candidate.residuals) - excess(&best.residuals) > FORM * FORM * most;
+        let earned =
+            best_net - net > CHANCE && excess(&candidate.residuals) - excess(&best.residuals) > FORM * FORM * most;
         extended && !earned
     });
     if let Some(index) = plainer {
@@ -189,12 +194,7 @@ fn excess(residuals: &Residuals) -> f64 {
 }
 
 /// Whether `with` is worth its strengths over `without`.
-fn accepts(
-    question: &Question<'_>,
-    base: &Candidate,
-    without: &Candidate,
-    with: &Candidate,
-) -> Result<bool, FitError> {
+fn accepts(question: &Question<'_>, base: &Candidate, without: &Candidate, with: &Candidate) -> Result<bool, FitError> {
     let (most, before, after) = (excess(&base.residuals), excess(&without.residuals), excess(&with.residuals));
     if after > (1.0 - LEAST_SHARE) * before || (!without.effects.is_empty() && before - after < FORM * FORM * most) {
         return Ok(false);

@@ -172,9 +172,7 @@ impl<N: Number> Edges<N> {
         };
         let supply = |opening: N, across: N| through(opening, across.orifice_root(self.transition));
         let tank = |opening: N, across: N| match effects.half_laminar {
-            Some(half) => {
-                through(opening, behind_laminar_line(across, N::dot([half], [opening]), self.transition))
-            }
+            Some(half) => through(opening, behind_laminar_line(across, N::dot([half], [opening]), self.transition)),
             None => through(opening, across.orifice_root(self.transition)),
         };
         Four {

@@ -192,7 +192,13 @@ fn the_page_needs_nothing_from_elsewhere_and_is_small() {
     let page = &by_two_threads().page;
     assert!(page.len() < 3_000_000, "{} bytes", page.len());
     assert!(page.contains("<svg") && page.contains(EFFECT));
-    for part in ["<h2>Where</h2>", "<h2>What: internal-leakage</h2>", "<h2>How sure</h2>", "[effects.internal-leakage]", "Flow missing from A"] {
+    for part in [
+        "<h2>Where</h2>",
+        "<h2>What: internal-leakage</h2>",
+        "<h2>How sure</h2>",
+        "[effects.internal-leakage]",
+        "Flow missing from A",
+    ] {
         assert!(page.contains(part), "{part}");
     }
     // The name of a drawing's language is an address that nobody opens.

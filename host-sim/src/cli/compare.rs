@@ -34,7 +34,7 @@ pub struct Arguments {
     /// Recordings to compare with (CSV)
     #[arg(long, value_name = "R.csv", required = true, num_args = 1..)]
     recording: Vec<PathBuf>,
-    /// Judge by these signals only, as though the model's others had not been measured: spool,pressure_a,…
+    /// Judge by these signals only, as though the model's others had not been measured: `spool,pressure_a`
     #[arg(long, value_name = "signal,…", value_delimiter = ',', value_parser = judge::named)]
     judge: Vec<Signal>,
     /// Draw recorded against simulated, with the residual below; for several recordings a file each, named after it

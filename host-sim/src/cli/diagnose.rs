@@ -38,7 +38,7 @@ pub struct Arguments {
     /// Which column holds a signal, where its header does not say; may be repeated
     #[arg(long = "map", value_name = "name=header")]
     maps: Vec<String>,
-    /// Judge by these signals only, as though the model's others had not been measured: spool,pressure_a,…
+    /// Judge by these signals only, as though the model's others had not been measured: `spool,pressure_a`
     #[arg(long, value_name = "signal,…", value_delimiter = ',', value_parser = judge::named)]
     judge: Vec<Signal>,
     /// Step of the model in ms; without it 1, or 0.5 for recordings faster than that

@@ -95,7 +95,8 @@ impl Information {
         let count = self.gradient.len() - OF_START;
         let own = self.matrix.view((0, 0), (count, count)).into_owned();
         let across = self.matrix.view((0, count), (count, OF_START)).into_owned();
-        let start = self.matrix.view((count, count), (OF_START, OF_START)).into_owned() + DMatrix::identity(OF_START, OF_START);
+        let start =
+            self.matrix.view((count, count), (OF_START, OF_START)).into_owned() + DMatrix::identity(OF_START, OF_START);
         let Some(inverse) = start.try_inverse() else { return (own, self.gradient.rows(0, count).into_owned()) };
         (own - &across * inverse * across.transpose(), self.gradient.rows(0, count).into_owned())
     }

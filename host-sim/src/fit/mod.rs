@@ -17,8 +17,8 @@ use model_core::parameter::Parameter;
 use nalgebra::DVector;
 
 use crate::prepare::Prepared;
-pub(crate) use information::OF_START;
 pub use information::Information;
+pub(crate) use information::OF_START;
 use problem::{Minimum, Problem};
 pub use residuals::{effective_samples, loss, set_tolerances, soft, softened, standardised};
 pub use sensitivity::{Change, Sensitivity};
@@ -191,6 +191,8 @@ pub struct From<'a> {
     pub coordinates: &'a [(Parameter, f64)],
     /// Every coordinate of the former solution, moved; empty where they start as they were.
     pub moved: &'a [f64],
+    /// Whether the first steps are short: slower, and less likely to leave the valley that the start lies in.
+    pub careful: bool,
 }
 
 /// Fits `free` parameters of `machine` to the recordings.
@@ -213,7 +215,7 @@ pub fn fit(
     macro_rules! minimise {
         ($($slots:literal)*) => {
             match (count, precision) {
-                $((0..=$slots, Some(precision)) => problem.minimise::<$slots>(precision),
+                $((0..=$slots, Some(precision)) => problem.minimise::<$slots>(precision, from.careful),
                   (0..=$slots, None) => problem.evaluate::<$slots>(),)*
                 _ => return Err(FitError::TooMany { count }),
             }

@@ -27,7 +27,8 @@ impl<'a> Problem<'a> {
     pub(super) fn new(base: &'a Machine<f64>, free: &'a [Free], cases: &'a [&'a Prepared], from: &From<'_>) -> Self {
         let mut coordinates = DVector::zeros(free.len() + OF_START * cases.len());
         if let Some(known) = from.solution {
-            let all = if from.moved.is_empty() { known.all_coordinates() } else { DVector::from_column_slice(from.moved) };
+            let all =
+                if from.moved.is_empty() { known.all_coordinates() } else { DVector::from_column_slice(from.moved) };
             let known_starts = all.rows(known.free.len(), all.len() - known.free.len());
             for (free, coordinate) in free.iter().zip(coordinates.iter_mut()) {
                 let mut pairs = known.free.iter().zip(all.iter());
@@ -82,7 +83,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Minimises with `P` partial derivatives a run.
-    pub(super) fn minimise<const P: usize>(&mut self, precision: f64) -> Minimum {
+    pub(super) fn minimise<const P: usize>(&mut self, precision: f64, careful: bool) -> Minimum {
         let solver = LevenbergMarquardt::new()
             .with_ftol(precision)
             .with_xtol(1e-6)
@@ -90,7 +91,7 @@ impl<'a> Problem<'a> {
             .with_patience(20)
             // Every coordinate is in standard deviations of its prior already: a first step of several of them is far.
             .with_scale_diag(false)
-            .with_stepbound(5.0);
+            .with_stepbound(if careful { 0.3 } else { 5.0 });
         let start = Slots::<'_, '_, P>::new(self);
         let (end, report) = solver.minimize(start);
         let information = end.here.information;

@@ -153,10 +153,16 @@ impl<'a> Sensitivity<'a> {
     pub fn gain(&self, change: &Change) -> f64 {
         let mut by = 0.0;
         for (block, change) in self.blocks.iter().zip(change) {
-            by += block.residuals.iter().zip(change).map(|((here, _), change)| change * (change + 2.0 * here)).sum::<f64>();
+            by += block
+                .residuals
+                .iter()
+                .zip(change)
+                .map(|((here, _), change)| change * (change + 2.0 * here))
+                .sum::<f64>();
         }
         let gradient = &self.gradient + self.across(change);
-        let settled = gradient.dot(&self.factor.solve(&gradient)) - self.gradient.dot(&self.factor.solve(&self.gradient));
+        let settled =
+            gradient.dot(&self.factor.solve(&gradient)) - self.gradient.dot(&self.factor.solve(&self.gradient));
         self.stride as f64 * 0.5 * (settled - by)
     }
 
@@ -175,14 +181,17 @@ impl<'a> Sensitivity<'a> {
         let settled: Vec<DVector<f64>> = across.iter().map(|across| self.factor.solve(across)).collect();
         let own = self.factor.solve(&self.gradient);
         let inner = |a: &Change, b: &dyn Fn(usize, usize) -> f64| -> f64 {
-            a.iter().enumerate().map(|(case, a)| a.iter().enumerate().map(|(row, a)| a * b(case, row)).sum::<f64>()).sum()
+            a.iter()
+                .enumerate()
+                .map(|(case, a)| a.iter().enumerate().map(|(row, a)| a * b(case, row)).sum::<f64>())
+                .sum()
         };
         let count = directions.len();
         let mut matrix = DMatrix::zeros(count, count);
         let mut right = DVector::zeros(count);
         for row in 0..count {
-            right[row] = across[row].dot(&own)
-                - inner(&directions[row], &|case, index| self.blocks[case].residuals[index].0);
+            right[row] =
+                across[row].dot(&own) - inner(&directions[row], &|case, index| self.blocks[case].residuals[index].0);
             for column in row..count {
                 let plain = inner(&directions[row], &|case, index| directions[column][case][index]);
                 matrix[(row, column)] = plain - across[row].dot(&settled[column]);
@@ -199,7 +208,9 @@ impl<'a> Sensitivity<'a> {
             let size = active.len();
             let part = DMatrix::from_fn(size, size, |row, column| matrix[(active[row], active[column])]);
             let wanted = DVector::from_fn(size, |row, _| right[active[row]]);
-            let Some(solved) = part.cholesky().map(|factor| factor.solve(&wanted)) else { return (vec![0.0; count], 0.0) };
+            let Some(solved) = part.cholesky().map(|factor| factor.solve(&wanted)) else {
+                return (vec![0.0; count], 0.0);
+            };
             let negative = (0..size).filter(|&slot| positive[active[slot]] && solved[slot] <= 0.0);
             let Some(worst) = negative.min_by(|&a, &b| solved[a].total_cmp(&solved[b])) else {
                 let mut amounts = vec![0.0; count];

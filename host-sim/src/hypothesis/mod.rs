@@ -279,10 +279,16 @@ mod tests {
                 let description = strength.parameter.description();
                 assert!(description.key.starts_with(&format!("effects.{}.", hypothesis.name)), "{}", description.key);
                 let (low, high) = match strength.kind {
-                    Kind::Amount(range) | Kind::Jump(range) | Kind::Shape(range, _) | Kind::Place(range, _) => range(&scene),
+                    Kind::Amount(range) | Kind::Jump(range) | Kind::Shape(range, _) | Kind::Place(range, _) => {
+                        range(&scene)
+                    }
                     Kind::Signed(size) => (-size(&scene), size(&scene)),
                 };
-                assert!(low < high && description.min <= low && high <= description.max, "{}: {low}..{high}", description.key);
+                assert!(
+                    low < high && description.min <= low && high <= description.max,
+                    "{}: {low}..{high}",
+                    description.key
+                );
                 let positive = matches!(strength.kind, Kind::Amount(_) | Kind::Jump(_) | Kind::Shape(..));
                 assert!(!positive || low > 0.0, "{}: {low}", description.key);
             }
@@ -298,7 +304,8 @@ mod tests {
     fn every_effect_of_the_machine_files_vocabulary_is_a_hypothesis() {
         for parameter in Parameter::ALL {
             let key = parameter.description().key;
-            let Some(name) = key.strip_prefix("effects.").and_then(|rest| rest.split_once('.')).map(|(name, _)| name) else {
+            let Some(name) = key.strip_prefix("effects.").and_then(|rest| rest.split_once('.')).map(|(name, _)| name)
+            else {
                 continue;
             };
             // The table for what has no name is never a hypothesis.

@@ -38,10 +38,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
         },
         Strength {
             parameter: Parameter::PreslidingStiffness,
-            kind: Kind::Shape(
-                |scene| (1e-3 * scene.oil_spring_n_per_m(), 0.1 * scene.oil_spring_n_per_m()),
-                3,
-            ),
+            kind: Kind::Shape(|scene| (1e-3 * scene.oil_spring_n_per_m(), 0.1 * scene.oil_spring_n_per_m()), 3),
         },
     ]],
     look_alikes: &[

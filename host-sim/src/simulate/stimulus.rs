@@ -198,7 +198,17 @@ impl Stimulus {
         } else {
             recording.signal(Signal::LoadForce).map(|force| grid.points(force))
         };
-        Ok(Self { entry, tick, start: start(recording), ticks: grid.ticks, input, load_n, wants_flow: true, damping, rows: grid.rows })
+        Ok(Self {
+            entry,
+            tick,
+            start: start(recording),
+            ticks: grid.ticks,
+            input,
+            load_n,
+            wants_flow: true,
+            damping,
+            rows: grid.rows,
+        })
     }
 
     /// How many rows the recording has.
@@ -375,12 +385,37 @@ fn start(recording: &Recording) -> Start {
     }
 }
 
+/// The same rows without the one furthest from their median, where that stands alone: ten times further than most others.
+fn without_spike(time_s: &[f64], values: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+    const ALONE: f64 = 10.0;
+    if values.len() < 6 {
+        return None;
+    }
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let median = sorted[sorted.len() / 2];
+    let mut apart: Vec<f64> = values.iter().map(|value| (value - median).abs()).collect();
+    let (row, furthest) = apart.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    apart.sort_by(f64::total_cmp);
+    // A row's place in a smooth rise is no reason to leave it out: eight of ten rows, and the next one, say what is usual.
+    let usual = apart[apart.len() * 8 / 10].max(apart[apart.len() - 2]);
+    (furthest > ALONE * usual).then(|| {
+        let keep = |series: &[f64]| {
+            series.iter().enumerate().filter(|(index, _)| *index != row).map(|(_, value)| *value).collect()
+        };
+        (keep(time_s), keep(values))
+    })
+}
+
 /// The value of a signal at its first row, from the rows around: their mean, or where they clearly rise or fall, the start of
 /// the line through them.
 fn at_start(time_s: &[f64], values: &[f64]) -> f64 {
     let count = values.len() as f64;
     let (middle, mean) = (time_s.iter().sum::<f64>() / count, values.iter().sum::<f64>() / count);
     let spread: f64 = time_s.iter().map(|time| (time - middle).powi(2)).sum();
+    if let Some(without) = without_spike(time_s, values) {
+        return at_start(&without.0, &without.1);
+    }
     if values.len() < 4 || spread <= 0.0 {
         return values[0];
     }

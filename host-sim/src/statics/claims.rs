@@ -104,7 +104,9 @@ fn unequal_gains(statics: &Statics) -> Option<(f64, f64)> {
     let at_an_edge = |local: &LocalGain| edges().any(|edge| local.from - play < edge && edge < local.to + play);
     // Where the meter changes to a coarse range, its gain may change as well.
     let read_finely = |local: &LocalGain| {
-        statics.staircase.is_none_or(|stairs| stairs.from_magnitude <= 0.0 || local.output.abs() < stairs.from_magnitude)
+        statics
+            .staircase
+            .is_none_or(|stairs| stairs.from_magnitude <= 0.0 || local.output.abs() < stairs.from_magnitude)
     };
     let opened = statics.gains.iter().filter(|local| {
         let inside = local.output.abs() > 0.1 * largest && !at_an_edge(local);

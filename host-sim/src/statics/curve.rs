@@ -182,8 +182,9 @@ impl Sweep<'_> {
         let count = ((high - low) / least.max((high - low) / 20.0)).floor().max(2.0);
         let width = (high - low) / count;
         let mut found = Vec::new();
-        for index in 0..count as u32 {
-            let from = low + width * f64::from(index);
+        let places = std::iter::successors(Some(0.0), |index| Some(index + 1.0)).take_while(|index| *index < count);
+        for index in places {
+            let from = low + width * index;
             let inside = |branch: &Branch| -> Vec<(f64, f64)> {
                 let mut points = branch.points(self.input, self.output);
                 points.retain(|point| (from..=from + width).contains(&point.0));

@@ -22,7 +22,7 @@ pub(super) fn extent(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::MAX, f64::MIN), |(low, high), &value| (low.min(value), high.max(value)))
 }
 
-/// y = at_zero + slope·x.
+/// y = `at_zero` + slope·x.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Line {
     /// y at x = 0.

@@ -18,7 +18,11 @@ impl<R: Real> Builder<'_, R> {
             stiction: self.unless_nil(P::StictionBand, |band| {
                 Ok(Stiction {
                     band: self.signal("band of the stuck slider", P::StictionBand, band)?,
-                    kept: self.signal("what a jump ends short by", P::StictionKept, band * self.get(P::StictionKept))?,
+                    kept: self.signal(
+                        "what a jump ends short by",
+                        P::StictionKept,
+                        band * self.get(P::StictionKept),
+                    )?,
                 })
             })?,
         })
