@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::fit::{
     Estimate, Fit, FitError, Free, From, Sensitivity, StartState, effective_samples, fit, loss, set_tolerances, settle,
-    softened,
+    softened, standardised,
 };
 use crate::hypothesis::{Form, Hypothesis, Kind, Scene, Strength};
 use crate::prepare::Prepared;
@@ -75,12 +75,44 @@ impl Candidate {
         let mut best = fitted(&From::default())?;
         // What is far off may only have been led into the wrong valley.
         if best.worst_over_noise(question) > 1.2 {
-            let careful = fitted(&From { careful: true, ..From::default() })?;
-            if careful.fit.loss < best.fit.loss {
-                best = careful;
+            let tempered = Self::tempered(question)?;
+            for from in
+                [From { careful: true, ..From::default() }, From { solution: Some(&tempered), ..From::default() }]
+            {
+                let other = fitted(&from)?;
+                if other.fit.loss < best.fit.loss {
+                    best = other;
+                }
             }
         }
         Ok(best)
+    }
+
+    /// A refit that believes the recordings only as far as a model that misses so much can: every channel's noise is taken to be
+    /// what the model leaves, and as correlated. The priors then keep the parameters where they can be, and from there the way
+    /// to the best fit is short.
+    fn tempered(question: &Question<'_>) -> Result<Fit, FitError> {
+        let mut cases: Vec<Prepared> = question.training.iter().map(|case| (*case).clone()).collect();
+        let mut machine = *question.scene.machine;
+        let mut starts = vec![StartState::default(); cases.len()];
+        let mut solution: Option<Fit> = None;
+        for _ in 0..3 {
+            for ((case, original), start) in cases.iter_mut().zip(question.training).zip(&starts) {
+                let residuals = standardised(&machine, original, *start)?;
+                for ((channel, original), series) in case.channels.iter_mut().zip(&original.channels).zip(&residuals) {
+                    let square: f64 = series.iter().map(|residual| residual * residual).sum();
+                    channel.noise = original.noise * (square / effective_samples(series)).sqrt().max(1.0);
+                    channel.tolerance = 1.0;
+                }
+            }
+            let references: Vec<&Prepared> = cases.iter().collect();
+            let from = From { solution: solution.as_ref(), ..From::default() };
+            let found = fit(question.scene.machine, question.ordinary, &references, &from, Some(1e-3))?;
+            (machine, starts) = (found.machine, found.starts.clone());
+            solution = Some(found);
+        }
+        let nominal = || fit(question.scene.machine, question.ordinary, question.training, &From::default(), None);
+        solution.map_or_else(nominal, Ok)
     }
 
     /// The machine file's model refitted, after which every channel tolerates what that leaves: residuals far beyond count

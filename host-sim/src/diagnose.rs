@@ -177,7 +177,7 @@ pub fn diagnose(
         .zip(&base.starts)
         .map(|((recording, prepared), &start)| Case { recording, prepared, start })
         .collect();
-    let above_noise = misses(&base.machine, &cases)?.iter().any(|miss| miss.over_noise > WITHIN_NOISE);
+    let above_noise = selection.base.worst_over_noise(&question) > WITHIN_NOISE;
 
     let (findings, not_confirmed, confirmation, after) = decide(&selection, &held)?;
     let verdict = if !findings.is_empty() {
