@@ -99,7 +99,10 @@ fn machine() -> impl Strategy<Value = Machine<f64>> {
     let value = |&parameter: &Parameter| {
         let what = parameter.description();
         let (min, max) = (what.min, what.max.min(1e12));
-        (0.0..=1.0_f64, any::<bool>()).prop_map(move |(part, given)| given.then_some(min + (max - min) * part))
+        (0.0..=1.0_f64, any::<bool>()).prop_map(move |(part, given)| {
+            let value = min + (max - min) * part;
+            given.then_some(if parameter.is_whole() { value.floor() } else { value })
+        })
     };
     let values: Vec<_> = Parameter::ALL.iter().map(value).collect();
     (values, any::<bool>()).prop_map(|(values, pump)| {

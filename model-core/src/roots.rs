@@ -50,7 +50,7 @@ impl InverseFourthRoot {
             let magnitude = u64::from(signal.to_bits().unsigned_abs());
             magnitude * magnitude
         };
-        let w = (square(delta) + square(transition)) | 1;
+        let w = (square(delta) + square(transition)).max(1);
         let zeros = w.leading_zeros();
         let mu = ((w << zeros) >> 32) as u32;
         #[expect(clippy::indexing_slicing, reason = "five bits index 32 seeds")]

@@ -33,7 +33,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
         Strength { parameter: Parameter::NullDriftTravel, kind: Kind::Signed(|_| 0.05) },
         Strength {
             parameter: Parameter::NullDriftTime,
-            kind: Kind::Shape(|scene| (0.3, (10.0 * scene.duration_s).clamp(1.0, 1e5)), 3),
+            kind: Kind::Shape(|scene| (0.3, (2.0 * scene.duration_s).clamp(1.0, 1e5)), 3),
         },
     ]],
     look_alikes: &[
