@@ -12,7 +12,7 @@ use rayon::prelude::*;
 /// What was drawn and what was said of it.
 struct Said {
     truth: String,
-    said: String,
+    answer: String,
     /// Whether an honest answer may be this one.
     right: bool,
     verdict: Verdict,
@@ -45,7 +45,7 @@ fn said(lot: &Lot, index: u64) -> Option<Said> {
     } else {
         accepted
     };
-    Some(Said { truth: joined(effects), said: named(&diagnosis, &claimed), right, verdict: diagnosis.verdict })
+    Some(Said { truth: joined(effects), answer: named(&diagnosis, &claimed), right, verdict: diagnosis.verdict })
 }
 
 fn joined(names: &[&str]) -> String {
@@ -69,7 +69,7 @@ fn all(lots: &[(Lot, u64)]) -> Vec<Said> {
 fn table(cases: &[Said]) -> String {
     let mut counts: BTreeMap<(&str, &str, bool), usize> = BTreeMap::new();
     for case in cases {
-        *counts.entry((&case.truth, &case.said, case.right)).or_default() += 1;
+        *counts.entry((&case.truth, &case.answer, case.right)).or_default() += 1;
     }
     let mut text =
         String::from("put in                           said                                          cases\n");
@@ -91,7 +91,7 @@ fn of_a_dozen_drawn_cases_most_are_named_and_nothing_is_claimed_where_nothing_wa
     ]);
     println!("{}", table(&cases));
     for case in cases.iter().filter(|case| case.truth == "nothing") {
-        assert_ne!(case.verdict, Verdict::MissingPhysics, "{} claimed where nothing was put in", case.said);
+        assert_ne!(case.verdict, Verdict::MissingPhysics, "{} claimed where nothing was put in", case.answer);
     }
     assert!(cases.iter().filter(|case| case.right).count() >= 8);
 }
@@ -115,7 +115,7 @@ fn sixty_drawn_cases_are_named_as_the_table_says() {
     }
     assert_eq!(std::fs::read_to_string(&path).unwrap(), text, "RENEW=1 writes the table anew");
     for case in cases.iter().filter(|case| case.truth == "nothing") {
-        assert_ne!(case.verdict, Verdict::MissingPhysics, "{} claimed where nothing was put in", case.said);
+        assert_ne!(case.verdict, Verdict::MissingPhysics, "{} claimed where nothing was put in", case.answer);
     }
 }
 
