@@ -5,8 +5,8 @@ use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
 use crate::fit::{
-    Estimate, Fit, FitError, Free, From, Sensitivity, StartState, effective_samples, fit, loss, set_tolerances, settle,
-    softened, standardised,
+    Estimate, Fit, FitError, Free, From, REACH, Sensitivity, StartState, effective_samples, fit, loss, set_tolerances,
+    settle, softened, standardised,
 };
 use crate::hypothesis::{Form, Hypothesis, Kind, Scene, Strength};
 use crate::prepare::Prepared;
@@ -55,6 +55,10 @@ const PRECISION: f64 = 1e-5;
 /// The same for a first look.
 const ROUGHLY: f64 = 0.03;
 
+/// A coordinate beyond this is pressed against the end of its range: the recordings pull there with more than four standard
+/// deviations' weight, where an undecided value only drifts.
+const PRESSED: f64 = 2.0 * REACH;
+
 /// Where a refit begins.
 struct Beginning<'a> {
     fit: &'a Fit,
@@ -66,15 +70,15 @@ struct Beginning<'a> {
 }
 
 impl Candidate {
-    /// The machine file's model, refitted.
-    pub fn base(question: &Question<'_>) -> Result<Self, FitError> {
+    /// The machine file's model, refitted; with the links `apart` known, from there as well.
+    pub fn base(question: &Question<'_>, apart: Option<&Fit>) -> Result<Self, FitError> {
         let fitted = |from: &From<'_>| {
             let fit = fit(question.scene.machine, question.ordinary, question.training, from, Some(1e-8))?;
             Self::of(question, Vec::new(), fit, Vec::new())
         };
-        let mut best = fitted(&From::default())?;
+        let mut best = fitted(&From { solution: apart, ..From::default() })?;
         // What is far off may only have been led into the wrong valley.
-        if best.worst_over_noise(question) > 1.2 {
+        if apart.is_none() && best.worst_over_noise(question) > 1.2 {
             let tempered = Self::tempered(question)?;
             for from in
                 [From { careful: true, ..From::default() }, From { solution: Some(&tempered), ..From::default() }]
@@ -247,25 +251,29 @@ impl Candidate {
             .collect()
     }
 
-    /// Whether every effect lies where such an effect can: no amount beyond its usual range widened threefold, no shape beyond or
-    /// below it, and of each effect at least one amount that is not negligible.
+    /// Whether every effect lies where such an effect can: no amount pressed against the end of its usual range widened threefold,
+    /// and of each effect at least one amount that is not negligible.
     #[must_use]
     pub fn is_plausible(&self, scene: &Scene<'_>) -> bool {
-        /// The widened range, in standard deviations of the prior, with some room.
-        const WIDE: f64 = 2.2;
+        /// A place may lie half as far again from the middle of its range, in standard deviations of its prior.
+        const PLACED: f64 = 1.5 * REACH;
         /// Share of the largest usual magnitude below which a signed amount is negligible.
         const NEGLIGIBLE: f64 = 0.02;
         self.effects.iter().all(|chosen| {
             let at = |strength: &Strength| {
-                (strength.kind, strength.free(scene).coordinate(self.fit.machine.get(strength.parameter)))
+                let free = strength.free(scene);
+                let mut known = self.fit.free.iter().zip(&self.fit.coordinates);
+                let fitted = known.find(|(free, _)| free.parameter == strength.parameter).map(|(_, at)| *at);
+                (strength.kind, fitted.unwrap_or_else(|| free.coordinate(self.fit.machine.get(strength.parameter))))
             };
             let possible = chosen.form.iter().map(at).all(|(kind, coordinate)| match kind {
-                Kind::Amount(_) | Kind::Jump(_) => coordinate < WIDE,
-                Kind::Shape(..) => coordinate.abs() < WIDE,
-                Kind::Signed(_) | Kind::Place(..) => coordinate.abs() < 1.5 * WIDE,
+                Kind::Amount(_) | Kind::Jump(_) => coordinate < PRESSED,
+                // A shape stays where shapes are; where it runs to the end, the recordings leave it open.
+                Kind::Shape(..) => true,
+                Kind::Signed(_) | Kind::Place(..) => coordinate.abs() < PLACED,
             });
             let notable = chosen.form.iter().map(at).any(|(kind, coordinate)| match kind {
-                Kind::Amount(_) | Kind::Jump(_) => coordinate > -WIDE,
+                Kind::Amount(_) | Kind::Jump(_) => coordinate > -REACH,
                 Kind::Signed(_) => coordinate.abs() > NEGLIGIBLE,
                 Kind::Shape(..) | Kind::Place(..) => false,
             });

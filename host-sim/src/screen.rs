@@ -30,12 +30,14 @@ impl Strength {
     #[must_use]
     pub fn free(&self, scene: &Scene<'_>) -> Free {
         // The usual range, widened threefold, is ±2 standard deviations.
-        let logarithm = |(low, high): (f64, f64)| Freedom::Logarithm {
+        let logarithm = |(low, high): (f64, f64), vanishes: bool| Freedom::Logarithm {
             centre: (low * high).sqrt(),
             spread: ((high / low).ln() + 2.0 * 3.0_f64.ln()) / 4.0,
+            vanishes,
         };
         let freedom = match self.kind {
-            Kind::Amount(range) | Kind::Jump(range) | Kind::Shape(range, _) => logarithm(range(scene)),
+            Kind::Amount(range) | Kind::Jump(range) => logarithm(range(scene), true),
+            Kind::Shape(range, _) => logarithm(range(scene), false),
             Kind::Signed(size) => Freedom::Around { nominal: 0.0, sigma: size(scene) },
             Kind::Place(range, _) => {
                 let (low, high) = range(scene);

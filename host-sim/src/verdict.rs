@@ -36,6 +36,9 @@ const FORM: f64 = 0.1;
 const CHANCE: f64 = 3.0;
 /// A set whose worst signal is this close to its noise is not searched further.
 const AT_NOISE: f64 = 1.03;
+/// With the links apart the noise of the recorded slider adds to what is below it: effects are only looked for so while the
+/// worst signal is this many times its noise.
+const FAR: f64 = 2.0;
 
 /// What one set gained over the one before it.
 #[derive(Clone, Debug)]
@@ -61,14 +64,80 @@ pub struct Selection {
     pub rounds: Vec<Vec<Trial>>,
 }
 
+/// How far a selection has come.
+struct Course {
+    /// The machine file's model, refitted.
+    base: Candidate,
+    /// The chosen set; the base while nothing is claimed.
+    chosen: Candidate,
+    /// Sets that the next round starts from.
+    beam: Vec<Candidate>,
+    /// Every set that was refitted, round by round, the best first.
+    rounds: Vec<Vec<Trial>>,
+}
+
+impl Course {
+    fn from(base: Candidate) -> Self {
+        Self { chosen: base.clone(), beam: vec![base.clone()], rounds: Vec::new(), base }
+    }
+}
+
 /// Chooses the effects. `done` is told after each refit.
+///
+/// Where the slider is recorded and the model is far off, large effects are looked for with the links apart first: the recorded
+/// slider meters the oil beside the valve, so that what one link misses bends no other's parameters. The chain as a whole then
+/// has to accept what was found, and is searched on.
 pub fn select(question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<Selection, FitError> {
-    let base = Candidate::base(question)?;
+    let followed: Option<Vec<Prepared>> = question.training.iter().map(|case| case.following()).collect();
+    let start = match followed {
+        Some(mut followed) => {
+            Candidate::tolerated(question.scene, question.ordinary, &mut followed)?;
+            let references: Vec<&Prepared> = followed.iter().collect();
+            apart_then_joined(question, &Question { training: &references, ..*question }, done)?
+        }
+        None => Course::from(Candidate::base(question, None)?),
+    };
     done("refit");
-    let mut rounds = Vec::new();
-    let mut chosen = base.clone();
-    let mut beam = vec![base.clone()];
-    for round in 0..MOST_EFFECTS {
+    let Course { base, chosen, rounds, .. } = forward(question, start, AT_NOISE, done)?;
+    Ok(Selection { base, chosen, rounds })
+}
+
+/// What the chain accepts of what was found with its links `apart`.
+fn apart_then_joined(
+    question: &Question<'_>,
+    apart: &Question<'_>,
+    done: &(impl Fn(&str) + Sync),
+) -> Result<Course, FitError> {
+    let base_apart = Candidate::base(apart, None)?;
+    let base = Candidate::base(question, Some(&base_apart.fit))?;
+    let mut course = Course::from(base);
+    if course.base.worst_over_noise(question) > FAR {
+        let found = forward(apart, Course::from(base_apart), FAR, done)?;
+        if !found.chosen.effects.is_empty() {
+            let joined = found.chosen.finished(question)?;
+            if accepts(question, &course.base, &course.base, &joined)? {
+                course.chosen = backward(question, &course.base, joined)?;
+                course.beam = vec![course.chosen.clone()];
+                course.rounds = found.rounds;
+                course.rounds.truncate(course.chosen.effects.len());
+            }
+        }
+    }
+    Ok(course)
+}
+
+/// Adds effects round by round, until the best set is within `near` times the noise or nothing more is worth it.
+fn forward(
+    question: &Question<'_>,
+    from: Course,
+    near: f64,
+    done: &(impl Fn(&str) + Sync),
+) -> Result<Course, FitError> {
+    let Course { mut base, mut chosen, mut beam, mut rounds } = from;
+    for round in chosen.effects.len()..MOST_EFFECTS {
+        if !chosen.effects.is_empty() && beam.first().is_none_or(|best| is_enough(question, &base, best, near)) {
+            break;
+        }
         let found = widened(question, &beam, if round == 0 { REFITTED } else { BESIDE }, done)?;
         // Only the best are worth an exact refit.
         let possible = found.into_iter().filter(|candidate| candidate.is_plausible(question.scene)).collect();
@@ -91,17 +160,30 @@ pub fn select(question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<
         }
         beam = ranked.into_iter().take(BEAM).map(|(candidate, _)| candidate).collect();
         if let Some(better) = accepted {
-            chosen = backward(question, &base, better)?;
+            // An effect may only have led the ordinary parameters to where they do as well without it.
+            if round == 0 {
+                let plain = better.without(question, 0)?;
+                if plain.fit.loss < base.fit.loss {
+                    (base, chosen) = (plain.clone(), plain);
+                }
+            }
+            if round > 0 || accepts(question, &base, &chosen, &better)? {
+                chosen = backward(question, &base, better)?;
+            }
         }
-        // Nothing that a further effect could explain would be told from the form's own error.
-        let explained = |best: &Candidate| excess(&best.residuals) < FORM * FORM * excess(&base.residuals);
-        let enough = beam.first().is_none_or(|best| best.worst_over_noise(question) < AT_NOISE || explained(best));
         // Two that go together may each be nothing alone, but a third is only looked for beside what was found.
+        let enough = beam.first().is_none_or(|best| is_enough(question, &base, best, near));
         if enough || (round > 0 && chosen.effects.len() <= round) {
             break;
         }
     }
-    Ok(Selection { base, chosen, rounds })
+    Ok(Course { base, chosen, beam, rounds })
+}
+
+/// Whether nothing is left that a further effect could explain: the set is `near` its noise, or what it leaves would not be told
+/// from its own form's error.
+fn is_enough(question: &Question<'_>, base: &Candidate, best: &Candidate, near: f64) -> bool {
+    best.worst_over_noise(question) < near || excess(&best.residuals) < FORM * FORM * excess(&base.residuals)
 }
 
 /// Best first by log-likelihood gained over the base less penalty; only the best form of the same effects stays.

@@ -94,6 +94,13 @@ pub enum Entry<N> {
     Command(N),
     /// Measured slider; the valve link is left out.
     Slider(Slider<N>),
+    /// Both: the valve runs beside, and the measured slider meters the oil. Neither link's error reaches the other.
+    Followed {
+        /// Command, in 10 V, held over the tick.
+        command: N,
+        /// Measured slider.
+        slider: Slider<N>,
+    },
     /// Speed of a pump and direction of its valve, held over the tick.
     Pump(PumpDrive<N>),
     /// Measured flows into A and out of B at both ends of the tick; valve and flow links are left out.
@@ -283,23 +290,31 @@ impl<N: Number> Drive<N> {
         let closed = Flows { a: N::ZERO, b: N::ZERO };
         let feed = match entry {
             Entry::Force { from, to } => return self.step_force(state, from + load.from, to + load.to),
-            Entry::Command(command) => match &self.source {
-                OilSource::Valve(valve, edges) => {
-                    let across = if valve.feels_flow() {
-                        edges.across_open(state.chambers, state.supply.pressure)
-                    } else {
-                        AcrossEdges::NONE
-                    };
-                    let slider = valve.step_against(&mut state.valve, command, across);
-                    Feed::Edges(self.shifted(state, slider))
-                }
-                OilSource::Pump(_) => Feed::Given { from: closed, to: closed },
+            Entry::Command(command) => match self.step_valve(state, command) {
+                Some(slider) => Feed::Edges(self.shifted(state, slider)),
+                None => Feed::Given { from: closed, to: closed },
             },
+            Entry::Followed { command, slider } => {
+                self.step_valve(state, command);
+                Feed::Edges(slider)
+            }
             Entry::Slider(slider) => Feed::Edges(slider),
             Entry::Pump(pump) => Feed::Pump(pump),
             Entry::Flow { from, to } => Feed::Given { from, to },
         };
         self.step_hydraulics(state, &feed, load)
+    }
+
+    /// Only the valve, where the drive has one.
+    #[inline]
+    fn step_valve<const DELAY: usize>(&self, state: &mut DriveState<N, DELAY>, command: N) -> Option<Slider<N>> {
+        let OilSource::Valve(valve, edges) = &self.source else { return None };
+        let across = if valve.feels_flow() {
+            edges.across_open(state.chambers, state.supply.pressure)
+        } else {
+            AcrossEdges::NONE
+        };
+        Some(valve.step_against(&mut state.valve, command, across))
     }
 
     /// The slider over a tick with the travel of an unnamed table.

@@ -15,7 +15,7 @@ fn chain_and_links_agree<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Ti
     let drive = drive::<N>(machine, tick);
     let valve = drive.valve().unwrap();
     let mut chain: State<N> = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.1));
-    let (mut valve_alone, mut from_slider) = (chain.valve, chain);
+    let (mut valve_alone, mut from_slider, mut followed) = (chain.valve, chain, chain);
     let (mut chambers_alone, mut rest_alone, mut mechanics_alone) = (chain.chambers, chain.rest, chain.motion);
     for (tick, volts) in Excitation::random_steps(seed).sample(1e-3).into_iter().enumerate() {
         // A load that comes and goes, so that the chain takes it too.
@@ -34,12 +34,36 @@ fn chain_and_links_agree<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Ti
             (chain.chambers, chain.rest, chain.motion)
         );
 
+        let entry = Entry::Followed { command: command(volts), slider };
+        assert_eq!(drive.step(&mut followed, entry, load), seen, "the valve beside a slider that is its own");
+        assert_eq!(followed, chain);
+
         drive.chambers().step(&mut chambers_alone, &mut rest_alone, seen.flows, seen.velocity, seen.position);
         assert_eq!((chambers_alone, rest_alone), (chain.chambers, chain.rest), "the chambers alone");
 
         assert_eq!(drive.mechanics().step(&mut mechanics_alone, seen.forces), seen.velocity, "the mechanics alone");
         assert_eq!(mechanics_alone, chain.motion);
     }
+}
+
+#[test]
+fn a_followed_slider_keeps_what_the_valve_misses_from_the_rod() {
+    let named = &drives::named()[0];
+    let drive = drive::<f64>(&named.machine, Tick::OneMillisecond);
+    let mut chain: State<f64> = at_rest(&drive, 0.0, &InitialState::at_rest(&named.machine, 0.1));
+    let mut followed = chain;
+    for _ in 0..300 {
+        let seen = drive.step(&mut chain, Entry::Command(command(5.0)), Load::NONE);
+        let entry = Entry::Followed { command: command(4.0), slider: seen.slider.unwrap() };
+        drive.step(&mut followed, entry, Load::NONE);
+    }
+    assert_eq!((followed.motion, followed.chambers), (chain.motion, chain.chambers));
+    assert!(
+        followed.valve.slider() < 0.9 * chain.valve.slider(),
+        "{} {}",
+        followed.valve.slider(),
+        chain.valve.slider()
+    );
 }
 
 #[test]

@@ -21,6 +21,8 @@ fn any_entry() -> impl Strategy<Value = Entry<PerUnit>> {
     prop_oneof![
         any_word().prop_map(Entry::Command),
         (any_word(), any_word()).prop_map(|(from, to)| Entry::Slider(Slider { from, to })),
+        (any_word(), any_word(), any_word())
+            .prop_map(|(command, from, to)| Entry::Followed { command, slider: Slider { from, to } }),
         (any_word(), any::<i8>()).prop_map(|(speed, direction)| Entry::Pump(PumpDrive { speed, direction })),
         (any_word(), any_word(), any_word(), any_word())
             .prop_map(|(a, b, c, d)| Entry::Flow { from: Flows { a, b }, to: Flows { a: c, b: d } }),

@@ -37,13 +37,25 @@ pub enum Freedom {
         /// Its standard deviation.
         sigma: f64,
     },
-    /// Positive and of roughly known size: moves in its logarithm.
+    /// Positive and of roughly known size: moves in its logarithm, ever more stiffly towards [`REACH`] standard deviations.
     Logarithm {
         /// Middle of the usual range.
         centre: f64,
         /// Standard deviation of the logarithm.
         spread: f64,
+        /// Whether it may vanish: then only large values are held back.
+        vanishes: bool,
     },
+}
+
+/// A positive value comes no further from the middle of its prior than this, in standard deviations: where the recordings cannot
+/// tell a large value from one yet larger (a hard stop from a harder one), the search would run away. A coordinate far beyond
+/// says that they press against it.
+pub const REACH: f64 = 2.2;
+
+/// Standard deviations from the middle at a coordinate: the coordinate itself near 0, and never more than [`REACH`].
+fn reached(coordinate: f64, vanishes: bool) -> f64 {
+    if vanishes && coordinate < 0.0 { coordinate } else { REACH * (coordinate / REACH).tanh() }
 }
 
 /// A parameter that a fit may move.
@@ -62,7 +74,9 @@ impl Free {
         let description = self.parameter.description();
         let value = match self.freedom {
             Freedom::Around { nominal, sigma } => nominal + sigma * coordinate,
-            Freedom::Logarithm { centre, spread } => centre * (spread * coordinate).clamp(-40.0, 40.0).exp(),
+            Freedom::Logarithm { centre, spread, vanishes } => {
+                centre * (spread * reached(coordinate, vanishes)).max(-40.0).exp()
+            }
         };
         value.clamp(description.min, description.max)
     }
@@ -72,7 +86,15 @@ impl Free {
     pub fn coordinate(&self, value: f64) -> f64 {
         match self.freedom {
             Freedom::Around { nominal, sigma } => (value - nominal) / sigma,
-            Freedom::Logarithm { centre, spread } => (value / centre).max(1e-17).ln() / spread,
+            Freedom::Logarithm { centre, spread, vanishes } => {
+                let deviations = (value / centre).max(1e-17).ln() / spread;
+                if vanishes && deviations < 0.0 {
+                    deviations
+                } else {
+                    // Values at the end of the reach and beyond are as far as a coordinate is taken to be.
+                    REACH * (deviations / REACH).clamp(-0.99, 0.99).atanh()
+                }
+            }
         }
     }
 
@@ -87,7 +109,11 @@ impl Free {
         match self.freedom {
             _ if self.at_bound(coordinate) => 0.0,
             Freedom::Around { sigma, .. } => sigma,
-            Freedom::Logarithm { spread, .. } => spread * self.value(coordinate),
+            Freedom::Logarithm { spread, vanishes, .. } => {
+                let share = reached(coordinate, vanishes) / REACH;
+                let held = if vanishes && coordinate < 0.0 { 1.0 } else { 1.0 - share * share };
+                spread * self.value(coordinate) * held
+            }
         }
     }
 }

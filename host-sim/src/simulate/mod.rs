@@ -221,10 +221,10 @@ fn behind<R: Real>(machine: &Machine<R>, (factor, offset): SensorError, reading:
 
 /// What the chain is entered with where the recording has the reading of a sensor.
 fn entered<N: Number>(machine: &Machine<N::Real>, entry: Entry<N>) -> Entry<N> {
+    let true_slider = |Slider { from, to }| Slider { from: true_slider(machine, from), to: true_slider(machine, to) };
     match entry {
-        Entry::Slider(Slider { from, to }) => {
-            Entry::Slider(Slider { from: true_slider(machine, from), to: true_slider(machine, to) })
-        }
+        Entry::Slider(slider) => Entry::Slider(true_slider(slider)),
+        Entry::Followed { command, slider } => Entry::Followed { command, slider: true_slider(slider) },
         other => other,
     }
 }
@@ -283,8 +283,9 @@ fn sample<N: Number>(
     let bases = drive.bases();
     let constant = N::Real::constant;
     let sensed = drive.sensed(state);
-    let recorded = stimulus.slider_at::<N>(point);
+    let recorded = stimulus.metering_at::<N>(point);
     let slider = recorded.map_or_else(|| drive.slider(state), |reading| true_slider(machine, reading));
+    let read = recorded.filter(|_| stimulus.entry == EntryPoint::Slider).unwrap_or(sensed.spool);
     let supply = state.supply.pressure;
     let flow_a = if stimulus.wants_flow {
         drive.flows_from(supply, slider, stimulus.pump_at(point, bases), state.chambers).a
@@ -294,7 +295,7 @@ fn sample<N: Number>(
     let pressure_a_pa = sensed.pressure_a.to_real() * constant(bases.pressure_pa);
     let pressure_b_pa = sensed.pressure_b.to_real() * constant(bases.pressure_pa);
     Sample {
-        spool: recorded.unwrap_or(sensed.spool).to_real(),
+        spool: read.to_real(),
         supply_pressure_pa: supply.to_real() * constant(bases.pressure_pa),
         flow_a_m3_per_s: flow_a.to_real() * constant(bases.flow_m3_per_s),
         pressure_a_pa,

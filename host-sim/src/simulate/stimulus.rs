@@ -107,6 +107,8 @@ pub struct Stimulus {
     pub start: Start,
     pub(super) ticks: usize,
     input: Input,
+    /// At grid points, 1: the recorded slider that meters the oil while the valve runs beside.
+    followed: Option<Vec<f64>>,
     /// External force at grid points, N.
     load_n: Option<Vec<f64>>,
     /// Whether anybody asks for the flow at each row: it costs two more roots.
@@ -204,11 +206,37 @@ impl Stimulus {
             start: start(recording),
             ticks: grid.ticks,
             input,
+            followed: None,
             load_n,
             wants_flow: true,
             damping,
             rows: grid.rows,
         })
+    }
+
+    /// The same with the recorded slider metering the oil, beside the valve that the command moves: neither link's error then
+    /// reaches the other. Rows that do not `work` are bridged; `None` where the chain is not entered at the command.
+    #[must_use]
+    pub fn following(&self, spool: &[f64], works: impl Fn(usize) -> bool) -> Option<Self> {
+        let Input::Command(_) = self.input else { return None };
+        let at = |row: usize| self.rows[row].0 as f64 + self.rows[row].1;
+        let known: Vec<usize> = (0..self.rows.len()).filter(|&row| works(row)).collect();
+        let (&first, &last) = known.first().zip(known.last())?;
+        let mut next = 0;
+        let followed = (0..=self.ticks)
+            .map(|point| {
+                let point = point as f64;
+                while next < known.len() && at(known[next]) < point {
+                    next += 1;
+                }
+                let (before, after) =
+                    (if next == 0 { first } else { known[next - 1] }, known.get(next).copied().unwrap_or(last));
+                let apart = at(after) - at(before);
+                let share = if apart > 0.0 { ((point - at(before)) / apart).clamp(0.0, 1.0) } else { 1.0 };
+                spool[before] + share * (spool[after] - spool[before])
+            })
+            .collect();
+        Some(Self { followed: Some(followed), ..self.clone() })
     }
 
     /// How many rows the recording has.
@@ -226,9 +254,13 @@ impl Stimulus {
     pub(super) fn entry_at<N: Number>(&self, tick: usize, bases: &Bases) -> Entry<N> {
         let at = |values: &[f64], base: f64| N::saturated(values.get(tick).copied().unwrap_or(0.0) / base);
         let next = |values: &[f64], base: f64| N::saturated(values.get(tick + 1).copied().unwrap_or(0.0) / base);
+        let slider = |spool: &[f64]| Slider { from: at(spool, 1.0), to: next(spool, 1.0) };
         match &self.input {
-            Input::Command(volts) => Entry::Command(at(volts, bases.command_v)),
-            Input::Slider(spool) => Entry::Slider(Slider { from: at(spool, 1.0), to: next(spool, 1.0) }),
+            Input::Command(volts) => match &self.followed {
+                Some(spool) => Entry::Followed { command: at(volts, bases.command_v), slider: slider(spool) },
+                None => Entry::Command(at(volts, bases.command_v)),
+            },
+            Input::Slider(spool) => Entry::Slider(slider(spool)),
             Input::Pump(speed, direction) => Entry::Pump(PumpDrive {
                 speed: at(speed, bases.pump_speed_rev_per_s),
                 direction: direction.get(tick).copied().unwrap_or(0),
@@ -258,11 +290,13 @@ impl Stimulus {
         }
     }
 
-    pub(super) fn slider_at<N: Number>(&self, point: usize) -> Option<N> {
-        match &self.input {
-            Input::Slider(spool) => spool.get(point).map(|&value| N::saturated(value)),
-            _ => None,
-        }
+    /// The recorded slider that meters the oil.
+    pub(super) fn metering_at<N: Number>(&self, point: usize) -> Option<N> {
+        let spool = match &self.input {
+            Input::Slider(spool) => Some(spool),
+            _ => self.followed.as_ref(),
+        };
+        spool.and_then(|spool| spool.get(point)).map(|&value| N::saturated(value))
     }
 }
 

@@ -199,3 +199,38 @@ fn a_supply_that_droops_is_computed_where_the_valve_draws_from_it() {
     let again = below.signal(Signal::SupplyPressure).unwrap();
     assert!(farthest(again, supply) < 0.01 * fall);
 }
+
+#[test]
+fn a_followed_slider_moves_the_rod_and_the_command_moves_the_valve() {
+    let time_s: Vec<f64> = (0..1500).map(|row| f64::from(row) * 1e-3).collect();
+    let commanded = commanded(time_s);
+    let machine = press();
+    let stimulus =
+        Stimulus::new(&commanded, &machine, EntryPoint::Command, LoadSource::Constant, Tick::OneMillisecond).unwrap();
+    let chain = simulate::<f64>(&machine, &stimulus, StartOffset::none()).unwrap();
+    let spool = chain.signal(Signal::Spool).unwrap();
+
+    // Rows in which the sensor fails are bridged.
+    let mut recorded = spool.to_vec();
+    recorded[40] = 1.0;
+    let following = stimulus.following(&recorded, |row| row != 40).unwrap();
+    let mut sluggish = machine;
+    sluggish.set(Parameter::TimeConstant1, 0.06);
+    let apart = simulate::<f64>(&sluggish, &following, StartOffset::none()).unwrap();
+    let worst = |signal: Signal| {
+        let pairs = apart.signal(signal).unwrap().iter().zip(chain.signal(signal).unwrap());
+        pairs.map(|(apart, chain)| (apart - chain).abs()).fold(0.0, f64::max)
+    };
+    assert!(worst(Signal::Position) < 2e-6, "{:e}", worst(Signal::Position));
+    assert!(worst(Signal::Spool) > 0.05, "{:e}", worst(Signal::Spool));
+}
+
+#[test]
+fn no_slider_is_followed_where_the_chain_is_entered_below_the_valve() {
+    let time_s: Vec<f64> = (0..50).map(|row| f64::from(row) * 1e-3).collect();
+    let spool = vec![0.1; time_s.len()];
+    let recording = recording(time_s, vec![(Signal::Spool, spool.clone()), (Signal::Position, vec![0.1; 50])]);
+    let stimulus =
+        Stimulus::new(&recording, &press(), EntryPoint::Slider, LoadSource::Constant, Tick::OneMillisecond).unwrap();
+    assert!(stimulus.following(&spool, |_| true).is_none());
+}
