@@ -4,7 +4,8 @@
 //! starts or ends with a jump, several times larger than every other change of the recording. A position cannot jump, as its
 //! velocity is bounded by what the recording shows. What may jump (a slider that breaks away, a pressure between two slow
 //! samples) has to fall silent as well: repeat one reading for longer than its own noise allows. A sensor without noise that
-//! hangs to the end of the recording, or comes back where it left, cannot be told from a drive at rest, and is not.
+//! hangs to the end of the recording, or comes back where it left, cannot be told from a drive at rest, and is not; of two constants
+//! with one jump between, the first is blamed.
 
 mod spikes;
 mod stretches;

@@ -31,23 +31,33 @@ pub(super) fn stretches(signal: Signal, time_s: &[f64], values: &[f64], spikes: 
     let changes = changes(time_s, values, spikes);
     let runs = runs(values);
     let Some(least) = least_jump(&changes, &runs, grain) else { return Vec::new() };
-    // A change that leads to a row; none leads to the first.
-    let jump =
-        |row: usize| row.checked_sub(1).and_then(|at| changes.get(at)).is_some_and(|change| change.abs() >= least);
-    let suspects: Vec<Run> = runs.into_iter().filter(|run| jump(run.from) || jump(run.to)).collect();
+    // The jump that leads to a row, with its sign; none leads to the first, and none from the last.
+    let jump = |row: usize| row.checked_sub(1).and_then(|at| changes.get(at)).copied().filter(|by| by.abs() >= least);
+    let suspects: Vec<Run> =
+        runs.into_iter().filter(|run| jump(run.from).is_some() || jump(run.to).is_some()).collect();
     let repeats = if signal == Signal::Position { 0.0 } else { repeats(values, &suspects) };
-    suspects
-        .into_iter()
-        .filter(|run| {
-            let times = i32::try_from(run.to - run.from - 1).unwrap_or(i32::MAX);
-            repeats.powi(times) * values.len() as f64 * ONCE_IN < 1.0
-        })
-        .map(|run| {
-            let away = jump(run.from) && jump(run.to) && changes[run.from - 1] * changes[run.to - 1] < 0.0;
-            let kind = if away { FailureKind::Dropout } else { FailureKind::Stuck };
-            Stretch { kind, from: run.from, to: run.to, reading: values[run.from] }
-        })
-        .collect()
+    let away = |run: &Run| jump(run.from).zip(jump(run.to)).is_some_and(|(there, back)| there * back < 0.0);
+    let mut found = Vec::new();
+    // A jump accuses one run: the one that it leads away and back, else the one that it ends. What begins with a jump and goes on
+    // smoothly is where the signal really was.
+    let mut explained = 0;
+    for (index, run) in suspects.iter().enumerate() {
+        let begins = jump(run.from).is_some() && explained != run.from;
+        let next_is_away = suspects.get(index + 1).is_some_and(|next| next.from == run.to && away(next));
+        let kind = if begins && away(run) {
+            FailureKind::Dropout
+        } else if (jump(run.to).is_some() && !next_is_away) || (begins && run.to == values.len()) {
+            FailureKind::Stuck
+        } else {
+            continue;
+        };
+        explained = run.to;
+        let times = i32::try_from(run.to - run.from - 1).unwrap_or(i32::MAX);
+        if repeats.powi(times) * values.len() as f64 * ONCE_IN < 1.0 {
+            found.push(Stretch { kind, from: run.from, to: run.to, reading: values[run.from] });
+        }
+    }
+    found
 }
 
 /// Change from each row to the next; 0 at a spike and over a gap in time, where it tells nothing.

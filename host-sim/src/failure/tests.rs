@@ -62,6 +62,25 @@ fn readings_of_nothing_are_drop_outs_in_whatever_signal() {
 }
 
 #[test]
+fn the_rests_before_and_after_a_failure_are_none() {
+    // It hangs while the rod moves, and jumps to where the rod rests by then.
+    let mut late = rod();
+    let held = late.1[3300];
+    late.1[3300..3600].fill(held);
+    assert_eq!(found(Signal::Position, &late).last(), Some(&(FailureKind::Stuck, 3300, 3600)));
+    assert_eq!(found(Signal::Position, &late).len(), 1);
+    let mut resting = rod();
+    resting.1[100..150].fill(0.0);
+    resting.1[200..250].fill(0.0);
+    let expected = [(FailureKind::Dropout, 100, 150), (FailureKind::Dropout, 200, 250)];
+    assert_eq!(found(Signal::Position, &resting), expected);
+    // One from which it does not come back.
+    let mut moving = rod();
+    moving.1[2000..].fill(0.0);
+    assert_eq!(found(Signal::Position, &moving), [(FailureKind::Stuck, 2000, 4000)]);
+}
+
+#[test]
 fn a_silent_pressure_has_to_jump_and_a_jumping_one_to_be_silent() {
     let mut silent = noisy();
     let held = silent.1[393];
