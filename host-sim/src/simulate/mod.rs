@@ -130,14 +130,14 @@ impl<R: Real> StartOffset<R> {
 }
 
 /// Pressures at the start where the recording has none: the level in B, and the balance of forces.
-fn balanced<R: Real>(machine: &Machine<R>, level_pa: R, position_m: R) -> (R, R) {
+fn balanced<R: Real>(machine: &Machine<R>, level: R, position_m: R) -> (R, R) {
     let get = |parameter| machine.get(parameter);
     let beyond = position_m - get(Parameter::Stroke) * R::constant(0.5);
     let spring = get(Parameter::LoadSpringForce)
         + beyond * (get(Parameter::LoadSpring) + beyond * get(Parameter::LoadSpringBow));
     let force = get(Parameter::LoadForce) - spring;
-    let a = (level_pa * get(Parameter::AreaB) - force) / get(Parameter::AreaA);
     let supply = get(Parameter::SupplyPressure);
+    let a = (level * supply * get(Parameter::AreaB) - force) / get(Parameter::AreaA);
     let (low, high) = (supply * R::constant(0.02), supply * R::constant(0.98));
     let a = if a < low {
         low
@@ -173,10 +173,7 @@ pub fn run<N: Number>(
     let position_m = constant(stimulus.start.position_m) + offset.shift_m;
     let (pressure_a, pressure_b) = match stimulus.start.pressures_pa {
         Some((a, b)) => (behind(machine, PRESSURE_A, constant(a)), behind(machine, PRESSURE_B, constant(b))),
-        None => {
-            let level = offset.level.unwrap_or(machine.get(Parameter::LevelAtRest));
-            balanced(machine, level * machine.get(Parameter::SupplyPressure), position_m)
-        }
+        None => balanced(machine, offset.level.unwrap_or(machine.get(Parameter::LevelAtRest)), position_m),
     };
     let fit = |value: N::Real| N::signal(value).unwrap_or_else(|| N::saturated(value.value()));
     let pressures = ChamberState {
