@@ -9,11 +9,11 @@ use model_core::machine::{Machine, MachineError, Tick};
 use model_core::parameter::Parameter;
 
 use crate::compare::CompareError;
-use crate::fit::{Estimate, FitError, Free, Freedom, StartState, settle};
+use crate::fit::{Estimate, FitError, Free, Freedom, StartState, level_at_rest, settle};
 use crate::hypothesis::{CATALOGUE, Hypothesis, Scene, Subsystem};
 use crate::locate::{Case, Location, Miss, locate, misses};
 use crate::machine_file::MachineFile;
-use crate::prepare::Prepared;
+use crate::prepare::{Channel, Prepared};
 use crate::recording::{Recording, Signal};
 use crate::residual::SignalFit;
 use crate::screen::Lead;
@@ -92,6 +92,9 @@ pub struct Diagnosis {
     pub selection: Selection,
     /// The machine after: refitted, with the effects claimed.
     pub machine_after: Machine<f64>,
+    /// Share of supply pressure in B at rest that the training recordings start from with that machine, in the mean; `None`
+    /// where they have their pressures. The held-out recordings are shown from the start that suits each best.
+    pub level_at_rest: Option<f64>,
     /// Effects that these recordings cannot show, whatever the drive.
     pub not_testable: Vec<&'static Hypothesis>,
 }
@@ -156,7 +159,7 @@ pub fn diagnose(
         entry: first.stimulus.entry,
         load: file.load_source,
         judged: &judged,
-        travel_m: travelled(&file.machine, training),
+        travel_m: travelled(&file.machine, &trained),
         duration_s: trained.iter().map(Prepared::duration_s).fold(0.0, f64::max),
     };
     let ordinary = ordinary(file);
@@ -207,6 +210,7 @@ pub fn diagnose(
     };
     let after_cases: Vec<Case<'_>> =
         cases.iter().zip(&after.fit.starts).map(|(case, &start)| Case { start, ..*case }).collect();
+    let level_at_rest = level_at_rest(&after.fit.machine, &references, &after.fit.starts);
     let mut left = misses(&after.fit.machine, &after_cases)?;
     left.retain(|miss| miss.over_noise > WITHIN_NOISE);
     let shown = trained
@@ -229,6 +233,7 @@ pub fn diagnose(
         refitted,
         shown,
         machine_after: after.fit.machine,
+        level_at_rest,
         not_testable,
         selection,
     })
@@ -293,10 +298,11 @@ fn promises(leads: &[Lead]) -> Vec<(Subsystem, f64)> {
     best.into_iter().collect()
 }
 
-/// Lowest and highest recorded position, m; the whole stroke where none is recorded.
-fn travelled(machine: &Machine<f64>, recordings: &[Recording]) -> (f64, f64) {
-    let positions = recordings.iter().filter_map(|recording| recording.signal(Signal::Position)).flatten();
-    let (low, high) = positions.fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(*value), high.max(*value)));
+/// Lowest and highest position judged, m; the whole stroke where none is.
+fn travelled(machine: &Machine<f64>, cases: &[Prepared]) -> (f64, f64) {
+    let channels = cases.iter().flat_map(|case| &case.channels);
+    let positions = channels.filter(|channel| channel.signal == Signal::Position).flat_map(Channel::kept);
+    let (low, high) = positions.fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)));
     if low < high { (low, high) } else { (0.0, machine.get(Parameter::Stroke)) }
 }
 
@@ -358,9 +364,12 @@ fn show(
     };
     let mut stimulus = prepared.stimulus.clone();
     stimulus.wants_flow = true;
-    let before = simulate::<f64>(before, &stimulus, from_before.offset(&prepared))?;
-    let after = simulate::<f64>(after, &stimulus, from_after.offset(&prepared))?;
-    Ok(Shown { held_out: starts.is_none(), prepared, before, after })
+    Ok(Shown {
+        held_out: starts.is_none(),
+        before: simulate::<f64>(before, &stimulus, from_before.offset(before, &prepared))?,
+        after: simulate::<f64>(after, &stimulus, from_after.offset(after, &prepared))?,
+        prepared,
+    })
 }
 
 impl Shown {

@@ -41,12 +41,7 @@ impl Exhibits {
             waterfall: Waterfall::of(&file.machine, diagnosis)?,
             whiteness: whiteness(diagnosis, &recordings),
             separations: separations(diagnosis, file.load_source, &recordings)?,
-            found: diagnosis
-                .shown
-                .iter()
-                .zip(&recordings)
-                .map(|(shown, recording)| found(recording, &shown.prepared))
-                .collect(),
+            found: diagnosis.shown.iter().zip(&recordings).map(|(shown, recording)| found(recording, shown)).collect(),
             pictures: if with_pictures { pictures(diagnosis, &recordings)? } else { Vec::new() },
         })
     }

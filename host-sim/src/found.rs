@@ -1,7 +1,13 @@
-//! What the preparation found in each recording: noise, steps of the sensors, rows that failed, dither, the state at the start.
+//! What the preparation found in each recording: noise, steps of the sensors, rows that failed, dither, the clock, the state at
+//! the start.
 
+use std::fmt;
+
+use crate::clock::{Shift, Stamps};
+use crate::diagnose::Shown;
+use crate::failure::{FailureKind, Failures, MEASURED, Stretch};
 use crate::noise::resolution;
-use crate::prepare::Prepared;
+use crate::presentation::{significant, unit_for_people};
 use crate::recording::{Recording, Signal};
 use crate::spectrum::{Line, strongest_line};
 
@@ -9,6 +15,8 @@ use crate::spectrum::{Line, strongest_line};
 const SLOWEST_DITHER_HZ: f64 = 30.0;
 /// How far a line is above the spectrum around it at least to be dither and no edge of a step.
 const ABOVE: f64 = 1e3;
+/// Share of the command's span that a dither is at least: less moves no slider, and is how the numbers were written.
+const LEAST_SHARE: f64 = 1e-3;
 
 /// What was found in one channel.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,10 +29,54 @@ pub struct FoundChannel {
     pub step: Option<f64>,
     /// Rows where it failed for a moment; they are not judged.
     pub spikes: usize,
+    /// Where it failed for longer; not judged either.
+    pub failures: Vec<FoundFailure>,
     /// Its value at the start, SI, from the rows around.
     pub start: f64,
     /// Fit that a perfect model would reach, %.
     pub ceiling_percent: f64,
+}
+
+/// A sensor that repeated one value that is none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FoundFailure {
+    /// The signal.
+    pub signal: Signal,
+    /// What it did.
+    pub kind: FailureKind,
+    /// Time of its first row, s.
+    pub from_s: f64,
+    /// Time of its last row, s.
+    pub to_s: f64,
+    /// What it read, SI.
+    pub reading: f64,
+}
+
+impl FoundFailure {
+    fn of(signal: Signal, time_s: &[f64], stretch: &Stretch) -> Self {
+        let Stretch { kind, from, to, reading } = *stretch;
+        Self { signal, kind, from_s: time_s[from], to_s: time_s[to - 1], reading }
+    }
+}
+
+/// In words, without what becomes of it.
+impl fmt::Display for FoundFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let unit = unit_for_people(self.signal);
+        let (reading, kind) = (significant(unit.from_si(self.reading), 4), self.kind.name());
+        write!(f, "{} {kind} at {reading} {unit} from {:.3} to {:.3} s", self.signal, self.from_s, self.to_s)
+    }
+}
+
+/// A measured signal that is not judged and failed in some rows: a straight line drives or starts the model there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bridged {
+    /// The signal.
+    pub signal: Signal,
+    /// Rows where it failed for a moment.
+    pub spikes: usize,
+    /// Where it failed for longer.
+    pub failures: Vec<FoundFailure>,
 }
 
 /// What was found in one recording.
@@ -38,23 +90,60 @@ pub struct Found {
     pub duration_s: f64,
     /// The judged channels.
     pub channels: Vec<FoundChannel>,
+    /// Measured signals that drive or start the model and failed.
+    pub bridged: Vec<Bridged>,
     /// Dither in the command.
     pub dither: Option<Line>,
+    /// What its time stamps say.
+    pub stamps: Stamps,
+    /// Channels that are late against the model after the diagnosis.
+    pub shifts: Vec<Shift>,
     /// What reading it had to put right.
     pub notes: Vec<String>,
 }
 
+impl Found {
+    /// Every failure of more than a moment, each with what became of its rows.
+    pub fn failures(&self) -> impl Iterator<Item = (&FoundFailure, &'static str)> {
+        let judged = self.channels.iter().flat_map(|channel| &channel.failures).map(|failure| (failure, "not judged"));
+        let driving = self.bridged.iter().flat_map(|bridged| &bridged.failures);
+        judged.chain(driving.map(|failure| (failure, "bridged by a straight line")))
+    }
+
+    /// What the clock is worth a word, in sentences.
+    #[must_use]
+    pub fn of_clock(&self) -> Vec<String> {
+        let mut said = Vec::new();
+        if self.stamps.lost > 0 || self.stamps.uneven > 0 {
+            let interval = significant(1e3 * self.stamps.interval_s, 4);
+            let (lost, uneven) = (self.stamps.lost, self.stamps.uneven);
+            said.push(format!("{lost} rows are missing at intervals of {interval} ms, {uneven} intervals are uneven"));
+        }
+        for shift in &self.shifts {
+            let (late, std) = (significant(1e3 * shift.late_s.abs(), 3), significant(1e3 * shift.std_s, 2));
+            let which = if shift.late_s > 0.0 { "late" } else { "early" };
+            said.push(format!("{} is {late} ± {std} ms {which} against the model", shift.signal));
+        }
+        said
+    }
+}
+
 /// Sums up what was prepared of a recording.
 #[must_use]
-pub fn found(recording: &Recording, prepared: &Prepared) -> Found {
+pub fn found(recording: &Recording, shown: &Shown) -> Found {
+    let (prepared, time_s) = (&shown.prepared, recording.time_s());
     let start = &prepared.stimulus.start;
     let channels = prepared.channels.iter().map(|channel| {
         let step = resolution(&channel.recorded);
+        let failures: Vec<_> =
+            channel.stretches.iter().map(|stretch| FoundFailure::of(channel.signal, time_s, stretch)).collect();
+        let longer: usize = channel.stretches.iter().map(|stretch| stretch.to - stretch.from).sum();
         FoundChannel {
             signal: channel.signal,
             noise: channel.noise,
             step: (step > 0.0).then_some(step),
-            spikes: channel.failed.iter().filter(|failed| **failed).count(),
+            spikes: channel.failed.iter().filter(|failed| **failed).count() - longer,
+            failures,
             start: match (channel.signal, start.pressures_pa) {
                 (Signal::Position, _) => start.position_m,
                 (Signal::PressureA, Some((a, _))) => a,
@@ -69,17 +158,54 @@ pub fn found(recording: &Recording, prepared: &Prepared) -> Found {
         rows: prepared.time_s.len(),
         duration_s: prepared.duration_s(),
         channels: channels.collect(),
+        bridged: bridged(recording, shown),
         dither: recording.signal(Signal::Command).and_then(|command| dither(command, recording.sample_interval_s())),
+        stamps: Stamps::of(time_s),
+        shifts: shifts(shown),
         notes: recording.notes().iter().map(ToString::to_string).collect(),
     }
+}
+
+/// Measured signals that are not judged, where they failed.
+fn bridged(recording: &Recording, shown: &Shown) -> Vec<Bridged> {
+    let judged = |signal| shown.prepared.channels.iter().any(|channel| channel.signal == signal);
+    MEASURED
+        .into_iter()
+        .filter(|signal| !judged(*signal))
+        .filter_map(|signal| {
+            let time_s = recording.time_s();
+            let Failures { spikes, stretches } = Failures::of(signal, time_s, recording.signal(signal)?);
+            let spikes = spikes.iter().filter(|spike| **spike).count();
+            let failures: Vec<_> = stretches.iter().map(|stretch| FoundFailure::of(signal, time_s, stretch)).collect();
+            (spikes > 0 || !failures.is_empty()).then_some(Bridged { signal, spikes, failures })
+        })
+        .collect()
+}
+
+/// Channels that are late against the model after.
+fn shifts(shown: &Shown) -> Vec<Shift> {
+    let prepared = &shown.prepared;
+    prepared
+        .channels
+        .iter()
+        .filter_map(|channel| {
+            let simulated = shown.after.signal(channel.signal)?;
+            let rows = channel.recorded.iter().zip(simulated).zip(&channel.failed);
+            let missed: Vec<f64> =
+                rows.map(|((recorded, simulated), failed)| if *failed { 0.0 } else { recorded - simulated }).collect();
+            Shift::of(channel.signal, &prepared.time_s, &missed, simulated)
+        })
+        .collect()
 }
 
 /// A line in the command's differences: they hold no level, and the edge of a step is no line.
 fn dither(command: &[f64], interval_s: f64) -> Option<Line> {
     let changes: Vec<f64> = command.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let line = strongest_line(&changes, interval_s, SLOWEST_DITHER_HZ).filter(|line| line.above > ABOVE)?;
-    let gain = 2.0 * (std::f64::consts::PI * line.hz * interval_s).sin();
-    Some(Line { amplitude: line.amplitude / gain, ..line })
+    let amplitude = line.amplitude / (2.0 * (std::f64::consts::PI * line.hz * interval_s).sin());
+    let (low, high) =
+        command.iter().fold((f64::MAX, f64::MIN), |(low, high), &value| (low.min(value), high.max(value)));
+    (amplitude > LEAST_SHARE * (high - low) && amplitude > resolution(command)).then_some(Line { amplitude, ..line })
 }
 
 #[cfg(test)]
@@ -97,5 +223,10 @@ mod tests {
             .collect();
         let line = dither(&with, 1e-3).unwrap();
         assert!((line.hz - 120.0).abs() < 0.5 && (line.amplitude - 0.3).abs() < 0.05, "{line:?}");
+        // A slow sweep written with four decimals: the rounding has lines of its own.
+        let rounded: Vec<f64> = (0..4000)
+            .map(|row| (4.0 * (f64::from(row) * 2e-3).sin() * 1e4).round() / 1e4 + 1e-4 * f64::from(row % 2))
+            .collect();
+        assert_eq!(dither(&rounded, 1e-3), None);
     }
 }

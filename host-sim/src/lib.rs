@@ -4,12 +4,14 @@
 pub mod atomic;
 pub mod candidate;
 pub mod cli;
+pub mod clock;
 pub mod compare;
 pub mod diagnose;
 pub mod diagnostic;
 pub mod dual;
 pub mod evidence;
 pub mod exhibits;
+pub mod failure;
 pub mod fit;
 pub mod found;
 pub mod hypothesis;

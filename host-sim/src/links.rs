@@ -90,61 +90,32 @@ pub struct Noise {
     pub position_m: f64,
 }
 
-/// Recorded values with the failed rows bridged by a straight line.
-#[must_use]
-pub fn bridged(channel: &Channel) -> Vec<f64> {
-    let mut values = channel.recorded.clone();
-    let mut row = 0;
-    while row < values.len() {
-        if !channel.failed[row] {
-            row += 1;
-            continue;
-        }
-        let next = (row..values.len()).find(|row| !channel.failed[*row]);
-        let before = row.checked_sub(1).map(|row| values[row]);
-        let (from, to) = match (before, next.map(|row| values[row])) {
-            (Some(from), Some(to)) => (from, to),
-            (Some(value), None) | (None, Some(value)) => (value, value),
-            (None, None) => return values,
-        };
-        let end = next.unwrap_or(values.len());
-        let count = (end - row + 1) as f64;
-        for (step, value) in values[row..end].iter_mut().enumerate() {
-            *value = from + (to - from) * (step + 1) as f64 / count;
-        }
-        row = end;
-    }
-    values
-}
-
 impl Observed {
     /// Lays a recording out. `case` is entered at the measured slider where there is one; position has to be recorded.
     pub fn of(machine: &Machine<f64>, case: &Case<'_>) -> Result<Option<Self>, MachineError> {
         let prepared = case.prepared;
-        let simulated = simulate::<f64>(machine, &prepared.stimulus, case.start.offset(prepared))?;
+        let simulated = simulate::<f64>(machine, &prepared.stimulus, case.start.offset(machine, prepared))?;
         let channel = |signal| prepared.channels.iter().find(|channel| channel.signal == signal);
         let Some(position) = channel(Signal::Position) else { return Ok(None) };
         let rows = prepared.time_s.len();
         let of = |signal| simulated.signal(signal).map_or_else(|| vec![0.0; rows], <[f64]>::to_vec);
-        let best = |signal| channel(signal).map_or_else(|| of(signal), bridged);
+        let best = |signal| channel(signal).map_or_else(|| of(signal), Channel::bridged);
         let has_pressures = channel(Signal::PressureA).is_some() && channel(Signal::PressureB).is_some();
         let slider_as_read = case.recording.signal(Signal::Spool);
-        let position_m = bridged(position);
+        let position_m = position.bridged();
         let missed_m = position_m.iter().zip(of(Signal::Position)).map(|(measured, simulated)| measured - simulated);
         let time_s = prepared.time_s.clone();
         let velocity_m_per_s = if has_pressures { slopes(&time_s, &position_m) } else { of(Signal::Velocity) };
         let noise_of = |signal| channel(signal).map_or(0.0, |channel| channel.noise);
         let recorded = |signal| case.recording.signal(signal).map(<[f64]>::to_vec);
         let supply = machine.get(Parameter::SupplyPressure);
-        let slider = match slider_as_read {
-            Some(values) => bridged(&Channel::of(Signal::Spool, values)),
-            None => of(Signal::Spool),
-        };
+        let slider_as_read = slider_as_read.map(|values| Channel::of(Signal::Spool, &time_s, values));
+        let slider = slider_as_read.as_ref().map_or_else(|| of(Signal::Spool), Channel::bridged);
         let mut observed = Self {
             name: prepared.name.clone(),
             command: recorded(Signal::Command).unwrap_or_else(|| vec![0.0; rows]),
             noise: Noise {
-                slider: slider_as_read.map_or(0.0, |values| Channel::of(Signal::Spool, values).noise),
+                slider: slider_as_read.as_ref().map_or(0.0, |channel| channel.noise),
                 a_pa: noise_of(Signal::PressureA),
                 b_pa: noise_of(Signal::PressureB),
                 position_m: position.noise,

@@ -7,7 +7,6 @@ use model_core::machine::{Machine, MachineError};
 
 use crate::fit::{StartState, standardised};
 use crate::hypothesis::Subsystem;
-use crate::links::bridged;
 use crate::machine_file::LoadSource;
 use crate::missing_link::{MissingLink, missing_link};
 use crate::prepare::{Channel, Prepared};
@@ -91,7 +90,7 @@ pub fn locate(
     );
     let mut oscillating = None;
     for case in cases {
-        let trajectory = simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(case.prepared))?;
+        let trajectory = simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(machine, case.prepared))?;
         oscillating = oscillating.or_else(|| oscillation(case, &trajectory));
     }
     let subsystem = match (named.first(), &event, &oscillating) {
@@ -108,7 +107,7 @@ pub fn locate(
     let mut course = Course::default();
     let mut all: Vec<f64> = Vec::new();
     for case in cases {
-        let trajectory = simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(case.prepared))?;
+        let trajectory = simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(machine, case.prepared))?;
         let Some(channel) = case.prepared.channels.iter().find(|channel| channel.signal == signal) else { continue };
         let Some(simulated) = trajectory.signal(signal) else { continue };
         let errors = over_noise(channel, simulated);
@@ -185,7 +184,7 @@ fn high_passed(values: &[f64], rows: usize) -> Vec<f64> {
 fn extend(course: &mut Course, case: &Case<'_>, trajectory: &Trajectory) {
     let time_s = &case.prepared.time_s;
     let of = |signal: Signal| {
-        let measured = case.prepared.channels.iter().find(|channel| channel.signal == signal).map(bridged);
+        let measured = case.prepared.channels.iter().find(|channel| channel.signal == signal).map(Channel::bridged);
         let simulated = || trajectory.signal(signal).map(<[f64]>::to_vec);
         measured.or_else(simulated).unwrap_or_else(|| vec![0.0; time_s.len()])
     };

@@ -230,7 +230,7 @@ fn valve(machine: &Machine<f64>, cases: &[Case<'_>]) -> Result<Evidence, Machine
             continue;
         };
         let missed = standardised(machine, case.prepared, case.start)?.swap_remove(channel);
-        let trajectory = simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(case.prepared))?;
+        let trajectory = simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(machine, case.prepared))?;
         let Some(slider) = trajectory.signal(Signal::Spool) else { continue };
         let windows = Window::over(&case.prepared.time_s, WINDOW_S);
         let noise = case.prepared.channels[channel].noise;

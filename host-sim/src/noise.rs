@@ -36,7 +36,7 @@ pub(crate) fn resolution(values: &[f64]) -> f64 {
 }
 
 /// The median; 0 for nothing.
-fn median(values: &mut [f64]) -> f64 {
+pub(crate) fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return 0.0;
     }

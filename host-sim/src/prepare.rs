@@ -3,6 +3,7 @@
 use model_core::machine::{Machine, Source, Tick};
 
 use crate::compare::{CompareError, judged};
+use crate::failure::{Failures, Stretch, bridged};
 use crate::machine_file::LoadSource;
 use crate::noise::{noise, resolution};
 use crate::recording::{Recording, Signal};
@@ -17,8 +18,10 @@ pub struct Channel {
     pub recorded: Vec<f64>,
     /// How many times the noise the residual of the refitted model is, 1 at least: residuals far beyond that steer no fit.
     pub tolerance: f64,
-    /// Rows where the sensor failed for a moment: spikes. They are not judged.
+    /// Rows where the sensor failed. They are not judged.
     pub failed: Vec<bool>,
+    /// Where it failed for longer than a moment.
+    pub stretches: Vec<Stretch>,
     /// Standard deviation of the sensor's noise and quantisation, SI.
     pub noise: f64,
 }
@@ -26,9 +29,16 @@ pub struct Channel {
 impl Channel {
     /// A signal as recorded, with its noise and the rows where its sensor failed.
     #[must_use]
-    pub fn of(signal: Signal, recorded: &[f64]) -> Self {
-        let noise = noise(recorded, resolution(recorded));
-        Self { signal, failed: spikes(recorded, noise), tolerance: 1.0, noise, recorded: recorded.to_vec() }
+    pub fn of(signal: Signal, time_s: &[f64], recorded: &[f64]) -> Self {
+        let failures = Failures::of(signal, time_s, recorded);
+        Self {
+            signal,
+            failed: failures.rows(),
+            stretches: failures.stretches,
+            tolerance: 1.0,
+            noise: noise(recorded, resolution(recorded)),
+            recorded: recorded.to_vec(),
+        }
     }
 
     /// The NRMSE fit, %, that a perfect model would reach: only the noise is left.
@@ -37,8 +47,14 @@ impl Channel {
         self.fit_of_square(self.kept().count() as f64)
     }
 
+    /// What was recorded, with the failed rows bridged by a straight line.
+    #[must_use]
+    pub fn bridged(&self) -> Vec<f64> {
+        bridged(&self.recorded, &self.failed)
+    }
+
     /// What was recorded while the sensor worked.
-    fn kept(&self) -> impl Iterator<Item = f64> + '_ {
+    pub fn kept(&self) -> impl Iterator<Item = f64> + '_ {
         self.recorded.iter().zip(&self.failed).filter(|(_, failed)| !**failed).map(|(value, _)| *value)
     }
 
@@ -104,7 +120,7 @@ impl Prepared {
             .into_iter()
             .map(|signal| {
                 recording.check_varies(signal)?;
-                Ok(Channel::of(signal, recording.require(signal)?))
+                Ok(Channel::of(signal, recording.time_s(), recording.require(signal)?))
             })
             .collect::<Result<_, CompareError>>()?;
         let start_sigma_m = recording.signal(Signal::Position).map_or(0.0, |position| {
@@ -145,33 +161,3 @@ impl Prepared {
 
 /// Rows that the start is averaged over at least.
 const ROWS_AT_REST: f64 = 20.0;
-/// A row is a spike that is further from the median of the seven around it than so many standard deviations of the noise…
-const SPIKE: f64 = 8.0;
-/// … and so many times their own median distance from it, which is what a moving signal makes.
-const MOVING: f64 = 6.0;
-
-/// Rows where the sensor failed for a moment, up to three in a row.
-fn spikes(values: &[f64], noise: f64) -> Vec<bool> {
-    let last = values.len() - 1;
-    let is_spike = |row: usize| {
-        let (from, to) = (row.saturating_sub(3), (row + 3).min(last));
-        let mut around = [0.0; 7];
-        let around = &mut around[..=to - from];
-        around.copy_from_slice(&values[from..=to]);
-        around.sort_by(f64::total_cmp);
-        let median = around[around.len() / 2];
-        for value in around.iter_mut() {
-            *value = (*value - median).abs();
-        }
-        around.sort_by(f64::total_cmp);
-        (values[row] - median).abs() > SPIKE * noise + MOVING * around[around.len() / 2]
-    };
-    let mut spikes = vec![false; values.len()];
-    for row in 0..values.len() {
-        let far = |other: usize| (values[row] - values[other]).abs() > 0.5 * SPIKE * noise;
-        // Most rows are next to their neighbours, and cost no median; the second of two spikes is next to the first.
-        let suspect = far(row.saturating_sub(1)) || far((row + 1).min(last)) || (row > 0 && spikes[row - 1]);
-        spikes[row] = suspect && is_spike(row);
-    }
-    spikes
-}

@@ -386,7 +386,8 @@ impl Seen {
         ];
         let mut seen: Vec<_> = STATES.map(|state| (state, Vec::new())).into();
         for case in cases {
-            let trajectory = simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(case.prepared))?;
+            let trajectory =
+                simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(machine, case.prepared))?;
             for (state, values) in &mut seen {
                 let signal = state.signal();
                 let series = trajectory.signal(signal).or_else(|| case.recording.signal(signal));

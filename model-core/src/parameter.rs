@@ -66,6 +66,7 @@ parameters! {
     SupplyPressure: "supply.pressure_pa", "Pa", 1e5, 1e8, Value(7.0e6), "Supply pressure p0, constant; with a pump drive the pressure all others are scaled by. (3), (4)";
     TankPressure: "supply.tank_pressure_pa", "Pa", -1e5, 1e7, Value(0.0), "Pressure of the return line.";
     FlowLimit: "supply.flow_limit_m3_per_s", "m3/s", 1e-7, NONE, Value(NONE), "Largest flow through either valve edge, both signs.";
+    LevelAtRest: "supply.level_at_rest", "1", 0.02, 0.98, Value(0.5), "Share of supply pressure in chamber B at rest, where a simulation of a recording without pressures starts; no step uses it.";
     ValveGain: "valve.gain_per_v", "1/V", -10.0, 10.0, Value(0.1), "Slope of the static characteristic: slider travel per volt. (15)";
     ValveOffset: "valve.offset", "1", -1.0, 1.0, Value(0.0), "Slider position at zero volts; positive extends. (15)";
     DeadZone: "valve.dead_zone", "1", 0.0, 0.999, Value(0.0), "Overlap: slider travel from centre, to both sides, that passes no oil.";

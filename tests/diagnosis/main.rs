@@ -7,6 +7,7 @@ mod bed;
 mod confusion;
 mod derivatives;
 mod drawn;
+mod faults;
 mod once;
 mod real;
 mod real_actuator;

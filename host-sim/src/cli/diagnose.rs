@@ -181,6 +181,7 @@ fn listed(folder: &Path, prefix: &str) -> Result<Vec<PathBuf>, CliError> {
 fn saved(file: &MachineFile, diagnosis: &Diagnosis) -> MachineFile {
     let mut after = file.clone();
     after.machine = diagnosis.machine_after;
+    after.start_at(diagnosis.level_at_rest);
     let effects = diagnosis.findings.iter().flat_map(|finding| &finding.parameters);
     after.given.extend(diagnosis.refitted.iter().chain(effects).map(|estimate| estimate.parameter));
     after.effects.extend(diagnosis.unnamed.as_ref().map(|_| "unnamed"));

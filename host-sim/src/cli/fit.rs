@@ -6,7 +6,7 @@ use super::input;
 use super::target::{check_not_read, check_target};
 use super::{CliError, Console, Outcome};
 use crate::diagnose::{DiagnoseError, ordinary};
-use crate::fit::{From, fit};
+use crate::fit::{From, fit, level_at_rest};
 use crate::judge;
 use crate::machine_file;
 use crate::prepare::Prepared;
@@ -64,6 +64,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         .map_err(|cause| failed(cause.into()))?;
     bar.finish_and_clear();
     file.machine = fitted.machine;
+    file.start_at(level_at_rest(&fitted.machine, &cases, &fitted.starts));
     file.given.extend(fitted.free.iter().map(|free| free.parameter));
     file.save(&arguments.save_machine)?;
     console.print(terminal::parameters(&fitted.estimates(1.0)))?;

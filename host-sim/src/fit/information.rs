@@ -5,7 +5,7 @@ use model_core::machine::{Machine, MachineError};
 use nalgebra::{DMatrix, DVector};
 
 use super::residuals::{missed, soft};
-use super::start::{StartState, level, level_slope, needs_level};
+use super::start::{StartState, needs_level};
 use crate::dual::{Dual, single};
 use crate::prepare::Prepared;
 use crate::recording::Signal;
@@ -36,13 +36,13 @@ impl Information {
         case: &Prepared,
     ) -> Result<Self, MachineError> {
         let size = count + OF_START;
-        let mut level = Dual::<P>::constant_of(level(start.level));
+        let mut level = Dual::<P>::constant_of(start.level_on(machine));
         if needs_level(case) {
-            level.partials[count] = single(level_slope(start.level));
+            level.partials[count] = single(start.level_slope(machine));
         }
         let shift_m = Dual::constant_of(start.shift * case.start_sigma_m);
         let mut sums = Sums::<P>::new();
-        run::<Dual<P>>(machine, &case.stimulus, StartOffset { level, shift_m }, |row, sample| {
+        run::<Dual<P>>(machine, &case.stimulus, StartOffset { level: Some(level), shift_m }, |row, sample| {
             for channel in &case.channels {
                 let Some(simulated) = sample.signal(channel.signal) else { continue };
                 if channel.failed[row] {

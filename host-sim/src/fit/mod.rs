@@ -22,7 +22,7 @@ pub(crate) use information::OF_START;
 use problem::{Minimum, Problem};
 pub use residuals::{effective_samples, loss, set_tolerances, soft, softened, standardised};
 pub use sensitivity::{Change, Sensitivity};
-pub use start::{StartState, settle};
+pub use start::{StartState, level_at_rest, settle};
 
 /// Most parameters of one fit.
 pub const MOST_PARAMETERS: usize = 39;

@@ -61,7 +61,7 @@ pub fn set_tolerances(
 /// failed misses nothing.
 pub fn standardised(machine: &Machine<f64>, case: &Prepared, start: StartState) -> Result<Vec<Vec<f64>>, MachineError> {
     let mut series: Vec<Vec<f64>> = case.channels.iter().map(|_| vec![0.0; case.time_s.len()]).collect();
-    run::<f64>(machine, &case.stimulus, start.offset(case), |row, sample| {
+    run::<f64>(machine, &case.stimulus, start.offset(machine, case), |row, sample| {
         for (channel, series) in case.channels.iter().zip(series.iter_mut()) {
             series[row] = missed(channel, row, sample.signal(channel.signal));
         }

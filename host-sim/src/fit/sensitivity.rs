@@ -5,7 +5,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 
 use super::residuals::{missed, soft};
-use super::start::{level, level_slope, needs_level};
+use super::start::needs_level;
 use super::{Fit, Information, OF_START};
 use crate::dual::{Dual, single};
 use crate::prepare::Prepared;
@@ -71,31 +71,36 @@ impl<'a> Sensitivity<'a> {
             .zip(&fit.starts)
             .map(|(case, start)| {
                 let mut block = Block { residuals: Vec::new(), slopes: Vec::new() };
-                let mut level = Dual::<P>::constant_of(level(start.level));
+                let mut level = Dual::<P>::constant_of(start.level_on(&machine));
                 if needs_level(case) {
-                    level.partials[count] = single(level_slope(start.level));
+                    level.partials[count] = single(start.level_slope(&machine));
                 }
                 let shift_m = Dual::constant_of(start.shift * case.start_sigma_m);
-                run::<Dual<P>>(&machine, &case.stimulus, StartOffset { level, shift_m }, |row, sample| {
-                    if row % stride != 0 {
-                        return;
-                    }
-                    for channel in &case.channels {
-                        let simulated = sample.signal(channel.signal);
-                        let judged = simulated.filter(|_| !channel.failed[row]);
-                        let missed = missed(channel, row, judged.map(|simulated| simulated.value));
-                        let (residual, slope) = soft(missed, channel.tolerance);
-                        let slope = if judged.is_some() { slope } else { 0.0 };
-                        block.residuals.push((residual, slope));
-                        let scale = single(-slope / channel.noise);
-                        match judged {
-                            Some(dual) => block.slopes.extend(dual.partials[..=count].iter().map(|by| by * scale)),
-                            None => block.slopes.extend(std::iter::repeat_n(0.0, count + 1)),
+                run::<Dual<P>>(
+                    &machine,
+                    &case.stimulus,
+                    StartOffset { level: Some(level), shift_m },
+                    |row, sample| {
+                        if row % stride != 0 {
+                            return;
                         }
-                        let moves = channel.signal == Signal::Position;
-                        block.slopes.push(if moves { single(case.start_sigma_m) * scale } else { 0.0 });
-                    }
-                })?;
+                        for channel in &case.channels {
+                            let simulated = sample.signal(channel.signal);
+                            let judged = simulated.filter(|_| !channel.failed[row]);
+                            let missed = missed(channel, row, judged.map(|simulated| simulated.value));
+                            let (residual, slope) = soft(missed, channel.tolerance);
+                            let slope = if judged.is_some() { slope } else { 0.0 };
+                            block.residuals.push((residual, slope));
+                            let scale = single(-slope / channel.noise);
+                            match judged {
+                                Some(dual) => block.slopes.extend(dual.partials[..=count].iter().map(|by| by * scale)),
+                                None => block.slopes.extend(std::iter::repeat_n(0.0, count + 1)),
+                            }
+                            let moves = channel.signal == Signal::Position;
+                            block.slopes.push(if moves { single(case.start_sigma_m) * scale } else { 0.0 });
+                        }
+                    },
+                )?;
                 Ok(block)
             })
             .collect()
@@ -108,7 +113,7 @@ impl<'a> Sensitivity<'a> {
             .zip(self.fit.starts.iter().zip(&self.blocks))
             .map(|(case, (start, block))| {
                 let mut change = Vec::with_capacity(block.residuals.len());
-                run::<f64>(machine, &case.stimulus, start.offset(case), |row, sample| {
+                run::<f64>(machine, &case.stimulus, start.offset(machine, case), |row, sample| {
                     if row % self.stride != 0 {
                         return;
                     }

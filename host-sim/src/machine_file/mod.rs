@@ -93,6 +93,14 @@ impl MachineFile {
             text: String::new(),
         }
     }
+
+    /// Sets the level at rest that simulations of recordings without pressures start from, where a fit found one.
+    pub fn start_at(&mut self, level_at_rest: Option<f64>) {
+        if let Some(level) = level_at_rest {
+            self.machine.set(Parameter::LevelAtRest, level);
+            self.given.insert(Parameter::LevelAtRest);
+        }
+    }
 }
 
 #[cfg(test)]

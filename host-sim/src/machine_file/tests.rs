@@ -205,6 +205,17 @@ fn a_saved_file_keeps_comments_and_order_and_changes_only_what_changed() {
 }
 
 #[test]
+fn a_level_at_rest_that_was_found_is_saved_and_nothing_is_written_where_none_was() {
+    let mut file = parse(VALVE).unwrap();
+    file.start_at(None);
+    assert_eq!(file.to_text("m").unwrap(), VALVE);
+    file.start_at(Some(0.44));
+    let again = parse(&file.to_text("m").unwrap()).unwrap();
+    assert_eq!(again.machine.get(Parameter::LevelAtRest).to_bits(), 0.44_f64.to_bits());
+    assert!(again.given.contains(&Parameter::LevelAtRest));
+}
+
+#[test]
 fn a_drive_made_in_the_program_is_saved_and_read_again() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("m.toml");

@@ -10,7 +10,8 @@ use model_core::parameter::Parameter;
 use super::Drives;
 use crate::diagnose::{Diagnosis, Shown};
 use crate::fit::settle;
-use crate::links::{Coefficients, bridged};
+use crate::links::Coefficients;
+use crate::prepare::Channel;
 use crate::recording::{Recording, Signal};
 use crate::simulate::{DELAY_LINE, Trajectory, simulate};
 use crate::window::Window;
@@ -95,7 +96,7 @@ pub(super) fn moments(law: &Law, diagnosis: &Diagnosis, recordings: &[&Recording
         let before = simulated(law, shown, recording, &shown.before);
         let after = simulated(law, shown, recording, &shown.after);
         let recorded = recorded(shown, &before);
-        let start = settle(&law.after, &shown.prepared)?.offset(&shown.prepared);
+        let start = settle(&law.after, &shown.prepared)?.offset(&law.after, &shown.prepared);
         let reference = simulate::<f64>(&law.machine, &shown.prepared.stimulus, start)?;
         let reference = simulated(law, shown, recording, &reference);
         let flows = |view: &View| ports(law, shown.prepared.stimulus.tick, recording, view);
@@ -128,7 +129,7 @@ fn simulated(law: &Law, shown: &Shown, recording: &Recording, trajectory: &Traje
 fn recorded(shown: &Shown, before: &View) -> View {
     let of = |signal: Signal, simulated: &Vec<f64>| {
         let channel = shown.prepared.channels.iter().find(|channel| channel.signal == signal);
-        channel.map_or_else(|| simulated.clone(), bridged)
+        channel.map_or_else(|| simulated.clone(), Channel::bridged)
     };
     View {
         slider: of(Signal::Spool, &before.slider),

@@ -211,6 +211,13 @@ impl Recording {
         limited
     }
 
+    /// Puts other values in the place of a signal's, as many of them.
+    pub(crate) fn replace(&mut self, signal: Signal, values: &[f64]) {
+        if let Some(column) = self.columns.iter_mut().find(|column| column.signal == signal) {
+            column.values.copy_from_slice(values);
+        }
+    }
+
     /// The file's name without its folder.
     #[must_use]
     pub fn name(&self) -> &str {

@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use super::json::digits;
 use crate::diagnose::Finding;
 use crate::exhibits::Exhibits;
-use crate::found::Found;
+use crate::found::{Found, FoundFailure};
 use crate::separate::Distance;
 use crate::waterfall::Waterfall;
 use crate::whiteness::Whiteness;
@@ -66,20 +66,53 @@ pub(super) fn prepared(found: &[Found]) -> Value {
                     "noise": digits(channel.noise, 3),
                     "step": channel.step.and_then(|step| digits(step, 4)),
                     "spikes": channel.spikes,
+                    "failures": channel.failures.iter().map(failure).collect::<Vec<_>>(),
                     "start": digits(channel.start, 6),
                     "unit": channel.signal.si_unit().symbol(),
                 });
                 (channel.signal.name().to_owned(), value)
             })
             .collect();
+        let bridged: Map<String, Value> = of
+            .bridged
+            .iter()
+            .map(|bridged| {
+                let failures: Vec<Value> = bridged.failures.iter().map(failure).collect();
+                (bridged.signal.name().to_owned(), json!({ "spikes": bridged.spikes, "failures": failures }))
+            })
+            .collect();
         let dither =
             of.dither.map(|line| json!({ "hz": digits(line.hz, 4), "amplitude_v": digits(line.amplitude, 3) }));
         json!({
             "recording": of.recording, "rows": of.rows, "duration_s": digits(of.duration_s, 6),
-            "channels": channels, "dither": dither, "notes": of.notes,
+            "channels": channels, "bridged": bridged, "dither": dither, "clock": clock(of), "notes": of.notes,
         })
     };
     found.iter().map(of).collect::<Vec<_>>().into()
+}
+
+/// Where a sensor failed for more than a moment.
+fn failure(failure: &FoundFailure) -> Value {
+    json!({
+        "kind": failure.kind.name(), "from_s": digits(failure.from_s, 6), "to_s": digits(failure.to_s, 6),
+        "reading": digits(failure.reading, 6),
+    })
+}
+
+/// Time stamps, and channels that are late against the model.
+fn clock(of: &Found) -> Value {
+    let late: Map<String, Value> = of
+        .shifts
+        .iter()
+        .map(|shift| {
+            let value = json!({ "late_s": digits(shift.late_s, 3), "std_s": digits(shift.std_s, 2) });
+            (shift.signal.name().to_owned(), value)
+        })
+        .collect();
+    json!({
+        "interval_s": digits(of.stamps.interval_s, 6), "lost_rows": of.stamps.lost,
+        "uneven_intervals": of.stamps.uneven, "channels": late,
+    })
 }
 
 /// What would tell a finding from its rivals.

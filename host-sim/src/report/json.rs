@@ -60,6 +60,7 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
                 "at_bound": estimate.at_bound,
             })
         }).collect::<Vec<_>>(),
+        "level_at_rest": diagnosis.level_at_rest.map(|level| digits(level, 6)),
         "fit": { "train": fits(false), "holdout": fits(true) },
         "waterfall": exhibits_json::waterfall(&exhibits.waterfall),
         "residuals": exhibits_json::residuals(&exhibits.whiteness),

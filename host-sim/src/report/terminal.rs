@@ -67,6 +67,13 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     if !diagnosis.refitted.is_empty() {
         let _ = write!(text, "\n{}\n", parameters(&diagnosis.refitted));
     }
+    if let Some(level) = diagnosis.level_at_rest {
+        let _ = writeln!(
+            text,
+            "start      {} % of supply in B at rest, in the mean of the training recordings; each held-out one from what suits it best",
+            significant(100.0 * level, 3)
+        );
+    }
     let _ = write!(text, "\n{}\n", trials(diagnosis));
     if diagnosis.verdict == Verdict::MissingPhysics && !diagnosis.left.is_empty() {
         let _ = writeln!(text, "{}", still_missing(diagnosis));
@@ -165,7 +172,7 @@ fn waterfall(exhibits: &Exhibits) -> Table {
     table
 }
 
-/// What the preparation found, in a line.
+/// What the preparation found, in a line, and a line for each failure and clock that is worth one.
 fn prepared(exhibits: &Exhibits) -> String {
     let found = &exhibits.found;
     let failed: usize = found.iter().flat_map(|of| &of.channels).map(|channel| channel.spikes).sum();
@@ -179,7 +186,16 @@ fn prepared(exhibits: &Exhibits) -> String {
     let dither = dither.map_or_else(String::new, |line| {
         format!("; dither {} V at {} Hz", significant(line.amplitude, 2), significant(line.hz, 3))
     });
-    format!("prepared   noise: {}; {failed} failed readings left out{dither}", noise.join(", "))
+    let mut text = format!("prepared   noise: {}; {failed} spikes left out{dither}", noise.join(", "));
+    for of in found {
+        for (failure, fate) in of.failures() {
+            let _ = write!(text, "\n           {}: {failure}; {fate}", of.recording);
+        }
+        for said in of.of_clock() {
+            let _ = write!(text, "\n           {}: {said}", of.recording);
+        }
+    }
+    text
 }
 
 /// Fitted parameters with their uncertainty.

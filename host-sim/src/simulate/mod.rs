@@ -4,6 +4,7 @@
 //! signals at the recorded rows.
 
 mod grid;
+mod rest;
 mod stimulus;
 
 use model_core::chambers::ChamberState;
@@ -13,7 +14,8 @@ use model_core::number::{Number, Real};
 use model_core::parameter::Parameter;
 use model_core::valve::Slider;
 
-pub use stimulus::{EntryPoint, SimulateError, Start, Stimulus, first_entry, natural_tick};
+pub use rest::Start;
+pub use stimulus::{EntryPoint, SimulateError, Stimulus, first_entry, natural_tick};
 
 use crate::recording::Signal;
 
@@ -113,17 +115,17 @@ impl Trajectory {
 /// Freedom of a run beyond the recording: what a fit may move about the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StartOffset<R> {
-    /// Share of supply pressure in chamber B at rest, where pressures are not recorded.
-    pub level: R,
+    /// Share of supply pressure in chamber B at rest, where pressures are not recorded; the machine's where it is `None`.
+    pub level: Option<R>,
     /// What the rod stands further out than the recording's start, m: less than its sensor resolves.
     pub shift_m: R,
 }
 
 impl<R: Real> StartOffset<R> {
-    /// Half the supply.
+    /// The machine's level, and the position as recorded.
     #[must_use]
     pub fn none() -> Self {
-        Self { level: R::constant(0.5), shift_m: R::ZERO }
+        Self { level: None, shift_m: R::ZERO }
     }
 }
 
@@ -134,8 +136,8 @@ fn balanced<R: Real>(machine: &Machine<R>, level: R, position_m: R) -> (R, R) {
     let spring = get(Parameter::LoadSpringForce)
         + beyond * (get(Parameter::LoadSpring) + beyond * get(Parameter::LoadSpringBow));
     let force = get(Parameter::LoadForce) - spring;
-    let a = (level * get(Parameter::AreaB) - force) / get(Parameter::AreaA);
     let supply = get(Parameter::SupplyPressure);
+    let a = (level * supply * get(Parameter::AreaB) - force) / get(Parameter::AreaA);
     let (low, high) = (supply * R::constant(0.02), supply * R::constant(0.98));
     let a = if a < low {
         low
@@ -171,7 +173,7 @@ pub fn run<N: Number>(
     let position_m = constant(stimulus.start.position_m) + offset.shift_m;
     let (pressure_a, pressure_b) = match stimulus.start.pressures_pa {
         Some((a, b)) => (behind(machine, PRESSURE_A, constant(a)), behind(machine, PRESSURE_B, constant(b))),
-        None => balanced(machine, offset.level * machine.get(Parameter::SupplyPressure), position_m),
+        None => balanced(machine, offset.level.unwrap_or(machine.get(Parameter::LevelAtRest)), position_m),
     };
     let fit = |value: N::Real| N::signal(value).unwrap_or_else(|| N::saturated(value.value()));
     let pressures = ChamberState {

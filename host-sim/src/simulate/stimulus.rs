@@ -8,8 +8,10 @@ use model_core::parameter::Parameter;
 use model_core::valve::Slider;
 
 use super::grid::Grid;
+use super::rest::{Start, start};
 use super::{PRESSURE_A, PRESSURE_B, behind};
 use crate::diagnostic::{engineering, rounded};
+use crate::failure::mended;
 use crate::machine_file::LoadSource;
 use crate::noise::{noise, resolution};
 use crate::recording::{Recording, Signal};
@@ -85,17 +87,6 @@ enum Input {
     Force(Vec<f64>),
 }
 
-/// State that a simulation starts from.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Start {
-    /// Command held before, V.
-    pub command_v: f64,
-    /// Chamber pressures, Pa; `None` where the recording does not have them: half the supply and the balance of forces.
-    pub pressures_pa: Option<(f64, f64)>,
-    /// Position, m.
-    pub position_m: f64,
-}
-
 /// A recording laid on the core's grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stimulus {
@@ -151,7 +142,7 @@ pub fn natural_tick(recording: &Recording) -> Tick {
 }
 
 impl Stimulus {
-    /// Lays a recording on the grid of `tick`.
+    /// Lays a recording on the grid of `tick`; where a sensor failed that drives the chain, by a straight line.
     pub fn new(
         recording: &Recording,
         machine: &Machine<f64>,
@@ -159,6 +150,7 @@ impl Stimulus {
         load: LoadSource,
         tick: Tick,
     ) -> Result<Self, SimulateError> {
+        let recording = &*mended(recording);
         let grid = Grid::new(recording, tick)?;
         let need = |signal, reason| {
             recording.signal(signal).ok_or_else(|| SimulateError::Missing {
@@ -393,69 +385,4 @@ fn smoothed(values: &[f64], width: f64) -> Vec<f64> {
             (sums[index + reach + 1] - sums[index - reach]) / (2 * reach + 1) as f64
         })
         .collect()
-}
-
-/// The start is averaged over this time at least, s: shorter than a valve needs to move a rod.
-const REST_LEAST_S: f64 = 0.02;
-/// And as long as the command stays where it began, at most this long, s.
-const REST_MOST_S: f64 = 0.1;
-
-/// The state a recording starts from: means over the rest at its start, so that the noise of one row does not shift all others.
-fn start(recording: &Recording) -> Start {
-    let time_s = recording.time_s();
-    let command = recording.signal(Signal::Command);
-    let held = |row: usize| command.is_some_and(|command| command[row].to_bits() == command[0].to_bits());
-    let rest = (0..time_s.len())
-        .take_while(|&row| {
-            let since = time_s[row] - time_s[0];
-            since < REST_LEAST_S || (since < REST_MOST_S && held(row))
-        })
-        .count();
-    let began = |signal| recording.signal(signal).map(|values: &[f64]| at_start(&time_s[..rest], &values[..rest]));
-    Start {
-        command_v: command.map_or(0.0, |command| command[0]),
-        pressures_pa: began(Signal::PressureA).zip(began(Signal::PressureB)),
-        position_m: began(Signal::Position).unwrap_or(0.0),
-    }
-}
-
-/// The same rows without the one furthest from their median, where that stands alone: ten times further than most others.
-fn without_spike(time_s: &[f64], values: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
-    const ALONE: f64 = 10.0;
-    if values.len() < 6 {
-        return None;
-    }
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let median = sorted[sorted.len() / 2];
-    let mut apart: Vec<f64> = values.iter().map(|value| (value - median).abs()).collect();
-    let (row, furthest) = apart.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    apart.sort_by(f64::total_cmp);
-    // A row's place in a smooth rise is no reason to leave it out: eight of ten rows, and the next one, say what is usual.
-    let usual = apart[apart.len() * 8 / 10].max(apart[apart.len() - 2]);
-    (furthest > ALONE * usual).then(|| {
-        let keep = |series: &[f64]| {
-            series.iter().enumerate().filter(|(index, _)| *index != row).map(|(_, value)| *value).collect()
-        };
-        (keep(time_s), keep(values))
-    })
-}
-
-/// The value of a signal at its first row, from the rows around: their mean, or where they clearly rise or fall, the start of
-/// the line through them.
-fn at_start(time_s: &[f64], values: &[f64]) -> f64 {
-    let count = values.len() as f64;
-    let (middle, mean) = (time_s.iter().sum::<f64>() / count, values.iter().sum::<f64>() / count);
-    let spread: f64 = time_s.iter().map(|time| (time - middle).powi(2)).sum();
-    if let Some(without) = without_spike(time_s, values) {
-        return at_start(&without.0, &without.1);
-    }
-    if values.len() < 4 || spread <= 0.0 {
-        return values[0];
-    }
-    let slope = time_s.iter().zip(values).map(|(time, value)| (time - middle) * (value - mean)).sum::<f64>() / spread;
-    let about: f64 =
-        time_s.iter().zip(values).map(|(time, value)| (value - mean - slope * (time - middle)).powi(2)).sum();
-    let slope_std = (about / (count - 2.0) / spread).sqrt();
-    if slope.abs() > 4.0 * slope_std { mean + slope * (time_s[0] - middle) } else { mean }
 }

@@ -169,6 +169,35 @@ fn without_recorded_pressures_the_chambers_balance_the_load_at_half_the_supply()
 }
 
 #[test]
+fn without_recorded_pressures_the_machine_says_at_which_level_the_chambers_start() {
+    let mut machine = press();
+    machine.set(Parameter::LevelAtRest, 0.3);
+    let first = |entry, recording: &Recording| {
+        run_of(&machine, recording, entry, LoadSource::Constant).signal(Signal::PressureB).unwrap()[0]
+    };
+    let commanded = commanded(grid(1e-3, 50));
+    assert!((first(EntryPoint::Command, &commanded) / machine.get(Parameter::SupplyPressure) - 0.3).abs() < 1e-6);
+    // Recorded ones are believed.
+    let recorded = measured(&run_of(&press(), &commanded, EntryPoint::Command, LoadSource::Constant));
+    assert!((first(EntryPoint::Slider, &recorded) / machine.get(Parameter::SupplyPressure) - 0.5).abs() < 1e-6);
+}
+
+#[test]
+fn a_spike_at_rest_moves_no_start_and_a_failed_slider_is_bridged() {
+    let whole = measured(&run(&commanded(grid(1e-3, 1200)), EntryPoint::Command, LoadSource::Constant));
+    let mut failed = whole.clone();
+    let mut position = whole.signal(Signal::Position).unwrap().to_vec();
+    position[3] += 0.02;
+    failed.replace(Signal::Position, &position);
+    let mut slider = whole.signal(Signal::Spool).unwrap().to_vec();
+    slider[400] = -1.0;
+    failed.replace(Signal::Spool, &slider);
+    let of = |recording| run(recording, EntryPoint::Slider, LoadSource::Constant);
+    let series = |trajectory: &Trajectory| trajectory.signal(Signal::Position).unwrap().to_vec();
+    assert!(farthest(&series(&of(&failed)), &series(&of(&whole))) < 1e-5);
+}
+
+#[test]
 fn fixed_point_follows_float_on_a_recording() {
     let machine = press();
     let recording = commanded(grid(1e-3, 1200));

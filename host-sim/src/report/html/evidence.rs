@@ -108,9 +108,9 @@ pub(super) fn prepared(found: &[Found]) -> Markup {
         section {
             h2 { "What was prepared" }
             details {
-                summary { "Noise, sensor steps, failed rows, dither and start of every recording" }
+                summary { "Noise, sensor steps, failed rows, dither, clock and start of every recording" }
                 table {
-                    tr { th { "recording" } th { "signal" } th { "noise" } th { "sensor step" } th { "failed rows" } th { "starts at" } th { "perfect fit" } }
+                    tr { th { "recording" } th { "signal" } th { "noise" } th { "sensor step" } th { "spikes" } th { "starts at" } th { "perfect fit" } }
                     @for of in found {
                         @for (index, channel) in of.channels.iter().enumerate() {
                             @let unit = unit_for_people(channel.signal);
@@ -128,12 +128,16 @@ pub(super) fn prepared(found: &[Found]) -> Markup {
                 }
                 @for of in found {
                     @if let Some(line) = of.dither { p { (of.recording) ": dither of " (significant(line.amplitude, 2)) " V at " (significant(line.hz, 3)) " Hz in the command." } }
+                    @for (failure, fate) in of.failures() { p { (of.recording) ": " (failure) "; " (fate) "." } }
+                    @for said in of.of_clock() { p { (of.recording) ": " (said) "." } }
                     @for note in &of.notes { p { (of.recording) ": " (note) "." } }
                 }
             }
             @let failed: usize = found.iter().flat_map(|of| &of.channels).map(|channel| channel.spikes).sum();
+            @let longer = found.iter().map(|of| of.failures().count()).sum::<usize>();
             @let rows: usize = found.iter().map(|of| of.rows).sum();
             p class="soft" { (found.len()) " recordings, " (rows) " rows; " (failed) " readings failed for a moment and are not judged"
+                @if longer > 0 { "; a sensor failed for longer " (longer) " times" }
                 @if found.iter().any(|of| of.dither.is_some()) { "; dither in the command" } "." }
         }
     }

@@ -1,0 +1,95 @@
+//! Sensors that fail are found before physics is asked, and sensors that work are not called failed.
+
+use std::path::{Path, PathBuf};
+
+use host_sim::diagnose::Verdict;
+use host_sim::failure::{FailureKind, Failures, MEASURED};
+use host_sim::prepare::Prepared;
+use host_sim::recording::{self, ChannelMap, Column, Recording, Signal};
+use host_sim::testbed::PlantEffect;
+
+use super::bed::{Case, claimed, pump_case, valve_case};
+
+/// What a recording's sensors are said to have failed in, in words.
+fn failures(recording: &Recording) -> Vec<String> {
+    let of = |signal: Signal| {
+        let found = recording.signal(signal).map(|values| Failures::of(signal, recording.time_s(), values));
+        let stretches = found.map(|found| found.stretches).unwrap_or_default();
+        stretches.into_iter().map(move |stretch| format!("{signal} {stretch:?}"))
+    };
+    MEASURED.into_iter().flat_map(of).map(|said| format!("{}: {said}", recording.path())).collect()
+}
+
+fn recordings_below(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in folder.read_dir().unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            recordings_below(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "csv") {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn no_sensor_that_works_is_called_failed() {
+    let mut said = Vec::new();
+    for case in [valve_case(1, None, true, None), pump_case(2, None)] {
+        said.extend(case.training.iter().chain(&case.held_out).flat_map(failures));
+    }
+    let mut paths = Vec::new();
+    for folder in ["concealed", "concealed-hard", "data"].into_iter().filter_map(system_tests::at_hand::shared) {
+        recordings_below(&folder, &mut paths);
+    }
+    // Static sweeps have no clock and are no recordings.
+    let read: Vec<Recording> =
+        paths.iter().filter_map(|path| recording::read(path, &ChannelMap::default()).ok()).collect();
+    println!("{} recordings beside the repository", read.len());
+    said.extend(read.iter().flat_map(failures));
+    assert!(said.is_empty(), "{said:#?}");
+}
+
+/// Lets a sensor of one recording read `reading`, or what it last read, over some rows.
+fn fail(recording: &mut Recording, signal: Signal, rows: std::ops::Range<usize>, reading: Option<f64>) {
+    let mut columns: Vec<Column> = recording.columns().to_vec();
+    let column = columns.iter_mut().find(|column| column.signal == signal).unwrap();
+    let held = reading.unwrap_or(column.values[rows.start]);
+    column.values[rows].fill(held);
+    *recording = Recording::new(recording.name(), columns).unwrap();
+}
+
+/// Half a second of the first training recording in which the rod moves most, by its rows.
+fn moving(case: &Case) -> std::ops::Range<usize> {
+    let position = case.training[0].signal(Signal::Position).unwrap();
+    let starts = 1..position.len() - 251;
+    let way = |row: &usize| (position[row + 250] - position[*row]).abs();
+    let from = starts.max_by(|a, b| way(a).total_cmp(&way(b))).unwrap();
+    from..from + 250
+}
+
+fn stretches(case: &Case, signal: Signal) -> Vec<(FailureKind, usize, usize)> {
+    let prepared = Prepared::new(&case.training[0], &case.file.machine, case.file.load_source, None).unwrap();
+    let channel = prepared.channels.iter().find(|channel| channel.signal == signal).unwrap();
+    channel.stretches.iter().map(|stretch| (stretch.kind, stretch.from, stretch.to)).collect()
+}
+
+#[test]
+fn failing_sensors_of_a_drive_that_lacks_nothing_are_found_and_nothing_is_missing() {
+    let mut case = valve_case(1, None, true, None);
+    let stuck = moving(&case);
+    let first = &mut case.training[0];
+    fail(first, Signal::Position, stuck.clone(), None);
+    fail(first, Signal::PressureA, 900..940, Some(0.0));
+    assert_eq!(stretches(&case, Signal::Position), [(FailureKind::Stuck, stuck.start, stuck.end)]);
+    assert_eq!(stretches(&case, Signal::PressureA), [(FailureKind::Dropout, 900, 940)]);
+    assert_eq!(case.diagnose().verdict, Verdict::NothingMissing);
+}
+
+#[test]
+fn a_leak_is_named_although_the_position_hangs_for_half_a_second() {
+    let mut case = valve_case(12, Some(PlantEffect::internal_leakage(4e-12)), true, None);
+    let stuck = moving(&case);
+    fail(&mut case.training[0], Signal::Position, stuck.clone(), None);
+    assert_eq!(stretches(&case, Signal::Position).len(), 1);
+    assert_eq!(claimed(&case.diagnose()), "internal-leakage");
+}
