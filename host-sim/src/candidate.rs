@@ -10,7 +10,7 @@ use crate::fit::{
 };
 use crate::hypothesis::{Form, Hypothesis, Kind, Scene, Strength};
 use crate::prepare::Prepared;
-use crate::screen::{Lead, extended, screen};
+use crate::screen::{Lead, extended, screen, with};
 
 /// The question put to the training recordings.
 #[derive(Clone, Copy, Debug)]
@@ -224,7 +224,7 @@ impl Candidate {
         let start =
             From { solution: Some(from.fit), coordinates: &coordinates, moved: from.settled, ..From::default() };
         let mut found =
-            fit(&jumped(question.scene.machine, &jumps), &free, question.training, &start, Some(from.precision))?;
+            fit(&with(question.scene.machine, &jumps), &free, question.training, &start, Some(from.precision))?;
         for _ in 0..if jumps.is_empty() { 0 } else { 2 } {
             let Some(sensitivity) = Sensitivity::at(&found, question.training)? else { break };
             for (parameter, value) in &mut jumps {
@@ -232,8 +232,7 @@ impl Candidate {
             }
             drop(sensitivity);
             let again = From { solution: Some(&found), ..From::default() };
-            found =
-                fit(&jumped(question.scene.machine, &jumps), &free, question.training, &again, Some(from.precision))?;
+            found = fit(&with(question.scene.machine, &jumps), &free, question.training, &again, Some(from.precision))?;
         }
         Self::of(question, effects, found, jumps)
     }
@@ -328,14 +327,6 @@ fn is_jump(form: Form, parameter: Parameter) -> bool {
     form.iter().any(|strength| strength.parameter == parameter && matches!(strength.kind, Kind::Jump(_)))
 }
 
-fn jumped(machine: &Machine<f64>, jumps: &[(Parameter, f64)]) -> Machine<f64> {
-    let mut machine = *machine;
-    for (parameter, value) in jumps {
-        machine.set(*parameter, *value);
-    }
-    machine
-}
-
 /// A strength that no slope leads to is known to this share of itself.
 const NARROWEST: f64 = 0.01;
 
@@ -347,9 +338,7 @@ fn nearby(
     value: f64,
 ) -> Result<f64, FitError> {
     let gain = |value: f64| -> Result<f64, FitError> {
-        let mut machine = *machine;
-        machine.set(parameter, value);
-        Ok(sensitivity.gain(&sensitivity.change(&machine)?))
+        Ok(sensitivity.settle(&sensitivity.change(&with(machine, &[(parameter, value)]))?).gain)
     };
     let (mut best, mut width) = ((value, gain(value)?), 0.16);
     while width > NARROWEST {

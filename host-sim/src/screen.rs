@@ -5,7 +5,7 @@ use model_core::machine::{Machine, MachineError};
 use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
-use crate::fit::{Fit, Free, Freedom, Sensitivity};
+use crate::fit::{Fit, Free, Freedom, Sensitivity, Settled};
 use crate::hypothesis::{Form, Hypothesis, Kind, Scene, Strength};
 
 /// A form of an effect at the point of its range where it promises most.
@@ -16,7 +16,7 @@ pub struct Lead {
     /// The form.
     pub form: Form,
     /// Value of every strength, SI.
-    pub values: Vec<(Parameter, f64)>,
+    pub values: Values,
     /// Half the sum of squares that it would gain.
     pub gain: f64,
     /// Half the sum of squares that it would leave.
@@ -24,6 +24,24 @@ pub struct Lead {
     /// Coordinates that what was free before settles at: parameters, then each recording's start.
     pub settled: Vec<f64>,
 }
+
+impl Lead {
+    /// A form with these strengths.
+    fn at(
+        sensitivity: &Sensitivity<'_>,
+        fit: &Fit,
+        effect: &'static Hypothesis,
+        form: Form,
+        values: Values,
+    ) -> Result<Self, MachineError> {
+        let Settled { gain, loss, coordinates } =
+            sensitivity.settle(&sensitivity.change(&with(&fit.machine, &values))?);
+        Ok(Self { effect, form, values, gain, loss, settled: coordinates })
+    }
+}
+
+/// Strengths with their values, SI.
+pub type Values = Vec<(Parameter, f64)>;
 
 impl Strength {
     /// How a fit moves it: a broad prior over its usual range.
@@ -99,7 +117,7 @@ const MOST_TRIED: usize = 18;
 struct Promise {
     /// Which form.
     form: usize,
-    shape: Vec<(Parameter, f64)>,
+    shape: Values,
     /// Of each amount, in its unit.
     shares: Vec<f64>,
     gain: f64,
@@ -111,7 +129,7 @@ impl Promise {
         fit: &Fit,
         sensitivity: &Sensitivity<'_>,
         form: Form,
-        shape: Vec<(Parameter, f64)>,
+        shape: Values,
         index: usize,
     ) -> Self {
         let units: Vec<f64> = amounts(form).map(|strength| strength.unit(scene)).collect();
@@ -153,7 +171,7 @@ pub fn screen(
 ) -> Result<Vec<Lead>, MachineError> {
     let forms: Vec<(&'static Hypothesis, Form)> =
         hypotheses.iter().flat_map(|effect| effect.forms.iter().map(move |form| (*effect, *form))).collect();
-    let points: Vec<(usize, Vec<(Parameter, f64)>)> = forms
+    let points: Vec<(usize, Values)> = forms
         .iter()
         .enumerate()
         .flat_map(|(index, (_, form))| shapes(scene, form).into_iter().map(move |shape| (index, shape)))
@@ -189,11 +207,17 @@ pub fn screen(
 }
 
 /// Every combination of the shapes' points.
-fn shapes(scene: &Scene<'_>, form: Form) -> Vec<Vec<(Parameter, f64)>> {
-    form.iter().filter(|strength| !strength.is_amount()).fold(vec![Vec::new()], |grid, strength| {
-        let tries = strength.tries(scene);
-        grid.iter()
-            .flat_map(|point| tries.iter().map(|value| [point.as_slice(), &[(strength.parameter, *value)]].concat()))
+fn shapes(scene: &Scene<'_>, form: Form) -> Vec<Values> {
+    let shapes = form.iter().filter(|strength| !strength.is_amount());
+    combined(Vec::new(), shapes.map(|strength| (strength.parameter, strength.tries(scene))))
+}
+
+/// What is given with every combination of the values to try.
+fn combined(given: Values, tries: impl Iterator<Item = (Parameter, Vec<f64>)>) -> Vec<Values> {
+    tries.fold(vec![given], |points, (parameter, values)| {
+        points
+            .iter()
+            .flat_map(|point| values.iter().map(|value| [point.as_slice(), &[(parameter, *value)]].concat()))
             .collect()
     })
 }
@@ -211,37 +235,28 @@ pub fn extended(
     let mut found = Vec::new();
     for form in effect.forms {
         let taken = |strength: &&Strength| extension.taken.contains(&strength.parameter);
-        let start: Vec<(Parameter, f64)> = std::iter::once((extension.given, 0.0))
+        let start: Values = std::iter::once((extension.given, 0.0))
             .chain(form.iter().filter(taken).map(|strength| (strength.parameter, given)))
             .collect();
-        let points = form.iter().filter(|strength| !taken(strength)).fold(vec![start], |points, strength| {
-            let tries = match strength.kind {
+        let tries = form.iter().filter(|strength| !taken(strength)).map(|strength| {
+            let values = match strength.kind {
                 Kind::Amount(_) | Kind::Jump(_) => vec![0.1 * given, 0.5 * given, given],
                 Kind::Signed(_) => vec![-0.5 * given, 0.05 * given, 0.5 * given],
                 Kind::Shape(..) | Kind::Place(..) => strength.tries(scene),
             };
-            points
-                .iter()
-                .flat_map(|point| {
-                    tries.iter().map(|value| [point.as_slice(), &[(strength.parameter, *value)]].concat())
-                })
-                .collect()
+            (strength.parameter, values)
         });
-        let leads: Vec<Lead> = points
+        let leads: Vec<Lead> = combined(start, tries)
             .into_par_iter()
-            .map(|values| {
-                let change = sensitivity.change(&with(&fit.machine, &values))?;
-                let gain = sensitivity.gain(&change);
-                let (loss, settled) = (sensitivity.settled_loss() - gain, sensitivity.settled(&change));
-                Ok(Lead { effect, form, values, gain, loss, settled })
-            })
+            .map(|values| Lead::at(sensitivity, fit, effect, form, values))
             .collect::<Result<_, MachineError>>()?;
         found.extend(leads.into_iter().min_by(|a, b| a.loss.total_cmp(&b.loss)));
     }
     Ok(found)
 }
 
-fn with(machine: &Machine<f64>, values: &[(Parameter, f64)]) -> Machine<f64> {
+/// The machine with other values, each held within its range.
+pub(crate) fn with(machine: &Machine<f64>, values: &[(Parameter, f64)]) -> Machine<f64> {
     let mut machine = *machine;
     for &(parameter, value) in values {
         let description = parameter.description();
@@ -258,12 +273,7 @@ fn lead(
     form: Form,
     promise: &Promise,
 ) -> Result<Option<Lead>, MachineError> {
-    let lead_at = |values: Vec<(Parameter, f64)>| -> Result<Lead, MachineError> {
-        let change = sensitivity.change(&with(&fit.machine, &values))?;
-        let gain = sensitivity.gain(&change);
-        let (loss, settled) = (sensitivity.settled_loss() - gain, sensitivity.settled(&change));
-        Ok(Lead { effect, form, values, gain, loss, settled })
-    };
+    let lead_at = |values: Values| Lead::at(sensitivity, fit, effect, form, values);
     if form.iter().all(|strength| matches!(strength.kind, Kind::Jump(_))) {
         return jump(scene, form, lead_at).map(Some);
     }
@@ -276,7 +286,7 @@ fn lead(
             break;
         }
         for step in [1.0, 0.4] {
-            let values: Vec<(Parameter, f64)> = amounts(form)
+            let values: Values = amounts(form)
                 .zip(shares.iter().zip(&units))
                 .filter(|(_, (share, _))| **share != 0.0)
                 .map(|(strength, (share, unit))| (strength.parameter, step * share.clamp(-30.0, 30.0) * unit))
@@ -317,7 +327,7 @@ fn lead(
 fn jump(
     scene: &Scene<'_>,
     form: Form,
-    lead_at: impl Fn(Vec<(Parameter, f64)>) -> Result<Lead, MachineError>,
+    lead_at: impl Fn(Values) -> Result<Lead, MachineError> + Sync,
 ) -> Result<Lead, MachineError> {
     /// Points of the first strength's range, and of each further one's.
     const POINTS: [usize; 2] = [12, 4];
@@ -325,19 +335,11 @@ fn jump(
         let (low, high) = strength.range(scene);
         (0..points).map(|index| low * (high / low).powf((index as f64 + 0.5) / points as f64)).collect()
     };
-    let points =
-        form.iter().enumerate().fold(vec![Vec::new()], |points: Vec<Vec<(Parameter, f64)>>, (index, strength)| {
-            let tries = grid(strength, POINTS[index.min(1)]);
-            points
-                .iter()
-                .flat_map(|point| {
-                    tries.iter().map(|value| [point.as_slice(), &[(strength.parameter, *value)]].concat())
-                })
-                .collect()
-        });
+    let tries =
+        form.iter().enumerate().map(|(index, strength)| (strength.parameter, grid(strength, POINTS[index.min(1)])));
+    let leads: Vec<Lead> = combined(Vec::new(), tries).into_par_iter().map(&lead_at).collect::<Result<_, _>>()?;
     let mut best: Option<Lead> = None;
-    for point in points {
-        let lead = lead_at(point)?;
+    for lead in leads {
         if best.as_ref().is_none_or(|known| known.gain < lead.gain) {
             best = Some(lead);
         }

@@ -179,24 +179,30 @@ impl<R: Real> Number for R {
     const ZERO: Self = R::ZERO;
     const ONE: Self = R::ONE;
 
+    #[inline]
     fn signal(value: R) -> Option<Self> {
         value.value().is_finite().then_some(value)
     }
+    #[inline]
     fn saturated(value: f64) -> Self {
         R::constant(if value.is_nan() { 0.0 } else { value.clamp(f64::MIN, f64::MAX) })
     }
     fn counted(counts: i32) -> Self {
         R::constant(f64::from(counts) / 65536.0)
     }
+    #[inline]
     fn to_f64(self) -> f64 {
         self.value()
     }
+    #[inline]
     fn to_real(self) -> R {
         self
     }
+    #[inline]
     fn gain(value: R) -> Option<R> {
         value.value().is_finite().then_some(value)
     }
+    #[inline]
     fn steep(value: R) -> Option<R> {
         (value.value().is_finite() && value.value() >= 0.0).then_some(value)
     }
@@ -234,6 +240,7 @@ impl<R: Real> Number for R {
     fn as_gain(self) -> R {
         self
     }
+    #[inline]
     fn travel(strokes: R) -> R {
         strokes
     }
@@ -245,6 +252,7 @@ impl<R: Real> Number for R {
     fn of_travel(travel: R) -> R {
         travel
     }
+    #[inline]
     fn strokes(travel: R) -> R {
         travel
     }
@@ -263,15 +271,19 @@ fn sum<R: Real, const K: usize>(gains: [R; K], signals: [R; K]) -> R {
 impl Real for f64 {
     const ZERO: Self = 0.0;
     const ONE: Self = 1.0;
+    #[inline]
     fn constant(value: f64) -> Self {
         value
     }
+    #[inline]
     fn value(self) -> f64 {
         self
     }
+    #[inline]
     fn is_nil(self) -> bool {
         self == 0.0
     }
+    #[inline]
     fn sqrt(self) -> Self {
         // Correctly rounded both ways, so the feature does not change a result.
         #[cfg(feature = "std")]

@@ -1,15 +1,14 @@
 //! What one recording tells of the free parameters: the normal equations of its residuals, gathered row by row while it is
 //! simulated, so that an hour of recording needs no more memory than a second.
 
-use model_core::machine::{Machine, MachineError};
+use model_core::machine::MachineError;
 use nalgebra::{DMatrix, DVector};
 
 use super::residuals::{missed, soft};
-use super::start::{StartState, needs_level};
-use crate::dual::{Dual, single};
+use super::slopes::At;
+use super::start::StartState;
+use crate::dual::single;
 use crate::prepare::Prepared;
-use crate::recording::Signal;
-use crate::simulate::{StartOffset, run};
 
 /// Normal equations of one recording, by the free parameters and then the level and the shift of its start.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,45 +27,17 @@ pub struct Information {
 pub(crate) const OF_START: usize = 2;
 
 impl Information {
-    /// Runs a recording on dual numbers whose first `count` slots are the free parameters.
-    pub(super) fn of<const P: usize>(
-        machine: &Machine<Dual<P>>,
-        count: usize,
-        start: StartState,
-        case: &Prepared,
-    ) -> Result<Self, MachineError> {
-        let size = count + OF_START;
-        let mut level = Dual::<P>::constant_of(start.level_on(machine));
-        if needs_level(case) {
-            level.partials[count] = single(start.level_slope(machine));
-        }
-        let shift_m = Dual::constant_of(start.shift * case.start_sigma_m);
-        let mut sums = Sums::<P>::new();
-        run::<Dual<P>>(machine, &case.stimulus, StartOffset { level: Some(level), shift_m }, |row, sample| {
-            for channel in &case.channels {
-                let Some(simulated) = sample.signal(channel.signal) else { continue };
-                if channel.failed[row] {
-                    continue;
-                }
-                let (residual, slope) = soft(missed(channel, row, Some(simulated.value)), channel.tolerance);
-                let scale = single(-slope / channel.noise);
-                let shift = if channel.signal == Signal::Position { single(case.start_sigma_m) * scale } else { 0.0 };
-                sums.add(residual, &simulated.partials.map(|by| by * scale), shift);
-            }
+    /// Runs a recording with the slopes of its residuals.
+    pub(super) fn of(at: &At<'_>, start: StartState, case: &Prepared) -> Result<Self, MachineError> {
+        let mut sums = Sums::new(at.free.len() + OF_START);
+        at.each(start, case, &mut |judged| {
+            let Some(simulated) = judged.simulated else { return };
+            let channel = judged.channel;
+            let (residual, slope) = soft(missed(channel, judged.row, Some(simulated)), channel.tolerance);
+            let scale = single(-slope / channel.noise);
+            sums.add(judged.slopes.iter().map(|by| by * scale).chain([single(judged.by_shift) * scale]), residual);
         })?;
-        let mut matrix = DMatrix::zeros(size, size);
-        let mut gradient = DVector::zeros(size);
-        for row in 0..=count {
-            for column in 0..=count {
-                matrix[(row, column)] = sums.matrix[row][column];
-            }
-            matrix[(row, count + 1)] = sums.by_shift[row];
-            matrix[(count + 1, row)] = sums.by_shift[row];
-            gradient[row] = sums.gradient[row];
-        }
-        matrix[(count + 1, count + 1)] = sums.shift_square;
-        gradient[count + 1] = sums.shift_gradient;
-        Ok(Self { matrix, gradient, square: sums.square, rows: sums.rows })
+        Ok(sums.total())
     }
 
     /// Normal equations of all recordings together, by the free parameters and then each recording's start; every coordinate
@@ -132,45 +103,65 @@ impl Information {
     }
 }
 
+/// Rows that are summed up at a time.
+const ROWS: usize = 4;
+
 /// Sums over rows. In double: what single precision rounds away of two nearly equal columns is more than any prior.
-struct Sums<const P: usize> {
-    matrix: [[f64; P]; P],
-    gradient: [f64; P],
-    by_shift: [f64; P],
-    shift_square: f64,
-    shift_gradient: f64,
-    square: f64,
+struct Sums {
+    /// Coordinates, and the residual as one more column.
+    columns: usize,
+    /// Rows that wait, a row after the other.
+    waiting: Vec<f64>,
+    /// Lower triangle of the products of columns, column after column.
+    products: Vec<f64>,
     rows: f64,
 }
 
-impl<const P: usize> Sums<P> {
-    fn new() -> Self {
-        Self {
-            matrix: [[0.0; P]; P],
-            gradient: [0.0; P],
-            by_shift: [0.0; P],
-            shift_square: 0.0,
-            shift_gradient: 0.0,
-            square: 0.0,
-            rows: 0.0,
-        }
+impl Sums {
+    fn new(size: usize) -> Self {
+        let columns = size + 1;
+        Self { columns, waiting: Vec::with_capacity(ROWS * columns), products: vec![0.0; columns * columns], rows: 0.0 }
     }
 
     #[inline]
-    fn add(&mut self, residual: f64, slopes: &[f32; P], shift: f32) {
-        let (slopes, shift) = (slopes.map(f64::from), f64::from(shift));
-        for (row, by) in self.matrix.iter_mut().zip(&slopes) {
-            for (sum, slope) in row.iter_mut().zip(&slopes) {
-                *sum += by * slope;
+    fn add(&mut self, slopes: impl Iterator<Item = f32>, residual: f64) {
+        self.waiting.extend(slopes.map(f64::from));
+        self.waiting.push(residual);
+        self.rows += 1.0;
+        if self.waiting.len() == ROWS * self.columns {
+            self.gather();
+        }
+    }
+
+    /// Adds the products of the rows that wait, in their order.
+    fn gather(&mut self) {
+        self.waiting.resize(ROWS * self.columns, 0.0);
+        let mut rows = self.waiting.chunks_exact(self.columns);
+        if let [Some(a), Some(b), Some(c), Some(d)] = std::array::from_fn(|_| rows.next()) {
+            for (index, sums) in self.products.chunks_exact_mut(self.columns).enumerate() {
+                let by = [a[index], b[index], c[index], d[index]];
+                // Most rows know nothing of some parameters.
+                if by.iter().all(|slope| *slope == 0.0) {
+                    continue;
+                }
+                let columns = a.iter().zip(b).zip(c.iter().zip(d));
+                for (sum, ((a, b), (c, d))) in sums[..=index].iter_mut().zip(columns) {
+                    *sum = *sum + by[0] * a + by[1] * b + by[2] * c + by[3] * d;
+                }
             }
         }
-        for (index, by) in slopes.iter().enumerate() {
-            self.gradient[index] += by * residual;
-            self.by_shift[index] += by * shift;
+        self.waiting.clear();
+    }
+
+    fn total(mut self) -> Information {
+        self.gather();
+        let size = self.columns - 1;
+        let product = |row: usize, column: usize| self.products[row.max(column) * self.columns + row.min(column)];
+        Information {
+            matrix: DMatrix::from_fn(size, size, product),
+            gradient: DVector::from_fn(size, |row, _| product(size, row)),
+            square: product(size, size),
+            rows: self.rows,
         }
-        self.shift_square += shift * shift;
-        self.shift_gradient += shift * residual;
-        self.square += residual * residual;
-        self.rows += 1.0;
     }
 }

@@ -10,6 +10,7 @@ mod information;
 mod problem;
 mod residuals;
 mod sensitivity;
+mod slopes;
 mod start;
 
 use model_core::machine::{Machine, MachineError};
@@ -21,11 +22,11 @@ pub use information::Information;
 pub(crate) use information::OF_START;
 use problem::{Minimum, Problem};
 pub use residuals::{effective_samples, loss, set_tolerances, soft, softened, standardised};
-pub use sensitivity::{Change, Sensitivity};
+pub use sensitivity::{Change, Sensitivity, Settled};
 pub use start::{StartState, level_at_rest, settle};
 
 /// Most parameters of one fit.
-pub const MOST_PARAMETERS: usize = 39;
+pub const MOST_PARAMETERS: usize = slopes::MOST_SLOTS - 1;
 
 /// How a free parameter moves; its own coordinate has a unit normal prior in each case.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -231,23 +232,19 @@ pub fn fit(
     from: &From<'_>,
     precision: Option<f64>,
 ) -> Result<Fit, FitError> {
-    let count = free.len() + 1;
+    if free.len() > MOST_PARAMETERS {
+        return Err(FitError::TooMany { count: free.len() });
+    }
     let mut problem = Problem::new(machine, free, cases, from);
     // The optimiser has no way to report why residuals fail, so the start is tried first.
     model_core::drive::Drive::<f64>::new::<{ crate::simulate::DELAY_LINE }>(
         &problem.machine(),
         cases.first().map_or(model_core::machine::Tick::OneMillisecond, |case| case.stimulus.tick),
     )?;
-    macro_rules! minimise {
-        ($($slots:literal)*) => {
-            match (count, precision) {
-                $((0..=$slots, Some(precision)) => problem.minimise::<$slots>(precision, from.careful),
-                  (0..=$slots, None) => problem.evaluate::<$slots>(),)*
-                _ => return Err(FitError::TooMany { count }),
-            }
-        };
-    }
-    let Minimum { converged, loss } = minimise!(4 8 12 16 20 24 28 32 40);
+    let Minimum { converged, loss } = match precision {
+        Some(precision) => problem.minimise(precision, from.careful),
+        None => problem.evaluate(),
+    };
     Ok(Fit {
         machine: problem.machine(),
         free: free.to_vec(),

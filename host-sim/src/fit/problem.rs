@@ -9,8 +9,8 @@ use nalgebra::{DMatrix, DVector, Dyn, Owned};
 use rayon::prelude::*;
 
 use super::information::OF_START;
+use super::slopes::At;
 use super::{Free, From, Information, StartState};
-use crate::dual::{Dual, single};
 use crate::prepare::Prepared;
 
 pub(super) struct Problem<'a> {
@@ -63,27 +63,17 @@ impl<'a> Problem<'a> {
         machine
     }
 
-    fn dual_machine<const P: usize>(&self) -> Machine<Dual<P>> {
-        let mut machine = self.base.map(Dual::constant_of);
-        for (index, (free, &coordinate)) in self.free.iter().zip(self.coordinates.iter()).enumerate() {
-            let mut value = Dual::<P>::constant_of(free.value(coordinate));
-            value.partials[index] = single(free.slope(coordinate));
-            machine.set(free.parameter, value);
-        }
-        machine
-    }
-
     /// Half the sum of squares at the coordinates, without a search.
-    pub(super) fn evaluate<const P: usize>(&mut self) -> Minimum {
-        let mut slots = Slots::<'_, '_, P>::new(self);
+    pub(super) fn evaluate(&mut self) -> Minimum {
+        let mut slots = Slots::new(self);
         let loss = slots.residuals().map_or(f64::INFINITY, |residuals| 0.5 * residuals.norm_squared());
         let information = std::mem::take(&mut slots.here.information);
         self.information = information;
         Minimum { converged: false, loss }
     }
 
-    /// Minimises with `P` partial derivatives a run.
-    pub(super) fn minimise<const P: usize>(&mut self, precision: f64, careful: bool) -> Minimum {
+    /// Minimises.
+    pub(super) fn minimise(&mut self, precision: f64, careful: bool) -> Minimum {
         let solver = LevenbergMarquardt::new()
             .with_ftol(precision)
             .with_xtol(1e-6)
@@ -92,7 +82,7 @@ impl<'a> Problem<'a> {
             // Every coordinate is in standard deviations of its prior already: a first step of several of them is far.
             .with_scale_diag(false)
             .with_stepbound(if careful { 0.3 } else { 5.0 });
-        let start = Slots::<'_, '_, P>::new(self);
+        let start = Slots::new(self);
         let (end, report) = solver.minimize(start);
         let information = end.here.information;
         self.information = information;
@@ -109,8 +99,8 @@ pub(super) struct Minimum {
     pub(super) loss: f64,
 }
 
-/// The problem as the optimiser wants it, with `P` partials a run.
-struct Slots<'p, 'a, const P: usize> {
+/// The problem as the optimiser wants it: where it is and where it was.
+struct Slots<'p, 'a> {
     problem: &'p mut Problem<'a>,
     /// Here, and where the search was before: a step that is not taken leads back there.
     here: Point,
@@ -126,7 +116,7 @@ struct Point {
     triangle: Option<(DVector<f64>, DMatrix<f64>)>,
 }
 
-impl<'p, 'a, const P: usize> Slots<'p, 'a, P> {
+impl<'p, 'a> Slots<'p, 'a> {
     fn new(problem: &'p mut Problem<'a>) -> Self {
         let coordinates = problem.coordinates.clone();
         let mut slots = Self { problem, here: Point::default(), before: Point::default() };
@@ -151,7 +141,7 @@ impl<'p, 'a, const P: usize> Slots<'p, 'a, P> {
     }
 }
 
-impl<const P: usize> LeastSquaresProblem<f64, Dyn, Dyn> for Slots<'_, '_, P> {
+impl LeastSquaresProblem<f64, Dyn, Dyn> for Slots<'_, '_> {
     type ResidualStorage = Owned<f64, Dyn>;
     type JacobianStorage = Owned<f64, Dyn, Dyn>;
     type ParameterStorage = Owned<f64, Dyn>;
@@ -165,14 +155,12 @@ impl<const P: usize> LeastSquaresProblem<f64, Dyn, Dyn> for Slots<'_, '_, P> {
         if self.here.at.as_ref() == Some(coordinates) {
             return;
         }
-        let (machine, starts) = (self.problem.dual_machine::<P>(), self.problem.starts());
-        let count = self.problem.free.len();
-        let information: Result<Vec<_>, _> = self
-            .problem
-            .cases
+        let Problem { base, free, cases, .. } = *self.problem;
+        let at = At { base, free, coordinates: coordinates.as_slice() };
+        let information: Result<Vec<_>, _> = cases
             .par_iter()
-            .zip(&starts)
-            .map(|(case, start)| Information::of::<P>(&machine, count, *start, case))
+            .zip(self.problem.starts())
+            .map(|(case, start)| Information::of(&at, start, case))
             .collect();
         let information = information.unwrap_or_default();
         let triangle = if information.is_empty() { None } else { self.assembled(&information) };

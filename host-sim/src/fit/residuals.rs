@@ -4,6 +4,7 @@ use model_core::machine::{Machine, MachineError};
 
 use super::start::StartState;
 use crate::prepare::{Channel, Prepared};
+use crate::recording::Signal;
 use crate::simulate::run;
 
 /// Residuals beyond this many times a channel's tolerance count linearly, not by their square.
@@ -37,8 +38,8 @@ pub fn set_tolerances(
     machine: &Machine<f64>,
     cases: &mut [Prepared],
     starts: &[StartState],
-) -> Result<Vec<(crate::recording::Signal, f64)>, MachineError> {
-    let mut sums: Vec<(crate::recording::Signal, f64, f64)> = Vec::new();
+) -> Result<(), MachineError> {
+    let mut sums: Vec<(Signal, f64, f64)> = Vec::new();
     for (case, start) in cases.iter().zip(starts) {
         for (channel, series) in case.channels.iter().zip(standardised(machine, case, *start)?) {
             let square: f64 = series.iter().map(|residual| residual * residual).sum();
@@ -54,7 +55,7 @@ pub fn set_tolerances(
         let found = tolerances.iter().find(|(signal, _)| *signal == channel.signal);
         channel.tolerance = found.map_or(1.0, |(_, tolerance)| *tolerance);
     }
-    Ok(tolerances)
+    Ok(())
 }
 
 /// Residuals of a machine on one recording, each over its channel's noise: one series for each channel. A row whose sensor

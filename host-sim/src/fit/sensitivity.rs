@@ -5,12 +5,11 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 
 use super::residuals::{missed, soft};
-use super::start::needs_level;
-use super::{Fit, Information, OF_START};
-use crate::dual::{Dual, single};
+use super::slopes::At;
+use super::{Fit, Information, MOST_PARAMETERS, OF_START, StartState};
+use crate::dual::single;
 use crate::prepare::Prepared;
-use crate::recording::Signal;
-use crate::simulate::{StartOffset, run};
+use crate::simulate::run;
 
 /// Rows that are kept at most; of longer recordings every so-manieth.
 const MOST_ROWS: usize = 60_000;
@@ -38,72 +37,35 @@ pub struct Sensitivity<'a> {
 /// A change of all residuals: one vector a recording.
 pub type Change = Vec<Vec<f64>>;
 
+/// The free parameters settled anew after a change of the residuals.
+#[derive(Clone, Debug)]
+pub struct Settled {
+    /// Half the sum of squares that is gained.
+    pub gain: f64,
+    /// Half the sum of squares that is left.
+    pub loss: f64,
+    /// Where the free parameters, and each recording's start, settle.
+    pub coordinates: Vec<f64>,
+}
+
 impl<'a> Sensitivity<'a> {
     /// Runs every recording once more at the solution.
     pub fn at(fit: &'a Fit, cases: &'a [&'a Prepared]) -> Result<Option<Self>, MachineError> {
         let rows: usize = cases.iter().map(|case| case.time_s.len()).sum();
         let stride = rows.div_ceil(MOST_ROWS).max(1);
         let count = fit.free.len();
-        macro_rules! blocks {
-            ($($slots:literal)*) => {
-                match count + 1 {
-                    $(0..=$slots => Self::blocks::<$slots>(fit, cases, stride)?,)*
-                    _ => return Ok(None),
-                }
-            };
+        if count > MOST_PARAMETERS {
+            return Ok(None);
         }
-        let blocks = blocks!(4 8 12 16 20 24 28 32 40);
+        let at = At { base: &fit.machine, free: &fit.free, coordinates: &fit.coordinates };
+        let blocks: Vec<Block> = cases
+            .par_iter()
+            .zip(&fit.starts)
+            .map(|(case, start)| Block::at(&at, *start, case, stride))
+            .collect::<Result<_, _>>()?;
         let information: Vec<Information> = blocks.iter().map(|block| block.information(count)).collect();
         let (matrix, gradient, _) = Information::assembled(&information, &fit.all_coordinates());
         Ok(matrix.cholesky().map(|factor| Self { cases, fit, blocks, stride, factor, gradient }))
-    }
-
-    fn blocks<const P: usize>(fit: &Fit, cases: &[&Prepared], stride: usize) -> Result<Vec<Block>, MachineError> {
-        let count = fit.free.len();
-        let mut machine = fit.machine.map(Dual::<P>::constant_of);
-        for (index, (free, &coordinate)) in fit.free.iter().zip(&fit.coordinates).enumerate() {
-            let mut value = Dual::constant_of(free.value(coordinate));
-            value.partials[index] = single(free.slope(coordinate));
-            machine.set(free.parameter, value);
-        }
-        cases
-            .par_iter()
-            .zip(&fit.starts)
-            .map(|(case, start)| {
-                let mut block = Block { residuals: Vec::new(), slopes: Vec::new() };
-                let mut level = Dual::<P>::constant_of(start.level_on(&machine));
-                if needs_level(case) {
-                    level.partials[count] = single(start.level_slope(&machine));
-                }
-                let shift_m = Dual::constant_of(start.shift * case.start_sigma_m);
-                run::<Dual<P>>(
-                    &machine,
-                    &case.stimulus,
-                    StartOffset { level: Some(level), shift_m },
-                    |row, sample| {
-                        if row % stride != 0 {
-                            return;
-                        }
-                        for channel in &case.channels {
-                            let simulated = sample.signal(channel.signal);
-                            let judged = simulated.filter(|_| !channel.failed[row]);
-                            let missed = missed(channel, row, judged.map(|simulated| simulated.value));
-                            let (residual, slope) = soft(missed, channel.tolerance);
-                            let slope = if judged.is_some() { slope } else { 0.0 };
-                            block.residuals.push((residual, slope));
-                            let scale = single(-slope / channel.noise);
-                            match judged {
-                                Some(dual) => block.slopes.extend(dual.partials[..=count].iter().map(|by| by * scale)),
-                                None => block.slopes.extend(std::iter::repeat_n(0.0, count + 1)),
-                            }
-                            let moves = channel.signal == Signal::Position;
-                            block.slopes.push(if moves { single(case.start_sigma_m) * scale } else { 0.0 });
-                        }
-                    },
-                )?;
-                Ok(block)
-            })
-            .collect()
     }
 
     /// Residuals of another machine, as they would enter the loss, less those of the solution.
@@ -147,15 +109,9 @@ impl<'a> Sensitivity<'a> {
         sum
     }
 
-    /// Half the sum of squares once the free parameters have settled, without any change.
+    /// Where the free parameters settle when residuals change so, and what that is worth.
     #[must_use]
-    pub fn settled_loss(&self) -> f64 {
-        self.fit.loss - 0.5 * self.gradient.dot(&self.factor.solve(&self.gradient))
-    }
-
-    /// Half the sum of squares that is gained when residuals change so and the free parameters then settle anew.
-    #[must_use]
-    pub fn gain(&self, change: &Change) -> f64 {
+    pub fn settle(&self, change: &Change) -> Settled {
         let mut by = 0.0;
         for (block, change) in self.blocks.iter().zip(change) {
             by += block
@@ -165,17 +121,16 @@ impl<'a> Sensitivity<'a> {
                 .map(|((here, _), change)| change * (change + 2.0 * here))
                 .sum::<f64>();
         }
+        let unchanged = self.gradient.dot(&self.factor.solve(&self.gradient));
         let gradient = &self.gradient + self.across(change);
-        let settled =
-            gradient.dot(&self.factor.solve(&gradient)) - self.gradient.dot(&self.factor.solve(&self.gradient));
-        self.stride as f64 * 0.5 * (settled - by)
-    }
-
-    /// Where the free parameters, and each recording's start, settle when residuals change so.
-    #[must_use]
-    pub fn settled(&self, change: &Change) -> Vec<f64> {
-        let step = self.factor.solve(&(&self.gradient + self.across(change)));
-        self.fit.all_coordinates().iter().zip(step.iter()).map(|(here, step)| here - step.clamp(-3.0, 3.0)).collect()
+        let step = self.factor.solve(&gradient);
+        let gain = self.stride as f64 * 0.5 * (gradient.dot(&step) - unchanged - by);
+        let here = self.fit.all_coordinates();
+        Settled {
+            gain,
+            loss: self.fit.loss - 0.5 * unchanged - gain,
+            coordinates: here.iter().zip(step.iter()).map(|(here, step)| here - step.clamp(-3.0, 3.0)).collect(),
+        }
     }
 
     /// How much of each direction lowers the loss most once the free parameters have settled, each at least 0 where `positive`
@@ -233,6 +188,28 @@ impl<'a> Sensitivity<'a> {
 }
 
 impl Block {
+    /// Runs a recording with the slopes of its residuals, and keeps every so-manieth row.
+    fn at(at: &At<'_>, start: StartState, case: &Prepared, stride: usize) -> Result<Self, MachineError> {
+        let mut block = Self { residuals: Vec::new(), slopes: Vec::new() };
+        at.each(start, case, &mut |judged| {
+            if judged.row % stride != 0 {
+                return;
+            }
+            let channel = judged.channel;
+            let (residual, slope) = soft(missed(channel, judged.row, judged.simulated), channel.tolerance);
+            let slope = if judged.simulated.is_some() { slope } else { 0.0 };
+            block.residuals.push((residual, slope));
+            let scale = single(-slope / channel.noise);
+            if judged.simulated.is_some() {
+                block.slopes.extend(judged.slopes.iter().map(|by| by * scale));
+            } else {
+                block.slopes.extend(std::iter::repeat_n(0.0, at.free.len() + 1));
+            }
+            block.slopes.push(single(judged.by_shift) * scale);
+        })?;
+        Ok(block)
+    }
+
     /// Normal equations of the kept rows.
     fn information(&self, count: usize) -> Information {
         let size = count + OF_START;
