@@ -205,8 +205,7 @@ impl Candidate {
         mut jumps: Vec<(Parameter, f64)>,
         from: &Beginning<'_>,
     ) -> Result<Self, FitError> {
-        let strengths = effects.iter().flat_map(|chosen| chosen.form.iter());
-        let smooth = strengths.filter(|strength| !matches!(strength.kind, Kind::Jump(_)));
+        let smooth = strengths(&effects).into_iter().filter(|strength| !matches!(strength.kind, Kind::Jump(_)));
         let free: Vec<Free> =
             question.ordinary.iter().copied().chain(smooth.map(|strength| strength.free(question.scene))).collect();
         let coordinates: Vec<(Parameter, f64)> = from
@@ -276,7 +275,7 @@ impl Candidate {
     /// How many strengths it has.
     #[must_use]
     pub fn strengths(&self) -> usize {
-        self.effects.iter().map(|chosen| chosen.form.len()).sum()
+        strengths(&self.effects).len()
     }
 
     /// Fitted values of what was free, with the strengths that were found without a slope.
@@ -314,6 +313,17 @@ impl Candidate {
             })
             .fold(0.0, f64::max)
     }
+}
+
+/// The strengths of a set, one that effects share once.
+fn strengths(effects: &[Chosen]) -> Vec<Strength> {
+    let mut found: Vec<Strength> = Vec::new();
+    for strength in effects.iter().flat_map(|chosen| chosen.form.iter()) {
+        if found.iter().all(|known| known.parameter != strength.parameter) {
+            found.push(*strength);
+        }
+    }
+    found
 }
 
 fn is_jump(form: Form, parameter: Parameter) -> bool {

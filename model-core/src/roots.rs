@@ -125,7 +125,6 @@ pub(crate) fn share_of(part: u32, sum: u64) -> PerUnit {
     let (z, zeros) = reciprocal(sum.saturating_add(u64::from(part) << 16));
     // The product has 58 fractional bits and is below 2⁶³. The whole is 2¹⁶ at least, so there are 47 zeros at most.
     let share = (u64::from(part) * u64::from(z)) >> 50_u32.saturating_sub(zeros);
-    #[expect(clippy::cast_possible_truncation, reason = "held at 1")]
     let word = share.min(1 << FRACTION) as i32;
     PerUnit::from_bits(word)
 }

@@ -15,6 +15,7 @@
 //!
 //! ## Parameters
 //! Fc and Fe in N, not negative: Fc 1–5 % of full force, break-away 1.1–2.6 times Fc. vs in m/s: 1–50 mm/s.
+//! Stiffness of the bristles as with Coulomb friction.
 //!
 //! ## Source
 //! R. Stribeck, *Die wesentlichen Eigenschaften der Gleit- und Rollenlager*, Z. VDI 46, 1902; B. Armstrong-Hélouvry, P.
@@ -22,7 +23,7 @@
 
 use model_core::parameter::Parameter;
 
-use super::{Extension, Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{BRISTLES, Extension, Hypothesis, Kind, LookAlike, Strength, Subsystem};
 use crate::machine_file::LoadSource;
 
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
@@ -39,6 +40,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             kind: Kind::Amount(|scene| (1e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
         },
         Strength { parameter: Parameter::StribeckVelocity, kind: Kind::Shape(|_| (1e-3, 0.05), 3) },
+        BRISTLES,
     ]],
     look_alikes: &[
         LookAlike {

@@ -166,8 +166,9 @@ impl<R: Real> Builder<'_, R> {
         let force_n = |of: P| self.get(of).value();
         let constant_n = force_n(P::CoulombFriction) + force_n(P::PreslidingForce) + force_n(P::StribeckForce);
         let directed_n = force_n(P::AsymmetricExtending).max(force_n(P::AsymmetricRetracting));
-        let placed_n =
-            force_n(P::PositionFriction) + force_n(P::PositionFrictionSlope).abs() + force_n(P::PositionFrictionBow).abs();
+        let placed_n = force_n(P::PositionFriction)
+            + force_n(P::PositionFrictionSlope).abs()
+            + force_n(P::PositionFrictionBow).abs();
         let seals_n = force_n(P::PressureFriction) * self.bases.pressure_pa;
         constant_n + force_n(P::StribeckExcess) + directed_n + placed_n + seals_n
     }
@@ -262,7 +263,8 @@ impl<R: Real> Builder<'_, R> {
         let square = R::constant(4.0) * stiffness * self.get(P::MovingMass);
         let critical = if square.value() < of_step.value() * of_step.value() { square.sqrt() } else { of_step };
         let steep = |coefficient: &'static str, value: R| self.steep::<N>(coefficient, P::PreslidingStiffness, value);
-        let bend = |share: f64| steep("bend of the bristles in a tick at velocity 1", R::constant(share * bend) * stiffness);
+        let bend =
+            |share: f64| steep("bend of the bristles in a tick at velocity 1", R::constant(share * bend) * stiffness);
         Ok(Bristles {
             reference: self.signal(
                 "friction of the bristles over full force",

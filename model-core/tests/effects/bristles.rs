@@ -35,11 +35,9 @@ fn laws() -> Vec<(&'static str, Vec<(P, f64)>, Level)> {
             vec![(P::StribeckForce, 300.0), (P::StribeckExcess, 200.0), (P::StribeckVelocity, 0.02)],
             |v, _| 300.0 + 200.0 / (1.0 + (v / 0.02).powi(2)),
         ),
-        (
-            "asymmetric",
-            vec![(P::AsymmetricExtending, 600.0), (P::AsymmetricRetracting, 250.0)],
-            |v, _| if v > 0.0 { 600.0 } else { 250.0 },
-        ),
+        ("asymmetric", vec![(P::AsymmetricExtending, 600.0), (P::AsymmetricRetracting, 250.0)], |v, _| {
+            if v > 0.0 { 600.0 } else { 250.0 }
+        }),
         (
             "by position",
             vec![(P::PositionFriction, 400.0), (P::PositionFrictionSlope, 200.0), (P::PositionFrictionBow, 100.0)],
@@ -131,7 +129,9 @@ fn every_law_acts_through_bristles_as_lugre_does() {
             let (real, fixed) = (core::<f64>(&law, stiffness), core::<PerUnit>(&law, stiffness));
             let [position, velocity] = apart(&real, &truth);
             let [rounding, _] = apart(&fixed, &real);
-            println!("{name:<14} {stiffness:.0e} N/m: {position:.1e} m, {velocity:.1e} m/s, fixed point {rounding:.1e} m");
+            println!(
+                "{name:<14} {stiffness:.0e} N/m: {position:.1e} m, {velocity:.1e} m/s, fixed point {rounding:.1e} m"
+            );
             failed |= !(position < POSITION_M && velocity < VELOCITY_M_PER_S && rounding < ROUNDING_M);
         }
     }
