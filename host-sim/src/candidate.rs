@@ -8,7 +8,7 @@ use crate::fit::{
     Estimate, Fit, FitError, Free, From, Sensitivity, StartState, effective_samples, fit, loss, set_tolerances, settle,
     softened, standardised,
 };
-use crate::hypothesis::{Form, Hypothesis, Kind, Scene, Strength};
+use crate::hypothesis::{Form, Hypothesis, Kind, Scene, Strength, is_elastic};
 use crate::prepare::Prepared;
 use crate::screen::{Lead, extended, screen};
 
@@ -153,13 +153,15 @@ impl Candidate {
         Ok(screen(question.scene, &self.fit, &sensitivity, hypotheses)?)
     }
 
-    /// Where extensions of its newest effect could start.
+    /// Where extensions of its newest effect could start: of friction on bristles those on bristles, of rigid friction the others.
     pub fn extensions(&self, question: &Question<'_>, of: &[&'static Hypothesis]) -> Result<Vec<Lead>, FitError> {
         let Some(sensitivity) = Sensitivity::at(&self.fit, question.training)? else { return Ok(Vec::new()) };
         let mut found = Vec::new();
         for effect in of {
             found.extend(extended(question.scene, &self.fit, &sensitivity, effect)?);
         }
+        let elastic = self.effects.last().is_some_and(|newest| is_elastic(newest.form));
+        found.retain(|lead| is_elastic(lead.form) == elastic);
         Ok(found)
     }
 

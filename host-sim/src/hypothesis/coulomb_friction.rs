@@ -24,17 +24,16 @@ use model_core::parameter::Parameter;
 
 use super::{BRISTLES, Hypothesis, Kind, LookAlike, Strength, Subsystem};
 
+const FORCE: Strength = Strength {
+    parameter: Parameter::CoulombFriction,
+    kind: Kind::Amount(|scene| (2e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
+};
+
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "coulomb-friction",
     subsystem: Subsystem::Mechanics,
     equation: "F = −Fc·sgn v; at rest |F| ≤ Fc",
-    forms: &[&[
-        Strength {
-            parameter: Parameter::CoulombFriction,
-            kind: Kind::Amount(|scene| (2e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
-        },
-        BRISTLES,
-    ]],
+    forms: &[&[FORCE], &[FORCE, BRISTLES]],
     look_alikes: &[
         LookAlike { effect: "stribeck-friction", told_apart_by: "constant-speed strokes below 10 mm/s" },
         LookAlike {

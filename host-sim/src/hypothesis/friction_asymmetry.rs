@@ -29,15 +29,14 @@ fn force_n(scene: &Scene<'_>) -> (f64, f64) {
     (2e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())
 }
 
+const EXTENDING: Strength = Strength { parameter: Parameter::AsymmetricExtending, kind: Kind::Amount(force_n) };
+const RETRACTING: Strength = Strength { parameter: Parameter::AsymmetricRetracting, kind: Kind::Amount(force_n) };
+
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "friction-asymmetry",
     subsystem: Subsystem::Mechanics,
     equation: "F = −F1 at v > 0, +F2 at v < 0; at rest −F1 ≤ F ≤ F2",
-    forms: &[&[
-        Strength { parameter: Parameter::AsymmetricExtending, kind: Kind::Amount(force_n) },
-        Strength { parameter: Parameter::AsymmetricRetracting, kind: Kind::Amount(force_n) },
-        BRISTLES,
-    ]],
+    forms: &[&[EXTENDING, RETRACTING], &[EXTENDING, RETRACTING, BRISTLES]],
     look_alikes: &[
         LookAlike {
             effect: "coulomb-friction",

@@ -159,7 +159,8 @@ pub struct Strength {
 }
 
 /// The bristles that every law of dry friction acts through before the rod slides: about as stiff as the oil columns, or stiffer. Those
-/// softer than about a third of the oil columns are presliding; stiffer ones are how all dry friction is.
+/// softer than about a third of the oil columns are presliding; stiffer ones are how all dry friction is. Each law has a form that
+/// holds rigidly and one with bristles: recordings without pressures hardly show them.
 const BRISTLES: Strength = Strength {
     parameter: Parameter::PreslidingStiffness,
     kind: Kind::Shape(|scene| (scene.oil_spring_n_per_m(), 30.0 * scene.oil_spring_n_per_m()), 1),
@@ -167,6 +168,12 @@ const BRISTLES: Strength = Strength {
 
 /// A set of strengths that an effect is fitted with; the others stay neutral.
 pub type Form = &'static [Strength];
+
+/// Whether dry friction of this form acts through bristles.
+#[must_use]
+pub fn is_elastic(form: Form) -> bool {
+    form.iter().any(|strength| strength.parameter == BRISTLES.parameter)
+}
 
 /// What an effect has in common with a plainer one.
 #[derive(Clone, Copy, Debug)]

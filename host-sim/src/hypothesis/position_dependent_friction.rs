@@ -38,7 +38,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "position-dependent-friction",
     subsystem: Subsystem::Mechanics,
     equation: "F = −(F0 + F1·η + F2·η²)·sgn v, η = −1 fully in, +1 fully out",
-    forms: &[&[FORCE, SLOPE, BRISTLES], &[FORCE, SLOPE, BOW, BRISTLES]],
+    forms: &[&[FORCE, SLOPE], &[FORCE, SLOPE, BOW], &[FORCE, SLOPE, BRISTLES], &[FORCE, SLOPE, BOW, BRISTLES]],
     look_alikes: &[
         LookAlike {
             effect: "position-dependent-load",

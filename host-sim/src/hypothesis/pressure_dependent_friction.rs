@@ -23,20 +23,19 @@ use model_core::parameter::Parameter;
 use super::{BRISTLES, Hypothesis, Kind, LookAlike, Strength, Subsystem};
 use crate::machine_file::LoadSource;
 
+const AREA: Strength = Strength {
+    parameter: Parameter::PressureFriction,
+    kind: Kind::Amount(|scene| {
+        let area_m2 = scene.machine.get(Parameter::AreaA);
+        (2e-3 * area_m2, 0.1 * area_m2)
+    }),
+};
+
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "pressure-dependent-friction",
     subsystem: Subsystem::Mechanics,
     equation: "F = −a·(pa + pb)·sgn v; at rest |F| ≤ a·(pa + pb)",
-    forms: &[&[
-        Strength {
-            parameter: Parameter::PressureFriction,
-            kind: Kind::Amount(|scene| {
-                let area_m2 = scene.machine.get(Parameter::AreaA);
-                (2e-3 * area_m2, 0.1 * area_m2)
-            }),
-        },
-        BRISTLES,
-    ]],
+    forms: &[&[AREA], &[AREA, BRISTLES]],
     look_alikes: &[
         LookAlike {
             effect: "coulomb-friction",

@@ -26,22 +26,21 @@ use model_core::parameter::Parameter;
 use super::{BRISTLES, Extension, Hypothesis, Kind, LookAlike, Strength, Subsystem};
 use crate::machine_file::LoadSource;
 
+const FORCE: Strength = Strength {
+    parameter: Parameter::StribeckForce,
+    kind: Kind::Amount(|scene| (2e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
+};
+const EXCESS: Strength = Strength {
+    parameter: Parameter::StribeckExcess,
+    kind: Kind::Amount(|scene| (1e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
+};
+const VELOCITY: Strength = Strength { parameter: Parameter::StribeckVelocity, kind: Kind::Shape(|_| (1e-3, 0.05), 3) };
+
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "stribeck-friction",
     subsystem: Subsystem::Mechanics,
     equation: "F = −(Fc + Fe/(1 + (v/vs)²))·sgn v; at rest |F| ≤ Fc + Fe",
-    forms: &[&[
-        Strength {
-            parameter: Parameter::StribeckForce,
-            kind: Kind::Amount(|scene| (2e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
-        },
-        Strength {
-            parameter: Parameter::StribeckExcess,
-            kind: Kind::Amount(|scene| (1e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
-        },
-        Strength { parameter: Parameter::StribeckVelocity, kind: Kind::Shape(|_| (1e-3, 0.05), 3) },
-        BRISTLES,
-    ]],
+    forms: &[&[FORCE, EXCESS, VELOCITY], &[FORCE, EXCESS, VELOCITY, BRISTLES]],
     look_alikes: &[
         LookAlike {
             effect: "coulomb-friction",

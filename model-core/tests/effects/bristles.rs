@@ -24,9 +24,11 @@ const ROUNDING_M: f64 = 5e-8;
 
 /// The friction at a velocity and a position, in strokes from mid-stroke times two, N.
 type Level = fn(f64, f64) -> f64;
+/// Its name, its parameters and its formula.
+type Law = (&'static str, Vec<(P, f64)>, Level);
 
-/// Each law: its name, its parameters and its formula.
-fn laws() -> Vec<(&'static str, Vec<(P, f64)>, Level)> {
+/// Each law alone, and some together.
+fn laws() -> Vec<Law> {
     vec![
         ("coulomb", vec![(P::CoulombFriction, 500.0)], |_, _| 500.0),
         ("presliding", vec![(P::PreslidingForce, 500.0)], |_, _| 500.0),
@@ -80,7 +82,7 @@ fn lugre(level: Level, stiffness: f64, damping: f64) -> Vec<[f64; 2]> {
     let mut at = [0.5 * STROKE_M, 0.0, 0.0];
     (0..900)
         .map(|tick| {
-            let force = force_n((tick as f64) * TICK_S);
+            let force = force_n(f64::from(tick) * TICK_S);
             let step = TICK_S / STEPS as f64;
             for _ in 0..STEPS {
                 let k1 = slope(at, force);
