@@ -8,7 +8,7 @@ use crate::fit::{
     Estimate, Fit, FitError, Free, From, REACH, Sensitivity, StartState, effective_samples, fit, loss, set_tolerances,
     settle, softened, standardised,
 };
-use crate::hypothesis::{Form, Hypothesis, Kind, Scene, Strength};
+use crate::hypothesis::{Form, Hypothesis, Kind, Scene, Strength, is_elastic};
 use crate::prepare::Prepared;
 use crate::screen::{Lead, extended, screen, with};
 
@@ -157,13 +157,15 @@ impl Candidate {
         Ok(screen(question.scene, &self.fit, &sensitivity, hypotheses)?)
     }
 
-    /// Where extensions of its newest effect could start.
+    /// Where extensions of its newest effect could start: of friction on bristles those on bristles, of rigid friction the others.
     pub fn extensions(&self, question: &Question<'_>, of: &[&'static Hypothesis]) -> Result<Vec<Lead>, FitError> {
         let Some(sensitivity) = Sensitivity::at(&self.fit, question.training)? else { return Ok(Vec::new()) };
         let mut found = Vec::new();
         for effect in of {
             found.extend(extended(question.scene, &self.fit, &sensitivity, effect)?);
         }
+        let elastic = self.effects.last().is_some_and(|newest| is_elastic(newest.form));
+        found.retain(|lead| is_elastic(lead.form) == elastic);
         Ok(found)
     }
 
@@ -209,8 +211,7 @@ impl Candidate {
         mut jumps: Vec<(Parameter, f64)>,
         from: &Beginning<'_>,
     ) -> Result<Self, FitError> {
-        let strengths = effects.iter().flat_map(|chosen| chosen.form.iter());
-        let smooth = strengths.filter(|strength| !matches!(strength.kind, Kind::Jump(_)));
+        let smooth = strengths(&effects).into_iter().filter(|strength| !matches!(strength.kind, Kind::Jump(_)));
         let free: Vec<Free> =
             question.ordinary.iter().copied().chain(smooth.map(|strength| strength.free(question.scene))).collect();
         let coordinates: Vec<(Parameter, f64)> = from
@@ -283,7 +284,7 @@ impl Candidate {
     /// How many strengths it has.
     #[must_use]
     pub fn strengths(&self) -> usize {
-        self.effects.iter().map(|chosen| chosen.form.len()).sum()
+        strengths(&self.effects).len()
     }
 
     /// Fitted values of what was free, with the strengths that were found without a slope.
@@ -321,6 +322,17 @@ impl Candidate {
             })
             .fold(0.0, f64::max)
     }
+}
+
+/// The strengths of a set, one that effects share once.
+fn strengths(effects: &[Chosen]) -> Vec<Strength> {
+    let mut found: Vec<Strength> = Vec::new();
+    for strength in effects.iter().flat_map(|chosen| chosen.form.iter()) {
+        if found.iter().all(|known| known.parameter != strength.parameter) {
+            found.push(*strength);
+        }
+    }
+    found
 }
 
 fn is_jump(form: Form, parameter: Parameter) -> bool {

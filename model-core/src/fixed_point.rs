@@ -12,7 +12,7 @@
 //! over a run loses nothing: the position has the digits, a pressure carries the rest of its rounding ([`Number::accumulated`]).
 //!
 //! Error bounds, asserted in this file's tests: `times`, `dot` half a step (1.9e-9); `orifice_root` 2 steps + 6e-9
-//! of the value; `inverse_one_plus` 2e-8; chords 2e-5 + 1e-6 of the value (a Rosenbrock step is of second order for *any* Jacobian,
+//! of the value; `inverse_one_plus` and `share` 2e-8; chords 2e-5 + 1e-6 of the value (a Rosenbrock step is of second order for *any* Jacobian,
 //! so a slope needs no more).
 
 use core::ops::{Add, Neg, Sub};
@@ -20,7 +20,7 @@ use core::ops::{Add, Neg, Sub};
 use fixed::types::{I4F28, I8F56, U16F16};
 
 use crate::number::Number;
-use crate::roots::{InverseFourthRoot, reciprocal_of_one_plus};
+use crate::roots::{InverseFourthRoot, reciprocal_of_one_plus, share_of};
 
 /// A signal on the controller: per unit, `I4F28`, range ±8, step 2⁻²⁸. Sums saturate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -115,6 +115,14 @@ fn products<const K: usize>(gains: [I4F28; K], signals: [PerUnit; K]) -> i64 {
         .fold(0_i64, |sum, (gain, signal)| sum.wrapping_add(i64::from(gain.to_bits()) * i64::from(signal.to_bits())))
 }
 
+/// Σ weight·steep with 44 fractional bits, held at the end of the range.
+#[inline]
+fn weighed<const K: usize>(weights: [PerUnit; K], steep: [U16F16; K]) -> u64 {
+    weights.into_iter().zip(steep).fold(0_u64, |sum, (weight, steep)| {
+        sum.saturating_add(u64::from(weight.to_bits().unsigned_abs()) * u64::from(steep.to_bits()))
+    })
+}
+
 impl Number for PerUnit {
     type Real = f64;
     type Gain = I4F28;
@@ -179,10 +187,11 @@ impl Number for PerUnit {
     }
     #[inline]
     fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [U16F16; K]) -> Self {
-        let sum = weights.into_iter().zip(steep).fold(0_u64, |sum, (weight, steep)| {
-            sum.saturating_add(u64::from(weight.to_bits().unsigned_abs()) * u64::from(steep.to_bits()))
-        });
-        reciprocal_of_one_plus(sum)
+        reciprocal_of_one_plus(weighed(weights, steep))
+    }
+    #[inline]
+    fn share<const K: usize>(part: Self, weights: [Self; K], steep: [U16F16; K]) -> Self {
+        share_of(part.to_bits().max(0).unsigned_abs(), weighed(weights, steep))
     }
     #[inline]
     fn as_gain(self) -> I4F28 {
@@ -262,6 +271,18 @@ mod tests {
             let exact = 1.0 / (1.0 + w * steep.to_num::<f64>());
             let inverse = PerUnit::inverse_one_plus([weight], [steep]).to_f64();
             prop_assert!((inverse - exact).abs() <= 2e-8, "{inverse} {exact}");
+        }
+
+        #[test]
+        fn share_agrees_with_the_formula(
+            part in 0_i32..=i32::MAX, little in 0_u32..31, weight in 0_i32..=i32::MAX, small in 0_u32..31,
+            steep in any::<u32>(), less in 0_u32..31,
+        ) {
+            let ((part, p), (weight, w)) = (signal(part >> little), signal(weight >> small));
+            let steep = U16F16::from_bits(steep >> less);
+            let exact = if p > 0.0 { p / (p + w * steep.to_num::<f64>()) } else { 0.0 };
+            let share = PerUnit::share(part, [weight], [steep]).to_f64();
+            prop_assert!((share - exact).abs() <= 2e-8, "{share} {exact}");
         }
 
         #[test]

@@ -1,9 +1,10 @@
 //! Dry friction: how hard the rod is held at rest, and braked in motion.
 //!
-//! Set-valued: at rest any force below the break-away is held exactly, in motion the friction points against it. All laws add up:
+//! Set-valued where no bristles are given: at rest any force below the break-away is held exactly, in motion the friction points
+//! against it. Else it acts through `bristles`. All laws add up:
 //!
 //! ```text
-//! constant            coulomb-friction, the force of stribeck-friction, friction-asymmetry by direction
+//! constant            coulomb-friction, presliding, the force of stribeck-friction, friction-asymmetry by direction
 //! excess/(1 + (v/vs)²)  stribeck-friction, what breaking away takes more; evaluated at the velocity of each stage
 //! max(0, f + a·s + b·s²)  position-dependent-friction, s = 2y/stroke − 1, at the tick's start
 //! area·(pa⁺ + pb⁺)    pressure-dependent-friction, at the tick's start
@@ -28,7 +29,7 @@ pub enum Contact {
     Free,
 }
 
-/// Coefficients of all dry friction, per unit of force. 0 is neutral.
+/// Coefficients of all dry friction, per unit of force, or in shares of the bristles' reference. 0 is neutral.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DryFriction<N: Number> {
     /// Against extending, the constant part.
@@ -116,6 +117,14 @@ pub(crate) struct Level<N: Number> {
 }
 
 impl<N: Number> Level<N> {
+    /// No friction.
+    pub(crate) const NONE: Self = Self::constant(N::ZERO, N::ZERO);
+
+    /// Friction that no velocity changes.
+    pub(crate) const fn constant(extending: N, retracting: N) -> Self {
+        Self { extending, retracting, stribeck: None }
+    }
+
     #[inline]
     fn raised(self, by: N) -> Self {
         Self { extending: self.extending + by, retracting: self.retracting + by, ..self }
@@ -155,6 +164,35 @@ impl<N: Number> Level<N> {
             Contact::Retracts => level(self.retracting, -velocity),
             Contact::Sticks | Contact::Free => N::ZERO,
         }
+    }
+
+    /// A force of the bristles as far as a rod at rest is held by it.
+    #[inline]
+    pub(crate) fn held(&self, force: N) -> N {
+        let excess = self.excess();
+        force.min(self.extending + excess).max(-(self.retracting + excess))
+    }
+
+    /// The friction against this velocity; at rest that of the harder direction.
+    #[inline]
+    pub(crate) fn against(&self, velocity: N) -> N {
+        let constant = if velocity > N::ZERO {
+            self.extending
+        } else if velocity < N::ZERO {
+            self.retracting
+        } else {
+            self.extending.max(self.retracting)
+        };
+        self.stribeck.map_or(constant, |stribeck| constant + stribeck.at(velocity))
+    }
+
+    /// How much harder the friction against the direction of one velocity is at another; one that has turned counts as rest.
+    #[inline]
+    pub(crate) fn change(&self, from: N, to: N) -> N {
+        let Some(stribeck) = &self.stribeck else { return N::ZERO };
+        let along = if from < N::ZERO { -to } else { to };
+        let change = stribeck.at(along.max(N::ZERO)) - stribeck.at(from);
+        if from < N::ZERO { -change } else { change }
     }
 
     /// What the frictions of both directions are together, breaking away included.
@@ -201,7 +239,7 @@ mod tests {
     #[test]
     fn unequal_friction_holds_between_its_two_forces() {
         let [extending, retracting] = [0.3, 0.1].map(PerUnit::saturated);
-        let level = Level { extending, retracting, stribeck: None };
+        let level = Level::constant(extending, retracting);
         let at_rest = |force: f64| level.contact(PerUnit::ZERO, PerUnit::saturated(force));
         assert_eq!([0.29, -0.09].map(at_rest), [Contact::Sticks; 2]);
         assert_eq!([0.31, -0.11].map(at_rest), [Contact::Extends, Contact::Retracts]);

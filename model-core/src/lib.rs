@@ -40,6 +40,7 @@
 extern crate std;
 
 mod bases;
+mod bristles;
 mod capacity;
 pub mod chambers;
 mod coefficients;
@@ -55,7 +56,6 @@ mod metering;
 pub mod number;
 pub mod parameter;
 mod position_load;
-mod presliding;
 mod relaxation;
 mod roots;
 pub mod sensing;

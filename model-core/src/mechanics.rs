@@ -7,11 +7,11 @@
 //! velocity at the stage, v + γ·k: a spring of stiffness k is one of s = γ·h·k, with its force at the tick's start beside it. With
 //! r the old diagonal over the new, mobility and `back` shrink by r and the drag becomes drag·r + (1 − r)/γ.
 
+use crate::bristles::{Bristles, Gripping};
 use crate::end_stop::{Side, Stops};
 use crate::friction::{DryFriction, Level};
 use crate::number::Number;
 use crate::position_load::PositionLoad;
-use crate::presliding::Bristles;
 use crate::unnamed::{Push, States};
 
 pub use crate::friction::Contact;
@@ -90,7 +90,7 @@ pub struct MotionState<N: Number> {
     pub velocity: N,
     /// Position.
     pub position: N::Travel,
-    /// How far presliding's bristles are bent, −1..1; positive holds against extending. 0 where there are none.
+    /// Force of the bent bristles in shares of their reference; positive holds against extending. 0 where there are none.
     pub bristles: N,
 }
 
@@ -143,6 +143,7 @@ pub(crate) struct Gives<N> {
 pub(crate) struct Equation<'a, N: Number> {
     mechanics: &'a Mechanics<N>,
     pub(crate) row: Row<N>,
+    /// Of friction that holds rigidly.
     level: Level<N>,
     held: Option<Held<N>>,
     own: Option<Own<'a, N>>,
@@ -155,9 +156,8 @@ pub(crate) struct Equation<'a, N: Number> {
 struct Own<'a, N: Number> {
     resistance: &'a Resistance<N>,
     from_middle: N,
-    bent: N,
-    /// Stiffness that the bristles still have.
-    q: N,
+    /// The bristles that dry friction acts through.
+    grip: Option<Gripping<'a, N>>,
     /// At the start of the tick.
     start: N,
 }
@@ -186,12 +186,12 @@ impl<N: Number> Row<N> {
 }
 
 impl<N: Number> Own<'_, N> {
-    /// Of the second stage, after `ahead` of mean velocity in the first, which moved the rod by `moved` strokes.
+    /// Of the second stage, at the velocity `there`, after `ahead` of mean velocity in the first, which moved the rod by `moved`
+    /// strokes.
     #[inline]
-    fn second(&self, ahead: N, moved: N) -> N {
-        let Resistance { load, bristles, .. } = self.resistance;
-        let spring = load.map_or(N::ZERO, |load| load.second(self.from_middle, moved));
-        spring - bristles.map_or(N::ZERO, |law| law.force.times(law.second(self.bent, self.q, ahead)))
+    fn second(&self, there: N, ahead: N, moved: N) -> N {
+        let spring = self.resistance.load.map_or(N::ZERO, |load| load.second(self.from_middle, moved));
+        spring - self.grip.map_or(N::ZERO, |grip| grip.second(ahead, there))
     }
 }
 
@@ -220,13 +220,10 @@ impl<N: Number> Mechanics<N> {
         };
         let from_middle = from_middle();
         let spring = resistance.load.map_or(N::ZERO, |load| load.at(from_middle));
-        let bent = state.bristles.limited(N::ONE);
-        let (bristle, [q, fading]) = match &resistance.bristles {
-            Some(law) => (law.force.times(bent), law.yielding(bent, state.velocity)),
-            None => (N::ZERO, [N::ZERO; 2]),
-        };
-        let [stiffness_weight, damping_weight] =
-            resistance.bristles.map_or([resistance.none; 2], |law| [law.stiffness_weight, law.damping_weight]);
+        let grip = resistance.bristles.as_ref().map(|law| law.gripping(state.bristles, state.velocity, level));
+        let bristle = grip.map_or(N::ZERO, |grip| grip.first());
+        let [q, fading] = grip.map_or([N::ZERO; 2], |grip| grip.yielding());
+        let [stiffness_weight, damping_weight] = grip.map_or([resistance.none; 2], |grip| grip.weights());
         let braked = |touches: N, stop: N::Steep| {
             let share = N::inverse_one_plus(
                 [around.viscosity.max(N::ZERO), N::ONE, q, fading, touches],
@@ -241,7 +238,8 @@ impl<N: Number> Mechanics<N> {
             stiffness: stops.stiffness,
             row: braked(N::ONE, stops.weight),
         });
-        let own = Some(Own { resistance, from_middle, bent, q, start: spring - bristle });
+        let own = Some(Own { resistance, from_middle, grip, start: spring - bristle });
+        let level = if grip.is_some() { Level::NONE } else { level };
         Equation { mechanics: self, row: braked(N::ZERO, resistance.none), level, held, own, states: around.states }
     }
 
@@ -311,7 +309,7 @@ impl<N: Number> Equation<'_, N> {
         };
         let ahead = velocity + N::dot([own.resistance.gamma], [first]);
         let moved = N::dot([self.mechanics.travel], [ahead]);
-        let force = force + own.second(ahead, moved);
+        let force = force + own.second(there, ahead, moved);
         let free = solved(&self.row, force, gives.map(|gives| gives.free));
         self.held.map_or(free, |held| {
             // How much deeper a spring's second stage starts, in the direction out of the face.
@@ -347,19 +345,25 @@ impl<N: Number> Equation<'_, N> {
         let moved = limit(state.velocity + N::dot(mechanics.weights, [first, second]));
         // Friction turned with the velocity somewhere within the tick: give back what it took too much, at most to rest.
         state.velocity = match contact {
-            Contact::Extends if moved < N::ZERO => (moved + self.turn()).min(N::ZERO),
-            Contact::Retracts if moved > N::ZERO => (moved - self.turn()).max(N::ZERO),
+            Contact::Extends if moved < N::ZERO => (moved + self.turn()).min(self.turned(moved)),
+            Contact::Retracts if moved > N::ZERO => (moved - self.turn()).max(self.turned(moved)),
             _ => moved,
         };
-        if let Some(Own { resistance: Resistance { bristles, stops, .. }, .. }) = &self.own {
-            if let Some(law) = bristles {
-                state.bristles = law.bent(state.bristles, mean);
+        if let Some(Own { resistance: Resistance { stops, .. }, grip, .. }) = &self.own {
+            if let Some(grip) = grip {
+                state.bristles = grip.after(mean);
             }
             if let (Some(stops), None) = (stops, &self.held) {
                 state.position = stops.set_down(state.position);
             }
         }
         mean
+    }
+
+    /// What is left of a velocity that has turned within the tick, if friction holds as hard as it can.
+    #[inline]
+    fn turned(&self, moved: N) -> N {
+        self.own.and_then(|own| own.grip).map_or(N::ZERO, |grip| moved.times(grip.turned()))
     }
 
     /// What all dry friction takes of the velocity in a tick, to both sides.
@@ -369,8 +373,7 @@ impl<N: Number> Equation<'_, N> {
         if self.own.is_none() && !mechanics.dry.varies() {
             return mechanics.dry.turn;
         }
-        let bristles = self.own.and_then(|own| own.resistance.bristles);
-        let both = self.level.both() + bristles.map_or(N::ZERO, |law| law.force + law.force);
-        N::dot([self.row.mobility], [both])
+        let grip = self.own.and_then(|own| own.grip);
+        N::dot([self.row.mobility], [grip.map_or_else(|| self.level.both(), |grip| grip.both())])
     }
 }

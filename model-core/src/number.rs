@@ -124,6 +124,9 @@ pub trait Number:
     /// 1 / (1 + Σ wᵢ·sᵢ) for weights wᵢ that are not negative.
     fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [Self::Steep; K]) -> Self;
 
+    /// part / (part + Σ wᵢ·sᵢ) for a part and weights wᵢ that are not negative; no part of nothing.
+    fn share<const K: usize>(part: Self, weights: [Self; K], steep: [Self::Steep; K]) -> Self;
+
     /// This signal as a gain, held at the ends of a gain's range.
     fn as_gain(self) -> Self::Gain;
 
@@ -235,6 +238,11 @@ impl<R: Real> Number for R {
     #[inline]
     fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [R; K]) -> Self {
         R::ONE / (R::ONE + sum(weights, steep))
+    }
+    #[inline]
+    fn share<const K: usize>(part: Self, weights: [Self; K], steep: [R; K]) -> Self {
+        let whole = part + sum(weights, steep);
+        if whole.value() > 0.0 { part / whole } else { R::ZERO }
     }
     #[inline]
     fn as_gain(self) -> R {

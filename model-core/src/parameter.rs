@@ -140,7 +140,7 @@ parameters! {
     StopStiffness: "effects.end-stop.stiffness_n_per_m", "N/m", 0.0, 1e11, Value(0.0), "Force of a stop per depth.";
     StopDamping: "effects.end-stop.damping_n_s_per_m", "N s/m", 0.0, 1e9, Value(0.0), "Force of a stop per velocity into it.";
     PreslidingForce: "effects.presliding.force_n", "N", 0.0, 1e8, Value(0.0), "Dry friction force while sliding.";
-    PreslidingStiffness: "effects.presliding.stiffness_n_per_m", "N/m", 1.0, 1e12, Value(1e8), "Stiffness of the bristles that hold the rod before it slides.";
+    PreslidingStiffness: "effects.presliding.stiffness_n_per_m", "N/m", 0.0, 1e12, Value(0.0), "Stiffness of the bristles that all dry friction acts through before the rod slides; 0 holds rigidly.";
     BacklashPlay: "effects.linkage-backlash.play_m", "m", 0.0, 0.1, Value(0.0), "Travel of the rod that the position's sensor does not notice after a reversal.";
     PositionLag: "effects.position-sensor-lag.time_constant_s", "s", 0.0, 1.0, Value(0.0), "Time constant of the position's sensor.";
     PositionDelay: "effects.position-sensor-lag.delay_s", "s", 0.0, 0.05, Value(0.0), "Dead time of the position's sensor.";

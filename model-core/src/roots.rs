@@ -111,9 +111,29 @@ const fn inverse_fourth_root(n: u128) -> u32 {
 /// 1 / (1 + sum) with 28 fractional bits, from a sum with 44.
 #[inline]
 pub(crate) fn reciprocal_of_one_plus(sum: u64) -> PerUnit {
-    let value = sum.saturating_add(1 << 44);
+    let (z, zeros) = reciprocal(sum.saturating_add(1 << 44));
+    // z has 30 fractional bits: 28 wanted.
+    PerUnit::from_bits((z >> 22_u32.saturating_sub(zeros)).min(1 << FRACTION).cast_signed())
+}
+
+/// part / (part + sum) with 28 fractional bits, from a part below 2³¹ with 28 and a sum with 44. No part of nothing.
+#[inline]
+pub(crate) fn share_of(part: u32, sum: u64) -> PerUnit {
+    if part == 0 {
+        return PerUnit::from_bits(0);
+    }
+    let (z, zeros) = reciprocal(sum.saturating_add(u64::from(part) << 16));
+    // The product has 58 fractional bits and is below 2⁶³. The whole is 2¹⁶ at least, so there are 47 zeros at most.
+    let share = (u64::from(part) * u64::from(z)) >> 50_u32.saturating_sub(zeros);
+    let word = share.min(1 << FRACTION) as i32;
+    PerUnit::from_bits(word)
+}
+
+/// z in [1, 2] with 30 fractional bits and the leading zeros, with 1/value = z·2^(zeros − 20), for a value of 44 that is not 0.
+#[inline]
+fn reciprocal(value: u64) -> (u32, u32) {
     let zeros = value.leading_zeros();
-    let mu = ((value << zeros) >> 32) as u32; // F32, in [½, 1)
+    let mu = ((value << zeros) >> 32) as u32; // F32, in [½, 1): value = μ·2^(32 − zeros + 32 − 44)
     let seed = u32::MAX / ((mu >> 16) + 1); // 1/μ, F16, just below
     let seed = seed << 14; // F30, in [1, 2]
     // One Newton step: z + z·(1 − μz).
@@ -121,7 +141,5 @@ pub(crate) fn reciprocal_of_one_plus(sum: u64) -> PerUnit {
     let miss = (1 << 30) - upper(mu, seed) as i32; // F30
     #[expect(clippy::cast_possible_truncation, reason = "miss < 2^-14")]
     let correction = ((i64::from(seed) * i64::from(miss)) >> 30) as i32;
-    let z = seed.wrapping_add_signed(correction);
-    // value = μ·2^(32 − zeros + 32 − 44), so 1/value = z·2^(zeros − 20), and z has 30 fractional bits: 28 wanted.
-    PerUnit::from_bits((z >> 22_u32.saturating_sub(zeros)).min(1 << FRACTION).cast_signed())
+    (seed.wrapping_add_signed(correction), zeros)
 }

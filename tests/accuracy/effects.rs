@@ -32,6 +32,13 @@ const HOSES: PlantEffect =
 /// Bristles that give by 8 nm, all but set-valued: with ten times softer ones the largest error is a tenth to a quarter larger.
 const FRICTION: PlantEffect =
     PlantEffect::CoulombFriction { force_n: FRICTION_N, stiffness_n_per_m: 1e11, damping_n_s_per_m: 2e5 };
+/// Bristles that give by 27 µm, damped as the core damps them: what its step has on them.
+const BRISTLES: PlantEffect = PlantEffect::CoulombFriction {
+    force_n: FRICTION_N,
+    stiffness_n_per_m: STIFFNESS_N_PER_M,
+    damping_n_s_per_m: 8.8e3,
+};
+const STIFFNESS_N_PER_M: f64 = 3e7;
 const SLIP: PlantEffect = PlantEffect::PumpSlip {
     conductance_m3_per_s_pa: SLIP_M3_PER_S_PA * (SLIPPING_REV_PER_S + SLIP_FADE_REV_PER_S) / SLIPPING_REV_PER_S,
     turbulent_share: 0.0,
@@ -91,6 +98,9 @@ fn each_effect_and_the_pump_drive_follow_the_oracle() {
             let found = valve(&with(&drive.machine, &[(parameter, value)]), effect);
             add(drive.name, effect.name(), found, case, rounds);
         }
+        let machine =
+            with(&drive.machine, &[(P::CoulombFriction, FRICTION_N), (P::PreslidingStiffness, STIFFNESS_N_PER_M)]);
+        add(drive.name, "... on bristles", valve(&machine, BRISTLES), Case::DryFriction, Case::DryFrictionRounding);
     }
     let machine = drives::pump();
     let loaded = with(&machine, &[(P::LoadForce, -4e3)]);

@@ -1,8 +1,8 @@
 //! # Coulomb friction
 //!
 //! ## What it adds
-//! Dry friction of constant size against the motion: F = −Fc·sgn v while sliding; at rest any force up to Fc is held. It is
-//! set-valued: the rod really sticks.
+//! Dry friction of constant size against the motion: F = −Fc·sgn v while sliding; at rest any force up to Fc is held, by
+//! bristles that are stiff but give by some micrometres (`LuGre`).
 //!
 //! ## How it shows
 //! The force that the model lacks steps at v = 0. After a stop the pressures stay apart by 2·Fc/A between the directions; the
@@ -13,7 +13,8 @@
 //! the pressures flat while the rod rests.
 //!
 //! ## Parameters
-//! Fc in N, not negative; 1–5 % of the cylinder's full force.
+//! Fc in N, not negative; 1–5 % of the cylinder's full force. Stiffness of the bristles in N/m: one to thirty times that of the
+//! oil columns; softer than about a third of it, it is presliding.
 //!
 //! ## Source
 //! B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, *A survey of models … for the control of machines with friction*,
@@ -21,16 +22,18 @@
 
 use model_core::parameter::Parameter;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{BRISTLES, Hypothesis, Kind, LookAlike, Strength, Subsystem};
+
+const FORCE: Strength = Strength {
+    parameter: Parameter::CoulombFriction,
+    kind: Kind::Amount(|scene| (2e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
+};
 
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "coulomb-friction",
     subsystem: Subsystem::Mechanics,
     equation: "F = −Fc·sgn v; at rest |F| ≤ Fc",
-    forms: &[&[Strength {
-        parameter: Parameter::CoulombFriction,
-        kind: Kind::Amount(|scene| (2e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
-    }]],
+    forms: &[&[FORCE], &[FORCE, BRISTLES]],
     look_alikes: &[
         LookAlike { effect: "stribeck-friction", told_apart_by: "constant-speed strokes below 10 mm/s" },
         LookAlike {

@@ -13,7 +13,7 @@
 //! load, not with the direction alone.
 //!
 //! ## Parameters
-//! F1 and F2 in N, not negative: 1–5 % of full force, apart by 10–60 %.
+//! F1 and F2 in N, not negative: 1–5 % of full force, apart by 10–60 %. Stiffness of the bristles as with Coulomb friction.
 //!
 //! ## Source
 //! A. Bonchis, P. I. Corke, D. C. Rye, *A pressure-based, velocity independent, friction model for asymmetric hydraulic
@@ -22,21 +22,21 @@
 
 use model_core::parameter::Parameter;
 
-use super::{Extension, Hypothesis, Kind, LookAlike, Scene, Strength, Subsystem};
+use super::{BRISTLES, Extension, Hypothesis, Kind, LookAlike, Scene, Strength, Subsystem};
 use crate::machine_file::LoadSource;
 
 fn force_n(scene: &Scene<'_>) -> (f64, f64) {
     (2e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())
 }
 
+const EXTENDING: Strength = Strength { parameter: Parameter::AsymmetricExtending, kind: Kind::Amount(force_n) };
+const RETRACTING: Strength = Strength { parameter: Parameter::AsymmetricRetracting, kind: Kind::Amount(force_n) };
+
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "friction-asymmetry",
     subsystem: Subsystem::Mechanics,
     equation: "F = −F1 at v > 0, +F2 at v < 0; at rest −F1 ≤ F ≤ F2",
-    forms: &[&[
-        Strength { parameter: Parameter::AsymmetricExtending, kind: Kind::Amount(force_n) },
-        Strength { parameter: Parameter::AsymmetricRetracting, kind: Kind::Amount(force_n) },
-    ]],
+    forms: &[&[EXTENDING, RETRACTING], &[EXTENDING, RETRACTING, BRISTLES]],
     look_alikes: &[
         LookAlike {
             effect: "coulomb-friction",

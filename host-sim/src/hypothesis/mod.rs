@@ -158,8 +158,22 @@ pub struct Strength {
     pub kind: Kind,
 }
 
+/// The bristles that every law of dry friction acts through before the rod slides: about as stiff as the oil columns, or stiffer. Those
+/// softer than about a third of the oil columns are presliding; stiffer ones are how all dry friction is. Each law has a form that
+/// holds rigidly and one with bristles: recordings without pressures hardly show them.
+const BRISTLES: Strength = Strength {
+    parameter: Parameter::PreslidingStiffness,
+    kind: Kind::Shape(|scene| (scene.oil_spring_n_per_m(), 30.0 * scene.oil_spring_n_per_m()), 1),
+};
+
 /// A set of strengths that an effect is fitted with; the others stay neutral.
 pub type Form = &'static [Strength];
+
+/// Whether dry friction of this form acts through bristles.
+#[must_use]
+pub fn is_elastic(form: Form) -> bool {
+    form.iter().any(|strength| strength.parameter == BRISTLES.parameter)
+}
 
 /// What an effect has in common with a plainer one.
 #[derive(Clone, Copy, Debug)]
@@ -237,7 +251,7 @@ pub fn short_name(parameter: Parameter) -> &'static str {
 }
 
 impl Hypothesis {
-    /// Every parameter of every form, each once.
+    /// Every parameter of its own table in the machine file. Friction shares its bristles with other laws.
     pub fn parameters(&self) -> impl Iterator<Item = Parameter> {
         let table = format!("effects.{}.", self.name);
         Parameter::ALL.iter().copied().filter(move |parameter| parameter.description().key.starts_with(&table))
@@ -277,7 +291,8 @@ mod tests {
         for hypothesis in CATALOGUE {
             for strength in hypothesis.forms.iter().flat_map(|form| form.iter()) {
                 let description = strength.parameter.description();
-                assert!(description.key.starts_with(&format!("effects.{}.", hypothesis.name)), "{}", description.key);
+                let own = hypothesis.parameters().any(|parameter| parameter == strength.parameter);
+                assert!(own || strength.parameter == BRISTLES.parameter, "{}", description.key);
                 let (low, high) = match strength.kind {
                     Kind::Amount(range) | Kind::Jump(range) | Kind::Shape(range, _) | Kind::Place(range, _) => {
                         range(&scene)

@@ -14,14 +14,14 @@
 //!
 //! ## Parameters
 //! F0 at mid-stroke in N, not negative, 1–5 % of full force; slope F1 and bow F2 in N, either sign: 10–300 % of it, up
-//! to 10 % of full force.
+//! to 10 % of full force. Stiffness of the bristles as with Coulomb friction.
 //!
 //! ## Source
 //! B. Armstrong-Hélouvry, *Control of Machines with Friction*, Kluwer 1991 (friction as a function of position).
 
 use model_core::parameter::Parameter;
 
-use super::{Extension, Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{BRISTLES, Extension, Hypothesis, Kind, LookAlike, Strength, Subsystem};
 use crate::machine_file::LoadSource;
 use crate::recording::Signal;
 
@@ -38,7 +38,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "position-dependent-friction",
     subsystem: Subsystem::Mechanics,
     equation: "F = −(F0 + F1·η + F2·η²)·sgn v, η = −1 fully in, +1 fully out",
-    forms: &[&[FORCE, SLOPE], &[FORCE, SLOPE, BOW]],
+    forms: &[&[FORCE, SLOPE], &[FORCE, SLOPE, BOW], &[FORCE, SLOPE, BRISTLES], &[FORCE, SLOPE, BOW, BRISTLES]],
     look_alikes: &[
         LookAlike {
             effect: "position-dependent-load",

@@ -1,15 +1,15 @@
 //! # Presliding
 //!
 //! ## What it adds
-//! Before it slides the rod hangs on elastic bristles: dry friction is a spring of stiffness σ up to its force Fc, and
-//! the deflection Fc/σ has to be taken back at each reversal. It includes Coulomb friction.
+//! Coulomb friction on bristles that are soft: before it slides the rod hangs on a spring of stiffness σ up to the force Fc, and
+//! the deflection Fc/σ has to be taken back at each reversal.
 //!
 //! ## How it shows
 //! The rod yields by micrometres while it sticks, and springs back. Force over velocity is a loop at reversals, wider
 //! at higher frequency.
 //!
 //! ## What looks alike
-//! Coulomb friction holds rigidly and steps. Stribeck friction has a hump, but no loop. Play in the linkage hides small
+//! Coulomb friction gives less than the oil does, and steps. Stribeck friction has a hump, but no loop. Play in the linkage hides small
 //! motion from the sensor, while the pressures show none of it.
 //!
 //! ## Parameters

@@ -12,7 +12,7 @@
 //! alone is the same at every load, too.
 //!
 //! ## Parameters
-//! a in m², not negative: 0.2–10 % of the piston area, usually 0.5–5 %.
+//! a in m², not negative: 0.2–10 % of the piston area, usually 0.5–5 %. Stiffness of the bristles as with Coulomb friction.
 //!
 //! ## Source
 //! A. Bonchis, P. I. Corke, D. C. Rye, *A pressure-based, velocity independent, friction model for asymmetric hydraulic
@@ -20,20 +20,22 @@
 
 use model_core::parameter::Parameter;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{BRISTLES, Hypothesis, Kind, LookAlike, Strength, Subsystem};
 use crate::machine_file::LoadSource;
+
+const AREA: Strength = Strength {
+    parameter: Parameter::PressureFriction,
+    kind: Kind::Amount(|scene| {
+        let area_m2 = scene.machine.get(Parameter::AreaA);
+        (2e-3 * area_m2, 0.1 * area_m2)
+    }),
+};
 
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "pressure-dependent-friction",
     subsystem: Subsystem::Mechanics,
     equation: "F = −a·(pa + pb)·sgn v; at rest |F| ≤ a·(pa + pb)",
-    forms: &[&[Strength {
-        parameter: Parameter::PressureFriction,
-        kind: Kind::Amount(|scene| {
-            let area_m2 = scene.machine.get(Parameter::AreaA);
-            (2e-3 * area_m2, 0.1 * area_m2)
-        }),
-    }]],
+    forms: &[&[AREA], &[AREA, BRISTLES]],
     look_alikes: &[
         LookAlike {
             effect: "coulomb-friction",

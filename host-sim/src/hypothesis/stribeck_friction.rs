@@ -15,6 +15,7 @@
 //!
 //! ## Parameters
 //! Fc and Fe in N, not negative: Fc 1–5 % of full force, break-away 1.1–2.6 times Fc. vs in m/s: 1–50 mm/s.
+//! Stiffness of the bristles as with Coulomb friction.
 //!
 //! ## Source
 //! R. Stribeck, *Die wesentlichen Eigenschaften der Gleit- und Rollenlager*, Z. VDI 46, 1902; B. Armstrong-Hélouvry, P.
@@ -22,24 +23,24 @@
 
 use model_core::parameter::Parameter;
 
-use super::{Extension, Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{BRISTLES, Extension, Hypothesis, Kind, LookAlike, Strength, Subsystem};
 use crate::machine_file::LoadSource;
+
+const FORCE: Strength = Strength {
+    parameter: Parameter::StribeckForce,
+    kind: Kind::Amount(|scene| (2e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
+};
+const EXCESS: Strength = Strength {
+    parameter: Parameter::StribeckExcess,
+    kind: Kind::Amount(|scene| (1e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
+};
+const VELOCITY: Strength = Strength { parameter: Parameter::StribeckVelocity, kind: Kind::Shape(|_| (1e-3, 0.05), 3) };
 
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "stribeck-friction",
     subsystem: Subsystem::Mechanics,
     equation: "F = −(Fc + Fe/(1 + (v/vs)²))·sgn v; at rest |F| ≤ Fc + Fe",
-    forms: &[&[
-        Strength {
-            parameter: Parameter::StribeckForce,
-            kind: Kind::Amount(|scene| (2e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
-        },
-        Strength {
-            parameter: Parameter::StribeckExcess,
-            kind: Kind::Amount(|scene| (1e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
-        },
-        Strength { parameter: Parameter::StribeckVelocity, kind: Kind::Shape(|_| (1e-3, 0.05), 3) },
-    ]],
+    forms: &[&[FORCE, EXCESS, VELOCITY], &[FORCE, EXCESS, VELOCITY, BRISTLES]],
     look_alikes: &[
         LookAlike {
             effect: "coulomb-friction",

@@ -2,6 +2,7 @@
 
 use super::Builder;
 use crate::bases::thinnest;
+use crate::bristles::{Bend, Bristles};
 use crate::end_stop::{Face, Stops};
 use crate::friction::{DryFriction, Placed, Stribeck};
 use crate::machine::MachineError;
@@ -9,11 +10,12 @@ use crate::mechanics::{GAMMA, Mechanics, Resistance, Row};
 use crate::number::{Number, Real};
 use crate::parameter::Parameter as P;
 use crate::position_load::{PositionLoad, Signed};
-use crate::presliding::Bristles;
 use crate::temperature::Warming;
 
-/// Most that the bristles bend over a tick at velocity 1, in their full bend: what the format of a slope holds.
-const MOST_BEND: f64 = 6e4;
+/// Largest coefficient of the bristles: what the format of a slope holds. Stiffer ones are as stiff as that.
+const STIFFEST: f64 = 6e4;
+/// Velocity at which the bristles count as going one way by half.
+const AT_REST: f64 = 6.1e-5;
 /// Positions beyond this many strokes are out of a signal's range: no stop is there.
 const OUT_OF_REACH: f64 = 7.9;
 /// Least e-folds a tick at which an exponential is taken instead of its first terms.
@@ -103,12 +105,15 @@ impl<R: Real> Builder<'_, R> {
     }
 
     fn dry_friction<N: Number<Real = R>>(&self, mass: R) -> Result<DryFriction<N>, MachineError> {
-        let force = |of: P| self.signal::<N>("dry friction over full force", of, self.force(of));
-        let alike = self.force(P::CoulombFriction) + self.force(P::StribeckForce);
-        let extending = alike + self.force(P::AsymmetricExtending);
-        let retracting = alike + self.force(P::AsymmetricRetracting);
+        // With bristles the levels are shares of their reference.
+        let scale = if self.has_bristles() { self.bases.force_n / self.largest_friction() } else { 1.0 };
+        let share = |of: P| self.force(of) * R::constant(scale);
+        let force = |of: P| self.signal::<N>("dry friction over full force", of, share(of));
+        let alike = share(P::CoulombFriction) + share(P::StribeckForce) + share(P::PreslidingForce);
+        let extending = alike + share(P::AsymmetricExtending);
+        let retracting = alike + share(P::AsymmetricRetracting);
         // The one that moves it most.
-        let largest = [P::StribeckForce, P::AsymmetricExtending, P::AsymmetricRetracting]
+        let largest = [P::StribeckForce, P::PreslidingForce, P::AsymmetricExtending, P::AsymmetricRetracting]
             .into_iter()
             .fold(P::CoulombFriction, |most, of| if self.get(of).value() > self.get(most).value() { of } else { most });
         let stribeck = if self.is_on(&[P::StribeckExcess]) {
@@ -131,7 +136,7 @@ impl<R: Real> Builder<'_, R> {
             None
         };
         let seals = if self.is_on(&[P::PressureFriction]) {
-            let share = self.get(P::PressureFriction) / self.get(P::AreaA);
+            let share = self.get(P::PressureFriction) / self.get(P::AreaA) * R::constant(scale);
             Some(self.signal("friction of the seals over full force", P::PressureFriction, share)?)
         } else {
             None
@@ -155,10 +160,28 @@ impl<R: Real> Builder<'_, R> {
         R::constant(GAMMA * self.tick_s) / (mass * self.own_diagonal(mass))
     }
 
+    /// The largest friction of all laws together, each at its largest over the stroke and its seals under as much as the supply's
+    /// pressure in both chambers together, N.
+    fn largest_friction(&self) -> f64 {
+        let force_n = |of: P| self.get(of).value();
+        let constant_n = force_n(P::CoulombFriction) + force_n(P::PreslidingForce) + force_n(P::StribeckForce);
+        let directed_n = force_n(P::AsymmetricExtending).max(force_n(P::AsymmetricRetracting));
+        let placed_n = force_n(P::PositionFriction)
+            + force_n(P::PositionFrictionSlope).abs()
+            + force_n(P::PositionFrictionBow).abs();
+        let seals_n = force_n(P::PressureFriction) * self.bases.pressure_pa;
+        constant_n + force_n(P::StribeckExcess) + directed_n + placed_n + seals_n
+    }
+
+    /// Whether dry friction acts through bristles.
+    fn has_bristles(&self) -> bool {
+        self.get(P::PreslidingStiffness).value() > 0.0 && self.largest_friction() > 0.0
+    }
+
     fn resistance<N: Number<Real = R>>(&self, mass: R) -> Result<Option<Resistance<N>>, MachineError> {
         let load = self.is_on(&[P::LoadSpring, P::LoadSpringForce, P::LoadSpringBow]);
         let stops = self.is_on(&[P::StopStiffness, P::StopDamping]);
-        let bristles = self.is_on(&[P::PreslidingForce]);
+        let bristles = self.has_bristles();
         let warms = self.is_on(&[P::ViscosityLoss]);
         if !(load || stops || bristles || warms) {
             return Ok(None);
@@ -229,32 +252,30 @@ impl<R: Real> Builder<'_, R> {
     }
 
     fn bristles<N: Number<Real = R>>(&self, mass: R) -> Result<Bristles<N>, MachineError> {
-        let (force, stiffness) = (self.get(P::PreslidingForce), self.get(P::PreslidingStiffness));
-        let travel_m = self.tick_s * self.bases.velocity_m_per_s;
-        // h·v/Z, Z = force/stiffness; with no force the bristles have no bend.
-        let bend = if (stiffness.value() * travel_m) < MOST_BEND * force.value() {
-            R::constant(travel_m) * stiffness / force
-        } else {
-            R::constant(MOST_BEND)
-        };
-        // The stiffness that goes with it.
-        let stiffness = force * bend / R::constant(travel_m);
+        let reference_n = self.largest_friction();
+        // Per stiffness: what a tick at velocity 1 bends, and what is solved on the mass.
+        let bend = self.tick_s * self.bases.velocity_m_per_s / reference_n;
+        let weight = R::constant(GAMMA * self.tick_s) * self.weight(mass);
+        let stiffest = STIFFEST / bend.max(weight.value());
+        let stiffness = self.get(P::PreslidingStiffness);
+        let stiffness = if stiffness.value() < stiffest { stiffness } else { R::constant(stiffest) };
         let of_step = R::constant(GAMMA * self.tick_s) * stiffness;
         let square = R::constant(4.0) * stiffness * self.get(P::MovingMass);
         let critical = if square.value() < of_step.value() * of_step.value() { square.sqrt() } else { of_step };
         let steep = |coefficient: &'static str, value: R| self.steep::<N>(coefficient, P::PreslidingStiffness, value);
-        let bending = "bend of the bristles in a tick at velocity 1";
+        let bend =
+            |share: f64| steep("bend of the bristles in a tick at velocity 1", R::constant(share * bend) * stiffness);
         Ok(Bristles {
-            force: self.signal(
+            reference: self.signal(
                 "friction of the bristles over full force",
-                P::PreslidingForce,
-                self.force(P::PreslidingForce),
+                P::PreslidingStiffness,
+                R::constant(reference_n / self.bases.force_n),
             )?,
-            bend: steep(bending, bend)?,
-            bend_ahead: steep(bending, R::constant(GAMMA) * bend)?,
-            bend_second: steep(bending, R::constant(1.0 - 2.0 * GAMMA) * bend)?,
-            stiffness_weight: steep("stiffness of the bristles on the mass", of_step * self.weight(mass))?,
+            bend: Bend { half: bend(0.5)?, ahead: bend(GAMMA)?, second: bend(1.0 - 2.0 * GAMMA)? },
+            stiffness_weight: steep("stiffness of the bristles on the mass", weight * stiffness)?,
             damping_weight: steep("damping of the bristles on the mass", critical * self.weight(mass))?,
+            at_rest: steep("velocity of rest", R::constant(AT_REST))?,
+            unity: steep("one", R::ONE)?,
         })
     }
 

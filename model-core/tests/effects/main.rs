@@ -2,6 +2,7 @@
 
 mod agreement;
 mod bench;
+mod bristles;
 mod chambers;
 mod friction;
 mod neutral;

@@ -156,10 +156,15 @@ pub(super) fn to_the_controller(diagnosis: &Diagnosis) -> Markup {
     }
 }
 
-/// The effect's table of the machine file.
+/// The effect's tables of the machine file: its own, and that of the bristles which frictions share.
 fn snippet(finding: &Finding) -> String {
-    let mut text = format!("[effects.{}]\n", finding.effect.name);
+    let (mut text, mut table) = (String::new(), "");
     for estimate in &finding.parameters {
+        let there = estimate.parameter.description().key.rsplit_once('.').map_or("", |(table, _)| table);
+        if there != table {
+            let _ = writeln!(text, "[{there}]");
+            table = there;
+        }
         let rounded: f64 = format!("{:.5e}", estimate.value).parse().unwrap_or(estimate.value);
         let value = if (1e-3..1e6).contains(&rounded.abs()) { format!("{rounded:?}") } else { format!("{rounded:e}") };
         let unit = estimate.parameter.description().unit;
