@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::fit::{
     Estimate, Fit, FitError, Free, From, REACH, Sensitivity, StartState, effective_samples, fit, loss, set_tolerances,
-    settle, softened, standardised,
+    settle, softened,
 };
 use crate::hypothesis::{Form, Hypothesis, Kind, Scene, Strength, is_elastic};
 use crate::prepare::Prepared;
@@ -70,53 +70,27 @@ struct Beginning<'a> {
 }
 
 impl Candidate {
-    /// The machine file's model, refitted; with the links `apart` known, from there as well.
-    pub fn base(question: &Question<'_>, apart: Option<&Fit>) -> Result<Self, FitError> {
-        let fitted = |from: &From<'_>| {
-            let fit = fit(question.scene.machine, question.ordinary, question.training, from, Some(1e-8))?;
-            Self::of(question, Vec::new(), fit, Vec::new())
-        };
-        let mut best = fitted(&From { solution: apart, ..From::default() })?;
-        // What is far off may only have been led into the wrong valley.
-        if apart.is_none() && best.worst_over_noise(question) > 1.2 {
-            let tempered = Self::tempered(question)?;
-            for from in
-                [From { careful: true, ..From::default() }, From { solution: Some(&tempered), ..From::default() }]
-            {
-                let other = fitted(&from)?;
-                if other.fit.loss < best.fit.loss {
-                    best = other;
-                }
-            }
-        }
-        Ok(best)
+    /// The machine file's model, refitted from its nominal values and from a solution that is near.
+    pub fn base(question: &Question<'_>, near: &Fit) -> Result<Self, FitError> {
+        let nominal = Self::ordinary(question, None, PRECISION)?;
+        let other = Self::ordinary(question, Some(near), PRECISION)?;
+        Self::near(question, if other.loss < nominal.loss { &other } else { &nominal })
     }
 
-    /// A refit that believes the recordings only as far as a model that misses so much can: every channel's noise is taken to be
-    /// what the model leaves, and as correlated. The priors then keep the parameters where they can be, and from there the way
-    /// to the best fit is short.
-    fn tempered(question: &Question<'_>) -> Result<Fit, FitError> {
-        let mut cases: Vec<Prepared> = question.training.iter().map(|case| (*case).clone()).collect();
-        let mut machine = *question.scene.machine;
-        let mut starts = vec![StartState::default(); cases.len()];
-        let mut solution: Option<Fit> = None;
-        for _ in 0..3 {
-            for ((case, original), start) in cases.iter_mut().zip(question.training).zip(&starts) {
-                let residuals = standardised(&machine, original, *start)?;
-                for ((channel, original), series) in case.channels.iter_mut().zip(&original.channels).zip(&residuals) {
-                    let square: f64 = series.iter().map(|residual| residual * residual).sum();
-                    channel.noise = original.noise * (square / effective_samples(series)).sqrt().max(1.0);
-                    channel.tolerance = 1.0;
-                }
-            }
-            let references: Vec<&Prepared> = cases.iter().collect();
-            let from = From { solution: solution.as_ref(), ..From::default() };
-            let found = fit(question.scene.machine, question.ordinary, &references, &from, Some(1e-3))?;
-            (machine, starts) = (found.machine, found.starts.clone());
-            solution = Some(found);
-        }
-        let nominal = || fit(question.scene.machine, question.ordinary, question.training, &From::default(), None);
-        solution.map_or_else(nominal, Ok)
+    /// The machine file's model, refitted to the end from a solution that is near.
+    pub fn near(question: &Question<'_>, solution: &Fit) -> Result<Self, FitError> {
+        Self::of(question, Vec::new(), Self::ordinary(question, Some(solution), 1e-8)?, Vec::new())
+    }
+
+    /// The machine file's model, roughly refitted.
+    pub fn rough(question: &Question<'_>, from: Option<&Fit>) -> Result<Self, FitError> {
+        Self::of(question, Vec::new(), Self::ordinary(question, from, 1e-3)?, Vec::new())
+    }
+
+    /// A refit of the ordinary parameters alone.
+    fn ordinary(question: &Question<'_>, solution: Option<&Fit>, precision: f64) -> Result<Fit, FitError> {
+        let from = From { solution, ..From::default() };
+        fit(question.scene.machine, question.ordinary, question.training, &from, Some(precision))
     }
 
     /// The machine file's model refitted, after which every channel tolerates what that leaves: residuals far beyond count
@@ -128,12 +102,6 @@ impl Candidate {
         let base = fit(scene.machine, ordinary, &references, &From::default(), Some(1e-4))?;
         set_tolerances(&base.machine, training, &base.starts)?;
         Ok(())
-    }
-
-    /// The machine file's model as it is: an effect that is not in it may have bent the refitted one far.
-    pub fn nominal(question: &Question<'_>) -> Result<Self, FitError> {
-        let fit = fit(question.scene.machine, question.ordinary, question.training, &From::default(), None)?;
-        Self::of(question, Vec::new(), fit, Vec::new())
     }
 
     fn of(
@@ -279,6 +247,14 @@ impl Candidate {
             });
             possible && notable
         })
+    }
+
+    /// What the ordinary parameters cost by being away from their nominal values: half the sum of squares of their distances, each
+    /// in its standard deviation.
+    #[must_use]
+    pub fn bent(&self, question: &Question<'_>) -> f64 {
+        let own = self.fit.coordinates.iter().take(question.ordinary.len());
+        0.5 * own.map(|coordinate| coordinate * coordinate).sum::<f64>()
     }
 
     /// How many strengths it has.

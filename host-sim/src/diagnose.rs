@@ -195,7 +195,8 @@ pub fn diagnose(
     } else {
         // What was named tells the link better than what it looks like from outside.
         let named: Vec<Subsystem> = findings.iter().map(|finding| finding.effect.subsystem).collect();
-        let promises = promises(&selection.base.leads(&question, &hypotheses)?);
+        let promises =
+            if named.is_empty() { promises(&selection.base.leads(&question, &hypotheses)?) } else { Vec::new() };
         Some(locate(&base.machine, file.load_source, &cases, &named, &promises)?)
     };
     let tabled = match &located {

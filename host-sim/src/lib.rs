@@ -39,6 +39,7 @@ pub mod simulate;
 pub mod spectrum;
 pub mod standard_tests;
 pub mod statics;
+pub mod tempered;
 pub mod testbed;
 pub mod unnamed;
 pub mod verdict;

@@ -88,11 +88,11 @@ pub fn locate(
             .map(|left| (left.recording.as_str(), left.time_s.as_slice(), left.above_noise.as_slice()))
             .collect::<Vec<_>>(),
     );
-    let mut oscillating = None;
-    for case in cases {
-        let trajectory = simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(machine, case.prepared))?;
-        oscillating = oscillating.or_else(|| oscillation(case, &trajectory));
-    }
+    let trajectories = cases
+        .iter()
+        .map(|case| simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(machine, case.prepared)))
+        .collect::<Result<Vec<_>, _>>()?;
+    let oscillating = cases.iter().zip(&trajectories).find_map(|(case, trajectory)| oscillation(case, trajectory));
     let subsystem = match (named.first(), &event, &oscillating) {
         (Some(named), ..) => *named,
         // What happens once and never again is pushed from outside.
@@ -106,8 +106,7 @@ pub fn locate(
     let (mut inside, mut total) = (0.0, 0.0);
     let mut course = Course::default();
     let mut all: Vec<f64> = Vec::new();
-    for case in cases {
-        let trajectory = simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(machine, case.prepared))?;
+    for (case, trajectory) in cases.iter().zip(trajectories) {
         let Some(channel) = case.prepared.channels.iter().find(|channel| channel.signal == signal) else { continue };
         let Some(simulated) = trajectory.signal(signal) else { continue };
         let errors = over_noise(channel, simulated);

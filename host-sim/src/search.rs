@@ -5,7 +5,9 @@ use rayon::prelude::*;
 use crate::candidate::{Candidate, Question};
 use crate::fit::FitError;
 use crate::hypothesis::Hypothesis;
+use crate::prepare::Prepared;
 use crate::screen::Lead;
+use crate::tempered::Tempered;
 
 /// An effect that promises less than this share of what the best does is not refitted.
 const PROMISING: f64 = 0.05;
@@ -14,10 +16,11 @@ const CHANCE: f64 = 3.0;
 
 /// Every set of the beam with one more effect, at most `most` effects each, in their promising forms.
 ///
-/// Where nothing is in a set yet, leads are looked for beside the nominal machine as well. Extensions of an effect start from
-/// its refit.
+/// Where nothing is in a set yet, leads are looked for beside the tempered model as well. Extensions of an effect start from its
+/// refit.
 pub fn widened(
     question: &Question<'_>,
+    tempered: &Tempered,
     beam: &[Candidate],
     most: usize,
     done: &(impl Fn(&str) + Sync),
@@ -25,12 +28,16 @@ pub fn widened(
     let mut found = Vec::new();
     for from in beam {
         let open = open_to(question, from);
-        let nominal = if from.effects.is_empty() { Some(Candidate::nominal(question)?) } else { None };
         let mut leads: Vec<(Lead, &Candidate)> = Vec::new();
-        for reference in std::iter::once(from).chain(&nominal) {
-            leads.extend(reference.leads(question, &open)?.into_iter().map(|lead| (lead, reference)));
+        let own = from.leads(question, &open)?.into_iter().map(|lead| (lead, from)).collect();
+        leads.extend(promising(own, from.fit.loss, most));
+        if from.effects.is_empty() {
+            let cases: Vec<&Prepared> = tempered.cases.iter().collect();
+            let softer = Question { training: &cases, ..*question };
+            let beside = tempered.base.leads(&softer, &open)?.into_iter().map(|lead| (lead, &tempered.base)).collect();
+            leads.extend(promising(beside, tempered.base.fit.loss, most));
         }
-        let refitted: Vec<Candidate> = promising(leads, from.fit.loss, most)
+        let refitted: Vec<Candidate> = leads
             .par_iter()
             .map(|(lead, reference)| {
                 let candidate = reference.with(question, lead)?;
@@ -55,7 +62,7 @@ fn open_to(question: &Question<'_>, from: &Candidate) -> Vec<&'static Hypothesis
     question.hypotheses.iter().copied().filter(open).collect()
 }
 
-/// The leads of the most promising effects; of the same form only the better of both references.
+/// The leads of the most promising effects.
 fn promising(mut leads: Vec<(Lead, &Candidate)>, loss: f64, most: usize) -> Vec<(Lead, &Candidate)> {
     leads.sort_by(|a, b| a.0.loss.total_cmp(&b.0.loss));
     let best = leads.first().map_or(0.0, |(lead, _)| loss - lead.loss);

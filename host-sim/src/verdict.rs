@@ -16,6 +16,7 @@ use crate::hypothesis::{CATALOGUE, Hypothesis};
 use crate::prepare::Prepared;
 use crate::recording::Signal;
 use crate::search::widened;
+use crate::tempered::Tempered;
 
 /// Most effects claimed at once.
 const MOST_EFFECTS: usize = 3;
@@ -23,6 +24,8 @@ const MOST_EFFECTS: usize = 3;
 const REFITTED: usize = 7;
 /// Sets of a round that are refitted to the end.
 const FINISHED: usize = 4;
+/// One that leaves so many times what the best does is not.
+const HOPELESS: f64 = 10.0;
 /// Sets that the next round starts from.
 const BEAM: usize = 2;
 /// Effects that are refitted beside each of those.
@@ -32,6 +35,8 @@ const LEAST_SHARE: f64 = 0.5;
 /// How closely a real effect follows its textbook form, as a share of the error that it explains (RMS): a further effect that
 /// explains less than this of what the first ones did cannot be told from their own form's error.
 const FORM: f64 = 0.1;
+/// An extension that explains less than that still earns its place by this share of what the plainer effect leaves.
+const EARNED: f64 = 0.75;
 /// What a gain must be beyond the information penalty: one in twenty by chance.
 const CHANCE: f64 = 3.0;
 /// A set whose worst signal is this close to its noise is not searched further.
@@ -66,6 +71,8 @@ pub struct Selection {
 
 /// How far a selection has come.
 struct Course {
+    /// The machine file's model, refitted to recordings that are believed only as far as it follows them.
+    tempered: Tempered,
     /// The machine file's model, refitted.
     base: Candidate,
     /// The chosen set; the base while nothing is claimed.
@@ -77,8 +84,19 @@ struct Course {
 }
 
 impl Course {
-    fn from(base: Candidate) -> Self {
-        Self { chosen: base.clone(), beam: vec![base.clone()], rounds: Vec::new(), base }
+    /// Nothing chosen yet.
+    fn of(question: &Question<'_>) -> Result<Self, FitError> {
+        let tempered = Tempered::of(question)?;
+        let base = Candidate::base(question, &tempered.base.fit)?;
+        Ok(Self { tempered, chosen: base.clone(), beam: vec![base.clone()], rounds: Vec::new(), base })
+    }
+
+    /// Nothing chosen yet, with the better of two bases.
+    fn with_base(self, other: Candidate) -> Self {
+        if other.fit.loss >= self.base.fit.loss {
+            return self;
+        }
+        Self { chosen: other.clone(), beam: vec![other.clone()], base: other, ..self }
     }
 }
 
@@ -88,39 +106,41 @@ impl Course {
 /// slider meters the oil beside the valve, so that what one link misses bends no other's parameters. The chain as a whole then
 /// has to accept what was found, and is searched on.
 pub fn select(question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<Selection, FitError> {
-    let followed: Option<Vec<Prepared>> = question.training.iter().map(|case| case.following()).collect();
-    let start = match followed {
-        Some(mut followed) => {
-            Candidate::tolerated(question.scene, question.ordinary, &mut followed)?;
-            let references: Vec<&Prepared> = followed.iter().collect();
-            apart_then_joined(question, &Question { training: &references, ..*question }, done)?
-        }
-        None => Course::from(Candidate::base(question, None)?),
-    };
+    let mut start = Course::of(question)?;
+    if start.base.worst_over_noise(question) > FAR
+        && let Some(mut followed) = followed(question.training)
+    {
+        Candidate::tolerated(question.scene, question.ordinary, &mut followed)?;
+        let references: Vec<&Prepared> = followed.iter().collect();
+        start = joined(question, start, &Question { training: &references, ..*question }, done)?;
+    }
     done("refit");
     let Course { base, chosen, rounds, .. } = forward(question, start, AT_NOISE, done)?;
     Ok(Selection { base, chosen, rounds })
 }
 
+/// The same recordings with the recorded slider metering the oil; `None` unless every one allows it.
+fn followed(training: &[&Prepared]) -> Option<Vec<Prepared>> {
+    training.iter().map(|case| case.following()).collect()
+}
+
 /// What the chain accepts of what was found with its links `apart`.
-fn apart_then_joined(
+fn joined(
     question: &Question<'_>,
+    start: Course,
     apart: &Question<'_>,
     done: &(impl Fn(&str) + Sync),
 ) -> Result<Course, FitError> {
-    let base_apart = Candidate::base(apart, None)?;
-    let base = Candidate::base(question, Some(&base_apart.fit))?;
-    let mut course = Course::from(base);
-    if course.base.worst_over_noise(question) > FAR {
-        let found = forward(apart, Course::from(base_apart), FAR, done)?;
-        if !found.chosen.effects.is_empty() {
-            let joined = found.chosen.finished(question)?;
-            if accepts(question, &course.base, &course.base, &joined)? {
-                course.chosen = backward(question, &course.base, joined)?;
-                course.beam = vec![course.chosen.clone()];
-                course.rounds = found.rounds;
-                course.rounds.truncate(course.chosen.effects.len());
-            }
+    let parted = Course::of(apart)?;
+    let mut course = start.with_base(Candidate::near(question, &parted.base.fit)?);
+    let found = forward(apart, parted, FAR, done)?;
+    if !found.chosen.effects.is_empty() {
+        let joined = found.chosen.finished(question)?;
+        if accepts(question, &course.base, &course.base, &joined)? {
+            course.chosen = backward(question, &course.base, joined)?;
+            course.beam = vec![course.chosen.clone()];
+            course.rounds = found.rounds;
+            course.rounds.truncate(course.chosen.effects.len());
         }
     }
     Ok(course)
@@ -133,22 +153,28 @@ fn forward(
     near: f64,
     done: &(impl Fn(&str) + Sync),
 ) -> Result<Course, FitError> {
-    let Course { mut base, mut chosen, mut beam, mut rounds } = from;
+    let Course { tempered, mut base, mut chosen, mut beam, mut rounds } = from;
     for round in chosen.effects.len()..MOST_EFFECTS {
         if !chosen.effects.is_empty() && beam.first().is_none_or(|best| is_enough(question, &base, best, near)) {
             break;
         }
-        let found = widened(question, &beam, if round == 0 { REFITTED } else { BESIDE }, done)?;
+        let found = widened(question, &tempered, &beam, if round == 0 { REFITTED } else { BESIDE }, done)?;
         // Only the best are worth an exact refit.
         let possible = found.into_iter().filter(|candidate| candidate.is_plausible(question.scene)).collect();
-        let mut first = ranked(&base, possible);
-        let rest = first.split_off(first.len().min(FINISHED));
+        let mut first = ranked(question, &base, possible);
+        let least = first.iter().map(|(candidate, _)| excess(&candidate.residuals)).fold(f64::INFINITY, f64::min);
+        let hopeful = |(candidate, _): &(Candidate, f64)| {
+            0.5 * excess(&candidate.residuals) < HOPELESS * (0.5 * least).max(candidate.strengths() as f64)
+        };
+        let rest = first
+            .split_off(first.iter().take_while(|one| hopeful(one)).count().min(FINISHED).max(BEAM.min(first.len())));
         let finished = first
             .par_iter()
             .map(|(candidate, _)| candidate.finished(question))
             .collect::<Result<Vec<_>, FitError>>()?;
         let finished = finished.into_iter().filter(|candidate| candidate.is_plausible(question.scene));
-        let mut ranked = ranked(&base, finished.chain(rest.into_iter().map(|(candidate, _)| candidate)).collect());
+        let mut ranked =
+            ranked(question, &base, finished.chain(rest.into_iter().map(|(candidate, _)| candidate)).collect());
         prefer_plain(&base, &mut ranked);
         rounds.push(ranked.iter().map(|(candidate, net)| trial(candidate, *net)).collect());
         let mut accepted = None;
@@ -177,17 +203,28 @@ fn forward(
             break;
         }
     }
-    Ok(Course { base, chosen, beam, rounds })
+    Ok(Course { tempered, base, chosen, beam, rounds })
 }
 
-/// Whether nothing is left that a further effect could explain: the set is `near` its noise, or what it leaves would not be told
-/// from its own form's error.
+/// Whether nothing is left that a further effect could explain: the ordinary parameters are where they were said to be, and the
+/// set is `near` its noise, or what it leaves would not be told from its own form's error.
 fn is_enough(question: &Question<'_>, base: &Candidate, best: &Candidate, near: f64) -> bool {
-    best.worst_over_noise(question) < near || excess(&best.residuals) < FORM * FORM * excess(&base.residuals)
+    let fits =
+        || best.worst_over_noise(question) < near || excess(&best.residuals) < FORM * FORM * excess(&base.residuals);
+    !is_bent(question, best) && fits()
+}
+
+/// Whether the ordinary parameters are further from their nominal values than their standard deviations allow in 999 of 1000
+/// drives: by χ², its quantile after Wilson and Hilferty 1931.
+fn is_bent(question: &Question<'_>, candidate: &Candidate) -> bool {
+    const QUANTILE: f64 = 3.09;
+    let count = question.ordinary.len() as f64;
+    let share = 2.0 / (9.0 * count);
+    count > 0.0 && 2.0 * candidate.bent(question) > count * (1.0 - share + QUANTILE * share.sqrt()).powi(3)
 }
 
 /// Best first by log-likelihood gained over the base less penalty; only the best form of the same effects stays.
-fn ranked(base: &Candidate, found: Vec<Candidate>) -> Vec<(Candidate, f64)> {
+fn ranked(question: &Question<'_>, base: &Candidate, found: Vec<Candidate>) -> Vec<(Candidate, f64)> {
     let Some(best) = found.iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss)) else { return Vec::new() };
     // The independent samples of the best residuals, so that all are measured alike.
     let samples: Vec<f64> = best.residuals.iter().flatten().map(|series| effective_samples(series)).collect();
@@ -198,7 +235,7 @@ fn ranked(base: &Candidate, found: Vec<Candidate>) -> Vec<(Candidate, f64)> {
             .zip(&samples)
             .map(|((before, after), samples)| 0.5 * samples * (floored(before) / floored(after)).ln())
             .sum();
-        gain - 0.5 * candidate.strengths() as f64 * total.max(2.0).ln()
+        gain + straightened(question, base, candidate) - 0.5 * candidate.strengths() as f64 * total.max(2.0).ln()
     };
     let mut ranked: Vec<(Candidate, f64)> = found
         .into_iter()
@@ -240,8 +277,8 @@ fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>) {
                 wanted == names
             })
         });
-        let earned =
-            best_net - net > CHANCE && excess(&candidate.residuals) - excess(&best.residuals) > FORM * FORM * most;
+        let (left, leaves) = (excess(&candidate.residuals), excess(&best.residuals));
+        let earned = best_net - net > CHANCE && (left - leaves > FORM * FORM * most || leaves < (1.0 - EARNED) * left);
         extended && !earned
     });
     if let Some(index) = plainer {
@@ -270,6 +307,12 @@ fn independent(before: &[f64], after: &[f64]) -> f64 {
     effective_samples(before).min(effective_samples(after))
 }
 
+/// Log-likelihood gained as the ordinary parameters come back to where they were said to be: a model that lacks an effect bends
+/// them.
+fn straightened(question: &Question<'_>, without: &Candidate, with: &Candidate) -> f64 {
+    without.bent(question) - with.bent(question)
+}
+
 /// What is above the noise.
 fn excess(residuals: &Residuals) -> f64 {
     residuals.iter().flatten().map(|series| floored(series) - series.len() as f64).sum()
@@ -278,7 +321,8 @@ fn excess(residuals: &Residuals) -> f64 {
 /// Whether `with` is worth its strengths over `without`.
 fn accepts(question: &Question<'_>, base: &Candidate, without: &Candidate, with: &Candidate) -> Result<bool, FitError> {
     let (most, before, after) = (excess(&base.residuals), excess(&without.residuals), excess(&with.residuals));
-    if after > (1.0 - LEAST_SHARE) * before || (!without.effects.is_empty() && before - after < FORM * FORM * most) {
+    let told = before - after >= FORM * FORM * most || (is_bent(question, without) && !is_bent(question, with));
+    if after > (1.0 - LEAST_SHARE) * before || (!without.effects.is_empty() && !told) {
         return Ok(false);
     }
     let (before, after) = (without.left_out(question)?, with.left_out(question)?);
@@ -301,7 +345,8 @@ fn accepts(question: &Question<'_>, base: &Candidate, without: &Candidate, with:
     let penalty = 0.5 * more * f64::max(samples, 2.0).ln() + CHANCE;
     let improved = gains.iter().filter(|gain| **gain > 0.0).count();
     let needed = if gains.len() > 2 { gains.len() - 1 } else { gains.len() };
-    Ok(gains.iter().sum::<f64>() > penalty && improved >= needed)
+    let gain = gains.iter().sum::<f64>() + straightened(question, without, with);
+    Ok(gain > penalty && improved >= needed)
 }
 
 /// Drops every effect that the others make superfluous.

@@ -241,8 +241,10 @@ impl<R: Real> Number for R {
     }
     #[inline]
     fn share<const K: usize>(part: Self, weights: [Self; K], steep: [R; K]) -> Self {
+        /// Less than a fixed-point number can hold is nothing: its share would have slopes without bound.
+        const NOTHING: f64 = 1.0 / (1_u64 << 31) as f64;
         let whole = part + sum(weights, steep);
-        if whole.value() > 0.0 { part / whole } else { R::ZERO }
+        if whole.value() > NOTHING { part / whole } else { R::ZERO }
     }
     #[inline]
     fn as_gain(self) -> R {

@@ -31,7 +31,7 @@ fn tabled(case: &Case, with: impl Fn(Location) -> Location) -> Option<(Unnamed, 
     };
     let ordinary: Vec<Free> = host_sim::diagnose::ordinary(&case.file);
     let question = Question { scene: &scene, ordinary: &ordinary, hypotheses: &[], training: &training_refs };
-    let base = Candidate::base(&question, None).unwrap();
+    let base = Candidate::rough(&question, None).unwrap();
     let cases: Vec<Located<'_>> = case
         .training
         .iter()

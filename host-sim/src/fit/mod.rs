@@ -218,8 +218,6 @@ pub struct From<'a> {
     pub coordinates: &'a [(Parameter, f64)],
     /// Every coordinate of the former solution, moved; empty where they start as they were.
     pub moved: &'a [f64],
-    /// Whether the first steps are short: slower, and less likely to leave the valley that the start lies in.
-    pub careful: bool,
 }
 
 /// Fits `free` parameters of `machine` to the recordings.
@@ -242,7 +240,7 @@ pub fn fit(
         cases.first().map_or(model_core::machine::Tick::OneMillisecond, |case| case.stimulus.tick),
     )?;
     let Minimum { converged, loss } = match precision {
-        Some(precision) => problem.minimise(precision, from.careful),
+        Some(precision) => problem.minimise(precision),
         None => problem.evaluate(),
     };
     Ok(Fit {

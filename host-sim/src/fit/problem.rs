@@ -73,7 +73,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Minimises.
-    pub(super) fn minimise(&mut self, precision: f64, careful: bool) -> Minimum {
+    pub(super) fn minimise(&mut self, precision: f64) -> Minimum {
         let solver = LevenbergMarquardt::new()
             .with_ftol(precision)
             .with_xtol(1e-6)
@@ -81,7 +81,7 @@ impl<'a> Problem<'a> {
             .with_patience(20)
             // Every coordinate is in standard deviations of its prior already: a first step of several of them is far.
             .with_scale_diag(false)
-            .with_stepbound(if careful { 0.3 } else { 5.0 });
+            .with_stepbound(5.0);
         let start = Slots::new(self);
         let (end, report) = solver.minimize(start);
         let information = end.here.information;
