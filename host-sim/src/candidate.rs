@@ -190,8 +190,7 @@ impl Candidate {
                 Some((*parameter, free.coordinate(*value)))
             })
             .collect();
-        let start =
-            From { solution: Some(from.fit), coordinates: &coordinates, moved: from.settled, ..From::default() };
+        let start = From { solution: Some(from.fit), coordinates: &coordinates, moved: from.settled };
         let mut found =
             fit(&with(question.scene.machine, &jumps), &free, question.training, &start, Some(from.precision))?;
         for _ in 0..if jumps.is_empty() { 0 } else { 2 } {
@@ -238,7 +237,8 @@ impl Candidate {
                 Kind::Amount(_) | Kind::Jump(_) => coordinate < PRESSED,
                 // A shape stays where shapes are; where it runs to the end, the recordings leave it open.
                 Kind::Shape(..) => true,
-                Kind::Signed(_) | Kind::Place(..) => coordinate.abs() < PLACED,
+                Kind::Signed(_) => coordinate.abs() < 2.0 * PLACED,
+                Kind::Place(..) => coordinate.abs() < PLACED,
             });
             let notable = chosen.form.iter().map(at).any(|(kind, coordinate)| match kind {
                 Kind::Amount(_) | Kind::Jump(_) => coordinate > -REACH,

@@ -56,7 +56,7 @@ impl Strength {
         let freedom = match self.kind {
             Kind::Amount(range) | Kind::Jump(range) => logarithm(range(scene), true),
             Kind::Shape(range, _) => logarithm(range(scene), false),
-            Kind::Signed(size) => Freedom::Around { nominal: 0.0, sigma: size(scene) },
+            Kind::Signed(size) => Freedom::Signed { sigma: size(scene) },
             Kind::Place(range, _) => {
                 let (low, high) = range(scene);
                 Freedom::Around { nominal: f64::midpoint(low, high), sigma: 0.5 * (high - low) }

@@ -185,6 +185,9 @@ fn forward(
             }
         }
         beam = ranked.into_iter().take(BEAM).map(|(candidate, _)| candidate).collect();
+        if let (None, Some(best)) = (&accepted, beam.first()) {
+            accepted = one_alone(question, &base, &chosen, best)?;
+        }
         if let Some(better) = accepted {
             // An effect may only have led the ordinary parameters to where they do as well without it.
             if round == 0 {
@@ -204,6 +207,25 @@ fn forward(
         }
     }
     Ok(Course { tempered, base, chosen, beam, rounds })
+}
+
+/// A set without one of its effects that is worth claiming where the set is not: the other may only have shown the way to it.
+fn one_alone(
+    question: &Question<'_>,
+    base: &Candidate,
+    chosen: &Candidate,
+    set: &Candidate,
+) -> Result<Option<Candidate>, FitError> {
+    if set.effects.len() < 2 {
+        return Ok(None);
+    }
+    for index in 0..set.effects.len() {
+        let fewer = set.without(question, index)?;
+        if fewer.is_plausible(question.scene) && accepts(question, base, chosen, &fewer)? {
+            return Ok(Some(fewer));
+        }
+    }
+    Ok(None)
 }
 
 /// Whether nothing is left that a further effect could explain: the ordinary parameters are where they were said to be, and the

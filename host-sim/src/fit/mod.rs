@@ -38,6 +38,11 @@ pub enum Freedom {
         /// Its standard deviation.
         sigma: f64,
     },
+    /// Of either sign and of roughly known size: moves ever more stiffly towards one and a half times [`REACH`].
+    Signed {
+        /// Standard deviation.
+        sigma: f64,
+    },
     /// Positive and of roughly known size: moves in its logarithm, ever more stiffly towards [`REACH`] standard deviations.
     Logarithm {
         /// Middle of the usual range.
@@ -53,6 +58,9 @@ pub enum Freedom {
 /// tell a large value from one yet larger (a hard stop from a harder one), the search would run away. A coordinate far beyond
 /// says that they press against it.
 pub const REACH: f64 = 2.2;
+
+/// The same for values of either sign.
+const REACH_SIGNED: f64 = 1.5 * REACH;
 
 /// Standard deviations from the middle at a coordinate: the coordinate itself near 0, and never more than [`REACH`].
 fn reached(coordinate: f64, vanishes: bool) -> f64 {
@@ -75,6 +83,7 @@ impl Free {
         let description = self.parameter.description();
         let value = match self.freedom {
             Freedom::Around { nominal, sigma } => nominal + sigma * coordinate,
+            Freedom::Signed { sigma } => sigma * REACH_SIGNED * (coordinate / REACH_SIGNED).tanh(),
             Freedom::Logarithm { centre, spread, vanishes } => {
                 centre * (spread * reached(coordinate, vanishes)).max(-40.0).exp()
             }
@@ -87,6 +96,7 @@ impl Free {
     pub fn coordinate(&self, value: f64) -> f64 {
         match self.freedom {
             Freedom::Around { nominal, sigma } => (value - nominal) / sigma,
+            Freedom::Signed { sigma } => REACH_SIGNED * (value / sigma / REACH_SIGNED).clamp(-0.99, 0.99).atanh(),
             Freedom::Logarithm { centre, spread, vanishes } => {
                 let deviations = (value / centre).max(1e-17).ln() / spread;
                 if vanishes && deviations < 0.0 {
@@ -110,6 +120,7 @@ impl Free {
         match self.freedom {
             _ if self.at_bound(coordinate) => 0.0,
             Freedom::Around { sigma, .. } => sigma,
+            Freedom::Signed { sigma } => sigma * (1.0 - (coordinate / REACH_SIGNED).tanh().powi(2)),
             Freedom::Logarithm { spread, vanishes, .. } => {
                 let share = reached(coordinate, vanishes) / REACH;
                 let held = if vanishes && coordinate < 0.0 { 1.0 } else { 1.0 - share * share };

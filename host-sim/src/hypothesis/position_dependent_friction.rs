@@ -14,14 +14,14 @@
 //!
 //! ## Parameters
 //! F0 at mid-stroke in N, not negative, 1–5 % of full force; slope F1 and bow F2 in N, either sign: 10–300 % of it, up
-//! to 10 % of full force. Stiffness of the bristles as with Coulomb friction.
+//! to 10 % of full force where the rod was. Stiffness of the bristles as with Coulomb friction.
 //!
 //! ## Source
 //! B. Armstrong-Hélouvry, *Control of Machines with Friction*, Kluwer 1991 (friction as a function of position).
 
 use model_core::parameter::Parameter;
 
-use super::{BRISTLES, Extension, Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{BRISTLES, Extension, Hypothesis, Kind, LookAlike, Scene, Strength, Subsystem};
 use crate::machine_file::LoadSource;
 use crate::recording::Signal;
 
@@ -29,10 +29,21 @@ const FORCE: Strength = Strength {
     parameter: Parameter::PositionFriction,
     kind: Kind::Amount(|scene| (2e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
 };
-const SLOPE: Strength =
-    Strength { parameter: Parameter::PositionFrictionSlope, kind: Kind::Signed(|scene| 0.1 * scene.full_force_n()) };
-const BOW: Strength =
-    Strength { parameter: Parameter::PositionFrictionBow, kind: Kind::Signed(|scene| 0.1 * scene.full_force_n()) };
+const SLOPE: Strength = Strength {
+    parameter: Parameter::PositionFrictionSlope,
+    kind: Kind::Signed(|scene| 0.1 * scene.full_force_n() / reached(scene)),
+};
+const BOW: Strength = Strength {
+    parameter: Parameter::PositionFrictionBow,
+    kind: Kind::Signed(|scene| 0.1 * scene.full_force_n() / reached(scene).powi(2)),
+};
+
+/// How far η comes from the middle in the recordings: what the friction is beyond, they do not say.
+fn reached(scene: &Scene<'_>) -> f64 {
+    let stroke = scene.machine.get(Parameter::Stroke);
+    let from_middle = |position_m: f64| (2.0 * position_m / stroke - 1.0).abs();
+    from_middle(scene.travel_m.0).max(from_middle(scene.travel_m.1)).clamp(0.1, 1.0)
+}
 
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "position-dependent-friction",
