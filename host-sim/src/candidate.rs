@@ -218,7 +218,7 @@ impl Candidate {
             .collect()
     }
 
-    /// Whether every effect lies where such an effect can: no amount pressed against the end of its usual range widened threefold,
+    /// Whether the fit succeeded and every effect lies where such an effect can: no amount pressed against the end of its usual range widened threefold,
     /// and of each effect at least one amount that is not negligible.
     #[must_use]
     pub fn is_plausible(&self, scene: &Scene<'_>) -> bool {
@@ -226,27 +226,28 @@ impl Candidate {
         const PLACED: f64 = 1.5 * REACH;
         /// Share of the largest usual magnitude below which a signed amount is negligible.
         const NEGLIGIBLE: f64 = 0.02;
-        self.effects.iter().all(|chosen| {
-            let at = |strength: &Strength| {
-                let free = strength.free(scene);
-                let mut known = self.fit.free.iter().zip(&self.fit.coordinates);
-                let fitted = known.find(|(free, _)| free.parameter == strength.parameter).map(|(_, at)| *at);
-                (strength.kind, fitted.unwrap_or_else(|| free.coordinate(self.fit.machine.get(strength.parameter))))
-            };
-            let possible = chosen.form.iter().map(at).all(|(kind, coordinate)| match kind {
-                Kind::Amount(_) | Kind::Jump(_) => coordinate < PRESSED,
-                // A shape stays where shapes are; where it runs to the end, the recordings leave it open.
-                Kind::Shape(..) => true,
-                Kind::Signed(_) => coordinate.abs() < 2.0 * PLACED,
-                Kind::Place(..) => coordinate.abs() < PLACED,
-            });
-            let notable = chosen.form.iter().map(at).any(|(kind, coordinate)| match kind {
-                Kind::Amount(_) | Kind::Jump(_) => coordinate > -REACH,
-                Kind::Signed(_) => coordinate.abs() > NEGLIGIBLE,
-                Kind::Shape(..) | Kind::Place(..) => false,
-            });
-            possible && notable
-        })
+        self.fit.loss.is_finite()
+            && self.effects.iter().all(|chosen| {
+                let at = |strength: &Strength| {
+                    let free = strength.free(scene);
+                    let mut known = self.fit.free.iter().zip(&self.fit.coordinates);
+                    let fitted = known.find(|(free, _)| free.parameter == strength.parameter).map(|(_, at)| *at);
+                    (strength.kind, fitted.unwrap_or_else(|| free.coordinate(self.fit.machine.get(strength.parameter))))
+                };
+                let possible = chosen.form.iter().map(at).all(|(kind, coordinate)| match kind {
+                    Kind::Amount(_) | Kind::Jump(_) => coordinate < PRESSED,
+                    // A shape stays where shapes are; where it runs to the end, the recordings leave it open.
+                    Kind::Shape(..) => true,
+                    Kind::Signed(_) => coordinate.abs() < 2.0 * PLACED,
+                    Kind::Place(..) => coordinate.abs() < PLACED,
+                });
+                let notable = chosen.form.iter().map(at).any(|(kind, coordinate)| match kind {
+                    Kind::Amount(_) | Kind::Jump(_) => coordinate > -REACH,
+                    Kind::Signed(_) => coordinate.abs() > NEGLIGIBLE,
+                    Kind::Shape(..) | Kind::Place(..) => false,
+                });
+                possible && notable
+            })
     }
 
     /// What the ordinary parameters cost by being away from their nominal values: half the sum of squares of their distances, each
@@ -294,7 +295,8 @@ impl Candidate {
                         sum.1 + case.get(channel).map_or(0, Vec::len) as f64,
                     )
                 });
-                (square / f64::max(rows, 1.0)).sqrt()
+                let over_noise = (square / f64::max(rows, 1.0)).sqrt();
+                if over_noise.is_finite() { over_noise } else { f64::INFINITY }
             })
             .fold(0.0, f64::max)
     }

@@ -239,7 +239,12 @@ pub fn extended(
             .chain(form.iter().filter(taken).map(|strength| (strength.parameter, given)))
             .collect();
         let tries = form.iter().filter(|strength| !taken(strength)).map(|strength| {
+            let (low, high) = strength.range(scene);
+            let known = fit.free.iter().any(|free| free.parameter == strength.parameter);
+            let fitted = fit.machine.get(strength.parameter);
             let values = match strength.kind {
+                // What both have, the plainer one's refit knows.
+                _ if known && (low..=high).contains(&fitted) => vec![fitted],
                 Kind::Amount(_) | Kind::Jump(_) => vec![0.1 * given, 0.5 * given, given],
                 Kind::Signed(_) => vec![-0.5 * given, 0.05 * given, 0.5 * given],
                 Kind::Shape(..) | Kind::Place(..) => strength.tries(scene),

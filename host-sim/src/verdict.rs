@@ -93,10 +93,10 @@ impl Course {
 
     /// Nothing chosen yet, with the better of two bases.
     fn with_base(self, other: Candidate) -> Self {
-        if other.fit.loss >= self.base.fit.loss {
-            return self;
+        if other.fit.loss < self.base.fit.loss {
+            return Self { chosen: other.clone(), beam: vec![other.clone()], base: other, ..self };
         }
-        Self { chosen: other.clone(), beam: vec![other.clone()], base: other, ..self }
+        self
     }
 }
 
@@ -187,6 +187,9 @@ fn forward(
         beam = ranked.into_iter().take(BEAM).map(|(candidate, _)| candidate).collect();
         if let (None, Some(best)) = (&accepted, beam.first()) {
             accepted = one_alone(question, &base, &chosen, best)?;
+            if let Some(alone) = &accepted {
+                enter(question, &base, &mut rounds, alone);
+            }
         }
         if let Some(better) = accepted {
             // An effect may only have led the ordinary parameters to where they do as well without it.
@@ -207,6 +210,17 @@ fn forward(
         }
     }
     Ok(Course { tempered, base, chosen, beam, rounds })
+}
+
+/// Enters a set into the round of its size, in the place of a worse fit of the same effects.
+fn enter(question: &Question<'_>, base: &Candidate, rounds: &mut [Vec<Trial>], candidate: &Candidate) {
+    let Some(round) = rounds.get_mut(candidate.effects.len() - 1) else { return };
+    round.retain(|trial| {
+        trial.effects.iter().any(|effect| candidate.effects.iter().all(|chosen| chosen.effect.name != effect.name))
+    });
+    let entered = ranked(question, base, vec![candidate.clone()]);
+    round.extend(entered.iter().map(|(candidate, net)| trial(candidate, *net)));
+    round.sort_by(|a, b| b.net.total_cmp(&a.net));
 }
 
 /// A set without one of its effects that is worth claiming where the set is not: the other may only have shown the way to it.
@@ -316,7 +330,8 @@ fn trial(candidate: &Candidate, net: f64) -> Trial {
 
 /// The loss of a series, or what pure noise would lose if that is more: nothing below it can be gained.
 fn floored(series: &[f64]) -> f64 {
-    loss(series).max(series.len() as f64)
+    let loss = loss(series);
+    if loss.is_finite() { loss.max(series.len() as f64) } else { f64::INFINITY }
 }
 
 /// Log-likelihood gained on one signal. n are the independent samples of the residual that has fewer, so that a gain one way is
@@ -367,8 +382,9 @@ fn accepts(question: &Question<'_>, base: &Candidate, without: &Candidate, with:
     let penalty = 0.5 * more * f64::max(samples, 2.0).ln() + CHANCE;
     let improved = gains.iter().filter(|gain| **gain > 0.0).count();
     let needed = if gains.len() > 2 { gains.len() - 1 } else { gains.len() };
-    let gain = gains.iter().sum::<f64>() + straightened(question, without, with);
-    Ok(gain > penalty && improved >= needed)
+    // Parameters that come back may pay for the strengths, but the recordings themselves have to tell.
+    let left_out: f64 = gains.iter().sum();
+    Ok(left_out > CHANCE && left_out + straightened(question, without, with) > penalty && improved >= needed)
 }
 
 /// Drops every effect that the others make superfluous.

@@ -261,6 +261,7 @@ pub fn fit(
         coordinates: problem.coordinates.iter().take(free.len()).copied().collect(),
         information: problem.information,
         converged,
-        loss,
+        // A start that does not become a drive, or whose slopes are none, is no fit.
+        loss: if loss.is_finite() { loss } else { f64::INFINITY },
     })
 }
