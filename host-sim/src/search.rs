@@ -14,9 +14,9 @@ const PROMISING: f64 = 0.05;
 /// Nor is one that promises less than chance gives.
 const CHANCE: f64 = 3.0;
 
-/// Every set of the beam with one more effect, at most `most` effects each, in their promising forms.
+/// Every set of the beam with one more effect, at most `most` effects from each reference, in their promising forms.
 ///
-/// Where nothing is in a set yet, leads are looked for beside the tempered model as well. Extensions of an effect start from its
+/// Where nothing is in a set yet, the tempered model is a reference as well. Extensions of an effect start from its
 /// refit.
 pub fn widened(
     question: &Question<'_>,

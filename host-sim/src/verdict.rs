@@ -3,7 +3,8 @@
 //! Every effect is screened; the most promising are refitted in the chain; the best few are each tried with a second one, and so
 //! on, so that a pair is found even where neither of it is best alone. Sets are compared by a log-likelihood in which each
 //! signal's noise level is unknown: ½·n·ln(loss), with n the number of *independent* samples in the residual (neighbouring samples
-//! of a mismatch tell the same), less a Bayesian information penalty for the strengths. A claim must also gain on recordings that
+//! of a mismatch tell the same), less a Bayesian information penalty for the strengths, plus what the ordinary parameters gain by coming
+//! back to their nominal values. A claim must also gain on recordings that
 //! were left out, on all but one of them (what happens once is a disturbance), and take away at least half of what is above the
 //! noise: an effect that does less is a stand-in for something else.
 

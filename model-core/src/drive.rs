@@ -94,7 +94,8 @@ pub enum Entry<N> {
     Command(N),
     /// Measured slider; the valve link is left out.
     Slider(Slider<N>),
-    /// Both: the valve runs beside, and the measured slider meters the oil. Neither link's error reaches the other.
+    /// Both: the valve runs beside, and the measured slider meters the oil. The valve's
+    /// error reaches nothing below it, and what is below reaches the valve by its flow force only.
     Followed {
         /// Command, in 10 V, held over the tick.
         command: N,

@@ -206,8 +206,8 @@ impl Stimulus {
         })
     }
 
-    /// The same with the recorded slider metering the oil, beside the valve that the command moves: neither link's error then
-    /// reaches the other. Rows that do not `work` are bridged; `None` where the chain is not entered at the command.
+    /// The same with the recorded slider metering the oil, beside the valve that the command moves: what the valve misses
+    /// reaches nothing below it. Rows that do not `work` are bridged; `None` where the chain is not entered at the command.
     #[must_use]
     pub fn following(&self, spool: &[f64], works: impl Fn(usize) -> bool) -> Option<Self> {
         let Input::Command(_) = self.input else { return None };

@@ -13,13 +13,22 @@ use super::noise::Noise;
 pub fn truth_near(nominal: &Machine<f64>, sigma: &BTreeMap<Parameter, f64>, spread: f64, seed: u64) -> Machine<f64> {
     let mut truth = *nominal;
     for (&parameter, &deviation) in sigma {
-        // A stream for each parameter: one more in the table changes no other. The first streams are the sensors'.
-        let mut noise = Noise::new(seed, 1000 + parameter as u64);
+        let mut noise = Noise::new(seed, stream(parameter));
         let off = noise.gaussian(1.0).clamp(-2.0, 2.0) * deviation * spread;
         let description = parameter.description();
         truth.set(parameter, (nominal.get(parameter) + off).clamp(description.min, description.max));
     }
     truth
+}
+
+/// A stream for each parameter; the first ones are the sensors'. The level at rest came into the table later, between others: they
+/// keep their streams, so that a seed draws the same machine as before.
+fn stream(parameter: Parameter) -> u64 {
+    const LATER: u64 = Parameter::LevelAtRest as u64;
+    match parameter as u64 {
+        LATER => 999,
+        place => 1000 + place - u64::from(place > LATER),
+    }
 }
 
 #[cfg(test)]
