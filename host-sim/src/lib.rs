@@ -10,6 +10,7 @@ pub mod diagnose;
 pub mod diagnostic;
 pub mod dual;
 pub mod evidence;
+pub mod excerpt;
 pub mod exhibits;
 pub mod failure;
 pub mod fit;

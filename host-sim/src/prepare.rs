@@ -136,6 +136,12 @@ impl Prepared {
         })
     }
 
+    /// The number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.time_s.len()
+    }
+
     /// From the first row to the last, s.
     #[must_use]
     pub fn duration_s(&self) -> f64 {

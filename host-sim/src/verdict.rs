@@ -8,6 +8,8 @@
 //! were left out, on all but one of them (what happens once is a disturbance), and take away at least half of what is above the
 //! noise: an effect that does less is a stand-in for something else.
 
+mod whole;
+
 use model_core::machine::{Machine, MachineError};
 use rayon::prelude::*;
 
@@ -18,6 +20,7 @@ use crate::prepare::Prepared;
 use crate::recording::Signal;
 use crate::search::widened;
 use crate::tempered::Tempered;
+pub use whole::lengthened;
 
 /// Most effects claimed at once.
 const MOST_EFFECTS: usize = 3;

@@ -257,6 +257,17 @@ impl Hypothesis {
         Parameter::ALL.iter().copied().filter(move |parameter| parameter.description().key.starts_with(&table))
     }
 
+    /// Whether it acts slowly: the usual range of one of its times follows the length of the recordings, so that the beginning
+    /// of a long one does not show it.
+    #[must_use]
+    pub fn is_slow(&self, scene: &Scene<'_>) -> bool {
+        let short = Scene { duration_s: 0.0, ..scene.clone() };
+        self.forms.iter().flat_map(|form| form.iter()).any(|strength| match strength.kind {
+            Kind::Shape(range, _) => range(scene) != range(&short),
+            _ => false,
+        })
+    }
+
     /// Whether the machine file already has it.
     #[must_use]
     pub fn is_on(&self, machine: &Machine<f64>) -> bool {
@@ -313,6 +324,25 @@ mod tests {
                 assert!(extension.taken.iter().all(|taken| hypothesis.parameters().any(|own| own == *taken)));
             }
         }
+    }
+
+    #[test]
+    fn what_drifts_and_what_warms_up_act_slowly() {
+        let machine = Machine::with_defaults(Source::Valve);
+        let scene = Scene {
+            machine: &machine,
+            entry: EntryPoint::Command,
+            load: LoadSource::Constant,
+            judged: &[Signal::Position],
+            travel_m: (0.05, 0.25),
+            duration_s: 3600.0,
+        };
+        let slow: Vec<&str> = CATALOGUE
+            .iter()
+            .filter(|hypothesis| hypothesis.is_slow(&scene))
+            .map(|hypothesis| hypothesis.name)
+            .collect();
+        assert_eq!(slow, ["null-drift", "oil-temperature"]);
     }
 
     #[test]
