@@ -5,7 +5,7 @@
 
 use rayon::prelude::*;
 
-use super::{AT_NOISE, Candidate, MOST_EFFECTS, Question, Selection, accepts, backward, is_enough, ranked, trial};
+use super::{AT_NOISE, Candidate, FAR, MOST_EFFECTS, Question, Selection, accepts, backward, is_enough, ranked, trial};
 use crate::fit::FitError;
 use crate::hypothesis::Hypothesis;
 use crate::screen::Lead;
@@ -19,8 +19,8 @@ pub fn lengthened(
     done: &(impl Fn(&str) + Sync),
 ) -> Result<Selection, FitError> {
     let claims = !found.chosen.effects.is_empty();
-    let refitted = |candidate: &Candidate| candidate.finished(question);
-    let (base, chosen) = rayon::join(|| refitted(&found.base), || claims.then(|| refitted(&found.chosen)).transpose());
+    let (base, chosen) =
+        rayon::join(|| base(question, &found.base), || claims.then(|| found.chosen.finished(question)).transpose());
     let base = base?;
     done("the whole recordings");
     let mut selection = Selection { chosen: base.clone(), base, rounds: found.rounds.clone() };
@@ -41,6 +41,12 @@ pub fn lengthened(
         selection.chosen = slow;
     }
     Ok(selection)
+}
+
+/// The machine file's model on the whole: to the end only where that is near, for what lacks an effect never quite arrives.
+fn base(question: &Question<'_>, from: &Candidate) -> Result<Candidate, FitError> {
+    let rough = Candidate::rough(question, Some(&from.fit))?;
+    if rough.worst_over_noise(question) < FAR { rough.finished(question) } else { Ok(rough) }
 }
 
 /// A set with the effect beside it that acts slowly and follows the whole recordings best, refitted.
