@@ -211,34 +211,14 @@ impl Course {
     }
 
     /// Chooses a set, but for every effect that the others make superfluous.
-    fn choose(&mut self, question: &Question<'_>, mut full: Candidate) -> Result<(), FitError> {
-        while full.effects.len() > 1 {
-            let mut dropped = None;
-            for index in 0..full.effects.len() {
-                let without = full.without(question, index)?;
-                if without.is_plausible(question.scene) && !accepts(question, &self.base, &without, &full)? {
-                    dropped = Some(without);
-                    break;
-                }
-            }
-            match dropped {
-                Some(without) => full = without,
-                None => break,
-            }
-        }
-        self.chosen = full;
+    fn choose(&mut self, question: &Question<'_>, full: Candidate) -> Result<(), FitError> {
+        self.chosen = reduced(question, &self.base, full)?;
         Ok(())
     }
 
-    /// Whether nothing is left that a further effect could explain: the ordinary parameters of the best set are where they were
-    /// said to be, and it is `near` its noise, or what it leaves would not be told from its own form's error.
+    /// Whether the best set explains enough.
     fn is_enough(&self, question: &Question<'_>, near: f64) -> bool {
-        let Some(best) = self.beam.first() else { return true };
-        let fits = || {
-            best.worst_over_noise(question) < near
-                || excess(&best.residuals) < FORM * FORM * excess(&self.base.residuals)
-        };
-        !is_bent(question, best) && fits()
+        self.beam.first().is_none_or(|best| explains_enough(question, &self.base, best, near))
     }
 
     /// Enters a set into the round of its size, in the place of a worse fit of the same effects.
@@ -252,6 +232,33 @@ impl Course {
         round.extend(entered.iter().map(|(candidate, net)| trial(candidate, *net)));
         round.sort_by(|a, b| b.net.total_cmp(&a.net));
     }
+}
+
+/// A set without every effect that the others make superfluous.
+fn reduced(question: &Question<'_>, base: &Candidate, mut full: Candidate) -> Result<Candidate, FitError> {
+    while full.effects.len() > 1 {
+        let mut dropped = None;
+        for index in 0..full.effects.len() {
+            let without = full.without(question, index)?;
+            if without.is_plausible(question.scene) && !accepts(question, base, &without, &full)? {
+                dropped = Some(without);
+                break;
+            }
+        }
+        match dropped {
+            Some(without) => full = without,
+            None => break,
+        }
+    }
+    Ok(full)
+}
+
+/// Whether nothing is left that a further effect could explain: the ordinary parameters of the best set are where they were
+/// said to be, and it is `near` its noise, or what it leaves would not be told from its own form's error.
+fn explains_enough(question: &Question<'_>, base: &Candidate, best: &Candidate, near: f64) -> bool {
+    let fits =
+        || best.worst_over_noise(question) < near || excess(&best.residuals) < FORM * FORM * excess(&base.residuals);
+    !is_bent(question, best) && fits()
 }
 
 /// Plausible sets ranked, the best of them refitted to the end.

@@ -5,7 +5,9 @@
 
 use rayon::prelude::*;
 
-use super::{AT_NOISE, Candidate, FAR, MOST_EFFECTS, Question, Selection, accepts, backward, is_enough, ranked, trial};
+use super::{
+    AT_NOISE, Candidate, FAR, MOST_EFFECTS, Question, Selection, accepts, explains_enough, ranked, reduced, trial,
+};
 use crate::fit::FitError;
 use crate::hypothesis::Hypothesis;
 use crate::screen::Lead;
@@ -28,10 +30,10 @@ pub fn lengthened(
         && chosen.is_plausible(question.scene)
         && accepts(question, &selection.base, &selection.base, &chosen)?
     {
-        selection.chosen = backward(question, &selection.base, chosen)?;
+        selection.chosen = reduced(question, &selection.base, chosen)?;
     }
     if selection.chosen.effects.len() < MOST_EFFECTS
-        && !is_enough(question, &selection.base, &selection.chosen, AT_NOISE)
+        && !explains_enough(question, &selection.base, &selection.chosen, AT_NOISE)
         && let Some(slow) = slow(question, &selection.chosen, done)?
         && accepts(question, &selection.base, &selection.chosen, &slow)?
     {
