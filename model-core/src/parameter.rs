@@ -131,6 +131,8 @@ parameters! {
     PositionFriction: "effects.position-dependent-friction.force_n", "N", 0.0, 1e8, Value(0.0), "Dry friction force at mid-stroke.";
     PositionFrictionSlope: "effects.position-dependent-friction.slope_n", "N", -1e8, 1e8, Value(0.0), "What it is more with the rod fully out, and less with it fully in.";
     PositionFrictionBow: "effects.position-dependent-friction.bow_n", "N", -1e8, 1e8, Value(0.0), "What it is more at both ends of the stroke.";
+    PositionDragSlope: "effects.position-dependent-friction.viscous_slope", "1", -7.9, 7.9, Value(0.0), "Share of the viscous friction that it is more with the rod fully out, and less with it fully in.";
+    PositionDragBow: "effects.position-dependent-friction.viscous_bow", "1", -7.9, 7.9, Value(0.0), "Share of the viscous friction that it is more at both ends of the stroke.";
     PressureFriction: "effects.pressure-dependent-friction.area_m2", "m2", 0.0, 1.0, Value(0.0), "Dry friction force per sum of both chamber pressures.";
     LoadSpring: "effects.position-dependent-load.stiffness_n_per_m", "N/m", -1e9, 1e9, Value(0.0), "Force against extending per position from mid-stroke.";
     LoadSpringForce: "effects.position-dependent-load.force_n", "N", -1e8, 1e8, Value(0.0), "Force against extending at mid-stroke.";
