@@ -90,7 +90,7 @@ impl Candidate {
     /// A refit of the ordinary parameters alone.
     fn ordinary(question: &Question<'_>, solution: Option<&Fit>, precision: f64) -> Result<Fit, FitError> {
         let from = From { solution, ..From::default() };
-        fit(question.scene.machine, question.ordinary, question.training, &from, Some(precision))
+        fit(question.scene.machine, question.ordinary, question.training, &from, precision)
     }
 
     /// The machine file's model refitted, after which every channel tolerates what that leaves: residuals far beyond count
@@ -99,7 +99,7 @@ impl Candidate {
         let nominal = vec![StartState::default(); training.len()];
         set_tolerances(scene.machine, training, &nominal)?;
         let references: Vec<&Prepared> = training.iter().collect();
-        let base = fit(scene.machine, ordinary, &references, &From::default(), Some(1e-4))?;
+        let base = fit(scene.machine, ordinary, &references, &From::default(), 1e-4)?;
         set_tolerances(&base.machine, training, &base.starts)?;
         Ok(())
     }
@@ -192,7 +192,7 @@ impl Candidate {
             .collect();
         let start = From { solution: Some(from.fit), coordinates: &coordinates, moved: from.settled };
         let mut found =
-            fit(&with(question.scene.machine, &jumps), &free, question.training, &start, Some(from.precision))?;
+            fit(&with(question.scene.machine, &jumps), &free, question.training, &start, from.precision)?;
         for _ in 0..if jumps.is_empty() { 0 } else { 2 } {
             let Some(sensitivity) = Sensitivity::at(&found, question.training)? else { break };
             for (parameter, value) in &mut jumps {
@@ -200,7 +200,7 @@ impl Candidate {
             }
             drop(sensitivity);
             let again = From { solution: Some(&found), ..From::default() };
-            found = fit(&with(question.scene.machine, &jumps), &free, question.training, &again, Some(from.precision))?;
+            found = fit(&with(question.scene.machine, &jumps), &free, question.training, &again, from.precision)?;
         }
         Self::of(question, effects, found, jumps)
     }

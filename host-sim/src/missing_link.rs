@@ -214,7 +214,7 @@ fn refitted(machine: &Machine<f64>, cases: &[Prepared], parameters: &[Parameter]
     if references.len() < cases.len() {
         return None;
     }
-    fit(machine, &free, &references, &From::default(), Some(1e-5)).ok()
+    fit(machine, &free, &references, &From::default(), 1e-5).ok()
 }
 
 /// What the valve leaves over between the command and the measured slider.

@@ -315,7 +315,7 @@ fn fitted(
     let values = P::TABLE_VALUES.into_iter().take(count(over)).map(|parameter| Free { parameter, freedom });
     let free: Vec<Free> = question.ordinary.iter().copied().chain(values).collect();
     let from = From { solution: Some(&rough.unwrap_or(base).fit), ..From::default() };
-    let fit = fit(&machine, &free, question.training, &from, Some(precision))?;
+    let fit = fit(&machine, &free, question.training, &from, precision)?;
     let residuals = question
         .training
         .par_iter()

@@ -233,13 +233,13 @@ pub struct From<'a> {
 
 /// Fits `free` parameters of `machine` to the recordings.
 ///
-/// The search ends when the loss falls by less than `precision` of itself in a step; there is none where it is not given.
+/// The search ends when the loss falls by less than `precision` of itself in a step.
 pub fn fit(
     machine: &Machine<f64>,
     free: &[Free],
     cases: &[&Prepared],
     from: &From<'_>,
-    precision: Option<f64>,
+    precision: f64,
 ) -> Result<Fit, FitError> {
     if free.len() > MOST_PARAMETERS {
         return Err(FitError::TooMany { count: free.len() });
@@ -250,10 +250,7 @@ pub fn fit(
         &problem.machine(),
         cases.first().map_or(model_core::machine::Tick::OneMillisecond, |case| case.stimulus.tick),
     )?;
-    let Minimum { converged, loss } = match precision {
-        Some(precision) => problem.minimise(precision),
-        None => problem.evaluate(),
-    };
+    let Minimum { converged, loss } = problem.minimise(precision);
     Ok(Fit {
         machine: problem.machine(),
         free: free.to_vec(),
