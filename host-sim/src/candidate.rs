@@ -191,8 +191,7 @@ impl Candidate {
             })
             .collect();
         let start = From { solution: Some(from.fit), coordinates: &coordinates, moved: from.settled };
-        let mut found =
-            fit(&with(question.scene.machine, &jumps), &free, question.training, &start, from.precision)?;
+        let mut found = fit(&with(question.scene.machine, &jumps), &free, question.training, &start, from.precision)?;
         for _ in 0..if jumps.is_empty() { 0 } else { 2 } {
             let Some(sensitivity) = Sensitivity::at(&found, question.training)? else { break };
             for (parameter, value) in &mut jumps {

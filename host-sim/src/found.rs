@@ -6,7 +6,7 @@ use std::fmt;
 use crate::clock::{Shift, Stamps};
 use crate::diagnose::Shown;
 use crate::failure::{FailureKind, Failures, MEASURED, Stretch};
-use crate::noise::resolution;
+use crate::noise::{extent, resolution};
 use crate::presentation::{significant, unit_for_people};
 use crate::recording::{Recording, Signal};
 use crate::spectrum::{Line, strongest_line};
@@ -203,8 +203,7 @@ fn dither(command: &[f64], interval_s: f64) -> Option<Line> {
     let changes: Vec<f64> = command.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let line = strongest_line(&changes, interval_s, SLOWEST_DITHER_HZ).filter(|line| line.above > ABOVE)?;
     let amplitude = line.amplitude / (2.0 * (std::f64::consts::PI * line.hz * interval_s).sin());
-    let (low, high) =
-        command.iter().fold((f64::MAX, f64::MIN), |(low, high), &value| (low.min(value), high.max(value)));
+    let (low, high) = extent(command);
     (amplitude > LEAST_SHARE * (high - low) && amplitude > resolution(command)).then_some(Line { amplitude, ..line })
 }
 

@@ -36,6 +36,7 @@ pub mod search;
 pub mod separate;
 pub mod shape;
 pub mod simulate;
+mod slope;
 pub mod spectrum;
 pub mod standard_tests;
 pub mod statics;

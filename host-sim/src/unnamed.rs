@@ -14,6 +14,7 @@ use crate::fit::{Estimate, FitError, Free, Freedom, From, effective_samples, fit
 use crate::hypothesis::{Scene, Subsystem};
 use crate::locate::{Case, Location};
 use crate::machine_file::LoadSource;
+use crate::noise::extent;
 use crate::prepare::Prepared;
 use crate::recording::Signal;
 use crate::shape::Shape;
@@ -158,10 +159,7 @@ pub struct Unnamed {
 impl fmt::Display for Unnamed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let states: Vec<_> = self.over.iter().map(|axis| axis.state.name()).collect();
-        let (low, high) = self
-            .values
-            .iter()
-            .fold((f64::MAX, f64::MIN), |(low, high), estimate| (low.min(estimate.value), high.max(estimate.value)));
+        let (low, high) = extent(self.values.iter().map(|estimate| estimate.value));
         let unit = if self.quantity.unit() == "1" { String::new() } else { format!(" {}", self.quantity.unit()) };
         write!(
             f,

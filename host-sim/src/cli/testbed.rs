@@ -12,6 +12,7 @@ use super::input::TickArgument;
 use super::{CliError, Console, Outcome};
 use crate::atomic;
 use crate::machine_file::{self, MachineFile};
+use crate::noise::extent;
 use crate::testbed::sensors::PositionSensor;
 use crate::testbed::{
     Bench, Dither, Drive, Excitation, InitialState, Plant, PlantEffect, Sensors, SyntheticRecording, truth_near,
@@ -209,7 +210,7 @@ fn record(plan: &Plan, index: usize, excitation: &Excitation) -> Result<Syntheti
     let recording =
         bench.record(&drive, &plan.initial).map_err(|cause| CliError::Plant { excitation: described(), cause })?;
     let positions = recording.truth.iter().map(|state| state.position_m);
-    let (low, high) = positions.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| (low.min(y), high.max(y)));
+    let (low, high) = extent(positions);
     let stroke = bench.plant.machine().get(Parameter::Stroke);
     if low < 0.0 || high > stroke {
         let (low_mm, high_mm, stroke_mm) = (1e3 * low, 1e3 * high, 1e3 * stroke);

@@ -13,8 +13,9 @@ use super::{PRESSURE_A, PRESSURE_B, behind};
 use crate::diagnostic::{engineering, rounded};
 use crate::failure::mended;
 use crate::machine_file::LoadSource;
-use crate::noise::{noise, resolution};
+use crate::noise::{extent, noise, resolution};
 use crate::recording::{Recording, Signal};
+use crate::slope::slopes;
 
 /// Where the chain is entered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -339,23 +340,12 @@ fn balance(recording: &Recording, machine: &Machine<f64>, damping: f64) -> Resul
     let constant = machine.get(Parameter::LoadForce);
     let braked: Vec<f64> = match recording.signal(Signal::Position) {
         Some(position) => {
-            let velocity = slopes(recording.time_s(), &smoothed(position, rows_in(width_s)));
+            let velocity = slopes(recording.time_s(), &smoothed(position, rows_in(width_s)), 1);
             velocity.iter().map(|velocity| damping * velocity).collect()
         }
         None => vec![0.0; force.len()],
     };
     Ok(force.iter().zip(braked).map(|(force, braked)| braked - force - constant).collect())
-}
-
-/// Slope of a series at each row, from its neighbours.
-fn slopes(time_s: &[f64], values: &[f64]) -> Vec<f64> {
-    let last = values.len() - 1;
-    (0..values.len())
-        .map(|row| {
-            let (before, after) = (row.saturating_sub(1), (row + 1).min(last));
-            (values[after] - values[before]) / (time_s[after] - time_s[before])
-        })
-        .collect()
 }
 
 /// A force taken from noisy pressures is smoothed over this time, s: as long as it does not blur a stroke's start and end.
@@ -365,8 +355,7 @@ const SMOOTHED_AT: f64 = 0.01;
 
 /// Noise of a series over its span.
 fn share_of_noise(values: &[f64]) -> f64 {
-    let (low, high) =
-        values.iter().fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(*value), high.max(*value)));
+    let (low, high) = extent(values);
     if high > low { noise(values, resolution(values)) / (high - low) } else { 0.0 }
 }
 
