@@ -142,12 +142,12 @@ impl Prepared {
         self.time_s.last().zip(self.time_s.first()).map_or(0.0, |(last, first)| last - first)
     }
 
-    /// The same with the recorded slider metering the oil, where the command drives the valve and the slider is recorded: the
+    /// The same with the recorded slider metering the oil, where the command drives the valve and the slider is judged: the
     /// valve is then judged by its slider alone, and all below it by what the real slider let through.
     #[must_use]
     pub fn following(&self) -> Option<Self> {
-        let spool = self.channels.iter().find(|channel| channel.signal == Signal::Spool)?;
-        let stimulus = self.stimulus.following(&spool.recorded, |row| !spool.failed[row])?;
+        let is_judged = self.channels.iter().any(|channel| channel.signal == Signal::Spool);
+        let stimulus = self.stimulus.following().filter(|_| is_judged)?;
         Some(Self { stimulus, ..self.clone() })
     }
 

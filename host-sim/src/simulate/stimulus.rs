@@ -1,5 +1,7 @@
 //! A recording laid on the core's grid: where the chain is entered, with what, from which state.
 
+use std::sync::Arc;
+
 use model_core::drive::{Entry, Load};
 use model_core::flow::{Flows, PumpDrive};
 use model_core::machine::{Bases, Machine, MachineError, Source, Tick};
@@ -99,8 +101,11 @@ pub struct Stimulus {
     pub start: Start,
     pub(super) ticks: usize,
     input: Input,
-    /// At grid points, 1: the recorded slider that meters the oil while the valve runs beside.
-    followed: Option<Vec<f64>>,
+    /// At grid points, 1: the recorded slider, where the chain is entered at the command and it could meter the oil in the
+    /// valve's place. Copies of a stimulus share it.
+    slider: Option<Arc<[f64]>>,
+    /// Whether it does, while the valve runs beside.
+    follows: bool,
     /// External force at grid points, N.
     load_n: Option<Vec<f64>>,
     /// Whether anybody asks for the flow at each row: it costs two more roots.
@@ -185,6 +190,8 @@ impl Stimulus {
                 None => grid.points(&pressure_force(recording, machine)?),
             }),
         };
+        let slider = recording.signal(Signal::Spool).filter(|_| entry == EntryPoint::Command);
+        let slider = slider.map(|spool| grid.points(spool).into());
         let balanced = load == LoadSource::RecordedPressures && entry != EntryPoint::Force;
         let damping = balanced.then(|| light_damping(machine));
         let load_n = if let Some(damping) = damping {
@@ -199,7 +206,8 @@ impl Stimulus {
             start: start(recording),
             ticks: grid.ticks,
             input,
-            followed: None,
+            slider,
+            follows: false,
             load_n,
             wants_flow: true,
             damping,
@@ -208,28 +216,15 @@ impl Stimulus {
     }
 
     /// The same with the recorded slider metering the oil, beside the valve that the command moves: what the valve misses
-    /// reaches nothing below it. Rows that do not `work` are bridged; `None` where the chain is not entered at the command.
+    /// reaches nothing below it. `None` where the chain is not entered at the command, or the slider was not recorded.
     #[must_use]
-    pub fn following(&self, spool: &[f64], works: impl Fn(usize) -> bool) -> Option<Self> {
-        let Input::Command(_) = self.input else { return None };
-        let at = |row: usize| self.rows[row].0 as f64 + self.rows[row].1;
-        let known: Vec<usize> = (0..self.rows.len()).filter(|&row| works(row)).collect();
-        let (&first, &last) = known.first().zip(known.last())?;
-        let mut next = 0;
-        let followed = (0..=self.ticks)
-            .map(|point| {
-                let point = point as f64;
-                while next < known.len() && at(known[next]) < point {
-                    next += 1;
-                }
-                let (before, after) =
-                    (if next == 0 { first } else { known[next - 1] }, known.get(next).copied().unwrap_or(last));
-                let apart = at(after) - at(before);
-                let share = if apart > 0.0 { ((point - at(before)) / apart).clamp(0.0, 1.0) } else { 1.0 };
-                spool[before] + share * (spool[after] - spool[before])
-            })
-            .collect();
-        Some(Self { followed: Some(followed), ..self.clone() })
+    pub fn following(&self) -> Option<Self> {
+        self.slider.is_some().then(|| Self { follows: true, ..self.clone() })
+    }
+
+    /// The recorded slider, where it meters the oil beside the valve.
+    fn followed(&self) -> Option<&[f64]> {
+        self.slider.as_deref().filter(|_| self.follows)
     }
 
     /// How many rows the recording has.
@@ -249,7 +244,7 @@ impl Stimulus {
         let next = |values: &[f64], base: f64| N::saturated(values.get(tick + 1).copied().unwrap_or(0.0) / base);
         let slider = |spool: &[f64]| Slider { from: at(spool, 1.0), to: next(spool, 1.0) };
         match &self.input {
-            Input::Command(volts) => match &self.followed {
+            Input::Command(volts) => match self.followed() {
                 Some(spool) => Entry::Followed { command: at(volts, bases.command_v), slider: slider(spool) },
                 None => Entry::Command(at(volts, bases.command_v)),
             },
@@ -286,8 +281,8 @@ impl Stimulus {
     /// The recorded slider that meters the oil.
     pub(super) fn metering_at<N: Number>(&self, point: usize) -> Option<N> {
         let spool = match &self.input {
-            Input::Slider(spool) => Some(spool),
-            _ => self.followed.as_ref(),
+            Input::Slider(spool) => Some(spool.as_slice()),
+            _ => self.followed(),
         };
         spool.and_then(|spool| spool.get(point)).map(|&value| N::saturated(value))
     }
