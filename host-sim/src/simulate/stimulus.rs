@@ -13,7 +13,7 @@ use super::grid::Grid;
 use super::rest::{Start, start};
 use super::{PRESSURE_A, PRESSURE_B, behind};
 use crate::diagnostic::{engineering, rounded};
-use crate::failure::mended;
+use crate::failure::Mended;
 use crate::machine_file::LoadSource;
 use crate::noise::{extent, noise, resolution};
 use crate::recording::{Recording, Signal};
@@ -156,7 +156,18 @@ impl Stimulus {
         load: LoadSource,
         tick: Tick,
     ) -> Result<Self, SimulateError> {
-        let recording = &*mended(recording);
+        Self::of_mended(&Mended::of(recording), machine, entry, load, tick)
+    }
+
+    /// Lays a recording that is mended on the grid of `tick`.
+    pub fn of_mended(
+        mended: &Mended<'_>,
+        machine: &Machine<f64>,
+        entry: EntryPoint,
+        load: LoadSource,
+        tick: Tick,
+    ) -> Result<Self, SimulateError> {
+        let recording = &*mended.recording;
         let grid = Grid::new(recording, tick)?;
         let need = |signal, reason| {
             recording.signal(signal).ok_or_else(|| SimulateError::Missing {
