@@ -217,8 +217,8 @@ impl Candidate {
             .collect()
     }
 
-    /// Whether the fit succeeded and every effect lies where such an effect can: no amount pressed against the end of its usual range widened threefold,
-    /// and of each effect at least one amount that is not negligible.
+    /// Whether the fit succeeded and every effect lies where such an effect can: no amount pressed against the end of its usual
+    /// range widened threefold, and of each effect at least one amount that is not negligible.
     #[must_use]
     pub fn is_plausible(&self, scene: &Scene<'_>) -> bool {
         /// A place may lie half as far again from the middle of its range, in standard deviations of its prior.
