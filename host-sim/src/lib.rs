@@ -27,6 +27,8 @@ pub mod picture;
 pub mod plot;
 pub mod prepare;
 pub mod presentation;
+#[cfg(test)]
+mod press;
 pub mod recording;
 pub mod region;
 pub mod report;

@@ -251,7 +251,7 @@ fn valve(machine: &Machine<f64>, cases: &[Case<'_>]) -> Result<Evidence, Machine
 
 #[cfg(test)]
 mod tests {
-    use model_core::machine::{Source, Tick};
+    use model_core::machine::Tick;
 
     use super::*;
     use crate::locate::locate;
@@ -260,21 +260,7 @@ mod tests {
     use crate::simulate::{StartOffset, Stimulus};
 
     fn press() -> Machine<f64> {
-        let mut machine = Machine::with_defaults(Source::Valve);
-        for (parameter, value) in [
-            (Parameter::AreaA, 3.117e-3),
-            (Parameter::AreaB, 1.861e-3),
-            (Parameter::VolumeA, 5.2e-4),
-            (Parameter::VolumeB, 3.3e-4),
-            (Parameter::ValveGain, 0.0559),
-            (Parameter::DeadZone, 0.05),
-            (Parameter::TimeConstant1, 0.018),
-            (Parameter::RateLimit, 12.0),
-            (Parameter::ViscousFriction, 4e4),
-        ] {
-            machine.set(parameter, value);
-        }
-        machine
+        crate::press::press(&[(Parameter::DeadZone, 0.05), (Parameter::ViscousFriction, 4e4)])
     }
 
     const TRUE: &[Signal] = &[Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Position];

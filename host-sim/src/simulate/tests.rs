@@ -1,5 +1,5 @@
 use model_core::fixed_point::PerUnit;
-use model_core::machine::{Machine, Source, Tick};
+use model_core::machine::{Machine, Tick};
 use model_core::parameter::Parameter;
 
 use super::{EntryPoint, StartOffset, Stimulus, Trajectory, simulate};
@@ -7,23 +7,12 @@ use crate::machine_file::LoadSource;
 use crate::recording::{Column, Recording, Signal};
 
 fn press() -> Machine<f64> {
-    let mut machine = Machine::with_defaults(Source::Valve);
-    for (parameter, value) in [
-        (Parameter::AreaA, 3.117e-3),
-        (Parameter::AreaB, 1.861e-3),
-        (Parameter::VolumeA, 5.2e-4),
-        (Parameter::VolumeB, 3.3e-4),
-        (Parameter::ValveGain, 0.0559),
+    crate::press::press(&[
         (Parameter::DeadZone, 0.1),
-        (Parameter::TimeConstant1, 0.018),
         (Parameter::TimeConstant2, 0.0279),
         (Parameter::TransportDelay, 0.0073),
-        (Parameter::RateLimit, 12.0),
         (Parameter::ViscousFriction, 4e4),
-    ] {
-        machine.set(parameter, value);
-    }
-    machine
+    ])
 }
 
 fn command_at(time_s: f64) -> f64 {
