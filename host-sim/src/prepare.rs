@@ -62,6 +62,14 @@ impl Channel {
         self.recorded.iter().zip(&self.failed).filter(|(_, failed)| !**failed).map(|(value, _)| *value)
     }
 
+    /// Recorded minus simulated over noise, row by row; 0 where the sensor failed.
+    #[must_use]
+    pub fn over_noise(&self, simulated: &[f64]) -> Vec<f64> {
+        let rows = self.recorded.iter().zip(simulated).zip(&self.failed);
+        rows.map(|((recorded, simulated), failed)| if *failed { 0.0 } else { (recorded - simulated) / self.noise })
+            .collect()
+    }
+
     /// The NRMSE fit, %, of residuals over noise.
     #[must_use]
     pub fn fit_percent(&self, over_noise: &[f64]) -> f64 {

@@ -21,7 +21,7 @@ use crate::prepare::Prepared;
 pub use information::Information;
 pub(crate) use information::OF_START;
 use problem::{Minimum, Problem};
-pub use residuals::{effective_samples, loss, set_tolerances, soft, softened, standardised};
+pub use residuals::{Misfit, effective_samples, loss, misfits, set_tolerances, soft, softened, standardised};
 pub use sensitivity::{Change, Sensitivity, Settled};
 pub use start::{StartState, level_at_rest, settle};
 
