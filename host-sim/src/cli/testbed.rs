@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::draw;
 use super::input::TickArgument;
+use super::target::check_folder;
 use super::{CliError, Console, Outcome};
 use crate::atomic;
 use crate::machine_file::{self, MachineFile};
@@ -99,6 +100,8 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         unreachable!("without a subcommand both are required")
     };
     let plan = plan(arguments, machine)?;
+    check_folder(out)?;
+    refuse_others(out, &plan)?;
     let bar = console.progress(plan.recordings.len(), "running the test bed");
     let made = plan
         .recordings
@@ -115,7 +118,6 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     // Everything is made before the first file is written.
     let machine = out.join("machine.toml");
     let toml = plan.file.to_text(&machine.display().to_string())?;
-    refuse_others(out, &plan)?;
     let failed = |path: &Path| {
         let path = path.to_owned();
         move |cause| CliError::Write { path, cause }
