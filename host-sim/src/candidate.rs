@@ -48,6 +48,8 @@ pub struct Candidate {
     pub jumps: Vec<(Parameter, f64)>,
     /// Residuals on the training recordings.
     pub residuals: Residuals,
+    /// Whether it was refitted to the end.
+    pub is_finished: bool,
 }
 
 /// The search ends when the loss falls by less than this share in a step.
@@ -79,12 +81,12 @@ impl Candidate {
 
     /// The machine file's model, refitted to the end from a solution that is near.
     pub fn near(question: &Question<'_>, solution: &Fit) -> Result<Self, FitError> {
-        Self::of(question, Vec::new(), Self::ordinary(question, Some(solution), 1e-8)?, Vec::new())
+        Self::of(question, Vec::new(), Self::ordinary(question, Some(solution), 1e-8)?, Vec::new(), true)
     }
 
     /// The machine file's model, roughly refitted.
     pub fn rough(question: &Question<'_>, from: Option<&Fit>) -> Result<Self, FitError> {
-        Self::of(question, Vec::new(), Self::ordinary(question, from, 1e-3)?, Vec::new())
+        Self::of(question, Vec::new(), Self::ordinary(question, from, 1e-3)?, Vec::new(), false)
     }
 
     /// A refit of the ordinary parameters alone.
@@ -104,11 +106,13 @@ impl Candidate {
         Ok(())
     }
 
-    fn of(
+    /// A fit with its residuals.
+    pub(crate) fn of(
         question: &Question<'_>,
         effects: Vec<Chosen>,
         fit: Fit,
         jumps: Vec<(Parameter, f64)>,
+        is_finished: bool,
     ) -> Result<Self, FitError> {
         let residuals = question
             .training
@@ -116,7 +120,7 @@ impl Candidate {
             .zip(&fit.starts)
             .map(|(case, start)| softened(&fit.machine, case, *start))
             .collect::<Result<_, _>>()?;
-        Ok(Self { effects, fit, jumps, residuals })
+        Ok(Self { effects, fit, jumps, residuals, is_finished })
     }
 
     /// What could be added to it, the most promising first.
@@ -173,6 +177,11 @@ impl Candidate {
         Self::refitted(question, effects, jumps, &from)
     }
 
+    /// Without any of its effects: the ordinary parameters refitted from where they are beside them.
+    pub fn plain(&self, question: &Question<'_>) -> Result<Self, FitError> {
+        Self::of(question, Vec::new(), Self::ordinary(question, Some(&self.fit), PRECISION)?, Vec::new(), true)
+    }
+
     fn refitted(
         question: &Question<'_>,
         effects: Vec<Chosen>,
@@ -201,7 +210,7 @@ impl Candidate {
             let again = From { solution: Some(&found), ..From::default() };
             found = fit(&with(question.scene.machine, &jumps), &free, question.training, &again, from.precision)?;
         }
-        Self::of(question, effects, found, jumps)
+        Self::of(question, effects, found, jumps, from.precision <= PRECISION)
     }
 
     /// Residuals on each training recording by a model that never saw it, from the start that suits that model.

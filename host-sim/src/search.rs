@@ -11,7 +11,8 @@ use crate::tempered::Tempered;
 
 /// An effect that promises less than this share of what the best does is not refitted.
 const PROMISING: f64 = 0.05;
-/// Nor is one that promises less than chance gives.
+/// Nor is one that promises less than chance gives. Beside the tempered model whatever promises most is: there a loss is no
+/// larger than chance would have it.
 const CHANCE: f64 = 3.0;
 
 /// Every set of the beam with one more effect, at most `most` effects from each reference, in their promising forms.
@@ -30,12 +31,12 @@ pub fn widened(
         let open = open_to(question, from);
         let mut leads: Vec<(Lead, &Candidate)> = Vec::new();
         let own = from.leads(question, &open)?.into_iter().map(|lead| (lead, from)).collect();
-        leads.extend(promising(own, from.fit.loss, most));
+        leads.extend(promising(own, from.fit.loss, most, CHANCE));
         if from.effects.is_empty() {
             let cases: Vec<&Prepared> = tempered.cases.iter().collect();
             let softer = Question { training: &cases, ..*question };
             let beside = tempered.base.leads(&softer, &open)?.into_iter().map(|lead| (lead, &tempered.base)).collect();
-            leads.extend(promising(beside, tempered.base.fit.loss, most));
+            leads.extend(promising(beside, tempered.base.fit.loss, most, 0.0));
         }
         let refitted: Vec<Candidate> = leads
             .par_iter()
@@ -62,8 +63,8 @@ fn open_to(question: &Question<'_>, from: &Candidate) -> Vec<&'static Hypothesis
     question.hypotheses.iter().copied().filter(open).collect()
 }
 
-/// The leads of the most promising effects.
-fn promising(mut leads: Vec<(Lead, &Candidate)>, loss: f64, most: usize) -> Vec<(Lead, &Candidate)> {
+/// The leads of the most promising effects, each of which promises more than the `least`.
+fn promising(mut leads: Vec<(Lead, &Candidate)>, loss: f64, most: usize, least: f64) -> Vec<(Lead, &Candidate)> {
     leads.sort_by(|a, b| a.0.loss.total_cmp(&b.0.loss));
     let best = leads.first().map_or(0.0, |(lead, _)| loss - lead.loss);
     let mut kept: Vec<(&str, *const _, f64)> = Vec::new();
@@ -79,7 +80,7 @@ fn promising(mut leads: Vec<(Lead, &Candidate)>, loss: f64, most: usize) -> Vec<
         let another = same.clone().all(|(.., promised)| loss - lead.loss > 0.8 * promised);
         let keep = same.all(|(_, known, _)| *known != form)
             && another
-            && loss - lead.loss > CHANCE.max(PROMISING * best)
+            && loss - lead.loss > least.max(PROMISING * best)
             && rank.is_some_and(|rank| rank < most);
         if keep {
             kept.push((name, form, loss - lead.loss));

@@ -314,13 +314,7 @@ fn fitted(
     let free: Vec<Free> = question.ordinary.iter().copied().chain(values).collect();
     let from = From { solution: Some(&rough.unwrap_or(base).fit), ..From::default() };
     let fit = fit(&machine, &free, question.training, &from, precision)?;
-    let residuals = question
-        .training
-        .par_iter()
-        .zip(&fit.starts)
-        .map(|(case, start)| standardised(&fit.machine, case, *start))
-        .collect::<Result<_, _>>()?;
-    Ok(Candidate { effects: Vec::new(), fit, jumps: Vec::new(), residuals })
+    Candidate::of(question, Vec::new(), fit, Vec::new(), true)
 }
 
 /// Log-likelihood gained on left-out recordings less what `values` cost; none where it gains on too few, or nothing.

@@ -84,39 +84,23 @@ struct Course {
     rounds: Vec<Vec<Trial>>,
 }
 
-impl Course {
-    /// Nothing chosen yet.
-    fn of(question: &Question<'_>) -> Result<Self, FitError> {
-        let tempered = Tempered::of(question)?;
-        let base = Candidate::base(question, &tempered.base.fit)?;
-        Ok(Self { tempered, chosen: base.clone(), beam: vec![base.clone()], rounds: Vec::new(), base })
-    }
-
-    /// Nothing chosen yet, with the better of two bases.
-    fn with_base(self, other: Candidate) -> Self {
-        if other.fit.loss < self.base.fit.loss {
-            return Self { chosen: other.clone(), beam: vec![other.clone()], base: other, ..self };
-        }
-        self
-    }
-}
-
 /// Chooses the effects. `done` is told after each refit.
 ///
 /// Where the slider is recorded and the model is far off, large effects are looked for with the links apart first: the recorded
 /// slider meters the oil beside the valve, so that what one link misses bends no other's parameters. The chain as a whole then
 /// has to accept what was found, and is searched on.
 pub fn select(question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<Selection, FitError> {
-    let mut start = Course::of(question)?;
-    if start.base.worst_over_noise(question) > FAR
+    let mut course = Course::of(question)?;
+    if course.base.worst_over_noise(question) > FAR
         && let Some(mut followed) = followed(question.training)
     {
         Candidate::tolerated(question.scene, question.ordinary, &mut followed)?;
         let references: Vec<&Prepared> = followed.iter().collect();
-        start = joined(question, start, &Question { training: &references, ..*question }, done)?;
+        course.join(question, &Question { training: &references, ..*question }, done)?;
     }
     done("refit");
-    let Course { base, chosen, rounds, .. } = forward(question, start, AT_NOISE, done)?;
+    course.forward(question, AT_NOISE, done)?;
+    let Course { base, chosen, rounds, .. } = course;
     Ok(Selection { base, chosen, rounds })
 }
 
@@ -125,130 +109,186 @@ fn followed(training: &[&Prepared]) -> Option<Vec<Prepared>> {
     training.iter().map(|case| case.following()).collect()
 }
 
-/// What the chain accepts of what was found with its links `apart`.
-fn joined(
-    question: &Question<'_>,
-    start: Course,
-    apart: &Question<'_>,
-    done: &(impl Fn(&str) + Sync),
-) -> Result<Course, FitError> {
-    let parted = Course::of(apart)?;
-    let mut course = start.with_base(Candidate::near(question, &parted.base.fit)?);
-    let found = forward(apart, parted, FAR, done)?;
-    if !found.chosen.effects.is_empty() {
-        let joined = found.chosen.finished(question)?;
-        if accepts(question, &course.base, &course.base, &joined)? {
-            course.chosen = backward(question, &course.base, joined)?;
-            course.beam = vec![course.chosen.clone()];
-            course.rounds = found.rounds;
-            course.rounds.truncate(course.chosen.effects.len());
+impl Course {
+    /// Nothing chosen yet.
+    fn of(question: &Question<'_>) -> Result<Self, FitError> {
+        let tempered = Tempered::of(question)?;
+        let base = Candidate::base(question, &tempered.base.fit)?;
+        Ok(Self { tempered, chosen: base.clone(), beam: vec![base.clone()], rounds: Vec::new(), base })
+    }
+
+    /// Takes the better of two bases, while nothing is chosen.
+    fn rebase(&mut self, other: Candidate) {
+        if other.fit.loss < self.base.fit.loss {
+            self.chosen = other.clone();
+            self.beam = vec![other.clone()];
+            self.base = other;
         }
     }
-    Ok(course)
-}
 
-/// Adds effects round by round, until the best set is within `near` times the noise or nothing more is worth it.
-fn forward(
-    question: &Question<'_>,
-    from: Course,
-    near: f64,
-    done: &(impl Fn(&str) + Sync),
-) -> Result<Course, FitError> {
-    let Course { tempered, mut base, mut chosen, mut beam, mut rounds } = from;
-    for round in chosen.effects.len()..MOST_EFFECTS {
-        if !chosen.effects.is_empty() && beam.first().is_none_or(|best| is_enough(question, &base, best, near)) {
-            break;
+    /// Looks for effects with the links `apart`, and takes over what the chain as a whole accepts of what is found.
+    fn join(
+        &mut self,
+        question: &Question<'_>,
+        apart: &Question<'_>,
+        done: &(impl Fn(&str) + Sync),
+    ) -> Result<(), FitError> {
+        let mut parted = Self::of(apart)?;
+        self.rebase(Candidate::near(question, &parted.base.fit)?);
+        parted.forward(apart, FAR, done)?;
+        if parted.chosen.effects.is_empty() {
+            return Ok(());
         }
-        let found = widened(question, &tempered, &beam, if round == 0 { REFITTED } else { BESIDE }, done)?;
-        // Only the best are worth an exact refit.
-        let possible = found.into_iter().filter(|candidate| candidate.is_plausible(question.scene)).collect();
-        let mut first = ranked(question, &base, possible);
-        let least = first.iter().map(|(candidate, _)| excess(&candidate.residuals)).fold(f64::INFINITY, f64::min);
-        let hopeful = |(candidate, _): &(Candidate, f64)| {
-            0.5 * excess(&candidate.residuals) < HOPELESS * (0.5 * least).max(candidate.strengths() as f64)
-        };
-        let rest = first
-            .split_off(first.iter().take_while(|one| hopeful(one)).count().min(FINISHED).max(BEAM.min(first.len())));
-        let finished = first
-            .par_iter()
-            .map(|(candidate, _)| candidate.finished(question))
-            .collect::<Result<Vec<_>, FitError>>()?;
-        let finished = finished.into_iter().filter(|candidate| candidate.is_plausible(question.scene));
-        let mut ranked =
-            ranked(question, &base, finished.chain(rest.into_iter().map(|(candidate, _)| candidate)).collect());
-        prefer_plain(&base, &mut ranked);
-        rounds.push(ranked.iter().map(|(candidate, net)| trial(candidate, *net)).collect());
-        let mut accepted = None;
-        for (candidate, _) in ranked.iter().take(BEAM) {
-            if accepts(question, &base, &chosen, candidate)? {
-                accepted = Some(candidate.clone());
+        let joined = parted.chosen.finished(question)?;
+        if self.claims(question, &joined)? {
+            self.choose(question, joined)?;
+            self.beam = vec![self.chosen.clone()];
+            self.rounds = parted.rounds;
+            self.rounds.truncate(self.chosen.effects.len());
+        }
+        Ok(())
+    }
+
+    /// Adds effects round by round, until the best set is within `near` times the noise or nothing more is worth it.
+    fn forward(&mut self, question: &Question<'_>, near: f64, done: &(impl Fn(&str) + Sync)) -> Result<(), FitError> {
+        for round in self.chosen.effects.len()..MOST_EFFECTS {
+            if !self.chosen.effects.is_empty() && self.is_enough(question, near) {
+                break;
+            }
+            let most = if round == 0 { REFITTED } else { BESIDE };
+            let found = widened(question, &self.tempered, &self.beam, most, done)?;
+            let ranked = finished(question, &self.base, found)?;
+            self.rounds.push(ranked.iter().map(|(candidate, net)| trial(candidate, *net)).collect());
+            self.beam = ranked.into_iter().take(BEAM).map(|(candidate, _)| candidate).collect();
+            if let Some(better) = self.claimed(question)? {
+                self.choose(question, better)?;
+            }
+            // Two that go together may each be nothing alone, but a third is only looked for beside what was found.
+            if self.is_enough(question, near) || (round > 0 && self.chosen.effects.len() <= round) {
                 break;
             }
         }
-        beam = ranked.into_iter().take(BEAM).map(|(candidate, _)| candidate).collect();
-        if let (None, Some(best)) = (&accepted, beam.first()) {
-            accepted = one_alone(question, &base, &chosen, best)?;
-            if let Some(alone) = &accepted {
-                enter(question, &base, &mut rounds, alone);
+        Ok(())
+    }
+
+    /// The first set of the beam that may be claimed; where none may, the best one without an effect that only showed the way.
+    fn claimed(&mut self, question: &Question<'_>) -> Result<Option<Candidate>, FitError> {
+        for candidate in self.beam.clone() {
+            if self.claims(question, &candidate)? {
+                return Ok(Some(candidate));
             }
         }
-        if let Some(better) = accepted {
-            // An effect may only have led the ordinary parameters to where they do as well without it.
-            if round == 0 {
-                let plain = better.without(question, 0)?;
-                if plain.fit.loss < base.fit.loss {
-                    (base, chosen) = (plain.clone(), plain);
+        let Some(best) = self.beam.first().filter(|best| best.effects.len() > 1).cloned() else { return Ok(None) };
+        for index in 0..best.effects.len() {
+            let fewer = best.without(question, index)?;
+            if self.claims(question, &fewer)? {
+                self.enter(question, &fewer);
+                return Ok(Some(fewer));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Whether a set may be claimed over what is chosen: each of its effects is one that can be, and they are worth their
+    /// strengths. Over nothing they have to be so twice, for they may only have led the ordinary parameters to where
+    /// those do as well alone.
+    fn claims(&mut self, question: &Question<'_>, set: &Candidate) -> Result<bool, FitError> {
+        if !set.is_plausible(question.scene) || !accepts(question, &self.base, &self.chosen, set)? {
+            return Ok(false);
+        }
+        if !self.chosen.effects.is_empty() {
+            return Ok(true);
+        }
+        let plain = set.plain(question)?;
+        if plain.fit.loss >= self.base.fit.loss {
+            return Ok(true);
+        }
+        (self.base, self.chosen) = (plain.clone(), plain);
+        accepts(question, &self.base, &self.chosen, set)
+    }
+
+    /// Chooses a set, but for every effect that the others make superfluous.
+    fn choose(&mut self, question: &Question<'_>, mut full: Candidate) -> Result<(), FitError> {
+        while full.effects.len() > 1 {
+            let mut dropped = None;
+            for index in 0..full.effects.len() {
+                let without = full.without(question, index)?;
+                if without.is_plausible(question.scene) && !accepts(question, &self.base, &without, &full)? {
+                    dropped = Some(without);
+                    break;
                 }
             }
-            if round > 0 || accepts(question, &base, &chosen, &better)? {
-                chosen = backward(question, &base, better)?;
+            match dropped {
+                Some(without) => full = without,
+                None => break,
             }
         }
-        // Two that go together may each be nothing alone, but a third is only looked for beside what was found.
-        let enough = beam.first().is_none_or(|best| is_enough(question, &base, best, near));
-        if enough || (round > 0 && chosen.effects.len() <= round) {
-            break;
-        }
+        self.chosen = full;
+        Ok(())
     }
-    Ok(Course { tempered, base, chosen, beam, rounds })
+
+    /// Whether nothing is left that a further effect could explain: the ordinary parameters of the best set are where they were
+    /// said to be, and it is `near` its noise, or what it leaves would not be told from its own form's error.
+    fn is_enough(&self, question: &Question<'_>, near: f64) -> bool {
+        let Some(best) = self.beam.first() else { return true };
+        let fits = || {
+            best.worst_over_noise(question) < near
+                || excess(&best.residuals) < FORM * FORM * excess(&self.base.residuals)
+        };
+        !is_bent(question, best) && fits()
+    }
+
+    /// Enters a set into the round of its size, in the place of a worse fit of the same effects.
+    fn enter(&mut self, question: &Question<'_>, candidate: &Candidate) {
+        let Some(round) = self.rounds.get_mut(candidate.effects.len() - 1) else { return };
+        let same = |trial: &Trial| {
+            candidate.effects.iter().all(|chosen| trial.effects.iter().any(|effect| effect.name == chosen.effect.name))
+        };
+        round.retain(|trial| !same(trial));
+        let entered = ranked(question, &self.base, vec![candidate.clone()]);
+        round.extend(entered.iter().map(|(candidate, net)| trial(candidate, *net)));
+        round.sort_by(|a, b| b.net.total_cmp(&a.net));
+    }
 }
 
-/// Enters a set into the round of its size, in the place of a worse fit of the same effects.
-fn enter(question: &Question<'_>, base: &Candidate, rounds: &mut [Vec<Trial>], candidate: &Candidate) {
-    let Some(round) = rounds.get_mut(candidate.effects.len() - 1) else { return };
-    round.retain(|trial| {
-        trial.effects.iter().any(|effect| candidate.effects.iter().all(|chosen| chosen.effect.name != effect.name))
-    });
-    let entered = ranked(question, base, vec![candidate.clone()]);
-    round.extend(entered.iter().map(|(candidate, net)| trial(candidate, *net)));
-    round.sort_by(|a, b| b.net.total_cmp(&a.net));
-}
-
-/// A set without one of its effects that is worth claiming where the set is not: the other may only have shown the way to it.
-fn one_alone(
+/// Plausible sets ranked, the best of them refitted to the end.
+fn finished(
     question: &Question<'_>,
     base: &Candidate,
-    chosen: &Candidate,
-    set: &Candidate,
-) -> Result<Option<Candidate>, FitError> {
-    if set.effects.len() < 2 {
-        return Ok(None);
-    }
-    for index in 0..set.effects.len() {
-        let fewer = set.without(question, index)?;
-        if fewer.is_plausible(question.scene) && accepts(question, base, chosen, &fewer)? {
-            return Ok(Some(fewer));
+    found: Vec<Candidate>,
+) -> Result<Vec<(Candidate, f64)>, FitError> {
+    let plausible = |found: Vec<Candidate>| -> Vec<Candidate> {
+        found.into_iter().filter(|candidate| candidate.is_plausible(question.scene)).collect()
+    };
+    let mut rough = ranked(question, base, plausible(found));
+    let above = |candidate: &Candidate| excess(&candidate.residuals);
+    let least = rough.iter().map(|(candidate, _)| above(candidate)).fold(f64::INFINITY, f64::min);
+    let hopeful = |candidate: &Candidate| above(candidate) < HOPELESS * least.max(2.0 * candidate.strengths() as f64);
+    let leading = rough.iter().take_while(|(candidate, _)| hopeful(candidate)).count();
+    let rest = rough.split_off(leading.min(FINISHED).max(BEAM.min(rough.len())));
+    let mut all = plausible(to_the_end(question, rough, FINISHED)?);
+    all.extend(rest.into_iter().map(|(candidate, _)| candidate));
+    loop {
+        let mut ranked = ranked(question, base, all);
+        prefer_plain(base, &mut ranked);
+        // A set that comes up only now is refitted to the end before it may be chosen.
+        if ranked.iter().take(BEAM).all(|(candidate, _)| candidate.is_finished) {
+            return Ok(ranked);
         }
+        all = plausible(to_the_end(question, ranked, BEAM)?);
     }
-    Ok(None)
 }
 
-/// Whether nothing is left that a further effect could explain: the ordinary parameters are where they were said to be, and the
-/// set is `near` its noise, or what it leaves would not be told from its own form's error.
-fn is_enough(question: &Question<'_>, base: &Candidate, best: &Candidate, near: f64) -> bool {
-    let fits =
-        || best.worst_over_noise(question) < near || excess(&best.residuals) < FORM * FORM * excess(&base.residuals);
-    !is_bent(question, best) && fits()
+/// The sets in their order, the `first` refitted to the end.
+fn to_the_end(
+    question: &Question<'_>,
+    ranked: Vec<(Candidate, f64)>,
+    first: usize,
+) -> Result<Vec<Candidate>, FitError> {
+    let finished = |(place, (candidate, _)): (usize, (Candidate, f64))| {
+        if place < first && !candidate.is_finished { candidate.finished(question) } else { Ok(candidate) }
+    };
+    ranked.into_par_iter().enumerate().map(finished).collect()
 }
 
 /// Whether the ordinary parameters are further from their nominal values than their standard deviations allow in 999 of 1000
@@ -386,25 +426,6 @@ fn accepts(question: &Question<'_>, base: &Candidate, without: &Candidate, with:
     // Parameters that come back may pay for the strengths, but the recordings themselves have to tell.
     let left_out: f64 = gains.iter().sum();
     Ok(left_out > CHANCE && left_out + straightened(question, without, with) > penalty && improved >= needed)
-}
-
-/// Drops every effect that the others make superfluous.
-fn backward(question: &Question<'_>, base: &Candidate, mut full: Candidate) -> Result<Candidate, FitError> {
-    while full.effects.len() > 1 {
-        let mut dropped = None;
-        for index in 0..full.effects.len() {
-            let without = full.without(question, index)?;
-            if !accepts(question, base, &without, &full)? {
-                dropped = Some(without);
-                break;
-            }
-        }
-        match dropped {
-            Some(without) => full = without,
-            None => break,
-        }
-    }
-    Ok(full)
 }
 
 /// What the held-out recordings say of a choice that they did not take part in.
