@@ -68,6 +68,6 @@ fn rows_in_which_the_position_failed_hold_no_start_back() {
     let recording = recorded(&machine);
     let [all, some] = [false, true]
         .map(|every_fourth| settle(&machine, &read_too_far(&recording, &machine, every_fourth)).unwrap().shift);
-    // A quarter of the rows weighs less against the start's prior; counted as rows that miss nothing, the others leave a quarter.
+    // A quarter of the rows weighs less against the start's prior; counted as rows that miss nothing, the others leave less than half.
     assert!(all > 1.0 && some > 0.7 * all, "{some} of {all}");
 }
