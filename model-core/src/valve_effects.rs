@@ -177,8 +177,9 @@ impl<N: Number> FlowForce<N> {
 /// `spool-stiction`: the slider stays until it is asked for more than `band` elsewhere, then jumps to within `kept` of there
 /// and stays again: static friction holds it, the smaller kinetic friction stops it short.
 ///
-/// Per unit slider travel; exact. The free slider that a jump goes to is that at the end of the tick; see [`Slider`](crate::valve::Slider) for
-/// how it lies within the tick. A stick-slip limit of Armstrong-Hélouvry, Dupont & Canudas de Wit, *Automatica* 30, 1994.
+/// Per unit slider travel; exact. The free slider that a jump goes to is that at the end of the tick; see
+/// [`Slider`](crate::valve::Slider) for how it lies within the tick. A stick-slip limit of Armstrong-Hélouvry, Dupont &
+/// Canudas de Wit, *Automatica* 30, 1994.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stiction<N: Number> {
     pub(crate) band: N,
