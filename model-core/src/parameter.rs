@@ -102,6 +102,7 @@ parameters! {
     NullDriftTime: "effects.null-drift.time_constant_s", "s", 1e-2, 1e5, Value(10.0), "Time constant with which the neutral drifts.";
     SolenoidOnset: "effects.solenoid-saturation.onset", "1", 0.0, 2.0, Value(0.5), "Slider travel from centre where the solenoid's gain starts to fall.";
     SolenoidCurvature: "effects.solenoid-saturation.curvature", "1", 0.0, 1e3, Value(0.0), "How fast it falls: beyond the onset travel t becomes t/(1 + curvature·t).";
+    SolenoidLoss: "effects.solenoid-saturation.gain_loss", "1", 0.0, 0.95, Value(0.0), "Share of the gain that is gone at once beyond the onset.";
     FlowForce: "effects.flow-force.closing_per_pa", "1/Pa", 0.0, 1e-6, Value(0.0), "Share of its travel that the slider is pushed closed by, per pressure difference over both open edges.";
     DeadZoneDifference: "effects.dead-zone-asymmetry.difference", "1", -1.0, 1.0, Value(0.0), "Overlap on the extending side less that on the retracting side; half of it is added to one and taken from the other.";
     FlowGainLinear: "effects.flow-gain-nonlinearity.linear", "1", -0.95, 10.0, Value(0.0), "Relative change of the flow gain per opening.";
