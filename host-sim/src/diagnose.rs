@@ -14,6 +14,7 @@ use crate::fit::{Estimate, FitError, Free, Freedom, StartState, level_at_rest, s
 use crate::hypothesis::{CATALOGUE, Hypothesis, Scene, Subsystem};
 use crate::locate::{Case, Location, Miss, locate, misses};
 use crate::machine_file::MachineFile;
+use crate::noise::extent;
 use crate::prepare::{Channel, Prepared};
 use crate::recording::{Recording, Signal};
 use crate::residual::SignalFit;
@@ -347,7 +348,7 @@ fn promises(leads: &[Lead]) -> Vec<(Subsystem, f64)> {
 fn travelled(machine: &Machine<f64>, cases: &[Prepared]) -> (f64, f64) {
     let channels = cases.iter().flat_map(|case| &case.channels);
     let positions = channels.filter(|channel| channel.signal == Signal::Position).flat_map(Channel::kept);
-    let (low, high) = positions.fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)));
+    let (low, high) = extent(positions);
     if low < high { (low, high) } else { (0.0, machine.get(Parameter::Stroke)) }
 }
 

@@ -5,6 +5,7 @@
 
 use model_core::machine::Machine;
 
+use crate::failure::{Failures, Stretch};
 use crate::machine_file::LoadSource;
 use crate::prepare::{Channel, Prepared};
 use crate::recording::Recording;
@@ -88,24 +89,32 @@ fn begun(
         time_s: recording.time_s().to_vec(),
         stimulus,
         channels: whole.channels.iter().map(|channel| first(channel, rows)).collect(),
+        failures: whole.failures.iter().map(|(signal, failures)| (*signal, first_failures(failures, rows))).collect(),
         start_sigma_m: whole.start_sigma_m,
     })
 }
 
 fn first(channel: &Channel, rows: usize) -> Channel {
-    let mut stretches = channel.stretches.clone();
-    stretches.retain(|stretch| stretch.from < rows);
-    for stretch in &mut stretches {
-        stretch.to = stretch.to.min(rows);
-    }
     Channel {
         signal: channel.signal,
         recorded: channel.recorded.iter().take(rows).copied().collect(),
         tolerance: channel.tolerance,
         failed: channel.failed.iter().take(rows).copied().collect(),
-        stretches,
+        stretches: first_stretches(&channel.stretches, rows),
         noise: channel.noise,
     }
+}
+
+fn first_failures(failures: &Failures, rows: usize) -> Failures {
+    Failures {
+        spikes: failures.spikes.iter().take(rows).copied().collect(),
+        stretches: first_stretches(&failures.stretches, rows),
+    }
+}
+
+fn first_stretches(stretches: &[Stretch], rows: usize) -> Vec<Stretch> {
+    let begun = stretches.iter().filter(|stretch| stretch.from < rows);
+    begun.map(|stretch| Stretch { to: stretch.to.min(rows), ..*stretch }).collect()
 }
 
 #[cfg(test)]

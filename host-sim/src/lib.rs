@@ -28,6 +28,8 @@ pub mod picture;
 pub mod plot;
 pub mod prepare;
 pub mod presentation;
+#[cfg(test)]
+mod press;
 pub mod recording;
 pub mod region;
 pub mod report;
@@ -37,6 +39,7 @@ pub mod search;
 pub mod separate;
 pub mod shape;
 pub mod simulate;
+mod slope;
 pub mod spectrum;
 pub mod standard_tests;
 pub mod statics;

@@ -141,7 +141,7 @@ pub enum Kind {
     Amount(fn(&Scene<'_>) -> (f64, f64)),
     /// The same for an amount that the residuals jump with, so that no slope leads to it.
     Jump(fn(&Scene<'_>) -> (f64, f64)),
-    /// The same as an amount, of either sign; the value is the largest usual magnitude.
+    /// The same as an amount, of either sign; the value is the largest usual magnitude, 0 where a scene cannot show it.
     Signed(fn(&Scene<'_>) -> f64),
     /// How the effect acts, not how much: positive, moves in its logarithm; tried first at so many points of the usual range.
     Shape(fn(&Scene<'_>) -> (f64, f64), usize),
@@ -268,6 +268,12 @@ impl Hypothesis {
         })
     }
 
+    /// The forms that a scene can show.
+    pub fn forms_in<'a>(&'a self, scene: &'a Scene<'_>) -> impl Iterator<Item = Form> + 'a {
+        let hidden = |strength: &Strength| matches!(strength.kind, Kind::Signed(size) if size(scene) == 0.0);
+        self.forms.iter().copied().filter(move |form| !form.iter().any(hidden))
+    }
+
     /// Whether the machine file already has it.
     #[must_use]
     pub fn is_on(&self, machine: &Machine<f64>) -> bool {
@@ -295,7 +301,7 @@ mod tests {
             machine: &machine,
             entry: EntryPoint::Command,
             load: LoadSource::Constant,
-            judged: &[Signal::Position],
+            judged: &[Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Position],
             travel_m: (0.05, 0.25),
             duration_s: 5.0,
         };
