@@ -266,6 +266,16 @@ impl Candidate {
         0.5 * own.map(|coordinate| coordinate * coordinate).sum::<f64>()
     }
 
+    /// Whether they are further away than their standard deviations allow in 999 of 1000 drives: by χ², its quantile after Wilson
+    /// and Hilferty 1931.
+    #[must_use]
+    pub fn is_bent(&self, question: &Question<'_>) -> bool {
+        const QUANTILE: f64 = 3.09;
+        let count = question.ordinary.len() as f64;
+        let share = 2.0 / (9.0 * count);
+        count > 0.0 && 2.0 * self.bent(question) > count * (1.0 - share + QUANTILE * share.sqrt()).powi(3)
+    }
+
     /// How many strengths it has.
     #[must_use]
     pub fn strengths(&self) -> usize {

@@ -258,7 +258,7 @@ fn reduced(question: &Question<'_>, base: &Candidate, mut full: Candidate) -> Re
 fn explains_enough(question: &Question<'_>, base: &Candidate, best: &Candidate, near: f64) -> bool {
     let fits =
         || best.worst_over_noise(question) < near || excess(&best.residuals) < FORM * FORM * excess(&base.residuals);
-    !is_bent(question, best) && fits()
+    !best.is_bent(question) && fits()
 }
 
 /// Plausible sets ranked, the best of them refitted to the end.
@@ -299,15 +299,6 @@ fn to_the_end(
         if place < first && !candidate.is_finished { candidate.finished(question) } else { Ok(candidate) }
     };
     ranked.into_par_iter().enumerate().map(finished).collect()
-}
-
-/// Whether the ordinary parameters are further from their nominal values than their standard deviations allow in 999 of 1000
-/// drives: by χ², its quantile after Wilson and Hilferty 1931.
-fn is_bent(question: &Question<'_>, candidate: &Candidate) -> bool {
-    const QUANTILE: f64 = 3.09;
-    let count = question.ordinary.len() as f64;
-    let share = 2.0 / (9.0 * count);
-    count > 0.0 && 2.0 * candidate.bent(question) > count * (1.0 - share + QUANTILE * share.sqrt()).powi(3)
 }
 
 /// Best first by log-likelihood gained over the base less penalty; only the best form of the same effects stays.
@@ -409,7 +400,7 @@ fn excess(residuals: &Residuals) -> f64 {
 /// Whether `with` is worth its strengths over `without`.
 fn accepts(question: &Question<'_>, base: &Candidate, without: &Candidate, with: &Candidate) -> Result<bool, FitError> {
     let (most, before, after) = (excess(&base.residuals), excess(&without.residuals), excess(&with.residuals));
-    let told = before - after >= FORM * FORM * most || (is_bent(question, without) && !is_bent(question, with));
+    let told = before - after >= FORM * FORM * most || (without.is_bent(question) && !with.is_bent(question));
     if after > (1.0 - LEAST_SHARE) * before || (!without.effects.is_empty() && !told) {
         return Ok(false);
     }
