@@ -69,7 +69,8 @@ impl<'a> Problem<'a> {
             .with_ftol(precision)
             .with_xtol(1e-6)
             .with_gtol(0.0)
-            .with_patience(20)
+            // A model that lacks an effect creeps along a valley: evaluations per coordinate, after which it is far enough.
+            .with_patience(3)
             // Every coordinate is in standard deviations of its prior already: a first step of several of them is far.
             .with_scale_diag(false)
             .with_stepbound(5.0);
