@@ -5,8 +5,8 @@ use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
 use crate::fit::{
-    Estimate, Fit, FitError, Free, From, REACH, Sensitivity, StartState, effective_samples, fit, loss, set_tolerances,
-    settle, softened,
+    Estimate, Fit, FitError, Free, From, REACH, REACH_SIGNED, Sensitivity, StartState, effective_samples, fit, loss,
+    set_tolerances, settle, softened,
 };
 use crate::hypothesis::{Form, Hypothesis, Kind, Scene, Strength, is_elastic};
 use crate::prepare::Prepared;
@@ -230,8 +230,6 @@ impl Candidate {
     /// range widened threefold, and of each effect at least one amount that is not negligible.
     #[must_use]
     pub fn is_plausible(&self, scene: &Scene<'_>) -> bool {
-        /// A place may lie half as far again from the middle of its range, in standard deviations of its prior.
-        const PLACED: f64 = 1.5 * REACH;
         /// Share of the largest usual magnitude below which a signed amount is negligible.
         const NEGLIGIBLE: f64 = 0.02;
         self.fit.loss.is_finite()
@@ -246,8 +244,8 @@ impl Candidate {
                     Kind::Amount(_) | Kind::Jump(_) => coordinate < PRESSED,
                     // A shape stays where shapes are; where it runs to the end, the recordings leave it open.
                     Kind::Shape(..) => true,
-                    Kind::Signed(_) => coordinate.abs() < 2.0 * PLACED,
-                    Kind::Place(..) => coordinate.abs() < PLACED,
+                    Kind::Signed(_) => coordinate.abs() < 2.0 * REACH_SIGNED,
+                    Kind::Place(..) => coordinate.abs() < REACH_SIGNED,
                 });
                 let notable = chosen.form.iter().map(at).any(|(kind, coordinate)| match kind {
                     Kind::Amount(_) | Kind::Jump(_) => coordinate > -REACH,
@@ -274,6 +272,14 @@ impl Candidate {
         let count = question.ordinary.len() as f64;
         let share = 2.0 / (9.0 * count);
         count > 0.0 && 2.0 * self.bent(question) > count * (1.0 - share + QUANTILE * share.sqrt()).powi(3)
+    }
+
+    /// Names of its effects, sorted.
+    #[must_use]
+    pub fn names(&self) -> Vec<&'static str> {
+        let mut names: Vec<&str> = self.effects.iter().map(|chosen| chosen.effect.name).collect();
+        names.sort_unstable();
+        names
     }
 
     /// How many strengths it has.

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::candidate::{Candidate, Question};
-use crate::fit::FitError;
+use crate::fit::{CHANCE, FitError};
 use crate::hypothesis::Hypothesis;
 use crate::prepare::Prepared;
 use crate::screen::Lead;
@@ -11,9 +11,6 @@ use crate::tempered::Tempered;
 
 /// An effect that promises less than this share of what the best does is not refitted.
 const PROMISING: f64 = 0.05;
-/// Nor is one that promises less than chance gives. Beside the tempered model whatever promises most is: there a loss is no
-/// larger than chance would have it.
-const CHANCE: f64 = 3.0;
 
 /// Every set of the beam with one more effect, at most `most` effects from each reference, in their promising forms.
 ///
@@ -63,7 +60,8 @@ fn open_to(question: &Question<'_>, from: &Candidate) -> Vec<&'static Hypothesis
     question.hypotheses.iter().copied().filter(open).collect()
 }
 
-/// The leads of the most promising effects, each of which promises more than the `least`.
+/// The leads of the most promising effects, each of which promises more than the `least`: what chance gives, but beside the
+/// tempered model nothing, for there a loss is no larger than chance would have it.
 fn promising(mut leads: Vec<(Lead, &Candidate)>, loss: f64, most: usize, least: f64) -> Vec<(Lead, &Candidate)> {
     leads.sort_by(|a, b| a.0.loss.total_cmp(&b.0.loss));
     let best = leads.first().map_or(0.0, |(lead, _)| loss - lead.loss);

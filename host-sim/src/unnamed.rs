@@ -10,7 +10,7 @@ use model_core::machine::Machine;
 use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
-use crate::fit::{Estimate, FitError, Free, Freedom, From, effective_samples, fit, loss, settle, standardised};
+use crate::fit::{CHANCE, Estimate, FitError, Free, Freedom, From, effective_samples, fit, loss, settle, standardised};
 use crate::hypothesis::{Scene, Subsystem};
 use crate::locate::{Case, Location};
 use crate::machine_file::LoadSource;
@@ -27,8 +27,6 @@ const ROUGHLY: f64 = 0.03;
 const PRECISION: f64 = 1e-4;
 /// Tables that are.
 const FINISHED: usize = 3;
-/// What a gain must be beyond the information penalty: one in twenty by chance.
-const CHANCE: f64 = 3.0;
 /// Share of the rows that lie below the first node, and above the last.
 const OUTSIDE: f64 = 0.01;
 /// How large a table usually is, of full force, full flow or full travel.

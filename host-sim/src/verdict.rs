@@ -8,18 +8,21 @@
 //! were left out, on all but one of them (what happens once is a disturbance), and take away at least half of what is above the
 //! noise: an effect that does less is a stand-in for something else.
 
+mod confirmation;
+mod likelihood;
 mod whole;
 
-use model_core::machine::{Machine, MachineError};
+use model_core::machine::Machine;
 use rayon::prelude::*;
 
 pub use crate::candidate::{Candidate, Chosen, Question, Residuals};
-use crate::fit::{FitError, effective_samples, loss, settle, softened};
-use crate::hypothesis::{CATALOGUE, Hypothesis};
+use crate::fit::FitError;
+use crate::hypothesis::Hypothesis;
 use crate::prepare::Prepared;
-use crate::recording::Signal;
 use crate::search::widened;
 use crate::tempered::Tempered;
+pub use confirmation::{Confirmation, confirm};
+use likelihood::{FORM, accepts, excess, prefer_plain, ranked};
 pub use whole::lengthened;
 
 /// Most effects claimed at once.
@@ -34,15 +37,6 @@ const HOPELESS: f64 = 10.0;
 const BEAM: usize = 2;
 /// Effects that are refitted beside each of those.
 const BESIDE: usize = 4;
-/// What an effect must take away of what is above the noise.
-const LEAST_SHARE: f64 = 0.5;
-/// How closely a real effect follows its textbook form, as a share of the error that it explains (RMS): a further effect that
-/// explains less than this of what the first ones did cannot be told from their own form's error.
-const FORM: f64 = 0.1;
-/// An extension that explains less than that still earns its place by this share of what the plainer effect leaves.
-const EARNED: f64 = 0.75;
-/// What a gain must be beyond the information penalty: one in twenty by chance.
-const CHANCE: f64 = 3.0;
 /// A set whose worst signal is this close to its noise is not searched further.
 const AT_NOISE: f64 = 1.03;
 /// With the links apart the noise of the recorded slider adds to what is below it: effects are only looked for so while the
@@ -301,197 +295,7 @@ fn to_the_end(
     ranked.into_par_iter().enumerate().map(finished).collect()
 }
 
-/// Best first by log-likelihood gained over the base less penalty; only the best form of the same effects stays.
-fn ranked(question: &Question<'_>, base: &Candidate, found: Vec<Candidate>) -> Vec<(Candidate, f64)> {
-    let Some(best) = found.iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss)) else { return Vec::new() };
-    // The independent samples of the best residuals, so that all are measured alike.
-    let samples: Vec<f64> = best.residuals.iter().flatten().map(|series| effective_samples(series)).collect();
-    let total: f64 = samples.iter().sum();
-    let net = |candidate: &Candidate| {
-        let series = base.residuals.iter().flatten().zip(candidate.residuals.iter().flatten());
-        let gain: f64 = series
-            .zip(&samples)
-            .map(|((before, after), samples)| 0.5 * samples * (floored(before) / floored(after)).ln())
-            .sum();
-        gain + straightened(question, base, candidate) - 0.5 * candidate.strengths() as f64 * total.max(2.0).ln()
-    };
-    let mut ranked: Vec<(Candidate, f64)> = found
-        .into_iter()
-        .map(|candidate| (net(&candidate), candidate))
-        .map(|(net, candidate)| (candidate, net))
-        .collect();
-    // Sets that are as likely as each other stay in the catalogue's order.
-    ranked.sort_by(|a, b| b.1.round().total_cmp(&a.1.round()).then_with(|| order(&a.0).cmp(&order(&b.0))));
-    let mut seen: Vec<Vec<&str>> = Vec::new();
-    ranked.retain(|(candidate, _)| {
-        let mut names: Vec<&str> = candidate.effects.iter().map(|chosen| chosen.effect.name).collect();
-        names.sort_unstable();
-        let new = !seen.contains(&names);
-        seen.push(names);
-        new
-    });
-    ranked
-}
-
-/// Places of a set's effects in the catalogue.
-fn order(candidate: &Candidate) -> Vec<usize> {
-    let place =
-        |chosen: &Chosen| CATALOGUE.iter().position(|known| known.name == chosen.effect.name).unwrap_or(usize::MAX);
-    candidate.effects.iter().map(place).collect()
-}
-
-/// Puts a set with the plainer effect before the one with its extension, where that does not earn what it has more.
-fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>) {
-    let Some((best, best_net)) = ranked.first() else { return };
-    let most = excess(&base.residuals);
-    let plainer = ranked.iter().position(|(candidate, net)| {
-        let extended = best.effects.iter().any(|chosen| {
-            chosen.effect.extends.is_some_and(|extension| {
-                let others = best.effects.iter().filter(|other| other.effect.name != chosen.effect.name);
-                let mut wanted: Vec<&str> = others.map(|other| other.effect.name).chain([extension.plain]).collect();
-                let mut names: Vec<&str> = candidate.effects.iter().map(|chosen| chosen.effect.name).collect();
-                wanted.sort_unstable();
-                names.sort_unstable();
-                wanted == names
-            })
-        });
-        let (left, leaves) = (excess(&candidate.residuals), excess(&best.residuals));
-        let earned = best_net - net > CHANCE && (left - leaves > FORM * FORM * most || leaves < (1.0 - EARNED) * left);
-        extended && !earned
-    });
-    if let Some(index) = plainer {
-        let plain = ranked.remove(index);
-        ranked.insert(0, plain);
-    }
-}
-
 fn trial(candidate: &Candidate, net: f64) -> Trial {
     let effects: Vec<_> = candidate.effects.iter().map(|chosen| chosen.effect).collect();
     Trial { effect: effects[effects.len() - 1], effects, net, machine: candidate.fit.machine }
-}
-
-/// The loss of a series, or what pure noise would lose if that is more: nothing below it can be gained.
-fn floored(series: &[f64]) -> f64 {
-    let loss = loss(series);
-    if loss.is_finite() { loss.max(series.len() as f64) } else { f64::INFINITY }
-}
-
-/// Log-likelihood gained on one signal. n are the independent samples of the residual that has fewer, so that a gain one way is
-/// a loss the other.
-fn gained(before: &[f64], after: &[f64]) -> f64 {
-    0.5 * independent(before, after) * (floored(before) / floored(after)).ln()
-}
-
-fn independent(before: &[f64], after: &[f64]) -> f64 {
-    effective_samples(before).min(effective_samples(after))
-}
-
-/// Log-likelihood gained as the ordinary parameters come back to where they were said to be: a model that lacks an effect bends
-/// them.
-fn straightened(question: &Question<'_>, without: &Candidate, with: &Candidate) -> f64 {
-    without.bent(question) - with.bent(question)
-}
-
-/// What is above the noise.
-fn excess(residuals: &Residuals) -> f64 {
-    residuals.iter().flatten().map(|series| floored(series) - series.len() as f64).sum()
-}
-
-/// Whether `with` is worth its strengths over `without`.
-fn accepts(question: &Question<'_>, base: &Candidate, without: &Candidate, with: &Candidate) -> Result<bool, FitError> {
-    let (most, before, after) = (excess(&base.residuals), excess(&without.residuals), excess(&with.residuals));
-    let told = before - after >= FORM * FORM * most || (without.is_bent(question) && !with.is_bent(question));
-    if after > (1.0 - LEAST_SHARE) * before || (!without.effects.is_empty() && !told) {
-        return Ok(false);
-    }
-    let (before, after) = (without.left_out(question)?, with.left_out(question)?);
-    let mut samples = 0.0;
-    let gains: Vec<f64> = before
-        .iter()
-        .zip(&after)
-        .map(|(before, after)| {
-            before
-                .iter()
-                .zip(after)
-                .map(|(before, after)| {
-                    samples += independent(before, after);
-                    gained(before, after)
-                })
-                .sum()
-        })
-        .collect();
-    let more = with.strengths().saturating_sub(without.strengths()) as f64;
-    let penalty = 0.5 * more * f64::max(samples, 2.0).ln() + CHANCE;
-    let improved = gains.iter().filter(|gain| **gain > 0.0).count();
-    let needed = if gains.len() > 2 { gains.len() - 1 } else { gains.len() };
-    // Parameters that come back may pay for the strengths, but the recordings themselves have to tell.
-    let left_out: f64 = gains.iter().sum();
-    Ok(left_out > CHANCE && left_out + straightened(question, without, with) > penalty && improved >= needed)
-}
-
-/// What the held-out recordings say of a choice that they did not take part in.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Confirmation {
-    /// Log-likelihood gained over the base on all held-out recordings.
-    pub gain: f64,
-    /// The signal that gained least, over all held-out recordings.
-    pub least_gain: f64,
-    /// Lowest NRMSE fit of a signal with the effects, %.
-    pub least_fit_percent: f64,
-    /// Held-out recordings on which it gained.
-    pub improved: usize,
-    /// Held-out recordings.
-    pub recordings: usize,
-}
-
-impl Confirmation {
-    /// Whether they confirm it: a gain in all and on at least half of the recordings, no signal clearly worse, and none
-    /// that the model follows worse than its mean would.
-    #[must_use]
-    pub fn confirms(&self) -> bool {
-        self.recordings > 0
-            && self.gain > 0.0
-            && self.least_gain > -CHANCE.max(0.1 * self.gain)
-            && self.least_fit_percent > 0.0
-            && 2 * self.improved >= self.recordings
-    }
-}
-
-/// NRMSE fit, %, that a perfect model would reach on a signal that is mostly noise.
-const MOSTLY_NOISE: f64 = 50.0;
-
-/// Opens the held-out recordings, once.
-pub fn confirm(
-    base: &Machine<f64>,
-    chosen: &Machine<f64>,
-    held_out: &[&Prepared],
-) -> Result<Confirmation, MachineError> {
-    let mut improved = 0;
-    let mut signals: Vec<(Signal, f64)> = Vec::new();
-    let mut least_fit_percent = 100.0_f64;
-    for case in held_out {
-        let before = softened(base, case, settle(base, case)?)?;
-        let after = softened(chosen, case, settle(chosen, case)?)?;
-        let mut total = 0.0;
-        for (channel, (before, after)) in case.channels.iter().zip(before.iter().zip(&after)) {
-            let gain = gained(before, after);
-            total += gain;
-            match signals.iter_mut().find(|(signal, _)| *signal == channel.signal) {
-                Some((_, sum)) => *sum += gain,
-                None => signals.push((channel.signal, gain)),
-            }
-            // A signal that is mostly noise fits no better than its mean, whatever the model.
-            if channel.noise_floor_percent() > MOSTLY_NOISE {
-                least_fit_percent = least_fit_percent.min(channel.fit_percent(after));
-            }
-        }
-        improved += usize::from(total > 0.0);
-    }
-    Ok(Confirmation {
-        gain: signals.iter().map(|(_, gain)| gain).sum(),
-        least_gain: signals.iter().map(|(_, gain)| *gain).fold(f64::INFINITY, f64::min),
-        least_fit_percent,
-        improved,
-        recordings: held_out.len(),
-    })
 }

@@ -21,7 +21,7 @@ use crate::prepare::Prepared;
 pub use information::Information;
 pub(crate) use information::OF_START;
 use problem::{Minimum, Problem};
-pub use residuals::{Misfit, effective_samples, loss, misfits, set_tolerances, soft, softened, standardised};
+pub use residuals::{CHANCE, Misfit, effective_samples, loss, misfits, set_tolerances, soft, softened, standardised};
 pub use sensitivity::{Change, Sensitivity, Settled};
 pub use start::{StartState, level_at_rest, settle};
 
@@ -59,8 +59,8 @@ pub enum Freedom {
 /// says that they press against it.
 pub const REACH: f64 = 2.2;
 
-/// The same for values of either sign.
-const REACH_SIGNED: f64 = 1.5 * REACH;
+/// The same for values and places of either sign.
+pub const REACH_SIGNED: f64 = 1.5 * REACH;
 
 /// Standard deviations from the middle at a coordinate: the coordinate itself near 0, and never more than [`REACH`].
 fn reached(coordinate: f64, vanishes: bool) -> f64 {

@@ -7,6 +7,9 @@ use crate::prepare::{Channel, Prepared};
 use crate::recording::Signal;
 use crate::simulate::run;
 
+/// What a log-likelihood has to gain beyond its penalty: less comes by chance once in twenty times.
+pub const CHANCE: f64 = 3.0;
+
 /// Residuals beyond this many times a channel's tolerance count linearly, not by their square.
 const HUBER: f64 = 5.0;
 

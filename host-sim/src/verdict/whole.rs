@@ -5,9 +5,8 @@
 
 use rayon::prelude::*;
 
-use super::{
-    AT_NOISE, Candidate, FAR, MOST_EFFECTS, Question, Selection, accepts, explains_enough, ranked, reduced, trial,
-};
+use super::likelihood::{accepts, ranked};
+use super::{AT_NOISE, Candidate, FAR, MOST_EFFECTS, Question, Selection, explains_enough, reduced, trial};
 use crate::fit::FitError;
 use crate::hypothesis::Hypothesis;
 use crate::screen::Lead;

@@ -1,0 +1,75 @@
+//! The held-out recordings, opened once: they confirm a choice or veto it.
+
+use model_core::machine::{Machine, MachineError};
+
+use super::likelihood::gained;
+use crate::fit::{CHANCE, settle, softened};
+use crate::prepare::Prepared;
+use crate::recording::Signal;
+
+/// What the held-out recordings say of a choice that they did not take part in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Confirmation {
+    /// Log-likelihood gained over the base on all held-out recordings.
+    pub gain: f64,
+    /// The signal that gained least, over all held-out recordings.
+    pub least_gain: f64,
+    /// Lowest NRMSE fit of a signal with the effects, %.
+    pub least_fit_percent: f64,
+    /// Held-out recordings on which it gained.
+    pub improved: usize,
+    /// Held-out recordings.
+    pub recordings: usize,
+}
+
+impl Confirmation {
+    /// Whether they confirm it: a gain in all and on at least half of the recordings, no signal clearly worse, and none
+    /// that the model follows worse than its mean would.
+    #[must_use]
+    pub fn confirms(&self) -> bool {
+        self.recordings > 0
+            && self.gain > 0.0
+            && self.least_gain > -CHANCE.max(0.1 * self.gain)
+            && self.least_fit_percent > 0.0
+            && 2 * self.improved >= self.recordings
+    }
+}
+
+/// NRMSE fit, %, that a perfect model would reach on a signal that is mostly noise.
+const MOSTLY_NOISE: f64 = 50.0;
+
+/// Opens the held-out recordings, once.
+pub fn confirm(
+    base: &Machine<f64>,
+    chosen: &Machine<f64>,
+    held_out: &[&Prepared],
+) -> Result<Confirmation, MachineError> {
+    let mut improved = 0;
+    let mut signals: Vec<(Signal, f64)> = Vec::new();
+    let mut least_fit_percent = 100.0_f64;
+    for case in held_out {
+        let before = softened(base, case, settle(base, case)?)?;
+        let after = softened(chosen, case, settle(chosen, case)?)?;
+        let mut total = 0.0;
+        for (channel, (before, after)) in case.channels.iter().zip(before.iter().zip(&after)) {
+            let gain = gained(before, after);
+            total += gain;
+            match signals.iter_mut().find(|(signal, _)| *signal == channel.signal) {
+                Some((_, sum)) => *sum += gain,
+                None => signals.push((channel.signal, gain)),
+            }
+            // A signal that is mostly noise fits no better than its mean, whatever the model.
+            if channel.noise_floor_percent() > MOSTLY_NOISE {
+                least_fit_percent = least_fit_percent.min(channel.fit_percent(after));
+            }
+        }
+        improved += usize::from(total > 0.0);
+    }
+    Ok(Confirmation {
+        gain: signals.iter().map(|(_, gain)| gain).sum(),
+        least_gain: signals.iter().map(|(_, gain)| *gain).fold(f64::INFINITY, f64::min),
+        least_fit_percent,
+        improved,
+        recordings: held_out.len(),
+    })
+}

@@ -1,0 +1,139 @@
+//! What a set of effects is worth over another: log-likelihoods in which each signal's noise level is unknown, ½·n·ln(loss) with n the
+//! independent samples of its residual, less what the strengths cost, plus what the ordinary parameters gain by coming back.
+
+use crate::candidate::{Candidate, Chosen, Question, Residuals};
+use crate::fit::{CHANCE, FitError, effective_samples, loss};
+use crate::hypothesis::CATALOGUE;
+
+/// What an effect must take away of what is above the noise.
+const LEAST_SHARE: f64 = 0.5;
+/// How closely a real effect follows its textbook form, as a share of the error that it explains (RMS): a further effect that
+/// explains less than this of what the first ones did cannot be told from their own form's error.
+pub(super) const FORM: f64 = 0.1;
+/// An extension that explains less than that still earns its place by this share of what the plainer effect leaves.
+const EARNED: f64 = 0.75;
+
+/// Best first by log-likelihood gained over the base less penalty; only the best form of the same effects stays.
+pub(super) fn ranked(question: &Question<'_>, base: &Candidate, found: Vec<Candidate>) -> Vec<(Candidate, f64)> {
+    let Some(best) = found.iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss)) else { return Vec::new() };
+    // The independent samples of the best residuals, so that all are measured alike.
+    let samples: Vec<f64> = best.residuals.iter().flatten().map(|series| effective_samples(series)).collect();
+    let total: f64 = samples.iter().sum();
+    let net = |candidate: &Candidate| {
+        let series = base.residuals.iter().flatten().zip(candidate.residuals.iter().flatten());
+        let gain: f64 = series
+            .zip(&samples)
+            .map(|((before, after), samples)| 0.5 * samples * (floored(before) / floored(after)).ln())
+            .sum();
+        gain + straightened(question, base, candidate) - 0.5 * candidate.strengths() as f64 * total.max(2.0).ln()
+    };
+    let valued = |candidate: Candidate| {
+        let net = net(&candidate);
+        (candidate, net)
+    };
+    let mut ranked: Vec<(Candidate, f64)> = found.into_iter().map(valued).collect();
+    // Sets that are as likely as each other stay in the catalogue's order.
+    ranked.sort_by(|a, b| b.1.round().total_cmp(&a.1.round()).then_with(|| order(&a.0).cmp(&order(&b.0))));
+    let mut seen: Vec<Vec<&str>> = Vec::new();
+    ranked.retain(|(candidate, _)| {
+        let names = candidate.names();
+        let new = !seen.contains(&names);
+        seen.push(names);
+        new
+    });
+    ranked
+}
+
+/// Places of a set's effects in the catalogue.
+fn order(candidate: &Candidate) -> Vec<usize> {
+    let place =
+        |chosen: &Chosen| CATALOGUE.iter().position(|known| known.name == chosen.effect.name).unwrap_or(usize::MAX);
+    candidate.effects.iter().map(place).collect()
+}
+
+/// Puts a set with the plainer effect before the one with its extension, where that does not earn what it has more.
+pub(super) fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>) {
+    let Some((best, best_net)) = ranked.first() else { return };
+    let most = excess(&base.residuals);
+    let plainer = ranked.iter().position(|(candidate, net)| {
+        let extended = best.effects.iter().any(|chosen| {
+            chosen.effect.extends.is_some_and(|extension| {
+                let others = best.effects.iter().filter(|other| other.effect.name != chosen.effect.name);
+                let mut wanted: Vec<&str> = others.map(|other| other.effect.name).chain([extension.plain]).collect();
+                wanted.sort_unstable();
+                wanted == candidate.names()
+            })
+        });
+        let (left, leaves) = (excess(&candidate.residuals), excess(&best.residuals));
+        let earned = best_net - net > CHANCE && (left - leaves > FORM * FORM * most || leaves < (1.0 - EARNED) * left);
+        extended && !earned
+    });
+    if let Some(index) = plainer {
+        let plain = ranked.remove(index);
+        ranked.insert(0, plain);
+    }
+}
+
+/// The loss of a series, or what pure noise would lose if that is more: nothing below it can be gained.
+fn floored(series: &[f64]) -> f64 {
+    let loss = loss(series);
+    if loss.is_finite() { loss.max(series.len() as f64) } else { f64::INFINITY }
+}
+
+/// Log-likelihood gained on one signal. n are the independent samples of the residual that has fewer, so that a gain one way is
+/// a loss the other.
+pub(super) fn gained(before: &[f64], after: &[f64]) -> f64 {
+    0.5 * independent(before, after) * (floored(before) / floored(after)).ln()
+}
+
+fn independent(before: &[f64], after: &[f64]) -> f64 {
+    effective_samples(before).min(effective_samples(after))
+}
+
+/// Log-likelihood gained as the ordinary parameters come back to where they were said to be: a model that lacks an effect bends
+/// them.
+fn straightened(question: &Question<'_>, without: &Candidate, with: &Candidate) -> f64 {
+    without.bent(question) - with.bent(question)
+}
+
+/// What is above the noise.
+pub(super) fn excess(residuals: &Residuals) -> f64 {
+    residuals.iter().flatten().map(|series| floored(series) - series.len() as f64).sum()
+}
+
+/// Whether `with` is worth its strengths over `without`.
+pub(super) fn accepts(
+    question: &Question<'_>,
+    base: &Candidate,
+    without: &Candidate,
+    with: &Candidate,
+) -> Result<bool, FitError> {
+    let (most, before, after) = (excess(&base.residuals), excess(&without.residuals), excess(&with.residuals));
+    let told = before - after >= FORM * FORM * most || (without.is_bent(question) && !with.is_bent(question));
+    if after > (1.0 - LEAST_SHARE) * before || (!without.effects.is_empty() && !told) {
+        return Ok(false);
+    }
+    let (before, after) = (without.left_out(question)?, with.left_out(question)?);
+    let mut samples = 0.0;
+    let gains: Vec<f64> = before
+        .iter()
+        .zip(&after)
+        .map(|(before, after)| {
+            before
+                .iter()
+                .zip(after)
+                .map(|(before, after)| {
+                    samples += independent(before, after);
+                    gained(before, after)
+                })
+                .sum()
+        })
+        .collect();
+    let more = with.strengths().saturating_sub(without.strengths()) as f64;
+    let penalty = 0.5 * more * f64::max(samples, 2.0).ln() + CHANCE;
+    let improved = gains.iter().filter(|gain| **gain > 0.0).count();
+    let needed = if gains.len() > 2 { gains.len() - 1 } else { gains.len() };
+    // Parameters that come back may pay for the strengths, but the recordings themselves have to tell.
+    let left_out: f64 = gains.iter().sum();
+    Ok(left_out > CHANCE && left_out + straightened(question, without, with) > penalty && improved >= needed)
+}
