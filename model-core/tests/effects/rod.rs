@@ -141,7 +141,7 @@ fn friction_follows_a_measured_temperature_from_tick_to_tick() {
             if let Some(temperature_c) = temperature_c {
                 oil_at(&drive, &mut state, temperature_c);
             }
-            for _ in 0..300 {
+            for _ in 0..600 {
                 pushed(&drive, &mut state, 1000.0);
             }
             let factor = (-0.04 * (temperature_c.unwrap_or(45.0) - 45.0)).exp().max(0.125);
