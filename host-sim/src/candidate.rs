@@ -92,7 +92,7 @@ impl Candidate {
     /// A refit of the ordinary parameters alone.
     fn ordinary(question: &Question<'_>, solution: Option<&Fit>, precision: f64) -> Result<Fit, FitError> {
         let from = From { solution, ..From::default() };
-        fit(question.scene.machine, question.ordinary, question.training, &from, Some(precision))
+        fit(question.scene.machine, question.ordinary, question.training, &from, precision)
     }
 
     /// The machine file's model refitted, after which every channel tolerates what that leaves: residuals far beyond count
@@ -101,7 +101,7 @@ impl Candidate {
         let nominal = vec![StartState::default(); training.len()];
         set_tolerances(scene.machine, training, &nominal)?;
         let references: Vec<&Prepared> = training.iter().collect();
-        let base = fit(scene.machine, ordinary, &references, &From::default(), Some(1e-4))?;
+        let base = fit(scene.machine, ordinary, &references, &From::default(), 1e-4)?;
         set_tolerances(&base.machine, training, &base.starts)?;
         Ok(())
     }
@@ -200,8 +200,7 @@ impl Candidate {
             })
             .collect();
         let start = From { solution: Some(from.fit), coordinates: &coordinates, moved: from.settled };
-        let mut found =
-            fit(&with(question.scene.machine, &jumps), &free, question.training, &start, Some(from.precision))?;
+        let mut found = fit(&with(question.scene.machine, &jumps), &free, question.training, &start, from.precision)?;
         for _ in 0..if jumps.is_empty() { 0 } else { 2 } {
             let Some(sensitivity) = Sensitivity::at(&found, question.training)? else { break };
             for (parameter, value) in &mut jumps {
@@ -209,7 +208,7 @@ impl Candidate {
             }
             drop(sensitivity);
             let again = From { solution: Some(&found), ..From::default() };
-            found = fit(&with(question.scene.machine, &jumps), &free, question.training, &again, Some(from.precision))?;
+            found = fit(&with(question.scene.machine, &jumps), &free, question.training, &again, from.precision)?;
         }
         Self::of(question, effects, found, jumps, from.precision <= PRECISION)
     }
@@ -227,8 +226,8 @@ impl Candidate {
             .collect()
     }
 
-    /// Whether the fit succeeded and every effect lies where such an effect can: no amount pressed against the end of its usual range widened threefold,
-    /// and of each effect at least one amount that is not negligible.
+    /// Whether the fit succeeded and every effect lies where such an effect can: no amount pressed against the end of its usual
+    /// range widened threefold, and of each effect at least one amount that is not negligible.
     #[must_use]
     pub fn is_plausible(&self, scene: &Scene<'_>) -> bool {
         /// A place may lie half as far again from the middle of its range, in standard deviations of its prior.
@@ -265,6 +264,16 @@ impl Candidate {
     pub fn bent(&self, question: &Question<'_>) -> f64 {
         let own = self.fit.coordinates.iter().take(question.ordinary.len());
         0.5 * own.map(|coordinate| coordinate * coordinate).sum::<f64>()
+    }
+
+    /// Whether they are further away than their standard deviations allow in 999 of 1000 drives: by χ², its quantile after Wilson
+    /// and Hilferty 1931.
+    #[must_use]
+    pub fn is_bent(&self, question: &Question<'_>) -> bool {
+        const QUANTILE: f64 = 3.09;
+        let count = question.ordinary.len() as f64;
+        let share = 2.0 / (9.0 * count);
+        count > 0.0 && 2.0 * self.bent(question) > count * (1.0 - share + QUANTILE * share.sqrt()).powi(3)
     }
 
     /// How many strengths it has.

@@ -7,6 +7,7 @@
 use crate::fit::effective_samples;
 use crate::noise::median;
 use crate::recording::Signal;
+use crate::slope::slopes;
 
 /// An interval so many times the usual one has lost rows.
 const LOST: f64 = 1.5;
@@ -64,13 +65,7 @@ impl Shift {
     /// `missed` is recorded minus simulated, 0 where the sensor failed.
     #[must_use]
     pub fn of(signal: Signal, time_s: &[f64], missed: &[f64], simulated: &[f64]) -> Option<Self> {
-        let last = simulated.len().checked_sub(1)?;
-        let slopes: Vec<f64> = (0..=last)
-            .map(|row| {
-                let (before, after) = (row.saturating_sub(1), (row + 1).min(last));
-                (simulated[after] - simulated[before]) / (time_s[after] - time_s[before])
-            })
-            .collect();
+        let slopes = slopes(time_s, simulated, 1);
         let square: f64 = slopes.iter().map(|slope| slope * slope).sum();
         if square <= 0.0 {
             return None;

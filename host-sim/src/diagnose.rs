@@ -9,17 +9,19 @@ use model_core::machine::{Machine, MachineError, Tick};
 use model_core::parameter::Parameter;
 
 use crate::compare::CompareError;
-use crate::fit::{Estimate, FitError, Free, Freedom, StartState, level_at_rest, settle};
+use crate::excerpt::Excerpt;
+use crate::fit::{Estimate, FitError, Free, Freedom, StartState, level_at_rest, set_tolerances, settle};
 use crate::hypothesis::{CATALOGUE, Hypothesis, Scene, Subsystem};
 use crate::locate::{Case, Location, Miss, locate, misses};
 use crate::machine_file::MachineFile;
+use crate::noise::extent;
 use crate::prepare::{Channel, Prepared};
 use crate::recording::{Recording, Signal};
 use crate::residual::SignalFit;
 use crate::screen::Lead;
 use crate::simulate::{Trajectory, simulate};
 use crate::unnamed::{Unnamed, improved};
-use crate::verdict::{Candidate, Chosen, Confirmation, Question, Selection, Trial, confirm, select};
+use crate::verdict::{Candidate, Chosen, Confirmation, Question, Selection, Trial, confirm, lengthened, select};
 
 /// How sure the model follows within the noise: no signal further off than half the noise again.
 const WITHIN_NOISE: f64 = 1.5;
@@ -168,19 +170,13 @@ pub fn diagnose(
         .copied()
         .filter(|hypothesis| !hypothesis.is_on(&file.machine))
         .partition(|hypothesis| (hypothesis.shows_in)(&scene));
-    Candidate::tolerated(&scene, &ordinary, &mut trained)?;
-    let references: Vec<&Prepared> = trained.iter().collect();
-    let question = Question { scene: &scene, ordinary: &ordinary, hypotheses: &hypotheses, training: &references };
-    let selection = select(&question, &|name| progress(name))?;
+    let mut excerpt = Excerpt::of(training, &trained, &file.machine, file.load_source).map_err(CompareError::from)?;
+    let asked = Asked { scene: &scene, ordinary: &ordinary, hypotheses: &hypotheses };
+    let selection = asked.selected(&mut trained, excerpt.as_mut(), progress)?;
 
     let base = &selection.base.fit;
-    let cases: Vec<Case<'_>> = training
-        .iter()
-        .zip(&trained)
-        .zip(&base.starts)
-        .map(|((recording, prepared), &start)| Case { recording, prepared, start })
-        .collect();
-    let above_noise = selection.base.worst_over_noise(&question) > WITHIN_NOISE;
+    let references: Vec<&Prepared> = trained.iter().collect();
+    let above_noise = selection.base.worst_over_noise(&asked.of(&references)) > WITHIN_NOISE;
 
     let (findings, not_confirmed, confirmation, after) = decide(&selection, &held)?;
     let verdict = if !findings.is_empty() {
@@ -190,18 +186,25 @@ pub fn diagnose(
     } else {
         Verdict::NothingMissing
     };
+    // Where and how it looks is told by what was searched.
+    let (recordings, searched) = match &excerpt {
+        Some(excerpt) => (excerpt.recordings.as_slice(), excerpt.cases.iter().collect()),
+        None => (training, references.clone()),
+    };
+    let question = asked.of(&searched);
+    let seen = if excerpt.is_some() { selection.base.finished(&question)? } else { selection.base.clone() };
+    let cases = cases(recordings, &searched, &seen.fit.starts);
     let located = if verdict == Verdict::NothingMissing {
         None
     } else {
         // What was named tells the link better than what it looks like from outside.
         let named: Vec<Subsystem> = findings.iter().map(|finding| finding.effect.subsystem).collect();
-        let promises =
-            if named.is_empty() { promises(&selection.base.leads(&question, &hypotheses)?) } else { Vec::new() };
-        Some(locate(&base.machine, file.load_source, &cases, &named, &promises)?)
+        let promises = if named.is_empty() { promises(&seen.leads(&question, &hypotheses)?) } else { Vec::new() };
+        Some(locate(&seen.fit.machine, file.load_source, &cases, &named, &promises)?)
     };
     let tabled = match &located {
         Some(location) if verdict == Verdict::Unexplained => {
-            improved(&question, &after, location, &cases, &held.iter().collect::<Vec<_>>())?
+            improved(&question, &seen, location, &cases, &held.iter().collect::<Vec<_>>())?
         }
         _ => None,
     };
@@ -209,11 +212,9 @@ pub fn diagnose(
         Some((tabled, unnamed)) => (tabled, Some(unnamed)),
         None => (after, None),
     };
-    let after_cases: Vec<Case<'_>> =
-        cases.iter().zip(&after.fit.starts).map(|(case, &start)| Case { start, ..*case }).collect();
-    let level_at_rest = level_at_rest(&after.fit.machine, &references, &after.fit.starts);
-    let mut left = misses(&after.fit.machine, &after_cases)?;
+    let mut left = misses(&after.fit.machine, &self::cases(training, &references, &after.fit.starts))?;
     left.retain(|miss| miss.over_noise > WITHIN_NOISE);
+    let level_at_rest = level_at_rest(&after.fit.machine, &references, &after.fit.starts);
     let shown = trained
         .into_iter()
         .zip(base.starts.iter().zip(&after.fit.starts).map(|(&before, &after)| Some((before, after))))
@@ -238,6 +239,50 @@ pub fn diagnose(
         not_testable,
         selection,
     })
+}
+
+/// What is asked of the recordings, whichever part of them is looked at.
+#[derive(Clone, Copy)]
+struct Asked<'a> {
+    scene: &'a Scene<'a>,
+    ordinary: &'a [Free],
+    hypotheses: &'a [&'static Hypothesis],
+}
+
+impl<'a> Asked<'a> {
+    /// Of these training recordings.
+    fn of<'b>(self, training: &'b [&'b Prepared]) -> Question<'b>
+    where
+        'a: 'b,
+    {
+        Question { scene: self.scene, ordinary: self.ordinary, hypotheses: self.hypotheses, training }
+    }
+
+    /// The effects that the training recordings choose: of long ones their excerpt, and then the whole.
+    fn selected(
+        self,
+        trained: &mut [Prepared],
+        excerpt: Option<&mut Excerpt>,
+        progress: Progress<'_>,
+    ) -> Result<Selection, FitError> {
+        let done = |name: &str| progress(name);
+        let search = |cases: &mut [Prepared]| {
+            Candidate::tolerated(self.scene, self.ordinary, cases)?;
+            let references: Vec<&Prepared> = cases.iter().collect();
+            select(&self.of(&references), &done)
+        };
+        let Some(excerpt) = excerpt else { return search(trained) };
+        let found = search(&mut excerpt.cases)?;
+        set_tolerances(&found.base.fit.machine, trained, &found.base.fit.starts)?;
+        let references: Vec<&Prepared> = trained.iter().collect();
+        lengthened(&self.of(&references), &found, &done)
+    }
+}
+
+/// Recordings with how they were prepared and where each starts.
+fn cases<'a>(recordings: &'a [Recording], prepared: &[&'a Prepared], starts: &[StartState]) -> Vec<Case<'a>> {
+    let together = recordings.iter().zip(prepared).zip(starts);
+    together.map(|((recording, prepared), &start)| Case { recording, prepared, start }).collect()
 }
 
 type Decision = (Vec<Finding>, Vec<&'static Hypothesis>, Option<Confirmation>, Candidate);
@@ -303,7 +348,7 @@ fn promises(leads: &[Lead]) -> Vec<(Subsystem, f64)> {
 fn travelled(machine: &Machine<f64>, cases: &[Prepared]) -> (f64, f64) {
     let channels = cases.iter().flat_map(|case| &case.channels);
     let positions = channels.filter(|channel| channel.signal == Signal::Position).flat_map(Channel::kept);
-    let (low, high) = positions.fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)));
+    let (low, high) = extent(positions);
     if low < high { (low, high) } else { (0.0, machine.get(Parameter::Stroke)) }
 }
 

@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::hypothesis::Subsystem;
 use crate::links::{Balance, Coefficients, Observed, Residual};
+use crate::slope::slopes;
 use crate::window::Window;
 
 /// Something that the drive does and the model lacks, as a value a row.
@@ -80,16 +81,16 @@ impl Account {
         // A closed port yields nothing; so much less than an open one keeps the quotients finite.
         let most = observed.flows.iter().map(|flow| flow.yield_per_pa.0 + flow.yield_per_pa.1).fold(0.0, f64::max);
         let least = 1e-4 * most.max(f64::MIN_POSITIVE);
-        let rate = |values: &[f64], row: usize| {
-            let (from, to) = (row.saturating_sub(1), (row + 1).min(values.len() - 1));
-            (values[to] - values[from]) / (observed.time_s[to] - observed.time_s[from])
+        let (filled_a, filled_b) = match lack {
+            Lack::Stored(a, b) => (slopes(&observed.time_s, a, 1), slopes(&observed.time_s, b, 1)),
+            _ => (Vec::new(), Vec::new()),
         };
         observed.each(|row| {
             let (ga, gb) = observed.flows[row].yield_per_pa;
             let (ga, gb) = (ga.max(least), gb.max(least));
             let (flow_a, flow_b, force) = match lack {
                 Lack::Flow(a, b) => (a[row], b[row], 0.0),
-                Lack::Stored(a, b) => (-rate(a, row), rate(b, row), 0.0),
+                Lack::Stored(..) => (-filled_a[row], filled_b[row], 0.0),
                 Lack::Force(force) => (0.0, 0.0, force[row]),
                 Lack::Position(_) => (0.0, 0.0, 0.0),
             };

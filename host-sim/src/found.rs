@@ -5,8 +5,9 @@ use std::fmt;
 
 use crate::clock::{Shift, Stamps};
 use crate::diagnose::Shown;
-use crate::failure::{FailureKind, Failures, MEASURED, Stretch};
-use crate::noise::resolution;
+use crate::failure::{FailureKind, Failures, Stretch};
+use crate::noise::{extent, resolution};
+use crate::prepare::Prepared;
 use crate::presentation::{significant, unit_for_people};
 use crate::recording::{Recording, Signal};
 use crate::spectrum::{Line, strongest_line};
@@ -158,7 +159,7 @@ pub fn found(recording: &Recording, shown: &Shown) -> Found {
         rows: prepared.time_s.len(),
         duration_s: prepared.duration_s(),
         channels: channels.collect(),
-        bridged: bridged(recording, shown),
+        bridged: bridged(prepared),
         dither: recording.signal(Signal::Command).and_then(|command| dither(command, recording.sample_interval_s())),
         stamps: Stamps::of(time_s),
         shifts: shifts(shown),
@@ -167,17 +168,16 @@ pub fn found(recording: &Recording, shown: &Shown) -> Found {
 }
 
 /// Measured signals that are not judged, where they failed.
-fn bridged(recording: &Recording, shown: &Shown) -> Vec<Bridged> {
-    let judged = |signal| shown.prepared.channels.iter().any(|channel| channel.signal == signal);
-    MEASURED
-        .into_iter()
-        .filter(|signal| !judged(*signal))
-        .filter_map(|signal| {
-            let time_s = recording.time_s();
-            let Failures { spikes, stretches } = Failures::of(signal, time_s, recording.signal(signal)?);
-            let spikes = spikes.iter().filter(|spike| **spike).count();
-            let failures: Vec<_> = stretches.iter().map(|stretch| FoundFailure::of(signal, time_s, stretch)).collect();
-            (spikes > 0 || !failures.is_empty()).then_some(Bridged { signal, spikes, failures })
+fn bridged(prepared: &Prepared) -> Vec<Bridged> {
+    let judged = |signal| prepared.channels.iter().any(|channel| channel.signal == signal);
+    prepared
+        .failures
+        .iter()
+        .filter(|(signal, _)| !judged(*signal))
+        .map(|&(signal, Failures { ref spikes, ref stretches })| Bridged {
+            signal,
+            spikes: spikes.iter().filter(|spike| **spike).count(),
+            failures: stretches.iter().map(|stretch| FoundFailure::of(signal, &prepared.time_s, stretch)).collect(),
         })
         .collect()
 }
@@ -203,8 +203,7 @@ fn dither(command: &[f64], interval_s: f64) -> Option<Line> {
     let changes: Vec<f64> = command.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let line = strongest_line(&changes, interval_s, SLOWEST_DITHER_HZ).filter(|line| line.above > ABOVE)?;
     let amplitude = line.amplitude / (2.0 * (std::f64::consts::PI * line.hz * interval_s).sin());
-    let (low, high) =
-        command.iter().fold((f64::MAX, f64::MIN), |(low, high), &value| (low.min(value), high.max(value)));
+    let (low, high) = extent(command);
     (amplitude > LEAST_SHARE * (high - low) && amplitude > resolution(command)).then_some(Line { amplitude, ..line })
 }
 

@@ -5,7 +5,7 @@
 
 use model_core::machine::{Machine, MachineError};
 
-use crate::fit::{StartState, standardised};
+use crate::fit::{Misfit, StartState, misfits};
 use crate::hypothesis::Subsystem;
 use crate::machine_file::LoadSource;
 use crate::missing_link::{MissingLink, missing_link};
@@ -109,7 +109,7 @@ pub fn locate(
     for (case, trajectory) in cases.iter().zip(trajectories) {
         let Some(channel) = case.prepared.channels.iter().find(|channel| channel.signal == signal) else { continue };
         let Some(simulated) = trajectory.signal(signal) else { continue };
-        let errors = over_noise(channel, simulated);
+        let errors = channel.over_noise(simulated);
         let made = made(signal, &case.prepared.time_s, &errors);
         let (stretches, held) = stretches(&made);
         inside += held;
@@ -126,13 +126,6 @@ pub fn locate(
     let share = if total > 0.0 { inside / total } else { 0.0 };
     let shape = event.or(oscillating).unwrap_or_else(|| over(&all, &states(&course)));
     Ok(Location { subsystem, signal, share, intervals, region: course.region(&all), shape, misses })
-}
-
-/// Errors in standard deviations of the noise; none where the sensor failed.
-fn over_noise(channel: &Channel, simulated: &[f64]) -> Vec<f64> {
-    let rows = channel.recorded.iter().zip(simulated).zip(&channel.failed);
-    rows.map(|((recorded, simulated), failed)| if *failed { 0.0 } else { (recorded - simulated) / channel.noise })
-        .collect()
 }
 
 /// The link that an oscillation in this signal comes from: the supply's ripple reaches the chambers; a structure that rings
@@ -154,7 +147,7 @@ fn oscillation(case: &Case<'_>, trajectory: &Trajectory) -> Option<Shape> {
     let interval_s = prepared.duration_s() / (prepared.time_s.len().max(2) - 1) as f64;
     let missed = prepared.channels.iter().filter_map(|channel| {
         let simulated = trajectory.signal(channel.signal)?;
-        let errors: Vec<f64> = over_noise(channel, simulated).iter().map(|error| error * channel.noise).collect();
+        let errors: Vec<f64> = channel.over_noise(simulated).iter().map(|error| error * channel.noise).collect();
         Some((channel.signal, errors))
     });
     let supply = case.recording.signal(Signal::SupplyPressure).map(|values| (Signal::SupplyPressure, values.to_vec()));
@@ -219,21 +212,9 @@ fn states(course: &Course) -> Vec<State> {
 
 /// RMSE over noise of every judged signal.
 pub fn misses(machine: &Machine<f64>, cases: &[Case<'_>]) -> Result<Vec<Miss>, MachineError> {
-    let mut sums: Vec<(Signal, f64, f64)> = Vec::new();
-    for case in cases {
-        let series = standardised(machine, case.prepared, case.start)?;
-        for (channel, series) in case.prepared.channels.iter().zip(&series) {
-            let square: f64 = series.iter().map(|value| value * value).sum();
-            match sums.iter_mut().find(|(signal, ..)| *signal == channel.signal) {
-                Some((_, sum, rows)) => {
-                    *sum += square;
-                    *rows += series.len() as f64;
-                }
-                None => sums.push((channel.signal, square, series.len() as f64)),
-            }
-        }
-    }
-    Ok(sums.into_iter().map(|(signal, sum, rows)| Miss { signal, over_noise: (sum / rows).sqrt() }).collect())
+    let misfits = misfits(machine, cases.iter().map(|case| (case.prepared, case.start)))?;
+    let miss = |misfit: &Misfit| Miss { signal: misfit.signal, over_noise: misfit.mean_square().sqrt() };
+    Ok(misfits.iter().map(miss).collect())
 }
 
 /// The signal that misses most of those that the link puts out: the slider for the valve, all others for the rest.

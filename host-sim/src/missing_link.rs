@@ -5,7 +5,7 @@ use model_core::parameter::Parameter;
 use nalgebra::DVector;
 
 use crate::evidence::{Account, Evidence, Lack, Pattern, weigh};
-use crate::fit::{Fit, Free, Freedom, From, StartState, fit, standardised};
+use crate::fit::{Fit, Free, Freedom, From, StartState, fit};
 use crate::hypothesis::Subsystem;
 use crate::links::{Balance, Coefficients, Observed, residuals, slider_residuals};
 use crate::locate::Case;
@@ -214,7 +214,7 @@ fn refitted(machine: &Machine<f64>, cases: &[Prepared], parameters: &[Parameter]
     if references.len() < cases.len() {
         return None;
     }
-    fit(machine, &free, &references, &From::default(), Some(1e-5)).ok()
+    fit(machine, &free, &references, &From::default(), 1e-5).ok()
 }
 
 /// What the valve leaves over between the command and the measured slider.
@@ -226,16 +226,14 @@ fn valve(machine: &Machine<f64>, cases: &[Case<'_>]) -> Result<Evidence, Machine
     let mut left = Vec::new();
     let mut wrong: [Vec<f64>; 4] = Default::default();
     for case in cases {
-        let Some(channel) = case.prepared.channels.iter().position(|channel| channel.signal == Signal::Spool) else {
+        let Some(channel) = case.prepared.channels.iter().find(|channel| channel.signal == Signal::Spool) else {
             continue;
         };
-        let missed = standardised(machine, case.prepared, case.start)?.swap_remove(channel);
         let trajectory = simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(machine, case.prepared))?;
         let Some(slider) = trajectory.signal(Signal::Spool) else { continue };
         let windows = Window::over(&case.prepared.time_s, WINDOW_S);
-        let noise = case.prepared.channels[channel].noise;
-        for (window, residual) in windows.iter().zip(slider_residuals(&missed, &windows)) {
-            let per = 1.0 / (noise * residual.sigma);
+        for (window, residual) in windows.iter().zip(slider_residuals(&channel.over_noise(slider), &windows)) {
+            let per = 1.0 / (channel.noise * residual.sigma);
             left.push(residual.value / residual.sigma);
             // Gain, offset, lags and delay.
             wrong[0].push(0.05 * per * window.sum(slider));
@@ -251,7 +249,7 @@ fn valve(machine: &Machine<f64>, cases: &[Case<'_>]) -> Result<Evidence, Machine
 
 #[cfg(test)]
 mod tests {
-    use model_core::machine::{Source, Tick};
+    use model_core::machine::Tick;
 
     use super::*;
     use crate::locate::locate;
@@ -260,21 +258,7 @@ mod tests {
     use crate::simulate::{StartOffset, Stimulus};
 
     fn press() -> Machine<f64> {
-        let mut machine = Machine::with_defaults(Source::Valve);
-        for (parameter, value) in [
-            (Parameter::AreaA, 3.117e-3),
-            (Parameter::AreaB, 1.861e-3),
-            (Parameter::VolumeA, 5.2e-4),
-            (Parameter::VolumeB, 3.3e-4),
-            (Parameter::ValveGain, 0.0559),
-            (Parameter::DeadZone, 0.05),
-            (Parameter::TimeConstant1, 0.018),
-            (Parameter::RateLimit, 12.0),
-            (Parameter::ViscousFriction, 4e4),
-        ] {
-            machine.set(parameter, value);
-        }
-        machine
+        crate::press::press(&[(Parameter::DeadZone, 0.05), (Parameter::ViscousFriction, 4e4)])
     }
 
     const TRUE: &[Signal] = &[Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Position];

@@ -1,5 +1,7 @@
 //! The noise of a sensor, estimated from what it recorded.
 
+use std::borrow::Borrow;
+
 /// Rows of one segment that the noise is estimated from.
 const SEGMENT: usize = 64;
 
@@ -10,8 +12,7 @@ pub(crate) fn noise(values: &[f64], resolution: f64) -> f64 {
     let squares: Vec<f64> = values.windows(4).map(|w| ((w[3] - w[0]) - 3.0 * (w[2] - w[1])).powi(2) / 20.0).collect();
     let mut segments: Vec<f64> =
         squares.chunks(SEGMENT).map(|segment| segment.iter().sum::<f64>() / segment.len() as f64).collect();
-    let (low, high) =
-        values.iter().fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(*value), high.max(*value)));
+    let (low, high) = extent(values);
     median(&mut segments).sqrt().max(resolution / 12.0_f64.sqrt()).max(1e-5 * (high - low)).max(f64::MIN_POSITIVE)
 }
 
@@ -33,6 +34,12 @@ pub(crate) fn resolution(values: &[f64]) -> f64 {
         .filter(|ratio| (ratio - ratio.round()).abs() < 0.02)
         .count();
     if multiples * 10 >= values.len() * 9 { step } else { 0.0 }
+}
+
+/// Lowest and highest value; of nothing, a lowest above the highest.
+pub(crate) fn extent<V: Borrow<f64>>(values: impl IntoIterator<Item = V>) -> (f64, f64) {
+    let widened = |(low, high): (f64, f64), value: V| (low.min(*value.borrow()), high.max(*value.borrow()));
+    values.into_iter().fold((f64::MAX, f64::MIN), widened)
 }
 
 /// The median; 0 for nothing.

@@ -3,6 +3,8 @@
 use crate::evidence::Lack;
 use crate::hypothesis::Subsystem;
 use crate::links::{Coefficients, Observed};
+use crate::noise::extent;
+use crate::slope::slopes;
 use crate::window::{WINDOW_S, rows_in};
 
 /// Usual relative error of an ordinary parameter that was fitted to a model that lacks something.
@@ -46,11 +48,7 @@ fn along_slider(observed: &Observed, travel: impl Fn(usize) -> f64) -> Lack {
 
 /// Rate of change over two windows' halves; the sign is what counts.
 fn rates(observed: &Observed, values: &[f64]) -> Vec<f64> {
-    let half = (rows_in(&observed.time_s, 0.2 * WINDOW_S)).max(1);
-    observed.each(|row| {
-        let (from, to) = (row.saturating_sub(half), (row + half).min(values.len() - 1));
-        (values[to] - values[from]) / (observed.time_s[to] - observed.time_s[from])
-    })
+    slopes(&observed.time_s, values, rows_in(&observed.time_s, 0.2 * WINDOW_S).max(1))
 }
 
 /// The largest magnitude of a series.
@@ -190,7 +188,7 @@ fn mechanics(observed: &Observed, stroke_m: f64) -> Vec<(Subsystem, Lack)> {
     for share in [0.03, 0.1, 0.3] {
         found.push(observed.each(|row| -sense(row) * (-v[row].abs() / (share * fastest)).exp()));
     }
-    let (low, high) = y.iter().fold((f64::MAX, f64::MIN), |(low, high), y| (low.min(*y), high.max(*y)));
+    let (low, high) = extent(y);
     for share in [0.02, 0.06] {
         let depth = share * (high - low);
         found.push(observed.each(|row| (y[row] - high + depth).max(0.0)));

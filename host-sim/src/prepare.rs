@@ -3,7 +3,7 @@
 use model_core::machine::{Machine, Source, Tick};
 
 use crate::compare::{CompareError, judged};
-use crate::failure::{Failures, Stretch, bridged};
+use crate::failure::{Failures, Mended, Stretch, bridged};
 use crate::machine_file::LoadSource;
 use crate::noise::{noise, resolution};
 use crate::recording::{Recording, Signal};
@@ -30,7 +30,11 @@ impl Channel {
     /// A signal as recorded, with its noise and the rows where its sensor failed.
     #[must_use]
     pub fn of(signal: Signal, time_s: &[f64], recorded: &[f64]) -> Self {
-        let failures = Failures::of(signal, time_s, recorded);
+        Self::with(signal, recorded, Failures::of(signal, time_s, recorded))
+    }
+
+    /// A signal as recorded, with its noise, where it is known how its sensor failed.
+    fn with(signal: Signal, recorded: &[f64], failures: Failures) -> Self {
         Self {
             signal,
             failed: failures.rows(),
@@ -58,6 +62,14 @@ impl Channel {
         self.recorded.iter().zip(&self.failed).filter(|(_, failed)| !**failed).map(|(value, _)| *value)
     }
 
+    /// Recorded minus simulated over noise, row by row; 0 where the sensor failed.
+    #[must_use]
+    pub fn over_noise(&self, simulated: &[f64]) -> Vec<f64> {
+        let rows = self.recorded.iter().zip(simulated).zip(&self.failed);
+        rows.map(|((recorded, simulated), failed)| if *failed { 0.0 } else { (recorded - simulated) / self.noise })
+            .collect()
+    }
+
     /// The NRMSE fit, %, of residuals over noise.
     #[must_use]
     pub fn fit_percent(&self, over_noise: &[f64]) -> f64 {
@@ -82,6 +94,8 @@ pub struct Prepared {
     pub stimulus: Stimulus,
     /// The judged signals in the chain's order.
     pub channels: Vec<Channel>,
+    /// Measured signals whose sensors failed, judged or not.
+    pub failures: Vec<(Signal, Failures)>,
     /// Standard deviation of the position at the start, m: what its sensor leaves open.
     pub start_sigma_m: f64,
 }
@@ -106,7 +120,8 @@ impl Prepared {
         tick: Option<Tick>,
     ) -> Result<Self, CompareError> {
         let tick = tick.unwrap_or_else(|| natural_tick(recording));
-        let mut stimulus = Stimulus::new(recording, machine, entry, load, tick)?;
+        let mut mended = Mended::of(recording);
+        let mut stimulus = Stimulus::of_mended(&mended, machine, entry, load, tick)?;
         let mut signals = judged(recording, entry, load);
         let fed = machine.source == Source::Valve && matches!(entry, EntryPoint::Command | EntryPoint::Slider);
         if fed && recording.check_varies(Signal::SupplyPressure).is_ok() && recording.has(Signal::SupplyPressure) {
@@ -120,9 +135,15 @@ impl Prepared {
             .into_iter()
             .map(|signal| {
                 recording.check_varies(signal)?;
-                Ok(Channel::of(signal, recording.time_s(), recording.require(signal)?))
+                let values = recording.require(signal)?;
+                let known = mended.failures.iter().find(|(of, _)| *of == signal).map(|(_, failures)| failures.clone());
+                Ok(match known {
+                    Some(failures) => Channel::with(signal, values, failures),
+                    None => Channel::of(signal, recording.time_s(), values),
+                })
             })
             .collect::<Result<_, CompareError>>()?;
+        mended.failures.retain(|(_, failures)| failures.are_any());
         let start_sigma_m = recording.signal(Signal::Position).map_or(0.0, |position| {
             let step = resolution(position);
             (step * step / 12.0 + noise(position, step).powi(2) / ROWS_AT_REST).sqrt()
@@ -132,8 +153,15 @@ impl Prepared {
             time_s: recording.time_s().to_vec(),
             stimulus,
             channels,
+            failures: mended.failures,
             start_sigma_m,
         })
+    }
+
+    /// The number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.time_s.len()
     }
 
     /// From the first row to the last, s.
@@ -142,12 +170,12 @@ impl Prepared {
         self.time_s.last().zip(self.time_s.first()).map_or(0.0, |(last, first)| last - first)
     }
 
-    /// The same with the recorded slider metering the oil, where the command drives the valve and the slider is recorded: the
+    /// The same with the recorded slider metering the oil, where the command drives the valve and the slider is judged: the
     /// valve is then judged by its slider alone, and all below it by what the real slider let through.
     #[must_use]
     pub fn following(&self) -> Option<Self> {
-        let spool = self.channels.iter().find(|channel| channel.signal == Signal::Spool)?;
-        let stimulus = self.stimulus.following(&spool.recorded, |row| !spool.failed[row])?;
+        let is_judged = self.channels.iter().any(|channel| channel.signal == Signal::Spool);
+        let stimulus = self.stimulus.following().filter(|_| is_judged)?;
         Some(Self { stimulus, ..self.clone() })
     }
 

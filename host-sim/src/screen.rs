@@ -170,7 +170,7 @@ pub fn screen(
     hypotheses: &[&'static Hypothesis],
 ) -> Result<Vec<Lead>, MachineError> {
     let forms: Vec<(&'static Hypothesis, Form)> =
-        hypotheses.iter().flat_map(|effect| effect.forms.iter().map(move |form| (*effect, *form))).collect();
+        hypotheses.iter().flat_map(|effect| effect.forms_in(scene).map(move |form| (*effect, form))).collect();
     let points: Vec<(usize, Values)> = forms
         .iter()
         .enumerate()
@@ -233,8 +233,9 @@ pub fn extended(
     let Some(extension) = effect.extends else { return Ok(Vec::new()) };
     let given = fit.machine.get(extension.given);
     let mut found = Vec::new();
-    for form in effect.forms {
-        let taken = |strength: &&Strength| extension.taken.contains(&strength.parameter);
+    let taken = |strength: &&Strength| extension.taken.contains(&strength.parameter);
+    // A form that takes nothing over from the plainer effect is no extension of it.
+    for form in effect.forms_in(scene).filter(|form| form.iter().any(|strength| taken(&strength))) {
         let start: Values = std::iter::once((extension.given, 0.0))
             .chain(form.iter().filter(taken).map(|strength| (strength.parameter, given)))
             .collect();

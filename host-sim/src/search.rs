@@ -17,8 +17,8 @@ const CHANCE: f64 = 3.0;
 
 /// Every set of the beam with one more effect, at most `most` effects from each reference, in their promising forms.
 ///
-/// Where nothing is in a set yet, the tempered model is a reference as well. Extensions of an effect start from its
-/// refit.
+/// Where nothing is in a set yet and what is missing has bent the ordinary parameters, the tempered model is a reference as
+/// well. Extensions of an effect start from its refit.
 pub fn widened(
     question: &Question<'_>,
     tempered: &Tempered,
@@ -32,7 +32,7 @@ pub fn widened(
         let mut leads: Vec<(Lead, &Candidate)> = Vec::new();
         let own = from.leads(question, &open)?.into_iter().map(|lead| (lead, from)).collect();
         leads.extend(promising(own, from.fit.loss, most, CHANCE));
-        if from.effects.is_empty() {
+        if from.effects.is_empty() && from.is_bent(question) {
             let cases: Vec<&Prepared> = tempered.cases.iter().collect();
             let softer = Question { training: &cases, ..*question };
             let beside = tempered.base.leads(&softer, &open)?.into_iter().map(|lead| (lead, &tempered.base)).collect();

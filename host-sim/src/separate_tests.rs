@@ -4,25 +4,14 @@ use super::*;
 
 fn press() -> Machine<f64> {
     use Parameter as P;
-    let mut machine = Machine::with_defaults(Source::Valve);
-    for (parameter, value) in [
-        (P::ValveGain, 0.0559),
+    crate::press::press(&[
         (P::ValveOffset, 0.0345),
         (P::DeadZone, 0.105),
-        (P::RateLimit, 12.0),
-        (P::TimeConstant1, 0.018),
         (P::TimeConstant2, 0.0279),
         (P::TransportDelay, 0.007),
-        (P::AreaA, 3.117e-3),
-        (P::AreaB, 1.861e-3),
-        (P::VolumeA, 5.2e-4),
-        (P::VolumeB, 3.3e-4),
         (P::MovingMass, 18.3),
         (P::ViscousFriction, 1.0e5),
-    ] {
-        machine.set(parameter, value);
-    }
-    machine
+    ])
 }
 
 fn with(parameter: Parameter, value: f64) -> Machine<f64> {

@@ -14,6 +14,7 @@ use crate::fit::{Estimate, FitError, Free, Freedom, From, effective_samples, fit
 use crate::hypothesis::{Scene, Subsystem};
 use crate::locate::{Case, Location};
 use crate::machine_file::LoadSource;
+use crate::noise::extent;
 use crate::prepare::Prepared;
 use crate::recording::Signal;
 use crate::shape::Shape;
@@ -158,10 +159,7 @@ pub struct Unnamed {
 impl fmt::Display for Unnamed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let states: Vec<_> = self.over.iter().map(|axis| axis.state.name()).collect();
-        let (low, high) = self
-            .values
-            .iter()
-            .fold((f64::MAX, f64::MIN), |(low, high), estimate| (low.min(estimate.value), high.max(estimate.value)));
+        let (low, high) = extent(self.values.iter().map(|estimate| estimate.value));
         let unit = if self.quantity.unit() == "1" { String::new() } else { format!(" {}", self.quantity.unit()) };
         write!(
             f,
@@ -315,7 +313,7 @@ fn fitted(
     let values = P::TABLE_VALUES.into_iter().take(count(over)).map(|parameter| Free { parameter, freedom });
     let free: Vec<Free> = question.ordinary.iter().copied().chain(values).collect();
     let from = From { solution: Some(&rough.unwrap_or(base).fit), ..From::default() };
-    let fit = fit(&machine, &free, question.training, &from, Some(precision))?;
+    let fit = fit(&machine, &free, question.training, &from, precision)?;
     Candidate::of(question, Vec::new(), fit, Vec::new(), true)
 }
 

@@ -8,6 +8,8 @@
 //! were left out, on all but one of them (what happens once is a disturbance), and take away at least half of what is above the
 //! noise: an effect that does less is a stand-in for something else.
 
+mod whole;
+
 use model_core::machine::{Machine, MachineError};
 use rayon::prelude::*;
 
@@ -18,6 +20,7 @@ use crate::prepare::Prepared;
 use crate::recording::Signal;
 use crate::search::widened;
 use crate::tempered::Tempered;
+pub use whole::lengthened;
 
 /// Most effects claimed at once.
 const MOST_EFFECTS: usize = 3;
@@ -208,34 +211,14 @@ impl Course {
     }
 
     /// Chooses a set, but for every effect that the others make superfluous.
-    fn choose(&mut self, question: &Question<'_>, mut full: Candidate) -> Result<(), FitError> {
-        while full.effects.len() > 1 {
-            let mut dropped = None;
-            for index in 0..full.effects.len() {
-                let without = full.without(question, index)?;
-                if without.is_plausible(question.scene) && !accepts(question, &self.base, &without, &full)? {
-                    dropped = Some(without);
-                    break;
-                }
-            }
-            match dropped {
-                Some(without) => full = without,
-                None => break,
-            }
-        }
-        self.chosen = full;
+    fn choose(&mut self, question: &Question<'_>, full: Candidate) -> Result<(), FitError> {
+        self.chosen = reduced(question, &self.base, full)?;
         Ok(())
     }
 
-    /// Whether nothing is left that a further effect could explain: the ordinary parameters of the best set are where they were
-    /// said to be, and it is `near` its noise, or what it leaves would not be told from its own form's error.
+    /// Whether the best set explains enough.
     fn is_enough(&self, question: &Question<'_>, near: f64) -> bool {
-        let Some(best) = self.beam.first() else { return true };
-        let fits = || {
-            best.worst_over_noise(question) < near
-                || excess(&best.residuals) < FORM * FORM * excess(&self.base.residuals)
-        };
-        !is_bent(question, best) && fits()
+        self.beam.first().is_none_or(|best| explains_enough(question, &self.base, best, near))
     }
 
     /// Enters a set into the round of its size, in the place of a worse fit of the same effects.
@@ -249,6 +232,33 @@ impl Course {
         round.extend(entered.iter().map(|(candidate, net)| trial(candidate, *net)));
         round.sort_by(|a, b| b.net.total_cmp(&a.net));
     }
+}
+
+/// A set without every effect that the others make superfluous.
+fn reduced(question: &Question<'_>, base: &Candidate, mut full: Candidate) -> Result<Candidate, FitError> {
+    while full.effects.len() > 1 {
+        let mut dropped = None;
+        for index in 0..full.effects.len() {
+            let without = full.without(question, index)?;
+            if without.is_plausible(question.scene) && !accepts(question, base, &without, &full)? {
+                dropped = Some(without);
+                break;
+            }
+        }
+        match dropped {
+            Some(without) => full = without,
+            None => break,
+        }
+    }
+    Ok(full)
+}
+
+/// Whether nothing is left that a further effect could explain: the ordinary parameters of the best set are where they were
+/// said to be, and it is `near` its noise, or what it leaves would not be told from its own form's error.
+fn explains_enough(question: &Question<'_>, base: &Candidate, best: &Candidate, near: f64) -> bool {
+    let fits =
+        || best.worst_over_noise(question) < near || excess(&best.residuals) < FORM * FORM * excess(&base.residuals);
+    !best.is_bent(question) && fits()
 }
 
 /// Plausible sets ranked, the best of them refitted to the end.
@@ -289,15 +299,6 @@ fn to_the_end(
         if place < first && !candidate.is_finished { candidate.finished(question) } else { Ok(candidate) }
     };
     ranked.into_par_iter().enumerate().map(finished).collect()
-}
-
-/// Whether the ordinary parameters are further from their nominal values than their standard deviations allow in 999 of 1000
-/// drives: by χ², its quantile after Wilson and Hilferty 1931.
-fn is_bent(question: &Question<'_>, candidate: &Candidate) -> bool {
-    const QUANTILE: f64 = 3.09;
-    let count = question.ordinary.len() as f64;
-    let share = 2.0 / (9.0 * count);
-    count > 0.0 && 2.0 * candidate.bent(question) > count * (1.0 - share + QUANTILE * share.sqrt()).powi(3)
 }
 
 /// Best first by log-likelihood gained over the base less penalty; only the best form of the same effects stays.
@@ -399,7 +400,7 @@ fn excess(residuals: &Residuals) -> f64 {
 /// Whether `with` is worth its strengths over `without`.
 fn accepts(question: &Question<'_>, base: &Candidate, without: &Candidate, with: &Candidate) -> Result<bool, FitError> {
     let (most, before, after) = (excess(&base.residuals), excess(&without.residuals), excess(&with.residuals));
-    let told = before - after >= FORM * FORM * most || (is_bent(question, without) && !is_bent(question, with));
+    let told = before - after >= FORM * FORM * most || (without.is_bent(question) && !with.is_bent(question));
     if after > (1.0 - LEAST_SHARE) * before || (!without.effects.is_empty() && !told) {
         return Ok(false);
     }

@@ -6,7 +6,7 @@
 use model_core::machine::{Machine, MachineError};
 
 use crate::diagnose::{Diagnosis, Shown};
-use crate::fit::{settle, standardised};
+use crate::fit::{misfits, settle};
 use crate::hypothesis::Hypothesis;
 use crate::prepare::Prepared;
 use crate::recording::Signal;
@@ -101,26 +101,13 @@ fn stage(
     machine: &Machine<f64>,
     cases: &[&Prepared],
 ) -> Result<Stage, MachineError> {
-    let mut sums: Vec<(Signal, f64, f64)> = Vec::new();
-    for case in cases {
-        let series = standardised(machine, case, settle(machine, case)?)?;
-        for (channel, series) in case.channels.iter().zip(&series) {
-            let square: f64 = series.iter().map(|value| value * value).sum();
-            let rows = channel.failed.iter().filter(|failed| !**failed).count() as f64;
-            match sums.iter_mut().find(|(signal, ..)| *signal == channel.signal) {
-                Some((_, sum, count)) => {
-                    *sum += square;
-                    *count += rows;
-                }
-                None => sums.push((channel.signal, square, rows)),
-            }
-        }
-    }
-    let (square, rows) = sums.iter().fold((0.0, 0.0), |all, (_, square, rows)| (all.0 + square, all.1 + rows));
+    let starts = cases.iter().map(|case| settle(machine, case)).collect::<Result<Vec<_>, _>>()?;
+    let misfits = misfits(machine, cases.iter().copied().zip(starts))?;
+    let (square, rows) = misfits.iter().fold((0.0, 0.0), |all, misfit| (all.0 + misfit.square, all.1 + misfit.rows));
     Ok(Stage {
         label: label.to_owned(),
         effect,
-        signals: sums.iter().map(|(signal, square, rows)| (*signal, square / f64::max(*rows, 1.0))).collect(),
+        signals: misfits.iter().map(|misfit| (misfit.signal, misfit.mean_square())).collect(),
         total: square / f64::max(rows, 1.0),
     })
 }

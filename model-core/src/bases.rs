@@ -59,8 +59,21 @@ pub(crate) fn bases(machine: &Machine<f64>, tick: Tick) -> Bases {
 
 /// m + γ·h·D: what a force has to move within a tick.
 pub(crate) fn inertia(machine: &Machine<f64>, tick_s: f64) -> f64 {
-    machine.get(P::MovingMass) + GAMMA * tick_s * machine.get(P::ViscousFriction) * thinnest(machine)
+    machine.get(P::MovingMass) + GAMMA * tick_s * machine.get(P::ViscousFriction) * least_drag(machine)
 }
+
+/// Least viscous friction that the rod meets anywhere and at any time, of the one that the machine's values are for.
+pub(crate) fn least_drag<R: Real>(machine: &Machine<R>) -> R {
+    let (slope, bow) = (machine.get(P::PositionDragSlope), machine.get(P::PositionDragBow));
+    let smaller = |one: R, other: R| if other.value() < one.value() { other } else { one };
+    let ends = smaller(R::ONE + bow + slope, R::ONE + bow - slope);
+    let inside = bow.value() > 0.5 * slope.value().abs();
+    let least = if inside { R::ONE - slope * slope / (R::constant(4.0) * bow) } else { ends };
+    thinnest(machine) * if least.value() > SLIPPERIEST { least } else { R::constant(SLIPPERIEST) }
+}
+
+/// Nowhere along its stroke has the rod less of its viscous friction than this share.
+pub(crate) const SLIPPERIEST: f64 = 0.05;
 
 /// Least viscosity there can be, of the one that the machine's values are for.
 pub(crate) fn thinnest<R: Real>(machine: &Machine<R>) -> R {

@@ -1,8 +1,8 @@
 //! Capacity of the chambers where it is not constant: entrained air, and volumes that follow the piston.
 //!
-//! C = V/E0·(1 + E0·α·p0/p²) + hose with p = max(pressure, 0) + p0, p0 that of the atmosphere (free gas, isothermal), and V = V0 ± share·A·(y − stroke/2),
-//! not below 2 % of V0, nor so small that its pressure rise per tick at flow 1 leaves the format; in fixed point at most 8·V0. Taken
-//! at the tick's start: pressures and flows of a tick see one capacity.
+//! C = V/E0·(1 + E0·α·p0/p²) + hose with p = max(pressure, 0) + p0, p0 that of the atmosphere (free gas, isothermal), and
+//! V = V0 ± share·A·(y − stroke/2), not below 2 % of V0, nor so small that its pressure rise per tick at flow 1 leaves the format;
+//! in fixed point at most 8·V0. Taken at the tick's start: pressures and flows of a tick see one capacity.
 //! Source: Merritt, *Hydraulic Control Systems*, 1967, 2.3; ISO/TR 10949 for the free gas.
 
 use crate::chambers::ChamberState;

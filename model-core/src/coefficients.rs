@@ -10,7 +10,7 @@ mod temperature;
 mod unnamed;
 mod valve_effects;
 
-use crate::bases::{COMMAND_V, GAIN_AIM, PUMP_SPEED_REV_PER_S, SPRUNG, bases, inertia, smaller_capacity, thinnest};
+use crate::bases::{COMMAND_V, GAIN_AIM, PUMP_SPEED_REV_PER_S, SPRUNG, bases, inertia, least_drag, smaller_capacity};
 use crate::drive::{Drive, OilSource};
 use crate::flow::{Edges, Lines, Pump};
 use crate::machine::{Bases, Machine, MachineError, Source, Tick};
@@ -89,7 +89,8 @@ impl<R: Real> Builder<'_, R> {
             tick_s: self.tick_s,
             turn,
             limit,
-            least_kg: turn_inertia / limit - GAMMA * self.tick_s * machine.get(P::ViscousFriction) * thinnest(&machine),
+            least_kg: turn_inertia / limit
+                - GAMMA * self.tick_s * machine.get(P::ViscousFriction) * least_drag(&machine),
             times: turn / limit,
         }
     }

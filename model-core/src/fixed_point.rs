@@ -12,8 +12,8 @@
 //! over a run loses nothing: the position has the digits, a pressure carries the rest of its rounding ([`Number::accumulated`]).
 //!
 //! Error bounds, asserted in this file's tests: `times`, `dot` half a step (1.9e-9); `orifice_root` 2 steps + 6e-9
-//! of the value; `inverse_one_plus` and `share` 2e-8; chords 2e-5 + 1e-6 of the value (a Rosenbrock step is of second order for *any* Jacobian,
-//! so a slope needs no more).
+//! of the value; `inverse_one_plus` and `share` 2e-8; chords 2e-5 + 1e-6 of the value (a Rosenbrock step is of second order
+//! for *any* Jacobian, so a slope needs no more).
 
 use core::ops::{Add, Neg, Sub};
 

@@ -10,6 +10,9 @@
 //! area·(pa⁺ + pb⁺)    pressure-dependent-friction, at the tick's start
 //! ```
 //!
+//! Viscous friction is D·v with the mass's own coefficients, and D·u·max(0.05, 1 + d·s + e·s²)·v where the oil warms to a
+//! viscosity u or where position-dependent-friction has it change along the stroke.
+//!
 //! The falling branch over the velocity is explicit: it drives the velocity away from where it is, never to and fro.
 //! Source: Armstrong-Hélouvry, Dupont, Canudas de Wit, *A survey of models, analysis tools and compensation methods for the
 //! control of machines with friction*, Automatica 30, 1994.
@@ -64,6 +67,31 @@ pub(crate) struct Placed<N> {
     pub(crate) slope: N,
     /// More at both ends.
     pub(crate) bow: N,
+}
+
+/// Viscous friction that depends on where the rod is, in shares of the machine's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PlacedDrag<N> {
+    /// More with the rod fully out.
+    pub(crate) slope: N,
+    /// More at both ends.
+    pub(crate) bow: N,
+    /// Least over the stroke that the slope and the bow may leave.
+    pub(crate) slipperiest: N,
+    /// Least of the oil's viscosity.
+    pub(crate) thinnest: N,
+    /// Least of both together, which the rod's own coefficients hold.
+    pub(crate) least: N,
+}
+
+impl<N: Number> PlacedDrag<N> {
+    /// What is above the least, where the oil's viscosity is so much above its own; held at the end of the format, 8.
+    #[inline]
+    pub(crate) fn excess(&self, from_middle: N, viscosity: N) -> N {
+        let s = from_middle + from_middle;
+        let here = N::ONE + s.times(self.slope) + s.times(s).times(self.bow);
+        (self.thinnest + viscosity).times(here.max(self.slipperiest)) - self.least
+    }
 }
 
 impl<N: Number> Stribeck<N> {

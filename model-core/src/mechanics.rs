@@ -9,7 +9,7 @@
 
 use crate::bristles::{Bristles, Gripping};
 use crate::end_stop::{Side, Stops};
-use crate::friction::{DryFriction, Level};
+use crate::friction::{DryFriction, Level, PlacedDrag};
 use crate::number::Number;
 use crate::position_load::PositionLoad;
 use crate::unnamed::{Push, States};
@@ -60,6 +60,7 @@ pub(crate) struct Row<N: Number> {
 pub(crate) struct Resistance<N: Number> {
     /// Weight of the machine's whole viscous friction.
     pub(crate) viscosity: N::Steep,
+    pub(crate) drag: Option<PlacedDrag<N>>,
     pub(crate) load: Option<PositionLoad<N>>,
     /// Weight of the load's stiffness.
     pub(crate) load_weight: N::Steep,
@@ -219,6 +220,7 @@ impl<N: Number> Mechanics<N> {
             return Equation { mechanics: self, row: self.row, level, held: None, own: None, states: around.states };
         };
         let from_middle = from_middle();
+        let viscosity = resistance.drag.map_or(around.viscosity, |drag| drag.excess(from_middle, around.viscosity));
         let spring = resistance.load.map_or(N::ZERO, |load| load.at(from_middle));
         let grip = resistance.bristles.as_ref().map(|law| law.gripping(state.bristles, state.velocity, level));
         let bristle = grip.map_or(N::ZERO, |grip| grip.first());
@@ -226,7 +228,7 @@ impl<N: Number> Mechanics<N> {
         let [stiffness_weight, damping_weight] = grip.map_or([resistance.none; 2], |grip| grip.weights());
         let braked = |touches: N, stop: N::Steep| {
             let share = N::inverse_one_plus(
-                [around.viscosity.max(N::ZERO), N::ONE, q, fading, touches],
+                [viscosity.max(N::ZERO), N::ONE, q, fading, touches],
                 [resistance.viscosity, resistance.load_weight, stiffness_weight, damping_weight, stop],
             );
             self.row.braked(share, resistance.per_gamma)

@@ -102,6 +102,7 @@ parameters! {
     NullDriftTime: "effects.null-drift.time_constant_s", "s", 1e-2, 1e5, Value(10.0), "Time constant with which the neutral drifts.";
     SolenoidOnset: "effects.solenoid-saturation.onset", "1", 0.0, 2.0, Value(0.5), "Slider travel from centre where the solenoid's gain starts to fall.";
     SolenoidCurvature: "effects.solenoid-saturation.curvature", "1", 0.0, 1e3, Value(0.0), "How fast it falls: beyond the onset travel t becomes t/(1 + curvature·t).";
+    SolenoidLoss: "effects.solenoid-saturation.gain_loss", "1", 0.0, 0.95, Value(0.0), "Share of the gain that is gone at once beyond the onset.";
     FlowForce: "effects.flow-force.closing_per_pa", "1/Pa", 0.0, 1e-6, Value(0.0), "Share of its travel that the slider is pushed closed by, per pressure difference over both open edges.";
     DeadZoneDifference: "effects.dead-zone-asymmetry.difference", "1", -1.0, 1.0, Value(0.0), "Overlap on the extending side less that on the retracting side; half of it is added to one and taken from the other.";
     FlowGainLinear: "effects.flow-gain-nonlinearity.linear", "1", -0.95, 10.0, Value(0.0), "Relative change of the flow gain per opening.";
@@ -131,6 +132,8 @@ parameters! {
     PositionFriction: "effects.position-dependent-friction.force_n", "N", 0.0, 1e8, Value(0.0), "Dry friction force at mid-stroke.";
     PositionFrictionSlope: "effects.position-dependent-friction.slope_n", "N", -1e8, 1e8, Value(0.0), "What it is more with the rod fully out, and less with it fully in.";
     PositionFrictionBow: "effects.position-dependent-friction.bow_n", "N", -1e8, 1e8, Value(0.0), "What it is more at both ends of the stroke.";
+    PositionDragSlope: "effects.position-dependent-friction.viscous_slope", "1", -7.9, 7.9, Value(0.0), "Share of the viscous friction that it is more with the rod fully out, and less with it fully in.";
+    PositionDragBow: "effects.position-dependent-friction.viscous_bow", "1", -7.9, 7.9, Value(0.0), "Share of the viscous friction that it is more at both ends of the stroke.";
     PressureFriction: "effects.pressure-dependent-friction.area_m2", "m2", 0.0, 1.0, Value(0.0), "Dry friction force per sum of both chamber pressures.";
     LoadSpring: "effects.position-dependent-load.stiffness_n_per_m", "N/m", -1e9, 1e9, Value(0.0), "Force against extending per position from mid-stroke.";
     LoadSpringForce: "effects.position-dependent-load.force_n", "N", -1e8, 1e8, Value(0.0), "Force against extending at mid-stroke.";

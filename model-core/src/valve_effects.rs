@@ -98,14 +98,16 @@ impl<N: Number> NullDrift<N> {
     }
 }
 
-/// `solenoid-saturation`: beyond the onset the travel d becomes d/(1 + `curvature`·d), to both sides.
+/// `solenoid-saturation`: beyond the onset the travel d becomes `kept`·d/(1 + `curvature`·d), to both sides.
 ///
-/// Per unit slider travel from the centre; smooth to the first derivative. In fixed point within 2e-8 and 8e-6·d² (the curvature's
+/// Per unit slider travel from the centre; smooth to the first derivative where all is kept. In fixed point within 2e-8 and 8e-6·d² (the curvature's
 /// step). After the force characteristic of a proportional solenoid near its stop: Jelali & Kroll, *Hydraulic Servo-systems*, 2003, ch. 4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SolenoidSaturation<N: Number> {
     pub(crate) onset: N,
     pub(crate) curvature: N::Steep,
+    /// Share of the gain.
+    pub(crate) kept: N,
 }
 
 impl<N: Number> SolenoidSaturation<N> {
@@ -113,7 +115,7 @@ impl<N: Number> SolenoidSaturation<N> {
     fn fed(&self, target: N) -> N {
         let straight = target.limited(self.onset);
         let beyond = target - straight;
-        straight + beyond.times(N::inverse_one_plus([beyond.magnitude()], [self.curvature]))
+        straight + beyond.times(self.kept).times(N::inverse_one_plus([beyond.magnitude()], [self.curvature]))
     }
 }
 
@@ -177,8 +179,9 @@ impl<N: Number> FlowForce<N> {
 /// `spool-stiction`: the slider stays until it is asked for more than `band` elsewhere, then jumps to within `kept` of there
 /// and stays again: static friction holds it, the smaller kinetic friction stops it short.
 ///
-/// Per unit slider travel; exact. The free slider that a jump goes to is that at the end of the tick; see [`Slider`](crate::valve::Slider) for
-/// how it lies within the tick. A stick-slip limit of Armstrong-Hélouvry, Dupont & Canudas de Wit, *Automatica* 30, 1994.
+/// Per unit slider travel; exact. The free slider that a jump goes to is that at the end of the tick; see
+/// [`Slider`](crate::valve::Slider) for how it lies within the tick. A stick-slip limit of Armstrong-Hélouvry, Dupont &
+/// Canudas de Wit, *Automatica* 30, 1994.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stiction<N: Number> {
     pub(crate) band: N,
@@ -282,6 +285,12 @@ mod tests {
     fn half_a_travel_beyond_the_onset_is_halved_by_a_curvature_of_two() {
         let changes = [(P::SolenoidOnset, 0.5), (P::SolenoidCurvature, 2.0)];
         assert_near(sliders(&changes, [0.4, 1.0, -1.0]), [0.4, 0.75, -0.75]);
+    }
+
+    #[test]
+    fn beyond_a_knee_the_gain_is_less() {
+        let changes = [(P::SolenoidOnset, 0.5), (P::SolenoidLoss, 0.2)];
+        assert_near(sliders(&changes, [0.4, 1.0, -1.0]), [0.4, 0.9, -0.9]);
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! Cases drawn on the virtual test bed, sixty in the long test, whose effects have other forms than the hypotheses: what was put in against what
-//! was said, as a snapshot beside this file (`RENEW=1` writes it anew), and the rate of false alarms.
+//! Cases drawn on the virtual test bed, sixty in the long test, whose effects have other forms than the hypotheses: what was put
+//! in against what was said, as a snapshot beside this file (`RENEW=1` writes it anew), and the rate of false alarms.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

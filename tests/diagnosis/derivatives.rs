@@ -94,6 +94,7 @@ fn derivatives_by_the_smooth_effects_of_chambers_mechanics_and_sensors_are_diffe
     press(&[], &[(P::ExternalLeakageA, 2e-12), (P::ExternalLeakageB, 3e-12)]);
     press(&[], &[(P::AirShare, 0.01)]);
     press(&[], &[(P::VolumeShare, 0.5)]);
+    press(&[], &[(P::PositionDragSlope, 0.5), (P::PositionDragBow, 0.8)]);
     press(&[], &[(P::LoadSpring, 1e4), (P::LoadSpringForce, 300.0), (P::LoadSpringBow, 2e5)]);
     press(&[(P::InternalLeakage, 3e-12)], &[(P::ViscosityLoss, 0.4), (P::WarmingTime, 3.0)]);
     press(
@@ -124,6 +125,8 @@ fn an_effect_of_nothing_has_a_derivative() {
         P::AsymmetricRetracting,
         P::PositionFriction,
         P::PositionFrictionSlope,
+        P::PositionDragSlope,
+        P::PositionDragBow,
         P::PressureFriction,
         P::LoadSpring,
         P::LoadSpringForce,

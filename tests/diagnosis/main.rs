@@ -8,6 +8,7 @@ mod confusion;
 mod derivatives;
 mod drawn;
 mod faults;
+mod long;
 mod oil;
 mod once;
 mod real;

@@ -47,7 +47,7 @@ fn a_fit_to_the_models_own_signals_recovers_what_they_were_made_with() {
         freedom: Freedom::Logarithm { centre: 0.3 * strength, spread: 30.0, vanishes: true },
     };
     let free: Vec<Free> = file.sigma.iter().map(around).chain(strengths.map(strength)).collect();
-    let fit = fit(&file.machine, &free, &cases, &From::default(), Some(1e-12)).unwrap();
+    let fit = fit(&file.machine, &free, &cases, &From::default(), 1e-12).unwrap();
     for estimate in &fit.estimates(1.0) {
         let put_in = truth.get(estimate.parameter);
         let off = estimate.value / put_in - 1.0;

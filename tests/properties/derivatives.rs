@@ -52,11 +52,12 @@ fn check(machine: &Machine<f64>, parameter: P, step: f64, one_sided: bool, toler
 }
 
 /// Parameter, a middling value, and the size of its range.
-const SMOOTH: [(P, f64); 14] = [
+const SMOOTH: [(P, f64); 15] = [
     (P::HysteresisWidth, 0.05),
     (P::NullDriftTravel, 0.05),
     (P::NullDriftTime, 0.5),
     (P::SolenoidCurvature, 0.7),
+    (P::SolenoidLoss, 0.2),
     (P::SolenoidOnset, 0.2),
     (P::FlowForce, 2e-8),
     (P::DeadZoneDifference, 0.04),

@@ -54,6 +54,7 @@ impl SideEffects {
             (P::NullDriftTravel, signed(1, 0.1)),
             (P::NullDriftTime, decades(drift, 1e-2, 1e5)),
             (P::SolenoidCurvature, 3.0 * s(2)),
+            (P::SolenoidLoss, 0.5 * s(2)),
             (P::SolenoidOnset, 0.8 * onset),
             (P::FlowForce, s(3) / supply_pa),
             (P::DeadZoneDifference, signed(4, 0.2)),

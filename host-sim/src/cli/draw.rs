@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
+use super::target::check_folder;
 use super::{CliError, Console, Outcome};
 use crate::atomic;
 use crate::testbed::draw::{self, Concealed, Lot};
@@ -74,6 +75,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         let known = known().copied().collect::<Vec<_>>().join(", ");
         return Err(CliError::EffectName { found: found.clone(), known });
     }
+    check_folder(&arguments.out)?;
     let lot = Lot {
         seed: arguments.seed,
         concealed: arguments.effects.into(),

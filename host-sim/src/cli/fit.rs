@@ -60,8 +60,8 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     }
     let cases: Vec<&Prepared> = prepared.iter().collect();
     let bar = console.progress(1, "fitting");
-    let fitted = fit(&file.machine, &ordinary(&file), &cases, &From::default(), Some(1e-8))
-        .map_err(|cause| failed(cause.into()))?;
+    let fitted =
+        fit(&file.machine, &ordinary(&file), &cases, &From::default(), 1e-8).map_err(|cause| failed(cause.into()))?;
     bar.finish_and_clear();
     file.machine = fitted.machine;
     file.start_at(level_at_rest(&fitted.machine, &cases, &fitted.starts));

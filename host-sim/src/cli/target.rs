@@ -10,6 +10,14 @@ pub(super) fn check_target(path: &Path) -> Result<(), CliError> {
     atomic::check(path).map_err(|cause| CliError::Write { path: path.to_owned(), cause })
 }
 
+/// Checks that files could be written now into this folder, or into one that is made there. Nothing is left there.
+pub(super) fn check_folder(folder: &Path) -> Result<(), CliError> {
+    // The empty path stands for where the program runs.
+    let is_there = |place: &&Path| place.as_os_str().is_empty() || place.exists();
+    let place = folder.ancestors().find(is_there).unwrap_or(folder);
+    atomic::check(&place.join("any")).map_err(|cause| CliError::Write { path: folder.to_owned(), cause })
+}
+
 /// Checks that a file to write is none of those that are read, by whatever names.
 pub(super) fn check_not_read(target: &Path, read: &[PathBuf]) -> Result<(), CliError> {
     // What is not there yet, or cannot be resolved, is none of them.

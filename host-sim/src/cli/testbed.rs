@@ -9,9 +9,11 @@ use rayon::prelude::*;
 
 use super::draw;
 use super::input::TickArgument;
+use super::target::check_folder;
 use super::{CliError, Console, Outcome};
 use crate::atomic;
 use crate::machine_file::{self, MachineFile};
+use crate::noise::extent;
 use crate::testbed::sensors::PositionSensor;
 use crate::testbed::{
     Bench, Dither, Drive, Excitation, InitialState, Plant, PlantEffect, Sensors, SyntheticRecording, truth_near,
@@ -98,6 +100,8 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         unreachable!("without a subcommand both are required")
     };
     let plan = plan(arguments, machine)?;
+    check_folder(out)?;
+    refuse_others(out, &plan)?;
     let bar = console.progress(plan.recordings.len(), "running the test bed");
     let made = plan
         .recordings
@@ -114,7 +118,6 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     // Everything is made before the first file is written.
     let machine = out.join("machine.toml");
     let toml = plan.file.to_text(&machine.display().to_string())?;
-    refuse_others(out, &plan)?;
     let failed = |path: &Path| {
         let path = path.to_owned();
         move |cause| CliError::Write { path, cause }
@@ -209,7 +212,7 @@ fn record(plan: &Plan, index: usize, excitation: &Excitation) -> Result<Syntheti
     let recording =
         bench.record(&drive, &plan.initial).map_err(|cause| CliError::Plant { excitation: described(), cause })?;
     let positions = recording.truth.iter().map(|state| state.position_m);
-    let (low, high) = positions.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| (low.min(y), high.max(y)));
+    let (low, high) = extent(positions);
     let stroke = bench.plant.machine().get(Parameter::Stroke);
     if low < 0.0 || high > stroke {
         let (low_mm, high_mm, stroke_mm) = (1e3 * low, 1e3 * high, 1e3 * stroke);

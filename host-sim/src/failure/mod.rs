@@ -70,6 +70,12 @@ impl Failures {
         Self { spikes, stretches }
     }
 
+    /// Whether the sensor failed at all.
+    #[must_use]
+    pub fn are_any(&self) -> bool {
+        self.spikes.contains(&true) || !self.stretches.is_empty()
+    }
+
     /// Rows that are not to be believed.
     #[must_use]
     pub fn rows(&self) -> Vec<bool> {
@@ -119,18 +125,30 @@ pub const MEASURED: [Signal; 7] = [
     Signal::OilTemperature,
 ];
 
-/// The recording with what its sensors failed to measure bridged.
-#[must_use]
-pub fn mended(recording: &Recording) -> Cow<'_, Recording> {
-    let mut mended = Cow::Borrowed(recording);
-    for signal in MEASURED {
-        let Some(values) = recording.signal(signal) else { continue };
-        let failed = Failures::of(signal, recording.time_s(), values).rows();
-        if failed.contains(&true) {
-            mended.to_mut().replace(signal, &bridged(values, &failed));
+/// A recording with what its sensors failed to measure bridged.
+#[derive(Clone, Debug)]
+pub struct Mended<'a> {
+    /// The recording, bridged where that was.
+    pub recording: Cow<'a, Recording>,
+    /// What was found in each of [`MEASURED`] that was recorded, in that order.
+    pub failures: Vec<(Signal, Failures)>,
+}
+
+impl<'a> Mended<'a> {
+    /// Looks for failures in every measured signal.
+    #[must_use]
+    pub fn of(recording: &'a Recording) -> Self {
+        let mut mended = Self { recording: Cow::Borrowed(recording), failures: Vec::new() };
+        for signal in MEASURED {
+            let Some(values) = recording.signal(signal) else { continue };
+            let failures = Failures::of(signal, recording.time_s(), values);
+            if failures.are_any() {
+                mended.recording.to_mut().replace(signal, &bridged(values, &failures.rows()));
+            }
+            mended.failures.push((signal, failures));
         }
+        mended
     }
-    mended
 }
 
 #[cfg(test)]

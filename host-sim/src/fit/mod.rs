@@ -2,9 +2,9 @@
 //!
 //! Levenberg-Marquardt (crate `levenberg-marquardt`, a port of MINPACK) over residuals divided by each channel's noise, with the
 //! derivatives from the core run on dual numbers. A pseudo-Huber loss keeps single spikes from steering. Every free value has a
-//! prior: a nominal one with a stated standard deviation, or the usual range of an effect's strength, which
-//! positive strengths move in by their logarithm, and which none leaves far. The state that each recording starts from is free as well, within what its sensors
-//! leave open.
+//! prior: a nominal one with a stated standard deviation, or the usual range of an effect's strength, which positive strengths
+//! move in by their logarithm, and which none leaves far. The state that each recording starts from is free as well, within what
+//! its sensors leave open.
 
 mod information;
 mod problem;
@@ -21,7 +21,7 @@ use crate::prepare::Prepared;
 pub use information::Information;
 pub(crate) use information::OF_START;
 use problem::{Minimum, Problem};
-pub use residuals::{effective_samples, loss, set_tolerances, soft, softened, standardised};
+pub use residuals::{Misfit, effective_samples, loss, misfits, set_tolerances, soft, softened, standardised};
 pub use sensitivity::{Change, Sensitivity, Settled};
 pub use start::{StartState, level_at_rest, settle};
 
@@ -233,13 +233,13 @@ pub struct From<'a> {
 
 /// Fits `free` parameters of `machine` to the recordings.
 ///
-/// The search ends when the loss falls by less than `precision` of itself in a step; there is none where it is not given.
+/// The search ends when the loss falls by less than `precision` of itself in a step.
 pub fn fit(
     machine: &Machine<f64>,
     free: &[Free],
     cases: &[&Prepared],
     from: &From<'_>,
-    precision: Option<f64>,
+    precision: f64,
 ) -> Result<Fit, FitError> {
     if free.len() > MOST_PARAMETERS {
         return Err(FitError::TooMany { count: free.len() });
@@ -250,10 +250,7 @@ pub fn fit(
         &problem.machine(),
         cases.first().map_or(model_core::machine::Tick::OneMillisecond, |case| case.stimulus.tick),
     )?;
-    let Minimum { converged, loss } = match precision {
-        Some(precision) => problem.minimise(precision),
-        None => problem.evaluate(),
-    };
+    let Minimum { converged, loss } = problem.minimise(precision);
     Ok(Fit {
         machine: problem.machine(),
         free: free.to_vec(),

@@ -63,15 +63,6 @@ impl<'a> Problem<'a> {
         machine
     }
 
-    /// Half the sum of squares at the coordinates, without a search.
-    pub(super) fn evaluate(&mut self) -> Minimum {
-        let mut slots = Slots::new(self);
-        let loss = slots.residuals().map_or(f64::INFINITY, |residuals| 0.5 * residuals.norm_squared());
-        let information = std::mem::take(&mut slots.here.information);
-        self.information = information;
-        Minimum { converged: false, loss }
-    }
-
     /// Minimises.
     pub(super) fn minimise(&mut self, precision: f64) -> Minimum {
         let solver = LevenbergMarquardt::new()

@@ -39,38 +39,66 @@ pub fn set_tolerances(
     cases: &mut [Prepared],
     starts: &[StartState],
 ) -> Result<(), MachineError> {
-    let mut sums: Vec<(Signal, f64, f64)> = Vec::new();
-    for (case, start) in cases.iter().zip(starts) {
-        for (channel, series) in case.channels.iter().zip(standardised(machine, case, *start)?) {
-            let square: f64 = series.iter().map(|residual| residual * residual).sum();
-            match sums.iter_mut().find(|(signal, ..)| *signal == channel.signal) {
-                Some(sum) => (sum.1, sum.2) = (sum.1 + square, sum.2 + series.len() as f64),
-                None => sums.push((channel.signal, square, series.len() as f64)),
-            }
-        }
-    }
-    let tolerances: Vec<_> =
-        sums.into_iter().map(|(signal, square, rows)| (signal, (square / rows).sqrt().max(1.0))).collect();
+    let misfits = misfits(machine, cases.iter().zip(starts.iter().copied()))?;
     for channel in cases.iter_mut().flat_map(|case| &mut case.channels) {
-        let found = tolerances.iter().find(|(signal, _)| *signal == channel.signal);
-        channel.tolerance = found.map_or(1.0, |(_, tolerance)| *tolerance);
+        let found = misfits.iter().find(|misfit| misfit.signal == channel.signal);
+        channel.tolerance = found.map_or(1.0, |misfit| misfit.mean_square().sqrt().max(1.0));
     }
     Ok(())
 }
 
-/// Residuals of a machine on one recording, each over its channel's noise: one series for each channel. A row whose sensor
-/// failed misses nothing.
+/// What a machine misses of one signal in several recordings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Misfit {
+    /// The signal.
+    pub signal: Signal,
+    /// Sum of its squared residuals over noise.
+    pub square: f64,
+    /// Rows that were judged.
+    pub rows: f64,
+}
+
+impl Misfit {
+    /// Mean square of its residuals over noise; 0 where no row was judged.
+    #[must_use]
+    pub fn mean_square(&self) -> f64 {
+        self.square / self.rows.max(1.0)
+    }
+}
+
+/// What a machine misses of each judged signal in these recordings together, each from its start.
+pub fn misfits<'a>(
+    machine: &Machine<f64>,
+    cases: impl IntoIterator<Item = (&'a Prepared, StartState)>,
+) -> Result<Vec<Misfit>, MachineError> {
+    let mut misfits: Vec<Misfit> = Vec::new();
+    for (case, start) in cases {
+        for (channel, series) in case.channels.iter().zip(standardised(machine, case, start)?) {
+            let (signal, square, rows) = (channel.signal, loss(&series), series.len() as f64);
+            match misfits.iter_mut().find(|misfit| misfit.signal == signal) {
+                Some(misfit) => (misfit.square, misfit.rows) = (misfit.square + square, misfit.rows + rows),
+                None => misfits.push(Misfit { signal, square, rows }),
+            }
+        }
+    }
+    Ok(misfits)
+}
+
+/// Residuals of a machine on one recording, each over its channel's noise: one series for each channel, of the rows in which its
+/// sensor worked. As rows that miss nothing, the others would make every mean smaller than it is.
 pub fn standardised(machine: &Machine<f64>, case: &Prepared, start: StartState) -> Result<Vec<Vec<f64>>, MachineError> {
-    let mut series: Vec<Vec<f64>> = case.channels.iter().map(|_| vec![0.0; case.time_s.len()]).collect();
+    let mut series: Vec<Vec<f64>> = case.channels.iter().map(|_| Vec::with_capacity(case.time_s.len())).collect();
     run::<f64>(machine, &case.stimulus, start.offset(machine, case), |row, sample| {
         for (channel, series) in case.channels.iter().zip(series.iter_mut()) {
-            series[row] = missed(channel, row, sample.signal(channel.signal));
+            if !channel.failed[row] {
+                series.push(missed(channel, row, sample.signal(channel.signal)));
+            }
         }
     })?;
     Ok(series)
 }
 
-/// Recorded minus simulated over noise.
+/// Recorded minus simulated over noise; 0 where the sensor failed.
 pub(super) fn missed(channel: &Channel, row: usize, simulated: Option<f64>) -> f64 {
     match simulated {
         Some(simulated) if !channel.failed[row] => (channel.recorded[row] - simulated) / channel.noise,
@@ -87,8 +115,11 @@ pub fn effective_samples(series: &[f64]) -> f64 {
     (series.len() as f64 * (1.0 - r) / (1.0 + r)).max(1.0)
 }
 
-/// The loss of a series of softened residuals.
+/// The sum of the squares of a series; of softened residuals, their loss.
 #[must_use]
-pub fn loss(softened: &[f64]) -> f64 {
-    softened.iter().map(|residual| residual * residual).sum()
+pub fn loss(residuals: &[f64]) -> f64 {
+    residuals.iter().map(|residual| residual * residual).sum()
 }
+
+#[cfg(test)]
+mod tests;

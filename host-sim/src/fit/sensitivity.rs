@@ -11,15 +11,37 @@ use crate::dual::single;
 use crate::prepare::Prepared;
 use crate::simulate::run;
 
-/// Rows that are kept at most; of longer recordings every so-manieth.
+/// Rows that are kept at most; of longer recordings every so-manieth, which stands for those left out: residuals and slopes weigh
+/// as much as all of them.
 const MOST_ROWS: usize = 60_000;
+
+/// Which rows are kept.
+#[derive(Clone, Copy, Debug)]
+struct Kept {
+    /// Every so-manieth.
+    stride: usize,
+    /// Root of the rows that each stands for.
+    weight: f64,
+}
+
+impl Kept {
+    /// The rows to keep of so many.
+    fn of(rows: usize) -> Self {
+        let stride = rows.div_ceil(MOST_ROWS).max(1);
+        Self { stride, weight: (stride as f64).sqrt() }
+    }
+
+    fn has(self, row: usize) -> bool {
+        row.is_multiple_of(self.stride)
+    }
+}
 
 /// Residuals of one recording at a solution, with their slopes.
 #[derive(Debug)]
 struct Block {
-    /// Softened residual and the slope of the softening, per kept row and channel.
+    /// Softened residual, weighted, and the slope of the softening, per kept row and channel.
     residuals: Vec<(f64, f64)>,
-    /// Slope by each coordinate of the recording (free parameters, level, shift), row by row.
+    /// Weighted slope by each coordinate of the recording (free parameters, level, shift), row by row.
     slopes: Vec<f32>,
 }
 
@@ -29,7 +51,7 @@ pub struct Sensitivity<'a> {
     cases: &'a [&'a Prepared],
     fit: &'a Fit,
     blocks: Vec<Block>,
-    stride: usize,
+    kept: Kept,
     factor: Cholesky<f64, Dyn>,
     gradient: DVector<f64>,
 }
@@ -51,8 +73,7 @@ pub struct Settled {
 impl<'a> Sensitivity<'a> {
     /// Runs every recording once more at the solution.
     pub fn at(fit: &'a Fit, cases: &'a [&'a Prepared]) -> Result<Option<Self>, MachineError> {
-        let rows: usize = cases.iter().map(|case| case.time_s.len()).sum();
-        let stride = rows.div_ceil(MOST_ROWS).max(1);
+        let kept = Kept::of(cases.iter().map(|case| case.rows()).sum());
         let count = fit.free.len();
         if count > MOST_PARAMETERS {
             return Ok(None);
@@ -61,11 +82,11 @@ impl<'a> Sensitivity<'a> {
         let blocks: Vec<Block> = cases
             .par_iter()
             .zip(&fit.starts)
-            .map(|(case, start)| Block::at(&at, *start, case, stride))
+            .map(|(case, start)| Block::at(&at, *start, case, kept))
             .collect::<Result<_, _>>()?;
         let information: Vec<Information> = blocks.iter().map(|block| block.information(count)).collect();
         let (matrix, gradient, _) = Information::assembled(&information, &fit.all_coordinates());
-        Ok(matrix.cholesky().map(|factor| Self { cases, fit, blocks, stride, factor, gradient }))
+        Ok(matrix.cholesky().map(|factor| Self { cases, fit, blocks, kept, factor, gradient }))
     }
 
     /// Residuals of another machine, as they would enter the loss, less those of the solution.
@@ -76,14 +97,14 @@ impl<'a> Sensitivity<'a> {
             .map(|(case, (start, block))| {
                 let mut change = Vec::with_capacity(block.residuals.len());
                 run::<f64>(machine, &case.stimulus, start.offset(machine, case), |row, sample| {
-                    if row % self.stride != 0 {
+                    if !self.kept.has(row) {
                         return;
                     }
                     for channel in &case.channels {
                         let index = change.len();
                         let (here, slope) = block.residuals[index];
                         let there = soft(missed(channel, row, sample.signal(channel.signal)), channel.tolerance).0;
-                        change.push(if slope == 0.0 { 0.0 } else { there - here });
+                        change.push(if slope == 0.0 { 0.0 } else { self.kept.weight * there - here });
                     }
                 })?;
                 Ok(change)
@@ -124,7 +145,7 @@ impl<'a> Sensitivity<'a> {
         let unchanged = self.gradient.dot(&self.factor.solve(&self.gradient));
         let gradient = &self.gradient + self.across(change);
         let step = self.factor.solve(&gradient);
-        let gain = self.stride as f64 * 0.5 * (gradient.dot(&step) - unchanged - by);
+        let gain = 0.5 * (gradient.dot(&step) - unchanged - by);
         let here = self.fit.all_coordinates();
         Settled {
             gain,
@@ -177,7 +198,7 @@ impl<'a> Sensitivity<'a> {
                 for (slot, &index) in active.iter().enumerate() {
                     amounts[index] = solved[slot];
                 }
-                return (amounts, self.stride as f64 * 0.5 * solved.dot(&wanted));
+                return (amounts, 0.5 * solved.dot(&wanted));
             };
             active.remove(worst);
             if active.is_empty() {
@@ -189,17 +210,17 @@ impl<'a> Sensitivity<'a> {
 
 impl Block {
     /// Runs a recording with the slopes of its residuals, and keeps every so-manieth row.
-    fn at(at: &At<'_>, start: StartState, case: &Prepared, stride: usize) -> Result<Self, MachineError> {
+    fn at(at: &At<'_>, start: StartState, case: &Prepared, kept: Kept) -> Result<Self, MachineError> {
         let mut block = Self { residuals: Vec::new(), slopes: Vec::new() };
         at.each(start, case, &mut |judged| {
-            if judged.row % stride != 0 {
+            if !kept.has(judged.row) {
                 return;
             }
             let channel = judged.channel;
             let (residual, slope) = soft(missed(channel, judged.row, judged.simulated), channel.tolerance);
             let slope = if judged.simulated.is_some() { slope } else { 0.0 };
-            block.residuals.push((residual, slope));
-            let scale = single(-slope / channel.noise);
+            block.residuals.push((kept.weight * residual, slope));
+            let scale = single(kept.weight * -slope / channel.noise);
             if judged.simulated.is_some() {
                 block.slopes.extend(judged.slopes.iter().map(|by| by * scale));
             } else {

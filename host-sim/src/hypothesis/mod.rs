@@ -141,7 +141,7 @@ pub enum Kind {
     Amount(fn(&Scene<'_>) -> (f64, f64)),
     /// The same for an amount that the residuals jump with, so that no slope leads to it.
     Jump(fn(&Scene<'_>) -> (f64, f64)),
-    /// The same as an amount, of either sign; the value is the largest usual magnitude.
+    /// The same as an amount, of either sign; the value is the largest usual magnitude, 0 where a scene cannot show it.
     Signed(fn(&Scene<'_>) -> f64),
     /// How the effect acts, not how much: positive, moves in its logarithm; tried first at so many points of the usual range.
     Shape(fn(&Scene<'_>) -> (f64, f64), usize),
@@ -257,6 +257,23 @@ impl Hypothesis {
         Parameter::ALL.iter().copied().filter(move |parameter| parameter.description().key.starts_with(&table))
     }
 
+    /// Whether it acts slowly: the usual range of one of its times follows the length of the recordings, so that the beginning
+    /// of a long one does not show it.
+    #[must_use]
+    pub fn is_slow(&self, scene: &Scene<'_>) -> bool {
+        let short = Scene { duration_s: 0.0, ..scene.clone() };
+        self.forms.iter().flat_map(|form| form.iter()).any(|strength| match strength.kind {
+            Kind::Shape(range, _) => range(scene) != range(&short),
+            _ => false,
+        })
+    }
+
+    /// The forms that a scene can show.
+    pub fn forms_in<'a>(&'a self, scene: &'a Scene<'_>) -> impl Iterator<Item = Form> + 'a {
+        let hidden = |strength: &Strength| matches!(strength.kind, Kind::Signed(size) if size(scene) == 0.0);
+        self.forms.iter().copied().filter(move |form| !form.iter().any(hidden))
+    }
+
     /// Whether the machine file already has it.
     #[must_use]
     pub fn is_on(&self, machine: &Machine<f64>) -> bool {
@@ -284,7 +301,7 @@ mod tests {
             machine: &machine,
             entry: EntryPoint::Command,
             load: LoadSource::Constant,
-            judged: &[Signal::Position],
+            judged: &[Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Position],
             travel_m: (0.05, 0.25),
             duration_s: 5.0,
         };
@@ -313,6 +330,25 @@ mod tests {
                 assert!(extension.taken.iter().all(|taken| hypothesis.parameters().any(|own| own == *taken)));
             }
         }
+    }
+
+    #[test]
+    fn what_drifts_and_what_warms_up_act_slowly() {
+        let machine = Machine::with_defaults(Source::Valve);
+        let scene = Scene {
+            machine: &machine,
+            entry: EntryPoint::Command,
+            load: LoadSource::Constant,
+            judged: &[Signal::Position],
+            travel_m: (0.05, 0.25),
+            duration_s: 3600.0,
+        };
+        let slow: Vec<&str> = CATALOGUE
+            .iter()
+            .filter(|hypothesis| hypothesis.is_slow(&scene))
+            .map(|hypothesis| hypothesis.name)
+            .collect();
+        assert_eq!(slow, ["null-drift", "oil-temperature"]);
     }
 
     #[test]

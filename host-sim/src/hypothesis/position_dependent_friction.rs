@@ -1,8 +1,9 @@
 //! # Position-dependent friction
 //!
 //! ## What it adds
-//! Dry friction that changes along the stroke, by side load, a bent rod or a worn bore: with the position η from −1
-//! (fully in) to +1 (fully out), F = −(F0 + F1·η + F2·η²)·sgn v. It includes Coulomb friction.
+//! Friction that changes along the stroke, by side load, a bent rod or a worn bore, with the position η from −1 (fully
+//! in) to +1 (fully out): dry, F = −(F0 + F1·η + F2·η²)·sgn v, which includes Coulomb friction; or of the oil in the
+//! gap, F = −D·(1 + d1·η + d2·η²)·v, which grows with the speed.
 //!
 //! ## How it shows
 //! The missing force flips with the direction and its size varies with the position; Δp of slow strokes both ways opens
@@ -14,7 +15,8 @@
 //!
 //! ## Parameters
 //! F0 at mid-stroke in N, not negative, 1–5 % of full force; slope F1 and bow F2 in N, either sign: 10–300 % of it, up
-//! to 10 % of full force where the rod was. Stiffness of the bristles as with Coulomb friction.
+//! to 10 % of full force where the rod was. Stiffness of the bristles as with Coulomb friction. Slope d1 and bow d2 of
+//! the viscous friction as shares of D, either sign: as much as D itself where the rod was.
 //!
 //! ## Source
 //! B. Armstrong-Hélouvry, *Control of Machines with Friction*, Kluwer 1991 (friction as a function of position).
@@ -38,6 +40,18 @@ const BOW: Strength = Strength {
     kind: Kind::Signed(|scene| 0.1 * scene.full_force_n() / reached(scene).powi(2)),
 };
 
+const DRAG_SLOPE: Strength = Strength {
+    parameter: Parameter::PositionDragSlope,
+    kind: Kind::Signed(|scene| (1.0 / reached(scene)).min(STEEPEST)),
+};
+const DRAG_BOW: Strength = Strength {
+    parameter: Parameter::PositionDragBow,
+    kind: Kind::Signed(|scene| (1.0 / reached(scene).powi(2)).min(STEEPEST)),
+};
+
+/// What a coefficient that is usual at most may be, so that three times it is within the parameter's range.
+const STEEPEST: f64 = 2.4;
+
 /// How far η comes from the middle in the recordings: what the friction is beyond, they do not say.
 fn reached(scene: &Scene<'_>) -> f64 {
     let stroke = scene.machine.get(Parameter::Stroke);
@@ -48,8 +62,15 @@ fn reached(scene: &Scene<'_>) -> f64 {
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "position-dependent-friction",
     subsystem: Subsystem::Mechanics,
-    equation: "F = −(F0 + F1·η + F2·η²)·sgn v, η = −1 fully in, +1 fully out",
-    forms: &[&[FORCE, SLOPE], &[FORCE, SLOPE, BOW], &[FORCE, SLOPE, BRISTLES], &[FORCE, SLOPE, BOW, BRISTLES]],
+    equation: "F = −(F0 + F1·η + F2·η²)·sgn v or −D·(1 + d1·η + d2·η²)·v, η = −1 fully in, +1 fully out",
+    forms: &[
+        &[FORCE, SLOPE],
+        &[DRAG_SLOPE],
+        &[FORCE, SLOPE, BOW],
+        &[DRAG_SLOPE, DRAG_BOW],
+        &[FORCE, SLOPE, BRISTLES],
+        &[FORCE, SLOPE, BOW, BRISTLES],
+    ],
     look_alikes: &[
         LookAlike {
             effect: "position-dependent-load",

@@ -7,7 +7,7 @@
 //! ## How it shows
 //! The same in every recording and at every instant: a constant pressure that is there without supply, a slider off its
 //! centre at rest, strokes that are all too long by the same share. What the channel says disagrees with all others,
-//! which agree among themselves.
+//! which agree among themselves. With the position alone there are no others, and its scale is not tried.
 //!
 //! ## What looks alike
 //! Physics varies with time, load or position, a wrong reading does not: test it first. Without the slider's sensor, an
@@ -26,8 +26,22 @@ use model_core::parameter::Parameter;
 use super::{Hypothesis, Kind, LookAlike, Scene, Strength, Subsystem};
 use crate::recording::Signal;
 
-fn pressure_pa(scene: &Scene<'_>) -> f64 {
-    0.1 * scene.machine.get(Parameter::SupplyPressure)
+/// An error of a sensor that is there.
+fn of(scene: &Scene<'_>, signal: Signal, largest: f64) -> f64 {
+    if scene.judges(signal) { largest } else { 0.0 }
+}
+
+fn pressure_a_pa(scene: &Scene<'_>) -> f64 {
+    of(scene, Signal::PressureA, 0.1 * scene.machine.get(Parameter::SupplyPressure))
+}
+
+fn pressure_b_pa(scene: &Scene<'_>) -> f64 {
+    of(scene, Signal::PressureB, 0.1 * scene.machine.get(Parameter::SupplyPressure))
+}
+
+/// A scale of all motion that no other channel contradicts is nobody's error: flow, areas or the sensor.
+fn position_factor(scene: &Scene<'_>) -> f64 {
+    if scene.judged.len() > 1 { of(scene, Signal::Position, 0.05) } else { 0.0 }
 }
 
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
@@ -35,13 +49,19 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     subsystem: Subsystem::Sensing,
     equation: "read = (1 + f)·true + offset, one channel",
     forms: &[
-        &[Strength { parameter: Parameter::PressureAOffset, kind: Kind::Signed(pressure_pa) }],
-        &[Strength { parameter: Parameter::PressureBOffset, kind: Kind::Signed(pressure_pa) }],
-        &[Strength { parameter: Parameter::SpoolOffset, kind: Kind::Signed(|_| 0.05) }],
-        &[Strength { parameter: Parameter::PressureAFactor, kind: Kind::Signed(|_| 0.1) }],
-        &[Strength { parameter: Parameter::PressureBFactor, kind: Kind::Signed(|_| 0.1) }],
-        &[Strength { parameter: Parameter::SpoolFactor, kind: Kind::Signed(|_| 0.1) }],
-        &[Strength { parameter: Parameter::PositionFactor, kind: Kind::Signed(|_| 0.05) }],
+        &[Strength { parameter: Parameter::PressureAOffset, kind: Kind::Signed(pressure_a_pa) }],
+        &[Strength { parameter: Parameter::PressureBOffset, kind: Kind::Signed(pressure_b_pa) }],
+        &[Strength { parameter: Parameter::SpoolOffset, kind: Kind::Signed(|scene| of(scene, Signal::Spool, 0.05)) }],
+        &[Strength {
+            parameter: Parameter::PressureAFactor,
+            kind: Kind::Signed(|scene| of(scene, Signal::PressureA, 0.1)),
+        }],
+        &[Strength {
+            parameter: Parameter::PressureBFactor,
+            kind: Kind::Signed(|scene| of(scene, Signal::PressureB, 0.1)),
+        }],
+        &[Strength { parameter: Parameter::SpoolFactor, kind: Kind::Signed(|scene| of(scene, Signal::Spool, 0.1)) }],
+        &[Strength { parameter: Parameter::PositionFactor, kind: Kind::Signed(position_factor) }],
     ],
     look_alikes: &[
         LookAlike {
@@ -73,8 +93,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     separated_by: "closed-valve hold with the supply shut off, all sensors recorded",
     source: "Isermann, Fault-Diagnosis Systems, 2006",
     shows_in: |scene| {
-        [Signal::PressureA, Signal::PressureB, Signal::Spool, Signal::Position]
-            .iter()
-            .any(|&signal| scene.judges(signal))
+        [Signal::PressureA, Signal::PressureB, Signal::Spool].iter().any(|&signal| scene.judges(signal))
+            || position_factor(scene) > 0.0
     },
 };

@@ -2,7 +2,8 @@
 //!
 //! ## What it adds
 //! At a large command the magnet's iron saturates or its amplifier limits the current, and the slider falls behind the
-//! straight characteristic: beyond the onset `x_s` its travel `t = |x| − x_s` becomes `t/(1 + c·t)`.
+//! straight characteristic: beyond the onset `x_s` its travel `t = |x| − x_s` becomes `t/(1 + c·t)`, or `(1 − d)·t` where
+//! the characteristic has a knee.
 //!
 //! ## How it shows
 //! The slider misses travel at large |U| only, the same at rest and in motion and on both sides; small strokes fit.
@@ -13,7 +14,7 @@
 //!
 //! ## Parameters
 //! Onset in parts of full travel, 0.1–1. Curvature c, not negative: 0.1 takes 5 % at half a travel beyond the onset, 10
-//! leaves next to nothing.
+//! leaves next to nothing. Share d of the gain that is gone beyond a knee, 0.03–0.6.
 //!
 //! ## Source
 //! N. D. Vaughan and J. B. Gamble, *The modeling and simulation of a proportional solenoid valve*, J. Dynamic Systems,
@@ -24,14 +25,16 @@ use model_core::parameter::Parameter;
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
 use crate::simulate::EntryPoint;
 
+const ONSET: Strength = Strength { parameter: Parameter::SolenoidOnset, kind: Kind::Shape(|_| (0.1, 1.0), 4) };
+
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "solenoid-saturation",
     subsystem: Subsystem::Valve,
-    equation: "|x| = x_s + t/(1 + c·t), t = |x_set| − x_s > 0",
-    forms: &[&[
-        Strength { parameter: Parameter::SolenoidCurvature, kind: Kind::Amount(|_| (0.1, 10.0)) },
-        Strength { parameter: Parameter::SolenoidOnset, kind: Kind::Shape(|_| (0.1, 1.0), 4) },
-    ]],
+    equation: "|x| = x_s + t/(1 + c·t) or x_s + (1 − d)·t, t = |x_set| − x_s > 0",
+    forms: &[
+        &[Strength { parameter: Parameter::SolenoidCurvature, kind: Kind::Amount(|_| (0.1, 10.0)) }, ONSET],
+        &[Strength { parameter: Parameter::SolenoidLoss, kind: Kind::Amount(|_| (0.03, 0.6)) }, ONSET],
+    ],
     look_alikes: &[
         LookAlike {
             effect: "flow-gain-nonlinearity",

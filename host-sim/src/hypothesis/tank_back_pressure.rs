@@ -1,8 +1,8 @@
 //! # Tank back-pressure
 //!
 //! ## What it adds
-//! Return line, filter and cooler resist the oil that leaves the cylinder: at the valve's tank port `p = p_T + R·Q²`, and in narrow lines or
-//! cold oil also `r·Q`.
+//! Return line, filter and cooler resist the oil that leaves the cylinder: at the valve's tank port `p = p_T + R·Q²`, and
+//! in narrow lines or cold oil also `r·Q`.
 //!
 //! ## How it shows
 //! Only flow through the tank edge is missing: the outlet pressure of a fast stroke lies higher than the model's, that

@@ -223,6 +223,17 @@ pub(super) fn of(effect: &Hypothesis, after: &Machine<f64>) -> Family {
                 moves.then(|| (BAR * (m.a_pa + m.b_pa), braking(law, m) * m.velocity.signum(), 0))
             },
         },
+        "position-dependent-friction" if is_viscous(after) => Family {
+            title: "Viscous friction over the position",
+            caption: "Force against motion over velocity, while the rod moves.",
+            x: ("position", "mm"),
+            y: ("viscous friction", "kN s/m"),
+            needs: PRESSURES,
+            point: |law, m| {
+                let viscous = braking(law, m) + law.by.damping * m.velocity;
+                (m.velocity.abs() > 0.03).then(|| (MM * m.position_m, 1e-3 * viscous / m.velocity, 0))
+            },
+        },
         "position-dependent-friction" => Family {
             title: "Friction over the position",
             caption: "Force against motion beside viscous friction.",
@@ -288,6 +299,11 @@ fn oil(after: &Machine<f64>) -> Family {
             (m.velocity.abs() > FAST).then(|| (m.time_s, viscous(law, m), 0))
         })
     }
+}
+
+/// Whether it is the viscous friction that changes along the stroke.
+fn is_viscous(after: &Machine<f64>) -> bool {
+    after.get(Parameter::PositionDragSlope) != 0.0 || after.get(Parameter::PositionDragBow) != 0.0
 }
 
 /// What a sensor reads beside the model before, of the channel that is off.

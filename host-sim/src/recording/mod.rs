@@ -211,6 +211,16 @@ impl Recording {
         limited
     }
 
+    /// The first rows of it, as many as it has at most and two at least. Rows that reading left out are not written back.
+    #[must_use]
+    pub fn first(&self, rows: usize) -> Self {
+        let mut columns = self.columns.clone();
+        for column in &mut columns {
+            column.values.truncate(rows.max(2));
+        }
+        Self { columns, left_out: LeftOut::default(), ..self.clone() }
+    }
+
     /// Puts other values in the place of a signal's, as many of them.
     pub(crate) fn replace(&mut self, signal: Signal, values: &[f64]) {
         if let Some(column) = self.columns.iter_mut().find(|column| column.signal == signal) {

@@ -18,7 +18,7 @@
 //! (`GVL.Kolbenweg [mm]`); its unit stands in brackets in the map or in the name, or else in the row
 //! `Unit` (`mm (Length)`). All signals come out at the times of the first known channel of the file:
 //! those with other times are interpolated linearly there, and times outside any signal's own are
-//! left out. Time goes out as `time [s]`. Full timestamps instead of ms are refused.
+//! left out, as are repeated ones, and written back where the recording is. Time goes out as `time [s]`. Full timestamps instead of ms are refused.
 
 use super::channels::ChannelMap;
 use super::columns::{Offer, assign};
@@ -27,9 +27,10 @@ use super::error::RecordingError;
 use super::lines::{Line, Lines, MAX_ROWS, Splitter, parse_number};
 use super::signal::split_header;
 use super::units::{Dimension, Unit};
-use super::{Column, Note, Recording, Signal};
+use super::{Column, LeftOut, Note, Recording, Signal};
 use crate::diagnostic::Place;
 use std::io::Read;
+use std::ops::RangeInclusive;
 
 /// The first cell of an export; no recording's first column can have this header.
 pub(super) const FIRST_CELL: &str = "Name";
@@ -49,6 +50,8 @@ struct Channel {
     value_cell: usize,
     column: Column,
     time_s: Vec<f64>,
+    /// Samples that repeat the time before them: how many stand before each, and its value.
+    repeated: Vec<(usize, f64)>,
 }
 
 /// Reads an export whose first line has the cells `first`.
@@ -129,6 +132,13 @@ impl Channel {
         self
     }
 
+    /// Its value at a time, linear between its samples; `None` where it has none.
+    fn at(&self, time: f64) -> Option<f64> {
+        let after = self.time_s.partition_point(|own| *own < time).max(1);
+        let (times, values) = (self.time_s.get(after - 1..=after)?, self.column.values.get(after - 1..=after)?);
+        (times[0]..=times[1]).contains(&time).then(|| interpolate(times, values, &[time])[0])
+    }
+
     /// Adds a sample; `false` when it repeats the time before it and is left out.
     fn push(&mut self, line: Line<'_>, separator: u8, time_s: f64, value: f64) -> Result<bool, RecordingError> {
         let place = || line.cell(separator, self.time_cell);
@@ -140,7 +150,10 @@ impl Channel {
             Some(&previous_s) if time_s < previous_s => {
                 return Err(RecordingError::TimeBackwards { place: place(), previous_s, found_s: time_s });
             }
-            Some(&previous_s) if time_s <= previous_s => return Ok(false),
+            Some(&previous_s) if time_s <= previous_s => {
+                self.repeated.push((self.time_s.len(), value));
+                return Ok(false);
+            }
             _ => {}
         }
         self.time_s.push(time_s);
@@ -194,6 +207,7 @@ impl Channels {
                 value_cell: places[at].1,
                 column,
                 time_s: Vec::new(),
+                repeated: Vec::new(),
             })
             .filter(|channel| channel.column.signal != Signal::Time)
             .map(Channel::with_unit_in_header)
@@ -224,6 +238,7 @@ impl Channels {
         if time_s.len() < 2 {
             return Err(RecordingError::NoCommonTime { place: file.clone(), from_s, to_s });
         }
+        let left_out = left_out(&self.known, from_s..=to_s);
         let mut resampled = Vec::new();
         let mut columns = vec![Column::si(Signal::Time, time_s.clone())];
         for mut channel in self.known {
@@ -242,8 +257,35 @@ impl Channels {
         if self.repeated > 0 {
             self.notes.push(Note::DuplicateTimes { rows: self.repeated, first_line: self.first_repeated });
         }
-        Ok(Recording::assemble(name, columns, self.ignored, self.notes))
+        let mut recording = Recording::assemble(name, columns, self.ignored, self.notes);
+        recording.left_out = left_out;
+        Ok(recording)
     }
+}
+
+/// Samples of the first channel that are not among the recording's rows, outside the time that is `common` to all channels or at
+/// a time that is there already; with what the other channels have at their times.
+fn left_out(known: &[Channel], common: RangeInclusive<f64>) -> LeftOut {
+    let mut left_out = LeftOut::default();
+    let Some((first, others)) = known.split_first() else { return left_out };
+    let mut kept = 0;
+    let mut repeated = first.repeated.iter().peekable();
+    for (index, &time) in first.time_s.iter().enumerate() {
+        let mut leave_out = |kept: usize, value: f64| {
+            left_out.after.push(kept);
+            left_out.cells.extend([Some(time), Some(value)]);
+            left_out.cells.extend(others.iter().map(|channel| channel.at(time)));
+        };
+        if common.contains(&time) {
+            kept += 1;
+        } else {
+            leave_out(kept, first.column.values[index]);
+        }
+        while let Some((_, value)) = repeated.next_if(|(after, _)| *after == index + 1) {
+            leave_out(kept, *value);
+        }
+    }
+    left_out
 }
 
 fn offer(name: &str, symbol: Option<&str>, unit: Option<&str>) -> Offer {
@@ -319,6 +361,19 @@ mod tests {
         assert_eq!(recording.signal(Signal::Spool).unwrap(), [0.1, 0.2]);
         assert_eq!(recording.signal(Signal::Position).unwrap(), [0.001, 0.002]);
         assert!(recording.notes().contains(&Note::DuplicateTimes { rows: 1, first_line: 5 }));
+    }
+
+    #[test]
+    fn what_is_left_out_is_written_back_in_its_place() {
+        let export = EXPORT.replace("1\t2\t12\t\t\n", "1\t2\t12\t\t\n1\t2,5\t12,5\t\t\n");
+        let recording = read(&export, &["position=MAIN.axis.pos [mm]"]).unwrap();
+        assert_eq!(recording.rows(), 3);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out.csv");
+        recording.write_csv(&path, &[(Signal::Position, &[0.011, 0.013, 0.015])], &[]).unwrap();
+        let expected = "time [s],command [V],Pos [mm],pressure_a [bar]\n0,0,,\n0.0005,1,11,50\n0.001,2,13,55\n\
+            0.001,2.5,13,55\n0.0015,3,15,60\n0.002,3,,\n";
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), expected);
     }
 
     #[test]

@@ -244,7 +244,7 @@ fn true_slider<N: Number>(machine: &Machine<N::Real>, reading: N) -> N {
 }
 
 /// What a load that balances the recorded pressures holds already: every force on the rod but viscous friction and the constant load.
-const BALANCED: [Parameter; 15] = [
+const BALANCED: [Parameter; 17] = [
     Parameter::CoulombFriction,
     Parameter::StribeckForce,
     Parameter::StribeckExcess,
@@ -253,6 +253,8 @@ const BALANCED: [Parameter; 15] = [
     Parameter::PositionFriction,
     Parameter::PositionFrictionSlope,
     Parameter::PositionFrictionBow,
+    Parameter::PositionDragSlope,
+    Parameter::PositionDragBow,
     Parameter::PressureFriction,
     Parameter::PreslidingForce,
     Parameter::LoadSpring,

@@ -1,5 +1,7 @@
 //! A recording laid on the core's grid: where the chain is entered, with what, from which state.
 
+use std::sync::Arc;
+
 use model_core::drive::{Entry, Load};
 use model_core::flow::{Flows, PumpDrive};
 use model_core::machine::{Bases, Machine, MachineError, Source, Tick};
@@ -11,10 +13,11 @@ use super::grid::Grid;
 use super::rest::{Start, start};
 use super::{PRESSURE_A, PRESSURE_B, behind};
 use crate::diagnostic::{engineering, rounded};
-use crate::failure::mended;
+use crate::failure::Mended;
 use crate::machine_file::LoadSource;
-use crate::noise::{noise, resolution};
+use crate::noise::{extent, noise, resolution};
 use crate::recording::{Recording, Signal};
+use crate::slope::slopes;
 
 /// Where the chain is entered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -98,8 +101,11 @@ pub struct Stimulus {
     pub start: Start,
     pub(super) ticks: usize,
     input: Input,
-    /// At grid points, 1: the recorded slider that meters the oil while the valve runs beside.
-    followed: Option<Vec<f64>>,
+    /// At grid points, 1: the recorded slider, where the chain is entered at the command and it could meter the oil in the
+    /// valve's place. Copies of a stimulus share it.
+    slider: Option<Arc<[f64]>>,
+    /// Whether it does, while the valve runs beside.
+    follows: bool,
     /// External force at grid points, N.
     load_n: Option<Vec<f64>>,
     /// Temperature of the oil at grid points, °C. An input, with whatever noise its sensor has: so slow a signal needs no smoothing.
@@ -152,7 +158,18 @@ impl Stimulus {
         load: LoadSource,
         tick: Tick,
     ) -> Result<Self, SimulateError> {
-        let recording = &*mended(recording);
+        Self::of_mended(&Mended::of(recording), machine, entry, load, tick)
+    }
+
+    /// Lays a recording that is mended on the grid of `tick`.
+    pub fn of_mended(
+        mended: &Mended<'_>,
+        machine: &Machine<f64>,
+        entry: EntryPoint,
+        load: LoadSource,
+        tick: Tick,
+    ) -> Result<Self, SimulateError> {
+        let recording = &*mended.recording;
         let grid = Grid::new(recording, tick)?;
         let need = |signal, reason| {
             recording.signal(signal).ok_or_else(|| SimulateError::Missing {
@@ -186,6 +203,8 @@ impl Stimulus {
                 None => grid.points(&pressure_force(recording, machine)?),
             }),
         };
+        let slider = recording.signal(Signal::Spool).filter(|_| entry == EntryPoint::Command);
+        let slider = slider.map(|spool| grid.points(spool).into());
         let balanced = load == LoadSource::RecordedPressures && entry != EntryPoint::Force;
         let damping = balanced.then(|| light_damping(machine));
         let load_n = if let Some(damping) = damping {
@@ -200,7 +219,8 @@ impl Stimulus {
             start: start(recording),
             ticks: grid.ticks,
             input,
-            followed: None,
+            slider,
+            follows: false,
             load_n,
             oil_c: recording.signal(Signal::OilTemperature).map(|temperature| grid.points(temperature)),
             wants_flow: true,
@@ -210,28 +230,15 @@ impl Stimulus {
     }
 
     /// The same with the recorded slider metering the oil, beside the valve that the command moves: what the valve misses
-    /// reaches nothing below it. Rows that do not `work` are bridged; `None` where the chain is not entered at the command.
+    /// reaches nothing below it. `None` where the chain is not entered at the command, or the slider was not recorded.
     #[must_use]
-    pub fn following(&self, spool: &[f64], works: impl Fn(usize) -> bool) -> Option<Self> {
-        let Input::Command(_) = self.input else { return None };
-        let at = |row: usize| self.rows[row].0 as f64 + self.rows[row].1;
-        let known: Vec<usize> = (0..self.rows.len()).filter(|&row| works(row)).collect();
-        let (&first, &last) = known.first().zip(known.last())?;
-        let mut next = 0;
-        let followed = (0..=self.ticks)
-            .map(|point| {
-                let point = point as f64;
-                while next < known.len() && at(known[next]) < point {
-                    next += 1;
-                }
-                let (before, after) =
-                    (if next == 0 { first } else { known[next - 1] }, known.get(next).copied().unwrap_or(last));
-                let apart = at(after) - at(before);
-                let share = if apart > 0.0 { ((point - at(before)) / apart).clamp(0.0, 1.0) } else { 1.0 };
-                spool[before] + share * (spool[after] - spool[before])
-            })
-            .collect();
-        Some(Self { followed: Some(followed), ..self.clone() })
+    pub fn following(&self) -> Option<Self> {
+        self.slider.is_some().then(|| Self { follows: true, ..self.clone() })
+    }
+
+    /// The recorded slider, where it meters the oil beside the valve.
+    fn followed(&self) -> Option<&[f64]> {
+        self.slider.as_deref().filter(|_| self.follows)
     }
 
     /// How many rows the recording has.
@@ -251,7 +258,7 @@ impl Stimulus {
         let next = |values: &[f64], base: f64| N::saturated(values.get(tick + 1).copied().unwrap_or(0.0) / base);
         let slider = |spool: &[f64]| Slider { from: at(spool, 1.0), to: next(spool, 1.0) };
         match &self.input {
-            Input::Command(volts) => match &self.followed {
+            Input::Command(volts) => match self.followed() {
                 Some(spool) => Entry::Followed { command: at(volts, bases.command_v), slider: slider(spool) },
                 None => Entry::Command(at(volts, bases.command_v)),
             },
@@ -294,8 +301,8 @@ impl Stimulus {
     /// The recorded slider that meters the oil.
     pub(super) fn metering_at<N: Number>(&self, point: usize) -> Option<N> {
         let spool = match &self.input {
-            Input::Slider(spool) => Some(spool),
-            _ => self.followed.as_ref(),
+            Input::Slider(spool) => Some(spool.as_slice()),
+            _ => self.followed(),
         };
         spool.and_then(|spool| spool.get(point)).map(|&value| N::saturated(value))
     }
@@ -348,23 +355,12 @@ fn balance(recording: &Recording, machine: &Machine<f64>, damping: f64) -> Resul
     let constant = machine.get(Parameter::LoadForce);
     let braked: Vec<f64> = match recording.signal(Signal::Position) {
         Some(position) => {
-            let velocity = slopes(recording.time_s(), &smoothed(position, rows_in(width_s)));
+            let velocity = slopes(recording.time_s(), &smoothed(position, rows_in(width_s)), 1);
             velocity.iter().map(|velocity| damping * velocity).collect()
         }
         None => vec![0.0; force.len()],
     };
     Ok(force.iter().zip(braked).map(|(force, braked)| braked - force - constant).collect())
-}
-
-/// Slope of a series at each row, from its neighbours.
-fn slopes(time_s: &[f64], values: &[f64]) -> Vec<f64> {
-    let last = values.len() - 1;
-    (0..values.len())
-        .map(|row| {
-            let (before, after) = (row.saturating_sub(1), (row + 1).min(last));
-            (values[after] - values[before]) / (time_s[after] - time_s[before])
-        })
-        .collect()
 }
 
 /// A force taken from noisy pressures is smoothed over this time, s: as long as it does not blur a stroke's start and end.
@@ -374,8 +370,7 @@ const SMOOTHED_AT: f64 = 0.01;
 
 /// Noise of a series over its span.
 fn share_of_noise(values: &[f64]) -> f64 {
-    let (low, high) =
-        values.iter().fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(*value), high.max(*value)));
+    let (low, high) = extent(values);
     if high > low { noise(values, resolution(values)) / (high - low) } else { 0.0 }
 }
 

@@ -1,5 +1,5 @@
 use model_core::fixed_point::PerUnit;
-use model_core::machine::{Machine, Source, Tick};
+use model_core::machine::{Machine, Tick};
 use model_core::parameter::Parameter;
 
 use super::{EntryPoint, StartOffset, Stimulus, Trajectory, simulate};
@@ -7,23 +7,12 @@ use crate::machine_file::LoadSource;
 use crate::recording::{Column, Recording, Signal};
 
 fn press() -> Machine<f64> {
-    let mut machine = Machine::with_defaults(Source::Valve);
-    for (parameter, value) in [
-        (Parameter::AreaA, 3.117e-3),
-        (Parameter::AreaB, 1.861e-3),
-        (Parameter::VolumeA, 5.2e-4),
-        (Parameter::VolumeB, 3.3e-4),
-        (Parameter::ValveGain, 0.0559),
+    crate::press::press(&[
         (Parameter::DeadZone, 0.1),
-        (Parameter::TimeConstant1, 0.018),
         (Parameter::TimeConstant2, 0.0279),
         (Parameter::TransportDelay, 0.0073),
-        (Parameter::RateLimit, 12.0),
         (Parameter::ViscousFriction, 4e4),
-    ] {
-        machine.set(parameter, value);
-    }
-    machine
+    ])
 }
 
 fn command_at(time_s: f64) -> f64 {
@@ -237,12 +226,19 @@ fn a_followed_slider_moves_the_rod_and_the_command_moves_the_valve() {
     let stimulus =
         Stimulus::new(&commanded, &machine, EntryPoint::Command, LoadSource::Constant, Tick::OneMillisecond).unwrap();
     let chain = simulate::<f64>(&machine, &stimulus, StartOffset::none()).unwrap();
-    let spool = chain.signal(Signal::Spool).unwrap();
+    assert!(stimulus.following().is_none(), "no slider was recorded");
 
     // Rows in which the sensor fails are bridged.
-    let mut recorded = spool.to_vec();
-    recorded[40] = 1.0;
-    let following = stimulus.following(&recorded, |row| row != 40).unwrap();
+    let mut spool = chain.signal(Signal::Spool).unwrap().to_vec();
+    spool[40] = 1.0;
+    let recorded = |signal| (signal, commanded.signal(signal).unwrap().to_vec());
+    let both = recording(
+        commanded.time_s().to_vec(),
+        vec![recorded(Signal::Command), (Signal::Spool, spool), recorded(Signal::Position)],
+    );
+    let stimulus =
+        Stimulus::new(&both, &machine, EntryPoint::Command, LoadSource::Constant, Tick::OneMillisecond).unwrap();
+    let following = stimulus.following().unwrap();
     let mut sluggish = machine;
     sluggish.set(Parameter::TimeConstant1, 0.06);
     let apart = simulate::<f64>(&sluggish, &following, StartOffset::none()).unwrap();
@@ -258,10 +254,10 @@ fn a_followed_slider_moves_the_rod_and_the_command_moves_the_valve() {
 fn no_slider_is_followed_where_the_chain_is_entered_below_the_valve() {
     let time_s: Vec<f64> = (0..50).map(|row| f64::from(row) * 1e-3).collect();
     let spool = vec![0.1; time_s.len()];
-    let recording = recording(time_s, vec![(Signal::Spool, spool.clone()), (Signal::Position, vec![0.1; 50])]);
+    let recording = recording(time_s, vec![(Signal::Spool, spool), (Signal::Position, vec![0.1; 50])]);
     let stimulus =
         Stimulus::new(&recording, &press(), EntryPoint::Slider, LoadSource::Constant, Tick::OneMillisecond).unwrap();
-    assert!(stimulus.following(&spool, |_| true).is_none());
+    assert!(stimulus.following().is_none());
 }
 
 #[test]

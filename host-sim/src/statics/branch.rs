@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::line::extent;
+use crate::noise::extent;
 
 /// A stretch of a sweep without a turn.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::{LocalGain, Statics};
 use crate::diagnostic::rounded;
+use crate::noise::extent;
 
 /// An effect of the vocabulary that a static recording shows.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -113,7 +114,7 @@ fn unequal_gains(statics: &Statics) -> Option<(f64, f64)> {
         inside && read_finely(local) && !stopped(f64::midpoint(local.from, local.to))
     });
     let shares = opened.map(|local| local.gain / gain);
-    let (low, high) = shares.fold((f64::MAX, f64::MIN), |(low, high), share| (low.min(share), high.max(share)));
+    let (low, high) = extent(shares);
     (high - low > STRAIGHT).then_some((low, high))
 }
 

@@ -3,7 +3,8 @@
 use serde::Serialize;
 
 use super::branch::Branch;
-use super::line::{Line, extent, median_and_std};
+use super::line::{Line, median_and_std};
+use crate::noise::extent;
 
 /// The loop between rising and falling input.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -1,7 +1,8 @@
 //! What the instrument does to the output, which is not physics of the valve: a staircase, and jumps at certain readings.
 
 use super::branch::Branch;
-use super::line::{extent, median};
+use super::line::median;
+use crate::noise::extent;
 
 /// The output has levels at equal distances and nothing between.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -45,7 +46,7 @@ pub fn staircase(output: &[f64]) -> Option<Staircase> {
         .collect();
     let step = median(steps.iter().map(|(from, to)| to - from).collect());
     let equal: Vec<&(f64, f64)> = steps.iter().filter(|(from, to)| (to - from - step).abs() < EQUAL * step).collect();
-    let (nearest, furthest) = extent(&equal.iter().flat_map(|(from, to)| [from.abs(), to.abs()]).collect::<Vec<_>>());
+    let (nearest, furthest) = extent(equal.iter().flat_map(|(from, to)| [from.abs(), to.abs()]));
     let from_magnitude = if nearest > 2.0 * step { nearest } else { 0.0 };
     let rows = output.iter().filter(|value| (from_magnitude..=furthest).contains(&value.abs())).count();
     let regular = equal.len() >= LEAST_LEVELS && 3 * equal.len() > 2 * steps.len();

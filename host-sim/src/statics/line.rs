@@ -17,11 +17,6 @@ pub(super) fn median_and_std(values: &[f64]) -> (f64, f64) {
     (middle, 1.4826 * median(values.iter().map(|value| (value - middle).abs()).collect()))
 }
 
-/// Lowest and highest value.
-pub(super) fn extent(values: &[f64]) -> (f64, f64) {
-    values.iter().fold((f64::MAX, f64::MIN), |(low, high), &value| (low.min(value), high.max(value)))
-}
-
 /// y = `at_zero` + slope·x.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Line {

@@ -22,9 +22,10 @@ pub use instrument::{Jump, Staircase, jumps, staircase};
 pub use line::Line;
 pub use runs::{VELOCITY, means};
 
+use crate::noise::extent;
 use crate::recording::{RecordingError, Table};
 use curve::Sweep;
-use line::{extent, median_and_std};
+use line::median_and_std;
 
 /// Which columns of a table are what; headers, with or without their units.
 #[derive(Clone, Debug, Default)]

@@ -1,7 +1,8 @@
 //! Runs at a constant command → one row each.
 
 use super::StaticsError;
-use super::line::{Line, extent};
+use super::line::Line;
+use crate::noise::extent;
 use crate::recording::Table;
 
 /// The header of the velocity that a run's position gives, in the position's unit over seconds.

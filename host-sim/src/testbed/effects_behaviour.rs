@@ -76,6 +76,22 @@ fn a_tight_place_brakes_there_only() {
 }
 
 #[test]
+fn a_narrow_bore_brakes_by_the_speed_and_away_from_where_it_fits() {
+    let (most_n_s_per_m, width_m) = (2e4, 0.05);
+    let effect = PlantEffect::Load(LoadEffect::NarrowBore { most_n_s_per_m, fits_at_m: 0.16, width_m });
+    let machine = free_rod();
+    let states = run(&machine, &[effect], 2500.0, 0.0, 700);
+    let damping = machine.get(ViscousFriction);
+    for position_m in [0.16, 0.19, 0.21] {
+        let square = ((position_m - 0.16) / width_m).powi(2);
+        let expected = 2500.0 / (damping + most_n_s_per_m * square / (1.0 + square));
+        let found =
+            states.iter().find(|state| state.position_m > position_m).map_or(0.0, |state| state.velocity_m_per_s);
+        assert!((found / expected - 1.0).abs() < 0.1, "{position_m}: {found} {expected}");
+    }
+}
+
+#[test]
 fn pressure_dependent_friction_goes_mostly_by_the_higher_pressure() {
     let effect = named("pressure-dependent-friction", 1e-4);
     let level = |level_pa: f64| {

@@ -53,6 +53,23 @@ fn recordings_of_another_case_are_not_mixed_in() {
 }
 
 #[test]
+fn a_place_that_cannot_be_written_to_is_told_before_the_test_bed_runs() {
+    let folder = folder_with(MACHINE, "");
+    // The excitation leaves the stroke, which only shows in the run.
+    let leaves = ["--train", "step:9V,20s"];
+    let case = ["testbed", "--machine", "machine.toml", "--out", "run.csv/case"];
+    let message = refused(folder.path(), &[&case[..], &leaves].concat());
+    assert!(message.contains("run.csv/case: cannot be written"), "{message}");
+    let draw = ["testbed", "draw", "--count", "1", "--out", "run.csv/cases"];
+    let message = refused(folder.path(), &draw);
+    assert!(message.contains("run.csv/cases: cannot be written"), "{message}");
+
+    done(folder.path(), &[&TESTBED[..], &["--train", "zero:0.1s"]].concat());
+    let message = refused(folder.path(), &[&TESTBED[..5], &leaves].concat());
+    assert!(message.contains("train-2.csv is there already"), "{message}");
+}
+
+#[test]
 fn drawn_cases_have_their_files_and_the_truth_beside_them() {
     let folder = folder_with(MACHINE, "");
     let draw = ["testbed", "draw", "--seed", "3", "--count", "2", "--effects", "none", "--hard", "--out", "cases"];

@@ -1,10 +1,10 @@
 //! Coefficients of the mechanics.
 
 use super::Builder;
-use crate::bases::thinnest;
+use crate::bases::{SLIPPERIEST, least_drag, thinnest};
 use crate::bristles::{Bend, Bristles};
 use crate::end_stop::{Face, Stops};
-use crate::friction::{DryFriction, Placed, Stribeck};
+use crate::friction::{DryFriction, Placed, PlacedDrag, Stribeck};
 use crate::machine::MachineError;
 use crate::mechanics::{GAMMA, Mechanics, Resistance, Row};
 use crate::number::{Number, Real};
@@ -34,9 +34,9 @@ impl<R: Real> Builder<'_, R> {
         mass / (R::ONE + R::constant(2.0 * (GAMMA - GAMMA * GAMMA - 1.0 / 6.0)) * turn / fading)
     }
 
-    /// h·D/m in the thinnest oil, with what the table of forces is damped by.
+    /// h·D/m in the thinnest oil where it brakes least, with what the table of forces is damped by.
     fn damping(&self, mass: R) -> R {
-        let damping = self.get(P::ViscousFriction) * thinnest(self.machine) + self.table_damping();
+        let damping = self.get(P::ViscousFriction) * least_drag(self.machine) + self.table_damping();
         damping * R::constant(self.tick_s) / mass
     }
 
@@ -179,8 +179,9 @@ impl<R: Real> Builder<'_, R> {
         let load = self.is_on(&[P::LoadSpring, P::LoadSpringForce, P::LoadSpringBow]);
         let stops = self.is_on(&[P::StopStiffness, P::StopDamping]);
         let bristles = self.has_bristles();
+        let drag = self.is_on(&[P::PositionDragSlope, P::PositionDragBow]);
         let warms = self.is_on(&[P::ViscosityLoss, P::ViscosityLossPerKelvin]);
-        if !(load || stops || bristles || warms) {
+        if !(load || stops || bristles || warms || drag) {
             return Ok(None);
         }
         let none = self.steep::<N>("nothing", P::Stroke, R::ZERO)?;
@@ -188,7 +189,8 @@ impl<R: Real> Builder<'_, R> {
         let viscosity = self.get(P::ViscousFriction) * self.weight(mass);
         let load_weight = self.solved_stiffness() * R::constant(GAMMA * self.tick_s) * self.weight(mass);
         Ok(Some(Resistance {
-            viscosity: if warms {
+            drag: if drag { Some(self.placed_drag()?) } else { None },
+            viscosity: if warms || drag {
                 self.steep::<N>("viscous friction on the mass", P::ViscousFriction, viscosity)?
             } else {
                 none
@@ -202,6 +204,17 @@ impl<R: Real> Builder<'_, R> {
             gamma: gain(GAMMA)?,
             none,
         }))
+    }
+
+    fn placed_drag<N: Number<Real = R>>(&self) -> Result<PlacedDrag<N>, MachineError> {
+        let signal = |of: P, value: R| self.signal::<N>("share of the viscous friction", of, value);
+        Ok(PlacedDrag {
+            slope: signal(P::PositionDragSlope, self.get(P::PositionDragSlope))?,
+            bow: signal(P::PositionDragBow, self.get(P::PositionDragBow))?,
+            slipperiest: N::saturated(SLIPPERIEST),
+            thinnest: signal(P::ViscosityLoss, thinnest(self.machine))?,
+            least: signal(P::PositionDragSlope, least_drag(self.machine))?,
+        })
     }
 
     /// The load's stiffness where it holds the rod, N/m: solved for. One that throws it out is not.

@@ -12,7 +12,7 @@ impl<R: Real> Builder<'_, R> {
     pub(super) fn valve_effects<N: Number<Real = R>>(&self, share: R) -> Result<ValveEffects<N>, MachineError> {
         Ok(ValveEffects {
             drift: self.unless_nil(P::NullDriftTravel, |travel| self.null_drift(travel))?,
-            saturation: self.unless_nil(P::SolenoidCurvature, |curvature| self.solenoid(curvature))?,
+            saturation: self.solenoid()?,
             hysteresis: self.unless_nil(P::HysteresisWidth, |width| self.hysteresis(width))?,
             flow_force: self.unless_nil(P::FlowForce, |closing| self.flow_force(closing, share))?,
             stiction: self.unless_nil(P::StictionBand, |band| {
@@ -51,11 +51,16 @@ impl<R: Real> Builder<'_, R> {
         })
     }
 
-    fn solenoid<N: Number<Real = R>>(&self, curvature: R) -> Result<SolenoidSaturation<N>, MachineError> {
-        Ok(SolenoidSaturation {
+    fn solenoid<N: Number<Real = R>>(&self) -> Result<Option<SolenoidSaturation<N>>, MachineError> {
+        let (curvature, loss) = (self.get(P::SolenoidCurvature), self.get(P::SolenoidLoss));
+        if curvature.is_nil() && loss.is_nil() {
+            return Ok(None);
+        }
+        Ok(Some(SolenoidSaturation {
             onset: self.signal("onset of the solenoid's saturation", P::SolenoidOnset, self.get(P::SolenoidOnset))?,
             curvature: self.steep::<N>("the solenoid's saturation", P::SolenoidCurvature, curvature)?,
-        })
+            kept: self.signal("gain kept beyond the onset", P::SolenoidLoss, R::ONE - loss)?,
+        }))
     }
 
     fn hysteresis<N: Number<Real = R>>(&self, width: R) -> Result<Hysteresis<N>, MachineError> {

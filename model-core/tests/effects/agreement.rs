@@ -88,7 +88,7 @@ proptest! {
 
     #[test]
     fn no_state_and_no_input_overflows_with_any_effects(
-        on in any::<u16>(),
+        on in any::<u32>(),
         strength in 0.01..3.0_f64,
         tick in prop::sample::select(vec![Tick::HalfMillisecond, Tick::OneMillisecond, Tick::TwoMilliseconds]),
         words in prop::array::uniform6(any_word()),

@@ -93,6 +93,7 @@ pub(crate) fn effects() -> Vec<(&'static str, Vec<(P, f64)>)> {
             "position-dependent-friction",
             vec![(P::PositionFriction, 400.0), (P::PositionFrictionSlope, 200.0), (P::PositionFrictionBow, 100.0)],
         ),
+        ("position-dependent-friction", vec![(P::PositionDragSlope, 0.8), (P::PositionDragBow, -0.4)]),
         ("pressure-dependent-friction", vec![(P::PressureFriction, 5e-5)]),
         ("position-dependent-load", vec![(P::LoadSpring, 2e4), (P::LoadSpringForce, 500.0), (P::LoadSpringBow, 1e4)]),
         (

@@ -155,6 +155,35 @@ fn friction_follows_a_measured_temperature_from_tick_to_tick() {
 }
 
 #[test]
+fn viscous_friction_changes_along_the_stroke_as_its_formula_says() {
+    fn check<N: Number<Real = f64>>() {
+        // The oil of the second thins meanwhile; the third starts where a twentieth of the friction is left.
+        for (slope, bow, loss) in [(0.8, -0.4, 0.0), (-1.5, 2.0, 0.6), (3.0, 1.0, 0.0)] {
+            let placed = [(P::PositionDragSlope, slope), (P::PositionDragBow, bow)];
+            let warming = [(P::ViscosityLoss, loss), (P::WarmingTime, 0.5), (P::Stroke, STROKE_M)];
+            let drive = drive::<N>(&with(&with(&press(), &placed), &warming));
+            let mut state = at_rest(&drive, [0.4, 0.4], 0.1);
+            let mut before = (velocity_m_per_s(&drive, &state), position_m(&drive, &state));
+            for tick in 1..=800 {
+                pushed(&drive, &mut state, 300.0);
+                let after = (velocity_m_per_s(&drive, &state), position_m(&drive, &state));
+                // Of the place where the tick starts.
+                let place = 2.0 * before.1 / STROKE_M - 1.0;
+                let oil = 1.0 - loss * (1.0 - (-f64::from(tick) * 1e-3 / 0.5).exp());
+                let factor = oil * f64::max(0.05, 1.0 + slope * place + bow * place * place);
+                // What the mass does not take up.
+                let friction = 300.0 - 50.0 * (after.0 - before.0) / 1e-3;
+                let expected = 1e4 * factor * (after.1 - before.1) / 1e-3;
+                assert!((friction - expected).abs() < 3.0, "{tick}, {place}: {friction} {expected}");
+                before = after;
+            }
+        }
+    }
+    check::<PerUnit>();
+    check::<f64>();
+}
+
+#[test]
 fn oil_that_warms_within_a_day_does_not_stall() {
     let warming = [(P::ViscosityLoss, 0.5), (P::WarmingTime, 1e5)];
     let drive = drive::<PerUnit>(&with(&press(), &warming));

@@ -199,7 +199,8 @@ fn friction(name: &str, about: &About<'_>, dice: &mut Noise) -> Option<DryFricti
                 FrictionLevel::Asymmetric { extending_n: mean_n * (1.0 + off), retracting_n: mean_n * (1.0 - off) };
             stiff(level, dice)
         }
-        "position-dependent-friction" => {
+        // Else the oil's own friction changes along the stroke.
+        "position-dependent-friction" if dice.happens(0.5) => {
             let force_n = full_n * dice.decades(0.008, 0.03);
             if dice.happens(0.6) {
                 let (low, high) = about.travel_m;
@@ -262,6 +263,11 @@ fn load(name: &str, about: &About<'_>, dice: &mut Noise) -> Option<LoadEffect> {
                 damping_s_per_m: dice.uniform(0.5, 4.0),
             }
         }
+        "position-dependent-friction" => LoadEffect::NarrowBore {
+            most_n_s_per_m: about.get(P::ViscousFriction) * dice.decades(0.3, 3.0),
+            fits_at_m: about.place(dice, 0.1, 0.9),
+            width_m: range * dice.uniform(0.3, 0.8),
+        },
         _ => return None,
     })
 }

@@ -1,4 +1,4 @@
-//! Forces on the rod that go by its position: springs, linkages, stops.
+//! Forces on the rod that go by its position: springs, linkages, stops, a bore that narrows.
 
 use super::super::physics::{State, Terms};
 use super::super::tangent::Real;
@@ -33,6 +33,15 @@ pub enum LoadEffect {
         /// c, s/m.
         damping_s_per_m: f64,
     },
+    /// A film of oil that is sheared more away from where bore and rod fit: D·u²/(1 + u²) beside the velocity, u = (y − y0)/w.
+    NarrowBore {
+        /// D, N s/m.
+        most_n_s_per_m: f64,
+        /// y0, m.
+        fits_at_m: f64,
+        /// w, m.
+        width_m: f64,
+    },
 }
 
 /// depth^1.5, and nothing outside.
@@ -45,6 +54,7 @@ impl LoadEffect {
         match self {
             Self::ProgressiveSpring { .. } | Self::Linkage { .. } => "position-dependent-load",
             Self::EndStop { .. } => "end-stop",
+            Self::NarrowBore { .. } => "position-dependent-friction",
         }
     }
 
@@ -57,6 +67,11 @@ impl LoadEffect {
                 let depth = (state.position - at_m) * sign;
                 let push = (state.velocity * (sign * damping_s_per_m) + 1.0).at_least(0.0);
                 pressed(depth) * push * (-sign * stiffness)
+            }
+            Self::NarrowBore { most_n_s_per_m, fits_at_m, width_m } => {
+                let off = (state.position - fits_at_m) / width_m;
+                let square = off * off;
+                state.velocity * (square / (square + 1.0)) * -most_n_s_per_m
             }
         };
         terms.force = terms.force + force;

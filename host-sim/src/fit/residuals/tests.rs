@@ -1,0 +1,73 @@
+//! Rows in which a sensor failed weigh nothing.
+
+use model_core::machine::Tick;
+
+use super::*;
+use crate::fit::settle;
+use crate::locate::{Case, misses};
+use crate::machine_file::LoadSource;
+use crate::press::press;
+use crate::recording::{Column, Recording};
+use crate::simulate::{EntryPoint, StartOffset, Stimulus, simulate};
+
+/// A press that extends, its position with noise.
+fn recorded(machine: &Machine<f64>) -> Recording {
+    let time_s: Vec<f64> = (0..1200).map(|row| f64::from(row) * 1e-3).collect();
+    let command = time_s.iter().map(|time| if *time < 0.1 { 0.0 } else { 4.0 }).collect();
+    let columns = |position_m: Vec<f64>| {
+        let command: &Vec<f64> = &command;
+        let columns =
+            [(Signal::Time, time_s.clone()), (Signal::Command, command.clone()), (Signal::Position, position_m)];
+        Recording::new("made", columns.map(|(signal, values)| Column::si(signal, values)).to_vec()).unwrap()
+    };
+    let driven = columns(vec![0.1; time_s.len()]);
+    let tick = Tick::OneMillisecond;
+    let stimulus = Stimulus::new(&driven, machine, EntryPoint::Command, LoadSource::Constant, tick).unwrap();
+    let run = simulate::<f64>(machine, &stimulus, StartOffset::none()).unwrap();
+    let mut seed = 7_u32;
+    let mut noise = || {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        4e-4 * (f64::from(seed >> 8) / f64::from(1 << 24) - 0.5)
+    };
+    columns(run.signal(Signal::Position).unwrap().iter().map(|position| position + noise()).collect())
+}
+
+/// The recording with its position read two standard deviations of its noise too far out, all rows or every fourth.
+fn read_too_far(recording: &Recording, machine: &Machine<f64>, every_fourth: bool) -> Prepared {
+    let mut prepared = Prepared::new(recording, machine, LoadSource::Constant, None).unwrap();
+    let channel = &mut prepared.channels[0];
+    assert!(channel.failed.iter().all(|failed| !failed));
+    for (row, value) in channel.recorded.iter_mut().enumerate() {
+        *value += 2.0 * channel.noise;
+        channel.failed[row] = every_fourth && row % 4 != 0;
+    }
+    prepared
+}
+
+#[test]
+fn rows_in_which_a_sensor_failed_make_no_mean_smaller() {
+    let machine = press(&[(model_core::parameter::Parameter::ViscousFriction, 4e4)]);
+    let recording = recorded(&machine);
+    let start = StartState::default();
+    let [all, some] = [false, true].map(|every_fourth| read_too_far(&recording, &machine, every_fourth));
+    let missed = |prepared: &Prepared| {
+        misses(&machine, &[Case { recording: &recording, prepared, start }]).unwrap()[0].over_noise
+    };
+    // Two standard deviations and the noise itself.
+    assert!((missed(&all) - 5.0_f64.sqrt()).abs() < 0.1, "{}", missed(&all));
+    assert!((missed(&some) / missed(&all) - 1.0).abs() < 0.05, "{} of {}", missed(&some), missed(&all));
+
+    let mut cases = [some];
+    set_tolerances(&machine, &mut cases, &[start]).unwrap();
+    assert!((cases[0].channels[0].tolerance - missed(&cases[0])).abs() < 1e-12);
+}
+
+#[test]
+fn rows_in_which_the_position_failed_hold_no_start_back() {
+    let machine = press(&[(model_core::parameter::Parameter::ViscousFriction, 4e4)]);
+    let recording = recorded(&machine);
+    let [all, some] = [false, true]
+        .map(|every_fourth| settle(&machine, &read_too_far(&recording, &machine, every_fourth)).unwrap().shift);
+    // A quarter of the rows weighs less against the start's prior; counted as rows that miss nothing, the others leave less than half.
+    assert!(all > 1.0 && some > 0.7 * all, "{some} of {all}");
+}

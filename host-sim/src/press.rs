@@ -1,0 +1,22 @@
+//! The drive that tests use: a valve on a 63/40 × 300 mm cylinder.
+
+use model_core::machine::{Machine, Source};
+use model_core::parameter::Parameter;
+
+/// The press, with what a test sets beside its cylinder, the valve's gain and its speed.
+pub(crate) fn press(further: &[(Parameter, f64)]) -> Machine<f64> {
+    let mut machine = Machine::with_defaults(Source::Valve);
+    let always = [
+        (Parameter::AreaA, 3.117e-3),
+        (Parameter::AreaB, 1.861e-3),
+        (Parameter::VolumeA, 5.2e-4),
+        (Parameter::VolumeB, 3.3e-4),
+        (Parameter::ValveGain, 0.0559),
+        (Parameter::TimeConstant1, 0.018),
+        (Parameter::RateLimit, 12.0),
+    ];
+    for (parameter, value) in always.iter().chain(further) {
+        machine.set(*parameter, *value);
+    }
+    machine
+}

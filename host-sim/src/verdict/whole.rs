@@ -1,0 +1,89 @@
+//! What was found on the first part of long recordings, held against the whole of them.
+//!
+//! Base and chosen set are refitted on the whole, which has to accept the set by the same rules. What acts slowly does not show in
+//! a first part: where the whole is left above its noise, the effects that act over time are tried on it.
+
+use rayon::prelude::*;
+
+use super::{
+    AT_NOISE, Candidate, FAR, MOST_EFFECTS, Question, Selection, accepts, explains_enough, ranked, reduced, trial,
+};
+use crate::fit::FitError;
+use crate::hypothesis::Hypothesis;
+use crate::screen::Lead;
+
+/// The selection that the whole recordings make of what was `found` on their first part. `done` is told after each refit.
+///
+/// Few runs of a recording, whatever was tried before: what grows with its length is a dozen refits' steps.
+pub fn lengthened(
+    question: &Question<'_>,
+    found: &Selection,
+    done: &(impl Fn(&str) + Sync),
+) -> Result<Selection, FitError> {
+    let claims = !found.chosen.effects.is_empty();
+    let (base, chosen) =
+        rayon::join(|| base(question, &found.base), || claims.then(|| found.chosen.finished(question)).transpose());
+    let base = base?;
+    done("the whole recordings");
+    let mut selection = Selection { chosen: base.clone(), base, rounds: found.rounds.clone() };
+    if let Some(chosen) = chosen?
+        && chosen.is_plausible(question.scene)
+        && accepts(question, &selection.base, &selection.base, &chosen)?
+    {
+        selection.chosen = reduced(question, &selection.base, chosen)?;
+    }
+    if selection.chosen.effects.len() < MOST_EFFECTS
+        && !explains_enough(question, &selection.base, &selection.chosen, AT_NOISE)
+        && let Some(slow) = slow(question, &selection.chosen, done)?
+        && accepts(question, &selection.base, &selection.chosen, &slow)?
+    {
+        let added = ranked(question, &selection.base, vec![slow.clone()]);
+        selection.rounds.truncate(selection.chosen.effects.len());
+        selection.rounds.push(added.iter().map(|(candidate, net)| trial(candidate, *net)).collect());
+        selection.chosen = slow;
+    }
+    Ok(selection)
+}
+
+/// The machine file's model on the whole: to the end only where that is near, for what lacks an effect never quite arrives.
+fn base(question: &Question<'_>, from: &Candidate) -> Result<Candidate, FitError> {
+    let rough = Candidate::rough(question, Some(&from.fit))?;
+    if rough.worst_over_noise(question) < FAR { rough.finished(question) } else { Ok(rough) }
+}
+
+/// A set with the effect beside it that acts slowly and follows the whole recordings best, refitted.
+fn slow(
+    question: &Question<'_>,
+    from: &Candidate,
+    done: &(impl Fn(&str) + Sync),
+) -> Result<Option<Candidate>, FitError> {
+    let open: Vec<&'static Hypothesis> = question
+        .hypotheses
+        .iter()
+        .copied()
+        .filter(|hypothesis| hypothesis.is_slow(question.scene))
+        .filter(|hypothesis| from.effects.iter().all(|chosen| chosen.effect.name != hypothesis.name))
+        .collect();
+    if open.is_empty() {
+        return Ok(None);
+    }
+    let mut leads: Vec<Lead> = from.leads(question, &open)?;
+    let mut known: Vec<&str> = Vec::new();
+    // The most promising first, so that the best form of each stays.
+    leads.retain(|lead| {
+        let new = !known.contains(&lead.effect.name);
+        known.push(lead.effect.name);
+        new
+    });
+    let rough: Vec<Candidate> = leads
+        .par_iter()
+        .map(|lead| {
+            let candidate = from.with(question, lead)?;
+            done(lead.effect.name);
+            Ok(candidate)
+        })
+        .collect::<Result<_, FitError>>()?;
+    let best = rough.into_iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss));
+    let finished = best.map(|best| best.finished(question)).transpose()?;
+    Ok(finished.filter(|candidate| candidate.is_plausible(question.scene)))
+}

@@ -1,0 +1,82 @@
+//! Long recordings: searched on their first minute, judged as a whole.
+
+use std::time::Instant;
+
+use host_sim::excerpt::{AFFORDABLE_TICKS, Excerpt};
+use host_sim::prepare::Prepared;
+use host_sim::recording::Recording;
+use host_sim::testbed::sensors::PositionSensor;
+use host_sim::testbed::{Bench, Drive, Excitation, InitialState, Plant, PlantEffect, Sensors, truth_near};
+use model_core::parameter::Parameter as P;
+
+use super::bed::{Case, claimed, press};
+
+/// What was put in, m³/s/Pa.
+const LEAK: f64 = 2e-12;
+/// Proportional control of the position, V/m.
+const GAIN_V_PER_M: f64 = 80.0;
+
+/// A press with internal leakage that a controller drives to and fro: steps within ±50 mm, each held for up to `rest_s`. Lengths
+/// in s.
+fn cycling(training_s: &[f64], held_out_s: &[f64], rest_s: f64) -> Case {
+    let file = press();
+    let truth = truth_near(&file.machine, &file.sigma, 1.0, 7);
+    let initial = InitialState::at_rest(&truth, 0.5 * truth.get(P::Stroke));
+    let record = |(index, (prefix, duration_s)): (usize, (&str, f64))| {
+        let plant = Plant::new(&truth, 1e-7).unwrap().with_effects(&[PlantEffect::internal_leakage(LEAK)]);
+        let mut sensors = Sensors::with_position(&truth, PositionSensor::Linear { resolution_m: 2e-5 });
+        sensors.spool.noise_std = 5e-4;
+        let seed = 7000 + index as u64;
+        let bench = Bench { tick_s: 1e-3, seed, ..Bench::new(plant, sensors) };
+        let excitation = Excitation::Random { amplitude_v: 4.0, shortest_s: 0.3, longest_s: rest_s, duration_s, seed };
+        let reference = excitation.sample(bench.tick_s).into_iter();
+        let reference_m = reference.map(|volts| initial.position_m + volts / GAIN_V_PER_M).collect();
+        let recording = bench.record(&Drive::Closed { reference_m, gain_v_per_m: GAIN_V_PER_M }, &initial).unwrap();
+        recording.rounded().to_recording(&format!("{prefix}-{index}.csv")).unwrap()
+    };
+    let all =
+        training_s.iter().map(|length| ("train", *length)).chain(held_out_s.iter().map(|length| ("holdout", *length)));
+    let mut training: Vec<Recording> = all.enumerate().map(record).collect();
+    let held_out = training.split_off(training_s.len());
+    Case { file, training, held_out }
+}
+
+fn prepared(case: &Case) -> Vec<Prepared> {
+    let prepare = |recording| Prepared::new(recording, &case.file.machine, case.file.load_source, None).unwrap();
+    case.training.iter().map(prepare).collect()
+}
+
+/// Diagnoses, and prints how long that took.
+fn leakage_is_named(case: &Case) {
+    let start = Instant::now();
+    let diagnosis = case.diagnose();
+    let ticks: usize = diagnosis.shown.iter().map(|shown| shown.prepared.stimulus.ticks()).sum();
+    println!("{:6.1} min of recording: {:6.1} s", ticks as f64 / 6e4, start.elapsed().as_secs_f64());
+    assert_eq!(claimed(&diagnosis), "internal-leakage");
+    let found = diagnosis.findings[0].parameters[0].value;
+    assert!((found / LEAK - 1.0).abs() < 0.05, "{found:e}");
+    // Every row is judged, not those alone that were searched.
+    for (shown, recording) in diagnosis.shown.iter().zip(case.training.iter().chain(&case.held_out)) {
+        assert_eq!(shown.after.series[0].1.len(), recording.rows());
+    }
+}
+
+#[test]
+fn an_effect_is_found_in_the_first_minute_of_five_and_confirmed_by_the_rest() {
+    let case = cycling(&[150.0, 150.0], &[40.0], 2.0);
+    let excerpt = Excerpt::of(&case.training, &prepared(&case), &case.file.machine, case.file.load_source).unwrap();
+    let searched = excerpt.expect("five minutes are more than a search affords");
+    assert!(searched.cases.iter().map(|case| case.stimulus.ticks()).sum::<usize>() < AFFORDABLE_TICKS / 4);
+    leakage_is_named(&case);
+}
+
+/// How long a diagnosis takes and that it grows no faster than the recordings, waiting phases included:
+/// `cargo test --release -p system-tests --test diagnosis an_hour -- --ignored --nocapture`
+#[test]
+#[ignore = "minutes: an hour of recording at 1 kHz, three times"]
+fn an_hour_of_recording_is_diagnosed_in_minutes() {
+    leakage_is_named(&cycling(&[40.0], &[20.0], 2.0));
+    leakage_is_named(&cycling(&[400.0], &[200.0], 6.0));
+    leakage_is_named(&cycling(&[2400.0], &[1200.0], 6.0));
+    leakage_is_named(&cycling(&[600.0; 4], &[600.0; 2], 6.0));
+}
