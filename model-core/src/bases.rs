@@ -6,9 +6,12 @@ use crate::machine::{Bases, Machine, Source, Tick};
 use crate::mechanics::GAMMA;
 use crate::number::Real;
 use crate::parameter::Parameter as P;
+use crate::temperature::THINNEST;
 
 /// Command at 1, V.
 pub(crate) const COMMAND_V: f64 = 10.0;
+/// Temperature at 1, °C: signals reach ±200 °C.
+pub(crate) const TEMPERATURE_C: f64 = 25.0;
 /// Pump speed at 1, revolutions per second.
 pub(crate) const PUMP_SPEED_REV_PER_S: f64 = 50.0;
 
@@ -49,6 +52,7 @@ pub(crate) fn bases(machine: &Machine<f64>, tick: Tick) -> Bases {
         stroke_m: machine.get(P::Stroke),
         command_v: COMMAND_V,
         pump_speed_rev_per_s: PUMP_SPEED_REV_PER_S,
+        temperature_c: TEMPERATURE_C,
         tick_s,
     }
 }
@@ -71,10 +75,12 @@ pub(crate) fn least_drag<R: Real>(machine: &Machine<R>) -> R {
 /// Nowhere along its stroke has the rod less of its viscous friction than this share.
 pub(crate) const SLIPPERIEST: f64 = 0.05;
 
-/// Least viscosity there is or will be, of the one that the machine's values are for.
+/// Least viscosity there can be, of the one that the machine's values are for.
 pub(crate) fn thinnest<R: Real>(machine: &Machine<R>) -> R {
     let loss = machine.get(P::ViscosityLoss);
-    if loss.value() > 0.0 { R::ONE - loss } else { R::ONE }
+    let warmed = if loss.value() > 0.0 { R::ONE - loss } else { R::ONE };
+    let thins = machine.get(P::ViscosityLossPerKelvin).value() > 0.0;
+    if thins { warmed * R::constant(THINNEST) } else { warmed }
 }
 
 /// That of the stiffer chamber. (7)

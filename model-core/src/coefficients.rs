@@ -6,6 +6,7 @@ mod chambers;
 mod flow_effects;
 mod mechanics;
 mod sensors;
+mod temperature;
 mod unnamed;
 mod valve_effects;
 
@@ -41,7 +42,7 @@ impl<N: Number> Drive<N> {
             gamma: builder.gain::<N>("the step's γ", P::Stroke, N::Real::constant(GAMMA))?,
             springs: [spring_a, spring_b],
             sensors: builder.sensors(DELAY)?,
-            warming: builder.warming()?,
+            viscosity: builder.viscosity()?,
             unnamed: builder.unnamed()?,
             bases: builder.bases,
         })

@@ -27,7 +27,7 @@ use crate::mechanics::{Contact, Forces, Mechanics, MotionState, Surroundings};
 use crate::number::Number;
 use crate::sensors::{Sensed, SensedState, Sensors};
 use crate::supply::SupplyState;
-use crate::temperature::{Oil, Warming};
+use crate::temperature::{Oil, Viscosity};
 use crate::unnamed::{States, Unnamed};
 use crate::valve::{AcrossEdges, Slider, Valve, ValveState};
 
@@ -53,8 +53,8 @@ pub struct Drive<N: Number> {
     /// γ²·mobility·stiffness of each chamber: the oil springs in the eliminated equation.
     pub(crate) springs: [N::Steep; 2],
     pub(crate) sensors: Sensors<N>,
-    /// Of the oil.
-    pub(crate) warming: Option<Warming<N>>,
+    /// Of the oil, where it changes.
+    pub(crate) viscosity: Option<Viscosity<N>>,
     /// Flow or slider travel without a name; a force stands in the mechanics.
     pub(crate) unnamed: Option<Unnamed<N>>,
     pub(crate) bases: Bases,
@@ -85,6 +85,9 @@ pub struct DriveState<N: Number, const DELAY: usize = 64> {
     pub sensed: SensedState<N, DELAY>,
     /// How much of the oil's warming is done, 0..1.
     pub warmth: N::Travel,
+    /// Temperature of the oil, per unit of [`Bases::temperature_c`]: an input, for whoever measures it to set before a tick. It stays at
+    /// the machine's reference temperature where nobody does (0 where the viscosity does not go by it).
+    pub oil_temperature: N,
 }
 
 /// Where the chain is entered in a tick, and with what.
@@ -231,6 +234,7 @@ impl<N: Number> Drive<N> {
             supply: self.unloaded(),
             sensed: SensedState::at_rest(position),
             warmth: N::travel(N::ZERO.to_real()),
+            oil_temperature: self.reference_temperature(),
         }
     }
 
@@ -275,8 +279,8 @@ impl<N: Number> Drive<N> {
     ) -> Interfaces<N> {
         let seen = self.step_links(state, entry, load);
         self.sensors.step(&mut state.sensed, state.motion.position);
-        if let Some(warming) = &self.warming {
-            warming.step(&mut state.warmth);
+        if let Some(viscosity) = &self.viscosity {
+            viscosity.step(&mut state.warmth);
         }
         seen
     }
@@ -335,7 +339,7 @@ impl<N: Number> Drive<N> {
             start: from + constant,
             first: from + constant + N::dot([self.gamma], [rise]),
             second: to + constant - N::dot([self.gamma], [rise]),
-            around: self.surroundings(state, N::ZERO, self.warming.as_ref().map(|warming| warming.oil(state.warmth))),
+            around: self.surroundings(state, N::ZERO, self.oil(state)),
         };
         let position = N::of_travel(state.motion.position);
         let velocity = self.unsprung.step(&mut state.motion, forces);
@@ -353,7 +357,7 @@ impl<N: Number> Drive<N> {
         let pressures = state.chambers;
         let velocity = state.motion.velocity;
         let position = N::of_travel(state.motion.position);
-        let oil = self.warming.as_ref().map(|warming| warming.oil(state.warmth));
+        let oil = self.oil(state);
         let filled = self.chambers.at(pressures, position, oil.map(|oil| oil.thinness));
         let chambers = filled.as_ref().map_or(&self.chambers, |filled| &filled.chambers);
         let slider = match feed {
@@ -461,6 +465,17 @@ impl<N: Number> Drive<N> {
             (Feed::Edges(slider), OilSource::Valve(_, edges)) => edges.supplied(slider.to, pressures, supply, drawn),
             _ => supply,
         }
+    }
+
+    /// Temperature that the machine's values are for, where the viscosity goes by it.
+    fn reference_temperature(&self) -> N {
+        self.viscosity.and_then(|viscosity| viscosity.thinning).map_or(N::ZERO, |thinning| thinning.reference)
+    }
+
+    /// The oil at the start of a tick, where it changes.
+    #[inline]
+    fn oil<const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> Option<Oil<N>> {
+        self.viscosity.as_ref().map(|viscosity| viscosity.oil(state.warmth, state.oil_temperature))
     }
 
     /// What friction depends on beside the motion.

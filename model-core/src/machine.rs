@@ -190,6 +190,8 @@ pub struct Bases {
     pub command_v: f64,
     /// Pump speed 1, revolutions per second.
     pub pump_speed_rev_per_s: f64,
+    /// Temperature 1, °C; 0 is 0 °C.
+    pub temperature_c: f64,
     /// Tick, s.
     pub tick_s: f64,
 }

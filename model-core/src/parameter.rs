@@ -156,6 +156,8 @@ parameters! {
     PositionFactor: "effects.sensor-offset.position_factor", "1", -0.9, 1.0, Value(0.0), "Gain error of the position's sensor, from where the recording starts.";
     ViscosityLoss: "effects.oil-temperature.viscosity_loss", "1", -3.0, 0.95, Value(0.0), "Share of the oil's viscosity that is lost in the end as it warms; viscous friction falls with it, leakage rises.";
     WarmingTime: "effects.oil-temperature.time_constant_s", "s", 1e-2, 1e5, Value(10.0), "Time constant with which the oil warms.";
+    ViscosityLossPerKelvin: "effects.oil-temperature.viscosity_loss_per_k", "1/K", 0.0, 0.1, Value(0.0), "Relative loss of viscosity per kelvin of measured temperature: viscosity is e^(-loss (T - reference)) of that at the reference, within 1/8 to 8.";
+    ReferenceTemperature: "effects.oil-temperature.reference_temperature_c", "°C", -20.0, 120.0, Value(40.0), "Temperature of the oil that the file's values are for, and where nobody measures it.";
     TableQuantity: "effects.unnamed.quantity", "1", 0.0, 4.0, Value(0.0), "What the table adds to: 0 nothing, 1 force on the rod in N (positive extends), 2 flow into A and 3 flow out of B in m3/s, 4 slider travel after the lags.";
     TableOver: "effects.unnamed.over", "1", 0.0, 5.0, Value(0.0), "State that its seven nodes are over: 0 none, 1 velocity in m/s, 2 position in m, 3 slider, 4 pressure A and 5 pressure B in Pa.";
     TableOver2: "effects.unnamed.over_2", "1", 0.0, 5.0, Value(0.0), "State that each node's three values are over, by the same numbers; 0: one value a node.";

@@ -146,6 +146,16 @@ fn within_stroke(bench: &Bench, excitation: Excitation, truth: &Machine<f64>) ->
     panic!("{excitation:?} leaves the stroke");
 }
 
+/// The same recording with a thermometer in the oil, which reads this over time, °C.
+pub(crate) fn in_oil(recording: &Recording, oil_c: impl Fn(f64) -> f64) -> Recording {
+    let recorded = |&signal: &Signal| recording.signal(signal).map(|values| Column::si(signal, values.to_vec()));
+    let mut columns = vec![Column::si(Signal::Time, recording.time_s().to_vec())];
+    columns.extend(Signal::ALL.iter().filter(|signal| **signal != Signal::Time).filter_map(recorded));
+    let read = recording.time_s().iter().map(|&time_s| oil_c(time_s)).collect();
+    columns.push(Column::si(Signal::OilTemperature, read));
+    Recording::new(recording.name(), columns).unwrap()
+}
+
 /// A pump-controlled cylinder with pressures and the external force recorded.
 pub(crate) fn pump_case(seed: u64, effect: Option<PlantEffect>) -> Case {
     let nominal = drives::pump();

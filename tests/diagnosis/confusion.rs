@@ -19,7 +19,7 @@ struct Said {
 }
 
 fn lot(seed: u64, concealed: Concealed, hard: bool) -> Lot {
-    Lot { seed, concealed, hard, only: Vec::new() }
+    Lot { seed, concealed, hard, only: Vec::new(), thermometer: false }
 }
 
 /// One case of a lot, diagnosed; nothing where none could be drawn.

@@ -8,7 +8,7 @@ use model_core::machine::Machine;
 use model_core::number::Real;
 use model_core::parameter::Parameter as P;
 
-use super::bed::{pump_case, valve_case};
+use super::bed::{in_oil, pump_case, valve_case};
 
 const SIGNALS: [Signal; 5] = [Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Velocity, Signal::Position];
 
@@ -79,12 +79,13 @@ fn derivatives_of_a_valve_drive_by_every_uncertain_value_are_its_differences() {
 fn derivatives_by_the_smooth_effects_of_chambers_mechanics_and_sensors_are_differences() {
     let case = valve_case(31, None, true, None);
     let machine = case.file.machine;
+    let recording = in_oil(&case.training[0], |time_s| 30.0 + 10.0 * time_s);
     let press = |changes: &[(P, f64)], of: &[(P, f64)]| {
         let mut machine = machine;
         for &(parameter, value) in changes.iter().chain(of) {
             machine.set(parameter, value);
         }
-        let prepared = Prepared::new(&case.training[0], &machine, case.file.load_source, None).unwrap();
+        let prepared = Prepared::new(&recording, &machine, case.file.load_source, None).unwrap();
         for &(parameter, value) in of {
             // Some move the rod by micrometres: a step large enough to be seen above rounding.
             check(&machine, &prepared.stimulus, parameter, 30.0 * value.abs());
@@ -96,6 +97,10 @@ fn derivatives_by_the_smooth_effects_of_chambers_mechanics_and_sensors_are_diffe
     press(&[], &[(P::PositionDragSlope, 0.5), (P::PositionDragBow, 0.8)]);
     press(&[], &[(P::LoadSpring, 1e4), (P::LoadSpringForce, 300.0), (P::LoadSpringBow, 2e5)]);
     press(&[(P::InternalLeakage, 3e-12)], &[(P::ViscosityLoss, 0.4), (P::WarmingTime, 3.0)]);
+    press(
+        &[(P::InternalLeakage, 3e-12)],
+        &[(P::ViscosityLossPerKelvin, 0.03), (P::ReferenceTemperature, 35.0), (P::ViscosityLoss, 0.4)],
+    );
     press(&[], &[(P::PositionLag, 5e-3), (P::PositionDelay, 7.3e-3)]);
     press(&[], &[(P::PressureAOffset, 1e5), (P::PressureBFactor, 0.03), (P::PositionFactor, 0.02)]);
 }
@@ -105,7 +110,8 @@ fn derivatives_by_the_smooth_effects_of_chambers_mechanics_and_sensors_are_diffe
 fn an_effect_of_nothing_has_a_derivative() {
     let case = valve_case(31, None, true, None);
     let machine = case.file.machine;
-    let prepared = Prepared::new(&case.training[0], &machine, case.file.load_source, None).unwrap();
+    let recording = in_oil(&case.training[0], |time_s| 50.0 + time_s);
+    let prepared = Prepared::new(&recording, &machine, case.file.load_source, None).unwrap();
     let without = plain(&machine, &prepared.stimulus);
     for parameter in [
         P::ExternalLeakageA,
@@ -127,6 +133,7 @@ fn an_effect_of_nothing_has_a_derivative() {
         P::LoadSpringBow,
         P::PreslidingForce,
         P::ViscosityLoss,
+        P::ViscosityLossPerKelvin,
         P::BacklashPlay,
         P::PositionLag,
         P::PositionDelay,

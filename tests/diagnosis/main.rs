@@ -9,6 +9,7 @@ mod derivatives;
 mod drawn;
 mod faults;
 mod long;
+mod oil;
 mod once;
 mod real;
 mod real_actuator;

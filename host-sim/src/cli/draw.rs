@@ -34,6 +34,9 @@ pub struct Arguments {
     /// Only effects of this name; may be repeated
     #[arg(long, value_name = "name")]
     only: Vec<String>,
+    /// Record the oil's temperature, which rises from recording to recording
+    #[arg(long)]
+    thermometer: bool,
     /// Folder to write to; made where it is not there
     #[arg(long, value_name = "folder")]
     out: PathBuf,
@@ -78,6 +81,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         concealed: arguments.effects.into(),
         hard: arguments.hard,
         only: arguments.only.clone(),
+        thermometer: arguments.thermometer,
     };
     let bar = console.progress(usize::try_from(arguments.count).unwrap_or(usize::MAX), "drawing cases");
     let cases = (0..arguments.count)

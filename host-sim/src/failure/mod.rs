@@ -115,8 +115,15 @@ pub fn bridged(recorded: &[f64], failed: &[bool]) -> Vec<f64> {
 }
 
 /// Measured signals that a simulation may start from or be driven by. A command is not measured: what it jumps to is meant.
-pub const MEASURED: [Signal; 6] =
-    [Signal::Spool, Signal::Flow, Signal::PressureA, Signal::PressureB, Signal::Force, Signal::Position];
+pub const MEASURED: [Signal; 7] = [
+    Signal::Spool,
+    Signal::Flow,
+    Signal::PressureA,
+    Signal::PressureB,
+    Signal::Force,
+    Signal::Position,
+    Signal::OilTemperature,
+];
 
 /// A recording with what its sensors failed to measure bridged.
 #[derive(Clone, Debug)]

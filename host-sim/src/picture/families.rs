@@ -253,17 +253,7 @@ pub(super) fn of(effect: &Hypothesis, after: &Machine<f64>) -> Family {
             needs: PRESSURES,
             point: |law, m| Some((MM * m.position_m, braking(law, m), 0)),
         },
-        "oil-temperature" => Family {
-            title: "Viscous friction since the start",
-            caption: "Force against motion over velocity, while the rod moves.",
-            x: ("time", "s"),
-            y: ("viscous friction", "kN s/m"),
-            needs: PRESSURES,
-            point: |law, m| {
-                let viscous = braking(law, m) + law.by.damping * m.velocity;
-                (m.velocity.abs() > 0.03).then(|| (m.time_s, 1e-3 * viscous / m.velocity, 0))
-            },
-        },
+        "oil-temperature" => oil(after),
         "linkage-backlash" => Family {
             title: "Sensed position beside that of a perfect sensor, over the velocity",
             caption: "Play shifts what is sensed against the way that the rod moves.",
@@ -282,6 +272,32 @@ pub(super) fn of(effect: &Hypothesis, after: &Machine<f64>) -> Family {
         },
         "sensor-offset" => sensor(after),
         _ => lacking_motion(effect),
+    }
+}
+
+/// Viscous friction over what the oil's viscosity goes by: its measured temperature, or the time.
+fn oil(after: &Machine<f64>) -> Family {
+    /// Slower than this no viscous friction is to be seen, m/s.
+    const FAST: f64 = 0.03;
+    fn viscous(law: &Law, m: &Moment) -> f64 {
+        1e-3 * (braking(law, m) / m.velocity + law.by.damping)
+    }
+    let family = |title, x, point| Family {
+        title,
+        caption: "Force against motion over velocity, while the rod moves.",
+        x,
+        y: ("viscous friction", "kN s/m"),
+        needs: PRESSURES,
+        point,
+    };
+    if after.get(Parameter::ViscosityLossPerKelvin) > 0.0 {
+        family("Viscous friction over the oil's temperature", ("oil temperature", "°C"), |law, m| {
+            (m.velocity.abs() > FAST).then(|| (m.oil_c, viscous(law, m), 0))
+        })
+    } else {
+        family("Viscous friction since the start", ("time", "s"), |law, m| {
+            (m.velocity.abs() > FAST).then(|| (m.time_s, viscous(law, m), 0))
+        })
     }
 }
 

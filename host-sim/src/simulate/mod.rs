@@ -190,6 +190,9 @@ pub fn run<N: Number>(
         if point > 0 {
             let tick = point - 1;
             let entry = entered(machine, stimulus.entry_at(tick, &bases));
+            if let Some(temperature) = stimulus.oil_at(tick, &bases) {
+                state.oil_temperature = temperature;
+            }
             drive.step(&mut state, entry, stimulus.load_at(tick, &bases));
         }
         // A row lies on this point, or in the tick before it.

@@ -108,6 +108,8 @@ pub struct Stimulus {
     follows: bool,
     /// External force at grid points, N.
     load_n: Option<Vec<f64>>,
+    /// Temperature of the oil at grid points, °C. An input, with whatever noise its sensor has: so slow a signal needs no smoothing.
+    oil_c: Option<Vec<f64>>,
     /// Whether anybody asks for the flow at each row: it costs two more roots.
     pub wants_flow: bool,
     /// Viscous friction, N s/m, in place of all friction of the machine, where that force balances the recorded pressures: these
@@ -220,6 +222,7 @@ impl Stimulus {
             slider,
             follows: false,
             load_n,
+            oil_c: recording.signal(Signal::OilTemperature).map(|temperature| grid.points(temperature)),
             wants_flow: true,
             damping,
             rows: grid.rows,
@@ -280,6 +283,12 @@ impl Stimulus {
             let at = |index: usize| N::saturated(force.get(index).copied().unwrap_or(0.0) / bases.force_n);
             Load { from: at(tick), to: at(tick + 1) }
         })
+    }
+
+    /// Measured temperature of the oil at the start of a tick, per unit.
+    pub(super) fn oil_at<N: Number>(&self, tick: usize, bases: &Bases) -> Option<N> {
+        let measured = self.oil_c.as_ref().and_then(|oil_c| oil_c.get(tick));
+        measured.map(|temperature_c| N::saturated(temperature_c / bases.temperature_c))
     }
 
     pub(super) fn pump_at<N: Number>(&self, tick: usize, bases: &Bases) -> PumpDrive<N> {

@@ -259,3 +259,34 @@ fn no_slider_is_followed_where_the_chain_is_entered_below_the_valve() {
         Stimulus::new(&recording, &press(), EntryPoint::Slider, LoadSource::Constant, Tick::OneMillisecond).unwrap();
     assert!(stimulus.following().is_none());
 }
+
+#[test]
+fn a_recorded_oil_temperature_thins_the_oil_and_without_one_it_is_at_the_reference() {
+    let plain = commanded(grid(1e-3, 1500));
+    let rows = plain.time_s().len();
+    let columns = [Signal::Command, Signal::Position].map(|signal| (signal, plain.signal(signal).unwrap().to_vec()));
+    let warm = columns.into_iter().chain([(Signal::OilTemperature, vec![65.0; rows])]).collect();
+    let warm = recording(plain.time_s().to_vec(), warm);
+    let set = |changes: &[(Parameter, f64)]| {
+        let mut machine = press();
+        machine.set(Parameter::InternalLeakage, 2e-12);
+        for &(parameter, value) in changes {
+            machine.set(parameter, value);
+        }
+        machine
+    };
+    let position = |machine: &Machine<f64>, recording: &Recording| {
+        let run = run_of(machine, recording, EntryPoint::Command, LoadSource::Constant);
+        run.signal(Signal::Position).unwrap().to_vec()
+    };
+    let apart =
+        |one: &[f64], other: &[f64]| one.iter().zip(other).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+    let thins = set(&[(Parameter::ViscosityLossPerKelvin, 0.04), (Parameter::ReferenceTemperature, 40.0)]);
+    let thinned = (-0.04_f64 * 25.0).exp();
+    let thin = set(&[(Parameter::ViscousFriction, 4e4 * thinned), (Parameter::InternalLeakage, 2e-12 / thinned)]);
+    // The step's mass is matched to the oil spring under the file's friction, whatever the oil.
+    assert!(apart(&position(&thins, &warm), &position(&thin, &plain)) < 1e-5);
+    assert!(apart(&position(&thins, &warm), &position(&thins, &plain)) > 1e-3);
+    assert!(apart(&position(&thins, &plain), &position(&set(&[]), &plain)) < 1e-9);
+    assert_eq!(position(&set(&[]), &warm), position(&set(&[]), &plain));
+}

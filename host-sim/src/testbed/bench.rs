@@ -3,7 +3,7 @@
 use super::excitation::{Dither, Excitation};
 use super::input::{Command, PumpCommand};
 use super::plant::{InitialState, Plant, PlantError};
-use super::sensors::{Measuring, Sensors};
+use super::sensors::{Measuring, Sensors, Thermometer};
 use super::sight::Sight;
 use super::synthetic::SyntheticRecording;
 
@@ -35,6 +35,8 @@ pub struct Bench {
     pub plant: Plant,
     /// What is seen of it.
     pub sensors: Sensors,
+    /// What the oil's temperature is measured by, where it is.
+    pub thermometer: Option<Thermometer>,
     /// Control tick, s.
     pub tick_s: f64,
     /// Added to a valve's command, and recorded as part of it.
@@ -47,7 +49,7 @@ impl Bench {
     /// A bench with a tick of 1 ms, no dither, and seed 0.
     #[must_use]
     pub const fn new(plant: Plant, sensors: Sensors) -> Self {
-        Self { plant, sensors, tick_s: 1e-3, dither: None, seed: 0 }
+        Self { plant, sensors, thermometer: None, tick_s: 1e-3, dither: None, seed: 0 }
     }
 
     /// Runs the drive and records what the sensors show.
@@ -71,6 +73,10 @@ impl Bench {
         };
         if let Drive::Closed { reference_m, .. } = drive {
             recording.reference_m.clone_from(reference_m);
+        }
+
+        if let Some(thermometer) = &self.thermometer {
+            recording.oil_temperature_c = thermometer.read(self.seed, ticks);
         }
 
         let time_s = recording.time_s.clone();

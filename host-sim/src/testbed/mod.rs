@@ -35,7 +35,7 @@ mod validation;
 pub use bench::{Bench, Drive};
 pub use edges::GainCurve;
 pub use effect::{
-    Channel, DryFriction, FlowEffect, FrictionLevel, LoadEffect, OilTemperature, PlantEffect, SensingEffect,
+    Channel, DryFriction, FlowEffect, FrictionLevel, LoadEffect, OilGrade, OilTemperature, PlantEffect, SensingEffect,
     ValveEffect,
 };
 pub use excitation::{Dither, Excitation};
@@ -43,6 +43,6 @@ pub use grammar::ExcitationError;
 pub use input::{Command, Commands, LoadError, LoadProfile, PumpCommand};
 pub use linkage::{Linkage, LinkageError};
 pub use plant::{InitialState, Plant, PlantError, PlantState};
-pub use sensors::Sensors;
+pub use sensors::{Sensors, Thermometer};
 pub use synthetic::{SyntheticRecording, WriteError};
 pub use truth::truth_near;

@@ -77,6 +77,26 @@ impl PressureSensor {
     }
 }
 
+/// A thermometer in the tank's oil.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thermometer {
+    /// Temperature of the oil, °C: constant over a recording.
+    pub oil_c: f64,
+    /// Standard deviation of its noise, K.
+    pub noise_std_k: f64,
+    /// Its step, K; 0 is exact.
+    pub resolution_k: f64,
+}
+
+impl Thermometer {
+    /// So many readings, °C.
+    pub(super) fn read(&self, seed: u64, ticks: usize) -> Vec<f64> {
+        // The streams before are the other sensors'.
+        let mut noise = Noise::new(seed, 6);
+        (0..ticks).map(|_| quantised(self.oil_c + noise.gaussian(self.noise_std_k), self.resolution_k)).collect()
+    }
+}
+
 /// All sensors of a drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensors {

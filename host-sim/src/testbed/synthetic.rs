@@ -31,6 +31,8 @@ pub struct SyntheticRecording {
     pub pressure_b_pa: Vec<f64>,
     /// Supply pressure as measured, Pa; empty where it is not recorded.
     pub supply_pressure_pa: Vec<f64>,
+    /// Temperature of the oil as measured, °C; empty where it is not recorded.
+    pub oil_temperature_c: Vec<f64>,
     /// Set position of a closed-loop run, m; empty otherwise.
     pub reference_m: Vec<f64>,
     /// The true signals, which no recording has.
@@ -83,6 +85,7 @@ impl SyntheticRecording {
             ("pressure_a [Pa]", &self.pressure_a_pa),
             ("pressure_b [Pa]", &self.pressure_b_pa),
             ("supply_pressure [Pa]", &self.supply_pressure_pa),
+            ("oil_temperature [°C]", &self.oil_temperature_c),
             ("reference [m]", &self.reference_m),
         ];
         columns.retain(|column| !column.1.is_empty());
@@ -108,6 +111,7 @@ impl SyntheticRecording {
             &mut self.pressure_a_pa,
             &mut self.pressure_b_pa,
             &mut self.supply_pressure_pa,
+            &mut self.oil_temperature_c,
             &mut self.reference_m,
         ];
         for channel in channels {
@@ -120,7 +124,7 @@ impl SyntheticRecording {
     }
 
     /// The recording with each channel rounded to what its sensor can tell, so that its text is short: command 0.1 mV,
-    /// slider 1e-6, position 0.1 µm, pressure 1 Pa.
+    /// slider 1e-6, position 0.1 µm, pressure 1 Pa, temperature 0.01 K.
     #[must_use]
     pub fn rounded(mut self) -> Self {
         let round = |values: &mut Vec<f64>, per_unit: f64| {
@@ -136,6 +140,7 @@ impl SyntheticRecording {
         round(&mut self.pressure_a_pa, 1.0);
         round(&mut self.pressure_b_pa, 1.0);
         round(&mut self.supply_pressure_pa, 1.0);
+        round(&mut self.oil_temperature_c, 1e2);
         self
     }
 
@@ -149,6 +154,7 @@ impl SyntheticRecording {
             Column::si(Signal::PressureA, self.pressure_a_pa.clone()),
             Column::si(Signal::PressureB, self.pressure_b_pa.clone()),
             Column::si(Signal::SupplyPressure, self.supply_pressure_pa.clone()),
+            Column::si(Signal::OilTemperature, self.oil_temperature_c.clone()),
         ];
         columns.retain(|column| column.signal == Signal::Time || !column.values.is_empty());
         Recording::new(name, columns)

@@ -21,13 +21,21 @@ pub fn truth_near(nominal: &Machine<f64>, sigma: &BTreeMap<Parameter, f64>, spre
     truth
 }
 
-/// A stream for each parameter; the first ones are the sensors'. The level at rest came into the table later, between others: they
-/// keep their streams, so that a seed draws the same machine as before.
+/// Parameters that came into the table later, between others.
+const LATER: [Parameter; 5] = [
+    Parameter::LevelAtRest,
+    Parameter::ViscosityLossPerKelvin,
+    Parameter::ReferenceTemperature,
+    Parameter::PositionDragSlope,
+    Parameter::PositionDragBow,
+];
+
+/// A stream for each parameter; the first ones are the sensors'. The others keep their streams beside those that came later, so that a
+/// seed draws the same machine as before.
 fn stream(parameter: Parameter) -> u64 {
-    const LATER: u64 = Parameter::LevelAtRest as u64;
-    match parameter as u64 {
-        LATER => 999,
-        place => 1000 + place - u64::from(place > LATER),
+    match LATER.iter().position(|&later| later == parameter) {
+        Some(later) => 999 - later as u64,
+        None => 1000 + parameter as u64 - LATER.iter().filter(|&&later| later < parameter).count() as u64,
     }
 }
 

@@ -1,4 +1,4 @@
-//! Coefficients of the mechanics, and of the oil's temperature.
+//! Coefficients of the mechanics.
 
 use super::Builder;
 use crate::bases::{SLIPPERIEST, least_drag, thinnest};
@@ -10,7 +10,6 @@ use crate::mechanics::{GAMMA, Mechanics, Resistance, Row};
 use crate::number::{Number, Real};
 use crate::parameter::Parameter as P;
 use crate::position_load::{PositionLoad, Signed};
-use crate::temperature::Warming;
 
 /// Largest coefficient of the bristles: what the format of a slope holds. Stiffer ones are as stiff as that.
 const STIFFEST: f64 = 6e4;
@@ -18,8 +17,6 @@ const STIFFEST: f64 = 6e4;
 const AT_REST: f64 = 6.1e-5;
 /// Positions beyond this many strokes are out of a signal's range: no stop is there.
 const OUT_OF_REACH: f64 = 7.9;
-/// Least e-folds a tick at which an exponential is taken instead of its first terms.
-const SLOW: f64 = 1e-4;
 
 impl<R: Real> Builder<'_, R> {
     /// The mass at which the step turns the oil spring as fast as the moving mass turns it in truth.
@@ -183,7 +180,7 @@ impl<R: Real> Builder<'_, R> {
         let stops = self.is_on(&[P::StopStiffness, P::StopDamping]);
         let bristles = self.has_bristles();
         let drag = self.is_on(&[P::PositionDragSlope, P::PositionDragBow]);
-        let warms = self.is_on(&[P::ViscosityLoss]);
+        let warms = self.is_on(&[P::ViscosityLoss, P::ViscosityLossPerKelvin]);
         if !(load || stops || bristles || warms || drag) {
             return Ok(None);
         }
@@ -290,35 +287,5 @@ impl<R: Real> Builder<'_, R> {
             at_rest: steep("velocity of rest", R::constant(AT_REST))?,
             unity: steep("one", R::ONE)?,
         })
-    }
-
-    pub(super) fn warming<N: Number<Real = R>>(&self) -> Result<Option<Warming<N>>, MachineError> {
-        let loss = self.get(P::ViscosityLoss);
-        if loss.is_nil() {
-            return Ok(None);
-        }
-        let folds = R::constant(self.tick_s) / self.get(P::WarmingTime);
-        let done = if folds.value() < SLOW {
-            folds * (R::ONE - folds * (R::constant(0.5) - folds / R::constant(6.0)))
-        } else {
-            R::ONE - (-folds).exp()
-        };
-        // As many digits as the format of a gain holds.
-        let mut share = 1.0;
-        while share > 1.0 / 4096.0 && done.value() < share {
-            share *= 0.5;
-        }
-        let thins = loss.value() > 0.0;
-        Ok(Some(Warming {
-            rate: self.gain::<N>("warming in a tick", P::WarmingTime, done / R::constant(share))?,
-            share: N::saturated(share),
-            change: self.signal("loss of viscosity", P::ViscosityLoss, if thins { loss } else { -loss })?,
-            thins,
-            per_thinnest: self.steep::<N>(
-                "inverse of the least viscosity",
-                P::ViscosityLoss,
-                R::ONE / thinnest(self.machine),
-            )?,
-        }))
     }
 }

@@ -8,7 +8,7 @@ use model_core::number::Number;
 use model_core::parameter::Parameter as P;
 use proptest::prelude::*;
 
-use super::bench::{State, at_rest, cases, command, commanded, drive, effects, press, with};
+use super::bench::{State, at_rest, cases, command, commanded, drive, effects, oil_at, press, with};
 
 /// Of the sensed position over 1.2 s, strokes. Dry friction decides: the last bit may let the rod go a tick earlier.
 const POSITION: f64 = 2e-6;
@@ -20,6 +20,8 @@ fn run<N: Number<Real = f64>>(machine: &Machine<f64>) -> (Vec<f64>, [f64; 2]) {
     let mut state = at_rest(&drive, [0.3, 0.5], 0.4);
     let positions = (0..1200)
         .map(|tick| {
+            // From 30 to 70 °C.
+            oil_at(&drive, &mut state, 30.0 + tick as f64 / 30.0);
             commanded(&drive, &mut state, command(tick));
             N::strokes(drive.sensed(&state).position)
         })
@@ -86,7 +88,7 @@ proptest! {
 
     #[test]
     fn no_state_and_no_input_overflows_with_any_effects(
-        on in any::<u16>(),
+        on in any::<u32>(),
         strength in 0.01..3.0_f64,
         tick in prop::sample::select(vec![Tick::HalfMillisecond, Tick::OneMillisecond, Tick::TwoMilliseconds]),
         words in prop::array::uniform6(any_word()),
@@ -112,6 +114,7 @@ proptest! {
             state.motion.bristles = bristles;
             state.warmth = travel(warmth);
             for (first, second, load, force) in inputs {
+                state.oil_temperature = load;
                 let entry = if force { Entry::Force { from: first, to: second } } else { Entry::Command(first) };
                 drive.step(&mut state, entry, Load { from: load, to: second });
                 let _ = drive.sensed(&state);

@@ -63,6 +63,11 @@ pub(crate) fn command(tick: usize) -> f64 {
     [0.5, 0.0, -0.6, 0.3, -0.3, 0.9, 0.0, -0.8][tick / 150 % 8]
 }
 
+/// Oil that is measured to be so warm, °C.
+pub(crate) fn oil_at<N: Number<Real = f64>>(drive: &Drive<N>, state: &mut State<N>, temperature_c: f64) {
+    state.oil_temperature = N::saturated(temperature_c / drive.bases().temperature_c);
+}
+
 pub(crate) fn velocity_m_per_s<N: Number<Real = f64>>(drive: &Drive<N>, state: &State<N>) -> f64 {
     state.motion.velocity.to_f64() * drive.bases().velocity_m_per_s
 }
@@ -97,6 +102,10 @@ pub(crate) fn effects() -> Vec<(&'static str, Vec<(P, f64)>)> {
         ),
         ("presliding", vec![(P::PreslidingForce, 500.0), (P::PreslidingStiffness, 1e8)]),
         ("oil-temperature", vec![(P::ViscosityLoss, 0.6), (P::WarmingTime, 0.5), (P::InternalLeakage, 2e-12)]),
+        (
+            "oil-temperature, measured",
+            vec![(P::ViscosityLossPerKelvin, 0.04), (P::ReferenceTemperature, 30.0), (P::InternalLeakage, 2e-12)],
+        ),
         ("linkage-backlash", vec![(P::BacklashPlay, 1e-3)]),
         ("position-sensor-lag", vec![(P::PositionLag, 5e-3), (P::PositionDelay, 7.3e-3)]),
         (

@@ -29,11 +29,12 @@ fn run<N: Number<Real = f64>>(machine: &Machine<f64>) -> Vec<State<N>> {
 }
 
 /// Parameters that say nothing while the strength of their effect is 0.
-const SECONDARY: [(P, f64, f64); 6] = [
+const SECONDARY: [(P, f64, f64); 7] = [
     (P::StribeckVelocity, 1e-5, 10.0),
     (P::StopRetracted, -1.0, 1.0),
     (P::StopExtended, -1.0, 1.0),
     (P::WarmingTime, 1e-2, 1e5),
+    (P::ReferenceTemperature, -20.0, 120.0),
     (P::ValveLeakageReach, 4e-3, 1.0),
     (P::NullDriftTime, 1e-2, 1e5),
 ];
@@ -43,7 +44,7 @@ proptest! {
 
     #[test]
     fn nothing_of_an_effect_is_the_model_without_it(
-        shares in prop::array::uniform6(0.0..1.0_f64),
+        shares in prop::array::uniform7(0.0..1.0_f64),
         friction_n in prop::sample::select(vec![0.0, 700.0]),
         leakage in prop::sample::select(vec![0.0, 3e-12]),
     ) {
@@ -69,7 +70,9 @@ fn next_to_nothing_of_an_effect_is_next_to_nothing() {
             .into_iter()
             .filter(|(parameter, _)| !matches!(parameter, P::InternalLeakage))
             .map(|(parameter, value)| match parameter {
-                P::StribeckVelocity | P::WarmingTime | P::PreslidingStiffness => (parameter, value),
+                P::StribeckVelocity | P::WarmingTime | P::ReferenceTemperature | P::PreslidingStiffness => {
+                    (parameter, value)
+                }
                 P::StopRetracted => (parameter, -1.0),
                 P::StopExtended => (parameter, 1.0),
                 _ => (parameter, 1e-12 * value),

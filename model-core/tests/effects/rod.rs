@@ -5,7 +5,7 @@ use model_core::number::Number;
 use model_core::parameter::Parameter as P;
 use proptest::prelude::*;
 
-use super::bench::{STROKE_M, at_rest, cases, drive, position_m, press, pushed, velocity_m_per_s, with};
+use super::bench::{STROKE_M, at_rest, cases, drive, oil_at, position_m, press, pushed, velocity_m_per_s, with};
 
 #[test]
 fn a_spring_bears_its_force_where_its_formula_says() {
@@ -124,6 +124,30 @@ fn friction_falls_and_leakage_rises_as_the_oil_warms() {
             }
             let done = N::strokes(state.warmth);
             assert!((done - (1.0 - (-4.0_f64).exp())).abs() < 1e-6, "{done}");
+        }
+    }
+    check::<PerUnit>();
+    check::<f64>();
+}
+
+#[test]
+fn friction_follows_a_measured_temperature_from_tick_to_tick() {
+    fn check<N: Number<Real = f64>>() {
+        let thinning = [(P::ViscosityLossPerKelvin, 0.04), (P::ReferenceTemperature, 45.0), (P::Stroke, 3.0)];
+        let drive = drive::<N>(&with(&press(), &thinning));
+        let mut state = at_rest(&drive, [0.4, 0.4], 0.1);
+        // Nobody measures it at first; at the end it is beyond three halvings.
+        for temperature_c in [None, Some(45.0), Some(65.0), Some(28.0), Some(110.0)] {
+            if let Some(temperature_c) = temperature_c {
+                oil_at(&drive, &mut state, temperature_c);
+            }
+            for _ in 0..600 {
+                pushed(&drive, &mut state, 1000.0);
+            }
+            let factor = (-0.04 * (temperature_c.unwrap_or(45.0) - 45.0)).exp().max(0.125);
+            let (found, expected) = (velocity_m_per_s(&drive, &state), 1000.0 / (1e4 * factor));
+            // The weight of the viscosity has 16 fractional digits.
+            assert!((found / expected - 1.0).abs() < 1e-4, "{temperature_c:?}: {found} {expected}");
         }
     }
     check::<PerUnit>();

@@ -8,7 +8,7 @@ use super::super::effect::PlantEffect;
 use super::super::input::{LoadProfile, PumpCommand};
 use super::super::noise::Noise;
 use super::super::plant::{InitialState, Plant, PlantError};
-use super::super::sensors::{PositionSensor, PressureSensor, Sensors, SpoolSensor};
+use super::super::sensors::{PositionSensor, PressureSensor, Sensors, SpoolSensor, Thermometer};
 use super::super::synthetic::SyntheticRecording;
 use super::signals;
 use super::{Channels, Mode};
@@ -31,6 +31,8 @@ pub(super) struct Signal {
     pub(super) start_m: f64,
     pub(super) seed: u64,
     pub(super) load: LoadProfile,
+    /// Temperature of the oil where it is measured, °C.
+    pub(super) oil_c: Option<f64>,
 }
 
 /// What all recordings of a case have in common.
@@ -106,9 +108,10 @@ impl Setting {
                 Drive::Commands(scaled.iter().enumerate().map(|(tick, volts)| volts + dither(tick)).collect())
             }
         };
-        let mut recording = self
-            .bench(effects, signal, self.sensors(), self.load_later(signal))?
-            .record(&drive, &InitialState::at_rest(&self.machine, signal.start_m))?;
+        let thermometer = signal.oil_c.map(|oil_c| Thermometer { oil_c, noise_std_k: 0.1, resolution_k: 0.01 });
+        let bench = self.bench(effects, signal, self.sensors(), self.load_later(signal))?;
+        let mut recording =
+            Bench { thermometer, ..bench }.record(&drive, &InitialState::at_rest(&self.machine, signal.start_m))?;
         recording.cut_before(settling);
         Ok(recording)
     }
@@ -147,7 +150,9 @@ impl Setting {
         sensors: Sensors,
         load: LoadProfile,
     ) -> Result<Bench, PlantError> {
-        let plant = Plant::new(&self.machine, TOLERANCE)?.with_effects(effects).with_load(load);
+        let in_oil = |effect: &PlantEffect| signal.oil_c.map_or(*effect, |oil_c| effect.in_oil_at(oil_c));
+        let effects: Vec<PlantEffect> = effects.iter().map(in_oil).collect();
+        let plant = Plant::new(&self.machine, TOLERANCE)?.with_effects(&effects).with_load(load);
         Ok(Bench { tick_s: self.tick_s, seed: signal.seed, ..Bench::new(plant, sensors) })
     }
 

@@ -88,6 +88,9 @@ fn attempt_at(lot: &Lot, index: u64, names: &[String], dice: &mut Noise) -> Resu
     let setting = setting(lot, &machine, names, dice);
     let training = if lot.hard { [2, 3, 4][dice.below(3)] } else { 4 };
     let mut signals = signals(&setting, training, names, dice);
+    if lot.thermometer {
+        warm(&mut signals, &mut Noise::new(lot.seed, u64::MAX - index));
+    }
 
     // The range of the drive without effects says where stops and tight places can be.
     let probe = needs_range(names);
@@ -99,7 +102,7 @@ fn attempt_at(lot: &Lot, index: u64, names: &[String], dice: &mut Noise) -> Resu
         }
     }
     let travel_m = usual_travel(&reach, machine.get(P::Stroke));
-    let about = About { machine: &machine, channels: setting.channels, travel_m };
+    let about = About { machine: &machine, channels: setting.channels, travel_m, thermometer: lot.thermometer };
     let effects: Vec<PlantEffect> = names.iter().filter_map(|name| strength::draw(name, &about, dice)).collect();
 
     let mut made = Vec::new();
@@ -192,9 +195,18 @@ fn signals(setting: &Setting, training: usize, names: &[String], dice: &mut Nois
                 start_m: stroke_m * dice.uniform(0.4, 0.6),
                 seed: seed.wrapping_add(index as u64),
                 load,
+                oil_c: None,
             }
         })
         .collect()
+}
+
+/// The drive warms up from recording to recording, those held out the warmest.
+fn warm(signals: &mut [Signal], dice: &mut Noise) {
+    let (first_c, rise_k) = (dice.uniform(18.0, 34.0), dice.uniform(5.0, 9.0));
+    for (index, signal) in signals.iter_mut().enumerate() {
+        signal.oil_c = Some(first_c + index as f64 * rise_k);
+    }
 }
 
 /// Somebody leans on the rod once.

@@ -45,6 +45,9 @@ pub struct Lot {
     pub hard: bool,
     /// Names to choose from; without any, all of [`VOCABULARY`], and of [`OUTSIDE`] where that is asked for.
     pub only: Vec<String>,
+    /// Whether the oil's temperature is recorded: each recording is made in warmer oil than the one before, and `oil-temperature` is
+    /// oil that thins by it, not oil that warms in the course of a recording.
+    pub thermometer: bool,
 }
 
 /// The effects that are drawn without being asked for: those that differ in more than name from another one.

@@ -5,7 +5,7 @@ use model_core::parameter::Parameter as P;
 
 use super::super::edges::GainCurve;
 use super::super::effect::{
-    Channel, DryFriction, FlowEffect, FrictionLevel, LoadEffect, OilTemperature, PlantEffect, SensingEffect,
+    Channel, DryFriction, FlowEffect, FrictionLevel, LoadEffect, OilGrade, OilTemperature, PlantEffect, SensingEffect,
     ValveEffect,
 };
 use super::super::noise::Noise;
@@ -17,6 +17,8 @@ pub(super) struct About<'a> {
     pub(super) channels: Channels,
     /// Lowest and highest position that the drive reaches without effects in most of its recordings, m.
     pub(super) travel_m: (f64, f64),
+    /// Whether the oil's temperature is measured.
+    pub(super) thermometer: bool,
 }
 
 impl About<'_> {
@@ -161,6 +163,7 @@ fn chambers(name: &str, about: &About<'_>, dice: &mut Noise) -> Option<PlantEffe
         "hose-compliance" => {
             PlantEffect::hose_compliance(dice.decades(0.3, 2.0) * about.get(P::VolumeA) / about.get(P::BulkModulus))
         }
+        "oil-temperature" if about.thermometer => PlantEffect::OilGrade(oil_grade(dice)),
         "oil-temperature" => PlantEffect::OilTemperature(OilTemperature {
             rise_k_per_s: dice.decades(0.6, 4.0),
             share_of_power: dice.uniform(0.0, 0.9),
@@ -168,6 +171,15 @@ fn chambers(name: &str, about: &About<'_>, dice: &mut Noise) -> Option<PlantEffe
         }),
         _ => return None,
     })
+}
+
+/// ISO VG 22 to 68 of a usual viscosity index; the machine's values are for about 40 °C.
+fn oil_grade(dice: &mut Noise) -> OilGrade {
+    let at_40_mm2_per_s = dice.decades(22.0, 68.0);
+    // An index of 100 has 4.3 mm²/s of 22, and 8.7 of 68.
+    let at_100_mm2_per_s = 4.3 * libm::pow(at_40_mm2_per_s / 22.0, 0.625) * dice.uniform(0.97, 1.15);
+    let reference_c = dice.uniform(35.0, 45.0);
+    OilGrade { at_40_mm2_per_s, at_100_mm2_per_s, reference_c, temperature_c: reference_c }
 }
 
 fn friction(name: &str, about: &About<'_>, dice: &mut Noise) -> Option<DryFriction> {

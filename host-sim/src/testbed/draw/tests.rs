@@ -3,10 +3,12 @@
 use model_core::parameter::Parameter as P;
 use rayon::prelude::*;
 
+use super::super::effect::PlantEffect;
 use super::*;
 
 fn lot(concealed: Concealed, seed: u64, only: &[&str]) -> Lot {
-    Lot { seed, concealed, hard: seed % 2 == 1, only: only.iter().map(|name| (*name).to_owned()).collect() }
+    let only = only.iter().map(|name| (*name).to_owned()).collect();
+    Lot { seed, concealed, hard: seed % 2 == 1, only, thermometer: false }
 }
 
 #[test]
@@ -38,6 +40,25 @@ fn every_name_can_be_drawn_and_stays_inside_its_stroke() {
         }
         assert!(drawn.truth.visible.iter().all(|visible| *visible > 1.0), "{name}: {:?}", drawn.truth.visible);
     });
+}
+
+#[test]
+fn a_thermometer_finds_warmer_oil_in_each_recording_and_changes_nothing_else() {
+    let none = lot(Concealed::None, 6, &[]);
+    let (plain, measured) = (draw(&none, 0), draw(&Lot { thermometer: true, ..none.clone() }, 0));
+    let (plain, mut measured) = (plain.unwrap().unwrap(), measured.unwrap().unwrap());
+    let mut before = f64::MIN;
+    for ((_, plain), (_, measured)) in plain.recordings.iter().zip(&mut measured.recordings) {
+        let oil_c = std::mem::take(&mut measured.oil_temperature_c);
+        assert_eq!((oil_c.len(), &*measured), (plain.len(), plain));
+        let mean_c = oil_c.iter().sum::<f64>() / oil_c.len() as f64;
+        assert!(mean_c > before + 4.0 && (10.0..90.0).contains(&mean_c), "{mean_c}");
+        before = mean_c;
+    }
+    let thins =
+        draw(&Lot { thermometer: true, ..lot(Concealed::Single, 6, &["oil-temperature"]) }, 0).unwrap().unwrap();
+    assert!(thins.truth.visible[0] > 1.0 && matches!(thins.truth.forms[0], PlantEffect::OilGrade(_)));
+    assert!(thins.recordings[0].1.to_csv().lines().next().unwrap().contains("oil_temperature [°C]"));
 }
 
 #[test]

@@ -22,7 +22,7 @@ use super::tangent::Real;
 pub use flow::FlowEffect;
 pub use friction::{DryFriction, FrictionLevel};
 pub use load::LoadEffect;
-pub use oil::OilTemperature;
+pub use oil::{OilGrade, OilTemperature};
 pub use sensing::{Channel, SensingEffect};
 pub use valve::ValveEffect;
 
@@ -95,6 +95,8 @@ pub enum PlantEffect {
     Sensing(SensingEffect),
     /// The oil warms up.
     OilTemperature(OilTemperature),
+    /// The oil is at another temperature than the one that the machine's values are for.
+    OilGrade(OilGrade),
 }
 
 impl PlantEffect {
@@ -138,7 +140,16 @@ impl PlantEffect {
             Self::Friction(friction) => friction.name(),
             Self::Load(effect) => effect.name(),
             Self::Sensing(effect) => effect.name(),
-            Self::OilTemperature(_) => "oil-temperature",
+            Self::OilTemperature(_) | Self::OilGrade(_) => "oil-temperature",
+        }
+    }
+
+    /// The same effect in oil that is measured to be so warm, °C.
+    #[must_use]
+    pub const fn in_oil_at(self, temperature_c: f64) -> Self {
+        match self {
+            Self::OilGrade(oil) => Self::OilGrade(oil.at(temperature_c)),
+            other => other,
         }
     }
 
@@ -157,6 +168,7 @@ impl PlantEffect {
         match self {
             Self::Flow(effect) => effect.condition(inputs, own, conditions),
             Self::OilTemperature(_) => OilTemperature::condition(own, conditions),
+            Self::OilGrade(oil) => oil.condition(conditions),
             _ => {}
         }
     }
@@ -194,7 +206,7 @@ impl PlantEffect {
             Self::Flow(effect) => effect.apply(plant.edges, inputs, state, own, terms),
             Self::Load(effect) => effect.apply(state, terms),
             Self::OilTemperature(oil) => oil.apply(inputs.supply_pa, own.1, terms),
-            Self::Valve(_) | Self::Sensing(_) => {}
+            Self::Valve(_) | Self::Sensing(_) | Self::OilGrade(_) => {}
         }
     }
 }
