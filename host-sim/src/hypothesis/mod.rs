@@ -286,17 +286,12 @@ impl Hypothesis {
 
 #[cfg(test)]
 mod tests {
-    use model_core::machine::Source;
-
     use super::*;
+    use crate::press::press;
 
     #[test]
     fn every_effect_is_in_the_machine_files_vocabulary_and_has_a_typical_strength_in_range() {
-        let mut machine = Machine::with_defaults(Source::Valve);
-        machine.set(Parameter::AreaA, 3e-3);
-        machine.set(Parameter::AreaB, 2e-3);
-        machine.set(Parameter::VolumeA, 5e-4);
-        machine.set(Parameter::VolumeB, 3e-4);
+        let machine = press(&[]);
         let scene = Scene {
             machine: &machine,
             entry: EntryPoint::Command,
@@ -334,7 +329,7 @@ mod tests {
 
     #[test]
     fn what_drifts_and_what_warms_up_act_slowly() {
-        let machine = Machine::with_defaults(Source::Valve);
+        let machine = press(&[]);
         let scene = Scene {
             machine: &machine,
             entry: EntryPoint::Command,
