@@ -50,6 +50,12 @@ impl<const DELAY: usize> Reference<DELAY> {
         self.predicted()
     }
 
+    /// Tells the model the oil's measured temperature, per unit of [`Bases::temperature_c`]; it counts from the next period on.
+    /// Where nobody does, the oil stays at the temperature that the machine's values are for.
+    pub fn set_oil_temperature(&mut self, temperature: PerUnit) {
+        self.state.oil_temperature = temperature;
+    }
+
     /// What the model says now.
     #[must_use]
     pub fn predicted(&self) -> Predicted {
@@ -87,13 +93,17 @@ mod tests {
 
     use super::*;
 
-    fn reference() -> Reference<64> {
+    fn press() -> Machine<f64> {
         let mut machine = Machine::with_defaults(Source::Valve);
         machine.set(Parameter::AreaA, 3.117e-3);
         machine.set(Parameter::AreaB, 1.861e-3);
         machine.set(Parameter::VolumeA, 5.2e-4);
         machine.set(Parameter::VolumeB, 3.3e-4);
-        Reference::at_rest(&machine, Tick::OneMillisecond, 0.5).unwrap()
+        machine
+    }
+
+    fn reference() -> Reference<64> {
+        Reference::at_rest(&press(), Tick::OneMillisecond, 0.5).unwrap()
     }
 
     #[test]
@@ -105,6 +115,24 @@ mod tests {
             model.step(PerUnit::saturated(0.5));
         }
         assert!(model.predicted().position > before.position);
+    }
+
+    #[test]
+    fn warm_oil_lets_the_rod_run_faster() {
+        let mut machine = press();
+        machine.set(Parameter::ViscosityLossPerKelvin, 0.04);
+        let travelled = |measured_c: Option<f64>| {
+            let mut model = Reference::<64>::at_rest(&machine, Tick::OneMillisecond, 0.3).unwrap();
+            if let Some(celsius) = measured_c {
+                model.set_oil_temperature(PerUnit::saturated(celsius / model.bases().temperature_c));
+            }
+            for _ in 0..300 {
+                model.step(PerUnit::saturated(0.5));
+            }
+            model.predicted().position
+        };
+        assert_eq!(travelled(Some(40.0)), travelled(None));
+        assert!(travelled(Some(70.0)) > travelled(None) && travelled(None) > travelled(Some(10.0)));
     }
 
     #[test]

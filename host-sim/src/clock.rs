@@ -62,10 +62,14 @@ pub struct Shift {
 impl Shift {
     /// The shift that accounts for most of what the model misses, where it accounts for half of it and is certain.
     ///
-    /// `missed` is recorded minus simulated, 0 where the sensor failed.
+    /// `missed` is recorded minus simulated; rows where the sensor `failed` count for nothing.
     #[must_use]
-    pub fn of(signal: Signal, time_s: &[f64], missed: &[f64], simulated: &[f64]) -> Option<Self> {
-        let slopes = slopes(time_s, simulated, 1);
+    pub fn of(signal: Signal, time_s: &[f64], missed: &[f64], simulated: &[f64], failed: &[bool]) -> Option<Self> {
+        let judged = |value: f64, failed: bool| if failed { 0.0 } else { value };
+        let mask = |series: &[f64]| -> Vec<f64> {
+            series.iter().zip(failed).map(|(value, failed)| judged(*value, *failed)).collect()
+        };
+        let (slopes, missed) = (mask(&slopes(time_s, simulated, 1)), &mask(missed));
         let square: f64 = slopes.iter().map(|slope| slope * slope).sum();
         if square <= 0.0 {
             return None;
@@ -104,12 +108,13 @@ mod tests {
             2e-3 * (f64::from(seed >> 8) / f64::from(1 << 24) - 0.5)
         };
         let simulated: Vec<f64> = time_s.iter().map(|time| at(*time)).collect();
+        let works = vec![false; time_s.len()];
         let late: Vec<f64> = time_s.iter().map(|time| at(time - 4e-3) - at(*time) + noise()).collect();
-        let shift = Shift::of(Signal::Position, &time_s, &late, &simulated).unwrap();
+        let shift = Shift::of(Signal::Position, &time_s, &late, &simulated, &works).unwrap();
         assert!((shift.late_s - 4e-3).abs() < 1e-4, "{shift:?}");
         let even: Vec<f64> = time_s.iter().map(|_| noise()).collect();
-        assert_eq!(Shift::of(Signal::Position, &time_s, &even, &simulated), None);
+        assert_eq!(Shift::of(Signal::Position, &time_s, &even, &simulated, &works), None);
         let larger: Vec<f64> = simulated.iter().map(|value| 0.02 * value + noise()).collect();
-        assert_eq!(Shift::of(Signal::Position, &time_s, &larger, &simulated), None);
+        assert_eq!(Shift::of(Signal::Position, &time_s, &larger, &simulated, &works), None);
     }
 }

@@ -43,11 +43,11 @@ pub enum Verdict {
 pub struct Finding {
     /// The effect.
     pub effect: &'static Hypothesis,
-    /// Probability among the effects tried, on left-out recordings.
+    /// Probability among the sets of its size that were refitted, and none at all.
     pub confidence: f64,
     /// Its fitted parameters.
     pub parameters: Vec<Estimate>,
-    /// Other effects that gained on the left-out recordings, with their probability.
+    /// Other effects of those sets, with their probability.
     pub alternatives: Vec<(&'static Hypothesis, f64)>,
 }
 

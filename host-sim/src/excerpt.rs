@@ -18,6 +18,9 @@ pub const AFFORDABLE_TICKS: usize = 250_000;
 /// strokes says no more of what happens in each.
 pub const MOST_TICKS: usize = 60_000;
 
+/// But none to less than ten seconds at 1 kHz: of a short one the first second is mostly rest.
+const LEAST_TICKS: usize = 10_000;
+
 /// The first parts of recordings, each in both of its forms.
 #[derive(Clone, Debug)]
 pub struct Excerpt {
@@ -40,6 +43,7 @@ impl Excerpt {
             return Ok(None);
         }
         let Some(most) = fair_share(&ticks, MOST_TICKS) else { return Ok(None) };
+        let most = most.max(LEAST_TICKS);
         let recordings: Vec<Recording> =
             recordings.iter().zip(prepared).map(|(recording, case)| recording.first(rows_within(case, most))).collect();
         let cases = recordings

@@ -190,10 +190,9 @@ fn shifts(shown: &Shown) -> Vec<Shift> {
         .iter()
         .filter_map(|channel| {
             let simulated = shown.after.signal(channel.signal)?;
-            let rows = channel.recorded.iter().zip(simulated).zip(&channel.failed);
-            let missed: Vec<f64> =
-                rows.map(|((recorded, simulated), failed)| if *failed { 0.0 } else { recorded - simulated }).collect();
-            Shift::of(channel.signal, &prepared.time_s, &missed, simulated)
+            let rows = channel.recorded.iter().zip(simulated);
+            let missed: Vec<f64> = rows.map(|(recorded, simulated)| recorded - simulated).collect();
+            Shift::of(channel.signal, &prepared.time_s, &missed, simulated, &channel.failed)
         })
         .collect()
 }

@@ -206,7 +206,12 @@ impl Course {
 
     /// Chooses a set, but for every effect that the others make superfluous.
     fn choose(&mut self, question: &Question<'_>, full: Candidate) -> Result<(), FitError> {
-        self.chosen = reduced(question, &self.base, full)?;
+        let effects = full.effects.len();
+        let chosen = reduced(question, &self.base, full)?;
+        if chosen.effects.len() < effects {
+            self.enter(question, &chosen);
+        }
+        self.chosen = chosen;
         Ok(())
     }
 

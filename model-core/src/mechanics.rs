@@ -121,7 +121,7 @@ pub struct Forces<N> {
 pub struct Surroundings<N> {
     /// Sum of both chamber pressures above 0, on the seals.
     pub pressed: N,
-    /// Viscosity of the oil above the least it has or will have, in shares of the one that the machine's values are for.
+    /// Viscosity of the oil above the least it can have, in shares of the one that the machine's values are for.
     pub viscosity: N,
     /// States that a table of forces is over.
     pub states: States<N>,

@@ -100,8 +100,8 @@ impl<N: Number> NullDrift<N> {
 
 /// `solenoid-saturation`: beyond the onset the travel d becomes `kept`·d/(1 + `curvature`·d), to both sides.
 ///
-/// Per unit slider travel from the centre; smooth to the first derivative where all is kept. In fixed point within 2e-8 and 8e-6·d² (the curvature's
-/// step). After the force characteristic of a proportional solenoid near its stop: Jelali & Kroll, *Hydraulic Servo-systems*, 2003, ch. 4.
+/// Per unit slider travel from the centre; smooth to the first derivative where all is kept. In fixed point within 2e-8 and
+/// 8e-6·d² (the curvature's step). After the force characteristic of a proportional solenoid near its stop: Jelali & Kroll, *Hydraulic Servo-systems*, 2003, ch. 4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SolenoidSaturation<N: Number> {
     pub(crate) onset: N,

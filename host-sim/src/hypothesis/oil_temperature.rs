@@ -1,9 +1,9 @@
 //! # Oil temperature
 //!
 //! ## What it adds
-//! Warm oil loses viscosity, by half every 15–20 K: viscous friction becomes D·u and each laminar leakage G/u. Where the oil's
-//! temperature ϑ is recorded, u = e^(−κ·(ϑ − ϑ0)), within 1/8 to 8. Where it is not, the oil may warm in the course of the recording:
-//! u = 1 − s·(1 − e^(−t/T)).
+//! Warm oil loses viscosity, by half every 15–20 K: viscous friction becomes D·u and each laminar leakage G/u. Where the
+//! oil's temperature ϑ is recorded, u = e^(−κ·(ϑ − ϑ0)), within 1/8 to 8. Where it is not, the oil may warm in the course
+//! of the recording: u = 1 − s·(1 − e^(−t/T)).
 //!
 //! ## How it shows
 //! Strokes become faster and drift at rest larger, slowly and together: the product of friction and leakage stays
@@ -15,13 +15,14 @@
 //!
 //! ## Parameters
 //! Share s of the viscosity that is lost in the end, either sign (negative: the oil cools), up to 0.5 usually. T in s,
-//! from less than a stroke to far longer than the recording, where the change is a ramp. κ, 0.02–0.06 1/K, is the mean between the
-//! temperatures recorded: mineral oil loses more when cold. ϑ0, 40 °C give or take 10 K, is what the file's values are for: 40 °C is where
-//! ISO 3448 grades oil. A recording without the temperature counts as one at ϑ0, and where none has it the form changes nothing.
+//! from less than a stroke to far longer than the recording, where the change is a ramp. κ, 0.02–0.06 1/K, is the mean
+//! between the temperatures recorded: mineral oil loses more when cold. ϑ0, 40 °C give or take 10 K, is what the file's
+//! values are for: 40 °C is where ISO 3448 grades oil. A recording without the temperature counts as one at ϑ0, and where
+//! none has it the form changes nothing.
 //!
 //! ## Source
-//! ISO 3448 (viscosity grades); ASTM D341 (viscosity over temperature, after Walther); G. E. Totten (ed.), *Handbook of Hydraulic Fluid Technology*,
-//! Marcel Dekker 2000; H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967, chapter 2.
+//! ISO 3448 (viscosity grades); ASTM D341 (viscosity over temperature, after Walther); G. E. Totten (ed.), *Handbook of
+//! Hydraulic Fluid Technology*, Marcel Dekker 2000; H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967, chapter 2.
 
 use model_core::parameter::Parameter;
 

@@ -7,7 +7,7 @@
 //! ## How it shows
 //! The same in every recording and at every instant: a constant pressure that is there without supply, a slider off its
 //! centre at rest, strokes that are all too long by the same share. What the channel says disagrees with all others,
-//! which agree among themselves. With the position alone there are no others, and its scale is not tried.
+//! which agree among themselves. With slider and position alone no other tells of the motion, and its scale is not tried.
 //!
 //! ## What looks alike
 //! Physics varies with time, load or position, a wrong reading does not: test it first. Without the slider's sensor, an
@@ -39,9 +39,13 @@ fn pressure_b_pa(scene: &Scene<'_>) -> f64 {
     of(scene, Signal::PressureB, 0.1 * scene.machine.get(Parameter::SupplyPressure))
 }
 
-/// A scale of all motion that no other channel contradicts is nobody's error: flow, areas or the sensor.
+/// A scale of all motion that no other channel contradicts is nobody's error: flow, areas or the sensor. A slider tells how wide
+/// the valve opens, not what comes of it.
 fn position_factor(scene: &Scene<'_>) -> f64 {
-    if scene.judged.len() > 1 { of(scene, Signal::Position, 0.05) } else { 0.0 }
+    const OF_MOTION: [Signal; 5] =
+        [Signal::Flow, Signal::PressureA, Signal::PressureB, Signal::Force, Signal::Velocity];
+    let contradicted = OF_MOTION.iter().any(|&signal| scene.judges(signal));
+    if contradicted { of(scene, Signal::Position, 0.05) } else { 0.0 }
 }
 
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {

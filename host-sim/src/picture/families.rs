@@ -223,17 +223,11 @@ pub(super) fn of(effect: &Hypothesis, after: &Machine<f64>) -> Family {
                 moves.then(|| (BAR * (m.a_pa + m.b_pa), braking(law, m) * m.velocity.signum(), 0))
             },
         },
-        "position-dependent-friction" if is_viscous(after) => Family {
-            title: "Viscous friction over the position",
-            caption: "Force against motion over velocity, while the rod moves.",
-            x: ("position", "mm"),
-            y: ("viscous friction", "kN s/m"),
-            needs: PRESSURES,
-            point: |law, m| {
-                let viscous = braking(law, m) + law.by.damping * m.velocity;
-                (m.velocity.abs() > 0.03).then(|| (MM * m.position_m, 1e-3 * viscous / m.velocity, 0))
-            },
-        },
+        "position-dependent-friction" if is_viscous(after) => {
+            viscous("Viscous friction over the position", ("position", "mm"), |law, m| {
+                drag(law, m).map(|drag| (MM * m.position_m, drag, 0))
+            })
+        }
         "position-dependent-friction" => Family {
             title: "Friction over the position",
             caption: "Force against motion beside viscous friction.",
@@ -277,28 +271,33 @@ pub(super) fn of(effect: &Hypothesis, after: &Machine<f64>) -> Family {
 
 /// Viscous friction over what the oil's viscosity goes by: its measured temperature, or the time.
 fn oil(after: &Machine<f64>) -> Family {
-    /// Slower than this no viscous friction is to be seen, m/s.
-    const FAST: f64 = 0.03;
-    fn viscous(law: &Law, m: &Moment) -> f64 {
-        1e-3 * (braking(law, m) / m.velocity + law.by.damping)
+    if after.get(Parameter::ViscosityLossPerKelvin) > 0.0 {
+        viscous("Viscous friction over the oil's temperature", ("oil temperature", "°C"), |law, m| {
+            m.oil_c.zip(drag(law, m)).map(|(oil_c, drag)| (oil_c, drag, 0))
+        })
+    } else {
+        viscous("Viscous friction since the start", ("time", "s"), |law, m| {
+            drag(law, m).map(|drag| (m.time_s, drag, 0))
+        })
     }
-    let family = |title, x, point| Family {
+}
+
+fn viscous(title: &'static str, x: (&'static str, &'static str), point: Point) -> Family {
+    Family {
         title,
         caption: "Force against motion over velocity, while the rod moves.",
         x,
         y: ("viscous friction", "kN s/m"),
         needs: PRESSURES,
         point,
-    };
-    if after.get(Parameter::ViscosityLossPerKelvin) > 0.0 {
-        family("Viscous friction over the oil's temperature", ("oil temperature", "°C"), |law, m| {
-            (m.velocity.abs() > FAST).then(|| (m.oil_c, viscous(law, m), 0))
-        })
-    } else {
-        family("Viscous friction since the start", ("time", "s"), |law, m| {
-            (m.velocity.abs() > FAST).then(|| (m.time_s, viscous(law, m), 0))
-        })
     }
+}
+
+/// Viscous friction, kN s/m; none to be seen in a rod that hardly moves.
+fn drag(law: &Law, m: &Moment) -> Option<f64> {
+    /// m/s
+    const FAST: f64 = 0.03;
+    (m.velocity.abs() > FAST).then(|| 1e-3 * (braking(law, m) / m.velocity + law.by.damping))
 }
 
 /// Whether it is the viscous friction that changes along the stroke.

@@ -74,8 +74,8 @@ pub(super) struct Moment {
     /// External force beside the constant one, N.
     pub(super) load_n: f64,
     pub(super) pump_rev_per_s: f64,
-    /// 0 where it is not recorded.
-    pub(super) oil_c: f64,
+    /// `None` where it is not recorded.
+    pub(super) oil_c: Option<f64>,
     /// What the model's ports pass at this slider and these pressures, m³/s.
     pub(super) port_a: f64,
     pub(super) port_b: f64,
@@ -178,7 +178,7 @@ fn over(
     let given = |signal: Signal| recording.signal(signal).map_or_else(|| vec![0.0; rows], <[f64]>::to_vec);
     let drives = if recording.has(Signal::Command) { Signal::Command } else { Signal::PumpSpeed };
     let (command, load, pump) = (given(drives), given(Signal::LoadForce), given(Signal::PumpSpeed));
-    let oil = given(Signal::OilTemperature);
+    let oil = recording.signal(Signal::OilTemperature);
     let turned = turns(&reference.slider);
     let minus = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
     let position_off = minus(&view.position, &reference.position);
@@ -209,7 +209,7 @@ fn over(
                 acceleration: window.curvature(&view.position) / weight,
                 load_n: mean(&load),
                 pump_rev_per_s: mean(&pump),
-                oil_c: mean(&oil),
+                oil_c: oil.map(&mean),
                 port_a: mean(port_a),
                 port_b: mean(port_b),
             }

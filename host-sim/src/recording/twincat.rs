@@ -18,7 +18,8 @@
 //! (`GVL.Kolbenweg [mm]`); its unit stands in brackets in the map or in the name, or else in the row
 //! `Unit` (`mm (Length)`). All signals come out at the times of the first known channel of the file:
 //! those with other times are interpolated linearly there, and times outside any signal's own are
-//! left out, as are repeated ones, and written back where the recording is. Time goes out as `time [s]`. Full timestamps instead of ms are refused.
+//! left out, as are repeated ones, and written back where the recording is. Time goes out as `time [s]`. Full timestamps
+//! instead of ms are refused.
 
 use super::channels::ChannelMap;
 use super::columns::{Offer, assign};

@@ -3,7 +3,7 @@
 use model_core::machine::{Machine, MachineError};
 
 use super::likelihood::gained;
-use crate::fit::{CHANCE, settle, softened};
+use crate::fit::{CHANCE, settle, softened, standardised};
 use crate::prepare::Prepared;
 use crate::recording::Signal;
 
@@ -49,9 +49,10 @@ pub fn confirm(
     let mut least_fit_percent = 100.0_f64;
     for case in held_out {
         let before = softened(base, case, settle(base, case)?)?;
-        let after = softened(chosen, case, settle(chosen, case)?)?;
+        let start = settle(chosen, case)?;
+        let (after, missed) = (softened(chosen, case, start)?, standardised(chosen, case, start)?);
         let mut total = 0.0;
-        for (channel, (before, after)) in case.channels.iter().zip(before.iter().zip(&after)) {
+        for ((channel, missed), (before, after)) in case.channels.iter().zip(&missed).zip(before.iter().zip(&after)) {
             let gain = gained(before, after);
             total += gain;
             match signals.iter_mut().find(|(signal, _)| *signal == channel.signal) {
@@ -60,7 +61,7 @@ pub fn confirm(
             }
             // A signal that is mostly noise fits no better than its mean, whatever the model.
             if channel.noise_floor_percent() > MOSTLY_NOISE {
-                least_fit_percent = least_fit_percent.min(channel.fit_percent(after));
+                least_fit_percent = least_fit_percent.min(channel.fit_percent(missed));
             }
         }
         improved += usize::from(total > 0.0);

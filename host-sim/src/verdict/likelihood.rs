@@ -70,6 +70,10 @@ pub(super) fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>)
     });
     if let Some(index) = plainer {
         let plain = ranked.remove(index);
+        // What does not earn its place is less likely than what it extends, whatever its own form fits better.
+        for (_, net) in ranked.iter_mut().take(index) {
+            *net = net.min(plain.1 - CHANCE);
+        }
         ranked.insert(0, plain);
     }
 }
@@ -77,7 +81,8 @@ pub(super) fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>)
 /// The loss of a series, or what pure noise would lose if that is more: nothing below it can be gained.
 fn floored(series: &[f64]) -> f64 {
     let loss = loss(series);
-    if loss.is_finite() { loss.max(series.len() as f64) } else { f64::INFINITY }
+    // A sensor that failed in every row tells nothing, one way or the other.
+    if loss.is_finite() { loss.max(series.len() as f64).max(1.0) } else { f64::INFINITY }
 }
 
 /// Log-likelihood gained on one signal. n are the independent samples of the residual that has fewer, so that a gain one way is

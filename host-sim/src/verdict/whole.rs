@@ -1,6 +1,6 @@
 //! What was found on the first part of long recordings, held against the whole of them.
 //!
-//! Base and chosen set are refitted on the whole, which has to accept the set by the same rules. What acts slowly does not show in
+//! Base and chosen set are refitted on the whole, which has to accept the set once more. What acts slowly does not show in
 //! a first part: where the whole is left above its noise, the effects that act over time are tried on it.
 
 use rayon::prelude::*;
@@ -39,7 +39,7 @@ pub fn lengthened(
         let added = ranked(question, &selection.base, vec![slow.clone()]);
         selection.rounds.truncate(selection.chosen.effects.len());
         selection.rounds.push(added.iter().map(|(candidate, net)| trial(candidate, *net)).collect());
-        selection.chosen = slow;
+        selection.chosen = reduced(question, &selection.base, slow)?;
     }
     Ok(selection)
 }
