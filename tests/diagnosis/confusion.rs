@@ -119,14 +119,14 @@ fn sixty_drawn_cases_are_named_as_the_table_says() {
     }
 }
 
-/// The rate of false alarms on 200 drives from which nothing was taken, half of them with rough nominal values and poor recordings.
+/// The rate of false alarms on 200 drives and some more from which nothing was taken, half of them with rough nominal values and poor recordings.
 /// Slow: `cargo test --release -p system-tests --test diagnosis false_alarms -- --ignored --nocapture`.
 #[test]
 #[ignore = "some minutes"]
 fn false_alarms_are_at_most_two_in_a_hundred() {
-    let cases = all(&[(lot(201, Concealed::None, true), 100), (lot(202, Concealed::None, false), 100)]);
+    let cases = all(&[(lot(201, Concealed::None, true), 105), (lot(202, Concealed::None, false), 105)]);
     println!("{}", table(&cases));
     let alarms = cases.iter().filter(|case| case.verdict == Verdict::MissingPhysics).count();
     println!("false claims: {alarms} of {}", cases.len());
-    assert!(cases.len() >= 195 && alarms * 50 <= cases.len());
+    assert!(cases.len() >= 200 && alarms * 50 <= cases.len());
 }

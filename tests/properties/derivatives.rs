@@ -57,7 +57,7 @@ const SMOOTH: [(P, f64); 15] = [
     (P::NullDriftTravel, 0.05),
     (P::NullDriftTime, 0.5),
     (P::SolenoidCurvature, 0.7),
-    (P::SolenoidLoss, 0.2),
+    (P::SolenoidLoss, 0.02),
     (P::SolenoidOnset, 0.2),
     (P::FlowForce, 2e-8),
     (P::DeadZoneDifference, 0.04),
