@@ -177,14 +177,17 @@ impl Candidate {
         Ok(if again.fit.loss < found.fit.loss { again } else { found })
     }
 
+    /// Where a strength is: as it was fitted, or else by its value.
+    fn coordinate(&self, scene: &Scene<'_>, strength: &Strength) -> f64 {
+        let mut known = self.fit.free.iter().zip(&self.fit.coordinates);
+        let fitted = known.find(|(free, _)| free.parameter == strength.parameter).map(|(_, at)| *at);
+        fitted.unwrap_or_else(|| strength.free(scene).coordinate(self.fit.machine.get(strength.parameter)))
+    }
+
     /// Amounts that have become negligible in effects that have not, with the middle of their ranges.
     fn vanished(&self, scene: &Scene<'_>) -> Vec<(Parameter, f64)> {
-        let at = |strength: &Strength| {
-            let mut known = self.fit.free.iter().zip(&self.fit.coordinates);
-            known.find(|(free, _)| free.parameter == strength.parameter).map_or(0.0, |(_, coordinate)| *coordinate)
-        };
         let is_amount = |strength: &&Strength| matches!(strength.kind, Kind::Amount(_));
-        let gone = |strength: &&Strength| at(strength) < -REACH;
+        let gone = |strength: &&Strength| self.coordinate(scene, strength) < -REACH;
         let partly = |form: Form| !form.iter().filter(is_amount).all(|strength| gone(&strength));
         self.effects
             .iter()
@@ -261,12 +264,7 @@ impl Candidate {
         const NEGLIGIBLE: f64 = 0.02;
         self.fit.loss.is_finite()
             && self.effects.iter().all(|chosen| {
-                let at = |strength: &Strength| {
-                    let free = strength.free(scene);
-                    let mut known = self.fit.free.iter().zip(&self.fit.coordinates);
-                    let fitted = known.find(|(free, _)| free.parameter == strength.parameter).map(|(_, at)| *at);
-                    (strength.kind, fitted.unwrap_or_else(|| free.coordinate(self.fit.machine.get(strength.parameter))))
-                };
+                let at = |strength: &Strength| (strength.kind, self.coordinate(scene, strength));
                 let possible = chosen.form.iter().map(at).all(|(kind, coordinate)| match kind {
                     Kind::Amount(_) | Kind::Jump(_) => coordinate < PRESSED,
                     // A shape stays where shapes are; where it runs to the end, the recordings leave it open.

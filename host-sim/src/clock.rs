@@ -65,11 +65,10 @@ impl Shift {
     /// `missed` is recorded minus simulated; rows where the sensor `failed` count for nothing.
     #[must_use]
     pub fn of(signal: Signal, time_s: &[f64], missed: &[f64], simulated: &[f64], failed: &[bool]) -> Option<Self> {
-        let judged = |value: f64, failed: bool| if failed { 0.0 } else { value };
-        let mask = |series: &[f64]| -> Vec<f64> {
-            series.iter().zip(failed).map(|(value, failed)| judged(*value, *failed)).collect()
+        let judged = |series: &[f64]| -> Vec<f64> {
+            series.iter().zip(failed).map(|(value, failed)| if *failed { 0.0 } else { *value }).collect()
         };
-        let (slopes, missed) = (mask(&slopes(time_s, simulated, 1)), &mask(missed));
+        let (slopes, missed) = (judged(&slopes(time_s, simulated, 1)), &judged(missed));
         let square: f64 = slopes.iter().map(|slope| slope * slope).sum();
         if square <= 0.0 {
             return None;

@@ -169,7 +169,7 @@ pub fn diagnose(
         .iter()
         .copied()
         .filter(|hypothesis| !hypothesis.is_on(&file.machine))
-        .partition(|hypothesis| (hypothesis.shows_in)(&scene));
+        .partition(|hypothesis| hypothesis.is_testable(&scene));
     let mut excerpt = Excerpt::of(training, &trained, &file.machine, file.load_source).map_err(CompareError::from)?;
     let asked = Asked { scene: &scene, ordinary: &ordinary, hypotheses: &hypotheses };
     let selection = asked.selected(&mut trained, excerpt.as_mut(), progress)?;

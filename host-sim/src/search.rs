@@ -35,14 +35,7 @@ pub fn widened(
             let beside = tempered.base.leads(&softer, &open)?.into_iter().map(|lead| (lead, &tempered.base)).collect();
             leads.extend(promising(beside, tempered.base.fit.loss, most, 0.0));
         }
-        let refitted: Vec<Candidate> = leads
-            .par_iter()
-            .map(|(lead, reference)| {
-                let candidate = reference.with(question, lead)?;
-                done(lead.effect.name);
-                Ok(candidate)
-            })
-            .collect::<Result<_, FitError>>()?;
+        let refitted = refit_each(&leads, done, |(lead, reference)| (lead, reference.with(question, lead)))?;
         let extended = extensions(question, from, &open, &refitted, done)?;
         found.extend(refitted);
         found.extend(extended);
@@ -50,8 +43,22 @@ pub fn widened(
     Ok(found)
 }
 
+/// A rough refit from each lead, in their order. `done` is told after each.
+pub(crate) fn refit_each<L: Sync>(
+    leads: &[L],
+    done: &(impl Fn(&str) + Sync),
+    refit: impl Fn(&L) -> (&Lead, Result<Candidate, FitError>) + Sync,
+) -> Result<Vec<Candidate>, FitError> {
+    let told = |lead: &L| {
+        let (lead, candidate) = refit(lead);
+        done(lead.effect.name);
+        candidate
+    };
+    leads.par_iter().map(told).collect()
+}
+
 /// Effects that may be added: neither there already, nor an extension of one that is.
-fn open_to(question: &Question<'_>, from: &Candidate) -> Vec<&'static Hypothesis> {
+pub(crate) fn open_to(question: &Question<'_>, from: &Candidate) -> Vec<&'static Hypothesis> {
     let related = |one: &Hypothesis, other: &Hypothesis| {
         let plain = |effect: &Hypothesis| effect.extends.map_or(effect.name, |extension| extension.plain);
         plain(one) == plain(other)
@@ -93,11 +100,11 @@ fn extensions(
     question: &Question<'_>,
     from: &Candidate,
     open: &[&'static Hypothesis],
-    refitted: &[Candidate],
+    plainer: &[Candidate],
     done: &(impl Fn(&str) + Sync),
 ) -> Result<Vec<Candidate>, FitError> {
     let mut found = Vec::new();
-    for plain in refitted {
+    for plain in plainer {
         let Some(newest) = plain.effects.last() else { continue };
         let richer: Vec<&'static Hypothesis> = open
             .iter()
@@ -108,15 +115,7 @@ fn extensions(
             continue;
         }
         let leads = plain.extensions(question, &richer)?;
-        let more: Vec<Candidate> = leads
-            .par_iter()
-            .map(|lead| {
-                let candidate = plain.with_extension(question, lead)?;
-                done(lead.effect.name);
-                Ok(candidate)
-            })
-            .collect::<Result<_, FitError>>()?;
-        found.extend(more);
+        found.extend(refit_each(&leads, done, |lead| (lead, plain.with_extension(question, lead)))?);
     }
     Ok(found)
 }

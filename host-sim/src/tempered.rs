@@ -5,7 +5,7 @@
 //! leaves, and as correlated: the priors keep the parameters where they can be, and what is left shows the effect.
 
 use crate::candidate::{Candidate, Question};
-use crate::fit::{FitError, StartState, effective_samples, standardised};
+use crate::fit::{FitError, StartState, effective_samples, loss, standardised};
 use crate::prepare::Prepared;
 
 /// Recordings with the noise that a refitted model asks for, and that model.
@@ -40,8 +40,7 @@ impl Tempered {
                 let mut case = case.clone();
                 let residuals = standardised(machine, &case, start)?;
                 for (channel, series) in case.channels.iter_mut().zip(&residuals) {
-                    let square: f64 = series.iter().map(|residual| residual * residual).sum();
-                    channel.noise *= (square / effective_samples(series)).sqrt().max(1.0);
+                    channel.noise *= (loss(series) / effective_samples(series)).sqrt().max(1.0);
                     channel.tolerance = 1.0;
                 }
                 Ok(case)

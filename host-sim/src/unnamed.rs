@@ -10,7 +10,7 @@ use model_core::machine::Machine;
 use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
-use crate::fit::{CHANCE, Estimate, FitError, Free, Freedom, From, effective_samples, fit, loss, settle, standardised};
+use crate::fit::{CHANCE, Estimate, FitError, Free, Freedom, From, fit, settle, standardised};
 use crate::hypothesis::{Scene, Subsystem};
 use crate::locate::{Case, Location};
 use crate::machine_file::LoadSource;
@@ -19,7 +19,7 @@ use crate::prepare::Prepared;
 use crate::recording::Signal;
 use crate::shape::Shape;
 use crate::simulate::{EntryPoint, simulate};
-use crate::verdict::{Candidate, Confirmation, Question, Residuals, confirm};
+use crate::verdict::{Candidate, Confirmation, LeftOut, Question, Residuals, confirm};
 
 /// The search of a first look ends when the loss falls by less than this share in a step.
 const ROUGHLY: f64 = 0.03;
@@ -277,7 +277,7 @@ pub fn improved(
     let Some((net, candidate, quantity, over)) = best else { return Ok(None) };
     // The held-out recordings take no part in the choice.
     let confirmation = confirm(&base.fit.machine, &candidate.fit.machine, held)?;
-    if !confirms(&confirmation) || !fits_better(&base.fit.machine, &candidate.fit.machine, held)? {
+    if !confirmation.gains() || !fits_better(&base.fit.machine, &candidate.fit.machine, held)? {
         return Ok(None);
     }
     let mut values = candidate.estimates();
@@ -317,30 +317,9 @@ fn fitted(
 
 /// Log-likelihood gained on left-out recordings less what `values` cost; none where it gains on too few, or nothing.
 fn net(before: &Residuals, after: &Residuals, values: usize) -> Option<f64> {
-    let mut samples = 0.0;
-    let gains: Vec<f64> = before
-        .iter()
-        .zip(after)
-        .map(|(before, after)| {
-            let channels = before.iter().zip(after);
-            channels
-                .map(|(before, after)| {
-                    let independent = effective_samples(before).min(effective_samples(after));
-                    samples += independent;
-                    let floored = |series: &[f64]| loss(series).max(series.len() as f64);
-                    0.5 * independent * (floored(before) / floored(after)).ln()
-                })
-                .sum()
-        })
-        .collect();
-    let net = gains.iter().sum::<f64>() - 0.5 * values as f64 * f64::max(samples, 2.0).ln();
-    let needed = if gains.len() > 2 { gains.len() - 1 } else { gains.len() };
-    (net > CHANCE && gains.iter().filter(|gain| **gain > 0.0).count() >= needed).then_some(net)
-}
-
-/// Whether the held-out recordings gain: as for a named effect, but the model may still be a poor one.
-fn confirms(said: &Confirmation) -> bool {
-    said.gain > 0.0 && said.least_gain > -CHANCE.max(0.1 * said.gain) && 2 * said.improved >= said.recordings
+    let left_out = LeftOut::of(before, after);
+    let net = left_out.gain - left_out.cost(values);
+    (net > CHANCE && left_out.repeats).then_some(net)
 }
 
 /// Whether the mean NRMSE fit on the held-out recordings rises, and no signal's falls clearly.

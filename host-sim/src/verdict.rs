@@ -22,6 +22,7 @@ use crate::prepare::Prepared;
 use crate::search::widened;
 use crate::tempered::Tempered;
 pub use confirmation::{Confirmation, confirm};
+pub(crate) use likelihood::LeftOut;
 use likelihood::{FORM, accepts, excess, prefer_plain, ranked};
 pub use whole::lengthened;
 

@@ -72,10 +72,8 @@ pub(crate) struct Placed<N> {
 /// Viscous friction that depends on where the rod is, in shares of the machine's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PlacedDrag<N> {
-    /// More with the rod fully out.
-    pub(crate) slope: N,
-    /// More at both ends.
-    pub(crate) bow: N,
+    /// In the oil that the machine's values are for.
+    pub(crate) share: Placed<N>,
     /// Least over the stroke that the slope and the bow may leave.
     pub(crate) slipperiest: N,
     /// Least of the oil's viscosity.
@@ -88,9 +86,7 @@ impl<N: Number> PlacedDrag<N> {
     /// What is above the least, where the oil's viscosity is so much above its own; held at the end of the format, 8.
     #[inline]
     pub(crate) fn excess(&self, from_middle: N, viscosity: N) -> N {
-        let s = from_middle + from_middle;
-        let here = N::ONE + s.times(self.slope) + s.times(s).times(self.bow);
-        (self.thinnest + viscosity).times(here.max(self.slipperiest)) - self.least
+        (self.thinnest + viscosity).times(self.share.along(from_middle).max(self.slipperiest)) - self.least
     }
 }
 
@@ -109,9 +105,14 @@ impl<N: Number> Stribeck<N> {
 
 impl<N: Number> Placed<N> {
     #[inline]
-    fn at(&self, from_middle: N) -> N {
+    fn along(&self, from_middle: N) -> N {
         let s = from_middle + from_middle;
-        (self.level + s.times(self.slope) + s.times(s).times(self.bow)).max(N::ZERO)
+        self.level + s.times(self.slope) + s.times(s).times(self.bow)
+    }
+
+    #[inline]
+    fn at(&self, from_middle: N) -> N {
+        self.along(from_middle).max(N::ZERO)
     }
 }
 

@@ -205,7 +205,7 @@ pub struct Hypothesis {
     pub separated_by: &'static str,
     /// Where the physics is described.
     pub source: &'static str,
-    /// Whether a drive in this scene can show it at all.
+    /// Whether a drive in this scene can show it in the forms that it has there.
     pub shows_in: fn(&Scene<'_>) -> bool,
 }
 
@@ -272,6 +272,12 @@ impl Hypothesis {
     pub fn forms_in<'a>(&'a self, scene: &'a Scene<'_>) -> impl Iterator<Item = Form> + 'a {
         let hidden = |strength: &Strength| matches!(strength.kind, Kind::Signed(size) if size(scene) == 0.0);
         self.forms.iter().copied().filter(move |form| !form.iter().any(hidden))
+    }
+
+    /// Whether a drive in this scene can show it at all, in any form.
+    #[must_use]
+    pub fn is_testable(&self, scene: &Scene<'_>) -> bool {
+        (self.shows_in)(scene) && self.forms_in(scene).next().is_some()
     }
 
     /// Whether the machine file already has it.

@@ -23,15 +23,19 @@ pub struct Confirmation {
 }
 
 impl Confirmation {
-    /// Whether they confirm it: a gain in all and on at least half of the recordings, no signal clearly worse, and none
-    /// that the model follows worse than its mean would.
+    /// Whether they gain by it: in all and on at least half of the recordings, and no signal is clearly worse.
     #[must_use]
-    pub fn confirms(&self) -> bool {
+    pub fn gains(&self) -> bool {
         self.recordings > 0
             && self.gain > 0.0
             && self.least_gain > -CHANCE.max(0.1 * self.gain)
-            && self.least_fit_percent > 0.0
             && 2 * self.improved >= self.recordings
+    }
+
+    /// Whether they confirm it: they gain, and the model follows no signal worse than its mean would.
+    #[must_use]
+    pub fn confirms(&self) -> bool {
+        self.gains() && self.least_fit_percent > 0.0
     }
 }
 

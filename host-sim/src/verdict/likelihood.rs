@@ -118,27 +118,42 @@ pub(super) fn accepts(
     if after > (1.0 - LEAST_SHARE) * before || (!without.effects.is_empty() && !told) {
         return Ok(false);
     }
-    let (before, after) = (without.left_out(question)?, with.left_out(question)?);
-    let mut samples = 0.0;
-    let gains: Vec<f64> = before
-        .iter()
-        .zip(&after)
-        .map(|(before, after)| {
-            before
-                .iter()
-                .zip(after)
-                .map(|(before, after)| {
-                    samples += independent(before, after);
-                    gained(before, after)
-                })
-                .sum()
-        })
-        .collect();
-    let more = with.strengths().saturating_sub(without.strengths()) as f64;
-    let penalty = 0.5 * more * f64::max(samples, 2.0).ln() + CHANCE;
-    let improved = gains.iter().filter(|gain| **gain > 0.0).count();
-    let needed = if gains.len() > 2 { gains.len() - 1 } else { gains.len() };
+    let left_out = LeftOut::of(&without.left_out(question)?, &with.left_out(question)?);
+    let penalty = left_out.cost(with.strengths().saturating_sub(without.strengths())) + CHANCE;
     // Parameters that come back may pay for the strengths, but the recordings themselves have to tell.
-    let left_out: f64 = gains.iter().sum();
-    Ok(left_out > CHANCE && left_out + straightened(question, without, with) > penalty && improved >= needed)
+    let told = left_out.gain > CHANCE && left_out.gain + straightened(question, without, with) > penalty;
+    Ok(told && left_out.repeats)
+}
+
+/// What recordings that were left out say of residuals `after` over those `before`.
+pub(crate) struct LeftOut {
+    /// Log-likelihood gained on all of them.
+    pub(crate) gain: f64,
+    /// Whether that is so on all but one of them: what happens once is a disturbance.
+    pub(crate) repeats: bool,
+    /// Independent samples.
+    samples: f64,
+}
+
+impl LeftOut {
+    pub(crate) fn of(before: &Residuals, after: &Residuals) -> Self {
+        let mut samples = 0.0;
+        let mut on = |before: &[Vec<f64>], after: &[Vec<f64>]| -> f64 {
+            let channels = before.iter().zip(after);
+            let gains = channels.map(|(before, after)| {
+                samples += independent(before, after);
+                gained(before, after)
+            });
+            gains.sum()
+        };
+        let gains: Vec<f64> = before.iter().zip(after).map(|(before, after)| on(before, after)).collect();
+        let improved = gains.iter().filter(|gain| **gain > 0.0).count();
+        let needed = if gains.len() > 2 { gains.len() - 1 } else { gains.len() };
+        Self { gain: gains.iter().sum(), repeats: improved >= needed, samples }
+    }
+
+    /// What so many values that were fitted cost: half the logarithm of the samples each.
+    pub(crate) fn cost(&self, values: usize) -> f64 {
+        0.5 * values as f64 * f64::max(self.samples, 2.0).ln()
+    }
 }

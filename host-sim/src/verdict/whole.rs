@@ -3,13 +3,11 @@
 //! Base and chosen set are refitted on the whole, which has to accept the set once more. What acts slowly does not show in
 //! a first part: where the whole is left above its noise, the effects that act over time are tried on it.
 
-use rayon::prelude::*;
-
 use super::likelihood::{accepts, ranked};
 use super::{AT_NOISE, Candidate, FAR, MOST_EFFECTS, Question, Selection, explains_enough, reduced, trial};
 use crate::fit::FitError;
-use crate::hypothesis::Hypothesis;
 use crate::screen::Lead;
+use crate::search::{open_to, refit_each};
 
 /// The selection that the whole recordings make of what was `found` on their first part. `done` is told after each refit.
 ///
@@ -56,13 +54,8 @@ fn slow(
     from: &Candidate,
     done: &(impl Fn(&str) + Sync),
 ) -> Result<Option<Candidate>, FitError> {
-    let open: Vec<&'static Hypothesis> = question
-        .hypotheses
-        .iter()
-        .copied()
-        .filter(|hypothesis| hypothesis.is_slow(question.scene))
-        .filter(|hypothesis| from.effects.iter().all(|chosen| chosen.effect.name != hypothesis.name))
-        .collect();
+    let mut open = open_to(question, from);
+    open.retain(|hypothesis| hypothesis.is_slow(question.scene));
     if open.is_empty() {
         return Ok(None);
     }
@@ -74,14 +67,7 @@ fn slow(
         known.push(lead.effect.name);
         new
     });
-    let rough: Vec<Candidate> = leads
-        .par_iter()
-        .map(|lead| {
-            let candidate = from.with(question, lead)?;
-            done(lead.effect.name);
-            Ok(candidate)
-        })
-        .collect::<Result<_, FitError>>()?;
+    let rough = refit_each(&leads, done, |lead| (lead, from.with(question, lead)))?;
     let best = rough.into_iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss));
     let finished = best.map(|best| best.finished(question)).transpose()?;
     Ok(finished.filter(|candidate| candidate.is_plausible(question.scene)))

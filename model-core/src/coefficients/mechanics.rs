@@ -209,8 +209,11 @@ impl<R: Real> Builder<'_, R> {
     fn placed_drag<N: Number<Real = R>>(&self) -> Result<PlacedDrag<N>, MachineError> {
         let signal = |of: P, value: R| self.signal::<N>("share of the viscous friction", of, value);
         Ok(PlacedDrag {
-            slope: signal(P::PositionDragSlope, self.get(P::PositionDragSlope))?,
-            bow: signal(P::PositionDragBow, self.get(P::PositionDragBow))?,
+            share: Placed {
+                level: N::ONE,
+                slope: signal(P::PositionDragSlope, self.get(P::PositionDragSlope))?,
+                bow: signal(P::PositionDragBow, self.get(P::PositionDragBow))?,
+            },
             slipperiest: N::saturated(SLIPPERIEST),
             thinnest: signal(P::ViscosityLoss, thinnest(self.machine))?,
             least: signal(P::PositionDragSlope, least_drag(self.machine))?,
