@@ -12,7 +12,7 @@ use crate::missing_link::{MissingLink, missing_link};
 use crate::prepare::{Channel, Prepared};
 use crate::recording::{Recording, Signal};
 use crate::region::{Course, since};
-use crate::shape::{Shape, State, once, over, periodic};
+use crate::shape::{Shape, State, once, over, periodic, stands_out};
 use crate::simulate::{Trajectory, simulate};
 use crate::spectrum::strongest_line;
 use crate::window::rows_in;
@@ -93,11 +93,13 @@ pub fn locate(
         .map(|case| simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(machine, case.prepared)))
         .collect::<Result<Vec<_>, _>>()?;
     let oscillating = cases.iter().zip(&trajectories).find_map(|(case, trajectory)| oscillation(case, trajectory));
+    let commanded =
+        matches!(&oscillating, Some(Shape::Periodic { hz, .. }) if cases.iter().any(|case| is_driven(case, *hz)));
     let subsystem = match (named.first(), &event, &oscillating) {
         (Some(named), ..) => *named,
         // What happens once and never again is pushed from outside.
         (None, Some(_), _) if !link.has_pressures => Subsystem::Mechanics,
-        (None, _, Some(Shape::Periodic { signal, .. })) => oscillates(*signal, &link),
+        (None, _, Some(Shape::Periodic { signal, .. })) => oscillates(*signal, &link, commanded),
         _ => link.subsystem,
     };
     let event = event.filter(|_| subsystem == Subsystem::Mechanics);
@@ -129,13 +131,23 @@ pub fn locate(
 }
 
 /// The link that an oscillation in this signal comes from: the supply's ripple reaches the chambers; a structure that rings
-/// carries the encoder along, and the chambers do not know.
-fn oscillates(signal: Signal, link: &MissingLink) -> Subsystem {
+/// carries the encoder along, and the chambers do not know. A valve's lags have no resonance: it passes on what is commanded.
+fn oscillates(signal: Signal, link: &MissingLink, commanded: bool) -> Subsystem {
     match signal {
         Signal::PressureA | Signal::PressureB | Signal::SupplyPressure => Subsystem::Flow,
-        Signal::Position if link.subsystem != Subsystem::Valve => Subsystem::Sensing,
+        Signal::Position if link.subsystem != Subsystem::Valve || !commanded => Subsystem::Sensing,
         _ => link.subsystem,
     }
+}
+
+/// Whether what drives a recording, or the slider in it, oscillates at this frequency itself: a line within a tenth of it.
+fn is_driven(case: &Case<'_>, hz: f64) -> bool {
+    let prepared = case.prepared;
+    let interval_s = prepared.duration_s() / (prepared.time_s.len().max(2) - 1) as f64;
+    [Signal::Command, Signal::Spool].into_iter().filter_map(|signal| case.recording.signal(signal)).any(|values| {
+        let line = strongest_line(values, interval_s, 0.9 * hz);
+        line.is_some_and(|line| line.hz < 1.1 * hz && stands_out(line))
+    })
 }
 
 /// Slowest oscillation that is not the motion itself, Hz.

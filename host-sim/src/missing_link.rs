@@ -344,6 +344,32 @@ mod tests {
     }
 
     #[test]
+    fn a_ringing_position_comes_from_the_valve_only_where_it_is_commanded() {
+        let ring = |t: f64| (std::f64::consts::TAU * 12.0 * t).sin();
+        let rung = recorded(|_| 0.0, |signal, t| if signal == Signal::Position { 4e-4 * ring(t) } else { 0.0 });
+        let time_s = rung.time_s().to_vec();
+        let subsystem = |command: Vec<f64>| {
+            let columns = vec![
+                Column::si(Signal::Time, time_s.clone()),
+                Column::si(Signal::Command, command),
+                Column::si(Signal::Position, rung.signal(Signal::Position).unwrap().to_vec()),
+            ];
+            let recording = Recording::new("position alone", columns).unwrap();
+            let prepared = Prepared::new(&recording, &press(), LoadSource::Constant, None).unwrap();
+            let case = Case { recording: &recording, prepared: &prepared, start: StartState::default() };
+            // The hypotheses of the valve promise most.
+            let promises = [(Subsystem::Valve, 1000.0), (Subsystem::Flow, 1.0)];
+            locate(&press(), LoadSource::Constant, &[case], &[], &promises).unwrap().subsystem
+        };
+        let command = rung.signal(Signal::Command).unwrap();
+        assert_eq!(subsystem(command.to_vec()), Subsystem::Sensing);
+        assert_eq!(
+            subsystem(command.iter().zip(&time_s).map(|(u, t)| u + 1e-3 * ring(*t)).collect()),
+            Subsystem::Valve
+        );
+    }
+
+    #[test]
     fn a_late_position_is_found_in_the_sensing() {
         let dry = recorded(|_| 0.0, |_, _| 0.0);
         let position = dry.signal(Signal::Position).unwrap();

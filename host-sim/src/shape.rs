@@ -115,10 +115,16 @@ pub fn once(recordings: &[(&str, &[f64], &[f64])]) -> Option<Shape> {
     best.map(|(_, shape)| shape)
 }
 
+/// Whether a line is none that noise makes.
+#[must_use]
+pub fn stands_out(line: Line) -> bool {
+    line.above > ABOVE
+}
+
 /// Whether a line makes an oscillation of a series with this mean square.
 #[must_use]
 pub fn periodic(line: Line, mean_square: f64, signal: Signal) -> Option<Shape> {
-    let is = line.above > ABOVE && 0.5 * line.amplitude.powi(2) > OF_POWER * mean_square;
+    let is = stands_out(line) && 0.5 * line.amplitude.powi(2) > OF_POWER * mean_square;
     is.then_some(Shape::Periodic { hz: line.hz, amplitude: line.amplitude, signal })
 }
 
