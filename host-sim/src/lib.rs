@@ -12,6 +12,7 @@ pub mod dual;
 pub mod evidence;
 pub mod excerpt;
 pub mod exhibits;
+pub mod export;
 pub mod failure;
 pub mod fit;
 pub mod found;

@@ -31,6 +31,16 @@ impl Machine<f64> {
         }
         machine
     }
+
+    /// A machine with these values, SI, and every other at its default: what `host-sim export` writes for a controller.
+    #[must_use]
+    pub fn with_values(source: Source, values: &[(Parameter, f64)]) -> Self {
+        let mut machine = Self::with_defaults(source);
+        for &(parameter, value) in values {
+            machine.set(parameter, value);
+        }
+        machine
+    }
 }
 
 impl<R: Copy> Machine<R> {

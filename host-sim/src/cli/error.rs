@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use model_core::machine::Source;
+use model_core::machine::{MachineError, Source};
 
 use crate::atomic;
 use crate::compare::CompareError;
@@ -53,6 +53,14 @@ pub enum CliError {
         machine: PathBuf,
         /// Why.
         cause: CompareError,
+    },
+    /// The drive does not fit the controller.
+    #[error("{machine}: {cause}")]
+    Export {
+        /// The machine file.
+        machine: PathBuf,
+        /// Why.
+        cause: MachineError,
     },
     /// The recordings do not make a diagnosis or a fit.
     #[error("{machine}: {cause}")]

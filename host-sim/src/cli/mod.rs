@@ -8,6 +8,7 @@ mod console;
 pub mod diagnose;
 pub mod draw;
 mod error;
+pub mod export;
 pub mod fit;
 mod input;
 pub mod paper;
@@ -49,6 +50,8 @@ pub enum Command {
     Paper(paper::Arguments),
     /// Make synthetic recordings of a drive, with effects that its machine file knows nothing of.
     Testbed(testbed::Arguments),
+    /// Write a drive's constants, effects included, as Rust source for the firmware.
+    Export(export::Arguments),
 }
 
 /// How a command ended that could be done.
@@ -70,6 +73,7 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<Outcome, CliE
         Command::Statics(arguments) => statics::run(arguments, console),
         Command::Paper(arguments) => paper::run(arguments, console),
         Command::Testbed(arguments) => testbed::run(arguments, console),
+        Command::Export(arguments) => export::run(arguments, console),
     }
 }
 

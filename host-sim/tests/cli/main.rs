@@ -6,6 +6,7 @@
 #[path = "../at_hand/mod.rs"]
 mod at_hand;
 mod bad_input;
+mod export;
 mod report;
 mod shared;
 mod shipped;
