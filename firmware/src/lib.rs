@@ -23,4 +23,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+#[cfg(all(target_arch = "arm", target_os = "none"))]
+pub mod board;
 pub mod reference;
+pub mod trial;

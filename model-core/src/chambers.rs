@@ -50,7 +50,7 @@ pub(crate) struct Filled<N: Number> {
 }
 
 /// Pressures of both chambers, per unit of supply pressure.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ChamberState<N> {
     /// Chamber A.

@@ -61,7 +61,7 @@ pub struct Drive<N: Number> {
 }
 
 /// State of a drive whose delay line holds `DELAY` ticks.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
     feature = "serde",
@@ -138,7 +138,7 @@ impl<N: Number> Load<N> {
 }
 
 /// What the links handed to each other during a tick.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Hash)]
 pub struct Interfaces<N> {
     /// Slider, where the tick entered above it.
     pub slider: Option<Slider<N>>,

@@ -20,7 +20,7 @@ pub struct Linearised<N: Number> {
 }
 
 /// Flow into A and out of B.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Hash)]
 pub struct Flows<F> {
     /// Into chamber A.
     pub a: F,

@@ -77,7 +77,7 @@ pub(crate) struct Resistance<N: Number> {
 }
 
 /// Velocity and position.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
     feature = "serde",
@@ -104,7 +104,7 @@ impl<N: Number> MotionState<N> {
 }
 
 /// Net force on the rod in a tick, without friction and without what depends on the rod's own position.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Hash)]
 pub struct Forces<N> {
     /// At the start of the tick: what dry friction has to hold.
     pub start: N,
@@ -117,7 +117,7 @@ pub struct Forces<N> {
 }
 
 /// What friction depends on beside the motion, at the start of a tick.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Hash)]
 pub struct Surroundings<N> {
     /// Sum of both chamber pressures above 0, on the seals.
     pub pressed: N,

@@ -59,7 +59,7 @@ impl<N: Number> Reading<N> {
 }
 
 /// State of the sensors, with the dead time's line of `DELAY` ticks (a power of two). Untouched where the position reads true.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
     feature = "serde",
@@ -82,7 +82,7 @@ pub struct SensedState<N: Number, const DELAY: usize> {
 }
 
 /// What the sensors read.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Hash)]
 pub struct Sensed<N: Number> {
     /// Slider; 1 is full travel.
     pub spool: N,

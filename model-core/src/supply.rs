@@ -17,7 +17,7 @@
 use crate::number::Number;
 
 /// State of the supply.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SupplyState<N> {
     /// Supply pressure at the valve, per unit: 1 is p0, where it stays without droop.

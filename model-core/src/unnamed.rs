@@ -23,7 +23,7 @@ use crate::flow::Flows;
 use crate::number::Number;
 
 /// States of a drive that a table may be over, per unit.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Hash)]
 pub struct States<N> {
     /// Velocity of the rod.
     pub velocity: N,

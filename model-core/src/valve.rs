@@ -32,7 +32,7 @@ pub struct Valve<N: Number> {
 }
 
 /// State of the valve, with the delay line of `DELAY` ticks (a power of two).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
     feature = "serde",
@@ -58,7 +58,7 @@ pub struct ValveState<N: Number, const DELAY: usize> {
 /// A slider that sticks and jumps within the tick is handed on so too: the jump comes at any time within the tick alike, and the
 /// straight line has the mean opening of a jump in the middle. Taken at the start or the end of the tick, every jump would be
 /// half a tick early or late.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Hash)]
 pub struct Slider<N> {
     /// At the start of the tick.
     pub from: N,

@@ -20,7 +20,7 @@ pub(crate) struct ValveEffects<N: Number> {
 }
 
 /// State of the valve's effects. An effect that is off leaves its part untouched.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct ValveEffectState<N> {
     /// Outputs of the three plays.

@@ -1,0 +1,27 @@
+//! An image whose only work is the model's step: what is in it is the step's flash, and a panic that the step could reach would be too.
+//!
+//! It is not to be run; the drive and its state are nowhere made.
+#![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
+
+#[cfg(all(target_arch = "arm", target_os = "none"))]
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    use core::hint::black_box;
+
+    use firmware::trial::DELAY;
+    use model_core::drive::{Drive, DriveState, Entry, Load};
+    use model_core::fixed_point::PerUnit;
+    use panic_semihosting as _;
+
+    let mut model: Option<(Drive<PerUnit>, DriveState<PerUnit, DELAY>, PerUnit)> = black_box(None);
+    loop {
+        if let Some((drive, state, command)) = black_box(&mut model) {
+            black_box(drive.step(state, Entry::Command(*command), Load::NONE));
+        }
+    }
+}
+
+#[cfg(not(all(target_arch = "arm", target_os = "none")))]
+fn main() {
+    println!("nothing runs here: the image for thumbv7em-none-eabihf or thumbv7m-none-eabi is what counts");
+}

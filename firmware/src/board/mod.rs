@@ -1,0 +1,3 @@
+//! Boards: pins, peripherals, nothing else.
+
+pub mod mps2;

@@ -1,0 +1,163 @@
+//! A trial: a machine under an input, run to its fingerprint.
+
+use core::fmt::{self, Write};
+use core::hash::{Hash, Hasher};
+
+use model_core::chambers::ChamberState;
+use model_core::drive::{Drive, DriveState};
+use model_core::fixed_point::PerUnit;
+use model_core::machine::{Machine, MachineError, Tick};
+use model_core::number::Number;
+
+use super::DELAY;
+use super::effects::{EFFECTS, Effect, every_effect};
+use super::fingerprint::Fingerprint;
+use super::input::Input;
+use super::machines::{press, pump};
+
+/// Ticks of a random input.
+const RANDOM_TICKS: usize = 3000;
+/// A state in clear every so many ticks.
+const SAMPLED: usize = 1000;
+
+/// Effects that a trial has on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum On {
+    Nothing,
+    One(&'static Effect),
+    Everything,
+}
+
+/// A machine with effects under an input.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Case {
+    on: On,
+    input: Input,
+}
+
+/// The state after so many ticks, raw words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sample {
+    /// Ticks since the start.
+    pub tick: usize,
+    /// Slider.
+    pub slider: i32,
+    /// Pressure in A.
+    pub pressure_a: i32,
+    /// Pressure in B.
+    pub pressure_b: i32,
+    /// Velocity.
+    pub velocity: i32,
+    /// Position.
+    pub position: i64,
+    /// Fingerprint of everything up to here.
+    pub fingerprint: u64,
+}
+
+/// Why a trial cannot be run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CaseError {
+    /// The machine does not become a drive.
+    Machine(MachineError),
+    /// Whoever takes the samples cannot.
+    Taken(fmt::Error),
+}
+
+impl From<MachineError> for CaseError {
+    fn from(error: MachineError) -> Self {
+        CaseError::Machine(error)
+    }
+}
+
+impl From<fmt::Error> for CaseError {
+    fn from(error: fmt::Error) -> Self {
+        CaseError::Taken(error)
+    }
+}
+
+/// All trials: no effect, each alone and all together; under the recorded and the random input, and entered anywhere; and the pump.
+pub fn cases() -> impl Iterator<Item = Case> {
+    let sets = || [On::Nothing, On::Everything].into_iter().chain(EFFECTS.iter().map(On::One));
+    let under = |input: Input| sets().map(move |on| Case { on, input });
+    let recorded = [On::Nothing, On::Everything].map(|on| Case { on, input: Input::Recorded });
+    recorded.into_iter().chain(under(Input::Random)).chain(under(Input::Anywhere)).chain(under(Input::Pump))
+}
+
+impl Case {
+    /// The machine.
+    #[must_use]
+    pub fn machine(&self) -> Machine<f64> {
+        let plain = if self.input == Input::Pump { pump() } else { press() };
+        match self.on {
+            On::Nothing => plain,
+            On::One(effect) => effect.on(&plain),
+            On::Everything => every_effect(&plain),
+        }
+    }
+
+    /// Runs it and hands on samples.
+    ///
+    /// # Errors
+    /// The machine is none, or the samples cannot be taken.
+    pub fn run(&self, mut take: impl FnMut(Sample) -> fmt::Result) -> Result<(), CaseError> {
+        let drive = Drive::<PerUnit>::new::<DELAY>(&self.machine(), Tick::OneMillisecond)?;
+        let mut fingerprint = Fingerprint::new();
+        // Every coefficient in clear, the real ones with all their digits.
+        write!(fingerprint, "{drive:?}")?;
+        let pressures = ChamberState { a: PerUnit::saturated(0.3), b: PerUnit::saturated(0.5) };
+        let mut state: DriveState<PerUnit, DELAY> = drive.at_rest(PerUnit::ZERO, pressures, PerUnit::travel(0.5));
+        let ticks = if self.input == Input::Recorded { usize::MAX } else { RANDOM_TICKS };
+        let mut tick = 0;
+        for moment in self.input.moments().take(ticks) {
+            if let Some(temperature) = moment.oil_temperature {
+                state.oil_temperature = temperature;
+            }
+            drive.step(&mut state, moment.entry, moment.load).hash(&mut fingerprint);
+            state.hash(&mut fingerprint);
+            drive.sensed(&state).hash(&mut fingerprint);
+            tick += 1;
+            if tick % SAMPLED == 0 {
+                take(Sample {
+                    tick,
+                    slider: state.valve.slider().to_bits(),
+                    pressure_a: state.chambers.a.to_bits(),
+                    pressure_b: state.chambers.b.to_bits(),
+                    velocity: state.motion.velocity.to_bits(),
+                    position: state.motion.position.to_bits(),
+                    fingerprint: fingerprint.finish(),
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes its trace: name, then samples.
+    ///
+    /// # Errors
+    /// As [`Case::run`].
+    pub fn trace(&self, out: &mut impl Write) -> Result<(), CaseError> {
+        writeln!(out, "{self}")?;
+        self.run(|sample| writeln!(out, "{sample}"))
+    }
+}
+
+impl fmt::Display for Case {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        let on = match self.on {
+            On::Nothing => "no effect",
+            On::One(effect) => effect.name,
+            On::Everything => "every effect",
+        };
+        write!(formatter, "{}: {on}", self.input.name())
+    }
+}
+
+impl fmt::Display for Sample {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        let Self { tick, slider, pressure_a, pressure_b, velocity, position, fingerprint } = self;
+        write!(
+            formatter,
+            "{tick:>6} {slider:>11} {pressure_a:>11} {pressure_b:>11} {velocity:>11} {position:>18} {fingerprint:016x}"
+        )
+    }
+}

@@ -1,0 +1,171 @@
+//! What drives a trial: a recorded command, or everything at random.
+
+use core::str::Lines;
+
+use model_core::drive::{Entry, Load};
+use model_core::fixed_point::PerUnit;
+use model_core::flow::{Flows, PumpDrive};
+use model_core::number::Number;
+use model_core::valve::Slider;
+use rand_chacha::ChaCha8Rng;
+use rand_core::{Rng, SeedableRng};
+
+/// The command of the shipped case's four training recordings one after the other: lines of `ticks of 1 ms, tenths of a millivolt`.
+pub const RECORDED: &str = include_str!("recorded.txt");
+
+/// Recorded units in a command of 1, which is 10 V.
+const RECORDED_PER_UNIT: i64 = 100_000;
+
+/// Seed of everything at random.
+const SEED: u64 = 6340;
+/// Shortest and longest time that a random moment is held, ticks.
+const HELD: [u32; 2] = [80, 500];
+
+/// The paper's steps: 0.1 s of rest, then 0.5 s out, 0.35 s of rest, 0.5 s back, 0.35 s of rest; commands of so many volts.
+pub fn steps_of(volts: i32) -> impl Iterator<Item = Moment> {
+    let command = PerUnit::from_bits(volts * ((1 << 28) / 10));
+    let parts = [(100, PerUnit::ZERO), (500, command), (350, PerUnit::ZERO), (500, -command), (350, PerUnit::ZERO)];
+    parts.into_iter().flat_map(|(ticks, command)| core::iter::repeat_n(Moment::command(command), ticks))
+}
+
+/// What drives a trial.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Input {
+    /// The recorded command.
+    Recorded,
+    /// Commands within ±10 V held for 80 to 500 ms, loads, oil temperatures.
+    Random,
+    /// The same, entering the chain at a link drawn at random, with values up to the ends of the format.
+    Anywhere,
+    /// Speeds and directions of a pump, loads.
+    Pump,
+}
+
+/// What a drive meets in one tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// Where and with what the chain is entered.
+    pub entry: Entry<PerUnit>,
+    /// External force.
+    pub load: Load<PerUnit>,
+    /// Measured oil temperature; `None` leaves it as it was.
+    pub oil_temperature: Option<PerUnit>,
+}
+
+impl Moment {
+    fn command(command: PerUnit) -> Self {
+        Self { entry: Entry::Command(command), load: Load::NONE, oil_temperature: None }
+    }
+}
+
+impl Input {
+    /// Its name in a trace.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Input::Recorded => "recorded",
+            Input::Random => "random",
+            Input::Anywhere => "anywhere",
+            Input::Pump => "pump",
+        }
+    }
+
+    /// The moments, tick by tick; what is random never ends.
+    #[must_use]
+    pub fn moments(self) -> Moments {
+        Moments {
+            input: self,
+            lines: RECORDED.lines(),
+            generator: ChaCha8Rng::seed_from_u64(SEED),
+            left: 0,
+            now: Moment::command(PerUnit::ZERO),
+        }
+    }
+}
+
+/// The moments of an input.
+#[derive(Clone, Debug)]
+pub struct Moments {
+    input: Input,
+    lines: Lines<'static>,
+    generator: ChaCha8Rng,
+    /// Ticks that the present moment is still held for.
+    left: u32,
+    now: Moment,
+}
+
+impl Iterator for Moments {
+    type Item = Moment;
+
+    fn next(&mut self) -> Option<Moment> {
+        if self.left == 0 {
+            (self.left, self.now) = match self.input {
+                Input::Recorded => self.recorded()?,
+                Input::Random | Input::Anywhere | Input::Pump => self.held(),
+            };
+        }
+        self.left = self.left.checked_sub(1)?;
+        Some(self.now)
+    }
+}
+
+impl Moments {
+    fn recorded(&mut self) -> Option<(u32, Moment)> {
+        let (ticks, tenths) = self.lines.next()?.split_once(' ')?;
+        let tenths: i64 = tenths.parse().ok()?;
+        let bits = (tenths << 28) / RECORDED_PER_UNIT;
+        Some((ticks.parse().ok()?, Moment::command(PerUnit::from_bits(i32::try_from(bits).ok()?))))
+    }
+
+    fn held(&mut self) -> (u32, Moment) {
+        let [shortest, longest] = HELD;
+        let ticks = shortest + self.generator.next_u32() % (longest - shortest);
+        (ticks, self.drawn())
+    }
+
+    fn drawn(&mut self) -> Moment {
+        let entry = match self.input {
+            Input::Recorded | Input::Random => Entry::Command(self.within_one()),
+            Input::Anywhere => self.anywhere(),
+            Input::Pump => Entry::Pump(self.pump()),
+        };
+        let load = Load { from: self.within_one().halved().halved(), to: self.within_one().halved().halved() };
+        // −25 to 100 °C, of which one in four is not measured.
+        let warm = PerUnit::ONE.halved() + PerUnit::ONE + self.within_one() + self.within_one().halved();
+        let oil_temperature = (!self.generator.next_u32().is_multiple_of(4)).then_some(warm);
+        Moment { entry, load, oil_temperature }
+    }
+
+    fn anywhere(&mut self) -> Entry<PerUnit> {
+        let slider = Slider { from: self.within_one(), to: self.within_one() };
+        match self.generator.next_u32() % 6 {
+            0 => Entry::Command(PerUnit::from_bits(self.bits())),
+            1 => Entry::Slider(slider),
+            2 => Entry::Followed { command: self.within_one(), slider },
+            3 => Entry::Flow {
+                from: Flows { a: self.within_one(), b: self.within_one() },
+                to: Flows { a: self.within_one(), b: self.within_one() },
+            },
+            4 => Entry::Force { from: self.within_one(), to: self.within_one() },
+            _ => Entry::Pump(self.pump()),
+        }
+    }
+
+    fn pump(&mut self) -> PumpDrive<PerUnit> {
+        let direction = match self.generator.next_u32() % 3 {
+            0 => -1,
+            1 => 0,
+            _ => 1,
+        };
+        PumpDrive { speed: self.within_one(), direction }
+    }
+
+    /// −1..1
+    fn within_one(&mut self) -> PerUnit {
+        PerUnit::from_bits(self.bits() >> 3)
+    }
+
+    fn bits(&mut self) -> i32 {
+        self.generator.next_u32().cast_signed()
+    }
+}

@@ -1,0 +1,19 @@
+//! Trials: drives under inputs that host and target run alike, so that their traces can be compared bit for bit.
+//!
+//! A [`Case`] is a machine with effects under an input; [`Case::run`] steps it and takes the fingerprint of every word of its
+//! coefficients, state and outputs on the way.
+
+mod case;
+mod effects;
+mod fingerprint;
+mod input;
+mod machines;
+
+pub use case::{Case, CaseError, Sample, cases};
+pub use effects::{EFFECTS, Effect, every_effect};
+pub use fingerprint::Fingerprint;
+pub use input::{Input, Moment, RECORDED, steps_of};
+pub use machines::{press, pump};
+
+/// Delay line of the trials' states, ticks.
+pub const DELAY: usize = 64;

@@ -1,0 +1,87 @@
+//! What the model costs on the target, against what it may cost.
+
+use std::fmt::Write;
+
+use crate::emulator::Processor;
+use crate::{snapshot, step};
+
+/// What a figure may be at most.
+struct Budget {
+    /// Its row.
+    row: &'static str,
+    limit: u64,
+    /// Whether it is met on both processors, and so must stay met.
+    met: bool,
+}
+
+const BUDGETS: [Budget; 4] = [
+    Budget { row: "instructions a step, mean: paper's model, random", limit: 500, met: false },
+    Budget { row: "instructions a step, mean: every effect, random under load", limit: 1500, met: false },
+    Budget { row: "flash of the step, bytes", limit: 8 * 1024, met: false },
+    Budget { row: "RAM beside the delay lines, bytes", limit: 512, met: false },
+];
+
+/// Largest change of a figure against the snapshot.
+const RELATIVE: f64 = 0.01;
+
+/// A row for each figure.
+fn figures(processor: Processor) -> Vec<(String, u64)> {
+    let mut figures = vec![("flash of the step, bytes".to_owned(), step::flash(processor))];
+    let mut ram = 0;
+    for line in processor.run("budget").lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let number = |word: &str| word.parse::<u64>().unwrap_or_else(|error| panic!("{line}: {error}"));
+        match words.as_slice() {
+            ["instructions", mean, worst, name @ ..] => {
+                let name = name.join(" ");
+                figures.push((format!("instructions a step, mean: {name}"), number(mean)));
+                figures.push((format!("instructions a step, worst: {name}"), number(worst)));
+            }
+            ["stack", bytes, name @ ..] => figures.push((format!("stack, bytes: {}", name.join(" ")), number(bytes))),
+            ["ram", bytes, name @ ..] => {
+                let name = name.join(" ");
+                if !name.starts_with("delay lines") {
+                    ram += number(bytes);
+                }
+                figures.push((format!("RAM, bytes: {name}"), number(bytes)));
+            }
+            _ => panic!("not a figure: {line}"),
+        }
+    }
+    figures.push(("RAM beside the delay lines, bytes".to_owned(), ram));
+    figures
+}
+
+/// The figure at the end of a row of the table, and what is before it.
+fn parsed(row: &str) -> Option<(&str, f64)> {
+    let (name, figure) = row.rsplit_once(' ')?;
+    Some((name.trim(), figure.parse().ok()?))
+}
+
+fn near(found: &str, kept: &str) -> bool {
+    match (parsed(found), parsed(kept)) {
+        (Some((name, found)), Some((kept_name, kept))) => name == kept_name && (found - kept).abs() <= RELATIVE * kept,
+        _ => found == kept,
+    }
+}
+
+#[test]
+fn the_step_stays_within_its_budgets() {
+    let mut table = "Under QEMU with an instruction a nanosecond; the worst step to 40 instructions.\n".to_owned();
+    for processor in Processor::ALL {
+        if !processor.can_be_emulated() {
+            return;
+        }
+        let figures = figures(processor);
+        writeln!(table, "\n{}", processor.name()).unwrap();
+        for (row, figure) in &figures {
+            writeln!(table, "{row:<72} {figure:>8}").unwrap();
+        }
+        for Budget { row, limit, met } in BUDGETS {
+            let (_, figure) = figures.iter().find(|(name, _)| name == row).expect("every budget is of a row");
+            assert!(!met || *figure <= limit, "{}: {row} is {figure}, allowed {limit}", processor.name());
+            println!("{}: {row}: {figure} of {limit}", processor.name());
+        }
+    }
+    snapshot::compare("budget.txt", &table, near);
+}

@@ -1,0 +1,90 @@
+//! Builds binaries of the firmware for the targets and runs them under QEMU, where both are at hand.
+
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+use system_tests::at_hand::skipped;
+
+/// An emulated processor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Processor {
+    /// Cortex-M4F, `mps2-an386`.
+    M4F,
+    /// Cortex-M3, `mps2-an385`.
+    M3,
+}
+
+impl Processor {
+    pub(crate) const ALL: [Self; 2] = [Self::M4F, Self::M3];
+
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Processor::M4F => "Cortex-M4F",
+            Processor::M3 => "Cortex-M3",
+        }
+    }
+
+    const fn target(self) -> &'static str {
+        match self {
+            Processor::M4F => "thumbv7em-none-eabihf",
+            Processor::M3 => "thumbv7m-none-eabi",
+        }
+    }
+
+    /// Whether binaries can be built for it; where not, says that a test is skipped.
+    pub(crate) fn can_be_built_for(self) -> bool {
+        let target = self.target();
+        let folder = Command::new("rustc").args(["--print", "target-libdir", "--target", target]).output();
+        let there = folder.is_ok_and(|folder| PathBuf::from(String::from_utf8_lossy(&folder.stdout).trim()).is_dir());
+        if !there {
+            skipped(&format!("Rust has no {target}; rustup target add {target}"));
+        }
+        there
+    }
+
+    /// Whether binaries can be built for it and run; where not, says that a test is skipped.
+    pub(crate) fn can_be_emulated(self) -> bool {
+        let emulator = Command::new("qemu-system-arm").arg("--version").stdout(Stdio::null()).status();
+        if emulator.is_err() {
+            skipped("there is no qemu-system-arm");
+            return false;
+        }
+        self.can_be_built_for()
+    }
+
+    fn cargo(self, verb: &str, binary: &str) -> Command {
+        let mut cargo = Command::new(env!("CARGO"));
+        // A folder of its own: the cargo that runs this test holds the usual one.
+        cargo
+            .args([verb, "--quiet", "--release", "--locked", "--package", "firmware", "--bin", binary])
+            .args(["--target", self.target(), "--target-dir", Self::FOLDER])
+            .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
+            .stdin(Stdio::null());
+        cargo
+    }
+
+    const FOLDER: &str = concat!(env!("CARGO_TARGET_TMPDIR"), "/on_target");
+
+    /// What a binary prints.
+    ///
+    /// # Panics
+    /// It cannot be built, or it fails.
+    pub(crate) fn run(self, binary: &str) -> String {
+        let output = self.cargo("run", binary).output().expect("cargo runs this test, so it is there");
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{binary} on {self:?}: {}\n{text}\n{errors}", output.status);
+        text
+    }
+
+    /// The image of a binary.
+    ///
+    /// # Panics
+    /// It cannot be built.
+    pub(crate) fn image(self, binary: &str) -> Vec<u8> {
+        let output = self.cargo("build", binary).output().expect("cargo runs this test, so it is there");
+        assert!(output.status.success(), "{binary} for {self:?}: {}", String::from_utf8_lossy(&output.stderr));
+        let file = [Self::FOLDER, self.target(), "release", binary].iter().collect::<PathBuf>();
+        std::fs::read(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()))
+    }
+}

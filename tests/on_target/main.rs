@@ -1,0 +1,10 @@
+//! The model on the emulated target: does it compute what the host computes, and what does it cost?
+//!
+//! That host and target agree says nothing of whether they are right: that is what the tests of `accuracy` hold against the oracle.
+
+mod budget;
+mod emulator;
+mod parity;
+mod snapshot;
+mod step;
+mod trials;
