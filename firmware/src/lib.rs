@@ -23,4 +23,11 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod ads8688;
+pub mod dac;
+pub mod edge;
+pub mod ls7366r;
+pub mod measured;
+#[cfg(test)]
+mod mock;
 pub mod reference;
