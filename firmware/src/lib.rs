@@ -24,10 +24,13 @@
 #![forbid(unsafe_code)]
 
 pub mod ads8688;
+pub mod calibration;
 pub mod dac;
 pub mod edge;
+mod line;
 pub mod ls7366r;
 pub mod measured;
 #[cfg(test)]
 mod mock;
 pub mod reference;
+pub mod travel;

@@ -1,4 +1,4 @@
-//! For the drivers' tests: whole frames of embedded-hal-mock, and a bus that fails at one of them, which those mocks cannot.
+//! For tests: whole frames of embedded-hal-mock, a bus that fails at one of them, which those mocks cannot, and a machine.
 
 extern crate std;
 use std::vec;
@@ -6,6 +6,18 @@ use std::vec::Vec;
 
 use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
 use embedded_hal_mock::eh1::spi::Transaction;
+use model_core::machine::{Machine, Source};
+use model_core::parameter::Parameter;
+
+/// A cylinder of 63/40 mm and 300 mm stroke on 7 MPa.
+pub(crate) fn press() -> Machine<f64> {
+    let mut machine = Machine::with_defaults(Source::Valve);
+    machine.set(Parameter::AreaA, 3.117e-3);
+    machine.set(Parameter::AreaB, 1.861e-3);
+    machine.set(Parameter::VolumeA, 5.2e-4);
+    machine.set(Parameter::VolumeB, 3.3e-4);
+    machine
+}
 
 /// A frame that is only written.
 pub(crate) fn written(bytes: &[u8]) -> Vec<Transaction<u8>> {
