@@ -292,9 +292,9 @@ impl Calibration {
         Ok(Self { rows, output: Output::new(actuator, output_uv)? })
     }
 
-    /// The rows there are, each with its signal, in the order of [`Signal::ALL`].
-    pub fn rows(&self) -> impl Iterator<Item = (Signal, &Row)> {
-        Signal::ALL.into_iter().zip(&self.rows).filter_map(|(signal, row)| row.as_ref().map(|row| (signal, row)))
+    /// Every signal with its row, if it has one, in the order of [`Signal::ALL`].
+    pub fn signals(&self) -> impl Iterator<Item = (Signal, Option<&Row>)> {
+        Signal::ALL.into_iter().zip(&self.rows).map(|(signal, row)| (signal, row.as_ref()))
     }
 }
 
@@ -380,9 +380,9 @@ mod tests {
         let slider = Sensor { channel: 1, high: Point { volts: 4.5, value: 1.0 }, ..pressure() };
         let sensors = [(Signal::PressureB, pressure()), (Signal::Slider, slider)];
         let table = Calibration::new(&sensors, SPAN_UV, &actuator, 20_000_000, &bases()).unwrap();
-        let mut rows = table.rows().map(|(signal, row)| (signal, row.channel()));
-        assert_eq!([rows.next(), rows.next()], [Some((Signal::Slider, 1)), Some((Signal::PressureB, 2))]);
-        assert_eq!(rows.next(), None);
+        let channels = table.signals().map(|(signal, row)| (signal, row.map(Row::channel)));
+        let expected = Signal::ALL.into_iter().zip([None, Some(1), None, Some(2), None]);
+        assert!(channels.eq(expected));
     }
 
     proptest! {

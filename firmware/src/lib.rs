@@ -25,12 +25,21 @@
 
 pub mod ads8688;
 pub mod calibration;
+pub mod control;
 pub mod dac;
 pub mod edge;
+pub mod fault;
+pub mod limits;
 mod line;
+pub mod log;
 pub mod ls7366r;
 pub mod measured;
 #[cfg(test)]
 mod mock;
+pub mod mode;
+pub mod period;
 pub mod reference;
+mod sense;
+pub mod set_point;
+pub mod still;
 pub mod travel;
