@@ -610,16 +610,16 @@ struct Anything {
 
 /// Mostly what a sound rig gives, so that every mode is reached; sometimes anything.
 fn anything() -> impl Strategy<Value = Anything> {
-    let seldom = || prop::bool::weighted(0.02);
-    let count = prop_oneof![20 => -3..=3_i32, 1 => any::<i32>()];
-    let voltage = || prop_oneof![60 => 6_000..50_000_i32, 1 => any::<i32>()];
-    let word = || prop_oneof![10 => -(1_i32 << 28)..1 << 28, 1 => any::<i32>()];
-    let position = prop_oneof![30 => 0..1_i32 << 24, 1 => any::<i32>()];
+    let seldom = || prop::bool::weighted(0.006);
+    let count = prop_oneof![200 => -3..=3_i32, 1 => any::<i32>()];
+    let voltage = || prop_oneof![300 => 6_000..50_000_i32, 1 => any::<i32>()];
+    let word = || prop_oneof![200 => -(1_i32 << 28)..1 << 28, 1 => any::<i32>()];
+    let position = prop_oneof![100 => -(1_i32 << 23)..1 << 23, 1 => any::<i32>()];
     let command = prop_oneof![
-        6 => Just(None),
-        3 => Just(Some(Command::Follow)),
+        30 => Just(None),
+        10 => Just(Some(Command::Follow)),
         1 => Just(Some(Command::Stop)),
-        2 => Just(Some(Command::Acknowledge)),
+        10 => Just(Some(Command::Acknowledge)),
     ];
     (
         (count, [voltage(), voltage(), voltage(), voltage()], [seldom(), seldom(), seldom()]),
@@ -632,14 +632,15 @@ fn anything() -> impl Strategy<Value = Anything> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
     fn whatever_comes_the_output_keeps_its_limits_and_faults_their_states(steps in prop::collection::vec(anything(), 1..250)) {
-        let limits = Limits { settling: 1, read_back: None, ..limits() };
+        let limits = Limits { settling: 1, read_back: None, least_position: percent(-50), ..limits() };
         let world = Rc::new(RefCell::new(World::new()));
         let mut period = Period::begin(devices(&world), rig(limits), Wanting(world.clone())).unwrap();
         let [lowest, highest] = rig(limits).calibration.output.limits();
         let (mut mode, mut last, mut ramping) = (Mode::Starting, limits.neutral, 0);
+        let mut place = PerUnit::ZERO;
         for step in steps {
             {
                 let mut world = world.borrow_mut();
@@ -656,11 +657,13 @@ proptest! {
                     ..*world
                 };
             }
-            let [position, velocity] = step.set_point.map(PerUnit::from_bits);
+            let [from_place, velocity] = step.set_point.map(PerUnit::from_bits);
+            let position = place + from_place;
             let timing = if step.overrun { Timing::Overrun } else { Timing::Kept };
             let request = Request { set_point: SetPoint { position, velocity }, command: step.command, timing };
             let mut told = Told::default();
             let report = period.step(&request, &mut told);
+            place = report.measured.position;
 
             // Size and slope of the output.
             prop_assert!(report.command.magnitude() <= limits.most_command);
