@@ -550,6 +550,19 @@ fn commands_are_refused_while_a_fault_is_there_or_the_sensors_have_not_settled()
 }
 
 #[test]
+fn after_a_fault_the_sensors_settle_anew() {
+    let mut bench = Bench::following();
+    bench.world.borrow_mut().count += 400;
+    assert_eq!(bench.command(None).mode, Mode::Neutral);
+    assert_eq!(bench.command(Some(Command::Acknowledge)).mode, Mode::Starting);
+    bench.request.set_point.position = percent(32);
+    for _ in 0..3 {
+        assert_eq!(bench.command(Some(Command::Follow)).answer, Some(Answer::Refused));
+    }
+    bench.follow();
+}
+
+#[test]
 fn a_stop_ramps_to_neutral_within_its_periods() {
     let mut bench = Bench::following();
     let mut last = bench.command(Some(Command::Stop)).command;
