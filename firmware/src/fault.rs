@@ -145,6 +145,17 @@ impl Fault {
         }
     }
 
+    /// Whether the encoder's count is no longer known to be the rod's position.
+    #[must_use]
+    pub const fn loses_place(&self) -> bool {
+        matches!(
+            self,
+            Fault::EncoderJump { .. }
+                | Fault::PositionStuck { .. }
+                | Fault::Silent { device: Device::Position, cause: Cause::PowerLost | Cause::WrongAnswer { .. } }
+        )
+    }
+
     /// Number of its kind, for [`Standing`]. Each sensor is a kind of its own.
     const fn kind(&self) -> u32 {
         const SIGNALS: u32 = 5;

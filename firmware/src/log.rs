@@ -41,11 +41,13 @@ pub(crate) struct Findings<'a, L> {
     pub(crate) worst: Option<Response>,
     /// Whether a fault of this period is one that a restart may cure.
     pub(crate) own: bool,
+    /// Whether a fault of this period means that the encoder lost the rod.
+    pub(crate) lost: bool,
 }
 
 impl<'a, L: Log> Findings<'a, L> {
     pub(crate) fn new(standing: Standing, log: &'a mut L) -> Self {
-        Self { log, standing, worst: None, own: false }
+        Self { log, standing, worst: None, own: false, lost: false }
     }
 
     /// Notes a fault, and tells it if it is the first of its kind.
@@ -55,6 +57,7 @@ impl<'a, L: Log> Findings<'a, L> {
         }
         self.worst = self.worst.max(Some(fault.response()));
         self.own |= fault.is_own();
+        self.lost |= fault.loses_place();
     }
 
     pub(crate) fn tell_mode(&mut self, from: Mode, to: Mode) {

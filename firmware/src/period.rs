@@ -80,8 +80,22 @@ pub struct Request {
 pub enum Answer {
     /// It was handed to the state machine.
     Taken,
-    /// A fault is there in this very period, or following was commanded before the sensors had settled.
-    Refused,
+    /// Refused: a fault is there in this very period.
+    Faulty,
+    /// Refused: the sensors have not settled yet.
+    Unsettled,
+    /// Refused: nobody has said where the rod is since the encoder lost it.
+    Lost,
+}
+
+/// Whether the encoder's count is known to be the rod's position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Place {
+    /// It is.
+    Known,
+    /// Somebody must say where the rod is before it follows: [`Period::refer`].
+    Lost,
 }
 
 /// What is to be done with the watchdog after a period.
@@ -119,6 +133,7 @@ struct State {
     mode: Mode,
     standing: Standing,
     senses: Senses,
+    place: Place,
     /// Periods without a fault.
     healthy: u16,
     /// Periods in which the voltage at the valve was another.
@@ -132,7 +147,7 @@ struct State {
 }
 
 /// Why a rig does not begin.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum BeginError<P, O> {
     /// Its limits are none.
     #[error(transparent)]
@@ -155,11 +170,17 @@ pub struct Period<A, P, O, C> {
 }
 
 impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
-    /// Puts the valve to neutral and takes the rod to be at the reference.
+    /// Puts the valve to neutral. `place` is known where the counter counts from the reference: it was cleared there, or kept its count
+    /// over a restart.
     ///
     /// # Errors
     /// The limits are none, or counter or output do not answer.
-    pub fn begin(mut devices: Devices<A, P, O>, rig: Rig, control: C) -> Result<Self, BeginError<P::Error, O::Error>> {
+    pub fn begin(
+        mut devices: Devices<A, P, O>,
+        rig: Rig,
+        control: C,
+        place: Place,
+    ) -> Result<Self, BeginError<P::Error, O::Error>> {
         let limits = &rig.limits;
         limits.check()?;
         let neutral = rig.calibration.output.count(limits.neutral);
@@ -169,6 +190,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
             mode: Mode::Starting,
             standing: Standing::NONE,
             senses: Senses::new(count),
+            place,
             healthy: 0,
             away: 0,
             accepted: SetPoint { position: PerUnit::ZERO, velocity: PerUnit::ZERO },
@@ -178,11 +200,12 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         Ok(Self { devices, rig, control, state })
     }
 
-    /// The rod is at the reference now. Only while the valve is neutral; says whether it was.
-    pub fn refer(&mut self) -> bool {
+    /// Somebody says that the rod is at `position` now, of the stroke. Taken only while the valve is neutral; says whether it was.
+    pub fn refer(&mut self, position: PerUnit) -> bool {
         let neutral = matches!(self.state.mode, Mode::Starting | Mode::Neutral);
         if neutral {
-            Travel::refer(&mut self.state.senses.travel);
+            self.rig.travel.refer(&mut self.state.senses.travel, position);
+            self.state.place = Place::Known;
         }
         neutral
     }
@@ -256,6 +279,9 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
 
     /// Lets the state machine know of the faults.
     fn heed_faults<L: Log>(&mut self, found: &mut Findings<'_, L>, measured: &Measured) {
+        if found.lost {
+            self.state.place = Place::Lost;
+        }
         if let Some(response) = found.worst {
             self.state.healthy = 0;
             self.change(Event::Faulty(response), measured, found);
@@ -265,16 +291,16 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
     }
 
     fn obey<L: Log>(&mut self, command: Command, measured: &Measured, found: &mut Findings<'_, L>) -> Answer {
-        let allowed = match command {
-            Command::Stop => true,
-            Command::Acknowledge => found.worst.is_none(),
-            Command::Follow => found.worst.is_none() && self.state.healthy >= self.rig.limits.settling,
+        let answer = match command {
+            Command::Acknowledge | Command::Follow if found.worst.is_some() => Answer::Faulty,
+            Command::Follow if self.state.healthy < self.rig.limits.settling => Answer::Unsettled,
+            Command::Follow if self.state.place == Place::Lost => Answer::Lost,
+            Command::Stop | Command::Acknowledge | Command::Follow => Answer::Taken,
         };
-        if !allowed {
-            return Answer::Refused;
+        if answer == Answer::Taken {
+            self.change(Event::Commanded(command), measured, found);
         }
-        self.change(Event::Commanded(command), measured, found);
-        Answer::Taken
+        answer
     }
 
     /// Checks the set point while it is followed, and takes it if it is none too far.

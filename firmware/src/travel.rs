@@ -1,11 +1,11 @@
 //! Position from an encoder's count, which goes round and is followed.
 //!
-//! An incremental encoder knows changes only: where it starts counting is the reference. A change within a period that the rod
-//! cannot make is a jump; after it the count is followed from where it is then, and whoever acknowledges the fault answers for the
-//! reference.
+//! An incremental encoder knows changes only. Count 0 is at the reference, unless somebody says where the rod is ([`Travel::refer`]). A change
+//! within a period that the rod cannot make is a jump: the count is followed from there, but where the rod is somebody must say anew.
 
 use model_core::fixed_point::PerUnit;
 use model_core::machine::Bases;
+use model_core::number::Number;
 use model_core::sensing::Linkage;
 
 use crate::calibration::CalibrationError;
@@ -48,7 +48,12 @@ const HELD: i64 = 1 << 62;
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Way {
     /// In proportion.
-    Straight(Line),
+    Straight {
+        line: Line,
+        /// Counts over the stroke, and position at count 0, of the stroke: used only when somebody says where the rod is.
+        counts: f64,
+        reference: f64,
+    },
     /// Through the linkage triangle, with the encoder on its joint.
     Joint(Linkage<PerUnit>),
 }
@@ -97,7 +102,8 @@ impl Travel {
         }
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the limits just checked")]
         let most = most as u32;
-        Ok(Self { way: Way::Straight(line), sign: rising.sign(), most })
+        let (counts, reference) = (per_m * bases.stroke_m, reference_m / bases.stroke_m);
+        Ok(Self { way: Way::Straight { line, counts, reference }, sign: rising.sign(), most })
     }
 
     /// With the encoder on the joint of the linkage triangle; `rising` says which way the angle grows with the count, and `most` is what
@@ -107,10 +113,10 @@ impl Travel {
         Self { way: Way::Joint(linkage), sign: rising.sign(), most }
     }
 
-    /// Follows from here on, with the rod at the reference.
+    /// Follows from here on; the reference is at count 0.
     #[must_use]
     pub fn start(count: i32) -> TravelState {
-        TravelState { count, travelled: 0, missed: 0 }
+        TravelState { count, travelled: count.into(), missed: 0 }
     }
 
     /// The position, of the stroke.
@@ -118,7 +124,7 @@ impl Travel {
     pub fn position(&self, state: &TravelState) -> PerUnit {
         let travelled = self.sign * state.travelled;
         match &self.way {
-            Way::Straight(line) => PerUnit::from_bits(line.at(travelled)),
+            Way::Straight { line, .. } => PerUnit::from_bits(line.at(travelled)),
             Way::Joint(linkage) => {
                 #[expect(clippy::cast_possible_truncation, reason = "held within the type")]
                 let counts = travelled.clamp(i32::MIN.into(), i32::MAX.into()) as i32;
@@ -127,9 +133,16 @@ impl Travel {
         }
     }
 
-    /// The rod is at the reference now.
-    pub fn refer(state: &mut TravelState) {
-        state.travelled = 0;
+    /// The rod is at `position` now, of the stroke. In real numbers: not for a period in which the valve is open.
+    pub fn refer(&self, state: &mut TravelState, position: PerUnit) {
+        let counts = match &self.way {
+            Way::Straight { counts, reference, .. } => (position.to_f64() - reference) * counts,
+            Way::Joint(linkage) => linkage.counts(position),
+        };
+        // A cast from f64 saturates.
+        #[expect(clippy::cast_possible_truncation, reason = "rounded to a whole count")]
+        let travelled = libm::round(counts) as i64;
+        state.travelled = self.sign * travelled.clamp(-HELD, HELD);
     }
 
     /// A period without a count.
@@ -155,7 +168,6 @@ impl Travel {
 mod tests {
     use model_core::drive::Drive;
     use model_core::machine::Tick;
-    use model_core::number::Number;
     use model_core::parameter::Parameter;
     use proptest::prelude::*;
 
@@ -192,8 +204,6 @@ mod tests {
         assert_eq!(travel.follow(&mut state, 999), Ok(()));
         Travel::miss(&mut state);
         assert_eq!(travel.follow(&mut state, 999 + 74), Ok(()));
-        Travel::refer(&mut state);
-        assert_eq!(travel.position(&state), PerUnit::ZERO);
     }
 
     #[test]
@@ -207,12 +217,29 @@ mod tests {
         assert_eq!(travel.position(&state), linkage.position(2000));
     }
 
+    #[test]
+    fn a_rod_is_where_somebody_says_it_is_to_half_a_count() {
+        let linkage = Linkage::<PerUnit>::new(&press()).unwrap();
+        let joint = Travel::joint(linkage, Rising::Retracts, 40);
+        let retracts = Encoder { rising: Rising::Retracts, reference_m: 0.3, ..encoder() };
+        // A count is 0.005 % of the stroke; on the joint, with 3600 a turn, about 0.27 %.
+        for (travel, half_a_count) in [(travel(&retracts), 2.4e-5), (travel(&encoder()), 2.4e-5), (joint, 2.8e-3)] {
+            let mut state = Travel::start(12_345);
+            for percent in [0.0, 25.0, 60.0, 100.0] {
+                travel.refer(&mut state, PerUnit::saturated(percent / 100.0));
+                let found = travel.position(&state).to_f64();
+                assert!((found - percent / 100.0).abs() <= half_a_count, "{found} {percent}");
+            }
+        }
+    }
+
     proptest! {
         #[test]
         fn a_count_that_goes_round_is_followed(from_end in -2000..2000_i32, steps in prop::collection::vec(-37_i32..=37, 1..300)) {
             let travel = travel(&encoder());
             let start = i32::MAX.wrapping_add(from_end);
             let mut state = Travel::start(start);
+            travel.refer(&mut state, PerUnit::ZERO);
             let (mut count, mut sum) = (start, 0);
             for step in steps {
                 count = count.wrapping_add(step);

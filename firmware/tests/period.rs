@@ -11,7 +11,7 @@ use firmware::limits::{Limits, LimitsError};
 use firmware::log::Log;
 use firmware::measured::{Measured, Signal};
 use firmware::mode::{Command, Mode};
-use firmware::period::{Answer, BeginError, Devices, Period, Report, Request, Rig, Timing, Watchdog};
+use firmware::period::{Answer, BeginError, Devices, Period, Place, Report, Request, Rig, Timing, Watchdog};
 use firmware::reference::{Predicted, Reference};
 use firmware::set_point::SetPoint;
 use firmware::still::Patience;
@@ -206,18 +206,22 @@ struct Bench {
 /// `Period` without its types.
 trait Steps {
     fn step(&mut self, request: &Request, log: &mut Told) -> Report;
+    fn refer(&mut self, position: PerUnit) -> bool;
 }
 
 impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Steps for Period<A, P, O, C> {
     fn step(&mut self, request: &Request, log: &mut Told) -> Report {
         Period::step(self, request, log)
     }
+    fn refer(&mut self, position: PerUnit) -> bool {
+        Period::refer(self, position)
+    }
 }
 
 impl Bench {
     fn new() -> Self {
         let world = Rc::new(RefCell::new(World::new()));
-        let period = Period::begin(devices(&world), rig(limits()), Wanting(world.clone())).unwrap();
+        let period = Period::begin(devices(&world), rig(limits()), Wanting(world.clone()), Place::Known).unwrap();
         let set_point = SetPoint { position: PerUnit::ZERO, velocity: PerUnit::ZERO };
         let request = Request { set_point, command: None, timing: Timing::Kept };
         Self { world, period: Box::new(period), told: Told::default(), request }
@@ -458,6 +462,10 @@ fn every_fault_has_its_state_in_time_is_told_once_and_goes_by_command_only() {
         assert!(acknowledged.standing.is_empty(), "{name}");
         if settled == Mode::Neutral {
             assert_eq!(acknowledged.mode, Mode::Starting, "{name}");
+            if bench.told.faults[0].loses_place() {
+                assert_eq!(bench.command(Some(Command::Follow)).answer, Some(Answer::Lost), "{name}");
+                assert!(bench.period.refer(percent(30)));
+            }
             bench.follow();
         }
         assert_eq!(bench.run(20).mode, Mode::Following, "{name}");
@@ -489,7 +497,7 @@ fn a_device_that_answers_at_its_last_attempt_is_no_fault() {
         if calls % 3 == 0 { Ok(counter.borrow().count) } else { Err("disturbed") }
     });
     let devices = Devices { inputs: devices.inputs, position, output: devices.output };
-    let mut period = Period::begin(devices, rig(limits()), Wanting(world)).unwrap();
+    let mut period = Period::begin(devices, rig(limits()), Wanting(world), Place::Known).unwrap();
     let set_point = SetPoint { position: PerUnit::ZERO, velocity: PerUnit::ZERO };
     let request = Request { set_point, command: None, timing: Timing::Kept };
     let mut told = Told::default();
@@ -539,13 +547,13 @@ fn following_from_far_away_holds_the_rod_where_it_is() {
 fn commands_are_refused_while_a_fault_is_there_or_the_sensors_have_not_settled() {
     let mut bench = Bench::new();
     for _ in 0..4 {
-        assert_eq!(bench.command(Some(Command::Follow)).answer, Some(Answer::Refused));
+        assert_eq!(bench.command(Some(Command::Follow)).answer, Some(Answer::Unsettled));
     }
     assert_eq!(bench.command(Some(Command::Follow)).answer, Some(Answer::Taken));
     bench.world.borrow_mut().inputs_silent = true;
     bench.run(100);
     let refused = bench.command(Some(Command::Acknowledge));
-    assert_eq!((refused.mode, refused.answer), (Mode::Neutral, Some(Answer::Refused)));
+    assert_eq!((refused.mode, refused.answer), (Mode::Neutral, Some(Answer::Faulty)));
     assert_eq!(bench.command(Some(Command::Stop)).answer, Some(Answer::Taken));
 }
 
@@ -557,9 +565,24 @@ fn after_a_fault_the_sensors_settle_anew() {
     assert_eq!(bench.command(Some(Command::Acknowledge)).mode, Mode::Starting);
     bench.request.set_point.position = percent(32);
     for _ in 0..3 {
-        assert_eq!(bench.command(Some(Command::Follow)).answer, Some(Answer::Refused));
+        assert_eq!(bench.command(Some(Command::Follow)).answer, Some(Answer::Unsettled));
     }
+    assert!(bench.period.refer(percent(32)));
     bench.follow();
+}
+
+#[test]
+fn a_rod_that_nobody_knows_the_place_of_does_not_follow() {
+    let world = Rc::new(RefCell::new(World::new()));
+    let begun = Period::begin(devices(&world), rig(limits()), Wanting(world.clone()), Place::Lost);
+    let mut bench = Bench { period: Box::new(begun.unwrap()), world, ..Bench::new() };
+    bench.run(10);
+    assert_eq!(bench.command(Some(Command::Follow)).answer, Some(Answer::Lost));
+    assert!(bench.period.refer(percent(70)));
+    assert_eq!(bench.command(None).measured.position, percent(70));
+    bench.request.set_point.position = percent(70);
+    bench.follow();
+    assert!(!bench.period.refer(percent(10)), "not while the valve may be open");
 }
 
 #[test]
@@ -599,11 +622,11 @@ fn more_severe_faults_overtake_and_less_severe_ones_do_not_soften() {
 fn the_valve_is_neutral_before_anything_else_and_a_rig_without_a_counter_does_not_begin() {
     let world = Rc::new(RefCell::new(World::new()));
     world.borrow_mut().position_silent = true;
-    let refused = Period::begin(devices(&world), rig(limits()), Wanting(world.clone())).err();
+    let refused = Period::begin(devices(&world), rig(limits()), Wanting(world.clone()), Place::Known).err();
     assert!(matches!(refused, Some(BeginError::Position(_))));
     assert_eq!(world.borrow().written, -2022); // −0.6172 V
     let none = Limits { ramp: PerUnit::ZERO, ..limits() };
-    let refused = Period::begin(devices(&world), rig(none), Wanting(world)).err();
+    let refused = Period::begin(devices(&world), rig(none), Wanting(world), Place::Known).err();
     let named = LimitsError::NotPositive { name: "ramp", value: PerUnit::ZERO };
     assert!(matches!(refused, Some(BeginError::Limits(error)) if error == named));
 }
@@ -619,6 +642,7 @@ struct Anything {
     set_point: [i32; 2],
     command: Option<Command>,
     overrun: bool,
+    refer: bool,
 }
 
 /// Mostly what a sound rig gives, so that every mode is reached; sometimes anything.
@@ -637,11 +661,23 @@ fn anything() -> impl Strategy<Value = Anything> {
     (
         (count, [voltage(), voltage(), voltage(), voltage()], [seldom(), seldom(), seldom()]),
         ([word(), word(), word(), word()], word(), position, word()),
-        (command, seldom()),
+        (command, seldom(), prop::bool::weighted(0.1)),
     )
-        .prop_map(|((count, voltages, silent), (predicted, wanted, position, velocity), (command, overrun))| {
-            Anything { count, voltages, silent, predicted, wanted, set_point: [position, velocity], command, overrun }
-        })
+        .prop_map(
+            |((count, voltages, silent), (predicted, wanted, position, velocity), (command, overrun, refer))| {
+                Anything {
+                    count,
+                    voltages,
+                    silent,
+                    predicted,
+                    wanted,
+                    set_point: [position, velocity],
+                    command,
+                    overrun,
+                    refer,
+                }
+            },
+        )
 }
 
 proptest! {
@@ -650,7 +686,7 @@ proptest! {
     fn whatever_comes_the_output_keeps_its_limits_and_faults_their_states(steps in prop::collection::vec(anything(), 1..250)) {
         let limits = Limits { settling: 1, read_back: None, least_position: percent(-50), ..limits() };
         let world = Rc::new(RefCell::new(World::new()));
-        let mut period = Period::begin(devices(&world), rig(limits), Wanting(world.clone())).unwrap();
+        let mut period = Period::begin(devices(&world), rig(limits), Wanting(world.clone()), Place::Known).unwrap();
         let [lowest, highest] = rig(limits).calibration.output.limits();
         let (mut mode, mut last, mut ramping) = (Mode::Starting, limits.neutral, 0);
         let mut place = PerUnit::ZERO;
@@ -674,6 +710,9 @@ proptest! {
             let position = place + from_place;
             let timing = if step.overrun { Timing::Overrun } else { Timing::Kept };
             let request = Request { set_point: SetPoint { position, velocity }, command: step.command, timing };
+            if step.refer {
+                period.refer(place);
+            }
             let mut told = Told::default();
             let report = period.step(&request, &mut told);
             place = report.measured.position;
