@@ -252,7 +252,8 @@ impl Output {
     /// The count for a command in 10 V, held within the limits.
     #[must_use]
     pub fn count(&self, command: PerUnit) -> i32 {
-        self.line.at(command.to_bits().into()).clamp(self.within.lowest, self.within.highest)
+        // `clamp` would panic where these limits were the wrong way round.
+        self.line.at(command.to_bits().into()).max(self.within.lowest).min(self.within.highest)
     }
 
     /// Lowest and highest count that is put out.
