@@ -3,6 +3,12 @@
 //! Data's way on the target: counts → measured → reference → command → counts. This crate holds what is the same on every
 //! board and is tested on the host; boards and binaries are wiring.
 //!
+//! ```text
+//! edge ─ calibration, travel ─ measured ─ fault, mode ─ control (reference inside) ─ limits ─ calibration ─ edge
+//!   │                                        all of it, once a tick: period
+//!   └ ads8688, ls7366r, dac
+//! ```
+//!
 //! ```
 //! use firmware::reference::Reference;
 //! use model_core::fixed_point::PerUnit;
@@ -43,3 +49,8 @@ mod sense;
 pub mod set_point;
 pub mod still;
 pub mod travel;
+
+/// The README's code.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

@@ -274,7 +274,7 @@ fn the_rod_goes_where_it_is_wanted_through_every_part() {
 
 #[test]
 fn a_period_with_four_voltages_is_40_bytes_on_the_bus() {
-    // 4 conversions of 6, status and count of 2 and 5, code, question and answer of 3 each: 32 µs at 10 MHz.
+    // 4 conversions of 6, status and count of 2 and 5, code, question and answer of 3 each.
     let mut bench = Bench::on_the_way();
     *bench.world.bytes.borrow_mut() = 0;
     bench.step(None);
