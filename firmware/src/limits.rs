@@ -65,7 +65,7 @@ pub struct Limits {
     pub most_velocity: PerUnit,
     /// Greatest jump of a set point in a period, of the stroke.
     pub most_jump: PerUnit,
-    /// The command, in 10 V, at which the valve passes nothing: the middle of its dead zone, −offset/gain.
+    /// The command, in 10 V, at which the valve passes nothing: the middle of its dead zone, −offset/gain where that is symmetric.
     pub neutral: PerUnit,
     /// Greatest command, both signs, in 10 V.
     pub most_command: PerUnit,
@@ -147,7 +147,8 @@ impl Limits {
     /// A limit does not fit, or is none.
     pub fn new(allowed: &Allowed, machine: &Machine<f64>, bases: &Bases) -> Result<Self, LimitsError> {
         let Bases { stroke_m, command_v, pressure_pa, velocity_m_per_s, tick_s, .. } = *bases;
-        let neutral_v = -machine.get(Parameter::ValveOffset) / machine.get(Parameter::ValveGain);
+        let middle = 0.5 * machine.get(Parameter::DeadZoneDifference);
+        let neutral_v = (middle - machine.get(Parameter::ValveOffset)) / machine.get(Parameter::ValveGain);
         let still_pressure = patience("still_pressure", allowed.still_pressure, pressure_pa, tick_s)?;
         let still_slider = patience("still_slider", allowed.still_slider, 1.0, tick_s)?;
         let limits = Self {
@@ -227,7 +228,10 @@ mod tests {
     }
 
     fn limits(allowed: &Allowed, tick: Tick) -> Result<Limits, LimitsError> {
-        let mut machine = press();
+        limits_of(press(), allowed, tick)
+    }
+
+    fn limits_of(mut machine: Machine<f64>, allowed: &Allowed, tick: Tick) -> Result<Limits, LimitsError> {
         machine.set(Parameter::ValveGain, 0.0559);
         machine.set(Parameter::ValveOffset, 0.0345);
         let drive = Drive::<PerUnit>::new::<64>(&machine, tick).unwrap();
@@ -244,6 +248,15 @@ mod tests {
         assert!(near(limits.still[2].unwrap().travel, 0.1));
         // From +9.5 V to -0.617 V by 40 mV a period.
         assert_eq!(limits.periods_to_neutral(), 253);
+    }
+
+    #[test]
+    fn neutral_is_the_middle_of_a_dead_zone_that_is_wider_on_one_side() {
+        let mut machine = press();
+        machine.set(Parameter::DeadZone, 0.1);
+        machine.set(Parameter::DeadZoneDifference, 0.06);
+        let limits = limits_of(machine, &allowed(), Tick::OneMillisecond).unwrap();
+        assert!((limits.neutral.to_f64() - (0.03 - 0.0345) / 0.559).abs() < 4e-9);
     }
 
     #[test]
