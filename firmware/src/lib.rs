@@ -3,6 +3,12 @@
 //! Data's way on the target: counts → measured → reference → command → counts. This crate holds what is the same on every
 //! board and is tested on the host; boards and binaries are wiring.
 //!
+//! ```text
+//! edge ─ calibration, travel ─ measured ─ fault, mode ─ control (reference inside) ─ limits ─ calibration ─ edge
+//!   │                                        all of it, once a tick: period
+//!   └ ads8688, ls7366r, dac
+//! ```
+//!
 //! ```
 //! use firmware::reference::Reference;
 //! use model_core::fixed_point::PerUnit;
@@ -23,7 +29,31 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod ads8688;
 #[cfg(all(target_arch = "arm", target_os = "none"))]
 pub mod board;
+pub mod calibration;
+pub mod control;
+pub mod dac;
+pub mod edge;
+pub mod fault;
+pub mod limits;
+mod line;
+pub mod log;
+pub mod ls7366r;
+pub mod measured;
+#[cfg(test)]
+mod mock;
+pub mod mode;
+pub mod period;
 pub mod reference;
+mod sense;
+pub mod set_point;
+pub mod still;
+pub mod travel;
 pub mod trial;
+
+/// The README's code.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

@@ -1,0 +1,23 @@
+//! What the control period needs of reference model and controllers.
+
+use model_core::fixed_point::PerUnit;
+
+use crate::measured::Measured;
+use crate::reference::Predicted;
+use crate::set_point::SetPoint;
+
+/// The reference model with the loops around it.
+pub trait Control {
+    /// Model and loops start anew at rest where the machine is: without a difference between set point, model and machine the next
+    /// command is the neutral one, so nothing bumps.
+    fn start(&mut self, measured: &Measured);
+
+    /// What the model says now.
+    fn predicted(&self) -> Predicted;
+
+    /// One period of both loops: the command for the machine, in 10 V; the model is stepped with its own.
+    fn follow(&mut self, set_point: SetPoint, measured: &Measured) -> PerUnit;
+
+    /// One period in which the machine gets `command`, in 10 V, from elsewhere: the model is stepped with it.
+    fn accompany(&mut self, command: PerUnit, measured: &Measured);
+}

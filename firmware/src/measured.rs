@@ -1,0 +1,46 @@
+//! What the sensors say in one period: the twin of [`Predicted`](crate::reference::Predicted).
+
+use model_core::fixed_point::PerUnit;
+
+/// What the sensors say in this period, per unit of the model's [`Bases`](model_core::machine::Bases), `I4F28`.
+///
+/// `None` where there is no such sensor, or where it does not answer as a working one: then a fault says why.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Measured {
+    /// Position, of the stroke; 0 is fully in. Where the counter does not answer, the last one that it gave.
+    pub position: PerUnit,
+    /// Slider position; 1 is full travel, positive extends.
+    pub slider: Option<PerUnit>,
+    /// Pressure in A, of supply.
+    pub pressure_a: Option<PerUnit>,
+    /// Pressure in B, of supply.
+    pub pressure_b: Option<PerUnit>,
+    /// Temperature of the oil; 0 is 0 °C.
+    pub oil_temperature: Option<PerUnit>,
+}
+
+/// A signal that comes in as a voltage. Each is a row of the calibration table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Signal {
+    /// The output's own voltage, read back at the valve's end of its wire.
+    Command,
+    /// Slider position.
+    Slider,
+    /// Pressure in A.
+    PressureA,
+    /// Pressure in B.
+    PressureB,
+    /// Temperature of the oil.
+    OilTemperature,
+}
+
+impl Signal {
+    /// Every signal, in the order of the calibration table.
+    pub const ALL: [Signal; 5] =
+        [Signal::Command, Signal::Slider, Signal::PressureA, Signal::PressureB, Signal::OilTemperature];
+
+    /// How many there are.
+    pub const COUNT: usize = Self::ALL.len();
+}

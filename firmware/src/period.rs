@@ -1,0 +1,378 @@
+//! One control period: inputs → measured → faults → reference model and control → output.
+//!
+//! The order within a period: the counter and every voltage are read and checked; faults and commands change the mode
+//! ([`Mode::next`]); the mode says where the command comes from; the command is limited in size and slope and put out. A fault so has its
+//! state in the period that finds it, and the valve is neutral after at most [`Limits::periods_to_neutral`] periods of a ramp.
+//!
+//! | mode | command |
+//! |---|---|
+//! | starting, neutral | neutral at once |
+//! | following | control along the set point, within slew and size |
+//! | holding | control at the frozen set point, within slew and size |
+//! | ramping down | towards neutral by the ramp; the model goes along |
+//!
+//! **Watchdog.** It is to be fed after a period that was healthy: the period before kept its time, every device answered and the
+//! output took the command. A restart may cure what is otherwise. It cannot cure a broken sensor, and would lose the recorder: such
+//! faults have their states, and the watchdog is fed.
+
+use model_core::fixed_point::PerUnit;
+use model_core::number::Number;
+
+use crate::calibration::Calibration;
+use crate::control::Control;
+use crate::edge::{AnalogIn, AnalogOut, EdgeError, PositionIn};
+use crate::fault::{Device, Fault, Standing};
+use crate::limits::{Limits, LimitsError};
+use crate::log::{Findings, Log};
+use crate::measured::Measured;
+use crate::mode::{Action, Command, Event, Mode};
+use crate::reference::Predicted;
+use crate::sense::{Expected, Senses, apart, ask, sorted};
+use crate::set_point::SetPoint;
+use crate::travel::Travel;
+
+/// The devices of a rig.
+#[derive(Debug)]
+pub struct Devices<A, P, O> {
+    /// Analogue inputs.
+    pub inputs: A,
+    /// Counter of the position's encoder.
+    pub position: P,
+    /// Output to the valve.
+    pub output: O,
+}
+
+/// Configuration of a rig.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rig {
+    /// From counts to values and back.
+    pub calibration: Calibration,
+    /// From the encoder's count to the position.
+    pub travel: Travel,
+    /// What is too far, too fast or too long.
+    pub limits: Limits,
+}
+
+/// Whether the caller kept the time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Timing {
+    /// The last period ended before this one was due.
+    Kept,
+    /// It did not.
+    Overrun,
+}
+
+/// What is wanted in a period.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Request {
+    /// Where the rod is wanted.
+    pub set_point: SetPoint,
+    /// A command, in the period that it is given.
+    pub command: Option<Command>,
+    /// Whether the last period kept its time.
+    pub timing: Timing,
+}
+
+/// What became of a command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Answer {
+    /// It was handed to the state machine.
+    Taken,
+    /// Refused: a fault is there in this very period.
+    Faulty,
+    /// Refused: the sensors have not settled yet.
+    Unsettled,
+    /// Refused: nobody has said where the rod is since the encoder lost it.
+    Lost,
+}
+
+/// Whether the encoder's count is known to be the rod's position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Place {
+    /// It is.
+    Known,
+    /// Somebody must say where the rod is before it follows: [`Period::refer`].
+    Lost,
+}
+
+/// What is to be done with the watchdog after a period.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Watchdog {
+    /// Feed it: the period was healthy.
+    Feed,
+    /// Do not: a restart may cure what is wrong.
+    Withhold,
+}
+
+/// What became of a period.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Report {
+    /// The mode after it.
+    pub mode: Mode,
+    /// What the sensors said.
+    pub measured: Measured,
+    /// What the model said at the same time, before its step; `None` while it does not run.
+    pub predicted: Option<Predicted>,
+    /// The command that was put out, in 10 V.
+    pub command: PerUnit,
+    /// What became of the command that was given, if one was.
+    pub answer: Option<Answer>,
+    /// Faults that nobody has acknowledged.
+    pub standing: Standing,
+    /// What is to be done with the watchdog.
+    pub watchdog: Watchdog,
+}
+
+/// State of a period: all that it remembers beside the control's own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct State {
+    mode: Mode,
+    standing: Standing,
+    senses: Senses,
+    place: Place,
+    /// Periods without a fault.
+    healthy: u16,
+    /// Periods in which the voltage at the valve was another.
+    away: u16,
+    /// Last set point that was none too far; at rest while it is held.
+    accepted: SetPoint,
+    /// Last command, from which the next one slews.
+    command: PerUnit,
+    /// What the output holds, where that is certain.
+    put_out: Option<PerUnit>,
+}
+
+/// Why a rig does not begin.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum BeginError<P, O> {
+    /// Its limits are none.
+    #[error(transparent)]
+    Limits(#[from] LimitsError),
+    /// The counter does not answer.
+    #[error("counter: {0:?}")]
+    Position(P),
+    /// The output does not answer.
+    #[error("output: {0:?}")]
+    Output(O),
+}
+
+/// The control period of a rig.
+#[derive(Debug)]
+pub struct Period<A, P, O, C> {
+    devices: Devices<A, P, O>,
+    rig: Rig,
+    control: C,
+    state: State,
+}
+
+impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
+    /// Puts the valve to neutral. `place` is known where the counter counts from the reference: it was cleared there, or kept its count
+    /// over a restart.
+    ///
+    /// # Errors
+    /// The limits are none, or counter or output do not answer.
+    pub fn begin(
+        mut devices: Devices<A, P, O>,
+        rig: Rig,
+        control: C,
+        place: Place,
+    ) -> Result<Self, BeginError<P::Error, O::Error>> {
+        let limits = &rig.limits;
+        limits.check()?;
+        let neutral = rig.calibration.output.count(limits.neutral);
+        ask(limits.attempts, || devices.output.write(neutral)).map_err(BeginError::Output)?;
+        let count = ask(limits.attempts, || devices.position.count()).map_err(BeginError::Position)?;
+        let state = State {
+            mode: Mode::Starting,
+            standing: Standing::NONE,
+            senses: Senses::new(count),
+            place,
+            healthy: 0,
+            away: 0,
+            accepted: SetPoint { position: PerUnit::ZERO, velocity: PerUnit::ZERO },
+            command: limits.neutral,
+            put_out: Some(limits.neutral),
+        };
+        Ok(Self { devices, rig, control, state })
+    }
+
+    /// Somebody says that the rod is at `position` now, of the stroke. Taken only while the valve is neutral; says whether it was.
+    pub fn refer(&mut self, position: PerUnit) -> bool {
+        let neutral = matches!(self.state.mode, Mode::Starting | Mode::Neutral);
+        if neutral {
+            self.rig.travel.refer(&mut self.state.senses.travel, position);
+            self.state.place = Place::Known;
+        }
+        neutral
+    }
+
+    /// One period, called once a tick.
+    pub fn step(&mut self, request: &Request, log: &mut impl Log) -> Report {
+        let before = self.state.mode;
+        let mut found = Findings::new(self.state.standing, log);
+        if request.timing == Timing::Overrun {
+            found.note(&Fault::Overrun);
+        }
+        let predicted = self.is_running().then(|| self.control.predicted());
+        let measured = self.sense(predicted, &mut found);
+
+        self.heed_faults(&mut found, &measured);
+        let answer = request.command.map(|command| self.obey(command, &measured, &mut found));
+        self.accept(request.set_point, &measured, &mut found);
+
+        let command = self.command(&measured);
+        self.put_out(command, &measured, &mut found);
+
+        self.state.standing = found.standing;
+        found.tell_mode(before, self.state.mode);
+        Report {
+            mode: self.state.mode,
+            measured,
+            predicted,
+            command: self.state.command,
+            answer,
+            standing: self.state.standing,
+            watchdog: if found.own { Watchdog::Withhold } else { Watchdog::Feed },
+        }
+    }
+
+    /// The mode now.
+    pub fn mode(&self) -> Mode {
+        self.state.mode
+    }
+
+    /// The reference model with its loops.
+    pub fn control(&self) -> &C {
+        &self.control
+    }
+
+    /// Gives the devices back.
+    pub fn release(self) -> Devices<A, P, O> {
+        self.devices
+    }
+
+    /// Whether the model runs along with the machine.
+    fn is_running(&self) -> bool {
+        matches!(self.state.mode, Mode::Following | Mode::Holding | Mode::RampingDown)
+    }
+
+    fn sense<L: Log>(&mut self, predicted: Option<Predicted>, found: &mut Findings<'_, L>) -> Measured {
+        let Self { devices, rig, state, .. } = self;
+        let limits = &rig.limits;
+        let expected = Expected { predicted, put_out: state.put_out };
+        let position = state.senses.position(&mut devices.position, &rig.travel, limits, &expected, found);
+        let voltages = state.senses.voltages(&mut devices.inputs, &rig.calibration, limits, &expected, found);
+        let (measured, read_back) = sorted(position, voltages);
+        if let (Some(patience), Some(back), Some(command)) = (&limits.read_back, read_back, state.put_out) {
+            let away = apart(back, command, patience.travel);
+            state.away = if away { state.away.saturating_add(1) } else { 0 };
+            if state.away > patience.periods {
+                found.note(&Fault::OutputAway { command, found: back });
+            }
+        }
+        measured
+    }
+
+    /// Lets the state machine know of the faults.
+    fn heed_faults<L: Log>(&mut self, found: &mut Findings<'_, L>, measured: &Measured) {
+        if found.lost {
+            self.state.place = Place::Lost;
+        }
+        if let Some(response) = found.worst {
+            self.state.healthy = 0;
+            self.change(Event::Faulty(response), measured, found);
+        } else {
+            self.state.healthy = self.state.healthy.saturating_add(1);
+        }
+    }
+
+    fn obey<L: Log>(&mut self, command: Command, measured: &Measured, found: &mut Findings<'_, L>) -> Answer {
+        let answer = match command {
+            Command::Acknowledge | Command::Follow if found.worst.is_some() => Answer::Faulty,
+            Command::Follow if self.state.healthy < self.rig.limits.settling => Answer::Unsettled,
+            Command::Follow if self.state.place == Place::Lost => Answer::Lost,
+            Command::Stop | Command::Acknowledge | Command::Follow => Answer::Taken,
+        };
+        if answer == Answer::Taken {
+            self.change(Event::Commanded(command), measured, found);
+        }
+        answer
+    }
+
+    /// Checks the set point while it is followed, and takes it if it is none too far.
+    fn accept<L: Log>(&mut self, wanted: SetPoint, measured: &Measured, found: &mut Findings<'_, L>) {
+        if self.state.mode != Mode::Following {
+            return;
+        }
+        let limits = &self.rig.limits;
+        let (from, to) = (self.state.accepted.position, wanted.position);
+        let outside = to < limits.least_position || to > limits.most_position;
+        let fault = if outside || wanted.velocity.magnitude() > limits.most_velocity {
+            Fault::SetPointOutside { position: to, velocity: wanted.velocity }
+        } else if apart(from, to, limits.most_jump) {
+            Fault::SetPointJump { from, to }
+        } else {
+            self.state.accepted = wanted;
+            return;
+        };
+        found.note(&fault);
+        self.heed_faults(found, measured);
+    }
+
+    /// The command of this period.
+    fn command(&mut self, measured: &Measured) -> PerUnit {
+        let Limits { neutral, most_command, slew, ramp, .. } = self.rig.limits;
+        let last = self.state.command;
+        match self.state.mode {
+            Mode::Starting | Mode::Neutral => neutral,
+            Mode::Following | Mode::Holding => {
+                let wanted = self.control.follow(self.state.accepted, measured).limited(most_command);
+                last + (wanted - last).limited(slew)
+            }
+            Mode::RampingDown => {
+                let command = last + (neutral - last).limited(ramp);
+                self.control.accompany(command, measured);
+                command
+            }
+        }
+    }
+
+    /// Puts the command out. A valve whose output fails is to be neutral, so that is tried once more.
+    fn put_out<L: Log>(&mut self, command: PerUnit, measured: &Measured, found: &mut Findings<'_, L>) {
+        let neutral = self.rig.limits.neutral;
+        self.state.command = command;
+        self.state.put_out = Some(command);
+        let output = &mut self.devices.output;
+        let count = self.rig.calibration.output.count(command);
+        if let Err(error) = ask(self.rig.limits.attempts, || output.write(count)) {
+            self.state.command = neutral;
+            self.state.put_out = None;
+            // It may fail again; the next period tries again anyway.
+            let _ = output.write(self.rig.calibration.output.count(neutral));
+            found.note(&Fault::Silent { device: Device::Output, cause: error.cause() });
+            self.heed_faults(found, measured);
+        } else if self.state.mode == Mode::RampingDown && command == neutral {
+            self.change(Event::Arrived, measured, found);
+        }
+    }
+
+    /// Hands an event to the state machine and does what it says.
+    fn change<L: Log>(&mut self, event: Event, measured: &Measured, found: &mut Findings<'_, L>) {
+        let next = self.state.mode.next(event);
+        self.state.mode = next.mode;
+        match next.action {
+            Action::Nothing => {}
+            Action::Synchronise => {
+                self.control.start(measured);
+                self.state.senses.rouse();
+                self.state.accepted = SetPoint { position: measured.position, velocity: PerUnit::ZERO };
+            }
+            Action::Freeze => self.state.accepted.velocity = PerUnit::ZERO,
+            Action::Forget => found.standing = Standing::NONE,
+        }
+    }
+}

@@ -1,0 +1,236 @@
+//! The three parts as their data sheets describe them, register by register. They share nothing with the drivers.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
+
+/// What a part does in one frame: as many bytes out as come in.
+pub(crate) trait Part {
+    fn frame(&mut self, sent: &[u8]) -> Vec<u8>;
+}
+
+/// What happens to the line from a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Line {
+    Whole,
+    /// It hangs at this level.
+    Hangs(u8),
+    /// The bus fails.
+    Fails,
+}
+
+/// A part on its own chip select, shared with the test.
+pub(crate) struct Wire<P> {
+    pub(crate) part: Rc<RefCell<P>>,
+    pub(crate) line: Rc<RefCell<Line>>,
+    pub(crate) bytes: Rc<RefCell<usize>>,
+}
+
+impl<P> ErrorType for Wire<P> {
+    type Error = ErrorKind;
+}
+
+impl<P: Part> SpiDevice for Wire<P> {
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), ErrorKind> {
+        let line = *self.line.borrow();
+        if line == Line::Fails {
+            return Err(ErrorKind::Other);
+        }
+        for operation in operations {
+            let (sent, read): (&[u8], &mut [u8]) = match operation {
+                Operation::Write(sent) => (sent, &mut []),
+                Operation::Transfer(read, sent) => (sent, read),
+                _ => panic!("the drivers write and transfer only"),
+            };
+            *self.bytes.borrow_mut() += sent.len();
+            let answer = self.part.borrow_mut().frame(sent);
+            for (byte, answered) in read.iter_mut().zip(answer) {
+                *byte = match line {
+                    Line::Hangs(level) => level,
+                    Line::Whole | Line::Fails => answered,
+                };
+            }
+        }
+        Ok(())
+    }
+}
+
+/// ADS8688, SBAS582C: command register (table 6), program registers (tables 7 to 9), output format (tables 12 to 14).
+pub(crate) struct Adc {
+    registers: [u8; 64],
+    selected: Option<u8>,
+    /// Volts at each input; an open one floats to some +2 V by its own 1 MΩ.
+    pub(crate) inputs_v: [Option<f64>; 8],
+}
+
+impl Adc {
+    pub(crate) fn new() -> Self {
+        let mut part = Self { registers: [0; 64], selected: None, inputs_v: [None; 8] };
+        part.lose_power();
+        part
+    }
+
+    pub(crate) fn lose_power(&mut self) {
+        self.registers = [0; 64];
+        self.registers[1] = 0xFF;
+        self.selected = None;
+    }
+
+    fn code(&self, channel: u8) -> u16 {
+        if self.registers[2] & 1 << channel != 0 {
+            return 0;
+        }
+        let volts = self.inputs_v[usize::from(channel)].unwrap_or(2.2);
+        let (low_v, high_v) = match self.registers[5 + usize::from(channel)] {
+            0 => (-10.24, 10.24),
+            1 => (-5.12, 5.12),
+            2 => (-2.56, 2.56),
+            5 => (0.0, 10.24),
+            6 => (0.0, 5.12),
+            other => panic!("no range {other}"),
+        };
+        let code = ((volts - low_v) / (high_v - low_v) * 65_536.0).round().clamp(0.0, 65_535.0);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "held within the type")]
+        let code = code as u16;
+        code
+    }
+}
+
+impl Part for Adc {
+    fn frame(&mut self, sent: &[u8]) -> Vec<u8> {
+        // Bit 47 of `word` is the first of six bytes; the answer starts at the 16th clock.
+        let mut word = 0_u64;
+        let command = sent[0];
+        if command != 0 && command & 0x80 == 0 {
+            let address = usize::from(command >> 1);
+            if command & 1 == 1 {
+                self.registers[address] = sent[1];
+            }
+            word = u64::from(self.registers[address]) << 24;
+            self.selected = None;
+        } else {
+            if let Some(channel) = self.selected {
+                word = u64::from(self.code(channel)) << 16;
+                let feature = self.registers[3];
+                if feature & 0b111 == 3 {
+                    let range = self.registers[5 + usize::from(channel)] & 0b111;
+                    let tag = u64::from(channel) << 5 | u64::from(feature >> 6) << 3 | u64::from(range);
+                    word |= tag << 7;
+                }
+            }
+            match command {
+                0x85 => self.lose_power(),
+                0xC0..=0xDC if command.is_multiple_of(4) => self.selected = Some((command - 0xC0) >> 2),
+                0x00 => {}
+                other => panic!("no command {other:#x}"),
+            }
+        }
+        word.to_be_bytes()[2..2 + sent.len()].to_vec()
+    }
+}
+
+/// LS7366R: instructions of table 1, MDR0, MDR1, STR.
+pub(crate) struct Counter {
+    mode: [u8; 2],
+    status: u8,
+    count: i32,
+}
+
+impl Counter {
+    pub(crate) fn new() -> Self {
+        Self { mode: [0; 2], status: 0b1100, count: 0 }
+    }
+
+    pub(crate) fn lose_power(&mut self) {
+        *self = Self::new();
+    }
+
+    /// Edges of both channels of the encoder.
+    pub(crate) fn turn(&mut self, edges: i32) {
+        if self.mode[0] & 0b11 == 3 {
+            self.count = self.count.wrapping_add(edges);
+        }
+    }
+}
+
+impl Part for Counter {
+    fn frame(&mut self, sent: &[u8]) -> Vec<u8> {
+        let mut answer = vec![0; sent.len()];
+        match (sent[0] >> 6, sent[0] >> 3 & 7) {
+            (0, 1) => self.mode[0] = 0,
+            (0, 2) => self.mode[1] = 0,
+            (0, 4) => self.count = 0,
+            (0, 6) => self.status &= 0b1000,
+            (1, 1) => answer[1] = self.mode[0],
+            (1, 2) => answer[1] = self.mode[1],
+            (1, 4) => answer[1..].copy_from_slice(&self.count.to_be_bytes()),
+            (1, 6) => answer[1] = self.status,
+            (2, 1) => self.mode[0] = sent[1],
+            (2, 2) => self.mode[1] = sent[1],
+            other => panic!("no instruction {other:?}"),
+        }
+        answer
+    }
+}
+
+/// AD5754: input shift register, DAC, output range, power control and control registers. BIN/2sCOMP low, LDAC low.
+pub(crate) struct Dac {
+    codes: [i16; 4],
+    ranges: [u8; 4],
+    power: u16,
+    control: u8,
+    /// What the next frame clocks out.
+    out: u16,
+    /// Overcurrent at this output.
+    pub(crate) shorted: Option<usize>,
+}
+
+impl Dac {
+    pub(crate) fn new() -> Self {
+        Self { codes: [0; 4], ranges: [0; 4], power: 0, control: 0, out: 0, shorted: None }
+    }
+
+    pub(crate) fn lose_power(&mut self) {
+        *self = Self { shorted: self.shorted, ..Self::new() };
+    }
+
+    /// Voltage of an output; one that is down has none.
+    pub(crate) fn volts(&self, output: usize) -> Option<f64> {
+        let up = self.power & 1 << output != 0;
+        assert!(!up || self.ranges[output] == 4, "±10 V");
+        up.then(|| f64::from(self.codes[output]) / 32_768.0 * 10.0)
+    }
+
+    fn register(&self, first: u8) -> u16 {
+        let output = usize::from(first & 3);
+        match first >> 3 & 7 {
+            0 => self.codes[output].cast_unsigned(),
+            1 => self.ranges[output].into(),
+            2 => self.power | self.shorted.map_or(0, |output| 1 << (7 + output)),
+            _ => self.control.into(),
+        }
+    }
+}
+
+impl Part for Dac {
+    fn frame(&mut self, sent: &[u8]) -> Vec<u8> {
+        let [first, high, low] = *sent else { panic!("24 bits") };
+        let [out_high, out_low] = self.out.to_be_bytes();
+        let data = u16::from_be_bytes([high, low]);
+        if first & 0x80 != 0 {
+            self.out = self.register(first & 0x3F);
+        } else {
+            let output = usize::from(first & 3);
+            match (first >> 3 & 7, first & 7) {
+                (0, 0..4) => self.codes[output] = data.cast_signed(),
+                (1, 0..4) => self.ranges[output] = low & 7,
+                (2, 0) => self.power = data & 0b1_1111,
+                (3, 1) => self.control = low & 0b1111,
+                (3, 0) => {}
+                other => panic!("no register {other:?}"),
+            }
+        }
+        vec![first, out_high, out_low]
+    }
+}
