@@ -27,7 +27,7 @@
 //! # Ok::<(), model_core::machine::MachineError>(())
 //! ```
 #![no_std]
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 pub mod ads8688;
 #[cfg(all(target_arch = "arm", target_os = "none"))]
@@ -46,7 +46,9 @@ pub mod measured;
 mod mock;
 pub mod mode;
 pub mod period;
+pub mod press;
 pub mod reference;
+pub mod remote;
 mod sense;
 pub mod set_point;
 pub mod still;

@@ -1,3 +1,4 @@
 //! Boards: pins, peripherals, nothing else.
 
 pub mod mps2;
+pub mod uart;

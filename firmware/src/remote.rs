@@ -1,0 +1,209 @@
+//! Parts at the other end of a serial line: SPI devices whose frames go over it, for a processor in the loop.
+//!
+//! The drivers run on the target as they would on a board; who answers is a simulation. Everything is asked for by the target, so
+//! both sides stay in step:
+//!
+//! | byte 0 | byte 1 | bytes | answer |
+//! |---|---|---|---|
+//! | number of the part | n, 1…255 | n bytes to the part | n bytes from the part |
+//!
+//! [`Line::exchange`] also serves what is no SPI part: a set point that is asked for, a report that is sent.
+
+use core::cell::RefCell;
+
+use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
+use embedded_io::{Read, ReadExactError, Write};
+
+/// Most bytes of a frame.
+pub const MOST_BYTES: usize = 255;
+
+/// A serial line with parts at its other end.
+#[derive(Debug)]
+pub struct Line<L> {
+    line: RefCell<L>,
+}
+
+/// Why a frame failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RemoteError {
+    /// The line failed or was closed.
+    #[error("the line to the simulated parts failed")]
+    Line,
+    /// A frame is empty or too long.
+    #[error("{bytes} bytes in a frame; expected 1 to 255")]
+    Frame {
+        /// Its bytes.
+        bytes: usize,
+    },
+}
+
+impl embedded_hal::spi::Error for RemoteError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Other
+    }
+}
+
+impl<L: Read + Write> Line<L> {
+    /// A line to parts.
+    pub fn new(line: L) -> Self {
+        Self { line: RefCell::new(line) }
+    }
+
+    /// Sends a frame to a part and replaces it by the answer.
+    ///
+    /// # Errors
+    /// The line fails, or the frame is empty or too long.
+    pub fn exchange(&self, part: u8, frame: &mut [u8]) -> Result<(), RemoteError> {
+        let bytes = frame.len();
+        let count = u8::try_from(bytes).ok().filter(|count| *count > 0).ok_or(RemoteError::Frame { bytes })?;
+        let mut line = self.line.try_borrow_mut().map_err(|_| RemoteError::Line)?;
+        line.write_all(&[part, count]).and_then(|()| line.write_all(frame)).map_err(|_| RemoteError::Line)?;
+        line.flush().map_err(|_| RemoteError::Line)?;
+        line.read_exact(frame).map_err(|_: ReadExactError<_>| RemoteError::Line)
+    }
+
+    /// The part of this number, as an SPI device.
+    pub fn part(&self, number: u8) -> Part<'_, L> {
+        Part { line: self, number }
+    }
+}
+
+/// An SPI device at the other end of a line.
+#[derive(Debug)]
+pub struct Part<'a, L> {
+    line: &'a Line<L>,
+    number: u8,
+}
+
+impl<L> ErrorType for Part<'_, L> {
+    type Error = RemoteError;
+}
+
+impl<L: Read + Write> SpiDevice for Part<'_, L> {
+    /// Each operation is a frame of its own: no driver here needs its part selected for longer.
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Self::Error> {
+        for operation in operations {
+            match operation {
+                Operation::Read(bytes) => {
+                    bytes.fill(0);
+                    self.line.exchange(self.number, bytes)?;
+                }
+                Operation::Write(bytes) => {
+                    let mut frame = [0; MOST_BYTES];
+                    let length = bytes.len();
+                    let frame = frame.get_mut(..length).ok_or(RemoteError::Frame { bytes: length })?;
+                    frame.copy_from_slice(bytes);
+                    self.line.exchange(self.number, frame)?;
+                }
+                Operation::Transfer(read, write) => {
+                    let mut frame = [0; MOST_BYTES];
+                    let length = read.len().max(write.len());
+                    let frame = frame.get_mut(..length).ok_or(RemoteError::Frame { bytes: length })?;
+                    for (slot, byte) in frame.iter_mut().zip(write.iter()) {
+                        *slot = *byte;
+                    }
+                    self.line.exchange(self.number, frame)?;
+                    for (byte, answer) in read.iter_mut().zip(frame) {
+                        *byte = *answer;
+                    }
+                }
+                Operation::TransferInPlace(bytes) => self.line.exchange(self.number, bytes)?,
+                Operation::DelayNs(_) => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use core::convert::Infallible;
+    use std::vec::Vec;
+
+    use super::*;
+
+    /// Answers every frame with its bytes in reverse, each one more.
+    #[derive(Default)]
+    struct Echo {
+        sent: Vec<u8>,
+        answer: Vec<u8>,
+    }
+
+    impl embedded_io::ErrorType for Echo {
+        type Error = Infallible;
+    }
+
+    impl Write for Echo {
+        fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
+            self.sent.extend(bytes);
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> Result<(), Infallible> {
+            let frame = self.sent.split_off(2);
+            assert_eq!(self.sent, [7, u8::try_from(frame.len()).unwrap()]);
+            self.answer = frame.iter().map(|byte| byte + 1).collect();
+            self.sent.clear();
+            Ok(())
+        }
+    }
+
+    impl Read for Echo {
+        fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Infallible> {
+            let count = bytes.len().min(self.answer.len());
+            for (byte, answer) in bytes.iter_mut().zip(self.answer.drain(..count).rev()) {
+                *byte = answer;
+            }
+            Ok(count)
+        }
+    }
+
+    #[test]
+    fn a_transfer_goes_over_the_line_and_its_answer_comes_back() {
+        let line = Line::new(Echo::default());
+        let mut part = line.part(7);
+        let mut answer = [0; 3];
+        part.transfer(&mut answer, &[1, 2, 3]).unwrap();
+        assert_eq!(answer, [4, 3, 2]);
+        part.write(&[9]).unwrap();
+        let mut read = [5; 2];
+        part.read(&mut read).unwrap();
+        assert_eq!(read, [1, 1]);
+    }
+
+    #[test]
+    fn a_frame_that_is_empty_or_too_long_is_refused() {
+        let line = Line::new(Echo::default());
+        assert_eq!(line.part(7).write(&[]), Err(RemoteError::Frame { bytes: 0 }));
+        assert_eq!(line.part(7).write(&[0; 256]), Err(RemoteError::Frame { bytes: 256 }));
+    }
+
+    /// A line that was closed.
+    struct Closed;
+
+    impl embedded_io::ErrorType for Closed {
+        type Error = Infallible;
+    }
+
+    impl Write for Closed {
+        fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> Result<(), Infallible> {
+            Ok(())
+        }
+    }
+
+    impl Read for Closed {
+        fn read(&mut self, _: &mut [u8]) -> Result<usize, Infallible> {
+            Ok(0)
+        }
+    }
+
+    #[test]
+    fn a_closed_line_is_an_error_of_the_bus() {
+        assert_eq!(Line::new(Closed).part(7).write(&[1]), Err(RemoteError::Line));
+    }
+}
