@@ -43,6 +43,7 @@ pub mod measured;
 #[cfg(test)]
 mod mock;
 pub mod mode;
+pub mod output;
 pub mod period;
 pub mod reference;
 mod sense;

@@ -4,13 +4,14 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use firmware::ads8688::{Ads8688, Range};
-use firmware::calibration::{Actuator, Band, Calibration, Point, Sensor};
+use firmware::calibration::{Band, Calibration, Point, Sensor};
 use firmware::control::Control;
 use firmware::dac::{Ad5754, Channel, Reference};
 use firmware::edge::{AnalogIn, AnalogOut};
 use firmware::limits::{Allowed, Delay, Limits};
 use firmware::ls7366r::{FilterClock, Ls7366r, Origin};
 use firmware::measured::Signal;
+use firmware::output::Actuator;
 use firmware::period::{Devices, Period, Place, Rig};
 use firmware::travel::{Encoder, Rising, Travel};
 use model_core::drive::Drive;
