@@ -12,7 +12,7 @@ use firmware::log::Log;
 use firmware::measured::{Measured, Signal};
 use firmware::mode::{Command, Mode};
 use firmware::output::Actuator;
-use firmware::period::{Devices, Period, Place, Report, Request, Rig, Timing};
+use firmware::period::{Devices, Period, PeriodState, Place, Report, Request, Rig, Timing};
 use firmware::reference::{Predicted, Reference};
 use firmware::set_point::SetPoint;
 use firmware::still::Patience;
@@ -49,8 +49,8 @@ impl World {
         let zero = PerUnit::ZERO;
         Self {
             count: 0,
-            // Read back: neutral.  Slider in the middle; pressures of 2.5 and 3 V.
-            voltages: [-6172 * 128 / 1000, 0, 5 * VOLT / 2, 3 * VOLT],
+            // The output writes the first.  Slider in the middle; pressures of 2.5 and 3 V.
+            voltages: [0, 0, 5 * VOLT / 2, 3 * VOLT],
             position_silent: false,
             inputs_silent: false,
             output_silent: false,
@@ -209,6 +209,8 @@ pub(crate) struct Bench {
 pub(crate) trait Steps {
     fn step(&mut self, request: &Request, log: &mut Told) -> Report;
     fn refer(&mut self, position: PerUnit) -> bool;
+    fn state(&self) -> PeriodState;
+    fn restore(&mut self, state: PeriodState);
 }
 
 impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Steps for Period<A, P, O, C> {
@@ -217,6 +219,12 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Steps for Period<A, P
     }
     fn refer(&mut self, position: PerUnit) -> bool {
         Period::refer(self, position)
+    }
+    fn state(&self) -> PeriodState {
+        *Period::state(self)
+    }
+    fn restore(&mut self, state: PeriodState) {
+        Period::restore(self, state);
     }
 }
 

@@ -39,6 +39,20 @@ fn a_device_that_answers_at_its_last_attempt_is_no_fault() {
 }
 
 #[test]
+fn a_stored_state_goes_on_just_so() {
+    let mut bench = Bench::following();
+    bench.request.set_point.position = percent(101);
+    bench.run(3);
+    let (state, world) = (bench.period.state(), bench.world.borrow().clone());
+    let first = (bench.run(30), bench.command(Some(Command::Stop)), bench.run(30));
+    bench.period.restore(state);
+    *bench.world.borrow_mut() = world;
+    let again = (bench.run(30), bench.command(Some(Command::Stop)), bench.run(30));
+    assert_eq!(first, again);
+    assert_ne!(bench.period.state(), state);
+}
+
+#[test]
 fn silent_inputs_cost_their_attempts_once_a_period() {
     let mut bench = Bench::following();
     bench.world.borrow_mut().inputs_silent = true;
