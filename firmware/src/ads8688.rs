@@ -74,6 +74,7 @@ impl Range {
 
 /// Why there is no conversion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Ads8688Error<E> {
     /// The bus failed.
     #[error("ADS8688: bus: {0:?}")]

@@ -57,6 +57,7 @@ pub struct Sensor {
 
 /// Why a table is not one.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum CalibrationError {
     /// Two points of a line coincide, or its slope does not fit.
     #[error("{signal:?}: {per_count:e} per unit a count; expected a magnitude of about 4e-9 to 1")]

@@ -148,6 +148,7 @@ pub struct PeriodState {
 
 /// Why a rig does not begin.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum BeginError<P, O> {
     /// Its limits are none.
     #[error(transparent)]
