@@ -16,6 +16,7 @@ use firmware::set_point::SetPoint;
 use model_core::fixed_point::PerUnit;
 use model_core::number::Number;
 use parts::Line;
+use proptest::prelude::*;
 use world::{COUNTS_PER_M, GAIN_PER_V, OFFSET, OVERLAP, STROKE_M, Wired, World, simple_plant};
 
 /// Enough to move the rod: proportional, with the overlap jumped.
@@ -187,4 +188,32 @@ fn a_restart_of_the_controller_alone_goes_on_where_the_rod_is() {
     let report = bench.step(Some(Command::Follow));
     assert_eq!(report.mode, Mode::Following);
     assert!((report.measured.position.to_f64() * STROKE_M - before).abs() < 1e-3);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+    #[test]
+    fn whatever_the_parts_say_nothing_panics_and_all_is_well_again_afterwards(
+        disturbances in prop::collection::vec((0..3_usize, 1..u32::MAX, any::<bool>(), 1..20_u32), 1..8),
+    ) {
+        let mut bench = Bench::on_the_way();
+        for (line, seed, fails, periods) in disturbances {
+            *bench.world.lines[line].borrow_mut() = if fails { Line::Fails } else { Line::Noise(seed) };
+            bench.run(periods);
+            let volts = bench.world.dac.borrow().volts(1).unwrap();
+            prop_assert!(volts.abs() <= 9.6 + 1e-3, "{volts}");
+            *bench.world.lines[line].borrow_mut() = Line::Whole;
+        }
+        bench.run(200);
+        if bench.step(None).mode != Mode::Following {
+            prop_assert_eq!(bench.step(Some(Command::Acknowledge)).mode, Mode::Starting);
+            let place = PerUnit::saturated(bench.world.position_m / STROKE_M);
+            prop_assert!(bench.period.refer(place));
+            bench.run(30);
+            prop_assert_eq!(bench.step(Some(Command::Follow)).mode, Mode::Following);
+        }
+        let report = bench.run(20_000).unwrap();
+        prop_assert_eq!(report.mode, Mode::Following);
+        prop_assert!((bench.world.position_m - 0.18).abs() < 1e-4, "{}", bench.world.position_m);
+    }
 }
