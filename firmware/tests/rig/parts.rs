@@ -66,7 +66,7 @@ impl<P: Part> SpiDevice for Wire<P> {
     }
 }
 
-/// ADS8688, SBAS582C: command register (table 6), program registers (tables 7 to 9), output format (tables 12 to 14).
+/// ADS8688, SBAS582C: command register (table 6), program registers (8.5.2), output format (tables 12 to 14).
 pub(crate) struct Adc {
     registers: [u8; 64],
     selected: Option<u8>,
