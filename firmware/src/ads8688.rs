@@ -12,14 +12,14 @@
 //! | to the part | command | 0 | 0 | 0 | 0 | 0 |
 //! | from the part | – | result | channel | part's number | range | 0 |
 //!
-//! The number is 2: neither a line that hangs low nor one that hangs high nor a part that fell back to its defaults (which an
-//! overvoltage at an input can bring about: number 0, ±10.24 V on all channels) answers with it, so the wrong scale is never taken for
-//! the right one.
+//! The number is 2: neither a line that hangs low nor one that hangs high nor a part that fell back to its defaults answers with it
+//! (those are 0 and ±10.24 V on all channels; an overvoltage at one input has been seen to bring them about, TI E2E 1529715), so the wrong
+//! scale is never taken for the right one. Of the ADS8688 only; the A and W have more ranges. The reference needs some 15 ms after power-up.
 //!
 //! A count is 78.125 µV, the finest step of all ranges, whatever the range (table 4): 2¹⁶ counts are 5.12 V.
 //!
-//! **An open input is not seen by the part.** Its own 1 MΩ leads to a bias, so on ±10.24 V an open input reads some +2 V, in the middle of
-//! what is allowed. It is recognised by [`calibration`](crate::calibration)'s limits, and needs a sensor with a live zero (0.5…4.5 V, or
+//! **An open input is not seen by the part.** Its own 1 MΩ leads to a bias, so on ±10.24 V an open input reads some +2 V (TI E2E 1245625), in the
+//! middle of what is allowed. It is recognised by [`calibration`](crate::calibration)'s limits, and needs a sensor with a live zero (0.5…4.5 V, or
 //! 4…20 mA over 250 Ω: 1…5 V) with 100 kΩ to ground, which pulls an open wire below the zero; or, for ±10 V without one, 100 kΩ to
 //! +15 V, which pulls it to the rail. Either takes 5 mV of 10 V from a sensor of 50 Ω.
 
@@ -34,7 +34,7 @@ pub const CHANNELS: usize = 8;
 const RESET: u8 = 0x85;
 /// Command register, table 6: select channel 0; each further one is 4 more.
 const MANUAL: u8 = 0xC0;
-/// Program registers, table 9.
+/// Program registers, 8.5.2.2.
 const POWER_DOWN: u8 = 0x02;
 const FEATURES: u8 = 0x03;
 const FIRST_RANGE: u8 = 0x05;
@@ -43,7 +43,7 @@ const NUMBER: u8 = 2;
 /// `DEV` and `SDO[2:0]` = 3: result, channel, number, range.
 const FEATURES_VALUE: u8 = NUMBER << 6 | 3;
 
-/// Input range of a channel, with the code of tables 14 and 15.
+/// Input range of a channel, with the code of table 14 and 8.5.2.3.3.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Range {
     /// ±10.24 V, ±2.5 of the reference.
@@ -74,6 +74,7 @@ impl Range {
 
 /// Why there is no conversion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Ads8688Error<E> {
     /// The bus failed.
     #[error("ADS8688: bus: {0:?}")]
@@ -81,7 +82,7 @@ pub enum Ads8688Error<E> {
     /// A program register does not read what was written.
     #[error("ADS8688: register {register:#04x} reads {found:#04x}; expected {expected:#04x}")]
     Register {
-        /// Address, table 9.
+        /// Address, 8.5.2.2.
         register: u8,
         /// What was written.
         expected: u8,
@@ -166,7 +167,7 @@ impl<SPI: SpiDevice> Ads8688<SPI> {
         self.spi
     }
 
-    /// Writes a program register and reads it back. 8.5.2, tables 7 and 8.
+    /// Writes a program register and reads it back. 8.5.2.1.
     fn set(&mut self, register: u8, expected: u8) -> Result<(), Ads8688Error<SPI::Error>> {
         self.spi.write(&[register << 1 | 1, expected, 0]).map_err(Ads8688Error::Bus)?;
         let mut answer = [0; 3];

@@ -17,9 +17,10 @@ use model_core::machine::Bases;
 
 use crate::line::Line;
 use crate::measured::Signal;
+use crate::output::{Actuator, Output};
 
 /// The word of 1.
-const ONE: f64 = (1_u32 << 28) as f64;
+pub(crate) const ONE: f64 = (1_u32 << 28) as f64;
 
 /// Two points of a sensor's straight line make it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +57,7 @@ pub struct Sensor {
 
 /// Why a table is not one.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum CalibrationError {
     /// Two points of a line coincide, or its slope does not fit.
     #[error("{signal:?}: {per_count:e} per unit a count; expected a magnitude of about 4e-9 to 1")]
@@ -113,13 +115,13 @@ pub enum CalibrationError {
 
 /// Counts that lie together, both ends included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Counts {
-    lowest: i32,
-    highest: i32,
+pub(crate) struct Counts {
+    pub(crate) lowest: i32,
+    pub(crate) highest: i32,
 }
 
 impl Counts {
-    fn of(band: Band, signal: Signal, span_uv: u32) -> Result<Self, CalibrationError> {
+    pub(crate) fn of(band: Band, signal: Signal, span_uv: u32) -> Result<Self, CalibrationError> {
         let Band { from_v, to_v } = band;
         let count = |volts: f64| {
             let count = libm::round(volts * counts_per_volt(span_uv));
@@ -138,7 +140,7 @@ impl Counts {
     }
 }
 
-fn counts_per_volt(span_uv: u32) -> f64 {
+pub(crate) fn counts_per_volt(span_uv: u32) -> f64 {
     65_536.0 * 1e6 / f64::from(span_uv)
 }
 
@@ -211,55 +213,6 @@ impl Row {
         } else {
             Reading::OutOfRange
         }
-    }
-}
-
-/// The output to the valve, as its amplifier states it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Actuator {
-    /// Voltage that is put out for the command 0 V.
-    pub zero_v: f64,
-    /// Voltage that is put out for the command 10 V.
-    pub full_v: f64,
-    /// Lowest voltage that is put out.
-    pub lowest_v: f64,
-    /// Highest voltage that is put out.
-    pub highest_v: f64,
-}
-
-/// The output in whole numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Output {
-    line: Line,
-    within: Counts,
-}
-
-impl Output {
-    /// From an actuator on an output of which 2¹⁶ counts are `span_uv` µV.
-    ///
-    /// # Errors
-    /// What it states is no line, or its limits are none.
-    pub fn new(actuator: &Actuator, span_uv: u32) -> Result<Self, CalibrationError> {
-        let Actuator { zero_v, full_v, lowest_v, highest_v } = *actuator;
-        let refused = CalibrationError::Output { zero_v, full_v, lowest_v, highest_v };
-        let per_volt = counts_per_volt(span_uv);
-        let line = Line::new((full_v - zero_v) * per_volt / ONE, zero_v * per_volt).ok_or(refused)?;
-        let band = Band { from_v: lowest_v, to_v: highest_v };
-        let within = Counts::of(band, Signal::Command, span_uv).map_err(|_| refused)?;
-        Ok(Self { line, within })
-    }
-
-    /// The count for a command in 10 V, held within the limits.
-    #[must_use]
-    pub fn count(&self, command: PerUnit) -> i32 {
-        // `clamp` would panic where these limits were the wrong way round.
-        self.line.at(command.to_bits().into()).max(self.within.lowest).min(self.within.highest)
-    }
-
-    /// Lowest and highest count that is put out.
-    #[must_use]
-    pub fn limits(&self) -> [i32; 2] {
-        [self.within.lowest, self.within.highest]
     }
 }
 
@@ -362,17 +315,6 @@ mod tests {
         open.open = Some(Band { from_v: 0.0, to_v: 0.45 });
         let refused = CalibrationError::OpenWithinWorking { signal: Signal::PressureA, from_v: 0.0, to_v: 0.45 };
         assert_eq!(row(&open), Err(refused));
-    }
-
-    #[test]
-    fn ten_volts_are_full_scale_of_the_converter_and_what_is_more_is_held() {
-        let actuator = Actuator { zero_v: 0.0, full_v: 10.0, lowest_v: -9.5, highest_v: 9.0 };
-        let output = Output::new(&actuator, 20_000_000).unwrap();
-        assert_eq!(output.count(PerUnit::saturated(0.5)), 16_384);
-        assert_eq!(output.count(PerUnit::ONE), 29_491); // 9 V
-        assert_eq!(output.count(PerUnit::saturated(-8.0)), -31_130); // -9.5 V
-        let none = Actuator { lowest_v: 1.0, highest_v: -1.0, ..actuator };
-        assert!(matches!(Output::new(&none, 20_000_000), Err(CalibrationError::Output { .. })));
     }
 
     #[test]

@@ -67,6 +67,7 @@ pub enum Reference {
 
 /// A register that is read back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Register {
     /// Output range.
     Range,
@@ -78,6 +79,7 @@ pub enum Register {
 
 /// Why nothing was put out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Ad5754Error<E> {
     /// The bus failed.
     #[error("AD5754: bus: {0:?}")]

@@ -94,6 +94,7 @@ pub struct FromFn<F, const SPAN_UV: u32 = 0>(pub F);
 
 /// The error of a closure: a failure of whatever bus is behind it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[error("bus: {0:?}")]
 pub struct Foreign<E>(pub E);
 

@@ -1,16 +1,6 @@
 //! Faults: what can go wrong at the edge, and which state each leads to.
 //!
-//! | fault | found | response |
-//! |---|---|---|
-//! | set point outside, or jumps | in its period | hold |
-//! | sensor out of range, wire open | in its period | ramp down |
-//! | slider's or pressure's sensor stuck | after its stated periods | ramp down |
-//! | inputs do not answer | in its period, after the stated attempts | ramp down |
-//! | overrun of a period | in the next | ramp down |
-//! | position stuck | after its stated periods | neutral |
-//! | encoder jump | in its period | neutral |
-//! | counter or output does not answer | in its period, after the stated attempts | neutral |
-//! | voltage at the valve is not the one put out | after its stated periods | neutral |
+//! The table stands in `docs/firmware.md`; [`Fault::response`] is what happens.
 //!
 //! The response begins in the period that finds the fault. What the position loop cannot do without leads to neutral at once; what only blinds
 //! the monitor leaves time for a ramp.

@@ -45,6 +45,7 @@ pub mod measured;
 #[cfg(test)]
 mod mock;
 pub mod mode;
+pub mod output;
 pub mod period;
 pub mod press;
 pub mod reference;

@@ -83,6 +83,7 @@ pub struct Limits {
 
 /// Why limits are none.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LimitsError {
     /// The least set point is not below the greatest.
     #[error("set point from {least:?} to {most:?}; expected the first below the second")]

@@ -43,6 +43,7 @@ pub enum FilterClock {
 
 /// Why there is no count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Ls7366rError<E> {
     /// The bus failed.
     #[error("LS7366R: bus: {0:?}")]

@@ -129,7 +129,7 @@ pub struct Report {
 
 /// State of a period: all that it remembers beside the control's own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct State {
+pub struct PeriodState {
     mode: Mode,
     standing: Standing,
     senses: Senses,
@@ -148,6 +148,7 @@ struct State {
 
 /// Why a rig does not begin.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum BeginError<P, O> {
     /// Its limits are none.
     #[error(transparent)]
@@ -166,7 +167,7 @@ pub struct Period<A, P, O, C> {
     devices: Devices<A, P, O>,
     rig: Rig,
     control: C,
-    state: State,
+    state: PeriodState,
 }
 
 impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
@@ -186,7 +187,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         let neutral = rig.calibration.output.count(limits.neutral);
         ask(limits.attempts, || devices.output.write(neutral)).map_err(BeginError::Output)?;
         let count = ask(limits.attempts, || devices.position.count()).map_err(BeginError::Position)?;
-        let state = State {
+        let state = PeriodState {
             mode: Mode::Starting,
             standing: Standing::NONE,
             senses: Senses::new(count),
@@ -243,6 +244,16 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
     /// The mode now.
     pub fn mode(&self) -> Mode {
         self.state.mode
+    }
+
+    /// The state beside the control's own, to be stored.
+    pub fn state(&self) -> &PeriodState {
+        &self.state
+    }
+
+    /// Goes on from a stored state.
+    pub fn restore(&mut self, state: PeriodState) {
+        self.state = state;
     }
 
     /// The reference model with its loops.

@@ -1,199 +1,33 @@
 //! Does the whole edge work with parts that behave as their data sheets say, and does it find what can go wrong with them?
 
 mod parts;
+mod world;
 
-use std::cell::RefCell;
-use std::rc::Rc;
-
-use firmware::ads8688::{Ads8688, Range};
-use firmware::calibration::{Actuator, Band, Calibration, Point, Sensor};
 use firmware::control::Control;
-use firmware::dac::{Ad5754, Channel, Reference};
-use firmware::edge::{AnalogIn, AnalogOut, Cause};
+use firmware::edge::Cause;
 use firmware::fault::{Device, Fault};
-use firmware::limits::{Allowed, Delay, Limits};
 use firmware::log::Log;
-use firmware::ls7366r::{FilterClock, Ls7366r, Origin};
+use firmware::ls7366r::Origin;
 use firmware::measured::{Measured, Signal};
 use firmware::mode::{Command, Mode};
-use firmware::period::{Devices, Period, Place, Report, Request, Rig, Timing, Watchdog};
+use firmware::period::{Report, Request, Timing, Watchdog};
 use firmware::reference::Predicted;
 use firmware::set_point::SetPoint;
-use firmware::travel::{Encoder, Rising, Travel};
-use model_core::drive::Drive;
 use model_core::fixed_point::PerUnit;
-use model_core::machine::{Machine, Source, Tick};
 use model_core::number::Number;
-use model_core::parameter::Parameter;
-use parts::{Adc, Counter, Dac, Line, Wire};
-
-/// Counts of the encoder a metre: 3600 impulses, counted fourfold, on a pinion of 0.2 m circumference.
-const COUNTS_PER_M: f64 = 72_000.0;
-const STROKE_M: f64 = 0.3;
-/// Valve: travel per volt and at none, overlap; rod: m/s per opening.
-const GAIN_PER_V: f64 = 0.0559;
-const OFFSET: f64 = 0.0345;
-const OVERLAP: f64 = 0.1049;
-const SPEED_M_PER_S: f64 = 0.2;
-
-/// The parts, and the machine that they are wired to: a valve with overlap, and a rod as fast as it is open.
-struct World {
-    adc: Rc<RefCell<Adc>>,
-    counter: Rc<RefCell<Counter>>,
-    dac: Rc<RefCell<Dac>>,
-    lines: [Rc<RefCell<Line>>; 3],
-    bytes: Rc<RefCell<usize>>,
-    position_m: f64,
-    edges: i64,
-    ticks: u32,
-    /// Whether the wire of pressure A is whole.
-    wired: bool,
-    /// Whether 100 kΩ to ground are at its input.
-    pulled: bool,
-}
-
-type Wired = Period<Ads8688<Wire<Adc>>, Ls7366r<Wire<Counter>>, Ad5754<Wire<Dac>>, Proportional>;
-
-impl World {
-    fn new() -> Self {
-        let line = || Rc::new(RefCell::new(Line::Whole));
-        let mut world = Self {
-            adc: Rc::new(RefCell::new(Adc::new())),
-            counter: Rc::new(RefCell::new(Counter::new())),
-            dac: Rc::new(RefCell::new(Dac::new())),
-            lines: [line(), line(), line()],
-            bytes: Rc::default(),
-            position_m: 0.0,
-            edges: 0,
-            ticks: 0,
-            wired: true,
-            pulled: true,
-        };
-        world.tick();
-        world
-    }
-
-    fn wire<P>(&self, part: &Rc<RefCell<P>>, line: usize) -> Wire<P> {
-        Wire { part: part.clone(), line: self.lines[line].clone(), bytes: self.bytes.clone() }
-    }
-
-    /// One millisecond of the machine.
-    fn tick(&mut self) {
-        self.ticks += 1;
-        // A valve whose wire carries nothing is held by its spring.
-        let volts = self.dac.borrow().volts(1);
-        let slider = volts.map_or(0.0, |volts| GAIN_PER_V * volts + OFFSET);
-        let opening = slider.signum() * (slider.abs() - OVERLAP).max(0.0);
-        self.position_m = (self.position_m + opening * SPEED_M_PER_S * 1e-3).clamp(0.0, STROKE_M);
-        #[expect(clippy::cast_possible_truncation, reason = "some 20 000 over the stroke")]
-        let edges = (self.position_m * COUNTS_PER_M).round() as i64;
-        self.counter.borrow_mut().turn(i32::try_from(edges - self.edges).unwrap());
-        self.edges = edges;
-        // Sensors never give just the same twice.
-        let noise_v = f64::from(self.ticks % 2) * 6e-4;
-        let pressure_a_v = 2.5 + noise_v;
-        let open_v = if self.pulled { Some(0.2) } else { None };
-        let pressure_a = if self.wired { Some(pressure_a_v) } else { open_v };
-        self.adc.borrow_mut().inputs_v =
-            [volts, Some(slider * 10.0 + noise_v), pressure_a, Some(3.0 + noise_v), None, None, None, None];
-    }
-
-    fn begin(&self) -> (Wired, Origin) {
-        let machine = machine();
-        let drive = Drive::<PerUnit>::new::<64>(&machine, Tick::OneMillisecond).unwrap();
-        let bases = drive.bases();
-        let ranges = [
-            Some(Range::Bipolar10V),
-            Some(Range::Bipolar10V),
-            Some(Range::Unipolar5V),
-            Some(Range::Unipolar5V),
-            None,
-            None,
-            None,
-            None,
-        ];
-        let limits = Limits::new(&allowed(), &machine, bases).unwrap();
-        let calibration = Calibration::new(
-            &sensors(),
-            <Ads8688<Wire<Adc>> as AnalogIn>::SPAN_UV,
-            &Actuator { zero_v: 0.0, full_v: 10.0, lowest_v: -9.6, highest_v: 9.6 },
-            <Ad5754<Wire<Dac>> as AnalogOut>::SPAN_UV,
-            bases,
-        )
-        .unwrap();
-        let encoder =
-            Encoder { counts_per_m: COUNTS_PER_M, rising: Rising::Extends, reference_m: 0.0, fastest_m_per_s: 0.5 };
-        let travel = Travel::straight(&encoder, bases).unwrap();
-        let delay = &mut embedded_hal_mock::eh1::delay::NoopDelay::new();
-        let neutral = calibration.output.count(limits.neutral);
-        let output = Ad5754::begin(self.wire(&self.dac, 2), delay, Channel::B, Reference::External, neutral).unwrap();
-        let inputs = Ads8688::begin(self.wire(&self.adc, 0), ranges).unwrap();
-        let (position, origin) = Ls7366r::resume(self.wire(&self.counter, 1), FilterClock::Undivided).unwrap();
-        let control = Proportional { neutral: limits.neutral };
-        let rig = Rig { calibration, travel, limits };
-        let place = if origin == Origin::Kept { Place::Known } else { Place::Lost };
-        (Period::begin(Devices { inputs, position, output }, rig, control, place).unwrap(), origin)
-    }
-}
-
-fn machine() -> Machine<f64> {
-    let mut machine = Machine::with_defaults(Source::Valve);
-    machine.set(Parameter::AreaA, 3.117e-3);
-    machine.set(Parameter::AreaB, 1.861e-3);
-    machine.set(Parameter::VolumeA, 5.2e-4);
-    machine.set(Parameter::VolumeB, 3.3e-4);
-    machine.set(Parameter::Stroke, STROKE_M);
-    machine.set(Parameter::ValveGain, GAIN_PER_V);
-    machine.set(Parameter::ValveOffset, OFFSET);
-    machine.set(Parameter::DeadZone, OVERLAP);
-    machine
-}
-
-fn allowed() -> Allowed {
-    Allowed {
-        attempts: 3,
-        settling_s: 0.02,
-        from_m: 0.0,
-        to_m: STROKE_M,
-        velocity_m_per_s: 0.1,
-        jump_m: 0.3,
-        command_v: 9.5,
-        slew_v_per_s: 1000.0,
-        ramp_v_per_s: 100.0,
-        still_position: None,
-        still_slider: None,
-        still_pressure: None,
-        read_back: Some(Delay { by: 0.05, for_s: 0.005 }),
-    }
-}
-
-fn sensors() -> [(Signal, Sensor); 4] {
-    let volts = |volts, value| Point { volts, value };
-    let pressure = |channel| Sensor {
-        channel,
-        low: volts(0.5, 0.0),
-        high: volts(4.5, 1e7),
-        working: Band { from_v: 0.4, to_v: 4.6 },
-        open: Some(Band { from_v: 0.0, to_v: 0.3 }),
-    };
-    let ten_volts = |channel, value: f64| Sensor {
-        channel,
-        low: volts(-10.0, -value),
-        high: volts(10.0, value),
-        working: Band { from_v: -10.1, to_v: 10.1 },
-        open: None,
-    };
-    [
-        (Signal::Command, ten_volts(0, 10.0)),
-        (Signal::Slider, ten_volts(1, 1.0)),
-        (Signal::PressureA, pressure(2)),
-        (Signal::PressureB, pressure(3)),
-    ]
-}
+use parts::Line;
+use proptest::prelude::*;
+use world::{COUNTS_PER_M, GAIN_PER_V, OFFSET, OVERLAP, STROKE_M, Wired, World, simple_plant};
 
 /// Enough to move the rod: proportional, with the overlap jumped.
 struct Proportional {
     neutral: PerUnit,
+}
+
+impl Proportional {
+    fn new() -> Self {
+        Self { neutral: PerUnit::saturated(-OFFSET / GAIN_PER_V / 10.0) }
+    }
 }
 
 impl Control for Proportional {
@@ -223,18 +57,18 @@ impl Log for Told {
     fn mode(&mut self, _: Mode, _: Mode) {}
 }
 
-struct Bench {
+struct Bench<C> {
     world: World,
-    period: Wired,
+    period: Wired<C>,
     told: Told,
     wanted: f64,
 }
 
-impl Bench {
+impl Bench<Proportional> {
     /// Follows, on its way from 0 to 60 % of the stroke.
     fn on_the_way() -> Self {
-        let world = World::new();
-        let (mut period, origin) = world.begin();
+        let world = World::new(simple_plant());
+        let (mut period, origin) = world.begin(Proportional::new());
         assert_eq!(origin, Origin::Cleared);
         assert!(period.refer(PerUnit::ZERO));
         let mut bench = Self { world, period, told: Told::default(), wanted: 0.0 };
@@ -245,7 +79,9 @@ impl Bench {
         assert!(bench.world.position_m > 0.02, "{}", bench.world.position_m);
         bench
     }
+}
 
+impl<C: Control> Bench<C> {
     fn step(&mut self, command: Option<Command>) -> Report {
         let set_point = SetPoint { position: PerUnit::saturated(self.wanted), velocity: PerUnit::ZERO };
         let report = self.period.step(&Request { set_point, command, timing: Timing::Kept }, &mut self.told);
@@ -343,7 +179,7 @@ fn an_open_wire_is_found_where_a_resistor_pulls_it_out_of_the_range_and_not_wher
 fn a_restart_of_the_controller_alone_goes_on_where_the_rod_is() {
     let mut bench = Bench::on_the_way();
     let before = bench.world.position_m;
-    let (period, origin) = bench.world.begin();
+    let (period, origin) = bench.world.begin(Proportional::new());
     assert_eq!(origin, Origin::Kept);
     bench.period = period;
     bench.world.tick();
@@ -352,4 +188,32 @@ fn a_restart_of_the_controller_alone_goes_on_where_the_rod_is() {
     let report = bench.step(Some(Command::Follow));
     assert_eq!(report.mode, Mode::Following);
     assert!((report.measured.position.to_f64() * STROKE_M - before).abs() < 1e-3);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+    #[test]
+    fn whatever_the_parts_say_nothing_panics_and_all_is_well_again_afterwards(
+        disturbances in prop::collection::vec((0..3_usize, 1..u32::MAX, any::<bool>(), 1..20_u32), 1..8),
+    ) {
+        let mut bench = Bench::on_the_way();
+        for (line, seed, fails, periods) in disturbances {
+            *bench.world.lines[line].borrow_mut() = if fails { Line::Fails } else { Line::Noise(seed) };
+            bench.run(periods);
+            let volts = bench.world.dac.borrow().volts(1).unwrap();
+            prop_assert!(volts.abs() <= 9.6 + 1e-3, "{volts}");
+            *bench.world.lines[line].borrow_mut() = Line::Whole;
+        }
+        bench.run(200);
+        if bench.step(None).mode != Mode::Following {
+            prop_assert_eq!(bench.step(Some(Command::Acknowledge)).mode, Mode::Starting);
+            let place = PerUnit::saturated(bench.world.position_m / STROKE_M);
+            prop_assert!(bench.period.refer(place));
+            bench.run(30);
+            prop_assert_eq!(bench.step(Some(Command::Follow)).mode, Mode::Following);
+        }
+        let report = bench.run(20_000).unwrap();
+        prop_assert_eq!(report.mode, Mode::Following);
+        prop_assert!((bench.world.position_m - 0.18).abs() < 1e-4, "{}", bench.world.position_m);
+    }
 }

@@ -18,6 +18,8 @@ pub(crate) enum Line {
     Hangs(u8),
     /// The bus fails.
     Fails,
+    /// Each byte is another, by this xorshift.
+    Noise(u32),
 }
 
 /// A part on its own chip select, shared with the test.
@@ -46,9 +48,17 @@ impl<P: Part> SpiDevice for Wire<P> {
             *self.bytes.borrow_mut() += sent.len();
             let answer = self.part.borrow_mut().frame(sent);
             for (byte, answered) in read.iter_mut().zip(answer) {
-                *byte = match line {
-                    Line::Hangs(level) => level,
+                let mut line = self.line.borrow_mut();
+                *byte = match &mut *line {
+                    Line::Hangs(level) => *level,
                     Line::Whole | Line::Fails => answered,
+                    Line::Noise(word) => {
+                        *word ^= *word << 13;
+                        *word ^= *word >> 17;
+                        *word ^= *word << 5;
+                        let [noise, ..] = word.to_be_bytes();
+                        noise
+                    }
                 };
             }
         }
@@ -56,7 +66,7 @@ impl<P: Part> SpiDevice for Wire<P> {
     }
 }
 
-/// ADS8688, SBAS582C: command register (table 6), program registers (tables 7 to 9), output format (tables 12 to 14).
+/// ADS8688, SBAS582C: command register (table 6), program registers (8.5.2), output format (tables 12 to 14).
 pub(crate) struct Adc {
     registers: [u8; 64],
     selected: Option<u8>,

@@ -1,0 +1,140 @@
+//! Whatever comes: limits of the output, faults and their states, the way back.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use firmware::fault::{Fault, Response};
+use firmware::limits::Limits;
+use firmware::mode::{Command, Mode};
+use firmware::period::{Period, Place, Request, Timing, Watchdog};
+use firmware::reference::Predicted;
+use firmware::set_point::SetPoint;
+use model_core::fixed_point::PerUnit;
+use model_core::number::Number;
+use proptest::prelude::*;
+
+use crate::bench::{Told, Wanting, World, devices, limits, percent, rig};
+
+/// Anything at all, in one period.
+#[derive(Clone, Debug)]
+struct Anything {
+    count: i32,
+    voltages: [i32; 4],
+    silent: [bool; 3],
+    predicted: [i32; 4],
+    wanted: i32,
+    set_point: [i32; 2],
+    command: Option<Command>,
+    overrun: bool,
+    refer: bool,
+}
+
+/// Mostly what a sound rig gives, so that every mode is reached; sometimes anything.
+fn anything() -> impl Strategy<Value = Anything> {
+    let seldom = || prop::bool::weighted(0.006);
+    let count = prop_oneof![200 => -3..=3_i32, 1 => any::<i32>()];
+    let voltage = || prop_oneof![300 => 6_000..50_000_i32, 1 => any::<i32>()];
+    let word = || prop_oneof![200 => -(1_i32 << 28)..1 << 28, 1 => any::<i32>()];
+    let position = prop_oneof![100 => -(1_i32 << 23)..1 << 23, 1 => any::<i32>()];
+    let command = prop_oneof![
+        30 => Just(None),
+        10 => Just(Some(Command::Follow)),
+        1 => Just(Some(Command::Stop)),
+        10 => Just(Some(Command::Acknowledge)),
+    ];
+    (
+        (count, [voltage(), voltage(), voltage(), voltage()], [seldom(), seldom(), seldom()]),
+        ([word(), word(), word(), word()], word(), position, word()),
+        (command, seldom(), prop::bool::weighted(0.1)),
+    )
+        .prop_map(
+            |((count, voltages, silent), (predicted, wanted, position, velocity), (command, overrun, refer))| {
+                Anything {
+                    count,
+                    voltages,
+                    silent,
+                    predicted,
+                    wanted,
+                    set_point: [position, velocity],
+                    command,
+                    overrun,
+                    refer,
+                }
+            },
+        )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+    #[test]
+    fn whatever_comes_the_output_keeps_its_limits_and_faults_their_states(steps in prop::collection::vec(anything(), 1..250)) {
+        let limits = Limits { settling: 1, read_back: None, least_position: percent(-50), ..limits() };
+        let world = Rc::new(RefCell::new(World::new()));
+        let mut period = Period::begin(devices(&world), rig(limits), Wanting(world.clone()), Place::Known).unwrap();
+        let [lowest, highest] = rig(limits).calibration.output.limits();
+        let (mut mode, mut last, mut ramping) = (Mode::Starting, limits.neutral, 0);
+        let mut place = PerUnit::ZERO;
+        for step in steps {
+            {
+                let mut world = world.borrow_mut();
+                let [position_silent, inputs_silent, output_silent] = step.silent;
+                let [slider, pressure_a, pressure_b, position] = step.predicted.map(PerUnit::from_bits);
+                *world = World {
+                    count: world.count.wrapping_add(step.count),
+                    voltages: step.voltages,
+                    position_silent,
+                    inputs_silent,
+                    output_silent,
+                    predicted: Predicted { slider, pressure_a, pressure_b, velocity: PerUnit::ZERO, position },
+                    wanted: PerUnit::from_bits(step.wanted),
+                    ..*world
+                };
+            }
+            let [from_place, velocity] = step.set_point.map(PerUnit::from_bits);
+            let position = place + from_place;
+            let timing = if step.overrun { Timing::Overrun } else { Timing::Kept };
+            let request = Request { set_point: SetPoint { position, velocity }, command: step.command, timing };
+            if step.refer {
+                period.refer(place);
+            }
+            let mut told = Told::default();
+            let report = period.step(&request, &mut told);
+            place = report.measured.position;
+
+            // Size and slope of the output.
+            prop_assert!(report.command.magnitude() <= limits.most_command);
+            prop_assert!((lowest..=highest).contains(&world.borrow().written));
+            let changed = (report.command - last).magnitude();
+            match report.mode {
+                Mode::Following | Mode::Holding => prop_assert!(changed <= limits.slew),
+                Mode::RampingDown => prop_assert!(changed <= limits.ramp),
+                Mode::Starting | Mode::Neutral => prop_assert_eq!(report.command, limits.neutral),
+            }
+
+            // A fault is answered in its period.
+            if let Some(worst) = told.faults.iter().map(Fault::response).max() {
+                match worst {
+                    Response::Hold => prop_assert_ne!(report.mode, Mode::Following),
+                    Response::RampDown => prop_assert!(matches!(report.mode, Mode::RampingDown | Mode::Neutral)),
+                    Response::Neutral => prop_assert_eq!(report.mode, Mode::Neutral),
+                }
+            }
+            let own = step.overrun || step.silent.contains(&true);
+            prop_assert_eq!(report.watchdog == Watchdog::Withhold, own);
+
+            // A ramp arrives in its time, and nothing but a command leads back.
+            ramping = if report.mode == Mode::RampingDown { ramping + 1 } else { 0 };
+            prop_assert!(ramping <= limits.periods_to_neutral());
+            let back = match (mode, report.mode) {
+                (Mode::Starting, Mode::Following) => step.command == Some(Command::Follow),
+                (Mode::Holding, Mode::Following) | (Mode::Neutral, Mode::Starting) => step.command == Some(Command::Acknowledge),
+                (Mode::RampingDown, now) => matches!(now, Mode::RampingDown | Mode::Neutral),
+                (Mode::Neutral, now) => now == Mode::Neutral,
+                (before, Mode::Starting) => before == Mode::Starting,
+                _ => true,
+            };
+            prop_assert!(back, "{mode:?} → {:?} by {:?}", report.mode, step.command);
+            (mode, last) = (report.mode, report.command);
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! The parts and the machine that they are wired to.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use firmware::ads8688::{Ads8688, Range};
+use firmware::calibration::{Band, Calibration, Point, Sensor};
+use firmware::control::Control;
+use firmware::dac::{Ad5754, Channel, Reference};
+use firmware::edge::{AnalogIn, AnalogOut};
+use firmware::limits::{Allowed, Delay, Limits};
+use firmware::ls7366r::{FilterClock, Ls7366r, Origin};
+use firmware::measured::Signal;
+use firmware::output::Actuator;
+use firmware::period::{Devices, Period, Place, Rig};
+use firmware::travel::{Encoder, Rising, Travel};
+use model_core::drive::Drive;
+use model_core::fixed_point::PerUnit;
+use model_core::machine::{Machine, Source, Tick};
+use model_core::parameter::Parameter;
+
+use crate::parts::{Adc, Counter, Dac, Line, Wire};
+
+/// Counts of the encoder a metre: 3600 impulses, counted fourfold, on a pinion of 0.2 m circumference.
+pub(crate) const COUNTS_PER_M: f64 = 72_000.0;
+pub(crate) const STROKE_M: f64 = 0.3;
+/// Valve: travel per volt and at none, overlap; rod: m/s per opening.
+pub(crate) const GAIN_PER_V: f64 = 0.0559;
+pub(crate) const OFFSET: f64 = 0.0345;
+pub(crate) const OVERLAP: f64 = 0.1049;
+pub(crate) const SPEED_M_PER_S: f64 = 0.2;
+
+/// What the machine's sensors see.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seen {
+    pub(crate) slider: f64,
+    pub(crate) position_m: f64,
+    pub(crate) pressure_a_pa: f64,
+    pub(crate) pressure_b_pa: f64,
+}
+
+/// A machine: one millisecond with these volts at the valve, or with none.
+pub(crate) type Plant = Box<dyn FnMut(Option<f64>) -> Seen>;
+
+/// A valve with overlap and no lag, and a rod as fast as it is open.
+pub(crate) fn simple_plant() -> Plant {
+    let mut position_m: f64 = 0.0;
+    Box::new(move |volts| {
+        // A valve whose wire carries nothing is held by its spring.
+        let slider = volts.map_or(0.0, |volts| GAIN_PER_V * volts + OFFSET);
+        let opening = slider.signum() * (slider.abs() - OVERLAP).max(0.0);
+        position_m = (position_m + opening * SPEED_M_PER_S * 1e-3).clamp(0.0, STROKE_M);
+        Seen { slider, position_m, pressure_a_pa: 5.0e6, pressure_b_pa: 6.25e6 }
+    })
+}
+
+/// The parts, and the machine that they are wired to.
+pub(crate) struct World {
+    pub(crate) plant: Plant,
+    pub(crate) adc: Rc<RefCell<Adc>>,
+    pub(crate) counter: Rc<RefCell<Counter>>,
+    pub(crate) dac: Rc<RefCell<Dac>>,
+    pub(crate) lines: [Rc<RefCell<Line>>; 3],
+    pub(crate) bytes: Rc<RefCell<usize>>,
+    pub(crate) position_m: f64,
+    pub(crate) edges: i64,
+    pub(crate) ticks: u32,
+    /// Whether the wire of pressure A is whole.
+    pub(crate) wired: bool,
+    /// Whether 100 kΩ to ground are at its input.
+    pub(crate) pulled: bool,
+}
+
+pub(crate) type Wired<C> = Period<Ads8688<Wire<Adc>>, Ls7366r<Wire<Counter>>, Ad5754<Wire<Dac>>, C>;
+
+impl World {
+    pub(crate) fn new(plant: Plant) -> Self {
+        let line = || Rc::new(RefCell::new(Line::Whole));
+        let mut world = Self {
+            plant,
+            adc: Rc::new(RefCell::new(Adc::new())),
+            counter: Rc::new(RefCell::new(Counter::new())),
+            dac: Rc::new(RefCell::new(Dac::new())),
+            lines: [line(), line(), line()],
+            bytes: Rc::default(),
+            position_m: 0.0,
+            edges: 0,
+            ticks: 0,
+            wired: true,
+            pulled: true,
+        };
+        world.tick();
+        world
+    }
+
+    pub(crate) fn wire<P>(&self, part: &Rc<RefCell<P>>, line: usize) -> Wire<P> {
+        Wire { part: part.clone(), line: self.lines[line].clone(), bytes: self.bytes.clone() }
+    }
+
+    /// One millisecond of the machine.
+    pub(crate) fn tick(&mut self) {
+        self.ticks += 1;
+        let volts = self.dac.borrow().volts(1);
+        let seen = (self.plant)(volts);
+        self.position_m = seen.position_m;
+        #[expect(clippy::cast_possible_truncation, reason = "some 20 000 over the stroke")]
+        let edges = (self.position_m * COUNTS_PER_M).round() as i64;
+        self.counter.borrow_mut().turn(i32::try_from(edges - self.edges).unwrap());
+        self.edges = edges;
+        // Sensors never give just the same twice.
+        let noise_v = f64::from(self.ticks % 2) * 6e-4;
+        let pressure_v = |pressure_pa: f64| Some(0.5 + pressure_pa * 4e-7 + noise_v);
+        let open_v = if self.pulled { Some(0.2) } else { None };
+        let pressure_a_v = if self.wired { pressure_v(seen.pressure_a_pa) } else { open_v };
+        let slider_v = Some(seen.slider * 10.0 + noise_v);
+        self.adc.borrow_mut().inputs_v =
+            [volts, slider_v, pressure_a_v, pressure_v(seen.pressure_b_pa), None, None, None, None];
+    }
+
+    pub(crate) fn begin<C: Control>(&self, control: C) -> (Wired<C>, Origin) {
+        let machine = machine();
+        let drive = Drive::<PerUnit>::new::<64>(&machine, Tick::OneMillisecond).unwrap();
+        let bases = drive.bases();
+        let ranges = [
+            Some(Range::Bipolar10V),
+            Some(Range::Bipolar10V),
+            Some(Range::Unipolar5V),
+            Some(Range::Unipolar5V),
+            None,
+            None,
+            None,
+            None,
+        ];
+        let limits = Limits::new(&allowed(), &machine, bases).unwrap();
+        let calibration = Calibration::new(
+            &sensors(),
+            <Ads8688<Wire<Adc>> as AnalogIn>::SPAN_UV,
+            &Actuator { zero_v: 0.0, full_v: 10.0, lowest_v: -9.6, highest_v: 9.6 },
+            <Ad5754<Wire<Dac>> as AnalogOut>::SPAN_UV,
+            bases,
+        )
+        .unwrap();
+        let encoder =
+            Encoder { counts_per_m: COUNTS_PER_M, rising: Rising::Extends, reference_m: 0.0, fastest_m_per_s: 0.5 };
+        let travel = Travel::straight(&encoder, bases).unwrap();
+        let delay = &mut embedded_hal_mock::eh1::delay::NoopDelay::new();
+        let neutral = calibration.output.count(limits.neutral);
+        let output = Ad5754::begin(self.wire(&self.dac, 2), delay, Channel::B, Reference::External, neutral).unwrap();
+        let inputs = Ads8688::begin(self.wire(&self.adc, 0), ranges).unwrap();
+        let (position, origin) = Ls7366r::resume(self.wire(&self.counter, 1), FilterClock::Undivided).unwrap();
+        let rig = Rig { calibration, travel, limits };
+        let place = if origin == Origin::Kept { Place::Known } else { Place::Lost };
+        (Period::begin(Devices { inputs, position, output }, rig, control, place).unwrap(), origin)
+    }
+}
+
+pub(crate) fn machine() -> Machine<f64> {
+    let mut machine = Machine::with_defaults(Source::Valve);
+    machine.set(Parameter::AreaA, 3.117e-3);
+    machine.set(Parameter::AreaB, 1.861e-3);
+    machine.set(Parameter::VolumeA, 5.2e-4);
+    machine.set(Parameter::VolumeB, 3.3e-4);
+    machine.set(Parameter::Stroke, STROKE_M);
+    machine.set(Parameter::ValveGain, GAIN_PER_V);
+    machine.set(Parameter::ValveOffset, OFFSET);
+    machine.set(Parameter::DeadZone, OVERLAP);
+    machine
+}
+
+pub(crate) fn allowed() -> Allowed {
+    Allowed {
+        attempts: 3,
+        settling_s: 0.02,
+        from_m: 0.0,
+        to_m: STROKE_M,
+        velocity_m_per_s: 0.1,
+        jump_m: 0.3,
+        command_v: 9.5,
+        slew_v_per_s: 1000.0,
+        ramp_v_per_s: 100.0,
+        still_position: None,
+        still_slider: None,
+        still_pressure: None,
+        read_back: Some(Delay { by: 0.05, for_s: 0.005 }),
+    }
+}
+
+pub(crate) fn sensors() -> [(Signal, Sensor); 4] {
+    let volts = |volts, value| Point { volts, value };
+    let pressure = |channel| Sensor {
+        channel,
+        low: volts(0.5, 0.0),
+        high: volts(4.5, 1e7),
+        working: Band { from_v: 0.4, to_v: 4.6 },
+        open: Some(Band { from_v: 0.0, to_v: 0.3 }),
+    };
+    let ten_volts = |channel, value: f64| Sensor {
+        channel,
+        low: volts(-10.0, -value),
+        high: volts(10.0, value),
+        working: Band { from_v: -10.1, to_v: 10.1 },
+        open: None,
+    };
+    [
+        (Signal::Command, ten_volts(0, 10.0)),
+        (Signal::Slider, ten_volts(1, 1.0)),
+        (Signal::PressureA, pressure(2)),
+        (Signal::PressureB, pressure(3)),
+    ]
+}
