@@ -23,4 +23,11 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod frame;
+pub mod message;
+pub mod recorder;
 pub mod reference;
+pub mod set_point;
+
+#[cfg(test)]
+extern crate std;
