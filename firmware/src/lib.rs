@@ -25,6 +25,7 @@
 
 pub mod frame;
 pub mod message;
+pub mod monitor;
 pub mod recorder;
 pub mod reference;
 pub mod set_point;
