@@ -29,22 +29,30 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+#[cfg(test)]
+extern crate std;
+
 pub mod ads8688;
 pub mod calibration;
 pub mod control;
 pub mod dac;
 pub mod edge;
 pub mod fault;
+pub mod following;
+pub mod frame;
 pub mod limits;
 mod line;
 pub mod log;
 pub mod ls7366r;
 pub mod measured;
+pub mod message;
 #[cfg(test)]
 mod mock;
 pub mod mode;
+pub mod monitor;
 pub mod output;
 pub mod period;
+pub mod recorder;
 pub mod reference;
 mod sense;
 pub mod set_point;
