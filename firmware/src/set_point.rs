@@ -125,6 +125,35 @@ pub enum SetPointError {
     Bounds(Bounds),
 }
 
+/// Bounds per unit, for set points that come from elsewhere, period by period.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Envelope {
+    from: PerUnit,
+    to: PerUnit,
+    velocity: PerUnit,
+}
+
+impl Envelope {
+    /// The envelope of `bounds`.
+    ///
+    /// # Errors
+    /// The bounds bound nothing.
+    pub fn new(bounds: &Bounds, bases: &Bases) -> Result<Self, SetPointError> {
+        bounds.check(bases)?;
+        Ok(Self {
+            from: PerUnit::saturated(bounds.from_m / bases.stroke_m),
+            to: PerUnit::saturated(bounds.to_m / bases.stroke_m),
+            velocity: PerUnit::saturated(bounds.velocity_m_per_s / bases.velocity_m_per_s),
+        })
+    }
+
+    /// Whether a rod may be asked for this.
+    #[must_use]
+    pub fn admits(&self, set_point: SetPoint) -> bool {
+        (self.from..=self.to).contains(&set_point.position) && set_point.velocity.magnitude() <= self.velocity
+    }
+}
+
 /// Longest leg, s.
 const LONGEST_S: f64 = 3600.0;
 /// Largest velocity of a smooth leg over its mean.
@@ -406,6 +435,19 @@ mod tests {
         );
         let last = (0..5000).map(|_| course.step(&mut state)).last().unwrap();
         assert!((last.position.to_f64() * 0.3 - 0.2).abs() < 1e-8 && last.velocity == PerUnit::ZERO);
+    }
+
+    #[test]
+    fn a_set_point_from_elsewhere_is_admitted_within_the_bounds_only() {
+        let envelope = Envelope::new(&BOUNDS, &bases()).unwrap();
+        let admits = |position_m: f64, velocity_m_per_s: f64| {
+            let position = PerUnit::saturated(position_m / 0.3);
+            envelope.admits(SetPoint { position, velocity: PerUnit::saturated(velocity_m_per_s / 0.2) })
+        };
+        assert!(admits(0.15, -0.049) && admits(0.0101, 0.0));
+        assert!(!admits(0.0099, 0.0) && !admits(0.291, 0.0) && !admits(0.15, -0.051) && !admits(-1e9, 0.0));
+        let extreme = SetPoint { position: PerUnit::saturated(0.5), velocity: PerUnit::from_bits(i32::MIN) };
+        assert!(!envelope.admits(extreme));
     }
 
     #[test]
