@@ -215,7 +215,6 @@ impl<SPI: SpiDevice> AnalogIn for Ads8688<SPI> {
 
 #[cfg(test)]
 mod tests {
-    extern crate std;
     use std::vec::Vec;
 
     use embedded_hal::spi::ErrorKind;

@@ -6,7 +6,9 @@ use crate::measured::Measured;
 use crate::reference::Predicted;
 use crate::set_point::SetPoint;
 
-/// The reference model with the loops around it.
+/// The reference model with the loops around it, such as [`Following`](crate::following::Following).
+///
+/// The period limits size and slope of the command once more, as a backstop: a control whose own limits are wider winds up.
 pub trait Control {
     /// Model and loops start anew at rest where the machine is: without a difference between set point, model and machine the next
     /// command is the neutral one, so nothing bumps.

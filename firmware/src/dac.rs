@@ -220,7 +220,6 @@ impl<SPI: SpiDevice> AnalogOut for Ad5754<SPI> {
 
 #[cfg(test)]
 mod tests {
-    extern crate std;
     use std::vec::Vec;
 
     use embedded_hal::spi::ErrorKind;

@@ -197,7 +197,6 @@ impl Standing {
 
 #[cfg(test)]
 mod tests {
-    extern crate std;
     use std::collections::BTreeSet;
     use std::vec::Vec;
 

@@ -29,6 +29,9 @@
 #![no_std]
 #![deny(unsafe_code)]
 
+#[cfg(test)]
+extern crate std;
+
 pub mod ads8688;
 #[cfg(all(target_arch = "arm", target_os = "none"))]
 pub mod board;
@@ -37,17 +40,22 @@ pub mod control;
 pub mod dac;
 pub mod edge;
 pub mod fault;
+pub mod following;
+pub mod frame;
 pub mod limits;
 mod line;
 pub mod log;
 pub mod ls7366r;
 pub mod measured;
+pub mod message;
 #[cfg(test)]
 mod mock;
 pub mod mode;
+pub mod monitor;
 pub mod output;
 pub mod period;
 pub mod press;
+pub mod recorder;
 pub mod reference;
 pub mod remote;
 mod sense;

@@ -178,7 +178,6 @@ impl<SPI: SpiDevice> PositionIn for Ls7366r<SPI> {
 
 #[cfg(test)]
 mod tests {
-    extern crate std;
     use std::vec::Vec;
 
     use embedded_hal::spi::ErrorKind;

@@ -1,6 +1,5 @@
 //! For tests: whole frames of embedded-hal-mock, a bus that fails at one of them, which those mocks cannot, and a machine.
 
-extern crate std;
 use std::vec;
 use std::vec::Vec;
 

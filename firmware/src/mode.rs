@@ -110,7 +110,6 @@ impl Mode {
 
 #[cfg(test)]
 mod tests {
-    extern crate std;
     use std::collections::BTreeSet;
     use std::format;
     use std::string::{String, ToString};

@@ -7,26 +7,43 @@ use model_core::machine::{Bases, Machine, MachineError, Tick};
 use model_core::number::Number;
 use model_core::parameter::Parameter;
 
-/// What the model says the machine does now, per unit (see [`Reference::bases`]).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Predicted {
-    /// Slider position; 1 is full travel, positive extends.
-    pub slider: PerUnit,
-    /// Pressure in A, of supply.
-    pub pressure_a: PerUnit,
-    /// Pressure in B, of supply.
-    pub pressure_b: PerUnit,
-    /// Velocity, of the velocity base; positive extends.
-    pub velocity: PerUnit,
-    /// Position, of the stroke.
-    pub position: PerUnit,
-}
+pub use model_core::follow::Predicted;
 
 /// The reference model with a delay line of `DELAY` ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reference<const DELAY: usize> {
     drive: Drive<PerUnit>,
     state: DriveState<PerUnit, DELAY>,
+    rest: Rest,
+}
+
+/// What pressures a rod rests under.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Rest {
+    /// α = Ab/Aa
+    ratio: PerUnit,
+    /// 1/(1 + α)
+    share: PerUnit,
+    /// Force of the oil that holds the model's own load, per unit.
+    holding: PerUnit,
+}
+
+impl Rest {
+    fn of(machine: &Machine<f64>, bases: &Bases) -> Self {
+        let ratio = machine.get(Parameter::AreaB) / machine.get(Parameter::AreaA);
+        Self {
+            ratio: PerUnit::saturated(ratio),
+            share: PerUnit::saturated(1.0 / (1.0 + ratio)),
+            holding: -PerUnit::saturated(machine.get(Parameter::LoadForce) / bases.force_n),
+        }
+    }
+
+    /// Of all pressures with the same sum, those that hold the load.
+    fn balanced(&self, pressures: ChamberState<PerUnit>) -> ChamberState<PerUnit> {
+        let excess = pressures.a - self.ratio.times(pressures.b) - self.holding;
+        let moved = excess.times(self.share);
+        ChamberState { a: pressures.a - moved, b: pressures.b + moved }
+    }
 }
 
 impl<const DELAY: usize> Reference<DELAY> {
@@ -36,12 +53,21 @@ impl<const DELAY: usize> Reference<DELAY> {
     /// A parameter is out of range or does not fit the fixed-point formats; the error says which.
     pub fn at_rest(machine: &Machine<f64>, tick: Tick, position: f64) -> Result<Self, MachineError> {
         let drive = Drive::new::<DELAY>(machine, tick)?;
+        let rest = Rest::of(machine, drive.bases());
         let half = PerUnit::saturated(0.5);
-        let ratio = PerUnit::saturated(machine.get(Parameter::AreaB) / machine.get(Parameter::AreaA));
-        let load = PerUnit::saturated(machine.get(Parameter::LoadForce) / drive.bases().force_n);
-        let pressures = ChamberState { a: half.times(ratio) - load, b: half };
+        let pressures = ChamberState { a: half.times(rest.ratio) + rest.holding, b: half };
         let state = drive.at_rest(PerUnit::ZERO, pressures, PerUnit::travel(position));
-        Ok(Self { drive, state })
+        Ok(Self { drive, state, rest })
+    }
+
+    /// Starts anew at rest where the machine is: at this position (of the stroke), with `command` (in 10 V) having been held for
+    /// long, and at these pressures but for the load that the machine has and the model has not: with it, the model would not rest.
+    /// A controller that starts so does not bump.
+    pub fn start_at(&mut self, command: PerUnit, pressures: ChamberState<PerUnit>, position: PerUnit) {
+        let travel = PerUnit::travelled(PerUnit::travel(0.0), [PerUnit::ONE.as_gain()], [position]);
+        let oil_temperature = self.state.oil_temperature;
+        self.state = self.drive.at_rest(command, self.rest.balanced(pressures), travel);
+        self.state.oil_temperature = oil_temperature;
     }
 
     /// One control period with a command in 10 V, of any size.
@@ -133,6 +159,22 @@ mod tests {
         };
         assert_eq!(travelled(Some(40.0)), travelled(None));
         assert!(travelled(Some(70.0)) > travelled(None) && travelled(None) > travelled(Some(10.0)));
+    }
+
+    #[test]
+    fn a_start_where_the_machine_is_rests_there_whatever_its_load() {
+        let mut model = reference();
+        model.step(PerUnit::ONE);
+        let position = PerUnit::saturated(0.123_456_7);
+        let pressures = ChamberState { a: PerUnit::saturated(0.71), b: PerUnit::saturated(0.47) };
+        model.start_at(PerUnit::ZERO, pressures, position);
+        let first = model.predicted();
+        assert_eq!((first.position, first.velocity), (position, PerUnit::ZERO));
+        assert!(((first.pressure_a + first.pressure_b) - (pressures.a + pressures.b)).magnitude().to_f64() < 1e-7);
+        for _ in 0..1000 {
+            model.step(PerUnit::ZERO);
+        }
+        assert!((model.predicted().position - position).magnitude().to_f64() < 1e-8);
     }
 
     #[test]

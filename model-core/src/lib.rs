@@ -49,6 +49,7 @@ mod edge_effects;
 mod end_stop;
 pub mod fixed_point;
 pub mod flow;
+pub mod follow;
 mod friction;
 pub mod machine;
 pub mod mechanics;

@@ -1,5 +1,6 @@
 //! Does the whole edge work with parts that behave as their data sheets say, and does it find what can go wrong with them?
 
+mod following;
 mod parts;
 mod world;
 
@@ -83,7 +84,10 @@ impl Bench<Proportional> {
 
 impl<C: Control> Bench<C> {
     fn step(&mut self, command: Option<Command>) -> Report {
-        let set_point = SetPoint { position: PerUnit::saturated(self.wanted), velocity: PerUnit::ZERO };
+        self.step_to(SetPoint { position: PerUnit::saturated(self.wanted), velocity: PerUnit::ZERO }, command)
+    }
+
+    fn step_to(&mut self, set_point: SetPoint, command: Option<Command>) -> Report {
         let report = self.period.step(&Request { set_point, command, timing: Timing::Kept }, &mut self.told);
         self.world.tick();
         report

@@ -65,6 +65,8 @@ pub(crate) struct World {
     pub(crate) position_m: f64,
     pub(crate) edges: i64,
     pub(crate) ticks: u32,
+    /// Whether the rod turns the encoder.
+    pub(crate) coupled: bool,
     /// Whether the wire of pressure A is whole.
     pub(crate) wired: bool,
     /// Whether 100 kΩ to ground are at its input.
@@ -86,6 +88,7 @@ impl World {
             position_m: 0.0,
             edges: 0,
             ticks: 0,
+            coupled: true,
             wired: true,
             pulled: true,
         };
@@ -105,7 +108,9 @@ impl World {
         self.position_m = seen.position_m;
         #[expect(clippy::cast_possible_truncation, reason = "some 20 000 over the stroke")]
         let edges = (self.position_m * COUNTS_PER_M).round() as i64;
-        self.counter.borrow_mut().turn(i32::try_from(edges - self.edges).unwrap());
+        if self.coupled {
+            self.counter.borrow_mut().turn(i32::try_from(edges - self.edges).unwrap());
+        }
         self.edges = edges;
         // Sensors never give just the same twice.
         let noise_v = f64::from(self.ticks % 2) * 6e-4;
@@ -178,9 +183,9 @@ pub(crate) fn allowed() -> Allowed {
         command_v: 9.5,
         slew_v_per_s: 1000.0,
         ramp_v_per_s: 100.0,
-        still_position: None,
-        still_slider: None,
-        still_pressure: None,
+        still_position: Some(Delay { by: 0.002, for_s: 0.02 }),
+        still_slider: Some(Delay { by: 0.05, for_s: 0.1 }),
+        still_pressure: Some(Delay { by: 7e5, for_s: 0.1 }),
         read_back: Some(Delay { by: 0.05, for_s: 0.005 }),
     }
 }
