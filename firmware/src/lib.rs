@@ -44,6 +44,7 @@ pub mod following;
 pub mod frame;
 pub mod limits;
 mod line;
+pub mod lockstep;
 pub mod log;
 pub mod ls7366r;
 pub mod measured;

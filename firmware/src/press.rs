@@ -6,9 +6,10 @@
 use model_core::machine::{Bases, Machine};
 
 use crate::ads8688::{CHANNELS, Range};
-use crate::calibration::{Actuator, Band, Calibration, CalibrationError, Point, Sensor};
+use crate::calibration::{Band, Calibration, CalibrationError, Point, Sensor};
 use crate::limits::{Allowed, Delay, Limits, LimitsError};
 use crate::measured::Signal;
+use crate::output::Actuator;
 use crate::period::Rig;
 use crate::travel::{Encoder, Rising, Travel};
 

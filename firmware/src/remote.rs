@@ -43,6 +43,12 @@ impl embedded_hal::spi::Error for RemoteError {
     }
 }
 
+impl embedded_io::Error for RemoteError {
+    fn kind(&self) -> embedded_io::ErrorKind {
+        embedded_io::ErrorKind::Other
+    }
+}
+
 impl<L: Read + Write> Line<L> {
     /// A line to parts.
     pub fn new(line: L) -> Self {

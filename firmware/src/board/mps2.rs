@@ -7,6 +7,9 @@ use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
 use cortex_m_semihosting::hio::{self, HostStream};
 
+/// Clock of the processor, Hz.
+pub const CLOCK_HZ: u32 = 25_000_000;
+
 /// Instructions in a count of `SysTick`.
 pub const INSTRUCTIONS_PER_COUNT: u32 = 40;
 

@@ -1,0 +1,281 @@
+//! The whole firmware with its parts at the other end of a serial line, in lockstep with a simulated machine.
+//!
+//! The same drivers, period, monitor and recorder as on a board; only the SPI frames go over the line ([`Line`]). Before each period the
+//! firmware sends what became of the last one and is answered with what is wanted in this one, 16 bytes each way, little-endian:
+//!
+//! | bytes | to the host: report | to the firmware: request |
+//! |---|---|---|
+//! | 0…3 | command, word | position wanted, word |
+//! | 4…7 | measured position, word | velocity wanted, word |
+//! | 8…11 | model's position, word | order u8, overrun u8, 0, 0 |
+//! | 12…15 | mode u8, alarm u8, fed watchdog u8, 0 | 0 |
+//!
+//! A word is a per-unit signal's 32 bits. The recorder is streamed out when the host ends it.
+
+use embedded_hal::delay::DelayNs;
+use embedded_io::{ErrorType, Read, Write};
+use model_core::chambers::ChamberState;
+use model_core::drive::Drive;
+use model_core::fixed_point::PerUnit;
+use model_core::follow::{FollowError, Follower, Observed, Tuning};
+use model_core::machine::MachineError;
+
+use crate::ads8688::Ads8688;
+use crate::control::Control;
+use crate::dac::{Ad5754, Channel as Output, Reference as Supply};
+use crate::edge::{AnalogIn, AnalogOut, Cause, EdgeError};
+use crate::following::Following;
+use crate::frame::{FrameError, FrameWriter};
+use crate::log::Log;
+use crate::ls7366r::{FilterClock, Ls7366r, Origin};
+use crate::measured::Measured;
+use crate::mode::{Command, Mode};
+use crate::monitor::{Innovation, Monitor, MonitorError, Sensitivity, Spread};
+use crate::period::{BeginError, Devices, Period, Place, Report, Request, Timing, Watchdog};
+use crate::press::{self, PressError};
+use crate::recorder::{Channel, Progress, Range, Recorder, RecorderError, Stream};
+use crate::reference::Reference;
+use crate::remote::{Line, MOST_BYTES, Part, RemoteError};
+use crate::set_point::SetPoint;
+
+/// Numbers of the parts on the line.
+pub mod part {
+    /// Analogue inputs, ADS8688.
+    pub const INPUTS: u8 = 0;
+    /// Analogue output, AD5754.
+    pub const OUTPUT: u8 = 1;
+    /// Encoder's counter, LS7366R.
+    pub const COUNTER: u8 = 2;
+    /// Report and request.
+    pub const PERIOD: u8 = 16;
+    /// Bytes of the recorder.
+    pub const RECORD: u8 = 17;
+}
+
+/// What the host may order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Order {
+    /// Nothing.
+    None = 0,
+    /// Follow the set point.
+    Follow = 1,
+    /// Stop.
+    Stop = 2,
+    /// Acknowledge the faults.
+    Acknowledge = 3,
+    /// The rod is at the position that is sent.
+    Refer = 4,
+    /// Stream the recorder out, if it is full, and end.
+    End = 5,
+    /// Trigger the recorder.
+    Record = 6,
+}
+
+impl Order {
+    const ALL: [Order; 7] =
+        [Order::None, Order::Follow, Order::Stop, Order::Acknowledge, Order::Refer, Order::End, Order::Record];
+
+    fn of(byte: u8) -> Self {
+        Self::ALL.into_iter().find(|order| *order as u8 == byte).unwrap_or(Order::None)
+    }
+
+    fn command(self) -> Option<Command> {
+        match self {
+            Order::Follow => Some(Command::Follow),
+            Order::Stop => Some(Command::Stop),
+            Order::Acknowledge => Some(Command::Acknowledge),
+            Order::None | Order::Refer | Order::End | Order::Record => None,
+        }
+    }
+}
+
+/// Why it ended early.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum LockstepError {
+    /// The exported values are no drive.
+    #[error(transparent)]
+    Machine(#[from] MachineError),
+    /// They are none that can be controlled.
+    #[error(transparent)]
+    Follow(#[from] FollowError),
+    /// They do not fit the wiring.
+    #[error(transparent)]
+    Press(#[from] PressError),
+    /// They do not fit the monitor.
+    #[error(transparent)]
+    Monitor(#[from] MonitorError),
+    /// The recorder.
+    #[error(transparent)]
+    Recorder(#[from] RecorderError),
+    /// A part does not answer as it must.
+    #[error("a part at the start: {0:?}")]
+    Part(Cause),
+    /// The line failed.
+    #[error(transparent)]
+    Line(#[from] RemoteError),
+    /// The record did not go out.
+    #[error("the record was not streamed out")]
+    Record,
+}
+
+/// Rows of the recorder: eight seconds.
+const ROWS: usize = 8000;
+/// Rows from before the trigger: two seconds.
+const BEFORE: usize = 2000;
+
+/// What the monitor takes for chance: the noise of the sensors, and what the model of a press is known not to tell.
+const SENSITIVITY: Sensitivity = Sensitivity {
+    slider: Spread { sigma: 5e-3, correlation_s: 0.02 },
+    pressure: Spread { sigma: 1.5e5, correlation_s: 0.02 },
+    position: Spread { sigma: 2e-4, correlation_s: 0.2 },
+    memory_s: 0.5,
+    between_false_alarms_s: 1e5,
+};
+
+/// The recorder of this rig: one row a period.
+pub type Ring = Recorder<5, ROWS>;
+
+/// Runs until the host ends it. `memory` holds the recorder, which is too large for a stack.
+///
+/// # Errors
+/// The exported values do not make a rig, a part does not answer as it must at the start, or the line fails.
+pub fn run<L: Read + Write>(
+    line: L,
+    delay: &mut impl DelayNs,
+    log: &mut impl Log,
+    memory: &mut Option<Ring>,
+) -> Result<(), LockstepError> {
+    let machine = press::machine();
+    let tick = press::values::TICK;
+    let bases = *Drive::<PerUnit>::new::<{ press::values::DELAY_LINE }>(&machine, tick)?.bases();
+    let reference: Reference<{ press::values::DELAY_LINE }> = Reference::at_rest(&machine, tick, 0.5)?;
+    let tuning = Tuning { position_resolution_m: 1.0 / press::COUNTS_PER_M, ..Tuning::by_rule(&machine, true) };
+    let control = Following::new(Follower::new(&machine, &tuning, tick)?, reference);
+    let monitor = Monitor::new(&SENSITIVITY, &bases)?;
+    let mut watched = monitor.at_rest();
+    let channel = |name, unit, base| Channel { name, unit, base, range: Range::One };
+    let recorder = memory.insert(Recorder::new(
+        [
+            channel("command", "V", bases.command_v),
+            channel("spool", "1", 1.0),
+            channel("pressure_a", "Pa", bases.pressure_pa),
+            channel("pressure_b", "Pa", bases.pressure_pa),
+            channel("position", "m", bases.stroke_m),
+        ],
+        BEFORE,
+    )?);
+
+    let line = Line::new(line);
+    let rig = press::rig(&machine, &bases, Ads8688::<Part<'_, L>>::SPAN_UV, Ad5754::<Part<'_, L>>::SPAN_UV)?;
+    let neutral = rig.calibration.output.count(rig.limits.neutral);
+    let output = Ad5754::begin(line.part(part::OUTPUT), delay, Output::A, Supply::External, neutral);
+    let output = output.map_err(|error| LockstepError::Part(error.cause()))?;
+    let inputs = Ads8688::begin(line.part(part::INPUTS), press::RANGES);
+    let inputs = inputs.map_err(|error| LockstepError::Part(error.cause()))?;
+    let position = Ls7366r::resume(line.part(part::COUNTER), FilterClock::Undivided);
+    let (position, origin) = position.map_err(|error| LockstepError::Part(error.cause()))?;
+    let place = if origin == Origin::Kept { Place::Known } else { Place::Lost };
+    let begun = Period::begin(Devices { inputs, position, output }, rig, control, place);
+    let mut period = begun.map_err(|error| match error {
+        BeginError::Limits(error) => LockstepError::Press(error.into()),
+        BeginError::Position(error) => LockstepError::Part(error.cause()),
+        BeginError::Output(error) => LockstepError::Part(error.cause()),
+    })?;
+
+    let mut last = [0; WORDS];
+    loop {
+        line.exchange(part::PERIOD, &mut last)?;
+        let (order, request) = read(last);
+        match order {
+            Order::End => break,
+            Order::Refer => _ = period.refer(request.set_point.position),
+            Order::Record => recorder.trigger(),
+            Order::None | Order::Follow | Order::Stop | Order::Acknowledge => {}
+        }
+        let report = period.step(&request, log);
+        let Measured { position, slider, pressure_a, pressure_b, .. } = report.measured;
+        let seen =
+            Observed { position, slider, pressures: pressure_a.zip(pressure_b).map(|(a, b)| ChamberState { a, b }) };
+        let innovation = report.predicted.map(|predicted| Innovation::of(&predicted, &seen));
+        let alarm = innovation.and_then(|innovation| monitor.watch(&mut watched, &innovation));
+        if alarm.is_some() {
+            recorder.trigger();
+        }
+        recorder.record(&[Some(report.command), slider, pressure_a, pressure_b, Some(position)]);
+        last = written(&report, period.control().predicted().position, alarm.map_or(0, |miss| 1 + miss.signal as u8));
+    }
+    streamed(recorder, &line)
+}
+
+/// Length of a tick, ns.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "two milliseconds at most")]
+const TICK_NS: u32 = (press::values::TICK.seconds() * 1e9) as u32;
+
+/// Bytes of a report and of a request.
+const WORDS: usize = 16;
+
+/// What is wanted in the next period.
+fn read(bytes: [u8; WORDS]) -> (Order, Request) {
+    let [p0, p1, p2, p3, v0, v1, v2, v3, order, overrun, ..] = bytes;
+    let order = Order::of(order);
+    let word = |bytes| PerUnit::from_bits(i32::from_le_bytes(bytes));
+    let set_point = SetPoint { position: word([p0, p1, p2, p3]), velocity: word([v0, v1, v2, v3]) };
+    let timing = if overrun == 0 { Timing::Kept } else { Timing::Overrun };
+    (order, Request { set_point, command: order.command(), timing })
+}
+
+/// What became of a period.
+fn written(report: &Report, model: PerUnit, alarm: u8) -> [u8; WORDS] {
+    let mode = match report.mode {
+        Mode::Starting => 0,
+        Mode::Following => 1,
+        Mode::Holding => 2,
+        Mode::RampingDown => 3,
+        Mode::Neutral => 4,
+    };
+    let [c0, c1, c2, c3] = report.command.to_bits().to_le_bytes();
+    let [p0, p1, p2, p3] = report.measured.position.to_bits().to_le_bytes();
+    let [m0, m1, m2, m3] = model.to_bits().to_le_bytes();
+    let fed = u8::from(report.watchdog == Watchdog::Feed);
+    [c0, c1, c2, c3, p0, p1, p2, p3, m0, m1, m2, m3, mode, alarm, fed, 0]
+}
+
+/// Streams a full recorder out.
+fn streamed<L: Read + Write>(recorder: &Ring, line: &Line<L>) -> Result<(), LockstepError> {
+    let (mut stream, mut frames, mut out) = (Stream::new(), FrameWriter::default(), Record { line });
+    loop {
+        let progress = stream.write(recorder, press::values::NAME, TICK_NS, &mut frames, &mut out);
+        match progress {
+            Ok(Progress::More) => {}
+            Ok(Progress::Done) => return Ok(()),
+            Err(FrameError::Line(error)) => return Err(error.into()),
+            Err(FrameError::TooLong { .. }) => return Err(LockstepError::Record),
+        }
+    }
+}
+
+/// Where the recorder's bytes go.
+#[derive(Debug)]
+struct Record<'a, L> {
+    line: &'a Line<L>,
+}
+
+impl<L> ErrorType for Record<'_, L> {
+    type Error = RemoteError;
+}
+
+impl<L: Read + Write> Write for Record<'_, L> {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, Self::Error> {
+        let mut frame = [0; MOST_BYTES];
+        let count = bytes.len().min(MOST_BYTES);
+        let (Some(frame), Some(sent)) = (frame.get_mut(..count), bytes.get(..count)) else { return Ok(0) };
+        frame.copy_from_slice(sent);
+        self.line.exchange(part::RECORD, frame)?;
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> Result<(), Self::Error> {
+        Ok(())
+    }
+}

@@ -1,0 +1,162 @@
+//! Recordings that the firmware has streamed out, as recordings of ours.
+//!
+//! The frames are read by the source that wrote them (`firmware::frame`, `firmware::message`). What the line lost or damaged is left out
+//! and said; nothing that is damaged becomes a value.
+
+use std::collections::BTreeMap;
+use std::fmt::{self, Write as _};
+
+use firmware::frame::{FrameReader, Losses};
+use firmware::message::{Message, NONE};
+
+/// One recording as it was streamed out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Imported {
+    /// Name of the machine.
+    pub machine: String,
+    /// Length of a tick, s.
+    pub tick_s: f64,
+    /// Rows that were streamed out.
+    pub rows_sent: u32,
+    /// Row at which the recording was triggered.
+    pub trigger: u32,
+    /// Header of each channel, `name [unit]`, and the SI value of one step; `None` where the channel's frame was lost.
+    channels: Vec<Option<(String, f64)>>,
+    /// Tick of the first row.
+    first: u32,
+    /// Words of each row that arrived, by its place.
+    rows: BTreeMap<u32, Vec<i16>>,
+}
+
+/// Everything that a stream held.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stream {
+    /// Its recordings, in their order.
+    pub recordings: Vec<Imported>,
+    /// What was wrong on the line.
+    pub losses: Losses,
+}
+
+/// Why a recording cannot be used.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ImportError {
+    /// There is no header in the stream.
+    #[error("no recording in {bytes} bytes ({refused} damaged or foreign frames); expected what the firmware's recorder streams out")]
+    Nothing {
+        /// Length of the stream.
+        bytes: usize,
+        /// Frames that were none.
+        refused: u32,
+    },
+    /// Several recordings, or fewer than asked for.
+    #[error("{found} recordings in the stream; expected --which 1 to {found}")]
+    Several {
+        /// How many.
+        found: usize,
+    },
+    /// The frame that says what a channel is was lost.
+    #[error("the frame of channel {channel} was lost: what its words mean is not known; expected the stream to be read once more")]
+    Channel {
+        /// Its number.
+        channel: usize,
+    },
+}
+
+/// The recordings of a stream.
+pub fn stream(bytes: &[u8]) -> Result<Stream, ImportError> {
+    let mut reader = FrameReader::new();
+    let mut recordings: Vec<Imported> = Vec::new();
+    // A reader that comes late begins within a frame, which then ends here.
+    for &byte in bytes.iter().chain(&[0]) {
+        let Some(frame) = reader.take(byte) else { continue };
+        match Message::of(&frame) {
+            Ok(Message::Header(header)) => recordings.push(Imported {
+                machine: header.machine.to_owned(),
+                tick_s: f64::from(header.tick_ns) * 1e-9,
+                rows_sent: header.rows,
+                trigger: header.trigger.wrapping_sub(header.first),
+                channels: vec![None; usize::from(header.channels)],
+                first: header.first,
+                rows: BTreeMap::new(),
+            }),
+            Ok(Message::Channel(channel)) => {
+                let slot = recordings.last_mut().and_then(|last| last.channels.get_mut(usize::from(channel.number)));
+                if let Some(slot) = slot {
+                    *slot = Some((format!("{} [{}]", channel.name, channel.unit), channel.step));
+                }
+            }
+            Ok(Message::Rows(rows)) => {
+                if let Some(last) = recordings.last_mut() {
+                    last.take(rows.first, &rows.words().collect::<Vec<i16>>());
+                }
+            }
+            // The header says how many rows there are.
+            Ok(Message::End { .. }) | Err(_) => {}
+        }
+    }
+    let losses = reader.losses();
+    if recordings.is_empty() {
+        return Err(ImportError::Nothing { bytes: bytes.len(), refused: losses.refused });
+    }
+    Ok(Stream { recordings, losses })
+}
+
+impl Stream {
+    /// The only recording, or the one that is asked for, counted from 1.
+    pub fn chosen(self, which: Option<usize>) -> Result<Imported, ImportError> {
+        let found = self.recordings.len();
+        let index = match which {
+            Some(number) => number.wrapping_sub(1),
+            None if found == 1 => 0,
+            None => usize::MAX,
+        };
+        self.recordings.into_iter().nth(index).ok_or(ImportError::Several { found })
+    }
+}
+
+impl Imported {
+    fn take(&mut self, first: u32, words: &[i16]) {
+        let place = first.wrapping_sub(self.first);
+        for (place, row) in (place..self.rows_sent).zip(words.chunks_exact(self.channels.len().max(1))) {
+            self.rows.insert(place, row.to_vec());
+        }
+    }
+
+    /// Rows that were lost on the line.
+    #[must_use]
+    pub fn rows_lost(&self) -> usize {
+        (self.rows_sent as usize).saturating_sub(self.rows.len())
+    }
+
+    /// As a recording file: CSV in SI units, an empty cell where there was no value.
+    pub fn csv(&self) -> Result<String, ImportError> {
+        let mut known = Vec::new();
+        for (channel, of) in self.channels.iter().enumerate() {
+            known.push(of.as_ref().ok_or(ImportError::Channel { channel })?);
+        }
+        let mut text = String::new();
+        // Writing to a string cannot fail.
+        let _ = self.write_csv(&known, &mut text);
+        Ok(text)
+    }
+
+    fn write_csv(&self, channels: &[&(String, f64)], out: &mut String) -> fmt::Result {
+        write!(out, "time [s]")?;
+        for (header, _) in channels {
+            write!(out, ",{header}")?;
+        }
+        writeln!(out)?;
+        for (place, row) in &self.rows {
+            // To the nanosecond: 0.003 and not 0.0030000000000000001.
+            write!(out, "{}", (f64::from(*place) * self.tick_s * 1e9).round() / 1e9)?;
+            for (word, (_, step)) in row.iter().zip(channels) {
+                match *word {
+                    NONE => write!(out, ",")?,
+                    word => write!(out, ",{}", f64::from(word) * step)?,
+                }
+            }
+            writeln!(out)?;
+        }
+        Ok(())
+    }
+}
