@@ -321,8 +321,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         }
         let limits = &self.rig.limits;
         let (from, to) = (self.state.accepted.position, wanted.position);
-        let outside = to < limits.least_position || to > limits.most_position;
-        let fault = if outside || wanted.velocity.magnitude() > limits.most_velocity {
+        let fault = if !limits.envelope.admits(wanted) {
             Fault::SetPointOutside { position: to, velocity: wanted.velocity }
         } else if apart(from, to, limits.most_jump) {
             Fault::SetPointJump { from, to }
