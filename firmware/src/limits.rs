@@ -8,6 +8,7 @@ use model_core::number::Number;
 use model_core::parameter::Parameter;
 
 use crate::measured::Signal;
+use crate::set_point::{Bounds, Envelope, SetPointError};
 use crate::still::Patience;
 
 /// How long something may stay as it is.
@@ -26,12 +27,8 @@ pub struct Allowed {
     pub attempts: u8,
     /// Time without a fault before the rod follows, s.
     pub settling_s: f64,
-    /// Least set point, m.
-    pub from_m: f64,
-    /// Greatest set point, m.
-    pub to_m: f64,
-    /// Greatest velocity of a set point, both signs, m/s.
-    pub velocity_m_per_s: f64,
+    /// What the rod may be asked for.
+    pub bounds: Bounds,
     /// Greatest jump of a set point in a period, m.
     pub jump_m: f64,
     /// Greatest command, both signs, V.
@@ -57,12 +54,8 @@ pub struct Limits {
     pub attempts: u8,
     /// Periods without a fault before the rod follows.
     pub settling: u16,
-    /// Least set point, of the stroke.
-    pub least_position: PerUnit,
-    /// Greatest set point.
-    pub most_position: PerUnit,
-    /// Greatest velocity of a set point, both signs, of its base.
-    pub most_velocity: PerUnit,
+    /// What the rod may be asked for.
+    pub envelope: Envelope,
     /// Greatest jump of a set point in a period, of the stroke.
     pub most_jump: PerUnit,
     /// The command, in 10 V, at which the valve passes nothing: the middle of its dead zone, −offset/gain where that is symmetric.
@@ -85,14 +78,9 @@ pub struct Limits {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LimitsError {
-    /// The least set point is not below the greatest.
-    #[error("set point from {least:?} to {most:?}; expected the first below the second")]
-    Positions {
-        /// Least.
-        least: PerUnit,
-        /// Greatest.
-        most: PerUnit,
-    },
+    /// The bounds of set points are none.
+    #[error(transparent)]
+    SetPoint(#[from] SetPointError),
     /// A limit does not fit its format.
     #[error("{name} = {value:e} in its SI unit: does not fit; expected up to 8 of its base, or 65535 periods")]
     DoesNotFit {
@@ -147,7 +135,7 @@ impl Limits {
     /// # Errors
     /// A limit does not fit, or is none.
     pub fn new(allowed: &Allowed, machine: &Machine<f64>, bases: &Bases) -> Result<Self, LimitsError> {
-        let Bases { stroke_m, command_v, pressure_pa, velocity_m_per_s, tick_s, .. } = *bases;
+        let Bases { stroke_m, command_v, pressure_pa, tick_s, .. } = *bases;
         let middle = 0.5 * machine.get(Parameter::DeadZoneDifference);
         let neutral_v = (middle - machine.get(Parameter::ValveOffset)) / machine.get(Parameter::ValveGain);
         let still_pressure = patience("still_pressure", allowed.still_pressure, pressure_pa, tick_s)?;
@@ -155,9 +143,7 @@ impl Limits {
         let limits = Self {
             attempts: allowed.attempts,
             settling: periods("settling_s", allowed.settling_s, tick_s)?,
-            least_position: signal("from_m", allowed.from_m, stroke_m)?,
-            most_position: signal("to_m", allowed.to_m, stroke_m)?,
-            most_velocity: signal("velocity_m_per_s", allowed.velocity_m_per_s, velocity_m_per_s)?,
+            envelope: Envelope::new(&allowed.bounds, bases)?,
             most_jump: signal("jump_m", allowed.jump_m, stroke_m)?,
             neutral: signal("neutral_v", neutral_v, command_v)?,
             most_command: signal("command_v", allowed.command_v, command_v)?,
@@ -176,12 +162,7 @@ impl Limits {
     /// # Errors
     /// The first limit that is none.
     pub fn check(&self) -> Result<(), LimitsError> {
-        let (least, most) = (self.least_position, self.most_position);
-        if least >= most {
-            return Err(LimitsError::Positions { least, most });
-        }
         let positive = [
-            ("most_velocity", self.most_velocity),
             ("most_jump", self.most_jump),
             ("most_command", self.most_command),
             ("slew", self.slew),
@@ -214,9 +195,7 @@ mod tests {
         Allowed {
             attempts: 3,
             settling_s: 0.1,
-            from_m: 0.015,
-            to_m: 0.285,
-            velocity_m_per_s: 0.1,
+            bounds: Bounds { from_m: 0.015, to_m: 0.285, velocity_m_per_s: 0.1, acceleration_m_per_s2: 1.0 },
             jump_m: 0.03,
             command_v: 9.5,
             slew_v_per_s: 400.0,
@@ -244,7 +223,7 @@ mod tests {
         let limits = limits(&allowed(), Tick::TwoMilliseconds).unwrap();
         assert_eq!((limits.settling, limits.read_back.unwrap().periods), (50, 2));
         let near = |found: PerUnit, expected: f64| (found.to_f64() - expected).abs() < 4e-9;
-        assert!(near(limits.most_position, 0.95) && near(limits.slew, 0.08) && near(limits.ramp, 0.004));
+        assert!(near(limits.most_jump, 0.1) && near(limits.slew, 0.08) && near(limits.ramp, 0.004));
         assert!(near(limits.neutral, -0.0345 / 0.559));
         assert!(near(limits.still[2].unwrap().travel, 0.1));
         // From +9.5 V to -0.617 V by 40 mV a period.
@@ -269,8 +248,8 @@ mod tests {
         assert_eq!(refused(long), LimitsError::DoesNotFit { name: "settling_s", value: 66.0 });
         let steep = Allowed { slew_v_per_s: -1.0, ..allowed() };
         assert!(matches!(refused(steep), LimitsError::NotPositive { name: "slew", .. }));
-        let reversed = Allowed { from_m: 0.3, ..allowed() };
-        assert!(matches!(refused(reversed), LimitsError::Positions { .. }));
+        let reversed = Allowed { bounds: Bounds { from_m: 0.29, ..allowed().bounds }, ..allowed() };
+        assert!(matches!(refused(reversed), LimitsError::SetPoint(SetPointError::Bounds(_))));
         let narrow = Allowed { command_v: 0.5, ..allowed() };
         assert!(matches!(refused(narrow), LimitsError::Neutral { .. }));
     }

@@ -222,7 +222,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         let measured = self.sense(predicted, &mut found);
 
         self.heed_faults(&mut found, &measured);
-        let answer = request.command.map(|command| self.obey(command, &measured, &mut found));
+        let answer = self.obey(request, &measured, &mut found);
         self.accept(request.set_point, &measured, &mut found);
 
         let command = self.command(&measured);
@@ -301,9 +301,12 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         }
     }
 
-    fn obey<L: Log>(&mut self, command: Command, measured: &Measured, found: &mut Findings<'_, L>) -> Answer {
+    /// Hands a command to the state machine, unless it has to be refused.
+    fn obey<L: Log>(&mut self, request: &Request, measured: &Measured, found: &mut Findings<'_, L>) -> Option<Answer> {
+        let command = request.command?;
+        let absurd = self.state.mode == Mode::Holding && self.absurd(request.set_point).is_some();
         let answer = match command {
-            Command::Acknowledge | Command::Follow if found.worst.is_some() => Answer::Faulty,
+            Command::Acknowledge | Command::Follow if found.worst.is_some() || absurd => Answer::Faulty,
             Command::Follow if self.state.healthy < self.rig.limits.settling => Answer::Unsettled,
             Command::Follow if self.state.place == Place::Lost => Answer::Lost,
             Command::Stop | Command::Acknowledge | Command::Follow => Answer::Taken,
@@ -311,27 +314,34 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         if answer == Answer::Taken {
             self.change(Event::Commanded(command), measured, found);
         }
-        answer
+        Some(answer)
     }
 
-    /// Checks the set point while it is followed, and takes it if it is none too far.
+    /// What is absurd about a set point, if anything is.
+    fn absurd(&self, wanted: SetPoint) -> Option<Fault> {
+        let limits = &self.rig.limits;
+        let (from, to) = (self.state.accepted.position, wanted.position);
+        if !limits.envelope.admits(wanted) {
+            Some(Fault::SetPointOutside { position: to, velocity: wanted.velocity })
+        } else if apart(from, to, limits.most_jump) {
+            Some(Fault::SetPointJump { from, to })
+        } else {
+            None
+        }
+    }
+
+    /// Takes the set point while it is followed, unless it is absurd.
     fn accept<L: Log>(&mut self, wanted: SetPoint, measured: &Measured, found: &mut Findings<'_, L>) {
         if self.state.mode != Mode::Following {
             return;
         }
-        let limits = &self.rig.limits;
-        let (from, to) = (self.state.accepted.position, wanted.position);
-        let outside = to < limits.least_position || to > limits.most_position;
-        let fault = if outside || wanted.velocity.magnitude() > limits.most_velocity {
-            Fault::SetPointOutside { position: to, velocity: wanted.velocity }
-        } else if apart(from, to, limits.most_jump) {
-            Fault::SetPointJump { from, to }
-        } else {
-            self.state.accepted = wanted;
-            return;
-        };
-        found.note(&fault);
-        self.heed_faults(found, measured);
+        match self.absurd(wanted) {
+            None => self.state.accepted = wanted,
+            Some(fault) => {
+                found.note(&fault);
+                self.heed_faults(found, measured);
+            }
+        }
     }
 
     /// The command of this period.

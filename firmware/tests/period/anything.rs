@@ -13,7 +13,7 @@ use model_core::fixed_point::PerUnit;
 use model_core::number::Number;
 use proptest::prelude::*;
 
-use crate::bench::{Told, Wanting, World, devices, limits, percent, rig};
+use crate::bench::{STROKE, Told, Wanting, World, devices, limits, percent, rig};
 
 /// Anything at all, in one period.
 #[derive(Clone, Debug)]
@@ -68,12 +68,12 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
     fn whatever_comes_the_output_keeps_its_limits_and_faults_their_states(steps in prop::collection::vec(anything(), 1..250)) {
-        let limits = Limits { settling: 1, read_back: None, least_position: percent(-50), ..limits() };
-        let world = Rc::new(RefCell::new(World::new()));
+        let limits = Limits { settling: 1, read_back: None, ..limits() };
+        let world = Rc::new(RefCell::new(World { count: STROKE / 2, ..World::new() }));
         let mut period = Period::begin(devices(&world), rig(limits), Wanting(world.clone()), Place::Known).unwrap();
         let [lowest, highest] = rig(limits).calibration.output.limits();
         let (mut mode, mut last, mut ramping) = (Mode::Starting, limits.neutral, 0);
-        let mut place = PerUnit::ZERO;
+        let mut place = percent(50);
         for step in steps {
             {
                 let mut world = world.borrow_mut();
@@ -95,7 +95,7 @@ proptest! {
             let timing = if step.overrun { Timing::Overrun } else { Timing::Kept };
             let request = Request { set_point: SetPoint { position, velocity }, command: step.command, timing };
             if step.refer {
-                period.refer(place);
+                period.refer(percent(50));
             }
             let mut told = Told::default();
             let report = period.step(&request, &mut told);

@@ -14,7 +14,7 @@ use firmware::mode::{Command, Mode};
 use firmware::output::Actuator;
 use firmware::period::{Devices, Period, PeriodState, Place, Report, Request, Rig, Timing};
 use firmware::reference::{Predicted, Reference};
-use firmware::set_point::SetPoint;
+use firmware::set_point::{Bounds, Envelope, SetPoint};
 use firmware::still::Patience;
 use firmware::travel::{Encoder, Rising, Travel};
 use model_core::fixed_point::PerUnit;
@@ -110,12 +110,17 @@ pub(crate) fn neutral() -> PerUnit {
 
 pub(crate) fn limits() -> Limits {
     let patience = |travel, periods| Some(Patience { travel: percent(travel), periods });
+    let bases = bases();
+    let bounds = Bounds {
+        from_m: 0.0,
+        to_m: bases.stroke_m,
+        velocity_m_per_s: 1.5 * bases.velocity_m_per_s,
+        acceleration_m_per_s2: 1.0,
+    };
     Limits {
         attempts: 3,
         settling: 5,
-        least_position: percent(0),
-        most_position: percent(100),
-        most_velocity: percent(150),
+        envelope: Envelope::new(&bounds, &bases).unwrap(),
         most_jump: percent(10),
         neutral: neutral(),
         most_command: percent(95),

@@ -103,6 +103,18 @@ fn commands_are_refused_while_a_fault_is_there_or_the_sensors_have_not_settled()
 }
 
 #[test]
+fn an_absurd_set_point_is_not_acknowledged_while_it_is_there() {
+    let mut bench = Bench::following();
+    bench.request.set_point.position = percent(101);
+    bench.run(5);
+    let refused = bench.command(Some(Command::Acknowledge));
+    assert_eq!((refused.mode, refused.answer), (Mode::Holding, Some(Answer::Faulty)));
+    bench.request.set_point.position = percent(35);
+    assert_eq!(bench.command(Some(Command::Acknowledge)).mode, Mode::Following);
+    assert_eq!(bench.told.faults.len(), 1);
+}
+
+#[test]
 fn after_a_fault_the_sensors_settle_anew() {
     let mut bench = Bench::following();
     bench.world.borrow_mut().count += 400;

@@ -5,7 +5,7 @@ use firmware::following::Following;
 use firmware::mode::{Command, Mode};
 use firmware::period::{Report, Watchdog};
 use firmware::reference::Reference;
-use firmware::set_point::{Bounds, Course, CourseState, Leg, SetPoint};
+use firmware::set_point::{Course, CourseState, Leg, SetPoint};
 use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState, Entry, Load};
 use model_core::fixed_point::PerUnit;
@@ -14,7 +14,7 @@ use model_core::machine::{Machine, Tick};
 use model_core::number::Number;
 use model_core::parameter::Parameter;
 
-use crate::world::{Plant, STROKE_M, Seen, World, machine};
+use crate::world::{BOUNDS, Plant, STROKE_M, Seen, World, machine};
 use crate::{Bench, Told};
 
 /// A move to 60 % of the stroke.
@@ -69,9 +69,8 @@ fn bench(real: &Machine<f64>) -> Bench<Following<64>> {
 
 /// Largest distance between rod and set point, m, and the last report.
 fn drive_along(bench: &mut Bench<Following<64>>, leg: Leg) -> (f64, Report) {
-    let bounds = Bounds { from_m: 0.0, to_m: STROKE_M, velocity_m_per_s: 0.1, acceleration_m_per_s2: 1.0 };
     let bases = *bench.period.control().reference().bases();
-    let course = Course::<1>::new(&bases, &bounds, START * STROKE_M, &[leg]).unwrap();
+    let course = Course::<1>::new(&bases, &BOUNDS, START * STROKE_M, &[leg]).unwrap();
     let mut state = CourseState::default();
     let (mut farthest, mut report) = (0.0_f64, bench.step(None));
     while !course.is_done(&state) {

@@ -13,6 +13,7 @@ use firmware::ls7366r::{FilterClock, Ls7366r, Origin};
 use firmware::measured::Signal;
 use firmware::output::Actuator;
 use firmware::period::{Devices, Period, Place, Rig};
+use firmware::set_point::Bounds;
 use firmware::travel::{Encoder, Rising, Travel};
 use model_core::drive::Drive;
 use model_core::fixed_point::PerUnit;
@@ -172,13 +173,15 @@ pub(crate) fn machine() -> Machine<f64> {
     machine
 }
 
+/// What the rod may be asked for.
+pub(crate) const BOUNDS: Bounds =
+    Bounds { from_m: 0.0, to_m: STROKE_M, velocity_m_per_s: 0.1, acceleration_m_per_s2: 1.0 };
+
 pub(crate) fn allowed() -> Allowed {
     Allowed {
         attempts: 3,
         settling_s: 0.02,
-        from_m: 0.0,
-        to_m: STROKE_M,
-        velocity_m_per_s: 0.1,
+        bounds: BOUNDS,
         jump_m: 0.3,
         command_v: 9.5,
         slew_v_per_s: 1000.0,
