@@ -11,6 +11,7 @@ use crate::limits::{Allowed, Delay, Limits, LimitsError};
 use crate::measured::Signal;
 use crate::output::Actuator;
 use crate::period::Rig;
+use crate::set_point::Bounds;
 use crate::travel::{Encoder, Rising, Travel};
 
 /// What `host-sim export` wrote.
@@ -28,6 +29,9 @@ pub const COUNTS_PER_M: f64 = 72_000.0;
 pub const SLIDER_AT_10_V: f64 = 1.0;
 /// Pressure at 4.5 V of its sensor, Pa; 0.5 V is none.
 pub const PRESSURE_AT_4_5_V_PA: f64 = 10e6;
+
+/// Where the rod may be sent.
+pub const BOUNDS: Bounds = Bounds { from_m: 0.01, to_m: 0.29, velocity_m_per_s: 0.2, acceleration_m_per_s2: 1.0 };
 
 /// Why there is no rig.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -72,9 +76,7 @@ pub fn rig(machine: &Machine<f64>, bases: &Bases, input_uv: u32, output_uv: u32)
     let allowed = Allowed {
         attempts: 3,
         settling_s: 0.1,
-        from_m: 0.01,
-        to_m: 0.29,
-        velocity_m_per_s: 0.2,
+        bounds: BOUNDS,
         jump_m: 0.005,
         command_v: 9.5,
         slew_v_per_s: 2000.0,

@@ -41,7 +41,9 @@ pub struct Stream {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ImportError {
     /// There is no header in the stream.
-    #[error("no recording in {bytes} bytes ({refused} damaged or foreign frames); expected what the firmware's recorder streams out")]
+    #[error(
+        "no recording in {bytes} bytes ({refused} damaged or foreign frames); expected what the firmware's recorder streams out"
+    )]
     Nothing {
         /// Length of the stream.
         bytes: usize,
@@ -55,7 +57,9 @@ pub enum ImportError {
         found: usize,
     },
     /// The frame that says what a channel is was lost.
-    #[error("the frame of channel {channel} was lost: what its words mean is not known; expected the stream to be read once more")]
+    #[error(
+        "the frame of channel {channel} was lost: what its words mean is not known; expected the stream to be read once more"
+    )]
     Channel {
         /// Its number.
         channel: usize,

@@ -17,6 +17,7 @@ pub mod failure;
 pub mod fit;
 pub mod found;
 pub mod hypothesis;
+pub mod import;
 pub mod judge;
 pub mod links;
 pub mod locate;

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use crate::emulator::Processor;
 use crate::{snapshot, step};
+use system_tests::emulator::Processor;
 
 /// What a figure may be at most.
 struct Budget {

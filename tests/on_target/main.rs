@@ -3,7 +3,6 @@
 //! That host and target agree says nothing of whether they are right: that is what the tests of `accuracy` hold against the oracle.
 
 mod budget;
-mod emulator;
 mod parity;
 mod snapshot;
 mod step;

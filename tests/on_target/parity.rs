@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use firmware::trial::cases;
 
-use crate::emulator::Processor;
+use system_tests::emulator::Processor;
 
 fn host() -> String {
     let mut text = String::new();

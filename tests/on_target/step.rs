@@ -2,7 +2,7 @@
 
 use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
 
-use crate::emulator::Processor;
+use system_tests::emulator::Processor;
 
 /// Code and constants of the step, bytes; the processor's start-up, some 200, is part of it.
 pub(crate) fn flash(processor: Processor) -> u64 {

@@ -5,4 +5,5 @@ pub mod any_machine;
 #[path = "../../host-sim/tests/at_hand/mod.rs"]
 pub mod at_hand;
 pub mod drives;
+pub mod emulator;
 pub mod simulate;

@@ -1,13 +1,13 @@
 //! Builds binaries of the firmware for the targets and runs them under QEMU, where both are at hand.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use system_tests::at_hand::skipped;
+use crate::at_hand::skipped;
 
 /// An emulated processor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Processor {
+pub enum Processor {
     /// Cortex-M4F, `mps2-an386`.
     M4F,
     /// Cortex-M3, `mps2-an385`.
@@ -15,9 +15,12 @@ pub(crate) enum Processor {
 }
 
 impl Processor {
-    pub(crate) const ALL: [Self; 2] = [Self::M4F, Self::M3];
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::M4F, Self::M3];
 
-    pub(crate) const fn name(self) -> &'static str {
+    /// As it stands in a table.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
         match self {
             Processor::M4F => "Cortex-M4F",
             Processor::M3 => "Cortex-M3",
@@ -32,7 +35,8 @@ impl Processor {
     }
 
     /// Whether binaries can be built for it; where not, says that a test is skipped.
-    pub(crate) fn can_be_built_for(self) -> bool {
+    #[must_use]
+    pub fn can_be_built_for(self) -> bool {
         let target = self.target();
         let folder = Command::new("rustc").args(["--print", "target-libdir", "--target", target]).output();
         let there = folder.is_ok_and(|folder| PathBuf::from(String::from_utf8_lossy(&folder.stdout).trim()).is_dir());
@@ -43,7 +47,8 @@ impl Processor {
     }
 
     /// Whether binaries can be built for it and run; where not, says that a test is skipped.
-    pub(crate) fn can_be_emulated(self) -> bool {
+    #[must_use]
+    pub fn can_be_emulated(self) -> bool {
         let emulator = Command::new("qemu-system-arm").arg("--version").stdout(Stdio::null()).status();
         if emulator.is_err() {
             skipped("there is no qemu-system-arm");
@@ -57,19 +62,25 @@ impl Processor {
         // A folder of its own: the cargo that runs this test holds the usual one.
         cargo
             .args([verb, "--quiet", "--release", "--locked", "--package", "firmware", "--bin", binary])
-            .args(["--target", self.target(), "--target-dir", Self::FOLDER])
+            .args(["--target", self.target(), "--target-dir"])
+            .arg(Self::folder())
             .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
             .stdin(Stdio::null());
         cargo
     }
 
-    const FOLDER: &str = concat!(env!("CARGO_TARGET_TMPDIR"), "/on_target");
+    /// Where images are built: beside what cargo has built of the test itself, `target/<profile>/deps/<test>`.
+    fn folder() -> PathBuf {
+        let test = std::env::current_exe().expect("a test runs from a file");
+        test.ancestors().nth(3).unwrap_or(&test).join("tmp/on_target")
+    }
 
     /// What a binary prints.
     ///
     /// # Panics
     /// It cannot be built, or it fails.
-    pub(crate) fn run(self, binary: &str) -> String {
+    #[must_use]
+    pub fn run(self, binary: &str) -> String {
         let output = self.cargo("run", binary).output().expect("cargo runs this test, so it is there");
         let text = String::from_utf8_lossy(&output.stdout).into_owned();
         let errors = String::from_utf8_lossy(&output.stderr);
@@ -81,10 +92,24 @@ impl Processor {
     ///
     /// # Panics
     /// It cannot be built.
-    pub(crate) fn image(self, binary: &str) -> Vec<u8> {
-        let output = self.cargo("build", binary).output().expect("cargo runs this test, so it is there");
-        assert!(output.status.success(), "{binary} for {self:?}: {}", String::from_utf8_lossy(&output.stderr));
-        let file = [Self::FOLDER, self.target(), "release", binary].iter().collect::<PathBuf>();
+    #[must_use]
+    pub fn image(self, binary: &str) -> Vec<u8> {
+        let file = self.built(binary, None);
         std::fs::read(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()))
+    }
+
+    /// The file of a binary, with the values of a drive that `host-sim export` wrote in the place of its own.
+    ///
+    /// # Panics
+    /// It cannot be built.
+    #[must_use]
+    pub fn built(self, binary: &str, values: Option<&Path>) -> PathBuf {
+        let mut cargo = self.cargo("build", binary);
+        if let Some(values) = values {
+            cargo.env("FIRMWARE_MACHINE", values);
+        }
+        let output = cargo.output().expect("cargo runs this test, so it is there");
+        assert!(output.status.success(), "{binary} for {self:?}: {}", String::from_utf8_lossy(&output.stderr));
+        Self::folder().join(self.target()).join("release").join(binary)
     }
 }
