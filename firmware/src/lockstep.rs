@@ -119,10 +119,10 @@ pub enum LockstepError {
     Record,
 }
 
-/// Rows of the recorder: eight seconds.
-const ROWS: usize = 8000;
-/// Rows from before the trigger: two seconds.
-const BEFORE: usize = 2000;
+/// Rows of the recorder: six seconds.
+const ROWS: usize = 6000;
+/// Rows from before the trigger: half a second.
+const BEFORE: usize = 500;
 
 /// What the monitor takes for chance: the noise of the sensors, and what the model of a press is known not to tell.
 const SENSITIVITY: Sensitivity = Sensitivity {

@@ -164,3 +164,80 @@ impl Imported {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use firmware::frame::FrameWriter;
+    use firmware::recorder::{Channel, Progress, Range, Recorder, Stream as Out};
+    use model_core::fixed_point::PerUnit;
+    use model_core::number::Number;
+
+    use super::*;
+
+    /// Forty ticks of two channels, of which the second has no value at the tenth row.
+    fn streamed(frames: &mut FrameWriter) -> Vec<u8> {
+        let channel = |name, unit, base| Channel { name, unit, base, range: Range::One };
+        let mut recorder: Recorder<2, 40> =
+            Recorder::new([channel("command", "V", 10.0), channel("position", "m", 0.3)], 10).unwrap();
+        for tick in 0..60 {
+            if tick == 20 {
+                recorder.trigger();
+            }
+            let ramp = PerUnit::saturated(f64::from(tick) / 100.0);
+            recorder.record(&[Some(ramp), (tick != 19).then_some(ramp.halved())]);
+        }
+        let (mut bytes, mut out) = (Vec::new(), Out::new());
+        while out.write(&recorder, "press", 1_000_000, frames, &mut bytes).unwrap() == Progress::More {}
+        bytes
+    }
+
+    #[test]
+    fn what_the_recorder_streams_out_becomes_a_recording() {
+        let stream = stream(&streamed(&mut FrameWriter::default())).unwrap();
+        assert_eq!(stream.losses, Losses::default());
+        let recording = stream.chosen(None).unwrap();
+        assert_eq!((recording.machine.as_str(), recording.trigger, recording.rows_lost()), ("press", 10, 0));
+        let csv = recording.csv().unwrap();
+        let lines: Vec<&str> = csv.lines().collect();
+        assert_eq!((lines[0], lines.len()), ("time [s],command [V],position [m]", 41));
+        let cells: Vec<f64> = lines[4].split(',').map(|cell| cell.parse().unwrap()).collect();
+        // The first row is that of tick 10.
+        assert!((cells[0] - 0.003).abs() < 1e-12 && (cells[1] - 1.3).abs() < 2e-4 && (cells[2] - 0.0195).abs() < 6e-6);
+        assert!(lines[10].starts_with("0.009,") && lines[10].ends_with(','), "{}", lines[10]);
+    }
+
+    #[test]
+    fn what_is_damaged_is_left_out_and_said() {
+        let mut bytes = streamed(&mut FrameWriter::default());
+        let whole = stream(&bytes).unwrap().chosen(None).unwrap();
+        // Within the frame of the rows, which is the last but one and the longest.
+        let middle = bytes.len() - 60;
+        bytes[middle] ^= 0x10;
+        let damaged = stream(&bytes).unwrap();
+        assert_eq!((damaged.losses.refused, damaged.losses.missing), (1, 1));
+        let damaged = damaged.chosen(None).unwrap();
+        assert!(damaged.rows_lost() > 0 && damaged.rows.iter().all(|(place, row)| whole.rows[place] == *row));
+        let late = stream(&bytes[9..]).unwrap_err();
+        assert!(matches!(late, ImportError::Nothing { .. }), "without its header there is no recording: {late:?}");
+    }
+
+    #[test]
+    fn of_several_recordings_one_is_chosen() {
+        let mut frames = FrameWriter::default();
+        let bytes = [streamed(&mut frames), vec![0x55; 20], streamed(&mut frames)].concat();
+        let both = stream(&bytes).unwrap();
+        assert_eq!(both.clone().chosen(None).unwrap_err(), ImportError::Several { found: 2 });
+        assert_eq!(both.clone().chosen(Some(3)).unwrap_err(), ImportError::Several { found: 2 });
+        assert_eq!(both.chosen(Some(2)).unwrap().rows.len(), 40);
+    }
+
+    #[test]
+    fn a_channel_whose_meaning_was_lost_is_not_guessed() {
+        let bytes = streamed(&mut FrameWriter::default());
+        // Frames end with a zero each and begin with one: header, two channels.
+        let zeros: Vec<usize> = bytes.iter().enumerate().filter(|(_, byte)| **byte == 0).map(|(at, _)| at).collect();
+        let without = [&bytes[..zeros[2]], &bytes[zeros[3]..]].concat();
+        let recording = stream(&without).unwrap().chosen(None).unwrap();
+        assert_eq!(recording.csv().unwrap_err(), ImportError::Channel { channel: 0 });
+    }
+}

@@ -13,8 +13,10 @@ use tempfile::TempDir;
 use crate::parts::{Adc, Counter, Dac, Part};
 use crate::rig::{Controller, Readings, Wanted};
 
-/// Periods before the firmware is told to follow: its sensors settle.
-const SETTLING: usize = 200;
+/// Periods before the firmware is told to follow: sensors and valve settle, and are at rest for as long as the recorder looks back.
+pub(crate) const SETTLING: usize = 800;
+/// Period in which the recorder is triggered where nothing has triggered it before.
+const RECORDED_FROM: usize = SETTLING + 1000;
 /// Longest that either side waits for the other.
 const PATIENCE: Duration = Duration::from_secs(30);
 
@@ -39,7 +41,7 @@ pub(crate) struct Processor {
     /// Where the encoder was last.
     counts: i32,
     said: Said,
-    /// Periods since it was told to follow, and the first of them with an alarm.
+    /// Periods so far, and the first of them with an alarm.
     periods: usize,
     pub(crate) alarm: Option<(usize, u8)>,
     record: Vec<u8>,
@@ -48,8 +50,8 @@ pub(crate) struct Processor {
 }
 
 impl Processor {
-    /// Starts an image, tells it where the rod is and lets its sensors settle.
-    pub(crate) fn start(image: &Path, at_rest: &Readings, wanted: Wanted) -> Self {
+    /// Starts an image, up to its first period.
+    pub(crate) fn start(image: &Path, at_rest: &Readings) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let socket = folder.path().join("line");
         let emulator = Command::new("qemu-system-arm")
@@ -76,10 +78,6 @@ impl Processor {
         };
         processor.show(at_rest);
         processor.serve();
-        processor.period(wanted, Order::Refer);
-        for _ in 0..SETTLING {
-            processor.period(wanted, Order::None);
-        }
         processor
     }
 
@@ -120,12 +118,6 @@ impl Processor {
         }
     }
 
-    /// One period in which this is wanted.
-    fn period(&mut self, wanted: Wanted, order: Order) {
-        self.ask(wanted, order);
-        self.serve();
-    }
-
     fn ask(&mut self, wanted: Wanted, order: Order) {
         let mut request = [0; 16];
         request[..4].copy_from_slice(&wanted.per_unit.position.to_bits().to_le_bytes());
@@ -163,12 +155,15 @@ impl Controller for Processor {
     fn command_v(&mut self, wanted: Wanted, seen: &Readings) -> f64 {
         self.show(seen);
         let order = match self.periods {
-            0 => Order::Follow,
+            0 => Order::Refer,
+            SETTLING => Order::Follow,
             RECORDED_FROM => Order::Record,
             _ => Order::None,
         };
-        self.period(wanted, order);
-        assert_eq!(self.said.mode, FOLLOWING, "period {}: it follows", self.periods);
+        self.ask(wanted, order);
+        self.serve();
+        let follows = self.said.mode == FOLLOWING;
+        assert_eq!(follows, self.periods >= SETTLING, "period {}: mode {}", self.periods, self.said.mode);
         if self.said.alarm > 0 && self.alarm.is_none() {
             self.alarm = Some((self.periods, self.said.alarm));
         }
@@ -176,9 +171,6 @@ impl Controller for Processor {
         self.output.volts(0).expect("the output is up")
     }
 }
-
-/// Period in which the recorder is triggered where nothing has triggered it before.
-const RECORDED_FROM: usize = 1000;
 
 /// Edges of the encoder since the reference.
 #[expect(clippy::cast_possible_truncation, reason = "a stroke has some ten thousand")]

@@ -9,6 +9,7 @@ use crate::atomic;
 use crate::compare::CompareError;
 use crate::diagnose::DiagnoseError;
 use crate::diagnostic::{self, Explained};
+use crate::import::ImportError;
 use crate::judge::JudgeError;
 use crate::machine_file::MachineFileError;
 use crate::paper::PaperError;
@@ -61,6 +62,22 @@ pub enum CliError {
         machine: PathBuf,
         /// Why.
         cause: MachineError,
+    },
+    /// A file that cannot be read.
+    #[error("{}: cannot be read: {cause}; expected a readable file", path.display())]
+    Unread {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        cause: io::Error,
+    },
+    /// What the firmware streamed out is no recording.
+    #[error("{}: {cause}", frames.display())]
+    Import {
+        /// The captured bytes.
+        frames: PathBuf,
+        /// Why.
+        cause: ImportError,
     },
     /// The recordings do not make a diagnosis or a fit.
     #[error("{machine}: {cause}")]

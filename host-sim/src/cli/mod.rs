@@ -10,6 +10,7 @@ pub mod draw;
 mod error;
 pub mod export;
 pub mod fit;
+pub mod import;
 mod input;
 pub mod paper;
 pub mod simulate;
@@ -52,6 +53,8 @@ pub enum Command {
     Testbed(testbed::Arguments),
     /// Write a drive's constants, effects included, as Rust source for the firmware.
     Export(export::Arguments),
+    /// Turn what the firmware's recorder streamed out into a recording.
+    Import(import::Arguments),
 }
 
 /// How a command ended that could be done.
@@ -74,6 +77,7 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<Outcome, CliE
         Command::Paper(arguments) => paper::run(arguments, console),
         Command::Testbed(arguments) => testbed::run(arguments, console),
         Command::Export(arguments) => export::run(arguments, console),
+        Command::Import(arguments) => import::run(arguments, console),
     }
 }
 

@@ -1,0 +1,53 @@
+//! `host-sim import`: a recording that the firmware has streamed out.
+
+use std::path::PathBuf;
+
+use super::target::{check_not_read, check_target};
+use super::{CliError, Console, Outcome};
+use crate::atomic;
+use crate::import;
+
+/// Arguments of `import`.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Example:
+  host-sim import --frames recorder.bin --out run.csv
+
+Reads what the firmware's recorder streams out over a serial line, as it was captured, and writes a recording: one row a control
+period, SI units. Frames that were lost or damaged are left out and counted. A capture may hold several recordings: --which says
+which one.")]
+pub struct Arguments {
+    /// Captured bytes
+    #[arg(long, value_name = "recorder.bin")]
+    frames: PathBuf,
+    /// Which recording of several, counted from 1
+    #[arg(long, value_name = "number")]
+    which: Option<usize>,
+    /// Where to write the recording (CSV)
+    #[arg(long, value_name = "R.csv")]
+    out: PathBuf,
+}
+
+pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+    check_target(&arguments.out)?;
+    check_not_read(&arguments.out, std::slice::from_ref(&arguments.frames))?;
+    let bytes =
+        std::fs::read(&arguments.frames).map_err(|cause| CliError::Unread { path: arguments.frames.clone(), cause })?;
+    let failed = |cause| CliError::Import { frames: arguments.frames.clone(), cause };
+    let stream = import::stream(&bytes).map_err(failed)?;
+    let losses = stream.losses;
+    let recording = stream.chosen(arguments.which).map_err(failed)?;
+    let csv = recording.csv().map_err(failed)?;
+    let name = arguments.frames.display();
+    if losses.missing + losses.refused > 0 || recording.rows_lost() > 0 {
+        console.note(format!(
+            "{name}: {} of {} rows are lost ({} frames missing, {} damaged or foreign)",
+            recording.rows_lost(),
+            recording.rows_sent,
+            losses.missing,
+            losses.refused
+        ));
+    }
+    atomic::write(&arguments.out, |out| out.write_all(csv.as_bytes()))
+        .map_err(|cause| CliError::Write { path: arguments.out.clone(), cause })?;
+    Ok(Outcome::Done)
+}
