@@ -145,3 +145,33 @@ fn a_machine_that_is_sent_far_at_once_arrives_and_comes_to_rest() {
         assert!(over_mm < 0.5 && worst_mm(last) < 0.2 && most - least < 0.01, "{}", case.name);
     }
 }
+
+#[test]
+fn a_heavy_load_on_a_fast_valve_is_damped_by_its_pressures() {
+    // Two tonnes on an oil spring of 21 Hz that nothing else damps.
+    let heavy = [(P::MovingMass, 2000.0), (P::ViscousFriction, 2e3)];
+    let fast = [(P::TimeConstant1, 0.002), (P::TimeConstant2, 0.0), (P::TransportDelay, 0.0), (P::RateLimit, 100.0)];
+    let machine = drives::with(&drives::with(&press(14_400.0), &heavy), &fast);
+    let nominal = Rig::new(&machine, moves(&machine));
+    let damped = tuning(&machine);
+    let ringing = Tuning { pressure_damping_m_per_s_n: 0.0, ..damped };
+    for case in cases(&nominal) {
+        let [with, without] =
+            [damped, ringing].map(|tuning| rms_mm(&case.rig.run(&mut Following::new(&case.model, &tuning, &case.rig))));
+        println!("{}: {with:.3} mm, {without:.3} mm without", case.name);
+        assert!(with < 0.1 && with < 0.2 * without, "{}: {with} mm, {without} mm without", case.name);
+    }
+}
+
+#[test]
+fn a_slow_valve_follows_with_a_spring_that_it_cannot_damp() {
+    let machine = drives::with(&press(14_400.0), &[(P::MovingMass, 200.0), (P::ViscousFriction, 5e3)]);
+    let nominal = Rig::new(&machine, moves(&machine));
+    let tuning = tuning(&machine);
+    assert!(tuning.pressure_damping_m_per_s_n <= 0.0);
+    for case in cases(&nominal) {
+        let found_mm = rms_mm(&case.rig.run(&mut Following::new(&case.model, &tuning, &case.rig)));
+        println!("{}: {found_mm:.3} mm", case.name);
+        assert!(found_mm < 0.1, "{}: {found_mm} mm", case.name);
+    }
+}
