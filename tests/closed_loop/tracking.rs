@@ -8,7 +8,7 @@ use model_core::machine::Machine;
 use model_core::parameter::Parameter as P;
 use system_tests::drives;
 
-use crate::following::Following;
+use crate::following::{Following, Sight};
 use crate::pi::{Gains, Pi, tuned};
 use crate::rig::{COMMAND_LIMIT_V, Rig, SLEW_V_PER_S, Wanted, course, largest_force_n, rms_mm, worst_mm};
 use crate::table::{self, Line};
@@ -143,6 +143,22 @@ fn a_machine_that_is_sent_far_at_once_arrives_and_comes_to_rest() {
         );
         // One step of the encoder is 0.2 mm. The integral takes seconds over what is left within it, and then rests.
         assert!(over_mm < 0.5 && worst_mm(last) < 0.2 && most - least < 0.01, "{}", case.name);
+    }
+}
+
+#[test]
+fn with_the_position_alone_a_load_is_corrected_once_it_shows() {
+    let machine = press(14_400.0);
+    let nominal = Rig::new(&machine, moves(&machine));
+    let rule = Tuning::by_rule(&machine, false);
+    let tuning = Tuning { position_resolution_m: tuning(&machine).position_resolution_m, ..rule };
+    for case in cases(&nominal) {
+        let mut following = Following::seeing(Sight::PositionOnly, &case.model, &tuning, &case.rig);
+        let rows = case.rig.run(&mut following);
+        println!("{}: {:.3} mm, at most {:.3} mm", case.name, rms_mm(&rows), worst_mm(&rows));
+        let known = case.name == "nominal" || case.name.ends_with("in model");
+        // What the model knows it needs no sensor for; what it does not has to become a distance first.
+        assert!(rms_mm(&rows) < if known { 0.05 } else { 0.7 }, "{}", case.name);
     }
 }
 
