@@ -6,7 +6,8 @@
 //! sees only the difference between model and machine, and corrects it.
 //!
 //! ```text
-//! model loop     v = v* + lead·dv*/dt + K·(y* − y_model)       w = opening of v under the model's load
+//! model loop     v = v* + lead·dv*/dt + K·(y* − y_model) − damping·(fast part of F)
+//!                w = opening of v under the model's load
 //!                x = X(w) + g·(X(w) − x_model)                 u_model = (x + middle − offset)/gain
 //! process loop   v = P·e + I·∫e − damping·(fast part of ΔF)    e = y_model − y, without what the sensor cannot tell
 //!                w = what is kept + (opening of u_model + opening of v), each under the measured load
@@ -14,7 +15,7 @@
 //! ```
 //!
 //! X steps over the valve's overlap (`overlap`), the opening knows area ratio and √Δp (`orifice`). ΔF is the difference of the
-//! oil's force between machine and model where both pressures are measured: slow, it is load or friction that the model lacks, and
+//! oil's force F = pa − α·pb between machine and model where both pressures are measured: slow, it is load or friction that the model lacks, and
 //! both openings are taken for it at once, before it has become a difference of position; fast, it is the oil spring, to be damped.
 //!
 //! Everything is per unit in fixed point, of fixed cost; no input of any size overflows or panics. Both commands keep to the
@@ -116,6 +117,8 @@ pub struct FollowState {
     command: PerUnit,
     /// Integral of the process loop, velocity.
     integral: PerUnit,
+    /// Slow part of the oil's force on the model.
+    model_force: PerUnit,
     /// Slow part of what the oil's force on the machine is more than on the model.
     load: PerUnit,
 }
@@ -140,15 +143,15 @@ impl Follower {
     /// `model` is at rest where the machine is; what the machine bears beyond it is taken for load from the start.
     #[must_use]
     pub fn at_rest(&self, model: &Predicted, seen: &Observed) -> FollowState {
-        let found = seen
-            .pressures
-            .map_or(PerUnit::ZERO, |found| self.orifice.force(found) - self.orifice.force(pressures(model)));
+        let model_force = self.orifice.force(pressures(model));
+        let load = seen.pressures.map_or(PerUnit::ZERO, |found| self.orifice.force(found) - model_force);
         FollowState {
             velocity: PerUnit::ZERO,
             model_command: self.neutral,
             command: self.neutral,
             integral: PerUnit::ZERO,
-            load: found,
+            model_force,
+            load,
         }
     }
 
@@ -165,8 +168,11 @@ impl Follower {
         state.velocity = state.velocity + PerUnit::dot([self.lead_share], [gained]);
         let led = wanted.velocity + gained.amplified(self.lead);
         let pulled = (wanted.position - model.position).amplified(self.model_gain);
-        let velocity = (led + pulled).limited(self.velocity_limit);
-        let drop = self.orifice.drop(velocity > PerUnit::ZERO, self.orifice.force(pressures(model)));
+        let force = self.orifice.force(pressures(model));
+        let change = force - state.model_force;
+        state.model_force = state.model_force + PerUnit::dot([self.load_share], [change]);
+        let velocity = (led + pulled - change.amplified(self.damping)).limited(self.velocity_limit);
+        let drop = self.orifice.drop(velocity > PerUnit::ZERO, force);
         let slider = self.overlap.slider(self.overlap.opened(self.orifice.opening(velocity, drop)));
         let hastened = slider + (slider - (model.slider - self.middle)).amplified(self.slider_gain);
         state.model_command = self.delivered(state.model_command, hastened);

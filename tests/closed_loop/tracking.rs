@@ -8,7 +8,7 @@ use model_core::machine::Machine;
 use model_core::parameter::Parameter as P;
 use system_tests::drives;
 
-use crate::following::Following;
+use crate::following::{Following, Sight};
 use crate::pi::{Gains, Pi, tuned};
 use crate::rig::{COMMAND_LIMIT_V, Rig, SLEW_V_PER_S, Wanted, course, largest_force_n, rms_mm, worst_mm};
 use crate::table::{self, Line};
@@ -143,5 +143,51 @@ fn a_machine_that_is_sent_far_at_once_arrives_and_comes_to_rest() {
         );
         // One step of the encoder is 0.2 mm. The integral takes seconds over what is left within it, and then rests.
         assert!(over_mm < 0.5 && worst_mm(last) < 0.2 && most - least < 0.01, "{}", case.name);
+    }
+}
+
+#[test]
+fn with_the_position_alone_a_load_is_corrected_once_it_shows() {
+    let machine = press(14_400.0);
+    let nominal = Rig::new(&machine, moves(&machine));
+    let rule = Tuning::by_rule(&machine, false);
+    let tuning = Tuning { position_resolution_m: tuning(&machine).position_resolution_m, ..rule };
+    for case in cases(&nominal) {
+        let mut following = Following::seeing(Sight::PositionOnly, &case.model, &tuning, &case.rig);
+        let rows = case.rig.run(&mut following);
+        println!("{}: {:.3} mm, at most {:.3} mm", case.name, rms_mm(&rows), worst_mm(&rows));
+        let known = case.name == "nominal" || case.name.ends_with("in model");
+        // What the model knows it needs no sensor for; what it does not has to become a distance first.
+        assert!(rms_mm(&rows) < if known { 0.05 } else { 0.7 }, "{}", case.name);
+    }
+}
+
+#[test]
+fn a_heavy_load_on_a_fast_valve_is_damped_by_its_pressures() {
+    // Two tonnes on an oil spring of 21 Hz that nothing else damps.
+    let heavy = [(P::MovingMass, 2000.0), (P::ViscousFriction, 2e3)];
+    let fast = [(P::TimeConstant1, 0.002), (P::TimeConstant2, 0.0), (P::TransportDelay, 0.0), (P::RateLimit, 100.0)];
+    let machine = drives::with(&drives::with(&press(14_400.0), &heavy), &fast);
+    let nominal = Rig::new(&machine, moves(&machine));
+    let damped = tuning(&machine);
+    let ringing = Tuning { pressure_damping_m_per_s_n: 0.0, ..damped };
+    for case in cases(&nominal) {
+        let [with, without] =
+            [damped, ringing].map(|tuning| rms_mm(&case.rig.run(&mut Following::new(&case.model, &tuning, &case.rig))));
+        println!("{}: {with:.3} mm, {without:.3} mm without", case.name);
+        assert!(with < 0.1 && with < 0.2 * without, "{}: {with} mm, {without} mm without", case.name);
+    }
+}
+
+#[test]
+fn a_slow_valve_follows_with_a_spring_that_it_cannot_damp() {
+    let machine = drives::with(&press(14_400.0), &[(P::MovingMass, 200.0), (P::ViscousFriction, 5e3)]);
+    let nominal = Rig::new(&machine, moves(&machine));
+    let tuning = tuning(&machine);
+    assert!(tuning.pressure_damping_m_per_s_n <= 0.0);
+    for case in cases(&nominal) {
+        let found_mm = rms_mm(&case.rig.run(&mut Following::new(&case.model, &tuning, &case.rig)));
+        println!("{}: {found_mm:.3} mm", case.name);
+        assert!(found_mm < 0.1, "{}: {found_mm} mm", case.name);
     }
 }
