@@ -7,12 +7,15 @@
 //! velocity at the stage, v + γ·k: a spring of stiffness k is one of s = γ·h·k, with its force at the tick's start beside it. With
 //! r the old diagonal over the new, mobility and `back` shrink by r and the drag becomes drag·r + (1 − r)/γ.
 
+use core::marker::PhantomData;
+
 use crate::bristles::{Bristles, Gripping};
 use crate::end_stop::{Side, Stops};
 use crate::friction::{DryFriction, Level, PlacedDrag};
 use crate::number::Number;
 use crate::position_load::PositionLoad;
 use crate::unnamed::{Push, States};
+use crate::vocabulary::{Effects, Vocabulary};
 
 pub use crate::friction::Contact;
 
@@ -141,8 +144,9 @@ pub(crate) struct Gives<N> {
 
 /// The equation of the mass in one tick, from where the rod stands.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Equation<'a, N: Number> {
+pub(crate) struct Equation<'a, N: Number, V> {
     mechanics: &'a Mechanics<N>,
+    vocabulary: PhantomData<V>,
     pub(crate) row: Row<N>,
     /// Of friction that holds rigidly.
     level: Level<N>,
@@ -200,7 +204,7 @@ impl<N: Number> Mechanics<N> {
     /// One tick under the given forces. Returns the mean velocity of the tick.
     #[inline]
     pub fn step(&self, state: &mut MotionState<N>, forces: Forces<N>) -> N {
-        let equation = self.equation(state, forces.around);
+        let equation = self.equation::<Effects>(state, forces.around);
         let contact = equation.contact(state.velocity, forces.start);
         let first = equation.first_stage(contact, state.velocity, forces.first, None);
         let second = equation.second_stage(contact, state.velocity, first, forces.second, None);
@@ -209,7 +213,23 @@ impl<N: Number> Mechanics<N> {
 
     /// The equation of the mass from where it stands.
     #[inline]
-    pub(crate) fn equation(&self, state: &MotionState<N>, around: Surroundings<N>) -> Equation<'_, N> {
+    pub(crate) fn equation<V: Vocabulary>(
+        &self,
+        state: &MotionState<N>,
+        around: Surroundings<N>,
+    ) -> Equation<'_, N, V> {
+        let equation = |row, level, held, own| Equation {
+            mechanics: self,
+            vocabulary: PhantomData,
+            row,
+            level,
+            held,
+            own,
+            states: around.states,
+        };
+        if V::PLAIN {
+            return equation(self.row, Level::NONE, None, None);
+        }
         let from_middle = || N::of_travel(state.position) - N::ONE.halved();
         let level = if self.dry.varies() {
             self.dry.level(from_middle(), around.pressed)
@@ -217,7 +237,7 @@ impl<N: Number> Mechanics<N> {
             self.dry.level(N::ZERO, N::ZERO)
         };
         let Some(resistance) = &self.resistance else {
-            return Equation { mechanics: self, row: self.row, level, held: None, own: None, states: around.states };
+            return equation(self.row, level, None, None);
         };
         let from_middle = from_middle();
         let viscosity = resistance.drag.map_or(around.viscosity, |drag| drag.excess(from_middle, around.viscosity));
@@ -242,7 +262,12 @@ impl<N: Number> Mechanics<N> {
         });
         let own = Some(Own { resistance, from_middle, grip, start: spring - bristle });
         let level = if grip.is_some() { Level::NONE } else { level };
-        Equation { mechanics: self, row: braked(N::ZERO, resistance.none), level, held, own, states: around.states }
+        equation(braked(N::ZERO, resistance.none), level, held, own)
+    }
+
+    /// Whether no effect is on.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.resistance.is_none() && self.push.is_none() && self.dry.is_off()
     }
 
     /// Whether the increments of a tick are beyond the format.
@@ -252,27 +277,42 @@ impl<N: Number> Mechanics<N> {
     }
 }
 
-impl<N: Number> Equation<'_, N> {
+impl<'a, N: Number, V: Vocabulary> Equation<'a, N, V> {
+    /// Forces of the rod's own position.
+    #[inline]
+    fn own(&self) -> Option<&Own<'a, N>> {
+        V::on(self.own.as_ref())
+    }
+
+    /// The stop that the rod touches.
+    #[inline]
+    fn held(&self) -> Option<&Held<N>> {
+        V::on(self.held.as_ref())
+    }
+
     /// How dry friction acts on a rod with this velocity under this force at the start.
     #[inline]
     pub(crate) fn contact(&self, velocity: N, force: N) -> Contact {
-        let force = self.own.map_or(force, |own| force + own.start);
+        if V::PLAIN {
+            return Contact::Free;
+        }
+        let force = self.own().map_or(force, |own| force + own.start);
         let force = self.pushed(force, velocity);
-        let force = self.held.map_or(force, |held| force + held.side.push(held.depth.amplified(held.stiffness)));
+        let force = self.held().map_or(force, |held| force + held.side.push(held.depth.amplified(held.stiffness)));
         self.level.contact(velocity, force)
     }
 
     /// A force with that of the table, at a stage's velocity.
     #[inline]
     fn pushed(&self, force: N, velocity: N) -> N {
-        self.mechanics.push.as_ref().map_or(force, |push| force + push.at(States { velocity, ..self.states }))
+        V::on(self.mechanics.push.as_ref()).map_or(force, |push| force + push.at(States { velocity, ..self.states }))
     }
 
     /// What `give` yields for the mass's own diagonal of a rod that is free of a stop, and one that is held.
     #[inline]
     pub(crate) fn gives(&self, give: impl Fn(Option<N>) -> N) -> Gives<N> {
-        let free = give(self.row.share);
-        Gives { free, held: self.held.map_or(free, |held| give(held.row.share)) }
+        let free = give(V::on(self.row.share.as_ref()).copied());
+        Gives { free, held: self.held().map_or(free, |held| give(held.row.share)) }
     }
 
     /// Velocity increment of the first stage.
@@ -282,13 +322,13 @@ impl<N: Number> Equation<'_, N> {
             return N::ZERO;
         }
         let force = self.pushed(force, velocity) + self.level.force(contact, velocity);
-        let force = self.own.map_or(force, |own| force + own.start);
+        let force = self.own().map_or(force, |own| force + own.start);
         let solved = |row: &Row<N>, force: N, give: Option<N>| {
-            let yields = |signal: N| give.map_or(signal, |give| give.times(signal));
+            let yields = |signal: N| give.map_or(signal, |give| give.of(signal));
             N::dot([row.mobility, row.drag], [yields(force), yields(-velocity)])
         };
         let free = solved(&self.row, force, gives.map(|gives| gives.free));
-        self.held.map_or(free, |held| {
+        self.held().map_or(free, |held| {
             let force = force + held.side.push(held.depth.amplified(held.stiffness));
             held.side.hold(free, solved(&held.row, force, gives.map(|gives| gives.held)))
         })
@@ -303,17 +343,17 @@ impl<N: Number> Equation<'_, N> {
         let there = velocity + first;
         let force = self.pushed(force, there) + self.level.force(contact, there);
         let solved = |row: &Row<N>, force: N, give: Option<N>| {
-            let yields = |signal: N| give.map_or(signal, |give| give.times(signal));
+            let yields = |signal: N| give.map_or(signal, |give| give.of(signal));
             N::dot([row.mobility, row.drag, row.back], [yields(force), yields(-there), yields(first)])
         };
-        let Some(own) = &self.own else {
+        let Some(own) = self.own() else {
             return solved(&self.row, force, gives.map(|gives| gives.free));
         };
         let ahead = velocity + N::dot([own.resistance.gamma], [first]);
         let moved = N::dot([self.mechanics.travel], [ahead]);
         let force = force + own.second(there, ahead, moved);
         let free = solved(&self.row, force, gives.map(|gives| gives.free));
-        self.held.map_or(free, |held| {
+        self.held().map_or(free, |held| {
             // How much deeper a spring's second stage starts, in the direction out of the face.
             let left = N::dot([own.resistance.second], [moved]);
             let depth = held.depth - held.side.push(left);
@@ -351,11 +391,11 @@ impl<N: Number> Equation<'_, N> {
             Contact::Retracts if moved > N::ZERO => (moved - self.turn()).max(self.turned(moved)),
             _ => moved,
         };
-        if let Some(Own { resistance: Resistance { stops, .. }, grip, .. }) = &self.own {
+        if let Some(Own { resistance: Resistance { stops, .. }, grip, .. }) = self.own() {
             if let Some(grip) = grip {
                 state.bristles = grip.after(mean);
             }
-            if let (Some(stops), None) = (stops, &self.held) {
+            if let (Some(stops), None) = (stops, self.held()) {
                 state.position = stops.set_down(state.position);
             }
         }
@@ -365,17 +405,17 @@ impl<N: Number> Equation<'_, N> {
     /// What is left of a velocity that has turned within the tick, if friction holds as hard as it can.
     #[inline]
     fn turned(&self, moved: N) -> N {
-        self.own.and_then(|own| own.grip).map_or(N::ZERO, |grip| moved.times(grip.turned()))
+        self.own().and_then(|own| own.grip).map_or(N::ZERO, |grip| moved.times(grip.turned()))
     }
 
     /// What all dry friction takes of the velocity in a tick, to both sides.
     #[inline]
     fn turn(&self) -> N {
         let mechanics = self.mechanics;
-        if self.own.is_none() && !mechanics.dry.varies() {
+        if V::PLAIN || (self.own().is_none() && !mechanics.dry.varies()) {
             return mechanics.dry.turn;
         }
-        let grip = self.own.and_then(|own| own.grip);
+        let grip = self.own().and_then(|own| own.grip);
         N::dot([self.row.mobility], [grip.map_or_else(|| self.level.both(), |grip| grip.both())])
     }
 }

@@ -14,6 +14,7 @@ use crate::flow::{Edges, Flows, Linearised};
 use crate::number::Number;
 use crate::supply::{Draw, SupplyState};
 use crate::valve::Slider;
+use crate::vocabulary::Vocabulary;
 
 /// One of something for each metering edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,14 +117,14 @@ impl<N: Number> Edges<N> {
 
     /// The supply at the end of a tick that ends at this slider and these pressures, with `drawn` drawn at its start.
     #[inline]
-    pub(crate) fn supplied(
+    pub(crate) fn supplied<V: Vocabulary>(
         &self,
         slider: N,
         pressures: ChamberState<N>,
         supply: SupplyState<N>,
         drawn: N,
     ) -> SupplyState<N> {
-        let Some(effects) = &self.effects else { return supply };
+        let Some(effects) = V::on(self.effects.as_ref()) else { return supply };
         let Some(droop) = &effects.droop else { return supply };
         let openings = self.openings(effects, slider);
         droop.after(supply, self.lines.supply, drawn, effects.slope_scale, |supply| {
