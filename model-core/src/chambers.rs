@@ -127,7 +127,8 @@ impl<N: Number> Chambers<N> {
     }
 
     /// Takes in a tick's mean flows.
-    #[inline]
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "a call with everything in memory is half of what it computes")]
     pub(crate) fn fill(&self, state: &mut ChamberState<N>, rest: &mut ChamberState<N>, flows: Flows<N>, velocity: N) {
         let net = Flows { a: flows.a - velocity, b: self.displaced_b(velocity) - flows.b };
         (state.a, rest.a) = state.a.accumulated(rest.a, [self.stiffness_a], [net.a]);

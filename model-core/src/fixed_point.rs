@@ -83,8 +83,9 @@ impl Neg for PerUnit {
 #[inline]
 fn rounded(wide: i64, shift: u32) -> PerUnit {
     let upper = (wide >> 32) as i32;
-    // What is beyond the range, or so near its end that rounding might leave it, has another upper word.
-    let inside = upper.wrapping_add(1 << (shift - 1)).cast_unsigned() < (1 << shift) - 1;
+    // What is beyond the range, or so near its end that rounding might leave it, is not among these upper words. The bound is one that
+    // an Arm instruction holds.
+    let inside = upper.wrapping_add(1 << (shift - 1)).cast_unsigned() < 0xff << (shift - 8);
     if inside { rounded_within(wide, shift) } else { rounded_at_end(wide, shift) }
 }
 

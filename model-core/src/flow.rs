@@ -118,7 +118,8 @@ impl<N: Number> Edges<N> {
     }
 
     /// Flow through an edge with its slope, at the `larger` opening of the tick.
-    #[inline]
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "a call with its result in memory is half of what it computes")]
     fn passing_linearised(&self, opening: N, larger: N, across: N) -> Linearised<N> {
         let (root, slope) = across.orifice_root(self.transition);
         let free = opening.times(root);
