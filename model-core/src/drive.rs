@@ -415,12 +415,13 @@ impl<N: Number> Drive<N> {
         let net = Flows { a: inflow1.a - velocity, b: chambers.displaced_b(velocity) - inflow1.b };
         let trial = chambers.rise(Flows { a: yielding.a.of(net.a), b: yielding.b.of(net.b) });
         let force = self.stage_force(pressures, trial) + load.from + constant;
-        let guess = equation.first_stage(contact, velocity, force, gives);
+        let stage = equation.first_stage(contact, velocity);
+        let guess = equation.first_increment(&stage, force, gives);
         let ahead = guess.part(self.gamma);
         let net1 = Flows { a: yielding.a.of(net.a - ahead), b: yielding.b.of(net.b + chambers.displaced_b(ahead)) };
         let k1 = chambers.rise(net1);
         let first = self.stage_force(pressures, k1) + load.from + constant;
-        let v1 = equation.first_stage(contact, velocity, first, None);
+        let v1 = equation.first_increment(&stage, first, None);
 
         // Second stage.
         let (pressures2, velocity2) = (ChamberState { a: pressures.a + k1.a, b: pressures.b + k1.b }, velocity + v1);
@@ -432,11 +433,12 @@ impl<N: Number> Drive<N> {
         };
         let trial = chambers.rise(Flows { a: yielding.a.of(net.a), b: yielding.b.of(net.b) });
         let force = self.stage_force(pressures2, trial) + load.to + constant;
-        let guess = equation.second_stage(contact, velocity, v1, force, gives);
+        let stage = equation.second_stage(contact, velocity, v1);
+        let guess = equation.second_increment(&stage, force, gives);
         let ahead = guess.part(self.gamma);
         let net2 = Flows { a: yielding.a.of(net.a - ahead), b: yielding.b.of(net.b + chambers.displaced_b(ahead)) };
         let second = self.stage_force(pressures2, chambers.rise(net2)) + load.to + constant;
-        let v2 = equation.second_stage(contact, velocity, v1, second, None);
+        let v2 = equation.second_increment(&stage, second, None);
 
         // The links take the step.
         let mean = equation.finish(contact, &mut state.motion, v1, v2);

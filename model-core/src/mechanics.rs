@@ -154,6 +154,33 @@ pub(crate) struct Equation<'a, N: Number, V> {
     own: Option<Own<'a, N>>,
     /// States at the start of the tick, for the table of forces.
     states: States<N>,
+    /// Force of the table there.
+    pushed: Option<N>,
+}
+
+/// What acts on the mass at a stage beside the net force and its own diagonal.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stage<N> {
+    sticks: bool,
+    /// Velocity at the stage, and what the first stage gained of it.
+    velocity: N,
+    gained: N,
+    /// Force of the table.
+    pushed: Option<N>,
+    dry: N,
+    /// Force of the rod's own position.
+    own: Option<N>,
+    /// Force of the stop that the rod touches.
+    stop: Option<N>,
+}
+
+impl<N: Number> Stage<N> {
+    /// A net force with all that acts beside it but a stop.
+    #[inline]
+    fn with(&self, force: N) -> N {
+        let force = self.pushed.map_or(force, |pushed| force + pushed) + self.dry;
+        self.own.map_or(force, |own| force + own)
+    }
 }
 
 /// Forces of the rod's own position in one tick.
@@ -174,6 +201,14 @@ struct Held<N: Number> {
     depth: N,
     stiffness: N::Steep,
     row: Row<N>,
+}
+
+impl<N: Number> Held<N> {
+    /// Force of the stop at a depth; positive extends.
+    #[inline]
+    fn pushes(&self, depth: N) -> N {
+        self.side.push(depth.amplified(self.stiffness))
+    }
 }
 
 impl<N: Number> Row<N> {
@@ -206,8 +241,9 @@ impl<N: Number> Mechanics<N> {
     pub fn step(&self, state: &mut MotionState<N>, forces: Forces<N>) -> N {
         let equation = self.equation::<Effects>(state, forces.around);
         let contact = equation.contact(state.velocity, forces.start);
-        let first = equation.first_stage(contact, state.velocity, forces.first, None);
-        let second = equation.second_stage(contact, state.velocity, first, forces.second, None);
+        let first = equation.first_increment(&equation.first_stage(contact, state.velocity), forces.first, None);
+        let second = equation.second_stage(contact, state.velocity, first);
+        let second = equation.second_increment(&second, forces.second, None);
         equation.finish(contact, state, first, second)
     }
 
@@ -226,6 +262,7 @@ impl<N: Number> Mechanics<N> {
             held,
             own,
             states: around.states,
+            pushed: V::on(self.push.as_ref()).map(|push| push.at(States { velocity: state.velocity, ..around.states })),
         };
         if V::PLAIN {
             return equation(self.row, Level::NONE, None, None);
@@ -297,15 +334,9 @@ impl<'a, N: Number, V: Vocabulary> Equation<'a, N, V> {
             return Contact::Free;
         }
         let force = self.own().map_or(force, |own| force + own.start);
-        let force = self.pushed(force, velocity);
-        let force = self.held().map_or(force, |held| force + held.side.push(held.depth.amplified(held.stiffness)));
+        let force = V::on(self.pushed.as_ref()).map_or(force, |&pushed| force + pushed);
+        let force = self.held().map_or(force, |held| force + held.pushes(held.depth));
         self.level.contact(velocity, force)
-    }
-
-    /// A force with that of the table, at a stage's velocity.
-    #[inline]
-    fn pushed(&self, force: N, velocity: N) -> N {
-        V::on(self.mechanics.push.as_ref()).map_or(force, |push| force + push.at(States { velocity, ..self.states }))
     }
 
     /// What `give` yields for the mass's own diagonal of a rod that is free of a stop, and one that is held.
@@ -315,51 +346,88 @@ impl<'a, N: Number, V: Vocabulary> Equation<'a, N, V> {
         Gives { free, held: self.held().map_or(free, |held| give(held.row.share)) }
     }
 
+    /// What acts at the first stage.
+    #[inline]
+    pub(crate) fn first_stage(&self, contact: Contact, velocity: N) -> Stage<N> {
+        Stage {
+            sticks: contact == Contact::Sticks,
+            velocity,
+            gained: N::ZERO,
+            pushed: V::on(self.pushed.as_ref()).copied(),
+            dry: self.level.force(contact, velocity),
+            own: self.own().map(|own| own.start),
+            stop: self.held().map(|held| held.pushes(held.depth)),
+        }
+    }
+
+    /// What acts at the second stage, after the velocity that the first has gained.
+    #[inline]
+    pub(crate) fn second_stage(&self, contact: Contact, velocity: N, gained: N) -> Stage<N> {
+        let there = velocity + gained;
+        let plain = Stage {
+            sticks: contact == Contact::Sticks,
+            velocity: there,
+            gained,
+            pushed: None,
+            dry: N::ZERO,
+            own: None,
+            stop: None,
+        };
+        if V::PLAIN || plain.sticks {
+            return plain;
+        }
+        let pushed = self.mechanics.push.as_ref().map(|push| push.at(States { velocity: there, ..self.states }));
+        let dry = self.level.force(contact, there);
+        let Some(own) = self.own() else { return Stage { pushed, dry, ..plain } };
+        let ahead = velocity + N::dot([own.resistance.gamma], [gained]);
+        let moved = N::dot([self.mechanics.travel], [ahead]);
+        let stop = self.held().map(|held| {
+            // How much deeper a spring's second stage starts, in the direction out of the face.
+            let left = N::dot([own.resistance.second], [moved]);
+            held.pushes(held.depth - held.side.push(left))
+        });
+        Stage { pushed, dry, own: Some(own.second(there, ahead, moved)), stop, ..plain }
+    }
+
     /// Velocity increment of the first stage.
     #[inline]
-    pub(crate) fn first_stage(&self, contact: Contact, velocity: N, force: N, gives: Option<Gives<N>>) -> N {
-        if contact == Contact::Sticks {
-            return N::ZERO;
-        }
-        let force = self.pushed(force, velocity) + self.level.force(contact, velocity);
-        let force = self.own().map_or(force, |own| force + own.start);
-        let solved = |row: &Row<N>, force: N, give: Option<N>| {
+    pub(crate) fn first_increment(&self, stage: &Stage<N>, force: N, gives: Option<Gives<N>>) -> N {
+        self.increment(stage, force, gives, |row, force, give| {
             let yields = |signal: N| give.map_or(signal, |give| give.of(signal));
-            N::dot([row.mobility, row.drag], [yields(force), yields(-velocity)])
-        };
-        let free = solved(&self.row, force, gives.map(|gives| gives.free));
-        self.held().map_or(free, |held| {
-            let force = force + held.side.push(held.depth.amplified(held.stiffness));
-            held.side.hold(free, solved(&held.row, force, gives.map(|gives| gives.held)))
+            N::dot([row.mobility, row.drag], [yields(force), yields(-stage.velocity)])
         })
     }
 
     /// Velocity increment of the second stage.
     #[inline]
-    pub(crate) fn second_stage(&self, contact: Contact, velocity: N, first: N, force: N, gives: Option<Gives<N>>) -> N {
-        if contact == Contact::Sticks {
+    pub(crate) fn second_increment(&self, stage: &Stage<N>, force: N, gives: Option<Gives<N>>) -> N {
+        self.increment(stage, force, gives, |row, force, give| {
+            let yields = |signal: N| give.map_or(signal, |give| give.of(signal));
+            let signals = [yields(force), yields(-stage.velocity), yields(stage.gained)];
+            N::dot([row.mobility, row.drag, row.back], signals)
+        })
+    }
+
+    /// What a stage's equation, `solved` for a row, yields: none of a rod that sticks, and of a rod on a stop what moves it less into it.
+    #[inline]
+    fn increment(
+        &self,
+        stage: &Stage<N>,
+        force: N,
+        gives: Option<Gives<N>>,
+        solved: impl Fn(&Row<N>, N, Option<N>) -> N,
+    ) -> N {
+        if stage.sticks {
             return N::ZERO;
         }
-        let there = velocity + first;
-        let force = self.pushed(force, there) + self.level.force(contact, there);
-        let solved = |row: &Row<N>, force: N, give: Option<N>| {
-            let yields = |signal: N| give.map_or(signal, |give| give.of(signal));
-            N::dot([row.mobility, row.drag, row.back], [yields(force), yields(-there), yields(first)])
-        };
-        let Some(own) = self.own() else {
-            return solved(&self.row, force, gives.map(|gives| gives.free));
-        };
-        let ahead = velocity + N::dot([own.resistance.gamma], [first]);
-        let moved = N::dot([self.mechanics.travel], [ahead]);
-        let force = force + own.second(there, ahead, moved);
+        let force = stage.with(force);
         let free = solved(&self.row, force, gives.map(|gives| gives.free));
-        self.held().map_or(free, |held| {
-            // How much deeper a spring's second stage starts, in the direction out of the face.
-            let left = N::dot([own.resistance.second], [moved]);
-            let depth = held.depth - held.side.push(left);
-            let force = force + held.side.push(depth.amplified(held.stiffness));
-            held.side.hold(free, solved(&held.row, force, gives.map(|gives| gives.held)))
-        })
+        match (self.held(), stage.stop) {
+            (Some(held), Some(stop)) => {
+                held.side.hold(free, solved(&held.row, force + stop, gives.map(|gives| gives.held)))
+            }
+            _ => free,
+        }
     }
 
     /// Moves the rod by the two increments and returns its mean velocity over the tick.
