@@ -175,12 +175,12 @@ impl Number for PerUnit {
     }
     #[inline]
     fn of(self, signal: Self) -> Self {
-        debug_assert!(self.to_bits().unsigned_abs() <= 1 << FRACTION, "a share is within ±1: {self:?}");
+        debug_assert!(Self::ZERO <= self && self <= Self::ONE, "a share is in 0..1: {self:?}");
         rounded_within(i64::from(self.to_bits()) * i64::from(signal.to_bits()), FRACTION)
     }
     #[inline]
     fn part(self, of: I4F28) -> Self {
-        debug_assert!(of.unsigned_abs() <= 1, "a part is within ±1: {of}");
+        debug_assert!((I4F28::ZERO..=I4F28::ONE).contains(&of), "a part is in 0..1: {of}");
         rounded_within(i64::from(of.to_bits()) * i64::from(self.to_bits()), FRACTION)
     }
     #[inline]
@@ -314,6 +314,14 @@ mod tests {
             let ((a, x), (b, y)) = (signal(a), signal(b));
             let exact = (x * y).clamp(-8.0, 8.0 - STEP);
             prop_assert!((a.times(b).to_f64() - exact).abs() <= 0.5 * STEP + 1e-14);
+        }
+
+        #[test]
+        fn products_with_a_share_round_to_nearest(share in 0..=1_i32 << 28, b in any::<i32>()) {
+            let ((share, x), (b, y)) = (signal(share), signal(b));
+            let exact = x * y;
+            prop_assert!((share.of(b).to_f64() - exact).abs() <= 0.5 * STEP + 1e-14);
+            prop_assert_eq!(b.part(share.as_gain()), share.of(b));
         }
 
         #[test]

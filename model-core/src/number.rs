@@ -99,11 +99,11 @@ pub trait Number:
     #[must_use]
     fn times(self, other: Self) -> Self;
 
-    /// This share, −1..1, of a signal: a product that cannot leave the range.
+    /// This share, 0..1, of a signal: a product that cannot leave the range.
     #[must_use]
     fn of(self, signal: Self) -> Self;
 
-    /// A signal times a gain of −1..1: a product that cannot leave the range.
+    /// A signal times a gain of 0..1: a product that cannot leave the range.
     #[must_use]
     fn part(self, of: Self::Gain) -> Self;
 
