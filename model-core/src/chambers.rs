@@ -8,6 +8,7 @@
 use crate::capacity::Capacity;
 use crate::flow::{Flows, Linearised};
 use crate::number::Number;
+use crate::vocabulary::Vocabulary;
 
 /// Coefficients of both chambers at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,6 +61,11 @@ pub struct ChamberState<N> {
 }
 
 impl<N: Number> Chambers<N> {
+    /// Whether no effect is on.
+    pub(crate) fn are_plain(&self) -> bool {
+        self.leakage == N::ZERO && !self.leaks_fast && self.external.is_none() && self.capacity.is_none()
+    }
+
     /// One tick with the mean flows (net of leakage), the mean velocity of that tick, and the position at its start in strokes. Exact:
     /// the volume balance (11), at the capacity of the tick's start.
     ///
@@ -83,8 +89,13 @@ impl<N: Number> Chambers<N> {
     /// The chambers at these pressures, with the piston at this position (strokes) and oil of this thinness, where any of
     /// these makes a difference.
     #[inline]
-    pub(crate) fn at(&self, pressures: ChamberState<N>, position: N, thinness: Option<N>) -> Option<Filled<N>> {
-        if self.capacity.is_none() && thinness.is_none() {
+    pub(crate) fn at<V: Vocabulary>(
+        &self,
+        pressures: ChamberState<N>,
+        position: N,
+        thinness: Option<N>,
+    ) -> Option<Filled<N>> {
+        if V::PLAIN || (self.capacity.is_none() && thinness.is_none()) {
             return None;
         }
         let mut filled = match &self.capacity {
@@ -116,7 +127,8 @@ impl<N: Number> Chambers<N> {
     }
 
     /// Takes in a tick's mean flows.
-    #[inline]
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "a call with everything in memory is half of what it computes")]
     pub(crate) fn fill(&self, state: &mut ChamberState<N>, rest: &mut ChamberState<N>, flows: Flows<N>, velocity: N) {
         let net = Flows { a: flows.a - velocity, b: self.displaced_b(velocity) - flows.b };
         (state.a, rest.a) = state.a.accumulated(rest.a, [self.stiffness_a], [net.a]);
@@ -137,7 +149,10 @@ impl<N: Number> Chambers<N> {
 
     /// Flow into A and out of B with the leakage past the piston and out of both chambers.
     #[inline]
-    pub(crate) fn inflow(&self, flows: Flows<N>, pressures: ChamberState<N>) -> Flows<N> {
+    pub(crate) fn inflow<V: Vocabulary>(&self, flows: Flows<N>, pressures: ChamberState<N>) -> Flows<N> {
+        if V::PLAIN {
+            return flows;
+        }
         let leaked = self.leakage.times(pressures.a - pressures.b);
         let inner = Flows { a: flows.a - leaked, b: flows.b - leaked };
         let Some(ExternalLeakage { a, b, tank }) = self.external else { return inner };
@@ -148,8 +163,8 @@ impl<N: Number> Chambers<N> {
     ///
     /// Of its ends, leakage leaves one chamber with the very word that enters the other, and no oil comes from rounding.
     #[inline]
-    pub(crate) fn mean(&self, side: &Linearised<N>, from: N, to: N, solved: Option<N>) -> N {
-        let depends = side.opening != N::ZERO || self.leaks_fast;
+    pub(crate) fn mean<V: Vocabulary>(&self, side: &Linearised<N>, from: N, to: N, solved: Option<N>) -> N {
+        let depends = side.opening != N::ZERO || (!V::PLAIN && self.leaks_fast);
         solved.filter(|_| depends).unwrap_or_else(|| (from + to).halved())
     }
 
@@ -157,7 +172,12 @@ impl<N: Number> Chambers<N> {
     ///
     /// Leakage couples the chambers; on the diagonal it counts twice, which over-damps that coupling.
     #[inline]
-    pub(crate) fn yielding(&self, flows: &Flows<Linearised<N>>) -> Flows<N> {
+    pub(crate) fn yielding<V: Vocabulary>(&self, flows: &Flows<Linearised<N>>) -> Flows<N> {
+        if V::PLAIN {
+            let side =
+                |implicit: N, side: &Linearised<N>| N::inverse_one_plus([implicit.times(side.opening)], [side.slope]);
+            return Flows { a: side(self.implicit.a, &flows.a), b: side(self.implicit.b, &flows.b) };
+        }
         let twice = self.leakage + self.leakage;
         let [out_a, out_b] = self.external.map_or([twice; 2], |out| [twice + out.a, twice + out.b]);
         let side = |implicit: N, side: &Linearised<N>, leakage: N| {

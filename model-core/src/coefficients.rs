@@ -11,6 +11,7 @@ mod unnamed;
 mod valve_effects;
 
 use crate::bases::{COMMAND_V, GAIN_AIM, PUMP_SPEED_REV_PER_S, SPRUNG, bases, inertia, least_drag, smaller_capacity};
+use crate::chambers::Chambers;
 use crate::drive::{Drive, OilSource};
 use crate::flow::{Edges, Lines, Pump};
 use crate::machine::{Bases, Machine, MachineError, Source, Tick};
@@ -33,17 +34,27 @@ impl<N: Number> Drive<N> {
         };
         let mechanics = builder.mechanics::<N>(builder.sprung_mass())?;
         let unsprung = builder.mechanics::<N>(builder.get(P::MovingMass))?;
+        let chambers: Chambers<N> = builder.chambers().map_err(|error| builder.with_cause(error))?;
+        let (sensors, viscosity, unnamed) =
+            (builder.sensors::<N>(DELAY)?, builder.viscosity()?, builder.unnamed::<N>()?);
+        let plain = matches!(&source, OilSource::Valve(valve, edges) if valve.effects.are_off() && edges.effects.is_none())
+            && chambers.are_plain()
+            && mechanics.is_plain()
+            && !sensors.follows()
+            && viscosity.is_none()
+            && unnamed.is_none();
         let [spring_a, spring_b] = builder.springs::<N>().map_err(|error| builder.with_cause(error))?;
         Ok(Drive {
             source,
-            chambers: builder.chambers().map_err(|error| builder.with_cause(error))?,
+            chambers,
             mechanics,
             unsprung,
             gamma: builder.gain::<N>("the step's γ", P::Stroke, N::Real::constant(GAMMA))?,
             springs: [spring_a, spring_b],
-            sensors: builder.sensors(DELAY)?,
-            viscosity: builder.viscosity()?,
-            unnamed: builder.unnamed()?,
+            sensors,
+            viscosity,
+            unnamed,
+            plain,
             bases: builder.bases,
         })
     }

@@ -30,6 +30,7 @@ use crate::supply::SupplyState;
 use crate::temperature::{Oil, Viscosity};
 use crate::unnamed::{States, Unnamed};
 use crate::valve::{AcrossEdges, Slider, Valve, ValveState};
+use crate::vocabulary::{Effects, Plain, Vocabulary};
 
 /// Where the oil comes from, with coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,6 +58,8 @@ pub struct Drive<N: Number> {
     pub(crate) viscosity: Option<Viscosity<N>>,
     /// Flow or slider travel without a name; a force stands in the mechanics.
     pub(crate) unnamed: Option<Unnamed<N>>,
+    /// Whether it is a valve-controlled drive without any effect.
+    pub(crate) plain: bool,
     pub(crate) bases: Bases,
 }
 
@@ -270,22 +273,26 @@ impl<N: Number> Drive<N> {
     ///
     /// An entry that the drive's source cannot take (a pump's speed on a valve drive, a slider on a pump drive) counts
     /// as closed ports.
-    #[inline]
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "what the caller does not read of the interfaces is then never computed")]
     pub fn step<const DELAY: usize>(
         &self,
         state: &mut DriveState<N, DELAY>,
         entry: Entry<N>,
         load: Load<N>,
     ) -> Interfaces<N> {
-        let seen = self.step_links(state, entry, load);
-        self.sensors.step(&mut state.sensed, state.motion.position);
-        if let Some(viscosity) = &self.viscosity {
-            viscosity.step(&mut state.warmth);
+        if N::LEAN
+            && self.plain
+            && let Entry::Command(command) = entry
+            && let Some(slider) = self.step_valve::<Plain, DELAY>(state, command)
+        {
+            return self.step_hydraulics::<Plain, DELAY>(state, &Feed::Edges(slider), load);
         }
-        seen
+        self.step_links(state, entry, load)
     }
 
-    #[inline]
+    /// One tick of a drive that may have any effect. Out of line, so that it takes no registers from the one without.
+    #[inline(never)]
     fn step_links<const DELAY: usize>(
         &self,
         state: &mut DriveState<N, DELAY>,
@@ -294,32 +301,51 @@ impl<N: Number> Drive<N> {
     ) -> Interfaces<N> {
         let closed = Flows { a: N::ZERO, b: N::ZERO };
         let feed = match entry {
-            Entry::Force { from, to } => return self.step_force(state, from + load.from, to + load.to),
-            Entry::Command(command) => match self.step_valve(state, command) {
+            Entry::Force { from, to } => {
+                let seen = self.step_force(state, from + load.from, to + load.to);
+                self.step_beside(state);
+                return seen;
+            }
+            Entry::Command(command) => match self.step_valve::<Effects, DELAY>(state, command) {
                 Some(slider) => Feed::Edges(self.shifted(state, slider)),
                 None => Feed::Given { from: closed, to: closed },
             },
             Entry::Followed { command, slider } => {
-                self.step_valve(state, command);
+                self.step_valve::<Effects, DELAY>(state, command);
                 Feed::Edges(slider)
             }
             Entry::Slider(slider) => Feed::Edges(slider),
             Entry::Pump(pump) => Feed::Pump(pump),
             Entry::Flow { from, to } => Feed::Given { from, to },
         };
-        self.step_hydraulics(state, &feed, load)
+        let seen = self.step_hydraulics::<Effects, DELAY>(state, &feed, load);
+        self.step_beside(state);
+        seen
+    }
+
+    /// What only reads the links: sensors and the oil's warming.
+    #[inline]
+    fn step_beside<const DELAY: usize>(&self, state: &mut DriveState<N, DELAY>) {
+        self.sensors.step(&mut state.sensed, state.motion.position);
+        if let Some(viscosity) = &self.viscosity {
+            viscosity.step(&mut state.warmth);
+        }
     }
 
     /// Only the valve, where the drive has one.
     #[inline]
-    fn step_valve<const DELAY: usize>(&self, state: &mut DriveState<N, DELAY>, command: N) -> Option<Slider<N>> {
+    fn step_valve<V: Vocabulary, const DELAY: usize>(
+        &self,
+        state: &mut DriveState<N, DELAY>,
+        command: N,
+    ) -> Option<Slider<N>> {
         let OilSource::Valve(valve, edges) = &self.source else { return None };
-        let across = if valve.feels_flow() {
+        let across = if valve.feels_flow::<V>() {
             edges.across_open(state.chambers, state.supply.pressure)
         } else {
             AcrossEdges::NONE
         };
-        Some(valve.step_against(&mut state.valve, command, across))
+        Some(valve.step_with::<V, DELAY>(&mut state.valve, command, across))
     }
 
     /// The slider over a tick with the travel of an unnamed table.
@@ -337,9 +363,9 @@ impl<N: Number> Drive<N> {
         let constant = self.unsprung.load;
         let forces = Forces {
             start: from + constant,
-            first: from + constant + N::dot([self.gamma], [rise]),
-            second: to + constant - N::dot([self.gamma], [rise]),
-            around: self.surroundings(state, N::ZERO, self.oil(state)),
+            first: from + constant + rise.part(self.gamma),
+            second: to + constant - rise.part(self.gamma),
+            around: self.surroundings::<Effects, DELAY>(state, N::ZERO, self.oil::<Effects, DELAY>(state)),
         };
         let position = N::of_travel(state.motion.position);
         let velocity = self.unsprung.step(&mut state.motion, forces);
@@ -347,7 +373,7 @@ impl<N: Number> Drive<N> {
     }
 
     #[inline]
-    fn step_hydraulics<const DELAY: usize>(
+    fn step_hydraulics<V: Vocabulary, const DELAY: usize>(
         &self,
         state: &mut DriveState<N, DELAY>,
         feed: &Feed<N>,
@@ -357,26 +383,26 @@ impl<N: Number> Drive<N> {
         let pressures = state.chambers;
         let velocity = state.motion.velocity;
         let position = N::of_travel(state.motion.position);
-        let oil = self.oil(state);
-        let filled = self.chambers.at(pressures, position, oil.map(|oil| oil.thinness));
+        let oil = self.oil::<V, DELAY>(state);
+        let filled = self.chambers.at::<V>(pressures, position, oil.map(|oil| oil.thinness));
         let chambers = filled.as_ref().map_or(&self.chambers, |filled| &filled.chambers);
         let slider = match feed {
             Feed::Edges(slider) => (slider.from + slider.to).halved(),
             Feed::Pump(_) | Feed::Given { .. } => N::ZERO,
         };
-        let around = self.surroundings(state, slider, oil);
-        let added = self.unnamed.as_ref().map(|unnamed| unnamed.flows(Self::states(state, slider)));
+        let around = self.surroundings::<V, DELAY>(state, slider, oil);
+        let added = V::on(self.unnamed.as_ref()).map(|unnamed| unnamed.flows(Self::states(state, slider)));
         let with = |flows: Flows<N>| added.map_or(flows, |more| Flows { a: flows.a + more.a, b: flows.b + more.b });
-        let equation = mechanics.equation(&state.motion, around);
+        let equation = mechanics.equation::<V>(&state.motion, around);
         let constant = mechanics.load;
 
-        let (flows, drawn) = self.feed_from(feed, pressures, state.supply.pressure);
-        let yielding = chambers.yielding(&flows);
+        let (flows, drawn) = self.feed_from::<V>(feed, pressures, state.supply.pressure);
+        let yielding = chambers.yielding::<V>(&flows);
         let start = self.pressure_force(pressures) + load.from + constant;
         let contact = equation.contact(velocity, start);
         // 1/(1 + γ²·mobility·(springs that yield)): the eliminated equation for the velocity.
         let weights = match filled.as_ref().and_then(|filled| filled.shares) {
-            Some(shares) => [yielding.a.times(shares.a), yielding.b.times(shares.b)],
+            Some(shares) => [yielding.a.of(shares.a), yielding.b.of(shares.b)],
             None => [yielding.a, yielding.b],
         };
         let give = |share: Option<N>| {
@@ -385,34 +411,34 @@ impl<N: Number> Drive<N> {
         let gives = if contact == Contact::Sticks { None } else { Some(equation.gives(give)) };
 
         // First stage.
-        let inflow1 = with(chambers.inflow(Flows { a: flows.a.flow, b: flows.b.flow }, pressures));
+        let inflow1 = with(chambers.inflow::<V>(Flows { a: flows.a.flow, b: flows.b.flow }, pressures));
         let net = Flows { a: inflow1.a - velocity, b: chambers.displaced_b(velocity) - inflow1.b };
-        let trial = chambers.rise(Flows { a: yielding.a.times(net.a), b: yielding.b.times(net.b) });
+        let trial = chambers.rise(Flows { a: yielding.a.of(net.a), b: yielding.b.of(net.b) });
         let force = self.stage_force(pressures, trial) + load.from + constant;
-        let guess = equation.first_stage(contact, velocity, force, gives);
-        let ahead = N::dot([self.gamma], [guess]);
-        let net1 =
-            Flows { a: yielding.a.times(net.a - ahead), b: yielding.b.times(net.b + chambers.displaced_b(ahead)) };
+        let stage = equation.first_stage(contact, velocity);
+        let guess = equation.first_increment(&stage, force, gives);
+        let ahead = guess.part(self.gamma);
+        let net1 = Flows { a: yielding.a.of(net.a - ahead), b: yielding.b.of(net.b + chambers.displaced_b(ahead)) };
         let k1 = chambers.rise(net1);
         let first = self.stage_force(pressures, k1) + load.from + constant;
-        let v1 = equation.first_stage(contact, velocity, first, None);
+        let v1 = equation.first_increment(&stage, first, None);
 
         // Second stage.
         let (pressures2, velocity2) = (ChamberState { a: pressures.a + k1.a, b: pressures.b + k1.b }, velocity + v1);
-        let supply2 = self.supplied(feed, pressures2, state.supply, drawn);
-        let inflow2 = with(chambers.inflow(self.feed_to(feed, pressures2, supply2.pressure), pressures2));
+        let supply2 = self.supplied::<V>(feed, pressures2, state.supply, drawn);
+        let inflow2 = with(chambers.inflow::<V>(self.feed_to::<V>(feed, pressures2, supply2.pressure), pressures2));
         let net = Flows {
             a: inflow2.a - velocity2 - net1.a - net1.a,
             b: chambers.displaced_b(velocity2) - inflow2.b - net1.b - net1.b,
         };
-        let trial = chambers.rise(Flows { a: yielding.a.times(net.a), b: yielding.b.times(net.b) });
+        let trial = chambers.rise(Flows { a: yielding.a.of(net.a), b: yielding.b.of(net.b) });
         let force = self.stage_force(pressures2, trial) + load.to + constant;
-        let guess = equation.second_stage(contact, velocity, v1, force, gives);
-        let ahead = N::dot([self.gamma], [guess]);
-        let net2 =
-            Flows { a: yielding.a.times(net.a - ahead), b: yielding.b.times(net.b + chambers.displaced_b(ahead)) };
+        let stage = equation.second_stage(contact, velocity, v1);
+        let guess = equation.second_increment(&stage, force, gives);
+        let ahead = guess.part(self.gamma);
+        let net2 = Flows { a: yielding.a.of(net.a - ahead), b: yielding.b.of(net.b + chambers.displaced_b(ahead)) };
         let second = self.stage_force(pressures2, chambers.rise(net2)) + load.to + constant;
-        let v2 = equation.second_stage(contact, velocity, v1, second, None);
+        let v2 = equation.second_increment(&stage, second, None);
 
         // The links take the step.
         let mean = equation.finish(contact, &mut state.motion, v1, v2);
@@ -422,21 +448,28 @@ impl<N: Number> Drive<N> {
         // flow's rounding would pump the closed chambers up within hours.
         let solved = |flow: N| if Mechanics::is_held(v1, v2) { None } else { Some(flow) };
         let flows = Flows {
-            a: chambers.mean(&flows.a, inflow1.a, inflow2.a, solved(kept.a + mean)),
-            b: chambers.mean(&flows.b, inflow1.b, inflow2.b, solved(chambers.displaced_b(mean) - kept.b)),
+            a: chambers.mean::<V>(&flows.a, inflow1.a, inflow2.a, solved(kept.a + mean)),
+            b: chambers.mean::<V>(&flows.b, inflow1.b, inflow2.b, solved(chambers.displaced_b(mean) - kept.b)),
         };
         chambers.fill(&mut state.chambers, &mut state.rest, flows, mean);
-        state.supply = self.supplied(feed, state.chambers, state.supply, drawn);
+        state.supply = self.supplied::<V>(feed, state.chambers, state.supply, drawn);
         let slider = if let Feed::Edges(slider) = feed { Some(*slider) } else { None };
         Interfaces { slider, flows, forces: Forces { start, first, second, around }, velocity: mean, position }
     }
 
     /// Flows of the feed at the start of the tick, with their slopes, and the flow drawn from a supply that droops.
     #[inline]
-    fn feed_from(&self, feed: &Feed<N>, pressures: ChamberState<N>, supply: N) -> (Flows<Linearised<N>>, N) {
+    fn feed_from<V: Vocabulary>(
+        &self,
+        feed: &Feed<N>,
+        pressures: ChamberState<N>,
+        supply: N,
+    ) -> (Flows<Linearised<N>>, N) {
         let given = |flow: N| Linearised { flow, opening: N::ZERO, slope: self.chambers.unity };
         let flows = match (feed, &self.source) {
-            (Feed::Edges(slider), OilSource::Valve(_, edges)) => return edges.linearised(*slider, pressures, supply),
+            (Feed::Edges(slider), OilSource::Valve(_, edges)) => {
+                return edges.linearised_with::<V>(*slider, pressures, supply);
+            }
             (Feed::Pump(drive), OilSource::Pump(pump)) => pump.flow(*drive, pressures.a, pressures.b),
             (Feed::Given { from, .. }, _) => Flows { a: given(from.a), b: given(from.b) },
             _ => Flows { a: given(N::ZERO), b: given(N::ZERO) },
@@ -446,9 +479,9 @@ impl<N: Number> Drive<N> {
 
     /// Flows of the feed at the end of the tick.
     #[inline]
-    fn feed_to(&self, feed: &Feed<N>, pressures: ChamberState<N>, supply: N) -> Flows<N> {
+    fn feed_to<V: Vocabulary>(&self, feed: &Feed<N>, pressures: ChamberState<N>, supply: N) -> Flows<N> {
         match (feed, &self.source) {
-            (Feed::Edges(slider), OilSource::Valve(_, edges)) => edges.flow(slider.to, pressures, supply),
+            (Feed::Edges(slider), OilSource::Valve(_, edges)) => edges.flow_with::<V>(slider.to, pressures, supply),
             (Feed::Pump(drive), OilSource::Pump(pump)) => {
                 let flows = pump.flow(*drive, pressures.a, pressures.b);
                 Flows { a: flows.a.flow, b: flows.b.flow }
@@ -460,9 +493,17 @@ impl<N: Number> Drive<N> {
 
     /// The supply at the end of a tick that ends at these pressures; it stays where nothing feeds from it.
     #[inline]
-    fn supplied(&self, feed: &Feed<N>, pressures: ChamberState<N>, supply: SupplyState<N>, drawn: N) -> SupplyState<N> {
+    fn supplied<V: Vocabulary>(
+        &self,
+        feed: &Feed<N>,
+        pressures: ChamberState<N>,
+        supply: SupplyState<N>,
+        drawn: N,
+    ) -> SupplyState<N> {
         match (feed, &self.source) {
-            (Feed::Edges(slider), OilSource::Valve(_, edges)) => edges.supplied(slider.to, pressures, supply, drawn),
+            (Feed::Edges(slider), OilSource::Valve(_, edges)) => {
+                edges.supplied::<V>(slider.to, pressures, supply, drawn)
+            }
             _ => supply,
         }
     }
@@ -474,19 +515,19 @@ impl<N: Number> Drive<N> {
 
     /// The oil at the start of a tick, where it changes.
     #[inline]
-    fn oil<const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> Option<Oil<N>> {
-        self.viscosity.as_ref().map(|viscosity| viscosity.oil(state.warmth, state.oil_temperature))
+    fn oil<V: Vocabulary, const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> Option<Oil<N>> {
+        V::on(self.viscosity.as_ref()).map(|viscosity| viscosity.oil(state.warmth, state.oil_temperature))
     }
 
     /// What friction depends on beside the motion.
     #[inline]
-    fn surroundings<const DELAY: usize>(
+    fn surroundings<V: Vocabulary, const DELAY: usize>(
         &self,
         state: &DriveState<N, DELAY>,
         slider: N,
         oil: Option<Oil<N>>,
     ) -> Surroundings<N> {
-        let pushed = self.mechanics.push.is_some();
+        let pushed = V::on(self.mechanics.push.as_ref()).is_some();
         Surroundings {
             pressed: state.chambers.a.max(N::ZERO) + state.chambers.b.max(N::ZERO),
             viscosity: oil.map_or(N::ZERO, |oil| oil.excess),
@@ -503,7 +544,7 @@ impl<N: Number> Drive<N> {
     /// pa − α·pb with γ of a stage's increment ahead.
     #[inline]
     fn stage_force(&self, pressures: ChamberState<N>, increment: ChamberState<N>) -> N {
-        let ahead = |pressure: N, increment: N| pressure + N::dot([self.gamma], [increment]);
+        let ahead = |pressure: N, increment: N| pressure + increment.part(self.gamma);
         self.pressure_force(ChamberState { a: ahead(pressures.a, increment.a), b: ahead(pressures.b, increment.b) })
     }
 }

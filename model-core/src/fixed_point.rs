@@ -49,6 +49,7 @@ impl PerUnit {
 
     /// A position as a signal, in strokes, rounded down to the signal's step and held at ±8.
     #[must_use]
+    #[inline]
     pub fn of_travel(travel: I8F56) -> Self {
         Self(I4F28::saturating_from_num(travel))
     }
@@ -74,20 +75,36 @@ impl Neg for PerUnit {
     type Output = Self;
     #[inline]
     fn neg(self) -> Self {
-        Self(self.0.saturating_neg())
+        Self(I4F28::ZERO.saturating_sub(self.0))
     }
 }
 
 /// A 64-bit product or sum of products with 28 + `shift` fractional bits, rounded to a signal.
-///
-/// `wide` stays 2³² below the ends of its range (see [`products`]), so the half step is added without a check.
 #[inline]
 fn rounded(wide: i64, shift: u32) -> PerUnit {
-    let shifted = wide.wrapping_add(1 << (shift - 1)) >> shift;
-    #[expect(clippy::cast_possible_truncation, reason = "what does not fit is held at the end of the range")]
-    let word = shifted as i32;
-    let fits = i64::from(word) == shifted;
-    PerUnit::from_bits(if fits { word } else { end_of_range(shifted < 0) })
+    let upper = (wide >> 32) as i32;
+    // What is beyond the range, or so near its end that rounding might leave it, is not among these upper words. The bound is one that
+    // an Arm instruction holds.
+    let inside = upper.wrapping_add(1 << (shift - 1)).cast_unsigned() < 0xff << (shift - 8);
+    if inside { rounded_within(wide, shift) } else { rounded_at_end(wide, shift) }
+}
+
+/// The same of what is known to stay in the range.
+#[inline]
+fn rounded_within(wide: i64, shift: u32) -> PerUnit {
+    #[expect(clippy::cast_possible_truncation, reason = "it is in the range")]
+    let (word, below) = ((wide >> shift) as i32, (wide >> (shift - 1)) as i32 & 1);
+    PerUnit::from_bits(word.wrapping_add(below))
+}
+
+/// The same of what is beyond the range or at its end. Out of line: it is rare, and every product would hold a copy.
+#[cold]
+#[inline(never)]
+fn rounded_at_end(wide: i64, shift: u32) -> PerUnit {
+    let nearest = (wide >> shift).saturating_add((wide >> (shift - 1)) & 1);
+    #[expect(clippy::cast_possible_truncation, reason = "it is held within the range")]
+    let word = nearest.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
+    PerUnit::from_bits(word)
 }
 
 /// What rounding to a signal takes from `wide`: within half a step, in units of 2⁻⁵⁶.
@@ -97,12 +114,6 @@ fn left_by_rounding(wide: i64) -> i32 {
     #[expect(clippy::cast_possible_truncation, reason = "only the digits below the step are wanted")]
     let word = wide as i32;
     (word.wrapping_add(HALF) & (2 * HALF - 1)) - HALF
-}
-
-/// The word that a value beyond the range is held at.
-#[inline]
-const fn end_of_range(negative: bool) -> i32 {
-    if negative { i32::MIN } else { i32::MAX }
 }
 
 /// Exact Σ gain·signal with 56 fractional bits. Each product is below 2⁶¹, so four of them fit.
@@ -119,7 +130,9 @@ fn products<const K: usize>(gains: [I4F28; K], signals: [PerUnit; K]) -> i64 {
 #[inline]
 fn weighed<const K: usize>(weights: [PerUnit; K], steep: [U16F16; K]) -> u64 {
     weights.into_iter().zip(steep).fold(0_u64, |sum, (weight, steep)| {
-        sum.saturating_add(u64::from(weight.to_bits().unsigned_abs()) * u64::from(steep.to_bits()))
+        let product = u64::from(weight.to_bits().max(0).cast_unsigned()) * u64::from(steep.to_bits());
+        // A product is below 2⁶³, so two of them fit.
+        if K > 2 { sum.saturating_add(product) } else { sum.wrapping_add(product) }
     })
 }
 
@@ -129,6 +142,7 @@ impl Number for PerUnit {
     type Steep = U16F16;
     type Travel = I8F56;
 
+    const LEAN: bool = true;
     const ZERO: Self = Self(I4F28::ZERO);
     const ONE: Self = Self(I4F28::ONE);
 
@@ -158,6 +172,16 @@ impl Number for PerUnit {
     #[inline]
     fn times(self, other: Self) -> Self {
         rounded(i64::from(self.to_bits()) * i64::from(other.to_bits()), FRACTION)
+    }
+    #[inline]
+    fn of(self, signal: Self) -> Self {
+        debug_assert!(Self::ZERO <= self && self <= Self::ONE, "a share is in 0..1: {self:?}");
+        rounded_within(i64::from(self.to_bits()) * i64::from(signal.to_bits()), FRACTION)
+    }
+    #[inline]
+    fn part(self, of: I4F28) -> Self {
+        debug_assert!((I4F28::ZERO..=I4F28::ONE).contains(&of), "a part is in 0..1: {of}");
+        rounded_within(i64::from(of.to_bits()) * i64::from(self.to_bits()), FRACTION)
     }
     #[inline]
     fn dot<const K: usize>(gains: [I4F28; K], signals: [Self; K]) -> Self {
@@ -290,6 +314,14 @@ mod tests {
             let ((a, x), (b, y)) = (signal(a), signal(b));
             let exact = (x * y).clamp(-8.0, 8.0 - STEP);
             prop_assert!((a.times(b).to_f64() - exact).abs() <= 0.5 * STEP + 1e-14);
+        }
+
+        #[test]
+        fn products_with_a_share_round_to_nearest(share in 0..=1_i32 << 28, b in any::<i32>()) {
+            let ((share, x), (b, y)) = (signal(share), signal(b));
+            let exact = x * y;
+            prop_assert!((share.of(b).to_f64() - exact).abs() <= 0.5 * STEP + 1e-14);
+            prop_assert_eq!(b.part(share.as_gain()), share.of(b));
         }
 
         #[test]

@@ -7,6 +7,7 @@ use crate::chambers::ChamberState;
 use crate::edge_effects::EdgeEffects;
 use crate::number::Number;
 use crate::valve::{AcrossEdges, Slider};
+use crate::vocabulary::{Effects, Vocabulary};
 
 /// One flow with what the implicit step needs of its slope against the pressure it works on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,36 +72,59 @@ impl<N: Number> Edges<N> {
     /// Flows at a slider position, two chamber pressures, and that of a supply that droops.
     #[inline]
     pub fn flow(&self, slider: N, pressures: ChamberState<N>, supply: N) -> Flows<N> {
-        if let Some(effects) = &self.effects {
+        self.flow_with::<Effects>(slider, pressures, supply)
+    }
+
+    #[inline]
+    pub(crate) fn flow_with<V: Vocabulary>(&self, slider: N, pressures: ChamberState<N>, supply: N) -> Flows<N> {
+        if let Some(effects) = V::on(self.effects.as_ref()) {
             return self.flow_of_four(effects, slider, pressures, supply);
         }
         let opening = self.opening(slider);
         let across = self.across(opening, pressures);
-        let edge = |across: N| {
-            let (root, _) = across.orifice_root(self.transition);
-            opening.times(root).limited(self.limit)
-        };
-        Flows { a: edge(across.a), b: edge(across.b) }
+        Flows { a: self.passing_edge(opening, across.a), b: self.passing_edge(opening, across.b) }
     }
 
     /// Flows at the start of a tick, with their slopes at the larger opening of the tick for the implicit step; and the flow drawn
     /// from a supply that droops.
     #[inline]
     pub fn linearised(&self, slider: Slider<N>, pressures: ChamberState<N>, supply: N) -> (Flows<Linearised<N>>, N) {
-        if let Some(effects) = &self.effects {
+        self.linearised_with::<Effects>(slider, pressures, supply)
+    }
+
+    #[inline]
+    pub(crate) fn linearised_with<V: Vocabulary>(
+        &self,
+        slider: Slider<N>,
+        pressures: ChamberState<N>,
+        supply: N,
+    ) -> (Flows<Linearised<N>>, N) {
+        if let Some(effects) = V::on(self.effects.as_ref()) {
             return self.linearised_of_four(effects, slider, pressures, supply);
         }
         let (from, to) = (self.opening(slider.from), self.opening(slider.to));
         // A closed valve that opens within the tick already works between the pressures it opens to.
         let across = self.across(if from == N::ZERO { to } else { from }, pressures);
-        let edge = |across: N| {
-            let (root, slope) = across.orifice_root(self.transition);
-            let free = from.times(root);
-            let flow = free.limited(self.limit);
-            let opening = if flow == free { from.magnitude().max(to.magnitude()) } else { N::ZERO };
-            Linearised { flow, opening, slope }
-        };
+        let larger = from.magnitude().max(to.magnitude());
+        let edge = |across: N| self.passing_linearised(from, larger, across);
         (Flows { a: edge(across.a), b: edge(across.b) }, N::ZERO)
+    }
+
+    /// Flow through an edge.
+    #[inline]
+    fn passing_edge(&self, opening: N, across: N) -> N {
+        let (root, _) = across.orifice_root(self.transition);
+        opening.times(root).limited(self.limit)
+    }
+
+    /// Flow through an edge with its slope, at the `larger` opening of the tick.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "a call with its result in memory is half of what it computes")]
+    fn passing_linearised(&self, opening: N, larger: N, across: N) -> Linearised<N> {
+        let (root, slope) = across.orifice_root(self.transition);
+        let free = opening.times(root);
+        let flow = free.limited(self.limit);
+        Linearised { flow, opening: if flow == free { larger } else { N::ZERO }, slope }
     }
 
     /// Pressure over both edges that either way of the slider opens, without sign.

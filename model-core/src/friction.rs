@@ -130,6 +130,11 @@ impl<N: Number> DryFriction<N> {
         level
     }
 
+    /// Whether there is none.
+    pub(crate) fn is_off(&self) -> bool {
+        self.extending == N::ZERO && self.retracting == N::ZERO && !self.varies()
+    }
+
     /// Whether the levels differ from tick to tick.
     #[inline]
     pub(crate) fn varies(&self) -> bool {

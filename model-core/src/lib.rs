@@ -66,3 +66,4 @@ mod temperature;
 mod unnamed;
 pub mod valve;
 mod valve_effects;
+mod vocabulary;

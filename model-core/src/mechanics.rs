@@ -7,12 +7,15 @@
 //! velocity at the stage, v + γ·k: a spring of stiffness k is one of s = γ·h·k, with its force at the tick's start beside it. With
 //! r the old diagonal over the new, mobility and `back` shrink by r and the drag becomes drag·r + (1 − r)/γ.
 
+use core::marker::PhantomData;
+
 use crate::bristles::{Bristles, Gripping};
 use crate::end_stop::{Side, Stops};
 use crate::friction::{DryFriction, Level, PlacedDrag};
 use crate::number::Number;
 use crate::position_load::PositionLoad;
 use crate::unnamed::{Push, States};
+use crate::vocabulary::{Effects, Vocabulary};
 
 pub use crate::friction::Contact;
 
@@ -141,8 +144,9 @@ pub(crate) struct Gives<N> {
 
 /// The equation of the mass in one tick, from where the rod stands.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Equation<'a, N: Number> {
+pub(crate) struct Equation<'a, N: Number, V> {
     mechanics: &'a Mechanics<N>,
+    vocabulary: PhantomData<V>,
     pub(crate) row: Row<N>,
     /// Of friction that holds rigidly.
     level: Level<N>,
@@ -150,6 +154,33 @@ pub(crate) struct Equation<'a, N: Number> {
     own: Option<Own<'a, N>>,
     /// States at the start of the tick, for the table of forces.
     states: States<N>,
+    /// Force of the table there.
+    pushed: Option<N>,
+}
+
+/// What acts on the mass at a stage beside the net force and its own diagonal.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stage<N> {
+    sticks: bool,
+    /// Velocity at the stage, and what the first stage gained of it.
+    velocity: N,
+    gained: N,
+    /// Force of the table.
+    pushed: Option<N>,
+    dry: N,
+    /// Force of the rod's own position.
+    own: Option<N>,
+    /// Force of the stop that the rod touches.
+    stop: Option<N>,
+}
+
+impl<N: Number> Stage<N> {
+    /// A net force with all that acts beside it but a stop.
+    #[inline]
+    fn with(&self, force: N) -> N {
+        let force = self.pushed.map_or(force, |pushed| force + pushed) + self.dry;
+        self.own.map_or(force, |own| force + own)
+    }
 }
 
 /// Forces of the rod's own position in one tick.
@@ -170,6 +201,14 @@ struct Held<N: Number> {
     depth: N,
     stiffness: N::Steep,
     row: Row<N>,
+}
+
+impl<N: Number> Held<N> {
+    /// Force of the stop at a depth; positive extends.
+    #[inline]
+    fn pushes(&self, depth: N) -> N {
+        self.side.push(depth.amplified(self.stiffness))
+    }
 }
 
 impl<N: Number> Row<N> {
@@ -200,16 +239,34 @@ impl<N: Number> Mechanics<N> {
     /// One tick under the given forces. Returns the mean velocity of the tick.
     #[inline]
     pub fn step(&self, state: &mut MotionState<N>, forces: Forces<N>) -> N {
-        let equation = self.equation(state, forces.around);
+        let equation = self.equation::<Effects>(state, forces.around);
         let contact = equation.contact(state.velocity, forces.start);
-        let first = equation.first_stage(contact, state.velocity, forces.first, None);
-        let second = equation.second_stage(contact, state.velocity, first, forces.second, None);
+        let first = equation.first_increment(&equation.first_stage(contact, state.velocity), forces.first, None);
+        let second = equation.second_stage(contact, state.velocity, first);
+        let second = equation.second_increment(&second, forces.second, None);
         equation.finish(contact, state, first, second)
     }
 
     /// The equation of the mass from where it stands.
     #[inline]
-    pub(crate) fn equation(&self, state: &MotionState<N>, around: Surroundings<N>) -> Equation<'_, N> {
+    pub(crate) fn equation<V: Vocabulary>(
+        &self,
+        state: &MotionState<N>,
+        around: Surroundings<N>,
+    ) -> Equation<'_, N, V> {
+        let equation = |row, level, held, own| Equation {
+            mechanics: self,
+            vocabulary: PhantomData,
+            row,
+            level,
+            held,
+            own,
+            states: around.states,
+            pushed: V::on(self.push.as_ref()).map(|push| push.at(States { velocity: state.velocity, ..around.states })),
+        };
+        if V::PLAIN {
+            return equation(self.row, Level::NONE, None, None);
+        }
         let from_middle = || N::of_travel(state.position) - N::ONE.halved();
         let level = if self.dry.varies() {
             self.dry.level(from_middle(), around.pressed)
@@ -217,7 +274,7 @@ impl<N: Number> Mechanics<N> {
             self.dry.level(N::ZERO, N::ZERO)
         };
         let Some(resistance) = &self.resistance else {
-            return Equation { mechanics: self, row: self.row, level, held: None, own: None, states: around.states };
+            return equation(self.row, level, None, None);
         };
         let from_middle = from_middle();
         let viscosity = resistance.drag.map_or(around.viscosity, |drag| drag.excess(from_middle, around.viscosity));
@@ -242,7 +299,12 @@ impl<N: Number> Mechanics<N> {
         });
         let own = Some(Own { resistance, from_middle, grip, start: spring - bristle });
         let level = if grip.is_some() { Level::NONE } else { level };
-        Equation { mechanics: self, row: braked(N::ZERO, resistance.none), level, held, own, states: around.states }
+        equation(braked(N::ZERO, resistance.none), level, held, own)
+    }
+
+    /// Whether no effect is on.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.resistance.is_none() && self.push.is_none() && self.dry.is_off()
     }
 
     /// Whether the increments of a tick are beyond the format.
@@ -252,74 +314,120 @@ impl<N: Number> Mechanics<N> {
     }
 }
 
-impl<N: Number> Equation<'_, N> {
+impl<'a, N: Number, V: Vocabulary> Equation<'a, N, V> {
+    /// Forces of the rod's own position.
+    #[inline]
+    fn own(&self) -> Option<&Own<'a, N>> {
+        V::on(self.own.as_ref())
+    }
+
+    /// The stop that the rod touches.
+    #[inline]
+    fn held(&self) -> Option<&Held<N>> {
+        V::on(self.held.as_ref())
+    }
+
     /// How dry friction acts on a rod with this velocity under this force at the start.
     #[inline]
     pub(crate) fn contact(&self, velocity: N, force: N) -> Contact {
-        let force = self.own.map_or(force, |own| force + own.start);
-        let force = self.pushed(force, velocity);
-        let force = self.held.map_or(force, |held| force + held.side.push(held.depth.amplified(held.stiffness)));
+        if V::PLAIN {
+            return Contact::Free;
+        }
+        let force = self.own().map_or(force, |own| force + own.start);
+        let force = V::on(self.pushed.as_ref()).map_or(force, |&pushed| force + pushed);
+        let force = self.held().map_or(force, |held| force + held.pushes(held.depth));
         self.level.contact(velocity, force)
-    }
-
-    /// A force with that of the table, at a stage's velocity.
-    #[inline]
-    fn pushed(&self, force: N, velocity: N) -> N {
-        self.mechanics.push.as_ref().map_or(force, |push| force + push.at(States { velocity, ..self.states }))
     }
 
     /// What `give` yields for the mass's own diagonal of a rod that is free of a stop, and one that is held.
     #[inline]
     pub(crate) fn gives(&self, give: impl Fn(Option<N>) -> N) -> Gives<N> {
-        let free = give(self.row.share);
-        Gives { free, held: self.held.map_or(free, |held| give(held.row.share)) }
+        let free = give(V::on(self.row.share.as_ref()).copied());
+        Gives { free, held: self.held().map_or(free, |held| give(held.row.share)) }
+    }
+
+    /// What acts at the first stage.
+    #[inline]
+    pub(crate) fn first_stage(&self, contact: Contact, velocity: N) -> Stage<N> {
+        Stage {
+            sticks: contact == Contact::Sticks,
+            velocity,
+            gained: N::ZERO,
+            pushed: V::on(self.pushed.as_ref()).copied(),
+            dry: self.level.force(contact, velocity),
+            own: self.own().map(|own| own.start),
+            stop: self.held().map(|held| held.pushes(held.depth)),
+        }
+    }
+
+    /// What acts at the second stage, after the velocity that the first has gained.
+    #[inline]
+    pub(crate) fn second_stage(&self, contact: Contact, velocity: N, gained: N) -> Stage<N> {
+        let there = velocity + gained;
+        let plain = Stage {
+            sticks: contact == Contact::Sticks,
+            velocity: there,
+            gained,
+            pushed: None,
+            dry: N::ZERO,
+            own: None,
+            stop: None,
+        };
+        if V::PLAIN || plain.sticks {
+            return plain;
+        }
+        let pushed = self.mechanics.push.as_ref().map(|push| push.at(States { velocity: there, ..self.states }));
+        let dry = self.level.force(contact, there);
+        let Some(own) = self.own() else { return Stage { pushed, dry, ..plain } };
+        let ahead = velocity + N::dot([own.resistance.gamma], [gained]);
+        let moved = N::dot([self.mechanics.travel], [ahead]);
+        let stop = self.held().map(|held| {
+            // How much deeper a spring's second stage starts, in the direction out of the face.
+            let left = N::dot([own.resistance.second], [moved]);
+            held.pushes(held.depth - held.side.push(left))
+        });
+        Stage { pushed, dry, own: Some(own.second(there, ahead, moved)), stop, ..plain }
     }
 
     /// Velocity increment of the first stage.
     #[inline]
-    pub(crate) fn first_stage(&self, contact: Contact, velocity: N, force: N, gives: Option<Gives<N>>) -> N {
-        if contact == Contact::Sticks {
-            return N::ZERO;
-        }
-        let force = self.pushed(force, velocity) + self.level.force(contact, velocity);
-        let force = self.own.map_or(force, |own| force + own.start);
-        let solved = |row: &Row<N>, force: N, give: Option<N>| {
-            let yields = |signal: N| give.map_or(signal, |give| give.times(signal));
-            N::dot([row.mobility, row.drag], [yields(force), yields(-velocity)])
-        };
-        let free = solved(&self.row, force, gives.map(|gives| gives.free));
-        self.held.map_or(free, |held| {
-            let force = force + held.side.push(held.depth.amplified(held.stiffness));
-            held.side.hold(free, solved(&held.row, force, gives.map(|gives| gives.held)))
+    pub(crate) fn first_increment(&self, stage: &Stage<N>, force: N, gives: Option<Gives<N>>) -> N {
+        self.increment(stage, force, gives, |row, force, give| {
+            let yields = |signal: N| give.map_or(signal, |give| give.of(signal));
+            N::dot([row.mobility, row.drag], [yields(force), yields(-stage.velocity)])
         })
     }
 
     /// Velocity increment of the second stage.
     #[inline]
-    pub(crate) fn second_stage(&self, contact: Contact, velocity: N, first: N, force: N, gives: Option<Gives<N>>) -> N {
-        if contact == Contact::Sticks {
+    pub(crate) fn second_increment(&self, stage: &Stage<N>, force: N, gives: Option<Gives<N>>) -> N {
+        self.increment(stage, force, gives, |row, force, give| {
+            let yields = |signal: N| give.map_or(signal, |give| give.of(signal));
+            let signals = [yields(force), yields(-stage.velocity), yields(stage.gained)];
+            N::dot([row.mobility, row.drag, row.back], signals)
+        })
+    }
+
+    /// What a stage's equation, `solved` for a row, yields: none of a rod that sticks, and of a rod on a stop what moves it less into it.
+    #[inline]
+    fn increment(
+        &self,
+        stage: &Stage<N>,
+        force: N,
+        gives: Option<Gives<N>>,
+        solved: impl Fn(&Row<N>, N, Option<N>) -> N,
+    ) -> N {
+        if stage.sticks {
             return N::ZERO;
         }
-        let there = velocity + first;
-        let force = self.pushed(force, there) + self.level.force(contact, there);
-        let solved = |row: &Row<N>, force: N, give: Option<N>| {
-            let yields = |signal: N| give.map_or(signal, |give| give.times(signal));
-            N::dot([row.mobility, row.drag, row.back], [yields(force), yields(-there), yields(first)])
-        };
-        let Some(own) = &self.own else {
-            return solved(&self.row, force, gives.map(|gives| gives.free));
-        };
-        let ahead = velocity + N::dot([own.resistance.gamma], [first]);
-        let moved = N::dot([self.mechanics.travel], [ahead]);
-        let force = force + own.second(there, ahead, moved);
+        let force = stage.with(force);
         let free = solved(&self.row, force, gives.map(|gives| gives.free));
-        self.held.map_or(free, |held| {
-            // How much deeper a spring's second stage starts, in the direction out of the face.
-            let left = N::dot([own.resistance.second], [moved]);
-            let depth = held.depth - held.side.push(left);
-            let force = force + held.side.push(depth.amplified(held.stiffness));
-            held.side.hold(free, solved(&held.row, force, gives.map(|gives| gives.held)))
-        })
+        match (self.held(), stage.stop) {
+            (Some(held), Some(stop)) => {
+                held.side.hold(free, solved(&held.row, force + stop, gives.map(|gives| gives.held)))
+            }
+            _ => free,
+        }
     }
 
     /// Moves the rod by the two increments and returns its mean velocity over the tick.
@@ -351,11 +459,11 @@ impl<N: Number> Equation<'_, N> {
             Contact::Retracts if moved > N::ZERO => (moved - self.turn()).max(self.turned(moved)),
             _ => moved,
         };
-        if let Some(Own { resistance: Resistance { stops, .. }, grip, .. }) = &self.own {
+        if let Some(Own { resistance: Resistance { stops, .. }, grip, .. }) = self.own() {
             if let Some(grip) = grip {
                 state.bristles = grip.after(mean);
             }
-            if let (Some(stops), None) = (stops, &self.held) {
+            if let (Some(stops), None) = (stops, self.held()) {
                 state.position = stops.set_down(state.position);
             }
         }
@@ -365,17 +473,17 @@ impl<N: Number> Equation<'_, N> {
     /// What is left of a velocity that has turned within the tick, if friction holds as hard as it can.
     #[inline]
     fn turned(&self, moved: N) -> N {
-        self.own.and_then(|own| own.grip).map_or(N::ZERO, |grip| moved.times(grip.turned()))
+        self.own().and_then(|own| own.grip).map_or(N::ZERO, |grip| moved.times(grip.turned()))
     }
 
     /// What all dry friction takes of the velocity in a tick, to both sides.
     #[inline]
     fn turn(&self) -> N {
         let mechanics = self.mechanics;
-        if self.own.is_none() && !mechanics.dry.varies() {
+        if V::PLAIN || (self.own().is_none() && !mechanics.dry.varies()) {
             return mechanics.dry.turn;
         }
-        let grip = self.own.and_then(|own| own.grip);
+        let grip = self.own().and_then(|own| own.grip);
         N::dot([self.row.mobility], [grip.map_or_else(|| self.level.both(), |grip| grip.both())])
     }
 }

@@ -10,10 +10,11 @@
 
 use crate::chambers::ChamberState;
 use crate::edge_effects::{EdgeEffects, behind_laminar_line};
-use crate::flow::{Edges, Flows, Linearised};
+use crate::flow::{Edges, Flows, Linearised, Lines};
 use crate::number::Number;
 use crate::supply::{Draw, SupplyState};
 use crate::valve::Slider;
+use crate::vocabulary::Vocabulary;
 
 /// One of something for each metering edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,13 +65,24 @@ impl<N: Number> Four<Passing<N>> {
     /// Opening times slope of each edge, over the scale of slopes.
     #[inline]
     fn steepness(&self, openings: &Four<N>, fraction: N) -> Four<N> {
-        self.with(
-            openings,
-            |passing, opening| {
-                if passing.follows { opening.times(fraction).amplified(passing.slope) } else { N::ZERO }
-            },
-        )
+        self.with(openings, |passing, opening| passing.steepness(opening, fraction))
     }
+}
+
+impl<N: Number> Passing<N> {
+    /// Opening times slope, over the scale of slopes.
+    #[inline]
+    fn steepness(&self, opening: N, fraction: N) -> N {
+        if self.follows { opening.times(fraction).amplified(self.slope) } else { N::ZERO }
+    }
+}
+
+/// What both edges of each kind are opened by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Metered<N> {
+    extending: N,
+    retracting: N,
+    leaking: N,
 }
 
 impl<N: Number> Edges<N> {
@@ -116,38 +128,58 @@ impl<N: Number> Edges<N> {
 
     /// The supply at the end of a tick that ends at this slider and these pressures, with `drawn` drawn at its start.
     #[inline]
-    pub(crate) fn supplied(
+    pub(crate) fn supplied<V: Vocabulary>(
         &self,
         slider: N,
         pressures: ChamberState<N>,
         supply: SupplyState<N>,
         drawn: N,
     ) -> SupplyState<N> {
-        let Some(effects) = &self.effects else { return supply };
+        let Some(effects) = V::on(self.effects.as_ref()) else { return supply };
         let Some(droop) = &effects.droop else { return supply };
-        let openings = self.openings(effects, slider);
+        let [into_a, into_b] = self.supply_openings(self.metered(effects, slider));
         droop.after(supply, self.lines.supply, drawn, effects.slope_scale, |supply| {
-            let passing = self.passing(effects, &openings, pressures, supply);
-            let steep = passing.steepness(&openings, effects.slope_fraction);
-            Draw { flow: passing.drawn(), steepness: steep.supply_a + steep.supply_b }
+            let Lines { supply, .. } = self.lines_at(supply);
+            let edge = |opening: N, pressure: N| {
+                let passing = self.through(opening, (supply - pressure).orifice_root(self.transition));
+                (passing.flow, passing.steepness(opening, effects.slope_fraction))
+            };
+            let ((flow_a, steep_a), (flow_b, steep_b)) = (edge(into_a, pressures.a), edge(into_b, pressures.b));
+            Draw { flow: flow_a + flow_b, steepness: steep_a + steep_b }
         })
+    }
+
+    #[inline]
+    fn metered(&self, effects: &EdgeEffects<N>, slider: N) -> Metered<N> {
+        let beyond = self.overlap.beyond(slider);
+        Metered {
+            extending: effects.metered(beyond.max(N::ZERO)),
+            retracting: effects.metered((-beyond).max(N::ZERO)),
+            leaking: effects.leaking(slider),
+        }
+    }
+
+    /// Openings of the edges P-A and P-B.
+    #[inline]
+    fn supply_openings(&self, Metered { extending, retracting, leaking }: Metered<N>) -> [N; 2] {
+        [extending, retracting].map(|metered| N::dot([self.gain], [metered + leaking]))
     }
 
     /// Openings of the edges, flow gain included, none negative.
     #[inline]
     fn openings(&self, effects: &EdgeEffects<N>, slider: N) -> Four<N> {
-        let beyond = self.overlap.beyond(slider);
-        let extending = effects.metered(beyond.max(N::ZERO));
-        let retracting = effects.metered((-beyond).max(N::ZERO));
-        let leaking = effects.leaking(slider);
-        let supply = |metered: N| N::dot([self.gain], [metered + leaking]);
-        let tank = |metered: N| N::dot([self.gain], [effects.tank_opening(metered, leaking)]);
-        Four {
-            supply_a: supply(extending),
-            tank_a: tank(retracting),
-            supply_b: supply(retracting),
-            tank_b: tank(extending),
-        }
+        let metered = self.metered(effects, slider);
+        let [supply_a, supply_b] = self.supply_openings(metered);
+        let tank = |opened: N| N::dot([self.gain], [effects.tank_opening(opened, metered.leaking)]);
+        Four { supply_a, tank_a: tank(metered.retracting), supply_b, tank_b: tank(metered.extending) }
+    }
+
+    /// What passes an edge of this opening and root.
+    #[inline]
+    fn through(&self, opening: N, (root, slope): (N, N::Steep)) -> Passing<N> {
+        let free = opening.times(root);
+        let flow = free.limited(self.limit);
+        Passing { flow, slope, follows: flow == free }
     }
 
     #[inline]
@@ -165,15 +197,12 @@ impl<N: Number> Edges<N> {
             supply_b: lines.supply - pressures.b,
             tank_b: pressures.b - lines.tank,
         };
-        let through = |opening: N, (root, slope): (N, N::Steep)| {
-            let free = opening.times(root);
-            let flow = free.limited(self.limit);
-            Passing { flow, slope, follows: flow == free }
-        };
-        let supply = |opening: N, across: N| through(opening, across.orifice_root(self.transition));
+        let supply = |opening: N, across: N| self.through(opening, across.orifice_root(self.transition));
         let tank = |opening: N, across: N| match effects.half_laminar {
-            Some(half) => through(opening, behind_laminar_line(across, N::dot([half], [opening]), self.transition)),
-            None => through(opening, across.orifice_root(self.transition)),
+            Some(half) => {
+                self.through(opening, behind_laminar_line(across, N::dot([half], [opening]), self.transition))
+            }
+            None => self.through(opening, across.orifice_root(self.transition)),
         };
         Four {
             supply_a: supply(openings.supply_a, across.supply_a),

@@ -66,6 +66,9 @@ pub trait Number:
     /// The position: an accumulator that loses nothing of what is added to it.
     type Travel: Copy + Debug + PartialEq;
 
+    /// Whether steps of drives without effects are worth code of their own: on a controller, where each question after one counts.
+    const LEAN: bool = false;
+
     /// 0
     const ZERO: Self;
     /// 1
@@ -95,6 +98,14 @@ pub trait Number:
     /// Product of two signals.
     #[must_use]
     fn times(self, other: Self) -> Self;
+
+    /// This share, 0..1, of a signal: a product that cannot leave the range.
+    #[must_use]
+    fn of(self, signal: Self) -> Self;
+
+    /// A signal times a gain of 0..1: a product that cannot leave the range.
+    #[must_use]
+    fn part(self, of: Self::Gain) -> Self;
 
     /// Sum of up to four signals, each with its gain, rounded once.
     fn dot<const K: usize>(gains: [Self::Gain; K], signals: [Self; K]) -> Self;
@@ -212,6 +223,14 @@ impl<R: Real> Number for R {
     #[inline]
     fn times(self, other: Self) -> Self {
         self * other
+    }
+    #[inline]
+    fn of(self, signal: Self) -> Self {
+        self * signal
+    }
+    #[inline]
+    fn part(self, of: R) -> Self {
+        sum([of], [self])
     }
     #[inline]
     fn dot<const K: usize>(gains: [R; K], signals: [Self; K]) -> Self {

@@ -107,7 +107,7 @@ impl<N: Number, const DELAY: usize> SensedState<N, DELAY> {
 impl<N: Number> Sensors<N> {
     /// Whether the position's sensor needs its state.
     #[inline]
-    fn follows(&self) -> bool {
+    pub(crate) fn follows(&self) -> bool {
         self.half_play.is_some() || self.lag.is_some() || self.delay.is_some()
     }
 

@@ -6,6 +6,7 @@
 
 use crate::number::Number;
 use crate::valve_effects::{ValveEffectState, ValveEffects};
+use crate::vocabulary::{Effects, Vocabulary};
 
 /// Coefficients of the valve at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,7 +87,7 @@ impl<N: Number> Valve<N> {
     /// Hysteresis has settled in the middle of its width, the neutral has yet to drift, and the slider is stuck nowhere.
     #[must_use]
     pub fn at_rest<const DELAY: usize>(&self, command: N) -> ValveState<N, DELAY> {
-        let set = self.effects.fed(self.target(command));
+        let set = self.effects.fed::<Effects>(self.target(command));
         let effects = ValveEffectState::at_rest(set);
         ValveState { set, line: [set; DELAY], head: 0, lag: set, slider: set, effects }
     }
@@ -105,31 +106,41 @@ impl<N: Number> Valve<N> {
         command: N,
         across: AcrossEdges<N>,
     ) -> Slider<N> {
-        let target = self.effects.characteristic(self.target(command), &mut state.effects);
+        self.step_with::<Effects, DELAY>(state, command, across)
+    }
+
+    #[inline]
+    pub(crate) fn step_with<V: Vocabulary, const DELAY: usize>(
+        &self,
+        state: &mut ValveState<N, DELAY>,
+        command: N,
+        across: AcrossEdges<N>,
+    ) -> Slider<N> {
+        let target = self.effects.characteristic::<V>(self.target(command), &mut state.effects);
         let mean = self.limit_rate(&mut state.set, target);
         let delayed = self.delay(&mut state.line, &mut state.head, mean);
         let from = state.slider;
-        let second = self.effects.second_lag(&state.effects, from);
+        let second = self.effects.second_lag::<V>(&state.effects, from);
         let (mut lag, mut free) = self.lagged(state.lag, second, delayed);
-        if let Some(force) = &self.effects.flow_force {
+        if let Some(force) = V::on(self.effects.flow_force.as_ref()) {
             (lag, free) = self.lagged(state.lag, second, delayed - force.closes(second, free, across));
         }
         state.lag = lag;
-        state.slider = self.effects.handed_on(&mut state.effects, from, free);
+        state.slider = self.effects.handed_on::<V>(&mut state.effects, from, free);
         Slider { from, to: state.slider }
     }
 
     /// Whether the slider feels a flow force.
     #[inline]
-    pub(crate) fn feels_flow(&self) -> bool {
-        self.effects.flow_force.is_some()
+    pub(crate) fn feels_flow<V: Vocabulary>(&self) -> bool {
+        V::on(self.effects.flow_force.as_ref()).is_some()
     }
 
     /// Both lags a tick later, relaxing towards `set`; `cross` is what the first hands to the second meanwhile.
     #[inline]
     fn lagged(&self, first: N, second: N, set: N) -> (N, N) {
         let (first, second) = (first - set, second - set);
-        (set + N::dot([self.decay_1], [first]), set + N::dot([self.decay_2, self.cross], [second, first]))
+        (set + first.part(self.decay_1), set + N::dot([self.decay_2, self.cross], [second, first]))
     }
 
     /// Static characteristic. (15)
@@ -143,7 +154,7 @@ impl<N: Number> Valve<N> {
     fn limit_rate(&self, set: &mut N, target: N) -> N {
         let step = (target - *set).limited(self.step_limit);
         *set = *set + step;
-        *set - step.times(step.magnitude().amplified(self.half_per_step))
+        *set - step.magnitude().amplified(self.half_per_step).of(step)
     }
 
     /// The mean of the set value over a tick that lies `delay_ticks + delay_rest` ticks back.
@@ -156,7 +167,7 @@ impl<N: Number> Valve<N> {
         *head = head.wrapping_add(1);
         let younger = line[newest.wrapping_sub(self.delay_ticks) & (DELAY - 1)];
         let older = line[newest.wrapping_sub(self.delay_ticks).wrapping_sub(1) & (DELAY - 1)];
-        younger + (older - younger).times(self.delay_rest)
+        younger + self.delay_rest.of(older - younger)
     }
 }
 

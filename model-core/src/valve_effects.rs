@@ -8,6 +8,7 @@ use crate::flow::Overlap;
 use crate::number::Number;
 use crate::relaxation::Relaxation;
 use crate::valve::AcrossEdges;
+use crate::vocabulary::Vocabulary;
 
 /// Coefficients of the valve's effects at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,15 +42,21 @@ impl<N: Number> ValveEffectState<N> {
 }
 
 impl<N: Number> ValveEffects<N> {
+    /// Whether there is none.
+    pub(crate) fn are_off(&self) -> bool {
+        let Self { drift, saturation, hysteresis, flow_force, stiction } = self;
+        drift.is_none() && saturation.is_none() && hysteresis.is_none() && flow_force.is_none() && stiction.is_none()
+    }
+
     /// The static characteristic's output with drift, saturation and play, over a tick.
     #[inline]
-    pub(crate) fn characteristic(&self, target: N, state: &mut ValveEffectState<N>) -> N {
-        let drifted = match &self.drift {
+    pub(crate) fn characteristic<V: Vocabulary>(&self, target: N, state: &mut ValveEffectState<N>) -> N {
+        let drifted = match V::on(self.drift.as_ref()) {
             Some(drift) => target + drift.step(&mut state.drifted, &mut state.drifted_rest),
             None => target,
         };
-        let fed = self.fed(drifted);
-        match &self.hysteresis {
+        let fed = self.fed::<V>(drifted);
+        match V::on(self.hysteresis.as_ref()) {
             Some(hysteresis) => hysteresis.step(&mut state.plays, fed),
             None => fed,
         }
@@ -57,8 +64,8 @@ impl<N: Number> ValveEffects<N> {
 
     /// The target that the solenoid feeds.
     #[inline]
-    pub(crate) fn fed(&self, target: N) -> N {
-        match &self.saturation {
+    pub(crate) fn fed<V: Vocabulary>(&self, target: N) -> N {
+        match V::on(self.saturation.as_ref()) {
             Some(saturation) => saturation.fed(target),
             None => target,
         }
@@ -66,14 +73,14 @@ impl<N: Number> ValveEffects<N> {
 
     /// Output of the second lag at the start of a tick, where the slider handed on stands at `slider`.
     #[inline]
-    pub(crate) fn second_lag(&self, state: &ValveEffectState<N>, slider: N) -> N {
-        if self.stiction.is_some() { state.free } else { slider }
+    pub(crate) fn second_lag<V: Vocabulary>(&self, state: &ValveEffectState<N>, slider: N) -> N {
+        if V::on(self.stiction.as_ref()).is_some() { state.free } else { slider }
     }
 
     /// The slider handed on, from where it was to where the second lag's output is at the end of the tick.
     #[inline]
-    pub(crate) fn handed_on(&self, state: &mut ValveEffectState<N>, slider: N, free: N) -> N {
-        let Some(stiction) = &self.stiction else { return free };
+    pub(crate) fn handed_on<V: Vocabulary>(&self, state: &mut ValveEffectState<N>, slider: N, free: N) -> N {
+        let Some(stiction) = V::on(self.stiction.as_ref()) else { return free };
         state.free = free;
         stiction.held(slider, free)
     }

@@ -14,11 +14,13 @@ struct Budget {
     met: bool,
 }
 
-const BUDGETS: [Budget; 4] = [
+const BUDGETS: [Budget; 5] = [
     Budget { row: "instructions a step, mean: paper's model, random", limit: 500, met: false },
     Budget { row: "instructions a step, mean: every effect, random under load", limit: 1500, met: false },
     Budget { row: "flash of the step, bytes", limit: 8 * 1024, met: false },
+    // Coefficients are configuration: constants in flash would be none of the RAM, but they are computed at the start.
     Budget { row: "RAM beside the delay lines, bytes", limit: 512, met: false },
+    Budget { row: "RAM, bytes: state beside its delay lines", limit: 512, met: true },
 ];
 
 /// Largest change of a figure against the snapshot.
@@ -80,7 +82,11 @@ fn the_step_stays_within_its_budgets() {
         for Budget { row, limit, met } in BUDGETS {
             let (_, figure) = figures.iter().find(|(name, _)| name == row).expect("every budget is of a row");
             assert!(!met || *figure <= limit, "{}: {row} is {figure}, allowed {limit}", processor.name());
-            println!("{}: {row}: {figure} of {limit}", processor.name());
+            assert!(met || *figure > limit, "{}: {row} is {figure}, {limit} at most: met now", processor.name());
+        }
+        writeln!(table, "wanted:").unwrap();
+        for Budget { row, limit, met } in BUDGETS {
+            writeln!(table, "{row:<72} {limit:>8}{}", if met { "" } else { "  not met" }).unwrap();
         }
     }
     snapshot::compare("budget.txt", &table, near);

@@ -16,7 +16,7 @@ fn main() -> ! {
     let mut model: Option<(Drive<PerUnit>, DriveState<PerUnit, DELAY>, PerUnit)> = black_box(None);
     loop {
         if let Some((drive, state, command)) = black_box(&mut model) {
-            black_box(drive.step(state, Entry::Command(*command), Load::NONE));
+            drive.step(state, Entry::Command(*command), Load::NONE);
         }
     }
 }
