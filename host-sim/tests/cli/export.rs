@@ -1,6 +1,6 @@
 //! Constants for the firmware.
 
-use super::{MACHINE, done, example, folder_with, refused};
+use super::{MACHINE, done, example, folder_with, refused, root};
 
 #[test]
 fn a_machine_file_becomes_rust_source_with_its_effects() {
@@ -17,6 +17,19 @@ fn a_machine_file_becomes_rust_source_with_its_effects() {
     done(folder.path(), &["export", "--machine", "leaking.toml", "--tick", "2", "--out", "params.rs"]);
     let text = std::fs::read_to_string(folder.path().join("params.rs")).unwrap();
     assert!(text.contains("(Parameter::InternalLeakage, 2e-12)") && text.contains("Tick::TwoMilliseconds"), "{text}");
+}
+
+#[test]
+fn the_firmwares_own_values_are_the_export_of_the_preset() {
+    let folder = tempfile::tempdir().unwrap();
+    let preset = root().join("presets/press-63-40.toml").display().to_string();
+    done(folder.path(), &["export", "--machine", &preset, "--out", "machine.rs"]);
+    let written = std::fs::read_to_string(folder.path().join("machine.rs")).unwrap();
+    let committed = std::fs::read_to_string(root().join("firmware/machine.rs")).unwrap();
+    assert_eq!(
+        written, committed,
+        "host-sim export --machine presets/press-63-40.toml --out firmware/machine.rs renews it"
+    );
 }
 
 #[test]
