@@ -7,6 +7,7 @@
 mod at_hand;
 mod bad_input;
 mod export;
+mod import;
 mod report;
 mod shared;
 mod shipped;
