@@ -41,19 +41,13 @@ impl<const DELAY: usize> Following<DELAY> {
     }
 }
 
-/// What the process loop sees of it: pressures only where both are measured.
-fn observed(measured: &Measured) -> Observed {
-    let pressures = measured.pressure_a.zip(measured.pressure_b).map(|(a, b)| ChamberState { a, b });
-    Observed { position: measured.position, slider: measured.slider, pressures }
-}
-
 impl<const DELAY: usize> Control for Following<DELAY> {
     fn start(&mut self, measured: &Measured) {
         let Predicted { pressure_a: a, pressure_b: b, .. } = self.reference.predicted();
-        let pressures = observed(measured).pressures.unwrap_or(ChamberState { a, b });
+        let pressures = measured.observed().pressures.unwrap_or(ChamberState { a, b });
         self.inform(measured);
         self.reference.start_at(self.follower.neutral(), pressures, measured.position);
-        self.state = self.follower.at_rest(&self.reference.predicted(), &observed(measured));
+        self.state = self.follower.at_rest(&self.reference.predicted(), &measured.observed());
     }
 
     fn predicted(&self) -> Predicted {
@@ -63,7 +57,7 @@ impl<const DELAY: usize> Control for Following<DELAY> {
     fn follow(&mut self, set_point: SetPoint, measured: &Measured) -> PerUnit {
         let model = self.reference.predicted();
         let model_command = self.follower.model_command(&mut self.state, set_point, &model);
-        let command = self.follower.command(&mut self.state, model_command, &model, &observed(measured));
+        let command = self.follower.command(&mut self.state, model_command, &model, &measured.observed());
         self.inform(measured);
         self.reference.step(model_command);
         command

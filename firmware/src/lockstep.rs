@@ -14,10 +14,8 @@
 
 use embedded_hal::delay::DelayNs;
 use embedded_io::{ErrorType, Read, Write};
-use model_core::chambers::ChamberState;
-use model_core::drive::Drive;
 use model_core::fixed_point::PerUnit;
-use model_core::follow::{FollowError, Follower, Observed, Tuning};
+use model_core::follow::{FollowError, Follower};
 use model_core::machine::MachineError;
 
 use crate::ads8688::Ads8688;
@@ -29,8 +27,8 @@ use crate::frame::{FrameError, FrameWriter};
 use crate::log::Log;
 use crate::ls7366r::{FilterClock, Ls7366r, Origin};
 use crate::measured::Measured;
-use crate::mode::{Command, Mode};
-use crate::monitor::{Innovation, Monitor, MonitorError, Sensitivity, Spread};
+use crate::mode::Command;
+use crate::monitor::{Innovation, Monitor, MonitorError};
 use crate::period::{BeginError, Devices, Period, Place, Report, Request, Timing, Watchdog};
 use crate::press::{self, PressError};
 use crate::recorder::{Channel, Progress, Range, Recorder, RecorderError, Stream};
@@ -124,15 +122,6 @@ const ROWS: usize = 6000;
 /// Rows from before the trigger: half a second.
 const BEFORE: usize = 500;
 
-/// What the monitor takes for chance: the noise of the sensors, and what the model of a press is known not to tell.
-const SENSITIVITY: Sensitivity = Sensitivity {
-    slider: Spread { sigma: 5e-3, correlation_s: 0.02 },
-    pressure: Spread { sigma: 1.5e5, correlation_s: 0.02 },
-    position: Spread { sigma: 2e-4, correlation_s: 0.2 },
-    memory_s: 0.5,
-    between_false_alarms_s: 1e5,
-};
-
 /// The recorder of this rig: one row a period.
 pub type Ring = Recorder<5, ROWS>;
 
@@ -148,11 +137,10 @@ pub fn run<L: Read + Write>(
 ) -> Result<(), LockstepError> {
     let machine = press::machine();
     let tick = press::values::TICK;
-    let bases = *Drive::<PerUnit>::new::<{ press::values::DELAY_LINE }>(&machine, tick)?.bases();
     let reference: Reference<{ press::values::DELAY_LINE }> = Reference::at_rest(&machine, tick, 0.5)?;
-    let tuning = Tuning { position_resolution_m: 1.0 / press::COUNTS_PER_M, ..Tuning::by_rule(&machine, true) };
-    let control = Following::new(Follower::new(&machine, &tuning, tick)?, reference);
-    let monitor = Monitor::new(&SENSITIVITY, &bases)?;
+    let bases = *reference.bases();
+    let control = Following::new(Follower::new(&machine, &press::tuning(&machine), tick)?, reference);
+    let monitor = Monitor::new(&press::SENSITIVITY, &bases)?;
     let mut watched = monitor.at_rest();
     let channel = |name, unit, base| Channel { name, unit, base, range: Range::One };
     let recorder = memory.insert(Recorder::new(
@@ -194,14 +182,12 @@ pub fn run<L: Read + Write>(
             Order::None | Order::Follow | Order::Stop | Order::Acknowledge => {}
         }
         let report = period.step(&request, log);
-        let Measured { position, slider, pressure_a, pressure_b, .. } = report.measured;
-        let seen =
-            Observed { position, slider, pressures: pressure_a.zip(pressure_b).map(|(a, b)| ChamberState { a, b }) };
-        let innovation = report.predicted.map(|predicted| Innovation::of(&predicted, &seen));
+        let innovation = report.predicted.map(|predicted| Innovation::of(&predicted, &report.measured.observed()));
         let alarm = innovation.and_then(|innovation| monitor.watch(&mut watched, &innovation));
         if alarm.is_some() {
             recorder.trigger();
         }
+        let Measured { position, slider, pressure_a, pressure_b, .. } = report.measured;
         recorder.record(&[Some(report.command), slider, pressure_a, pressure_b, Some(position)]);
         last = written(&report, period.control().predicted().position, alarm.map_or(0, |miss| 1 + miss.signal as u8));
     }
@@ -227,18 +213,11 @@ fn read(bytes: [u8; WORDS]) -> (Order, Request) {
 
 /// What became of a period.
 fn written(report: &Report, model: PerUnit, alarm: u8) -> [u8; WORDS] {
-    let mode = match report.mode {
-        Mode::Starting => 0,
-        Mode::Following => 1,
-        Mode::Holding => 2,
-        Mode::RampingDown => 3,
-        Mode::Neutral => 4,
-    };
     let [c0, c1, c2, c3] = report.command.to_bits().to_le_bytes();
     let [p0, p1, p2, p3] = report.measured.position.to_bits().to_le_bytes();
     let [m0, m1, m2, m3] = model.to_bits().to_le_bytes();
     let fed = u8::from(report.watchdog == Watchdog::Feed);
-    [c0, c1, c2, c3, p0, p1, p2, p3, m0, m1, m2, m3, mode, alarm, fed, 0]
+    [c0, c1, c2, c3, p0, p1, p2, p3, m0, m1, m2, m3, report.mode as u8, alarm, fed, 0]
 }
 
 /// Streams a full recorder out.

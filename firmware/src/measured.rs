@@ -1,6 +1,8 @@
 //! What the sensors say in one period: the twin of [`Predicted`](crate::reference::Predicted).
 
+use model_core::chambers::ChamberState;
 use model_core::fixed_point::PerUnit;
+use model_core::follow::Observed;
 
 /// What the sensors say in this period, per unit of the model's [`Bases`](model_core::machine::Bases), `I4F28`.
 ///
@@ -18,6 +20,15 @@ pub struct Measured {
     pub pressure_b: Option<PerUnit>,
     /// Temperature of the oil; 0 is 0 °C.
     pub oil_temperature: Option<PerUnit>,
+}
+
+impl Measured {
+    /// What control and monitor see of it: pressures only where both are measured.
+    #[must_use]
+    pub fn observed(&self) -> Observed {
+        let pressures = self.pressure_a.zip(self.pressure_b).map(|(a, b)| ChamberState { a, b });
+        Observed { position: self.position, slider: self.slider, pressures }
+    }
 }
 
 /// A signal that comes in as a voltage. Each is a row of the calibration table.

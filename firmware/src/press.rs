@@ -1,14 +1,16 @@
-//! The rig of the shipped drive: its values, its wiring, its limits.
+//! The rig of the shipped drive: its values, its wiring, its limits, its tuning.
 //!
 //! The values are those that `host-sim export` wrote into `machine.rs`, or into the file that the environment variable
 //! `FIRMWARE_MACHINE` names while the firmware is built: so what was identified or diagnosed goes into the controller.
 
+use model_core::follow::Tuning;
 use model_core::machine::{Bases, Machine};
 
 use crate::ads8688::{CHANNELS, Range};
 use crate::calibration::{Band, Calibration, CalibrationError, Point, Sensor};
 use crate::limits::{Allowed, Delay, Limits, LimitsError};
 use crate::measured::Signal;
+use crate::monitor::{Sensitivity, Spread};
 use crate::output::Actuator;
 use crate::period::Rig;
 use crate::set_point::Bounds;
@@ -33,6 +35,15 @@ pub const PRESSURE_AT_4_5_V_PA: f64 = 10e6;
 /// Where the rod may be sent.
 pub const BOUNDS: Bounds = Bounds { from_m: 0.01, to_m: 0.29, velocity_m_per_s: 0.2, acceleration_m_per_s2: 1.0 };
 
+/// What the monitor takes for chance: the noise of the sensors, and what the model of a press is known not to tell.
+pub const SENSITIVITY: Sensitivity = Sensitivity {
+    slider: Spread { sigma: 5e-3, correlation_s: 0.02 },
+    pressure: Spread { sigma: 1.5e5, correlation_s: 0.02 },
+    position: Spread { sigma: 2e-4, correlation_s: 0.2 },
+    memory_s: 0.5,
+    between_false_alarms_s: 1e5,
+};
+
 /// Why there is no rig.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PressError {
@@ -47,7 +58,13 @@ pub enum PressError {
 /// The drive.
 #[must_use]
 pub fn machine() -> Machine<f64> {
-    Machine::with_values(values::SOURCE, values::VALUES)
+    Machine::with_defaults(values::SOURCE).with(values::VALUES)
+}
+
+/// Tuning by rule, with the slider measured and with what the encoder can tell apart.
+#[must_use]
+pub fn tuning(machine: &Machine<f64>) -> Tuning {
+    Tuning { position_resolution_m: 1.0 / COUNTS_PER_M, ..Tuning::by_rule(machine, true) }
 }
 
 /// Wiring and limits, for converters of these spans (µV of 2¹⁶ counts).

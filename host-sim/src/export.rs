@@ -119,7 +119,7 @@ mod tests {
                 (parameter, value.parse().unwrap())
             })
             .collect();
-        assert_eq!(Machine::with_values(Source::Valve, &values), machine);
+        assert_eq!(Machine::with_defaults(Source::Valve).with(&values), machine);
         assert!(values.iter().all(|(parameter, _)| *parameter != Parameter::StopStiffness));
     }
 

@@ -32,14 +32,13 @@ impl Machine<f64> {
         machine
     }
 
-    /// A machine with these values, SI, and every other at its default: what `host-sim export` writes for a controller.
+    /// The machine with these values changed, SI.
     #[must_use]
-    pub fn with_values(source: Source, values: &[(Parameter, f64)]) -> Self {
-        let mut machine = Self::with_defaults(source);
+    pub fn with(mut self, values: &[(Parameter, f64)]) -> Self {
         for &(parameter, value) in values {
-            machine.set(parameter, value);
+            self.set(parameter, value);
         }
-        machine
+        self
     }
 }
 

@@ -4,7 +4,7 @@ use host_sim::testbed::{Commands, Excitation, InitialState, PlantEffect, PumpCom
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
 use model_core::parameter::Parameter as P;
-use system_tests::drives::{self, with};
+use system_tests::drives;
 use system_tests::simulate::{Distance, Row, core, core_pump, distance, oracle_with};
 
 use crate::table::{self, Line};
@@ -95,18 +95,18 @@ fn each_effect_and_the_pump_drive_follow_the_oracle() {
             (P::HoseCompliance, COMPLIANCE_M3_PER_PA, HOSES, Case::Effects, Case::Rounding),
             (P::CoulombFriction, FRICTION_N, FRICTION, Case::DryFriction, Case::DryFrictionRounding),
         ] {
-            let found = valve(&with(&drive.machine, &[(parameter, value)]), effect);
+            let found = valve(&drive.machine.with(&[(parameter, value)]), effect);
             add(drive.name, effect.name(), found, case, rounds);
         }
         let machine =
-            with(&drive.machine, &[(P::CoulombFriction, FRICTION_N), (P::PreslidingStiffness, STIFFNESS_N_PER_M)]);
+            drive.machine.with(&[(P::CoulombFriction, FRICTION_N), (P::PreslidingStiffness, STIFFNESS_N_PER_M)]);
         add(drive.name, "... on bristles", valve(&machine, BRISTLES), Case::DryFriction, Case::DryFrictionRounding);
     }
     let machine = drives::pump();
-    let loaded = with(&machine, &[(P::LoadForce, -4e3)]);
+    let loaded = machine.with(&[(P::LoadForce, -4e3)]);
     let constant = out_and_back(|_| SLIPPING_REV_PER_S);
     let changing = out_and_back(|time_s| 25.0 + 15.0 * (9.0 * time_s).sin());
-    let slipping = with(&loaded, &[(P::PumpSlip, SLIP_M3_PER_S_PA)]);
+    let slipping = loaded.with(&[(P::PumpSlip, SLIP_M3_PER_S_PA)]);
     add("pump", "constant speed", pump(&machine, &[], &constant), Case::Pump, Case::Rounding);
     add("pump", "changing speed", pump(&machine, &[], &changing), Case::Pump, Case::Rounding);
     add("pump", "changing, -4 kN", pump(&loaded, &[], &changing), Case::Pump, Case::Rounding);

@@ -8,7 +8,7 @@ use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
 use model_core::number::Number;
 use model_core::parameter::Parameter::{DeadZone, InternalLeakage, LoadForce, SupplyPressure, ValveGain, ValveOffset};
-use system_tests::drives::{self, NamedDrive, with};
+use system_tests::drives::{self, NamedDrive};
 use system_tests::simulate::{Distance, Row, at_rest, command, core, drive, oracle, row};
 
 use crate::tolerances::{Case, of};
@@ -113,7 +113,7 @@ fn an_hour_of_cycling_ends_where_the_oracle_does() {
 }
 
 fn creep_in_an_hour(named: &NamedDrive) {
-    let machine = with(&named.machine, &[(LoadForce, 8e3)]);
+    let machine = named.machine.with(&[(LoadForce, 8e3)]);
     let drive = drive::<PerUnit>(&machine, TICK);
     // Half a supply pressure off balance, so that it has to settle first.
     let mut initial = InitialState::at_rest(&machine, 0.15);
@@ -154,7 +154,7 @@ fn an_hour_of_leakage<N: Number<Real = f64>>(machine: &Machine<f64>) -> Row {
 
 fn leaking_for_an_hour(named: &NamedDrive) {
     for (leakage, load_n) in [(2e-12, 0.0), (2e-12, 8e3), (1e-13, 0.0)] {
-        let machine = with(&named.machine, &[(InternalLeakage, leakage), (LoadForce, load_n)]);
+        let machine = named.machine.with(&[(InternalLeakage, leakage), (LoadForce, load_n)]);
         let (fixed, real) = (an_hour_of_leakage::<PerUnit>(&machine), an_hour_of_leakage::<f64>(&machine));
         let apart_percent = 100.0 * (fixed.position - real.position);
         println!("{:<8} leaks {leakage:e} under {load_n} N: {apart_percent:.6} % from f64 in one hour", named.name);

@@ -4,7 +4,7 @@ use host_sim::testbed::{Excitation, InitialState};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
 use model_core::parameter::Parameter::{LoadForce, ViscousFriction};
-use system_tests::drives::{self, with};
+use system_tests::drives;
 use system_tests::simulate::{Distance, core, distance, oracle};
 
 use crate::tolerances::{Case, of};
@@ -34,7 +34,7 @@ fn under_load_and_heavy_friction_every_tick_stays_accurate() {
             ("D = 1e6", ViscousFriction, friction),
         ];
         for (name, parameter, value) in cases {
-            let machine = with(&drive.machine, &[(parameter, value)]);
+            let machine = drive.machine.with(&[(parameter, value)]);
             for (tick, case) in [
                 (Tick::HalfMillisecond, Case::LoadedHalfMillisecond),
                 (Tick::OneMillisecond, Case::LoadedOneMillisecond),

@@ -1,9 +1,9 @@
 //! The table of what was found, a snapshot beside this file.
 
 use std::fmt;
-use std::path::PathBuf;
 
 use system_tests::simulate::Distance;
+use system_tests::snapshot;
 
 use crate::tolerances::Tolerance;
 
@@ -27,6 +27,8 @@ Largest error over all ticks at 1 kHz against the oracle at 1e-10: position in %
 drive    signal               f64 position  pressure   fixed position  pressure   fixed-f64 position  pressure
 ";
 
+/// Where the numbers begin in a row.
+const COLUMN: usize = 30;
 /// Largest change of an entry against the snapshot: another processor's libm, another release of the oracle's solver.
 const RELATIVE: f64 = 0.05;
 /// And the last digit of the table, %.
@@ -48,12 +50,6 @@ impl Line {
         assert!(allowed.holds(self.fixed), "fixed point misses {allowed:?}: {self}");
         assert!(rounding.holds(self.rounding), "fixed point and f64 part by more than {rounding:?}: {self}");
     }
-
-    fn parse(text: &str) -> Option<(String, [f64; 6])> {
-        let (name, numbers) = text.split_at_checked(30)?;
-        let numbers: Vec<f64> = numbers.split_whitespace().map_while(|number| number.parse().ok()).collect();
-        Some((name.trim().to_owned(), numbers.try_into().ok()?))
-    }
 }
 
 impl fmt::Display for Line {
@@ -68,25 +64,9 @@ impl fmt::Display for Line {
 ///
 /// # Panics
 /// They differ.
-pub(crate) fn compare(snapshot: &str, lines: &[Line]) {
+pub(crate) fn compare(name: &str, lines: &[Line]) {
     let body: Vec<String> = lines.iter().map(Line::to_string).collect();
-    let table = format!("{HEAD}{}\n", body.join("\n"));
-    println!("{table}");
-    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("accuracy").join(snapshot);
-    if std::env::var_os("RENEW").is_some() {
-        std::fs::write(file, table).unwrap();
-        return;
-    }
-    let snapshot = std::fs::read_to_string(file).unwrap();
-    let wanted: Vec<_> = snapshot.lines().skip(HEAD.lines().count()).map(Line::parse).collect();
-    assert_eq!(wanted.len(), lines.len(), "the snapshot has other rows; RENEW=1 writes it anew");
-    for (text, wanted) in body.iter().zip(wanted) {
-        let (name, wanted) = wanted.expect("a row of the snapshot has a name and six numbers");
-        let (found_name, found) = Line::parse(text).expect("written just now");
-        assert_eq!(found_name, name, "the snapshot has other rows; RENEW=1 writes it anew");
-        for (found, wanted) in found.into_iter().zip(wanted) {
-            let near = (found - wanted).abs() <= RELATIVE * wanted + LAST_DIGIT;
-            assert!(near, "{name}: {found} is no longer {wanted}; RENEW=1 writes the snapshot anew");
-        }
-    }
+    snapshot::compare(&format!("accuracy/{name}"), &format!("{HEAD}{}\n", body.join("\n")), |found, kept| {
+        snapshot::numbers_near(found, kept, COLUMN, RELATIVE, LAST_DIGIT)
+    });
 }

@@ -3,7 +3,7 @@
 use host_sim::testbed::{Excitation, InitialState};
 use model_core::machine::{Machine, Tick};
 use model_core::parameter::Parameter as P;
-use system_tests::drives::{self, with};
+use system_tests::drives;
 use system_tests::simulate::{Distance, Row, core, distance};
 
 /// What a run at 1 kHz may miss of one at 2 kHz: the position, strokes, and the pressures, supply pressures.
@@ -44,7 +44,7 @@ fn what_an_effect_does_hardly_depends_on_the_tick() {
     let mut missed = Vec::new();
     for drive in drives::named() {
         for (name, changes) in EFFECTS {
-            let machine = with(&drive.machine, changes);
+            let machine = drive.machine.with(changes);
             let signals = [Excitation::paper_steps(10.0), Excitation::paper_sweep(), Excitation::random_steps(1)];
             let found =
                 signals.iter().map(|signal| at_two_ticks(&machine, signal)).fold(Distance::default(), Distance::or);

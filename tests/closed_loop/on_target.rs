@@ -17,7 +17,6 @@ use host_sim::testbed::sensors::{PositionSensor, Sensors};
 use model_core::machine::Machine;
 use model_core::parameter::Parameter as P;
 use system_tests::at_hand::skipped;
-use system_tests::drives;
 use system_tests::emulator::Processor as Target;
 
 use crate::pi::{Pi, tuned};
@@ -88,7 +87,7 @@ fn the_firmware_follows_on_the_emulated_target_and_better_once_the_diagnosis_has
     println!("nominal: {:.3} mm, PI {:.3} mm, alarm {:?}", plain.rms_mm, pi_mm(&nominal), plain.alarm);
     assert_eq!(plain.alarm, None, "the model is the machine");
 
-    let loaded = drives::with(&machine, &[(P::LoadForce, -0.5 * largest_force_n(&machine))]);
+    let loaded = machine.with(&[(P::LoadForce, -0.5 * largest_force_n(&machine))]);
     let under_load = Rig { machine: loaded, ..nominal.clone() };
     let load = run(&image, &under_load);
     println!("half load: {:.3} mm, PI {:.3} mm, alarm {:?}", load.rms_mm, pi_mm(&under_load), load.alarm);

@@ -7,6 +7,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use firmware::lockstep::{Order, part};
+use firmware::mode::Mode;
 use firmware::press;
 use tempfile::TempDir;
 
@@ -27,9 +28,6 @@ pub(crate) struct Said {
     /// Signal whose innovation is beyond its limit, counted from 1.
     pub(crate) alarm: u8,
 }
-
-/// Mode in which it follows.
-const FOLLOWING: u8 = 1;
 
 /// The emulated processor with its parts.
 pub(crate) struct Processor {
@@ -162,7 +160,7 @@ impl Controller for Processor {
         };
         self.ask(wanted, order);
         self.serve();
-        let follows = self.said.mode == FOLLOWING;
+        let follows = self.said.mode == Mode::Following as u8;
         assert_eq!(follows, self.periods >= SETTLING, "period {}: mode {}", self.periods, self.said.mode);
         if self.said.alarm > 0 && self.alarm.is_none() {
             self.alarm = Some((self.periods, self.said.alarm));

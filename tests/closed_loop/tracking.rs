@@ -20,7 +20,7 @@ const JUMPS: [f64; 2] = [0.8, 0.95];
 
 /// The press, with so many counts a turn: 3600 impulses, and all four edges of them.
 fn press(counts: f64) -> Machine<f64> {
-    drives::with(&drives::press(), &[(P::EncoderCounts, counts)])
+    drives::press().with(&[(P::EncoderCounts, counts)])
 }
 
 /// Moves from rest to rest, two and two that turn without a rest, at 0.03 m/s: half of what the press can do against the load.
@@ -64,8 +64,8 @@ struct Case {
 fn cases(nominal: &Rig) -> Vec<Case> {
     let machine = nominal.machine;
     let half_n = -0.5 * largest_force_n(&machine);
-    let loaded = drives::with(&machine, &[(P::LoadForce, half_n)]);
-    let rubbing = drives::with(&machine, &[(P::CoulombFriction, FRICTION_N)]);
+    let loaded = machine.with(&[(P::LoadForce, half_n)]);
+    let rubbing = machine.with(&[(P::CoulombFriction, FRICTION_N)]);
     let comes_on = LoadProfile::through(vec![(0.0, 0.0), (1.0, 0.0), (1.02, half_n)]).unwrap();
     let load_comes_on = Rig { load: comes_on, ..nominal.clone() };
     let under_load = Rig { machine: loaded, ..nominal.clone() };
@@ -167,7 +167,7 @@ fn a_heavy_load_on_a_fast_valve_is_damped_by_its_pressures() {
     // Two tonnes on an oil spring of 21 Hz that nothing else damps.
     let heavy = [(P::MovingMass, 2000.0), (P::ViscousFriction, 2e3)];
     let fast = [(P::TimeConstant1, 0.002), (P::TimeConstant2, 0.0), (P::TransportDelay, 0.0), (P::RateLimit, 100.0)];
-    let machine = drives::with(&drives::with(&press(14_400.0), &heavy), &fast);
+    let machine = press(14_400.0).with(&heavy).with(&fast);
     let nominal = Rig::new(&machine, moves(&machine));
     let damped = tuning(&machine);
     let ringing = Tuning { pressure_damping_m_per_s_n: 0.0, ..damped };
@@ -181,7 +181,7 @@ fn a_heavy_load_on_a_fast_valve_is_damped_by_its_pressures() {
 
 #[test]
 fn a_slow_valve_follows_with_a_spring_that_it_cannot_damp() {
-    let machine = drives::with(&press(14_400.0), &[(P::MovingMass, 200.0), (P::ViscousFriction, 5e3)]);
+    let machine = press(14_400.0).with(&[(P::MovingMass, 200.0), (P::ViscousFriction, 5e3)]);
     let nominal = Rig::new(&machine, moves(&machine));
     let tuning = tuning(&machine);
     assert!(tuning.pressure_damping_m_per_s_n <= 0.0);

@@ -2,8 +2,10 @@
 
 use std::fmt::Write;
 
-use crate::{snapshot, step};
 use system_tests::emulator::Processor;
+use system_tests::snapshot;
+
+use crate::step;
 
 /// What a figure may be at most.
 struct Budget {
@@ -25,6 +27,8 @@ const BUDGETS: [Budget; 5] = [
 
 /// Largest change of a figure against the snapshot.
 const RELATIVE: f64 = 0.01;
+/// Where the figures begin in a row.
+const COLUMN: usize = 72;
 
 /// A row for each figure.
 fn figures(processor: Processor) -> Vec<(String, u64)> {
@@ -54,19 +58,6 @@ fn figures(processor: Processor) -> Vec<(String, u64)> {
     figures
 }
 
-/// The figure at the end of a row of the table, and what is before it.
-fn parsed(row: &str) -> Option<(&str, f64)> {
-    let (name, figure) = row.rsplit_once(' ')?;
-    Some((name.trim(), figure.parse().ok()?))
-}
-
-fn near(found: &str, kept: &str) -> bool {
-    match (parsed(found), parsed(kept)) {
-        (Some((name, found)), Some((kept_name, kept))) => name == kept_name && (found - kept).abs() <= RELATIVE * kept,
-        _ => found == kept,
-    }
-}
-
 #[test]
 fn the_step_stays_within_its_budgets() {
     let mut table = "Under QEMU with an instruction a nanosecond; the worst step to 40 instructions.\n".to_owned();
@@ -77,7 +68,7 @@ fn the_step_stays_within_its_budgets() {
         let figures = figures(processor);
         writeln!(table, "\n{}", processor.name()).unwrap();
         for (row, figure) in &figures {
-            writeln!(table, "{row:<72} {figure:>8}").unwrap();
+            writeln!(table, "{row:<COLUMN$} {figure:>8}").unwrap();
         }
         for Budget { row, limit, met } in BUDGETS {
             let (_, figure) = figures.iter().find(|(name, _)| name == row).expect("every budget is of a row");
@@ -86,8 +77,10 @@ fn the_step_stays_within_its_budgets() {
         }
         writeln!(table, "wanted:").unwrap();
         for Budget { row, limit, met } in BUDGETS {
-            writeln!(table, "{row:<72} {limit:>8}{}", if met { "" } else { "  not met" }).unwrap();
+            writeln!(table, "{row:<COLUMN$} {limit:>8}{}", if met { "" } else { "  not met" }).unwrap();
         }
     }
-    snapshot::compare("budget.txt", &table, near);
+    snapshot::compare("on_target/budget.txt", &table, |found, kept| {
+        snapshot::numbers_near(found, kept, COLUMN, RELATIVE, 0.0)
+    });
 }

@@ -4,6 +4,5 @@
 
 mod budget;
 mod parity;
-mod snapshot;
 mod step;
 mod trials;

@@ -26,7 +26,7 @@ fn signals<N: Number>(machine: &Machine<N::Real>) -> Vec<[N::Real; 5]> {
 
 /// The derivative against differences over `step`, within `tolerance` of the largest of each signal.
 fn check(machine: &Machine<f64>, parameter: P, step: f64, one_sided: bool, tolerance: f64) {
-    let moved = |by: f64| signals::<f64>(&drives::with(machine, &[(parameter, machine.get(parameter) + by)]));
+    let moved = |by: f64| signals::<f64>(&machine.with(&[(parameter, machine.get(parameter) + by)]));
     let above = moved(step);
     let below = if one_sided { moved(1e-3 * step) } else { moved(-step) };
     let span = if one_sided { step - 1e-3 * step } else { 2.0 * step };
@@ -74,7 +74,7 @@ const SMOOTH: [(P, f64); 15] = [
 fn derivatives_by_each_effect_are_the_differences_with_all_of_them_on() {
     let mut changes = SMOOTH.to_vec();
     changes.extend([(P::DroopTime, 0.02), (P::ValveLeakageReach, 0.1)]);
-    let machine = drives::with(&drives::press(), &changes);
+    let machine = drives::press().with(&changes);
     for &(parameter, size) in &changes {
         check(&machine, parameter, 1e-6 * size, false, 2e-4);
     }
@@ -82,7 +82,7 @@ fn derivatives_by_each_effect_are_the_differences_with_all_of_them_on() {
 
 #[test]
 fn an_effect_at_nil_has_the_derivative_of_its_beginning() {
-    let machine = drives::with(&drives::press(), &[(P::DroopTime, 0.02), (P::SolenoidOnset, 0.2)]);
+    let machine = drives::press().with(&[(P::DroopTime, 0.02), (P::SolenoidOnset, 0.2)]);
     for (parameter, size) in SMOOTH {
         if !matches!(parameter, P::NullDriftTime | P::SolenoidOnset) {
             check(&machine, parameter, 1e-5 * size, true, 2e-3);

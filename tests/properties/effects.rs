@@ -71,7 +71,7 @@ proptest! {
 
 #[test]
 fn a_stuck_slider_jumps_in_the_same_ticks_in_fixed_point_and_f64() {
-    let machine = drives::with(&drives::press(), &[(P::StictionBand, 0.02)]);
+    let machine = drives::press().with(&[(P::StictionBand, 0.02)]);
     let volts = Excitation::paper_sweep().sample(1e-3);
     let (real, _) = run::<f64>(&machine, Tick::OneMillisecond, &volts);
     let (fixed, _) = run::<PerUnit>(&machine, Tick::OneMillisecond, &volts);
@@ -115,7 +115,7 @@ proptest! {
         start in prop::array::uniform2(-0.5..1.5_f64),
     ) {
         // The flow limit is none of these loops, and what meets it swings without any effect.
-        let machine = drives::with(&machine, &[(P::FlowLimit, f64::INFINITY)]);
+        let machine = machine.with(&[(P::FlowLimit, f64::INFINITY)]);
         let mut machine = effects.on(&machine, |index| (5..10).contains(&index));
         let full = machine.get(P::FlowCoefficient) / machine.get(P::SupplyPressure).sqrt();
         machine.set(P::DroopResistance, droop / full);

@@ -1,5 +1,6 @@
 //! The three drives that every accuracy is stated for.
 
+pub use firmware::trial::pump;
 use model_core::machine::{Machine, Source};
 use model_core::parameter::Parameter as P;
 
@@ -15,8 +16,7 @@ pub struct NamedDrive {
 /// The paper's printed values, with the assumed supply; stiff: D/m is 5500 1/s.
 #[must_use]
 pub fn printed() -> Machine<f64> {
-    let mut machine = Machine::with_defaults(Source::Valve);
-    for (parameter, value) in [
+    Machine::with_defaults(Source::Valve).with(&[
         (P::SupplyPressure, 7.0e6),
         (P::FlowLimit, 3.0e-4),
         (P::ValveGain, 0.0559),
@@ -36,22 +36,19 @@ pub fn printed() -> Machine<f64> {
         (P::VolumeB, 1.2e9 / 1.28e12),
         (P::MovingMass, 18.3),
         (P::ViscousFriction, 1.0e5),
-    ] {
-        machine.set(parameter, value);
-    }
-    machine
+    ])
 }
 
 /// The printed drive with the oil columns of a 63/40 × 300 mm cylinder.
 #[must_use]
 pub fn press() -> Machine<f64> {
-    with(&printed(), &[(P::VolumeA, 1.2e9 / 2.3e12), (P::VolumeB, 1.2e9 / 3.6e12)])
+    printed().with(&[(P::VolumeA, 1.2e9 / 2.3e12), (P::VolumeB, 1.2e9 / 3.6e12)])
 }
 
 /// The press with a heavy load and little damping: the oil spring rings.
 #[must_use]
 pub fn heavy() -> Machine<f64> {
-    with(&press(), &[(P::MovingMass, 200.0), (P::ViscousFriction, 5.0e3)])
+    press().with(&[(P::MovingMass, 200.0), (P::ViscousFriction, 5.0e3)])
 }
 
 /// All three.
@@ -62,37 +59,4 @@ pub fn named() -> [NamedDrive; 3] {
         NamedDrive { name: "press", machine: press() },
         NamedDrive { name: "heavy", machine: heavy() },
     ]
-}
-
-/// A 50/20 × 200 mm cylinder on a reversible pump of 1.6 cm³.
-#[must_use]
-pub fn pump() -> Machine<f64> {
-    let mut machine = Machine::with_defaults(Source::Pump);
-    for (parameter, value) in [
-        (P::SupplyPressure, 1e7),
-        (P::TankPressure, 4e5),
-        (P::AreaA, 1.9635e-3),
-        (P::AreaB, 1.6493e-3),
-        (P::Stroke, 0.2),
-        (P::VolumeA, 2.5e-4),
-        (P::VolumeB, 2.2e-4),
-        (P::BulkModulus, 1.2e9),
-        (P::MovingMass, 20.0),
-        (P::ViscousFriction, 5.0e3),
-        (P::PumpDisplacement, 1.6e-6),
-        (P::ReturnCoefficient, 1e-7),
-    ] {
-        machine.set(parameter, value);
-    }
-    machine
-}
-
-/// A machine with some of its parameters changed.
-#[must_use]
-pub fn with(machine: &Machine<f64>, changes: &[(P, f64)]) -> Machine<f64> {
-    let mut changed = *machine;
-    for &(parameter, value) in changes {
-        changed.set(parameter, value);
-    }
-    changed
 }

@@ -7,3 +7,4 @@ pub mod at_hand;
 pub mod drives;
 pub mod emulator;
 pub mod simulate;
+pub mod snapshot;

@@ -141,7 +141,7 @@ mod on_target {
         row("paper's model, random under load", instructions(counter, &press(), random())?)?;
         row("every effect, random under load", instructions(counter, &all, random())?)?;
         for effect in EFFECTS {
-            row(effect.name, instructions(counter, &effect.on(&press()), random())?)?;
+            row(effect.name, instructions(counter, &press().with(effect.values), random())?)?;
         }
 
         for (name, machine) in [("paper's model", press()), ("every effect", all)] {

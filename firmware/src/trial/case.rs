@@ -90,7 +90,7 @@ impl Case {
         let plain = if self.input == Input::Pump { pump() } else { press() };
         match self.on {
             On::Nothing => plain,
-            On::One(effect) => effect.on(&plain),
+            On::One(effect) => plain.with(effect.values),
             On::Everything => every_effect(&plain),
         }
     }

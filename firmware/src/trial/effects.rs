@@ -22,22 +22,12 @@ impl Effect {
     const fn other_form(name: &'static str, values: &'static [(P, f64)]) -> Self {
         Self { name, values, together: false }
     }
-
-    /// The machine with this effect.
-    #[must_use]
-    pub fn on(&self, machine: &Machine<f64>) -> Machine<f64> {
-        let mut changed = *machine;
-        for &(parameter, value) in self.values {
-            changed.set(parameter, value);
-        }
-        changed
-    }
 }
 
 /// The machine with all effects at once.
 #[must_use]
 pub fn every_effect(machine: &Machine<f64>) -> Machine<f64> {
-    EFFECTS.iter().filter(|effect| effect.together).fold(*machine, |machine, effect| effect.on(&machine))
+    EFFECTS.iter().filter(|effect| effect.together).fold(*machine, |machine, effect| machine.with(effect.values))
 }
 
 /// All effects, in the order of the chain.

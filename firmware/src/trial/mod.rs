@@ -9,6 +9,11 @@ mod fingerprint;
 mod input;
 mod machines;
 
+/// What `host-sim export` wrote of `presets/press-63-40.toml`: the trials' press, whatever values the firmware is built with.
+pub mod preset {
+    include!("../../machine.rs");
+}
+
 pub use case::{Case, CaseError, Sample, cases};
 pub use effects::{EFFECTS, Effect, every_effect};
 pub use fingerprint::Fingerprint;
