@@ -74,8 +74,11 @@ pub struct Diagnosis {
     pub machine: String,
     /// How it ended.
     pub verdict: Verdict,
-    /// Where; `None` if nothing is missing.
+    /// Where; `None` if nothing is missing and nothing was all but named.
     pub located: Option<Location>,
+    /// While all is within the noise: the effect that the training recordings would make likelier than none by more than chance,
+    /// but not by what a claim takes. Never a finding.
+    pub suspected: Option<&'static Hypothesis>,
     /// What is claimed, most certain first.
     pub findings: Vec<Finding>,
     /// Signals that are still further off than the noise explains with the effects claimed, over training recordings.
@@ -194,11 +197,17 @@ pub fn diagnose(
     let question = asked.of(&searched);
     let seen = if excerpt.is_some() { selection.base.finished(&question)? } else { selection.base.clone() };
     let cases = cases(recordings, &searched, &seen.fit.starts);
-    let located = if verdict == Verdict::NothingMissing {
+    let suspected = if verdict == Verdict::NothingMissing { selection.suspected() } else { None };
+    // What was named tells the link better than what it looks like from outside; within the noise, only what was all but named.
+    let effects: Vec<&Hypothesis> = match verdict {
+        Verdict::MissingPhysics => findings.iter().map(|finding| finding.effect).collect(),
+        Verdict::NothingMissing => suspected.into_iter().chain(not_confirmed.iter().copied()).collect(),
+        Verdict::Unexplained => Vec::new(),
+    };
+    let named: Vec<Subsystem> = effects.iter().map(|effect| effect.subsystem).collect();
+    let located = if verdict == Verdict::NothingMissing && named.is_empty() {
         None
     } else {
-        // What was named tells the link better than what it looks like from outside.
-        let named: Vec<Subsystem> = findings.iter().map(|finding| finding.effect.subsystem).collect();
         let promises = if named.is_empty() { promises(&seen.leads(&question, &hypotheses)?) } else { Vec::new() };
         Some(locate(&seen.fit.machine, file.load_source, &cases, &named, &promises)?)
     };
@@ -227,6 +236,7 @@ pub fn diagnose(
         machine: file.name.clone(),
         verdict,
         located,
+        suspected,
         findings,
         left,
         not_confirmed,

@@ -57,7 +57,7 @@ pub fn significant(value: f64, digits: i32) -> String {
 #[must_use]
 pub fn percent(value: f64) -> String {
     let missing = (100.0 - value).abs();
-    let decimals = if missing >= 0.1 || missing == 0.0 { 2 } else { 4 };
+    let decimals = if missing >= 0.05 || missing == 0.0 { 2 } else { 4 };
     format!("{value:.decimals$}")
 }
 

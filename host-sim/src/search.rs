@@ -59,11 +59,8 @@ pub(crate) fn refit_each<L: Sync>(
 
 /// Effects that may be added: neither there already, nor an extension of one that is.
 pub(crate) fn open_to(question: &Question<'_>, from: &Candidate) -> Vec<&'static Hypothesis> {
-    let related = |one: &Hypothesis, other: &Hypothesis| {
-        let plain = |effect: &Hypothesis| effect.extends.map_or(effect.name, |extension| extension.plain);
-        plain(one) == plain(other)
-    };
-    let open = |hypothesis: &&Hypothesis| from.effects.iter().all(|chosen| !related(chosen.effect, hypothesis));
+    let open =
+        |hypothesis: &&Hypothesis| from.effects.iter().all(|chosen| chosen.effect.plainest() != hypothesis.plainest());
     question.hypotheses.iter().copied().filter(open).collect()
 }
 

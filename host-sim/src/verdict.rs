@@ -6,7 +6,8 @@
 //! of a mismatch tell the same), less a Bayesian information penalty for the strengths, plus what the ordinary parameters gain by coming
 //! back to their nominal values. A claim must also gain on recordings that
 //! were left out, on all but one of them (what happens once is a disturbance), and take away at least half of what is above the
-//! noise: an effect that does less is a stand-in for something else.
+//! noise: an effect that does less is a stand-in for something else. So is a set that another of its size is likelier than, by more
+//! than chance, even if that one cannot be claimed.
 
 mod confirmation;
 mod likelihood;
@@ -16,7 +17,7 @@ use model_core::machine::Machine;
 use rayon::prelude::*;
 
 pub use crate::candidate::{Candidate, Chosen, Question, Residuals};
-use crate::fit::FitError;
+use crate::fit::{CHANCE, FitError};
 use crate::hypothesis::Hypothesis;
 use crate::prepare::Prepared;
 use crate::search::widened;
@@ -66,6 +67,15 @@ pub struct Selection {
     pub chosen: Candidate,
     /// Every set that was refitted, round by round, the best first.
     pub rounds: Vec<Vec<Trial>>,
+}
+
+impl Selection {
+    /// The effect alone that the training recordings make likelier than none by more than chance does, where nothing is claimed.
+    #[must_use]
+    pub fn suspected(&self) -> Option<&'static Hypothesis> {
+        let best = self.rounds.first()?.first()?;
+        (self.chosen.effects.is_empty() && best.net > CHANCE).then_some(best.effect)
+    }
 }
 
 /// How far a selection has come.
@@ -172,19 +182,36 @@ impl Course {
     /// The first set of the beam that may be claimed; where none may, the best one without an effect that only showed the way.
     fn claimed(&mut self, question: &Question<'_>) -> Result<Option<Candidate>, FitError> {
         for candidate in self.beam.clone() {
-            if self.claims(question, &candidate)? {
+            if self.is_likely(question, &candidate) && self.claims(question, &candidate)? {
                 return Ok(Some(candidate));
             }
         }
         let Some(best) = self.beam.first().filter(|best| best.effects.len() > 1).cloned() else { return Ok(None) };
         for index in 0..best.effects.len() {
             let fewer = best.without(question, index)?;
-            if self.claims(question, &fewer)? {
+            if self.is_likely(question, &fewer) && self.claims(question, &fewer)? {
                 self.enter(question, &fewer);
                 return Ok(Some(fewer));
             }
         }
         Ok(None)
+    }
+
+    /// Whether no other set of as many effects is likelier by more than chance. What cannot be claimed may still be what it
+    /// is, and nothing less likely stands in for it; an extension only says more of the same.
+    fn is_likely(&self, question: &Question<'_>, set: &Candidate) -> bool {
+        let Some(round) = self.rounds.get(set.effects.len() - 1) else { return true };
+        let plainest = |effects: &mut dyn Iterator<Item = &'static Hypothesis>| {
+            let mut names: Vec<&str> = effects.map(Hypothesis::plainest).collect();
+            names.sort_unstable();
+            names
+        };
+        let of_set = plainest(&mut set.effects.iter().map(|chosen| chosen.effect));
+        let (same, others): (Vec<&Trial>, Vec<&Trial>) =
+            round.iter().partition(|trial| plainest(&mut trial.effects.iter().copied()) == of_set);
+        let now = ranked(question, &self.base, vec![set.clone()]);
+        let nets = |trials: Vec<&Trial>| trials.into_iter().map(|trial| trial.net).fold(f64::NEG_INFINITY, f64::max);
+        now.iter().map(|(_, net)| *net).fold(nets(same), f64::max) > nets(others) - CHANCE
     }
 
     /// Whether a set may be claimed over what is chosen: each of its effects is one that can be, and they are worth their
@@ -205,11 +232,14 @@ impl Course {
         accepts(question, &self.base, &self.chosen, set)
     }
 
-    /// Chooses a set, but for every effect that the others make superfluous.
+    /// Chooses a set, but for every effect that the others make superfluous; none where what is left is not likely by itself.
     fn choose(&mut self, question: &Question<'_>, full: Candidate) -> Result<(), FitError> {
         let effects = full.effects.len();
         let chosen = reduced(question, &self.base, full)?;
         if chosen.effects.len() < effects {
+            if !self.is_likely(question, &chosen) {
+                return Ok(());
+            }
             self.enter(question, &chosen);
         }
         self.chosen = chosen;

@@ -251,6 +251,12 @@ pub fn short_name(parameter: Parameter) -> &'static str {
 }
 
 impl Hypothesis {
+    /// The plain effect that it extends, or itself.
+    #[must_use]
+    pub fn plainest(&self) -> &'static str {
+        self.extends.map_or(self.name, |extension| extension.plain)
+    }
+
     /// Every parameter of its own table in the machine file. Friction shares its bristles with other laws.
     pub fn parameters(&self) -> impl Iterator<Item = Parameter> {
         let table = format!("effects.{}.", self.name);

@@ -41,6 +41,7 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
         "machine": diagnosis.machine,
         "verdict": diagnosis.verdict,
         "located": located,
+        "suspected": diagnosis.suspected.map(|effect| effect.name),
         "findings": diagnosis.findings.iter().map(|finding| finding_of(diagnosis, exhibits, finding)).collect::<Vec<_>>(),
         "unnamed": diagnosis.unnamed.as_ref().map(unnamed),
         "confirmed": diagnosis.confirmation.map(|confirmation| confirmation.confirms()),

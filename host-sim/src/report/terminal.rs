@@ -27,6 +27,9 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
             location.shape
         );
     }
+    if let Some(effect) = diagnosis.suspected {
+        let _ = writeln!(text, "suspected  {}: {SUSPECTED}", effect.name);
+    }
     for finding in &diagnosis.findings {
         let _ = writeln!(text, "\nfinding    {} (confidence {:.3})", finding.effect.name, finding.confidence);
         let _ = writeln!(text, "equation   {}", finding.effect.equation);
@@ -84,6 +87,10 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     }
     text
 }
+
+/// What a suspicion is.
+pub const SUSPECTED: &str =
+    "likelier than nothing on the training recordings, but not enough to claim it; all is within the noise";
 
 /// The verdict in a sentence.
 #[must_use]

@@ -7,7 +7,7 @@ mod style;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::terminal::sentence;
+use super::terminal::{SUSPECTED, sentence};
 use crate::diagnose::{Diagnosis, Fits, Shown, Verdict};
 use crate::exhibits::Exhibits;
 use crate::plot::{Figure, Layer, Marks, Style, scatter};
@@ -126,6 +126,7 @@ fn located(diagnosis: &Diagnosis) -> Markup {
             h2 { "Where" }
             div class="fact" {
                 p { "In the " strong { (location.subsystem) } " link, seen most in " strong { (location.signal.name()) } ": " (location.region) "." }
+                @if let Some(effect) = diagnosis.suspected { p { "Suspected: " strong { (effect.name) } ", " (SUSPECTED) "." } }
                 p { (location.intervals.len()) " intervals hold " (significant(100.0 * location.share, 2)) " % of its error, and " (location.shape.to_string()) "." }
             }
             @if let Some(figure) = of_shape(&location.shape) { (chart(&figure)) }
