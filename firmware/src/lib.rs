@@ -61,6 +61,7 @@ pub mod reference;
 pub mod remote;
 mod sense;
 pub mod set_point;
+pub mod station;
 pub mod still;
 pub mod travel;
 pub mod trial;
