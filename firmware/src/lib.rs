@@ -53,6 +53,8 @@ pub mod message;
 mod mock;
 pub mod mode;
 pub mod monitor;
+pub mod operator;
+pub mod outbox;
 pub mod output;
 pub mod period;
 pub mod press;
