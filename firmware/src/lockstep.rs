@@ -121,10 +121,6 @@ pub fn run<L: Read + Write>(
     streamed(station.recorder(), &line)
 }
 
-/// Length of a tick, ns.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "two milliseconds at most")]
-const TICK_NS: u32 = (press::values::TICK.seconds() * 1e9) as u32;
-
 /// Bytes of a report and of a request.
 const WORDS: usize = 16;
 
@@ -151,7 +147,7 @@ fn written(report: &Report, model: PerUnit, alarm: u8) -> [u8; WORDS] {
 fn streamed<L: Read + Write>(recorder: &Ring, line: &Line<L>) -> Result<(), LockstepError> {
     let (mut stream, mut frames, mut out) = (Stream::new(), FrameWriter::default(), Record { line });
     loop {
-        let progress = stream.write(recorder, press::values::NAME, TICK_NS, &mut frames, &mut out);
+        let progress = stream.write(recorder, press::values::NAME, press::TICK_NS, &mut frames, &mut out);
         match progress {
             Ok(Progress::More) => {}
             Ok(Progress::Done) => return Ok(()),

@@ -11,7 +11,8 @@
 //! | `d` | send what the recorder holds |
 //! | `n` | forget it, and wait for the next alarm |
 //!
-//! Spaces and line ends are nothing. Positions are whole millimetres.
+//! Spaces and line ends are nothing. Positions are whole millimetres. After a character that is none of these, or was lost on the line,
+//! nothing counts until the next space or line end but `s`: half a number is another place.
 
 use model_core::fixed_point::PerUnit;
 use model_core::machine::Bases;
@@ -80,6 +81,8 @@ pub struct Operator {
 #[derive(Clone, Debug, PartialEq)]
 pub struct OperatorState {
     typed_mm: Option<u32>,
+    /// Something was typed that is nothing, and no space since.
+    garbled: bool,
     command: Option<Command>,
     mode: Mode,
     course: Option<(Course<1>, CourseState)>,
@@ -97,7 +100,7 @@ impl Operator {
     #[must_use]
     pub fn at_rest(&self) -> OperatorState {
         let wanted = SetPoint { position: PerUnit::ZERO, velocity: PerUnit::ZERO };
-        OperatorState { typed_mm: None, command: None, mode: Mode::Starting, course: None, wanted }
+        OperatorState { typed_mm: None, garbled: false, command: None, mode: Mode::Starting, course: None, wanted }
     }
 
     /// Takes a character; what is to be done now, if anything.
@@ -106,6 +109,10 @@ impl Operator {
     /// It is no command, or none at this time; the position before it is forgotten.
     pub fn typed(&self, state: &mut OperatorState, character: u8) -> Result<Option<Errand>, OperatorError> {
         if character.is_ascii_whitespace() {
+            state.garbled = false;
+            return Ok(None);
+        }
+        if state.garbled && character != b's' {
             return Ok(None);
         }
         if character.is_ascii_digit() {
@@ -126,7 +133,10 @@ impl Operator {
             b't' => return Ok(Some(Errand::Trigger)),
             b'd' => return Ok(Some(Errand::Send)),
             b'n' => return Ok(Some(Errand::Arm)),
-            found => return Err(OperatorError::Unknown { found }),
+            found => {
+                state.garbled = true;
+                return Err(OperatorError::Unknown { found });
+            }
         }
         Ok(None)
     }
@@ -280,7 +290,10 @@ mod tests {
         assert!(matches!(refused, OperatorError::SetPoint(SetPointError::Position { .. })), "{refused}");
         assert_eq!(type_in(&operator, &mut state, "g"), Err(OperatorError::NoPosition { letter: b'g' }));
         assert_eq!(type_in(&operator, &mut state, "12x"), Err(OperatorError::Unknown { found: b'x' }));
-        assert_eq!(type_in(&operator, &mut state, "z"), Err(OperatorError::NoPosition { letter: b'z' }));
+        assert_eq!(type_in(&operator, &mut state, "34z"), Ok(None));
+        assert_eq!(type_in(&operator, &mut state, "fs"), Ok(None));
+        assert_eq!(operator.request(&mut state, Timing::Kept).command, Some(Command::Stop));
+        assert_eq!(type_in(&operator, &mut state, "\nz"), Err(OperatorError::NoPosition { letter: b'z' }));
         let far = type_in(&operator, &mut state, "99999999999g").unwrap_err();
         assert!(matches!(far, OperatorError::SetPoint(SetPointError::Position { .. })), "{far}");
     }

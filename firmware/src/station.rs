@@ -136,7 +136,7 @@ impl Assembly {
             BeginError::Position(error) => StationError::of(Device::Position)(error.cause()),
             BeginError::Output(error) => StationError::of(Device::Output)(error.cause()),
         })?;
-        Ok(Station { period, monitor, watched: monitor.at_rest(), recorder })
+        Ok(Station { bases, period, monitor, watched: monitor.at_rest(), recorder })
     }
 }
 
@@ -177,6 +177,7 @@ pub struct Outcome {
 /// Period, monitor and recorder.
 #[derive(Debug)]
 pub struct Station<'a, A, P, O> {
+    bases: Bases,
     period: Period<A, P, O, Press>,
     monitor: Monitor,
     watched: MonitorState,
@@ -196,6 +197,12 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut> Station<'_, A, P, O> {
         let Measured { position, slider, pressure_a, pressure_b, .. } = report.measured;
         self.recorder.record(&[Some(report.command), slider, pressure_a, pressure_b, Some(position)]);
         Outcome { report, alarm }
+    }
+
+    /// What 1 means, in SI units.
+    #[must_use]
+    pub fn bases(&self) -> &Bases {
+        &self.bases
     }
 
     /// Somebody says where the rod is, of the stroke: [`Period::refer`].
