@@ -38,6 +38,7 @@ pub mod board;
 pub mod calibration;
 pub mod control;
 pub mod dac;
+pub mod desk;
 pub mod edge;
 pub mod fault;
 pub mod following;

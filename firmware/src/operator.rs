@@ -128,7 +128,12 @@ impl Operator {
             b'a' => state.command = Some(Command::Acknowledge),
             b'g' => self.go(state, position_m?)?,
             b'z' => {
-                return Ok(Some(Errand::Refer { position: PerUnit::saturated(position_m? / self.bases.stroke_m) }));
+                let position = PerUnit::saturated(position_m? / self.bases.stroke_m);
+                if !state.mode.is_running() {
+                    // It may follow before the next period has shown where that is.
+                    state.wanted = SetPoint { position, velocity: PerUnit::ZERO };
+                }
+                return Ok(Some(Errand::Refer { position }));
             }
             b't' => return Ok(Some(Errand::Trigger)),
             b'd' => return Ok(Some(Errand::Send)),

@@ -1,5 +1,6 @@
 //! Does the whole edge work with parts that behave as their data sheets say, and does it find what can go wrong with them?
 
+mod desk;
 mod following;
 mod parts;
 mod world;

@@ -12,9 +12,8 @@ use defmt::Display2Format;
 use defmt_rtt as _;
 use embedded_hal::spi::{MODE_0, MODE_1};
 use embedded_hal_bus::spi::ExclusiveDevice;
+use firmware::desk::Desk;
 use firmware::log::Defmt;
-use firmware::operator::{Errand, Operator};
-use firmware::outbox::Outbox;
 use firmware::period::{Answer, Timing, Watchdog};
 use firmware::press::{BOUNDS, TICK_NS, values};
 use firmware::set_point::Bounds;
@@ -90,12 +89,10 @@ fn run(board: Peripherals, core: cortex_m::Peripherals, memory: &'static mut Opt
     keys::listen(typed);
 
     delay.delay_ms(POWER_UP_MS);
-    let mut station = match wired(inputs, counter, output, &mut delay, memory) {
-        Ok(station) => station,
+    let mut desk = match wired(inputs, counter, output, &mut delay, memory) {
+        Ok(station) => Desk::new(station, BY_HAND),
         Err(error) => return defmt::error!("{}", Display2Format(&error)),
     };
-    let operator = Operator::new(BY_HAND, *station.bases());
-    let (mut at_desk, mut outbox) = (operator.at_rest(), Outbox::default());
 
     let mut timer = board.TIM5.counter_us(&mut rcc);
     let mut watchdog = IndependentWatchdog::new(board.IWDG);
@@ -108,30 +105,20 @@ fn run(board: Peripherals, core: cortex_m::Peripherals, memory: &'static mut Opt
     let (mut timing, mut longest_us) = (Timing::Kept, 0);
     loop {
         while timing == Timing::Kept && timer.wait().is_err() {
-            match keys::next().map(|key| operator.typed(&mut at_desk, key)) {
-                None | Some(Ok(None)) => {}
-                Some(Ok(Some(Errand::Refer { position }))) => {
-                    if !station.refer(position) {
-                        defmt::warn!("the place is taken while the valve is neutral only");
-                    }
-                }
-                Some(Ok(Some(Errand::Trigger))) => station.trigger(),
-                Some(Ok(Some(Errand::Send))) => outbox.send(),
-                Some(Ok(Some(Errand::Arm))) => station.arm(),
-                Some(Err(error)) => defmt::warn!("{}", error),
+            if let Some(Err(error)) = keys::next().map(|key| desk.key(key)) {
+                defmt::warn!("{}", error);
             }
             if line.is_tx_empty()
-                && let Some(byte) = outbox.next(station.recorder(), values::NAME, TICK_NS)
+                && let Some(byte) = desk.byte()
             {
                 // It was found empty, so it takes the byte.
                 let _ = line.write(byte);
             }
         }
         if button.is_low() {
-            operator.stop(&mut at_desk);
+            desk.stop();
         }
-        let Outcome { report, .. } = station.step(&operator.request(&mut at_desk, timing), &mut Defmt);
-        operator.seen(&mut at_desk, &report);
+        let Outcome { report, .. } = desk.step(timing, &mut Defmt);
         if let Some(refused) = report.answer.filter(|answer| *answer != Answer::Taken) {
             defmt::warn!("refused: {}", refused);
         }
