@@ -135,6 +135,13 @@ impl<N: Number> Chambers<N> {
         (state.b, rest.b) = state.b.accumulated(rest.b, [self.stiffness_b], [net.b]);
     }
 
+    /// Mean flows of a tick at the ports, of which the rod did not make room for `beyond`: each chamber takes of that what it yields to.
+    #[inline]
+    pub(crate) fn stopped(&self, flows: Flows<N>, beyond: N, yielding: &Flows<N>) -> Flows<N> {
+        let beyond_b = self.displaced_b(beyond);
+        Flows { a: flows.a - (beyond - yielding.a.of(beyond)), b: flows.b - (beyond_b - yielding.b.of(beyond_b)) }
+    }
+
     /// Pressure rise over a tick for the net oil that stays in each chamber.
     #[inline]
     pub(crate) fn rise(&self, net: Flows<N>) -> ChamberState<N> {

@@ -441,7 +441,8 @@ impl<N: Number> Drive<N> {
         let v2 = equation.second_increment(&stage, second, None);
 
         // The links take the step.
-        let mean = equation.finish(contact, &mut state.motion, v1, v2);
+        let moved = equation.finish(contact, &mut state.motion, v1, v2);
+        let mean = moved.solved;
         let kept =
             Flows { a: N::dot(mechanics.weights, [net1.a, net2.a]), b: N::dot(mechanics.weights, [net1.b, net2.b]) };
         // A flow that no pressure moves has the mean of its ends. Taken so, a closed valve passes exactly nothing: the solved
@@ -450,6 +451,10 @@ impl<N: Number> Drive<N> {
         let flows = Flows {
             a: chambers.mean::<V>(&flows.a, inflow1.a, inflow2.a, solved(kept.a + mean)),
             b: chambers.mean::<V>(&flows.b, inflow1.b, inflow2.b, solved(chambers.displaced_b(mean) - kept.b)),
+        };
+        let (flows, mean) = match moved.beyond {
+            None => (flows, mean),
+            Some(beyond) => (chambers.stopped(flows, beyond, &yielding), mean - beyond),
         };
         chambers.fill(&mut state.chambers, &mut state.rest, flows, mean);
         state.supply = self.supplied::<V>(feed, state.chambers, state.supply, drawn);

@@ -3,7 +3,8 @@
 //! F = −k·depth − c·v into the stop. A stop of 1e8 N/m turns 20 kg within a tick or two, so it is part of the implicit step: stage for
 //! stage the rod is held by the stop or free of it, whichever moves it less into the stop, so that neither a stage nor the tick
 //! is ever pulled. A rod that meets a stop within a tick is set down on its face: a spring that started with depth already
-//! in it would throw the rod back faster than it came. That costs less than a tick's travel of position.
+//! in it would throw the rod back faster than it came. The oil that its way beyond the face would have made room for stays where
+//! it is, so that the pressures know when within the tick the rod was stopped.
 
 use crate::number::Number;
 
@@ -16,6 +17,17 @@ pub(crate) struct Stops<N: Number> {
     pub(crate) stiffness: N::Steep,
     /// γ·h/m·(c + γ·h·k) over the mass's own diagonal: what a stop adds to it.
     pub(crate) weight: N::Steep,
+    /// Velocity that moves the rod by a stroke in a tick.
+    pub(crate) per_stroke: N::Steep,
+}
+
+/// A rod that was free at the start of the tick and met a stop in it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SetDown<N: Number> {
+    /// The stop's face.
+    pub(crate) place: N::Travel,
+    /// What of the tick's mean velocity was beyond it.
+    pub(crate) beyond: N,
 }
 
 /// Where a stop begins.
@@ -45,14 +57,15 @@ impl<N: Number> Stops<N> {
             .or_else(|| beyond(&self.retracted, |at, face| face - at).map(|depth| (Side::Retracted, depth)))
     }
 
-    /// Where the rod is put that was free before it moved here.
+    /// What becomes of a rod that was free before it moved here; `None` where it still is.
     #[inline]
-    pub(crate) fn set_down(&self, position: N::Travel) -> N::Travel {
-        match self.touched(position) {
-            Some((Side::Extended, _)) => self.extended.map_or(position, |face| face.place),
-            Some((Side::Retracted, _)) => self.retracted.map_or(position, |face| face.place),
-            None => position,
-        }
+    pub(crate) fn set_down(&self, position: N::Travel) -> Option<SetDown<N>> {
+        let (side, depth) = self.touched(position)?;
+        let face = match side {
+            Side::Extended => self.extended,
+            Side::Retracted => self.retracted,
+        }?;
+        Some(SetDown { place: face.place, beyond: side.push(-depth.amplified(self.per_stroke)) })
     }
 }
 

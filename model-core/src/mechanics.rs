@@ -10,7 +10,7 @@
 use core::marker::PhantomData;
 
 use crate::bristles::{Bristles, Gripping};
-use crate::end_stop::{Side, Stops};
+use crate::end_stop::{SetDown, Side, Stops};
 use crate::friction::{DryFriction, Level, PlacedDrag};
 use crate::number::Number;
 use crate::position_load::PositionLoad;
@@ -194,6 +194,15 @@ struct Own<'a, N: Number> {
     start: N,
 }
 
+/// How the rod moved in a tick.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Moved<N> {
+    /// Mean velocity, as the equations were solved.
+    pub(crate) solved: N,
+    /// What of it a stop took that the rod met.
+    pub(crate) beyond: Option<N>,
+}
+
 /// A stop that the rod touches.
 #[derive(Clone, Copy, Debug)]
 struct Held<N: Number> {
@@ -244,7 +253,8 @@ impl<N: Number> Mechanics<N> {
         let first = equation.first_increment(&equation.first_stage(contact, state.velocity), forces.first, None);
         let second = equation.second_stage(contact, state.velocity, first);
         let second = equation.second_increment(&second, forces.second, None);
-        equation.finish(contact, state, first, second)
+        let moved = equation.finish(contact, state, first, second);
+        moved.beyond.map_or(moved.solved, |beyond| moved.solved - beyond)
     }
 
     /// The equation of the mass from where it stands.
@@ -430,13 +440,13 @@ impl<'a, N: Number, V: Vocabulary> Equation<'a, N, V> {
         }
     }
 
-    /// Moves the rod by the two increments and returns its mean velocity over the tick.
+    /// Moves the rod by the two increments and returns how fast.
     ///
     /// Where an increment is held at the end of the format the step is no longer the method's, and no longer stable: two
     /// held stages can throw the rod to and fro for ever. It then goes on where it is pushed to, with a velocity of one half at
     /// most, from where the step is linear.
     #[inline]
-    pub(crate) fn finish(&self, contact: Contact, state: &mut MotionState<N>, first: N, second: N) -> N {
+    pub(crate) fn finish(&self, contact: Contact, state: &mut MotionState<N>, first: N, second: N) -> Moved<N> {
         let mechanics = self.mechanics;
         let [weigh_first, weigh_second] = mechanics.mean;
         let mean = N::dot([mechanics.unity, weigh_first, weigh_second], [state.velocity, first, second]);
@@ -463,11 +473,14 @@ impl<'a, N: Number, V: Vocabulary> Equation<'a, N, V> {
             if let Some(grip) = grip {
                 state.bristles = grip.after(mean);
             }
-            if let (Some(stops), None) = (stops, self.held()) {
-                state.position = stops.set_down(state.position);
+            if let (Some(stops), None) = (stops, self.held())
+                && let Some(SetDown { place, beyond }) = stops.set_down(state.position)
+            {
+                state.position = place;
+                return Moved { solved: mean, beyond: Some(beyond) };
             }
         }
-        mean
+        Moved { solved: mean, beyond: None }
     }
 
     /// What is left of a velocity that has turned within the tick, if friction holds as hard as it can.

@@ -1,6 +1,6 @@
 //! Each effect, and the pump drive, against the oracle's own form of it in its textbook limit.
 
-use host_sim::testbed::{Commands, Excitation, InitialState, PlantEffect, PumpCommand};
+use host_sim::testbed::{Commands, Excitation, InitialState, LoadEffect, PlantEffect, PumpCommand};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
 use model_core::parameter::Parameter as P;
@@ -39,6 +39,13 @@ const BRISTLES: PlantEffect = PlantEffect::CoulombFriction {
     damping_n_s_per_m: 8.8e3,
 };
 const STIFFNESS_N_PER_M: f64 = 3e7;
+/// Within reach of every signal.
+const STOP_M: f64 = 0.18;
+/// So hard that neither it nor the core's gives by more than 30 µm under the full force.
+const STOP: PlantEffect =
+    PlantEffect::Load(LoadEffect::EndStop { at_m: STOP_M, extending: true, stiffness: 2e11, damping_s_per_m: 3.0 });
+const STOP_N_PER_M: f64 = 1e9;
+const STOP_N_S_PER_M: f64 = 3e5;
 const SLIP: PlantEffect = PlantEffect::PumpSlip {
     conductance_m3_per_s_pa: SLIP_M3_PER_S_PA * (SLIPPING_REV_PER_S + SLIP_FADE_REV_PER_S) / SLIPPING_REV_PER_S,
     turbulent_share: 0.0,
@@ -101,6 +108,12 @@ fn each_effect_and_the_pump_drive_follow_the_oracle() {
         let machine =
             drive.machine.with(&[(P::CoulombFriction, FRICTION_N), (P::PreslidingStiffness, STIFFNESS_N_PER_M)]);
         add(drive.name, "... on bristles", valve(&machine, BRISTLES), Case::DryFriction, Case::DryFrictionRounding);
+        let machine = drive.machine.with(&[
+            (P::StopExtended, STOP_M),
+            (P::StopStiffness, STOP_N_PER_M),
+            (P::StopDamping, STOP_N_S_PER_M),
+        ]);
+        add(drive.name, STOP.name(), valve(&machine, STOP), Case::Stop, Case::StopRounding);
     }
     let machine = drives::pump();
     let loaded = machine.with(&[(P::LoadForce, -4e3)]);

@@ -23,6 +23,10 @@ pub(crate) enum Case {
     DryFriction,
     /// Fixed point against the same step in f64, with dry friction.
     DryFrictionRounding,
+    /// An end stop, at 1 kHz.
+    Stop,
+    /// Fixed point against the same step in f64, with an end stop.
+    StopRounding,
     /// A pump drive, at 1 kHz.
     Pump,
     /// One hour of cycling at 1 kHz in fixed point; the position at its end.
@@ -95,6 +99,18 @@ const TABLE: &[Tolerance] = &[
         position_percent: 0.0005,
         pressure_percent: 0.005,
         reason: "the position as without; a rod that comes to rest within rounding of a tick's end may stick a tick sooner or later",
+    },
+    Tolerance {
+        case: Case::Stop,
+        position_percent: 0.03,
+        pressure_percent: 7.0,
+        reason: "the rod is stopped somewhere within a tick, in which the oil that still comes raises a pressure by up to a fifth of the supply's: a third of that, for a tick or two",
+    },
+    Tolerance {
+        case: Case::StopRounding,
+        position_percent: 0.0005,
+        pressure_percent: 0.02,
+        reason: "the position as without; how far beyond the face a tick went is known to a signal's step, which is so much of its velocity",
     },
     Tolerance {
         case: Case::Pump,

@@ -11,8 +11,8 @@ use crate::number::{Number, Real};
 use crate::parameter::Parameter as P;
 use crate::position_load::{PositionLoad, Signed};
 
-/// Largest coefficient of the bristles: what the format of a slope holds. Stiffer ones are as stiff as that.
-const STIFFEST: f64 = 6e4;
+/// Largest steep coefficient of the bristles and of a rod that meets a stop: what the format holds. Steeper ones are as steep as that.
+const STEEPEST: f64 = 6e4;
 /// Velocity at which the bristles count as going one way by half.
 const AT_REST: f64 = 6.1e-5;
 /// Positions beyond this many strokes are out of a signal's range: no stop is there.
@@ -254,13 +254,17 @@ impl<R: Real> Builder<'_, R> {
             (strokes.value().abs() < OUT_OF_REACH).then(|| Face { place: N::travel(strokes) })
         };
         let (stiffness, damping) = (self.get(P::StopStiffness), self.get(P::StopDamping));
-        let per_stroke = stiffness * self.get(P::Stroke) / R::constant(self.bases.force_n);
+        let force = stiffness * self.get(P::Stroke) / R::constant(self.bases.force_n);
         let weight = (damping + R::constant(GAMMA * self.tick_s) * stiffness) * self.weight(mass);
+        let per_stroke_a_tick = self.get(P::Stroke) / R::constant(self.tick_s * self.bases.velocity_m_per_s);
+        let steepest = R::constant(STEEPEST);
+        let per_stroke_a_tick = if per_stroke_a_tick.value() < STEEPEST { per_stroke_a_tick } else { steepest };
         Ok(Stops {
             retracted: face(P::StopRetracted),
             extended: face(P::StopExtended),
-            stiffness: self.steep::<N>("stop's force of a stroke over full force", P::StopStiffness, per_stroke)?,
+            stiffness: self.steep::<N>("stop's force of a stroke over full force", P::StopStiffness, force)?,
             weight: self.steep::<N>("stop on the mass", P::StopStiffness, weight)?,
+            per_stroke: self.steep::<N>("velocity of a stroke a tick", P::Stroke, per_stroke_a_tick)?,
         })
     }
 
@@ -269,7 +273,7 @@ impl<R: Real> Builder<'_, R> {
         // Per stiffness: what a tick at velocity 1 bends, and what is solved on the mass.
         let bend = self.tick_s * self.bases.velocity_m_per_s / reference_n;
         let weight = R::constant(GAMMA * self.tick_s) * self.weight(mass);
-        let stiffest = STIFFEST / bend.max(weight.value());
+        let stiffest = STEEPEST / bend.max(weight.value());
         let stiffness = self.get(P::PreslidingStiffness);
         let stiffness = if stiffness.value() < stiffest { stiffness } else { R::constant(stiffest) };
         let of_step = R::constant(GAMMA * self.tick_s) * stiffness;
