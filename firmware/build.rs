@@ -1,5 +1,5 @@
 //! Takes in the drive's values, and links binaries for the emulated boards: the start-up's linker script, with the memory of
-//! `memory.x` at the root.
+//! `memory.x` at the root, and that of the log's texts where there is a log.
 
 use std::path::{Path, PathBuf};
 use std::{env, fs};
@@ -22,7 +22,11 @@ fn main() {
     println!("cargo:rerun-if-changed={}", root.join("memory.x").display());
     println!("cargo:rerun-if-changed=build.rs");
     if env::var("CARGO_CFG_TARGET_OS").as_deref() == Ok("none") {
-        println!("cargo:rustc-link-search={}", root.display());
+        // For this crate's binaries alone: a board that uses the library has a memory of its own.
+        println!("cargo:rustc-link-arg-bins=-L{}", root.display());
         println!("cargo:rustc-link-arg-bins=-Tlink.x");
+        if env::var_os("CARGO_FEATURE_DEFMT").is_some() {
+            println!("cargo:rustc-link-arg-bins=-Tdefmt.x");
+        }
     }
 }

@@ -24,6 +24,9 @@ const PLAIN: usize = HEAD + PAYLOAD + CHECK;
 /// Largest frame once stuffed: one byte more in each 254.
 const STUFFED: usize = PLAIN + PLAIN.div_ceil(254) + 1;
 
+/// Largest frame on a line, bytes.
+pub const LARGEST: usize = STUFFED + 2;
+
 /// A small table: 64 bytes of flash instead of 1024, at four steps a byte instead of one.
 const CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
 
@@ -67,7 +70,7 @@ impl FrameWriter {
     pub fn write<W: Write>(&mut self, line: &mut W, kind: u8, payload: &[u8]) -> Result<(), FrameError<W::Error>> {
         let too_long = FrameError::TooLong { found: payload.len() };
         let plain = assembled(kind, self.number, payload).ok_or(too_long)?;
-        let mut stuffed = [0; STUFFED + 2];
+        let mut stuffed = [0; LARGEST];
         // Zero before and after: what a line that was just opened shows first ends before the frame.
         let length = cobs::try_encode(&plain, stuffed.get_mut(1..=STUFFED).unwrap_or_default())
             .map_err(|_| FrameError::TooLong { found: payload.len() })?;

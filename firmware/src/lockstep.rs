@@ -15,26 +15,16 @@
 use embedded_hal::delay::DelayNs;
 use embedded_io::{ErrorType, Read, Write};
 use model_core::fixed_point::PerUnit;
-use model_core::follow::{FollowError, Follower};
-use model_core::machine::MachineError;
 
-use crate::ads8688::Ads8688;
-use crate::control::Control;
-use crate::dac::{Ad5754, Channel as Output, Reference as Supply};
-use crate::edge::{AnalogIn, AnalogOut, Cause, EdgeError};
-use crate::following::Following;
 use crate::frame::{FrameError, FrameWriter};
 use crate::log::Log;
-use crate::ls7366r::{FilterClock, Ls7366r, Origin};
-use crate::measured::Measured;
 use crate::mode::Command;
-use crate::monitor::{Innovation, Monitor, MonitorError};
-use crate::period::{BeginError, Devices, Period, Place, Report, Request, Timing, Watchdog};
-use crate::press::{self, PressError};
-use crate::recorder::{Channel, Progress, Range, Recorder, RecorderError, Stream};
-use crate::reference::Reference;
-use crate::remote::{Line, MOST_BYTES, Part, RemoteError};
+use crate::period::{Report, Request, Timing, Watchdog};
+use crate::press;
+use crate::recorder::{Progress, Stream};
+use crate::remote::{Line, MOST_BYTES, RemoteError};
 use crate::set_point::SetPoint;
+use crate::station::{Outcome, Ring, StationError, wired};
 
 /// Numbers of the parts on the line.
 pub mod part {
@@ -91,24 +81,9 @@ impl Order {
 /// Why it ended early.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum LockstepError {
-    /// The exported values are no drive.
+    /// It did not begin.
     #[error(transparent)]
-    Machine(#[from] MachineError),
-    /// They are none that can be controlled.
-    #[error(transparent)]
-    Follow(#[from] FollowError),
-    /// They do not fit the wiring.
-    #[error(transparent)]
-    Press(#[from] PressError),
-    /// They do not fit the monitor.
-    #[error(transparent)]
-    Monitor(#[from] MonitorError),
-    /// The recorder.
-    #[error(transparent)]
-    Recorder(#[from] RecorderError),
-    /// A part does not answer as it must.
-    #[error("a part at the start: {0:?}")]
-    Part(Cause),
+    Station(#[from] StationError),
     /// The line failed.
     #[error(transparent)]
     Line(#[from] RemoteError),
@@ -116,14 +91,6 @@ pub enum LockstepError {
     #[error("the record was not streamed out")]
     Record,
 }
-
-/// Rows of the recorder: six seconds.
-const ROWS: usize = 6000;
-/// Rows from before the trigger: half a second.
-const BEFORE: usize = 500;
-
-/// The recorder of this rig: one row a period.
-pub type Ring = Recorder<5, ROWS>;
 
 /// Runs until the host ends it. `memory` holds the recorder, which is too large for a stack.
 ///
@@ -135,68 +102,24 @@ pub fn run<L: Read + Write>(
     log: &mut impl Log,
     memory: &mut Option<Ring>,
 ) -> Result<(), LockstepError> {
-    let machine = press::machine();
-    let tick = press::values::TICK;
-    let reference: Reference<{ press::values::DELAY_LINE }> = Reference::at_rest(&machine, tick, 0.5)?;
-    let bases = *reference.bases();
-    let control = Following::new(Follower::new(&machine, &press::tuning(&machine), tick)?, reference);
-    let monitor = Monitor::new(&press::SENSITIVITY, &bases)?;
-    let mut watched = monitor.at_rest();
-    let channel = |name, unit, base| Channel { name, unit, base, range: Range::One };
-    let recorder = memory.insert(Recorder::new(
-        [
-            channel("command", "V", bases.command_v),
-            channel("spool", "1", 1.0),
-            channel("pressure_a", "Pa", bases.pressure_pa),
-            channel("pressure_b", "Pa", bases.pressure_pa),
-            channel("position", "m", bases.stroke_m),
-        ],
-        BEFORE,
-    )?);
-
     let line = Line::new(line);
-    let rig = press::rig(&machine, &bases, Ads8688::<Part<'_, L>>::SPAN_UV, Ad5754::<Part<'_, L>>::SPAN_UV)?;
-    let neutral = rig.calibration.output.count(rig.limits.neutral);
-    let output = Ad5754::begin(line.part(part::OUTPUT), delay, Output::A, Supply::External, neutral);
-    let output = output.map_err(|error| LockstepError::Part(error.cause()))?;
-    let inputs = Ads8688::begin(line.part(part::INPUTS), press::RANGES);
-    let inputs = inputs.map_err(|error| LockstepError::Part(error.cause()))?;
-    let position = Ls7366r::resume(line.part(part::COUNTER), FilterClock::Undivided);
-    let (position, origin) = position.map_err(|error| LockstepError::Part(error.cause()))?;
-    let place = if origin == Origin::Kept { Place::Known } else { Place::Lost };
-    let begun = Period::begin(Devices { inputs, position, output }, rig, control, place);
-    let mut period = begun.map_err(|error| match error {
-        BeginError::Limits(error) => LockstepError::Press(error.into()),
-        BeginError::Position(error) => LockstepError::Part(error.cause()),
-        BeginError::Output(error) => LockstepError::Part(error.cause()),
-    })?;
-
+    let [inputs, counter, output] = [part::INPUTS, part::COUNTER, part::OUTPUT].map(|number| line.part(number));
+    let mut station = wired(inputs, counter, output, delay, memory)?;
     let mut last = [0; WORDS];
     loop {
         line.exchange(part::PERIOD, &mut last)?;
         let (order, request) = read(last);
         match order {
             Order::End => break,
-            Order::Refer => _ = period.refer(request.set_point.position),
-            Order::Record => recorder.trigger(),
+            Order::Refer => _ = station.refer(request.set_point.position),
+            Order::Record => station.trigger(),
             Order::None | Order::Follow | Order::Stop | Order::Acknowledge => {}
         }
-        let report = period.step(&request, log);
-        let innovation = report.predicted.map(|predicted| Innovation::of(&predicted, &report.measured.observed()));
-        let alarm = innovation.and_then(|innovation| monitor.watch(&mut watched, &innovation));
-        if alarm.is_some() {
-            recorder.trigger();
-        }
-        let Measured { position, slider, pressure_a, pressure_b, .. } = report.measured;
-        recorder.record(&[Some(report.command), slider, pressure_a, pressure_b, Some(position)]);
-        last = written(&report, period.control().predicted().position, alarm.map_or(0, |miss| 1 + miss.signal as u8));
+        let Outcome { report, alarm } = station.step(&request, log);
+        last = written(&report, station.predicted().position, alarm.map_or(0, |miss| 1 + miss.signal as u8));
     }
-    streamed(recorder, &line)
+    streamed(station.recorder(), &line)
 }
-
-/// Length of a tick, ns.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "two milliseconds at most")]
-const TICK_NS: u32 = (press::values::TICK.seconds() * 1e9) as u32;
 
 /// Bytes of a report and of a request.
 const WORDS: usize = 16;
@@ -224,7 +147,7 @@ fn written(report: &Report, model: PerUnit, alarm: u8) -> [u8; WORDS] {
 fn streamed<L: Read + Write>(recorder: &Ring, line: &Line<L>) -> Result<(), LockstepError> {
     let (mut stream, mut frames, mut out) = (Stream::new(), FrameWriter::default(), Record { line });
     loop {
-        let progress = stream.write(recorder, press::values::NAME, TICK_NS, &mut frames, &mut out);
+        let progress = stream.write(recorder, press::values::NAME, press::TICK_NS, &mut frames, &mut out);
         match progress {
             Ok(Progress::More) => {}
             Ok(Progress::Done) => return Ok(()),

@@ -1,7 +1,11 @@
-//! What a period tells: faults as they enter, and changes of the mode.
+//! What a period tells: faults as they enter, changes of the mode, the monitor's alarm.
+
+#[cfg(feature = "defmt")]
+use model_core::number::Number;
 
 use crate::fault::{Fault, Response, Standing};
 use crate::mode::Mode;
+use crate::monitor::Miss;
 
 /// Somebody who is told. `()` hears nothing.
 pub trait Log {
@@ -9,14 +13,17 @@ pub trait Log {
     fn fault(&mut self, fault: &Fault);
     /// The mode changed.
     fn mode(&mut self, from: Mode, to: Mode);
+    /// The model does not tell any more what a sensor shows; told once until the monitor is begun anew.
+    fn alarm(&mut self, miss: &Miss);
 }
 
 impl Log for () {
     fn fault(&mut self, _: &Fault) {}
     fn mode(&mut self, _: Mode, _: Mode) {}
+    fn alarm(&mut self, _: &Miss) {}
 }
 
-/// Tells everything by defmt: faults as errors, modes as information.
+/// Tells everything by defmt: faults as errors, alarms as warnings, modes as information.
 #[cfg(feature = "defmt")]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Defmt;
@@ -28,6 +35,17 @@ impl Log for Defmt {
     }
     fn mode(&mut self, from: Mode, to: Mode) {
         defmt::info!("mode: {} -> {}", from, to);
+    }
+    fn alarm(&mut self, miss: &Miss) {
+        let Miss { link, signal, innovation, .. } = miss;
+        let off = innovation.to_f64();
+        defmt::warn!(
+            "alarm: {} misses: {} is off by {} of its base, its mean square {}",
+            link,
+            signal,
+            off,
+            miss.square()
+        );
     }
 }
 

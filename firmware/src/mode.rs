@@ -72,6 +72,15 @@ impl Mode {
     /// Every mode.
     pub const ALL: [Mode; 5] = [Mode::Starting, Mode::Following, Mode::Holding, Mode::RampingDown, Mode::Neutral];
 
+    /// Whether the valve is commanded, and the model runs along with the machine.
+    #[must_use]
+    pub const fn is_running(self) -> bool {
+        match self {
+            Mode::Following | Mode::Holding | Mode::RampingDown => true,
+            Mode::Starting | Mode::Neutral => false,
+        }
+    }
+
     /// What an event leads to.
     #[must_use]
     #[expect(clippy::match_same_arms, reason = "the table is read mode by mode")]

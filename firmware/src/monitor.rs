@@ -185,8 +185,18 @@ pub struct Miss {
     pub signal: Signal,
     /// The link that misses.
     pub link: Link,
+    /// Measured − predicted in the tick of the alarm, of the signal's base.
+    pub innovation: PerUnit,
     /// A quarter of the innovation's mean square over the expected one, at most 8.
     pub quarter: PerUnit,
+}
+
+impl Miss {
+    /// The innovation's mean square over the expected one, at most 32.
+    #[must_use]
+    pub fn square(&self) -> f64 {
+        4.0 * self.quarter.to_f64()
+    }
 }
 
 /// Largest square of an innovation over its expected one: no single reading counts for more.
@@ -252,7 +262,7 @@ impl Monitor {
             let half = value.amplified(watch.half_inverse).limited(LARGEST);
             *quarter = *quarter + PerUnit::dot([self.share], [half.times(half) - *quarter]);
             if missed.is_none() && *quarter > watch.limit {
-                missed = Some(Miss { signal, link: signal.link(), quarter: *quarter });
+                missed = Some(Miss { signal, link: signal.link(), innovation: value, quarter: *quarter });
             }
         }
         if state.alarmed {
@@ -450,7 +460,8 @@ mod tests {
         let mut state = monitor.at_rest();
         let told: std::vec::Vec<Miss> = (0..5000).filter_map(|_| monitor.watch(&mut state, &far)).collect();
         assert_eq!(told.len(), 1);
-        assert_eq!(told[0].signal, Signal::PressureA);
+        assert_eq!((told[0].signal, told[0].innovation), (Signal::PressureA, PerUnit::ONE));
+        assert!(told[0].square() > 1.0, "{:?}", told[0]);
         assert_eq!(state.quarters[0], monitor.at_rest().quarters[0]);
     }
 

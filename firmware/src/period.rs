@@ -218,7 +218,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         if request.timing == Timing::Overrun {
             found.note(&Fault::Overrun);
         }
-        let predicted = self.is_running().then(|| self.control.predicted());
+        let predicted = self.state.mode.is_running().then(|| self.control.predicted());
         let measured = self.sense(predicted, &mut found);
 
         self.heed_faults(&mut found, &measured);
@@ -264,11 +264,6 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
     /// Gives the devices back.
     pub fn release(self) -> Devices<A, P, O> {
         self.devices
-    }
-
-    /// Whether the model runs along with the machine.
-    fn is_running(&self) -> bool {
-        matches!(self.state.mode, Mode::Following | Mode::Holding | Mode::RampingDown)
     }
 
     fn sense<L: Log>(&mut self, predicted: Option<Predicted>, found: &mut Findings<'_, L>) -> Measured {

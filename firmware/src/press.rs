@@ -21,6 +21,10 @@ pub mod values {
     include!(concat!(env!("OUT_DIR"), "/machine.rs"));
 }
 
+/// Length of a tick, ns.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "two milliseconds at most")]
+pub const TICK_NS: u32 = (values::TICK.seconds() * 1e9) as u32;
+
 /// Ranges of the converter's channels: 1 slider, 2 and 3 pressures in A and B.
 pub const RANGES: [Option<Range>; CHANNELS] =
     [None, Some(Range::Bipolar10V), Some(Range::Unipolar5V), Some(Range::Unipolar5V), None, None, None, None];

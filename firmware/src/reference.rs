@@ -64,9 +64,8 @@ impl<const DELAY: usize> Reference<DELAY> {
     /// long, and at these pressures but for the load that the machine has and the model has not: with it, the model would not rest.
     /// A controller that starts so does not bump.
     pub fn start_at(&mut self, command: PerUnit, pressures: ChamberState<PerUnit>, position: PerUnit) {
-        let travel = PerUnit::travelled(PerUnit::travel(0.0), [PerUnit::ONE.as_gain()], [position]);
         let oil_temperature = self.state.oil_temperature;
-        self.state = self.drive.at_rest(command, self.rest.balanced(pressures), travel);
+        self.state = self.drive.at_rest(command, self.rest.balanced(pressures), position.as_travel());
         self.state.oil_temperature = oil_temperature;
     }
 

@@ -236,7 +236,7 @@ impl<N: Number> Drive<N> {
             motion: MotionState::at_rest(position),
             supply: self.unloaded(),
             sensed: SensedState::at_rest(position),
-            warmth: N::travel(N::ZERO.to_real()),
+            warmth: N::ZERO.as_travel(),
             oil_temperature: self.reference_temperature(),
         }
     }

@@ -226,6 +226,10 @@ impl Number for PerUnit {
         if strokes.is_nan() { I8F56::ZERO } else { I8F56::saturating_from_num(strokes) }
     }
     #[inline]
+    fn as_travel(self) -> I8F56 {
+        I8F56::from(self.0)
+    }
+    #[inline]
     fn travelled<const K: usize>(from: I8F56, gains: [I4F28; K], signals: [Self; K]) -> I8F56 {
         from.saturating_add(I8F56::from_bits(products(gains, signals)))
     }
@@ -307,6 +311,13 @@ mod tests {
             let exact = if p > 0.0 { p / (p + w * steep.to_num::<f64>()) } else { 0.0 };
             let share = PerUnit::share(part, [weight], [steep]).to_f64();
             prop_assert!((share - exact).abs() <= 2e-8, "{share} {exact}");
+        }
+
+        #[test]
+        fn a_signal_is_a_position_to_the_bit(bits in any::<i32>()) {
+            let (signal, strokes) = signal(bits);
+            prop_assert_eq!(signal.as_travel(), PerUnit::travel(strokes));
+            prop_assert_eq!(PerUnit::of_travel(signal.as_travel()), signal);
         }
 
         #[test]

@@ -174,6 +174,9 @@ pub trait Number:
     /// A position from a plain value in strokes, held at the end of the range.
     fn travel(strokes: Self::Real) -> Self::Travel;
 
+    /// The position that a signal gives in strokes; nothing is rounded away.
+    fn as_travel(self) -> Self::Travel;
+
     /// The position after Σ gain·signal strokes more; nothing is rounded away.
     fn travelled<const K: usize>(from: Self::Travel, gains: [Self::Gain; K], signals: [Self; K]) -> Self::Travel;
 
@@ -272,6 +275,10 @@ impl<R: Real> Number for R {
     #[inline]
     fn travel(strokes: R) -> R {
         strokes
+    }
+    #[inline]
+    fn as_travel(self) -> R {
+        self
     }
     #[inline]
     fn travelled<const K: usize>(from: R, gains: [R; K], signals: [Self; K]) -> R {

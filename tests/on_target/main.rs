@@ -3,6 +3,7 @@
 //! That host and target agree says nothing of whether they are right: that is what the tests of `accuracy` hold against the oracle.
 
 mod budget;
+mod log;
 mod parity;
 mod step;
 mod trials;

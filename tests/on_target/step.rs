@@ -1,4 +1,4 @@
-//! The image whose only work is the model's step: its flash, and that nothing in it can panic.
+//! Images whose only work is the model's step, or a whole period: the step's flash, and that nothing in them can panic.
 
 use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
 
@@ -6,7 +6,11 @@ use system_tests::emulator::Processor;
 
 /// Code and constants of the step, bytes; the processor's start-up, some 200, is part of it.
 pub(crate) fn flash(processor: Processor) -> u64 {
-    let image = processor.image("step");
+    size(processor, "step")
+}
+
+fn size(processor: Processor, binary: &str) -> u64 {
+    let image = processor.image(binary);
     let image = object::File::parse(&*image).expect("cargo links ELF for this target");
     [".text", ".rodata"].iter().filter_map(|name| image.section_by_name(name)).map(|section| section.size()).sum()
 }
@@ -35,9 +39,32 @@ fn no_panic_can_be_reached_from_the_step() {
     }
 }
 
+/// Arithmetic in floating point, of a processor without it.
+fn floats(functions: &[String]) -> Vec<&String> {
+    let double = ["__aeabi_d", "__adddf3", "__subdf3", "__muldf3", "__divdf3"];
+    functions.iter().filter(|name| double.iter().any(|start| name.starts_with(start))).collect()
+}
+
+#[test]
+fn no_panic_and_no_double_can_be_reached_from_a_whole_period_not_even_where_following_begins() {
+    for processor in Processor::ALL {
+        if processor.can_be_built_for() {
+            let functions = functions(processor, "period");
+            assert!(
+                size(processor, "period") > flash(processor),
+                "{processor:?}: there is no more than the model in it"
+            );
+            assert_eq!(panics(&functions), Vec::<&String>::new(), "{processor:?}");
+            assert_eq!(floats(&functions), Vec::<&String>::new(), "{processor:?}");
+        }
+    }
+}
+
 #[test]
 fn a_panic_that_can_be_reached_would_show() {
     if Processor::M4F.can_be_built_for() {
-        assert!(!panics(&functions(Processor::M4F, "parity")).is_empty(), "start-up code formats and unwraps");
+        let starting = functions(Processor::M4F, "parity");
+        assert!(!panics(&starting).is_empty(), "start-up code formats and unwraps");
+        assert!(!floats(&starting).is_empty(), "and converts from SI");
     }
 }

@@ -57,11 +57,12 @@ impl Processor {
         self.can_be_built_for()
     }
 
-    fn cargo(self, verb: &str, binary: &str) -> Command {
+    fn cargo(self, verb: &str, binary: &str, features: &str) -> Command {
         let mut cargo = Command::new(env!("CARGO"));
         // A folder of its own: the cargo that runs this test holds the usual one.
         cargo
             .args([verb, "--quiet", "--release", "--locked", "--package", "firmware", "--bin", binary])
+            .args(["--features", features])
             .args(["--target", self.target(), "--target-dir"])
             .arg(Self::folder())
             .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
@@ -81,11 +82,24 @@ impl Processor {
     /// It cannot be built, or it fails.
     #[must_use]
     pub fn run(self, binary: &str) -> String {
-        let output = self.cargo("run", binary).output().expect("cargo runs this test, so it is there");
-        let text = String::from_utf8_lossy(&output.stdout).into_owned();
-        let errors = String::from_utf8_lossy(&output.stderr);
+        String::from_utf8_lossy(&self.output(binary, "")).into_owned()
+    }
+
+    /// The image of a binary that logs by defmt, and the bytes of its log.
+    ///
+    /// # Panics
+    /// It cannot be built, or it fails.
+    #[must_use]
+    pub fn log(self, binary: &str) -> (Vec<u8>, Vec<u8>) {
+        let log = self.output(binary, "defmt");
+        (read(&self.file(binary)), log)
+    }
+
+    fn output(self, binary: &str, features: &str) -> Vec<u8> {
+        let output = self.cargo("run", binary, features).output().expect("cargo runs this test, so it is there");
+        let (text, errors) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
         assert!(output.status.success(), "{binary} on {self:?}: {}\n{text}\n{errors}", output.status);
-        text
+        output.stdout
     }
 
     /// The image of a binary.
@@ -94,8 +108,7 @@ impl Processor {
     /// It cannot be built.
     #[must_use]
     pub fn image(self, binary: &str) -> Vec<u8> {
-        let file = self.built(binary, None);
-        std::fs::read(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()))
+        read(&self.built(binary, None))
     }
 
     /// The file of a binary, with the values of a drive that `host-sim export` wrote in the place of its own.
@@ -104,12 +117,20 @@ impl Processor {
     /// It cannot be built.
     #[must_use]
     pub fn built(self, binary: &str, values: Option<&Path>) -> PathBuf {
-        let mut cargo = self.cargo("build", binary);
+        let mut cargo = self.cargo("build", binary, "");
         if let Some(values) = values {
             cargo.env("FIRMWARE_MACHINE", values);
         }
         let output = cargo.output().expect("cargo runs this test, so it is there");
         assert!(output.status.success(), "{binary} for {self:?}: {}", String::from_utf8_lossy(&output.stderr));
+        self.file(binary)
+    }
+
+    fn file(self, binary: &str) -> PathBuf {
         Self::folder().join(self.target()).join("release").join(binary)
     }
+}
+
+fn read(file: &Path) -> Vec<u8> {
+    std::fs::read(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()))
 }

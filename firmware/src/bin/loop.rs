@@ -10,15 +10,18 @@ fn main() -> ! {
     use core::fmt::Write;
 
     use cortex_m::delay::Delay;
-    use firmware::board::mps2::{CLOCK_HZ, console, exit};
+    #[cfg(feature = "defmt")]
+    use defmt_semihosting as _;
+    use firmware::board::mps2::{CLOCK_HZ, Log, console, exit};
     use firmware::board::uart::Uart;
-    use firmware::lockstep::{Ring, run};
+    use firmware::lockstep::run;
+    use firmware::station::Ring;
     use panic_semihosting as _;
 
     let mut delay = cortex_m::Peripherals::take().map(|peripherals| Delay::new(peripherals.SYST, CLOCK_HZ));
     let memory = cortex_m::singleton!(: Option<Ring> = None);
     let (Some(delay), Some(memory)) = (delay.as_mut(), memory) else { exit(false) };
-    let ended = run(Uart::open(), delay, &mut (), memory);
+    let ended = run(Uart::open(), delay, &mut Log::default(), memory);
     if let (Err(error), Some(mut console)) = (&ended, console()) {
         // Whoever started the emulator reads it; without a console there is nobody to tell.
         let _ = writeln!(console, "error: {error}");

@@ -7,6 +7,13 @@ use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
 use cortex_m_semihosting::hio::{self, HostStream};
 
+/// What the firmware tells on this board: everything by defmt where there is that feature, else nothing.
+#[cfg(feature = "defmt")]
+pub type Log = crate::log::Defmt;
+/// What the firmware tells on this board: everything by defmt where there is that feature, else nothing.
+#[cfg(not(feature = "defmt"))]
+pub type Log = ();
+
 /// Clock of the processor, Hz.
 pub const CLOCK_HZ: u32 = 25_000_000;
 

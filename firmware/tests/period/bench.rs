@@ -11,6 +11,7 @@ use firmware::limits::Limits;
 use firmware::log::Log;
 use firmware::measured::{Measured, Signal};
 use firmware::mode::{Command, Mode};
+use firmware::monitor::Miss;
 use firmware::output::Actuator;
 use firmware::period::{Devices, Period, PeriodState, Place, Report, Request, Rig, Timing};
 use firmware::reference::{Predicted, Reference};
@@ -97,6 +98,7 @@ impl Log for Told {
     fn mode(&mut self, from: Mode, to: Mode) {
         self.modes.push((from, to));
     }
+    fn alarm(&mut self, _: &Miss) {}
 }
 
 pub(crate) fn percent(value: i32) -> PerUnit {

@@ -23,7 +23,7 @@ const OUT: Leg = Leg::Smooth { to_m: 0.18, duration_s: 3.0 };
 const START: f64 = 0.4;
 
 /// The press in f64, at rest at [`START`].
-fn plant(machine: &Machine<f64>) -> Plant {
+pub(crate) fn plant(machine: &Machine<f64>) -> Plant {
     let drive = Drive::<f64>::new::<64>(machine, Tick::OneMillisecond).unwrap();
     let bases = *drive.bases();
     let ratio = machine.get(Parameter::AreaB) / machine.get(Parameter::AreaA);

@@ -1,5 +1,6 @@
 //! Does the whole edge work with parts that behave as their data sheets say, and does it find what can go wrong with them?
 
+mod desk;
 mod following;
 mod parts;
 mod world;
@@ -11,6 +12,7 @@ use firmware::log::Log;
 use firmware::ls7366r::Origin;
 use firmware::measured::{Measured, Signal};
 use firmware::mode::{Command, Mode};
+use firmware::monitor::Miss;
 use firmware::period::{Report, Request, Timing, Watchdog};
 use firmware::reference::Predicted;
 use firmware::set_point::SetPoint;
@@ -56,6 +58,7 @@ impl Log for Told {
         self.0.push(*fault);
     }
     fn mode(&mut self, _: Mode, _: Mode) {}
+    fn alarm(&mut self, _: &Miss) {}
 }
 
 struct Bench<C> {

@@ -61,6 +61,8 @@ pub(crate) struct World {
     pub(crate) adc: Rc<RefCell<Adc>>,
     pub(crate) counter: Rc<RefCell<Counter>>,
     pub(crate) dac: Rc<RefCell<Dac>>,
+    /// The output that leads to the valve.
+    pub(crate) output: usize,
     pub(crate) lines: [Rc<RefCell<Line>>; 3],
     pub(crate) bytes: Rc<RefCell<usize>>,
     pub(crate) position_m: f64,
@@ -84,6 +86,7 @@ impl World {
             adc: Rc::new(RefCell::new(Adc::new())),
             counter: Rc::new(RefCell::new(Counter::new())),
             dac: Rc::new(RefCell::new(Dac::new())),
+            output: 1,
             lines: [line(), line(), line()],
             bytes: Rc::default(),
             position_m: 0.0,
@@ -104,7 +107,7 @@ impl World {
     /// One millisecond of the machine.
     pub(crate) fn tick(&mut self) {
         self.ticks += 1;
-        let volts = self.dac.borrow().volts(1);
+        let volts = self.dac.borrow().volts(self.output);
         let seen = (self.plant)(volts);
         self.position_m = seen.position_m;
         #[expect(clippy::cast_possible_truncation, reason = "some 20 000 over the stroke")]

@@ -1,0 +1,89 @@
+//! All that a board does but its pins: keys move the rod through every part, and its record comes out.
+
+use firmware::desk::{Desk, DeskError};
+use firmware::edge::{AnalogIn, AnalogOut, PositionIn};
+use firmware::frame::FrameReader;
+use firmware::message::Message;
+use firmware::mode::Mode;
+use firmware::operator::OperatorError;
+use firmware::period::{Answer, Report, Timing, Watchdog};
+use firmware::press::{self, BOUNDS};
+use firmware::set_point::Bounds;
+use firmware::station::wired;
+
+use crate::Told;
+use crate::following::plant;
+use crate::world::{STROKE_M, World};
+
+const BY_HAND: Bounds = Bounds { velocity_m_per_s: 0.03, acceleration_m_per_s2: 0.3, ..BOUNDS };
+
+/// Types, and runs so many periods.
+fn typed<A: AnalogIn, P: PositionIn, O: AnalogOut>(
+    desk: &mut Desk<'_, A, P, O>,
+    world: &mut World,
+    told: &mut Told,
+    keys: &str,
+    periods: u32,
+) -> (Report, Option<Answer>) {
+    for key in keys.bytes() {
+        desk.key(key).unwrap();
+    }
+    let first = desk.step(Timing::Kept, told).report;
+    world.tick();
+    let step = |_| {
+        let report = desk.step(Timing::Kept, told).report;
+        world.tick();
+        report
+    };
+    ((1..periods).map(step).last().unwrap_or(first), first.answer)
+}
+
+#[test]
+fn keys_move_the_rod_and_bring_its_record_out() {
+    let mut world = World::new(plant(&press::machine()));
+    world.output = 0;
+    world.tick();
+    let (mut memory, mut told) = (None, Told::default());
+    let delay = &mut embedded_hal_mock::eh1::delay::NoopDelay::new();
+    let (inputs, counter, output) =
+        (world.wire(&world.adc, 0), world.wire(&world.counter, 1), world.wire(&world.dac, 2));
+    let station = wired(inputs, counter, output, delay, &mut memory).unwrap();
+    let mut desk = Desk::new(station, BY_HAND);
+    let mut typed = |desk: &mut _, keys, periods| typed(desk, &mut world, &mut told, keys, periods);
+
+    // Nobody has said where the rod is.
+    typed(&mut desk, "", 200);
+    assert_eq!(typed(&mut desk, "f", 1).1, Some(Answer::Lost));
+    // 40 % of the stroke.
+    let (report, answer) = typed(&mut desk, "120z\r\nf\r\n", 1);
+    assert_eq!((report.mode, answer), (Mode::Following, Some(Answer::Taken)));
+    assert_eq!(desk.key(b'z'), Err(DeskError::Operator(OperatorError::NoPosition { letter: b'z' })));
+    assert_eq!("120z".bytes().map(|key| desk.key(key)).last(), Some(Err(DeskError::NotNeutral)));
+
+    typed(&mut desk, "", 600);
+    let (report, _) = typed(&mut desk, "t150g", 2500);
+    assert_eq!((report.mode, report.watchdog), (Mode::Following, Watchdog::Feed));
+    let (_, answer) = typed(&mut desk, "140g", 4000);
+    assert_eq!(answer, None);
+    let (report, answer) = typed(&mut desk, "s", 1000);
+    assert_eq!((report.mode, answer), (Mode::Neutral, Some(Answer::Taken)));
+
+    // All at once, as nobody waits here; on a board between the periods.
+    typed(&mut desk, "d", 1);
+    let mut reader = FrameReader::new();
+    let frames: Vec<_> = std::iter::from_fn(|| desk.byte()).filter_map(|byte| reader.take(byte)).collect();
+    let mut rows = Vec::new();
+    for frame in &frames {
+        if let Message::Rows(some) = Message::of(frame).unwrap() {
+            rows.extend(some.words().collect::<Vec<_>>().chunks_exact(5).map(|row| row[4]));
+        }
+    }
+    assert_eq!((reader.losses().missing, reader.losses().refused), (0, 0));
+    // Position is the last channel, full scale the stroke.
+    let millimetres = |word: i16| f64::from(word) / 32_768.0 * STROKE_M * 1e3;
+    let farthest = rows.iter().copied().max().unwrap();
+    assert!((millimetres(farthest) - 150.0).abs() < 0.2, "{}", millimetres(farthest));
+    assert!((millimetres(rows[0]) - 120.0).abs() < 0.1, "{}", millimetres(rows[0]));
+    assert!((world.position_m - 0.14).abs() < 1e-3, "{}", world.position_m);
+    assert_eq!(told.0, []);
+}
