@@ -9,7 +9,7 @@
 //! ```
 
 use embedded_io::Write;
-use heapless::HistoryBuf;
+use heapless::Deque;
 use model_core::fixed_point::PerUnit;
 use model_core::number::Number;
 use thiserror::Error;
@@ -113,7 +113,7 @@ pub enum Recording {
 #[derive(Clone, Debug)]
 pub struct Recorder<const CHANNELS: usize, const ROWS: usize> {
     channels: [Channel; CHANNELS],
-    rows: HistoryBuf<[i16; CHANNELS], ROWS>,
+    rows: Deque<[i16; CHANNELS], ROWS>,
     /// Rows that are kept from before the trigger.
     before: usize,
     /// Tick of the next row.
@@ -133,7 +133,7 @@ impl<const CHANNELS: usize, const ROWS: usize> Recorder<CHANNELS, ROWS> {
         if CHANNELS == 0 || CHANNELS > 64 {
             return Err(RecorderError::Channels { found: CHANNELS });
         }
-        Ok(Self { channels, rows: HistoryBuf::new(), before, tick: 0, phase: Phase::Waiting })
+        Ok(Self { channels, rows: Deque::new(), before, tick: 0, phase: Phase::Waiting })
     }
 
     /// Takes the row of this tick, unless it is frozen; `None` is no value.
@@ -149,7 +149,11 @@ impl<const CHANNELS: usize, const ROWS: usize> Recorder<CHANNELS, ROWS> {
         for ((word, channel), signal) in row.iter_mut().zip(&self.channels).zip(signals) {
             *word = signal.map_or(NONE, |signal| channel.word(signal));
         }
-        self.rows.write(row);
+        if self.rows.is_full() {
+            self.rows.pop_front();
+        }
+        // There is room now, and no index that could be beyond it.
+        let _ = self.rows.push_back(row);
         if let (Some(left), Phase::Triggered { at, .. }) = (left, self.phase) {
             self.phase = match left.checked_sub(1) {
                 Some(0) | None => Phase::Frozen { trigger: at },
@@ -278,7 +282,7 @@ impl<const CHANNELS: usize, const ROWS: usize> Recorder<CHANNELS, ROWS> {
     fn some_rows(&self, from: usize, first: u32) -> ((u8, crate::message::Payload), Next) {
         #[expect(clippy::cast_possible_truncation, reason = "rows are in memory")]
         let mut writer = RowsWriter::new(first.wrapping_add(from as u32));
-        let fitting = self.rows.oldest_ordered().skip(from).take_while(|row| writer.push(row.as_slice())).count();
+        let fitting = self.rows.iter().skip(from).take_while(|row| writer.push(row.as_slice())).count();
         (writer.written(), Next::Rows(from + fitting))
     }
 }
@@ -323,9 +327,9 @@ mod tests {
     fn the_ring_holds_what_was_asked_for_before_and_after_the_trigger_and_stands_still() {
         let recorder = frozen();
         assert_eq!(recorder.recording(), Recording::Frozen);
-        let oldest = recorder.rows.oldest_ordered().next().unwrap();
+        let oldest = recorder.rows.front().unwrap();
         assert_eq!(oldest[0], CHANNELS[0].word(signals(400)[0].unwrap()));
-        assert_eq!(recorder.rows.recent().unwrap()[0], CHANNELS[0].word(signals(699)[0].unwrap()));
+        assert_eq!(recorder.rows.back().unwrap()[0], CHANNELS[0].word(signals(699)[0].unwrap()));
     }
 
     #[test]

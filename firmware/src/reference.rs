@@ -1,5 +1,6 @@
 //! The reference model as a controller carries it: coefficients and state together, one step a control period.
 
+use fixed::types::I8F56;
 use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState, Entry, Load};
 use model_core::fixed_point::PerUnit;
@@ -64,7 +65,8 @@ impl<const DELAY: usize> Reference<DELAY> {
     /// long, and at these pressures but for the load that the machine has and the model has not: with it, the model would not rest.
     /// A controller that starts so does not bump.
     pub fn start_at(&mut self, command: PerUnit, pressures: ChamberState<PerUnit>, position: PerUnit) {
-        let travel = PerUnit::travelled(PerUnit::travel(0.0), [PerUnit::ONE.as_gain()], [position]);
+        // Not `travel(0.0)`, which could panic for what is no number.
+        let travel = PerUnit::travelled(I8F56::ZERO, [PerUnit::ONE.as_gain()], [position]);
         let oil_temperature = self.state.oil_temperature;
         self.state = self.drive.at_rest(command, self.rest.balanced(pressures), travel);
         self.state.oil_temperature = oil_temperature;
