@@ -146,16 +146,17 @@ impl Fault {
         )
     }
 
-    /// Number of its kind, for [`Standing`]. Each sensor is a kind of its own.
-    const fn kind(&self) -> u32 {
-        const SIGNALS: u32 = 5;
+    /// Number of its kind, 0 to 31, for whoever has no room for its values. Each sensor is a kind of its own.
+    #[must_use]
+    pub const fn kind(&self) -> u8 {
+        const SIGNALS: u8 = 5;
         match *self {
-            Fault::OutOfRange { signal, .. } => signal as u32,
-            Fault::OpenWire { signal, .. } => SIGNALS + signal as u32,
-            Fault::Stuck { signal, .. } => 2 * SIGNALS + signal as u32,
+            Fault::OutOfRange { signal, .. } => signal as u8,
+            Fault::OpenWire { signal, .. } => SIGNALS + signal as u8,
+            Fault::Stuck { signal, .. } => 2 * SIGNALS + signal as u8,
             Fault::PositionStuck { .. } => 15,
             Fault::EncoderJump { .. } => 16,
-            Fault::Silent { device, .. } => 17 + device as u32,
+            Fault::Silent { device, .. } => 17 + device as u8,
             Fault::Overrun => 20,
             Fault::SetPointOutside { .. } => 21,
             Fault::SetPointJump { .. } => 22,
@@ -228,9 +229,9 @@ mod tests {
 
     #[test]
     fn kinds_do_not_coincide_and_fit_a_word() {
-        let kinds: BTreeSet<u32> = all().iter().map(Fault::kind).collect();
+        let kinds: BTreeSet<u8> = all().iter().map(Fault::kind).collect();
         assert_eq!(kinds.len(), all().len());
-        assert!(kinds.iter().all(|&kind| kind < u32::BITS));
+        assert!(kinds.iter().all(|&kind| u32::from(kind) < u32::BITS));
     }
 
     #[test]

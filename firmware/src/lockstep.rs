@@ -1,30 +1,37 @@
 //! The whole firmware with its parts at the other end of a serial line, in lockstep with a simulated machine.
 //!
-//! The same drivers, period, monitor and recorder as on a board; only the SPI frames go over the line ([`Line`]). Before each period the
-//! firmware sends what became of the last one and is answered with what is wanted in this one, 16 bytes each way, little-endian:
+//! The same drivers, period, monitor and recorder as on a board; only the SPI frames go over the line ([`Line`]). It says nothing before the
+//! host has sent [`START`]. Then, before each period, it sends what became of the last one and is answered with what is wanted in this one, 20
+//! bytes each way, little-endian:
 //!
 //! | bytes | to the host: report | to the firmware: request |
 //! |---|---|---|
 //! | 0…3 | command, word | position wanted, word |
 //! | 4…7 | measured position, word | velocity wanted, word |
 //! | 8…11 | model's position, word | order u8, overrun u8, 0, 0 |
-//! | 12…15 | mode u8, alarm u8, fed watchdog u8, 0 | 0 |
+//! | 12…15 | mode u8, alarm u8, fed watchdog u8, refused order u8 | 0 |
+//! | 16…19 | faults told since the start u8, kind of the last u8, 0, 0 | 0 |
 //!
-//! A word is a per-unit signal's 32 bits. The recorder is streamed out when the host ends it.
+//! A word is a per-unit signal's 32 bits. An alarm is the number of its signal, from 1. The recorder is streamed out when the host ends it.
 
 use embedded_hal::delay::DelayNs;
 use embedded_io::{ErrorType, Read, Write};
 use model_core::fixed_point::PerUnit;
 
+use crate::fault::Fault;
 use crate::frame::{FrameError, FrameWriter};
 use crate::log::Log;
-use crate::mode::Command;
-use crate::period::{Report, Request, Timing, Watchdog};
+use crate::mode::{Command, Mode};
+use crate::monitor::Miss;
+use crate::period::{Answer, Request, Timing, Watchdog};
 use crate::press;
 use crate::recorder::{Progress, Stream};
 use crate::remote::{Line, MOST_BYTES, RemoteError};
 use crate::set_point::SetPoint;
 use crate::station::{Outcome, Ring, StationError, wired};
+
+/// What the host sends once, before anything else: no key of a terminal.
+pub const START: u8 = 0xA5;
 
 /// Numbers of the parts on the line.
 pub mod part {
@@ -92,7 +99,7 @@ pub enum LockstepError {
     Record,
 }
 
-/// Runs until the host ends it. `memory` holds the recorder, which is too large for a stack.
+/// Runs from the host's [`START`] until the host ends it. `memory` holds the recorder, which is too large for a stack.
 ///
 /// # Errors
 /// The exported values do not make a rig, a part does not answer as it must at the start, or the line fails.
@@ -103,9 +110,10 @@ pub fn run<L: Read + Write>(
     memory: &mut Option<Ring>,
 ) -> Result<(), LockstepError> {
     let line = Line::new(line);
+    line.wait_for(START)?;
     let [inputs, counter, output] = [part::INPUTS, part::COUNTER, part::OUTPUT].map(|number| line.part(number));
     let mut station = wired(inputs, counter, output, delay, memory)?;
-    let mut last = [0; WORDS];
+    let (mut heard, mut last) = (Heard { log, faults: 0, last: 0 }, [0; BYTES]);
     loop {
         line.exchange(part::PERIOD, &mut last)?;
         let (order, request) = read(last);
@@ -115,17 +123,41 @@ pub fn run<L: Read + Write>(
             Order::Record => station.trigger(),
             Order::None | Order::Follow | Order::Stop | Order::Acknowledge => {}
         }
-        let Outcome { report, alarm } = station.step(&request, log);
-        last = written(&report, station.predicted().position, alarm.map_or(0, |miss| 1 + miss.signal as u8));
+        let outcome = station.step(&request, &mut heard);
+        last = written(&outcome, station.predicted().position, &heard);
     }
     streamed(station.recorder(), &line)
 }
 
+/// Hands on what is told, and remembers of it what a report says.
+struct Heard<'a, L> {
+    log: &'a mut L,
+    /// Faults told, and the kind of the last.
+    faults: u8,
+    last: u8,
+}
+
+impl<L: Log> Log for Heard<'_, L> {
+    fn fault(&mut self, fault: &Fault) {
+        self.faults = self.faults.wrapping_add(1);
+        self.last = fault.kind();
+        self.log.fault(fault);
+    }
+
+    fn mode(&mut self, from: Mode, to: Mode) {
+        self.log.mode(from, to);
+    }
+
+    fn alarm(&mut self, miss: &Miss) {
+        self.log.alarm(miss);
+    }
+}
+
 /// Bytes of a report and of a request.
-const WORDS: usize = 16;
+pub const BYTES: usize = 20;
 
 /// What is wanted in the next period.
-fn read(bytes: [u8; WORDS]) -> (Order, Request) {
+fn read(bytes: [u8; BYTES]) -> (Order, Request) {
     let [p0, p1, p2, p3, v0, v1, v2, v3, order, overrun, ..] = bytes;
     let order = Order::of(order);
     let word = |bytes| PerUnit::from_bits(i32::from_le_bytes(bytes));
@@ -135,12 +167,16 @@ fn read(bytes: [u8; WORDS]) -> (Order, Request) {
 }
 
 /// What became of a period.
-fn written(report: &Report, model: PerUnit, alarm: u8) -> [u8; WORDS] {
+fn written<L>(outcome: &Outcome, model: PerUnit, heard: &Heard<'_, L>) -> [u8; BYTES] {
+    let Outcome { report, alarm } = outcome;
     let [c0, c1, c2, c3] = report.command.to_bits().to_le_bytes();
     let [p0, p1, p2, p3] = report.measured.position.to_bits().to_le_bytes();
     let [m0, m1, m2, m3] = model.to_bits().to_le_bytes();
+    let alarm = alarm.map_or(0, |miss| 1 + miss.signal as u8);
     let fed = u8::from(report.watchdog == Watchdog::Feed);
-    [c0, c1, c2, c3, p0, p1, p2, p3, m0, m1, m2, m3, report.mode as u8, alarm, fed, 0]
+    let refused = u8::from(report.answer.is_some_and(|answer| answer != Answer::Taken));
+    let mode = report.mode as u8;
+    [c0, c1, c2, c3, p0, p1, p2, p3, m0, m1, m2, m3, mode, alarm, fed, refused, heard.faults, heard.last, 0, 0]
 }
 
 /// Streams a full recorder out.

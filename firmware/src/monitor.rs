@@ -6,28 +6,25 @@
 //! s ← s + λ·(min(ν²/σ², 32) − s)        expected: 1         alarm: s > h
 //! ```
 //!
-//! The limit h follows from how often a false alarm may come. For independent normal innovations, E exp(θ·s) is the product of
-//! 1/√(1 − 2θ·wᵢ) over the weights wᵢ = λ·(1 − λ)ⁱ, and with x = 2θλ Chernoff's bound gives for any 0 < x < 1
-//!
-//! ```text
-//! P(s > h) ≤ exp(Λ − θ·h)     Λ = Li₂(x)/(2·|ln(1 − λ)|) − ½·ln(1 − x)     h = min over x of (Λ + ln 1/p)·2λ/x
-//! ```
-//!
-//! An alarm in a tick needs s > h in that tick, so they come no more often than p a tick, on average; with four signals each gets
-//! a quarter of it. The bound leans to the safe side; what the rate is stands in this file's test. Innovations that are correlated
-//! over a time are fewer than they are counted: with ρ from tick to tick, and q = ρ²·(1 − λ), the memory holds (1 − q)/(1 + q)
-//! as many, and λ in the bound is that much larger.
+//! The limit h follows from how often a false alarm may come (`monitor/limit.rs`); with four signals each gets a quarter of it. What the rate is
+//! stands in this file's test.
 //!
 //! The first signal beyond its limit names the link that misses; in one tick the one that stands first in the chain, as what it misses
 //! reaches all below it: slider → valve, pressures → flow and chambers, position → mechanics. A load that the model lacks shows in the
 //! pressures as well: a name is where to look, what it is the diagnosis finds from the recording.
+
+mod limit;
+mod sensitivity;
 
 use fixed::types::{I4F28, U16F16};
 use model_core::fixed_point::PerUnit;
 use model_core::follow::{Observed, Predicted};
 use model_core::machine::Bases;
 use model_core::number::Number;
-use thiserror::Error;
+
+use limit::{effective, limit};
+
+pub use sensitivity::{MonitorError, Sensitivity, Spread};
 
 /// What is watched, in the order of the chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,68 +68,6 @@ impl Signal {
 }
 
 const SIGNALS: usize = 4;
-
-/// How far a signal's innovation spreads while the model is right: the sensor's noise and what the model is known not to tell.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spread {
-    /// Standard deviation, in the signal's SI unit.
-    pub sigma: f64,
-    /// Time over which an innovation is like the one before (e⁻¹), s; 0 for noise that is new in each tick.
-    pub correlation_s: f64,
-}
-
-/// What the monitor is to tell from chance.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sensitivity {
-    /// Slider, 1.
-    pub slider: Spread,
-    /// Either pressure, Pa.
-    pub pressure: Spread,
-    /// Position, m.
-    pub position: Spread,
-    /// Memory of the average, s: what lasts much shorter is not seen.
-    pub memory_s: f64,
-    /// At most one false alarm in this time, on average, s.
-    pub between_false_alarms_s: f64,
-}
-
-/// Why there is no such monitor.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum MonitorError {
-    /// A spread that is none, or too small for the number format.
-    #[error("{signal:?}: a spread of {sigma}, expected more than {least} and below a base")]
-    Sigma {
-        /// Of which signal.
-        signal: Signal,
-        /// Its standard deviation, SI.
-        sigma: f64,
-        /// Must be more than this, SI.
-        least: f64,
-    },
-    /// A time that is none.
-    #[error("{name} is {found_s} s, expected {least_s} to {most_s} s")]
-    Time {
-        /// Which.
-        name: &'static str,
-        /// Its value.
-        found_s: f64,
-        /// Smallest there may be.
-        least_s: f64,
-        /// Largest there may be.
-        most_s: f64,
-    },
-    /// The memory is too short to tell so rare an event from chance.
-    #[error("{signal:?}: a limit of {limit}, expected below {most}: a longer memory, or false alarms more often")]
-    TooShort {
-        /// Of which signal.
-        signal: Signal,
-        /// The limit that were needed.
-        limit: f64,
-        /// What can be reached.
-        most: f64,
-    },
-}
 
 /// Measured − predicted, per unit; `None` where there is no such sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -273,37 +208,6 @@ impl Monitor {
     }
 }
 
-/// λ of as many independent innovations as `share` holds of those that are correlated over so many ticks.
-fn effective(share: f64, correlation_ticks: f64) -> f64 {
-    let squared = if correlation_ticks > 0.0 { libm::exp(-2.0 / correlation_ticks) } else { 0.0 };
-    let alike = squared * (1.0 - share);
-    (share * (1.0 + alike) / (1.0 - alike)).min(0.99)
-}
-
-/// h, by Chernoff's bound.
-fn limit(share: f64, chance: f64) -> f64 {
-    const STEPS: u32 = 400;
-    let held = |x: f64| {
-        let exponent = dilogarithm(x) / (-2.0 * libm::log1p(-share)) - 0.5 * libm::log1p(-x);
-        (exponent - libm::log(chance)) * 2.0 * share / x
-    };
-    (1..STEPS).map(|k| held(f64::from(k) / f64::from(STEPS))).fold(f64::INFINITY, f64::min)
-}
-
-/// Li₂(x) for 0 < x < 1, to 1e-8: Σ xᵏ/k², of 1 − x beyond a half by Euler's reflection.
-fn dilogarithm(x: f64) -> f64 {
-    const AT_ONE: f64 = core::f64::consts::PI * core::f64::consts::PI / 6.0;
-    if x > 0.5 {
-        return AT_ONE - libm::log(x) * libm::log1p(-x) - dilogarithm(1.0 - x);
-    }
-    let (mut sum, mut power) = (0.0, 1.0);
-    for k in 1..=24_u32 {
-        power *= x;
-        sum += power / f64::from(k * k);
-    }
-    sum
-}
-
 #[cfg(test)]
 mod tests {
     use model_core::machine::{Machine, Source, Tick};
@@ -401,13 +305,6 @@ mod tests {
             let found = false_alarms(&eager, rho, ticks);
             assert!(f64::from(found) > allowed, "{rho} {memory_s}: only {found} at {near} of the limit");
         }
-    }
-
-    #[test]
-    fn the_dilogarithm_has_its_known_values() {
-        let half = core::f64::consts::PI.powi(2) / 12.0 - 0.5 * core::f64::consts::LN_2.powi(2);
-        assert!((dilogarithm(0.5) - half).abs() < 1e-8);
-        assert!((dilogarithm(0.999_999) - core::f64::consts::PI.powi(2) / 6.0).abs() < 2e-5);
     }
 
     /// The first miss of a machine that the model does not tell, and after how many ticks.

@@ -68,6 +68,21 @@ impl<L: Read + Write> Line<L> {
         line.read_exact(frame).map_err(|_: ReadExactError<_>| RemoteError::Line)
     }
 
+    /// Waits for a byte from the other end; what comes before it is nobody's.
+    ///
+    /// # Errors
+    /// The line fails.
+    pub fn wait_for(&self, byte: u8) -> Result<(), RemoteError> {
+        let mut line = self.line.try_borrow_mut().map_err(|_| RemoteError::Line)?;
+        let mut found = [0];
+        loop {
+            line.read_exact(&mut found).map_err(|_: ReadExactError<_>| RemoteError::Line)?;
+            if found == [byte] {
+                return Ok(());
+            }
+        }
+    }
+
     /// The part of this number, as an SPI device.
     pub fn part(&self, number: u8) -> Part<'_, L> {
         Part { line: self, number }
@@ -183,6 +198,14 @@ mod tests {
         let line = Line::new(Echo::default());
         assert_eq!(line.part(7).write(&[]), Err(RemoteError::Frame { bytes: 0 }));
         assert_eq!(line.part(7).write(&[0; 256]), Err(RemoteError::Frame { bytes: 256 }));
+    }
+
+    #[test]
+    fn what_comes_before_the_awaited_byte_is_passed_over() {
+        let line = Line::new(Echo { answer: Vec::from([7, 0xA5, 3, 13]), ..Echo::default() });
+        line.wait_for(0xA5).unwrap();
+        assert_eq!(line.line.borrow().answer, [3, 13]);
+        assert_eq!(line.wait_for(0xA5), Err(RemoteError::Line), "it never comes");
     }
 
     /// A line that was closed.

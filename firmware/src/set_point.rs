@@ -12,13 +12,18 @@
 //! acceleration at most 10/√3/T² of the way. Everything is checked when a [`Course`] is made of it; a period's set point
 //! costs a few products, and is exact to 1e-8 of the stroke.
 
+mod refused;
+mod stretch;
+
 use heapless::Vec;
 use model_core::fixed_point::PerUnit;
 use model_core::machine::Bases;
 use model_core::number::Number;
-use thiserror::Error;
+
+use stretch::{Shape, Stretch};
 
 pub use model_core::follow::SetPoint;
+pub use refused::SetPointError;
 
 /// What a rod may be asked for, in SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,63 +73,6 @@ pub enum Leg {
     },
 }
 
-/// Why legs do not become a course, or a set point is not one.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum SetPointError {
-    /// There are more legs than fit.
-    #[error("{found} legs, at most {room} fit")]
-    TooMany {
-        /// How many there are.
-        found: usize,
-        /// How many fit.
-        room: usize,
-    },
-    /// A position is out of bounds, or not a number.
-    #[error("leg {leg} leads to {to_m} m, expected {from_m} to {most_m} m")]
-    Position {
-        /// Which leg.
-        leg: usize,
-        /// Its end.
-        to_m: f64,
-        /// Least there may be.
-        from_m: f64,
-        /// Largest there may be.
-        most_m: f64,
-    },
-    /// A duration is not a number, shorter than a tick, or longer than an hour.
-    #[error("leg {leg} takes {duration_s} s, expected a tick to an hour")]
-    Duration {
-        /// Which leg.
-        leg: usize,
-        /// Its duration.
-        duration_s: f64,
-    },
-    /// A leg is faster than the bounds let it be.
-    #[error("leg {leg} reaches {velocity_m_per_s} m/s, expected at most {most_m_per_s} m/s")]
-    Velocity {
-        /// Which leg.
-        leg: usize,
-        /// Its largest velocity.
-        velocity_m_per_s: f64,
-        /// Largest there may be.
-        most_m_per_s: f64,
-    },
-    /// A leg accelerates more than the bounds let it.
-    #[error("leg {leg} reaches {acceleration_m_per_s2} m/s², expected at most {most_m_per_s2} m/s²")]
-    Acceleration {
-        /// Which leg.
-        leg: usize,
-        /// Its largest acceleration.
-        acceleration_m_per_s2: f64,
-        /// Largest there may be.
-        most_m_per_s2: f64,
-    },
-    /// Bounds that bound nothing: not numbers, or the wrong way round.
-    #[error("bounds {0:?}, expected a stretch of the stroke, and a velocity and an acceleration above 0")]
-    Bounds(Bounds),
-}
-
 /// Bounds per unit, for set points that come from elsewhere, period by period.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Envelope {
@@ -162,26 +110,6 @@ const PEAK_VELOCITY: f64 = 1.875;
 const PEAK_ACCELERATION: f64 = 5.773_502_691_896_258;
 /// What the shortest leg within a bound may pass it by: the rounding of its own computation.
 const ROUNDED: f64 = 1.0 + 1e-9;
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Shape {
-    Jump,
-    Line,
-    Smooth,
-}
-
-/// A leg in the period's words.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Stretch {
-    shape: Shape,
-    from: PerUnit,
-    way: PerUnit,
-    /// Mean velocity.
-    velocity: PerUnit,
-    ticks: u32,
-    /// 2⁶⁰ / ticks
-    inverse: u64,
-}
 
 /// Legs that follow one another, of at most `LEGS`: configuration.
 #[derive(Clone, Debug, PartialEq)]
@@ -241,44 +169,6 @@ impl<const LEGS: usize> Course<LEGS> {
         self.stretches.iter().map(|stretch| u64::from(stretch.ticks)).sum()
     }
 }
-
-impl Stretch {
-    /// After so many ticks of it.
-    fn at(&self, tick: u32) -> SetPoint {
-        let rest = PerUnit::ZERO;
-        let (share, rate) = match self.shape {
-            Shape::Jump => (PerUnit::ONE, rest),
-            Shape::Line => (self.share(tick), PerUnit::ONE),
-            Shape::Smooth => smooth(self.share(tick)),
-        };
-        SetPoint { position: self.from + self.way.times(share), velocity: self.velocity.times(rate) }
-    }
-
-    /// Share of the time that has passed, 0..1.
-    fn share(&self, tick: u32) -> PerUnit {
-        let bits = u64::from(tick).saturating_mul(self.inverse) >> 32;
-        PerUnit::from_bits(i32::try_from(bits).unwrap_or(i32::MAX))
-    }
-}
-
-/// Way and velocity of a smooth leg, of its way and of its mean velocity.
-fn smooth(share: PerUnit) -> (PerUnit, PerUnit) {
-    // Half of 10 − 15·s + 6·s², which is at most 5.
-    let half = FIVE - SEVEN_AND_A_HALF.times(share) + THREE.times(share).times(share);
-    let way = share.times(share).times(share).times(half);
-    // 4·s·(1 − s), which is at most 1.
-    let hump = share.times(PerUnit::ONE - share).times(FOUR);
-    (way + way, hump.times(hump).times(PEAK))
-}
-
-const fn counted(eighths: i32) -> PerUnit {
-    PerUnit::from_bits(eighths << 25)
-}
-const THREE: PerUnit = counted(24);
-const FOUR: PerUnit = counted(32);
-const FIVE: PerUnit = counted(40);
-const SEVEN_AND_A_HALF: PerUnit = counted(60);
-const PEAK: PerUnit = counted(15);
 
 impl Leg {
     fn to_m(self) -> Option<f64> {

@@ -10,7 +10,7 @@ use embedded_hal::delay::DelayNs;
 use embedded_hal::spi::SpiDevice;
 use model_core::fixed_point::PerUnit;
 use model_core::follow::{FollowError, Follower};
-use model_core::machine::{Bases, MachineError};
+use model_core::machine::{Bases, Machine, MachineError};
 
 use crate::ads8688::Ads8688;
 use crate::control::Control;
@@ -27,13 +27,18 @@ use crate::press::{self, PressError};
 use crate::recorder::{Channel, Range, Recorder, RecorderError};
 use crate::reference::{Predicted, Reference};
 
+/// Channels of the recorder.
+const CHANNELS: usize = 5;
 /// Rows of the recorder: six seconds.
 const ROWS: usize = 6000;
 /// Rows from before the trigger: half a second.
 const BEFORE: usize = 500;
 
 /// The recorder of this rig: command, slider, pressures and position, one row a period; 60 kB.
-pub type Ring = Recorder<5, ROWS>;
+pub type Ring = Recorder<CHANNELS, ROWS>;
+
+/// What the recorder's rows take of the RAM, bytes.
+pub const RING_BYTES: usize = CHANNELS * ROWS * size_of::<i16>();
 
 /// The control of this rig.
 pub type Press = Following<{ press::values::DELAY_LINE }>;
@@ -87,13 +92,20 @@ impl Assembly {
     /// # Errors
     /// The exported values do not make a drive, or do not fit wiring or monitor.
     pub fn new(input_uv: u32, output_uv: u32) -> Result<Self, StationError> {
-        let machine = press::machine();
+        Self::of(&press::machine(), input_uv, output_uv)
+    }
+
+    /// The same with another machine in place of the exported one.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of(machine: &Machine<f64>, input_uv: u32, output_uv: u32) -> Result<Self, StationError> {
         let tick = press::values::TICK;
-        let reference = Reference::at_rest(&machine, tick, 0.5)?;
+        let reference = Reference::at_rest(machine, tick, 0.5)?;
         let bases = *reference.bases();
-        let control = Following::new(Follower::new(&machine, &press::tuning(&machine), tick)?, reference);
+        let control = Following::new(Follower::new(machine, &press::tuning(machine), tick)?, reference);
         let monitor = Monitor::new(&press::SENSITIVITY, &bases)?;
-        let rig = press::rig(&machine, &bases, input_uv, output_uv)?;
+        let rig = press::rig(machine, &bases, input_uv, output_uv)?;
         Ok(Self { bases, rig, control, monitor })
     }
 
@@ -138,6 +150,28 @@ impl Assembly {
         })?;
         Ok(Station { bases, period, monitor, watched: monitor.at_rest(), recorder })
     }
+
+    /// Over the press's three parts, which it sets up: see [`wired`].
+    ///
+    /// # Errors
+    /// A part does not answer as it must.
+    pub fn wired<'a, I: SpiDevice, C: SpiDevice, D: SpiDevice>(
+        self,
+        inputs: I,
+        counter: C,
+        output: D,
+        delay: &mut impl DelayNs,
+        memory: &'a mut Option<Ring>,
+    ) -> Result<Wired<'a, I, C, D>, StationError> {
+        let output = Ad5754::begin(output, delay, Output::A, Supply::External, self.neutral());
+        let output = output.map_err(|error| StationError::of(Device::Output)(error.cause()))?;
+        let inputs = Ads8688::begin(inputs, press::RANGES);
+        let inputs = inputs.map_err(|error| StationError::of(Device::Inputs)(error.cause()))?;
+        let position = Ls7366r::resume(counter, FilterClock::Undivided);
+        let (position, origin) = position.map_err(|error| StationError::of(Device::Position)(error.cause()))?;
+        let place = if origin == Origin::Kept { Place::Known } else { Place::Lost };
+        self.over(Devices { inputs, position, output }, place, memory)
+    }
 }
 
 /// The parts of the press's wiring as analogue inputs, counter and output of a station.
@@ -154,15 +188,7 @@ pub fn wired<'a, I: SpiDevice, C: SpiDevice, D: SpiDevice>(
     delay: &mut impl DelayNs,
     memory: &'a mut Option<Ring>,
 ) -> Result<Wired<'a, I, C, D>, StationError> {
-    let assembly = Assembly::new(Ads8688::<I>::SPAN_UV, Ad5754::<D>::SPAN_UV)?;
-    let output = Ad5754::begin(output, delay, Output::A, Supply::External, assembly.neutral());
-    let output = output.map_err(|error| StationError::of(Device::Output)(error.cause()))?;
-    let inputs = Ads8688::begin(inputs, press::RANGES);
-    let inputs = inputs.map_err(|error| StationError::of(Device::Inputs)(error.cause()))?;
-    let position = Ls7366r::resume(counter, FilterClock::Undivided);
-    let (position, origin) = position.map_err(|error| StationError::of(Device::Position)(error.cause()))?;
-    let place = if origin == Origin::Kept { Place::Known } else { Place::Lost };
-    assembly.over(Devices { inputs, position, output }, place, memory)
+    Assembly::new(Ads8688::<I>::SPAN_UV, Ad5754::<D>::SPAN_UV)?.wired(inputs, counter, output, delay, memory)
 }
 
 /// What became of a period.

@@ -9,7 +9,7 @@ use model_core::follow::{Follower, Tuning};
 use model_core::machine::Machine;
 use model_core::number::Number;
 
-use crate::rig::{Controller, Readings, Rig, TICK, Wanted};
+use system_tests::rig::{Controller, Readings, Rig, TICK, Wanted};
 
 /// Which sensors there are beside the position's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

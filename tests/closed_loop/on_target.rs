@@ -3,7 +3,9 @@
 //! Then the whole circle: the monitor sees that the machine is not the model, the recorder's frames become recordings, the diagnosis names
 //! what the model lacks, the export takes it to the controller, and the machine follows better than before.
 
+use std::fmt::Write;
 use std::path::Path;
+use std::thread;
 
 use firmware::press;
 use firmware::set_point::{Bounds, Leg};
@@ -17,11 +19,12 @@ use host_sim::testbed::sensors::{PositionSensor, Sensors};
 use model_core::machine::Machine;
 use model_core::parameter::Parameter as P;
 use system_tests::at_hand::skipped;
-use system_tests::emulator::Processor as Target;
+use system_tests::emulator::Processor;
+use system_tests::in_the_loop::{Board, Follows, SETTLING};
+use system_tests::rig::{Rig, TICK, Wanted, course, largest_force_n, rms_mm};
+use system_tests::snapshot;
 
 use crate::pi::{Pi, tuned};
-use crate::processor::{Processor, SETTLING};
-use crate::rig::{Rig, TICK, Wanted, course, largest_force_n, rms_mm};
 
 /// Dry friction that the model does not know, N: 9 % of the largest force.
 const FRICTION_N: f64 = 2000.0;
@@ -52,16 +55,16 @@ fn rig(machine: &Machine<f64>, wanted: Vec<Wanted>) -> Rig {
 /// A run of the image on a rig.
 struct Run {
     rms_mm: f64,
-    /// Period of the monitor's first alarm, and the signal it was for.
+    /// Period of following in which the monitor gave its first alarm, and the signal it was for.
     alarm: Option<(usize, u8)>,
     record: Vec<u8>,
 }
 
 fn run(image: &Path, rig: &Rig) -> Run {
-    let mut processor = Processor::start(image, &rig.at_rest());
-    let rms_mm = rms_mm(&rig.run(&mut processor));
-    let alarm = processor.alarm;
-    Run { rms_mm, alarm, record: processor.end(rig.wanted[0]) }
+    let mut follows = Follows::on(Board::start(Processor::M4F, image, &rig.at_rest()));
+    let rms_mm = rms_mm(&rig.run(&mut follows));
+    let alarm = follows.alarm.map(|(period, signal)| (period - SETTLING, signal));
+    Run { rms_mm, alarm, record: follows.end().record }
 }
 
 fn recording(name: &str, record: &[u8], folder: &Path) -> Recording {
@@ -72,53 +75,72 @@ fn recording(name: &str, record: &[u8], folder: &Path) -> Recording {
     recording::read(&file, &ChannelMap::default()).unwrap()
 }
 
+const HEAD: &str = "\
+The firmware on an emulated Cortex-M4F around the virtual test bed.  Root of the mean square of the rod's distance to its set point, mm,
+and the period of following in which the monitor gives its alarm; 0 is none.
+";
+/// Where the numbers begin in a row.
+const COLUMN: usize = 44;
+/// Largest change of a figure against the snapshot: another processor's libm turns a controller between two encoder steps otherwise.
+const RELATIVE: f64 = 0.15;
+/// And, mm.
+const ABSOLUTE_MM: f64 = 0.004;
+
+fn row(table: &mut String, name: &str, run: &Run, pi_mm: f64) {
+    let alarm = run.alarm.map_or(0, |(period, _)| period);
+    writeln!(table, "{name:<COLUMN$} {:>9.3} {pi_mm:>9.3} {alarm:>9}", run.rms_mm).unwrap();
+}
+
 #[test]
 fn the_firmware_follows_on_the_emulated_target_and_better_once_the_diagnosis_has_told_it_of_the_friction() {
-    if !Target::M4F.can_be_emulated() {
+    if !Processor::M4F.can_be_emulated() {
         return skipped("no processor in the loop");
     }
     let machine = press::machine();
-    let image = Target::M4F.built("loop", None);
+    let image = Processor::M4F.built("loop", None);
     let nominal = rig(&machine, moves(&machine, 0.0, 1.0));
-    let (gains, _) = tuned(&nominal, 0.0);
-    let pi_mm = |rig: &Rig| rms_mm(&rig.run(&mut Pi::new(&rig.machine, gains)));
-
-    let plain = run(&image, &nominal);
-    println!("nominal: {:.3} mm, PI {:.3} mm, alarm {:?}", plain.rms_mm, pi_mm(&nominal), plain.alarm);
-    assert_eq!(plain.alarm, None, "the model is the machine");
-
     let loaded = machine.with(&[(P::LoadForce, -0.5 * largest_force_n(&machine))]);
     let under_load = Rig { machine: loaded, ..nominal.clone() };
-    let load = run(&image, &under_load);
-    println!("half load: {:.3} mm, PI {:.3} mm, alarm {:?}", load.rms_mm, pi_mm(&under_load), load.alarm);
-    assert!(load.rms_mm < pi_mm(&under_load) / 3.0 && load.alarm.is_some());
-
     let effects = vec![PlantEffect::coulomb_friction(FRICTION_N)];
     let rubbing = |shift_m, pace| Rig { effects: effects.clone(), ..rig(&machine, moves(&machine, shift_m, pace)) };
-    let rigs = [rubbing(0.0, 1.0), rubbing(0.05, 0.8), rubbing(-0.03, 1.2)];
-    let runs = rigs.each_ref().map(|rig| run(&image, rig));
-    let friction = &runs[0];
-    println!("friction: {:.3} mm, PI {:.3} mm, alarm {:?}", friction.rms_mm, pi_mm(&rigs[0]), friction.alarm);
-    assert!(friction.rms_mm < pi_mm(&rigs[0]) / 3.0 && friction.alarm.is_some());
+    let rigs = [nominal.clone(), under_load, rubbing(0.0, 1.0), rubbing(0.05, 0.8), rubbing(-0.03, 1.2)];
+    // The emulator waits for the test bed and the test bed for it: a core is left for the search of the gains.
+    let (pi_mm, runs) = thread::scope(|scope| {
+        let searched = scope.spawn(|| {
+            let (gains, _) = tuned(&nominal, 0.0);
+            [0, 1, 2].map(|index: usize| rms_mm(&rigs[index].run(&mut Pi::new(&rigs[index].machine, gains))))
+        });
+        let runs = rigs.each_ref().map(|rig| run(&image, rig));
+        (searched.join().unwrap(), runs)
+    });
+    let [plain, load, friction, ..] = &runs;
 
     let folder = tempfile::tempdir().unwrap();
     let [first, second, held_out] =
-        [0, 1, 2].map(|index| recording(&format!("run-{index}.csv"), &runs[index].record, folder.path()));
+        [2, 3, 4].map(|index| recording(&format!("run-{index}.csv"), &runs[index].record, folder.path()));
     let file = MachineFile::from_machine(press::values::NAME, machine);
     let found = diagnose(&file, &[first, second], &[held_out], None, &|_| ()).unwrap();
-    let names: Vec<&str> = found.findings.iter().map(|finding| finding.effect.name).collect();
-    println!(
-        "{:?}: {names:?}, {:?}",
-        found.verdict,
-        found.findings.iter().map(|found| &found.parameters).collect::<Vec<_>>()
-    );
-    assert_eq!((found.verdict, names.as_slice()), (Verdict::MissingPhysics, ["coulomb-friction"].as_slice()));
-
+    let [finding] = found.findings.as_slice() else { panic!("{:?}, {:?}", found.verdict, found.findings) };
     let values = folder.path().join("params.rs");
     std::fs::write(&values, Constants::of(press::values::NAME, &found.machine_after, TICK).unwrap().rust()).unwrap();
-    let image = Target::M4F.built("loop", Some(&values));
-    let told = run(&image, &rigs[0]);
-    println!("friction, in the model: {:.3} mm, alarm {:?}", told.rms_mm, told.alarm);
+    let told = run(&Processor::M4F.built("loop", Some(&values)), &rigs[2]);
+
+    let mut table = format!("{HEAD}{:<COLUMN$} {:>9} {:>9} {:>9}\n", "machine", "firmware", "PI", "alarm");
+    row(&mut table, "as the model says", plain, pi_mm[0]);
+    row(&mut table, "half the largest force, unknown", load, pi_mm[1]);
+    row(&mut table, "dry friction of 2000 N, unknown", friction, pi_mm[2]);
+    row(&mut table, "the same, as diagnosed and exported", &told, pi_mm[2]);
+    let named = format!("diagnosed: {}, {}", finding.effect.name, finding.parameters[0].parameter.description().unit);
+    writeln!(table, "{named:<COLUMN$} {:>9.0}", finding.parameters[0].value).unwrap();
+    snapshot::compare("closed_loop/in_the_loop.txt", &table, |found, kept| {
+        snapshot::numbers_near(found, kept, COLUMN, RELATIVE, ABSOLUTE_MM)
+    });
+
+    assert_eq!(plain.alarm, None, "the model is the machine");
+    for (run, pi_mm) in [(load, pi_mm[1]), (friction, pi_mm[2])] {
+        assert!(run.rms_mm < pi_mm / 3.0 && run.alarm.is_some(), "{} mm, PI {pi_mm} mm", run.rms_mm);
+    }
+    assert_eq!((found.verdict, finding.effect.name), (Verdict::MissingPhysics, "coulomb-friction"));
     // A step of the encoder is 0.014 mm: there is not much left to gain.
     assert!(told.rms_mm < 0.9 * friction.rms_mm, "{} mm, then {} mm", friction.rms_mm, told.rms_mm);
 }

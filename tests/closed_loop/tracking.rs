@@ -10,8 +10,8 @@ use system_tests::drives;
 
 use crate::following::{Following, Sight};
 use crate::pi::{Gains, Pi, tuned};
-use crate::rig::{COMMAND_LIMIT_V, Rig, SLEW_V_PER_S, Wanted, course, largest_force_n, rms_mm, worst_mm};
 use crate::table::{self, Line};
+use system_tests::rig::{COMMAND_LIMIT_V, Rig, SLEW_V_PER_S, Wanted, course, largest_force_n, rms_mm, worst_mm};
 
 /// Dry friction that the model does not know, N: 9 % of the largest force.
 const FRICTION_N: f64 = 2000.0;

@@ -2,8 +2,11 @@
 //!
 //! That host and target agree says nothing of whether they are right: that is what the tests of `accuracy` hold against the oracle.
 
+#[cfg(unix)]
 mod budget;
+mod image;
 mod log;
 mod parity;
-mod step;
 mod trials;
+#[cfg(unix)]
+mod whole;

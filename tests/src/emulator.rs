@@ -34,6 +34,15 @@ impl Processor {
         }
     }
 
+    /// What QEMU is told of it.
+    #[must_use]
+    pub const fn machine(self) -> [&'static str; 4] {
+        match self {
+            Processor::M4F => ["-machine", "mps2-an386", "-cpu", "cortex-m4"],
+            Processor::M3 => ["-machine", "mps2-an385", "-cpu", "cortex-m3"],
+        }
+    }
+
     /// Whether binaries can be built for it; where not, says that a test is skipped.
     #[must_use]
     pub fn can_be_built_for(self) -> bool {

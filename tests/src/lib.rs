@@ -1,4 +1,5 @@
-//! What the system tests share: the drives, the core and the oracle on the same commands, and machines drawn at random.
+//! What the system tests share: the drives, the core and the oracle on the same commands, machines drawn at random, the bench with the
+//! virtual test bed, and the other end of the firmware's loop.
 
 pub mod any_effects;
 pub mod any_machine;
@@ -6,5 +7,12 @@ pub mod any_machine;
 pub mod at_hand;
 pub mod drives;
 pub mod emulator;
+#[cfg(unix)]
+pub mod in_the_loop;
+#[cfg(unix)]
+#[path = "../../firmware/tests/rig/parts.rs"]
+#[expect(dead_code, reason = "the firmware's own tests break more of them")]
+mod parts;
+pub mod rig;
 pub mod simulate;
 pub mod snapshot;

@@ -8,6 +8,7 @@ mod on_target {
     use core::hint::black_box;
 
     use firmware::board::mps2::{self, Counter, INSTRUCTIONS_PER_COUNT};
+    use firmware::board::stack;
     use firmware::trial::{DELAY, EFFECTS, Input, Moment, every_effect, press, steps_of};
     use model_core::chambers::ChamberState;
     use model_core::drive::{Drive, DriveState, Entry, Load};
@@ -20,9 +21,6 @@ mod on_target {
     const RANDOM_TICKS: usize = 4000;
     /// Ticks counted at once for the mean.
     const BATCH: u32 = 100;
-    /// Stack that is painted, bytes.
-    const PAINTED: usize = 8192;
-    const PAINT: u32 = 0xa5a5_a5a5;
 
     type State = DriveState<PerUnit, DELAY>;
 
@@ -103,30 +101,6 @@ mod on_target {
         Ok((sum * INSTRUCTIONS_PER_COUNT / ticks, worst * INSTRUCTIONS_PER_COUNT))
     }
 
-    /// Stack below the caller that some work uses, bytes.
-    #[inline(never)]
-    #[expect(
-        unsafe_code,
-        reason = "only the words below the stack pointer, which nobody owns, say how far a call has gone"
-    )]
-    fn stack_of(work: impl FnOnce()) -> usize {
-        let pointer = cortex_m::register::msp::read() as usize;
-        // Whatever the compiler keeps right below the pointer stays.
-        let painted = (pointer - PAINTED..pointer - 64).step_by(4);
-        for address in painted.clone() {
-            // SAFETY: aligned, within the RAM, below the stack of the only thread; no interrupt is on.
-            unsafe { core::ptr::with_exposed_provenance_mut::<u32>(address).write_volatile(PAINT) };
-        }
-        work();
-        for address in painted {
-            // SAFETY: as above.
-            if unsafe { core::ptr::with_exposed_provenance::<u32>(address).read_volatile() } != PAINT {
-                return pointer - address;
-            }
-        }
-        0
-    }
-
     fn commands_only(moment: Moment) -> Moment {
         Moment { load: Load::NONE, oil_temperature: None, ..moment }
     }
@@ -149,7 +123,8 @@ mod on_target {
             let moment = Moment { entry: Entry::Command(PerUnit::ONE), load: Load::NONE, oil_temperature: None };
             let mut used = 0;
             for _ in 0..BATCH {
-                used = used.max(stack_of(|| step(&drive, &mut state, &moment)));
+                let ((), stack) = stack::used_by(|| step(&drive, &mut state, &moment));
+                used = used.max(stack);
             }
             writeln!(out, "stack {used:>6} {name}")?;
         }

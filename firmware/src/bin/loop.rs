@@ -1,7 +1,6 @@
 //! Processor in the loop: the whole firmware on the emulated target, its parts and its machine at the other end of the serial line.
 //!
-//! `cargo run --release -p firmware --bin loop --target thumbv7em-none-eabihf` starts it; the other end is what
-//! `cargo test --release -p system-tests --test closed_loop processor` plays.
+//! `cargo run --release -p system-tests --example in_the_loop` starts it together with its other end.
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]
@@ -10,9 +9,8 @@ fn main() -> ! {
     use core::fmt::Write;
 
     use cortex_m::delay::Delay;
-    #[cfg(feature = "defmt")]
-    use defmt_semihosting as _;
     use firmware::board::mps2::{CLOCK_HZ, Log, console, exit};
+    use firmware::board::stack;
     use firmware::board::uart::Uart;
     use firmware::lockstep::run;
     use firmware::station::Ring;
@@ -20,12 +18,15 @@ fn main() -> ! {
 
     let mut delay = cortex_m::Peripherals::take().map(|peripherals| Delay::new(peripherals.SYST, CLOCK_HZ));
     let memory = cortex_m::singleton!(: Option<Ring> = None);
-    let (Some(delay), Some(memory)) = (delay.as_mut(), memory) else { exit(false) };
-    let ended = run(Uart::open(), delay, &mut Log::default(), memory);
-    if let (Err(error), Some(mut console)) = (&ended, console()) {
-        // Whoever started the emulator reads it; without a console there is nobody to tell.
-        let _ = writeln!(console, "error: {error}");
-    }
+    let (Some(delay), Some(memory), Some(mut console)) = (delay.as_mut(), memory, console()) else { exit(false) };
+    // Whoever started the emulator reads the console; where it fails there is nobody to tell.
+    let _ = writeln!(console, "firmware: waits for its machine at the other end of the serial line");
+    let _ = writeln!(console, "firmware: cargo run --release -p system-tests --example in_the_loop starts both");
+    let (ended, used) = stack::used_by(|| run(Uart::open(), delay, &mut Log::default(), memory));
+    let _ = match &ended {
+        Ok(()) => writeln!(console, "firmware: ended by the other end; stack {used} bytes"),
+        Err(error) => writeln!(console, "firmware: {error}"),
+    };
     exit(ended.is_ok())
 }
 

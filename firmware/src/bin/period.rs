@@ -1,26 +1,44 @@
-//! An image whose only work is a control period: control, monitor and recorder, and every command. A panic that it could reach would be in it.
+//! An image whose only work is the whole control period: what is in it is the period's flash, and a panic that it could reach would be too.
 //!
-//! It is not to be run; the station is nowhere made.
+//! It is not to be run; the station and its request are nowhere made.
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]
-#[cortex_m_rt::entry]
-fn main() -> ! {
+mod on_target {
     use core::hint::black_box;
 
-    use firmware::edge::{Cause, FromFn};
+    use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
     use firmware::period::Request;
-    use firmware::station::Station;
+    use firmware::station::{Outcome, Wired};
     use panic_semihosting as _;
 
-    type Inputs = FromFn<fn(u8) -> Result<i32, Cause>, 5_120_000>;
-    type Counter = FromFn<fn() -> Result<i32, Cause>>;
-    type Output = FromFn<fn(i32) -> Result<(), Cause>, 20_000_000>;
+    /// A bus of which nothing is known, and which is nothing.
+    struct Wire;
 
-    let mut station: Option<(Station<'static, Inputs, Counter, Output>, Request)> = black_box(None);
-    loop {
-        if let Some((station, request)) = black_box(&mut station) {
-            black_box(station.step(request, &mut ()));
+    impl ErrorType for Wire {
+        type Error = ErrorKind;
+    }
+
+    impl SpiDevice for Wire {
+        fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), ErrorKind> {
+            black_box(operations);
+            black_box(Ok(()))
+        }
+    }
+
+    struct Work {
+        station: Wired<'static, Wire, Wire, Wire>,
+        request: Request,
+        outcome: Option<Outcome>,
+    }
+
+    #[cortex_m_rt::entry]
+    fn main() -> ! {
+        let mut work: Option<Work> = black_box(None);
+        loop {
+            if let Some(Work { station, request, outcome }) = black_box(&mut work) {
+                *outcome = Some(station.step(request, &mut ()));
+            }
         }
     }
 }

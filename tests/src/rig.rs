@@ -8,59 +8,78 @@ use model_core::number::Number;
 use model_core::parameter::Parameter as P;
 
 /// The control period.
-pub(crate) const TICK: Tick = Tick::OneMillisecond;
+pub const TICK: Tick = Tick::OneMillisecond;
 /// The output card's range, V: the same for every controller.
-pub(crate) const COMMAND_LIMIT_V: f64 = 10.0;
+pub const COMMAND_LIMIT_V: f64 = 10.0;
 /// The output's slew, V/s: the same for every controller.
-pub(crate) const SLEW_V_PER_S: f64 = 2000.0;
+pub const SLEW_V_PER_S: f64 = 2000.0;
 /// Relative tolerance of the plant: its error is far below a sensor's step.
 const TOLERANCE: f64 = 1e-6;
 
 /// What the sensors show in a period, SI units.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Readings {
-    pub(crate) position_m: f64,
-    pub(crate) slider: f64,
-    pub(crate) pressure_a_pa: f64,
-    pub(crate) pressure_b_pa: f64,
+pub struct Readings {
+    /// Position of the rod, m.
+    pub position_m: f64,
+    /// Slider, of full travel.
+    pub slider: f64,
+    /// Pressure in A, Pa.
+    pub pressure_a_pa: f64,
+    /// Pressure in B, Pa.
+    pub pressure_b_pa: f64,
 }
 
 /// Set point in SI units.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Wanted {
-    pub(crate) position_m: f64,
-    pub(crate) per_unit: SetPoint,
+pub struct Wanted {
+    /// Position, m.
+    pub position_m: f64,
+    /// The same as the firmware takes it.
+    pub per_unit: SetPoint,
 }
 
 /// A controller: the command of a period, V.
-pub(crate) trait Controller {
+pub trait Controller {
+    /// Called once a period, with what is wanted and what the sensors show.
     fn command_v(&mut self, wanted: Wanted, seen: &Readings) -> f64;
 }
 
 /// A machine with what acts on it and what is wanted of it.
 #[derive(Clone, Debug)]
-pub(crate) struct Rig {
-    pub(crate) machine: Machine<f64>,
-    pub(crate) effects: Vec<PlantEffect>,
-    pub(crate) load: LoadProfile,
-    pub(crate) wanted: Vec<Wanted>,
-    pub(crate) sensors: Sensors,
+pub struct Rig {
+    /// The machine's values.
+    pub machine: Machine<f64>,
+    /// What it has beside them.
+    pub effects: Vec<PlantEffect>,
+    /// Force on the rod over time.
+    pub load: LoadProfile,
+    /// Set points, one a period.
+    pub wanted: Vec<Wanted>,
+    /// Its sensors.
+    pub sensors: Sensors,
 }
 
 /// One period of a run.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Row {
-    pub(crate) wanted_m: f64,
-    pub(crate) true_m: f64,
+pub struct Row {
+    /// Where the rod was wanted, m.
+    pub wanted_m: f64,
+    /// Where it was, m.
+    pub true_m: f64,
 }
 
 /// Scales of a machine's fixed-point signals.
-pub(crate) fn bases(machine: &Machine<f64>) -> Bases {
-    *system_tests::simulate::drive::<model_core::fixed_point::PerUnit>(machine, TICK).bases()
+#[must_use]
+pub fn bases(machine: &Machine<f64>) -> Bases {
+    *crate::simulate::drive::<model_core::fixed_point::PerUnit>(machine, TICK).bases()
 }
 
 /// The set points of `legs` from a position.
-pub(crate) fn course(machine: &Machine<f64>, bounds: &Bounds, from_m: f64, legs: &[Leg]) -> Vec<Wanted> {
+///
+/// # Panics
+/// The legs are none.
+#[must_use]
+pub fn course(machine: &Machine<f64>, bounds: &Bounds, from_m: f64, legs: &[Leg]) -> Vec<Wanted> {
     let bases = bases(machine);
     let course = Course::<16>::new(&bases, bounds, from_m, legs).unwrap();
     let mut state = CourseState::default();
@@ -70,13 +89,21 @@ pub(crate) fn course(machine: &Machine<f64>, bounds: &Bounds, from_m: f64, legs:
 
 impl Rig {
     /// With the paper's sensors.
-    pub(crate) fn new(machine: &Machine<f64>, wanted: Vec<Wanted>) -> Self {
+    ///
+    /// # Panics
+    /// The machine has no sensors.
+    #[must_use]
+    pub fn new(machine: &Machine<f64>, wanted: Vec<Wanted>) -> Self {
         let sensors = Sensors::of(machine).unwrap();
         Self { machine: *machine, effects: Vec::new(), load: LoadProfile::none(), wanted, sensors }
     }
 
     /// What the sensors show before anything has moved.
-    pub(crate) fn at_rest(&self) -> Readings {
+    ///
+    /// # Panics
+    /// There are no set points.
+    #[must_use]
+    pub fn at_rest(&self) -> Readings {
         let initial = self.initial();
         let state = PlantState {
             pressure_a_pa: initial.pressure_a_pa,
@@ -92,7 +119,10 @@ impl Rig {
     }
 
     /// Runs the controller on the machine.
-    pub(crate) fn run(&self, controller: &mut dyn Controller) -> Vec<Row> {
+    ///
+    /// # Panics
+    /// The plant cannot be simulated, or a command leaves the output's range.
+    pub fn run(&self, controller: &mut dyn Controller) -> Vec<Row> {
         let plant = Plant::new(&self.machine, TOLERANCE).unwrap();
         let plant = plant.with_effects(&self.effects).with_load(self.load.clone());
         let times_s: Vec<f64> = (0..self.wanted.len()).map(|tick| tick as f64 * TICK.seconds()).collect();
@@ -112,13 +142,15 @@ impl Rig {
 }
 
 /// Root of the mean square of the true distance to the set point, mm.
-pub(crate) fn rms_mm(rows: &[Row]) -> f64 {
+#[must_use]
+pub fn rms_mm(rows: &[Row]) -> f64 {
     let squares: f64 = rows.iter().map(|row| (row.wanted_m - row.true_m).powi(2)).sum();
     1e3 * (squares / rows.len() as f64).sqrt()
 }
 
 /// Largest distance, mm.
-pub(crate) fn worst_mm(rows: &[Row]) -> f64 {
+#[must_use]
+pub fn worst_mm(rows: &[Row]) -> f64 {
     1e3 * rows.iter().map(|row| (row.wanted_m - row.true_m).abs()).fold(0.0, f64::max)
 }
 
@@ -163,6 +195,7 @@ impl Eyes {
 }
 
 /// Largest force of the oil, extending, N.
-pub(crate) fn largest_force_n(machine: &Machine<f64>) -> f64 {
+#[must_use]
+pub fn largest_force_n(machine: &Machine<f64>) -> f64 {
     machine.get(P::AreaA) * machine.get(P::SupplyPressure)
 }

@@ -1,0 +1,199 @@
+//! What a whole control period costs: drivers, calibration, faults, model, control, monitor, recorder; without its parts.
+
+use core::cell::RefCell;
+use core::fmt::Write;
+use core::hint::black_box;
+
+use cortex_m::asm::delay;
+use embedded_hal::delay::DelayNs;
+use firmware::ads8688::Ads8688;
+use firmware::board::mps2::{Counter, INSTRUCTIONS_PER_COUNT};
+use firmware::dac::Ad5754;
+use firmware::edge::{AnalogIn, AnalogOut};
+use firmware::fault::Standing;
+use firmware::mode::{Command, Mode};
+use firmware::period::{Request, Timing};
+use firmware::press::BOUNDS;
+use firmware::set_point::{Bounds, Course, CourseState, Leg, SetPoint, SetPointError};
+use firmware::station::{Assembly, Ring, Wired};
+use firmware::trial::{every_effect, press};
+use model_core::fixed_point::PerUnit;
+use model_core::machine::Machine;
+use model_core::number::Number;
+
+use crate::on_target::BudgetError;
+use crate::parts::{PLACE, Part, Parts, Plant, Wire, ask_again};
+
+/// µV of 2¹⁶ counts of the inputs and of the output.
+const INPUT_UV: u32 = <Ads8688<Wire<'static>> as AnalogIn>::SPAN_UV;
+const OUTPUT_UV: u32 = <Ad5754<Wire<'static>> as AnalogOut>::SPAN_UV;
+
+/// The firmware did not do what is to be counted.
+#[derive(Clone, Copy, Debug, thiserror::Error)]
+pub(crate) enum SceneError {
+    /// It is in another mode.
+    #[error("{scene}: the mode is {found:?}; {standing:?}")]
+    Mode { scene: &'static str, found: Mode, standing: Standing },
+    /// The moves are none.
+    #[error(transparent)]
+    Moves(#[from] SetPointError),
+}
+
+/// Counts of a scene.
+#[derive(Clone, Copy, Debug, Default)]
+struct Cost {
+    sum: u32,
+    periods: u32,
+    worst: u32,
+}
+
+impl Cost {
+    fn written(&self, out: &mut impl Write, name: &str) -> core::fmt::Result {
+        let [mean, worst] = [self.sum * INSTRUCTIONS_PER_COUNT / self.periods, self.worst * INSTRUCTIONS_PER_COUNT];
+        writeln!(out, "period {mean:>6} {worst:>6} {name}")
+    }
+}
+
+struct Waits;
+
+impl DelayNs for Waits {
+    fn delay_ns(&mut self, nanoseconds: u32) {
+        delay(nanoseconds / INSTRUCTIONS_PER_COUNT);
+    }
+}
+
+struct Bench<'a> {
+    station: Wired<'a, Wire<'a>, Wire<'a>, Wire<'a>>,
+    parts: &'a RefCell<Parts>,
+    plant: Plant,
+    counter: &'a mut Counter,
+    wanted: SetPoint,
+    /// Faults that nobody has acknowledged.
+    standing: Standing,
+    cost: Cost,
+}
+
+impl<'a> Bench<'a> {
+    /// A controller that takes the press for `model`.
+    fn begin(
+        model: &Machine<f64>,
+        parts: &'a RefCell<Parts>,
+        counter: &'a mut Counter,
+        memory: &'a mut Option<Ring>,
+    ) -> Result<Self, BudgetError> {
+        let wire = |part| Wire { parts, part };
+        let [inputs, output, counts] = [Part::Inputs, Part::Output, Part::Counter].map(wire);
+        let mut station =
+            Assembly::of(model, INPUT_UV, OUTPUT_UV)?.wired(inputs, counts, output, &mut Waits, memory)?;
+        let mut plant = Plant::new(&press())?;
+        plant.tick(parts);
+        parts.borrow_mut().forget();
+        let place = PerUnit::saturated(PLACE);
+        station.refer(place);
+        let wanted = SetPoint { position: place, velocity: PerUnit::ZERO };
+        Ok(Self { station, parts, plant, counter, wanted, standing: Standing::NONE, cost: Cost::default() })
+    }
+
+    /// A period, counted.
+    fn period(&mut self, command: Option<Command>, timing: Timing) -> Mode {
+        let request = black_box(Request { set_point: self.wanted, command, timing });
+        let (mut mode, mut standing) = (Mode::Starting, Standing::NONE);
+        let whole = self.counter.counts(|| {
+            let outcome = black_box(self.station.step(&request, &mut ()));
+            (mode, standing) = (outcome.report.mode, outcome.report.standing);
+        });
+        self.standing = standing;
+        let parts = self.counter.counts(|| ask_again(self.parts));
+        self.parts.borrow_mut().forget();
+        let own = whole.saturating_sub(parts);
+        self.cost.sum += own;
+        self.cost.periods += 1;
+        self.cost.worst = self.cost.worst.max(own);
+        self.plant.tick(self.parts);
+        mode
+    }
+
+    fn periods(&mut self, count: usize) -> Mode {
+        (0..count).map(|_| self.period(None, Timing::Kept)).last().unwrap_or(Mode::Starting)
+    }
+
+    /// Where the rod is, at rest.
+    fn here(&self) -> SetPoint {
+        SetPoint { position: self.station.predicted().position, velocity: PerUnit::ZERO }
+    }
+
+    /// What has been counted since the last time.
+    fn cost(&mut self, scene: &'static str, found: Mode, expected: Mode) -> Result<Cost, SceneError> {
+        let cost = core::mem::take(&mut self.cost);
+        if found == expected { Ok(cost) } else { Err(SceneError::Mode { scene, found, standing: self.standing }) }
+    }
+
+    /// Four moves and their rests.
+    fn moves(&mut self) -> Result<Mode, SceneError> {
+        let bounds = Bounds { velocity_m_per_s: 0.03, acceleration_m_per_s2: 0.3, ..BOUNDS };
+        let from_m = 0.3 * PLACE;
+        let legs = [
+            Leg::Rest { duration_s: 0.2 },
+            Leg::Fastest { to_m: from_m + 0.02 },
+            Leg::Fastest { to_m: from_m - 0.01 },
+            Leg::Smooth { to_m: from_m, duration_s: 0.8 },
+            Leg::Rest { duration_s: 0.3 },
+        ];
+        let course = Course::<5>::new(self.plant.bases(), &bounds, from_m, &legs)?;
+        let (mut state, mut mode) = (CourseState::default(), Mode::Starting);
+        while !course.is_done(&state) {
+            self.wanted = course.step(&mut state);
+            mode = self.period(None, Timing::Kept);
+        }
+        Ok(mode)
+    }
+
+    /// A fault that stays for a while, its cause gone, and the way back.
+    fn fault(&mut self, silent: Option<Part>, timing: Timing) -> Mode {
+        self.parts.borrow_mut().silent = silent;
+        for _ in 0..40 {
+            self.period(None, timing);
+        }
+        self.parts.borrow_mut().silent = None;
+        self.periods(300);
+        self.period(Some(Command::Acknowledge), Timing::Kept);
+        self.wanted = self.here();
+        self.station.refer(self.wanted.position);
+        self.periods(120);
+        self.period(Some(Command::Follow), Timing::Kept)
+    }
+}
+
+pub(crate) fn report(
+    counter: &mut Counter,
+    memory: &mut Option<Ring>,
+    out: &mut impl Write,
+) -> Result<(), BudgetError> {
+    let parts = RefCell::new(Parts::new());
+    let mut bench = Bench::begin(&press(), &parts, counter, memory)?;
+    let mode = bench.periods(500);
+    bench.cost("waiting", mode, Mode::Starting)?.written(out, "waiting")?;
+    let mode = bench.period(Some(Command::Follow), Timing::Kept);
+    bench.cost("begins", mode, Mode::Following)?.written(out, "begins to follow")?;
+    let mode = bench.moves()?;
+    bench.cost("following", mode, Mode::Following)?.written(out, "following")?;
+    for (silent, timing) in [
+        (Some(Part::Inputs), Timing::Kept),
+        (Some(Part::Output), Timing::Kept),
+        (Some(Part::Counter), Timing::Kept),
+        (None, Timing::Overrun),
+    ] {
+        let mode = bench.fault(silent, timing);
+        bench.cost = bench.cost("faults", mode, Mode::Following)?;
+    }
+    bench.cost("faults", Mode::Following, Mode::Following)?.written(out, "faults and the way back")?;
+
+    let parts = RefCell::new(Parts::new());
+    let mut bench = Bench::begin(&every_effect(&press()), &parts, counter, memory)?;
+    bench.periods(200);
+    bench.period(Some(Command::Follow), Timing::Kept);
+    bench.cost = Cost::default();
+    let mode = bench.moves()?;
+    bench.cost("every effect", mode, Mode::Following)?.written(out, "following, every effect")?;
+    Ok(())
+}

@@ -1,0 +1,62 @@
+//! What is refused of set points, with its values.
+
+use thiserror::Error;
+
+use super::Bounds;
+
+/// Why legs do not become a course, or a set point is not one.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum SetPointError {
+    /// There are more legs than fit.
+    #[error("{found} legs, at most {room} fit")]
+    TooMany {
+        /// How many there are.
+        found: usize,
+        /// How many fit.
+        room: usize,
+    },
+    /// A position is out of bounds, or not a number.
+    #[error("leg {leg} leads to {to_m} m, expected {from_m} to {most_m} m")]
+    Position {
+        /// Which leg.
+        leg: usize,
+        /// Its end.
+        to_m: f64,
+        /// Least there may be.
+        from_m: f64,
+        /// Largest there may be.
+        most_m: f64,
+    },
+    /// A duration is not a number, shorter than a tick, or longer than an hour.
+    #[error("leg {leg} takes {duration_s} s, expected a tick to an hour")]
+    Duration {
+        /// Which leg.
+        leg: usize,
+        /// Its duration.
+        duration_s: f64,
+    },
+    /// A leg is faster than the bounds let it be.
+    #[error("leg {leg} reaches {velocity_m_per_s} m/s, expected at most {most_m_per_s} m/s")]
+    Velocity {
+        /// Which leg.
+        leg: usize,
+        /// Its largest velocity.
+        velocity_m_per_s: f64,
+        /// Largest there may be.
+        most_m_per_s: f64,
+    },
+    /// A leg accelerates more than the bounds let it.
+    #[error("leg {leg} reaches {acceleration_m_per_s2} m/s², expected at most {most_m_per_s2} m/s²")]
+    Acceleration {
+        /// Which leg.
+        leg: usize,
+        /// Its largest acceleration.
+        acceleration_m_per_s2: f64,
+        /// Largest there may be.
+        most_m_per_s2: f64,
+    },
+    /// Bounds that bound nothing: not numbers, or the wrong way round.
+    #[error("bounds {0:?}, expected a stretch of the stroke, and a velocity and an acceleration above 0")]
+    Bounds(Bounds),
+}

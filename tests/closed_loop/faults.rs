@@ -1,0 +1,406 @@
+//! Faults provoked on the emulated target while the firmware follows on the virtual test bed: each one's state in time, and the way back.
+
+use std::fmt::Write;
+
+use firmware::edge::Cause;
+use firmware::fault::{Device, Fault};
+use firmware::lockstep::{Order, part};
+use firmware::measured::Signal;
+use firmware::mode::Mode;
+use firmware::period::Timing;
+use firmware::press;
+use firmware::set_point::SetPoint;
+use host_sim::testbed::sensors::{PositionSensor, Sensors};
+use model_core::fixed_point::PerUnit;
+use model_core::machine::Bases;
+use model_core::number::Number;
+use system_tests::at_hand::skipped;
+use system_tests::emulator::Processor;
+use system_tests::in_the_loop::{Board, Said, Wrong};
+use system_tests::rig::{Controller, Readings, Rig, Wanted, bases};
+use system_tests::snapshot;
+
+/// Periods of a case in which something begins: the fault of the last one is acknowledged, the place is said, following is ordered, the rod moves.
+const REFER: usize = 1;
+const FOLLOW: usize = 120;
+const MOVE: usize = 220;
+/// After the fault's window its cause is gone; then following is ordered, or where the rod is held acknowledged, and it is stopped.
+const TRIED: usize = 50;
+const STOPPED: usize = 100;
+const NEXT: usize = 350;
+
+/// A move: 15 mm in a second, 28 mm/s at most.
+const WAY_M: f64 = 0.015;
+const MOVE_S: f64 = 1.0;
+
+/// What is wanted and told in a period.
+#[derive(Clone, Copy, Debug)]
+struct Request {
+    wanted: SetPoint,
+    timing: Timing,
+}
+
+/// A fault, how it is brought about, and what is stated of it.
+struct Provoked {
+    name: &'static str,
+    /// In each period of its window; the first is 0.
+    bring: fn(&mut Board, &mut Request, usize, &Readings),
+    fault: Fault,
+    /// Into the move, periods, and for how long it stays.
+    after: usize,
+    window: usize,
+    mode: Mode,
+    /// Periods in which it is found.
+    within: usize,
+    fed: bool,
+}
+
+const HEAD: &str = "\
+Faults provoked while the firmware follows, on an emulated Cortex-M4F around the virtual test bed.  Periods until a fault is told, until
+the valve is neutral or the rod held; how far the rod moves within 0.1 s when it is followed again at rest, mm.  `watchdog`: it is not fed.
+";
+const ZERO: PerUnit = PerUnit::ZERO;
+
+impl Provoked {
+    /// One that is found in its period, in the middle of the move.
+    const fn at_once(
+        name: &'static str,
+        bring: fn(&mut Board, &mut Request, usize, &Readings),
+        fault: Fault,
+        mode: Mode,
+    ) -> Self {
+        let fed = !fault.is_own();
+        Self { name, bring, fault, after: 400, window: 300, mode, within: 1, fed }
+    }
+
+    /// One that shows while the rod is moved only, and is found within the move.
+    const fn stuck(
+        name: &'static str,
+        bring: fn(&mut Board, &mut Request, usize, &Readings),
+        fault: Fault,
+        mode: Mode,
+    ) -> Self {
+        Self { after: 0, window: 900, within: 900, ..Self::at_once(name, bring, fault, mode) }
+    }
+}
+
+fn all() -> Vec<Provoked> {
+    let silent = |device| Fault::Silent { device, cause: Cause::Bus };
+    let slider = Signal::Slider;
+    vec![
+        Provoked::at_once(
+            "open wire of the slider",
+            |board, _, _, _| board.wrong.slider_v = Some(10.24),
+            Fault::OpenWire { signal: slider, count: 0 },
+            Mode::RampingDown,
+        ),
+        Provoked::at_once(
+            "slider out of range",
+            |board, _, _, _| board.wrong.slider_v = Some(-10.1),
+            Fault::OutOfRange { signal: slider, count: 0 },
+            Mode::RampingDown,
+        ),
+        Provoked::at_once(
+            "open wire of pressure A",
+            |board, _, _, _| board.wrong.pressure_a_v = Some(0.1),
+            Fault::OpenWire { signal: Signal::PressureA, count: 0 },
+            Mode::RampingDown,
+        ),
+        Provoked::stuck(
+            "slider stuck",
+            |board, _, period, seen| {
+                if period == 0 {
+                    board.wrong.slider_v = Some(10.0 * seen.slider / press::SLIDER_AT_10_V);
+                }
+            },
+            Fault::Stuck { signal: slider, count: 0 },
+            Mode::RampingDown,
+        ),
+        Provoked::stuck(
+            "encoder stuck",
+            |board, _, _, _| board.wrong.uncoupled = true,
+            Fault::PositionStuck { position: ZERO },
+            Mode::Neutral,
+        ),
+        Provoked::at_once(
+            "encoder jumps",
+            |board, _, period, _| {
+                if period == 0 {
+                    board.jump(400);
+                }
+            },
+            Fault::EncoderJump { counts: 400 },
+            Mode::Neutral,
+        ),
+        Provoked::at_once(
+            "inputs do not answer",
+            |board, _, _, _| board.wrong.hangs = Some((part::INPUTS, 0x00)),
+            silent(Device::Inputs),
+            Mode::RampingDown,
+        ),
+        Provoked::at_once(
+            "counter answers wrongly",
+            |board, _, _, _| board.wrong.hangs = Some((part::COUNTER, 0xff)),
+            silent(Device::Position),
+            Mode::Neutral,
+        ),
+        Provoked::at_once(
+            "output does not answer",
+            |board, _, _, _| board.wrong.hangs = Some((part::OUTPUT, 0x00)),
+            silent(Device::Output),
+            Mode::Neutral,
+        ),
+        Provoked::at_once(
+            "output shorted",
+            |board, _, _, _| board.wrong.shorted = true,
+            silent(Device::Output),
+            Mode::Neutral,
+        ),
+        Provoked::at_once(
+            "overrun",
+            |_, request, period, _| {
+                if period == 0 {
+                    request.timing = Timing::Overrun;
+                }
+            },
+            Fault::Overrun,
+            Mode::RampingDown,
+        ),
+        Provoked::at_once(
+            "set point beyond the stroke",
+            |_, request, _, _| request.wanted.position = PerUnit::saturated(1.5),
+            Fault::SetPointOutside { position: ZERO, velocity: ZERO },
+            Mode::Holding,
+        ),
+        Provoked::at_once(
+            "set point jumps",
+            |_, request, _, _| request.wanted.position = request.wanted.position + PerUnit::saturated(0.05),
+            Fault::SetPointJump { from: ZERO, to: ZERO },
+            Mode::Holding,
+        ),
+    ]
+}
+
+/// What became of a fault: periods from its first one, that one counted.
+#[derive(Clone, Copy, Debug, Default)]
+struct Found {
+    /// Until it was told, and until the valve was neutral or the rod held.
+    told: usize,
+    safe: usize,
+    /// How far the rod moved in 0.1 s after following was ordered again at rest, mm.
+    bump_mm: f64,
+}
+
+/// Plays all of them, one after the other.
+struct Play {
+    board: Board,
+    bases: Bases,
+    cases: Vec<Provoked>,
+    found: Vec<Found>,
+    /// Period of the case.
+    at: usize,
+    /// Where the move begins, and the rod as it did.
+    from: f64,
+    rest_m: f64,
+    last: Said,
+    /// Faults told before the case.
+    before: u8,
+    /// What has become of this case's fault so far.
+    now: Found,
+}
+
+impl Play {
+    /// Along the move of this case, so many periods into it.
+    fn moving(&self, period: usize) -> SetPoint {
+        let Bases { stroke_m, velocity_m_per_s, tick_s, .. } = self.bases;
+        let way_m = if self.found.len().is_multiple_of(2) { WAY_M } else { -WAY_M };
+        let s = (period as f64 * tick_s / MOVE_S).min(1.0);
+        let (share, rate) = (s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s), 30.0 * s * s * (1.0 - s).powi(2) / MOVE_S);
+        SetPoint {
+            position: PerUnit::saturated(self.from + way_m * share / stroke_m),
+            velocity: PerUnit::saturated(way_m * rate / velocity_m_per_s),
+        }
+    }
+
+    /// What is wanted and ordered in this period; where there is no case left it rests.
+    fn plan(&mut self, seen: &Readings) -> (Request, Order) {
+        let kept = |wanted| Request { wanted, timing: Timing::Kept };
+        let here = SetPoint { position: PerUnit::saturated(self.from), velocity: ZERO };
+        let order = match self.at {
+            0 => Order::Acknowledge,
+            REFER => {
+                self.from = seen.position_m / self.bases.stroke_m;
+                Order::Refer
+            }
+            FOLLOW => {
+                self.from = self.last.position.to_f64();
+                Order::Follow
+            }
+            _ => Order::None,
+        };
+        let here = if matches!(self.at, REFER | FOLLOW) {
+            SetPoint { position: PerUnit::saturated(self.from), ..here }
+        } else {
+            here
+        };
+        let Some(case) = self.cases.get(self.found.len()).filter(|_| self.at >= MOVE) else {
+            return (kept(here), order);
+        };
+        let (from, cured) = (MOVE + case.after, MOVE + case.after + case.window);
+        let mut request = kept(self.moving(self.at.min(from) - MOVE));
+        request.wanted.velocity = if self.at > from { ZERO } else { request.wanted.velocity };
+        if (from..cured).contains(&self.at) {
+            // A stuck sensor shows while the rod is moved only.
+            if case.within > 1 {
+                request.wanted = self.moving(self.at - MOVE);
+            }
+            (case.bring)(&mut self.board, &mut request, self.at - from, seen);
+        }
+        if self.at == cured {
+            self.board.wrong = Wrong::default();
+        }
+        let held = case.mode == Mode::Holding;
+        let order = match self.at.checked_sub(cured) {
+            Some(TRIED) => {
+                if held {
+                    Order::Acknowledge
+                } else {
+                    Order::Follow
+                }
+            }
+            Some(STOPPED) => Order::Stop,
+            _ => order,
+        };
+        (request, order)
+    }
+
+    /// Holds what was said against what is stated.
+    fn heed(&mut self, said: Said, seen: &Readings) {
+        let name = self.cases.get(self.found.len()).map_or("the end", |case| case.name);
+        match self.at {
+            0..FOLLOW => assert!(said.is(Mode::Starting) && !said.refused, "{name}: {said:?}"),
+            FOLLOW..MOVE => {
+                assert!(said.is(Mode::Following) && !said.refused && said.fed, "{name}: {said:?}");
+                if self.at == FOLLOW {
+                    self.rest_m = seen.position_m;
+                }
+                let moved_mm = 1e3 * (seen.position_m - self.rest_m).abs();
+                if let Some(last) = self.found.last_mut() {
+                    last.bump_mm = last.bump_mm.max(moved_mm);
+                }
+                self.before = said.faults;
+            }
+            _ => self.heed_fault(said),
+        }
+    }
+
+    fn heed_fault(&mut self, said: Said) {
+        let Some(case) = self.cases.get(self.found.len()) else { return };
+        let Provoked { name, fault, after, window, mode, within, fed, .. } = case;
+        let Some(since) = self.at.checked_sub(MOVE + after) else {
+            return assert!(said.is(Mode::Following) && said.faults == self.before, "{name}: {said:?}");
+        };
+        if since == 0 {
+            self.now = Found::default();
+        }
+        let settled = if *mode == Mode::Holding { Mode::Holding } else { Mode::Neutral };
+        let now = &mut self.now;
+        if now.told == 0 && said.faults != self.before {
+            now.told = since + 1;
+            assert_eq!((said.last_fault, said.fed), (fault.kind(), *fed), "{name}: {said:?}");
+            assert!(said.is(*mode) || said.is(settled), "{name}: {said:?}");
+        }
+        if now.safe == 0 && said.is(settled) {
+            now.safe = since + 1;
+        }
+        if since < *window {
+            return;
+        }
+        // Its cause is gone.
+        let (told, safe) = (now.told, now.safe);
+        assert!((1..=*within).contains(&told) && safe >= told, "{name}: told after {told}, safe after {safe}");
+        assert_eq!(said.faults, self.before + 1, "{name}: told once");
+        match since - window {
+            0..TRIED => assert!(said.is(settled) && said.fed, "{name}: {said:?}"),
+            TRIED..STOPPED if *mode == Mode::Holding => assert!(said.is(Mode::Following), "{name}: {said:?}"),
+            TRIED..STOPPED => assert!(said.is(settled), "{name}: by command only: {said:?}"),
+            _ => {}
+        }
+    }
+
+    /// Ends the case in its last period.
+    fn turn(&mut self) {
+        self.at += 1;
+        if let Some(case) = self.cases.get(self.found.len())
+            && self.at == MOVE + case.after + case.window + NEXT
+        {
+            self.found.push(self.now);
+            self.at = 0;
+        }
+    }
+}
+
+impl Controller for Play {
+    fn command_v(&mut self, _: Wanted, seen: &Readings) -> f64 {
+        let (Request { wanted, timing }, order) = self.plan(seen);
+        let said = self.board.period(wanted, order, timing, seen);
+        self.heed(said, seen);
+        self.last = said;
+        self.turn();
+        self.board.volts()
+    }
+}
+
+/// Where the numbers begin in a row.
+const COLUMN: usize = 44;
+/// Largest change of a figure against the snapshot.
+const RELATIVE: f64 = 0.15;
+const ABSOLUTE: f64 = 0.02;
+
+#[test]
+fn each_fault_has_its_state_in_time_is_told_once_and_goes_by_command_only_and_without_a_bump() {
+    if !Processor::M4F.can_be_emulated() {
+        return skipped("no processor in the loop");
+    }
+    let machine = press::machine();
+    let bases = bases(&machine);
+    let limits = press::rig(&machine, &bases, 5_120_000, 20_000_000).unwrap().limits;
+    let to_neutral = usize::try_from(limits.periods_to_neutral()).unwrap();
+    let cases = all();
+    let periods: usize = cases.iter().map(|case| MOVE + case.after + case.window + NEXT).sum();
+    let start = SetPoint { position: PerUnit::saturated(0.5), velocity: ZERO };
+    let wanted = vec![Wanted { position_m: 0.5 * bases.stroke_m, per_unit: start }; periods + MOVE];
+    let position = PositionSensor::Linear { resolution_m: 1.0 / press::COUNTS_PER_M };
+    let rig = Rig { sensors: Sensors::with_position(&machine, position), ..Rig::new(&machine, wanted) };
+
+    let board = Board::start(Processor::M4F, &Processor::M4F.built("loop", None), &rig.at_rest());
+    let mut play = Play {
+        board,
+        bases,
+        cases,
+        found: Vec::new(),
+        at: 0,
+        from: 0.5,
+        rest_m: 0.0,
+        last: Said::default(),
+        before: 0,
+        now: Found::default(),
+    };
+    rig.run(&mut play);
+    let mut table = format!("{HEAD}{:<COLUMN$} {:>6} {:>6} {:>8}\n", "fault: state", "told", "safe", "bump");
+    for (case, found) in play.cases.iter().zip(&play.found) {
+        let name = format!("{}: {:?}{}", case.name, case.mode, if case.fed { "" } else { ", watchdog" });
+        let Found { told, safe, bump_mm } = found;
+        writeln!(table, "{name:<COLUMN$} {told:>6} {safe:>6} {bump_mm:>8.3}").unwrap();
+    }
+    snapshot::compare("closed_loop/faults.txt", &table, |found, kept| {
+        snapshot::numbers_near(found, kept, COLUMN, RELATIVE, ABSOLUTE)
+    });
+    assert_eq!(play.found.len(), play.cases.len());
+    for (case, found) in play.cases.iter().zip(&play.found) {
+        let later = if case.mode == Mode::RampingDown { to_neutral } else { 0 };
+        assert!(found.safe <= found.told + later, "{}: {found:?}", case.name);
+        assert!(found.bump_mm < 0.1, "{}: {found:?}", case.name);
+    }
+    let _ = play.board.end();
+}
