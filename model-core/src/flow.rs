@@ -7,7 +7,7 @@ use crate::chambers::ChamberState;
 use crate::edge_effects::EdgeEffects;
 use crate::number::Number;
 use crate::valve::{AcrossEdges, Slider};
-use crate::vocabulary::{Effects, Vocabulary};
+use crate::vocabulary::{Effects, Keeps, Vocabulary};
 
 /// One flow with what the implicit step needs of its slope against the pressure it works on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +55,7 @@ impl<N: Number> Overlap<N> {
 
 /// The metering edges of a proportional valve: dead zone, square-root orifices, flow saturation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Edges<N: Number> {
+pub struct Edges<N: Number, E = Option<EdgeEffects<N>>> {
     pub(crate) overlap: Overlap<N>,
     /// `K_Q`·√(pressure base) / flow base.
     pub(crate) gain: N::Gain,
@@ -65,7 +65,27 @@ pub struct Edges<N: Number> {
     pub(crate) transition: N,
     pub(crate) lines: Lines<N>,
     /// What makes the four edges differ; `None` leaves two equal ones at a time.
-    pub(crate) effects: Option<EdgeEffects<N>>,
+    pub(crate) effects: E,
+}
+
+impl<N: Number, E> Edges<N, E> {
+    /// The same edges with these effects.
+    #[inline]
+    pub(crate) fn with<F>(&self, effects: F) -> Edges<N, F> {
+        let &Self { overlap, gain, limit, transition, lines, .. } = self;
+        Edges { overlap, gain, limit, transition, lines, effects }
+    }
+}
+
+impl<N: Number> Keeps<EdgeEffects<N>> for Option<EdgeEffects<N>> {
+    #[inline]
+    fn kept(&self) -> Option<&EdgeEffects<N>> {
+        self.as_ref()
+    }
+    #[inline]
+    fn changed(self, change: impl FnOnce(EdgeEffects<N>) -> EdgeEffects<N>) -> Self {
+        self.map(change)
+    }
 }
 
 impl<N: Number> Edges<N> {
@@ -75,9 +95,19 @@ impl<N: Number> Edges<N> {
         self.flow_with::<Effects>(slider, pressures, supply)
     }
 
+    /// Flows at the start of a tick, with their slopes at the larger opening of the tick for the implicit step; and the flow drawn
+    /// from a supply that droops.
+    #[inline]
+    pub fn linearised(&self, slider: Slider<N>, pressures: ChamberState<N>, supply: N) -> (Flows<Linearised<N>>, N) {
+        self.linearised_with::<Effects>(slider, pressures, supply)
+    }
+}
+
+impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
+    /// Flows at a slider position.
     #[inline]
     pub(crate) fn flow_with<V: Vocabulary>(&self, slider: N, pressures: ChamberState<N>, supply: N) -> Flows<N> {
-        if let Some(effects) = V::on(self.effects.as_ref()) {
+        if let Some(effects) = V::on(self.effects.kept()) {
             return self.flow_of_four(effects, slider, pressures, supply);
         }
         let opening = self.opening(slider);
@@ -85,13 +115,7 @@ impl<N: Number> Edges<N> {
         Flows { a: self.passing_edge(opening, across.a), b: self.passing_edge(opening, across.b) }
     }
 
-    /// Flows at the start of a tick, with their slopes at the larger opening of the tick for the implicit step; and the flow drawn
-    /// from a supply that droops.
-    #[inline]
-    pub fn linearised(&self, slider: Slider<N>, pressures: ChamberState<N>, supply: N) -> (Flows<Linearised<N>>, N) {
-        self.linearised_with::<Effects>(slider, pressures, supply)
-    }
-
+    /// Flows at the start of a tick.
     #[inline]
     pub(crate) fn linearised_with<V: Vocabulary>(
         &self,
@@ -99,7 +123,7 @@ impl<N: Number> Edges<N> {
         pressures: ChamberState<N>,
         supply: N,
     ) -> (Flows<Linearised<N>>, N) {
-        if let Some(effects) = V::on(self.effects.as_ref()) {
+        if let Some(effects) = V::on(self.effects.kept()) {
             return self.linearised_of_four(effects, slider, pressures, supply);
         }
         let (from, to) = (self.opening(slider.from), self.opening(slider.to));
@@ -138,7 +162,7 @@ impl<N: Number> Edges<N> {
     /// The lines, with the supply as it is now where it droops.
     #[inline]
     pub(crate) fn lines_at(&self, supply: N) -> Lines<N> {
-        let droops = self.effects.as_ref().is_some_and(|effects| effects.droop.is_some());
+        let droops = self.effects.kept().is_some_and(|effects| effects.droop.is_some());
         if droops { Lines { supply, ..self.lines } } else { self.lines }
     }
 

@@ -14,7 +14,7 @@ use crate::flow::{Edges, Flows, Linearised, Lines};
 use crate::number::Number;
 use crate::supply::{Draw, SupplyState};
 use crate::valve::Slider;
-use crate::vocabulary::Vocabulary;
+use crate::vocabulary::{Keeps, Vocabulary};
 
 /// One of something for each metering edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,7 +85,7 @@ struct Metered<N> {
     leaking: N,
 }
 
-impl<N: Number> Edges<N> {
+impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
     /// Flows at a slider position, two chamber pressures and the supply's.
     #[inline]
     pub(crate) fn flow_of_four(
@@ -135,7 +135,7 @@ impl<N: Number> Edges<N> {
         supply: SupplyState<N>,
         drawn: N,
     ) -> SupplyState<N> {
-        let Some(effects) = V::on(self.effects.as_ref()) else { return supply };
+        let Some(effects) = V::on(self.effects.kept()) else { return supply };
         let Some(droop) = &effects.droop else { return supply };
         let [into_a, into_b] = self.supply_openings(self.metered(effects, slider));
         droop.after(supply, self.lines.supply, drawn, effects.slope_scale, |supply| {

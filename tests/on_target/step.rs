@@ -1,12 +1,15 @@
-//! The image whose only work is the model's step: its flash, and that nothing in it can panic.
+//! The images whose only work is a step of the model: their flash, and that nothing in them can panic.
 
 use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
 
 use system_tests::emulator::Processor;
 
-/// Code and constants of the step, bytes; the processor's start-up, some 200, is part of it.
-pub(crate) fn flash(processor: Processor) -> u64 {
-    let image = processor.image("step");
+/// Images whose only work is a step: of any drive, and of the paper's model by itself.
+pub(crate) const IMAGES: [&str; 2] = ["step", "paper_step"];
+
+/// Code and constants of an image, bytes; the processor's start-up, some 200, is part of it.
+pub(crate) fn flash(processor: Processor, binary: &str) -> u64 {
+    let image = processor.image(binary);
     let image = object::File::parse(&*image).expect("cargo links ELF for this target");
     [".text", ".rodata"].iter().filter_map(|name| image.section_by_name(name)).map(|section| section.size()).sum()
 }
@@ -28,9 +31,11 @@ fn panics(functions: &[String]) -> Vec<&String> {
 fn no_panic_can_be_reached_from_the_step() {
     for processor in Processor::ALL {
         if processor.can_be_built_for() {
-            let functions = functions(processor, "step");
-            assert!(functions.iter().any(|name| name == "main"), "{processor:?}: there is nothing in the image");
-            assert_eq!(panics(&functions), Vec::<&String>::new(), "{processor:?}");
+            for binary in IMAGES {
+                let functions = functions(processor, binary);
+                assert!(functions.iter().any(|name| name == "main"), "{processor:?}: there is nothing in {binary}");
+                assert_eq!(panics(&functions), Vec::<&String>::new(), "{processor:?}: {binary}");
+            }
         }
     }
 }
