@@ -83,14 +83,14 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Cha
         // First stage.
         let inflow1 = with(chambers.inflow::<V>(Flows { a: flows.a.flow, b: flows.b.flow }, pressures));
         let net = Flows { a: inflow1.a - velocity, b: chambers.displaced_b(velocity) - inflow1.b };
-        let trial = chambers.rise(Flows { a: yielding.a.of(net.a), b: yielding.b.of(net.b) });
-        let force = self.stage_force(pressures, trial) + load.from + constant;
+        let trial = Flows { a: yielding.a.of(net.a), b: yielding.b.of(net.b) };
+        let force = self.force_after(chambers, pressures, start, trial, [load.from, constant]);
         let stage = equation.first_stage(contact, velocity);
         let guess = equation.first_increment(&stage, force, gives);
         let ahead = guess.part(self.gamma);
         let net1 = Flows { a: yielding.a.of(net.a - ahead), b: yielding.b.of(net.b + chambers.displaced_b(ahead)) };
         let k1 = chambers.rise(net1);
-        let first = self.stage_force(pressures, k1) + load.from + constant;
+        let first = self.force_after(chambers, pressures, start, net1, [load.from, constant]);
         let v1 = equation.first_increment(&stage, first, None);
 
         // Second stage.
@@ -101,19 +101,19 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Cha
             a: inflow2.a - velocity2 - net1.a - net1.a,
             b: chambers.displaced_b(velocity2) - inflow2.b - net1.b - net1.b,
         };
-        let trial = chambers.rise(Flows { a: yielding.a.of(net.a), b: yielding.b.of(net.b) });
-        let force = self.stage_force(pressures2, trial) + load.to + constant;
+        let trial = Flows { a: yielding.a.of(net.a), b: yielding.b.of(net.b) };
+        let start2 = self.pressure_force(pressures2) + load.to + constant;
+        let force = self.force_after(chambers, pressures2, start2, trial, [load.to, constant]);
         let stage = equation.second_stage(contact, velocity, v1);
         let guess = equation.second_increment(&stage, force, gives);
         let ahead = guess.part(self.gamma);
         let net2 = Flows { a: yielding.a.of(net.a - ahead), b: yielding.b.of(net.b + chambers.displaced_b(ahead)) };
-        let second = self.stage_force(pressures2, chambers.rise(net2)) + load.to + constant;
+        let second = self.force_after(chambers, pressures2, start2, net2, [load.to, constant]);
         let v2 = equation.second_increment(&stage, second, None);
 
         // The links take the step.
         let mean = equation.finish(contact, &mut state.motion, v1, v2);
-        let kept =
-            Flows { a: N::dot(mechanics.weights, [net1.a, net2.a]), b: N::dot(mechanics.weights, [net1.b, net2.b]) };
+        let kept = Flows { a: net1.a.weighed(net2.a), b: net1.b.weighed(net2.b) };
         // A flow that no pressure moves has the mean of its ends. Taken so, a closed valve passes exactly nothing: the solved
         // flow's rounding would pump the closed chambers up within hours.
         let solved = |flow: N| if Mechanics::<N>::is_held(v1, v2) { None } else { Some(flow) };
@@ -160,10 +160,22 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Cha
         pressures.a - self.chambers.displaced_b(pressures.b)
     }
 
-    /// pa − α·pb with γ of a stage's increment ahead.
+    /// Net force with γ of a stage's pressure rise ahead, for the oil `net` that stays in the chambers; `before` is the one at
+    /// these pressures, `beside` what acts with them.
     #[inline]
-    fn stage_force(&self, pressures: ChamberState<N>, increment: ChamberState<N>) -> N {
-        let ahead = |pressure: N, increment: N| pressure + increment.part(self.gamma);
-        self.pressure_force(ChamberState { a: ahead(pressures.a, increment.a), b: ahead(pressures.b, increment.b) })
+    fn force_after(
+        &self,
+        chambers: &Chambers<N, C>,
+        pressures: ChamberState<N>,
+        before: N,
+        net: Flows<N>,
+        [load, constant]: [N; 2],
+    ) -> N {
+        before.and_more(chambers.ahead, [net.a, net.b], || {
+            let rise = chambers.rise(net);
+            let ahead = |pressure: N, rise: N| pressure + rise.part(self.gamma);
+            let raised = ChamberState { a: ahead(pressures.a, rise.a), b: ahead(pressures.b, rise.b) };
+            self.pressure_force(raised) + load + constant
+        })
     }
 }

@@ -19,6 +19,8 @@ pub struct Chambers<N: Number, E = ChamberEffects<N>> {
     pub(crate) stiffness_b: N::Gain,
     /// γ·ca and γ·cb as signals, for the diagonal of the implicit step.
     pub(crate) implicit: Flows<N>,
+    /// γ·ca and −γ·α·cb: force on the rod of the pressures' rise that a stage has ahead, per net oil of each chamber.
+    pub(crate) ahead: [N::Gain; 2],
     /// α = Ab/Aa. (5)
     pub(crate) ratio: N::Gain,
     /// 1, as a slope.
@@ -70,8 +72,8 @@ impl<N: Number, E> Chambers<N, E> {
     /// The same chambers with these effects.
     #[inline]
     pub(crate) fn with<F>(&self, effects: F) -> Chambers<N, F> {
-        let &Self { stiffness_a, stiffness_b, implicit, ratio, unity, .. } = self;
-        Chambers { stiffness_a, stiffness_b, implicit, ratio, unity, effects }
+        let &Self { stiffness_a, stiffness_b, implicit, ahead, ratio, unity, .. } = self;
+        Chambers { stiffness_a, stiffness_b, implicit, ahead, ratio, unity, effects }
     }
 }
 
@@ -153,10 +155,12 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
     #[inline]
     fn filled(&self, capacity: &Capacity<N>, pressures: ChamberState<N>, position: N) -> Filled<N, E> {
         let shares = capacity.shares(pressures, position);
+        let [ahead_a, ahead_b] = self.ahead;
         let chambers = Chambers {
             stiffness_a: N::dot([self.stiffness_a], [shares.a]).as_gain(),
             stiffness_b: N::dot([self.stiffness_b], [shares.b]).as_gain(),
             implicit: Flows { a: self.implicit.a.times(shares.a), b: self.implicit.b.times(shares.b) },
+            ahead: [N::dot([ahead_a], [shares.a]).as_gain(), N::dot([ahead_b], [shares.b]).as_gain()],
             ..*self
         };
         Filled { chambers, shares: Some(shares) }

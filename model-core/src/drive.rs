@@ -263,7 +263,7 @@ impl<N: Number> Drive<N> {
             && let (Entry::Command(command), OilSource::Valve(valve, edges)) = (entry, &self.source)
         {
             let slider = valve.step_with::<Plain, DELAY>(&mut state.valve, command, AcrossEdges::NONE);
-            return self.chain().step::<Plain, DELAY>(state, &Metered { edges, slider }, load);
+            return self.chain().step::<Plain, DELAY>(state, &Metered::new::<Plain>(edges, slider), load);
         }
         self.step_links(state, entry, load)
     }
@@ -286,13 +286,15 @@ impl<N: Number> Drive<N> {
         let feed = match (entry, &self.source) {
             (Entry::Command(command), OilSource::Valve(valve, edges)) => {
                 let slider = Self::step_valve(state, valve, edges, command);
-                AnyFeed::Edges(Metered { edges, slider: self.shifted(state, slider) })
+                AnyFeed::Edges(Metered::new::<Effects>(edges, self.shifted(state, slider)))
             }
             (Entry::Followed { command, slider }, OilSource::Valve(valve, edges)) => {
                 Self::step_valve(state, valve, edges, command);
-                AnyFeed::Edges(Metered { edges, slider })
+                AnyFeed::Edges(Metered::new::<Effects>(edges, slider))
             }
-            (Entry::Slider(slider), OilSource::Valve(_, edges)) => AnyFeed::Edges(Metered { edges, slider }),
+            (Entry::Slider(slider), OilSource::Valve(_, edges)) => {
+                AnyFeed::Edges(Metered::new::<Effects>(edges, slider))
+            }
             (Entry::Pump(drive), OilSource::Pump(pump)) => AnyFeed::Pump(pump, drive),
             (Entry::Flow { from, to }, _) => given(from, to),
             _ => given(closed, closed),

@@ -2,7 +2,7 @@
 
 use crate::chambers::ChamberState;
 use crate::edge_effects::EdgeEffects;
-use crate::flow::{Edges, Flows, Linearised, Pump, PumpDrive};
+use crate::flow::{Edges, Flows, Linearised, Opened, Pump, PumpDrive};
 use crate::number::Number;
 use crate::supply::SupplyState;
 use crate::valve::Slider;
@@ -27,8 +27,18 @@ pub(crate) trait Feed<N: Number> {
 /// The valve's edges under a slider.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Metered<'a, N: Number, E = Option<EdgeEffects<N>>> {
-    pub(crate) edges: &'a Edges<N, E>,
-    pub(crate) slider: Slider<N>,
+    edges: &'a Edges<N, E>,
+    slider: Slider<N>,
+    /// At the end of the tick.
+    opened: Opened<N>,
+}
+
+impl<'a, N: Number, E: Keeps<EdgeEffects<N>>> Metered<'a, N, E> {
+    /// The edges under a slider over one tick.
+    #[inline]
+    pub(crate) fn new<V: Vocabulary>(edges: &'a Edges<N, E>, slider: Slider<N>) -> Self {
+        Self { edges, slider, opened: edges.opened::<V>(slider.to) }
+    }
 }
 
 impl<N: Number, E: Keeps<EdgeEffects<N>>> Feed<N> for Metered<'_, N, E> {
@@ -38,15 +48,15 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Feed<N> for Metered<'_, N, E> {
     }
     #[inline]
     fn start<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N) -> (Flows<Linearised<N>>, N) {
-        self.edges.linearised_with::<V>(self.slider, pressures, supply)
+        self.edges.linearised_with::<V>(self.slider, &self.opened, pressures, supply)
     }
     #[inline]
     fn end<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N) -> Flows<N> {
-        self.edges.flow_with::<V>(self.slider.to, pressures, supply)
+        self.edges.flow_with::<V>(&self.opened, pressures, supply)
     }
     #[inline]
     fn supplied<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: SupplyState<N>, drawn: N) -> SupplyState<N> {
-        self.edges.supplied::<V>(self.slider.to, pressures, supply, drawn)
+        self.edges.supplied::<V>(&self.opened, pressures, supply, drawn)
     }
 }
 

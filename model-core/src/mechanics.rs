@@ -29,8 +29,6 @@ pub struct Mechanics<N: Number, E = MechanicalEffects<N>> {
     pub(crate) row: Row<N>,
     /// ½(1 + γ) and ½γ: weights of the stages in the mean velocity.
     pub(crate) mean: [N::Gain; 2],
-    /// 3/2 and 1/2: weights of the stages in the new velocity.
-    pub(crate) weights: [N::Gain; 2],
     /// 1
     pub(crate) unity: N::Gain,
     /// Strokes per tick at velocity 1.
@@ -245,8 +243,8 @@ impl<N: Number, E> Mechanics<N, E> {
     /// The same mass with these effects.
     #[inline]
     pub(crate) fn with<F>(&self, effects: F) -> Mechanics<N, F> {
-        let &Self { row, mean, weights, unity, travel, load, .. } = self;
-        Mechanics { row, mean, weights, unity, travel, load, effects }
+        let &Self { row, mean, unity, travel, load, .. } = self;
+        Mechanics { row, mean, unity, travel, load, effects }
     }
 }
 
@@ -488,7 +486,7 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
         };
         let mean = limit(mean);
         state.position = N::travelled(state.position, [mechanics.travel], [mean]);
-        let moved = limit(state.velocity + N::dot(mechanics.weights, [first, second]));
+        let moved = limit(state.velocity + first.weighed(second));
         // Friction turned with the velocity somewhere within the tick: give back what it took too much, at most to rest.
         state.velocity = match contact {
             Contact::Extends if moved < N::ZERO => (moved + self.turn()).min(self.turned(moved)),

@@ -1,4 +1,5 @@
-//! The paper's model by itself: a valve-controlled drive without effects, in a quarter of the memory and a fifth of the code.
+//! The paper's model by itself: a valve-controlled drive without effects, in little more than a quarter of the memory and a
+//! seventh of the code.
 //!
 //! The equations are those of [`Drive`], compiled with every effect known to be off; what such a step does not read is not kept. A
 //! firmware whose machine has no effect uses this type, and the steps of all effects are then not linked.
@@ -73,7 +74,7 @@ impl<N: Number> PaperDrive<N> {
             viscosity: None,
             unnamed: None,
         };
-        chain.step::<Plain, DELAY>(state, &Metered { edges: &self.edges, slider }, load)
+        chain.step::<Plain, DELAY>(state, &Metered::new::<Plain>(&self.edges, slider), load)
     }
 
     /// A drive at rest: `command` (in 10 V) held for long, no velocity.

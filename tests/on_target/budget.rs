@@ -52,7 +52,7 @@ fn figures(processor: Processor) -> Vec<(String, u64)> {
             ["stack", bytes, name @ ..] => figures.push((format!("stack, bytes: {}", name.join(" ")), number(bytes))),
             ["ram", bytes, name @ ..] => {
                 let name = name.join(" ");
-                if let Some(model) = name.strip_prefix("coefficients of ") {
+                if let Some(model) = name.strip_prefix("coefficients, ") {
                     coefficients.push((model.to_owned(), number(bytes)));
                 } else if name.starts_with("state") {
                     state = number(bytes);

@@ -153,7 +153,7 @@ mod on_target {
         row("paper's model, steps", instructions(counter, paper_step, (&paper, rest), steps))?;
         row("paper's model, random", instructions(counter, paper_step, (&paper, rest), random().map(commands_only)))?;
         row("paper's model, random under load", instructions(counter, paper_step, (&paper, rest), random()))?;
-        row("no effect of those that may be", instructions(counter, step, (&full, rest), random()))?;
+        row("none of the effects, random under load", instructions(counter, step, (&full, rest), random()))?;
         let (every, all_rest) = at_rest(&every_effect(&press()))?;
         row("every effect, random under load", instructions(counter, step, (&every, all_rest), random()))?;
         for effect in EFFECTS {
@@ -166,8 +166,8 @@ mod on_target {
         writeln!(out, "stack {used:>6} paper's model")?;
         let used = deepest(step, (&every, all_rest), &moment);
         writeln!(out, "stack {used:>6} every effect")?;
-        writeln!(out, "ram {:>6} coefficients of the paper's model", size_of::<PaperDrive<PerUnit>>())?;
-        writeln!(out, "ram {:>6} coefficients of every effect", size_of::<Drive<PerUnit>>())?;
+        writeln!(out, "ram {:>6} coefficients, paper's model", size_of::<PaperDrive<PerUnit>>())?;
+        writeln!(out, "ram {:>6} coefficients, every effect", size_of::<Drive<PerUnit>>())?;
         let lines = 2 * DELAY * size_of::<PerUnit>();
         writeln!(out, "ram {:>6} state beside its delay lines", size_of::<State>() - lines)?;
         writeln!(out, "ram {lines:>6} delay lines of {DELAY} ticks")?;

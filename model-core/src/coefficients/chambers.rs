@@ -46,6 +46,14 @@ impl<R: Real> Builder<'_, R> {
                 a: self.signal("pressure rise in A per tick at full flow", P::VolumeA, gamma * a)?,
                 b: self.signal("pressure rise in B per tick at full flow", P::VolumeB, gamma * b)?,
             },
+            ahead: [
+                self.gain::<N>("force of a tick's pressure rise in A at full flow", P::VolumeA, gamma * a)?,
+                self.gain::<N>(
+                    "force of a tick's pressure rise in B at full flow",
+                    P::VolumeB,
+                    -(gamma * self.ratio() * b),
+                )?,
+            ],
             ratio: self.gain::<N>("area ratio B/A", P::AreaB, self.ratio())?,
             unity: self.steep::<N>("one", P::VolumeA, R::ONE)?,
             effects: ChamberEffects {

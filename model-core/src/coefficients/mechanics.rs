@@ -82,7 +82,6 @@ impl<R: Real> Builder<'_, R> {
                 share: None,
             },
             mean: [constant(f64::midpoint(1.0, GAMMA))?, constant(0.5 * GAMMA)?],
-            weights: [constant(1.5)?, constant(0.5)?],
             unity: constant(1.0)?,
             travel: self.gain::<N>("strokes per tick", P::Stroke, travel)?,
             load: self.signal("load over full force", P::LoadForce, self.force(P::LoadForce))?,
