@@ -8,25 +8,33 @@
 use crate::capacity::Capacity;
 use crate::flow::{Flows, Linearised};
 use crate::number::Number;
-use crate::vocabulary::Vocabulary;
+use crate::vocabulary::{Keeps, Vocabulary};
 
-/// Coefficients of both chambers at one tick.
+/// Coefficients of both chambers at one tick, with those of their effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Chambers<N: Number> {
+pub struct Chambers<N: Number, E = ChamberEffects<N>> {
     /// ca: pressure rise in A over a tick at flow 1; where the capacity varies, at the least there is.
     pub(crate) stiffness_a: N::Gain,
     /// cb: pressure rise in B over a tick at flow −1.
     pub(crate) stiffness_b: N::Gain,
     /// γ·ca and γ·cb as signals, for the diagonal of the implicit step.
     pub(crate) implicit: Flows<N>,
+    /// γ·ca and −γ·α·cb: force on the rod of the pressures' rise that a stage has ahead, per net oil of each chamber.
+    pub(crate) ahead: [N::Gain; 2],
     /// α = Ab/Aa. (5)
     pub(crate) ratio: N::Gain,
+    /// 1, as a slope.
+    pub(crate) unity: N::Steep,
+    pub(crate) effects: E,
+}
+
+/// Coefficients of the chambers' effects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChamberEffects<N: Number> {
     /// Internal leakage: flow per pressure difference, in the thinnest oil. 0 is neutral.
     pub(crate) leakage: N,
     /// Whether leakage evens the pressures within a few ticks, so that its mean flow has to be the solved one.
     pub(crate) leaks_fast: bool,
-    /// 1, as a slope.
-    pub(crate) unity: N::Steep,
     /// Leakage to tank.
     pub(crate) external: Option<ExternalLeakage<N>>,
     /// What makes the chambers softer than they are here.
@@ -44,8 +52,8 @@ pub(crate) struct ExternalLeakage<N> {
 
 /// The chambers in one tick.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Filled<N: Number> {
-    pub(crate) chambers: Chambers<N>,
+pub(crate) struct Filled<N: Number, E> {
+    pub(crate) chambers: Chambers<N, E>,
     /// Stiffness of each chamber over the one of its coefficients.
     pub(crate) shares: Option<Flows<N>>,
 }
@@ -60,12 +68,45 @@ pub struct ChamberState<N> {
     pub b: N,
 }
 
-impl<N: Number> Chambers<N> {
-    /// Whether no effect is on.
-    pub(crate) fn are_plain(&self) -> bool {
-        self.leakage == N::ZERO && !self.leaks_fast && self.external.is_none() && self.capacity.is_none()
+impl<N: Number, E> Chambers<N, E> {
+    /// The same chambers with these effects.
+    #[inline]
+    pub(crate) fn with<F>(&self, effects: F) -> Chambers<N, F> {
+        let &Self { stiffness_a, stiffness_b, implicit, ahead, ratio, unity, .. } = self;
+        Chambers { stiffness_a, stiffness_b, implicit, ahead, ratio, unity, effects }
+    }
+}
+
+impl<N: Number> Keeps<Self> for ChamberEffects<N> {
+    #[inline]
+    fn kept(&self) -> Option<&Self> {
+        Some(self)
+    }
+    #[inline]
+    fn changed(self, change: impl FnOnce(Self) -> Self) -> Self {
+        change(self)
+    }
+}
+
+impl<N: Number> ChamberEffects<N> {
+    /// In oil of this thinness.
+    #[inline]
+    fn thinned(self, thinness: N) -> Self {
+        let external = self.external.map(|out| ExternalLeakage {
+            a: out.a.times(thinness),
+            b: out.b.times(thinness),
+            tank: out.tank,
+        });
+        Self { leakage: self.leakage.times(thinness), external, ..self }
     }
 
+    /// Whether no effect is on.
+    pub(crate) fn are_off(&self) -> bool {
+        self.leakage == N::ZERO && !self.leaks_fast && self.external.is_none() && self.capacity.is_none()
+    }
+}
+
+impl<N: Number> Chambers<N> {
     /// One tick with the mean flows (net of leakage), the mean velocity of that tick, and the position at its start in strokes. Exact:
     /// the volume balance (11), at the capacity of the tick's start.
     ///
@@ -80,12 +121,14 @@ impl<N: Number> Chambers<N> {
         velocity: N,
         position: N,
     ) {
-        match &self.capacity {
+        match &self.effects.capacity {
             None => self.fill(state, rest, flows, velocity),
             Some(capacity) => self.filled(capacity, *state, position).chambers.fill(state, rest, flows, velocity),
         }
     }
+}
 
+impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
     /// The chambers at these pressures, with the piston at this position (strokes) and oil of this thinness, where any of
     /// these makes a difference.
     #[inline]
@@ -94,33 +137,30 @@ impl<N: Number> Chambers<N> {
         pressures: ChamberState<N>,
         position: N,
         thinness: Option<N>,
-    ) -> Option<Filled<N>> {
-        if V::PLAIN || (self.capacity.is_none() && thinness.is_none()) {
+    ) -> Option<Filled<N, E>> {
+        let effects = V::on(self.effects.kept())?;
+        if effects.capacity.is_none() && thinness.is_none() {
             return None;
         }
-        let mut filled = match &self.capacity {
+        let mut filled = match &effects.capacity {
             Some(capacity) => self.filled(capacity, pressures, position),
             None => Filled { chambers: *self, shares: None },
         };
         if let Some(thinness) = thinness {
-            let chambers = &mut filled.chambers;
-            chambers.leakage = chambers.leakage.times(thinness);
-            chambers.external = chambers.external.map(|out| ExternalLeakage {
-                a: out.a.times(thinness),
-                b: out.b.times(thinness),
-                tank: out.tank,
-            });
+            filled.chambers.effects = filled.chambers.effects.changed(|effects| effects.thinned(thinness));
         }
         Some(filled)
     }
 
     #[inline]
-    fn filled(&self, capacity: &Capacity<N>, pressures: ChamberState<N>, position: N) -> Filled<N> {
+    fn filled(&self, capacity: &Capacity<N>, pressures: ChamberState<N>, position: N) -> Filled<N, E> {
         let shares = capacity.shares(pressures, position);
+        let [ahead_a, ahead_b] = self.ahead;
         let chambers = Chambers {
             stiffness_a: N::dot([self.stiffness_a], [shares.a]).as_gain(),
             stiffness_b: N::dot([self.stiffness_b], [shares.b]).as_gain(),
             implicit: Flows { a: self.implicit.a.times(shares.a), b: self.implicit.b.times(shares.b) },
+            ahead: [N::dot([ahead_a], [shares.a]).as_gain(), N::dot([ahead_b], [shares.b]).as_gain()],
             ..*self
         };
         Filled { chambers, shares: Some(shares) }
@@ -157,12 +197,10 @@ impl<N: Number> Chambers<N> {
     /// Flow into A and out of B with the leakage past the piston and out of both chambers.
     #[inline]
     pub(crate) fn inflow<V: Vocabulary>(&self, flows: Flows<N>, pressures: ChamberState<N>) -> Flows<N> {
-        if V::PLAIN {
-            return flows;
-        }
-        let leaked = self.leakage.times(pressures.a - pressures.b);
+        let Some(effects) = V::on(self.effects.kept()) else { return flows };
+        let leaked = effects.leakage.times(pressures.a - pressures.b);
         let inner = Flows { a: flows.a - leaked, b: flows.b - leaked };
-        let Some(ExternalLeakage { a, b, tank }) = self.external else { return inner };
+        let Some(ExternalLeakage { a, b, tank }) = effects.external else { return inner };
         Flows { a: inner.a - a.times(pressures.a - tank), b: inner.b + b.times(pressures.b - tank) }
     }
 
@@ -171,7 +209,7 @@ impl<N: Number> Chambers<N> {
     /// Of its ends, leakage leaves one chamber with the very word that enters the other, and no oil comes from rounding.
     #[inline]
     pub(crate) fn mean<V: Vocabulary>(&self, side: &Linearised<N>, from: N, to: N, solved: Option<N>) -> N {
-        let depends = side.opening != N::ZERO || (!V::PLAIN && self.leaks_fast);
+        let depends = side.opening != N::ZERO || V::on(self.effects.kept()).is_some_and(|effects| effects.leaks_fast);
         solved.filter(|_| depends).unwrap_or_else(|| (from + to).halved())
     }
 
@@ -180,13 +218,13 @@ impl<N: Number> Chambers<N> {
     /// Leakage couples the chambers; on the diagonal it counts twice, which over-damps that coupling.
     #[inline]
     pub(crate) fn yielding<V: Vocabulary>(&self, flows: &Flows<Linearised<N>>) -> Flows<N> {
-        if V::PLAIN {
+        let Some(effects) = V::on(self.effects.kept()) else {
             let side =
                 |implicit: N, side: &Linearised<N>| N::inverse_one_plus([implicit.times(side.opening)], [side.slope]);
             return Flows { a: side(self.implicit.a, &flows.a), b: side(self.implicit.b, &flows.b) };
-        }
-        let twice = self.leakage + self.leakage;
-        let [out_a, out_b] = self.external.map_or([twice; 2], |out| [twice + out.a, twice + out.b]);
+        };
+        let twice = effects.leakage + effects.leakage;
+        let [out_a, out_b] = effects.external.map_or([twice; 2], |out| [twice + out.a, twice + out.b]);
         let side = |implicit: N, side: &Linearised<N>, leakage: N| {
             N::inverse_one_plus([implicit.times(side.opening), implicit.times(leakage)], [side.slope, self.unity])
         };

@@ -38,8 +38,8 @@ impl<N: Number> Drive<N> {
         let (sensors, viscosity, unnamed) =
             (builder.sensors::<N>(DELAY)?, builder.viscosity()?, builder.unnamed::<N>()?);
         let plain = matches!(&source, OilSource::Valve(valve, edges) if valve.effects.are_off() && edges.effects.is_none())
-            && chambers.are_plain()
-            && mechanics.is_plain()
+            && chambers.effects.are_off()
+            && mechanics.effects.are_off()
             && !sensors.follows()
             && viscosity.is_none()
             && unnamed.is_none();

@@ -1,36 +1,20 @@
 //! The drive: all links in a chain, stepped together.
 //!
-//! Pressures and velocity form a stiff, coupled system. One tick solves it with the two-stage, L-stable, linearly implicit
-//! Rosenbrock step ROS2 (Verwer, Spee, Blom, Hundsdorfer: *A second-order Rosenbrock method applied to photochemical dispersion
-//! problems*, SIAM J. Sci. Comput. 20, 1999), γ = 1 − 1/√2:
-//!
-//! ```text
-//! (1 − γhJ)·k1 = h·f(tₙ, zₙ)
-//! (1 − γhJ)·k2 = h·f(tₙ₊₁, zₙ + k1) − 2·k1
-//! zₙ₊₁ = zₙ + 3/2·k1 + 1/2·k2
-//! ```
-//!
-//! For an orifice J takes the slope of the chord to Δp = 0, never the flatter tangent: with the tangent a stiff chamber that
-//! empties through its orifice overshoots within a stage to where the root is steep, and the two stages can cancel far from the true
-//! steady state.
-//!
-//! The velocity couples to both pressures and each pressure to the velocity only, so the system is eliminated to one
-//! equation for the velocity by hand. The method keeps its second order with any approximate Jacobian J.
-//!
-//! Both stages are written so that the links do the last step themselves: the solution yields each tick's mean flows and
-//! stage forces, from which [`Chambers`] and [`Mechanics`] alone reproduce the chain bit for bit.
+//! The valve goes first; how the links below it are solved together is in `chain`.
 
+use crate::chain::Chain;
 use crate::chambers::{ChamberState, Chambers};
-use crate::flow::{Edges, Flows, Linearised, Pump, PumpDrive};
+use crate::feed::{AnyFeed, Metered};
+use crate::flow::{Edges, Flows, Pump, PumpDrive};
 use crate::machine::Bases;
-use crate::mechanics::{Contact, Forces, Mechanics, MotionState, Surroundings};
+use crate::mechanics::{Forces, Mechanics, MotionState};
 use crate::number::Number;
 use crate::sensors::{Sensed, SensedState, Sensors};
 use crate::supply::SupplyState;
-use crate::temperature::{Oil, Viscosity};
+use crate::temperature::Viscosity;
 use crate::unnamed::{States, Unnamed};
 use crate::valve::{AcrossEdges, Slider, Valve, ValveState};
-use crate::vocabulary::{Effects, Plain, Vocabulary};
+use crate::vocabulary::{Effects, Plain};
 
 /// Where the oil comes from, with coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -155,11 +139,25 @@ pub struct Interfaces<N> {
     pub position: N,
 }
 
-/// What feeds the chambers in a tick, at its two stages.
-enum Feed<N> {
-    Edges(Slider<N>),
-    Pump(PumpDrive<N>),
-    Given { from: Flows<N>, to: Flows<N> },
+impl<N: Number, const DELAY: usize> DriveState<N, DELAY> {
+    /// No velocity, the oil cold.
+    pub(crate) fn at_rest(
+        valve: ValveState<N, DELAY>,
+        pressures: ChamberState<N>,
+        position: N::Travel,
+        supply: SupplyState<N>,
+    ) -> Self {
+        Self {
+            valve,
+            chambers: pressures,
+            rest: ChamberState { a: N::ZERO, b: N::ZERO },
+            motion: MotionState::at_rest(position),
+            supply,
+            sensed: SensedState::at_rest(position),
+            warmth: N::ZERO.as_travel(),
+            oil_temperature: N::ZERO,
+        }
+    }
 }
 
 impl<N: Number> Drive<N> {
@@ -228,17 +226,8 @@ impl<N: Number> Drive<N> {
             OilSource::Valve(valve, _) => valve.at_rest(command),
             OilSource::Pump(_) => ValveState::idle(),
         };
-        let rest = ChamberState { a: N::ZERO, b: N::ZERO };
-        DriveState {
-            valve,
-            chambers: pressures,
-            rest,
-            motion: MotionState::at_rest(position),
-            supply: self.unloaded(),
-            sensed: SensedState::at_rest(position),
-            warmth: N::ZERO.as_travel(),
-            oil_temperature: self.reference_temperature(),
-        }
+        let state = DriveState::at_rest(valve, pressures, position, self.unloaded());
+        DriveState { oil_temperature: self.reference_temperature(), ..state }
     }
 
     /// The slider that the edges see: the valve's own, with the travel of an unnamed table.
@@ -246,20 +235,8 @@ impl<N: Number> Drive<N> {
     pub fn slider<const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> N {
         let slider = state.valve.slider();
         match &self.unnamed {
-            Some(Unnamed::Travel(table)) => slider + table.at(Self::states(state, slider)),
+            Some(Unnamed::Travel(table)) => slider + table.at(States::of(state, slider)),
             _ => slider,
-        }
-    }
-
-    /// States of the drive with the slider here.
-    #[inline]
-    fn states<const DELAY: usize>(state: &DriveState<N, DELAY>, slider: N) -> States<N> {
-        States {
-            velocity: state.motion.velocity,
-            position: N::of_travel(state.motion.position),
-            slider,
-            pressure_a: state.chambers.a,
-            pressure_b: state.chambers.b,
         }
     }
 
@@ -283,10 +260,10 @@ impl<N: Number> Drive<N> {
     ) -> Interfaces<N> {
         if N::LEAN
             && self.plain
-            && let Entry::Command(command) = entry
-            && let Some(slider) = self.step_valve::<Plain, DELAY>(state, command)
+            && let (Entry::Command(command), OilSource::Valve(valve, edges)) = (entry, &self.source)
         {
-            return self.step_hydraulics::<Plain, DELAY>(state, &Feed::Edges(slider), load);
+            let slider = valve.step_with::<Plain, DELAY>(&mut state.valve, command, AcrossEdges::NONE);
+            return self.chain().step::<Plain, DELAY>(state, &Metered::new::<Plain>(edges, slider), load);
         }
         self.step_links(state, entry, load)
     }
@@ -299,26 +276,30 @@ impl<N: Number> Drive<N> {
         entry: Entry<N>,
         load: Load<N>,
     ) -> Interfaces<N> {
+        if let Entry::Force { from, to } = entry {
+            let seen = self.step_force(state, from + load.from, to + load.to);
+            self.step_beside(state);
+            return seen;
+        }
         let closed = Flows { a: N::ZERO, b: N::ZERO };
-        let feed = match entry {
-            Entry::Force { from, to } => {
-                let seen = self.step_force(state, from + load.from, to + load.to);
-                self.step_beside(state);
-                return seen;
+        let given = |from, to| AnyFeed::Given { from, to, unity: self.chambers.unity };
+        let feed = match (entry, &self.source) {
+            (Entry::Command(command), OilSource::Valve(valve, edges)) => {
+                let slider = Self::step_valve(state, valve, edges, command);
+                AnyFeed::Edges(Metered::new::<Effects>(edges, self.shifted(state, slider)))
             }
-            Entry::Command(command) => match self.step_valve::<Effects, DELAY>(state, command) {
-                Some(slider) => Feed::Edges(self.shifted(state, slider)),
-                None => Feed::Given { from: closed, to: closed },
-            },
-            Entry::Followed { command, slider } => {
-                self.step_valve::<Effects, DELAY>(state, command);
-                Feed::Edges(slider)
+            (Entry::Followed { command, slider }, OilSource::Valve(valve, edges)) => {
+                Self::step_valve(state, valve, edges, command);
+                AnyFeed::Edges(Metered::new::<Effects>(edges, slider))
             }
-            Entry::Slider(slider) => Feed::Edges(slider),
-            Entry::Pump(pump) => Feed::Pump(pump),
-            Entry::Flow { from, to } => Feed::Given { from, to },
+            (Entry::Slider(slider), OilSource::Valve(_, edges)) => {
+                AnyFeed::Edges(Metered::new::<Effects>(edges, slider))
+            }
+            (Entry::Pump(drive), OilSource::Pump(pump)) => AnyFeed::Pump(pump, drive),
+            (Entry::Flow { from, to }, _) => given(from, to),
+            _ => given(closed, closed),
         };
-        let seen = self.step_hydraulics::<Effects, DELAY>(state, &feed, load);
+        let seen = self.chain().step::<Effects, DELAY>(state, &feed, load);
         self.step_beside(state);
         seen
     }
@@ -332,224 +313,61 @@ impl<N: Number> Drive<N> {
         }
     }
 
-    /// Only the valve, where the drive has one.
+    /// The links below the valve.
     #[inline]
-    fn step_valve<V: Vocabulary, const DELAY: usize>(
-        &self,
+    fn chain(&self) -> Chain<'_, N> {
+        Chain {
+            chambers: &self.chambers,
+            mechanics: &self.mechanics,
+            gamma: self.gamma,
+            springs: self.springs,
+            viscosity: self.viscosity.as_ref(),
+            unnamed: self.unnamed.as_ref(),
+        }
+    }
+
+    /// Only the valve.
+    #[inline]
+    fn step_valve<const DELAY: usize>(
         state: &mut DriveState<N, DELAY>,
+        valve: &Valve<N>,
+        edges: &Edges<N>,
         command: N,
-    ) -> Option<Slider<N>> {
-        let OilSource::Valve(valve, edges) = &self.source else { return None };
-        let across = if valve.feels_flow::<V>() {
+    ) -> Slider<N> {
+        let across = if valve.feels_flow::<Effects>() {
             edges.across_open(state.chambers, state.supply.pressure)
         } else {
             AcrossEdges::NONE
         };
-        Some(valve.step_with::<V, DELAY>(&mut state.valve, command, across))
+        valve.step_with::<Effects, DELAY>(&mut state.valve, command, across)
     }
 
     /// The slider over a tick with the travel of an unnamed table.
     #[inline]
     fn shifted<const DELAY: usize>(&self, state: &DriveState<N, DELAY>, slider: Slider<N>) -> Slider<N> {
         let Some(Unnamed::Travel(table)) = &self.unnamed else { return slider };
-        let shifted = |slider: N| slider + table.at(Self::states(state, slider));
+        let shifted = |slider: N| slider + table.at(States::of(state, slider));
         Slider { from: shifted(slider.from), to: shifted(slider.to) }
     }
 
     /// Only the mechanics, under a given force of the oil.
     #[inline]
     fn step_force<const DELAY: usize>(&self, state: &mut DriveState<N, DELAY>, from: N, to: N) -> Interfaces<N> {
-        let rise = to - from;
+        let (rise, chain) = (to - from, self.chain());
         let constant = self.unsprung.load;
         let forces = Forces {
             start: from + constant,
             first: from + constant + rise.part(self.gamma),
             second: to + constant - rise.part(self.gamma),
-            around: self.surroundings::<Effects, DELAY>(state, N::ZERO, self.oil::<Effects, DELAY>(state)),
+            around: chain.surroundings::<Effects, DELAY>(state, N::ZERO, chain.oil::<Effects, DELAY>(state)),
         };
         let position = N::of_travel(state.motion.position);
         let velocity = self.unsprung.step(&mut state.motion, forces);
         Interfaces { slider: None, flows: Flows { a: N::ZERO, b: N::ZERO }, forces, velocity, position }
     }
 
-    #[inline]
-    fn step_hydraulics<V: Vocabulary, const DELAY: usize>(
-        &self,
-        state: &mut DriveState<N, DELAY>,
-        feed: &Feed<N>,
-        load: Load<N>,
-    ) -> Interfaces<N> {
-        let mechanics = &self.mechanics;
-        let pressures = state.chambers;
-        let velocity = state.motion.velocity;
-        let position = N::of_travel(state.motion.position);
-        let oil = self.oil::<V, DELAY>(state);
-        let filled = self.chambers.at::<V>(pressures, position, oil.map(|oil| oil.thinness));
-        let chambers = filled.as_ref().map_or(&self.chambers, |filled| &filled.chambers);
-        let slider = match feed {
-            Feed::Edges(slider) => (slider.from + slider.to).halved(),
-            Feed::Pump(_) | Feed::Given { .. } => N::ZERO,
-        };
-        let around = self.surroundings::<V, DELAY>(state, slider, oil);
-        let added = V::on(self.unnamed.as_ref()).map(|unnamed| unnamed.flows(Self::states(state, slider)));
-        let with = |flows: Flows<N>| added.map_or(flows, |more| Flows { a: flows.a + more.a, b: flows.b + more.b });
-        let equation = mechanics.equation::<V>(&state.motion, around);
-        let constant = mechanics.load;
-
-        let (flows, drawn) = self.feed_from::<V>(feed, pressures, state.supply.pressure);
-        let yielding = chambers.yielding::<V>(&flows);
-        let start = self.pressure_force(pressures) + load.from + constant;
-        let contact = equation.contact(velocity, start);
-        // 1/(1 + γ²·mobility·(springs that yield)): the eliminated equation for the velocity.
-        let weights = match filled.as_ref().and_then(|filled| filled.shares) {
-            Some(shares) => [yielding.a.of(shares.a), yielding.b.of(shares.b)],
-            None => [yielding.a, yielding.b],
-        };
-        let give = |share: Option<N>| {
-            N::inverse_one_plus(share.map_or(weights, |share| weights.map(|weight| weight.times(share))), self.springs)
-        };
-        let gives = if contact == Contact::Sticks { None } else { Some(equation.gives(give)) };
-
-        // First stage.
-        let inflow1 = with(chambers.inflow::<V>(Flows { a: flows.a.flow, b: flows.b.flow }, pressures));
-        let net = Flows { a: inflow1.a - velocity, b: chambers.displaced_b(velocity) - inflow1.b };
-        let trial = chambers.rise(Flows { a: yielding.a.of(net.a), b: yielding.b.of(net.b) });
-        let force = self.stage_force(pressures, trial) + load.from + constant;
-        let stage = equation.first_stage(contact, velocity);
-        let guess = equation.first_increment(&stage, force, gives);
-        let ahead = guess.part(self.gamma);
-        let net1 = Flows { a: yielding.a.of(net.a - ahead), b: yielding.b.of(net.b + chambers.displaced_b(ahead)) };
-        let k1 = chambers.rise(net1);
-        let first = self.stage_force(pressures, k1) + load.from + constant;
-        let v1 = equation.first_increment(&stage, first, None);
-
-        // Second stage.
-        let (pressures2, velocity2) = (ChamberState { a: pressures.a + k1.a, b: pressures.b + k1.b }, velocity + v1);
-        let supply2 = self.supplied::<V>(feed, pressures2, state.supply, drawn);
-        let inflow2 = with(chambers.inflow::<V>(self.feed_to::<V>(feed, pressures2, supply2.pressure), pressures2));
-        let net = Flows {
-            a: inflow2.a - velocity2 - net1.a - net1.a,
-            b: chambers.displaced_b(velocity2) - inflow2.b - net1.b - net1.b,
-        };
-        let trial = chambers.rise(Flows { a: yielding.a.of(net.a), b: yielding.b.of(net.b) });
-        let force = self.stage_force(pressures2, trial) + load.to + constant;
-        let stage = equation.second_stage(contact, velocity, v1);
-        let guess = equation.second_increment(&stage, force, gives);
-        let ahead = guess.part(self.gamma);
-        let net2 = Flows { a: yielding.a.of(net.a - ahead), b: yielding.b.of(net.b + chambers.displaced_b(ahead)) };
-        let second = self.stage_force(pressures2, chambers.rise(net2)) + load.to + constant;
-        let v2 = equation.second_increment(&stage, second, None);
-
-        // The links take the step.
-        let moved = equation.finish(contact, &mut state.motion, v1, v2);
-        let mean = moved.solved;
-        let kept =
-            Flows { a: N::dot(mechanics.weights, [net1.a, net2.a]), b: N::dot(mechanics.weights, [net1.b, net2.b]) };
-        // A flow that no pressure moves has the mean of its ends. Taken so, a closed valve passes exactly nothing: the solved
-        // flow's rounding would pump the closed chambers up within hours.
-        let solved = |flow: N| if Mechanics::is_held(v1, v2) { None } else { Some(flow) };
-        let flows = Flows {
-            a: chambers.mean::<V>(&flows.a, inflow1.a, inflow2.a, solved(kept.a + mean)),
-            b: chambers.mean::<V>(&flows.b, inflow1.b, inflow2.b, solved(chambers.displaced_b(mean) - kept.b)),
-        };
-        let (flows, mean) = match moved.beyond {
-            None => (flows, mean),
-            Some(beyond) => (chambers.stopped(flows, beyond, &yielding), mean - beyond),
-        };
-        chambers.fill(&mut state.chambers, &mut state.rest, flows, mean);
-        state.supply = self.supplied::<V>(feed, state.chambers, state.supply, drawn);
-        let slider = if let Feed::Edges(slider) = feed { Some(*slider) } else { None };
-        Interfaces { slider, flows, forces: Forces { start, first, second, around }, velocity: mean, position }
-    }
-
-    /// Flows of the feed at the start of the tick, with their slopes, and the flow drawn from a supply that droops.
-    #[inline]
-    fn feed_from<V: Vocabulary>(
-        &self,
-        feed: &Feed<N>,
-        pressures: ChamberState<N>,
-        supply: N,
-    ) -> (Flows<Linearised<N>>, N) {
-        let given = |flow: N| Linearised { flow, opening: N::ZERO, slope: self.chambers.unity };
-        let flows = match (feed, &self.source) {
-            (Feed::Edges(slider), OilSource::Valve(_, edges)) => {
-                return edges.linearised_with::<V>(*slider, pressures, supply);
-            }
-            (Feed::Pump(drive), OilSource::Pump(pump)) => pump.flow(*drive, pressures.a, pressures.b),
-            (Feed::Given { from, .. }, _) => Flows { a: given(from.a), b: given(from.b) },
-            _ => Flows { a: given(N::ZERO), b: given(N::ZERO) },
-        };
-        (flows, N::ZERO)
-    }
-
-    /// Flows of the feed at the end of the tick.
-    #[inline]
-    fn feed_to<V: Vocabulary>(&self, feed: &Feed<N>, pressures: ChamberState<N>, supply: N) -> Flows<N> {
-        match (feed, &self.source) {
-            (Feed::Edges(slider), OilSource::Valve(_, edges)) => edges.flow_with::<V>(slider.to, pressures, supply),
-            (Feed::Pump(drive), OilSource::Pump(pump)) => {
-                let flows = pump.flow(*drive, pressures.a, pressures.b);
-                Flows { a: flows.a.flow, b: flows.b.flow }
-            }
-            (Feed::Given { to, .. }, _) => *to,
-            _ => Flows { a: N::ZERO, b: N::ZERO },
-        }
-    }
-
-    /// The supply at the end of a tick that ends at these pressures; it stays where nothing feeds from it.
-    #[inline]
-    fn supplied<V: Vocabulary>(
-        &self,
-        feed: &Feed<N>,
-        pressures: ChamberState<N>,
-        supply: SupplyState<N>,
-        drawn: N,
-    ) -> SupplyState<N> {
-        match (feed, &self.source) {
-            (Feed::Edges(slider), OilSource::Valve(_, edges)) => {
-                edges.supplied::<V>(slider.to, pressures, supply, drawn)
-            }
-            _ => supply,
-        }
-    }
-
     /// Temperature that the machine's values are for, where the viscosity goes by it.
     fn reference_temperature(&self) -> N {
         self.viscosity.and_then(|viscosity| viscosity.thinning).map_or(N::ZERO, |thinning| thinning.reference)
-    }
-
-    /// The oil at the start of a tick, where it changes.
-    #[inline]
-    fn oil<V: Vocabulary, const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> Option<Oil<N>> {
-        V::on(self.viscosity.as_ref()).map(|viscosity| viscosity.oil(state.warmth, state.oil_temperature))
-    }
-
-    /// What friction depends on beside the motion.
-    #[inline]
-    fn surroundings<V: Vocabulary, const DELAY: usize>(
-        &self,
-        state: &DriveState<N, DELAY>,
-        slider: N,
-        oil: Option<Oil<N>>,
-    ) -> Surroundings<N> {
-        let pushed = V::on(self.mechanics.push.as_ref()).is_some();
-        Surroundings {
-            pressed: state.chambers.a.max(N::ZERO) + state.chambers.b.max(N::ZERO),
-            viscosity: oil.map_or(N::ZERO, |oil| oil.excess),
-            states: if pushed { Self::states(state, slider) } else { States::NONE },
-        }
-    }
-
-    /// pa − α·pb.
-    #[inline]
-    fn pressure_force(&self, pressures: ChamberState<N>) -> N {
-        pressures.a - self.chambers.displaced_b(pressures.b)
-    }
-
-    /// pa − α·pb with γ of a stage's increment ahead.
-    #[inline]
-    fn stage_force(&self, pressures: ChamberState<N>, increment: ChamberState<N>) -> N {
-        let ahead = |pressure: N, increment: N| pressure + increment.part(self.gamma);
-        self.pressure_force(ChamberState { a: ahead(pressures.a, increment.a), b: ahead(pressures.b, increment.b) })
     }
 }

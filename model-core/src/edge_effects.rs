@@ -8,7 +8,7 @@ use crate::supply::Droop;
 
 /// Coefficients of the edges' effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct EdgeEffects<N: Number> {
+pub struct EdgeEffects<N: Number> {
     pub(crate) curve: Option<GainCurve<N>>,
     /// `metering-asymmetry`: what the tank edges' opening is more than the supply edges', as a share. −1..4.
     pub(crate) tank_excess: Option<N::Gain>,

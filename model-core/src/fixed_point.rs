@@ -11,7 +11,7 @@
 //! result to the end and rounds once, to nearest, ties upward. A result beyond the range is held at its end. What is integrated
 //! over a run loses nothing: the position has the digits, a pressure carries the rest of its rounding ([`Number::accumulated`]).
 //!
-//! Error bounds, asserted in this file's tests: `times`, `dot` half a step (1.9e-9); `orifice_root` 2 steps + 6e-9
+//! Error bounds, asserted in this file's tests: `times`, `dot`, `weighed` half a step (1.9e-9); `orifice_root` 2 steps + 6e-9
 //! of the value; `inverse_one_plus` and `share` 2e-8; chords 2e-5 + 1e-6 of the value (a Rosenbrock step is of second order
 //! for *any* Jacobian, so a slope needs no more).
 
@@ -188,6 +188,16 @@ impl Number for PerUnit {
         rounded(products(gains, signals), FRACTION)
     }
     #[inline]
+    fn and_more<const K: usize>(self, gains: [I4F28; K], signals: [Self; K], _: impl FnOnce() -> Self) -> Self {
+        self + Self::dot(gains, signals)
+    }
+    #[inline]
+    fn weighed(self, second: Self) -> Self {
+        let (a, b) = (self.to_bits(), second.to_bits());
+        // Their mean, rounded up as ties are.
+        self + Self::from_bits((a | b) - ((a ^ b) >> 1))
+    }
+    #[inline]
     fn accumulated<const K: usize>(self, rest: Self, gains: [I4F28; K], signals: [Self; K]) -> (Self, Self) {
         let wide = products(gains, signals).wrapping_add(i64::from(rest.to_bits()));
         (self + rounded(wide, FRACTION), Self::from_bits(left_by_rounding(wide)))
@@ -299,6 +309,13 @@ mod tests {
             let exact = 1.0 / (1.0 + w * steep.to_num::<f64>());
             let inverse = PerUnit::inverse_one_plus([weight], [steep]).to_f64();
             prop_assert!((inverse - exact).abs() <= 2e-8, "{inverse} {exact}");
+        }
+
+        #[test]
+        fn stages_weigh_three_halves_and_a_half(first in -(1_i32 << 29)..1_i32 << 29, second in any::<i32>()) {
+            let ((first, x), (second, y)) = (signal(first), signal(second));
+            let exact = (1.5 * x + 0.5 * y).clamp(-8.0, 8.0 - STEP);
+            prop_assert!((first.weighed(second).to_f64() - exact).abs() <= 0.5 * STEP + 1e-14);
         }
 
         #[test]

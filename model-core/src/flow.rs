@@ -5,9 +5,10 @@
 
 use crate::chambers::ChamberState;
 use crate::edge_effects::EdgeEffects;
+use crate::metering::Four;
 use crate::number::Number;
 use crate::valve::{AcrossEdges, Slider};
-use crate::vocabulary::{Effects, Vocabulary};
+use crate::vocabulary::{Effects, Keeps, Vocabulary};
 
 /// One flow with what the implicit step needs of its slope against the pressure it works on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,9 +54,18 @@ impl<N: Number> Overlap<N> {
     }
 }
 
+/// How far the edges are open at a slider position, flow gain included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Opened<N> {
+    /// Of two equal edges, signed like the slider.
+    way: N,
+    /// Of each, where an effect makes them differ.
+    pub(crate) four: Option<Four<N>>,
+}
+
 /// The metering edges of a proportional valve: dead zone, square-root orifices, flow saturation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Edges<N: Number> {
+pub struct Edges<N: Number, E = Option<EdgeEffects<N>>> {
     pub(crate) overlap: Overlap<N>,
     /// `K_Q`·√(pressure base) / flow base.
     pub(crate) gain: N::Gain,
@@ -65,44 +75,83 @@ pub struct Edges<N: Number> {
     pub(crate) transition: N,
     pub(crate) lines: Lines<N>,
     /// What makes the four edges differ; `None` leaves two equal ones at a time.
-    pub(crate) effects: Option<EdgeEffects<N>>,
+    pub(crate) effects: E,
+}
+
+impl<N: Number, E> Edges<N, E> {
+    /// The same edges with these effects.
+    #[inline]
+    pub(crate) fn with<F>(&self, effects: F) -> Edges<N, F> {
+        let &Self { overlap, gain, limit, transition, lines, .. } = self;
+        Edges { overlap, gain, limit, transition, lines, effects }
+    }
+}
+
+impl<N: Number> Keeps<EdgeEffects<N>> for Option<EdgeEffects<N>> {
+    #[inline]
+    fn kept(&self) -> Option<&EdgeEffects<N>> {
+        self.as_ref()
+    }
+    #[inline]
+    fn changed(self, change: impl FnOnce(EdgeEffects<N>) -> EdgeEffects<N>) -> Self {
+        self.map(change)
+    }
 }
 
 impl<N: Number> Edges<N> {
     /// Flows at a slider position, two chamber pressures, and that of a supply that droops.
     #[inline]
     pub fn flow(&self, slider: N, pressures: ChamberState<N>, supply: N) -> Flows<N> {
-        self.flow_with::<Effects>(slider, pressures, supply)
-    }
-
-    #[inline]
-    pub(crate) fn flow_with<V: Vocabulary>(&self, slider: N, pressures: ChamberState<N>, supply: N) -> Flows<N> {
-        if let Some(effects) = V::on(self.effects.as_ref()) {
-            return self.flow_of_four(effects, slider, pressures, supply);
-        }
-        let opening = self.opening(slider);
-        let across = self.across(opening, pressures);
-        Flows { a: self.passing_edge(opening, across.a), b: self.passing_edge(opening, across.b) }
+        self.flow_with::<Effects>(&self.opened::<Effects>(slider), pressures, supply)
     }
 
     /// Flows at the start of a tick, with their slopes at the larger opening of the tick for the implicit step; and the flow drawn
     /// from a supply that droops.
     #[inline]
     pub fn linearised(&self, slider: Slider<N>, pressures: ChamberState<N>, supply: N) -> (Flows<Linearised<N>>, N) {
-        self.linearised_with::<Effects>(slider, pressures, supply)
+        self.linearised_with::<Effects>(slider, &self.opened::<Effects>(slider.to), pressures, supply)
+    }
+}
+
+impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
+    /// The openings at a slider position.
+    #[inline]
+    pub(crate) fn opened<V: Vocabulary>(&self, slider: N) -> Opened<N> {
+        match V::on(self.effects.kept()) {
+            Some(effects) => Opened { way: N::ZERO, four: Some(self.openings(effects, slider)) },
+            None => Opened { way: self.opening(slider), four: None },
+        }
     }
 
+    /// Flows with the edges opened so.
+    #[inline]
+    pub(crate) fn flow_with<V: Vocabulary>(
+        &self,
+        opened: &Opened<N>,
+        pressures: ChamberState<N>,
+        supply: N,
+    ) -> Flows<N> {
+        if let (Some(effects), Some(four)) = (V::on(self.effects.kept()), &opened.four) {
+            return self.flow_of_four(effects, four, pressures, supply);
+        }
+        let opening = opened.way;
+        let across = self.across(opening, pressures);
+        Flows { a: self.passing_edge(opening, across.a), b: self.passing_edge(opening, across.b) }
+    }
+
+    /// Flows at the start of a tick at whose end the edges are opened so.
     #[inline]
     pub(crate) fn linearised_with<V: Vocabulary>(
         &self,
         slider: Slider<N>,
+        end: &Opened<N>,
         pressures: ChamberState<N>,
         supply: N,
     ) -> (Flows<Linearised<N>>, N) {
-        if let Some(effects) = V::on(self.effects.as_ref()) {
-            return self.linearised_of_four(effects, slider, pressures, supply);
+        if let (Some(effects), Some(four)) = (V::on(self.effects.kept()), &end.four) {
+            return self.linearised_of_four(effects, slider, four, pressures, supply);
         }
-        let (from, to) = (self.opening(slider.from), self.opening(slider.to));
+        let (from, to) = (self.opening(slider.from), end.way);
         // A closed valve that opens within the tick already works between the pressures it opens to.
         let across = self.across(if from == N::ZERO { to } else { from }, pressures);
         let larger = from.magnitude().max(to.magnitude());
@@ -138,7 +187,7 @@ impl<N: Number> Edges<N> {
     /// The lines, with the supply as it is now where it droops.
     #[inline]
     pub(crate) fn lines_at(&self, supply: N) -> Lines<N> {
-        let droops = self.effects.as_ref().is_some_and(|effects| effects.droop.is_some());
+        let droops = self.effects.kept().is_some_and(|effects| effects.droop.is_some());
         if droops { Lines { supply, ..self.lines } } else { self.lines }
     }
 

@@ -15,30 +15,34 @@ use crate::friction::{DryFriction, Level, PlacedDrag};
 use crate::number::Number;
 use crate::position_load::PositionLoad;
 use crate::unnamed::{Push, States};
-use crate::vocabulary::{Effects, Vocabulary};
+use crate::vocabulary::{Effects, Keeps, Vocabulary};
 
 pub use crate::friction::Contact;
 
 /// γ = 1 − 1/√2, at which the two-stage step is L-stable.
 pub const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
 
-/// Coefficients of the mass at one tick.
+/// Coefficients of the mass at one tick, with those of its effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mechanics<N: Number> {
+pub struct Mechanics<N: Number, E = MechanicalEffects<N>> {
     /// With the least viscous friction.
     pub(crate) row: Row<N>,
     /// ½(1 + γ) and ½γ: weights of the stages in the mean velocity.
     pub(crate) mean: [N::Gain; 2],
-    /// 3/2 and 1/2: weights of the stages in the new velocity.
-    pub(crate) weights: [N::Gain; 2],
     /// 1
     pub(crate) unity: N::Gain,
     /// Strokes per tick at velocity 1.
     pub(crate) travel: N::Gain,
-    /// Dry friction.
-    pub(crate) dry: DryFriction<N>,
     /// Constant external force, positive extends.
     pub(crate) load: N,
+    pub(crate) effects: E,
+}
+
+/// Coefficients of the mass's effects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MechanicalEffects<N: Number> {
+    /// Dry friction.
+    pub(crate) dry: DryFriction<N>,
     /// What adds to the mass's own diagonal.
     pub(crate) resistance: Option<Resistance<N>>,
     /// A force without a name.
@@ -144,8 +148,8 @@ pub(crate) struct Gives<N> {
 
 /// The equation of the mass in one tick, from where the rod stands.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Equation<'a, N: Number, V> {
-    mechanics: &'a Mechanics<N>,
+pub(crate) struct Equation<'a, N: Number, V, E> {
+    mechanics: &'a Mechanics<N, E>,
     vocabulary: PhantomData<V>,
     pub(crate) row: Row<N>,
     /// Of friction that holds rigidly.
@@ -244,7 +248,40 @@ impl<N: Number> Own<'_, N> {
     }
 }
 
+impl<N: Number, E> Mechanics<N, E> {
+    /// The same mass with these effects.
+    #[inline]
+    pub(crate) fn with<F>(&self, effects: F) -> Mechanics<N, F> {
+        let &Self { row, mean, unity, travel, load, .. } = self;
+        Mechanics { row, mean, unity, travel, load, effects }
+    }
+}
+
+impl<N: Number> Keeps<Self> for MechanicalEffects<N> {
+    #[inline]
+    fn kept(&self) -> Option<&Self> {
+        Some(self)
+    }
+    #[inline]
+    fn changed(self, change: impl FnOnce(Self) -> Self) -> Self {
+        change(self)
+    }
+}
+
+impl<N: Number> MechanicalEffects<N> {
+    /// Whether no effect is on.
+    pub(crate) fn are_off(&self) -> bool {
+        self.resistance.is_none() && self.push.is_none() && self.dry.is_off()
+    }
+}
+
 impl<N: Number> Mechanics<N> {
+    /// Whether the increments of a tick are beyond the format.
+    #[inline]
+    pub(crate) fn is_held(first: N, second: N) -> bool {
+        first.is_held() || second.is_held()
+    }
+
     /// One tick under the given forces. Returns the mean velocity of the tick.
     #[inline]
     pub fn step(&self, state: &mut MotionState<N>, forces: Forces<N>) -> N {
@@ -256,14 +293,17 @@ impl<N: Number> Mechanics<N> {
         let moved = equation.finish(contact, state, first, second);
         moved.beyond.map_or(moved.solved, |beyond| moved.solved - beyond)
     }
+}
 
+impl<N: Number, E: Keeps<MechanicalEffects<N>>> Mechanics<N, E> {
     /// The equation of the mass from where it stands.
     #[inline]
     pub(crate) fn equation<V: Vocabulary>(
         &self,
         state: &MotionState<N>,
         around: Surroundings<N>,
-    ) -> Equation<'_, N, V> {
+    ) -> Equation<'_, N, V, E> {
+        let effects = V::on(self.effects.kept());
         let equation = |row, level, held, own| Equation {
             mechanics: self,
             vocabulary: PhantomData,
@@ -272,18 +312,15 @@ impl<N: Number> Mechanics<N> {
             held,
             own,
             states: around.states,
-            pushed: V::on(self.push.as_ref()).map(|push| push.at(States { velocity: state.velocity, ..around.states })),
+            pushed: effects
+                .and_then(|effects| effects.push.as_ref())
+                .map(|push| push.at(States { velocity: state.velocity, ..around.states })),
         };
-        if V::PLAIN {
-            return equation(self.row, Level::NONE, None, None);
-        }
+        let Some(effects) = effects else { return equation(self.row, Level::NONE, None, None) };
         let from_middle = || N::of_travel(state.position) - N::ONE.halved();
-        let level = if self.dry.varies() {
-            self.dry.level(from_middle(), around.pressed)
-        } else {
-            self.dry.level(N::ZERO, N::ZERO)
-        };
-        let Some(resistance) = &self.resistance else {
+        let dry = &effects.dry;
+        let level = if dry.varies() { dry.level(from_middle(), around.pressed) } else { dry.level(N::ZERO, N::ZERO) };
+        let Some(resistance) = &effects.resistance else {
             return equation(self.row, level, None, None);
         };
         let from_middle = from_middle();
@@ -311,20 +348,14 @@ impl<N: Number> Mechanics<N> {
         let level = if grip.is_some() { Level::NONE } else { level };
         equation(braked(N::ZERO, resistance.none), level, held, own)
     }
-
-    /// Whether no effect is on.
-    pub(crate) fn is_plain(&self) -> bool {
-        self.resistance.is_none() && self.push.is_none() && self.dry.is_off()
-    }
-
-    /// Whether the increments of a tick are beyond the format.
-    #[inline]
-    pub(crate) fn is_held(first: N, second: N) -> bool {
-        first.is_held() || second.is_held()
-    }
 }
 
-impl<'a, N: Number, V: Vocabulary> Equation<'a, N, V> {
+impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, N, V, E> {
+    #[inline]
+    fn effects(&self) -> Option<&'a MechanicalEffects<N>> {
+        V::on(self.mechanics.effects.kept())
+    }
+
     /// Forces of the rod's own position.
     #[inline]
     fn own(&self) -> Option<&Own<'a, N>> {
@@ -386,7 +417,10 @@ impl<'a, N: Number, V: Vocabulary> Equation<'a, N, V> {
         if V::PLAIN || plain.sticks {
             return plain;
         }
-        let pushed = self.mechanics.push.as_ref().map(|push| push.at(States { velocity: there, ..self.states }));
+        let pushed = self
+            .effects()
+            .and_then(|effects| effects.push.as_ref())
+            .map(|push| push.at(States { velocity: there, ..self.states }));
         let dry = self.level.force(contact, there);
         let Some(own) = self.own() else { return Stage { pushed, dry, ..plain } };
         let ahead = velocity + N::dot([own.resistance.gamma], [gained]);
@@ -462,7 +496,7 @@ impl<'a, N: Number, V: Vocabulary> Equation<'a, N, V> {
         };
         let mean = limit(mean);
         state.position = N::travelled(state.position, [mechanics.travel], [mean]);
-        let moved = limit(state.velocity + N::dot(mechanics.weights, [first, second]));
+        let moved = limit(state.velocity + first.weighed(second));
         // Friction turned with the velocity somewhere within the tick: give back what it took too much, at most to rest.
         state.velocity = match contact {
             Contact::Extends if moved < N::ZERO => (moved + self.turn()).min(self.turned(moved)),
@@ -492,9 +526,9 @@ impl<'a, N: Number, V: Vocabulary> Equation<'a, N, V> {
     /// What all dry friction takes of the velocity in a tick, to both sides.
     #[inline]
     fn turn(&self) -> N {
-        let mechanics = self.mechanics;
-        if V::PLAIN || (self.own().is_none() && !mechanics.dry.varies()) {
-            return mechanics.dry.turn;
+        let Some(effects) = self.effects() else { return N::ZERO };
+        if self.own().is_none() && !effects.dry.varies() {
+            return effects.dry.turn;
         }
         let grip = self.own().and_then(|own| own.grip);
         N::dot([self.row.mobility], [grip.map_or_else(|| self.level.both(), |grip| grip.both())])

@@ -10,15 +10,15 @@
 
 use crate::chambers::ChamberState;
 use crate::edge_effects::{EdgeEffects, behind_laminar_line};
-use crate::flow::{Edges, Flows, Linearised, Lines};
+use crate::flow::{Edges, Flows, Linearised, Lines, Opened};
 use crate::number::Number;
 use crate::supply::{Draw, SupplyState};
 use crate::valve::Slider;
-use crate::vocabulary::Vocabulary;
+use crate::vocabulary::{Keeps, Vocabulary};
 
 /// One of something for each metering edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Four<T> {
+pub(crate) struct Four<T> {
     /// P-A
     supply_a: T,
     /// A-T
@@ -85,33 +85,34 @@ struct Metered<N> {
     leaking: N,
 }
 
-impl<N: Number> Edges<N> {
-    /// Flows at a slider position, two chamber pressures and the supply's.
+impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
+    /// Flows with edges of these openings, at two chamber pressures and the supply's.
     #[inline]
     pub(crate) fn flow_of_four(
         &self,
         effects: &EdgeEffects<N>,
-        slider: N,
+        openings: &Four<N>,
         pressures: ChamberState<N>,
         supply: N,
     ) -> Flows<N> {
-        self.passing(effects, &self.openings(effects, slider), pressures, supply).ports()
+        self.passing(effects, openings, pressures, supply).ports()
     }
 
-    /// Flows at the start of a tick with their slopes, and what is drawn from the supply.
+    /// Flows at the start of a tick that ends with the openings `to`, with their slopes, and what is drawn from the supply.
     #[inline]
     pub(crate) fn linearised_of_four(
         &self,
         effects: &EdgeEffects<N>,
         slider: Slider<N>,
+        to: &Four<N>,
         pressures: ChamberState<N>,
         supply: N,
     ) -> (Flows<Linearised<N>>, N) {
-        let (from, to) = (self.openings(effects, slider.from), self.openings(effects, slider.to));
+        let from = self.openings(effects, slider.from);
         let passing = self.passing(effects, &from, pressures, supply);
         let started = self.overlap.beyond(slider.from);
         let way = if started == N::ZERO { self.overlap.beyond(slider.to) } else { started };
-        let steep = passing.steepness(&larger(way, &from, &to), effects.slope_fraction);
+        let steep = passing.steepness(&larger(way, &from, to), effects.slope_fraction);
         let supplied = steep.supply_a + steep.supply_b;
         let soft = |own: N| match &effects.droop {
             Some(droop) => droop.softened(own, supplied, effects.slope_scale),
@@ -126,18 +127,18 @@ impl<N: Number> Edges<N> {
         (linearised, passing.drawn())
     }
 
-    /// The supply at the end of a tick that ends at this slider and these pressures, with `drawn` drawn at its start.
+    /// The supply at the end of a tick that ends with these openings and pressures, with `drawn` drawn at its start.
     #[inline]
     pub(crate) fn supplied<V: Vocabulary>(
         &self,
-        slider: N,
+        opened: &Opened<N>,
         pressures: ChamberState<N>,
         supply: SupplyState<N>,
         drawn: N,
     ) -> SupplyState<N> {
-        let Some(effects) = V::on(self.effects.as_ref()) else { return supply };
+        let Some(effects) = V::on(self.effects.kept()) else { return supply };
         let Some(droop) = &effects.droop else { return supply };
-        let [into_a, into_b] = self.supply_openings(self.metered(effects, slider));
+        let Some(Four { supply_a: into_a, supply_b: into_b, .. }) = opened.four else { return supply };
         droop.after(supply, self.lines.supply, drawn, effects.slope_scale, |supply| {
             let Lines { supply, .. } = self.lines_at(supply);
             let edge = |opening: N, pressure: N| {
@@ -159,19 +160,18 @@ impl<N: Number> Edges<N> {
         }
     }
 
-    /// Openings of the edges P-A and P-B.
-    #[inline]
-    fn supply_openings(&self, Metered { extending, retracting, leaking }: Metered<N>) -> [N; 2] {
-        [extending, retracting].map(|metered| N::dot([self.gain], [metered + leaking]))
-    }
-
     /// Openings of the edges, flow gain included, none negative.
     #[inline]
-    fn openings(&self, effects: &EdgeEffects<N>, slider: N) -> Four<N> {
-        let metered = self.metered(effects, slider);
-        let [supply_a, supply_b] = self.supply_openings(metered);
-        let tank = |opened: N| N::dot([self.gain], [effects.tank_opening(opened, metered.leaking)]);
-        Four { supply_a, tank_a: tank(metered.retracting), supply_b, tank_b: tank(metered.extending) }
+    pub(crate) fn openings(&self, effects: &EdgeEffects<N>, slider: N) -> Four<N> {
+        let Metered { extending, retracting, leaking } = self.metered(effects, slider);
+        let opening = |beyond: N| N::dot([self.gain], [beyond]);
+        let tank = |opened: N| opening(effects.tank_opening(opened, leaking));
+        Four {
+            supply_a: opening(extending + leaking),
+            tank_a: tank(retracting),
+            supply_b: opening(retracting + leaking),
+            tank_b: tank(extending),
+        }
     }
 
     /// What passes an edge of this opening and root.

@@ -110,6 +110,22 @@ pub trait Number:
     /// Sum of up to four signals, each with its gain, rounded once.
     fn dot<const K: usize>(gains: [Self::Gain; K], signals: [Self; K]) -> Self;
 
+    /// This signal and Σ gain·signal more, where `by_steps` is the same sum taken step by step.
+    ///
+    /// In fixed point it is rounded once, and costs one product each. In real arithmetic it is `by_steps`: what is mathematically the
+    /// same is not so in the last bit, and a diagnosis is to give tomorrow what it gives today.
+    #[must_use]
+    fn and_more<const K: usize>(
+        self,
+        gains: [Self::Gain; K],
+        signals: [Self; K],
+        by_steps: impl FnOnce() -> Self,
+    ) -> Self;
+
+    /// 3/2 of this signal and 1/2 of another: the weights of both stages in a tick.
+    #[must_use]
+    fn weighed(self, second: Self) -> Self;
+
     /// This signal after Σ gain·signal more, and what its rounding leaves for the next time, in units of 2⁻²⁸; `rest` is what
     /// was left last time. So nothing is lost of what is added, however little it is.
     #[must_use]
@@ -238,6 +254,14 @@ impl<R: Real> Number for R {
     #[inline]
     fn dot<const K: usize>(gains: [R; K], signals: [Self; K]) -> Self {
         sum(gains, signals)
+    }
+    #[inline]
+    fn and_more<const K: usize>(self, _: [R; K], _: [Self; K], by_steps: impl FnOnce() -> Self) -> Self {
+        by_steps()
+    }
+    #[inline]
+    fn weighed(self, second: Self) -> Self {
+        sum([R::constant(1.5), R::constant(0.5)], [self, second])
     }
     #[inline]
     fn accumulated<const K: usize>(self, rest: Self, gains: [R; K], signals: [Self; K]) -> (Self, Self) {

@@ -19,6 +19,7 @@
 //! Error against the formula: 2⁻²⁶ of the largest rise between two nodes for each node, and what the rounding of 6/(to − from) to
 //! 2⁻¹⁶ makes of u. Values are below 4 per unit, so that no rise saturates.
 
+use crate::drive::DriveState;
 use crate::flow::Flows;
 use crate::number::Number;
 
@@ -41,6 +42,18 @@ impl<N: Number> States<N> {
     /// All 0.
     pub const NONE: Self =
         Self { velocity: N::ZERO, position: N::ZERO, slider: N::ZERO, pressure_a: N::ZERO, pressure_b: N::ZERO };
+
+    /// Those of a drive with the slider here.
+    #[inline]
+    pub(crate) fn of<const DELAY: usize>(state: &DriveState<N, DELAY>, slider: N) -> Self {
+        Self {
+            velocity: state.motion.velocity,
+            position: N::of_travel(state.motion.position),
+            slider,
+            pressure_a: state.chambers.a,
+            pressure_b: state.chambers.b,
+        }
+    }
 }
 
 /// One of the states.
@@ -179,7 +192,7 @@ mod tests {
 
     use super::*;
     use crate::chambers::ChamberState;
-    use crate::drive::{Drive, DriveState, Entry, Load};
+    use crate::drive::{Drive, Entry, Load};
     use crate::fixed_point::PerUnit;
     use crate::machine::{Machine, MachineError, Source, Tick};
     use crate::parameter::Parameter as P;

@@ -6,11 +6,11 @@
 
 use crate::number::Number;
 use crate::valve_effects::{ValveEffectState, ValveEffects};
-use crate::vocabulary::{Effects, Vocabulary};
+use crate::vocabulary::{Effects, Keeps, Vocabulary};
 
-/// Coefficients of the valve at one tick.
+/// Coefficients of the valve at one tick, with those of its effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Valve<N: Number> {
+pub struct Valve<N: Number, E = ValveEffects<N>> {
     /// Slider travel per 10 V. (15)
     pub(crate) gain: N::Gain,
     /// Slider travel at 0 V. (15)
@@ -29,7 +29,7 @@ pub struct Valve<N: Number> {
     pub(crate) decay_2: N::Gain,
     /// T1·(e^(−h/T1) − e^(−h/T2)) / (T1 − T2)
     pub(crate) cross: N::Gain,
-    pub(crate) effects: ValveEffects<N>,
+    pub(crate) effects: E,
 }
 
 /// State of the valve, with the delay line of `DELAY` ticks (a power of two).
@@ -81,15 +81,23 @@ impl<N: Number> AcrossEdges<N> {
     pub const NONE: Self = Self { extending: N::ZERO, retracting: N::ZERO };
 }
 
+impl<N: Number, E> Valve<N, E> {
+    /// The same valve with these effects.
+    #[inline]
+    pub(crate) fn with<F>(&self, effects: F) -> Valve<N, F> {
+        let &Self { gain, offset, step_limit, half_per_step, delay_ticks, delay_rest, decay_1, decay_2, cross, .. } =
+            self;
+        Valve { gain, offset, step_limit, half_per_step, delay_ticks, delay_rest, decay_1, decay_2, cross, effects }
+    }
+}
+
 impl<N: Number> Valve<N> {
     /// The valve at rest with `command` (in 10 V) having been held for long, and no oil flowing.
     ///
     /// Hysteresis has settled in the middle of its width, the neutral has yet to drift, and the slider is stuck nowhere.
     #[must_use]
     pub fn at_rest<const DELAY: usize>(&self, command: N) -> ValveState<N, DELAY> {
-        let set = self.effects.fed::<Effects>(self.target(command));
-        let effects = ValveEffectState::at_rest(set);
-        ValveState { set, line: [set; DELAY], head: 0, lag: set, slider: set, effects }
+        ValveState::at_rest(self.effects.fed(self.target(command)))
     }
 
     /// One tick with `command` (in 10 V, any size) held and no flow force.
@@ -108,7 +116,9 @@ impl<N: Number> Valve<N> {
     ) -> Slider<N> {
         self.step_with::<Effects, DELAY>(state, command, across)
     }
+}
 
+impl<N: Number, E: Keeps<ValveEffects<N>>> Valve<N, E> {
     #[inline]
     pub(crate) fn step_with<V: Vocabulary, const DELAY: usize>(
         &self,
@@ -116,26 +126,30 @@ impl<N: Number> Valve<N> {
         command: N,
         across: AcrossEdges<N>,
     ) -> Slider<N> {
-        let target = self.effects.characteristic::<V>(self.target(command), &mut state.effects);
+        let effects = V::on(self.effects.kept());
+        let target = self.target(command);
+        let target = effects.map_or(target, |effects| effects.characteristic(target, &mut state.effects));
         let mean = self.limit_rate(&mut state.set, target);
         let delayed = self.delay(&mut state.line, &mut state.head, mean);
         let from = state.slider;
-        let second = self.effects.second_lag::<V>(&state.effects, from);
+        let second = effects.map_or(from, |effects| effects.second_lag(&state.effects, from));
         let (mut lag, mut free) = self.lagged(state.lag, second, delayed);
-        if let Some(force) = V::on(self.effects.flow_force.as_ref()) {
+        if let Some(force) = effects.and_then(|effects| effects.flow_force.as_ref()) {
             (lag, free) = self.lagged(state.lag, second, delayed - force.closes(second, free, across));
         }
         state.lag = lag;
-        state.slider = self.effects.handed_on::<V>(&mut state.effects, from, free);
+        state.slider = effects.map_or(free, |effects| effects.handed_on(&mut state.effects, from, free));
         Slider { from, to: state.slider }
     }
 
     /// Whether the slider feels a flow force.
     #[inline]
     pub(crate) fn feels_flow<V: Vocabulary>(&self) -> bool {
-        V::on(self.effects.flow_force.as_ref()).is_some()
+        V::on(self.effects.kept()).is_some_and(|effects| effects.flow_force.is_some())
     }
+}
 
+impl<N: Number, E> Valve<N, E> {
     /// Both lags a tick later, relaxing towards `set`; `cross` is what the first hands to the second meanwhile.
     #[inline]
     fn lagged(&self, first: N, second: N, set: N) -> (N, N) {
@@ -145,7 +159,7 @@ impl<N: Number> Valve<N> {
 
     /// Static characteristic. (15)
     #[inline]
-    fn target(&self, command: N) -> N {
+    pub(crate) fn target(&self, command: N) -> N {
         N::dot([self.gain], [command]) + self.offset
     }
 
@@ -174,8 +188,13 @@ impl<N: Number> Valve<N> {
 impl<N: Number, const DELAY: usize> ValveState<N, DELAY> {
     /// The state of a drive without a valve.
     pub(crate) fn idle() -> Self {
-        let effects = ValveEffectState::at_rest(N::ZERO);
-        Self { set: N::ZERO, line: [N::ZERO; DELAY], head: 0, lag: N::ZERO, slider: N::ZERO, effects }
+        Self::at_rest(N::ZERO)
+    }
+
+    /// Everything having settled at this set value.
+    pub(crate) fn at_rest(set: N) -> Self {
+        let effects = ValveEffectState::at_rest(set);
+        Self { set, line: [set; DELAY], head: 0, lag: set, slider: set, effects }
     }
 
     /// Slider position; 1 is full travel, positive extends the rod.

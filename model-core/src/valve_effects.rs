@@ -8,11 +8,11 @@ use crate::flow::Overlap;
 use crate::number::Number;
 use crate::relaxation::Relaxation;
 use crate::valve::AcrossEdges;
-use crate::vocabulary::Vocabulary;
+use crate::vocabulary::Keeps;
 
 /// Coefficients of the valve's effects at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ValveEffects<N: Number> {
+pub struct ValveEffects<N: Number> {
     pub(crate) drift: Option<NullDrift<N>>,
     pub(crate) saturation: Option<SolenoidSaturation<N>>,
     pub(crate) hysteresis: Option<Hysteresis<N>>,
@@ -41,6 +41,17 @@ impl<N: Number> ValveEffectState<N> {
     }
 }
 
+impl<N: Number> Keeps<Self> for ValveEffects<N> {
+    #[inline]
+    fn kept(&self) -> Option<&Self> {
+        Some(self)
+    }
+    #[inline]
+    fn changed(self, change: impl FnOnce(Self) -> Self) -> Self {
+        change(self)
+    }
+}
+
 impl<N: Number> ValveEffects<N> {
     /// Whether there is none.
     pub(crate) fn are_off(&self) -> bool {
@@ -50,13 +61,13 @@ impl<N: Number> ValveEffects<N> {
 
     /// The static characteristic's output with drift, saturation and play, over a tick.
     #[inline]
-    pub(crate) fn characteristic<V: Vocabulary>(&self, target: N, state: &mut ValveEffectState<N>) -> N {
-        let drifted = match V::on(self.drift.as_ref()) {
+    pub(crate) fn characteristic(&self, target: N, state: &mut ValveEffectState<N>) -> N {
+        let drifted = match &self.drift {
             Some(drift) => target + drift.step(&mut state.drifted, &mut state.drifted_rest),
             None => target,
         };
-        let fed = self.fed::<V>(drifted);
-        match V::on(self.hysteresis.as_ref()) {
+        let fed = self.fed(drifted);
+        match &self.hysteresis {
             Some(hysteresis) => hysteresis.step(&mut state.plays, fed),
             None => fed,
         }
@@ -64,8 +75,8 @@ impl<N: Number> ValveEffects<N> {
 
     /// The target that the solenoid feeds.
     #[inline]
-    pub(crate) fn fed<V: Vocabulary>(&self, target: N) -> N {
-        match V::on(self.saturation.as_ref()) {
+    pub(crate) fn fed(&self, target: N) -> N {
+        match &self.saturation {
             Some(saturation) => saturation.fed(target),
             None => target,
         }
@@ -73,14 +84,14 @@ impl<N: Number> ValveEffects<N> {
 
     /// Output of the second lag at the start of a tick, where the slider handed on stands at `slider`.
     #[inline]
-    pub(crate) fn second_lag<V: Vocabulary>(&self, state: &ValveEffectState<N>, slider: N) -> N {
-        if V::on(self.stiction.as_ref()).is_some() { state.free } else { slider }
+    pub(crate) fn second_lag(&self, state: &ValveEffectState<N>, slider: N) -> N {
+        if self.stiction.is_some() { state.free } else { slider }
     }
 
     /// The slider handed on, from where it was to where the second lag's output is at the end of the tick.
     #[inline]
-    pub(crate) fn handed_on<V: Vocabulary>(&self, state: &mut ValveEffectState<N>, slider: N, free: N) -> N {
-        let Some(stiction) = V::on(self.stiction.as_ref()) else { return free };
+    pub(crate) fn handed_on(&self, state: &mut ValveEffectState<N>, slider: N, free: N) -> N {
+        let Some(stiction) = &self.stiction else { return free };
         state.free = free;
         stiction.held(slider, free)
     }

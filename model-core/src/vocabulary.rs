@@ -9,6 +9,31 @@ pub(crate) trait Vocabulary: Copy + core::fmt::Debug {
     fn on<T>(effect: Option<&T>) -> Option<&T>;
 }
 
+/// Coefficients of a link's effects, or the place where none are kept.
+pub trait Keeps<T>: Copy {
+    /// The coefficients.
+    fn kept(&self) -> Option<&T>;
+
+    /// With the coefficients changed.
+    #[must_use]
+    fn changed(self, change: impl FnOnce(T) -> T) -> Self;
+}
+
+/// No coefficients of effects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Nothing;
+
+impl<T> Keeps<T> for Nothing {
+    #[inline]
+    fn kept(&self) -> Option<&T> {
+        None
+    }
+    #[inline]
+    fn changed(self, _: impl FnOnce(T) -> T) -> Self {
+        self
+    }
+}
+
 /// No effect: every one is known to be off.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plain;
@@ -69,7 +94,8 @@ mod tests {
             (P::BacklashPlay, 1e-3),
             (P::ViscosityLoss, 0.1),
         ] {
-            assert!(!press(&[effect]).plain, "{effect:?}");
+            let drive = press(&[effect]);
+            assert!(!drive.plain && drive.without_effects().is_none(), "{effect:?}");
         }
     }
 
@@ -83,17 +109,22 @@ mod tests {
         ) {
             let plain = press(&[(P::MovingMass, mass_kg), (P::DeadZone, 0.05), (P::TimeConstant1, 0.01)]);
             let asking = Drive { plain: false, ..plain };
+            let paper = plain.without_effects().unwrap();
             let [a, b] = pressures.map(PerUnit::saturated);
             let mut state: DriveState<PerUnit> = plain.at_rest(PerUnit::ZERO, ChamberState { a, b }, PerUnit::travel(0.5));
-            let mut other = state;
+            let (mut other, mut alone) = (state, paper.at_rest(PerUnit::ZERO, ChamberState { a, b }, PerUnit::travel(0.5)));
+            prop_assert_eq!(state, alone);
             for (command, less, force, weaker) in moments {
-                let entry = Entry::Command(PerUnit::from_bits(command >> less));
+                let command = PerUnit::from_bits(command >> less);
+                let entry = Entry::Command(command);
                 let force = PerUnit::from_bits(force >> weaker);
                 for _ in 0..60 {
                     let seen = plain.step(&mut state, entry, Load { from: force, to: force });
                     let as_seen = asking.step(&mut other, entry, Load { from: force, to: force });
                     prop_assert_eq!(seen, as_seen);
                     prop_assert_eq!(state, other);
+                    prop_assert_eq!(paper.step(&mut alone, command, Load { from: force, to: force }), seen);
+                    prop_assert_eq!((alone, paper.sensed(&alone)), (state, plain.sensed(&state)));
                 }
             }
         }

@@ -15,6 +15,7 @@ mod on_target {
     use model_core::fixed_point::PerUnit;
     use model_core::machine::{Machine, MachineError, Tick};
     use model_core::number::Number;
+    use model_core::paper::PaperDrive;
     use panic_semihosting as _;
 
     /// Ticks of a random input.
@@ -26,6 +27,8 @@ mod on_target {
 
     pub(crate) enum BudgetError {
         Machine(MachineError),
+        /// What should be the paper's model is none.
+        HasEffects,
         Written,
     }
 
@@ -41,6 +44,16 @@ mod on_target {
         }
     }
 
+    /// A model's step under an input.
+    type Step<D> = fn(&D, &mut State, &Moment);
+
+    #[inline(never)]
+    fn paper_step(drive: &PaperDrive<PerUnit>, state: &mut State, moment: &Moment) {
+        if let Entry::Command(command) = moment.entry {
+            drive.step(state, command, moment.load);
+        }
+    }
+
     #[inline(never)]
     fn step(drive: &Drive<PerUnit>, state: &mut State, moment: &Moment) {
         drive.step(state, moment.entry, moment.load);
@@ -48,16 +61,11 @@ mod on_target {
 
     /// What the loop around a step costs by itself.
     #[inline(never)]
-    fn nothing(drive: &Drive<PerUnit>, state: &mut State, moment: &Moment) {
+    fn nothing<D>(drive: &D, state: &mut State, moment: &Moment) {
         black_box((drive, state, moment));
     }
 
-    fn count(
-        counter: &mut Counter,
-        work: fn(&Drive<PerUnit>, &mut State, &Moment),
-        model: (&Drive<PerUnit>, &mut State),
-        moments: &[Moment],
-    ) -> u32 {
+    fn count<D>(counter: &mut Counter, work: Step<D>, model: (&D, &mut State), moments: &[Moment]) -> u32 {
         let (drive, state) = model;
         let work = black_box(work);
         counter.counts(|| moments.iter().for_each(|moment| work(drive, state, moment)))
@@ -71,12 +79,12 @@ mod on_target {
     }
 
     /// Mean and worst instructions of a step, the worst to 40.
-    fn instructions(
+    fn instructions<D>(
         counter: &mut Counter,
-        machine: &Machine<f64>,
+        step: Step<D>,
+        (drive, mut state): (&D, State),
         moments: impl Iterator<Item = Moment>,
-    ) -> Result<(u32, u32), MachineError> {
-        let (drive, mut state) = at_rest(machine)?;
+    ) -> (u32, u32) {
         let mut beside = state;
         let (mut sum, mut ticks, mut worst) = (0, 0, 0);
         let rest = Moment { entry: Entry::Command(PerUnit::ZERO), load: Load::NONE, oil_temperature: None };
@@ -88,17 +96,22 @@ mod on_target {
             if filled == batch.len() {
                 filled = 0;
                 let mut again = state;
-                sum += count(counter, step, (&drive, &mut state), &batch);
-                sum -= count(counter, nothing, (&drive, &mut beside), &batch);
+                sum += count(counter, step, (drive, &mut state), &batch);
+                sum -= count(counter, nothing, (drive, &mut beside), &batch);
                 ticks += BATCH;
                 for moment in &batch {
                     let one = core::slice::from_ref(moment);
-                    let counts = count(counter, step, (&drive, &mut again), one);
-                    worst = worst.max(counts - count(counter, nothing, (&drive, &mut beside), one));
+                    let counts = count(counter, step, (drive, &mut again), one);
+                    worst = worst.max(counts - count(counter, nothing, (drive, &mut beside), one));
                 }
             }
         }
-        Ok((sum * INSTRUCTIONS_PER_COUNT / ticks, worst * INSTRUCTIONS_PER_COUNT))
+        (sum * INSTRUCTIONS_PER_COUNT / ticks, worst * INSTRUCTIONS_PER_COUNT)
+    }
+
+    /// Stack of the deepest of many steps under the same input, bytes.
+    fn deepest<D>(step: Step<D>, (drive, mut state): (&D, State), moment: &Moment) -> usize {
+        (0..BATCH).map(|_| stack::used_by(|| step(drive, &mut state, moment)).1).max().unwrap_or(0)
     }
 
     fn commands_only(moment: Moment) -> Moment {
@@ -107,28 +120,28 @@ mod on_target {
 
     pub(crate) fn report(counter: &mut Counter, out: &mut impl Write) -> Result<(), BudgetError> {
         let random = || Input::Random.moments().take(RANDOM_TICKS);
-        let all = every_effect(&press());
         let mut row = |name: &str, (mean, worst): (u32, u32)| writeln!(out, "instructions {mean:>6} {worst:>6} {name}");
         let steps = [2, 4, 6, 8, 10].into_iter().flat_map(steps_of);
-        row("paper's model, steps", instructions(counter, &press(), steps)?)?;
-        row("paper's model, random", instructions(counter, &press(), random().map(commands_only))?)?;
-        row("paper's model, random under load", instructions(counter, &press(), random())?)?;
-        row("every effect, random under load", instructions(counter, &all, random())?)?;
+        let (full, rest) = at_rest(&press())?;
+        let paper = full.without_effects().ok_or(BudgetError::HasEffects)?;
+        row("paper's model, steps", instructions(counter, paper_step, (&paper, rest), steps))?;
+        row("paper's model, random", instructions(counter, paper_step, (&paper, rest), random().map(commands_only)))?;
+        row("paper's model, random under load", instructions(counter, paper_step, (&paper, rest), random()))?;
+        row("none of the effects, random under load", instructions(counter, step, (&full, rest), random()))?;
+        let (every, all_rest) = at_rest(&every_effect(&press()))?;
+        row("every effect, random under load", instructions(counter, step, (&every, all_rest), random()))?;
         for effect in EFFECTS {
-            row(effect.name, instructions(counter, &press().with(effect.values), random())?)?;
+            let (drive, state) = at_rest(&press().with(effect.values))?;
+            row(effect.name, instructions(counter, step, (&drive, state), random()))?;
         }
 
-        for (name, machine) in [("paper's model", press()), ("every effect", all)] {
-            let (drive, mut state) = at_rest(&machine)?;
-            let moment = Moment { entry: Entry::Command(PerUnit::ONE), load: Load::NONE, oil_temperature: None };
-            let mut used = 0;
-            for _ in 0..BATCH {
-                let ((), stack) = stack::used_by(|| step(&drive, &mut state, &moment));
-                used = used.max(stack);
-            }
-            writeln!(out, "stack {used:>6} {name}")?;
-        }
-        writeln!(out, "ram {:>6} coefficients", size_of::<Drive<PerUnit>>())?;
+        let moment = Moment { entry: Entry::Command(PerUnit::ONE), load: Load::NONE, oil_temperature: None };
+        let used = deepest(paper_step, (&paper, rest), &moment);
+        writeln!(out, "stack {used:>6} paper's model")?;
+        let used = deepest(step, (&every, all_rest), &moment);
+        writeln!(out, "stack {used:>6} every effect")?;
+        writeln!(out, "ram {:>6} coefficients, paper's model", size_of::<PaperDrive<PerUnit>>())?;
+        writeln!(out, "ram {:>6} coefficients, every effect", size_of::<Drive<PerUnit>>())?;
         let lines = 2 * DELAY * size_of::<PerUnit>();
         writeln!(out, "ram {:>6} state beside its delay lines", size_of::<State>() - lines)?;
         writeln!(out, "ram {lines:>6} delay lines of {DELAY} ticks")?;

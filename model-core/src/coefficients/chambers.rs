@@ -3,7 +3,7 @@
 use super::Builder;
 use crate::bases::{GAIN_AIM, thinnest};
 use crate::capacity::{ATMOSPHERE_PA, Capacity, ChamberCapacity, LEAST_VOLUME};
-use crate::chambers::{Chambers, ExternalLeakage};
+use crate::chambers::{ChamberEffects, Chambers, ExternalLeakage};
 use crate::flow::Flows;
 use crate::machine::MachineError;
 use crate::mechanics::GAMMA;
@@ -46,21 +46,31 @@ impl<R: Real> Builder<'_, R> {
                 a: self.signal("pressure rise in A per tick at full flow", P::VolumeA, gamma * a)?,
                 b: self.signal("pressure rise in B per tick at full flow", P::VolumeB, gamma * b)?,
             },
+            ahead: [
+                self.gain::<N>("force of a tick's pressure rise in A at full flow", P::VolumeA, gamma * a)?,
+                self.gain::<N>(
+                    "force of a tick's pressure rise in B at full flow",
+                    P::VolumeB,
+                    -(gamma * self.ratio() * b),
+                )?,
+            ],
             ratio: self.gain::<N>("area ratio B/A", P::AreaB, self.ratio())?,
-            leakage: self.signal("leakage at supply pressure", P::InternalLeakage, leakage)?,
-            leaks_fast: (leakage * (a + b) + out_a * a + out_b * b).value() > FAST_LEAKAGE,
             unity: self.steep::<N>("one", P::VolumeA, R::ONE)?,
-            external: if out_a.is_nil() && out_b.is_nil() {
-                None
-            } else {
-                let tank = self.get(P::TankPressure) / R::constant(self.bases.pressure_pa);
-                Some(ExternalLeakage {
-                    a: self.signal("leakage out of A at supply pressure", P::ExternalLeakageA, out_a)?,
-                    b: self.signal("leakage out of B at supply pressure", P::ExternalLeakageB, out_b)?,
-                    tank: self.signal("tank pressure", P::TankPressure, tank)?,
-                })
+            effects: ChamberEffects {
+                leakage: self.signal("leakage at supply pressure", P::InternalLeakage, leakage)?,
+                leaks_fast: (leakage * (a + b) + out_a * a + out_b * b).value() > FAST_LEAKAGE,
+                external: if out_a.is_nil() && out_b.is_nil() {
+                    None
+                } else {
+                    let tank = self.get(P::TankPressure) / R::constant(self.bases.pressure_pa);
+                    Some(ExternalLeakage {
+                        a: self.signal("leakage out of A at supply pressure", P::ExternalLeakageA, out_a)?,
+                        b: self.signal("leakage out of B at supply pressure", P::ExternalLeakageB, out_b)?,
+                        tank: self.signal("tank pressure", P::TankPressure, tank)?,
+                    })
+                },
+                capacity: self.varying_capacity()?,
             },
-            capacity: self.varying_capacity()?,
         })
     }
 

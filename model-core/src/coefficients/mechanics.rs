@@ -6,7 +6,7 @@ use crate::bristles::{Bend, Bristles};
 use crate::end_stop::{Face, Stops};
 use crate::friction::{DryFriction, Placed, PlacedDrag, Stribeck};
 use crate::machine::MachineError;
-use crate::mechanics::{GAMMA, Mechanics, Resistance, Row};
+use crate::mechanics::{GAMMA, MechanicalEffects, Mechanics, Resistance, Row};
 use crate::number::{Number, Real};
 use crate::parameter::Parameter as P;
 use crate::position_load::{PositionLoad, Signed};
@@ -82,13 +82,14 @@ impl<R: Real> Builder<'_, R> {
                 share: None,
             },
             mean: [constant(f64::midpoint(1.0, GAMMA))?, constant(0.5 * GAMMA)?],
-            weights: [constant(1.5)?, constant(0.5)?],
             unity: constant(1.0)?,
             travel: self.gain::<N>("strokes per tick", P::Stroke, travel)?,
-            dry: self.dry_friction(mass)?,
             load: self.signal("load over full force", P::LoadForce, self.force(P::LoadForce))?,
-            resistance: self.resistance(mass)?,
-            push: self.push()?,
+            effects: MechanicalEffects {
+                dry: self.dry_friction(mass)?,
+                resistance: self.resistance(mass)?,
+                push: self.push()?,
+            },
         })
     }
 

@@ -1,0 +1,28 @@
+//! An image whose only work is the step of the paper's model by itself: what is in it is that step's flash.
+//!
+//! It is not to be run; the drive and its state are nowhere made.
+#![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
+
+#[cfg(all(target_arch = "arm", target_os = "none"))]
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    use core::hint::black_box;
+
+    use firmware::trial::DELAY;
+    use model_core::drive::{DriveState, Load};
+    use model_core::fixed_point::PerUnit;
+    use model_core::paper::PaperDrive;
+    use panic_semihosting as _;
+
+    let mut model: Option<(PaperDrive<PerUnit>, DriveState<PerUnit, DELAY>, PerUnit)> = black_box(None);
+    loop {
+        if let Some((drive, state, command)) = black_box(&mut model) {
+            drive.step(state, *command, Load::NONE);
+        }
+    }
+}
+
+#[cfg(not(all(target_arch = "arm", target_os = "none")))]
+fn main() {
+    println!("nothing runs here: the image for thumbv7em-none-eabihf or thumbv7m-none-eabi is what counts");
+}

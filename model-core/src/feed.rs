@@ -1,0 +1,107 @@
+//! What feeds the chambers in a tick: the valve's edges, the pump, or flows that were measured.
+
+use crate::chambers::ChamberState;
+use crate::edge_effects::EdgeEffects;
+use crate::flow::{Edges, Flows, Linearised, Opened, Pump, PumpDrive};
+use crate::number::Number;
+use crate::supply::SupplyState;
+use crate::valve::Slider;
+use crate::vocabulary::{Keeps, Vocabulary};
+
+/// A feed over one tick.
+pub(crate) trait Feed<N: Number> {
+    /// The slider, where there is one.
+    fn slider(&self) -> Option<Slider<N>>;
+
+    /// Flows at the start of the tick, with their slopes, and the flow drawn from a supply that droops.
+    fn start<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N) -> (Flows<Linearised<N>>, N);
+
+    /// Flows at the end of the tick.
+    fn end<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N) -> Flows<N>;
+
+    /// The supply at the end of a tick that ends at these pressures, of which `drawn` was drawn at its start; it stays where nothing
+    /// feeds from it.
+    fn supplied<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: SupplyState<N>, drawn: N) -> SupplyState<N>;
+}
+
+/// The valve's edges under a slider.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Metered<'a, N: Number, E = Option<EdgeEffects<N>>> {
+    edges: &'a Edges<N, E>,
+    slider: Slider<N>,
+    /// At the end of the tick.
+    opened: Opened<N>,
+}
+
+impl<'a, N: Number, E: Keeps<EdgeEffects<N>>> Metered<'a, N, E> {
+    /// The edges under a slider over one tick.
+    #[inline]
+    pub(crate) fn new<V: Vocabulary>(edges: &'a Edges<N, E>, slider: Slider<N>) -> Self {
+        Self { edges, slider, opened: edges.opened::<V>(slider.to) }
+    }
+}
+
+impl<N: Number, E: Keeps<EdgeEffects<N>>> Feed<N> for Metered<'_, N, E> {
+    #[inline]
+    fn slider(&self) -> Option<Slider<N>> {
+        Some(self.slider)
+    }
+    #[inline]
+    fn start<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N) -> (Flows<Linearised<N>>, N) {
+        self.edges.linearised_with::<V>(self.slider, &self.opened, pressures, supply)
+    }
+    #[inline]
+    fn end<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N) -> Flows<N> {
+        self.edges.flow_with::<V>(&self.opened, pressures, supply)
+    }
+    #[inline]
+    fn supplied<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: SupplyState<N>, drawn: N) -> SupplyState<N> {
+        self.edges.supplied::<V>(&self.opened, pressures, supply, drawn)
+    }
+}
+
+/// Any of them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum AnyFeed<'a, N: Number> {
+    Edges(Metered<'a, N>),
+    Pump(&'a Pump<N>, PumpDrive<N>),
+    Given {
+        from: Flows<N>,
+        to: Flows<N>,
+        /// 1, as a slope.
+        unity: N::Steep,
+    },
+}
+
+impl<N: Number> Feed<N> for AnyFeed<'_, N> {
+    #[inline]
+    fn slider(&self) -> Option<Slider<N>> {
+        if let AnyFeed::Edges(edges) = self { edges.slider() } else { None }
+    }
+    #[inline]
+    fn start<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N) -> (Flows<Linearised<N>>, N) {
+        match *self {
+            AnyFeed::Edges(edges) => edges.start::<V>(pressures, supply),
+            AnyFeed::Pump(pump, drive) => (pump.flow(drive, pressures.a, pressures.b), N::ZERO),
+            AnyFeed::Given { from, unity, .. } => {
+                let given = |flow: N| Linearised { flow, opening: N::ZERO, slope: unity };
+                (Flows { a: given(from.a), b: given(from.b) }, N::ZERO)
+            }
+        }
+    }
+    #[inline]
+    fn end<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N) -> Flows<N> {
+        match *self {
+            AnyFeed::Edges(edges) => edges.end::<V>(pressures, supply),
+            AnyFeed::Pump(pump, drive) => {
+                let flows = pump.flow(drive, pressures.a, pressures.b);
+                Flows { a: flows.a.flow, b: flows.b.flow }
+            }
+            AnyFeed::Given { to, .. } => to,
+        }
+    }
+    #[inline]
+    fn supplied<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: SupplyState<N>, drawn: N) -> SupplyState<N> {
+        if let AnyFeed::Edges(edges) = self { edges.supplied::<V>(pressures, supply, drawn) } else { supply }
+    }
+}
