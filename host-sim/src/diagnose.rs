@@ -3,6 +3,8 @@
 //! recording → prepare → refit → locate → hypothesis → fit → verdict. Training recordings make the choice; the held-out
 //! ones are opened once, after it.
 
+mod shown;
+
 use std::collections::BTreeMap;
 
 use model_core::machine::{Machine, MachineError, Tick};
@@ -10,18 +12,19 @@ use model_core::parameter::Parameter;
 
 use crate::compare::CompareError;
 use crate::excerpt::Excerpt;
-use crate::fit::{Estimate, FitError, Free, Freedom, StartState, level_at_rest, set_tolerances, settle};
+use crate::fit::{Estimate, FitError, Free, Freedom, StartState, level_at_rest, set_tolerances};
 use crate::hypothesis::{CATALOGUE, Hypothesis, Scene, Subsystem};
 use crate::locate::{Case, Location, Miss, locate, misses};
 use crate::machine_file::MachineFile;
 use crate::noise::extent;
 use crate::prepare::{Channel, Prepared};
 use crate::recording::{Recording, Signal};
-use crate::residual::SignalFit;
 use crate::screen::Lead;
-use crate::simulate::{Trajectory, simulate};
 use crate::unnamed::{Unnamed, improved};
 use crate::verdict::{Candidate, Chosen, Confirmation, Question, Selection, Trial, confirm, lengthened, select};
+
+use shown::show;
+pub use shown::{Fits, Shown};
 
 /// How sure the model follows within the noise: no signal further off than half the noise again.
 const WITHIN_NOISE: f64 = 1.5;
@@ -50,22 +53,6 @@ pub struct Finding {
     /// Other effects of those sets, with their probability.
     pub alternatives: Vec<(&'static Hypothesis, f64)>,
 }
-
-/// Signals of one recording: recorded, and simulated before and after.
-#[derive(Clone, Debug)]
-pub struct Shown {
-    /// The recording, prepared.
-    pub prepared: Prepared,
-    /// Whether it was held out.
-    pub held_out: bool,
-    /// Simulated with refitted ordinary parameters.
-    pub before: Trajectory,
-    /// Simulated with the effects as well; the same as before if nothing is claimed.
-    pub after: Trajectory,
-}
-
-/// Mean NRMSE fit of each signal over recordings, %.
-pub type Fits = BTreeMap<&'static str, f64>;
 
 /// What was found.
 #[derive(Clone, Debug)]
@@ -405,75 +392,4 @@ fn check_entries(training: &[Prepared], held: &[Prepared]) -> Result<(), Diagnos
             other_entry: format!("{:?}", other.stimulus.entry).to_lowercase(),
         }),
     }
-}
-
-/// Simulates before and after, from the fitted starts; a held-out recording has none and starts from what suits each best.
-fn show(
-    prepared: Prepared,
-    starts: Option<(StartState, StartState)>,
-    before: &Machine<f64>,
-    after: &Machine<f64>,
-) -> Result<Shown, MachineError> {
-    let (from_before, from_after) = match starts {
-        Some(starts) => starts,
-        None => (settle(before, &prepared)?, settle(after, &prepared)?),
-    };
-    let mut stimulus = prepared.stimulus.clone();
-    stimulus.wants_flow = true;
-    Ok(Shown {
-        held_out: starts.is_none(),
-        before: simulate::<f64>(before, &stimulus, from_before.offset(before, &prepared))?,
-        after: simulate::<f64>(after, &stimulus, from_after.offset(after, &prepared))?,
-        prepared,
-    })
-}
-
-impl Shown {
-    /// Fit of each judged signal before or after, but for the rows where its sensor failed.
-    pub fn fits(&self, after: bool) -> impl Iterator<Item = SignalFit> + '_ {
-        let trajectory = if after { &self.after } else { &self.before };
-        self.prepared.channels.iter().filter_map(move |channel| {
-            let simulated = trajectory.signal(channel.signal)?;
-            let kept = |series: &[f64]| -> Vec<f64> {
-                series.iter().zip(&channel.failed).filter(|(_, failed)| !**failed).map(|(value, _)| *value).collect()
-            };
-            let (time_s, recorded) = (kept(&self.prepared.time_s), kept(&channel.recorded));
-            Some(SignalFit::of(channel.signal, &time_s, &recorded, &kept(simulated)))
-        })
-    }
-}
-
-impl Diagnosis {
-    /// Mean NRMSE fit of each signal, before or after, on training or held-out recordings.
-    #[must_use]
-    pub fn mean_fits(&self, held_out: bool, after: bool) -> Fits {
-        let fits = self.of(held_out).flat_map(|shown| shown.fits(after)).map(|fit| (fit.signal, fit.nrmse_percent));
-        mean(fits)
-    }
-
-    /// Mean NRMSE fit that a perfect model would reach on held-out recordings.
-    #[must_use]
-    pub fn noise_floor(&self, held_out: bool) -> Fits {
-        let channels = self.of(held_out).flat_map(|shown| &shown.prepared.channels);
-        mean(channels.map(|channel| (channel.signal, channel.noise_floor_percent())))
-    }
-
-    fn of(&self, held_out: bool) -> impl Iterator<Item = &Shown> {
-        self.shown.iter().filter(move |shown| shown.held_out == held_out)
-    }
-
-    /// The recording to show first: a held-out one where there is one.
-    #[must_use]
-    pub fn example(&self) -> Option<&Shown> {
-        self.shown.iter().find(|shown| shown.held_out).or(self.shown.first())
-    }
-}
-
-fn mean(values: impl Iterator<Item = (Signal, f64)>) -> Fits {
-    let mut sums: BTreeMap<&'static str, (f64, f64)> = BTreeMap::new();
-    for (signal, value) in values {
-        let entry = sums.entry(signal.name()).or_default();
-        *entry = (entry.0 + value, entry.1 + 1.0);
-    }
-    sums.into_iter().map(|(name, (sum, count))| (name, sum / count)).collect()
 }

@@ -8,7 +8,7 @@
 use crate::capacity::Capacity;
 use crate::flow::{Flows, Linearised};
 use crate::number::Number;
-use crate::vocabulary::{Keeps, Vocabulary};
+use crate::vocabulary::{Keeps, LinkEffects, Vocabulary};
 
 /// Coefficients of both chambers at one tick, with those of their effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,16 +77,7 @@ impl<N: Number, E> Chambers<N, E> {
     }
 }
 
-impl<N: Number> Keeps<Self> for ChamberEffects<N> {
-    #[inline]
-    fn kept(&self) -> Option<&Self> {
-        Some(self)
-    }
-    #[inline]
-    fn changed(self, change: impl FnOnce(Self) -> Self) -> Self {
-        change(self)
-    }
-}
+impl<N: Number> LinkEffects for ChamberEffects<N> {}
 
 impl<N: Number> ChamberEffects<N> {
     /// In oil of this thinness.

@@ -5,6 +5,7 @@
 
 use crate::number::Number;
 use crate::supply::Droop;
+use crate::vocabulary::LinkEffects;
 
 /// Coefficients of the edges' effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +29,8 @@ pub struct EdgeEffects<N: Number> {
 /// What an opening times its root's slope is divided by to fit a signal: 8192 at most, where a root has 2600 at Δp = 0 with the
 /// machine's laminar transition at its least. Resolved to 4e-6, finer than the slope itself.
 pub(crate) const SLOPE_SCALE: f64 = 1024.0;
+
+impl<N: Number> LinkEffects for EdgeEffects<N> {}
 
 impl<N: Number> EdgeEffects<N> {
     /// Metering opening of either side for the travel beyond its dead zone, not negative.

@@ -87,17 +87,6 @@ impl<N: Number, E> Edges<N, E> {
     }
 }
 
-impl<N: Number> Keeps<EdgeEffects<N>> for Option<EdgeEffects<N>> {
-    #[inline]
-    fn kept(&self) -> Option<&EdgeEffects<N>> {
-        self.as_ref()
-    }
-    #[inline]
-    fn changed(self, change: impl FnOnce(EdgeEffects<N>) -> EdgeEffects<N>) -> Self {
-        self.map(change)
-    }
-}
-
 impl<N: Number> Edges<N> {
     /// Flows at a slider position, two chamber pressures, and that of a supply that droops.
     #[inline]

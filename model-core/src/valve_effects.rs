@@ -8,7 +8,7 @@ use crate::flow::Overlap;
 use crate::number::Number;
 use crate::relaxation::Relaxation;
 use crate::valve::AcrossEdges;
-use crate::vocabulary::Keeps;
+use crate::vocabulary::LinkEffects;
 
 /// Coefficients of the valve's effects at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,16 +41,7 @@ impl<N: Number> ValveEffectState<N> {
     }
 }
 
-impl<N: Number> Keeps<Self> for ValveEffects<N> {
-    #[inline]
-    fn kept(&self) -> Option<&Self> {
-        Some(self)
-    }
-    #[inline]
-    fn changed(self, change: impl FnOnce(Self) -> Self) -> Self {
-        change(self)
-    }
-}
+impl<N: Number> LinkEffects for ValveEffects<N> {}
 
 impl<N: Number> ValveEffects<N> {
     /// Whether there is none.

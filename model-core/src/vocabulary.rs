@@ -19,6 +19,31 @@ pub trait Keeps<T>: Copy {
     fn changed(self, change: impl FnOnce(T) -> T) -> Self;
 }
 
+/// Coefficients of a link's effects.
+pub trait LinkEffects: Copy {}
+
+impl<T: LinkEffects> Keeps<T> for T {
+    #[inline]
+    fn kept(&self) -> Option<&T> {
+        Some(self)
+    }
+    #[inline]
+    fn changed(self, change: impl FnOnce(T) -> T) -> Self {
+        change(self)
+    }
+}
+
+impl<T: LinkEffects> Keeps<T> for Option<T> {
+    #[inline]
+    fn kept(&self) -> Option<&T> {
+        self.as_ref()
+    }
+    #[inline]
+    fn changed(self, change: impl FnOnce(T) -> T) -> Self {
+        self.map(change)
+    }
+}
+
 /// No coefficients of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Nothing;

@@ -10,14 +10,13 @@ use firmware::mode::Mode;
 use firmware::period::Timing;
 use firmware::press;
 use firmware::set_point::SetPoint;
-use host_sim::testbed::sensors::{PositionSensor, Sensors};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::Bases;
 use model_core::number::Number;
 use system_tests::at_hand::skipped;
 use system_tests::emulator::Processor;
-use system_tests::in_the_loop::{Board, Said, Wrong};
-use system_tests::rig::{Controller, Readings, Rig, Wanted, bases};
+use system_tests::in_the_loop::{Board, Said, Wrong, rig};
+use system_tests::rig::{Controller, Readings, Wanted, bases};
 use system_tests::snapshot;
 
 /// Periods of a case in which something begins: the fault of the last one is acknowledged, the place is said, following is ordered, the rod moves.
@@ -225,7 +224,6 @@ impl Play {
     /// What is wanted and ordered in this period; where there is no case left it rests.
     fn plan(&mut self, seen: &Readings) -> (Request, Order) {
         let kept = |wanted| Request { wanted, timing: Timing::Kept };
-        let here = SetPoint { position: PerUnit::saturated(self.from), velocity: ZERO };
         let order = match self.at {
             0 => Order::Acknowledge,
             REFER => {
@@ -238,11 +236,7 @@ impl Play {
             }
             _ => Order::None,
         };
-        let here = if matches!(self.at, REFER | FOLLOW) {
-            SetPoint { position: PerUnit::saturated(self.from), ..here }
-        } else {
-            here
-        };
+        let here = SetPoint { position: PerUnit::saturated(self.from), velocity: ZERO };
         let Some(case) = self.cases.get(self.found.len()).filter(|_| self.at >= MOVE) else {
             return (kept(here), order);
         };
@@ -259,15 +253,9 @@ impl Play {
         if self.at == cured {
             self.board.wrong = Wrong::default();
         }
-        let held = case.mode == Mode::Holding;
         let order = match self.at.checked_sub(cured) {
-            Some(TRIED) => {
-                if held {
-                    Order::Acknowledge
-                } else {
-                    Order::Follow
-                }
-            }
+            Some(TRIED) if case.mode == Mode::Holding => Order::Acknowledge,
+            Some(TRIED) => Order::Follow,
             Some(STOPPED) => Order::Stop,
             _ => order,
         };
@@ -370,8 +358,7 @@ fn each_fault_has_its_state_in_time_is_told_once_and_goes_by_command_only_and_wi
     let periods: usize = cases.iter().map(|case| MOVE + case.after + case.window + NEXT).sum();
     let start = SetPoint { position: PerUnit::saturated(0.5), velocity: ZERO };
     let wanted = vec![Wanted { position_m: 0.5 * bases.stroke_m, per_unit: start }; periods + MOVE];
-    let position = PositionSensor::Linear { resolution_m: 1.0 / press::COUNTS_PER_M };
-    let rig = Rig { sensors: Sensors::with_position(&machine, position), ..Rig::new(&machine, wanted) };
+    let rig = rig(&machine, wanted);
 
     let board = Board::start(Processor::M4F, &Processor::M4F.built("loop", None), &rig.at_rest());
     let mut play = Play {

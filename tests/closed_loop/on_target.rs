@@ -15,12 +15,11 @@ use host_sim::import;
 use host_sim::machine_file::MachineFile;
 use host_sim::recording::{self, ChannelMap, Recording};
 use host_sim::testbed::PlantEffect;
-use host_sim::testbed::sensors::{PositionSensor, Sensors};
 use model_core::machine::Machine;
 use model_core::parameter::Parameter as P;
 use system_tests::at_hand::skipped;
 use system_tests::emulator::Processor;
-use system_tests::in_the_loop::{Board, Follows, SETTLING};
+use system_tests::in_the_loop::{Board, Follows, SETTLING, rig};
 use system_tests::rig::{Rig, TICK, Wanted, course, largest_force_n, rms_mm};
 use system_tests::snapshot;
 
@@ -44,12 +43,6 @@ fn moves(machine: &Machine<f64>, shift_m: f64, pace: f64) -> Vec<Wanted> {
     ];
     let step_m = 1.0 / press::COUNTS_PER_M;
     course(machine, &bounds, (to(0.1) / step_m).round() * step_m, &legs)
-}
-
-/// A rig with the encoder that the firmware is wired to.
-fn rig(machine: &Machine<f64>, wanted: Vec<Wanted>) -> Rig {
-    let position = PositionSensor::Linear { resolution_m: 1.0 / press::COUNTS_PER_M };
-    Rig { sensors: Sensors::with_position(machine, position), ..Rig::new(machine, wanted) }
 }
 
 /// A run of the image on a rig.

@@ -6,10 +6,9 @@
 fn main() {
     use firmware::press;
     use firmware::set_point::{Bounds, Leg};
-    use host_sim::testbed::sensors::{PositionSensor, Sensors};
     use system_tests::emulator::Processor;
-    use system_tests::in_the_loop::{Board, Follows, SETTLING};
-    use system_tests::rig::{Controller, Readings, Rig, TICK, Wanted, course, rms_mm, worst_mm};
+    use system_tests::in_the_loop::{Board, Follows, SETTLING, rig};
+    use system_tests::rig::{Controller, Readings, TICK, Wanted, course, rms_mm, worst_mm};
 
     /// Says twice a second what it sees.
     struct Told {
@@ -47,8 +46,7 @@ fn main() {
         Leg::Smooth { to_m: 0.11, duration_s: 2.6 },
         Leg::Rest { duration_s: 0.5 },
     ];
-    let sensors = Sensors::with_position(&machine, PositionSensor::Linear { resolution_m: 1.0 / press::COUNTS_PER_M });
-    let rig = Rig { sensors, ..Rig::new(&machine, course(&machine, &bounds, 0.1, &legs)) };
+    let rig = rig(&machine, course(&machine, &bounds, 0.1, &legs));
     let board = Board::start(Processor::M4F, &Processor::M4F.built("loop", None), &rig.at_rest());
     println!("time s mode        wanted mm     rod mm  valve V  A bar  B bar");
     let mut told = Told { follows: Follows::on(board), periods: 0 };

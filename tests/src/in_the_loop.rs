@@ -11,12 +11,14 @@ use firmware::mode::Mode;
 use firmware::period::Timing;
 use firmware::press;
 use firmware::set_point::SetPoint;
+use host_sim::testbed::sensors::{PositionSensor, Sensors};
 use model_core::fixed_point::PerUnit;
+use model_core::machine::Machine;
 use tempfile::TempDir;
 
 use crate::emulator::Processor;
 use crate::parts::{Adc, Counter, Dac, Part};
-use crate::rig::{Controller, Readings, Wanted};
+use crate::rig::{Controller, Readings, Rig, Wanted};
 
 /// Periods before the firmware is told to follow: sensors and valve settle, and are at rest for as long as the recorder looks back.
 pub const SETTLING: usize = 800;
@@ -24,6 +26,13 @@ pub const SETTLING: usize = 800;
 const RECORDED_FROM: usize = SETTLING + 1000;
 /// Longest that either side waits for the other.
 const PATIENCE: Duration = Duration::from_secs(30);
+
+/// A rig with the encoder that the firmware is wired to.
+#[must_use]
+pub fn rig(machine: &Machine<f64>, wanted: Vec<Wanted>) -> Rig {
+    let position = PositionSensor::Linear { resolution_m: 1.0 / press::COUNTS_PER_M };
+    Rig { sensors: Sensors::with_position(machine, position), ..Rig::new(machine, wanted) }
+}
 
 /// What the firmware says of a period; [`firmware::lockstep`] has the layout.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
