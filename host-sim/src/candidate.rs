@@ -54,6 +54,10 @@ pub struct Candidate {
 
 /// The search ends when the loss falls by less than this share in a step.
 const PRECISION: f64 = 1e-5;
+/// The same for what all sets are measured against: of twenty thousand samples a hundredth of a unit of log-likelihood.
+const FINELY: f64 = 1e-6;
+/// The same for one of several starts, the best of which is gone on with.
+const NEARLY: f64 = 1e-4;
 /// The same for a first look.
 const ROUGHLY: f64 = 0.03;
 
@@ -74,14 +78,15 @@ struct Beginning<'a> {
 impl Candidate {
     /// The machine file's model, refitted from its nominal values and from a solution that is near.
     pub fn base(question: &Question<'_>, near: &Fit) -> Result<Self, FitError> {
-        let nominal = Self::ordinary(question, None, PRECISION)?;
-        let other = Self::ordinary(question, Some(near), PRECISION)?;
+        let (nominal, other) =
+            rayon::join(|| Self::ordinary(question, None, NEARLY), || Self::ordinary(question, Some(near), NEARLY));
+        let (nominal, other) = (nominal?, other?);
         Self::near(question, if other.loss < nominal.loss { &other } else { &nominal })
     }
 
     /// The machine file's model, refitted to the end from a solution that is near.
     pub fn near(question: &Question<'_>, solution: &Fit) -> Result<Self, FitError> {
-        Self::of(question, Vec::new(), Self::ordinary(question, Some(solution), 1e-8)?, Vec::new(), true)
+        Self::of(question, Vec::new(), Self::ordinary(question, Some(solution), FINELY)?, Vec::new(), true)
     }
 
     /// The machine file's model, roughly refitted.
@@ -101,7 +106,7 @@ impl Candidate {
         let nominal = vec![StartState::default(); training.len()];
         set_tolerances(scene.machine, training, &nominal)?;
         let references: Vec<&Prepared> = training.iter().collect();
-        let base = fit(scene.machine, ordinary, &references, &From::default(), 1e-4)?;
+        let base = fit(scene.machine, ordinary, &references, &From::default(), 1e-3)?;
         set_tolerances(&base.machine, training, &base.starts)?;
         Ok(())
     }
@@ -161,19 +166,20 @@ impl Candidate {
         Self::refitted(question, effects, jumps, &from)
     }
 
-    /// Refitted to the end. An amount that vanished beside others has left no slope that leads back: the middle of its range is
-    /// tried as well.
+    /// Refitted to the end. An amount that vanished beside others has left no slope that leads back, nor has a strength at the end of
+    /// what is admissible: the middle of its range is tried as well.
     pub fn finished(&self, question: &Question<'_>) -> Result<Self, FitError> {
         let to_the_end = |fit: &Fit, values: &[(Parameter, f64)]| {
             let from = Beginning { fit, values, settled: &[], precision: PRECISION };
             Self::refitted(question, self.effects.clone(), self.jumps.clone(), &from)
         };
         let found = to_the_end(&self.fit, &[])?;
-        let vanished = found.vanished(question.scene);
-        if vanished.is_empty() {
+        let lost: Vec<(Parameter, f64)> =
+            found.vanished(question.scene).into_iter().chain(found.stranded(question.scene)).collect();
+        if lost.is_empty() {
             return Ok(found);
         }
-        let again = to_the_end(&found.fit, &vanished)?;
+        let again = to_the_end(&found.fit, &lost)?;
         Ok(if again.fit.loss < found.fit.loss { again } else { found })
     }
 
@@ -193,6 +199,21 @@ impl Candidate {
             .iter()
             .filter(|chosen| partly(chosen.form))
             .flat_map(|chosen| chosen.form.iter().filter(is_amount).filter(gone))
+            .map(|strength| (strength.parameter, strength.free(scene).value(0.0)))
+            .collect()
+    }
+
+    /// Strengths at an end of what is admissible, with the middle of their ranges.
+    fn stranded(&self, scene: &Scene<'_>) -> Vec<(Parameter, f64)> {
+        let at_bound = |strength: &Strength| {
+            let mut known = self.fit.free.iter().zip(&self.fit.coordinates);
+            known.any(|(free, at)| free.parameter == strength.parameter && free.at_bound(*at))
+        };
+        // What has vanished is at an end as well.
+        let is_signed = |strength: &Strength| matches!(strength.kind, Kind::Signed(_));
+        strengths(&self.effects)
+            .into_iter()
+            .filter(|strength| is_signed(strength) && at_bound(strength))
             .map(|strength| (strength.parameter, strength.free(scene).value(0.0)))
             .collect()
     }
@@ -305,6 +326,16 @@ impl Candidate {
         let mut names: Vec<&str> = self.effects.iter().map(|chosen| chosen.effect.name).collect();
         names.sort_unstable();
         names
+    }
+
+    /// The effect that was added last and its form.
+    pub(crate) fn newest(&self) -> Option<(&'static str, *const Strength)> {
+        self.effects.last().map(|newest| (newest.effect.name, newest.form.as_ptr()))
+    }
+
+    /// Whether what was added last is what a lead points to.
+    pub(crate) fn newest_is_like(&self, lead: &Lead) -> bool {
+        self.newest() == Some((lead.effect.name, lead.form.as_ptr()))
     }
 
     /// How many strengths it has.

@@ -86,8 +86,7 @@ fn begun(
     load: LoadSource,
 ) -> Result<Prepared, SimulateError> {
     let rows = recording.rows();
-    let mut stimulus = Stimulus::new(recording, machine, whole.stimulus.entry, load, whole.stimulus.tick)?;
-    stimulus.wants_flow = whole.stimulus.wants_flow;
+    let stimulus = Stimulus::new(recording, machine, whole.stimulus.entry, load, whole.stimulus.tick)?;
     Ok(Prepared {
         name: whole.name.clone(),
         time_s: recording.time_s().to_vec(),

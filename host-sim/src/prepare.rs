@@ -121,7 +121,7 @@ impl Prepared {
     ) -> Result<Self, CompareError> {
         let tick = tick.unwrap_or_else(|| natural_tick(recording));
         let mut mended = Mended::of(recording);
-        let mut stimulus = Stimulus::of_mended(&mended, machine, entry, load, tick)?;
+        let stimulus = Stimulus::of_mended(&mended, machine, entry, load, tick)?;
         let mut signals = judged(recording, entry, load);
         let fed = machine.source == Source::Valve && matches!(entry, EntryPoint::Command | EntryPoint::Slider);
         if fed && recording.check_varies(Signal::SupplyPressure).is_ok() && recording.has(Signal::SupplyPressure) {
@@ -130,7 +130,6 @@ impl Prepared {
         if signals.is_empty() {
             return Err(CompareError::NothingMeasured { recording: recording.name().to_owned() });
         }
-        stimulus.wants_flow = signals.contains(&Signal::Flow);
         let channels = signals
             .into_iter()
             .map(|signal| {

@@ -38,6 +38,11 @@ impl Lead {
             sensitivity.settle(&sensitivity.change(&with(&fit.machine, &values))?);
         Ok(Self { effect, form, values, gain, loss, settled: coordinates })
     }
+
+    /// Whether both are the same form of the same effect.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        self.effect.name == other.effect.name && self.form.as_ptr() == other.form.as_ptr()
+    }
 }
 
 /// Strengths with their values, SI.

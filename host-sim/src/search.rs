@@ -8,6 +8,7 @@ use crate::hypothesis::Hypothesis;
 use crate::prepare::Prepared;
 use crate::screen::Lead;
 use crate::tempered::Tempered;
+use crate::verdict::excess;
 
 /// An effect that promises less than this share of what the best does is not refitted.
 const PROMISING: f64 = 0.05;
@@ -23,34 +24,56 @@ pub fn widened(
     most: usize,
     done: &(impl Fn(&str) + Sync),
 ) -> Result<Vec<Candidate>, FitError> {
-    let mut found = Vec::new();
-    for from in beam {
+    let of_set = |from: &Candidate| -> Result<Vec<Candidate>, FitError> {
         let open = open_to(question, from);
-        let mut leads: Vec<(Lead, &Candidate)> = Vec::new();
-        let own = from.leads(question, &open)?.into_iter().map(|lead| (lead, from)).collect();
-        leads.extend(promising(own, from.fit.loss, most, CHANCE));
-        if from.effects.is_empty() && from.is_bent(question) {
-            let cases: Vec<&Prepared> = tempered.cases.iter().collect();
-            let softer = Question { training: &cases, ..*question };
-            let beside = tempered.base.leads(&softer, &open)?.into_iter().map(|lead| (lead, &tempered.base)).collect();
-            leads.extend(promising(beside, tempered.base.fit.loss, most, 0.0));
-        }
-        let refitted = refit_each(&leads, done, |(lead, reference)| (lead, reference.with(question, lead)))?;
-        let extended = extensions(question, from, &open, &refitted, done)?;
-        found.extend(refitted);
-        found.extend(extended);
+        let mut found = added(question, tempered, from, &open, most, done)?;
+        found.extend(extensions(question, from, &open, &found, done)?);
+        Ok(found)
+    };
+    let found: Vec<Vec<Candidate>> = beam.par_iter().map(of_set).collect::<Result<_, _>>()?;
+    Ok(found.into_iter().flatten().collect())
+}
+
+/// Refits of a set with one more effect, from where the set stands and, where that is bent, from the tempered model.
+///
+/// From both a form mostly ends alike, so what both lead to is refitted from the tempered model, and only what comes near the best from
+/// the other as well.
+fn added(
+    question: &Question<'_>,
+    tempered: &Tempered,
+    from: &Candidate,
+    open: &[&'static Hypothesis],
+    most: usize,
+    done: &(impl Fn(&str) + Sync),
+) -> Result<Vec<Candidate>, FitError> {
+    let refit = |leads: &[Lead], reference: &Candidate| refit_each(leads, done, |lead| reference.with(question, lead));
+    let own = promising(from.leads(question, open)?, from.fit.loss, most, CHANCE);
+    if !from.effects.is_empty() || !from.is_bent(question) {
+        return refit(&own, from);
     }
+    let cases: Vec<&Prepared> = tempered.cases.iter().collect();
+    let softer = Question { training: &cases, ..*question };
+    let beside = promising(tempered.base.leads(&softer, open)?, tempered.base.fit.loss, most, 0.0);
+    let (again, own): (Vec<Lead>, Vec<Lead>) =
+        own.into_iter().partition(|lead| beside.iter().any(|other| other.is_like(lead)));
+    let (alone, both) = rayon::join(|| refit(&own, from), || refit(&beside, &tempered.base));
+    let mut found = alone?;
+    found.extend(both?);
+    let least = least_above(found.iter().filter(|candidate| candidate.is_plausible(question.scene)));
+    let near = |lead: &Lead| found.iter().any(|known| known.newest_is_like(lead) && is_hopeful(known, least));
+    let again: Vec<Lead> = again.into_iter().filter(near).collect();
+    found.extend(refit(&again, from)?);
     Ok(found)
 }
 
 /// A rough refit from each lead, in their order. `done` is told after each.
-pub(crate) fn refit_each<L: Sync>(
-    leads: &[L],
+pub(crate) fn refit_each(
+    leads: &[Lead],
     done: &(impl Fn(&str) + Sync),
-    refit: impl Fn(&L) -> (&Lead, Result<Candidate, FitError>) + Sync,
+    refit: impl Fn(&Lead) -> Result<Candidate, FitError> + Sync,
 ) -> Result<Vec<Candidate>, FitError> {
-    let told = |lead: &L| {
-        let (lead, candidate) = refit(lead);
+    let told = |lead: &Lead| {
+        let candidate = refit(lead);
         done(lead.effect.name);
         candidate
     };
@@ -66,12 +89,12 @@ pub(crate) fn open_to(question: &Question<'_>, from: &Candidate) -> Vec<&'static
 
 /// The leads of the most promising effects, each of which promises more than the `least`: what chance gives, but beside the
 /// tempered model nothing, for there a loss is no larger than chance would have it.
-fn promising(mut leads: Vec<(Lead, &Candidate)>, loss: f64, most: usize, least: f64) -> Vec<(Lead, &Candidate)> {
-    leads.sort_by(|a, b| a.0.loss.total_cmp(&b.0.loss));
-    let best = leads.first().map_or(0.0, |(lead, _)| loss - lead.loss);
+fn promising(mut leads: Vec<Lead>, loss: f64, most: usize, least: f64) -> Vec<Lead> {
+    leads.sort_by(|a, b| a.loss.total_cmp(&b.loss));
+    let best = leads.first().map_or(0.0, |lead| loss - lead.loss);
     let mut kept: Vec<(&str, *const _, f64)> = Vec::new();
     let mut names: Vec<&str> = Vec::new();
-    leads.retain(|(lead, _)| {
+    leads.retain(|lead| {
         let (name, form) = (lead.effect.name, lead.form.as_ptr());
         if !names.contains(&name) {
             names.push(name);
@@ -92,7 +115,21 @@ fn promising(mut leads: Vec<(Lead, &Candidate)>, loss: f64, most: usize, least: 
     leads
 }
 
-/// Refits of the extensions of effects that were refitted.
+/// One that leaves so many times what the best does is not worth another refit.
+const HOPELESS: f64 = 10.0;
+
+/// The least that any leaves above the noise.
+pub(crate) fn least_above<'c>(found: impl IntoIterator<Item = &'c Candidate>) -> f64 {
+    found.into_iter().map(|candidate| excess(&candidate.residuals)).fold(f64::INFINITY, f64::min)
+}
+
+/// Whether a set may come near the best, which leaves the `least` above the noise.
+pub(crate) fn is_hopeful(candidate: &Candidate, least: f64) -> bool {
+    excess(&candidate.residuals) < HOPELESS * least.max(2.0 * candidate.strengths() as f64)
+}
+
+/// Refits of the extensions of effects that were refitted, from the best refit of each form; of what was refitted itself, only
+/// where an extension promises more.
 fn extensions(
     question: &Question<'_>,
     from: &Candidate,
@@ -100,19 +137,22 @@ fn extensions(
     plainer: &[Candidate],
     done: &(impl Fn(&str) + Sync),
 ) -> Result<Vec<Candidate>, FitError> {
-    let mut found = Vec::new();
-    for plain in plainer {
-        let Some(newest) = plain.effects.last() else { continue };
+    let of_plain = |plain: &Candidate| -> Result<Vec<Candidate>, FitError> {
+        let Some(newest) = plain.effects.last() else { return Ok(Vec::new()) };
+        let better = |other: &Candidate| other.newest() == plain.newest() && other.fit.loss < plain.fit.loss;
         let richer: Vec<&'static Hypothesis> = open
             .iter()
             .copied()
             .filter(|effect| effect.extends.is_some_and(|extension| extension.plain == newest.effect.name))
             .collect();
-        if richer.is_empty() || plain.fit.loss >= from.fit.loss {
-            continue;
+        if richer.is_empty() || plain.fit.loss >= from.fit.loss || plainer.iter().any(better) {
+            return Ok(Vec::new());
         }
-        let leads = plain.extensions(question, &richer)?;
-        found.extend(refit_each(&leads, done, |lead| (lead, plain.with_extension(question, lead)))?);
-    }
-    Ok(found)
+        let mut leads = plain.extensions(question, &richer)?;
+        let known = |lead: &Lead| plainer.iter().any(|known| known.newest_is_like(lead) && known.fit.loss <= lead.loss);
+        leads.retain(|lead| !known(lead));
+        refit_each(&leads, done, |lead| plain.with_extension(question, lead))
+    };
+    let found: Vec<Vec<Candidate>> = plainer.par_iter().map(of_plain).collect::<Result<_, _>>()?;
+    Ok(found.into_iter().flatten().collect())
 }

@@ -13,7 +13,7 @@ use crate::diagnose::{Diagnosis, Finding};
 use crate::hypothesis::Hypothesis;
 use crate::machine_file::LoadSource;
 use crate::recording::{Column, Recording, Signal};
-use crate::simulate::{EntryPoint, StartOffset, Stimulus, simulate};
+use crate::simulate::{EntryPoint, StartOffset, Stimulus, run};
 use crate::standard_tests::{StandardTest, standard_tests};
 use crate::verdict::Trial;
 
@@ -252,14 +252,16 @@ fn told_by(
     tick: Tick,
 ) -> Result<Vec<(usize, Told)>, MachineError> {
     let Some(stimulus) = stimulus(test, chosen, tick) else { return Ok(Vec::new()) };
-    let run = |machine: &Machine<f64>| -> Result<Vec<Vec<f64>>, MachineError> {
-        let found = simulate::<f64>(machine, &stimulus, StartOffset::none())?;
-        let scaled = |sensor: &Sensor| {
-            found.signal(sensor.signal).unwrap_or_default().iter().map(|value| value / sensor.noise).collect()
-        };
-        Ok(sensors.iter().map(scaled).collect())
+    let seen = |machine: &Machine<f64>| -> Result<Vec<Vec<f64>>, MachineError> {
+        let mut series = vec![Vec::with_capacity(stimulus.rows()); sensors.len()];
+        run::<f64>(machine, &stimulus, StartOffset::none(), |_, sample| {
+            for (sensor, series) in sensors.iter().zip(&mut series) {
+                series.extend(sample.signal(sensor.signal).map(|value| value / sensor.noise));
+            }
+        })?;
+        Ok(series)
     };
-    let base = run(chosen)?;
+    let base = seen(chosen)?;
     let minus = |there: &[Vec<f64>]| -> Vec<DVector<f64>> {
         let each = there.iter().zip(&base);
         each.map(|(there, base)| DVector::from_iterator(base.len(), there.iter().zip(base).map(|(a, b)| a - b)))
@@ -271,13 +273,13 @@ fn told_by(
         let description = parameter.description();
         moved.set(*parameter, (chosen.get(*parameter) + step).clamp(description.min, description.max));
         // A move that does not become a drive is none.
-        if let Ok(there) = run(&moved) {
+        if let Ok(there) = seen(&moved) {
             columns.push(minus(&there));
         }
     }
     let mut found = Vec::new();
     for (index, pair) in pairs.iter().enumerate() {
-        let apart = minus(&run(&pair.machine)?);
+        let apart = minus(&seen(&pair.machine)?);
         let of = apart.iter().enumerate().map(|(sensor, apart)| {
             let by = |one: &Vec<DVector<f64>>| one[sensor].dot(apart);
             let g = DVector::from_iterator(columns.len(), columns.iter().map(by));
@@ -302,9 +304,7 @@ fn stimulus(test: &StandardTest, machine: &Machine<f64>, tick: Tick) -> Option<S
         columns.push(Column::si(Signal::LoadForce, test.load_n.clone()));
     }
     let recording = Recording::new(test.name, columns).ok()?;
-    let mut stimulus = Stimulus::new(&recording, machine, EntryPoint::Command, LoadSource::Constant, tick).ok()?;
-    stimulus.wants_flow = false;
-    Some(stimulus)
+    Stimulus::new(&recording, machine, EntryPoint::Command, LoadSource::Constant, tick).ok()
 }
 
 fn separation(pair: &Pair, tests: &[(&StandardTest, &Told)], sensors: &[Sensor]) -> Separation {

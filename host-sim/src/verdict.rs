@@ -20,11 +20,11 @@ pub use crate::candidate::{Candidate, Chosen, Question, Residuals};
 use crate::fit::{CHANCE, FitError};
 use crate::hypothesis::Hypothesis;
 use crate::prepare::Prepared;
-use crate::search::widened;
+use crate::search::{is_hopeful, least_above, widened};
 use crate::tempered::Tempered;
 pub use confirmation::{Confirmation, confirm};
-pub(crate) use likelihood::LeftOut;
-use likelihood::{FORM, accepts, excess, prefer_plain, ranked};
+use likelihood::{FORM, accepts, prefer_plain, ranked};
+pub(crate) use likelihood::{LeftOut, excess};
 pub use whole::lengthened;
 
 /// Most effects claimed at once.
@@ -33,8 +33,6 @@ const MOST_EFFECTS: usize = 3;
 const REFITTED: usize = 7;
 /// Sets of a round that are refitted to the end.
 const FINISHED: usize = 4;
-/// One that leaves so many times what the best does is not.
-const HOPELESS: f64 = 10.0;
 /// Sets that the next round starts from.
 const BEAM: usize = 2;
 /// Effects that are refitted beside each of those.
@@ -301,10 +299,8 @@ fn finished(
         found.into_iter().filter(|candidate| candidate.is_plausible(question.scene)).collect()
     };
     let mut rough = ranked(question, base, plausible(found));
-    let above = |candidate: &Candidate| excess(&candidate.residuals);
-    let least = rough.iter().map(|(candidate, _)| above(candidate)).fold(f64::INFINITY, f64::min);
-    let hopeful = |candidate: &Candidate| above(candidate) < HOPELESS * least.max(2.0 * candidate.strengths() as f64);
-    let leading = rough.iter().take_while(|(candidate, _)| hopeful(candidate)).count();
+    let least = least_above(rough.iter().map(|(candidate, _)| candidate));
+    let leading = rough.iter().take_while(|(candidate, _)| is_hopeful(candidate, least)).count();
     let rest = rough.split_off(leading.min(FINISHED).max(BEAM.min(rough.len())));
     let mut all = plausible(to_the_end(question, rough, FINISHED)?);
     all.extend(rest.into_iter().map(|(candidate, _)| candidate));

@@ -232,6 +232,7 @@ impl<N: Number> Drive<N> {
 
     /// The slider that the edges see: the valve's own, with the travel of an unnamed table.
     #[must_use]
+    #[inline]
     pub fn slider<const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> N {
         let slider = state.valve.slider();
         match &self.unnamed {
@@ -242,6 +243,7 @@ impl<N: Number> Drive<N> {
 
     /// What the sensors read. The slider is the valve's own; a drive that is entered at a measured slider has it from there.
     #[must_use]
+    #[inline]
     pub fn sensed<const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> Sensed<N> {
         self.sensors.read(&state.sensed, self.slider(state), state.chambers, &state.motion)
     }

@@ -80,10 +80,10 @@ impl<N: Number> Feed<N> for AnyFeed<'_, N> {
     }
     #[inline]
     fn start<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N) -> (Flows<Linearised<N>>, N) {
-        match *self {
+        match self {
             AnyFeed::Edges(edges) => edges.start::<V>(pressures, supply),
-            AnyFeed::Pump(pump, drive) => (pump.flow(drive, pressures.a, pressures.b), N::ZERO),
-            AnyFeed::Given { from, unity, .. } => {
+            &AnyFeed::Pump(pump, drive) => (pump.flow(drive, pressures.a, pressures.b), N::ZERO),
+            &AnyFeed::Given { from, unity, .. } => {
                 let given = |flow: N| Linearised { flow, opening: N::ZERO, slope: unity };
                 (Flows { a: given(from.a), b: given(from.b) }, N::ZERO)
             }
@@ -91,13 +91,13 @@ impl<N: Number> Feed<N> for AnyFeed<'_, N> {
     }
     #[inline]
     fn end<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N) -> Flows<N> {
-        match *self {
+        match self {
             AnyFeed::Edges(edges) => edges.end::<V>(pressures, supply),
-            AnyFeed::Pump(pump, drive) => {
+            &AnyFeed::Pump(pump, drive) => {
                 let flows = pump.flow(drive, pressures.a, pressures.b);
                 Flows { a: flows.a.flow, b: flows.b.flow }
             }
-            AnyFeed::Given { to, .. } => to,
+            &AnyFeed::Given { to, .. } => to,
         }
     }
     #[inline]

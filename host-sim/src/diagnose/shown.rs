@@ -38,12 +38,10 @@ pub(super) fn show(
         Some(starts) => starts,
         None => (settle(before, &prepared)?, settle(after, &prepared)?),
     };
-    let mut stimulus = prepared.stimulus.clone();
-    stimulus.wants_flow = true;
     Ok(Shown {
         held_out: starts.is_none(),
-        before: simulate::<f64>(before, &stimulus, from_before.offset(before, &prepared))?,
-        after: simulate::<f64>(after, &stimulus, from_after.offset(after, &prepared))?,
+        before: simulate::<f64>(before, &prepared.stimulus, from_before.offset(before, &prepared))?,
+        after: simulate::<f64>(after, &prepared.stimulus, from_after.offset(after, &prepared))?,
         prepared,
     })
 }

@@ -110,7 +110,7 @@ impl Free {
     }
 
     /// Whether the value is held at an end of its range.
-    fn at_bound(&self, coordinate: f64) -> bool {
+    pub(crate) fn at_bound(&self, coordinate: f64) -> bool {
         let (description, value) = (self.parameter.description(), self.value(coordinate));
         value <= description.min || value >= description.max
     }

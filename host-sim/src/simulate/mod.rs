@@ -22,56 +22,72 @@ use crate::recording::Signal;
 /// Ticks of delay line on the desktop: more than a quarter of a second at any tick.
 pub const DELAY_LINE: usize = 512;
 
-/// Signals of the chain at one recorded row, as the sensors read them, in SI units.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample<R> {
-    /// Slider position, 1.
-    pub spool: R,
-    /// Supply pressure at the valve, Pa; without droop it is the machine's.
-    pub supply_pressure_pa: R,
-    /// Flow into A, m³/s; 0 where the stimulus does not want it.
-    pub flow_a_m3_per_s: R,
-    /// Pressure in A, Pa.
-    pub pressure_a_pa: R,
-    /// Pressure in B, Pa.
-    pub pressure_b_pa: R,
-    /// Force of the oil on the rod as it follows from both pressures, N.
-    pub force_n: R,
-    /// Velocity, m/s.
-    pub velocity_m_per_s: R,
-    /// Position, m.
-    pub position_m: R,
+/// The chain at one recorded row; each signal is computed when it is asked for.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample<'a, N: Number> {
+    drive: &'a Drive<N>,
+    machine: &'a Machine<N::Real>,
+    stimulus: &'a Stimulus,
+    state: &'a DriveState<N, DELAY_LINE>,
+    point: usize,
+    /// Where the row lies before the point.
+    since: Option<Since<'a, N::Real>>,
 }
 
-impl<R: Real> Sample<R> {
-    /// The value of a recorded signal, if the chain computes it.
+/// A row between two points.
+#[derive(Clone, Copy, Debug)]
+struct Since<'a, R> {
+    /// Every signal at the first.
+    before: &'a [(Signal, R)],
+    /// How far on from there the row is, 0..1.
+    share: f64,
+}
+
+impl<N: Number> Sample<'_, N> {
+    /// The value of a recorded signal as its sensor reads it, in SI units, if the chain computes it.
     #[must_use]
-    pub fn signal(&self, signal: Signal) -> Option<R> {
-        match signal {
-            Signal::Spool => Some(self.spool),
-            Signal::SupplyPressure => Some(self.supply_pressure_pa),
-            Signal::Flow => Some(self.flow_a_m3_per_s),
-            Signal::PressureA => Some(self.pressure_a_pa),
-            Signal::PressureB => Some(self.pressure_b_pa),
-            Signal::Force => Some(self.force_n),
-            Signal::Velocity => Some(self.velocity_m_per_s),
-            Signal::Position => Some(self.position_m),
-            _ => None,
-        }
+    #[inline]
+    pub fn signal(&self, signal: Signal) -> Option<N::Real> {
+        let now = self.at_point(signal)?;
+        let Some(Since { before, share }) = self.since else { return Some(now) };
+        let (_, before) = before.iter().find(|(known, _)| *known == signal)?;
+        Some(*before + (now - *before) * N::Real::constant(share))
     }
 
-    fn between(a: Self, b: Self, share: f64) -> Self {
-        let mix = |a: R, b: R| a + (b - a) * R::constant(share);
-        Self {
-            spool: mix(a.spool, b.spool),
-            supply_pressure_pa: mix(a.supply_pressure_pa, b.supply_pressure_pa),
-            flow_a_m3_per_s: mix(a.flow_a_m3_per_s, b.flow_a_m3_per_s),
-            pressure_a_pa: mix(a.pressure_a_pa, b.pressure_a_pa),
-            pressure_b_pa: mix(a.pressure_b_pa, b.pressure_b_pa),
-            force_n: mix(a.force_n, b.force_n),
-            velocity_m_per_s: mix(a.velocity_m_per_s, b.velocity_m_per_s),
-            position_m: mix(a.position_m, b.position_m),
-        }
+    #[inline]
+    fn at_point(&self, signal: Signal) -> Option<N::Real> {
+        let bases = self.drive.bases();
+        let in_si = |reading: N, base: f64| reading.to_real() * N::Real::constant(base);
+        let pressure_a = || in_si(self.drive.sensed(self.state).pressure_a, bases.pressure_pa);
+        let pressure_b = || in_si(self.drive.sensed(self.state).pressure_b, bases.pressure_pa);
+        let get = |parameter| self.machine.get(parameter);
+        Some(match signal {
+            Signal::Spool => self.spool().to_real(),
+            Signal::SupplyPressure => in_si(self.state.supply.pressure, bases.pressure_pa),
+            Signal::Flow => in_si(self.flow_a(), bases.flow_m3_per_s),
+            Signal::PressureA => pressure_a(),
+            Signal::PressureB => pressure_b(),
+            Signal::Force => get(Parameter::AreaA) * pressure_a() - get(Parameter::AreaB) * pressure_b(),
+            Signal::Velocity => in_si(self.drive.sensed(self.state).velocity, bases.velocity_m_per_s),
+            Signal::Position => N::strokes(self.drive.sensed(self.state).position) * get(Parameter::Stroke),
+            _ => return None,
+        })
+    }
+
+    /// The slider as it is read; a drive that is entered at the slider has it from the recording.
+    fn spool(&self) -> N {
+        let recorded = || self.stimulus.metering_at::<N>(self.point);
+        let given = if self.stimulus.entry == EntryPoint::Slider { recorded() } else { None };
+        given.unwrap_or_else(|| self.drive.sensed(self.state).spool)
+    }
+
+    /// Flow into A, from the slider that meters the oil.
+    fn flow_a(&self) -> N {
+        let recorded = self.stimulus.metering_at::<N>(self.point);
+        let slider =
+            recorded.map_or_else(|| self.drive.slider(self.state), |reading| true_slider(self.machine, reading));
+        let pump = self.stimulus.pump_at(self.point, self.drive.bases());
+        self.drive.flows_from(self.state.supply.pressure, slider, pump, self.state.chambers).a
     }
 }
 
@@ -164,7 +180,7 @@ pub fn run<N: Number>(
     machine: &Machine<N::Real>,
     stimulus: &Stimulus,
     offset: StartOffset<N::Real>,
-    mut sink: impl FnMut(usize, &Sample<N::Real>),
+    mut sink: impl FnMut(usize, &Sample<'_, N>),
 ) -> Result<(), MachineError> {
     let machine = &unbraked(machine, stimulus);
     let drive = Drive::<N>::new::<DELAY_LINE>(machine, stimulus.tick)?;
@@ -184,8 +200,9 @@ pub fn run<N: Number>(
     let command = N::saturated(stimulus.start.command_v / bases.command_v);
     let mut state: DriveState<N, DELAY_LINE> = drive.at_rest(command, pressures, position);
 
-    let mut rows = stimulus.rows.iter().enumerate().peekable();
-    let mut before = sample(&drive, machine, stimulus, &state, 0);
+    // A row lies on a point, or in the tick before it; then it is mixed of both points.
+    let mut row = 0;
+    let mut before: Vec<(Signal, N::Real)> = Vec::new();
     for point in 0..=stimulus.ticks {
         if point > 0 {
             let tick = point - 1;
@@ -195,20 +212,18 @@ pub fn run<N: Number>(
             }
             drive.step(&mut state, entry, stimulus.load_at(tick, &bases));
         }
-        // A row lies on this point, or in the tick before it.
-        let wanted = |at: usize, share: f64| if share == 0.0 { at == point } else { at + 1 == point };
-        if rows.peek().is_none_or(|(_, (at, _))| *at > point) {
-            continue;
-        }
-        let now = sample(&drive, machine, stimulus, &state, point);
-        while let Some((row, &(_, share))) = rows.next_if(|(_, (at, share))| wanted(*at, *share)) {
-            if share == 0.0 {
-                sink(row, &now);
-            } else {
-                sink(row, &Sample::between(before, now, share));
+        let now = Sample { drive: &drive, machine, stimulus, state: &state, point, since: None };
+        while let Some(&(at, share)) = stimulus.rows.get(row) {
+            if at + usize::from(share != 0.0) != point {
+                break;
             }
+            sink(row, &Sample { since: (share != 0.0).then_some(Since { before: &before, share }), ..now });
+            row += 1;
         }
-        before = now;
+        if stimulus.rows.get(row).is_some_and(|(at, share)| *at == point && *share != 0.0) {
+            let signals = computed_below(EntryPoint::Command).iter();
+            before = signals.filter_map(|&signal| Some((signal, now.signal(signal)?))).collect();
+        }
     }
     Ok(())
 }
@@ -278,39 +293,6 @@ fn unbraked<R: Real>(machine: &Machine<R>, stimulus: &Stimulus) -> Machine<R> {
         }
     }
     machine
-}
-
-fn sample<N: Number>(
-    drive: &Drive<N>,
-    machine: &Machine<N::Real>,
-    stimulus: &Stimulus,
-    state: &DriveState<N, DELAY_LINE>,
-    point: usize,
-) -> Sample<N::Real> {
-    let bases = drive.bases();
-    let constant = N::Real::constant;
-    let sensed = drive.sensed(state);
-    let recorded = stimulus.metering_at::<N>(point);
-    let slider = recorded.map_or_else(|| drive.slider(state), |reading| true_slider(machine, reading));
-    let read = recorded.filter(|_| stimulus.entry == EntryPoint::Slider).unwrap_or(sensed.spool);
-    let supply = state.supply.pressure;
-    let flow_a = if stimulus.wants_flow {
-        drive.flows_from(supply, slider, stimulus.pump_at(point, bases), state.chambers).a
-    } else {
-        N::ZERO
-    };
-    let pressure_a_pa = sensed.pressure_a.to_real() * constant(bases.pressure_pa);
-    let pressure_b_pa = sensed.pressure_b.to_real() * constant(bases.pressure_pa);
-    Sample {
-        spool: read.to_real(),
-        supply_pressure_pa: supply.to_real() * constant(bases.pressure_pa),
-        flow_a_m3_per_s: flow_a.to_real() * constant(bases.flow_m3_per_s),
-        pressure_a_pa,
-        pressure_b_pa,
-        force_n: machine.get(Parameter::AreaA) * pressure_a_pa - machine.get(Parameter::AreaB) * pressure_b_pa,
-        velocity_m_per_s: sensed.velocity.to_real() * constant(bases.velocity_m_per_s),
-        position_m: N::strokes(sensed.position) * machine.get(Parameter::Stroke),
-    }
 }
 
 /// A whole simulation in a plain number type.

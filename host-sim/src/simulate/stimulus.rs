@@ -110,8 +110,6 @@ pub struct Stimulus {
     load_n: Option<Vec<f64>>,
     /// Temperature of the oil at grid points, °C. An input, with whatever noise its sensor has: so slow a signal needs no smoothing.
     oil_c: Option<Vec<f64>>,
-    /// Whether anybody asks for the flow at each row: it costs two more roots.
-    pub wants_flow: bool,
     /// Viscous friction, N s/m, in place of all friction of the machine, where that force balances the recorded pressures: these
     /// hold the machine's friction already.
     pub(super) damping: Option<f64>,
@@ -223,7 +221,6 @@ impl Stimulus {
             follows: false,
             load_n,
             oil_c: recording.signal(Signal::OilTemperature).map(|temperature| grid.points(temperature)),
-            wants_flow: true,
             damping,
             rows: grid.rows,
         })
@@ -238,7 +235,7 @@ impl Stimulus {
 
     /// The recorded slider, where it meters the oil beside the valve.
     fn followed(&self) -> Option<&[f64]> {
-        self.slider.as_deref().filter(|_| self.follows)
+        if self.follows { self.slider.as_deref() } else { None }
     }
 
     /// How many rows the recording has.

@@ -102,7 +102,7 @@ fn straightened(question: &Question<'_>, without: &Candidate, with: &Candidate) 
 }
 
 /// What is above the noise.
-pub(super) fn excess(residuals: &Residuals) -> f64 {
+pub(crate) fn excess(residuals: &Residuals) -> f64 {
     residuals.iter().flatten().map(|series| floored(series) - series.len() as f64).sum()
 }
 

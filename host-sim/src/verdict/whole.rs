@@ -67,7 +67,7 @@ fn slow(
         known.push(lead.effect.name);
         new
     });
-    let rough = refit_each(&leads, done, |lead| (lead, from.with(question, lead)))?;
+    let rough = refit_each(&leads, done, |lead| from.with(question, lead))?;
     let best = rough.into_iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss));
     let finished = best.map(|best| best.finished(question)).transpose()?;
     Ok(finished.filter(|candidate| candidate.is_plausible(question.scene)))
