@@ -20,3 +20,16 @@ pub(crate) fn press(further: &[(Parameter, f64)]) -> Machine<f64> {
     }
     machine
 }
+
+/// The press with the paper's valve: a dead zone, an offset, two lags and a delay, a light rod and viscous friction.
+pub(crate) fn with_papers_valve() -> Machine<f64> {
+    use Parameter as P;
+    press(&[
+        (P::ValveOffset, 0.0345),
+        (P::DeadZone, 0.105),
+        (P::TimeConstant2, 0.0279),
+        (P::TransportDelay, 0.007),
+        (P::MovingMass, 18.3),
+        (P::ViscousFriction, 1.0e5),
+    ])
+}

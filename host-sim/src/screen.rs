@@ -71,12 +71,12 @@ impl Strength {
     }
 
     /// Whether it says how much of the effect there is.
-    fn is_amount(&self) -> bool {
+    pub(crate) fn is_amount(&self) -> bool {
         matches!(self.kind, Kind::Amount(_) | Kind::Jump(_) | Kind::Signed(_))
     }
 
     /// The size that directions are taken at.
-    fn unit(&self, scene: &Scene<'_>) -> f64 {
+    pub(crate) fn unit(&self, scene: &Scene<'_>) -> f64 {
         match self.kind {
             Kind::Amount(range) | Kind::Jump(range) | Kind::Shape(range, _) => {
                 let (low, high) = range(scene);
@@ -88,7 +88,7 @@ impl Strength {
     }
 
     /// Its usual range.
-    fn range(&self, scene: &Scene<'_>) -> (f64, f64) {
+    pub(crate) fn range(&self, scene: &Scene<'_>) -> (f64, f64) {
         match self.kind {
             Kind::Amount(range) | Kind::Jump(range) | Kind::Shape(range, _) | Kind::Place(range, _) => range(scene),
             Kind::Signed(size) => (-size(scene), size(scene)),
@@ -144,7 +144,7 @@ impl Promise {
 }
 
 /// The strengths that say how much of the effect there is.
-fn amounts(form: Form) -> impl Iterator<Item = &'static Strength> {
+pub(crate) fn amounts(form: Form) -> impl Iterator<Item = &'static Strength> {
     form.iter().filter(|strength| strength.is_amount())
 }
 
@@ -212,13 +212,13 @@ pub fn screen(
 }
 
 /// Every combination of the shapes' points.
-fn shapes(scene: &Scene<'_>, form: Form) -> Vec<Values> {
+pub(crate) fn shapes(scene: &Scene<'_>, form: Form) -> Vec<Values> {
     let shapes = form.iter().filter(|strength| !strength.is_amount());
     combined(Vec::new(), shapes.map(|strength| (strength.parameter, strength.tries(scene))))
 }
 
 /// What is given with every combination of the values to try.
-fn combined(given: Values, tries: impl Iterator<Item = (Parameter, Vec<f64>)>) -> Vec<Values> {
+pub(crate) fn combined(given: Values, tries: impl Iterator<Item = (Parameter, Vec<f64>)>) -> Vec<Values> {
     tries.fold(vec![given], |points, (parameter, values)| {
         points
             .iter()

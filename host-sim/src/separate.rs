@@ -12,8 +12,9 @@ use rayon::prelude::*;
 use crate::diagnose::{Diagnosis, Finding};
 use crate::hypothesis::Hypothesis;
 use crate::machine_file::LoadSource;
-use crate::recording::{Column, Recording, Signal};
-use crate::simulate::{EntryPoint, StartOffset, Stimulus, run};
+use crate::recording::{Recording, Signal};
+use crate::sensor;
+use crate::simulate::{EntryPoint, StartOffset, run};
 use crate::standard_tests::{StandardTest, standard_tests};
 use crate::verdict::Trial;
 
@@ -25,10 +26,6 @@ const NEGLIGIBLE: f64 = 0.01;
 const PER_S: f64 = 20.0;
 /// A test tells two apart that are so many standard deviations of the noise apart in some signal.
 pub const TELLS: f64 = 1.0;
-/// Noise of a slider's sensor that is not there yet, of full travel.
-const NEW_SLIDER: f64 = 1e-3;
-/// Noise of a pressure sensor that is not there yet, of the supply pressure.
-const NEW_PRESSURE: f64 = 2e-3;
 
 /// How far apart two machines are in one test.
 #[derive(Clone, Debug, PartialEq)]
@@ -194,11 +191,9 @@ fn sensors(diagnosis: &Diagnosis) -> Vec<Sensor> {
             None => found.push(Sensor { signal: channel.signal, noise: channel.noise, present: true }),
         }
     }
-    let of_pressure = NEW_PRESSURE * diagnosis.machine_after.get(Parameter::SupplyPressure);
-    for (signal, noise) in
-        [(Signal::Spool, NEW_SLIDER), (Signal::PressureA, of_pressure), (Signal::PressureB, of_pressure)]
-    {
+    for signal in [Signal::Spool, Signal::PressureA, Signal::PressureB] {
         if found.iter().all(|sensor| sensor.signal != signal) {
+            let noise = sensor::Sensor::usual(signal, &diagnosis.machine_after).noise;
             found.push(Sensor { signal, noise, present: false });
         }
     }
@@ -251,7 +246,7 @@ fn told_by(
     sensors: &[Sensor],
     tick: Tick,
 ) -> Result<Vec<(usize, Told)>, MachineError> {
-    let Some(stimulus) = stimulus(test, chosen, tick) else { return Ok(Vec::new()) };
+    let Some(stimulus) = test.stimulus(chosen, tick) else { return Ok(Vec::new()) };
     let seen = |machine: &Machine<f64>| -> Result<Vec<Vec<f64>>, MachineError> {
         let mut series = vec![Vec::with_capacity(stimulus.rows()); sensors.len()];
         run::<f64>(machine, &stimulus, StartOffset::none(), |_, sample| {
@@ -289,22 +284,6 @@ fn told_by(
         found.push((index, Told { rows: stimulus.rows(), of: of.collect() }));
     }
     Ok(found)
-}
-
-/// A recording of the test's command and load alone, with the rod at mid-stroke.
-fn stimulus(test: &StandardTest, machine: &Machine<f64>, tick: Tick) -> Option<Stimulus> {
-    let time_s: Vec<f64> = (0..test.command_v.len()).map(|row| row as f64 * test.interval_s).collect();
-    let position = vec![0.5 * machine.get(Parameter::Stroke); time_s.len()];
-    let mut columns = vec![
-        Column::si(Signal::Time, time_s),
-        Column::si(Signal::Command, test.command_v.clone()),
-        Column::si(Signal::Position, position),
-    ];
-    if !test.load_n.is_empty() {
-        columns.push(Column::si(Signal::LoadForce, test.load_n.clone()));
-    }
-    let recording = Recording::new(test.name, columns).ok()?;
-    Stimulus::new(&recording, machine, EntryPoint::Command, LoadSource::Constant, tick).ok()
 }
 
 fn separation(pair: &Pair, tests: &[(&StandardTest, &Told)], sensors: &[Sensor]) -> Separation {

@@ -1,18 +1,7 @@
 //! Separation on drives that are known.
 
 use super::*;
-
-fn press() -> Machine<f64> {
-    use Parameter as P;
-    crate::press::press(&[
-        (P::ValveOffset, 0.0345),
-        (P::DeadZone, 0.105),
-        (P::TimeConstant2, 0.0279),
-        (P::TransportDelay, 0.007),
-        (P::MovingMass, 18.3),
-        (P::ViscousFriction, 1.0e5),
-    ])
-}
+use crate::press::with_papers_valve as press;
 
 fn with(parameter: Parameter, value: f64) -> Machine<f64> {
     let mut machine = press();
@@ -48,7 +37,7 @@ fn every_standard_test_runs_and_is_short() {
     for test in &tests {
         assert!(test.duration_s() > 1.0 && test.duration_s() < 21.0, "{}: {}", test.name, test.duration_s());
         assert!(test.command_v.iter().all(|volts| volts.abs() <= 10.0), "{}", test.name);
-        assert!(stimulus(test, &press(), Tick::OneMillisecond).is_some(), "{}", test.name);
+        assert!(test.stimulus(&press(), Tick::OneMillisecond).is_some(), "{}", test.name);
     }
 }
 

@@ -2,9 +2,12 @@
 //!
 //! They are laid out for the drive: no larger than the commands it was recorded with, and slow enough to stay within its stroke.
 
-use model_core::machine::Machine;
+use model_core::machine::{Machine, Tick};
 use model_core::parameter::Parameter;
 
+use crate::machine_file::LoadSource;
+use crate::recording::{Column, Recording, Signal};
+use crate::simulate::{EntryPoint, Stimulus};
 use crate::testbed::Excitation;
 
 /// Rows of a test come at this interval, s.
@@ -32,6 +35,29 @@ impl StandardTest {
     #[must_use]
     pub fn duration_s(&self) -> f64 {
         self.interval_s * (self.command_v.len().max(2) - 1) as f64
+    }
+
+    /// Its command, and the load where it takes one, with the rod at mid-stroke.
+    #[must_use]
+    pub fn recording(&self, machine: &Machine<f64>) -> Option<Recording> {
+        let position = vec![0.5 * machine.get(Parameter::Stroke); self.command_v.len()];
+        Recording::new(self.name, self.columns().chain([Column::si(Signal::Position, position)]).collect()).ok()
+    }
+
+    /// Time, command, and the load where it takes one.
+    pub fn columns(&self) -> impl Iterator<Item = Column> {
+        // Times to the nanosecond: 0.006 and not 0.0060000000000000001.
+        let time = |row: usize| (row as f64 * self.interval_s * 1e9).round() / 1e9;
+        let times = (0..self.command_v.len()).map(time).collect();
+        let load = (!self.load_n.is_empty()).then(|| Column::si(Signal::LoadForce, self.load_n.clone()));
+        [Column::si(Signal::Time, times), Column::si(Signal::Command, self.command_v.clone())].into_iter().chain(load)
+    }
+
+    /// What a drive with a valve does in it is simulated from this.
+    #[must_use]
+    pub fn stimulus(&self, machine: &Machine<f64>, tick: Tick) -> Option<Stimulus> {
+        let recording = self.recording(machine)?;
+        Stimulus::new(&recording, machine, EntryPoint::Command, LoadSource::Constant, tick).ok()
     }
 }
 
@@ -94,6 +120,12 @@ pub fn standard_tests(machine: &Machine<f64>, largest_v: f64) -> Vec<StandardTes
     let whole = drive.whole_stroke(0.4 * full);
     tests.push(plain("whole stroke", "slowly from end to end".to_owned(), whole));
     tests
+}
+
+/// Command that moves the rod at about this speed, m/s, out (positive) or in; at most `largest_v`.
+pub(crate) fn command_for(machine: &Machine<f64>, largest_v: f64, speed_m_per_s: f64) -> f64 {
+    let volts = Drive::of(machine, largest_v).volts_for(speed_m_per_s.abs());
+    volts.copysign(speed_m_per_s * machine.get(Parameter::ValveGain))
 }
 
 /// What laying out takes of a drive.

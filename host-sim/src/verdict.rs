@@ -23,8 +23,8 @@ use crate::prepare::Prepared;
 use crate::search::{is_hopeful, least_above, widened};
 use crate::tempered::Tempered;
 pub use confirmation::{Confirmation, confirm};
-use likelihood::{FORM, accepts, prefer_plain, ranked};
-pub(crate) use likelihood::{LeftOut, excess};
+pub(crate) use likelihood::{FORM, LeftOut, excess};
+use likelihood::{accepts, prefer_plain, ranked};
 pub use whole::lengthened;
 
 /// Most effects claimed at once.

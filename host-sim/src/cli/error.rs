@@ -13,7 +13,9 @@ use crate::import::ImportError;
 use crate::judge::JudgeError;
 use crate::machine_file::MachineFileError;
 use crate::paper::PaperError;
+use crate::plan::PlanError;
 use crate::recording::{MapError, RecordingError};
+use crate::sensor::SensorError;
 use crate::simulate::SimulateError;
 use crate::statics::StaticsError;
 use crate::testbed::{ExcitationError, LinkageError, PlantError};
@@ -101,6 +103,17 @@ pub enum CliError {
         /// What the system says.
         cause: io::Error,
     },
+    /// A recording cannot be planned.
+    #[error("{machine}: {cause}")]
+    Plan {
+        /// The machine file.
+        machine: PathBuf,
+        /// Why.
+        cause: PlanError,
+    },
+    /// A sensor given as text.
+    #[error("--sensors: {0}")]
+    Sensor(#[from] SensorError),
     /// The paper's experiment.
     #[error(transparent)]
     Paper(#[from] PaperError),

@@ -13,6 +13,7 @@ pub mod fit;
 pub mod import;
 mod input;
 pub mod paper;
+pub mod plan;
 pub mod simulate;
 pub mod statics;
 mod target;
@@ -47,6 +48,8 @@ pub enum Command {
     Diagnose(diagnose::Arguments),
     /// Read a valve's static characteristic off a sweep, a table of means or runs, without a clock.
     Statics(statics::Arguments),
+    /// Say before recording which effects could be seen and told apart, and lay out the excitation that separates most.
+    Plan(plan::Arguments),
     /// Repeat the paper's experiment on a virtual test bed and print its tables.
     Paper(paper::Arguments),
     /// Make synthetic recordings of a drive, with effects that its machine file knows nothing of.
@@ -74,6 +77,7 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<Outcome, CliE
         Command::Fit(arguments) => fit::run(arguments, console),
         Command::Diagnose(arguments) => diagnose::run(arguments, console),
         Command::Statics(arguments) => statics::run(arguments, console),
+        Command::Plan(arguments) => plan::run(arguments, console),
         Command::Paper(arguments) => paper::run(arguments, console),
         Command::Testbed(arguments) => testbed::run(arguments, console),
         Command::Export(arguments) => export::run(arguments, console),

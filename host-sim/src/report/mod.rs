@@ -4,5 +4,6 @@
 mod exhibits_json;
 pub mod html;
 pub mod json;
+pub mod plan;
 pub mod statics;
 pub mod terminal;

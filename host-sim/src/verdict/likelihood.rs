@@ -9,7 +9,7 @@ use crate::hypothesis::CATALOGUE;
 const LEAST_SHARE: f64 = 0.5;
 /// How closely a real effect follows its textbook form, as a share of the error that it explains (RMS): a further effect that
 /// explains less than this of what the first ones did cannot be told from their own form's error.
-pub(super) const FORM: f64 = 0.1;
+pub(crate) const FORM: f64 = 0.1;
 /// An extension that explains less than that still earns its place by this share of what the plainer effect leaves.
 const EARNED: f64 = 0.75;
 

@@ -8,6 +8,7 @@ mod at_hand;
 mod bad_input;
 mod export;
 mod import;
+mod plan;
 mod report;
 mod shared;
 mod shipped;

@@ -1,0 +1,178 @@
+//! `host-sim plan`: before recording, which effects could be seen and told apart, and how to excite the drive.
+
+use std::path::{Path, PathBuf};
+
+use super::input;
+use super::target::{check_not_read, check_target};
+use super::{CliError, Console, Outcome};
+use crate::atomic;
+use crate::diagnose::ordinary;
+use crate::machine_file::{self, LoadSource, MachineFile};
+use crate::plan::{Planned, plan, steps};
+use crate::plot;
+use crate::prepare::Prepared;
+use crate::recording::{ChannelMap, Recording, Signal};
+use crate::report;
+use crate::sensor::Sensor;
+use crate::simulate::{EntryPoint, Stimulus};
+use crate::standard_tests::StandardTest;
+use crate::testbed::Excitation;
+use model_core::machine::Tick;
+
+/// Arguments of `plan`.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Examples:
+  host-sim plan --machine M.toml --sensors position:0.05mm,pressure_a:0.2bar,pressure_b:0.2bar
+  host-sim plan --machine M.toml --sensors position --input \"random:10V\" --out excitation.csv --plot matrix.svg
+  host-sim plan --machine M.toml --recording first.csv
+
+Every effect is switched on in the model, as it usually is; what a refit would imitate is taken out; what is left decides whether it
+would be claimed, and which effects would pass for each other, by the rules of `diagnose`. Sensors are position, velocity, spool, flow,
+force, pressure_a, pressure_b, supply_pressure, each with the standard deviation of its noise (usual noise without). With
+--recording its sensors and their noise are those at hand. The excitation that separates most is the best choice of the standard tests
+within --seconds; --out writes it, time and command, for the controller to play. The rod starts at mid-stroke.")]
+pub struct Arguments {
+    /// Machine file of the drive (TOML, SI units)
+    #[arg(long, value_name = "M.toml")]
+    machine: PathBuf,
+    /// Sensors at hand, each with its noise: `position:0.05mm,spool`
+    #[arg(long, value_name = "sensor,…", value_delimiter = ',', required_unless_present = "recording")]
+    sensors: Vec<String>,
+    /// Excitation that is judged beside the best one, such as "steps:4V"
+    #[arg(long, value_name = "signal", conflicts_with = "recording")]
+    input: Option<String>,
+    /// Recording whose excitation is judged beside the best one (CSV)
+    #[arg(long, value_name = "R.csv")]
+    recording: Option<PathBuf>,
+    /// Which column holds a signal, where its header does not say; may be repeated
+    #[arg(long = "map", value_name = "name=header")]
+    maps: Vec<String>,
+    /// Largest command, V; without it that of the excitation at hand, or 10
+    #[arg(long, value_name = "V")]
+    largest: Option<f64>,
+    /// Longest excitation, s
+    #[arg(long, value_name = "s", default_value_t = 20.0)]
+    seconds: f64,
+    /// The rig can load the rod from outside: tests under load count
+    #[arg(long)]
+    with_load: bool,
+    /// Write the excitation that separates most (CSV)
+    #[arg(long, value_name = "E.csv")]
+    out: Option<PathBuf>,
+    /// Write the plan for programs
+    #[arg(long, value_name = "P.json")]
+    json: Option<PathBuf>,
+    /// Draw the isolability matrix of the excitation that separates most
+    #[arg(long, value_name = "P.svg")]
+    plot: Option<PathBuf>,
+}
+
+/// The excitation at hand.
+struct AtHand {
+    stimulus: Stimulus,
+    largest_v: f64,
+    sensors: Vec<Sensor>,
+}
+
+pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+    let read: Vec<PathBuf> = arguments.recording.iter().chain([&arguments.machine]).cloned().collect();
+    for target in [&arguments.out, &arguments.json, &arguments.plot].into_iter().flatten() {
+        check_target(target)?;
+        check_not_read(target, &read)?;
+    }
+    positive("--seconds", arguments.seconds)?;
+    arguments.largest.map_or(Ok(()), |largest| positive("--largest", largest))?;
+    let file = machine_file::read(&arguments.machine)?;
+    let at_hand = at_hand(arguments, &file, console)?;
+    let sensors = match &at_hand {
+        Some(at_hand) if arguments.sensors.is_empty() => at_hand.sensors.clone(),
+        _ => sensors(&arguments.sensors, &file)?,
+    };
+    let largest_v = arguments.largest.or(at_hand.as_ref().map(|at_hand| at_hand.largest_v)).unwrap_or(10.0);
+    let planned = Planned {
+        machine: &file.machine,
+        ordinary: &ordinary(&file),
+        sensors: &sensors,
+        largest_v,
+        can_load: arguments.with_load,
+        longest_s: arguments.seconds,
+    };
+    let bar = console.progress(steps(&planned), "planning");
+    let plan = plan(&planned, at_hand.as_ref().map(|at_hand| &at_hand.stimulus), &|| bar.inc(1));
+    bar.finish_and_clear();
+    let plan = plan.map_err(|cause| CliError::Plan { machine: arguments.machine.clone(), cause })?;
+    if let Some(path) = &arguments.out {
+        excitation(&plan.excitation)?.write_csv(path, &[], &[])?;
+    }
+    if let Some(path) = &arguments.json {
+        write(path, &format!("{:#}\n", report::plan::document(&file.name, &sensors, &plan)))?;
+    }
+    if let Some(path) = &arguments.plot {
+        write(path, &plot::grid(&report::plan::matrix(&plan.best)))?;
+    }
+    console.print(report::plan::text(&file.name, &sensors, &plan).trim_end())?;
+    Ok(Outcome::Done)
+}
+
+fn positive(argument: &'static str, found: f64) -> Result<(), CliError> {
+    if found.is_finite() && found > 0.0 {
+        return Ok(());
+    }
+    Err(CliError::Number { argument, found, expected: "a positive number" })
+}
+
+/// The sensors that were named, each once.
+fn sensors(named: &[String], file: &MachineFile) -> Result<Vec<Sensor>, CliError> {
+    let mut found: Vec<Sensor> = Vec::new();
+    for text in named {
+        let sensor = Sensor::parse(text, &file.machine)?;
+        // Named again, the last one counts.
+        found.retain(|known| known.signal != sensor.signal);
+        found.push(sensor);
+    }
+    Ok(found)
+}
+
+fn at_hand(arguments: &Arguments, file: &MachineFile, console: &Console<'_>) -> Result<Option<AtHand>, CliError> {
+    let failed = |cause| CliError::Simulate { machine: arguments.machine.clone(), cause };
+    if let Some(path) = &arguments.recording {
+        let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
+        let recording = input::recording(path, &file.channels.clone().overlaid_with(&maps))?;
+        for note in input::notes(&recording) {
+            console.note(note);
+        }
+        let compared = |cause| CliError::Compare { machine: arguments.machine.clone(), cause };
+        let prepared = Prepared::entered_at(EntryPoint::Command, &recording, &file.machine, LoadSource::Constant, None)
+            .map_err(compared)?;
+        let sensors = prepared.channels.iter().map(|channel| Sensor { signal: channel.signal, noise: channel.noise });
+        let sensors = sensors.collect();
+        let commands = recording.signal(Signal::Command).unwrap_or_default();
+        let largest_v = commands.iter().fold(0.0_f64, |largest, volts| largest.max(volts.abs()));
+        return Ok(Some(AtHand { stimulus: prepared.stimulus, largest_v, sensors }));
+    }
+    let Some(text) = &arguments.input else { return Ok(None) };
+    let signal: Excitation = text.parse()?;
+    let tick = Tick::OneMillisecond;
+    let command_v = signal.sample(tick.seconds());
+    let largest_v = command_v.iter().fold(0.0_f64, |largest, volts| largest.max(volts.abs()));
+    let test = StandardTest {
+        name: "the input",
+        how: text.clone(),
+        interval_s: tick.seconds(),
+        command_v,
+        load_n: Vec::new(),
+    };
+    let recording = Recording::new(test.name, test.columns().collect())?;
+    let stimulus = Stimulus::new(&recording, &file.machine, EntryPoint::Command, LoadSource::Constant, tick);
+    Ok(Some(AtHand { stimulus: stimulus.map_err(failed)?, largest_v, sensors: Vec::new() }))
+}
+
+/// Time and command, and the load where there is one, for the controller to play.
+fn excitation(test: &StandardTest) -> Result<Recording, CliError> {
+    Ok(Recording::new(test.name, test.columns().collect())?)
+}
+
+fn write(path: &Path, text: &str) -> Result<(), CliError> {
+    atomic::write(path, |out| out.write_all(text.as_bytes()))
+        .map_err(|cause| CliError::Write { path: path.to_owned(), cause })
+}

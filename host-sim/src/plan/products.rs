@@ -1,0 +1,97 @@
+//! What every direction does to every sensor in one excitation, as products of whitened changes: they add up over excitations.
+
+use model_core::machine::{Machine, MachineError};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::directions::Direction;
+use crate::sensor::Sensor;
+use crate::simulate::{StartOffset, Stimulus, run};
+
+/// Rows that are kept at most; of longer excitations every so-manieth, which stands for those left out.
+const MOST_ROWS: usize = 20_000;
+
+/// One simulation over the noise of each sensor: a vector a sensor.
+pub(super) type Seen = Vec<DVector<f64>>;
+
+/// An excitation, ready to be simulated and looked at.
+#[derive(Debug)]
+pub(super) struct View<'a> {
+    pub(super) stimulus: &'a Stimulus,
+    pub(super) sensors: &'a [Sensor],
+}
+
+impl View<'_> {
+    fn stride(&self) -> usize {
+        self.stimulus.rows().div_ceil(MOST_ROWS).max(1)
+    }
+
+    /// A machine's signals over the noise; every kept row stands for those left out.
+    pub(super) fn of(&self, machine: &Machine<f64>, offset: StartOffset<f64>) -> Result<Seen, MachineError> {
+        let stride = self.stride();
+        let weight = (stride as f64).sqrt();
+        let mut series = vec![Vec::new(); self.sensors.len()];
+        run::<f64>(machine, self.stimulus, offset, |row, sample| {
+            if row.is_multiple_of(stride) {
+                for (sensor, series) in self.sensors.iter().zip(&mut series) {
+                    series.push(sample.signal(sensor.signal).map_or(0.0, |value| weight * value / sensor.noise));
+                }
+            }
+        })?;
+        Ok(series.into_iter().map(DVector::from_vec).collect())
+    }
+}
+
+/// Products of all directions, a matrix a sensor.
+#[derive(Clone, Debug)]
+pub(super) struct Products {
+    pub(super) by_sensor: Vec<DMatrix<f64>>,
+    /// Samples of one sensor.
+    pub(super) rows: f64,
+}
+
+impl Products {
+    /// Simulates every direction. One that does not become a drive changes nothing.
+    pub(super) fn of(machine: &Machine<f64>, directions: &[Direction], view: &View<'_>) -> Result<Self, MachineError> {
+        let base = view.of(machine, StartOffset::none())?;
+        let changes: Vec<Option<Seen>> = directions
+            .par_iter()
+            .map(|direction| {
+                let there = view.of(&direction.machine, direction.offset).ok()?;
+                let change = there.into_iter().zip(&base).map(|(there, base)| (there - base) * direction.times);
+                Some(change.collect())
+            })
+            .collect();
+        let by_sensor = (0..view.sensors.len()).into_par_iter().map(|sensor| {
+            let rows = base[sensor].len();
+            let mut columns = DMatrix::zeros(rows, directions.len());
+            for (mut column, change) in columns.column_iter_mut().zip(&changes) {
+                if let Some(change) = change {
+                    column.copy_from(&change[sensor]);
+                }
+            }
+            columns.tr_mul(&columns)
+        });
+        Ok(Self { by_sensor: by_sensor.collect(), rows: view.stimulus.rows() as f64 })
+    }
+
+    /// Those of several excitations together.
+    pub(super) fn sum<'a>(all: impl IntoIterator<Item = &'a Self>) -> Option<Self> {
+        all.into_iter().cloned().reduce(|mut sum, one| {
+            for (sum, one) in sum.by_sensor.iter_mut().zip(&one.by_sensor) {
+                *sum += one;
+            }
+            Self { rows: sum.rows + one.rows, ..sum }
+        })
+    }
+
+    /// Products over some of the sensors, and their samples.
+    pub(super) fn over(&self, sensors: &[usize]) -> (DMatrix<f64>, f64) {
+        let size = self.by_sensor.first().map_or(0, DMatrix::nrows);
+        let mut sum = DMatrix::zeros(size, size);
+        for &sensor in sensors {
+            sum += &self.by_sensor[sensor];
+        }
+        (sum, self.rows * sensors.len() as f64)
+    }
+}

@@ -1,0 +1,52 @@
+//! What a recording will be able to show, before it is made.
+
+use super::{done, example, folder_with, refused};
+
+#[test]
+fn a_plan_says_what_could_be_seen_and_writes_an_excitation_that_the_drive_can_play() {
+    let folder = tempfile::tempdir().unwrap();
+    let machine = example("machine.toml");
+    let sensors = "position:0.05mm,pressure_a:0.2bar,pressure_b:0.2bar";
+    let asked = ["plan", "--machine", &machine, "--sensors", sensors, "--seconds", "9", "--input", "steps:4V"];
+    let outputs = ["--out", "excitation.csv", "--json", "plan.json", "--plot", "matrix.svg"];
+    let printed = done(folder.path(), &[asked.as_slice(), &outputs].concat());
+    assert!(printed.contains("seen by position (± 0.0500 mm), pressure_a (± 0.200 bar)"), "{printed}");
+    assert!(printed.contains("with the excitation at hand, 1.80 s"), "{printed}");
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let plan: serde_json::Value = serde_json::from_str(&read("plan.json")).unwrap();
+    assert_eq!(plan["schema"], "host-sim/plan/1");
+    let effects = plan["best"]["outlook"]["effects"].as_array().unwrap();
+    let leakage = effects.iter().find(|effect| effect["effect"] == "internal-leakage").unwrap();
+    // It is what the shipped case conceals, and what these sensors have shown of it.
+    assert_eq!(leakage["claimed"], true);
+    assert_eq!(leakage["passes_for"].as_array().unwrap().len(), 0, "{leakage}");
+    assert!(leakage["claimed_from_share_of_usual"].as_f64().unwrap() < 1.0, "{leakage}");
+    assert!(plan["best"]["outlook"]["duration_s"].as_f64().unwrap() <= 9.0);
+    assert!(read("matrix.svg").contains("internal-leakage"));
+    assert!(read("excitation.csv").starts_with("time [s],command [V]\n"));
+    done(folder.path(), &["simulate", "--machine", &machine, "--recording", "excitation.csv", "--out", "played.csv"]);
+    assert!(read("played.csv").lines().next().unwrap().contains("position"));
+}
+
+#[test]
+fn a_recording_brings_its_own_sensors_and_noise() {
+    let folder = tempfile::tempdir().unwrap();
+    let (machine, recording) = (example("machine.toml"), example("train-1.csv"));
+    let printed = done(folder.path(), &["plan", "--machine", &machine, "--recording", &recording, "--seconds", "9"]);
+    assert!(printed.contains("spool (± ") && printed.contains("position (± "), "{printed}");
+    assert!(printed.contains("with the excitation at hand, 3.00 s"), "{printed}");
+}
+
+#[test]
+fn what_cannot_be_planned_is_refused_with_what_would_do() {
+    let folder = folder_with(super::MACHINE, "time [s],command [V]\n0,0\n1,0\n");
+    let plan = |more: &[&str]| refused(folder.path(), &[&["plan", "--machine", "machine.toml"], more].concat());
+    let message = plan(&["--sensors", "positon"]);
+    assert!(message.contains("did you mean `position`?"), "{message}");
+    let message = plan(&["--sensors", "position:0.05bar"]);
+    assert!(message.contains("noise `0.05bar` of position") && message.contains("mm"), "{message}");
+    let message = plan(&["--sensors", "position", "--seconds", "0.2"]);
+    assert!(message.contains("no standard test is shorter than 0.2 s"), "{message}");
+    let message = plan(&["--sensors", "position", "--seconds", "-1"]);
+    assert!(message.contains("--seconds is -1; expected a positive number"), "{message}");
+}
