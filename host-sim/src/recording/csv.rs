@@ -26,6 +26,20 @@ pub fn read(path: &Path, map: &ChannelMap) -> Result<Recording, RecordingError> 
 }
 
 /// Reads a recording from anywhere; `name` stands for the file in messages.
+///
+/// ```
+/// use host_sim::recording::{ChannelMap, Signal, read_from};
+///
+/// let text = "time [ms];command [V];Kolbenweg [mm]\n0;0;150,0\n1;2,5;150,1\n2;2,5;150,3\n";
+/// let map = ChannelMap::from_arguments(["position=Kolbenweg [mm]"])?;
+/// let recording = read_from("press.csv", text.as_bytes(), &map)?;
+/// assert_eq!(recording.rows(), 3);
+/// assert_eq!(recording.signal(Signal::Position), Some(&[0.15, 0.1501, 0.1503][..])); // SI inside
+///
+/// let error = read_from("press.csv", "time [s],command [furlong]\n0,1\n".as_bytes(), &map);
+/// assert!(error.is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read_from(name: &str, input: impl Read, map: &ChannelMap) -> Result<Recording, RecordingError> {
     let mut lines = Lines::new(name, input);
     let file = lines.file();
