@@ -112,8 +112,9 @@ fn table(effect: &Hypothesis, scene: &Scene<'_>) -> String {
     for strength in form {
         let key = strength.parameter.description().key;
         if let Some(name) = key.strip_prefix(&format!("effects.{}.", effect.name)) {
-            let value = format!("{:?}", short(example(strength, scene)).parse::<f64>().unwrap());
-            writeln!(text, "{name} = {value}").unwrap();
+            let value = short(example(strength, scene));
+            let fraction = if value.contains(['.', 'e']) { "" } else { ".0" };
+            writeln!(text, "{name} = {value}{fraction}").unwrap();
         }
     }
     text
@@ -173,6 +174,11 @@ fn catalogue() -> String {
             writeln!(text, "It extends [{0}](#{0}) and has to earn what it has more.\n", extension.plain).unwrap();
         }
         writeln!(text, "**Parameters.** {}\n", body("Parameters")).unwrap();
+        let shared = effect.forms.iter().flat_map(|form| form.iter()).map(|strength| strength.parameter);
+        if let Some(shared) = shared.into_iter().find(|shared| effect.parameters().all(|own| own != *shared)) {
+            let key = shared.description().key;
+            writeln!(text, "It is also fitted with `{key}`, a key that several laws share.\n").unwrap();
+        }
         text.push_str("| key | unit | accepted | not given | usual on the press | what |\n|---|---|---|---|---|---|\n");
         for strength in strengths(effect) {
             writeln!(text, "{}", row(&strength, &scene)).unwrap();
