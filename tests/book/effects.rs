@@ -174,8 +174,8 @@ fn catalogue() -> String {
             writeln!(text, "It extends [{0}](#{0}) and has to earn what it has more.\n", extension.plain).unwrap();
         }
         writeln!(text, "**Parameters.** {}\n", body("Parameters")).unwrap();
-        let shared = effect.forms.iter().flat_map(|form| form.iter()).map(|strength| strength.parameter);
-        if let Some(shared) = shared.into_iter().find(|shared| effect.parameters().all(|own| own != *shared)) {
+        let mut fitted = effect.forms.iter().flat_map(|form| form.iter()).map(|strength| strength.parameter);
+        if let Some(shared) = fitted.find(|fitted| effect.parameters().all(|own| own != *fitted)) {
             let key = shared.description().key;
             writeln!(text, "It is also fitted with `{key}`, a key that several laws share.\n").unwrap();
         }
