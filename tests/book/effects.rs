@@ -86,7 +86,7 @@ fn short(value: f64) -> String {
     let rounded: f64 = scientific.parse().unwrap();
     match rounded.abs() {
         0.0 => "0".to_owned(),
-        size if size < 1e-2 || size >= 1e5 => scientific.replace(".0e", "e"),
+        size if !(1e-2..1e5).contains(&size) => scientific.replace(".0e", "e"),
         _ => format!("{rounded}"),
     }
 }
