@@ -125,6 +125,28 @@ struct Plan {
 }
 
 /// Simulates every section that the recording allows and compares.
+///
+/// ```
+/// use std::path::Path;
+///
+/// use host_sim::compare::{Arithmetic, Section, compare};
+/// use host_sim::machine_file;
+/// use host_sim::recording::{self, ChannelMap, Signal};
+///
+/// let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/press-63-40");
+/// let drive = machine_file::read(&example.join("machine.toml"))?;
+/// let recording = recording::read(&example.join("holdout-1.csv"), &ChannelMap::default())?;
+///
+/// let found = compare(&drive.machine, drive.load_source, &recording, Arithmetic::Fixed, None)?;
+/// let fit = |section, signal| {
+///     let section = found.sections.iter().find(|known| known.section == section)?;
+///     section.fits.iter().find(|fit| fit.signal == signal).map(|fit| fit.nrmse_percent)
+/// };
+/// // The valve follows; what is below it misses something.
+/// assert!(fit(Section::Valve, Signal::Spool) > Some(99.0));
+/// assert!(fit(Section::EndToEnd, Signal::Position) < Some(95.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn compare(
     machine: &Machine<f64>,
     load: LoadSource,

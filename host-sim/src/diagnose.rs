@@ -132,6 +132,27 @@ pub fn steps(file: &MachineFile) -> u64 {
 }
 
 /// Diagnoses a drive from training recordings, and confirms on held-out ones.
+///
+/// ```
+/// use std::path::Path;
+///
+/// use host_sim::diagnose::{Verdict, diagnose};
+/// use host_sim::machine_file;
+/// use host_sim::recording::{self, ChannelMap, Recording};
+///
+/// let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/press-63-40");
+/// let drive = machine_file::read(&example.join("machine.toml"))?;
+/// let read = |names: &[&str]| -> Result<Vec<Recording>, _> {
+///     names.iter().map(|name| recording::read(&example.join(name), &ChannelMap::default())).collect()
+/// };
+/// let training = read(&["train-1.csv", "train-2.csv"])?;
+/// let held_out = read(&["holdout-1.csv"])?;
+///
+/// let diagnosis = diagnose(&drive, &training, &held_out, None, &|_| {})?;
+/// assert_eq!(diagnosis.verdict, Verdict::MissingPhysics);
+/// assert_eq!(diagnosis.findings[0].effect.name, "internal-leakage");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn diagnose(
     file: &MachineFile,
     training: &[Recording],

@@ -250,6 +250,33 @@ impl<N: Number> Drive<N> {
 
     /// One tick. Fixed cost; no input of any size overflows or panics.
     ///
+    /// ```
+    /// # use model_core::chambers::ChamberState;
+    /// # use model_core::drive::{Drive, DriveState, Entry, Load};
+    /// # use model_core::fixed_point::PerUnit;
+    /// # use model_core::machine::{Machine, Source, Tick};
+    /// # use model_core::number::Number;
+    /// # use model_core::parameter::Parameter;
+    /// use model_core::valve::Slider;
+    ///
+    /// let areas = [(Parameter::AreaA, 3.117e-3), (Parameter::AreaB, 1.861e-3)];
+    /// let machine = Machine::with_defaults(Source::Valve).with(&areas).with(&[
+    ///     (Parameter::VolumeA, 5.2e-4),
+    ///     (Parameter::VolumeB, 3.3e-4),
+    /// ]);
+    /// let drive = Drive::<PerUnit>::new::<64>(&machine, Tick::OneMillisecond)?;
+    /// let pressures = ChamberState { a: PerUnit::saturated(0.3), b: PerUnit::saturated(0.5) };
+    /// let mut state: DriveState<PerUnit> = drive.at_rest(PerUnit::ZERO, pressures, PerUnit::travel(0.5));
+    ///
+    /// // Entered at a measured slider: the valve link is left out. A tenth open retracts where it is negative.
+    /// let slider = PerUnit::saturated(-0.1);
+    /// for _ in 0..100 {
+    ///     drive.step(&mut state, Entry::Slider(Slider { from: slider, to: slider }), Load::NONE);
+    /// }
+    /// assert!(PerUnit::strokes(state.motion.position) < 0.5);
+    /// # Ok::<(), model_core::machine::MachineError>(())
+    /// ```
+    ///
     /// An entry that the drive's source cannot take (a pump's speed on a valve drive, a slider on a pump drive) counts
     /// as closed ports.
     #[inline(always)]

@@ -20,6 +20,41 @@
 //!
 //! Everything is per unit in fixed point, of fixed cost; no input of any size overflows or panics. Both commands keep to the
 //! slew and the limit; the integral stands still while the output is held there against the sign of the difference.
+//!
+//! ```
+//! use model_core::chambers::ChamberState;
+//! use model_core::fixed_point::PerUnit;
+//! use model_core::follow::{Follower, Observed, Predicted, SetPoint, Tuning};
+//! use model_core::machine::{Machine, Source, Tick};
+//! use model_core::number::Number;
+//! use model_core::parameter::Parameter;
+//!
+//! let machine = Machine::with_defaults(Source::Valve).with(&[
+//!     (Parameter::AreaA, 3.117e-3),
+//!     (Parameter::AreaB, 1.861e-3),
+//!     (Parameter::VolumeA, 5.2e-4),
+//!     (Parameter::VolumeB, 3.3e-4),
+//!     (Parameter::TimeConstant1, 0.018),
+//!     (Parameter::RateLimit, 12.0),
+//!     (Parameter::FlowLimit, 3.0e-4),
+//! ]);
+//! let tuning = Tuning::by_rule(&machine, true);
+//! let follower = Follower::new(&machine, &tuning, Tick::OneMillisecond)?;
+//!
+//! // Model and machine rest in mid-stroke; the set point is a little further out.
+//! let half = PerUnit::saturated(0.5);
+//! let (a, b) = (PerUnit::saturated(0.3), half);
+//! let model = Predicted { slider: PerUnit::ZERO, pressure_a: a, pressure_b: b, velocity: PerUnit::ZERO, position: half };
+//! let seen = Observed { position: half, slider: Some(PerUnit::ZERO), pressures: Some(ChamberState { a, b }) };
+//! let mut state = follower.at_rest(&model, &seen);
+//! let wanted = SetPoint { position: PerUnit::saturated(0.51), velocity: PerUnit::ZERO };
+//! let for_the_model = follower.model_command(&mut state, wanted, &model);
+//! let for_the_machine = follower.command(&mut state, for_the_model, &model, &seen);
+//! assert!(for_the_model > PerUnit::ZERO, "the model is driven out");
+//! let apart = (for_the_machine - for_the_model).magnitude();
+//! assert!(apart < PerUnit::saturated(1e-4), "and the machine, which is where the model is, with it");
+//! # Ok::<(), model_core::follow::FollowError>(())
+//! ```
 
 mod build;
 mod orifice;

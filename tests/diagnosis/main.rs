@@ -18,6 +18,7 @@ mod real_valve;
 mod recover;
 mod shipped;
 mod table;
+mod tutorial;
 
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,6 @@
 //! The shipped example, as the README's first command diagnoses it: 2·10⁻¹² m³/s/Pa of internal leakage.
 
-use std::path::{Path, PathBuf};
+use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 use std::sync::OnceLock;
 
 use host_sim::machine_file;
@@ -15,11 +15,12 @@ const EFFECT: &str = "internal-leakage";
 const CONDUCTANCE: f64 = 2.0e-12;
 
 /// What one diagnosis wrote.
-struct Written {
-    json: String,
-    machine: String,
-    page: String,
-    printed: String,
+pub(super) struct Written {
+    pub(super) json: String,
+    pub(super) machine: String,
+    pub(super) page: String,
+    /// The files' names in it are without the folder that they went to.
+    pub(super) printed: String,
 }
 
 fn folder() -> PathBuf {
@@ -36,11 +37,12 @@ fn diagnosed(threads: usize) -> Written {
         done(&[&arguments[..], &["--report", text(&page)]].concat())
     };
     let printed = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run);
+    let printed = printed.replace(&format!("{}{MAIN_SEPARATOR}", text(out.path())), "");
     let read = |path: &Path| std::fs::read_to_string(path).unwrap();
     Written { json: read(&json), machine: read(&machine), page: read(&page), printed }
 }
 
-fn by_two_threads() -> &'static Written {
+pub(super) fn by_two_threads() -> &'static Written {
     static WRITTEN: OnceLock<Written> = OnceLock::new();
     WRITTEN.get_or_init(|| diagnosed(2))
 }

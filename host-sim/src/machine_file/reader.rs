@@ -42,6 +42,30 @@ pub fn read(path: &Path) -> Result<MachineFile, MachineFileError> {
 }
 
 /// Reads the text of a machine file; `file` stands for it in messages and gives the drive its name.
+///
+/// ```
+/// use host_sim::machine_file::read_text;
+/// use model_core::parameter::Parameter;
+///
+/// let text = "
+/// [supply]
+/// pressure_pa = 7.0e6
+/// [valve]
+/// gain_per_v = 0.0559
+/// [cylinder]
+/// area_a_m2 = 3.117e-3
+/// area_b_m2 = 1.861e-3
+/// [effects.internal-leakage]
+/// conductance_m3_per_s_pa = 2.0e-12
+/// ";
+/// let file = read_text("press.toml", text)?;
+/// assert!(file.effects.contains("internal-leakage"));
+/// assert_eq!(file.machine.get(Parameter::Stroke), 0.3); // what is not given has its default
+///
+/// let error = read_text("press.toml", &text.replace("gain_per_v", "gain")).unwrap_err();
+/// println!("{error}"); // file, line, key, and what was expected there
+/// # Ok::<(), host_sim::machine_file::MachineFileError>(())
+/// ```
 pub fn read_text(file: &str, text: &str) -> Result<MachineFile, MachineFileError> {
     let document = Document::parse(text).map_err(|error| MachineFileError::Syntax {
         place: error.span().map_or_else(|| Place::file(file), |span| Place::in_text(file, text, span)),

@@ -26,6 +26,21 @@ pub fn read(path: &Path, map: &ChannelMap) -> Result<Recording, RecordingError> 
 }
 
 /// Reads a recording from anywhere; `name` stands for the file in messages.
+///
+/// ```
+/// use host_sim::recording::{ChannelMap, Signal, read_from};
+///
+/// let text = "time [ms];command [V];Kolbenweg [mm]\n0;0;125,0\n1;2,5;125,5\n2;2,5;126,0\n";
+/// let map = ChannelMap::from_arguments(["position=Kolbenweg [mm]"])?;
+/// let recording = read_from("press.csv", text.as_bytes(), &map)?;
+/// assert_eq!(recording.rows(), 3);
+/// let position_m = recording.signal(Signal::Position).expect("it is mapped"); // SI inside
+/// assert!((position_m[1] - 0.1255).abs() < 1e-9);
+///
+/// let error = read_from("press.csv", "time [s],command [furlong]\n0,1\n".as_bytes(), &map);
+/// assert!(error.is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read_from(name: &str, input: impl Read, map: &ChannelMap) -> Result<Recording, RecordingError> {
     let mut lines = Lines::new(name, input);
     let file = lines.file();

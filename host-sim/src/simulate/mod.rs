@@ -295,7 +295,29 @@ fn unbraked<R: Real>(machine: &Machine<R>, stimulus: &Stimulus) -> Machine<R> {
     machine
 }
 
-/// A whole simulation in a plain number type.
+/// A whole simulation in a plain number type: fixed point as the controller computes, or `f64`.
+///
+/// ```
+/// use std::path::Path;
+///
+/// use host_sim::recording::{self, ChannelMap, Signal};
+/// use host_sim::simulate::{StartOffset, Stimulus, first_entry, natural_tick, simulate};
+/// use host_sim::machine_file;
+/// use model_core::fixed_point::PerUnit;
+///
+/// let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/press-63-40");
+/// let drive = machine_file::read(&example.join("machine.toml"))?;
+/// let recording = recording::read(&example.join("holdout-1.csv"), &ChannelMap::default())?;
+///
+/// let entry = first_entry(drive.machine.source, &recording)?; // the command, where it was recorded
+/// let tick = natural_tick(&recording);
+/// let stimulus = Stimulus::new(&recording, &drive.machine, entry, drive.load_source, tick)?;
+/// let simulated = simulate::<PerUnit>(&drive.machine, &stimulus, StartOffset::none())?;
+///
+/// let position_m = simulated.signal(Signal::Position).expect("the chain computes it");
+/// assert_eq!(position_m.len(), recording.rows());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn simulate<N: Number<Real = f64>>(
     machine: &Machine<f64>,
     stimulus: &Stimulus,

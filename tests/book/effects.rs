@@ -1,0 +1,227 @@
+//! The effect catalogue, written from the hypothesis files: what an effect adds stands beside its code, and the book says the same.
+
+use std::fmt::Write;
+
+use host_sim::hypothesis::{CATALOGUE, Hypothesis, Kind, Scene, Strength};
+use host_sim::machine_file::{self, LoadSource, MachineFile};
+use host_sim::recording::Signal;
+use host_sim::simulate::EntryPoint;
+use model_core::parameter::{Fallback, Parameter};
+use system_tests::snapshot;
+
+use super::root;
+
+/// What every hypothesis file says, in this order.
+const HEADINGS: [&str; 5] = ["What it adds", "How it shows", "What looks alike", "Parameters", "Source"];
+
+const HEAD: &str = "\
+# Effect catalogue
+
+What a drive may have and the paper's model leaves out: every effect that `diagnose` tries, in the order of the chain. An effect is
+switched on by its table in the machine file, for a simulation and for the controller alike; `diagnose --save-machine` writes the table of what it has found.
+
+*Written from the hypothesis files, `host-sim/src/hypothesis/`, by `RENEW=1 cargo test -p system-tests --test book catalogue`.*
+
+Each section has the effect's table with values of a usual strength on [the press](../presets/press-63-40.toml), and its parameters: what the machine
+file accepts, what a value is that is not given, and where values usually lie on that press. A search may go three times beyond what is usual, more
+stiffly the further; outside of it nothing is claimed. An amount of 0 is no effect.
+";
+
+/// The shipped press, recorded with all that the catalogue's ranges ask for.
+fn press() -> MachineFile {
+    machine_file::read(&root().join("presets/press-63-40.toml")).unwrap()
+}
+
+fn scene(file: &MachineFile) -> Scene<'_> {
+    Scene {
+        machine: &file.machine,
+        entry: EntryPoint::Command,
+        load: LoadSource::Constant,
+        judged: &[Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Position],
+        travel_m: (0.05, 0.25),
+        duration_s: 10.0,
+    }
+}
+
+/// Title and sections of a hypothesis file, in order.
+fn sections(effect: &Hypothesis) -> (String, Vec<(String, String)>) {
+    let file = root().join("host-sim/src/hypothesis").join(format!("{}.rs", effect.name.replace('-', "_")));
+    let text = std::fs::read_to_string(&file).unwrap();
+    let mut title = String::new();
+    let mut sections: Vec<(String, String)> = Vec::new();
+    for line in text.lines().map_while(|line| line.strip_prefix("//!")).map(str::trim) {
+        if let Some(heading) = line.strip_prefix("## ") {
+            sections.push((heading.to_owned(), String::new()));
+        } else if let Some(heading) = line.strip_prefix("# ") {
+            heading.clone_into(&mut title);
+        } else if let Some((_, body)) = sections.last_mut() {
+            body.push_str(line);
+            body.push('\n');
+        }
+    }
+    (title, sections)
+}
+
+/// Where values usually lie in a scene.
+fn usual(strength: &Strength, scene: &Scene<'_>) -> (f64, f64) {
+    match strength.kind {
+        Kind::Amount(range) | Kind::Jump(range) | Kind::Shape(range, _) | Kind::Place(range, _) => range(scene),
+        Kind::Signed(size) => (-size(scene), size(scene)),
+    }
+}
+
+/// A value to show: usual, and not neutral.
+fn example(strength: &Strength, scene: &Scene<'_>) -> f64 {
+    let (low, high) = usual(strength, scene);
+    match strength.kind {
+        Kind::Signed(_) => high / 2.0,
+        Kind::Place(..) => f64::midpoint(low, high),
+        Kind::Amount(_) | Kind::Jump(_) | Kind::Shape(..) => (low * high).sqrt(),
+    }
+}
+
+/// Two digits, as TOML and people read them.
+fn short(value: f64) -> String {
+    let scientific = format!("{value:.1e}");
+    let rounded: f64 = scientific.parse().unwrap();
+    match rounded.abs() {
+        0.0 => "0".to_owned(),
+        size if !(1e-2..1e5).contains(&size) => scientific.replace(".0e", "e"),
+        _ => format!("{rounded}"),
+    }
+}
+
+/// The strengths of all forms, each parameter once, in the order of the machine file.
+fn strengths(effect: &Hypothesis) -> Vec<Strength> {
+    let mut all: Vec<Strength> = Vec::new();
+    for strength in effect.forms.iter().flat_map(|form| form.iter()) {
+        let known = all.iter().any(|known| known.parameter == strength.parameter);
+        let own = effect.parameters().any(|parameter| parameter == strength.parameter);
+        if own && !known {
+            all.push(*strength);
+        }
+    }
+    all.sort_by_key(|strength| strength.parameter);
+    all
+}
+
+/// The effect's table in the machine file: the first form that these recordings can show.
+fn table(effect: &Hypothesis, scene: &Scene<'_>) -> String {
+    let mut text = format!("[effects.{}]\n", effect.name);
+    let form = effect.forms_in(scene).next().unwrap_or(effect.forms[0]);
+    for strength in form {
+        let key = strength.parameter.description().key;
+        if let Some(name) = key.strip_prefix(&format!("effects.{}.", effect.name)) {
+            let value = short(example(strength, scene));
+            let fraction = if value.contains(['.', 'e']) { "" } else { ".0" };
+            writeln!(text, "{name} = {value}{fraction}").unwrap();
+        }
+    }
+    text
+}
+
+fn row(strength: &Strength, scene: &Scene<'_>) -> String {
+    let description = strength.parameter.description();
+    let name = description.key.rsplit_once('.').unwrap().1;
+    let (low, high) = usual(strength, scene);
+    let default = match description.default {
+        Fallback::Value(value) => short(value),
+        Fallback::Required | Fallback::HalfStrokeVolume => "–".to_owned(),
+    };
+    // A scene without a recorded temperature shows no place or size for some: there is no range then.
+    let usual = if low < high { format!("{} … {}", short(low), short(high)) } else { "–".to_owned() };
+    format!(
+        "| `{name}` | {} | {} … {} | {default} | {usual} | {} |",
+        description.unit,
+        short(description.min),
+        short(description.max),
+        description.meaning
+    )
+}
+
+fn catalogue() -> String {
+    let file = press();
+    let scene = scene(&file);
+    let mut text = HEAD.to_owned();
+    text.push_str("\n| link | effects |\n|---|---|\n");
+    let mut links: Vec<(String, Vec<String>)> = Vec::new();
+    for effect in CATALOGUE {
+        let link = effect.subsystem.to_string();
+        let named = format!("[{0}](#{0})", effect.name);
+        match links.last_mut() {
+            Some((last, names)) if *last == link => names.push(named),
+            _ => links.push((link, vec![named])),
+        }
+    }
+    for (link, names) in links {
+        writeln!(text, "| {link} | {} |", names.join(" · ")).unwrap();
+    }
+    for effect in CATALOGUE {
+        let (_, sections) = sections(effect);
+        let body = |heading: &str| sections.iter().find(|(known, _)| known == heading).unwrap().1.trim().to_owned();
+        writeln!(text, "\n## {}\n", effect.name).unwrap();
+        writeln!(text, "In the {}: `{}`.\n\n{}\n", effect.subsystem, effect.equation, body("What it adds")).unwrap();
+        writeln!(text, "```toml\n{}```\n", table(effect, &scene)).unwrap();
+        writeln!(text, "**How it shows.** {}\n", body("How it shows")).unwrap();
+        writeln!(text, "**What looks alike.** {}\n", body("What looks alike")).unwrap();
+        for alike in effect.look_alikes {
+            let known = CATALOGUE.iter().any(|known| known.name == alike.effect);
+            let name = if known { format!("[{0}](#{0})", alike.effect) } else { alike.effect.to_owned() };
+            writeln!(text, "- {name}: {}", alike.told_apart_by).unwrap();
+        }
+        writeln!(text, "\nThe test that shows it: {}.\n", effect.separated_by).unwrap();
+        if let Some(extension) = effect.extends {
+            writeln!(text, "It extends [{0}](#{0}) and has to earn what it has more.\n", extension.plain).unwrap();
+        }
+        writeln!(text, "**Parameters.** {}\n", body("Parameters")).unwrap();
+        let mut fitted = effect.forms.iter().flat_map(|form| form.iter()).map(|strength| strength.parameter);
+        if let Some(shared) = fitted.find(|fitted| effect.parameters().all(|own| own != *fitted)) {
+            let key = shared.description().key;
+            writeln!(text, "It is also fitted with `{key}`, a key that several laws share.\n").unwrap();
+        }
+        text.push_str("| key | unit | accepted | not given | usual on the press | what |\n|---|---|---|---|---|---|\n");
+        for strength in strengths(effect) {
+            writeln!(text, "{}", row(&strength, &scene)).unwrap();
+        }
+        writeln!(text, "\n**Source.** {}", body("Source")).unwrap();
+    }
+    text
+}
+
+#[test]
+fn every_hypothesis_file_has_the_same_headings_and_says_something_under_each() {
+    for effect in CATALOGUE {
+        let (title, sections) = sections(effect);
+        assert_eq!(title.to_lowercase().replace(' ', "-"), effect.name);
+        let headings: Vec<&str> = sections.iter().map(|(heading, _)| heading.as_str()).collect();
+        assert_eq!(headings, HEADINGS, "{}", effect.name);
+        for (heading, body) in &sections {
+            assert!(body.trim().len() > 20, "{}, {heading}: {body}", effect.name);
+        }
+    }
+}
+
+#[test]
+fn every_table_that_the_catalogue_shows_is_read_by_the_tool_and_switches_its_effect_on() {
+    let file = press();
+    let preset = std::fs::read_to_string(root().join("presets/press-63-40.toml")).unwrap();
+    for effect in CATALOGUE {
+        let table = table(effect, &scene(&file));
+        let read = machine_file::read_text("shown.toml", &format!("{preset}\n{table}"))
+            .unwrap_or_else(|error| panic!("{table}{error}"));
+        assert!(read.effects.contains(effect.name) && effect.is_on(&read.machine), "{table}");
+    }
+}
+
+#[test]
+fn every_parameter_of_an_effect_is_in_the_catalogue() {
+    for effect in CATALOGUE {
+        let shown: Vec<Parameter> = strengths(effect).iter().map(|strength| strength.parameter).collect();
+        assert_eq!(shown, effect.parameters().collect::<Vec<_>>(), "{}", effect.name);
+    }
+}
+
+#[test]
+fn the_catalogue_in_the_book_is_that_of_the_code() {
+    snapshot::compare("../docs/effects.md", &catalogue(), |found, kept| found == kept);
+}

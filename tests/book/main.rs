@@ -1,0 +1,12 @@
+//! Does the documentation say what the code says, and does every link of it lead somewhere?
+
+mod built;
+mod effects;
+mod links;
+
+use std::path::PathBuf;
+
+/// The top of the repository.
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..")
+}
