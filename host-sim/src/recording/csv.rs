@@ -12,21 +12,11 @@ use super::channels::ChannelMap;
 use super::columns::{Offer, assign};
 use super::error::RecordingError;
 use super::lines::{Cells, Line, Lines, MAX_ROWS, Splitter, detect_separator, parse_number};
-use super::{Column, LeftOut, Note, Recording, Signal, twincat};
-use crate::diagnostic::Place;
-use std::fs::File;
+use super::{At, Column, LeftOut, Note, Recording, Signal, twincat};
 use std::io::Read;
-use std::path::Path;
 
-/// Reads a recording; `map` says which columns hold which signals where their headers do not.
-pub fn read(path: &Path, map: &ChannelMap) -> Result<Recording, RecordingError> {
-    let name = path.display().to_string();
-    let file = File::open(path).map_err(|source| RecordingError::Io { place: Place::file(&name), source })?;
-    read_from(&name, file, map)
-}
-
-/// Reads a recording from anywhere; `name` stands for the file in messages.
-pub fn read_from(name: &str, input: impl Read, map: &ChannelMap) -> Result<Recording, RecordingError> {
+/// Reads a text from anywhere; `name` stands for the file in messages.
+pub(super) fn read_from(name: &str, input: impl Read, map: &ChannelMap) -> Result<Recording, RecordingError> {
     let mut lines = Lines::new(name, input);
     let file = lines.file();
     let Some(header) = lines.next()? else {
@@ -64,8 +54,8 @@ pub fn read_from(name: &str, input: impl Read, map: &ChannelMap) -> Result<Recor
         table.push(line, cells)?;
     }
     let mut notes = assignment.notes;
-    notes.extend(table.repeated.map(|(rows, first_line)| Note::DuplicateTimes { rows, first_line }));
-    notes.extend(table.incomplete.map(|(rows, first_line)| Note::IncompleteRows { rows, first_line }));
+    notes.extend(table.repeated.map(|(rows, line)| Note::DuplicateTimes { rows, first: At::Line(line) }));
+    notes.extend(table.incomplete.map(|(rows, line)| Note::IncompleteRows { rows, first: At::Line(line) }));
     let columns: Vec<Column> = table.columns.into_iter().map(|(_, column)| column).collect();
     let kept = columns[0].values.len();
     if kept < 2 {
