@@ -10,7 +10,7 @@ thread_local! {
 
 /// What the work gives; `None` where it panics, of which nothing is said.
 ///
-/// For a library that reads files and has been seen to panic on damaged ones; nothing of what it leaves behind may be used again.
+/// For a library that reads files and does not promise not to panic on damaged ones; nothing of what it leaves behind may be used again.
 pub(super) fn contained<T>(work: impl FnOnce() -> T) -> Option<T> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {

@@ -1,6 +1,7 @@
 //! Why a recording cannot be used.
 
 use super::format::Format;
+use super::names::variable;
 use super::signal::Signal;
 use super::unsupported::Unsupported;
 use crate::atomic;
@@ -212,6 +213,12 @@ impl Explained for RecordingError {
                 format!("`time [s]` (or ms, µs) in the first column, or --map \"time={header}\"")
             }
             E::DuplicateColumn { signal, .. } => format!("one column for {signal}; choose with --map \"{signal}=…\""),
+            E::MissingUnit { place, signal, .. } if place.spot.is_none() => {
+                let unit = signal.si_unit();
+                let bracketed = format!("{signal} [{unit}]");
+                let plain = variable(&bracketed, *signal, unit, &[]);
+                format!("a unit with the name, as `{bracketed}` or `{plain}`, one of: {}", signal.units())
+            }
             E::MissingUnit { signal, .. } | E::UnknownUnit { signal, .. } => {
                 format!("a unit in brackets after the name, one of: {}", signal.units())
             }

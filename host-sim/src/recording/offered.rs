@@ -140,7 +140,10 @@ impl<C: Contents> File<'_, C> {
     fn clocks(&self, map: &ChannelMap) -> Result<Vec<(usize, Column)>, RecordingError> {
         let mut clocks: Vec<(usize, Column)> = Vec::new();
         let mapping = map.get(Signal::Time);
+        let mut mapped = false;
         for (index, offered) in self.contents.offered().iter().enumerate() {
+            let named = one(&self.offers[index], Signal::Time, mapping, || self.place(index));
+            mapped |= matches!(named, Ok(Some(_)));
             let found = if offered.clock {
                 let text = offered.unit.as_deref().map(str::trim).filter(|text| !text.is_empty()).unwrap_or("s");
                 let unit = Unit::parse(text).filter(|unit| unit.dimension() == Dimension::Time);
@@ -149,7 +152,7 @@ impl<C: Contents> File<'_, C> {
                     unit.ok_or_else(|| RecordingError::UnknownUnit { place, signal, header, unit: text.to_owned() })?;
                 Some(Column { header: String::new(), signal, unit, values: Vec::new() })
             } else {
-                one(&self.offers[index], Signal::Time, mapping, || self.place(index))?
+                named?
             };
             let Some(mut column) = found else { continue };
             if let Some(found) = self.contents.instead(index) {
@@ -172,7 +175,7 @@ impl<C: Contents> File<'_, C> {
                 }
             }
         }
-        match mapping.filter(|mapping| mapping.required && clocks.is_empty()) {
+        match mapping.filter(|mapping| mapping.required && !mapped) {
             Some(mapping) => {
                 let present = self.offers.iter().map(|offer| offer.header.clone()).collect();
                 let (place, header) = (Place::file(self.name), mapping.header.clone());

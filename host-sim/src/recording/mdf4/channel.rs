@@ -67,6 +67,9 @@ impl Channel {
         if self.is_virtual() {
             return Ok(());
         }
+        if matches!(self.data_type, 6..=9) {
+            return Err(Fault::NotNumbers("text"));
+        }
         if matches!(self.kind, VARIABLE | SYNCHRONISATION) {
             return Err(Fault::NotNumbers("data of any length"));
         }
@@ -76,7 +79,6 @@ impl Channel {
             0..=3 => Err(Fault::Unsupported(Unsupported::Layout(format!("{bits} bits at bit {}", self.bit_offset)))),
             4 | 5 if matches!(bits, 32 | 64) && self.bit_offset == 0 => Ok(()),
             4 | 5 => Err(Fault::Unsupported(Unsupported::Layout(format!("a floating number of {bits} bits")))),
-            6..=9 => Err(Fault::NotNumbers("text")),
             _ => Err(Fault::NotNumbers("something else than numbers")),
         }
     }

@@ -17,10 +17,12 @@ use super::error::RecordingError;
 use super::format::Format;
 use super::offered::{self, Contents, Offered};
 use super::unsupported::Unsupported;
-use super::{MAX_ROWS, Recording};
+use super::{MAX_COLUMNS, MAX_ROWS, Recording};
 use crate::diagnostic::Place;
 use blocks::{File, Group};
 use channel::Channel;
+use std::cell::RefCell;
+use std::rc::Rc;
 
 /// Why a file, or a part of it, cannot be read.
 #[derive(Debug)]
@@ -49,7 +51,7 @@ impl Fault {
 pub(super) fn read(name: &str, bytes: &[u8], map: &ChannelMap) -> Result<Recording, RecordingError> {
     let file = File::open(bytes).map_err(|fault| fault.at(Place::file(name), ""))?;
     let groups = file.groups().map_err(|fault| fault.at(Place::file(name), ""))?;
-    let mut contents = Mdf { name, file, groups, offered: Vec::new(), channels: Vec::new() };
+    let mut contents = Mdf { name, file, groups, offered: Vec::new(), channels: Vec::new(), last: RefCell::default() };
     contents.list().map_err(|fault| fault.at(Place::file(name), ""))?;
     offered::recording(name, &contents, map)
 }
@@ -62,6 +64,8 @@ struct Mdf<'a> {
     offered: Vec<Offered>,
     /// Group and channel of what is offered.
     channels: Vec<(usize, Channel)>,
+    /// The group that was read last, and its records: its channels follow each other.
+    last: RefCell<Option<(usize, Rc<Vec<u8>>)>>,
 }
 
 impl Mdf<'_> {
@@ -78,11 +82,25 @@ impl Mdf<'_> {
                 let mut also: Vec<String> = Some(short.clone()).filter(|short| *short != name).into_iter().collect();
                 also.extend(group.name.as_ref().map(|group| format!("{group}.{short}")));
                 let (unit, clock) = (channel.unit.clone(), channel.is_clock());
+                if self.channels.len() > MAX_COLUMNS {
+                    return Ok(());
+                }
                 self.offered.push(Offered { name, also, unit, base, clock });
                 self.channels.push((base, channel));
             }
         }
         Ok(())
+    }
+}
+
+impl Mdf<'_> {
+    fn records(&self, base: usize) -> Result<Rc<Vec<u8>>, Fault> {
+        if let Some((_, records)) = self.last.borrow().as_ref().filter(|(last, _)| *last == base) {
+            return Ok(Rc::clone(records));
+        }
+        let records = Rc::new(records::of(&self.file, &self.groups[base])?);
+        self.last.replace(Some((base, Rc::clone(&records))));
+        Ok(records)
     }
 }
 
@@ -107,7 +125,7 @@ impl Contents for Mdf<'_> {
             return Err(RecordingError::TooManyRows { place: Place::file(self.name), most: MAX_ROWS });
         }
         channel.check().map_err(fault)?;
-        let records = if channel.is_virtual() { Vec::new() } else { records::of(&self.file, group).map_err(fault)? };
+        let records = if channel.is_virtual() { Rc::default() } else { self.records(*base).map_err(fault)? };
         channel.values(group, &records).map_err(fault)
     }
 }

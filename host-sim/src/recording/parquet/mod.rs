@@ -26,7 +26,7 @@ pub(super) use write::write;
 
 /// Reads a file.
 pub(super) fn read(name: &str, bytes: Vec<u8>, map: &ChannelMap) -> Result<Recording, RecordingError> {
-    // The library has panicked on damaged files before.
+    // The library guards against damaged files, but does not promise not to panic.
     let opened = contained(|| SerializedFileReader::new(Bytes::from(bytes)));
     let Some(Ok(reader)) = opened else {
         return Err(damaged(Place::file(name), "an index of its columns that cannot be read"));
@@ -123,7 +123,7 @@ impl Contents for Table<'_> {
                 None => return Err(damaged(place(), "a group of rows without this column")),
             }
         }
-        // The library has panicked on damaged files before.
+        // As above.
         match contained(|| self.column(index, kind)) {
             Some(Ok(values)) => Ok(values),
             Some(Err(_)) | None => Err(damaged(place(), "values that cannot be read")),
