@@ -216,7 +216,7 @@ impl Explained for RecordingError {
             E::MissingUnit { place, signal, .. } if place.spot.is_none() => {
                 let unit = signal.si_unit();
                 let bracketed = format!("{signal} [{unit}]");
-                let plain = variable(&bracketed, *signal, unit, &[]);
+                let plain = variable(&bracketed, unit, &[]);
                 format!("a unit with the name, as `{bracketed}` or `{plain}`, one of: {}", signal.units())
             }
             E::MissingUnit { signal, .. } | E::UnknownUnit { signal, .. } => {

@@ -136,3 +136,34 @@ fn of_its_name(name: &str, error: RecordingError) -> RecordingError {
         _ => error,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_content_tells_the_format_and_the_name_does_not() {
+        assert_eq!(Format::of_content(b"MATLAB 5.0 MAT-file, P"), Ok(Format::Mat));
+        assert_eq!(Format::of_content(b"MDF     4.10    asa"), Ok(Format::Mdf4));
+        assert_eq!(Format::of_content(b"PAR1\x15\x04"), Ok(Format::Parquet));
+        assert_eq!(Format::of_content(b"PAR"), Ok(Format::Text));
+        assert_eq!(Format::of_content(b"\x89HDF\r\n\x1a\n"), Err(Unsupported::Hdf5));
+        let text = "time [s],spool\n0,0\n1,1\n";
+        assert_eq!(read_from("run.mat", text.as_bytes(), &ChannelMap::default()).map(|read| read.rows()).ok(), Some(2));
+        assert_eq!(Format::of_extension(Path::new("a.b/RUN.MF4")), Some(Format::Mdf4));
+        assert_eq!(Format::of_extension(Path::new("mat")), None);
+    }
+
+    #[test]
+    fn a_format_that_is_left_out_names_its_feature() {
+        let told = RecordingError::FeatureAbsent { place: Place::file("run.mf4"), format: Format::Mdf4 }.to_string();
+        let expected = "run.mf4: an MDF file, which this build of the program leaves out; expected the program built with the \
+                        feature `mdf4`, or CSV";
+        assert_eq!(told, expected);
+        #[cfg(not(feature = "mdf4"))]
+        assert_eq!(
+            read_from("run.mf4", b"MDF     4.10".as_slice(), &ChannelMap::default()).unwrap_err().to_string(),
+            expected
+        );
+    }
+}

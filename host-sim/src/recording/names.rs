@@ -3,8 +3,8 @@
 //! The unit stands behind an underscore as its symbol, or as the symbol in small letters; what is no letter is spelt out:
 //! `m_per_s`, `percent`, `degC`, `us`, `one`. Written are the symbols as they are.
 
-use super::signal::{Signal, split_header};
-use super::units::Unit;
+use super::signal::split_header;
+use super::units::{Dimension, Unit};
 
 /// Longest name that MATLAB takes.
 const LONGEST: usize = 63;
@@ -32,17 +32,16 @@ pub(super) fn split_suffix(name: &str) -> Option<(&str, Unit)> {
 }
 
 /// The header of a column as a name of letters, digits and underscores, with its unit; another one than those `taken`.
-pub(super) fn variable(header: &str, signal: Signal, unit: Unit, taken: &[String]) -> String {
-    let (name, in_header) = split_header(header);
+pub(super) fn variable(header: &str, unit: Unit, taken: &[String]) -> String {
+    let (name, _) = split_header(header);
     let name = split_suffix(name).filter(|(_, own)| *own == unit).map_or(name, |(short, _)| short);
     let letters = |character: char| if character.is_ascii_alphanumeric() { character } else { '_' };
     let mut plain: String = name.chars().map(letters).collect();
     if !plain.starts_with(|first: char| first.is_ascii_alphabetic()) {
         plain.insert_str(0, "x_");
     }
-    let known = Unit::parse(unit.symbol()).is_some();
-    let bare = signal.is_dimensionless() && in_header.is_none();
-    let end = if known && !bare { format!("_{}", suffix(unit)) } else { String::new() };
+    let told = Unit::parse(unit.symbol()).is_some() && unit != Unit::si(Dimension::Ratio);
+    let end = if told { format!("_{}", suffix(unit)) } else { String::new() };
     (1..=taken.len() + 1)
         .map(|count| {
             let end = if count == 1 { end.clone() } else { format!("_{count}{end}") };
@@ -74,16 +73,16 @@ mod tests {
     fn headers_become_names_that_differ() {
         let unit = |symbol| Unit::parse(symbol).unwrap();
         let mut taken = Vec::new();
-        let mut name = |header, signal, symbol| {
-            taken.push(variable(header, signal, unit(symbol), &taken));
+        let mut name = |header, symbol| {
+            taken.push(variable(header, unit(symbol), &taken));
             taken.last().cloned().unwrap()
         };
-        assert_eq!(name("position [mm]", Signal::Position, "mm"), "position_mm");
-        assert_eq!(name("spool", Signal::Spool, "1"), "spool");
-        assert_eq!(name("velocity [mm/s]", Signal::Velocity, "mm/s"), "velocity_mm_per_s");
-        assert_eq!(name("2. Druck ö [bar]", Signal::PressureA, "bar"), "x_2__Druck___bar");
-        assert_eq!(name("2. Druck ä [bar]", Signal::PressureB, "bar"), "x_2__Druck___2_bar");
-        let long = name(&"x".repeat(100), Signal::Force, "kN");
+        assert_eq!(name("position [mm]", "mm"), "position_mm");
+        assert_eq!(name("spool [1]", "1"), "spool");
+        assert_eq!(name("velocity [mm/s]", "mm/s"), "velocity_mm_per_s");
+        assert_eq!(name("2. Druck ö [bar]", "bar"), "x_2__Druck___bar");
+        assert_eq!(name("2. Druck ä [bar]", "bar"), "x_2__Druck___2_bar");
+        let long = name(&"x".repeat(100), "kN");
         assert!(long.len() == LONGEST && long.ends_with("_kN"), "{long}");
     }
 }

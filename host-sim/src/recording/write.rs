@@ -29,23 +29,33 @@ impl Recording {
     ///
     /// What is blank in CSV is NaN in a MAT-file and null in Parquet.
     pub fn write(&self, path: &Path, replaced: &[Series<'_>], added: &[Series<'_>]) -> Result<(), RecordingError> {
-        let packed: fn(&Sheet) -> io::Result<Vec<u8>> = match Format::of_extension(path) {
+        match Format::of_extension(path) {
             #[cfg(feature = "mat")]
-            Some(Format::Mat) => super::mat::write,
+            Some(Format::Mat) => self.write_packed(path, replaced, added, super::mat::write),
             #[cfg(feature = "parquet")]
-            Some(Format::Parquet) => super::parquet::write,
+            Some(Format::Parquet) => self.write_packed(path, replaced, added, super::parquet::write),
             #[allow(unreachable_patterns, reason = "reached where the program was built without a feature")]
             Some(format @ (Format::Mat | Format::Parquet)) => {
-                return Err(RecordingError::FeatureAbsent { place: Place::file(&path.display().to_string()), format });
+                Err(RecordingError::FeatureAbsent { place: Place::file(&path.display().to_string()), format })
             }
             Some(Format::Mdf4) => {
                 let (place, what) = (Place::file(&path.display().to_string()), Unsupported::Writing);
-                return Err(RecordingError::Unsupported { place, what });
+                Err(RecordingError::Unsupported { place, what })
             }
-            Some(Format::Text) | None => return self.write_csv(path, replaced, added),
-        };
-        let sheet = self.checked(path, replaced, added)?;
-        let bytes = packed(&sheet);
+            Some(Format::Text) | None => self.write_csv(path, replaced, added),
+        }
+    }
+
+    /// Writes the bytes that a format makes of the table.
+    #[cfg(any(feature = "mat", feature = "parquet"))]
+    fn write_packed(
+        &self,
+        path: &Path,
+        replaced: &[Series<'_>],
+        added: &[Series<'_>],
+        packed: fn(&Sheet) -> io::Result<Vec<u8>>,
+    ) -> Result<(), RecordingError> {
+        let bytes = packed(&self.checked(path, replaced, added)?);
         atomic::write(path, |out| out.write_all(&bytes?))
             .map_err(|source| RecordingError::Write { place: Place::file(&path.display().to_string()), source })
     }
@@ -71,13 +81,13 @@ impl Recording {
         let own = self.columns.iter().enumerate().map(|(index, column)| {
             let new = replaced.iter().find(|(signal, _)| *signal == column.signal);
             let (values, cell) = new.map_or((column.values.as_slice(), Some(index)), |(_, values)| (*values, None));
-            (column.header.clone(), column.signal, column.unit, values, cell)
+            (column.header.clone(), column.unit, values, cell)
         });
         let further = added.iter().map(|&(signal, values)| {
             let unit = signal.si_unit();
-            (format!("{signal} [{unit}]"), signal, unit, values, None)
+            (format!("{signal} [{unit}]"), unit, values, None)
         });
-        let columns = own.chain(further).map(|(header, signal, unit, values, cell)| {
+        let columns = own.chain(further).map(|(header, unit, values, cell)| {
             let mut si = Vec::with_capacity(values.len() + self.left_out.after.len());
             let cells = self.left_out.cells.chunks_exact(self.columns.len());
             let mut left_out = self.left_out.after.iter().zip(cells).peekable();
@@ -92,7 +102,7 @@ impl Recording {
                 }
                 si.extend(values.get(row).copied().map(Some));
             }
-            Written { header, signal, unit, si }
+            Written { header, unit, si }
         });
         Sheet { columns: columns.collect() }
     }
@@ -119,8 +129,6 @@ pub(super) struct Sheet {
 /// A column as it is written.
 pub(super) struct Written {
     pub(super) header: String,
-    #[cfg_attr(not(feature = "mat"), expect(dead_code, reason = "only MAT-files name columns by their signals"))]
-    pub(super) signal: Signal,
     pub(super) unit: Unit,
     /// The value of each row, SI.
     si: Vec<Option<f64>>,

@@ -21,7 +21,7 @@ pub(in super::super) fn write(sheet: &Sheet) -> io::Result<Vec<u8>> {
     file.extend(b"IM");
     let mut names = Vec::new();
     for column in &sheet.columns {
-        let name = variable(&column.header, column.signal, column.unit, &names);
+        let name = variable(&column.header, column.unit, &names);
         let values: Vec<u8> = column.values().flat_map(|value| value.unwrap_or(f64::NAN).to_le_bytes()).collect();
         let rows = length(values.len() / 8)?;
         let parts = [

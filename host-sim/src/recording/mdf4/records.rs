@@ -12,7 +12,14 @@ pub(super) fn of(file: &File<'_>, group: &Group) -> Result<Vec<u8>, Fault> {
     let wanted = cycles.checked_mul(group.record_bytes()).ok_or_else(fewer)?;
     let mut bytes = Vec::new();
     collect(file, group.data, &mut bytes)?;
-    let mut records = if group.id_bytes == 0 { bytes } else { sorted(file, group, &bytes)? };
+    let mut records = if group.id_bytes == 0 {
+        bytes
+    } else {
+        {
+            let groups: Vec<Group> = file.groups()?.into_iter().filter(|other| other.data == group.data).collect();
+            sorted(&groups, group, &bytes)?
+        }
+    };
     if records.len() < wanted {
         return Err(fewer());
     }
@@ -92,8 +99,7 @@ fn untransposed(bytes: &[u8], columns: usize) -> Vec<u8> {
 }
 
 /// The records of a group among those of the groups it shares its data with, each behind the number of its group.
-fn sorted(file: &File<'_>, group: &Group, bytes: &[u8]) -> Result<Vec<u8>, Fault> {
-    let groups: Vec<Group> = file.groups()?.into_iter().filter(|other| other.data == group.data).collect();
+fn sorted(groups: &[Group], group: &Group, bytes: &[u8]) -> Result<Vec<u8>, Fault> {
     let mut records = Vec::new();
     let mut rest = bytes;
     let cut = || Fault::Damaged("a record that is not whole");
@@ -121,7 +127,18 @@ fn sorted(file: &File<'_>, group: &Group, bytes: &[u8]) -> Result<Vec<u8>, Fault
 
 #[cfg(test)]
 mod tests {
-    use super::untransposed;
+    use super::*;
+
+    #[test]
+    fn records_of_several_groups_are_told_apart() {
+        let group = |id, value_bytes, variable| Group { id, id_bytes: 1, value_bytes, variable, ..Group::default() };
+        let groups = [group(1, 2, false), group(2, 1, false), group(3, 0, true)];
+        let bytes = [1, 10, 11, 3, 3, 0, 0, 0, 7, 7, 7, 2, 20, 1, 12, 13, 2, 21];
+        assert_eq!(sorted(&groups, &groups[0], &bytes).unwrap(), [10, 11, 12, 13]);
+        assert_eq!(sorted(&groups, &groups[1], &bytes).unwrap(), [20, 21]);
+        assert!(matches!(sorted(&groups, &groups[0], &bytes[..8]), Err(Fault::Damaged(_))));
+        assert!(matches!(sorted(&groups[..1], &groups[0], &bytes), Err(Fault::Damaged(_))));
+    }
 
     #[test]
     fn transposed_data_come_back_record_by_record() {
