@@ -193,6 +193,7 @@ mod tests {
     }
 
     #[test]
+    #[expect(clippy::float_cmp, reason = "sums of powers of two are exact")]
     fn raw_values_are_converted() {
         assert_eq!([4.0].map(|raw| Conversion::Linear { add: 1.0, factor: 0.5 }.of(raw)), [3.0]);
         assert_eq!([3.0].map(|raw| Conversion::Rational([0.0, 2.0, 1.0, 0.0, 0.0, 4.0]).of(raw)), [1.75]);
