@@ -19,9 +19,9 @@ pub struct Spot {
 /// A file, and where known the line and column in it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// The file, as the user named it.
+    /// The file, as the user named it; behind it the part that is meant, where the file has no lines.
     pub file: String,
-    /// `None` when the error is about the file as a whole.
+    /// `None` when the error is about the file as a whole, or the file has no lines.
     pub spot: Option<Box<Spot>>,
 }
 
@@ -30,6 +30,12 @@ impl Place {
     #[must_use]
     pub fn file(file: &str) -> Self {
         Self { file: file.to_owned(), spot: None }
+    }
+
+    /// A part of a file that has no lines, such as "channel `position`".
+    #[must_use]
+    pub fn part(file: &str, part: &str) -> Self {
+        Self { file: format!("{file}, {part}"), spot: None }
     }
 
     /// The bytes `span` of a line.
@@ -216,6 +222,12 @@ error: column `position [mm]` holds `abc`
         let text = render(&Example { place: Place::file("run.csv") });
         assert!(text.contains("--> run.csv\n"), "{text}");
         assert!(text.contains("= expected: a decimal number"), "{text}");
+    }
+
+    #[test]
+    fn a_part_of_a_file_without_lines_is_named() {
+        let text = render(&Example { place: Place::part("run.mf4", "channel `position`") });
+        assert!(text.contains("--> run.mf4, channel `position`\n"), "{text}");
     }
 
     #[test]

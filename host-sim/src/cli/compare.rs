@@ -31,7 +31,7 @@ measured input, so that a miss in it is made in it.")]
 pub struct Arguments {
     #[command(flatten)]
     machine: MachineArguments,
-    /// Recordings to compare with (CSV)
+    /// Recordings to compare with (CSV, TwinCAT Scope text, .mat, .mf4, .parquet)
     #[arg(long, value_name = "R.csv", required = true, num_args = 1..)]
     recording: Vec<PathBuf>,
     /// Judge by these signals only, as though the model's others had not been measured: `spool,pressure_a`

@@ -11,7 +11,7 @@ use crate::diagnose::{Diagnosis, Verdict, diagnose, steps};
 use crate::exhibits::Exhibits;
 use crate::judge;
 use crate::machine_file::{self, MachineFile};
-use crate::recording::{ChannelMap, Recording, Signal};
+use crate::recording::{ChannelMap, Format, Recording, Signal};
 use crate::report::{html, json, terminal};
 
 /// Arguments of `diagnose`.
@@ -23,16 +23,16 @@ use crate::report::{html, json, terminal};
 Training recordings make the choice, each left out in turn; the held-out ones are opened once, after it, to confirm or veto.
 The report of a FOLDER goes to diagnosis-<name>.html in the working folder unless --report says otherwise.")]
 pub struct Arguments {
-    /// Folder with machine.toml, train-*.csv and holdout-*.csv
+    /// Folder with machine.toml, train-* and holdout-* (.csv, .txt, .mat, .mf4, .parquet)
     #[arg(value_name = "FOLDER", required_unless_present = "machine", conflicts_with_all = ["machine", "train", "holdout"])]
     folder: Option<PathBuf>,
     /// Machine file of the drive (TOML, SI units)
     #[arg(long, value_name = "M.toml", requires = "train")]
     machine: Option<PathBuf>,
-    /// Recordings to train on (CSV)
+    /// Recordings to train on (CSV, TwinCAT Scope text, .mat, .mf4, .parquet)
     #[arg(long, value_name = "R.csv", num_args = 1..)]
     train: Vec<PathBuf>,
-    /// Recordings to confirm on, never used to choose (CSV)
+    /// Recordings to confirm on, never used to choose (CSV, TwinCAT Scope text, .mat, .mf4, .parquet)
     #[arg(long, value_name = "R.csv", num_args = 1..)]
     holdout: Vec<PathBuf>,
     /// Which column holds a signal, where its header does not say; may be repeated
@@ -162,18 +162,25 @@ fn check_distinct(training: &[Recording], held_out: &[Recording]) -> Result<(), 
     Ok(())
 }
 
-/// The recordings of a folder whose names start so, in the order of their names.
+/// The recordings of a folder whose names start so and end as a format's do, in the order of their names.
 fn listed(folder: &Path, prefix: &str) -> Result<Vec<PathBuf>, CliError> {
     let unreadable = |cause: io::Error| CliError::Folder { folder: folder.to_owned(), cause };
     let mut found = Vec::new();
     for entry in folder.read_dir().map_err(unreadable)? {
         let path = entry.map_err(unreadable)?.path();
         let named = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(prefix));
-        if named && path.extension().is_some_and(|extension| extension == "csv") {
+        if named && Format::of_extension(&path).is_some() {
             found.push(path);
         }
     }
     found.sort();
+    // The same recording in two formats would count twice, and the copies may differ in the last digit.
+    for (index, second) in found.iter().enumerate() {
+        if let Some(first) = found[..index].iter().find(|first| first.file_stem() == second.file_stem()) {
+            let (first, second) = (first.display().to_string(), second.display().to_string());
+            return Err(CliError::SameRecording { first, second, expected: "each recording in one format" });
+        }
+    }
     Ok(found)
 }
 

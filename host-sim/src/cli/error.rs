@@ -90,7 +90,7 @@ pub enum CliError {
         cause: DiagnoseError,
     },
     /// A folder without training recordings.
-    #[error("{}: no train-*.csv; expected machine.toml, train-*.csv and holdout-*.csv", folder.display())]
+    #[error("{}: no train-*.csv (.txt, .mat, .mf4, .parquet); expected machine.toml, train-*.csv and holdout-*.csv", folder.display())]
     NothingToTrain {
         /// The folder.
         folder: PathBuf,

@@ -31,13 +31,13 @@ Inputs: zero:2s  step:4V,0.5s  steps:4V  sweep:6.5V,0.4Hz,5Hz,4s  random:10V,0.0
 pub struct Arguments {
     #[command(flatten)]
     machine: MachineArguments,
-    /// Recording to simulate (CSV)
+    /// Recording to simulate (CSV, TwinCAT Scope text, .mat, .mf4, .parquet)
     #[arg(long, value_name = "R.csv")]
     recording: Option<PathBuf>,
     /// Signal at the command, such as "step:4V"
     #[arg(long, value_name = "signal")]
     input: Option<String>,
-    /// Where to write the simulated signals
+    /// Where to write the simulated signals: .csv, .mat or .parquet
     #[arg(long, value_name = "S.csv")]
     out: PathBuf,
     /// Also draw recorded against simulated
@@ -88,9 +88,9 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
                 SIGNALS.iter().filter_map(|&signal| Some((signal, simulated.signal(signal)?))).collect();
             let replaces = computed.iter().any(|(signal, _)| plan.recording.has(*signal));
             let added = if replaces { &[] } else { computed.as_slice() };
-            plan.recording.write_csv(&arguments.out, &computed, added)?;
+            plan.recording.write(&arguments.out, &computed, added)?;
         }
-        None => response(&plan.recording, &simulated)?.write_csv(&arguments.out, &[], &[])?,
+        None => response(&plan.recording, &simulated)?.write(&arguments.out, &[], &[])?,
     }
     if let Some((path, svg)) = drawing {
         atomic::write(path, |out| out.write_all(svg.as_bytes()))

@@ -14,6 +14,7 @@ use super::{CliError, Console, Outcome};
 use crate::atomic;
 use crate::machine_file::{self, MachineFile};
 use crate::noise::extent;
+use crate::recording::Format;
 use crate::testbed::sensors::PositionSensor;
 use crate::testbed::{
     Bench, Dither, Drive, Excitation, InitialState, Plant, PlantEffect, Sensors, SyntheticRecording, truth_near,
@@ -228,7 +229,7 @@ fn refuse_others(folder: &Path, plan: &Plan) -> Result<(), CliError> {
     for entry in entries.flatten() {
         let (name, path) = (entry.file_name().to_string_lossy().into_owned(), entry.path());
         let kind = name.starts_with("train-") || name.starts_with("holdout-");
-        let recording = kind && path.extension().is_some_and(|extension| extension == "csv");
+        let recording = kind && Format::of_extension(&path).is_some();
         if recording && plan.recordings.iter().all(|(own, _)| *own != name) {
             return Err(CliError::OtherRecording { path });
         }

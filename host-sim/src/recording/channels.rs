@@ -112,6 +112,12 @@ impl ChannelMap {
         self.entries.get(&signal)
     }
 
+    /// This map without the entry of a signal.
+    pub(super) fn without(&self, signal: Signal) -> Self {
+        let entries = self.entries.iter().filter(|(own, _)| **own != signal);
+        Self { entries: entries.map(|(own, mapping)| (*own, mapping.clone())).collect() }
+    }
+
     /// All entries.
     pub fn iter(&self) -> impl Iterator<Item = (Signal, &Mapping)> {
         self.entries.iter().map(|(&signal, mapping)| (signal, mapping))

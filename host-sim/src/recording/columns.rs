@@ -84,13 +84,7 @@ pub(super) fn assign(
             assignment.ignored.push(offer.header.clone());
             continue;
         };
-        let unit = match scale {
-            Some(Scale { zero, full }) => {
-                let readings_in = unit.as_deref().and_then(Unit::parse);
-                Unit::of_sensor(readings_in, signal.si_unit().dimension(), zero, full)
-            }
-            None => unit_of(signal, &offer.header, unit.as_deref(), || place(index))?,
-        };
+        let unit = unit_of(signal, scale, &offer.header, unit.as_deref(), || place(index))?;
         if let Some((_, first)) = assignment.known.iter().find(|(_, column)| column.signal == signal) {
             let (first, second) = (first.header.clone(), offer.header.clone());
             return Err(RecordingError::DuplicateColumn { place: place(index), signal, first, second });
@@ -101,13 +95,36 @@ pub(super) fn assign(
     Ok(assignment)
 }
 
-/// The unit of a known signal from the text in its header's brackets.
+/// The column that holds a signal, if the offer means it: by the signal's mapping, or else by its name.
+pub(super) fn one(
+    offer: &Offer,
+    signal: Signal,
+    mapping: Option<&Mapping>,
+    place: impl Fn() -> Place,
+) -> Result<Option<Column>, RecordingError> {
+    let found = if let Some(mapping) = mapping {
+        offer.meant_by(mapping).map(|meant| (meant.unit, mapping.scale))
+    } else {
+        let named = offer.names.iter().find(|(name, _)| Signal::parse(name) == Some(signal));
+        named.map(|(_, unit)| (unit.clone(), None))
+    };
+    let Some((unit, scale)) = found else { return Ok(None) };
+    let unit = unit_of(signal, scale, &offer.header, unit.as_deref(), place)?;
+    Ok(Some(Column { header: offer.header.clone(), signal, unit, values: Vec::new() }))
+}
+
+/// The unit of a known signal from the scale of its mapping, or else from the text in its header's brackets.
 fn unit_of(
     signal: Signal,
+    scale: Option<Scale>,
     header: &str,
     unit: Option<&str>,
     place: impl Fn() -> Place,
 ) -> Result<Unit, RecordingError> {
+    if let Some(Scale { zero, full }) = scale {
+        let readings_in = unit.and_then(Unit::parse);
+        return Ok(Unit::of_sensor(readings_in, signal.si_unit().dimension(), zero, full));
+    }
     let header = || header.to_owned();
     let Some(text) = unit else {
         if signal.is_dimensionless() {

@@ -12,36 +12,11 @@ use super::channels::ChannelMap;
 use super::columns::{Offer, assign};
 use super::error::RecordingError;
 use super::lines::{Cells, Line, Lines, MAX_ROWS, Splitter, detect_separator, parse_number};
-use super::{Column, LeftOut, Note, Recording, Signal, twincat};
-use crate::diagnostic::Place;
-use std::fs::File;
+use super::{At, Column, LeftOut, Note, Recording, Signal, twincat};
 use std::io::Read;
-use std::path::Path;
 
-/// Reads a recording; `map` says which columns hold which signals where their headers do not.
-pub fn read(path: &Path, map: &ChannelMap) -> Result<Recording, RecordingError> {
-    let name = path.display().to_string();
-    let file = File::open(path).map_err(|source| RecordingError::Io { place: Place::file(&name), source })?;
-    read_from(&name, file, map)
-}
-
-/// Reads a recording from anywhere; `name` stands for the file in messages.
-///
-/// ```
-/// use host_sim::recording::{ChannelMap, Signal, read_from};
-///
-/// let text = "time [ms];command [V];Kolbenweg [mm]\n0;0;125,0\n1;2,5;125,5\n2;2,5;126,0\n";
-/// let map = ChannelMap::from_arguments(["position=Kolbenweg [mm]"])?;
-/// let recording = read_from("press.csv", text.as_bytes(), &map)?;
-/// assert_eq!(recording.rows(), 3);
-/// let position_m = recording.signal(Signal::Position).expect("it is mapped"); // SI inside
-/// assert!((position_m[1] - 0.1255).abs() < 1e-9);
-///
-/// let error = read_from("press.csv", "time [s],command [furlong]\n0,1\n".as_bytes(), &map);
-/// assert!(error.is_err());
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn read_from(name: &str, input: impl Read, map: &ChannelMap) -> Result<Recording, RecordingError> {
+/// Reads a text from anywhere; `name` stands for the file in messages.
+pub(super) fn read_from(name: &str, input: impl Read, map: &ChannelMap) -> Result<Recording, RecordingError> {
     let mut lines = Lines::new(name, input);
     let file = lines.file();
     let Some(header) = lines.next()? else {
@@ -79,8 +54,8 @@ pub fn read_from(name: &str, input: impl Read, map: &ChannelMap) -> Result<Recor
         table.push(line, cells)?;
     }
     let mut notes = assignment.notes;
-    notes.extend(table.repeated.map(|(rows, first_line)| Note::DuplicateTimes { rows, first_line }));
-    notes.extend(table.incomplete.map(|(rows, first_line)| Note::IncompleteRows { rows, first_line }));
+    notes.extend(table.repeated.map(|(rows, line)| Note::DuplicateTimes { rows, first: At::Line(line) }));
+    notes.extend(table.incomplete.map(|(rows, line)| Note::IncompleteRows { rows, first: At::Line(line) }));
     let columns: Vec<Column> = table.columns.into_iter().map(|(_, column)| column).collect();
     let kept = columns[0].values.len();
     if kept < 2 {

@@ -1,6 +1,9 @@
 //! Why a recording cannot be used.
 
+use super::format::Format;
+use super::names::variable;
 use super::signal::Signal;
+use super::unsupported::Unsupported;
 use crate::atomic;
 use crate::diagnostic::{Explained, Place, after_number, counted, engineering, quoted};
 use std::fmt;
@@ -64,6 +67,22 @@ pub enum RecordingError {
     MissingSignal { place: Place, signal: Signal, present: Vec<&'static str> },
     /// A signal that shall be judged never changes; the value is in SI units.
     ConstantSignal { place: Place, signal: Signal, value: f64 },
+    /// A file of a format that this build of the program does not read or write.
+    FeatureAbsent { place: Place, format: Format },
+    /// A file that is neither text nor what its name says.
+    NotOfFormat { place: Place, format: Format },
+    /// A file of a known format, in a way that is not read.
+    Unsupported { place: Place, what: Unsupported },
+    /// A file that is not whole, or not as its format says; `what` is amiss.
+    Damaged { place: Place, format: Format, what: &'static str },
+    /// More bytes than are held in memory, as they stand in the file or unpacked.
+    TooLarge { place: Place, most_bytes: u64 },
+    /// A known signal without times to its values; `present` is what the file has.
+    NoTimes { place: Place, header: String, present: Vec<String> },
+    /// A file without times, or without anything else that is known; `present` is what it has.
+    NothingKnown { place: Place, present: Vec<String> },
+    /// A known signal that holds no numbers, but something else.
+    NotNumbers { place: Place, header: String, found: String },
     /// A column has not as many values as there are times.
     LengthMismatch { place: Place, header: String, found: usize, expected: usize },
 }
@@ -100,6 +119,14 @@ impl Explained for RecordingError {
             | E::NoCommonTime { place, .. }
             | E::MissingSignal { place, .. }
             | E::ConstantSignal { place, .. }
+            | E::FeatureAbsent { place, .. }
+            | E::NotOfFormat { place, .. }
+            | E::Unsupported { place, .. }
+            | E::Damaged { place, .. }
+            | E::TooLarge { place, .. }
+            | E::NoTimes { place, .. }
+            | E::NothingKnown { place, .. }
+            | E::NotNumbers { place, .. }
             | E::LengthMismatch { place, .. } => place,
         }
     }
@@ -157,6 +184,14 @@ impl Explained for RecordingError {
             E::ConstantSignal { signal, value, .. } => {
                 format!("{signal} is {value}{} in every row", after_number(signal.si_unit().symbol()))
             }
+            E::FeatureAbsent { format, .. } => format!("{format}, which this build of the program leaves out"),
+            E::NotOfFormat { format, .. } => format!("neither text nor {format}, as its name says"),
+            E::Unsupported { what, .. } => what.found(),
+            E::Damaged { format, what, .. } => format!("{format} with {what}"),
+            E::TooLarge { most_bytes, .. } => format!("more than {} MiB", most_bytes >> 20),
+            E::NoTimes { header, .. } => format!("{} has no times", quoted(header)),
+            E::NothingKnown { .. } => "nothing in the file is a known signal with times".into(),
+            E::NotNumbers { header, found, .. } => format!("{} holds {found}", quoted(header)),
             E::LengthMismatch { header, found, .. } => format!("column {} has {found} values", quoted(header)),
         }
     }
@@ -167,7 +202,7 @@ impl Explained for RecordingError {
             E::Write { source, .. } => atomic::expected(source).into(),
             E::Empty { .. } => "a header such as `time [s],command [V],position [mm]` and rows".into(),
             E::TooFewRows { .. } => "at least two rows at different times with a number in every known column".into(),
-            E::TooManyRows { .. } | E::TooManyColumns { .. } => "a smaller recording".into(),
+            E::TooManyRows { .. } | E::TooManyColumns { .. } | E::TooLarge { .. } => "a smaller recording".into(),
             E::LineTooLong { .. } | E::TooManySkippedLines { .. } => {
                 "a text file with a header and one row a line".into()
             }
@@ -178,6 +213,12 @@ impl Explained for RecordingError {
                 format!("`time [s]` (or ms, µs) in the first column, or --map \"time={header}\"")
             }
             E::DuplicateColumn { signal, .. } => format!("one column for {signal}; choose with --map \"{signal}=…\""),
+            E::MissingUnit { place, signal, .. } if place.spot.is_none() => {
+                let unit = signal.si_unit();
+                let bracketed = format!("{signal} [{unit}]");
+                let plain = variable(&bracketed, unit, &[]);
+                format!("a unit with the name, as `{bracketed}` or `{plain}`, one of: {}", signal.units())
+            }
             E::MissingUnit { signal, .. } | E::UnknownUnit { signal, .. } => {
                 format!("a unit in brackets after the name, one of: {}", signal.units())
             }
@@ -202,9 +243,37 @@ impl Explained for RecordingError {
                 )
             }
             E::ConstantSignal { .. } => "a signal that moves; one that never changes cannot be judged".into(),
+            E::FeatureAbsent { format, .. } => {
+                format!("the program built with the feature `{}`, or CSV", format.feature().unwrap_or_default())
+            }
+            E::NotOfFormat { format: Format::Mat, .. } => {
+                "a MAT-file of version 5 or 7: save('run.mat', '-v7', …)".into()
+            }
+            E::NotOfFormat { format, .. } => format!("{format}, or text"),
+            E::Unsupported { what, .. } => what.expected().into(),
+            E::Damaged { .. } => "a whole file: save or copy it again".into(),
+            E::NoTimes { present, .. } => {
+                format!(
+                    "`time [s]` (time_s) with as many values, or a --map \"time=…\"; the file has: {}",
+                    few(present)
+                )
+            }
+            E::NothingKnown { present, .. } => format!(
+                "names and units such as `time [s]`, `position [mm]` (time_s, position_mm), or a --map \"position=… [mm]\"; \
+                 the file has: {}",
+                few(present)
+            ),
+            E::NotNumbers { .. } => "a vector of real numbers".into(),
             E::LengthMismatch { expected, .. } => format!("{expected}, one for each time"),
         }
     }
+}
+
+/// Names for a message, not all where there are many.
+fn few(names: &[String]) -> String {
+    const MOST: usize = 30;
+    let more = if names.len() > MOST { ", …" } else { "" };
+    if names.is_empty() { "nothing".to_owned() } else { names[..names.len().min(MOST)].join(", ") + more }
 }
 
 impl fmt::Display for RecordingError {

@@ -4,25 +4,44 @@
 //! program every value is in SI units (pump speed in rev/s, temperature in °C, a current command in
 //! mA); header and unit of each column are kept, so that a result goes out as the recording came in.
 
+#![cfg_attr(
+    not(all(feature = "mat", feature = "mdf4", feature = "parquet")),
+    allow(dead_code, reason = "what the formats share is not all used without one of them")
+)]
+
 mod channels;
 mod columns;
+#[cfg(feature = "parquet")]
+mod contained;
 mod csv;
 mod error;
+mod format;
 mod lines;
+#[cfg(feature = "mat")]
+mod mat;
+#[cfg(feature = "mdf4")]
+mod mdf4;
+mod names;
+mod offered;
+#[cfg(feature = "parquet")]
+mod parquet;
+mod sampled;
 mod signal;
 mod table;
 mod twincat;
 mod units;
+mod unsupported;
 mod write;
 
 pub(crate) use channels::nearest_signal;
 pub use channels::{ChannelMap, MapError, Mapping, Scale};
-pub use csv::{read, read_from};
 pub use error::RecordingError;
+pub use format::{Format, MAX_BINARY_BYTES, MAX_UNPACKED_BYTES, read, read_from};
 pub use lines::{MAX_COLUMNS, MAX_LINE_BYTES, MAX_ROWS, MAX_SKIPPED_LINES};
 pub use signal::Signal;
 pub use table::Table;
 pub use units::{Dimension, Unit};
+pub use unsupported::Unsupported;
 pub use write::Series;
 
 use crate::diagnostic::{Place, counted, engineering, rounded};
@@ -51,6 +70,24 @@ impl Column {
     }
 }
 
+/// Where a row stands in its file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum At {
+    /// In this line of a text, from 1.
+    Line(usize),
+    /// In this row of a file without lines, from 1.
+    Row(usize),
+}
+
+impl fmt::Display for At {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            At::Line(line) => write!(f, "line {line}"),
+            At::Row(row) => write!(f, "row {row}"),
+        }
+    }
+}
+
 /// Something about a recording that was put right, or that a user should know.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Note {
@@ -58,15 +95,15 @@ pub enum Note {
     DuplicateTimes {
         /// How many.
         rows: usize,
-        /// The line of the first one.
-        first_line: usize,
+        /// Where the first one is.
+        first: At,
     },
     /// Rows with an empty cell in a known column were left out.
     IncompleteRows {
         /// How many.
         rows: usize,
-        /// The line of the first one.
-        first_line: usize,
+        /// Where the first one is.
+        first: At,
     },
     /// There are intervals of more than ten usual ones without rows.
     Gaps {
@@ -96,17 +133,17 @@ pub enum Note {
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Note::DuplicateTimes { rows: 1, first_line } => {
-                write!(f, "1 row repeats the time before it and is left out, in line {first_line}")
+            Note::DuplicateTimes { rows: 1, first } => {
+                write!(f, "1 row repeats the time before it and is left out, in {first}")
             }
-            Note::DuplicateTimes { rows, first_line } => {
-                write!(f, "{rows} rows repeat the time before them and are left out, the first in line {first_line}")
+            Note::DuplicateTimes { rows, first } => {
+                write!(f, "{rows} rows repeat the time before them and are left out, the first in {first}")
             }
-            Note::IncompleteRows { rows: 1, first_line } => {
-                write!(f, "1 row has an empty cell and is left out, in line {first_line}")
+            Note::IncompleteRows { rows: 1, first } => {
+                write!(f, "1 row has an empty cell and is left out, in {first}")
             }
-            Note::IncompleteRows { rows, first_line } => {
-                write!(f, "{rows} rows have an empty cell and are left out, the first in line {first_line}")
+            Note::IncompleteRows { rows, first } => {
+                write!(f, "{rows} rows have an empty cell and are left out, the first in {first}")
             }
             Note::Gaps { count, longest_s, at_s } => {
                 let which = if *count == 1 { "" } else { "the longest " };

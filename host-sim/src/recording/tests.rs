@@ -83,7 +83,8 @@ fn a_machine_files_map_may_name_columns_that_are_not_there() {
 fn repeated_times_and_incomplete_rows_are_left_out_and_counted() {
     let recording = read_text("time [s],spool\n0,0\n1,1\n1,9\n2,\n3,3\n3,3\n").unwrap();
     assert_eq!(recording.signal(Signal::Spool).unwrap(), [0.0, 1.0, 3.0]);
-    let expected = [Note::DuplicateTimes { rows: 2, first_line: 4 }, Note::IncompleteRows { rows: 1, first_line: 5 }];
+    let expected =
+        [Note::DuplicateTimes { rows: 2, first: At::Line(4) }, Note::IncompleteRows { rows: 1, first: At::Line(5) }];
     assert_eq!(recording.notes(), expected);
     let told: Vec<String> = recording.notes().iter().map(ToString::to_string).collect();
     assert_eq!(told[0], "2 rows repeat the time before them and are left out, the first in line 4");

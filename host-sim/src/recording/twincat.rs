@@ -26,12 +26,12 @@ use super::columns::{Offer, assign};
 use super::csv::number;
 use super::error::RecordingError;
 use super::lines::{Line, Lines, MAX_ROWS, Splitter, parse_number};
+use super::sampled::{self, Sampled};
 use super::signal::split_header;
 use super::units::{Dimension, Unit};
-use super::{Column, LeftOut, Note, Recording, Signal};
+use super::{At, Column, Note, Recording, Signal};
 use crate::diagnostic::Place;
 use std::io::Read;
-use std::ops::RangeInclusive;
 
 /// The first cell of an export; no recording's first column can have this header.
 pub(super) const FIRST_CELL: &str = "Name";
@@ -45,14 +45,11 @@ const FULL_TIMESTAMP: f64 = 1e15;
 /// The channel block: rows of cells, the first of each its key.
 type Block = Vec<Vec<String>>;
 
-/// One known channel with its samples.
+/// One known channel: where its samples stand, and they.
 struct Channel {
     time_cell: usize,
     value_cell: usize,
-    column: Column,
-    time_s: Vec<f64>,
-    /// Samples that repeat the time before them: how many stand before each, and its value.
-    repeated: Vec<(usize, f64)>,
+    samples: Sampled,
 }
 
 /// Reads an export whose first line has the cells `first`.
@@ -106,7 +103,7 @@ pub(super) fn read<R: Read>(
             let (time_text, text) = (cells.get(channel.time_cell), cells.get(channel.value_cell));
             if !time_text.is_empty() && !text.is_empty() {
                 let time_s = number(line, time_text, &time, separator, channel.time_cell)?;
-                let value = number(line, text, &channel.column, separator, channel.value_cell)?;
+                let value = number(line, text, &channel.samples.column, separator, channel.value_cell)?;
                 channels.repeated += usize::from(!channel.push(line, separator, time_s, value)?);
                 if channels.repeated == 1 {
                     channels.first_repeated = line.number();
@@ -115,7 +112,12 @@ pub(super) fn read<R: Read>(
         }
     }
     match channels {
-        Some(channels) => channels.into_recording(&name, &file),
+        Some(channels) => {
+            let at = At::Line(channels.first_repeated);
+            let repeated = (channels.repeated > 0).then_some((channels.repeated, at));
+            let known = channels.known.into_iter().map(|channel| channel.samples).collect();
+            sampled::together(&name, known, channels.ignored, channels.notes, repeated)
+        }
         None => Err(RecordingError::TooFewRows { place: file, rows: 0, skipped: 0 }),
     }
 }
@@ -127,17 +129,11 @@ fn milliseconds() -> Unit {
 impl Channel {
     /// An export has the unit elsewhere; a recording that is written needs it in the header.
     fn with_unit_in_header(mut self) -> Self {
-        if split_header(&self.column.header).1 != Some(self.column.unit.symbol()) {
-            self.column.header = format!("{} [{}]", self.column.header, self.column.unit);
+        let column = &mut self.samples.column;
+        if split_header(&column.header).1 != Some(column.unit.symbol()) {
+            column.header = format!("{} [{}]", column.header, column.unit);
         }
         self
-    }
-
-    /// Its value at a time, linear between its samples; `None` where it has none.
-    fn at(&self, time: f64) -> Option<f64> {
-        let after = self.time_s.partition_point(|own| *own < time).max(1);
-        let (times, values) = (self.time_s.get(after - 1..=after)?, self.column.values.get(after - 1..=after)?);
-        (times[0]..=times[1]).contains(&time).then(|| interpolate(times, values, &[time])[0])
     }
 
     /// Adds a sample; `false` when it repeats the time before it and is left out.
@@ -147,19 +143,8 @@ impl Channel {
             let found = format!("{:.0}", time_s * 1e3);
             return Err(RecordingError::FullTimestamps { place: place(), found });
         }
-        match self.time_s.last() {
-            Some(&previous_s) if time_s < previous_s => {
-                return Err(RecordingError::TimeBackwards { place: place(), previous_s, found_s: time_s });
-            }
-            Some(&previous_s) if time_s <= previous_s => {
-                self.repeated.push((self.time_s.len(), value));
-                return Ok(false);
-            }
-            _ => {}
-        }
-        self.time_s.push(time_s);
-        self.column.values.push(value);
-        Ok(true)
+        let backwards = |previous_s| RecordingError::TimeBackwards { place: place(), previous_s, found_s: time_s };
+        self.samples.push(time_s, value).map_err(backwards)
     }
 }
 
@@ -206,11 +191,9 @@ impl Channels {
             .map(|(at, column)| Channel {
                 time_cell: places[at].0,
                 value_cell: places[at].1,
-                column,
-                time_s: Vec::new(),
-                repeated: Vec::new(),
+                samples: Sampled::new(column),
             })
-            .filter(|channel| channel.column.signal != Signal::Time)
+            .filter(|channel| channel.samples.column.signal != Signal::Time)
             .map(Channel::with_unit_in_header)
             .collect();
         if known.is_empty() {
@@ -221,72 +204,6 @@ impl Channels {
         }
         Ok(Self { width, known, ignored: assignment.ignored, notes: assignment.notes, repeated: 0, first_repeated: 0 })
     }
-
-    fn into_recording(mut self, name: &str, file: &Place) -> Result<Recording, RecordingError> {
-        if let Some(empty) = self.known.iter().find(|channel| channel.time_s.len() < 2) {
-            return Err(RecordingError::TooFewRows {
-                place: file.clone(),
-                rows: empty.time_s.len(),
-                skipped: self.repeated,
-            });
-        }
-        let start = |channel: &Channel| channel.time_s.first().copied().unwrap_or(f64::INFINITY);
-        let end = |channel: &Channel| channel.time_s.last().copied().unwrap_or(f64::NEG_INFINITY);
-        let from_s = self.known.iter().map(start).fold(f64::NEG_INFINITY, f64::max);
-        let to_s = self.known.iter().map(end).fold(f64::INFINITY, f64::min);
-        let all_s = self.known[0].time_s.clone();
-        let time_s: Vec<f64> = all_s.iter().copied().filter(|time| (from_s..=to_s).contains(time)).collect();
-        if time_s.len() < 2 {
-            return Err(RecordingError::NoCommonTime { place: file.clone(), from_s, to_s });
-        }
-        let left_out = left_out(&self.known, from_s..=to_s);
-        let mut resampled = Vec::new();
-        let mut columns = vec![Column::si(Signal::Time, time_s.clone())];
-        for mut channel in self.known {
-            if channel.time_s != time_s {
-                if channel.time_s != all_s {
-                    resampled.push(channel.column.signal);
-                }
-                channel.column.values = interpolate(&channel.time_s, &channel.column.values, &time_s);
-            }
-            columns.push(channel.column);
-        }
-        let rows_left_out = all_s.len() - time_s.len();
-        if !resampled.is_empty() || rows_left_out > 0 {
-            self.notes.push(Note::Resampled { signals: resampled, rows_left_out });
-        }
-        if self.repeated > 0 {
-            self.notes.push(Note::DuplicateTimes { rows: self.repeated, first_line: self.first_repeated });
-        }
-        let mut recording = Recording::assemble(name, columns, self.ignored, self.notes);
-        recording.left_out = left_out;
-        Ok(recording)
-    }
-}
-
-/// Samples of the first channel that are not among the recording's rows, outside the time that is `common` to all channels or at
-/// a time that is there already; with what the other channels have at their times.
-fn left_out(known: &[Channel], common: RangeInclusive<f64>) -> LeftOut {
-    let mut left_out = LeftOut::default();
-    let Some((first, others)) = known.split_first() else { return left_out };
-    let mut kept = 0;
-    let mut repeated = first.repeated.iter().peekable();
-    for (index, &time) in first.time_s.iter().enumerate() {
-        let mut leave_out = |kept: usize, value: f64| {
-            left_out.after.push(kept);
-            left_out.cells.extend([Some(time), Some(value)]);
-            left_out.cells.extend(others.iter().map(|channel| channel.at(time)));
-        };
-        if common.contains(&time) {
-            kept += 1;
-        } else {
-            leave_out(kept, first.column.values[index]);
-        }
-        while let Some((_, value)) = repeated.next_if(|(after, _)| *after == index + 1) {
-            leave_out(kept, *value);
-        }
-    }
-    left_out
 }
 
 fn offer(name: &str, symbol: Option<&str>, unit: Option<&str>) -> Offer {
@@ -299,23 +216,9 @@ fn offer(name: &str, symbol: Option<&str>, unit: Option<&str>) -> Offer {
     Offer { header: name.to_owned(), names }
 }
 
-/// Values at `at_s` on the lines between samples; every `at_s` lies within `time_s`, and both rise.
-fn interpolate(time_s: &[f64], values: &[f64], at_s: &[f64]) -> Vec<f64> {
-    let mut next = 1;
-    let value_at = |&at: &f64| {
-        while next + 1 < time_s.len() && time_s[next] < at {
-            next += 1;
-        }
-        let (t0, t1) = (time_s[next - 1], time_s[next]);
-        let (v0, v1) = (values[next - 1], values[next]);
-        if at >= t1 { v1 } else { v0 + (v1 - v0) * ((at - t0) / (t1 - t0)) }
-    };
-    at_s.iter().map(value_at).collect()
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::{ChannelMap, Note, RecordingError, Signal, read_from};
+    use super::super::{At, ChannelMap, Note, RecordingError, Signal, read_from};
 
     /// Two sample times; the slow channel begins later and has fewer rows.
     const EXPORT: &str = "Name\tBench\nFile\tC:\\bench.csv\nStarttime of export\t132959733843760000\t2. Mai 2022\n\n\n\
@@ -361,7 +264,7 @@ mod tests {
         let recording = read(text, &[]).unwrap();
         assert_eq!(recording.signal(Signal::Spool).unwrap(), [0.1, 0.2]);
         assert_eq!(recording.signal(Signal::Position).unwrap(), [0.001, 0.002]);
-        assert!(recording.notes().contains(&Note::DuplicateTimes { rows: 1, first_line: 5 }));
+        assert!(recording.notes().contains(&Note::DuplicateTimes { rows: 1, first: At::Line(5) }));
     }
 
     #[test]

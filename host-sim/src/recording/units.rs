@@ -113,6 +113,11 @@ impl Unit {
         Self { symbol, dimension, multiply: 1.0, divide: full, add: -zero / full }
     }
 
+    /// Every known unit.
+    pub(super) fn all() -> impl Iterator<Item = Self> {
+        UNITS.iter().copied()
+    }
+
     /// Every known unit of a dimension, SI first.
     pub fn of(dimension: Dimension) -> impl Iterator<Item = Self> {
         UNITS.iter().filter(move |unit| unit.dimension == dimension).copied()

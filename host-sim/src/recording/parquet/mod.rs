@@ -1,0 +1,182 @@
+//! Apache Parquet, uncompressed or with snappy, as pandas and pyarrow write it.
+//!
+//! Every flat column of numbers is a series; its name holds its unit (`position [mm]`, `position_mm`). A column of timestamps counts
+//! in s from its first one. Nulls are no values. Columns of lists and structures are not read, and whatever pandas or Arrow keep
+//! in the file beside the columns is not needed.
+
+mod write;
+
+use super::channels::ChannelMap;
+use super::contained::contained;
+use super::error::RecordingError;
+use super::format::Format;
+use super::offered::{self, Contents, Offered};
+use super::unsupported::Unsupported;
+use super::{MAX_ROWS, Recording};
+use crate::diagnostic::Place;
+use ::parquet::basic::{Compression, LogicalType, TimeUnit, Type};
+use ::parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use ::parquet::data_type::DataType;
+use ::parquet::errors::ParquetError;
+use ::parquet::file::metadata::ColumnChunkMetaData;
+use ::parquet::file::reader::{FileReader, SerializedFileReader};
+use ::parquet::schema::types::ColumnDescPtr;
+use bytes::Bytes;
+pub(super) use write::write;
+
+/// Reads a file.
+pub(super) fn read(name: &str, bytes: Vec<u8>, map: &ChannelMap) -> Result<Recording, RecordingError> {
+    // The library guards against damaged files, but does not promise not to panic.
+    let opened = contained(|| SerializedFileReader::new(Bytes::from(bytes)));
+    let Some(Ok(reader)) = opened else {
+        return Err(damaged(Place::file(name), "an index of its columns that cannot be read"));
+    };
+    let rows = reader.metadata().row_groups().iter().try_fold(0_usize, |rows, group| {
+        usize::try_from(group.num_rows()).ok().and_then(|more| rows.checked_add(more)).filter(|rows| *rows <= MAX_ROWS)
+    });
+    let rows = rows.ok_or_else(|| RecordingError::TooManyRows { place: Place::file(name), most: MAX_ROWS })?;
+    let columns = reader.metadata().file_metadata().schema_descr().columns().to_vec();
+    let offered = columns.iter().map(|column| {
+        let stamp = stamp_s(column).map(|_| "s".to_owned());
+        Offered { name: column.path().parts().join("."), also: Vec::new(), unit: stamp, base: 0, clock: false }
+    });
+    let table = Table { name, offered: offered.collect(), reader, columns, rows };
+    offered::recording(name, &table, map)
+}
+
+fn damaged(place: Place, what: &'static str) -> RecordingError {
+    RecordingError::Damaged { place, format: Format::Parquet, what }
+}
+
+/// The length of a timestamp's unit, s.
+fn stamp_s(column: &ColumnDescPtr) -> Option<f64> {
+    match column.logical_type_ref() {
+        Some(LogicalType::Timestamp(stamp)) => Some(match stamp.unit {
+            TimeUnit::MILLIS => 1e-3,
+            TimeUnit::MICROS => 1e-6,
+            TimeUnit::NANOS => 1e-9,
+        }),
+        _ => None,
+    }
+}
+
+/// The columns of a file.
+struct Table<'a> {
+    name: &'a str,
+    offered: Vec<Offered>,
+    reader: SerializedFileReader<Bytes>,
+    columns: Vec<ColumnDescPtr>,
+    rows: usize,
+}
+
+/// How the numbers of a column are to be taken.
+#[derive(Clone, Copy)]
+enum Kind {
+    Signed,
+    Unsigned,
+    /// Timestamps, with the length of their unit, s.
+    Stamp(f64),
+}
+
+impl Contents for Table<'_> {
+    const KIND: &'static str = "column";
+
+    fn offered(&self) -> &[Offered] {
+        &self.offered
+    }
+
+    fn rows(&self, _: usize) -> usize {
+        self.rows
+    }
+
+    fn values(&self, index: usize) -> Result<Vec<f64>, RecordingError> {
+        let column = &self.columns[index];
+        let header = &self.offered[index].name;
+        let place = || Place::part(self.name, &format!("{} `{header}`", Self::KIND));
+        let not_numbers = |found: &str| RecordingError::NotNumbers {
+            place: place(),
+            header: header.clone(),
+            found: found.to_owned(),
+        };
+        if column.max_rep_level() > 0 {
+            return Err(not_numbers("lists"));
+        }
+        let kind = match column.logical_type_ref() {
+            None => Kind::Signed,
+            Some(LogicalType::Integer(whole)) if whole.is_signed => Kind::Signed,
+            Some(LogicalType::Integer(_)) => Kind::Unsigned,
+            Some(_) => match stamp_s(column) {
+                Some(unit_s) => Kind::Stamp(unit_s),
+                None => return Err(not_numbers("text, dates or decimal numbers")),
+            },
+        };
+        if !matches!(column.physical_type(), Type::BOOLEAN | Type::INT32 | Type::INT64 | Type::FLOAT | Type::DOUBLE) {
+            return Err(not_numbers("text or bytes"));
+        }
+        for group in self.reader.metadata().row_groups() {
+            match group.columns().get(index).map(ColumnChunkMetaData::compression) {
+                Some(Compression::UNCOMPRESSED | Compression::SNAPPY) => {}
+                Some(other) => {
+                    let packing = format!("{other:?}").split('(').next().unwrap_or_default().to_lowercase();
+                    return Err(RecordingError::Unsupported { place: place(), what: Unsupported::Packing(packing) });
+                }
+                None => return Err(damaged(place(), "a group of rows without this column")),
+            }
+        }
+        // As above.
+        match contained(|| self.column(index, kind)) {
+            Some(Ok(values)) => Ok(values),
+            Some(Err(_)) | None => Err(damaged(place(), "values that cannot be read")),
+        }
+    }
+}
+
+impl Table<'_> {
+    /// The values of a column, group of rows by group of rows; NaN for nulls.
+    fn column(&self, index: usize, kind: Kind) -> Result<Vec<f64>, ParquetError> {
+        let full = self.columns[index].max_def_level();
+        let mut values = Vec::new();
+        let mut first = None;
+        for group in 0..self.reader.num_row_groups() {
+            let group = self.reader.get_row_group(group)?;
+            let rows = usize::try_from(group.metadata().num_rows())?;
+            let more = match group.get_column_reader(index)? {
+                ColumnReader::BoolColumnReader(reader) => {
+                    numbers(reader, rows, full, |value| f64::from(u8::from(*value)))?
+                }
+                ColumnReader::Int32ColumnReader(reader) => numbers(reader, rows, full, |value| match kind {
+                    Kind::Unsigned => f64::from(value.cast_unsigned()),
+                    _ => f64::from(*value),
+                })?,
+                ColumnReader::Int64ColumnReader(reader) => numbers(reader, rows, full, |value| match kind {
+                    Kind::Signed => *value as f64,
+                    Kind::Unsigned => value.cast_unsigned() as f64,
+                    // The difference is exact, the count since 1970 would not be.
+                    Kind::Stamp(unit_s) => value.wrapping_sub(*first.get_or_insert(*value)) as f64 * unit_s,
+                })?,
+                ColumnReader::FloatColumnReader(reader) => numbers(reader, rows, full, |value| f64::from(*value))?,
+                ColumnReader::DoubleColumnReader(reader) => numbers(reader, rows, full, |value| *value)?,
+                _ => return Err(ParquetError::General("no column of numbers".to_owned())),
+            };
+            values.extend(more);
+        }
+        Ok(values)
+    }
+}
+
+/// The values of a column in one group of rows; NaN for nulls.
+fn numbers<T: DataType>(
+    mut reader: ColumnReaderImpl<T>,
+    rows: usize,
+    full: i16,
+    mut number: impl FnMut(&T::T) -> f64,
+) -> Result<Vec<f64>, ParquetError> {
+    let (mut levels, mut found) = (Vec::new(), Vec::new());
+    let (read, ..) = reader.read_records(rows, Some(&mut levels), None, &mut found)?;
+    if full == 0 {
+        return Ok(found.iter().map(number).collect());
+    }
+    let mut found = found.iter();
+    let value = |level: &i16| if *level == full { found.next().map_or(f64::NAN, &mut number) } else { f64::NAN };
+    Ok(levels.iter().take(read).map(value).collect())
+}

@@ -1,0 +1,94 @@
+//! The commands on every format.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::Parser;
+use host_sim::cli::{self, Cli, Console};
+
+use crate::fixture;
+
+/// Runs the program; what it prints, or its error.
+fn run(arguments: &[&str]) -> Result<String, String> {
+    let cli = Cli::try_parse_from(["host-sim"].iter().chain(arguments)).map_err(|error| error.to_string())?;
+    let mut out = Vec::new();
+    let outcome = cli::run(&cli.command, &mut Console::into_buffer(&mut out));
+    outcome.map(|_| String::from_utf8(out).unwrap()).map_err(|error| error.render())
+}
+
+fn press() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/press-63-40/machine.toml")
+}
+
+#[test]
+fn a_simulation_is_the_same_from_every_format() {
+    let folder = tempfile::tempdir().unwrap();
+    let machine = press().display().to_string();
+    let simulated = |name: &str| {
+        let out = folder.path().join(format!("{name}.csv"));
+        let recording = fixture(name).display().to_string();
+        run(&["simulate", "--machine", &machine, "--recording", &recording, "--out", &out.display().to_string()])
+            .unwrap();
+        fs::read_to_string(out).unwrap()
+    };
+    let expected = simulated("run.csv");
+    assert_eq!(expected.lines().count(), 201);
+    for name in ["vectors.mat", "vectors_packed.mat", "packed_2.mf4", "pandas.parquet"] {
+        // The columns' order is the file's own, here that of the CSV, and a number that is 1 needs no unit.
+        assert_eq!(simulated(name).replace("spool,", "spool [1],"), expected, "{name}");
+    }
+}
+
+#[test]
+fn a_simulation_is_written_in_the_format_of_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let machine = press().display().to_string();
+    for (name, magic) in
+        [("s.csv", "time [s]"), ("s.mat", "MATLAB 5.0 MAT-file"), ("s.parquet", "PAR1"), ("s.x", "time [s]")]
+    {
+        let out = folder.path().join(name);
+        run(&["simulate", "--machine", &machine, "--input", "step:4V,0.1s", "--out", &out.display().to_string()])
+            .unwrap();
+        assert!(fs::read(out).unwrap().starts_with(magic.as_bytes()), "{name}");
+    }
+}
+
+#[test]
+fn recordings_are_compared_and_fitted_in_every_format() {
+    let machine = press().display().to_string();
+    let compared = |name: &str| {
+        let recording = fixture(name).display().to_string();
+        run(&["compare", "--machine", &machine, "--recording", &recording]).unwrap().replace(name, "the recording")
+    };
+    let expected = compared("run.csv");
+    for name in ["vectors.mat", "packed_1.mf4", "plain.parquet"] {
+        let told = compared(name);
+        let lines =
+            |text: &str| text.lines().filter(|line| line.contains("position")).map(str::to_owned).collect::<Vec<_>>();
+        assert!(!lines(&told).is_empty(), "{told}");
+        let numbers = |text: &str| lines(text).join(" ").split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+        assert_eq!(numbers(&told), numbers(&expected), "{name}");
+    }
+}
+
+#[test]
+fn a_folder_may_hold_recordings_of_every_format_but_each_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let put = |from: PathBuf, name: &str| fs::copy(from, folder.path().join(name)).map(drop).unwrap();
+    put(press(), "machine.toml");
+    let path = folder.path().display().to_string();
+    let diagnosed = || run(&["diagnose", &path, "--report", &folder.path().join("r.html").display().to_string()]);
+    let nothing = diagnosed().unwrap_err();
+    assert!(nothing.contains("no train-*.csv (.txt, .mat, .mf4, .parquet)"), "{nothing}");
+    put(fixture("vectors.mat"), "train-1.mat");
+    put(fixture("packed_0.mf4"), "train-2.MF4");
+    // Both are found and read, and hold the same rows.
+    let twice = diagnosed().unwrap_err();
+    assert!(
+        twice.contains("train-1.mat") && twice.contains("train-2.MF4") && twice.contains("each recording once"),
+        "{twice}"
+    );
+    put(fixture("run.csv"), "train-2.csv");
+    let formats = diagnosed().unwrap_err();
+    assert!(formats.contains("train-2.csv") && formats.contains("each recording in one format"), "{formats}");
+}
