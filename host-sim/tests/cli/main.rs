@@ -8,11 +8,15 @@ mod at_hand;
 mod bad_input;
 mod export;
 mod import;
+mod init;
+mod inspect;
+mod interrupted;
 mod report;
 mod shared;
 mod shipped;
 mod simulate;
 mod targets;
+mod terminal;
 mod testbed;
 
 use std::path::{Path, PathBuf};
