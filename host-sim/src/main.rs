@@ -10,8 +10,8 @@ fn main() -> ExitCode {
     let cli = Cli::parse();
     let mut out = io::stdout().lock();
     let console = &mut Console::of_process(&mut out, cli.volume());
-    if cli::stop_cleanly().is_err() {
-        console.note("Ctrl-C may leave a temporary file behind: this system takes no handler");
+    if let Err(cause) = cli::stop_cleanly() {
+        console.note(format_args!("Ctrl-C may leave a temporary file behind: {cause}"));
     }
     let result = cli::run(&cli.command, console);
     cli::finish(result, &mut io::stderr())

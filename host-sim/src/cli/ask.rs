@@ -44,10 +44,12 @@ fn asked(
     for &item in Item::ALL {
         // A hose has a diameter only where it has a length.
         let no_hose = item == Item::HoseDiameter && answers.get(Item::HoseLength).is_none();
-        if item.belongs(pump) && answers.get(item).is_none() && !no_hose {
-            if let Some(quantity) = answer(item)? {
-                answers.insert(item, quantity);
-            }
+        if item.belongs(pump)
+            && answers.get(item).is_none()
+            && !no_hose
+            && let Some(quantity) = answer(item)?
+        {
+            answers.insert(item, quantity);
         }
     }
     Ok(())

@@ -221,26 +221,19 @@ impl Derived {
 
         let overlap = given(Item::Overlap);
         let dead_zone = overlap.map_or(0.0, |overlap| overlap.si) * rated;
-        match overlap {
-            Some(overlap) => {
-                let why = format!("overlap {overlap} of the travel at the rated signal");
-                self.push("valve", "dead_zone", vec![dead_zone], Origin::Derived, why);
-                self.sigma(
-                    "valve.dead_zone",
-                    (0.1 * dead_zone).max(0.01 * rated),
-                    "given: within 10 %, or 1 % of travel",
-                );
-            }
-            None => {
-                self.push(
-                    "valve",
-                    "dead_zone",
-                    vec![0.0],
-                    Origin::Assumed,
-                    "zero lap, for no overlap was named".to_owned(),
-                );
-                self.sigma("valve.dead_zone", 0.03 * rated, "assumed: 3 % of travel");
-            }
+        if let Some(overlap) = overlap {
+            let why = format!("overlap {overlap} of the travel at the rated signal");
+            self.push("valve", "dead_zone", vec![dead_zone], Origin::Derived, why);
+            self.sigma("valve.dead_zone", (0.1 * dead_zone).max(0.01 * rated), "given: within 10 %, or 1 % of travel");
+        } else {
+            self.push(
+                "valve",
+                "dead_zone",
+                vec![0.0],
+                Origin::Assumed,
+                "zero lap, for no overlap was named".to_owned(),
+            );
+            self.sigma("valve.dead_zone", 0.03 * rated, "assumed: 3 % of travel");
         }
         if let Some(time) = given(Item::ValveStrokeTime) {
             let why = format!("x_N over {time} of travel at the largest speed");
@@ -310,20 +303,13 @@ impl Derived {
                 self.sigma(whole, DEAD_VOLUME * half, "as much as the dead volume that was assumed");
             }
         }
-        match given(Item::BulkModulus) {
-            Some(modulus) => {
-                self.given(table, "bulk_modulus_pa", modulus, modulus.si);
-                self.sigma(
-                    "cylinder.bulk_modulus_pa",
-                    0.1 * modulus.si,
-                    "given: within 10 %, for air and hoses soften it",
-                );
-            }
-            None => {
-                let why = "oil with the usual bit of air".to_owned();
-                self.push(table, "bulk_modulus_pa", vec![BULK_MODULUS_PA], Origin::Assumed, why);
-                self.sigma("cylinder.bulk_modulus_pa", 0.3 * BULK_MODULUS_PA, "assumed: within 30 %");
-            }
+        if let Some(modulus) = given(Item::BulkModulus) {
+            self.given(table, "bulk_modulus_pa", modulus, modulus.si);
+            self.sigma("cylinder.bulk_modulus_pa", 0.1 * modulus.si, "given: within 10 %, for air and hoses soften it");
+        } else {
+            let why = "oil with the usual bit of air".to_owned();
+            self.push(table, "bulk_modulus_pa", vec![BULK_MODULUS_PA], Origin::Assumed, why);
+            self.sigma("cylinder.bulk_modulus_pa", 0.3 * BULK_MODULUS_PA, "assumed: within 30 %");
         }
         let mass = sheet.needed(Item::Mass)?;
         self.given(table, "moving_mass_kg", mass, mass.si);
@@ -331,23 +317,19 @@ impl Derived {
 
         let at = format!("{} mm/s, {}", significant(1e3 * speed.m_per_s, 3), speed.how);
         let key = "viscous_friction_n_s_per_m";
-        match given(Item::Friction) {
-            Some(force) => {
-                let damping = force.si / speed.m_per_s;
-                self.push(table, key, vec![damping], Origin::Derived, format!("D = F/v: {force} at {at}"));
-                self.sigma(
-                    "cylinder.viscous_friction_n_s_per_m",
-                    0.3 * damping,
-                    "given: within 30 %, for friction never keeps still",
-                );
-            }
-            None => {
-                let damping = FRICTION * supply.si * area_a / speed.m_per_s;
-                let why =
-                    format!("D = F/v: a tenth of the force at supply pressure, as seals and guides have, at {at}");
-                self.push(table, key, vec![damping], Origin::Assumed, why);
-                self.sigma("cylinder.viscous_friction_n_s_per_m", 2.0 * damping, "assumed: the order of size");
-            }
+        if let Some(force) = given(Item::Friction) {
+            let damping = force.si / speed.m_per_s;
+            self.push(table, key, vec![damping], Origin::Derived, format!("D = F/v: {force} at {at}"));
+            self.sigma(
+                "cylinder.viscous_friction_n_s_per_m",
+                0.3 * damping,
+                "given: within 30 %, for friction never keeps still",
+            );
+        } else {
+            let damping = FRICTION * supply.si * area_a / speed.m_per_s;
+            let why = format!("D = F/v: a tenth of the force at supply pressure, as seals and guides have, at {at}");
+            self.push(table, key, vec![damping], Origin::Assumed, why);
+            self.sigma("cylinder.viscous_friction_n_s_per_m", 2.0 * damping, "assumed: the order of size");
         }
         Ok(())
     }
@@ -368,8 +350,7 @@ fn dead_volume(answers: &Answers) -> Result<(Option<f64>, String, bool), SheetEr
     let further = answers.get(Item::DeadVolume).map(|volume| (volume.si, volume.to_string()));
     Ok(match (hose, further) {
         (None, None) => (None, "a twentieth of it assumed for hose and ports".to_owned(), false),
-        (Some((volume, how)), None) => (Some(volume), how, true),
-        (None, Some((volume, how))) => (Some(volume), how, true),
+        (Some((volume, how)), None) | (None, Some((volume, how))) => (Some(volume), how, true),
         (Some(hose), Some(further)) => (Some(hose.0 + further.0), format!("{}, and {}", hose.1, further.1), true),
     })
 }

@@ -58,7 +58,8 @@ fn ways(link: Subsystem, source: Source) -> Vec<Way> {
     };
     match link {
         Subsystem::Valve => vec![way(EntryPoint::Command, &[Command, Spool], &[Spool])],
-        Subsystem::Flow => vec![way(feed, with_pressures, MOTION)],
+        // What two sensors say of one motion has to agree.
+        Subsystem::Flow | Subsystem::Sensing => vec![way(feed, with_pressures, MOTION)],
         Subsystem::Chambers => vec![
             way(feed, with_pressures, PRESSURES),
             way(EntryPoint::Flow, &[Flow, PressureA, PressureB, Position], PRESSURES),
@@ -67,8 +68,6 @@ fn ways(link: Subsystem, source: Source) -> Vec<Way> {
             way(EntryPoint::Force, &[PressureA, PressureB, Position], MOTION),
             way(EntryPoint::Force, &[Force, Position], MOTION),
         ],
-        // What two sensors say of one motion has to agree.
-        Subsystem::Sensing => vec![way(feed, with_pressures, MOTION)],
     }
 }
 

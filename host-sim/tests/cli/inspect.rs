@@ -1,5 +1,7 @@
 //! What `inspect` says of recordings.
 
+use std::fmt::Write;
+
 use super::{MACHINE, done, example, folder_with, refused, root};
 
 #[test]
@@ -30,9 +32,9 @@ fn duplicates_gaps_and_wrong_units_are_told() {
     let mut recording = String::from("time [s],command [V],spool [1],position [mm],pressure_a [MPa]\n");
     for row in (0..400).filter(|row| !(200..250).contains(row)) {
         let time = f64::from(row) * 1e-3;
-        recording += &format!("{time},{},{},{},{}\n", 2.0, 0.05, 100.0 + time, 35.0 + 0.1 * (time * 40.0).sin());
+        writeln!(recording, "{time},2,0.05,{},{}", 100.0 + time, 35.0 + 0.1 * (time * 40.0).sin()).unwrap();
         if row == 100 {
-            recording += &format!("{time},2,0.05,100.1,35\n");
+            writeln!(recording, "{time},2,0.05,100.1,35").unwrap();
         }
     }
     let folder = folder_with(MACHINE, &recording);
