@@ -7,6 +7,8 @@
 mod at_hand;
 mod bad_input;
 mod export;
+#[cfg(unix)]
+mod first_minutes;
 mod import;
 mod init;
 mod inspect;

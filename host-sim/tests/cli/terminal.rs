@@ -51,7 +51,7 @@ fn verbose_says_what_was_found_and_where_the_time_went() {
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(0), "{said}");
     assert!(
-        said.contains("read: 1 recordings, 3 rows; 4 parameters may move") && said.contains("fitting: 0."),
+        said.contains("read: 1 recordings, 3 rows; 5 parameters may move") && said.contains("fitting: 0."),
         "{said}"
     );
     assert_eq!(run(folder.path(), &["paper", "--quiet", "--verbose"]).status.code(), Some(2));
