@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use super::{MACHINE, at_hand, done, example, folder_with, run, text};
+use super::{MACHINE, at_hand, done, example, folder_with, refused, run, text};
 
 /// What a command prints on a terminal of its own, its standard error set aside; `None` where no terminal can be had.
 fn on_a_terminal(folder: &Path, variables: &str, arguments: &str) -> Option<String> {
@@ -81,5 +81,27 @@ fn what_is_mistyped_is_met_with_the_nearest() {
         let message = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{message}");
         assert!(message.contains("similar") && message.contains(nearest), "{message}");
+    }
+}
+
+#[test]
+fn every_refusal_says_where_and_what_was_expected() {
+    let folder = folder_with(MACHINE, "time [s],command [V],position [m]\n0,0,0\n1,0,1\n");
+    for (command, place) in [
+        ("init --bore 63bar", "--bore"),
+        ("inspect none.csv", "none.csv"),
+        ("simulate --machine machine.toml --input jump:4V --out s.csv", "jump"),
+        ("simulate --machine machine.toml --input step:4Q --out s.csv", "4Q"),
+        ("compare --machine machine.toml --recording none.csv", "none.csv"),
+        ("fit --machine none.toml --train run.csv --save-machine f.toml", "none.toml"),
+        ("diagnose none", "none"),
+        ("statics --recording run.csv --input nothing --output position", "run.csv"),
+        ("testbed --machine machine.toml --train step:4V,0.1s --effect rust=1 --out case", "--effect rust=1"),
+        ("testbed draw --only rust --out cases", "--only rust"),
+        ("export --machine none.toml --out p.rs", "none.toml"),
+        ("import --frames none.bin --out r.csv", "none.bin"),
+    ] {
+        let message = refused(folder.path(), &command.split(' ').collect::<Vec<_>>());
+        assert!(message.contains(place) && message.contains("expected"), "{command}: {message}");
     }
 }
