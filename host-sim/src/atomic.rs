@@ -2,9 +2,14 @@
 
 use std::fs::{self, OpenOptions};
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::mem;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::NamedTempFile;
+
+/// The temporary files of this process that have no name of their own yet.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// Writes a file by way of a temporary one beside it, which takes its name when everything is on disk.
 ///
@@ -16,19 +21,68 @@ pub fn write(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -
         fill(&mut out)?;
         return out.flush();
     }
-    let file = temporary(path)?;
-    let mut out = BufWriter::new(file.as_file());
+    let file = Unfinished::beside(path)?;
+    let mut out = BufWriter::new(file.file.as_file());
     fill(&mut out)?;
     out.flush()?;
     drop(out);
-    file.as_file().sync_all()?;
-    file.persist(path).map_err(|failed| failed.error)?;
-    Ok(())
+    file.file.as_file().sync_all()?;
+    file.finish(path)
+}
+
+/// Removes every temporary file and lets no other file be begun or finished: the process is about to end.
+pub fn abandon() {
+    let mut unfinished = unfinished();
+    for path in unfinished.drain(..) {
+        // What is not there any more need not be removed.
+        let _ = fs::remove_file(path);
+    }
+    mem::forget(unfinished);
+}
+
+fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
+    // A list is whole after every operation on it, even where a thread panicked.
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A temporary file that [`abandon`] knows.
+struct Unfinished {
+    file: NamedTempFile,
+    _listed: Listed,
+}
+
+/// A line of [`UNFINISHED`], as long as it lives.
+struct Listed(PathBuf);
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        unfinished().retain(|known| *known != self.0);
+    }
+}
+
+impl Unfinished {
+    fn beside(path: &Path) -> io::Result<Self> {
+        let mut unfinished = unfinished();
+        let file = temporary(path)?;
+        let temporary = file.path().to_owned();
+        unfinished.push(temporary.clone());
+        Ok(Self { file, _listed: Listed(temporary) })
+    }
+
+    /// Gives it its name. Not while another thread abandons: it is given whole, or never.
+    fn finish(self, path: &Path) -> io::Result<()> {
+        let Self { file, _listed } = self;
+        let renamed = {
+            let _unfinished = unfinished();
+            file.persist(path)
+        };
+        renamed.map(drop).map_err(|failed| failed.error)
+    }
 }
 
 /// Checks that [`write()`] could write this file now, and leaves nothing.
 pub fn check(path: &Path) -> io::Result<()> {
-    if is_stream(path) { Ok(()) } else { temporary(path).map(drop) }
+    if is_stream(path) { Ok(()) } else { Unfinished::beside(path)?.file.close() }
 }
 
 /// What would have been right where [`write()`] or [`check`] has failed; a phrase.

@@ -8,6 +8,11 @@ use host_sim::cli::{self, Cli, Console};
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    let result = cli::run(&cli.command, &mut Console::of_process(&mut io::stdout().lock()));
+    let mut out = io::stdout().lock();
+    let console = &mut Console::of_process(&mut out, cli.volume());
+    if let Err(cause) = cli::stop_cleanly() {
+        console.note(format_args!("Ctrl-C may leave a temporary file behind: {cause}"));
+    }
+    let result = cli::run(&cli.command, console);
     cli::finish(result, &mut io::stderr())
 }

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::input::{self, MachineArguments};
 use super::target::{check_not_read, check_target};
-use super::{CliError, Console, Outcome};
+use super::{CliError, Console, Outcome, Tone};
 use crate::atomic;
 use crate::compare::{Arithmetic, Comparison, Section, compare};
 use crate::judge;
@@ -65,7 +65,8 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         atomic::write(path, |out| out.write_all(svg.as_bytes()))
             .map_err(|cause| CliError::Write { path: path.clone(), cause })?;
     }
-    for note in plan.recordings.iter().flat_map(input::notes) {
+    let quiet = console.is_quiet();
+    for note in plan.recordings.iter().filter(|_| !quiet).flat_map(input::notes) {
         console.print(format_args!("note: {note}"))?;
     }
     console.print(table(&comparisons, console.terminal))?;
@@ -79,7 +80,8 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         return Ok(Outcome::Done);
     }
     let below: Vec<String> = below(&comparisons, arguments.tolerance).collect();
-    console.print(verdict(&below, arguments.tolerance))?;
+    let tone = if below.is_empty() { Tone::Good } else { Tone::Bad };
+    console.verdict(verdict(&below, arguments.tolerance), tone)?;
     Ok(if below.is_empty() { Outcome::Done } else { Outcome::OutOfTolerance })
 }
 

@@ -1,18 +1,55 @@
 //! Where a command prints.
 
 use std::fmt::Display;
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, Write};
+use std::time::{Duration, Instant};
 
+use anstyle::{AnsiColor, Style};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::CliError;
 
+/// How much a command says beside its result, on standard error.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Volume {
+    /// Nothing but why it could not be done: no notes, no progress.
+    Quiet,
+    /// Notes, and progress on a terminal.
+    #[default]
+    Usual,
+    /// Also what each stage found and how long it took.
+    Verbose,
+}
+
+/// What a line says of the drive, which a terminal shows as a colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tone {
+    /// All is well.
+    Good,
+    /// Something is to be looked at.
+    Open,
+    /// Something is wrong.
+    Bad,
+}
+
+impl Tone {
+    const fn style(self) -> Style {
+        let colour = match self {
+            Tone::Good => AnsiColor::Green,
+            Tone::Open => AnsiColor::Yellow,
+            Tone::Bad => AnsiColor::Red,
+        };
+        colour.on_default().bold()
+    }
+}
+
 /// Standard output, and whether people look at it.
 pub struct Console<'a> {
     out: &'a mut dyn Write,
-    /// Whether the output is a terminal: only then is anything coloured.
+    /// Whether the output is a terminal that wants colours: only then is anything coloured.
     pub terminal: bool,
-    progress: bool,
+    /// How much is said beside the result; `None` where there is nobody to say it to.
+    beside: Option<Volume>,
 }
 
 impl std::fmt::Debug for Console<'_> {
@@ -23,13 +60,16 @@ impl std::fmt::Debug for Console<'_> {
 
 impl<'a> Console<'a> {
     /// The console of this process, which prints to `out`, its standard output.
-    pub fn of_process(out: &'a mut dyn Write) -> Self {
-        Self { out, terminal: io::stdout().is_terminal(), progress: true }
+    ///
+    /// Coloured as a terminal says, and as `NO_COLOR` and `CLICOLOR_FORCE` ask.
+    pub fn of_process(out: &'a mut dyn Write, volume: Volume) -> Self {
+        let terminal = anstream::AutoStream::choice(&io::stdout()) != anstream::ColorChoice::Never;
+        Self { out, terminal, beside: Some(volume) }
     }
 
     /// A console that prints into a buffer and shows no progress.
     pub fn into_buffer(out: &'a mut dyn Write) -> Self {
-        Self { out, terminal: false, progress: false }
+        Self { out, terminal: false, beside: None }
     }
 
     /// Prints a line, or several.
@@ -37,22 +77,99 @@ impl<'a> Console<'a> {
         writeln!(self.out, "{text}").and_then(|()| self.out.flush()).map_err(CliError::Output)
     }
 
+    /// Prints a line that says how things are, coloured on a terminal.
+    pub fn verdict(&mut self, text: impl Display, tone: Tone) -> Result<(), CliError> {
+        let style = if self.terminal { tone.style() } else { Style::new() };
+        self.print(format_args!("{style}{text}{style:#}"))
+    }
+
+    /// Whether nothing but the result is wanted.
+    #[must_use]
+    pub fn is_quiet(&self) -> bool {
+        self.beside == Some(Volume::Quiet)
+    }
+
     /// Says something beside the result, on standard error.
     pub fn note(&self, text: impl Display) {
-        if self.progress {
+        if matches!(self.beside, Some(Volume::Usual | Volume::Verbose)) {
             // A closed standard error takes nothing from the result.
             let _ = writeln!(io::stderr(), "note: {text}");
         }
     }
 
-    /// A bar on standard error for so many steps; none where that is no terminal.
-    #[must_use]
-    pub fn progress(&self, steps: usize, doing: &'static str) -> ProgressBar {
-        if !self.progress {
-            return ProgressBar::hidden();
+    /// Says what a stage found, on standard error, where `--verbose` asks for it.
+    pub fn detail(&self, text: impl Display) {
+        if self.beside == Some(Volume::Verbose) {
+            let _ = writeln!(io::stderr(), "{text}");
         }
-        let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}");
-        let bar = ProgressBar::new(steps as u64).with_message(doing);
-        style.map_or_else(|_| bar.clone(), |style| bar.clone().with_style(style))
+    }
+
+    /// A bar on standard error for so many steps, with the time left; none where that is no terminal.
+    #[must_use]
+    pub fn progress(&self, steps: usize, doing: &'static str) -> Progress {
+        self.shown(ProgressBar::new(steps as u64), "{msg} {wide_bar} {pos}/{len}, {eta} left", doing)
+    }
+
+    /// A turning sign on standard error and the time that has gone, for what nobody knows the steps of.
+    #[must_use]
+    pub fn working(&self, doing: &'static str) -> Progress {
+        self.shown(ProgressBar::new_spinner(), "{spinner} {msg}, {elapsed}", doing)
+    }
+
+    fn shown(&self, bar: ProgressBar, template: &str, doing: &'static str) -> Progress {
+        let verbose = self.beside == Some(Volume::Verbose);
+        let began = Instant::now();
+        if !matches!(self.beside, Some(Volume::Usual | Volume::Verbose)) {
+            return Progress { bar: ProgressBar::hidden(), doing, began, verbose };
+        }
+        let bar = match ProgressStyle::with_template(template) {
+            Ok(style) => bar.with_style(style),
+            Err(_) => bar,
+        };
+        bar.set_message(doing);
+        // Moves on while a step takes long.
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Progress { bar, doing, began, verbose }
+    }
+}
+
+/// The progress of one stage.
+#[derive(Debug)]
+pub struct Progress {
+    bar: ProgressBar,
+    doing: &'static str,
+    began: Instant,
+    verbose: bool,
+}
+
+impl Progress {
+    /// So many steps more are done.
+    pub fn inc(&self, steps: u64) {
+        self.bar.inc(steps);
+    }
+
+    /// The stage is over: the bar goes, and `--verbose` says how long it took.
+    pub fn finish_and_clear(&self) {
+        self.bar.finish_and_clear();
+        if self.verbose {
+            let seconds = self.began.elapsed().as_secs_f64();
+            let _ = writeln!(io::stderr(), "{}: {seconds:.2} s", self.doing);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_verdict_is_coloured_on_a_terminal_only() {
+        let mut out = Vec::new();
+        Console::into_buffer(&mut out).verdict("nothing missing", Tone::Good).unwrap();
+        assert_eq!(out, b"nothing missing\n");
+        let mut out = Vec::new();
+        Console { out: &mut out, terminal: true, beside: None }.verdict("unexplained", Tone::Open).unwrap();
+        let text = String::from_utf8(out).unwrap();
+        assert!(text.starts_with("\u{1b}[") && text.ends_with("\u{1b}[0m\n"), "{text:?}");
     }
 }

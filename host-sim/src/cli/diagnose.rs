@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::input;
 use super::target::{check_not_read, check_target};
-use super::{CliError, Console, Outcome};
+use super::{CliError, Console, Outcome, Tone};
 use crate::atomic;
 use crate::diagnose::{Diagnosis, Verdict, diagnose, steps};
 use crate::exhibits::Exhibits;
@@ -75,6 +75,12 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     for note in plan.training.iter().chain(&plan.held_out).flat_map(input::notes) {
         console.note(note);
     }
+    console.detail(format_args!(
+        "read: {} training and {} held-out recordings, {} rows",
+        plan.training.len(),
+        plan.held_out.len(),
+        plan.training.iter().chain(&plan.held_out).map(Recording::rows).sum::<usize>()
+    ));
     let steps = usize::try_from(steps(&plan.file)).unwrap_or(usize::MAX);
     let bar = console.progress(steps, "diagnosing");
     let tick = arguments.tick.map(Into::into);
@@ -82,8 +88,11 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     bar.finish_and_clear();
     let failed = |cause| CliError::Diagnose { machine: plan.machine.clone(), cause };
     let diagnosis = diagnosis.map_err(failed)?;
-    let exhibits = Exhibits::of(&plan.file, &plan.training, &plan.held_out, &diagnosis, plan.report.is_some())
-        .map_err(|cause| failed(cause.into()))?;
+    console.detail(terminal::sentence(&diagnosis));
+    let bar = console.working("drawing up the evidence");
+    let exhibits = Exhibits::of(&plan.file, &plan.training, &plan.held_out, &diagnosis, plan.report.is_some());
+    bar.finish_and_clear();
+    let exhibits = exhibits.map_err(|cause| failed(cause.into()))?;
 
     if let Some(path) = &arguments.json {
         write(path, &format!("{:#}\n", json::document(&diagnosis, &exhibits)))?;
@@ -97,12 +106,23 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     if let (Some(path), Some(shown)) = (&arguments.plot, diagnosis.example()) {
         write(path, &html::overlay(&diagnosis, shown))?;
     }
-    console.print(terminal::text(&diagnosis, &exhibits))?;
+    let text = terminal::text(&diagnosis, &exhibits);
+    let (verdict, rest) = text.split_once('\n').unwrap_or((text.as_str(), ""));
+    console.verdict(verdict, tone(diagnosis.verdict))?;
+    console.print(rest)?;
     if let Some(path) = &plan.report {
         console.print(format_args!("report: {}", path.display()))?;
     }
     let missing = diagnosis.verdict != Verdict::NothingMissing;
     Ok(if arguments.exit_code && missing { Outcome::OutOfTolerance } else { Outcome::Done })
+}
+
+const fn tone(verdict: Verdict) -> Tone {
+    match verdict {
+        Verdict::NothingMissing => Tone::Good,
+        Verdict::MissingPhysics => Tone::Bad,
+        Verdict::Unexplained => Tone::Open,
+    }
 }
 
 fn plan(arguments: &Arguments) -> Result<Plan, CliError> {

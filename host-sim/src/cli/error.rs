@@ -7,6 +7,7 @@ use model_core::machine::{MachineError, Source};
 
 use crate::atomic;
 use crate::compare::CompareError;
+use crate::data_sheet::SheetError;
 use crate::diagnose::DiagnoseError;
 use crate::diagnostic::{self, Explained};
 use crate::import::ImportError;
@@ -218,8 +219,23 @@ pub enum CliError {
         /// What would do.
         expected: &'static str,
     },
+    /// A file that nobody said to write over.
+    #[error("{} is there already; expected another name, or --force to write over it", path.display())]
+    IsThere {
+        /// The file.
+        path: PathBuf,
+    },
+    /// What a data sheet says makes no drive.
+    #[error(transparent)]
+    Sheet(#[from] SheetError),
+    /// An answer cannot be read from the terminal.
+    #[error("the terminal: cannot be read: {0}; expected an answer, or the flags of `host-sim init --help`")]
+    Input(io::Error),
+    /// Ctrl-C at a question.
+    #[error("interrupted")]
+    Interrupted,
     /// Standard output cannot be written.
-    #[error("standard output: {0}")]
+    #[error("standard output: cannot be written: {0}; expected a reader, or a file with room for the text")]
     Output(io::Error),
 }
 

@@ -59,10 +59,18 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         prepared.push(case.map_err(|cause| failed(cause.into()))?);
     }
     let cases: Vec<&Prepared> = prepared.iter().collect();
-    let bar = console.progress(1, "fitting");
-    let fitted =
-        fit(&file.machine, &ordinary(&file), &cases, &From::default(), 1e-8).map_err(|cause| failed(cause.into()))?;
+    let free = ordinary(&file);
+    console.detail(format_args!(
+        "read: {} recordings, {} rows; {} parameters may move",
+        cases.len(),
+        cases.iter().map(|case| case.rows()).sum::<usize>(),
+        free.len()
+    ));
+    // Nobody knows how many steps the search takes.
+    let bar = console.working("fitting");
+    let fitted = fit(&file.machine, &free, &cases, &From::default(), 1e-8);
     bar.finish_and_clear();
+    let fitted = fitted.map_err(|cause| failed(cause.into()))?;
     file.machine = fitted.machine;
     file.start_at(level_at_rest(&fitted.machine, &cases, &fitted.starts));
     file.given.extend(fitted.free.iter().map(|free| free.parameter));

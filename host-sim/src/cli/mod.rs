@@ -1,9 +1,11 @@
 //! The command line: one file a command, each from parsed arguments by way of a checked plan to a run.
 //!
 //! Results are plain data from the rest of the library; what is printed here is a view of them. Exit status: 0 done, 1 by
-//! `--exit-code`, 2 it could not be done, with one message on standard error.
+//! `--exit-code`, 2 it could not be done, with one message on standard error, 130 interrupted by Ctrl-C.
 
+mod ask;
 pub mod compare;
+pub mod completions;
 mod console;
 pub mod diagnose;
 pub mod draw;
@@ -11,7 +13,10 @@ mod error;
 pub mod export;
 pub mod fit;
 pub mod import;
+pub mod init;
 mod input;
+pub mod inspect;
+mod interrupt;
 pub mod paper;
 pub mod plan;
 pub mod simulate;
@@ -22,9 +27,10 @@ pub mod testbed;
 use std::io::Write;
 use std::process::ExitCode;
 
-pub use console::Console;
+pub use console::{Console, Progress, Tone, Volume};
 pub use error::CliError;
 pub use input::{MachineArguments, TickArgument};
+pub use interrupt::{INTERRUPTED, stop_cleanly};
 
 /// Simulates and compares valve-controlled hydraulic drives against recordings.
 #[derive(Debug, clap::Parser)]
@@ -33,11 +39,33 @@ pub struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
+    /// Print the result alone: no notes, no progress
+    #[arg(long, short, global = true)]
+    quiet: bool,
+    /// Also say what each stage found and how long it took
+    #[arg(long, short, global = true, conflicts_with = "quiet")]
+    verbose: bool,
+}
+
+impl Cli {
+    /// How much is to be said beside the result.
+    #[must_use]
+    pub fn volume(&self) -> Volume {
+        match (self.quiet, self.verbose) {
+            (true, _) => Volume::Quiet,
+            (false, true) => Volume::Verbose,
+            (false, false) => Volume::Usual,
+        }
+    }
 }
 
 /// One command and its arguments.
 #[derive(Debug, clap::Subcommand)]
 pub enum Command {
+    /// Write a machine file from data sheet and drawing.
+    Init(init::Arguments),
+    /// Say what recordings hold, which parts of a drive they can test, and what is missing to test the others.
+    Inspect(inspect::Arguments),
     /// Simulate a recording or an input signal and write the signals as CSV.
     Simulate(simulate::Arguments),
     /// Compare recordings with the model, end to end and link by link.
@@ -58,6 +86,8 @@ pub enum Command {
     Export(export::Arguments),
     /// Turn what the firmware's recorder streamed out into a recording.
     Import(import::Arguments),
+    /// Print what a shell needs to complete commands and options.
+    Completions(completions::Arguments),
 }
 
 /// How a command ended that could be done.
@@ -72,6 +102,8 @@ pub enum Outcome {
 /// Runs a command.
 pub fn run(command: &Command, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     match command {
+        Command::Init(arguments) => init::run(arguments, console),
+        Command::Inspect(arguments) => inspect::run(arguments, console),
         Command::Simulate(arguments) => simulate::run(arguments, console),
         Command::Compare(arguments) => compare::run(arguments, console),
         Command::Fit(arguments) => fit::run(arguments, console),
@@ -82,6 +114,7 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<Outcome, CliE
         Command::Testbed(arguments) => testbed::run(arguments, console),
         Command::Export(arguments) => export::run(arguments, console),
         Command::Import(arguments) => import::run(arguments, console),
+        Command::Completions(arguments) => completions::run(arguments, console),
     }
 }
 
@@ -93,6 +126,7 @@ pub fn finish(result: Result<Outcome, CliError>, errors: &mut dyn Write) -> Exit
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::OutOfTolerance) => ExitCode::from(1),
         Err(error) if error.is_closed_pipe() => ExitCode::SUCCESS,
+        Err(CliError::Interrupted) => ExitCode::from(INTERRUPTED),
         Err(error) => {
             // Nobody is left to tell when standard error is closed too.
             let _ = writeln!(errors, "{}", error.render());
@@ -110,9 +144,15 @@ mod tests {
         let mut cli = super::Cli::command();
         cli.build();
         cli.clone().debug_assert();
-        for command in cli.get_subcommands_mut().filter(|command| command.get_name() != "help") {
+        shows_examples(&mut cli);
+    }
+
+    /// Commands of commands too.
+    fn shows_examples(parent: &mut clap::Command) {
+        for command in parent.get_subcommands_mut().filter(|command| command.get_name() != "help") {
             let help = command.render_long_help().to_string();
-            assert!(help.contains("Example"), "{help}");
+            assert!(help.contains("Example") && help.contains("\n  "), "{help}");
+            shows_examples(command);
         }
     }
 }

@@ -73,7 +73,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     for note in input::notes(&plan.recording) {
         console.note(note);
     }
-    let bar = console.progress(1, "simulating");
+    let bar = console.working("simulating");
     let simulated =
         simulate(&plan).map_err(|cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause })?;
     bar.finish_and_clear();

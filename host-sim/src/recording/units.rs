@@ -29,6 +29,12 @@ pub enum Dimension {
     Flow,
     /// Temperature, °C.
     Temperature,
+    /// Volume, m³; of data sheets, no signal.
+    Volume,
+    /// Mass, kg; of data sheets, no signal.
+    Mass,
+    /// Oil per turn of a pump, m³/rev; of data sheets, no signal.
+    Displacement,
 }
 
 /// A unit of measure: `si = value · multiply / divide + add`.
@@ -82,6 +88,13 @@ const UNITS: &[Unit] = &[
     unit("l/min", Dimension::Flow, 1.0, 6e4, NO_OFFSET),
     unit("°C", Dimension::Temperature, 1.0, 1.0, NO_OFFSET),
     unit("K", Dimension::Temperature, 1.0, 1.0, -273.15),
+    unit("m3", Dimension::Volume, 1.0, 1.0, NO_OFFSET),
+    unit("l", Dimension::Volume, 1.0, 1e3, NO_OFFSET),
+    unit("cm3", Dimension::Volume, 1.0, 1e6, NO_OFFSET),
+    unit("kg", Dimension::Mass, 1.0, 1.0, NO_OFFSET),
+    unit("t", Dimension::Mass, 1e3, 1.0, NO_OFFSET),
+    unit("m3/rev", Dimension::Displacement, 1.0, 1.0, NO_OFFSET),
+    unit("cm3/rev", Dimension::Displacement, 1.0, 1e6, NO_OFFSET),
 ];
 
 impl Unit {

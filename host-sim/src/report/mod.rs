@@ -3,6 +3,7 @@
 
 mod exhibits_json;
 pub mod html;
+pub mod inspect;
 pub mod json;
 pub mod plan;
 pub mod statics;

@@ -36,7 +36,7 @@ pub enum ExcitationError {
         found: String,
     },
     /// An item is not a number with a unit.
-    #[error("input {name}: \"{item}\" is not a number with unit V, mV, s, ms or Hz, nor seed=integer")]
+    #[error("input {name}: \"{item}\" is not known, expected a number with unit V, mV, s, ms or Hz, or seed=integer")]
     Item {
         /// The excitation's name.
         name: &'static str,
@@ -243,7 +243,7 @@ mod tests {
         assert_eq!(message("step"), "input step: the amplitude is missing, expected a value in V");
         assert_eq!(message("step:40V"), "input step: the amplitude is 40 V, expected -10 to 10 V");
         assert_eq!(message("step:4V,1Hz"), "input step: 1 values in Hz, expected at most 0");
-        assert!(message("step:4").contains("\"4\" is not a number with unit"));
+        assert!(message("step:4").contains("\"4\" is not known, expected a number with unit"));
         assert!(message("step:NaNV").contains("\"NaNV\""));
         assert!(message("random:10V,0.5s,0.1s").contains("the longest step is 0.1 s, expected 0.5 to 3600 s"));
     }

@@ -118,7 +118,7 @@ pub enum PlantError {
         found: f64,
     },
     /// The integrator gave up.
-    #[error("integration failed after {time_s} s: {cause}")]
+    #[error("integration failed after {time_s} s: {cause}; expected a drive whose pressures and forces stay finite")]
     Integration {
         /// Start of the interval on which it failed, s.
         time_s: f64,

@@ -7,13 +7,19 @@
 mod at_hand;
 mod bad_input;
 mod export;
+#[cfg(unix)]
+mod first_minutes;
 mod import;
+mod init;
+mod inspect;
+mod interrupted;
 mod plan;
 mod report;
 mod shared;
 mod shipped;
 mod simulate;
 mod targets;
+mod terminal;
 mod testbed;
 
 use std::path::{Path, PathBuf};

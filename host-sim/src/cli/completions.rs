@@ -1,0 +1,27 @@
+//! `host-sim completions`: what a shell needs to complete commands, options and their values.
+
+use clap::CommandFactory;
+use clap_complete::{Shell, generate};
+
+use super::{Cli, CliError, Console, Outcome};
+
+/// Arguments of `completions`.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Examples:
+  source <(host-sim completions bash)
+  host-sim completions zsh > ~/.zfunc/_host-sim
+  host-sim completions fish > ~/.config/fish/completions/host-sim.fish
+  host-sim completions powershell | Out-String | Invoke-Expression")]
+pub struct Arguments {
+    /// The shell
+    #[arg(value_enum)]
+    shell: Shell,
+}
+
+pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+    // Into memory first: a reader that leaves early is no reason to panic.
+    let mut script = Vec::new();
+    generate(arguments.shell, &mut Cli::command(), "host-sim", &mut script);
+    console.print(String::from_utf8_lossy(&script).trim_end())?;
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,117 @@
+//! `host-sim init`: a machine file from data sheet and drawing.
+
+use std::ffi::OsString;
+use std::io::{self, IsTerminal};
+use std::path::{Path, PathBuf};
+
+use clap::{Arg, ArgMatches, Command};
+
+use super::ask::ask;
+use super::target::check_target;
+use super::{CliError, Console, Outcome};
+use crate::atomic;
+use crate::data_sheet::{self, Answers, Edges, Item, Need, Origin};
+use crate::machine_file;
+
+/// Arguments of `init`.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Examples:
+  host-sim init
+  host-sim init --out press.toml --bore 63mm --rod 40mm --stroke 300mm --mass 18.3kg --supply 70bar --rated-flow 5l/min \\
+      --rated-drop 5bar --rated-signal 10V --valve-response 96ms --overlap 17.7%
+  host-sim init --out press.toml --bore 63mm --rod 40mm --stroke 300mm --mass 40kg --supply 150bar --pump-displacement 16cm3/rev
+
+On a terminal, what no flag gives is asked for. Every value of the file says whether it was given, derived by which formula, or
+assumed and why; [fit.sigma] is narrow for what was given and wide for what was assumed, so that `fit` may move it.")]
+pub struct Arguments {
+    #[command(flatten)]
+    answers: Answers,
+    /// Over what the rated pressure drop of the valve stands
+    #[arg(long, value_enum, default_value_t)]
+    rated_drop_over: Edges,
+    /// What the drive is called; without it, as the file
+    #[arg(long, value_name = "name")]
+    name: Option<String>,
+    /// Machine file to write
+    #[arg(long, value_name = "M.toml", default_value = "machine.toml")]
+    out: PathBuf,
+    /// Write over a file that is there
+    #[arg(long)]
+    force: bool,
+}
+
+/// The flags are the table of items.
+impl clap::Args for Answers {
+    fn augment_args(command: Command) -> Command {
+        Item::ALL.iter().fold(command, |command, &item| {
+            let question = item.question();
+            let help = match question.need {
+                Need::Always | Need::OfValve | Need::MakesPump => question.what.to_owned(),
+                Need::May(otherwise) | Need::MayOfValve(otherwise) => {
+                    format!("{}; without it, {otherwise}", question.what)
+                }
+            };
+            let parse = move |text: &str| item.parse(text);
+            let flag = Arg::new(question.flag).long(question.flag).value_name(question.example).help(help);
+            command.arg(flag.allow_hyphen_values(item == Item::Load).value_parser(parse))
+        })
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl clap::FromArgMatches for Answers {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let mut answers = Self::default();
+        answers.update_from_arg_matches(matches)?;
+        Ok(answers)
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        for &item in Item::ALL {
+            if let Some(quantity) = matches.get_one::<data_sheet::Quantity>(item.question().flag) {
+                self.insert(item, quantity.clone());
+            }
+        }
+        Ok(())
+    }
+}
+
+pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+    let target = &arguments.out;
+    if target.exists() && !arguments.force {
+        return Err(CliError::IsThere { path: target.clone() });
+    }
+    check_target(target)?;
+    let mut answers = arguments.answers.clone();
+    if !answers.missing().is_empty() && io::stdin().is_terminal() && io::stderr().is_terminal() {
+        ask(&mut answers)?;
+    }
+    let made = data_sheet::derived(&answers, arguments.rated_drop_over)?;
+    let name = arguments.name.clone().unwrap_or_else(|| stem(target));
+    let text = data_sheet::toml(&name, &made);
+    // What cannot be read is not written: a mass of 1e30 kg.
+    machine_file::read_text(&target.display().to_string(), &text)?;
+    atomic::write(target, |out| out.write_all(text.as_bytes()))
+        .map_err(|cause| CliError::Write { path: target.clone(), cause })?;
+
+    console.print(target.display())?;
+    let assumed: Vec<&str> =
+        made.entries.iter().filter(|entry| entry.origin == Origin::Assumed).map(|entry| entry.key).collect();
+    if !assumed.is_empty() {
+        console.print(format_args!("assumed    {}", assumed.join(", ")))?;
+    }
+    let shown = target.display();
+    console.print(format_args!(
+        "next       host-sim inspect run.csv --machine {shown}\n\
+         \x20          host-sim compare --machine {shown} --recording run.csv\n\
+         \x20          host-sim fit --machine {shown} --train run.csv --save-machine fitted.toml"
+    ))?;
+    Ok(Outcome::Done)
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(|| OsString::from("drive"), ToOwned::to_owned).to_string_lossy().into_owned()
+}

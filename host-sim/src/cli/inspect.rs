@@ -1,0 +1,64 @@
+//! `host-sim inspect`: what recordings hold, and which parts of a drive they can test.
+
+use std::path::PathBuf;
+
+use super::target::{check_not_read, check_target};
+use super::{CliError, Console, Outcome, input};
+use crate::atomic;
+use crate::inspect::Inspection;
+use crate::machine_file;
+use crate::recording::ChannelMap;
+use crate::report::inspect as report;
+
+/// Arguments of `inspect`.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Examples:
+  host-sim inspect run.csv
+  host-sim inspect train-1.csv train-2.csv --machine M.toml --json I.json
+
+Says of each recording which signals it holds with their noise and steps, which links of the drive it can test and what is missing
+to test the others, and whether valve and rod were moved. With a machine file also against its dead zone, stroke and supply.")]
+pub struct Arguments {
+    /// Recordings (CSV)
+    #[arg(value_name = "R.csv", required = true)]
+    recordings: Vec<PathBuf>,
+    /// Machine file of the drive (TOML, SI units)
+    #[arg(long, value_name = "M.toml")]
+    machine: Option<PathBuf>,
+    /// Which column holds a signal, where its header does not say; may be repeated
+    #[arg(long = "map", value_name = "name=header")]
+    maps: Vec<String>,
+    /// Write what was found for programs
+    #[arg(long, value_name = "I.json")]
+    json: Option<PathBuf>,
+}
+
+pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+    if let Some(target) = &arguments.json {
+        check_target(target)?;
+        check_not_read(target, &[arguments.recordings.as_slice(), arguments.machine.as_slice()].concat())?;
+    }
+    let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
+    let file = arguments.machine.as_deref().map(machine_file::read).transpose()?;
+    let channels = file.as_ref().map(|file| file.channels.clone()).unwrap_or_default().overlaid_with(&maps);
+    let bar = console.progress(arguments.recordings.len(), "reading");
+    let found = arguments
+        .recordings
+        .iter()
+        .map(|path| {
+            let recording = input::recording(path, &channels)?;
+            bar.inc(1);
+            Ok(Inspection::of(&recording, file.as_ref()))
+        })
+        .collect::<Result<Vec<_>, CliError>>();
+    bar.finish_and_clear();
+    let found = found?;
+    if let Some(path) = &arguments.json {
+        let text = format!("{:#}\n", report::document(&found));
+        atomic::write(path, |out| out.write_all(text.as_bytes()))
+            .map_err(|cause| CliError::Write { path: path.clone(), cause })?;
+    }
+    let texts: Vec<String> = found.iter().map(report::text).collect();
+    console.print(texts.join("\n").trim_end())?;
+    Ok(Outcome::Done)
+}

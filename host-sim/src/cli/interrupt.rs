@@ -1,0 +1,30 @@
+//! Ctrl-C: the program stops, and leaves no file half-written.
+
+use std::io::{self, Write};
+use std::process;
+
+use crate::atomic;
+
+/// Exit status of a program that was interrupted, as shells have it: 128 and the number of the signal.
+pub const INTERRUPTED: u8 = 130;
+
+/// From here on Ctrl-C removes what is being written and exits with [`INTERRUPTED`].
+///
+/// Files that are whole stay; so does a result that takes the place of an older one only when it is whole. Whoever started the
+/// program with that signal ignored, as a shell does in the background, is taken at their word.
+///
+/// # Errors
+/// Where the system takes no handler. The program can be interrupted then as well, but a temporary file may stay.
+pub fn stop_cleanly() -> Result<(), ctrlc::Error> {
+    let set = ctrlc::try_set_handler(|| {
+        atomic::abandon();
+        // A question or a bar may have left the cursor hidden; nobody may be there to see it.
+        let _ = dialoguer::console::Term::stderr().show_cursor();
+        let _ = writeln!(io::stderr());
+        process::exit(i32::from(INTERRUPTED));
+    });
+    match set {
+        Err(ctrlc::Error::MultipleHandlers) => Ok(()),
+        other => other,
+    }
+}

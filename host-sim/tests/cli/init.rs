@@ -1,0 +1,166 @@
+//! A machine file from a data sheet, and the way from there to a model that follows its recordings.
+
+use std::path::Path;
+
+use host_sim::compare::{Arithmetic, compare};
+use host_sim::machine_file::{self, LoadSource};
+use host_sim::prepare::Prepared;
+use host_sim::recording::{self, ChannelMap};
+
+use super::{done, refused, root};
+
+/// The press of the presets as a catalogue would print it: 5 l/min at 5 bar over one edge, 17.7 % overlap, 96 ms to 90 %.
+const PRESS: [&str; 28] = [
+    "init",
+    "--out",
+    "press.toml",
+    "--bore",
+    "63mm",
+    "--rod",
+    "40mm",
+    "--stroke",
+    "300mm",
+    "--mass",
+    "18.3kg",
+    "--supply",
+    "70bar",
+    "--rated-flow",
+    "5l/min",
+    "--rated-drop",
+    "5bar",
+    "--rated-signal",
+    "10V",
+    "--valve-response",
+    "96ms",
+    "--overlap",
+    "17.7%",
+    "--spool-at-rated",
+    "59.35%",
+    "--valve-stroke-time",
+    "50ms",
+    "--dead-volume=50cm3",
+];
+
+#[test]
+fn a_machine_file_comes_out_of_flags_and_says_what_to_do_next() {
+    let folder = tempfile::tempdir().unwrap();
+    let printed = done(folder.path(), &PRESS);
+    assert!(printed.starts_with("press.toml\nassumed    offset, transport_delay_s, "), "{printed}");
+    assert!(printed.contains("host-sim inspect run.csv --machine press.toml"), "{printed}");
+    let text = std::fs::read_to_string(folder.path().join("press.toml")).unwrap();
+    for line in [
+        "stroke_m = 0.3 ",
+        "# given: 300 mm",
+        "# derived: K_Q = Q_N/(√Δp_N·(x_N − dead zone)): 5 l/min at 5 bar over one edge",
+        "bulk_modulus_pa = 1200000000.0",
+        "# assumed: oil with the usual bit of air",
+        "[fit.sigma]",
+    ] {
+        assert!(text.contains(line), "{line}: {text}");
+    }
+    assert_eq!(machine_file::read(&folder.path().join("press.toml")).unwrap().name, "press");
+}
+
+#[test]
+fn a_pump_takes_the_place_of_the_valve() {
+    let folder = tempfile::tempdir().unwrap();
+    let pump = ["--out", "lift.toml", "--bore", "63mm", "--rod", "40mm", "--stroke", "300mm", "--mass", "40kg"];
+    let more =
+        ["--supply", "150bar", "--pump-displacement", "16cm3/rev", "--hose-length", "1m", "--hose-diameter", "8mm"];
+    done(folder.path(), &[&["init"][..], &pump, &more].concat());
+    let text = std::fs::read_to_string(folder.path().join("lift.toml")).unwrap();
+    assert!(text.contains("[pump]\ndisplacement_m3_per_rev = 1.6e-5") && !text.contains("[valve]"), "{text}");
+    assert!(text.contains("hose of 1 m, 8 mm"), "{text}");
+}
+
+#[test]
+fn a_file_that_is_there_stays_unless_it_is_to_go() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("press.toml"), "mine").unwrap();
+    let message = refused(folder.path(), &PRESS);
+    assert!(message.contains("press.toml is there already") && message.contains("--force"), "{message}");
+    assert_eq!(std::fs::read_to_string(folder.path().join("press.toml")).unwrap(), "mine");
+    done(folder.path(), &[&PRESS[..], &["--force"]].concat());
+    assert!(std::fs::read_to_string(folder.path().join("press.toml")).unwrap().contains("[valve]"));
+}
+
+#[test]
+fn without_a_terminal_every_missing_flag_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let message = refused(folder.path(), &["init", "--bore", "63mm", "--stroke", "0.3m"]);
+    for flag in ["--rod", "--mass", "--supply", "--rated-flow", "--rated-drop", "--rated-signal", "--valve-response"] {
+        assert!(message.contains(&format!("{flag} ")), "{flag}: {message}");
+    }
+    assert!(!message.contains("--bore") && !message.contains("--stroke "), "{message}");
+}
+
+#[test]
+fn answers_that_make_no_sense_are_refused_with_what_would() {
+    let folder = tempfile::tempdir().unwrap();
+    for (extra, expected) in [
+        (&["--bore", "63bar"][..], "`bar` is no unit of this; expected one of m, mm, such as `63mm`"),
+        (&["--bore", "63"], "has no unit"),
+        (&["--bore=-63mm"], "expected more than 0"),
+        (&["--rod", "80mm"], "--rod 80 mm in --bore 63 mm; expected a rod thinner than the piston"),
+        (&["--hose-length", "1m"], "--hose-length without --hose-diameter"),
+        (&["--pump-displacement", "16cm3/rev"], "expected a valve or a pump"),
+        (&["--mass", "1e30kg"], "`cylinder.moving_mass_kg` is 1e30"),
+    ] {
+        // A flag that is given twice is refused by its own name: the first goes.
+        let flag = extra[0].split('=').next().unwrap();
+        let kept: Vec<&str> = match PRESS.iter().position(|known| *known == flag) {
+            Some(at) => [&PRESS[..at], &PRESS[at + 2..]].concat(),
+            None => PRESS.to_vec(),
+        };
+        let message = refused(folder.path(), &[kept.as_slice(), extra].concat());
+        assert!(message.contains(expected), "{extra:?}: {message}");
+    }
+}
+
+#[test]
+fn from_data_sheet_to_the_noise_floor() {
+    let folder = tempfile::tempdir().unwrap();
+    done(folder.path(), &PRESS);
+    let preset = root().join("presets/press-63-40.toml").display().to_string();
+    let testbed = ["testbed", "--machine", &preset, "--out", "case", "--tick", "2", "--seed", "5"];
+    let commands =
+        ["--train", "random:8V,0.08s,0.5s,3s,seed=1", "--train", "steps:7V", "--holdout", "sweep:6V,0.5Hz,4Hz,3s"];
+    done(folder.path(), &[&testbed[..], &commands].concat());
+
+    let inspected = done(folder.path(), &["inspect", "case/train-1.csv", "--machine", "press.toml"]);
+    assert_eq!(inspected.matches("by itself").count(), 5, "{inspected}");
+    let simulate = ["simulate", "--machine", "press.toml", "--recording", "case/train-1.csv", "--out", "simulated.csv"];
+    done(folder.path(), &simulate);
+    let fit = [
+        "fit",
+        "--machine",
+        "press.toml",
+        "--train",
+        "case/train-1.csv",
+        "case/train-2.csv",
+        "--save-machine",
+        "fitted.toml",
+    ];
+    done(folder.path(), &fit);
+
+    let before = misses(folder.path(), "press.toml");
+    let after = misses(folder.path(), "fitted.toml");
+    assert_eq!(after.len(), 4);
+    for ((signal, before), (_, after)) in before.iter().zip(&after) {
+        println!("{signal}: {before:.1} → {after:.2} times the noise");
+        assert!(*after < 1.5 && before > after, "{signal} misses {after} times its noise, {before} before");
+    }
+    let text = std::fs::read_to_string(folder.path().join("fitted.toml")).unwrap();
+    assert!(text.contains("# assumed: oil with the usual bit of air"), "the comments stay: {text}");
+}
+
+/// What the model misses of each signal of the held-out recording, in standard deviations of the sensor's noise.
+fn misses(folder: &Path, machine: &str) -> Vec<(String, f64)> {
+    let file = machine_file::read(&folder.join(machine)).unwrap();
+    let held_out = recording::read(&folder.join("case/holdout-1.csv"), &ChannelMap::default()).unwrap();
+    let prepared = Prepared::new(&held_out, &file.machine, LoadSource::Constant, None).unwrap();
+    let comparison = compare(&file.machine, LoadSource::Constant, &held_out, Arithmetic::Float, None).unwrap();
+    let fits = &comparison.sections[0].fits;
+    let noise = |signal| prepared.channels.iter().find(|channel| channel.signal == signal).unwrap().noise;
+    fits.iter().map(|fit| (fit.signal.to_string(), fit.rmse / noise(fit.signal))).collect()
+}

@@ -1,0 +1,76 @@
+//! What `inspect` says of recordings.
+
+use std::fmt::Write;
+
+use super::{MACHINE, done, example, folder_with, refused, root};
+
+#[test]
+fn the_shipped_recording_is_described_as_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = done(folder.path(), &["inspect", &example("train-1.csv"), "--machine", &example("machine.toml")]);
+    let path = root().join("host-sim/tests/cli/inspect.txt");
+    if std::env::var_os("RENEW").is_some() {
+        std::fs::write(&path, &found).unwrap();
+    }
+    assert_eq!(found, std::fs::read_to_string(path).unwrap());
+}
+
+#[test]
+fn what_is_missing_to_test_a_link_is_named() {
+    let recording = "time [s],command [V],Kolbenweg [mm]\n0,0,0\n0.1,1,1\n0.2,2,3\n0.3,0,3\n";
+    let folder = folder_with(MACHINE, recording);
+    let printed = done(folder.path(), &["inspect", "run.csv"]);
+    assert!(printed.contains("valve     not: add spool"), "{printed}");
+    assert!(printed.contains("ignored    Kolbenweg [mm]: no known signal; --map names them"), "{printed}");
+    let mapped = done(folder.path(), &["inspect", "run.csv", "--map", "position=Kolbenweg [mm]"]);
+    let expected = "judged by position; add spool, pressure_a, pressure_b to test it by itself";
+    assert!(mapped.contains(expected), "{mapped}");
+}
+
+#[test]
+fn duplicates_gaps_and_wrong_units_are_told() {
+    let mut recording = String::from("time [s],command [V],spool [1],position [mm],pressure_a [MPa]\n");
+    for row in (0..400).filter(|row| !(200..250).contains(row)) {
+        let time = f64::from(row) * 1e-3;
+        writeln!(recording, "{time},2,0.05,{},{}", 100.0 + time, 35.0 + 0.1 * (time * 40.0).sin()).unwrap();
+        if row == 100 {
+            writeln!(recording, "{time},2,0.05,100.1,35").unwrap();
+        }
+    }
+    let folder = folder_with(MACHINE, &recording);
+    let printed = done(folder.path(), &["inspect", "run.csv", "--machine", "machine.toml"]);
+    for part in [
+        "1 row repeats the time before it",
+        "1 gap in time, of 0.051 s",
+        "50 rows missing",
+        "spool is 5.00 % in every row",
+        "pressure_a reaches 351 bar, half above the supply pressure of the machine file: is its unit right?",
+        "the valve never leaves the dead zone",
+    ] {
+        assert!(printed.contains(part), "{part}: {printed}");
+    }
+}
+
+#[test]
+fn the_same_is_written_for_programs() {
+    let folder = tempfile::tempdir().unwrap();
+    let recordings = [example("train-1.csv"), example("train-2.csv")];
+    done(folder.path(), &["inspect", &recordings[0], &recordings[1], "--json", "i.json"]);
+    let text = std::fs::read_to_string(folder.path().join("i.json")).unwrap();
+    let found: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(found["schema"], "host-sim/inspection/1");
+    let first = &found["recordings"][0];
+    assert_eq!((&first["recording"], &first["source"]), (&"train-1.csv".into(), &"valve".into()));
+    assert_eq!(first["links"][4]["tested"], "by-itself");
+    assert_eq!(first["channels"][2]["signal"], "position");
+    assert!(first["channels"][2]["step"].as_f64().unwrap() > 0.0);
+    assert_eq!(found["recordings"].as_array().unwrap().len(), 2);
+}
+
+#[test]
+fn what_cannot_be_read_is_refused_and_nothing_written_over_a_recording() {
+    let folder = folder_with(MACHINE, "time [s],command [V]\n0,0\n1,x\n");
+    assert!(refused(folder.path(), &["inspect", "run.csv", "--json", "i.json"]).contains("run.csv:3:3"));
+    let message = refused(folder.path(), &["inspect", "run.csv", "--json", "run.csv"]);
+    assert!(message.contains("would be written over"), "{message}");
+}
