@@ -15,7 +15,8 @@ use crate::simulate::{
 };
 
 /// The number type of a simulation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Arithmetic {
     /// What the controller computes.
     #[default]

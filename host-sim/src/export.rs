@@ -1,7 +1,9 @@
-//! A drive as constants for the firmware: Rust source that a controller compiles in.
+//! A drive as constants for the firmware: Rust source that a controller compiles in, or a C99 header.
 //!
 //! SI values and no coefficients: the core turns them into its fixed-point coefficients on the controller as it does here, so
 //! that there is one place that converts. Every effect of the machine file is among them.
+
+mod c99;
 
 use std::fmt::{self, Write};
 

@@ -16,6 +16,7 @@ pub mod exhibits;
 pub mod export;
 pub mod failure;
 pub mod fit;
+pub mod fmu;
 pub mod found;
 pub mod hypothesis;
 pub mod import;

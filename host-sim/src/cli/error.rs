@@ -10,6 +10,7 @@ use crate::compare::CompareError;
 use crate::data_sheet::SheetError;
 use crate::diagnose::DiagnoseError;
 use crate::diagnostic::{self, Explained};
+use crate::fmu::{FmuError, LibraryError};
 use crate::import::ImportError;
 use crate::judge::JudgeError;
 use crate::machine_file::MachineFileError;
@@ -65,6 +66,23 @@ pub enum CliError {
         machine: PathBuf,
         /// Why.
         cause: MachineError,
+    },
+    /// The drive does not become an FMU.
+    #[error("{machine}: {cause}")]
+    Fmu {
+        /// The machine file.
+        machine: PathBuf,
+        /// Why.
+        cause: Box<FmuError>,
+    },
+    /// The library that an FMU needs.
+    #[error(transparent)]
+    Library(#[from] LibraryError),
+    /// An argument that only an FMU has a use for.
+    #[error("{argument}: only an FMU has it; expected --out with .fmu, or --format fmu")]
+    OnlyInFmu {
+        /// The argument.
+        argument: &'static str,
     },
     /// A file that cannot be read.
     #[error("{}: cannot be read: {cause}; expected a readable file", path.display())]

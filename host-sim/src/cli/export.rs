@@ -1,6 +1,6 @@
-//! `host-sim export`: a drive as constants for the firmware.
+//! `host-sim export`: a drive as constants for the firmware, or as an FMU for other tools.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use model_core::machine::Tick;
 
@@ -8,36 +8,101 @@ use super::input::TickArgument;
 use super::target::{check_not_read, check_target};
 use super::{CliError, Console, Outcome};
 use crate::atomic;
+use crate::compare::Arithmetic;
 use crate::export::Constants;
-use crate::machine_file;
+use crate::fmu::{self, Contents, Library, Settings};
+use crate::machine_file::{self, MachineFile};
 
 /// Arguments of `export`.
 #[derive(Clone, Debug, clap::Args)]
-#[command(after_help = "Example:
+#[command(after_help = "Examples:
   host-sim export --machine M.toml --out params.rs
+  host-sim export --machine M.toml --out params.h
+  host-sim export --machine M.toml --out drive.fmu
 
-Writes Rust source: name, source of oil, tick, length of the delay line, and every SI value that is not the default, with the
-effects. The firmware builds its fixed-point coefficients from them by the code that builds them here; a drive that they
-cannot hold is refused with the value that does not fit.")]
+Constants: name, source of oil, tick, length of the delay line, and SI values with the effects; in Rust every value that is not
+the default, in C99 every value that the drive uses. The firmware builds its fixed-point coefficients from them by the code that
+builds them here; a drive that they cannot hold is refused with the value that does not fit.
+FMU: the model for co-simulation by FMI 3.0, with the library that `cargo build --release -p drive-fmu` has put beside this program.")]
 pub struct Arguments {
     /// Machine file of the drive (TOML, SI units)
     #[arg(long, value_name = "M.toml")]
     machine: PathBuf,
-    /// Control period of the firmware in ms
+    /// Control period of the firmware, step of the FMU's model, in ms
     #[arg(long, value_enum, value_name = "ms", default_value = "1")]
     tick: TickArgument,
-    /// Where to write the constants
+    /// Where to write; .h becomes C99, .fmu an FMU, anything else Rust
     #[arg(long, value_name = "params.rs")]
     out: PathBuf,
+    /// What to write, whatever the file is called
+    #[arg(long, value_enum)]
+    format: Option<Format>,
+    /// Number type of an FMU; fixed is what the controller computes, and the default
+    #[arg(long, value_enum)]
+    arithmetic: Option<Arithmetic>,
+    /// Shared library to put into an FMU, in place of the one beside this program
+    #[arg(long, value_name = "library")]
+    library: Option<PathBuf>,
+}
+
+/// What is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Format {
+    /// Constants as Rust source
+    Rust,
+    /// Constants as a C99 header
+    C99,
+    /// The model for co-simulation
+    Fmu,
+}
+
+impl Format {
+    /// What a file of this name holds.
+    fn of(path: &Path) -> Self {
+        match path.extension().and_then(|extension| extension.to_str()) {
+            Some("h") => Format::C99,
+            Some("fmu") => Format::Fmu,
+            _ => Format::Rust,
+        }
+    }
 }
 
 pub(super) fn run(arguments: &Arguments, _: &mut Console<'_>) -> Result<Outcome, CliError> {
+    let format = arguments.format.unwrap_or_else(|| Format::of(&arguments.out));
+    if format != Format::Fmu {
+        let given = [("--arithmetic", arguments.arithmetic.is_some()), ("--library", arguments.library.is_some())];
+        if let Some(&(argument, _)) = given.iter().find(|(_, given)| *given) {
+            return Err(CliError::OnlyInFmu { argument });
+        }
+    }
     check_target(&arguments.out)?;
-    check_not_read(&arguments.out, std::slice::from_ref(&arguments.machine))?;
+    let read: Vec<PathBuf> = [&arguments.machine].into_iter().chain(&arguments.library).cloned().collect();
+    check_not_read(&arguments.out, &read)?;
     let file = machine_file::read(&arguments.machine)?;
-    let constants = Constants::of(&file.name, &file.machine, Tick::from(arguments.tick))
-        .map_err(|cause| CliError::Export { machine: arguments.machine.clone(), cause })?;
-    atomic::write(&arguments.out, |out| out.write_all(constants.rust().as_bytes()))
+    let bytes = match format {
+        Format::Rust => constants(arguments, &file)?.rust().into_bytes(),
+        Format::C99 => constants(arguments, &file)?.c99().into_bytes(),
+        Format::Fmu => packed(arguments, &file)?,
+    };
+    atomic::write(&arguments.out, |out| out.write_all(&bytes))
         .map_err(|cause| CliError::Write { path: arguments.out.clone(), cause })?;
     Ok(Outcome::Done)
+}
+
+fn constants(arguments: &Arguments, file: &MachineFile) -> Result<Constants, CliError> {
+    Constants::of(&file.name, &file.machine, Tick::from(arguments.tick))
+        .map_err(|cause| CliError::Export { machine: arguments.machine.clone(), cause })
+}
+
+fn packed(arguments: &Arguments, file: &MachineFile) -> Result<Vec<u8>, CliError> {
+    let settings = Settings { tick: Tick::from(arguments.tick), arithmetic: arguments.arithmetic.unwrap_or_default() };
+    let refused = |cause| CliError::Fmu { machine: arguments.machine.clone(), cause: Box::new(cause) };
+    let contents = Contents::of(&file.name, &file.machine, settings).map_err(|cause| refused(cause.into()))?;
+    let library = if let Some(path) = &arguments.library {
+        Library::read(path)?
+    } else {
+        let unread = |cause| CliError::Unread { path: PathBuf::from("this program"), cause };
+        Library::beside(&std::env::current_exe().map_err(unread)?)?
+    };
+    fmu::pack(&contents, &library).map_err(refused)
 }

@@ -82,7 +82,7 @@ pub enum Command {
     Paper(paper::Arguments),
     /// Make synthetic recordings of a drive, with effects that its machine file knows nothing of.
     Testbed(testbed::Arguments),
-    /// Write a drive's constants, effects included, as Rust source for the firmware.
+    /// Write a drive, effects included, as constants for firmware (Rust, C99) or as an FMU for other tools.
     Export(export::Arguments),
     /// Turn what the firmware's recorder streamed out into a recording.
     Import(import::Arguments),

@@ -53,8 +53,18 @@ pub(super) fn effects() -> impl Iterator<Item = &'static str> {
     tables().into_iter().filter_map(|table| table.strip_prefix(EFFECTS))
 }
 
+/// The table that holds a parameter: `valve`, `effects.internal-leakage`.
+pub(crate) fn table_of(parameter: Parameter) -> &'static str {
+    address(parameter).table
+}
+
+/// The effect whose table it is.
+pub(crate) fn effect_of(table: &str) -> Option<&str> {
+    table.strip_prefix(EFFECTS)
+}
+
 /// Whether a table has a meaning for a drive with this source of oil.
-pub(super) fn belongs(table: &str, source: Source) -> bool {
+pub(crate) fn belongs(table: &str, source: Source) -> bool {
     match table {
         "valve" => source == Source::Valve,
         "pump" | "directional_valve" => source == Source::Pump,

@@ -11,6 +11,7 @@ mod reader;
 mod writer;
 
 pub use error::MachineFileError;
+pub(crate) use keys::{belongs, effect_of, table_of};
 pub use reader::{MAX_FILE_BYTES, read, read_text};
 
 use crate::recording::ChannelMap;

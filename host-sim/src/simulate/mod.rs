@@ -4,6 +4,7 @@
 //! signals at the recorded rows.
 
 mod grid;
+mod live;
 mod rest;
 mod stimulus;
 
@@ -14,6 +15,7 @@ use model_core::number::{Number, Real};
 use model_core::parameter::Parameter;
 use model_core::valve::Slider;
 
+pub use live::{Inputs, Live};
 pub use rest::Start;
 pub use stimulus::{EntryPoint, SimulateError, Stimulus, first_entry, natural_tick};
 
@@ -56,22 +58,7 @@ impl<N: Number> Sample<'_, N> {
 
     #[inline]
     fn at_point(&self, signal: Signal) -> Option<N::Real> {
-        let bases = self.drive.bases();
-        let in_si = |reading: N, base: f64| reading.to_real() * N::Real::constant(base);
-        let pressure_a = || in_si(self.drive.sensed(self.state).pressure_a, bases.pressure_pa);
-        let pressure_b = || in_si(self.drive.sensed(self.state).pressure_b, bases.pressure_pa);
-        let get = |parameter| self.machine.get(parameter);
-        Some(match signal {
-            Signal::Spool => self.spool().to_real(),
-            Signal::SupplyPressure => in_si(self.state.supply.pressure, bases.pressure_pa),
-            Signal::Flow => in_si(self.flow_a(), bases.flow_m3_per_s),
-            Signal::PressureA => pressure_a(),
-            Signal::PressureB => pressure_b(),
-            Signal::Force => get(Parameter::AreaA) * pressure_a() - get(Parameter::AreaB) * pressure_b(),
-            Signal::Velocity => in_si(self.drive.sensed(self.state).velocity, bases.velocity_m_per_s),
-            Signal::Position => N::strokes(self.drive.sensed(self.state).position) * get(Parameter::Stroke),
-            _ => return None,
-        })
+        reading(self.drive, self.machine, self.state, signal, || self.spool(), || self.flow_a())
     }
 
     /// The slider as it is read; a drive that is entered at the slider has it from the recording.
@@ -89,6 +76,35 @@ impl<N: Number> Sample<'_, N> {
         let pump = self.stimulus.pump_at(self.point, self.drive.bases());
         self.drive.flows_from(self.state.supply.pressure, slider, pump, self.state.chambers).a
     }
+}
+
+/// The value of a recorded signal as its sensor reads it, in SI units, if the chain computes it; the slider and the flow into A by
+/// what is known of them.
+#[inline]
+fn reading<N: Number>(
+    drive: &Drive<N>,
+    machine: &Machine<N::Real>,
+    state: &DriveState<N, DELAY_LINE>,
+    signal: Signal,
+    spool: impl FnOnce() -> N,
+    flow_a: impl FnOnce() -> N,
+) -> Option<N::Real> {
+    let bases = drive.bases();
+    let in_si = |reading: N, base: f64| reading.to_real() * N::Real::constant(base);
+    let pressure_a = || in_si(drive.sensed(state).pressure_a, bases.pressure_pa);
+    let pressure_b = || in_si(drive.sensed(state).pressure_b, bases.pressure_pa);
+    let get = |parameter| machine.get(parameter);
+    Some(match signal {
+        Signal::Spool => spool().to_real(),
+        Signal::SupplyPressure => in_si(state.supply.pressure, bases.pressure_pa),
+        Signal::Flow => in_si(flow_a(), bases.flow_m3_per_s),
+        Signal::PressureA => pressure_a(),
+        Signal::PressureB => pressure_b(),
+        Signal::Force => get(Parameter::AreaA) * pressure_a() - get(Parameter::AreaB) * pressure_b(),
+        Signal::Velocity => in_si(drive.sensed(state).velocity, bases.velocity_m_per_s),
+        Signal::Position => N::strokes(drive.sensed(state).position) * get(Parameter::Stroke),
+        _ => return None,
+    })
 }
 
 /// Signals that the chain computes below an entry, in its order. A supply pressure only where the valve draws from it.
@@ -175,6 +191,30 @@ fn balanced<R: Real>(machine: &Machine<R>, level: R, position_m: R) -> (R, R) {
     )
 }
 
+/// The state that a run starts from.
+fn at_start<N: Number>(
+    drive: &Drive<N>,
+    machine: &Machine<N::Real>,
+    start: &Start,
+    offset: StartOffset<N::Real>,
+) -> DriveState<N, DELAY_LINE> {
+    let bases = drive.bases();
+    let constant = N::Real::constant;
+    let position_m = constant(start.position_m) + offset.shift_m;
+    let (pressure_a, pressure_b) = match start.pressures_pa {
+        Some((a, b)) => (behind(machine, PRESSURE_A, constant(a)), behind(machine, PRESSURE_B, constant(b))),
+        None => balanced(machine, offset.level.unwrap_or(machine.get(Parameter::LevelAtRest)), position_m),
+    };
+    let fit = |value: N::Real| N::signal(value).unwrap_or_else(|| N::saturated(value.value()));
+    let pressures = ChamberState {
+        a: fit(pressure_a / constant(bases.pressure_pa)),
+        b: fit(pressure_b / constant(bases.pressure_pa)),
+    };
+    let position = N::travel(position_m / machine.get(Parameter::Stroke));
+    let command = N::saturated(start.command_v / bases.command_v);
+    drive.at_rest(command, pressures, position)
+}
+
 /// Runs the core over a stimulus and hands each recorded row's sample to `sink`, in order.
 pub fn run<N: Number>(
     machine: &Machine<N::Real>,
@@ -185,20 +225,7 @@ pub fn run<N: Number>(
     let machine = &unbraked(machine, stimulus);
     let drive = Drive::<N>::new::<DELAY_LINE>(machine, stimulus.tick)?;
     let bases = *drive.bases();
-    let constant = N::Real::constant;
-    let position_m = constant(stimulus.start.position_m) + offset.shift_m;
-    let (pressure_a, pressure_b) = match stimulus.start.pressures_pa {
-        Some((a, b)) => (behind(machine, PRESSURE_A, constant(a)), behind(machine, PRESSURE_B, constant(b))),
-        None => balanced(machine, offset.level.unwrap_or(machine.get(Parameter::LevelAtRest)), position_m),
-    };
-    let fit = |value: N::Real| N::signal(value).unwrap_or_else(|| N::saturated(value.value()));
-    let pressures = ChamberState {
-        a: fit(pressure_a / constant(bases.pressure_pa)),
-        b: fit(pressure_b / constant(bases.pressure_pa)),
-    };
-    let position = N::travel(position_m / machine.get(Parameter::Stroke));
-    let command = N::saturated(stimulus.start.command_v / bases.command_v);
-    let mut state: DriveState<N, DELAY_LINE> = drive.at_rest(command, pressures, position);
+    let mut state = at_start(&drive, machine, &stimulus.start, offset);
 
     // A row lies on a point, or in the tick before it; then it is mixed of both points.
     let mut row = 0;

@@ -305,7 +305,8 @@ impl Stimulus {
     }
 }
 
-fn sign(value: f64) -> i8 {
+/// The direction of a valve: 1, −1 or 0.
+pub(super) fn sign(value: f64) -> i8 {
     if value > 0.5e-9 {
         1
     } else if value < -0.5e-9 {

@@ -1,0 +1,235 @@
+//! One drive in a tool: its variables, its modes and its steps, as FMI 3.0 asks for them.
+
+use std::path::Path;
+
+use host_sim::fmu::{Contents, Role, Variable, token};
+use host_sim::simulate::Inputs;
+
+use crate::running::Running;
+use crate::{Refusal, Snapshot};
+
+/// How far a communication step may be from whole ticks, in ticks: what tools lose by adding up times.
+const NEAR: f64 = 1e-6;
+
+/// Where an instance is in the standard's order of things.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum Mode {
+    /// There is one.
+    Instantiated,
+    /// Its start is being found.
+    Initialization,
+    /// It is simulated.
+    Step,
+    /// It was simulated.
+    Terminated,
+}
+
+/// One drive.
+#[derive(Debug)]
+pub struct Instance {
+    contents: Contents,
+    mode: Mode,
+    inputs: Inputs,
+    position_start_m: f64,
+    start_s: f64,
+    ticks: u64,
+    /// The drive; at rest as the inputs want it until the simulation begins, and not there until somebody asks.
+    running: Option<Running>,
+}
+
+impl Instance {
+    /// The drive among an FMU's resources, for a tool that has read this token in the model description.
+    ///
+    /// # Errors
+    /// There is no drive, or the description is of something else.
+    pub fn new(resources: &Path, found: &str) -> Result<Self, Refusal> {
+        let contents = Contents::read(resources)?;
+        let expected = token(contents.machine.source);
+        if found != expected {
+            return Err(Refusal::Token { found: found.to_owned(), expected });
+        }
+        Ok(Self::of(contents))
+    }
+
+    /// A drive before anything was set.
+    fn of(contents: Contents) -> Self {
+        let inputs = contents.inputs_at_start();
+        let position_start_m = Variable::PositionAtStart.start(&contents.machine).unwrap_or(0.0);
+        Self { contents, mode: Mode::Instantiated, inputs, position_start_m, start_s: 0.0, ticks: 0, running: None }
+    }
+
+    /// Back to where [`Instance::new`] left it.
+    pub fn reset(&mut self) {
+        *self = Self::of(self.contents.clone());
+    }
+
+    /// Begins with the start at this time, s.
+    pub(crate) fn enter_initialization(&mut self, start_s: f64) -> Result<(), Refusal> {
+        self.only_in(Mode::Instantiated, "fmi3EnterInitializationMode")?;
+        if !start_s.is_finite() {
+            return Err(Refusal::StartTime { start_s });
+        }
+        self.start_s = start_s;
+        self.mode = Mode::Initialization;
+        Ok(())
+    }
+
+    /// Is at rest, and ready for the first step.
+    pub(crate) fn exit_initialization(&mut self) -> Result<(), Refusal> {
+        self.only_in(Mode::Initialization, "fmi3ExitInitializationMode")?;
+        self.at_rest()?;
+        self.mode = Mode::Step;
+        Ok(())
+    }
+
+    /// Is done.
+    pub(crate) fn terminate(&mut self) -> Result<(), Refusal> {
+        self.only_in(Mode::Step, "fmi3Terminate")?;
+        self.mode = Mode::Terminated;
+        Ok(())
+    }
+
+    /// Where the simulation is, s.
+    pub(crate) fn time_s(&self) -> f64 {
+        // As a recording of 1 ms ticks has it: 0.003 and not 0.0030000000000000001.
+        self.start_s + (self.ticks as f64 * self.tick_s() * 1e9).round() / 1e9
+    }
+
+    fn tick_s(&self) -> f64 {
+        self.contents.settings.tick.seconds()
+    }
+
+    /// Values of variables.
+    pub(crate) fn get(&mut self, references: &[u32], values: &mut [f64]) -> Result<(), Refusal> {
+        same_length(references, values)?;
+        for (&reference, value) in references.iter().zip(values) {
+            *value = self.value(self.variable(reference)?)?;
+        }
+        Ok(())
+    }
+
+    fn value(&mut self, variable: Variable) -> Result<f64, Refusal> {
+        match variable.role() {
+            Role::Time => Ok(self.time_s()),
+            Role::Parameter => Ok(self.position_start_m),
+            Role::Input => variable.of_inputs(&self.inputs).ok_or(Refusal::Unknown { reference: variable.reference() }),
+            Role::Output => {
+                let inputs = self.inputs;
+                let value = self.at_rest()?.signal(variable.signal(), &inputs);
+                value.ok_or(Refusal::Unknown { reference: variable.reference() })
+            }
+        }
+    }
+
+    /// Sets variables: all of them, or none where one cannot be set.
+    pub(crate) fn set(&mut self, references: &[u32], values: &[f64]) -> Result<(), Refusal> {
+        same_length(references, values)?;
+        let (mut inputs, mut position_start_m) = (self.inputs, self.position_start_m);
+        for (&reference, &value) in references.iter().zip(values) {
+            let variable = self.variable(reference)?;
+            let place = match variable.role() {
+                Role::Input => variable.in_inputs(&mut inputs),
+                Role::Parameter if self.has_begun() => return Err(Refusal::TooLate { variable, mode: self.mode }),
+                Role::Parameter => Some(&mut position_start_m),
+                Role::Time | Role::Output => None,
+            };
+            let place = place.ok_or(Refusal::Computed { variable })?;
+            if !value.is_finite() {
+                return Err(Refusal::NotFinite { variable, value });
+            }
+            *place = value;
+        }
+        (self.inputs, self.position_start_m) = (inputs, position_start_m);
+        if !self.has_begun() {
+            self.running = None;
+        }
+        Ok(())
+    }
+
+    /// Goes on by a step that begins now, the inputs held. Returns where it ended, s.
+    pub(crate) fn step(&mut self, from_s: f64, step_s: f64) -> Result<f64, Refusal> {
+        self.only_in(Mode::Step, "fmi3DoStep")?;
+        let (tick_s, reached_s) = (self.tick_s(), self.time_s());
+        // What is not a number is nowhere near.
+        let there = (from_s - reached_s).abs() < 0.5 * tick_s;
+        if !there {
+            return Err(Refusal::NotThere { from_s, reached_s });
+        }
+        let ticks = (step_s / tick_s).round();
+        let whole = (step_s / tick_s - ticks).abs() < NEAR && (1.0..=f64::from(u32::MAX)).contains(&ticks);
+        if !whole {
+            return Err(Refusal::Step { step_s, tick_s });
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number from 1 to 2^32")]
+        let ticks = ticks as u64;
+        let inputs = self.inputs;
+        let running = self.at_rest()?;
+        for _ in 0..ticks {
+            running.step(&inputs);
+        }
+        self.ticks += ticks;
+        Ok(self.time_s())
+    }
+
+    /// All that it remembers.
+    pub(crate) fn snapshot(&self) -> Snapshot {
+        Snapshot {
+            mode: self.mode,
+            inputs: self.inputs,
+            position_start_m: self.position_start_m,
+            start_s: self.start_s,
+            ticks: self.ticks,
+            kept: self.running.as_ref().map(Running::kept),
+        }
+    }
+
+    /// Goes back, or on, to what was remembered.
+    pub(crate) fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Refusal> {
+        let running = match &snapshot.kept {
+            Some(kept) => {
+                let mut running = Running::new(&self.contents, &snapshot.inputs, snapshot.position_start_m)?;
+                running.restore(kept)?;
+                Some(running)
+            }
+            None => None,
+        };
+        let Snapshot { mode, inputs, position_start_m, start_s, ticks, .. } = *snapshot;
+        *self = Self { contents: self.contents.clone(), mode, inputs, position_start_m, start_s, ticks, running };
+        Ok(())
+    }
+
+    /// What a stored state of this FMU begins with.
+    pub(crate) fn token(&self) -> String {
+        token(self.contents.machine.source)
+    }
+
+    /// The drive; at rest where it does not run yet.
+    fn at_rest(&mut self) -> Result<&mut Running, Refusal> {
+        let running = match self.running.take() {
+            Some(running) => running,
+            None => Running::new(&self.contents, &self.inputs, self.position_start_m)?,
+        };
+        Ok(self.running.insert(running))
+    }
+
+    fn has_begun(&self) -> bool {
+        matches!(self.mode, Mode::Step | Mode::Terminated)
+    }
+
+    fn variable(&self, reference: u32) -> Result<Variable, Refusal> {
+        let mut variables = Variable::of(self.contents.machine.source);
+        variables.find(|variable| variable.reference() == reference).ok_or(Refusal::Unknown { reference })
+    }
+
+    fn only_in(&self, expected: Mode, call: &'static str) -> Result<(), Refusal> {
+        if self.mode == expected { Ok(()) } else { Err(Refusal::Mode { call, mode: self.mode, expected }) }
+    }
+}
+
+fn same_length(references: &[u32], values: &[f64]) -> Result<(), Refusal> {
+    let (references, values) = (references.len(), values.len());
+    if references == values { Ok(()) } else { Err(Refusal::Lengths { references, values }) }
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

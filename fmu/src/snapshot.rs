@@ -1,0 +1,44 @@
+//! All that an instance remembers, to be kept and gone back to, in memory or as bytes.
+
+use host_sim::simulate::{DELAY_LINE, Inputs};
+use model_core::drive::DriveState;
+use model_core::fixed_point::PerUnit;
+use serde::{Deserialize, Serialize};
+
+use crate::{Mode, Refusal};
+
+/// What an instance was at a moment.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot {
+    pub(crate) mode: Mode,
+    pub(crate) inputs: Inputs,
+    pub(crate) position_start_m: f64,
+    pub(crate) start_s: f64,
+    pub(crate) ticks: u64,
+    /// None before the drive is at rest somewhere.
+    pub(crate) kept: Option<Kept>,
+}
+
+/// State of the drive.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) enum Kept {
+    Fixed(Box<DriveState<PerUnit, DELAY_LINE>>),
+    Float(Box<DriveState<f64, DELAY_LINE>>),
+}
+
+impl Snapshot {
+    /// As bytes; `token` says what it belongs to.
+    pub(crate) fn to_bytes(&self, token: &str) -> Result<Vec<u8>, Refusal> {
+        Ok(postcard::to_stdvec(&(token, self))?)
+    }
+
+    /// Of bytes that [`Snapshot::to_bytes`] gave for the same token.
+    pub(crate) fn of_bytes(token: &str, bytes: &[u8]) -> Result<Self, Refusal> {
+        // The token first: what another version wrote behind it need not be readable.
+        let (found, rest): (&str, &[u8]) = postcard::take_from_bytes(bytes)?;
+        if found != token {
+            return Err(Refusal::ForeignState { found: found.to_owned(), expected: token.to_owned() });
+        }
+        Ok(postcard::from_bytes(rest)?)
+    }
+}

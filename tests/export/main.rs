@@ -1,0 +1,41 @@
+//! Is what leaves the program the drive that it simulates: constants in C, and the model in a tool for co-simulation?
+
+mod archive;
+mod c99;
+mod fmpy;
+
+use std::path::{Path, PathBuf};
+
+use clap::Parser;
+use host_sim::cli::{self, Cli, Console, Outcome};
+
+/// A drive with an effect: the shipped example with the leakage that its recordings have.
+fn leaking_press() -> String {
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/press-63-40/machine.toml");
+    let machine = std::fs::read_to_string(example).unwrap();
+    format!("{machine}\n[effects.internal-leakage]\nconductance_m3_per_s_pa = 2.0e-12\n")
+}
+
+/// A pump-controlled drive.
+const PUMP: &str = "name = \"pump \\\"ü\\\" ??/\"\n[pump]\ndisplacement_m3_per_rev = 1.6e-6\n\
+    [cylinder]\narea_a_m2 = 3.117e-3\narea_b_m2 = 1.861e-3\n";
+
+/// Runs the program in this process; what cannot be done is said as on standard error.
+fn run(arguments: &[&str]) -> Result<Outcome, String> {
+    let cli = Cli::try_parse_from(["host-sim"].iter().chain(arguments)).unwrap();
+    cli::run(&cli.command, &mut Console::into_buffer(&mut Vec::new())).map_err(|error| error.render())
+}
+
+fn done(arguments: &[&str]) {
+    assert_eq!(run(arguments), Ok(Outcome::Done));
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+/// The shared library, which cargo builds beside this test.
+fn library() -> PathBuf {
+    let name = format!("{}drive_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    std::env::current_exe().unwrap().with_file_name(name)
+}
