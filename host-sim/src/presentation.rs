@@ -27,6 +27,18 @@ pub fn unit_for_people(signal: Signal) -> Unit {
     Unit::parse(symbol).unwrap_or(si)
 }
 
+/// The unit in which people read a state of the drive that has this SI unit, and what to multiply by.
+#[must_use]
+pub fn state_unit(si: &'static str) -> (&'static str, f64) {
+    match si {
+        "1" => ("% of travel", 100.0),
+        "m" => ("mm", 1e3),
+        "m/s" => ("mm/s", 1e3),
+        "Pa" => ("bar", 1e-5),
+        other => (other, 1.0),
+    }
+}
+
 /// A difference of two values of `signal` with its unit: `0.0312 mm`; of the slider `0.41 % of travel`.
 #[must_use]
 pub fn difference(signal: Signal, si: f64) -> String {

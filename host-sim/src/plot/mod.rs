@@ -18,17 +18,22 @@
 mod axis;
 mod bars;
 mod canvas;
+pub mod cells;
 mod curve;
 mod recorded;
+mod rows;
 mod scatter;
 mod thin;
 
 pub use bars::{Bar, BarGroup, bars};
 pub use canvas::svg;
+pub use cells::{Cells, cells};
 pub use curve::{Mark, curve};
 pub use recorded::panels;
 pub(crate) use recorded::title;
+pub use rows::{Row, Rows, rows};
 pub use scatter::{Figure, Layer, Marks, RangeBin, scatter};
+pub(crate) use thin::kept_rows;
 
 /// What a trace is, which says how it is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
