@@ -42,6 +42,7 @@ pub fn state_maps(diagnosis: &Diagnosis, recordings: &[&Recording]) -> Vec<Cells
     for (name, of) in
         [("Before", (|shown| &shown.before) as fn(&Shown) -> &Trajectory), ("After", |shown| &shown.after)]
     {
+        let name = if diagnosis.changes() { name } else { "Refitted" };
         let named = format!("{name}: mean {what} in {signal}");
         maps.extend(missed(of).map(|errors| map(named, &errors, x, y)));
         if !diagnosis.changes() {

@@ -40,7 +40,7 @@ pub fn timeline(diagnosis: &Diagnosis) -> Option<Rows> {
         .filter_map(|shown| {
             let before = of(shown, &shown.before)?;
             sizes.extend(before.iter().filter(|size| size.is_finite()));
-            let mut traces = vec![Trace::new("before", before, Style::Before)];
+            let mut traces = vec![Trace::new(if changes { "before" } else { "refitted" }, before, Style::Before)];
             if changes {
                 traces.push(Trace::new("after", of(shown, &shown.after)?, Style::After));
             }

@@ -1,4 +1,4 @@
-//! A headless Chromium, driven by its own protocol (Chrome DevTools Protocol, messages over a local web socket).
+//! A headless Chromium, driven by its own protocol (messages over a local web socket).
 
 use std::io::{BufRead, BufReader};
 use std::net::TcpStream;
@@ -12,7 +12,7 @@ use tempfile::TempDir;
 use tungstenite::{Message, WebSocket, client};
 
 /// Longest that an answer takes, on a machine that is busy with other tests.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_mins(1);
 /// Names that it is installed by.
 const NAMES: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
 
@@ -151,8 +151,7 @@ impl Chromium {
 
     /// Moves the mouse, presses or releases its button.
     pub(crate) fn mouse(&mut self, what: &str, (x, y): (f64, f64), clicks: u32) {
-        let held = if what == "mouseMoved" && clicks == 0 { 0 } else { 1 };
-        let button = if held == 0 { "none" } else { "left" };
+        let (button, held) = if what == "mouseMoved" && clicks == 0 { ("none", 0) } else { ("left", 1) };
         let event = json!({ "type": what, "x": x, "y": y, "button": button, "buttons": held, "clickCount": clicks });
         self.call("Input.dispatchMouseEvent", &event);
     }

@@ -36,7 +36,7 @@ fn the_page_holds_its_sections_and_escapes_every_name() {
         assert!(page.contains(&format!("<h2>{section}</h2>")), "{section}");
     }
     assert!(page.contains("&lt;script&gt;alert(1)&lt;/script&gt;") && page.contains("a&amp;b &lt;i&gt;.csv"));
-    assert!(!page.contains("<script") && !page.contains("<i>"), "a name became markup");
+    assert!(!page.contains("<script>alert") && !page.contains("<i>"), "a name became markup");
     assert!(
         !page.contains("http://")
             || page.matches("http://").count() == page.matches("http://www.w3.org/2000/svg").count()

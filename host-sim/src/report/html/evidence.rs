@@ -112,7 +112,7 @@ fn correlation(name: &str, lag_s: f64, first: i32, (before, after): (Option<&Vec
     layers.push(if before.is_some() {
         layer("after", Style::After, after)
     } else {
-        layer("before", Style::Before, after)
+        layer("refitted", Style::Before, after)
     });
     Figure {
         title: name.to_owned(),

@@ -123,23 +123,25 @@ fn most_telling(diagnosis: &Diagnosis, shown: &Shown) -> Signal {
 }
 
 fn fits(diagnosis: &Diagnosis) -> Markup {
+    let changes = diagnosis.changes();
     let cell = |fits: &Fits, signal: &str| fits.get(signal).map_or_else(String::new, |fit| percent(*fit));
     html! {
         section {
-            h2 { "Before and after" }
+            h2 { @if changes { "Before and after" } @else { "How closely it follows" } }
             table {
-                tr { th { "NRMSE fit, % (free run)" } th { "before" } th { "after" } th { "noise floor" } }
+                tr { th { "NRMSE fit, % (free run)" } @if changes { th { "before" } th { "after" } } @else { th { "refitted" } } th { "noise floor" } }
                 @for (held_out, label) in [(true, "held out"), (false, "training")] {
                     @let (before, after) = (diagnosis.mean_fits(held_out, false), diagnosis.mean_fits(held_out, true));
                     @let floor = diagnosis.noise_floor(held_out);
                     @for signal in before.keys() {
-                        tr { td { (label) " · " (signal) } td { (cell(&before, signal)) } td { (cell(&after, signal)) } td { (cell(&floor, signal)) } }
+                        tr { td { (label) " · " (signal) } td { (cell(&before, signal)) } @if changes { td { (cell(&after, signal)) } } td { (cell(&floor, signal)) } }
                     }
                 }
             }
-            p class="soft" { "Before: ordinary parameters refitted. After: refitted together with the effects found"
-                @if diagnosis.unnamed.is_some() { ", here with the table that has no name" }
-                ". Noise floor: what a perfect model would reach." }
+            p class="soft" {
+                @if changes { "Before: ordinary parameters refitted. After: refitted together with what was found"
+                    @if diagnosis.unnamed.is_some() { ", here a table that has no name" } ". " }
+                "Noise floor: what a perfect model would reach." }
             details {
                 summary { "Each recording by itself" }
                 (each(diagnosis))
@@ -150,9 +152,10 @@ fn fits(diagnosis: &Diagnosis) -> Markup {
 
 /// Fit and largest error of every signal in every recording.
 fn each(diagnosis: &Diagnosis) -> Markup {
+    let changes = diagnosis.changes();
     html! {
         table class="wide" {
-            tr { th { "recording" } th class="text" { "signal" } th { "before, %" } th { "after, %" } th { "noise floor, %" } th { "RMSE before" } th { "RMSE after" } }
+            tr { th { "recording" } th class="text" { "signal" } th { "before, %" } @if changes { th { "after, %" } } th { "noise floor, %" } th { "RMSE before" } @if changes { th { "RMSE after" } } }
             @for shown in &diagnosis.shown {
                 @for (index, (before, after)) in shown.fits(false).zip(shown.fits(true)).enumerate() {
                     @let floor = shown.prepared.channels.iter().find(|channel| channel.signal == before.signal).map(Channel::noise_floor_percent);
@@ -160,10 +163,10 @@ fn each(diagnosis: &Diagnosis) -> Markup {
                         td { @if index == 0 { (shown.prepared.name) @if shown.held_out { " (held out)" } } }
                         td class="text" { (before.signal.name()) }
                         td { (percent(before.nrmse_percent)) }
-                        td { (percent(after.nrmse_percent)) }
+                        @if changes { td { (percent(after.nrmse_percent)) } }
                         td { @if let Some(floor) = floor { (percent(floor)) } }
                         td { (difference(before.signal, before.rmse)) }
-                        td { (difference(after.signal, after.rmse)) }
+                        @if changes { td { (difference(after.signal, after.rmse)) } }
                     }
                 }
             }

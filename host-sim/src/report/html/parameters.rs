@@ -92,7 +92,7 @@ fn why(estimate: &Estimate, sigma: Option<f64>, alone: Option<f64>) -> String {
         (true, false, _) => "the recordings agree with the machine file".to_owned(),
         (true, true, Some(sigma)) => {
             let off = significant(change.abs() / sigma, 2);
-            format!("the recordings tell it: {off} of the ± {} allowed", number(sigma, 2))
+            format!("the recordings tell it: {off} times the ± {} allowed", number(sigma, 2))
         }
         (true, true, None) => "the recordings tell it".to_owned(),
     }
@@ -128,7 +128,7 @@ mod tests {
         let said = |value, std, alone| why(&estimate(value, std), Some(0.1), alone);
         assert!(said(1.001, 0.001, None).contains("agree"), "{}", said(1.001, 0.001, None));
         assert!(
-            said(1.05, 0.001, None).starts_with("the recordings tell it: 0.50 of the ± 0.10"),
+            said(1.05, 0.001, None).starts_with("the recordings tell it: 0.50 times the ± 0.10"),
             "{}",
             said(1.05, 0.001, None)
         );
