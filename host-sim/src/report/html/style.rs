@@ -23,7 +23,7 @@ figure { margin: .8rem 0; overflow-x: auto; } figure svg { width: 100%; height: 
 .live:not(.drawn) > svg { display: none; } .recording { margin: .8rem 0 0; } figure .panel { font-weight: 600; font-size: .875rem; margin: .5rem 0 .1rem; }
 figure .quantity { color: var(--faint); font-size: .8rem; margin: 0; } .uplot { max-width: 100%; } .uplot .u-legend { font-size: .8rem; text-align: left; margin: 0; color: var(--ink); }
 .u-legend tr { margin-right: .9rem; } .u-legend th, .u-legend td { border: 0; padding: .1rem .2rem; } .u-legend td { min-width: 4.5rem; text-align: left; }
-.u-legend, .u-legend tbody { display: block; overflow: visible; } .u-select { background: color-mix(in srgb, var(--accent) 18%, transparent); }
+.u-legend .branch { display: none; } .u-legend, .u-legend tbody { display: block; overflow: visible; } .u-select { background: color-mix(in srgb, var(--accent) 18%, transparent); }
 .switches { font-size: .8rem; margin: .2rem 0; min-height: 1.6rem; } .switches button { font: inherit; color: inherit; background: none; border: 0; cursor: pointer; padding: .1rem .8rem .1rem .2rem; font-weight: 600; }
 .switches button::before { content: ''; display: inline-block; width: 1em; height: 1em; margin-right: .3em; vertical-align: -.1em; background: var(--mark); } .switches button[aria-pressed=false] { opacity: .35; }
 figure svg rect { shape-rendering: crispEdges; } .live.data { overflow-x: visible; } .live.drawn.data { overflow-x: auto; } ol { padding-left: 1.4rem; } li { margin: .2rem 0; }

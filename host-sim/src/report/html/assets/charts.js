@@ -237,6 +237,15 @@
     var columns = data.layers.map(function () { return rows.map(function () { return null; }); });
     rows.forEach(function (row, at) { columns[row[1]][at] = row[2].length > 2 ? row[2][2] : row[2][1]; });
 
+    /** The first layer of its kind: the one itself unless it has no name. */
+    function lead(index) {
+      var layer = data.layers[index];
+      if (layer.label) return index;
+      return data.layers.findIndex(function (other) {
+        return other.style === layer.style && (other.marks === "bins") === (layer.marks === "bins");
+      });
+    }
+
     function ofLayer(layer) {
       return layer.marks === "bins" ? colour("ink") : stroke(layer.style);
     }
@@ -280,11 +289,13 @@
       },
       axes: [across(data.x), upwards(380)],
       series: [{ label: xTitle[0], value: function (plot, value) { return withUnit(value, xTitle[1]); } }].concat(
-        data.layers.map(function (layer) {
+        data.layers.map(function (layer, index) {
           var dots = layer.marks !== "line";
           var ink = ofLayer(layer);
           return {
             label: layer.label || (layer.marks === "bins" ? "middle half" : "other branch"),
+            // A further branch has no place in the legend: it goes with the first.
+            class: lead(index) === index ? null : "branch",
             stroke: ink,
             width: dots ? 0 : 2,
             paths: dots ? function () { return null; } : undefined,
@@ -297,6 +308,12 @@
       hooks: {
         drawClear: data.band === null ? [] : [shades([[null, null, -data.band, data.band]])],
         draw: [whiskers],
+        setSeries: [function (plot, index, changed) {
+          if (index === null || changed.show === undefined || lead(index - 1) !== index - 1) return;
+          data.layers.forEach(function (layer, at) {
+            if (at !== index - 1 && lead(at) === index - 1) plot.setSeries(at + 1, { show: changed.show });
+          });
+        }],
       },
     };
     place.appendChild(element("p", "quantity", data.y));
@@ -423,7 +440,16 @@
     }
     var place = element("div", "plots");
     figure.appendChild(place);
-    var plots = KINDS[data.kind](place, data, widthOf(figure));
+    var plots;
+    try {
+      plots = KINDS[data.kind](place, data, widthOf(figure));
+    } catch (error) {
+      // The drawing stays, and so do all other charts.
+      place.remove();
+      figure.classList.remove("data");
+      console.error(error);
+      return;
+    }
     plots.forEach(function (plot) { all.push({ figure: figure, kind: data.kind, plot: plot, most: plot.width }); });
     figure.classList.add("live");
   }
