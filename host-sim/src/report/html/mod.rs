@@ -127,7 +127,7 @@ fn fits(diagnosis: &Diagnosis) -> Markup {
     let cell = |fits: &Fits, signal: &str| fits.get(signal).map_or_else(String::new, |fit| percent(*fit));
     html! {
         section {
-            h2 { @if changes { "Before and after" } @else { "How closely it follows" } }
+            h2 { "Before and after" }
             table {
                 tr { th { "NRMSE fit, % (free run)" } @if changes { th { "before" } th { "after" } } @else { th { "refitted" } } th { "noise floor" } }
                 @for (held_out, label) in [(true, "held out"), (false, "training")] {
