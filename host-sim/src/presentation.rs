@@ -70,7 +70,9 @@ pub fn significant(value: f64, digits: i32) -> String {
 pub fn percent(value: f64) -> String {
     let missing = (100.0 - value).abs();
     let decimals = if missing >= 0.05 || missing == 0.0 { 2 } else { 4 };
-    format!("{value:.decimals$}")
+    let text = format!("{value:.decimals$}");
+    // A fit just below none is none.
+    if text == "-0.00" { "0.00".to_owned() } else { text }
 }
 
 #[cfg(test)]
@@ -100,5 +102,6 @@ mod tests {
             (percent(99.9987), percent(98.456), percent(100.0)),
             ("99.9987".into(), "98.46".into(), "100.00".into())
         );
+        assert_eq!(percent(-1e-4), "0.00");
     }
 }

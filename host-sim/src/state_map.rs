@@ -2,7 +2,7 @@
 
 use crate::diagnose::{Diagnosis, Shown};
 use crate::locate::{extend, states};
-use crate::plot::{Cells, title};
+use crate::plot::{Cells, within_title};
 use crate::presentation::state_unit;
 use crate::recording::{Recording, Signal};
 use crate::region::Course;
@@ -37,7 +37,7 @@ pub fn state_maps(diagnosis: &Diagnosis, recordings: &[&Recording]) -> Vec<Cells
     let states = states(&course);
     let Some((x, y)) = pair(&location.shape, &states, has_pressures) else { return Vec::new() };
     let what = if location.signal == Signal::Position { "change of the error" } else { "error" };
-    let signal = title(location.signal).to_lowercase();
+    let signal = within_title(location.signal);
     let mut maps = Vec::new();
     for (name, of) in
         [("Before", (|shown| &shown.before) as fn(&Shown) -> &Trajectory), ("After", |shown| &shown.after)]

@@ -5,7 +5,7 @@
 
 use crate::diagnose::{Diagnosis, Shown};
 use crate::locate::made;
-use crate::plot::{Row, Rows, Style, Trace, title};
+use crate::plot::{Row, Rows, Style, Trace, within_title};
 use crate::recording::Signal;
 use crate::simulate::Trajectory;
 
@@ -54,7 +54,7 @@ pub fn timeline(diagnosis: &Diagnosis) -> Option<Rows> {
     let rank = (BELOW_TOP * sizes.len().saturating_sub(1) as f64).round() as usize;
     let most = sizes.get(rank).copied().unwrap_or(1.0).max(1.0);
     let what = if location.signal == Signal::Position { "Change of the error" } else { "Error" };
-    let title = format!("{what} in {} over time", title(location.signal).to_lowercase());
+    let title = format!("{what} in {} over time", within_title(location.signal));
     Some(Rows { title, unit: "× noise".to_owned(), time_s, most, rows })
 }
 

@@ -30,7 +30,7 @@ pub use canvas::svg;
 pub use cells::{Cells, cells};
 pub use curve::{Mark, curve};
 pub use recorded::panels;
-pub(crate) use recorded::title;
+pub(crate) use recorded::{title, within_title};
 pub use rows::{Row, Rows, rows};
 pub use scatter::{Figure, Layer, Marks, RangeBin, scatter};
 pub(crate) use thin::kept_rows;

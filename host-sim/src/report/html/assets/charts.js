@@ -429,9 +429,9 @@
     return Math.max(240, Math.floor(figure.getBoundingClientRect().width));
   }
 
-  /** Draws a figure's charts, unless it has them or cannot be seen yet. */
+  /** Draws a figure's charts, unless it has them or is folded away. */
   function live(figure) {
-    if (figure.classList.contains("live") || !figure.getClientRects().length) return;
+    if (figure.classList.contains("live") || figure.closest("details:not([open])")) return;
     var data = JSON.parse(figure.querySelector("script").textContent);
     if (data.kind === SVG_ONLY) {
       figure.classList.add("live", "drawn");
