@@ -7,8 +7,11 @@ use crate::diagnose::{Diagnosis, Finding};
 use crate::found::{Found, found};
 use crate::machine_file::MachineFile;
 use crate::picture::{Picture, pictures};
+use crate::plot::{Cells, Rows};
 use crate::recording::Recording;
 use crate::separate::{Separation, separations};
+use crate::state_map::state_maps;
+use crate::timeline::timeline;
 use crate::waterfall::Waterfall;
 use crate::whiteness::{Whiteness, whiteness};
 
@@ -19,12 +22,18 @@ pub struct Exhibits {
     pub waterfall: Waterfall,
     /// Whether what is left is white, each signal.
     pub whiteness: Vec<Whiteness>,
+    /// The same of the model before.
+    pub whiteness_before: Vec<Whiteness>,
     /// Each claimed effect against its rivals.
     pub separations: Vec<Separation>,
     /// What was found in each recording.
     pub found: Vec<Found>,
     /// The effects' own pictures; empty unless asked for.
     pub pictures: Vec<Picture>,
+    /// When the error is made, all training recordings together; `None` unless asked for and located.
+    pub timeline: Option<Rows>,
+    /// In which states it is made, before and, with something claimed, after; empty unless asked for and located.
+    pub maps: Vec<Cells>,
 }
 
 impl Exhibits {
@@ -39,10 +48,13 @@ impl Exhibits {
         let recordings: Vec<&Recording> = training.iter().chain(held_out).collect();
         Ok(Self {
             waterfall: Waterfall::of(&file.machine, diagnosis)?,
-            whiteness: whiteness(diagnosis, &recordings),
+            whiteness: whiteness(diagnosis, &recordings, true),
+            whiteness_before: whiteness(diagnosis, &recordings, false),
             separations: separations(diagnosis, file.load_source, &recordings)?,
             found: diagnosis.shown.iter().zip(&recordings).map(|(shown, recording)| found(recording, shown)).collect(),
             pictures: if with_pictures { pictures(diagnosis, &recordings)? } else { Vec::new() },
+            timeline: if with_pictures { timeline(diagnosis) } else { None },
+            maps: if with_pictures { state_maps(diagnosis, &recordings) } else { Vec::new() },
         })
     }
 

@@ -122,7 +122,7 @@ pub fn locate(
             from_s: time_s[from],
             to_s: time_s[to],
         }));
-        extend(&mut course, case, &trajectory);
+        extend(&mut course, case.recording, case.prepared, &trajectory);
         all.extend(&made);
     }
     let share = if total > 0.0 { inside / total } else { 0.0 };
@@ -185,15 +185,16 @@ fn high_passed(values: &[f64], rows: usize) -> Vec<f64> {
         .collect()
 }
 
-fn extend(course: &mut Course, case: &Case<'_>, trajectory: &Trajectory) {
-    let time_s = &case.prepared.time_s;
+/// The states of the drive along one more recording: measured where they are, simulated elsewhere.
+pub(crate) fn extend(course: &mut Course, recording: &Recording, prepared: &Prepared, trajectory: &Trajectory) {
+    let time_s = &prepared.time_s;
     let of = |signal: Signal| {
-        let measured = case.prepared.channels.iter().find(|channel| channel.signal == signal).map(Channel::bridged);
+        let measured = prepared.channels.iter().find(|channel| channel.signal == signal).map(Channel::bridged);
         let simulated = || trajectory.signal(signal).map(<[f64]>::to_vec);
         measured.or_else(simulated).unwrap_or_else(|| vec![0.0; time_s.len()])
     };
     let velocity = trajectory.signal(Signal::Velocity).map_or_else(|| vec![0.0; time_s.len()], <[f64]>::to_vec);
-    let slider = case.recording.signal(Signal::Spool).map_or_else(|| of(Signal::Spool), <[f64]>::to_vec);
+    let slider = recording.signal(Signal::Spool).map_or_else(|| of(Signal::Spool), <[f64]>::to_vec);
     let fastest = velocity.iter().fold(0.0_f64, |fastest, v| fastest.max(v.abs()));
     let turned = |row: usize| row > 0 && velocity[row] * velocity[row - 1] < 0.0;
     course.since_reversal_s.extend(since(time_s, turned));
@@ -201,7 +202,7 @@ fn extend(course: &mut Course, case: &Case<'_>, trajectory: &Trajectory) {
     course.time_s.extend(time_s.iter().map(|time| time - time_s[0]));
     course.position_m.extend(of(Signal::Position));
     course.slider.extend(slider);
-    let command = case.recording.signal(Signal::Command);
+    let command = recording.signal(Signal::Command);
     course.command_v.extend(command.map_or_else(|| vec![0.0; time_s.len()], <[f64]>::to_vec));
     course.pressure_a_pa.extend(of(Signal::PressureA));
     course.pressure_b_pa.extend(of(Signal::PressureB));
@@ -209,7 +210,7 @@ fn extend(course: &mut Course, case: &Case<'_>, trajectory: &Trajectory) {
 }
 
 /// The states that an error may be a function of.
-fn states(course: &Course) -> Vec<State> {
+pub(crate) fn states(course: &Course) -> Vec<State> {
     let state = |name, unit, values: &[f64]| State { name, unit, values: values.to_vec() };
     vec![
         state("slider", "1", &course.slider),
@@ -239,7 +240,7 @@ fn worst(misses: &[Miss], subsystem: Subsystem) -> Signal {
 }
 
 /// Where an error is *made*: a position keeps what was lost before, so its change over 50 ms counts.
-fn made(signal: Signal, time_s: &[f64], errors: &[f64]) -> Vec<f64> {
+pub(crate) fn made(signal: Signal, time_s: &[f64], errors: &[f64]) -> Vec<f64> {
     if signal != Signal::Position || errors.len() < 3 {
         return errors.to_vec();
     }

@@ -27,6 +27,18 @@ pub fn unit_for_people(signal: Signal) -> Unit {
     Unit::parse(symbol).unwrap_or(si)
 }
 
+/// The unit in which people read a state of the drive that has this SI unit, and what to multiply by.
+#[must_use]
+pub fn state_unit(si: &'static str) -> (&'static str, f64) {
+    match si {
+        "1" => ("% of travel", 100.0),
+        "m" => ("mm", 1e3),
+        "m/s" => ("mm/s", 1e3),
+        "Pa" => ("bar", 1e-5),
+        other => (other, 1.0),
+    }
+}
+
 /// A difference of two values of `signal` with its unit: `0.0312 mm`; of the slider `0.41 % of travel`.
 #[must_use]
 pub fn difference(signal: Signal, si: f64) -> String {
@@ -58,7 +70,9 @@ pub fn significant(value: f64, digits: i32) -> String {
 pub fn percent(value: f64) -> String {
     let missing = (100.0 - value).abs();
     let decimals = if missing >= 0.05 || missing == 0.0 { 2 } else { 4 };
-    format!("{value:.decimals$}")
+    let text = format!("{value:.decimals$}");
+    // A fit just below none is none.
+    if text == "-0.00" { "0.00".to_owned() } else { text }
 }
 
 #[cfg(test)]
@@ -88,5 +102,6 @@ mod tests {
             (percent(99.9987), percent(98.456), percent(100.0)),
             ("99.9987".into(), "98.46".into(), "100.00".into())
         );
+        assert_eq!(percent(-1e-4), "0.00");
     }
 }

@@ -49,10 +49,10 @@ fn outside(values: &[f64], band: f64) -> f64 {
     values.iter().filter(|value| value.abs() > band).count() as f64 / values.len().max(1) as f64
 }
 
-/// Every judged signal after, over the held-out recordings (the training ones where none is held out). `recordings` are all
-/// that the diagnosis shows, in its order.
+/// Every judged signal, `after` or before, over the held-out recordings (the training ones where none is held out). `recordings`
+/// are all that the diagnosis shows, in its order.
 #[must_use]
-pub fn whiteness(diagnosis: &Diagnosis, recordings: &[&Recording]) -> Vec<Whiteness> {
+pub fn whiteness(diagnosis: &Diagnosis, recordings: &[&Recording], after: bool) -> Vec<Whiteness> {
     let held_out = diagnosis.shown.iter().any(|shown| shown.held_out);
     let of: Vec<(&Shown, &Recording)> = diagnosis
         .shown
@@ -68,16 +68,16 @@ pub fn whiteness(diagnosis: &Diagnosis, recordings: &[&Recording]) -> Vec<Whiten
         .iter()
         .map(|channel| {
             let series: Vec<(Vec<f64>, Vec<f64>)> =
-                of.iter().filter_map(|(shown, recording)| pair(shown, recording, channel.signal)).collect();
+                of.iter().filter_map(|(shown, recording)| pair(shown, recording, channel.signal, after)).collect();
             correlations(channel.signal, lag_s, &series)
         })
         .collect()
 }
 
-/// Residual after and input of one recording.
-fn pair(shown: &Shown, recording: &Recording, signal: Signal) -> Option<(Vec<f64>, Vec<f64>)> {
+/// Residual and input of one recording.
+fn pair(shown: &Shown, recording: &Recording, signal: Signal, after: bool) -> Option<(Vec<f64>, Vec<f64>)> {
     let channel = shown.prepared.channels.iter().find(|channel| channel.signal == signal)?;
-    let simulated = shown.after.signal(signal)?;
+    let simulated = if after { &shown.after } else { &shown.before }.signal(signal)?;
     let rows = channel.recorded.iter().zip(simulated).zip(&channel.failed).take(MOST_ROWS);
     let missed = rows.map(|((recorded, simulated), failed)| if *failed { 0.0 } else { recorded - simulated }).collect();
     let drives = [Signal::Command, Signal::PumpSpeed, Signal::Spool, Signal::Flow, Signal::Force];

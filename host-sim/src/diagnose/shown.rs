@@ -80,6 +80,12 @@ impl Diagnosis {
         self.shown.iter().filter(move |shown| shown.held_out == held_out)
     }
 
+    /// Whether the model after is another one than before: with effects that are claimed, or with a table without a name.
+    #[must_use]
+    pub fn changes(&self) -> bool {
+        !self.findings.is_empty() || self.unnamed.is_some()
+    }
+
     /// The recording to show first: a held-out one where there is one.
     #[must_use]
     pub fn example(&self) -> Option<&Shown> {

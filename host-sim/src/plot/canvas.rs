@@ -44,7 +44,7 @@ pub(super) type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
 /// Series of more than 2000 points are thinned: of each stretch the lowest and the highest point stay.
 #[must_use]
 pub fn svg(title: &str, subtitle: &str, panels: &[Panel]) -> String {
-    let height = TOP + panels.iter().map(height_of).sum::<i32>() + BOTTOM;
+    let height = head(title) + panels.iter().map(height_of).sum::<i32>() + BOTTOM;
     drawn((WIDTH, height), |area| draw(area, title, subtitle, panels))
 }
 
@@ -59,6 +59,11 @@ pub(super) fn drawn((width, height): (i32, i32), draw: impl FnOnce(&Area<'_>) ->
     }
     let fine = format!("width=\"{}\" height=\"{}\"", width * FINE, height * FINE);
     text.replacen(&fine, &format!("width=\"{width}\" height=\"{height}\""), 1)
+}
+
+/// Room for the title; little where there is none.
+fn head(title: &str) -> i32 {
+    if title.is_empty() { 0 } else { TOP }
 }
 
 fn height_of(panel: &Panel) -> i32 {
@@ -76,7 +81,7 @@ fn draw(area: &Area<'_>, title: &str, subtitle: &str, panels: &[Panel]) -> Drawn
     write(area, subtitle, (LEFT, 42), 13, FAINT_INK, HPos::Left)?;
     let times = panels.iter().flat_map(|panel| [panel.time_s.first(), panel.time_s.last()]).flatten();
     let time = Axis::exact(extent(times), LEFT, RIGHT);
-    let mut top = TOP;
+    let mut top = head(title);
     for panel in panels {
         heading(area, panel, top)?;
         let upper = (top + HEADING, top + HEADING + chart_height(panel));

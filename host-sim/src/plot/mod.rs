@@ -18,19 +18,24 @@
 mod axis;
 mod bars;
 mod canvas;
+pub mod cells;
 mod curve;
 mod grid;
 mod recorded;
+mod rows;
 mod scatter;
 mod thin;
 
 pub use bars::{Bar, BarGroup, bars};
 pub use canvas::svg;
+pub use cells::{Cells, cells};
 pub use curve::{Mark, curve};
 pub use grid::{Cell, Grid, grid};
 pub use recorded::panels;
-pub(crate) use recorded::title;
+pub(crate) use recorded::{title, within_title};
+pub use rows::{Row, Rows, rows};
 pub use scatter::{Figure, Layer, Marks, RangeBin, scatter};
+pub(crate) use thin::kept_rows;
 
 /// What a trace is, which says how it is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -46,6 +46,12 @@ fn driving(entry: EntryPoint) -> Signal {
     }
 }
 
+/// A signal's name within a heading: its first letter is small, a chamber's is not.
+pub(crate) fn within_title(signal: Signal) -> String {
+    let mut letters = title(signal).chars();
+    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
+}
+
 /// A signal's name as a heading.
 pub(crate) fn title(signal: Signal) -> &'static str {
     match signal {
@@ -66,5 +72,18 @@ pub(crate) fn title(signal: Signal) -> &'static str {
         Signal::Angle => "Joint angle",
         Signal::OilTemperature => "Oil temperature",
         Signal::Reference => "Reference",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_chamber_keeps_its_capital_within_a_heading() {
+        assert_eq!(
+            (within_title(Signal::PressureB), within_title(Signal::Spool)),
+            ("pressure B".into(), "slider".into())
+        );
     }
 }

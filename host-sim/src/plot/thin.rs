@@ -31,9 +31,43 @@ pub(super) fn thinned(time_s: &[f64], values: &[f64], most: Option<usize>) -> Ve
     kept
 }
 
+/// Rows of series over the same times, at most `most`: of each of equal stretches the lowest and the highest of every series.
+pub(crate) fn kept_rows(series: &[&[f64]], most: usize) -> Vec<usize> {
+    let rows = series.iter().map(|values| values.len()).min().unwrap_or(0);
+    if rows <= most {
+        return (0..rows).collect();
+    }
+    let stretches = (most / (2 * series.len().max(1))).max(1);
+    let mut kept = Vec::with_capacity(most);
+    for stretch in 0..stretches {
+        let (from, to) = (stretch * rows / stretches, (stretch + 1) * rows / stretches);
+        for values in series {
+            let finite = || (from..to).filter(|row| values[*row].is_finite());
+            kept.extend(finite().min_by(|a, b| values[*a].total_cmp(&values[*b])));
+            kept.extend(finite().max_by(|a, b| values[*a].total_cmp(&values[*b])));
+        }
+    }
+    kept.sort_unstable();
+    kept.dedup();
+    kept
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rows_are_kept_in_which_any_series_peaks() {
+        let slow: Vec<f64> = (0..50_000).map(|row| (f64::from(row) * 1e-4).cos()).collect();
+        let mut other = slow.clone();
+        other[31_234] = 9.0;
+        other[7] = f64::NAN;
+        let kept = kept_rows(&[&slow, &other], 1000);
+        assert!(kept.len() <= 1000 && kept.contains(&31_234) && !kept.contains(&7), "{}", kept.len());
+        assert!(kept.windows(2).all(|pair| pair[0] < pair[1]));
+        assert_eq!(kept_rows(&[&slow[..3]], 1000), [0, 1, 2]);
+        assert!(kept_rows(&[], 1000).is_empty());
+    }
 
     #[test]
     fn thinning_keeps_order_and_a_single_peak() {

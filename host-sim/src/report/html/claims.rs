@@ -4,13 +4,13 @@ use std::fmt::Write;
 
 use maud::{Markup, html};
 
-use super::chart;
+use super::chart::chart;
+use super::parameters::{deviation, number};
 use crate::diagnose::{Diagnosis, Finding, Verdict};
 use crate::exhibits::Exhibits;
-use crate::fit::Estimate;
 use crate::hypothesis::short_name;
 use crate::presentation::significant;
-use crate::report::terminal::{still_missing, uncertainty};
+use crate::report::terminal::still_missing;
 use crate::separate::Separation;
 
 pub(super) fn findings(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
@@ -20,6 +20,9 @@ pub(super) fn findings(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
                 h2 { "What" }
                 p { "None of the effects that were tried accounts for it on recordings that were left out. It stays described by its place and shape above." }
                 (not_confirmed(diagnosis))
+                @if let Some(unnamed) = &diagnosis.unnamed {
+                    p class="fact" { (capital(&unnamed.to_string())) ". A controller can carry it; it is no explanation." }
+                }
             }
         }
         @for (index, finding) in diagnosis.findings.iter().enumerate() {
@@ -125,35 +128,31 @@ fn sureness(finding: &Finding, exhibits: &Exhibits) -> Markup {
     }
 }
 
-pub(super) fn parameters(diagnosis: &Diagnosis) -> Markup {
+pub(super) fn to_the_controller(diagnosis: &Diagnosis) -> Markup {
     html! {
-        @if !diagnosis.refitted.is_empty() {
-            section {
-                h2 { "Ordinary parameters" }
-                @if !diagnosis.findings.is_empty() { p class="soft" { "Fitted together with what was found." } }
-                table {
-                    tr { th { "parameter" } th { "nominal" } th { "fitted" } th { "±" } th { "unit" } }
-                    @for estimate in &diagnosis.refitted {
-                        @let description = estimate.parameter.description();
-                        tr { td { (description.key) } td { (number(estimate.before, 4)) } td { (number(estimate.value, 4)) } td { (deviation(estimate)) } td { (description.unit) } }
-                    }
+        section {
+            h2 { "To the controller" }
+            ol {
+                li { "The same command with " code { "--save-machine after.toml" } " writes the machine file with everything fitted"
+                    @if !diagnosis.findings.is_empty() { " and what was found switched on" } "." }
+                li { code { "host-sim compare --machine after.toml --recording new.csv" } " holds it against a recording that was made since." }
+                li { code { "host-sim export --machine after.toml --out params.rs" } " makes the constants for the firmware of it: "
+                    code { "FIRMWARE_MACHINE=params.rs" } " when the firmware is built." }
+            }
+            @if !diagnosis.findings.is_empty() {
+                p { "What is new in the machine file:" }
+                @for finding in &diagnosis.findings {
+                    pre { (snippet(finding)) }
                 }
             }
         }
     }
 }
 
-pub(super) fn to_the_controller(diagnosis: &Diagnosis) -> Markup {
-    html! {
-        section {
-            h2 { "To the controller" }
-            p { "The same command with " code { "--save-machine after.toml" } " writes the machine file with everything fitted; "
-                code { "host-sim export --machine after.toml --out params.rs" } " makes the constants for the firmware of it." }
-            @for finding in &diagnosis.findings {
-                pre { (snippet(finding)) }
-            }
-        }
-    }
+/// With a capital letter.
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// The effect's tables of the machine file: its own, and that of the bristles which frictions share.
@@ -171,19 +170,4 @@ fn snippet(finding: &Finding) -> String {
         let _ = writeln!(text, "{} = {value}  # {unit}", short_name(estimate.parameter));
     }
     text
-}
-
-fn deviation(estimate: &Estimate) -> String {
-    if estimate.std.is_finite() && !estimate.at_bound { number(estimate.std, 2) } else { uncertainty(estimate) }
-}
-
-/// A number with so many digits, by powers of ten where it is far from one.
-fn number(value: f64, digits: i32) -> String {
-    let size = value.abs();
-    if value == 0.0 || (1e-4..1e6).contains(&size) {
-        significant(value, digits)
-    } else {
-        let precision = usize::try_from(digits - 1).unwrap_or(0);
-        format!("{value:.precision$e}")
-    }
 }

@@ -2,8 +2,9 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use super::chart;
+use super::chart::chart;
 use crate::diagnose::Diagnosis;
+use crate::exhibits::Exhibits;
 use crate::found::Found;
 use crate::plot::{Bar, BarGroup, Figure, Layer, Marks, Style, bars, title};
 use crate::presentation::{difference, percent, significant, unit_for_people};
@@ -62,29 +63,38 @@ fn groups(waterfall: &Waterfall) -> Vec<BarGroup> {
         .collect()
 }
 
-pub(super) fn whiteness(signals: &[Whiteness], diagnosis: &Diagnosis) -> Markup {
-    let after = if diagnosis.findings.is_empty() { "the refitted model leaves" } else { "the model after leaves" };
+pub(super) fn whiteness(exhibits: &Exhibits, diagnosis: &Diagnosis) -> Markup {
+    let changes = diagnosis.changes();
+    let pairs = || exhibits.whiteness_before.iter().zip(&exhibits.whiteness);
+    let share = |values: &[f64], outside: f64| {
+        if values.is_empty() { "–".to_owned() } else { format!("{} %", significant(100.0 * outside, 2)) }
+    };
+    let cells = |of: &Whiteness| {
+        html! {
+            td { (share(&of.auto, of.outside())) }
+            td { (share(&of.cross, of.cross_outside())) }
+        }
+    };
     html! {
         section {
             h2 { "Is the rest white?" }
-            p { "What " (after) " should not follow from what was before it. Share of lags outside the 99 % band; a white residual has about 1 %." }
+            p { "What a good model leaves does not follow from what was before it: not from itself, not from the input. Share of lags outside the 99 % band; a white residual has about 1 %." }
             table {
-                tr { th { "signal" } th { "with itself" } th { "with the input" } }
-                @for of in signals {
-                    tr {
-                        td { (of.signal.name()) }
-                        td { (significant(100.0 * of.outside(), 2)) " %" }
-                        td { @if of.cross.is_empty() { "–" } @else { (significant(100.0 * of.cross_outside(), 2)) " %" } }
-                    }
+                tr { th { "signal" }
+                    @if changes { th { "with itself, before" } th { "with the input, before" } th { "with itself, after" } th { "with the input, after" } }
+                    @else { th { "with itself" } th { "with the input" } } }
+                @for (before, after) in pairs() {
+                    tr { td { (after.signal.name()) } @if changes { (cells(before)) } (cells(after)) }
                 }
             }
             details {
                 summary { "Correlations" }
-                div class="pair" { @for of in signals {
-                    (chart(&correlation(&format!("{}: with itself", title(of.signal)), of.lag_s, 1, &of.auto, of.auto_band)))
-                    @if !of.cross.is_empty() {
-                        @let first = -i32::try_from(of.cross.len() / 2).unwrap_or(0);
-                        (chart(&correlation(&format!("{}: with the input, which comes first from 0 on", title(of.signal)), of.lag_s, first, &of.cross, of.cross_band)))
+                div class="pair" { @for (before, after) in pairs() {
+                    @let name = title(after.signal);
+                    (chart(&correlation(&format!("{name}: with itself"), after.lag_s, 1, (changes.then_some(&before.auto), &after.auto), after.auto_band)))
+                    @if !after.cross.is_empty() {
+                        @let first = -i32::try_from(after.cross.len() / 2).unwrap_or(0);
+                        (chart(&correlation(&format!("{name}: with the input, first from 0 on"), after.lag_s, first, (changes.then_some(&before.cross), &after.cross), after.cross_band)))
                     }
                 } }
             }
@@ -92,13 +102,23 @@ pub(super) fn whiteness(signals: &[Whiteness], diagnosis: &Diagnosis) -> Markup 
     }
 }
 
-fn correlation(name: &str, lag_s: f64, first: i32, values: &[f64], band: f64) -> Figure {
-    let points = (first..).zip(values).map(|(lag, value)| (1e3 * lag_s * f64::from(lag), *value)).collect();
+/// Correlations over the lag, of the model before where it is another, and after.
+fn correlation(name: &str, lag_s: f64, first: i32, (before, after): (Option<&Vec<f64>>, &[f64]), band: f64) -> Figure {
+    let layer = |label: &str, style, values: &[f64]| {
+        let points = (first..).zip(values).map(|(lag, value)| (1e3 * lag_s * f64::from(lag), *value)).collect();
+        Layer { label: label.to_owned(), style, marks: Marks::Line(points) }
+    };
+    let mut layers: Vec<Layer> = before.into_iter().map(|values| layer("before", Style::Before, values)).collect();
+    layers.push(if before.is_some() {
+        layer("after", Style::After, after)
+    } else {
+        layer("refitted", Style::Before, after)
+    });
     Figure {
         title: name.to_owned(),
         x: "lag [ms]".to_owned(),
         y: "correlation (shaded: 99 % band)".to_owned(),
-        layers: vec![Layer { label: String::new(), style: Style::After, marks: Marks::Line(points) }],
+        layers,
         band: Some(band),
     }
 }

@@ -1,0 +1,181 @@
+//! Is the page of a diagnosis what a person can use? Looked at in a real browser: it draws, answers, asks nothing of the network,
+//! and fits a phone, the dark and a browser without scripts.
+
+mod chromium;
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use chromium::{Chromium, program};
+use clap::Parser;
+use host_sim::cli::{self, Cli, Console};
+use tempfile::TempDir;
+
+/// The page of the shipped example.
+fn page() -> &'static Path {
+    static PAGE: OnceLock<(TempDir, PathBuf)> = OnceLock::new();
+    let (_, page) = PAGE.get_or_init(|| {
+        let folder = tempfile::tempdir().unwrap();
+        let page = folder.path().join("press.html");
+        let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/press-63-40");
+        let arguments = ["host-sim", "diagnose", example.to_str().unwrap(), "--report", page.to_str().unwrap()];
+        let cli = Cli::try_parse_from(arguments).unwrap();
+        let mut printed = Vec::new();
+        cli::run(&cli.command, &mut Console::into_buffer(&mut printed)).unwrap();
+        (folder, page)
+    });
+    page
+}
+
+/// The page in a browser, where there is one.
+fn opened() -> Option<Chromium> {
+    let mut browser = Chromium::start(&program()?);
+    browser.open(page());
+    Some(browser)
+}
+
+/// The first chart over time with residuals: its plot, and the middle part of its chart in the window.
+const OVER_TIME: &str = "window.hostSimCharts.find(one => one.kind === 'time')";
+
+/// Brings the first chart over time into view; its left, top, width and height.
+fn place_of_chart(browser: &mut Chromium) -> [f64; 4] {
+    browser.until("window.hostSimCharts.length > 0");
+    browser.value(&format!("{OVER_TIME}.plot.root.scrollIntoView({{ block: 'center' }})"));
+    let place = browser.value(&format!(
+        "(() => {{ const box = {OVER_TIME}.plot.over.getBoundingClientRect(); return [box.left, box.top, box.width, box.height]; }})()"
+    ));
+    [0, 1, 2, 3].map(|index| place[index].as_f64().unwrap())
+}
+
+fn scale(browser: &mut Chromium) -> (f64, f64) {
+    let ends = browser.value(&format!("[{OVER_TIME}.plot.scales.x.min, {OVER_TIME}.plot.scales.x.max]"));
+    (ends[0].as_f64().unwrap(), ends[1].as_f64().unwrap())
+}
+
+#[test]
+fn the_page_draws_its_charts_without_a_complaint_and_asks_nothing_of_the_network() {
+    let Some(mut browser) = opened() else { return };
+    browser.until("window.hostSimCharts.length > 3");
+    // What is folded is drawn when it is opened.
+    browser.value("document.querySelectorAll('details').forEach(folded => folded.open = true)");
+    browser.until("document.querySelectorAll('figure.data:not(.live)').length === 0");
+    let charts = browser.value("window.hostSimCharts.length").as_u64().unwrap();
+    assert!(charts > 6 * 4, "{charts} charts of six recordings with four signals each");
+    let drawn = "window.hostSimCharts.every(one => one.plot.ctx.canvas.width > 0 && one.plot.data[0].length > 1)";
+    assert_eq!(browser.value(drawn), true);
+    assert_eq!(browser.complaints(), Vec::<serde_json::Value>::new());
+    assert_eq!(browser.requests(page()), Vec::<String>::new());
+    let bytes = std::fs::metadata(page()).unwrap().len();
+    assert!(bytes < 3_000_000, "{bytes} bytes");
+}
+
+#[test]
+fn the_first_screen_has_the_verdict_the_improvement_and_a_picture() {
+    let Some(mut browser) = opened() else { return };
+    browser.resize(1280, 800, false);
+    for part in ["h1", ".gains", "figure"] {
+        let bottom = browser.value(&format!("document.querySelector('{part}').getBoundingClientRect().bottom"));
+        assert!(bottom.as_f64().unwrap() < 800.0, "{part} ends at {bottom}");
+    }
+}
+
+#[test]
+fn dragging_zooms_all_panels_of_a_recording_and_a_double_click_shows_all_again() {
+    let Some(mut browser) = opened() else { return };
+    let [left, top, width, height] = place_of_chart(&mut browser);
+    let whole = scale(&mut browser);
+    let middle = top + 0.5 * height;
+    browser.drag((left + 0.25 * width, middle), (left + 0.5 * width, middle));
+    browser.until(&format!("{OVER_TIME}.plot.scales.x.max < {}", whole.1 - 0.4 * (whole.1 - whole.0)));
+    let (from, to) = scale(&mut browser);
+    let share = (to - from) / (whole.1 - whole.0);
+    assert!((share - 0.25).abs() < 0.05, "{from} to {to} of {whole:?}");
+    let together = format!(
+        "window.hostSimCharts.filter(one => one.figure === {OVER_TIME}.figure).every(one => one.plot.scales.x.max === {to})"
+    );
+    browser.until(&together);
+    browser.click((left + 0.5 * width, middle), 2);
+    browser.until(&format!(
+        "{OVER_TIME}.plot.scales.x.max === {} && {OVER_TIME}.plot.scales.x.min === {}",
+        whole.1, whole.0
+    ));
+    assert_eq!(browser.complaints(), Vec::<serde_json::Value>::new());
+}
+
+#[test]
+fn the_pointer_reads_values_with_their_units() {
+    let Some(mut browser) = opened() else { return };
+    let [left, top, width, height] = place_of_chart(&mut browser);
+    browser.mouse("mouseMoved", (left + 0.4 * width, top + 0.5 * height), 0);
+    let legend = format!("[...{OVER_TIME}.plot.root.querySelectorAll('.u-value')].map(cell => cell.textContent)");
+    browser.until(&format!("{legend}[0].endsWith(' s') && {legend}[1].endsWith(' mm')"));
+    let recorded = browser.value(&format!("{OVER_TIME}.plot.data[1][{OVER_TIME}.plot.cursor.idx]")).as_f64().unwrap();
+    let shown = browser.value(&format!("{legend}[1]")).as_str().unwrap().to_owned();
+    let read: f64 = shown.trim_end_matches(" mm").replace('−', "-").parse().unwrap();
+    assert!((read - recorded).abs() < 0.01, "{shown} for {recorded}");
+}
+
+#[test]
+fn a_click_on_the_legend_hides_a_trace_and_another_shows_it() {
+    let Some(mut browser) = opened() else { return };
+    place_of_chart(&mut browser);
+    let shows = format!("{OVER_TIME}.plot.series[2].show");
+    let label = browser.value(&format!(
+        "(() => {{ const box = {OVER_TIME}.plot.root.querySelectorAll('.u-legend th')[2].getBoundingClientRect();
+            return [box.left + 0.5 * box.width, box.top + 0.5 * box.height]; }})()"
+    ));
+    let at = (label[0].as_f64().unwrap(), label[1].as_f64().unwrap());
+    assert_eq!(browser.value(&shows), true);
+    browser.click(at, 1);
+    browser.until(&format!("{shows} === false"));
+    browser.click(at, 1);
+    browser.until(&format!("{shows} === true"));
+}
+
+#[test]
+fn nothing_is_wider_than_a_phone() {
+    let Some(mut browser) = opened() else { return };
+    browser.resize(390, 844, true);
+    browser.open(page());
+    browser.until("window.hostSimCharts.length > 3");
+    browser.value("document.querySelectorAll('details').forEach(folded => folded.open = true)");
+    browser.until("document.querySelectorAll('figure.data:not(.live)').length === 0");
+    let width = browser.value("document.documentElement.scrollWidth");
+    let widest = "[...document.querySelectorAll('body *')].filter(part => part.getBoundingClientRect().right > 391 && \
+        !part.closest('table, pre, figure')).map(part => part.tagName + ' ' + part.className).slice(0, 5)";
+    assert_eq!(width, 390, "{}", browser.value(widest));
+    let charts = "window.hostSimCharts.every(one => one.plot.root.getBoundingClientRect().right <= 390)";
+    assert_eq!(browser.value(charts), true);
+}
+
+#[test]
+fn the_dark_has_a_dark_page_and_charts_that_are_read_on_it() {
+    let Some(mut browser) = opened() else { return };
+    let background = "getComputedStyle(document.body).backgroundColor";
+    assert_eq!(browser.value(background), "rgb(255, 255, 255)");
+    // The switch itself: what is drawn follows.
+    let light = browser.value(&format!("{OVER_TIME}.plot.series[2].stroke()"));
+    browser.prefer("dark");
+    browser.until(&format!("{background} !== 'rgb(255, 255, 255)'"));
+    browser.until(&format!("{OVER_TIME}.plot.series[2].stroke() !== {light}"));
+    assert_eq!(browser.complaints(), Vec::<serde_json::Value>::new());
+}
+
+#[test]
+fn without_scripts_and_on_paper_the_drawings_are_there() {
+    let Some(mut browser) = opened() else { return };
+    browser.until("window.hostSimCharts.length > 3");
+    // Asked from outside the page, whose own scripts are off.
+    let shown = "[...document.querySelectorAll('figure svg')].filter(one => one.getClientRects().length > 0).length";
+    let hidden = browser.value("document.querySelectorAll('figure.live:not(.drawn) > svg').length").as_u64().unwrap();
+    let with_scripts = browser.value(shown).as_u64().unwrap();
+    browser.call("Emulation.setEmulatedMedia", &serde_json::json!({ "media": "print" }));
+    let on_paper = browser.value(shown).as_u64().unwrap();
+    assert!(on_paper >= with_scripts + hidden && hidden > 3, "{on_paper} {with_scripts} {hidden}");
+    browser.call("Emulation.setEmulatedMedia", &serde_json::json!({ "media": "" }));
+    browser.allow_scripts(false);
+    browser.open(page());
+    assert_eq!(browser.value("typeof window.hostSimCharts"), "undefined");
+    let without = browser.value(shown).as_u64().unwrap();
+    assert!(without >= with_scripts + hidden, "{without} {with_scripts} {hidden}");
+}
