@@ -54,7 +54,7 @@ fn a_simulation_is_written_in_the_format_of_its_name() {
 }
 
 #[test]
-fn recordings_are_compared_and_fitted_in_every_format() {
+fn recordings_are_compared_in_every_format() {
     let machine = press().display().to_string();
     let compared = |name: &str| {
         let recording = fixture(name).display().to_string();

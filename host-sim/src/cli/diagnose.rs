@@ -11,7 +11,7 @@ use crate::diagnose::{Diagnosis, Verdict, diagnose, steps};
 use crate::exhibits::Exhibits;
 use crate::judge;
 use crate::machine_file::{self, MachineFile};
-use crate::recording::{ChannelMap, Format, Recording, Signal};
+use crate::recording::{ChannelMap, Column, Format, Recording, Signal};
 use crate::report::{html, json, terminal};
 
 /// Arguments of `diagnose`.
@@ -169,7 +169,7 @@ fn plan(arguments: &Arguments) -> Result<Plan, CliError> {
 fn check_distinct(training: &[Recording], held_out: &[Recording]) -> Result<(), CliError> {
     let all: Vec<&Recording> = training.iter().chain(held_out).collect();
     for (index, second) in all.iter().enumerate() {
-        if let Some(at) = all[..index].iter().position(|first| first.columns() == second.columns()) {
+        if let Some(at) = all[..index].iter().position(|first| same(first, second)) {
             let expected = if at < training.len() && index >= training.len() {
                 "held-out recordings that are not trained on"
             } else {
@@ -180,6 +180,12 @@ fn check_distinct(training: &[Recording], held_out: &[Recording]) -> Result<(), 
         }
     }
     Ok(())
+}
+
+/// Whether two recordings hold the same, in whatever units, under whatever headers and in whatever format.
+fn same(first: &Recording, second: &Recording) -> bool {
+    let held = |column: &Column| second.signal(column.signal) == Some(column.values.as_slice());
+    first.columns().len() == second.columns().len() && first.columns().iter().all(held)
 }
 
 /// The recordings of a folder whose names start so and end as a format's do, in the order of their names.
