@@ -36,6 +36,9 @@ pub(super) fn quantity(dimension: Dimension) -> Quantity {
         Dimension::Flow => ("VolumeFlowRate", "m3/s", Some(([0, 3, -1, 0], 1.0)), Some(("l/min", 6e4))),
         Dimension::Rotation => ("RotationalFrequency", "rev/s", Some(([0, 0, -1, 1], TAU)), Some(("rpm", 60.0))),
         Dimension::Temperature => ("Temperature", "degC", None, None),
+        Dimension::Volume => ("Volume", "m3", Some(([0, 3, 0, 0], 1.0)), Some(("l", 1e3))),
+        Dimension::Mass => ("Mass", "kg", Some(([1, 0, 0, 0], 1.0)), None),
+        Dimension::Displacement => ("Displacement", "m3/rev", Some(([0, 3, 0, -1], 1.0 / TAU)), None),
     };
     Quantity { name, unit, base, shown }
 }
