@@ -47,6 +47,6 @@ fn what_cannot_be_planned_is_refused_with_what_would_do() {
     assert!(message.contains("noise `0.05bar` of position") && message.contains("mm"), "{message}");
     let message = plan(&["--sensors", "position", "--seconds", "0.2"]);
     assert!(message.contains("no standard test is shorter than 0.2 s"), "{message}");
-    let message = plan(&["--sensors", "position", "--seconds", "-1"]);
+    let message = plan(&["--sensors", "position", "--seconds=-1"]);
     assert!(message.contains("--seconds is -1; expected a positive number"), "{message}");
 }
