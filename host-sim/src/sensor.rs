@@ -4,7 +4,8 @@ use model_core::machine::Machine;
 use model_core::parameter::Parameter;
 use strsim::jaro_winkler as alike;
 
-use crate::recording::{Signal, Unit};
+use crate::data_sheet::Quantity;
+use crate::recording::Signal;
 use crate::simulate::{EntryPoint, computed_below};
 
 /// A sensor at hand, or one that could be bought.
@@ -77,12 +78,9 @@ impl Sensor {
         let usual = Self::usual(signal, machine);
         let Some(text) = noise else { return Ok(usual) };
         let wrong = || SensorError::Noise { signal, text: text.to_owned() };
-        let unit_at = text.find(|c: char| !(c.is_ascii_digit() || "+-.eE".contains(c))).ok_or_else(wrong)?;
-        let (number, unit) = text.split_at(unit_at);
-        let unit =
-            Unit::parse(unit).filter(|unit| unit.dimension() == signal.si_unit().dimension()).ok_or_else(wrong)?;
-        let number: f64 = number.trim().parse().map_err(|_| wrong())?;
-        let noise = unit.to_si(number) - unit.to_si(0.0);
+        let dimension = signal.si_unit().dimension();
+        let given = Quantity::parse(text, &[dimension], "0.05mm").map_err(|_| wrong())?;
+        let noise = given.si - given.unit.to_si(0.0);
         if noise.is_finite() && noise > 0.0 { Ok(Self { signal, noise }) } else { Err(wrong()) }
     }
 }

@@ -198,6 +198,9 @@ fn the_page_needs_nothing_from_elsewhere_and_is_small() {
         "<h2>Where</h2>",
         "<h2>What: internal-leakage</h2>",
         "<h2>How sure</h2>",
+        "<h3>When</h3>",
+        "<h3>In which states</h3>",
+        "<th>moved</th>",
         "[effects.internal-leakage]",
         "Flow missing from A",
     ] {

@@ -78,6 +78,12 @@ pub enum CliError {
     /// The library that an FMU needs.
     #[error(transparent)]
     Library(#[from] LibraryError),
+    /// A file of which the name does not say what to export.
+    #[error("{}: its name does not say what it is; expected one that ends in .rs, .h or .fmu, or --format", path.display())]
+    ExportFormat {
+        /// The file.
+        path: PathBuf,
+    },
     /// An argument that only an FMU has a use for.
     #[error("{argument}: only an FMU has it; expected --out with .fmu, or --format fmu")]
     OnlyInFmu {

@@ -58,17 +58,18 @@ pub enum Format {
 
 impl Format {
     /// What a file of this name holds.
-    fn of(path: &Path) -> Self {
+    fn of(path: &Path) -> Result<Self, CliError> {
         match path.extension().and_then(|extension| extension.to_str()) {
-            Some("h") => Format::C99,
-            Some("fmu") => Format::Fmu,
-            _ => Format::Rust,
+            Some("rs") => Ok(Format::Rust),
+            Some("h") => Ok(Format::C99),
+            Some("fmu") => Ok(Format::Fmu),
+            _ => Err(CliError::ExportFormat { path: path.to_owned() }),
         }
     }
 }
 
 pub(super) fn run(arguments: &Arguments, _: &mut Console<'_>) -> Result<Outcome, CliError> {
-    let format = arguments.format.unwrap_or_else(|| Format::of(&arguments.out));
+    let format = arguments.format.map_or_else(|| Format::of(&arguments.out), Ok)?;
     if format != Format::Fmu {
         let given = [("--arithmetic", arguments.arithmetic.is_some()), ("--library", arguments.library.is_some())];
         if let Some(&(argument, _)) = given.iter().find(|(_, given)| *given) {

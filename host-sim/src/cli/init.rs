@@ -103,7 +103,9 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     if !assumed.is_empty() {
         console.print(format_args!("assumed    {}", assumed.join(", ")))?;
     }
-    let shown = target.display();
+    let shown = target.display().to_string();
+    // As it can be pasted into a shell.
+    let shown = if shown.contains(char::is_whitespace) { format!("\"{shown}\"") } else { shown };
     console.print(format_args!(
         "next       host-sim inspect run.csv --machine {shown}\n\
          \x20          host-sim compare --machine {shown} --recording run.csv\n\

@@ -19,7 +19,7 @@ use crate::report::inspect as report;
 Says of each recording which signals it holds with their noise and steps, which links of the drive it can test and what is missing
 to test the others, and whether valve and rod were moved. With a machine file also against its dead zone, stroke and supply.")]
 pub struct Arguments {
-    /// Recordings (CSV)
+    /// Recordings (CSV, TwinCAT Scope text, .mat, .mf4, .parquet)
     #[arg(value_name = "R.csv", required = true)]
     recordings: Vec<PathBuf>,
     /// Machine file of the drive (TOML, SI units)

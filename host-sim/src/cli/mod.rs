@@ -66,7 +66,7 @@ pub enum Command {
     Init(init::Arguments),
     /// Say what recordings hold, which parts of a drive they can test, and what is missing to test the others.
     Inspect(inspect::Arguments),
-    /// Simulate a recording or an input signal and write the signals as CSV.
+    /// Simulate a recording or an input signal and write the signals.
     Simulate(simulate::Arguments),
     /// Compare recordings with the model, end to end and link by link.
     Compare(compare::Arguments),

@@ -41,17 +41,17 @@ pub struct Arguments {
     /// Excitation that is judged beside the best one, such as "steps:4V"
     #[arg(long, value_name = "signal", conflicts_with = "recording")]
     input: Option<String>,
-    /// Recording whose excitation is judged beside the best one (CSV)
+    /// Recording whose excitation is judged beside the best one (CSV, TwinCAT Scope text, .mat, .mf4, .parquet)
     #[arg(long, value_name = "R.csv")]
     recording: Option<PathBuf>,
     /// Which column holds a signal, where its header does not say; may be repeated
     #[arg(long = "map", value_name = "name=header")]
     maps: Vec<String>,
     /// Largest command, V; without it that of the excitation at hand, or 10
-    #[arg(long, value_name = "V")]
+    #[arg(long, value_name = "V", allow_negative_numbers = true)]
     largest: Option<f64>,
     /// Longest excitation, s
-    #[arg(long, value_name = "s", default_value_t = 20.0)]
+    #[arg(long, value_name = "s", default_value_t = 20.0, allow_negative_numbers = true)]
     seconds: f64,
     /// The rig can load the rod from outside: tests under load count
     #[arg(long)]

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use super::item::{Answers, Item};
 use super::quantity::Quantity;
 use crate::presentation::significant;
+use crate::recording::Dimension;
 
 /// Over what the rated pressure drop of a valve stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -211,7 +212,11 @@ impl Derived {
         let rated = reading.map_or(1.0, |reading| reading.si);
         let shown = reading.map_or_else(|| "100 % assumed".to_owned(), ToString::to_string);
         let gain = rated / signal.si;
-        self.push("valve", "gain_per_v", vec![gain], Origin::Derived, format!("x_N/U_N: {shown} at {signal}"));
+        // A model that counts in mA does not see that a recording counts in V.
+        let counts =
+            if signal.unit.dimension() == Dimension::Current { "; commands have to be recorded in mA" } else { "" };
+        let origin = format!("x_N/U_N: {shown} at {signal}{counts}");
+        self.push("valve", "gain_per_v", vec![gain], Origin::Derived, origin);
         match reading {
             Some(_) => self.sigma("valve.gain_per_v", 0.02 * gain, "given: within 2 %"),
             None => self.sigma("valve.gain_per_v", 0.1 * gain, "assumed: within 10 %"),

@@ -59,12 +59,13 @@ pub enum QuantityError {
 }
 
 impl Quantity {
-    /// Reads a number with a unit of one of these dimensions.
+    /// Reads a number with a unit of one of these dimensions. A decimal comma is read as a point, and `±10V` as `10V`.
     ///
     /// # Errors
     /// Where there is no finite number, no unit, or one of another dimension.
     pub fn parse(text: &str, dimensions: &[Dimension], example: &'static str) -> Result<Self, QuantityError> {
-        let text = text.trim();
+        let typed = text.trim().trim_start_matches(['±', ' ']);
+        let text = &if typed.contains('.') { typed.to_owned() } else { typed.replacen(',', ".", 1) };
         // The longest beginning that is a number: `1e5N`, and not `1` with the unit `e5N`.
         let ends = text.char_indices().map(|(at, _)| at).chain([text.len()]).rev();
         let number = |end: usize| text[..end].trim_end().parse().ok().filter(|value: &f64| value.is_finite());
@@ -114,6 +115,8 @@ mod tests {
             ("17.5 %", Dimension::Ratio, 0.175, "17.5 %"),
             ("16cm3/rev", Dimension::Displacement, 16e-6, "16 cm3/rev"),
             ("-2.5kN", Dimension::Force, -2500.0, "-2.5 kN"),
+            ("63,5mm", Dimension::Length, 0.0635, "63.5 mm"),
+            ("±10V", Dimension::Voltage, 10.0, "10 V"),
         ] {
             let quantity = parsed(text, dimension).unwrap();
             assert!((quantity.si / si - 1.0).abs() < 1e-12, "{text}: {}", quantity.si);
@@ -126,7 +129,7 @@ mod tests {
         let message = |text| parsed(text, Dimension::Length).unwrap_err().to_string();
         assert_eq!(message("63bar"), "`bar` is no unit of this; expected one of m, mm, such as `63mm`");
         assert!(message("63").contains("has no unit; expected one of m, mm"));
-        assert!(message("6,3mm").contains("`,3mm` is no unit"));
+        assert!(message("1.006,3mm").contains("`,3mm` is no unit"));
         for text in ["", "mm", "inf mm", "NaN mm", "1e999mm"] {
             assert!(parsed(text, Dimension::Length).is_err(), "{text}");
         }

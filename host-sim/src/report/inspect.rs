@@ -36,8 +36,8 @@ pub fn text(found: &Inspection) -> String {
         let _ = writeln!(text, "{label:<10} {:<9} {}", link.link.to_string(), reach(link));
     }
     if let Some(opened) = found.excited.opened {
-        let unit = if opened.by == Signal::Spool { unit_for_people(Signal::Spool).to_string() } else { String::new() };
-        let shown = |value: f64| if opened.by == Signal::Spool { 100.0 * value } else { value };
+        let unit = unit_for_people(opened.by);
+        let shown = |value: f64| unit.from_si(value);
         let _ = write!(
             text,
             "excited    {} {} … {} {unit}",

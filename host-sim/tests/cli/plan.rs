@@ -17,6 +17,12 @@ fn a_plan_says_what_could_be_seen_and_writes_an_excitation_that_the_drive_can_pl
     assert_eq!(plan["schema"], "host-sim/plan/1");
     let effects = plan["best"]["outlook"]["effects"].as_array().unwrap();
     let leakage = effects.iter().find(|effect| effect["effect"] == "internal-leakage").unwrap();
+    // What is laid out tells no less than what was at hand.
+    let told = |outlook: &serde_json::Value| -> usize {
+        let claimed = outlook["effects"].as_array().unwrap().iter().filter(|effect| effect["claimed"] == true);
+        claimed.map(|effect| effects.len() - effect["passes_for"].as_array().unwrap().len()).sum()
+    };
+    assert!(told(&plan["best"]["outlook"]) > told(&plan["given"]));
     // It is what the shipped case conceals, and what these sensors have shown of it.
     assert_eq!(leakage["claimed"], true);
     assert_eq!(leakage["passes_for"].as_array().unwrap().len(), 0, "{leakage}");
@@ -47,6 +53,6 @@ fn what_cannot_be_planned_is_refused_with_what_would_do() {
     assert!(message.contains("noise `0.05bar` of position") && message.contains("mm"), "{message}");
     let message = plan(&["--sensors", "position", "--seconds", "0.2"]);
     assert!(message.contains("no standard test is shorter than 0.2 s"), "{message}");
-    let message = plan(&["--sensors", "position", "--seconds=-1"]);
+    let message = plan(&["--sensors", "position", "--seconds", "-1"]);
     assert!(message.contains("--seconds is -1; expected a positive number"), "{message}");
 }
