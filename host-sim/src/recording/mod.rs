@@ -36,7 +36,7 @@ mod write;
 pub(crate) use channels::nearest_signal;
 pub use channels::{ChannelMap, MapError, Mapping, Scale};
 pub use error::RecordingError;
-pub use format::{Format, MAX_BINARY_BYTES, MAX_UNPACKED_BYTES, read, read_from};
+pub use format::{Format, MAX_BINARY_BYTES, MAX_UNPACKED_BYTES, read, read_from, read_through};
 pub use lines::{MAX_COLUMNS, MAX_LINE_BYTES, MAX_ROWS, MAX_SKIPPED_LINES};
 pub use signal::Signal;
 pub use table::Table;
