@@ -44,13 +44,18 @@ fn a_simulation_is_written_in_the_format_of_its_name() {
     let folder = tempfile::tempdir().unwrap();
     let machine = press().display().to_string();
     for (name, magic) in
-        [("s.csv", "time [s]"), ("s.mat", "MATLAB 5.0 MAT-file"), ("s.parquet", "PAR1"), ("s.x", "time [s]")]
+        [("s.csv", "time [s]"), ("s.mat", "MATLAB 5.0 MAT-file"), ("s.parquet", "PAR1"), ("s", "time [s]")]
     {
         let out = folder.path().join(name);
         run(&["simulate", "--machine", &machine, "--input", "step:4V,0.1s", "--out", &out.display().to_string()])
             .unwrap();
         assert!(fs::read(out).unwrap().starts_with(magic.as_bytes()), "{name}");
     }
+    // An ending that no format has promises what is not written.
+    let out = folder.path().join("s.xlsx").display().to_string();
+    let refused = run(&["simulate", "--machine", &machine, "--input", "step:4V,0.1s", "--out", &out]).unwrap_err();
+    assert!(refused.contains("expected one that ends in .csv, .txt, .mat, .parquet"), "{refused}");
+    assert!(!folder.path().join("s.xlsx").exists());
 }
 
 #[test]

@@ -17,6 +17,9 @@ use crate::report::{html, json, terminal};
 
 /// Arguments of `diagnose`.
 #[derive(Clone, Debug, clap::Args)]
+#[command(override_usage = "\
+host-sim diagnose [OPTIONS] <FOLDER>
+       host-sim diagnose [OPTIONS] --machine <M.toml> --train <R.csv>... [--holdout <R.csv>...]")]
 #[command(after_help = "Examples:
   host-sim diagnose examples/press-63-40
   host-sim diagnose --machine M.toml --train a.csv b.csv c.csv --holdout d.csv --json D.json --save-machine F.toml --report D.html

@@ -2,7 +2,8 @@
 
 use crate::failure::Failures;
 use crate::noise::{extent, noise, resolution};
-use crate::recording::{Column, Signal};
+use crate::presentation::unit_for_people;
+use crate::recording::{Column, Signal, Unit};
 
 /// What was found in one column.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,6 +12,8 @@ pub struct FoundColumn {
     pub signal: Signal,
     /// Its header in the file.
     pub header: String,
+    /// The unit in which people read it; of a command V or mA.
+    pub unit: Unit,
     /// Lowest value, SI.
     pub low: f64,
     /// Highest value, SI.
@@ -35,6 +38,7 @@ impl FoundColumn {
         Self {
             signal: column.signal,
             header: column.header.clone(),
+            unit: unit(column),
             low,
             high,
             noise: measured.then(|| noise(values, step)),
@@ -47,9 +51,22 @@ impl FoundColumn {
         }
     }
 
+    /// The unit of its values here.
+    #[must_use]
+    pub fn si_unit(&self) -> Unit {
+        Unit::si(self.unit.dimension())
+    }
+
     /// Whether it holds one value in every row.
     #[must_use]
     pub fn is_constant(&self) -> bool {
         self.low >= self.high
     }
+}
+
+/// The unit in which people read a column: a current is no voltage.
+pub(super) fn unit(column: &Column) -> Unit {
+    let usual = unit_for_people(column.signal);
+    let measures = column.unit.dimension();
+    if measures == usual.dimension() { usual } else { Unit::si(measures) }
 }

@@ -3,11 +3,11 @@
 use model_core::machine::{Machine, Source};
 use model_core::parameter::Parameter;
 
-use super::channels::FoundColumn;
+use super::channels::{FoundColumn, unit};
 use crate::failure::{Failures, bridged};
 use crate::noise::{extent, noise, resolution};
 use crate::presentation::{significant, unit_for_people};
-use crate::recording::{Recording, Signal};
+use crate::recording::{Recording, Signal, Unit};
 use crate::slope::slopes;
 use crate::window::rows_in;
 
@@ -25,6 +25,8 @@ const LITTLE_TRAVEL: f64 = 0.2;
 pub struct Opened {
     /// The measured slider, or the command where no slider is.
     pub by: Signal,
+    /// The unit in which people read it: of the slider, measured or as the machine file has it by the command; or of the command.
+    pub unit: Unit,
     /// Lowest slider position, 1; of a command without machine file, V or mA.
     pub low: f64,
     /// Highest, the same.
@@ -103,19 +105,21 @@ impl Excited {
 fn opened(recording: &Recording, machine: Option<&Machine<f64>>) -> Option<Opened> {
     let machine = machine.filter(|machine| machine.source == Source::Valve);
     let get = |parameter| machine.map(|machine| machine.get(parameter));
-    let (by, values) = if let Some(spool) = recording.signal(Signal::Spool) {
-        (Signal::Spool, spool.to_vec())
+    let slider = unit_for_people(Signal::Spool);
+    let (by, unit, values) = if let Some(spool) = recording.signal(Signal::Spool) {
+        (Signal::Spool, slider, spool.to_vec())
     } else {
-        let command = recording.signal(Signal::Command)?;
+        let column = recording.column(Signal::Command)?;
         let (gain, offset) = (get(Parameter::ValveGain).unwrap_or(1.0), get(Parameter::ValveOffset).unwrap_or(0.0));
-        (Signal::Command, command.iter().map(|volts| gain * volts + offset).collect())
+        let unit = if machine.is_some() { slider } else { unit(column) };
+        (Signal::Command, unit, column.values.iter().map(|volts| gain * volts + offset).collect())
     };
     let (low, high) = extent(&values);
     let share = |beyond: &dyn Fn(f64) -> bool| {
         values.iter().filter(|value| beyond(**value)).count() as f64 / values.len() as f64
     };
     let beyond = get(Parameter::DeadZone).map(|zone| (share(&|value| value < -zone), share(&|value| value > zone)));
-    Some(Opened { by, low, high, beyond })
+    Some(Opened { by, unit, low, high, beyond })
 }
 
 fn travelled(recording: &Recording, machine: Option<&Machine<f64>>) -> Option<Travelled> {
@@ -157,7 +161,7 @@ fn held(time_s: &[f64], moves: &[bool]) -> f64 {
 pub(super) fn doubts(channels: &[FoundColumn], machine: Option<&Machine<f64>>) -> Vec<String> {
     let mut doubts = Vec::new();
     for channel in channels {
-        let unit = unit_for_people(channel.signal);
+        let unit = channel.unit;
         let shown = |si: f64| format!("{} {unit}", significant(unit.from_si(si), 3));
         if channel.is_constant() && channel.noise.is_none() && channel.signal != Signal::ValveDirection {
             doubts.push(format!(

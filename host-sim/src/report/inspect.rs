@@ -7,7 +7,7 @@ use model_core::machine::Source;
 use serde_json::{Value, json};
 
 use crate::inspect::{FoundColumn, Inspection, LinkTest, Reach};
-use crate::presentation::{TABLE, difference, significant, unit_for_people};
+use crate::presentation::{TABLE, difference, significant};
 use crate::recording::Signal;
 use crate::simulate::EntryPoint;
 
@@ -40,11 +40,12 @@ pub fn text(found: &Inspection) -> String {
         let _ = writeln!(text, "{label:<10} {:<9} {}", link.link.to_string(), reach(link));
     }
     if let Some(opened) = found.excited.opened {
-        let unit = unit_for_people(opened.by);
+        let unit = opened.unit;
+        let by = if opened.by == Signal::Command && opened.beyond.is_some() { "opening by " } else { "" };
         let shown = |value: f64| unit.from_si(value);
         let _ = write!(
             text,
-            "excited    {} {} … {} {unit}",
+            "excited    {by}{} {} … {} {unit}",
             opened.by,
             significant(shown(opened.low), 3),
             significant(shown(opened.high), 3)
@@ -85,7 +86,7 @@ fn channels(channels: &[FoundColumn]) -> Table {
     table.load_style(TABLE).force_no_tty().set_content_arrangement(ContentArrangement::Disabled);
     table.set_header(["signal", "column", "from", "to", "unit", "noise", "step", "failed rows"]);
     for channel in channels {
-        let unit = unit_for_people(channel.signal);
+        let unit = channel.unit;
         let value = |si: f64| significant(unit.from_si(si), 4);
         let small = |si: Option<f64>| si.map_or_else(String::new, |si| difference(channel.signal, si));
         table.add_row([
@@ -143,7 +144,7 @@ pub fn document(found: &[Inspection]) -> Value {
 fn recording(found: &Inspection) -> Value {
     let channel = |channel: &FoundColumn| {
         json!({
-            "signal": channel.signal.name(), "header": channel.header, "unit": channel.signal.si_unit().symbol(),
+            "signal": channel.signal.name(), "header": channel.header, "unit": channel.si_unit().symbol(),
             "low": channel.low, "high": channel.high, "noise": channel.noise, "step": channel.step,
             "failed_rows": channel.failed,
         })

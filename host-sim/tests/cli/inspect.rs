@@ -103,6 +103,10 @@ fn a_current_for_a_drive_in_volts_is_doubted_by_inspect_and_diagnose() {
     let doubt = "by the machine file's gain_per_v it opens the valve to 200 % and never closes it";
     let printed = done(folder.path(), &["inspect", "run.csv", "--machine", "machine.toml"]);
     assert!(printed.contains(doubt), "{printed}");
+    // Neither the current nor the opening that it makes is in volts.
+    let words: Vec<&str> = printed.split_whitespace().collect();
+    assert!(words.join(" ").contains("command [mA] 4.000 20.00 mA"), "{printed}");
+    assert!(printed.contains("excited    opening by command 40.0 … 200 %, beyond the dead zone"), "{printed}");
     for command in [
         "diagnose --machine machine.toml --train run.csv",
         "fit --machine machine.toml --save-machine f.toml --train run.csv",
@@ -116,7 +120,7 @@ fn a_current_for_a_drive_in_volts_is_doubted_by_inspect_and_diagnose() {
     let machine = MACHINE.replace("0.0559", "0.1") + channels;
     std::fs::write(folder.path().join("machine.toml"), machine).unwrap();
     let printed = done(folder.path(), &["inspect", "run.csv", "--machine", "machine.toml"]);
-    assert!(!printed.contains("gain_per_v") && printed.contains("command [mA]    -10.00   10.00   V"), "{printed}");
+    assert!(!printed.contains("gain_per_v") && printed.contains("-10.00   10.00   V "), "{printed}");
 }
 
 #[test]

@@ -208,6 +208,14 @@ fn every_option_that_is_wrong_is_marked_where_it_stands() {
 }
 
 #[test]
+fn diagnose_without_arguments_shows_both_ways_to_call_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let message = refused(folder.path(), &["diagnose"]);
+    assert!(message.contains("diagnose [OPTIONS] <FOLDER>"), "{message}");
+    assert!(message.contains("--machine <M.toml> --train <R.csv>... [--holdout <R.csv>...]"), "{message}");
+}
+
+#[test]
 fn every_refusal_says_where_and_what_was_expected() {
     let folder = folder_with(MACHINE, "time [s],command [V],position [m]\n0,0,0\n1,0,1\n");
     for (command, place) in [
