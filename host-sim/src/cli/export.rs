@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 use model_core::machine::Tick;
 
 use super::input::TickArgument;
-use super::target::{check_not_read, check_target};
+use super::target::{check_not_read, check_target, write};
 use super::{CliError, Console, Outcome};
-use crate::atomic;
 use crate::compare::Arithmetic;
 use crate::export::Constants;
 use crate::fmu::{self, Contents, Library, Settings};
@@ -85,8 +84,7 @@ pub(super) fn run(arguments: &Arguments, _: &mut Console<'_>) -> Result<Outcome,
         Format::C99 => constants(arguments, &file)?.c99().into_bytes(),
         Format::Fmu => packed(arguments, &file)?,
     };
-    atomic::write(&arguments.out, |out| out.write_all(&bytes))
-        .map_err(|cause| CliError::Write { path: arguments.out.clone(), cause })?;
+    write(&arguments.out, bytes)?;
     Ok(Outcome::Done)
 }
 

@@ -2,7 +2,8 @@
 
 use crate::failure::Failures;
 use crate::noise::{extent, noise, resolution};
-use crate::recording::{Column, Signal};
+use crate::presentation::unit_of;
+use crate::recording::{Column, Signal, Unit};
 
 /// What was found in one column.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,6 +12,8 @@ pub struct FoundColumn {
     pub signal: Signal,
     /// Its header in the file.
     pub header: String,
+    /// The unit in which people read it.
+    pub unit: Unit,
     /// Lowest value, SI.
     pub low: f64,
     /// Highest value, SI.
@@ -35,6 +38,7 @@ impl FoundColumn {
         Self {
             signal: column.signal,
             header: column.header.clone(),
+            unit: unit_of(column),
             low,
             high,
             noise: measured.then(|| noise(values, step)),

@@ -6,8 +6,8 @@ use model_core::parameter::Parameter;
 use super::channels::FoundColumn;
 use crate::failure::{Failures, bridged};
 use crate::noise::{extent, noise, resolution};
-use crate::presentation::{significant, unit_for_people};
-use crate::recording::{Recording, Signal};
+use crate::presentation::{significant, unit_for_people, unit_of};
+use crate::recording::{Recording, Signal, Unit};
 use crate::slope::slopes;
 use crate::window::rows_in;
 
@@ -25,6 +25,9 @@ const LITTLE_TRAVEL: f64 = 0.2;
 pub struct Opened {
     /// The measured slider, or the command where no slider is.
     pub by: Signal,
+    /// The unit in which people read `low` and `high`: that of a slider position, or the command's own where no machine file tells
+    /// where a command puts the slider.
+    pub unit: Unit,
     /// Lowest slider position, 1; of a command without machine file, V or mA.
     pub low: f64,
     /// Highest, the same.
@@ -103,19 +106,24 @@ impl Excited {
 fn opened(recording: &Recording, machine: Option<&Machine<f64>>) -> Option<Opened> {
     let machine = machine.filter(|machine| machine.source == Source::Valve);
     let get = |parameter| machine.map(|machine| machine.get(parameter));
-    let (by, values) = if let Some(spool) = recording.signal(Signal::Spool) {
-        (Signal::Spool, spool.to_vec())
+    let position = unit_for_people(Signal::Spool);
+    let (by, unit, values) = if let Some(spool) = recording.signal(Signal::Spool) {
+        (Signal::Spool, position, spool.to_vec())
     } else {
-        let command = recording.signal(Signal::Command)?;
-        let (gain, offset) = (get(Parameter::ValveGain).unwrap_or(1.0), get(Parameter::ValveOffset).unwrap_or(0.0));
-        (Signal::Command, command.iter().map(|volts| gain * volts + offset).collect())
+        let command = recording.column(Signal::Command)?;
+        match (get(Parameter::ValveGain), get(Parameter::ValveOffset)) {
+            (Some(gain), Some(offset)) => {
+                (Signal::Command, position, command.values.iter().map(|value| gain * value + offset).collect())
+            }
+            _ => (Signal::Command, unit_of(command), command.values.clone()),
+        }
     };
     let (low, high) = extent(&values);
     let share = |beyond: &dyn Fn(f64) -> bool| {
         values.iter().filter(|value| beyond(**value)).count() as f64 / values.len() as f64
     };
     let beyond = get(Parameter::DeadZone).map(|zone| (share(&|value| value < -zone), share(&|value| value > zone)));
-    Some(Opened { by, low, high, beyond })
+    Some(Opened { by, unit, low, high, beyond })
 }
 
 fn travelled(recording: &Recording, machine: Option<&Machine<f64>>) -> Option<Travelled> {
@@ -157,7 +165,7 @@ fn held(time_s: &[f64], moves: &[bool]) -> f64 {
 pub(super) fn doubts(channels: &[FoundColumn], machine: Option<&Machine<f64>>) -> Vec<String> {
     let mut doubts = Vec::new();
     for channel in channels {
-        let unit = unit_for_people(channel.signal);
+        let unit = channel.unit;
         let shown = |si: f64| format!("{} {unit}", significant(unit.from_si(si), 3));
         if channel.is_constant() && channel.noise.is_none() && channel.signal != Signal::ValveDirection {
             doubts.push(format!(

@@ -7,8 +7,8 @@ use model_core::machine::Source;
 use serde_json::{Value, json};
 
 use crate::inspect::{FoundColumn, Inspection, LinkTest, Reach};
-use crate::presentation::{TABLE, difference, significant, unit_for_people};
-use crate::recording::Signal;
+use crate::presentation::{TABLE, difference, significant};
+use crate::recording::{Dimension, Signal, Unit};
 use crate::simulate::EntryPoint;
 
 /// The text of one recording.
@@ -36,15 +36,14 @@ pub fn text(found: &Inspection) -> String {
         let _ = writeln!(text, "{label:<10} {:<9} {}", link.link.to_string(), reach(link));
     }
     if let Some(opened) = found.excited.opened {
-        let unit = unit_for_people(opened.by);
-        let shown = |value: f64| unit.from_si(value);
-        let _ = write!(
-            text,
-            "excited    {} {} … {} {unit}",
-            opened.by,
-            significant(shown(opened.low), 3),
-            significant(shown(opened.high), 3)
-        );
+        let unit = opened.unit;
+        let shown = |value: f64| significant(unit.from_si(value), 3);
+        let puts = if opened.by == Signal::Command && unit.dimension() == Dimension::Ratio {
+            " puts the slider at"
+        } else {
+            ""
+        };
+        let _ = write!(text, "excited    {}{puts} {} … {} {unit}", opened.by, shown(opened.low), shown(opened.high));
         let _ = match opened.beyond {
             Some((retracting, extending)) => writeln!(
                 text,
@@ -81,7 +80,7 @@ fn channels(channels: &[FoundColumn]) -> Table {
     table.load_style(TABLE).force_no_tty().set_content_arrangement(ContentArrangement::Disabled);
     table.set_header(["signal", "column", "from", "to", "unit", "noise", "step", "failed rows"]);
     for channel in channels {
-        let unit = unit_for_people(channel.signal);
+        let unit = channel.unit;
         let value = |si: f64| significant(unit.from_si(si), 4);
         let small = |si: Option<f64>| si.map_or_else(String::new, |si| difference(channel.signal, si));
         table.add_row([
@@ -139,7 +138,7 @@ pub fn document(found: &[Inspection]) -> Value {
 fn recording(found: &Inspection) -> Value {
     let channel = |channel: &FoundColumn| {
         json!({
-            "signal": channel.signal.name(), "header": channel.header, "unit": channel.signal.si_unit().symbol(),
+            "signal": channel.signal.name(), "header": channel.header, "unit": Unit::si(channel.unit.dimension()).symbol(),
             "low": channel.low, "high": channel.high, "noise": channel.noise, "step": channel.step,
             "failed_rows": channel.failed,
         })

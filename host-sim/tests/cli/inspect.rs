@@ -28,6 +28,19 @@ fn what_is_missing_to_test_a_link_is_named() {
 }
 
 #[test]
+fn a_command_has_its_own_unit_until_a_machine_file_says_where_it_puts_the_slider() {
+    let recording = "time [s],command [mA],position [mm]\n0,4,0\n0.1,-8,1\n0.2,2,3\n0.3,0,3\n";
+    let folder = folder_with(MACHINE, recording);
+    let printed = done(folder.path(), &["inspect", "run.csv"]);
+    assert!(printed.contains("excited    command -8.00 … 4.00 mA;"), "{printed}");
+    let row = printed.lines().find(|line| line.contains("command [mA]")).unwrap();
+    assert!(row.contains(" mA "), "{row}");
+    let folder = folder_with(MACHINE, &recording.replace("mA", "V"));
+    let printed = done(folder.path(), &["inspect", "run.csv", "--machine", "machine.toml"]);
+    assert!(printed.contains("command puts the slider at -44.7 … 22.4 %"), "{printed}");
+}
+
+#[test]
 fn duplicates_gaps_and_wrong_units_are_told() {
     let mut recording = String::from("time [s],command [V],spool [1],position [mm],pressure_a [MPa]\n");
     for row in (0..400).filter(|row| !(200..250).contains(row)) {
