@@ -14,6 +14,7 @@ mod init;
 mod inspect;
 mod interrupted;
 mod plan;
+mod readme;
 mod report;
 mod shared;
 mod shipped;
