@@ -7,11 +7,14 @@ use std::fmt;
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Source, Tick};
 
+use crate::failure::Mended;
+use crate::inherited::{inherited, realisations};
 use crate::machine_file::LoadSource;
 use crate::recording::{Recording, RecordingError, Signal};
 use crate::residual::SignalFit;
 use crate::simulate::{
-    EntryPoint, SimulateError, StartOffset, Stimulus, Trajectory, computed_below, first_entry, natural_tick, simulate,
+    EntryPoint, SimulateError, StartOffset, Stimulus, Trajectory, computed_below, first_entry, natural_tick,
+    simulate_told,
 };
 
 /// The number type of a simulation.
@@ -33,9 +36,20 @@ impl Arithmetic {
         stimulus: &Stimulus,
         offset: StartOffset<f64>,
     ) -> Result<Trajectory, SimulateError> {
+        self.simulate_told(machine, stimulus, offset, &|_| ())
+    }
+
+    /// The same, and tells how many rows more are done.
+    pub fn simulate_told(
+        self,
+        machine: &Machine<f64>,
+        stimulus: &Stimulus,
+        offset: StartOffset<f64>,
+        told: &dyn Fn(usize),
+    ) -> Result<Trajectory, SimulateError> {
         Ok(match self {
-            Arithmetic::Fixed => simulate::<PerUnit>(machine, stimulus, offset)?,
-            Arithmetic::Float => simulate::<f64>(machine, stimulus, offset)?,
+            Arithmetic::Fixed => simulate_told::<PerUnit>(machine, stimulus, offset, told)?,
+            Arithmetic::Float => simulate_told::<f64>(machine, stimulus, offset, told)?,
         })
     }
 }
@@ -87,6 +101,8 @@ pub struct SectionFit {
     pub entry: EntryPoint,
     /// The fit of each measured signal that it computes.
     pub fits: Vec<SignalFit>,
+    /// RMS by which each of these signals is off through the noise of the recorded signals that drive the section, in SI units.
+    pub inherited: Vec<f64>,
     /// What it computed.
     pub trajectory: Trajectory,
 }
@@ -125,6 +141,14 @@ struct Plan {
     judged: Vec<Signal>,
 }
 
+impl Plan {
+    /// Whether signals drive it that a sensor has recorded: a command and a pump's speed are set.
+    fn is_driven_by_sensors(&self) -> bool {
+        let is_set = matches!(self.entry, EntryPoint::Command | EntryPoint::Pump);
+        !is_set || self.load == LoadSource::RecordedPressures
+    }
+}
+
 /// Simulates every section that the recording allows and compares.
 ///
 /// ```
@@ -155,12 +179,33 @@ pub fn compare(
     arithmetic: Arithmetic,
     tick: Option<Tick>,
 ) -> Result<Comparison, CompareError> {
+    compare_told(machine, load, recording, arithmetic, tick, &|_| ())
+}
+
+/// As [`compare`], and tells how many rows more are simulated, of [`rows_simulated`] in all.
+pub fn compare_told(
+    machine: &Machine<f64>,
+    load: LoadSource,
+    recording: &Recording,
+    arithmetic: Arithmetic,
+    tick: Option<Tick>,
+    told: &dyn Fn(usize),
+) -> Result<Comparison, CompareError> {
     let tick = tick.unwrap_or_else(|| natural_tick(recording));
+    let mended = Mended::of(recording);
     let sections = plans(machine.source, load, recording)?
         .into_iter()
         .map(|plan| {
-            let stimulus = Stimulus::new(recording, machine, plan.entry, plan.load, tick)?;
-            let trajectory = arithmetic.simulate(machine, &stimulus, StartOffset::none())?;
+            let simulated = |mended: &Mended<'_>| {
+                let stimulus = Stimulus::of_mended(mended, machine, plan.entry, plan.load, tick)?;
+                arithmetic.simulate_told(machine, &stimulus, StartOffset::none(), told)
+            };
+            let trajectory = simulated(&mended)?;
+            let inherited = if plan.is_driven_by_sensors() {
+                inherited(&mended, &trajectory, &plan.judged, simulated)?
+            } else {
+                vec![0.0; plan.judged.len()]
+            };
             let fits = plan
                 .judged
                 .iter()
@@ -169,10 +214,17 @@ pub fn compare(
                     Some(SignalFit::of(signal, recording.time_s(), recorded, simulated))
                 })
                 .collect();
-            Ok(SectionFit { section: plan.section, entry: plan.entry, fits, trajectory })
+            Ok(SectionFit { section: plan.section, entry: plan.entry, fits, inherited, trajectory })
         })
         .collect::<Result<Vec<_>, CompareError>>()?;
     Ok(Comparison { recording: recording.name().to_owned(), sections })
+}
+
+/// How many rows a comparison simulates in all; 0 where it is not possible.
+#[must_use]
+pub fn rows_simulated(source: Source, load: LoadSource, recording: &Recording) -> usize {
+    let times = |plan: &Plan| if plan.is_driven_by_sensors() { 1 + realisations(recording.rows()) } else { 1 };
+    recording.rows() * plans(source, load, recording).map_or(0, |plans| plans.iter().map(times).sum())
 }
 
 /// Measured signals below an entry that can be judged: pressures that are an input cannot, nor yet that of the supply.

@@ -32,7 +32,11 @@ pub enum JudgeError {
 /// A signal of this name, or what is wrong with the name.
 pub fn named(name: &str) -> Result<Signal, String> {
     let name = name.trim();
-    Signal::parse(name).ok_or_else(|| format!("no known signal; did you mean `{}`?", nearest_signal(name)))
+    Signal::parse(name).ok_or_else(|| {
+        let known: Vec<&str> = Signal::ALL.iter().map(|signal| signal.name()).collect();
+        let nearest = nearest_signal(name);
+        format!("`{name}` is no known signal; expected one of {}; did you mean `{nearest}`?", known.join(" "))
+    })
 }
 
 /// The recording as though of the signals that the model computes only `wanted` had been measured; as it is without `wanted`.

@@ -20,6 +20,7 @@ pub mod fmu;
 pub mod found;
 pub mod hypothesis;
 pub mod import;
+mod inherited;
 pub mod inspect;
 pub mod judge;
 pub mod links;

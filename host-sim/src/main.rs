@@ -4,15 +4,19 @@ use std::io;
 use std::process::ExitCode;
 
 use clap::Parser;
-use host_sim::cli::{self, Cli, Console};
+use host_sim::cli::{self, Cli, CommandLine, Console};
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let line = &CommandLine::of_process();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return cli::refuse(&error, line, &mut io::stderr()),
+    };
     let mut out = io::stdout().lock();
     let console = &mut Console::of_process(&mut out, cli.volume());
     if let Err(cause) = cli::stop_cleanly() {
         console.note(format_args!("Ctrl-C may leave a temporary file behind: {cause}"));
     }
     let result = cli::run(&cli.command, console);
-    cli::finish(result, &mut io::stderr())
+    cli::finish(result, line, &mut io::stderr())
 }

@@ -1,6 +1,6 @@
 //! Which link misses most, and what would have to be measured to say it where it cannot be said.
 
-use crate::compare::{Comparison, Section};
+use crate::compare::{Comparison, Section, SectionFit};
 use crate::machine_file::LoadSource;
 use crate::recording::Signal;
 use crate::residual::SignalFit;
@@ -14,13 +14,26 @@ pub struct Weakest {
     pub signal: Signal,
     /// The NRMSE fit of this signal from the part's measured input, %; over several recordings the mean.
     pub nrmse_percent: f64,
-    /// Its RMSE over the signal's noise; over several recordings the mean.
+    /// Its RMSE over what noise makes, that of the signal and what it inherits from the part's measured input; over several
+    /// recordings the mean.
     pub over_noise: f64,
-    /// The part that misses most after it, and its lowest fit, %; `None` when no other could be judged by itself.
-    pub runner_up: Option<(Section, f64)>,
+    /// The part that misses most after it, its lowest fit, %, and whether it follows; `None` when no other could be judged by itself.
+    pub runner_up: Option<RunnerUp>,
 }
 
-/// A part that misses its signal by less than twice the noise follows it: its inputs have noise as well.
+/// The part that misses most after the weakest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunnerUp {
+    /// The part.
+    pub section: Section,
+    /// Its lowest fit, %.
+    pub nrmse_percent: f64,
+    /// Whether it follows its recordings within what noise makes.
+    pub follows: bool,
+}
+
+/// A part that misses its signal by less than twice what noise makes follows it. Noise that a position adds up makes a random
+/// walk: its RMS is more than twice the usual in one of fifty.
 const FOLLOWS: f64 = 2.0;
 /// And one that fits better than this, %, follows as well as a part alone can be simulated: the load from the pressures leaves
 /// inertia out, and rows are joined by straight lines.
@@ -30,14 +43,19 @@ impl Weakest {
     /// Whether even this part follows its recordings within the noise, so that nothing says that physics is missing.
     #[must_use]
     pub fn follows(&self) -> bool {
-        self.over_noise < FOLLOWS || self.nrmse_percent > FOLLOWS_PERCENT
+        follows(self.nrmse_percent, self.over_noise)
     }
 
-    /// Whether another part misses nearly as much (at least four fifths), so that the order of the two means little.
+    /// Another part that misses nearly as much (at least four fifths) and more than noise makes: the order of the two means little.
     #[must_use]
     pub fn rival(&self) -> Option<(Section, f64)> {
-        self.runner_up.filter(|(_, fit)| 100.0 - fit >= 0.8 * (100.0 - self.nrmse_percent))
+        let near = |other: &RunnerUp| 100.0 - other.nrmse_percent >= 0.8 * (100.0 - self.nrmse_percent);
+        self.runner_up.filter(|other| !other.follows && near(other)).map(|other| (other.section, other.nrmse_percent))
     }
+}
+
+fn follows(nrmse_percent: f64, over_noise: f64) -> bool {
+    over_noise < FOLLOWS || nrmse_percent > FOLLOWS_PERCENT
 }
 
 /// What keeps links from being told apart.
@@ -66,10 +84,19 @@ fn parts(comparison: &Comparison) -> impl Iterator<Item = (Section, SignalFit)> 
             Section::EndToEnd => alone,
             other => other.is_link(),
         })
-        .flat_map(|section| section.fits.iter().map(move |fit| (section.section, *fit)))
+        .flat_map(|section| noise_counted(section).map(move |fit| (section.section, fit)))
 }
 
-/// The part with the lowest fit over all the comparisons; where a part is in several, its mean counts.
+/// The fits of a section over what noise makes: the signal's own, and what it inherits from the section's input.
+fn noise_counted(section: &SectionFit) -> impl Iterator<Item = SignalFit> + '_ {
+    section.fits.iter().zip(&section.inherited).map(|(fit, inherited)| {
+        let noise = (fit.rmse / fit.over_noise).hypot(*inherited);
+        SignalFit { over_noise: fit.rmse / noise, ..*fit }
+    })
+}
+
+/// The part with the lowest fit over all the comparisons, of those that miss more than noise makes where there are any; where a
+/// part is in several, its mean counts.
 #[must_use]
 pub fn weakest(comparisons: &[Comparison]) -> Option<Weakest> {
     let mut parts_of: Vec<(Section, Vec<SignalFit>)> = Vec::new();
@@ -86,10 +113,24 @@ pub fn weakest(comparisons: &[Comparison]) -> Option<Weakest> {
             (*section, fits[0].signal, mean(fits, |fit| fit.nrmse_percent), mean(fits, |fit| fit.over_noise))
         })
         .collect();
-    means.sort_by(|a, b| a.2.total_cmp(&b.2));
+    let followed = |part: &(Section, Signal, f64, f64)| follows(part.2, part.3);
+    means.sort_by(|a, b| followed(a).cmp(&followed(b)).then(a.2.total_cmp(&b.2)));
     let &(section, signal, nrmse_percent, over_noise) = means.first()?;
-    let runner_up = means.iter().find(|other| other.0 != section).map(|other| (other.0, other.2));
+    let runner_up = means.iter().find(|other| other.0 != section).map(|other| RunnerUp {
+        section: other.0,
+        nrmse_percent: other.2,
+        follows: followed(other),
+    });
     Some(Weakest { section, signal, nrmse_percent, over_noise, runner_up })
+}
+
+/// The signal that the whole chain misses most, by more than noise makes, and its fit, %; over several recordings the worst.
+#[must_use]
+pub fn missed_by_the_whole(comparisons: &[Comparison]) -> Option<(Signal, f64)> {
+    let fits = comparisons.iter().filter_map(|comparison| comparison.sections.first()).flat_map(noise_counted);
+    let missed = fits.filter(|fit| !follows(fit.nrmse_percent, fit.over_noise));
+    let worst = missed.min_by(|a, b| a.nrmse_percent.total_cmp(&b.nrmse_percent));
+    worst.map(|fit| (fit.signal, fit.nrmse_percent))
 }
 
 /// What keeps the links of a comparison from being told apart; empty when each stands alone.
@@ -137,15 +178,24 @@ impl std::fmt::Display for Obstacle {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compare::SectionFit;
     use crate::simulate::{EntryPoint, Trajectory};
 
     fn comparison(sections: &[(Section, Signal, f64)]) -> Comparison {
-        let fit = |signal, nrmse_percent| SignalFit { nrmse_percent, ..SignalFit::of(signal, &[0.0], &[0.0], &[0.0]) };
+        // Ten times the noise each.
+        let fit = |signal, nrmse_percent| SignalFit {
+            signal,
+            nrmse_percent,
+            r_squared: 0.0,
+            rmse: 10.0,
+            max_error: 30.0,
+            max_at_s: 0.0,
+            over_noise: 10.0,
+        };
         let section = |&(section, signal, percent): &(Section, Signal, f64)| SectionFit {
             section,
             entry: EntryPoint::Command,
             fits: vec![fit(signal, percent)],
+            inherited: vec![0.0],
             trajectory: Trajectory { series: vec![(Signal::Spool, Vec::new()), (Signal::PressureA, Vec::new())] },
         };
         Comparison { recording: "r".into(), sections: sections.iter().map(section).collect() }
@@ -162,8 +212,40 @@ mod tests {
         ]);
         let found = weakest(std::slice::from_ref(&one)).unwrap();
         assert_eq!((found.section, found.signal), (Section::Mechanics, Signal::Position));
-        assert_eq!((found.runner_up, found.rival()), (Some((Section::FlowAndChambers, 95.0)), None));
+        let runner_up = RunnerUp { section: Section::FlowAndChambers, nrmse_percent: 95.0, follows: false };
+        assert_eq!((found.runner_up, found.rival()), (Some(runner_up), None));
         assert_eq!(obstacles(&one, LoadSource::Constant), [Obstacle::NoPressures]);
+    }
+
+    #[test]
+    fn what_noise_explains_is_neither_weakest_nor_a_rival() {
+        let mut one = comparison(&[
+            (Section::Valve, Signal::Spool, 99.0),
+            (Section::FlowAndChambers, Signal::Position, 95.0),
+            (Section::Mechanics, Signal::Position, 94.9),
+        ]);
+        let found = weakest(std::slice::from_ref(&one)).unwrap();
+        assert_eq!((found.section, found.rival()), (Section::Mechanics, Some((Section::FlowAndChambers, 95.0))));
+        // The noise of the pressures, added up, makes as much.
+        one.sections[2].inherited = vec![8.0];
+        let found = weakest(std::slice::from_ref(&one)).unwrap();
+        assert_eq!((found.section, found.rival(), found.follows()), (Section::FlowAndChambers, None, false));
+        for section in &mut one.sections {
+            section.inherited = vec![8.0];
+        }
+        let found = weakest(std::slice::from_ref(&one)).unwrap();
+        assert_eq!((found.section, found.follows()), (Section::Mechanics, true));
+    }
+
+    #[test]
+    fn parts_that_follow_do_not_speak_for_the_whole() {
+        let mut one =
+            comparison(&[(Section::EndToEnd, Signal::Position, 76.0), (Section::Mechanics, Signal::Position, 97.0)]);
+        one.sections[1].inherited = vec![8.0];
+        assert!(weakest(std::slice::from_ref(&one)).unwrap().follows());
+        assert_eq!(missed_by_the_whole(std::slice::from_ref(&one)), Some((Signal::Position, 76.0)));
+        one.sections[0].inherited = vec![8.0];
+        assert_eq!(missed_by_the_whole(std::slice::from_ref(&one)), None);
     }
 
     #[test]

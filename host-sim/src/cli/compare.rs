@@ -7,16 +7,17 @@ use comfy_table::{Attribute, Cell, CellAlignment, Table};
 use model_core::machine::Tick;
 use rayon::prelude::*;
 
+use super::ending::{DRAWING, check_endings};
 use super::input::{self, MachineArguments};
 use super::target::{check_not_read, check_target, write};
 use super::{CliError, Console, Outcome, Tone};
-use crate::compare::{Arithmetic, Comparison, Section, compare};
+use crate::compare::{Arithmetic, Comparison, Section, compare_told, rows_simulated};
 use crate::judge;
 use crate::machine_file::{LoadSource, MachineFile};
 use crate::plot;
 use crate::presentation::{TABLE, difference, percent};
 use crate::recording::{Recording, Signal};
-use crate::weakest::{Weakest, obstacles, weakest};
+use crate::weakest::{Weakest, missed_by_the_whole, obstacles, weakest};
 
 /// Arguments of `compare`.
 #[derive(Clone, Debug, clap::Args)]
@@ -64,7 +65,9 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         write(path, svg)?;
     }
     let quiet = console.is_quiet();
-    for note in plan.recordings.iter().filter(|_| !quiet).flat_map(input::notes) {
+    for note in
+        plan.recordings.iter().filter(|_| !quiet).flat_map(|recording| input::notes(recording, &plan.file.machine))
+    {
         console.print(format_args!("note: {note}"))?;
     }
     console.print(table(&comparisons, console.terminal))?;
@@ -89,24 +92,17 @@ fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> 
         return Err(CliError::Number { argument, found: arguments.tolerance, expected });
     }
     let (file, channels) = arguments.machine.read()?;
-    let bar = console.progress(arguments.recording.len(), "reading");
-    let recordings = arguments
-        .recording
-        .iter()
-        .map(|path| {
-            let read = input::recording(path, &channels);
-            let recording = read.and_then(|recording| input::judged(recording, &file, &arguments.judge));
-            bar.inc(1);
-            recording
-        })
+    let recordings = input::recordings(&arguments.recording, &channels, console)?
+        .into_iter()
+        .map(|recording| input::judged(recording, &file, &arguments.judge))
         .collect::<Result<Vec<_>, _>>()?;
-    bar.finish_and_clear();
     let plots = arguments.plot.as_ref().map_or_else(Vec::new, |path| plot_paths(path, &recordings));
     let read = [arguments.recording.as_slice(), std::slice::from_ref(&arguments.machine.machine)].concat();
     for target in &plots {
         check_target(target)?;
         check_not_read(target, &read)?;
     }
+    check_endings(&[("--plot", arguments.plot.as_deref(), DRAWING)])?;
     Ok(Plan { file, recordings, tick: arguments.machine.tick(), arithmetic: arguments.machine.arithmetic, plots })
 }
 
@@ -128,13 +124,15 @@ fn plot_paths(path: &Path, recordings: &[Recording]) -> Vec<PathBuf> {
 }
 
 fn compared(plan: &Plan, machine: &Path, console: &Console<'_>) -> Result<Vec<Comparison>, CliError> {
-    let bar = console.progress(plan.recordings.len(), "comparing");
+    let rows = |recording| rows_simulated(plan.file.machine.source, plan.file.load_source, recording) as u64;
+    let bar = console.share(plan.recordings.iter().map(rows).sum(), "comparing");
     let comparisons = plan
         .recordings
         .par_iter()
         .map(|recording| {
-            let found = compare(&plan.file.machine, plan.file.load_source, recording, plan.arithmetic, plan.tick);
-            bar.inc(1);
+            let MachineFile { machine: values, load_source, .. } = &plan.file;
+            let told = |rows| bar.inc(rows as u64);
+            let found = compare_told(values, *load_source, recording, plan.arithmetic, plan.tick, &told);
             found.map_err(|cause| CliError::Compare { machine: machine.to_owned(), cause })
         })
         .collect();
@@ -204,7 +202,7 @@ fn sentences(comparisons: &[Comparison], load: LoadSource) -> Vec<String> {
         if comparisons.len() > 1 {
             lines.push(format!("over all {}: weakest is {} on average", comparisons.len(), described(found)));
         }
-        lines.push(meaning(found));
+        lines.push(meaning(found, missed_by_the_whole(comparisons)));
     }
     let missing: BTreeSet<String> =
         comparisons.iter().flat_map(|comparison| obstacles(comparison, load)).map(|found| found.to_string()).collect();
@@ -216,7 +214,16 @@ fn described(found: Weakest) -> String {
     format!("{}, {} at {} %", found.section, found.signal, percent(found.nrmse_percent))
 }
 
-fn meaning(found: Weakest) -> String {
+fn meaning(found: Weakest, whole: Option<(Signal, f64)>) -> String {
+    if found.follows()
+        && let Some((signal, fit)) = whole
+    {
+        return format!(
+            "What could be judged by itself follows its recordings within about their noise. But end to end {signal} is at {} %:\n\
+             physics is missing in a part that could not be judged by itself, or a parameter of it is off.",
+            percent(fit)
+        );
+    }
     if found.follows() {
         return "Every part follows its recordings within about their noise: nothing says that physics is missing."
             .to_owned();

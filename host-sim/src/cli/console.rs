@@ -1,11 +1,11 @@
 //! Where a command prints.
 
-use std::fmt::Display;
-use std::io::{self, Write};
+use std::fmt::{self, Display};
+use std::io::{self, Read, Write};
 use std::time::{Duration, Instant};
 
 use anstyle::{AnsiColor, Style};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 
 use super::CliError;
 
@@ -52,8 +52,8 @@ pub struct Console<'a> {
     beside: Option<Volume>,
 }
 
-impl std::fmt::Debug for Console<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+impl fmt::Debug for Console<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Console").field("terminal", &self.terminal).finish_non_exhaustive()
     }
 }
@@ -112,7 +112,19 @@ impl<'a> Console<'a> {
     /// A bar on standard error for so many steps, with the time left; none where that is no terminal.
     #[must_use]
     pub fn progress(&self, steps: usize, doing: &'static str) -> Progress {
-        self.shown(ProgressBar::new(steps as u64), "{msg} {wide_bar} {pos}/{len}, {eta} left", doing)
+        self.shown(ProgressBar::new(steps as u64), "{msg} {wide_bar} {pos}/{len}{left}", doing)
+    }
+
+    /// The same in percent, for work that is counted in more steps than people look at: bytes, rows.
+    #[must_use]
+    pub fn share(&self, whole: u64, doing: &'static str) -> Progress {
+        self.shown(ProgressBar::new(whole), "{msg} {wide_bar} {percent} %{left}", doing)
+    }
+
+    /// The same for work that may be done before all of its steps are: the time left is the longest it can take.
+    #[must_use]
+    pub fn at_most(&self, most: u64, doing: &'static str) -> Progress {
+        self.shown(ProgressBar::new(most), "{msg} {wide_bar} {percent} %{at_most}", doing)
     }
 
     /// A turning sign on standard error and the time that has gone, for what nobody knows the steps of.
@@ -128,13 +140,23 @@ impl<'a> Console<'a> {
             return Progress { bar: ProgressBar::hidden(), doing, began, verbose };
         }
         let bar = match ProgressStyle::with_template(template) {
-            Ok(style) => bar.with_style(style),
+            Ok(style) => bar.with_style(style.with_key("left", left("")).with_key("at_most", left("at most "))),
             Err(_) => bar,
         };
         bar.set_message(doing);
         // Moves on while a step takes long.
         bar.enable_steady_tick(Duration::from_millis(200));
         Progress { bar, doing, began, verbose }
+    }
+}
+
+/// Writes the time left; before anything is done nobody knows it.
+fn left(bound: &'static str) -> impl Fn(&ProgressState, &mut dyn fmt::Write) + Clone + Send + Sync {
+    move |state, out| {
+        if state.pos() > 0 {
+            // What the terminal does not take is not shown.
+            let _ = write!(out, ", {bound}{:#} left", HumanDuration(state.eta()));
+        }
     }
 }
 
@@ -151,6 +173,11 @@ impl Progress {
     /// So many steps more are done.
     pub fn inc(&self, steps: u64) {
         self.bar.inc(steps);
+    }
+
+    /// Reads from `input`, byte by byte a step.
+    pub fn counting<R: Read>(&self, input: R) -> impl Read {
+        self.bar.wrap_read(input)
     }
 
     /// The stage is over: the bar goes, and `--verbose` says how long it took.

@@ -3,6 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::ending::{DOCUMENT, DRAWING, MACHINE, PAGE, check_endings};
 use super::input;
 use super::target::{check_not_read, check_target, write};
 use super::{CliError, Console, Outcome, Tone};
@@ -70,8 +71,10 @@ struct Plan {
 }
 
 pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
-    let plan = plan(arguments)?;
-    for note in plan.training.iter().chain(&plan.held_out).flat_map(input::notes) {
+    let plan = plan(arguments, console)?;
+    for note in
+        plan.training.iter().chain(&plan.held_out).flat_map(|recording| input::notes(recording, &plan.file.machine))
+    {
         console.note(note);
     }
     console.detail(format_args!(
@@ -124,7 +127,7 @@ const fn tone(verdict: Verdict) -> Tone {
     }
 }
 
-fn plan(arguments: &Arguments) -> Result<Plan, CliError> {
+fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> {
     let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
     let (machine, train, holdout, report) = match (&arguments.folder, &arguments.machine) {
         (Some(folder), _) => {
@@ -148,18 +151,23 @@ fn plan(arguments: &Arguments) -> Result<Plan, CliError> {
         check_target(target)?;
         check_not_read(target, &recordings)?;
     }
-    let read = [recordings, vec![machine.clone()]].concat();
+    let read = [recordings.as_slice(), std::slice::from_ref(&machine)].concat();
     for target in [&arguments.json, &report, &arguments.plot].into_iter().flatten() {
         check_target(target)?;
         check_not_read(target, &read)?;
     }
+    check_endings(&[
+        ("--json", arguments.json.as_deref(), DOCUMENT),
+        ("--save-machine", arguments.save_machine.as_deref(), MACHINE),
+        ("--report", report.as_deref(), PAGE),
+        ("--plot", arguments.plot.as_deref(), DRAWING),
+    ])?;
     let file = machine_file::read(&machine)?;
     let channels = file.channels.clone().overlaid_with(&maps);
-    let read = |paths: &[PathBuf]| {
-        let judged = |path| input::judged(input::recording(path, &channels)?, &file, &arguments.judge);
-        paths.iter().map(|path: &PathBuf| judged(path)).collect::<Result<Vec<_>, CliError>>()
-    };
-    let (training, held_out) = (read(&train)?, read(&holdout)?);
+    let read = input::recordings(&recordings, &channels, console)?;
+    let judged = read.into_iter().map(|recording| input::judged(recording, &file, &arguments.judge));
+    let mut training = judged.collect::<Result<Vec<_>, _>>()?;
+    let held_out = training.split_off(train.len());
     check_distinct(&training, &held_out)?;
     Ok(Plan { machine, file, training, held_out, report })
 }

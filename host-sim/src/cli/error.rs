@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use model_core::machine::{MachineError, Source};
 
+use super::command_line::{CommandLine, Mistyped, Part, split};
 use crate::atomic;
 use crate::compare::CompareError;
 use crate::data_sheet::SheetError;
@@ -84,6 +85,30 @@ pub enum CliError {
         /// The file.
         path: PathBuf,
     },
+    /// A file to write whose name promises something else than is written.
+    #[error("{}: {what} would be written under a name that says something else; expected one that ends in {known}", path.display())]
+    Ending {
+        /// The option.
+        option: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// What is written.
+        what: &'static str,
+        /// The endings that say so.
+        known: String,
+    },
+    /// Standard output in place of a file that cannot go there.
+    #[error("{option} -: standard output has what the command prints; expected the name of a file")]
+    Dash {
+        /// The option.
+        option: &'static str,
+    },
+    /// Standard output for what is no text.
+    #[error("{option} -: an FMU is no text; expected the name of a file that ends in .fmu")]
+    NoText {
+        /// The option.
+        option: &'static str,
+    },
     /// An argument that only an FMU has a use for.
     #[error("{argument}: only an FMU has it; expected --out with .fmu, or --format fmu")]
     OnlyInFmu {
@@ -115,7 +140,7 @@ pub enum CliError {
         cause: DiagnoseError,
     },
     /// A folder without training recordings.
-    #[error("{}: no train-*.csv (.txt, .mat, .mf4, .parquet); expected machine.toml, train-*.csv and holdout-*.csv", folder.display())]
+    #[error("{}: no train-*.csv (.txt, .mat, .mf4, .parquet); expected machine.toml, train-*.csv and holdout-*.csv, or --machine, --train and --holdout", folder.display())]
     NothingToTrain {
         /// The folder.
         folder: PathBuf,
@@ -186,7 +211,9 @@ pub enum CliError {
         what: &'static str,
     },
     /// An `--effect` that the test bed does not have.
-    #[error("--effect {argument}: expected one of {known}, then `=` and a number, such as coulomb-friction=800")]
+    #[error(
+        "--effect {argument}: no effect of the test bed with its strength; expected one of {known}, then `=` and a number, such as coulomb-friction=800"
+    )]
     Effect {
         /// The argument.
         argument: String,
@@ -194,7 +221,7 @@ pub enum CliError {
         known: String,
     },
     /// A name that the test bed cannot draw.
-    #[error("--only {found}: expected one of {known}")]
+    #[error("--only {found}: no effect of the test bed; expected one of {known}")]
     EffectName {
         /// The name.
         found: String,
@@ -283,6 +310,49 @@ impl CliError {
                 shown(error)
             }
             other => format!("error: {other}"),
+        }
+    }
+
+    /// The message as it is shown, with the part of the command line that it is about where it is about one.
+    #[must_use]
+    pub fn render_on(&self, line: &CommandLine) -> String {
+        let place = self.blamed().and_then(|(option, part)| line.place(option, part));
+        let Some(place) = place else { return self.render() };
+        let (found, expected) = match self {
+            CliError::Recording(error) | CliError::Statics(StaticsError::Recording(error)) => {
+                (format!("{}: {}", error.place(), error.found()), error.expected())
+            }
+            other => split(&other.to_string()),
+        };
+        diagnostic::render(&Mistyped { place, found, expected })
+    }
+
+    /// The option that it is about, and what of it; no option where it may be any.
+    fn blamed(&self) -> Option<(Option<&str>, Part<'_>)> {
+        let text = |option, text| Some((Some(option), Part::Text(text)));
+        match self {
+            CliError::Judge(JudgeError::NotJudgeable { signal, .. }) => text("--judge", signal.name()),
+            CliError::Map(MapError::NoEqualsSign { argument } | MapError::NoHeader { argument }) => {
+                text("--map", argument)
+            }
+            CliError::Map(MapError::UnknownSignal { name, .. }) => text("--map", name),
+            CliError::Map(MapError::Twice { second, .. }) => text("--map", second),
+            CliError::Excitation(error) => Some((Some("--input"), error.part().map_or(Part::Value, Part::Text))),
+            CliError::ExportFormat { path } => text("--out", path.to_str()?),
+            CliError::Ending { option, path, .. } => text(option, path.to_str()?),
+            CliError::Dash { option } | CliError::NoText { option } => text(option, "-"),
+            CliError::OnlyInFmu { argument } => Some((Some(argument), Part::Option)),
+            CliError::Sensor(SensorError::Unknown { name, .. }) => text("--sensors", name),
+            CliError::Sensor(SensorError::Noise { text: noise, .. }) => text("--sensors", noise),
+            CliError::Effect { argument, .. } => text("--effect", argument),
+            CliError::EffectName { found, .. } => text("--only", found),
+            CliError::Number { argument, found, .. } => Some((Some(argument), Part::Number(*found))),
+            CliError::Sheet(error) => Some((Some(error.flag()?), Part::Option)),
+            CliError::Recording(RecordingError::MappedColumnAbsent { header, .. }) => text("--map", header),
+            CliError::Statics(StaticsError::Recording(RecordingError::ColumnAbsent { header, .. })) => {
+                Some((None, Part::Text(header)))
+            }
+            _ => None,
         }
     }
 

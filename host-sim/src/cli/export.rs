@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use model_core::machine::Tick;
 
+use super::ending::is_standard_output;
 use super::input::TickArgument;
 use super::target::{check_not_read, check_target, write};
 use super::{CliError, Console, Outcome};
@@ -30,7 +31,7 @@ pub struct Arguments {
     /// Control period of the firmware, step of the FMU's model, in ms
     #[arg(long, value_enum, value_name = "ms", default_value = "1")]
     tick: TickArgument,
-    /// Where to write; .h becomes C99, .fmu an FMU, anything else Rust
+    /// Where to write; .rs becomes Rust, .h C99, .fmu an FMU; - is standard output
     #[arg(long, value_name = "params.rs")]
     out: PathBuf,
     /// What to write, whatever the file is called
@@ -67,7 +68,7 @@ impl Format {
     }
 }
 
-pub(super) fn run(arguments: &Arguments, _: &mut Console<'_>) -> Result<Outcome, CliError> {
+pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     let format = arguments.format.map_or_else(|| Format::of(&arguments.out), Ok)?;
     if format != Format::Fmu {
         let given = [("--arithmetic", arguments.arithmetic.is_some()), ("--library", arguments.library.is_some())];
@@ -75,15 +76,25 @@ pub(super) fn run(arguments: &Arguments, _: &mut Console<'_>) -> Result<Outcome,
             return Err(CliError::OnlyInFmu { argument });
         }
     }
-    check_target(&arguments.out)?;
-    let read: Vec<PathBuf> = [&arguments.machine].into_iter().chain(&arguments.library).cloned().collect();
-    check_not_read(&arguments.out, &read)?;
+    let to_console = is_standard_output(&arguments.out);
+    if to_console && format == Format::Fmu {
+        return Err(CliError::NoText { option: "--out" });
+    }
+    if !to_console {
+        check_target(&arguments.out)?;
+        let read: Vec<PathBuf> = [&arguments.machine].into_iter().chain(&arguments.library).cloned().collect();
+        check_not_read(&arguments.out, &read)?;
+    }
     let file = machine_file::read(&arguments.machine)?;
     let bytes = match format {
         Format::Rust => constants(arguments, &file)?.rust().into_bytes(),
         Format::C99 => constants(arguments, &file)?.c99().into_bytes(),
         Format::Fmu => packed(arguments, &file)?,
     };
+    if to_console {
+        console.print(String::from_utf8_lossy(&bytes).trim_end())?;
+        return Ok(Outcome::Done);
+    }
     write(&arguments.out, bytes)?;
     Ok(Outcome::Done)
 }

@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
+use super::ending::{MACHINE, check_ending};
 use super::input;
 use super::target::{check_not_read, check_target};
 use super::{CliError, Console, Outcome};
 use crate::diagnose::{DiagnoseError, ordinary};
-use crate::fit::{From, fit, level_at_rest};
+use crate::fit::{From, fit_told, level_at_rest, most_evaluations};
 use crate::judge;
 use crate::machine_file;
 use crate::prepare::Prepared;
@@ -44,14 +45,15 @@ pub struct Arguments {
 pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     check_target(&arguments.save_machine)?;
     check_not_read(&arguments.save_machine, &arguments.train)?;
+    check_ending("--save-machine", &arguments.save_machine, MACHINE)?;
     let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
     let mut file = machine_file::read(&arguments.machine)?;
     let channels = file.channels.clone().overlaid_with(&maps);
     let failed = |cause: DiagnoseError| CliError::Diagnose { machine: arguments.machine.clone(), cause };
     let mut prepared = Vec::new();
-    for path in &arguments.train {
-        let recording = input::judged(input::recording(path, &channels)?, &file, &arguments.judge)?;
-        for note in input::notes(&recording) {
+    for recording in input::recordings(&arguments.train, &channels, console)? {
+        let recording = input::judged(recording, &file, &arguments.judge)?;
+        for note in input::notes(&recording, &file.machine) {
             console.note(note);
         }
         let tick = arguments.tick.map(Into::into);
@@ -66,9 +68,11 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         cases.iter().map(|case| case.rows()).sum::<usize>(),
         free.len()
     ));
-    // Nobody knows how many steps the search takes.
-    let bar = console.working("fitting");
-    let fitted = fit(&file.machine, &free, &cases, &From::default(), 1e-8);
+    // Nobody knows how many steps the search takes, but how many at most.
+    let rows = |case: &Prepared| case.rows() as u64;
+    let once: u64 = cases.iter().map(|case| rows(case)).sum();
+    let bar = console.at_most(once * most_evaluations(free.len(), cases.len()) as u64, "fitting");
+    let fitted = fit_told(&file.machine, &free, &cases, &From::default(), 1e-8, &|case| bar.inc(rows(case)));
     bar.finish_and_clear();
     let fitted = fitted.map_err(|cause| failed(cause.into()))?;
     file.machine = fitted.machine;

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::ending::{TEXT, check_ending, is_standard_output};
 use super::target::{check_not_read, check_target, write};
 use super::{CliError, Console, Outcome};
 use crate::import;
@@ -21,14 +22,17 @@ pub struct Arguments {
     /// Which recording of several, counted from 1
     #[arg(long, value_name = "number")]
     which: Option<usize>,
-    /// Where to write the recording (CSV)
+    /// Where to write the recording (CSV); - is standard output
     #[arg(long, value_name = "R.csv")]
     out: PathBuf,
 }
 
 pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
-    check_target(&arguments.out)?;
-    check_not_read(&arguments.out, std::slice::from_ref(&arguments.frames))?;
+    if !is_standard_output(&arguments.out) {
+        check_target(&arguments.out)?;
+        check_not_read(&arguments.out, std::slice::from_ref(&arguments.frames))?;
+        check_ending("--out", &arguments.out, TEXT)?;
+    }
     let bytes =
         std::fs::read(&arguments.frames).map_err(|cause| CliError::Unread { path: arguments.frames.clone(), cause })?;
     let failed = |cause| CliError::Import { frames: arguments.frames.clone(), cause };
@@ -45,6 +49,10 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
             losses.missing,
             losses.refused
         ));
+    }
+    if is_standard_output(&arguments.out) {
+        console.print(csv.trim_end())?;
+        return Ok(Outcome::Done);
     }
     write(&arguments.out, csv)?;
     Ok(Outcome::Done)

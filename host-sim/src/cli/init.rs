@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::{Arg, ArgMatches, Command};
 
 use super::ask::ask;
+use super::ending::{MACHINE, check_ending};
 use super::target::{check_target, write};
 use super::{CliError, Console, Outcome};
 use crate::data_sheet::{self, Answers, Edges, Item, Need, Origin};
@@ -20,7 +21,8 @@ use crate::machine_file;
       --rated-drop 5bar --rated-signal 10V --valve-response 96ms --overlap 17.7%
   host-sim init --out press.toml --bore 63mm --rod 40mm --stroke 300mm --mass 40kg --supply 150bar --pump-displacement 16cm3/rev
 
-On a terminal, what no flag gives is asked for. Every value of the file says whether it was given, derived by which formula, or
+On a terminal, what no flag gives is asked for; elsewhere a flag that is required and not given is an error, which names all of
+them. Every value of the file says whether it was given, derived by which formula, or
 assumed and why; [fit.sigma] is narrow for what was given and wide for what was assumed, so that `fit` may move it.")]
 pub struct Arguments {
     #[command(flatten)]
@@ -45,7 +47,9 @@ impl clap::Args for Answers {
         Item::ALL.iter().fold(command, |command, &item| {
             let question = item.question();
             let help = match question.need {
-                Need::Always | Need::OfValve | Need::MakesPump => question.what.to_owned(),
+                Need::Always => format!("{} [required]", question.what),
+                Need::OfValve => format!("{} [required for a valve]", question.what),
+                Need::MakesPump => format!("{} [required for a pump]", question.what),
                 Need::May(otherwise) | Need::MayOfValve(otherwise) => {
                     format!("{}; without it, {otherwise}", question.what)
                 }
@@ -84,6 +88,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         return Err(CliError::IsThere { path: target.clone() });
     }
     check_target(target)?;
+    check_ending("--out", target, MACHINE)?;
     let mut answers = arguments.answers.clone();
     if !answers.missing().is_empty() && io::stdin().is_terminal() && io::stderr().is_terminal() {
         ask(&mut answers)?;

@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use model_core::machine::Tick;
+use model_core::machine::{Machine, Tick};
 
-use super::CliError;
+use super::{CliError, Console};
 use crate::compare::Arithmetic;
+use crate::inspect::command_doubt;
 use crate::judge;
 use crate::machine_file::{self, MachineFile};
 use crate::recording::{self, ChannelMap, Recording, Signal};
@@ -67,9 +68,25 @@ impl MachineArguments {
     }
 }
 
-/// A recording of a file.
-pub(super) fn recording(path: &Path, channels: &ChannelMap) -> Result<Recording, CliError> {
-    Ok(recording::read(path, channels)?)
+/// The recordings of files.
+pub(super) fn recordings(
+    paths: &[PathBuf],
+    channels: &ChannelMap,
+    console: &Console<'_>,
+) -> Result<Vec<Recording>, CliError> {
+    let bytes = paths.iter().filter_map(|path| path.metadata().ok()).map(|file| file.len()).sum();
+    // A pipe does not say how much comes.
+    let bar = if bytes > 0 { console.share(bytes, "reading") } else { console.working("reading") };
+    let read = |path: &PathBuf| Ok(recording::read_through(path, channels, |file| bar.counting(file))?);
+    let found = paths.iter().map(read).collect();
+    bar.finish_and_clear();
+    found
+}
+
+/// The recording of a file.
+pub(super) fn recording(path: &Path, channels: &ChannelMap, console: &Console<'_>) -> Result<Recording, CliError> {
+    let mut found = recordings(&[path.to_owned()], channels, console)?;
+    Ok(found.swap_remove(0))
 }
 
 /// A recording limited to the signals that `--judge` names; whole where it names none.
@@ -77,7 +94,8 @@ pub(super) fn judged(recording: Recording, file: &MachineFile, wanted: &[Signal]
     Ok(judge::judged_by(recording, file.machine.source, file.load_source, wanted)?)
 }
 
-/// The notes of a recording, each with its name.
-pub(super) fn notes(recording: &Recording) -> impl Iterator<Item = String> + '_ {
-    recording.notes().iter().map(|note| format!("{}: {note}", recording.name()))
+/// The notes of a recording, and what is doubtful about it for this drive, each with its name.
+pub(super) fn notes<'a>(recording: &'a Recording, machine: &Machine<f64>) -> impl Iterator<Item = String> + 'a {
+    let notes = recording.notes().iter().map(ToString::to_string).chain(command_doubt(recording, machine));
+    notes.map(|note| format!("{}: {note}", recording.name()))
 }

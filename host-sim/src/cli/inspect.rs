@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::ending::{DOCUMENT, check_endings};
 use super::target::{check_not_read, check_target, write};
 use super::{CliError, Console, Outcome, input};
 use crate::inspect::Inspection;
@@ -16,7 +17,12 @@ use crate::report::inspect as report;
   host-sim inspect train-1.csv train-2.csv --machine M.toml --json I.json
 
 Says of each recording which signals it holds with their noise and steps, which links of the drive it can test and what is missing
-to test the others, and whether valve and rod were moved. With a machine file also against its dead zone, stroke and supply.")]
+to test the others, and whether valve and rod were moved. With a machine file also against its dead zone, stroke and supply.
+
+A column is known by its name with a unit, such as `position [mm]`. One that is called otherwise is mapped, here by
+--map \"position=Kolbenweg [mm]\", for all recordings of a drive in the machine file by a line `position = \"Kolbenweg [mm]\"` in
+[channels]. Names: time command spool flow pump_speed valve_direction pressure_a pressure_b supply_pressure tank_pressure
+load_force force position velocity angle oil_temperature reference")]
 pub struct Arguments {
     /// Recordings (CSV, TwinCAT Scope text, .mat, .mf4, .parquet)
     #[arg(value_name = "R.csv", required = true)]
@@ -37,21 +43,19 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         check_target(target)?;
         check_not_read(target, &[arguments.recordings.as_slice(), arguments.machine.as_slice()].concat())?;
     }
+    check_endings(&[("--json", arguments.json.as_deref(), DOCUMENT)])?;
     let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
     let file = arguments.machine.as_deref().map(machine_file::read).transpose()?;
     let channels = file.as_ref().map(|file| file.channels.clone()).unwrap_or_default().overlaid_with(&maps);
-    let bar = console.progress(arguments.recordings.len(), "reading");
-    let found = arguments
-        .recordings
-        .iter()
-        .map(|path| {
-            let recording = input::recording(path, &channels)?;
-            bar.inc(1);
-            Ok(Inspection::of(&recording, file.as_ref()))
-        })
-        .collect::<Result<Vec<_>, CliError>>();
+    let recordings = input::recordings(&arguments.recordings, &channels, console)?;
+    let bar = console.progress(recordings.len(), "inspecting");
+    let inspected = |recording| {
+        let found = Inspection::of(recording, file.as_ref());
+        bar.inc(1);
+        found
+    };
+    let found: Vec<Inspection> = recordings.iter().map(inspected).collect();
     bar.finish_and_clear();
-    let found = found?;
     if let Some(path) = &arguments.json {
         write(path, format!("{:#}\n", report::document(&found)))?;
     }

@@ -4,11 +4,13 @@
 //! `--exit-code`, 2 it could not be done, with one message on standard error, 130 interrupted by Ctrl-C.
 
 mod ask;
+mod command_line;
 pub mod compare;
 pub mod completions;
 mod console;
 pub mod diagnose;
 pub mod draw;
+mod ending;
 mod error;
 pub mod export;
 pub mod fit;
@@ -27,6 +29,7 @@ pub mod testbed;
 use std::io::Write;
 use std::process::ExitCode;
 
+pub use command_line::CommandLine;
 pub use console::{Console, Progress, Tone, Volume};
 pub use error::CliError;
 pub use input::{MachineArguments, TickArgument};
@@ -118,10 +121,10 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<Outcome, CliE
     }
 }
 
-/// The exit status of a result; an error is written to `errors`.
+/// The exit status of a result; an error is written to `errors`, with what of the command line it is about.
 ///
 /// A reader that has closed the other end of standard output has seen what it wanted: that is no error.
-pub fn finish(result: Result<Outcome, CliError>, errors: &mut dyn Write) -> ExitCode {
+pub fn finish(result: Result<Outcome, CliError>, line: &CommandLine, errors: &mut dyn Write) -> ExitCode {
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::OutOfTolerance) => ExitCode::from(1),
@@ -129,9 +132,21 @@ pub fn finish(result: Result<Outcome, CliError>, errors: &mut dyn Write) -> Exit
         Err(CliError::Interrupted) => ExitCode::from(INTERRUPTED),
         Err(error) => {
             // Nobody is left to tell when standard error is closed too.
-            let _ = writeln!(errors, "{}", error.render());
+            let _ = writeln!(errors, "{}", error.render_on(line));
             ExitCode::from(2)
         }
+    }
+}
+
+/// The exit status of arguments that make no command; why is written to `errors`, or as clap does.
+pub fn refuse(error: &clap::Error, line: &CommandLine, errors: &mut dyn Write) -> ExitCode {
+    match line.explained(error) {
+        Some(message) => {
+            // As above.
+            let _ = writeln!(errors, "{message}");
+            ExitCode::from(2)
+        }
+        None => error.exit(),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::ending::{DOCUMENT, DRAWING, TEXT, check_endings};
 use super::input;
 use super::target::{check_not_read, check_target, write};
 use super::{CliError, Console, Outcome};
@@ -79,6 +80,11 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         check_target(target)?;
         check_not_read(target, &read)?;
     }
+    check_endings(&[
+        ("--out", arguments.out.as_deref(), TEXT),
+        ("--json", arguments.json.as_deref(), DOCUMENT),
+        ("--plot", arguments.plot.as_deref(), DRAWING),
+    ])?;
     positive("--seconds", arguments.seconds)?;
     arguments.largest.map_or(Ok(()), |largest| positive("--largest", largest))?;
     let file = machine_file::read(&arguments.machine)?;
@@ -136,8 +142,8 @@ fn at_hand(arguments: &Arguments, file: &MachineFile, console: &Console<'_>) -> 
     let failed = |cause| CliError::Simulate { machine: arguments.machine.clone(), cause };
     if let Some(path) = &arguments.recording {
         let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
-        let recording = input::recording(path, &file.channels.clone().overlaid_with(&maps))?;
-        for note in input::notes(&recording) {
+        let recording = input::recording(path, &file.channels.clone().overlaid_with(&maps), console)?;
+        for note in input::notes(&recording, &file.machine) {
             console.note(note);
         }
         let compared = |cause| CliError::Compare { machine: arguments.machine.clone(), cause };

@@ -1,9 +1,10 @@
 //! `host-sim simulate`: the signals of the model for a recording or for an input signal.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use model_core::machine::{Machine, Source, Tick};
 
+use super::ending::{DRAWING, RECORDING, check_endings, is_standard_output};
 use super::input::{self, MachineArguments};
 use super::target::{check_not_read, check_target, write};
 use super::{CliError, Console, Outcome};
@@ -36,7 +37,7 @@ pub struct Arguments {
     /// Signal at the command, such as "step:4V"
     #[arg(long, value_name = "signal")]
     input: Option<String>,
-    /// Where to write the simulated signals: .csv, .mat or .parquet
+    /// Where to write the simulated signals: .csv, .mat or .parquet; - is standard output, as CSV
     #[arg(long, value_name = "S.csv")]
     out: PathBuf,
     /// Also draw recorded against simulated
@@ -68,14 +69,15 @@ struct Plan {
 }
 
 pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
-    let plan = plan(arguments)?;
-    for note in input::notes(&plan.recording) {
+    let plan = plan(arguments, console)?;
+    for note in input::notes(&plan.recording, &plan.machine) {
         console.note(note);
     }
-    let bar = console.working("simulating");
-    let simulated =
-        simulate(&plan).map_err(|cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause })?;
+    let bar = console.share(plan.recording.rows() as u64, "simulating");
+    let simulated = simulate(&plan, &|rows| bar.inc(rows as u64));
     bar.finish_and_clear();
+    let simulated =
+        simulated.map_err(|cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause })?;
     let drawing = arguments.plot.as_ref().map(|path| {
         let signals = judged(&plan.recording, plan.entry, plan.load);
         let panels = plot::panels(&plan.recording, plan.entry, &simulated, &signals);
@@ -87,9 +89,9 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
                 SIGNALS.iter().filter_map(|&signal| Some((signal, simulated.signal(signal)?))).collect();
             let replaces = computed.iter().any(|(signal, _)| plan.recording.has(*signal));
             let added = if replaces { &[] } else { computed.as_slice() };
-            plan.recording.write(&arguments.out, &computed, added)?;
+            written(&plan.recording, &arguments.out, &computed, added, console)?;
         }
-        None => response(&plan.recording, &simulated)?.write(&arguments.out, &[], &[])?,
+        None => written(&response(&plan.recording, &simulated)?, &arguments.out, &[], &[], console)?,
     }
     if let Some((path, svg)) = drawing {
         write(path, svg)?;
@@ -97,16 +99,32 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     Ok(Outcome::Done)
 }
 
-fn plan(arguments: &Arguments) -> Result<Plan, CliError> {
+/// Writes the signals: to standard output as CSV, where that is meant.
+fn written(
+    recording: &Recording,
+    out: &Path,
+    replaced: &[Series<'_>],
+    added: &[Series<'_>],
+    console: &mut Console<'_>,
+) -> Result<(), CliError> {
+    if is_standard_output(out) {
+        return console.print(String::from_utf8_lossy(&recording.csv(replaced, added)?).trim_end());
+    }
+    Ok(recording.write(out, replaced, added)?)
+}
+
+fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> {
     let read: Vec<PathBuf> = arguments.recording.iter().chain([&arguments.machine.machine]).cloned().collect();
-    for target in [Some(&arguments.out), arguments.plot.as_ref()].into_iter().flatten() {
+    let out = Some(&arguments.out).filter(|out| !is_standard_output(out));
+    for target in [out, arguments.plot.as_ref()].into_iter().flatten() {
         check_target(target)?;
         check_not_read(target, &read)?;
     }
+    check_endings(&[("--out", out.map(PathBuf::as_path), RECORDING), ("--plot", arguments.plot.as_deref(), DRAWING)])?;
     let (file, channels) = arguments.machine.read()?;
     let (machine, asked) = (file.machine, arguments.machine.tick());
     let (recording, load) = if let Some(path) = &arguments.recording {
-        (input::recording(path, &channels)?, file.load_source)
+        (input::recording(path, &channels, console)?, file.load_source)
     } else {
         let input = arguments.input.as_deref().unwrap_or_default();
         let excitation: Excitation = input.parse()?;
@@ -130,7 +148,7 @@ fn response(input: &Recording, simulated: &Trajectory) -> Result<Recording, CliE
     Ok(Recording::new("the response", given.chain(computed).collect())?)
 }
 
-fn simulate(plan: &Plan) -> Result<Trajectory, SimulateError> {
+fn simulate(plan: &Plan, told: &dyn Fn(usize)) -> Result<Trajectory, SimulateError> {
     let stimulus = Stimulus::new(&plan.recording, &plan.machine, plan.entry, plan.load, plan.tick)?;
-    plan.arithmetic.simulate(&plan.machine, &stimulus, StartOffset::none())
+    plan.arithmetic.simulate_told(&plan.machine, &stimulus, StartOffset::none(), told)
 }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::ending::{DOCUMENT, DRAWING, check_endings};
 use super::target::{check_not_read, check_target, write};
 use super::{CliError, Console, Outcome};
 use crate::recording::Table;
@@ -54,6 +55,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         check_target(target)?;
         check_not_read(target, &read)?;
     }
+    check_endings(&[("--json", arguments.json.as_deref(), DOCUMENT), ("--plot", arguments.plot.as_deref(), DRAWING)])?;
     let columns = Columns {
         input: arguments.input.clone(),
         output: arguments.output.clone(),
@@ -71,6 +73,9 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         let (input, output) = (values(&columns.input), values(&columns.output));
         let (input, output) = (input.map_err(StaticsError::from)?, output.map_err(StaticsError::from)?);
         write(path, report::drawing(&statics, input, output))?;
+    }
+    for note in &table.notes {
+        console.note(format_args!("{}: {note}", table.name()));
     }
     if table.incomplete > 0 {
         console.note(format_args!("{}: {} rows have an empty cell and are left out", table.name(), table.incomplete));

@@ -107,6 +107,19 @@ pub enum SheetError {
     },
 }
 
+impl SheetError {
+    /// The flag that it is about, without dashes, where it is about one that was given.
+    #[must_use]
+    pub fn flag(&self) -> Option<&str> {
+        match self {
+            SheetError::Missing(_) => None,
+            SheetError::ValveBesidePump { flag } => Some(flag),
+            SheetError::RodTooThick { .. } => Some("rod"),
+            SheetError::HalfAHose { given, .. } => Some(given),
+        }
+    }
+}
+
 fn flags(items: &[Item]) -> String {
     let each = items.iter().map(|item| {
         let question = item.question();

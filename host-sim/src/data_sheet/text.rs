@@ -35,6 +35,10 @@ pub fn toml(name: &str, made: &Derived) -> String {
         let value = format!("{:.1e}", sigma.value).parse().unwrap_or(sigma.value);
         line(&mut text, &format!("\"{}\" = {}", sigma.key, plain(value)), &sigma.why);
     }
+    text.push_str(
+        "\n# Where the columns of the recordings have other names: position = \"Kolbenweg [mm]\"; `host-sim inspect --help` has the names.\n\
+         [channels]\n",
+    );
     text
 }
 

@@ -20,6 +20,7 @@ use nalgebra::DVector;
 use crate::prepare::Prepared;
 pub use information::Information;
 pub(crate) use information::OF_START;
+pub use problem::Told;
 use problem::{Minimum, Problem};
 pub use residuals::{CHANCE, Misfit, effective_samples, loss, misfits, set_tolerances, soft, softened, standardised};
 pub use sensitivity::{Change, Sensitivity, Settled};
@@ -241,10 +242,28 @@ pub fn fit(
     from: &From<'_>,
     precision: f64,
 ) -> Result<Fit, FitError> {
+    fit_told(machine, free, cases, from, precision, &|_| ())
+}
+
+/// Most times that [`fit`] evaluates each recording; as a rule it is done much earlier.
+#[must_use]
+pub const fn most_evaluations(free: usize, recordings: usize) -> usize {
+    problem::most_evaluations(free + OF_START * recordings)
+}
+
+/// As [`fit`], and tells each recording after each of its evaluations.
+pub fn fit_told(
+    machine: &Machine<f64>,
+    free: &[Free],
+    cases: &[&Prepared],
+    from: &From<'_>,
+    precision: f64,
+    told: &Told<'_>,
+) -> Result<Fit, FitError> {
     if free.len() > MOST_PARAMETERS {
         return Err(FitError::TooMany { count: free.len() });
     }
-    let mut problem = Problem::new(machine, free, cases, from);
+    let mut problem = Problem::new(machine, free, cases, from, told);
     // The optimiser has no way to report why residuals fail, so the start is tried first.
     model_core::drive::Drive::<f64>::new::<{ crate::simulate::DELAY_LINE }>(
         &problem.machine(),

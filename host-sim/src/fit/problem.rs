@@ -13,10 +13,23 @@ use super::slopes::At;
 use super::{Free, From, Information, StartState};
 use crate::prepare::Prepared;
 
+/// What is told of an evaluated recording.
+pub type Told<'a> = dyn Fn(&Prepared) + Sync + 'a;
+
+/// A model that lacks an effect creeps along a valley: evaluations per coordinate, after which it is far enough.
+const PATIENCE: usize = 3;
+
+/// Most evaluations of a search over so many coordinates.
+pub(super) const fn most_evaluations(coordinates: usize) -> usize {
+    PATIENCE * (coordinates + 1)
+}
+
 pub(super) struct Problem<'a> {
     base: &'a Machine<f64>,
     free: &'a [Free],
     cases: &'a [&'a Prepared],
+    /// Told after each evaluation of a recording.
+    told: &'a Told<'a>,
     /// Free parameters, then level and shift of each recording's start.
     pub(super) coordinates: DVector<f64>,
     /// Of each recording, at the coordinates.
@@ -24,7 +37,13 @@ pub(super) struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    pub(super) fn new(base: &'a Machine<f64>, free: &'a [Free], cases: &'a [&'a Prepared], from: &From<'_>) -> Self {
+    pub(super) fn new(
+        base: &'a Machine<f64>,
+        free: &'a [Free],
+        cases: &'a [&'a Prepared],
+        from: &From<'_>,
+        told: &'a Told<'a>,
+    ) -> Self {
         let mut coordinates = DVector::zeros(free.len() + OF_START * cases.len());
         if let Some(known) = from.solution {
             let all =
@@ -44,7 +63,7 @@ impl<'a> Problem<'a> {
                 coordinates[index] = *wanted;
             }
         }
-        Self { base, free, cases, coordinates, information: Vec::new() }
+        Self { base, free, cases, told, coordinates, information: Vec::new() }
     }
 
     pub(super) fn starts(&self) -> Vec<StartState> {
@@ -69,8 +88,7 @@ impl<'a> Problem<'a> {
             .with_ftol(precision)
             .with_xtol(1e-6)
             .with_gtol(0.0)
-            // A model that lacks an effect creeps along a valley: evaluations per coordinate, after which it is far enough.
-            .with_patience(3)
+            .with_patience(PATIENCE)
             // Every coordinate is in standard deviations of its prior already: a first step of several of them is far.
             .with_scale_diag(false)
             .with_stepbound(5.0);
@@ -147,12 +165,16 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Slots<'_, '_> {
         if self.here.at.as_ref() == Some(coordinates) {
             return;
         }
-        let Problem { base, free, cases, .. } = *self.problem;
+        let Problem { base, free, cases, told, .. } = *self.problem;
         let at = At { base, free, coordinates: coordinates.as_slice() };
         let information: Result<Vec<_>, _> = cases
             .par_iter()
             .zip(self.problem.starts())
-            .map(|(case, start)| Information::of(&at, start, case))
+            .map(|(case, start)| {
+                let information = Information::of(&at, start, case);
+                told(case);
+                information
+            })
             .collect();
         let information = information.unwrap_or_default();
         let triangle = if information.is_empty() { None } else { self.assembled(&information) };

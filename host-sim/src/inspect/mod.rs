@@ -2,10 +2,12 @@
 //! how well the drive was excited.
 
 mod channels;
+mod command;
 mod excitation;
 mod testable;
 
 pub use channels::FoundColumn;
+pub use command::command_doubt;
 pub use excitation::{Excited, Opened, Travelled};
 pub use testable::{LinkTest, Reach};
 
@@ -56,6 +58,7 @@ impl Inspection {
             .collect();
         let excited = Excited::of(recording, file.map(|file| &file.machine));
         let mut advice = excitation::doubts(&channels, file.map(|file| &file.machine));
+        advice.extend(file.and_then(|file| command_doubt(recording, &file.machine)));
         advice.extend(excited.advice());
         Self {
             recording: recording.name().to_owned(),

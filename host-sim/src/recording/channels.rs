@@ -53,7 +53,7 @@ pub enum MapError {
         argument: String,
     },
     /// The part before `=` is no known name.
-    #[error("`{name}` is no known signal; did you mean `{nearest}`? Known are {known}")]
+    #[error("`{name}` is no known signal; expected one of {known}; did you mean `{nearest}`?")]
     UnknownSignal {
         /// What was found.
         name: String,

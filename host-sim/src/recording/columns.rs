@@ -58,6 +58,7 @@ pub(super) fn assign(
 ) -> Result<Assignment, RecordingError> {
     let mut assignment = Assignment::default();
     let mut mapped = Vec::new();
+    let mut without_unit: Option<(Place, Vec<(Signal, String)>)> = None;
     for (signal, mapping) in map.iter() {
         let found = offers.iter().position(|offer| offer.meant_by(mapping).is_some());
         match found {
@@ -84,13 +85,23 @@ pub(super) fn assign(
             assignment.ignored.push(offer.header.clone());
             continue;
         };
-        let unit = unit_of(signal, scale, &offer.header, unit.as_deref(), || place(index))?;
+        let unit = match unit_of(signal, scale, &offer.header, unit.as_deref(), || place(index)) {
+            // Whoever has to name one unit wants to know of the others at once.
+            Err(RecordingError::MissingUnit { place, columns }) => {
+                without_unit.get_or_insert_with(|| (place, Vec::new())).1.extend(columns);
+                continue;
+            }
+            other => other?,
+        };
         if let Some((_, first)) = assignment.known.iter().find(|(_, column)| column.signal == signal) {
             let (first, second) = (first.header.clone(), offer.header.clone());
             return Err(RecordingError::DuplicateColumn { place: place(index), signal, first, second });
         }
         let header = offer.header.clone();
         assignment.known.push((index, Column { header, signal, unit, values: Vec::new() }));
+    }
+    if let Some((place, columns)) = without_unit {
+        return Err(RecordingError::MissingUnit { place, columns });
     }
     Ok(assignment)
 }
@@ -130,7 +141,7 @@ fn unit_of(
         if signal.is_dimensionless() {
             return Ok(signal.si_unit());
         }
-        return Err(RecordingError::MissingUnit { place: place(), signal, header: header() });
+        return Err(RecordingError::MissingUnit { place: place(), columns: vec![(signal, header())] });
     };
     match Unit::parse(text) {
         None => Err(RecordingError::UnknownUnit { place: place(), signal, header: header(), unit: text.to_owned() }),

@@ -2,7 +2,7 @@
 //!
 //! One header row of `name [unit]`, first column time, then one row a line. Read besides the plain
 //! form: `;` and tab as separators (taken from the header row) with decimal commas, a byte order
-//! mark, CRLF, comment lines beginning with `#`, quoted cells. Times may be uneven and have gaps. A
+//! mark, Windows-1252 in place of UTF-8, CRLF, comment lines beginning with `#`, quoted cells. Times may be uneven and have gaps. A
 //! row that repeats the time before it, or has an empty cell in a known column, is left out and
 //! counted in the recording's notes, and written back where the recording is; no value is made up. Whatever else is wrong is an error.
 //!
@@ -54,6 +54,7 @@ pub(super) fn read_from(name: &str, input: impl Read, map: &ChannelMap) -> Resul
         table.push(line, cells)?;
     }
     let mut notes = assignment.notes;
+    notes.extend(lines.western().map(|line| Note::ReadAsWindows1252 { first: At::Line(line) }));
     notes.extend(table.repeated.map(|(rows, line)| Note::DuplicateTimes { rows, first: At::Line(line) }));
     notes.extend(table.incomplete.map(|(rows, line)| Note::IncompleteRows { rows, first: At::Line(line) }));
     let columns: Vec<Column> = table.columns.into_iter().map(|(_, column)| column).collect();

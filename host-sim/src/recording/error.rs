@@ -39,8 +39,8 @@ pub enum RecordingError {
     NoTimeColumn { place: Place, header: String },
     /// Two columns hold the same signal.
     DuplicateColumn { place: Place, signal: Signal, first: String, second: String },
-    /// A known name without a unit in brackets.
-    MissingUnit { place: Place, signal: Signal, header: String },
+    /// Known names without a unit in brackets; `place` is where the first is.
+    MissingUnit { place: Place, columns: Vec<(Signal, String)> },
     /// A known name with a unit that nobody knows.
     UnknownUnit { place: Place, signal: Signal, header: String, unit: String },
     /// A known name with a unit that measures something else.
@@ -155,7 +155,13 @@ impl Explained for RecordingError {
             E::DuplicateColumn { signal, first, second, .. } => {
                 format!("columns {} and {} both hold {signal}", quoted(first), quoted(second))
             }
-            E::MissingUnit { header, .. } => format!("column {} has no unit", quoted(header)),
+            E::MissingUnit { columns, .. } => {
+                let headers: Vec<String> = columns.iter().map(|(_, header)| quoted(header)).collect();
+                match headers.as_slice() {
+                    [one] => format!("column {one} has no unit"),
+                    several => format!("columns {} have no unit", several.join(", ")),
+                }
+            }
             E::UnknownUnit { header, unit, .. } => {
                 format!("column {} has the unknown unit {}", quoted(header), quoted(unit))
             }
@@ -206,20 +212,40 @@ impl Explained for RecordingError {
             E::LineTooLong { .. } | E::TooManySkippedLines { .. } => {
                 "a text file with a header and one row a line".into()
             }
-            E::NotUtf8 { .. } => "text in UTF-8; other encodings must be converted".into(),
+            E::NotUtf8 { byte: 0xFE | 0xFF, .. } => {
+                "text in UTF-8; this looks like UTF-16, which `iconv -f UTF-16 -t UTF-8 in.csv > out.csv` converts"
+                    .into()
+            }
+            E::NotUtf8 { .. } => {
+                "text in UTF-8 or Windows-1252; others are converted by `iconv -f … -t UTF-8 in.csv > out.csv`".into()
+            }
             E::ControlCharacter { .. } => "a text file in UTF-8 with line ends LF or CRLF".into(),
             E::OpenQuote { .. } => "a closing quotation mark on the same line".into(),
             E::NoTimeColumn { header, .. } => {
-                format!("`time [s]` (or ms, µs) in the first column, or --map \"time={header}\"")
+                format!(
+                    "`time [s]` (or ms, µs) in the first column, or --map \"time={header}\"; other columns as well, by the names of \
+                     `host-sim inspect --help`"
+                )
             }
             E::DuplicateColumn { signal, .. } => format!("one column for {signal}; choose with --map \"{signal}=…\""),
-            E::MissingUnit { place, signal, .. } if place.spot.is_none() => {
+            E::MissingUnit { place, columns } => {
+                let [(signal, _), ..] = columns.as_slice() else { return String::new() };
                 let unit = signal.si_unit();
                 let bracketed = format!("{signal} [{unit}]");
-                let plain = variable(&bracketed, unit, &[]);
-                format!("a unit with the name, as `{bracketed}` or `{plain}`, one of: {}", signal.units())
+                let how = if place.spot.is_none() {
+                    let plain = variable(&bracketed, unit, &[]);
+                    format!("a unit with the name, as `{bracketed}` or `{plain}`")
+                } else {
+                    "a unit in brackets after the name".to_owned()
+                };
+                if columns.len() == 1 {
+                    return format!("{how}, one of: {}", signal.units());
+                }
+                let each =
+                    columns.iter().map(|(signal, header)| format!("{} one of: {}", quoted(header), signal.units()));
+                format!("{how}: {}", each.collect::<Vec<_>>().join("; "))
             }
-            E::MissingUnit { signal, .. } | E::UnknownUnit { signal, .. } => {
+            E::UnknownUnit { signal, .. } => {
                 format!("a unit in brackets after the name, one of: {}", signal.units())
             }
             E::WrongDimension { signal, .. } => format!("a unit of {signal}, one of: {}", signal.units()),

@@ -90,9 +90,18 @@ impl fmt::Display for Format {
 
 /// Reads a recording; `map` says which columns hold which signals where their headers do not.
 pub fn read(path: &Path, map: &ChannelMap) -> Result<Recording, RecordingError> {
+    read_through(path, map, |file| file)
+}
+
+/// As [`read`], through a reader that is laid around the file, such as one that counts.
+pub fn read_through<R: Read>(
+    path: &Path,
+    map: &ChannelMap,
+    around: impl FnOnce(File) -> R,
+) -> Result<Recording, RecordingError> {
     let name = path.display().to_string();
     let file = File::open(path).map_err(|source| RecordingError::Io { place: Place::file(&name), source })?;
-    read_from(&name, file, map)
+    read_from(&name, around(file), map)
 }
 
 /// Reads a recording from anywhere, in the format that its first bytes show; `name` stands for the file in messages.

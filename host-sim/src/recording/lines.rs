@@ -25,6 +25,8 @@ pub(super) struct Lines<R> {
     bytes: Vec<u8>,
     number: usize,
     skipped: usize,
+    /// The first line that is Windows-1252 and not UTF-8.
+    western: Option<usize>,
 }
 
 /// One line, and where it stands.
@@ -56,7 +58,14 @@ impl Line<'_> {
 
 impl<R: Read> Lines<R> {
     pub(super) fn new(file: &str, input: R) -> Self {
-        Self { file: file.to_owned(), input: BufReader::new(input), bytes: Vec::new(), number: 0, skipped: 0 }
+        Self {
+            file: file.to_owned(),
+            input: BufReader::new(input),
+            bytes: Vec::new(),
+            number: 0,
+            skipped: 0,
+            western: None,
+        }
     }
 
     pub(super) fn file(&self) -> Place {
@@ -65,6 +74,11 @@ impl<R: Read> Lines<R> {
 
     pub(super) fn file_name(&self) -> &str {
         &self.file
+    }
+
+    /// The first line that was read as Windows-1252, as Excel writes it in western Europe, because it is not UTF-8.
+    pub(super) fn western(&self) -> Option<usize> {
+        self.western
     }
 
     /// The next line with content, without its end; `None` after the last one.
@@ -99,6 +113,15 @@ impl<R: Read> Lines<R> {
                 return Err(RecordingError::TooManySkippedLines { place, most: MAX_SKIPPED_LINES });
             }
         }
+        // UTF-16 begins with a byte order mark, which is no text in Windows-1252 either.
+        let is_utf_16 = self.number == 1 && matches!(self.bytes.first(), Some(0xFE | 0xFF));
+        if str::from_utf8(&self.bytes).is_err()
+            && !is_utf_16
+            && let Some(text) = western(&self.bytes)
+        {
+            self.western.get_or_insert(self.number);
+            self.bytes = text.into_bytes();
+        }
         let text = str::from_utf8(&self.bytes).map_err(|error| {
             let (good, rest) = self.bytes.split_at(error.valid_up_to());
             let good = String::from_utf8_lossy(good);
@@ -112,6 +135,14 @@ impl<R: Read> Lines<R> {
         }
         Ok(Some(line))
     }
+}
+
+/// The text of a line in Windows-1252; `None` where it has control characters, or bytes that stand for nothing there, as noise and
+/// other files have.
+fn western(bytes: &[u8]) -> Option<String> {
+    let text = encoding_rs::WINDOWS_1252.decode_without_bom_handling(bytes).0;
+    let is_text = |character: char| !character.is_control() || character == '\t';
+    text.chars().all(is_text).then(|| text.into_owned())
 }
 
 /// Splits lines into cells.

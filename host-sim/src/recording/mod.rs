@@ -36,7 +36,7 @@ mod write;
 pub(crate) use channels::nearest_signal;
 pub use channels::{ChannelMap, MapError, Mapping, Scale};
 pub use error::RecordingError;
-pub use format::{Format, MAX_BINARY_BYTES, MAX_UNPACKED_BYTES, read, read_from};
+pub use format::{Format, MAX_BINARY_BYTES, MAX_UNPACKED_BYTES, read, read_from, read_through};
 pub use lines::{MAX_COLUMNS, MAX_LINE_BYTES, MAX_ROWS, MAX_SKIPPED_LINES};
 pub use signal::Signal;
 pub use table::Table;
@@ -121,6 +121,11 @@ pub enum Note {
         /// The header that is not there.
         header: String,
     },
+    /// The text is not UTF-8 and was read as Windows-1252.
+    ReadAsWindows1252 {
+        /// Where the first such line is.
+        first: At,
+    },
     /// Signals with times of their own were interpolated to the times of the first one.
     Resampled {
         /// The signals.
@@ -151,6 +156,9 @@ impl fmt::Display for Note {
                 write!(f, "{} in time, {which}of {longest} s at {at} s", counted(*count, "gap"))
             }
             Note::MappedColumnAbsent { signal, header } => write!(f, "no column `{header}` for {signal}"),
+            Note::ReadAsWindows1252 { first } => {
+                write!(f, "not UTF-8 from {first} on: read as Windows-1252, as Excel writes it")
+            }
             Note::Resampled { signals, rows_left_out } => {
                 let names: Vec<_> = signals.iter().map(|signal| signal.name()).collect();
                 write!(f, "{} interpolated to the times of the first channel", names.join(", "))?;

@@ -7,6 +7,7 @@ use super::error::RecordingError;
 use super::lines::{Lines, MAX_ROWS, Splitter, detect_separator, parse_number};
 use super::signal::{Signal, split_header};
 use super::units::{Dimension, Unit};
+use super::{At, Note};
 use crate::diagnostic::Place;
 use std::fs::File;
 use std::io::Read;
@@ -20,13 +21,15 @@ pub struct Table {
     columns: Vec<(String, Vec<f64>)>,
     /// Rows that were left out because a cell was empty.
     pub incomplete: usize,
+    /// What a user should know of how it was read.
+    pub notes: Vec<Note>,
 }
 
 impl Table {
     /// A table made in the program; columns are of one length.
     #[must_use]
     pub fn new(path: &str, columns: Vec<(String, Vec<f64>)>) -> Self {
-        Self { path: path.to_owned(), columns, incomplete: 0 }
+        Self { path: path.to_owned(), columns, incomplete: 0, notes: Vec::new() }
     }
 
     /// Reads a file. Rows with an empty cell are left out and counted.
@@ -82,7 +85,8 @@ impl Table {
         if kept < 2 {
             return Err(RecordingError::TooFewRows { place: file, rows: kept, skipped: incomplete });
         }
-        Ok(Self { path: name.to_owned(), columns, incomplete })
+        let notes = lines.western().map(|line| Note::ReadAsWindows1252 { first: At::Line(line) });
+        Ok(Self { path: name.to_owned(), columns, incomplete, notes: notes.into_iter().collect() })
     }
 
     /// The file's name without its folder.

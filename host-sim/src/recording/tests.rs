@@ -102,13 +102,27 @@ fn uneven_times_are_allowed_and_gaps_noted() {
 }
 
 #[test]
+fn a_spreadsheet_s_own_letters_are_read_and_noted() {
+    let western =
+        b"time [\xb5s];oil_temperature [\xb0C];Ventilhub \xfc;position [mm]\r\n0;40,5;x;1\r\n100;41;\xf6l;2\r\n";
+    let recording = read_text(western).unwrap();
+    assert_eq!(recording.signal(Signal::OilTemperature).unwrap(), [40.5, 41.0]);
+    assert_eq!((recording.time_s()[1], recording.ignored()), (100e-6, ["Ventilhub ü".to_owned()].as_slice()));
+    assert_eq!(recording.notes(), [Note::ReadAsWindows1252 { first: At::Line(1) }]);
+    // One that is UTF-8 is none.
+    assert_eq!(read_text("time [µs],oil_temperature [°C]\n0,40\n1,41\n").unwrap().notes(), []);
+}
+
+#[test]
 fn files_without_a_table_are_refused() {
     assert_error!(refused("", None), RecordingError::Empty { .. });
     assert_error!(refused("# only\n\n", None), RecordingError::Empty { .. });
     assert_error!(refused("time [s],spool\n", None), RecordingError::TooFewRows { rows: 0, .. });
     assert_error!(refused("time [s],spool\n0,0\n", None), RecordingError::TooFewRows { rows: 1, .. });
     assert_error!(refused("time [s],spool\n0,\n1,\n", None), RecordingError::TooFewRows { rows: 0, skipped: 2, .. });
-    assert_error!(refused(b"time [s],temp [\xb0C]\n", Some(1)), RecordingError::NotUtf8 { byte: 0xb0, .. });
+    assert_error!(refused(b"time [s],temp [\x81C]\n", Some(1)), RecordingError::NotUtf8 { byte: 0x81, .. });
+    let utf_16 = refused(b"\xff\xfet\0i\0m\0e\0\n\0", Some(1));
+    assert!(utf_16.to_string().contains("looks like UTF-16, which `iconv -f UTF-16"), "{utf_16}");
     assert_error!(refused("time [s],spool\n0,\u{0}\n", Some(2)), RecordingError::ControlCharacter { .. });
     assert_error!(refused("time [s],spool\n0,\"1\n1,2\n", Some(2)), RecordingError::OpenQuote { .. });
 }
@@ -117,8 +131,12 @@ fn files_without_a_table_are_refused() {
 fn columns_that_cannot_be_understood_are_refused() {
     assert_error!(refused("x,time [s]\n", Some(1)), RecordingError::NoTimeColumn { .. });
     assert_error!(refused("Time [s],spool\n", Some(1)), RecordingError::NoTimeColumn { .. });
-    assert_error!(refused("time,spool\n", Some(1)), RecordingError::MissingUnit { signal: Signal::Time, .. });
+    assert_error!(refused("time,spool\n", Some(1)), RecordingError::MissingUnit { .. });
     assert_error!(refused("time [s],position\n", Some(1)), RecordingError::MissingUnit { .. });
+    let several = refused("time [s],position,spool,pressure_a\n0,1,2,3\n", Some(1)).to_string();
+    let expected = "columns `position`, `pressure_a` have no unit; expected a unit in brackets after the name: \
+        `position` one of: m mm; `pressure_a` one of: Pa kPa MPa bar psi";
+    assert!(several.ends_with(expected), "{several}");
     assert_error!(refused("time [s],position [inch]\n", Some(1)), RecordingError::UnknownUnit { .. });
     assert_error!(refused("time [s],spool,spool [%]\n", Some(1)), RecordingError::DuplicateColumn { .. });
     let error = refused("time [s],position [bar]\n", Some(1));

@@ -112,7 +112,8 @@ pub(super) fn read<R: Read>(
         }
     }
     match channels {
-        Some(channels) => {
+        Some(mut channels) => {
+            channels.notes.extend(lines.western().map(|line| Note::ReadAsWindows1252 { first: At::Line(line) }));
             let at = At::Line(channels.first_repeated);
             let repeated = (channels.repeated > 0).then_some((channels.repeated, at));
             let known = channels.known.into_iter().map(|channel| channel.samples).collect();

@@ -25,6 +25,15 @@ impl Recording {
             .map_err(|source| RecordingError::Write { place: Place::file(&path.display().to_string()), source })
     }
 
+    /// The text that [`Self::write_csv`] writes, for where there is no file.
+    pub fn csv(&self, replaced: &[Series<'_>], added: &[Series<'_>]) -> Result<Vec<u8>, RecordingError> {
+        let (path, mut text) = (Path::new("the text"), Vec::new());
+        self.checked(path, replaced, added)?
+            .write_csv(&mut text)
+            .map_err(|source| RecordingError::Write { place: Place::file(&path.display().to_string()), source })?;
+        Ok(text)
+    }
+
     /// As [`Self::write_csv`], in the format that the file's name asks for: `.mat` and `.parquet`, in letters of any size; CSV otherwise.
     ///
     /// What is blank in CSV is NaN in a MAT-file and null in Parquet.

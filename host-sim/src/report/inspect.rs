@@ -29,7 +29,11 @@ pub fn text(found: &Inspection) -> String {
     }
     let _ = writeln!(text, "{}", channels(&found.channels));
     if !found.ignored.is_empty() {
-        let _ = writeln!(text, "ignored    {}: no known signal; --map names them", found.ignored.join(", "));
+        let _ = writeln!(
+            text,
+            "ignored    {}: no known signal; --map names them (`host-sim inspect --help`)",
+            found.ignored.join(", ")
+        );
     }
     for (index, link) in found.links.iter().enumerate() {
         let label = if index == 0 { "tests" } else { "" };

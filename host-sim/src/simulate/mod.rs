@@ -350,14 +350,31 @@ pub fn simulate<N: Number<Real = f64>>(
     stimulus: &Stimulus,
     offset: StartOffset<f64>,
 ) -> Result<Trajectory, MachineError> {
+    simulate_told::<N>(machine, stimulus, offset, &|_| ())
+}
+
+/// Rows between two reports of a simulation: some milliseconds of work.
+const ROWS_TOLD: usize = 4096;
+
+/// As [`simulate`], and tells after every few thousand rows how many more are done.
+pub fn simulate_told<N: Number<Real = f64>>(
+    machine: &Machine<f64>,
+    stimulus: &Stimulus,
+    offset: StartOffset<f64>,
+    told: &dyn Fn(usize),
+) -> Result<Trajectory, MachineError> {
     let signals = computed_below(stimulus.entry);
     let mut series: Vec<(Signal, Vec<f64>)> =
         signals.iter().map(|&signal| (signal, Vec::with_capacity(stimulus.rows()))).collect();
-    run::<N>(machine, stimulus, offset, |_, sample| {
+    run::<N>(machine, stimulus, offset, |row, sample| {
         for (signal, values) in &mut series {
             values.extend(sample.signal(*signal));
         }
+        if (row + 1) % ROWS_TOLD == 0 {
+            told(ROWS_TOLD);
+        }
     })?;
+    told(stimulus.rows() % ROWS_TOLD);
     Ok(Trajectory { series })
 }
 

@@ -30,13 +30,13 @@ const NAMES: [&str; 6] = ["zero", "step", "steps", "sweep", "random", "triangle"
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ExcitationError {
     /// The name is none of those known.
-    #[error("input \"{found}\" is not known, expected one of {}", NAMES.join(", "))]
+    #[error("input \"{found}\" is not known; expected one of {}", NAMES.join(", "))]
     Name {
         /// The name found.
         found: String,
     },
     /// An item is not a number with a unit.
-    #[error("input {name}: \"{item}\" is not known, expected a number with unit V, mV, s, ms or Hz, or seed=integer")]
+    #[error("input {name}: \"{item}\" is not known; expected a number with unit V, mV, s, ms or Hz, or seed=integer")]
     Item {
         /// The excitation's name.
         name: &'static str,
@@ -44,7 +44,7 @@ pub enum ExcitationError {
         item: String,
     },
     /// More items of one unit than the excitation takes.
-    #[error("input {name}: {found} values in {unit}, expected at most {most}")]
+    #[error("input {name}: {found} values in {unit}; expected at most {most}")]
     TooMany {
         /// The excitation's name.
         name: &'static str,
@@ -56,7 +56,7 @@ pub enum ExcitationError {
         most: usize,
     },
     /// An item that has no default is not there.
-    #[error("input {name}: {what} is missing, expected a value in {unit}")]
+    #[error("input {name}: {what} is missing; expected a value in {unit}")]
     Missing {
         /// The excitation's name.
         name: &'static str,
@@ -66,7 +66,7 @@ pub enum ExcitationError {
         unit: &'static str,
     },
     /// A value that makes no signal.
-    #[error("input {name}: {what} is {found} {unit}, expected {least} to {most} {unit}")]
+    #[error("input {name}: {what} is {found} {unit}; expected {least} to {most} {unit}")]
     Range {
         /// The excitation's name.
         name: &'static str,
@@ -81,6 +81,18 @@ pub enum ExcitationError {
         /// Largest admissible.
         most: f64,
     },
+}
+
+impl ExcitationError {
+    /// The part of the text that it is about; `None` for all of it.
+    #[must_use]
+    pub fn part(&self) -> Option<&str> {
+        match self {
+            ExcitationError::Name { found } => Some(found),
+            ExcitationError::Item { item, .. } => Some(item),
+            ExcitationError::TooMany { .. } | ExcitationError::Missing { .. } | ExcitationError::Range { .. } => None,
+        }
+    }
 }
 
 /// The items, sorted by unit.
@@ -238,13 +250,13 @@ mod tests {
         let message = |text: &str| text.parse::<Excitation>().unwrap_err().to_string();
         assert_eq!(
             message("stp:4V"),
-            "input \"stp\" is not known, expected one of zero, step, steps, sweep, random, triangle"
+            "input \"stp\" is not known; expected one of zero, step, steps, sweep, random, triangle"
         );
-        assert_eq!(message("step"), "input step: the amplitude is missing, expected a value in V");
-        assert_eq!(message("step:40V"), "input step: the amplitude is 40 V, expected -10 to 10 V");
-        assert_eq!(message("step:4V,1Hz"), "input step: 1 values in Hz, expected at most 0");
-        assert!(message("step:4").contains("\"4\" is not known, expected a number with unit"));
+        assert_eq!(message("step"), "input step: the amplitude is missing; expected a value in V");
+        assert_eq!(message("step:40V"), "input step: the amplitude is 40 V; expected -10 to 10 V");
+        assert_eq!(message("step:4V,1Hz"), "input step: 1 values in Hz; expected at most 0");
+        assert!(message("step:4").contains("\"4\" is not known; expected a number with unit"));
         assert!(message("step:NaNV").contains("\"NaNV\""));
-        assert!(message("random:10V,0.5s,0.1s").contains("the longest step is 0.1 s, expected 0.5 to 3600 s"));
+        assert!(message("random:10V,0.5s,0.1s").contains("the longest step is 0.1 s; expected 0.5 to 3600 s"));
     }
 }

@@ -42,6 +42,7 @@ pub use excitation::{Dither, Excitation};
 pub use grammar::ExcitationError;
 pub use input::{Command, Commands, LoadError, LoadProfile, PumpCommand};
 pub use linkage::{Linkage, LinkageError};
+pub(crate) use noise::Noise;
 pub use plant::{InitialState, Plant, PlantError, PlantState};
 pub use sensors::{Sensors, Thermometer};
 pub use synthetic::{SyntheticRecording, WriteError};

@@ -5,13 +5,13 @@ use rand_core::{Rng, SeedableRng};
 
 /// A source of random numbers for one channel.
 #[derive(Clone, Debug)]
-pub(super) struct Noise {
+pub(crate) struct Noise {
     generator: ChaCha8Rng,
 }
 
 impl Noise {
     /// `stream` keeps the channels apart: a channel added or left out changes no other.
-    pub(super) fn new(seed: u64, stream: u64) -> Self {
+    pub(crate) fn new(seed: u64, stream: u64) -> Self {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         generator.set_stream(stream);
         Self { generator }
@@ -48,7 +48,7 @@ impl Noise {
     /// Gaussian with mean 0 and the given standard deviation (Box and Muller).
     ///
     /// By `libm` rather than the platform's functions, whose last bit differs.
-    pub(super) fn gaussian(&mut self, deviation: f64) -> f64 {
+    pub(crate) fn gaussian(&mut self, deviation: f64) -> f64 {
         let radius = (-2.0 * libm::log(1.0 - self.uniform(0.0, 1.0))).sqrt();
         deviation * radius * libm::cos(self.uniform(0.0, std::f64::consts::TAU))
     }

@@ -110,7 +110,7 @@ fn arguments_that_make_no_sense_are_explained() {
         assert!(message.contains(expected), "{message}");
     }
     let input = ["simulate", "--machine", "machine.toml", "--out", "out.csv", "--input"];
-    for (signal, expected) in [("jump:4V", "not known"), ("step:40V", "expected -10 to 10 V"), ("step", "missing")] {
+    for (signal, expected) in [("jump:4V", "not known"), ("step:40V", "expected: -10 to 10 V"), ("step", "missing")] {
         let message = refused(folder.path(), &[&input[..], &[signal]].concat());
         assert!(message.contains(expected), "{message}");
     }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use host_sim::compare::{Arithmetic, compare};
+use host_sim::data_sheet::Item;
 use host_sim::machine_file::{self, LoadSource};
 use host_sim::prepare::Prepared;
 use host_sim::recording::{self, ChannelMap};
@@ -10,7 +11,7 @@ use host_sim::recording::{self, ChannelMap};
 use super::{done, refused, root};
 
 /// The press of the presets as a catalogue would print it: 5 l/min at 5 bar over one edge, 17.7 % overlap, 96 ms to 90 %.
-const PRESS: [&str; 28] = [
+pub(super) const PRESS: [&str; 28] = [
     "init",
     "--out",
     "press.toml",
@@ -85,6 +86,22 @@ fn a_file_that_is_there_stays_unless_it_is_to_go() {
 }
 
 #[test]
+fn the_help_marks_what_is_required() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = done(folder.path(), &["init", "--help"]);
+    for item in Item::ALL {
+        let question = item.question();
+        let (_, after) = help.split_once(&format!("--{} <", question.flag)).unwrap();
+        let text: Vec<&str> = after.split("\n\n").next().unwrap().split_whitespace().collect();
+        let marked = text.join(" ");
+        let needed = (item.is_needed(false), item.is_needed(true));
+        assert_eq!(marked.ends_with("[required]"), needed == (true, true), "{marked}");
+        assert_eq!(marked.ends_with("[required for a valve]"), needed == (true, false), "{marked}");
+        assert_eq!(marked.ends_with("[required for a pump]"), needed == (false, true), "{marked}");
+    }
+}
+
+#[test]
 fn without_a_terminal_every_missing_flag_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let message = refused(folder.path(), &["init", "--bore", "63mm", "--stroke", "0.3m"]);
@@ -97,14 +114,14 @@ fn without_a_terminal_every_missing_flag_is_named() {
 #[test]
 fn answers_that_make_no_sense_are_refused_with_what_would() {
     let folder = tempfile::tempdir().unwrap();
-    for (extra, expected) in [
-        (&["--bore", "63bar"][..], "`bar` is no unit of this; expected one of m, mm, such as `63mm`"),
-        (&["--bore", "63"], "has no unit"),
-        (&["--bore=-63mm"], "expected more than 0"),
-        (&["--rod", "80mm"], "--rod 80 mm in --bore 63 mm; expected a rod thinner than the piston"),
-        (&["--hose-length", "1m"], "--hose-length without --hose-diameter"),
-        (&["--pump-displacement", "16cm3/rev"], "expected a valve or a pump"),
-        (&["--mass", "1e30kg"], "`cylinder.moving_mass_kg` is 1e30"),
+    for (extra, found, expected) in [
+        (&["--bore", "63bar"][..], "`bar` is no unit of this\n", "one of m, mm, such as `63mm`"),
+        (&["--bore", "63"], "`63` has no unit", "one of m, mm"),
+        (&["--bore=-63mm"], "-63mm", "more than 0"),
+        (&["--rod", "80mm"], "--rod 80 mm in --bore 63 mm", "a rod thinner than the piston"),
+        (&["--hose-length", "1m"], "--hose-length without --hose-diameter", "both or neither"),
+        (&["--pump-displacement", "16cm3/rev"], "--rated-flow beside --pump-displacement", "a valve or a pump"),
+        (&["--mass", "1e30kg"], "`cylinder.moving_mass_kg` is 1e30", ""),
     ] {
         // A flag that is given twice is refused by its own name: the first goes.
         let flag = extra[0].split('=').next().unwrap();
@@ -113,7 +130,7 @@ fn answers_that_make_no_sense_are_refused_with_what_would() {
             None => PRESS.to_vec(),
         };
         let message = refused(folder.path(), &[kept.as_slice(), extra].concat());
-        assert!(message.contains(expected), "{extra:?}: {message}");
+        assert!(message.contains(found) && message.contains(&format!("expected: {expected}")), "{extra:?}: {message}");
     }
 }
 

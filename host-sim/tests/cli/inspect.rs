@@ -1,8 +1,11 @@
 //! What `inspect` says of recordings.
 
-use std::fmt::Write;
+use std::fmt::Write as _;
+use std::io::Write as _;
 
-use super::{MACHINE, done, example, folder_with, refused, root};
+use host_sim::recording::Signal;
+
+use super::{MACHINE, done, example, folder_with, refused, root, run, text};
 
 #[test]
 fn the_shipped_recording_is_described_as_it_was() {
@@ -21,7 +24,10 @@ fn what_is_missing_to_test_a_link_is_named() {
     let folder = folder_with(MACHINE, recording);
     let printed = done(folder.path(), &["inspect", "run.csv"]);
     assert!(printed.contains("valve     not: add spool"), "{printed}");
-    assert!(printed.contains("ignored    Kolbenweg [mm]: no known signal; --map names them"), "{printed}");
+    assert!(
+        printed.contains("ignored    Kolbenweg [mm]: no known signal; --map names them (`host-sim inspect --help`)"),
+        "{printed}"
+    );
     let mapped = done(folder.path(), &["inspect", "run.csv", "--map", "position=Kolbenweg [mm]"]);
     let expected = "judged by position; add spool, pressure_a, pressure_b to test it by itself";
     assert!(mapped.contains(expected), "{mapped}");
@@ -38,6 +44,19 @@ fn a_command_has_its_own_unit_until_a_machine_file_says_where_it_puts_the_slider
     let folder = folder_with(MACHINE, &recording.replace("mA", "V"));
     let printed = done(folder.path(), &["inspect", "run.csv", "--machine", "machine.toml"]);
     assert!(printed.contains("command puts the slider at -44.7 … 22.4 %"), "{printed}");
+}
+
+#[test]
+fn the_help_lists_every_name_that_a_column_can_be_mapped_to() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = done(folder.path(), &["inspect", "--help"]);
+    for signal in Signal::ALL {
+        assert!(help.split_whitespace().any(|word| word == signal.name()), "{signal}: {help}");
+    }
+    let cells = "Zeit [ms];Kolbenweg [mm]\n0;1\n1;2\n";
+    std::fs::write(folder.path().join("run.csv"), cells).unwrap();
+    let message = refused(folder.path(), &["inspect", "run.csv"]);
+    assert!(message.contains("--map \"time=Zeit [ms]\"; other columns as well"), "{message}");
 }
 
 #[test]
@@ -62,6 +81,55 @@ fn duplicates_gaps_and_wrong_units_are_told() {
     ] {
         assert!(printed.contains(part), "{part}: {printed}");
     }
+}
+
+#[test]
+fn a_recording_of_a_german_spreadsheet_is_read_and_what_was_guessed_is_said() {
+    let folder = folder_with(MACHINE, "");
+    let mut recording = b"time [\xb5s];command [V];Druck A \xfc [bar];position [mm]\r\n".to_vec();
+    for row in 0..100_u32 {
+        write!(recording, "{};1,5;{},5;{}\r\n", 1000 * row, 20 + row % 3, 100 + row).unwrap();
+    }
+    std::fs::write(folder.path().join("excel.csv"), recording).unwrap();
+    let map = ["--map", "pressure_a=Druck A ü [bar]"];
+    let printed = done(folder.path(), &[&["inspect", "excel.csv"][..], &map].concat());
+    assert!(printed.contains("note: not UTF-8 from line 1 on: read as Windows-1252, as Excel writes it"), "{printed}");
+    assert!(printed.contains("at 1000 Hz (1.00 ms)") && printed.contains("Druck A ü [bar]"), "{printed}");
+}
+
+#[test]
+fn every_column_without_a_unit_is_named_at_once() {
+    let folder = folder_with(MACHINE, "time [s],command,spool,position,pressure_a [bar]\n0,0,0,0,0\n1,1,1,1,1\n");
+    let message = refused(folder.path(), &["inspect", "run.csv"]);
+    assert!(message.contains("columns `command`, `position` have no unit"), "{message}");
+    assert!(message.contains("`command` one of: V mV mA; `position` one of: m mm"), "{message}");
+}
+
+#[test]
+fn a_current_for_a_drive_in_volts_is_doubted_by_inspect_and_diagnose() {
+    let mut recording = String::from("time [s],command [mA],position [mm]\n");
+    for row in 0..400 {
+        let (time, current) = (f64::from(row) * 5e-3, if row / 50 % 2 == 0 { 20 } else { 4 });
+        writeln!(recording, "{time},{current},{}", 100.0 + 20.0 * (3.0 * time).sin()).unwrap();
+    }
+    let folder = folder_with(&MACHINE.replace("0.0559", "0.1"), &recording);
+    let doubt = "by the machine file's gain_per_v it opens the valve to 200 % and never closes it";
+    let printed = done(folder.path(), &["inspect", "run.csv", "--machine", "machine.toml"]);
+    assert!(printed.contains(doubt), "{printed}");
+    for command in [
+        "diagnose --machine machine.toml --train run.csv",
+        "fit --machine machine.toml --save-machine f.toml --train run.csv",
+    ] {
+        let output = run(folder.path(), &command.split(' ').collect::<Vec<_>>());
+        assert!(text(&output.stderr).contains(doubt), "{}", text(&output.stderr));
+    }
+    // What it says to do helps.
+    let channels = "\n[channels]\ncommand = { column = \"command [mA]\", zero = 12, full = 0.8 }\n";
+    assert!(printed.contains(channels.lines().last().unwrap()), "{printed}");
+    let machine = MACHINE.replace("0.0559", "0.1") + channels;
+    std::fs::write(folder.path().join("machine.toml"), machine).unwrap();
+    let printed = done(folder.path(), &["inspect", "run.csv", "--machine", "machine.toml"]);
+    assert!(!printed.contains("gain_per_v") && printed.contains("command [mA]    -10.00   10.00   V"), "{printed}");
 }
 
 #[test]

@@ -5,7 +5,10 @@
 
 #[path = "../at_hand/mod.rs"]
 mod at_hand;
+#[cfg(unix)]
+mod at_terminal;
 mod bad_input;
+mod compare;
 mod export;
 #[cfg(unix)]
 mod first_minutes;

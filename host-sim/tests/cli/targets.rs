@@ -60,6 +60,54 @@ fn no_result_is_written_over_a_recording() {
 }
 
 #[test]
+fn a_name_that_promises_another_format_is_refused_with_the_endings_known() {
+    let folder = folder();
+    let outputs = outputs().into_iter().map(|(command, argument)| {
+        let (wrong, known) = match (command[0], argument) {
+            (_, "--plot") => ("out.png", ".svg"),
+            (_, "--report") => ("out.pdf", ".html, .htm"),
+            (_, "--json") => ("out.csv", ".json"),
+            (_, "--save-machine") => ("out.json", ".toml"),
+            _ => ("out.xlsx", ".csv, .txt, .mat, .parquet"),
+        };
+        (command, argument, wrong, known)
+    });
+    let frames = "import --frames train-1.csv";
+    let further = [
+        ("init", "--out", "press.yaml", ".toml"),
+        ("plan --machine machine.toml --sensors position", "--out", "e.mat", ".csv, .txt"),
+        ("inspect train-1.csv", "--json", "i.toml", ".json"),
+        ("statics --recording train-1.csv --input command --output position", "--plot", "s.pdf", ".svg"),
+        (frames, "--out", "r.xlsx", ".csv, .txt"),
+    ];
+    let further =
+        further.map(|(command, argument, wrong, known)| (command.split(' ').collect(), argument, wrong, known));
+    for (command, argument, wrong, known) in outputs.chain(further) {
+        let message = refused(folder.path(), &[&command[..], &[argument, wrong]].concat());
+        assert!(message.contains(&format!("{wrong}: ")) && message.contains("under a name that"), "{message}");
+        assert!(message.contains(&format!("expected: one that ends in {known}\n")), "{message}");
+    }
+}
+
+#[test]
+fn a_dash_is_standard_output_where_nothing_else_is_printed() {
+    let folder = folder();
+    let printed = done(folder.path(), &[&SIMULATE[..], &["--out", "-"]].concat());
+    done(folder.path(), &[&SIMULATE[..], &["--out", "s.csv"]].concat());
+    assert_eq!(printed, std::fs::read_to_string(folder.path().join("s.csv")).unwrap());
+    let input = ["simulate", "--machine", "machine.toml", "--input", "zero:10ms", "--out", "-"];
+    assert_eq!(done(folder.path(), &input).lines().count(), 12);
+    let export = ["export", "--machine", "machine.toml", "--out", "-", "--format"];
+    assert!(done(folder.path(), &[&export[..], &["c99"]].concat()).contains("#define"));
+    assert!(refused(folder.path(), &[&export[..], &["fmu"]].concat()).contains("an FMU is no text"));
+    for (command, argument) in outputs().into_iter().filter(|(_, argument)| *argument != "--out") {
+        let message = refused(folder.path(), &[&command[..], &[argument, "-"]].concat());
+        assert!(message.contains("expected: the name of a file"), "{message}");
+        assert!(!folder.path().join("-").exists());
+    }
+}
+
+#[test]
 fn only_a_machine_file_is_written_over_the_machine_file() {
     let folder = folder_with(MACHINE, "time [s],command [V],position [m]\n0,0,0\n0.1,4,0\n0.2,4,0.1\n");
     let simulate = ["simulate", "--machine", "machine.toml", "--input", "zero:10ms", "--out", "machine.toml"];

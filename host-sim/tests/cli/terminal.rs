@@ -75,12 +75,135 @@ fn what_is_mistyped_is_met_with_the_nearest() {
         (&["diagnos"][..], "'diagnose'"),
         (&["compare", "--machin", "M.toml"], "'--machine'"),
         (&["fit", "--save-machne", "F.toml"], "'--save-machine'"),
-        (&["completions", "bsh"], "'bash'"),
+        (&["completions", "bsh"], "`bash`"),
     ] {
         let output = run(folder.path(), arguments);
         let message = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{message}");
         assert!(message.contains("similar") && message.contains(nearest), "{message}");
+    }
+}
+
+/// As a compiler shows a line of source.
+#[test]
+fn a_value_that_is_wrong_is_marked_on_the_command_line() {
+    let folder = folder_with(MACHINE, "time [s],command [V],position [m]\n0,0,0\n1,0,1\n");
+    let message = refused(folder.path(), &["testbed", "--machine", "machine.toml", "--tick", "0", "--out", "case"]);
+    let expected = "\
+error: `0` is no value of --tick
+ --> command line:1:48
+  |
+1 | host-sim testbed --machine machine.toml --tick 0 --out case
+  |                                                ^
+  |
+  = expected: one of 0.5, 1, 2; a similar one is `0.5`
+";
+    assert_eq!(message, expected);
+}
+
+/// Commands that are refused; what is said, which characters are marked, and what was expected.
+const WRONG: &[(&str, &str, &str, &str)] = &[
+    (
+        "testbed --machine machine.toml --train step:4V,0.1s --effect rust=1 --out case",
+        "--effect rust=1: no effect of the test bed",
+        "rust=1",
+        "one of hose-compliance [m3/Pa]",
+    ),
+    (
+        "testbed --machine machine.toml --train jump:4V --out case",
+        "\"jump\" is not known",
+        "jump:4V",
+        "one of zero, step",
+    ),
+    (
+        "simulate --machine machine.toml --input step:4Q --out s.csv",
+        "\"4Q\" is not known",
+        "4Q",
+        "a number with unit V",
+    ),
+    (
+        "simulate --machine machine.toml --input=step:40V --out s.csv",
+        "the amplitude is 40 V",
+        "step:40V",
+        "-10 to 10 V",
+    ),
+    (
+        "simulate --machine machine.toml --recording run.csv --map positon=x --out s.csv",
+        "`positon`",
+        "positon",
+        "one of time command",
+    ),
+    (
+        "compare --machine machine.toml --recording run.csv --map position=Weg",
+        "which is no column",
+        "Weg",
+        "one of its headers: time [s]",
+    ),
+    (
+        "compare --machine machine.toml --recording run.csv --judge spol",
+        "`spol` is no known signal",
+        "spol",
+        "one of time command",
+    ),
+    (
+        "compare --machine machine.toml --recording run.csv --judge spool",
+        "spool cannot be judged",
+        "spool",
+        "some of: position",
+    ),
+    (
+        "compare --machine machine.toml --recording run.csv --exit-code --tolerance 9x",
+        "`9x` is no number",
+        "9x",
+        "a number",
+    ),
+    (
+        "compare --machine machine.toml --recording run.csv --exit-code --tolerance 900",
+        "--tolerance is 900",
+        "900",
+        "at most 100 %",
+    ),
+    (
+        "plan --machine machine.toml --sensors position,pressure_a:3mm",
+        "noise `3mm` of pressure_a",
+        "3mm",
+        "a positive number with a unit",
+    ),
+    (
+        "statics --recording run.csv --input nothing --output position",
+        "run.csv: `nothing` is no column",
+        "nothing",
+        "one of its headers",
+    ),
+    ("testbed draw --count 0 --out cases", "`0` is out of range", "0", "a whole number in 1..=1000"),
+    ("testbed draw --only rust --out cases", "--only rust", "rust", "one of valve-hysteresis"),
+    (
+        "export --machine machine.toml --out p.c --library l.so",
+        "its name does not say what it is",
+        "p.c",
+        "one that ends in .rs",
+    ),
+    (
+        "export --machine machine.toml --out p.rs --library l.so",
+        "--library: only an FMU has it",
+        "--library",
+        "--out with .fmu",
+    ),
+    ("init --bore 63mm --rod 40bar", "`bar` is no unit of this", "40bar", "one of m, mm"),
+];
+
+#[test]
+fn every_option_that_is_wrong_is_marked_where_it_stands() {
+    let folder = folder_with(MACHINE, "time [s],command [V],position [m]\n0,0,0\n1,0,1\n2,1,2\n3,2,3\n4,1,4\n5,0,5\n");
+    for &(command, title, carets, expected) in WRONG {
+        let message = refused(folder.path(), &command.split(' ').collect::<Vec<_>>());
+        let line = message.lines().position(|line| line == format!("1 | host-sim {command}"));
+        let line = line.unwrap_or_else(|| panic!("{command}: {message}"));
+        let (shown, marks) = (message.lines().nth(line).unwrap(), message.lines().nth(line + 1).unwrap());
+        let marked: String =
+            shown.chars().zip(marks.chars()).filter(|(_, mark)| *mark == '^').map(|(shown, _)| shown).collect();
+        assert_eq!(marked, carets, "{message}");
+        assert!(message.contains(title) && message.contains(&format!("= expected: {expected}")), "{message}");
     }
 }
 

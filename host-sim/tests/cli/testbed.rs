@@ -32,8 +32,8 @@ fn a_closed_loop_records_its_set_value() {
 fn what_the_test_bed_cannot_do_is_said_and_nothing_is_written() {
     let folder = folder_with(MACHINE, "");
     for (more, expected) in [
-        (&["--effect", "rust=3"][..], "expected one of hose-compliance [m3/Pa]"),
-        (&["--effect", "coulomb-friction=-3"], "expected one of"),
+        (&["--effect", "rust=3"][..], "expected: one of hose-compliance [m3/Pa]"),
+        (&["--effect", "coulomb-friction=-3"], "expected: one of"),
         (&["--train", "step:9V,20s"], "expected it to stay within 0 to 300.0 mm"),
         (&["--noise", "NaN"], "--noise is NaN"),
         (&["--dither", "1", "900"], "half of the control rate"),
@@ -96,6 +96,6 @@ fn drawn_cases_have_their_files_and_the_truth_beside_them() {
 fn a_name_that_cannot_be_drawn_is_refused_with_those_that_can() {
     let folder = folder_with(MACHINE, "");
     let message = refused(folder.path(), &["testbed", "draw", "--only", "rust", "--out", "cases"]);
-    assert!(message.contains("--only rust: expected one of valve-hysteresis"), "{message}");
+    assert!(message.contains("expected: one of valve-hysteresis"), "{message}");
     assert!(!folder.path().join("cases").exists());
 }

@@ -1,0 +1,54 @@
+//! What the name of a file to write promises, and standard output in its place.
+
+use std::path::Path;
+
+use super::CliError;
+
+/// What is written into a file, and the endings of names that say so.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kind {
+    what: &'static str,
+    endings: &'static [&'static str],
+}
+
+/// Signals over time, in any format that is written.
+pub(super) const RECORDING: Kind = Kind { what: "signals", endings: &["csv", "txt", "mat", "parquet"] };
+/// Signals over time as text.
+pub(super) const TEXT: Kind = Kind { what: "CSV", endings: &["csv", "txt"] };
+/// A drawing.
+pub(super) const DRAWING: Kind = Kind { what: "an SVG drawing", endings: &["svg"] };
+/// A page for people.
+pub(super) const PAGE: Kind = Kind { what: "an HTML page", endings: &["html", "htm"] };
+/// A document for programs.
+pub(super) const DOCUMENT: Kind = Kind { what: "JSON", endings: &["json"] };
+/// A machine file.
+pub(super) const MACHINE: Kind = Kind { what: "a machine file", endings: &["toml"] };
+
+/// Whether standard output is meant.
+pub(super) fn is_standard_output(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+/// Checks that a name promises nothing else than is written. One without ending promises nothing; neither does a pipe's.
+pub(super) fn check_ending(option: &'static str, path: &Path, kind: Kind) -> Result<(), CliError> {
+    if is_standard_output(path) {
+        return Err(CliError::Dash { option });
+    }
+    let is_stream = path.metadata().is_ok_and(|file| !file.is_file() && !file.is_dir());
+    let fits = |ending: &str| kind.endings.iter().any(|known| known.eq_ignore_ascii_case(ending));
+    match path.extension() {
+        Some(ending) if !is_stream && !ending.to_str().is_some_and(fits) => {
+            let known: Vec<String> = kind.endings.iter().map(|ending| format!(".{ending}")).collect();
+            Err(CliError::Ending { option, path: path.to_owned(), what: kind.what, known: known.join(", ") })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The same of several options, of which each may be absent.
+pub(super) fn check_endings(options: &[(&'static str, Option<&Path>, Kind)]) -> Result<(), CliError> {
+    options
+        .iter()
+        .filter_map(|(option, path, kind)| Some((option, (*path)?, kind)))
+        .try_for_each(|(option, path, kind)| check_ending(option, path, *kind))
+}

@@ -1,0 +1,97 @@
+//! What the noise of recorded signals makes of a simulation that they drive.
+//!
+//! A position that is computed from recorded pressures adds up their noise: it is off by a random walk, however right the model is.
+//! The noise is put on the recorded signals once more, and the simulation repeated: what it differs by has the distribution of what
+//! the recorded noise did to it already.
+
+use crate::failure::{MEASURED, Mended};
+use crate::noise::{noise, resolution};
+use crate::recording::Signal;
+use crate::simulate::{SimulateError, Trajectory};
+use crate::testbed::Noise;
+
+/// Rows that are simulated again at least, where a recording is short: a single random walk may be anywhere.
+const ROWS_AGAIN: usize = 400_000;
+/// And so many times at most.
+const MOST: usize = 16;
+/// But of a long recording twice.
+const LEAST: usize = 2;
+
+/// How many times the noise is put on a recording of so many rows.
+pub(crate) const fn realisations(rows: usize) -> usize {
+    let times = ROWS_AGAIN / if rows == 0 { 1 } else { rows };
+    if times < LEAST {
+        LEAST
+    } else if times > MOST {
+        MOST
+    } else {
+        times
+    }
+}
+
+/// RMS by which each of the `signals` of a simulation is off through the noise of what the recording's sensors measured, SI.
+pub(crate) fn inherited(
+    mended: &Mended<'_>,
+    trajectory: &Trajectory,
+    signals: &[Signal],
+    simulated: impl Fn(&Mended<'_>) -> Result<Trajectory, SimulateError>,
+) -> Result<Vec<f64>, SimulateError> {
+    let times = realisations(mended.recording.rows());
+    let mut squares = vec![0.0; signals.len()];
+    for seed in 0..times {
+        let again = simulated(&disturbed(mended, seed as u64))?;
+        for (square, &signal) in squares.iter_mut().zip(signals) {
+            if let Some((quiet, loud)) = trajectory.signal(signal).zip(again.signal(signal)) {
+                let sum: f64 = quiet.iter().zip(loud).map(|(quiet, loud)| (loud - quiet).powi(2)).sum();
+                *square += sum / (quiet.len() * times) as f64;
+            }
+        }
+    }
+    Ok(squares.into_iter().map(f64::sqrt).collect())
+}
+
+/// The recording with as much noise again on all that its sensors measured.
+fn disturbed<'a>(mended: &Mended<'a>, seed: u64) -> Mended<'a> {
+    let mut disturbed = mended.clone();
+    for (stream, signal) in (0..).zip(MEASURED).filter(|(_, signal)| *signal != Signal::OilTemperature) {
+        let Some(values) = mended.recording.signal(signal) else { continue };
+        let (deviation, mut source) = (noise(values, resolution(values)), Noise::new(seed, stream));
+        let noisy: Vec<f64> = values.iter().map(|value| value + source.gaussian(deviation)).collect();
+        disturbed.recording.to_mut().replace(signal, &noisy);
+    }
+    disturbed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::{Column, Recording};
+
+    /// A sum of what was recorded, as an integrator has it.
+    fn summed(mended: &Mended<'_>) -> Trajectory {
+        let mut sum = 0.0;
+        let force = mended.recording.signal(Signal::Force).unwrap();
+        let position = force.iter().map(|force| {
+            sum += force;
+            sum
+        });
+        Trajectory { series: vec![(Signal::Position, position.collect())] }
+    }
+
+    #[test]
+    fn a_sum_of_noise_is_off_as_a_random_walk_is() {
+        const ROWS: u32 = 4000;
+        let mut source = Noise::new(7, 0);
+        let force: Vec<f64> = (0..ROWS).map(|row| (f64::from(row) * 0.01).sin() + source.gaussian(0.02)).collect();
+        let columns = vec![
+            Column::si(Signal::Time, (0..ROWS).map(|row| f64::from(row) * 1e-3).collect()),
+            Column::si(Signal::Force, force),
+        ];
+        let recording = Recording::new("r", columns).unwrap();
+        let mended = Mended::of(&recording);
+        let found = inherited(&mended, &summed(&mended), &[Signal::Position], |mended| Ok(summed(mended))).unwrap();
+        // The mean square of a walk over n steps is n/2 of a step's.
+        let expected = 0.02 * (f64::from(ROWS) / 2.0).sqrt();
+        assert!((found[0] / expected - 1.0).abs() < 0.4, "{} {expected}", found[0]);
+    }
+}

@@ -1,0 +1,41 @@
+//! What `compare` says of a drive: where physics is missing, and that noise is none.
+
+use std::path::Path;
+
+use super::{done, root};
+
+/// A recording of the press with this effect beside its exact machine file, and what `compare` says of it.
+fn told(folder: &Path, effect: &[&str], spool: bool) -> String {
+    let preset = root().join("presets/press-63-40.toml").display().to_string();
+    let exact = ["testbed", "--machine", &preset, "--spread", "0", "--noise", "2", "--position-step", "0.005"];
+    done(folder, &[&exact[..], &["--seed", "5", "--out", ".", "--train", "triangle:4V,0.5Hz,4s"], effect].concat());
+    if !spool {
+        let text = std::fs::read_to_string(folder.join("train-1.csv")).unwrap();
+        let without = |line: &str| {
+            let mut cells: Vec<&str> = line.split(',').collect();
+            cells.remove(2);
+            cells.join(",")
+        };
+        let lines: Vec<String> = text.lines().map(without).collect();
+        std::fs::write(folder.join("train-1.csv"), lines.join("\n")).unwrap();
+    }
+    done(folder, &["compare", "--machine", "machine.toml", "--recording", "train-1.csv"])
+}
+
+#[test]
+fn noise_that_a_position_adds_up_is_no_missing_physics() {
+    let folder = tempfile::tempdir().unwrap();
+    let exact = told(folder.path(), &[], true);
+    // Thirty times the noise of the position, made by the noise of the pressures.
+    assert!(exact.contains("weakest is mechanics") && exact.contains("Every part follows its recordings"), "{exact}");
+    let rubbed = told(folder.path(), &["--effect", "coulomb-friction=800"], true);
+    assert!(rubbed.contains("weakest is mechanics") && rubbed.contains("Physics is missing there"), "{rubbed}");
+}
+
+#[test]
+fn parts_that_follow_do_not_speak_for_those_that_could_not_be_judged() {
+    let folder = tempfile::tempdir().unwrap();
+    let leaking = told(folder.path(), &["--effect", "internal-leakage=3e-12"], false);
+    assert!(leaking.contains("weakest is mechanics") && !leaking.contains("Every part follows"), "{leaking}");
+    assert!(leaking.contains("But end to end ") && leaking.contains("that takes a recorded slider"), "{leaking}");
+}
