@@ -42,6 +42,13 @@ pub(crate) fn extent<V: Borrow<f64>>(values: impl IntoIterator<Item = V>) -> (f6
     values.into_iter().fold((f64::MAX, f64::MIN), widened)
 }
 
+/// The value that this share of all lies below, by rank; of nothing, `None`.
+pub(crate) fn quantile(mut values: Vec<f64>, share: f64) -> Option<f64> {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a rank")]
+    let rank = (share * values.len().checked_sub(1)? as f64).round() as usize;
+    Some(*values.select_nth_unstable_by(rank, f64::total_cmp).1)
+}
+
 /// The median; 0 for nothing.
 pub(crate) fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {

@@ -2,7 +2,7 @@
 
 use comfy_table::{LineStyle, TableStyle};
 
-use crate::recording::{Dimension, Signal, Unit};
+use crate::recording::{Column, Dimension, Signal, Unit};
 
 /// Tables with a line above, below, and under the header.
 pub const TABLE: TableStyle = TableStyle::new()
@@ -25,6 +25,13 @@ pub fn unit_for_people(signal: Signal) -> Unit {
         _ => return si,
     };
     Unit::parse(symbol).unwrap_or(si)
+}
+
+/// The same for a column: a current in mA is not shown as a voltage.
+#[must_use]
+pub fn unit_of(column: &Column) -> Unit {
+    let (usual, own) = (unit_for_people(column.signal), Unit::si(column.unit.dimension()));
+    if usual.dimension() == own.dimension() { usual } else { own }
 }
 
 /// The unit in which people read a state of the drive that has this SI unit, and what to multiply by.

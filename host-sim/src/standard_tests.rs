@@ -6,7 +6,7 @@ use model_core::machine::{Machine, Tick};
 use model_core::parameter::Parameter;
 
 use crate::machine_file::LoadSource;
-use crate::recording::{Column, Recording, Signal};
+use crate::recording::{Column, Recording, RecordingError, Signal};
 use crate::simulate::{EntryPoint, Stimulus};
 use crate::testbed::Excitation;
 
@@ -31,6 +31,14 @@ pub struct StandardTest {
 }
 
 impl StandardTest {
+    /// An excitation that somebody has named, with a row a tick.
+    #[must_use]
+    pub fn of_input(excitation: &Excitation, how: &str, tick: Tick) -> Self {
+        let interval_s = tick.seconds();
+        let command_v = excitation.sample(interval_s);
+        Self { name: "the input", how: how.to_owned(), interval_s, command_v, load_n: Vec::new() }
+    }
+
     /// Length, s.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
@@ -38,10 +46,9 @@ impl StandardTest {
     }
 
     /// Its command, and the load where it takes one, with the rod at mid-stroke.
-    #[must_use]
-    pub fn recording(&self, machine: &Machine<f64>) -> Option<Recording> {
+    pub fn recording(&self, machine: &Machine<f64>) -> Result<Recording, RecordingError> {
         let position = vec![0.5 * machine.get(Parameter::Stroke); self.command_v.len()];
-        Recording::new(self.name, self.columns().chain([Column::si(Signal::Position, position)]).collect()).ok()
+        Recording::new(self.name, self.columns().chain([Column::si(Signal::Position, position)]).collect())
     }
 
     /// Time, command, and the load where it takes one.
@@ -56,7 +63,7 @@ impl StandardTest {
     /// What a drive with a valve does in it is simulated from this.
     #[must_use]
     pub fn stimulus(&self, machine: &Machine<f64>, tick: Tick) -> Option<Stimulus> {
-        let recording = self.recording(machine)?;
+        let recording = self.recording(machine).ok()?;
         Stimulus::new(&recording, machine, EntryPoint::Command, LoadSource::Constant, tick).ok()
     }
 }

@@ -2,13 +2,14 @@
 
 use crate::diagnose::{Diagnosis, Shown};
 use crate::locate::{extend, states};
-use crate::plot::{Cells, within_title};
+use crate::noise::quantile;
+use crate::plot::Cells;
 use crate::presentation::state_unit;
 use crate::recording::{Recording, Signal};
 use crate::region::Course;
 use crate::shape::{Shape, State};
 use crate::simulate::Trajectory;
-use crate::timeline::errors;
+use crate::timeline::{error_in, errors};
 
 /// Cells across and upwards.
 const COUNT: [usize; 2] = [28, 18];
@@ -36,18 +37,14 @@ pub fn state_maps(diagnosis: &Diagnosis, recordings: &[&Recording]) -> Vec<Cells
     let has_pressures = diagnosis.shown.iter().all(|shown| measures(shown, Signal::PressureA));
     let states = states(&course);
     let Some((x, y)) = pair(&location.shape, &states, has_pressures) else { return Vec::new() };
-    let what = if location.signal == Signal::Position { "change of the error" } else { "error" };
-    let signal = within_title(location.signal);
     let mut maps = Vec::new();
-    for (name, of) in
-        [("Before", (|shown| &shown.before) as fn(&Shown) -> &Trajectory), ("After", |shown| &shown.after)]
-    {
-        let name = if diagnosis.changes() { name } else { "Refitted" };
-        let named = format!("{name}: mean {what} in {signal}");
+    let mut drawn = |name: &str, of: fn(&Shown) -> &Trajectory| {
+        let named = format!("Mean {}, {name}", error_in(location.signal));
         maps.extend(missed(of).map(|errors| map(named, &errors, x, y)));
-        if !diagnosis.changes() {
-            break;
-        }
+    };
+    drawn(diagnosis.before_is_called(), |shown| &shown.before);
+    if diagnosis.changes() {
+        drawn("after", |shown| &shown.after);
     }
     // One scale for both.
     let most = maps.first().map_or(1.0, |map| map.most);
@@ -105,10 +102,7 @@ fn map(title: String, errors: &[f64], x: &State, y: &State) -> Cells {
 
 /// From where to where all but the outermost values lie.
 fn middle(values: &[f64]) -> (f64, f64) {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a rank")]
-    let at = |share: f64| sorted[(share * (sorted.len() - 1) as f64).round() as usize];
+    let at = |share: f64| quantile(values.to_vec(), share).unwrap_or(0.0);
     let (from, to) = (at(OUTSIDE), at(1.0 - OUTSIDE));
     if to > from { (from, to) } else { (from - 0.5, from + 0.5) }
 }

@@ -5,6 +5,7 @@
 
 use crate::diagnose::{Diagnosis, Shown};
 use crate::locate::made;
+use crate::noise::quantile;
 use crate::plot::{Row, Rows, Style, Trace, within_title};
 use crate::recording::Signal;
 use crate::simulate::Trajectory;
@@ -34,13 +35,13 @@ pub fn timeline(diagnosis: &Diagnosis) -> Option<Rows> {
         Some(largest(&shown.prepared.time_s, &errors, from_s, step_s))
     };
     let changes = diagnosis.changes();
-    let mut sizes: Vec<f64> = Vec::new();
+    let mut sizes = Vec::new();
     let rows = training
         .iter()
         .filter_map(|shown| {
             let before = of(shown, &shown.before)?;
-            sizes.extend(before.iter().filter(|size| size.is_finite()));
-            let mut traces = vec![Trace::new(if changes { "before" } else { "refitted" }, before, Style::Before)];
+            sizes.extend(before.iter().copied().filter(|size| size.is_finite()));
+            let mut traces = vec![Trace::new(diagnosis.before_is_called(), before, Style::Before)];
             if changes {
                 traces.push(Trace::new("after", of(shown, &shown.after)?, Style::After));
             }
@@ -49,13 +50,15 @@ pub fn timeline(diagnosis: &Diagnosis) -> Option<Rows> {
             Some(Row { label: shown.prepared.name.clone(), traces, intervals })
         })
         .collect();
-    sizes.sort_by(f64::total_cmp);
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a rank")]
-    let rank = (BELOW_TOP * sizes.len().saturating_sub(1) as f64).round() as usize;
-    let most = sizes.get(rank).copied().unwrap_or(1.0).max(1.0);
-    let what = if location.signal == Signal::Position { "Change of the error" } else { "Error" };
-    let title = format!("{what} in {} over time", within_title(location.signal));
+    let most = quantile(sizes, BELOW_TOP).unwrap_or(1.0).max(1.0);
+    let title = format!("Largest {} over time", error_in(location.signal));
     Some(Rows { title, unit: "× noise".to_owned(), time_s, most, rows })
+}
+
+/// What [`errors`] are of a signal.
+pub(crate) fn error_in(signal: Signal) -> String {
+    let what = if signal == Signal::Position { "change of the error" } else { "error" };
+    format!("{what} in {}", within_title(signal))
 }
 
 /// Error over noise where it is made, each row.

@@ -97,13 +97,13 @@ fn the_firmware_follows_on_the_emulated_target_and_better_once_the_diagnosis_has
     let effects = vec![PlantEffect::coulomb_friction(FRICTION_N)];
     let rubbing = |shift_m, pace| Rig { effects: effects.clone(), ..rig(&machine, moves(&machine, shift_m, pace)) };
     let rigs = [nominal.clone(), under_load, rubbing(0.0, 1.0), rubbing(0.05, 0.8), rubbing(-0.03, 1.2)];
-    // The emulator waits for the test bed and the test bed for it: a core is left for the search of the gains.
+    // Each emulator and its test bed wait for one another most of the time: all at once, and the search of the gains beside them.
     let (pi_mm, runs) = thread::scope(|scope| {
         let searched = scope.spawn(|| {
             let (gains, _) = tuned(&nominal, 0.0);
             [0, 1, 2].map(|index: usize| rms_mm(&rigs[index].run(&mut Pi::new(&rigs[index].machine, gains))))
         });
-        let runs = rigs.each_ref().map(|rig| run(&image, rig));
+        let runs = rigs.each_ref().map(|rig| scope.spawn(|| run(&image, rig))).map(|run| run.join().unwrap());
         (searched.join().unwrap(), runs)
     });
     let [plain, load, friction, ..] = &runs;

@@ -6,6 +6,7 @@ use host_sim::testbed::{LoadProfile, PlantEffect};
 use model_core::follow::Tuning;
 use model_core::machine::Machine;
 use model_core::parameter::Parameter as P;
+use rayon::prelude::*;
 use system_tests::drives;
 
 use crate::following::{Following, Sight};
@@ -107,7 +108,7 @@ fn lines(counts: f64) -> Vec<Line> {
 
 #[test]
 fn the_machine_follows_with_a_third_of_a_tuned_pi_controllers_error_and_better_still_with_what_was_missing() {
-    let lines: Vec<Line> = [3600.0, 14_400.0].into_iter().flat_map(lines).collect();
+    let lines: Vec<Line> = [3600.0, 14_400.0].into_par_iter().flat_map_iter(lines).collect();
     table::compare(&lines);
     for found in &lines {
         let Line { name, following_mm, plain_mm, jumping_mm, .. } = found;

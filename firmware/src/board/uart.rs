@@ -2,6 +2,8 @@
 
 use core::convert::Infallible;
 
+use cortex_m::interrupt::InterruptNumber;
+use cortex_m::peripheral::NVIC;
 use embedded_io::{ErrorType, Read, Write};
 use volatile_register::{RO, RW};
 
@@ -20,12 +22,25 @@ const UART0: *const Registers = 0x4000_4000 as *const Registers;
 /// State: what is to be sent has not gone yet; something has arrived.
 const SENDING: u32 = 1;
 const ARRIVED: u32 = 1 << 1;
-/// Control: send and receive.
+/// Control: send and receive, and an interrupt where something has arrived.
 const BOTH_WAYS: u32 = 0b11;
+const TELL_ARRIVED: u32 = 1 << 3;
 /// Least divider of the clock: 1.56 Mbit/s at 25 MHz.
 const FASTEST: u32 = 16;
 
-/// The serial line, blocking.
+/// The interrupt where something has arrived. It is never taken: it ends a sleep.
+#[derive(Clone, Copy)]
+struct Arrival;
+
+#[expect(unsafe_code, reason = "the number that the boards have it at")]
+// SAFETY: `UART0`'s receiver is interrupt 0 of AN385 and AN386.
+unsafe impl InterruptNumber for Arrival {
+    fn number(self) -> u16 {
+        0
+    }
+}
+
+/// The serial line, blocking; it sleeps while it waits, so that the emulator leaves its core to the other end.
 pub struct Uart {
     registers: &'static Registers,
 }
@@ -47,8 +62,11 @@ impl Uart {
         // SAFETY: writing divider and control has no effect on memory.
         unsafe {
             registers.divider.write(FASTEST);
-            registers.control.write(BOTH_WAYS);
+            registers.control.write(BOTH_WAYS | TELL_ARRIVED);
         }
+        cortex_m::interrupt::disable();
+        // SAFETY: interrupts are off, none is taken.
+        unsafe { NVIC::unmask(Arrival) };
         Self { registers }
     }
 }
@@ -59,6 +77,7 @@ impl ErrorType for Uart {
 
 impl Read for Uart {
     /// Waits for one byte, then takes what else is there.
+    #[expect(unsafe_code, reason = "a write of the interrupt's register")]
     fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Self::Error> {
         let mut count = 0;
         for byte in bytes {
@@ -66,7 +85,12 @@ impl Read for Uart {
                 if count > 0 {
                     return Ok(count);
                 }
+                cortex_m::asm::wfi();
             }
+            // Before the byte is taken: the next one tells anew.
+            // SAFETY: clearing an interrupt has no effect on memory.
+            unsafe { self.registers.interrupt.write(ARRIVED) };
+            NVIC::unpend(Arrival);
             *byte = self.registers.data.read().to_le_bytes()[0];
             count += 1;
         }

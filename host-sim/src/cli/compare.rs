@@ -9,9 +9,8 @@ use rayon::prelude::*;
 
 use super::ending::{DRAWING, check_endings};
 use super::input::{self, MachineArguments};
-use super::target::{check_not_read, check_target};
+use super::target::{check_not_read, check_target, write};
 use super::{CliError, Console, Outcome, Tone};
-use crate::atomic;
 use crate::compare::{Arithmetic, Comparison, Section, compare_told, rows_simulated};
 use crate::judge;
 use crate::machine_file::{LoadSource, MachineFile};
@@ -63,8 +62,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let plan = plan(arguments, console)?;
     let comparisons = compared(&plan, &arguments.machine.machine, console)?;
     for (path, svg) in plan.plots.iter().zip(drawings(&plan, &comparisons)) {
-        atomic::write(path, |out| out.write_all(svg.as_bytes()))
-            .map_err(|cause| CliError::Write { path: path.clone(), cause })?;
+        write(path, svg)?;
     }
     let quiet = console.is_quiet();
     for note in

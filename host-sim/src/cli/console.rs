@@ -89,9 +89,14 @@ impl<'a> Console<'a> {
         self.beside == Some(Volume::Quiet)
     }
 
+    /// Whether anything is said beside the result.
+    fn talks(&self) -> bool {
+        matches!(self.beside, Some(Volume::Usual | Volume::Verbose))
+    }
+
     /// Says something beside the result, on standard error.
     pub fn note(&self, text: impl Display) {
-        if matches!(self.beside, Some(Volume::Usual | Volume::Verbose)) {
+        if self.talks() {
             // A closed standard error takes nothing from the result.
             let _ = writeln!(io::stderr(), "note: {text}");
         }
@@ -131,7 +136,7 @@ impl<'a> Console<'a> {
     fn shown(&self, bar: ProgressBar, template: &str, doing: &'static str) -> Progress {
         let verbose = self.beside == Some(Volume::Verbose);
         let began = Instant::now();
-        if !matches!(self.beside, Some(Volume::Usual | Volume::Verbose)) {
+        if !self.talks() {
             return Progress { bar: ProgressBar::hidden(), doing, began, verbose };
         }
         let bar = match ProgressStyle::with_template(template) {

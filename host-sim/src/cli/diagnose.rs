@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 
 use super::ending::{DOCUMENT, DRAWING, MACHINE, PAGE, check_endings};
 use super::input;
-use super::target::{check_not_read, check_target};
+use super::target::{check_not_read, check_target, write};
 use super::{CliError, Console, Outcome, Tone};
-use crate::atomic;
 use crate::diagnose::{Diagnosis, Verdict, diagnose, steps};
 use crate::exhibits::Exhibits;
 use crate::judge;
@@ -101,16 +100,16 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let exhibits = exhibits.map_err(|cause| failed(cause.into()))?;
 
     if let Some(path) = &arguments.json {
-        write(path, &format!("{:#}\n", json::document(&diagnosis, &exhibits)))?;
+        write(path, format!("{:#}\n", json::document(&diagnosis, &exhibits)))?;
     }
     if let Some(path) = &arguments.save_machine {
         saved(&plan.file, &diagnosis).save(path)?;
     }
     if let Some(path) = &plan.report {
-        write(path, &html::page(&diagnosis, &exhibits))?;
+        write(path, html::page(&diagnosis, &exhibits))?;
     }
     if let (Some(path), Some(shown)) = (&arguments.plot, diagnosis.example()) {
-        write(path, &html::overlay(&diagnosis, shown))?;
+        write(path, html::overlay(&diagnosis, shown))?;
     }
     let text = terminal::text(&diagnosis, &exhibits);
     let (verdict, rest) = text.split_once('\n').unwrap_or((text.as_str(), ""));
@@ -231,9 +230,4 @@ fn saved(file: &MachineFile, diagnosis: &Diagnosis) -> MachineFile {
     after.effects.extend(diagnosis.unnamed.as_ref().map(|_| "unnamed"));
     after.effects.extend(diagnosis.findings.iter().map(|finding| finding.effect.name));
     after
-}
-
-fn write(path: &Path, text: &str) -> Result<(), CliError> {
-    atomic::write(path, |out| out.write_all(text.as_bytes()))
-        .map_err(|cause| CliError::Write { path: path.to_owned(), cause })
 }

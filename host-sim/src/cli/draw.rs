@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::target::check_folder;
+use super::target::{check_folder, make_folder, write};
 use super::{CliError, Console, Outcome};
-use crate::atomic;
 use crate::testbed::draw::{self, Concealed, Lot};
 
 /// Arguments of `testbed draw`.
@@ -106,24 +105,15 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     for (id, truth, files) in cases.into_iter().flatten() {
         let folder = arguments.out.join(&id);
         refuse_others(&folder, &files)?;
-        fs::create_dir_all(&folder).map_err(failed(&folder))?;
+        make_folder(&folder)?;
         for (path, text) in &files {
             write(path, text)?;
         }
         console.print(folder.display())?;
         truths.push((id, truth));
     }
-    write(&arguments.out.join("truth.json"), &draw::to_json(&truths))?;
+    write(&arguments.out.join("truth.json"), draw::to_json(&truths))?;
     Ok(Outcome::Done)
-}
-
-fn failed(path: &Path) -> impl FnOnce(std::io::Error) -> CliError {
-    let path = path.to_owned();
-    move |cause| CliError::Write { path, cause }
-}
-
-fn write(path: &Path, text: &str) -> Result<(), CliError> {
-    atomic::write(path, |out| out.write_all(text.as_bytes())).map_err(failed(path))
 }
 
 /// Recordings of another lot in the folder would be taken for recordings of this case.

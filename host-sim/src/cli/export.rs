@@ -6,9 +6,8 @@ use model_core::machine::Tick;
 
 use super::ending::is_standard_output;
 use super::input::TickArgument;
-use super::target::{check_not_read, check_target};
+use super::target::{check_not_read, check_target, write};
 use super::{CliError, Console, Outcome};
-use crate::atomic;
 use crate::compare::Arithmetic;
 use crate::export::Constants;
 use crate::fmu::{self, Contents, Library, Settings};
@@ -96,8 +95,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         console.print(String::from_utf8_lossy(&bytes).trim_end())?;
         return Ok(Outcome::Done);
     }
-    atomic::write(&arguments.out, |out| out.write_all(&bytes))
-        .map_err(|cause| CliError::Write { path: arguments.out.clone(), cause })?;
+    write(&arguments.out, bytes)?;
     Ok(Outcome::Done)
 }
 

@@ -3,9 +3,8 @@
 use std::path::PathBuf;
 
 use super::ending::{TEXT, check_ending, is_standard_output};
-use super::target::{check_not_read, check_target};
+use super::target::{check_not_read, check_target, write};
 use super::{CliError, Console, Outcome};
-use crate::atomic;
 use crate::import;
 
 /// Arguments of `import`.
@@ -55,7 +54,6 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         console.print(csv.trim_end())?;
         return Ok(Outcome::Done);
     }
-    atomic::write(&arguments.out, |out| out.write_all(csv.as_bytes()))
-        .map_err(|cause| CliError::Write { path: arguments.out.clone(), cause })?;
+    write(&arguments.out, csv)?;
     Ok(Outcome::Done)
 }

@@ -8,9 +8,8 @@ use clap::{Arg, ArgMatches, Command};
 
 use super::ask::ask;
 use super::ending::{MACHINE, check_ending};
-use super::target::check_target;
+use super::target::{check_target, write};
 use super::{CliError, Console, Outcome};
-use crate::atomic;
 use crate::data_sheet::{self, Answers, Edges, Item, Need, Origin};
 use crate::machine_file;
 
@@ -99,8 +98,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let text = data_sheet::toml(&name, &made);
     // What cannot be read is not written: a mass of 1e30 kg.
     machine_file::read_text(&target.display().to_string(), &text)?;
-    atomic::write(target, |out| out.write_all(text.as_bytes()))
-        .map_err(|cause| CliError::Write { path: target.clone(), cause })?;
+    write(target, text)?;
 
     console.print(target.display())?;
     let assumed: Vec<&str> =

@@ -3,9 +3,8 @@
 use std::path::PathBuf;
 
 use super::ending::{DOCUMENT, check_endings};
-use super::target::{check_not_read, check_target};
+use super::target::{check_not_read, check_target, write};
 use super::{CliError, Console, Outcome, input};
-use crate::atomic;
 use crate::inspect::Inspection;
 use crate::machine_file;
 use crate::recording::ChannelMap;
@@ -58,9 +57,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let found: Vec<Inspection> = recordings.iter().map(inspected).collect();
     bar.finish_and_clear();
     if let Some(path) = &arguments.json {
-        let text = format!("{:#}\n", report::document(&found));
-        atomic::write(path, |out| out.write_all(text.as_bytes()))
-            .map_err(|cause| CliError::Write { path: path.clone(), cause })?;
+        write(path, format!("{:#}\n", report::document(&found)))?;
     }
     let texts: Vec<String> = found.iter().map(report::text).collect();
     console.print(texts.join("\n").trim_end())?;

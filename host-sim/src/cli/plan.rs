@@ -1,12 +1,11 @@
 //! `host-sim plan`: before recording, which effects could be seen and told apart, and how to excite the drive.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::ending::{DOCUMENT, DRAWING, TEXT, check_endings};
 use super::input;
-use super::target::{check_not_read, check_target};
+use super::target::{check_not_read, check_target, write};
 use super::{CliError, Console, Outcome};
-use crate::atomic;
 use crate::diagnose::ordinary;
 use crate::machine_file::{self, LoadSource, MachineFile};
 use crate::plan::{Planned, plan, steps};
@@ -111,10 +110,10 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         excitation(&plan.excitation)?.write_csv(path, &[], &[])?;
     }
     if let Some(path) = &arguments.json {
-        write(path, &format!("{:#}\n", report::plan::document(&file.name, &sensors, &plan)))?;
+        write(path, format!("{:#}\n", report::plan::document(&file.name, &sensors, &plan)))?;
     }
     if let Some(path) = &arguments.plot {
-        write(path, &plot::grid(&report::plan::matrix(&plan.best)))?;
+        write(path, plot::grid(&report::plan::matrix(&plan.best)))?;
     }
     console.print(report::plan::text(&file.name, &sensors, &plan).trim_end())?;
     Ok(Outcome::Done)
@@ -152,33 +151,25 @@ fn at_hand(arguments: &Arguments, file: &MachineFile, console: &Console<'_>) -> 
             .map_err(compared)?;
         let sensors = prepared.channels.iter().map(|channel| Sensor { signal: channel.signal, noise: channel.noise });
         let sensors = sensors.collect();
-        let commands = recording.signal(Signal::Command).unwrap_or_default();
-        let largest_v = commands.iter().fold(0.0_f64, |largest, volts| largest.max(volts.abs()));
+        let largest_v = largest(recording.signal(Signal::Command).unwrap_or_default());
         return Ok(Some(AtHand { stimulus: prepared.stimulus, largest_v, sensors }));
     }
     let Some(text) = &arguments.input else { return Ok(None) };
     let signal: Excitation = text.parse()?;
     let tick = Tick::OneMillisecond;
-    let command_v = signal.sample(tick.seconds());
-    let largest_v = command_v.iter().fold(0.0_f64, |largest, volts| largest.max(volts.abs()));
-    let test = StandardTest {
-        name: "the input",
-        how: text.clone(),
-        interval_s: tick.seconds(),
-        command_v,
-        load_n: Vec::new(),
-    };
-    let recording = Recording::new(test.name, test.columns().collect())?;
+    let test = StandardTest::of_input(&signal, text, tick);
+    let largest_v = largest(&test.command_v);
+    let recording = test.recording(&file.machine)?;
     let stimulus = Stimulus::new(&recording, &file.machine, EntryPoint::Command, LoadSource::Constant, tick);
     Ok(Some(AtHand { stimulus: stimulus.map_err(failed)?, largest_v, sensors: Vec::new() }))
+}
+
+/// V.
+fn largest(command_v: &[f64]) -> f64 {
+    command_v.iter().fold(0.0, |largest, volts| largest.max(volts.abs()))
 }
 
 /// Time and command, and the load where there is one, for the controller to play.
 fn excitation(test: &StandardTest) -> Result<Recording, CliError> {
     Ok(Recording::new(test.name, test.columns().collect())?)
-}
-
-fn write(path: &Path, text: &str) -> Result<(), CliError> {
-    atomic::write(path, |out| out.write_all(text.as_bytes()))
-        .map_err(|cause| CliError::Write { path: path.to_owned(), cause })
 }

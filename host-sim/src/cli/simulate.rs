@@ -3,18 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use model_core::machine::{Machine, Source, Tick};
-use model_core::parameter::Parameter;
 
 use super::ending::{DRAWING, RECORDING, check_endings, is_standard_output};
 use super::input::{self, MachineArguments};
-use super::target::{check_not_read, check_target};
+use super::target::{check_not_read, check_target, write};
 use super::{CliError, Console, Outcome};
-use crate::atomic;
 use crate::compare::{Arithmetic, judged};
 use crate::machine_file::LoadSource;
 use crate::plot;
 use crate::recording::{Column, Recording, Series, Signal};
 use crate::simulate::{EntryPoint, SimulateError, StartOffset, Stimulus, Trajectory, first_entry, natural_tick};
+use crate::standard_tests::StandardTest;
 use crate::testbed::Excitation;
 
 /// Arguments of `simulate`.
@@ -95,8 +94,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         None => written(&response(&plan.recording, &simulated)?, &arguments.out, &[], &[], console)?,
     }
     if let Some((path, svg)) = drawing {
-        atomic::write(path, |out| out.write_all(svg.as_bytes()))
-            .map_err(|cause| CliError::Write { path: path.clone(), cause })?;
+        write(path, svg)?;
     }
     Ok(Outcome::Done)
 }
@@ -128,31 +126,19 @@ fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> 
     let (recording, load) = if let Some(path) = &arguments.recording {
         (input::recording(path, &channels, console)?, file.load_source)
     } else {
-        let excitation: Excitation = arguments.input.as_deref().unwrap_or_default().parse()?;
+        let input = arguments.input.as_deref().unwrap_or_default();
+        let excitation: Excitation = input.parse()?;
         if machine.source != Source::Valve {
             let (machine, source_of_drive) = (arguments.machine.machine.clone(), machine.source);
             return Err(CliError::NeedsValve { machine, source_of_drive, what: "--input" });
         }
-        (excited(&machine, &excitation, asked.unwrap_or(Tick::OneMillisecond))?, LoadSource::Constant)
+        let test = StandardTest::of_input(&excitation, input, asked.unwrap_or(Tick::OneMillisecond));
+        (test.recording(&machine)?, LoadSource::Constant)
     };
     let entry = first_entry(machine.source, &recording)
         .map_err(|cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause })?;
     let tick = asked.unwrap_or_else(|| natural_tick(&recording));
     Ok(Plan { name: file.name, machine, load, recording, entry, tick, arithmetic: arguments.machine.arithmetic })
-}
-
-/// A recording of the command alone; the rod starts at mid-stroke.
-fn excited(machine: &Machine<f64>, excitation: &Excitation, tick: Tick) -> Result<Recording, CliError> {
-    let command_v = excitation.sample(tick.seconds());
-    // Times to the nanosecond: 0.003 and not 0.0030000000000000001.
-    let time_s = (0..command_v.len()).map(|k| (k as f64 * tick.seconds() * 1e9).round() / 1e9).collect();
-    let position_m = vec![0.5 * machine.get(Parameter::Stroke); command_v.len()];
-    let columns = vec![
-        Column::si(Signal::Time, time_s),
-        Column::si(Signal::Command, command_v),
-        Column::si(Signal::Position, position_m),
-    ];
-    Ok(Recording::new("the input", columns)?)
 }
 
 /// The command and every signal that follows from it, in SI units.

@@ -3,9 +3,8 @@
 use std::path::PathBuf;
 
 use super::ending::{DOCUMENT, DRAWING, check_endings};
-use super::target::{check_not_read, check_target};
+use super::target::{check_not_read, check_target, write};
 use super::{CliError, Console, Outcome};
-use crate::atomic;
 use crate::recording::Table;
 use crate::report::statics as report;
 use crate::statics::{Columns, StaticsError, analyse, means};
@@ -66,18 +65,14 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     };
     let table = table(arguments)?;
     let statics = analyse(&table, &columns)?;
-    let write = |path: &PathBuf, text: &str| {
-        atomic::write(path, |out| out.write_all(text.as_bytes()))
-            .map_err(|cause| CliError::Write { path: path.clone(), cause })
-    };
     if let Some(path) = &arguments.json {
-        write(path, &format!("{:#}\n", report::document(&statics)))?;
+        write(path, format!("{:#}\n", report::document(&statics)))?;
     }
     if let Some(path) = &arguments.plot {
         let values = |header: &str| table.column(header).map(|(_, values)| values);
         let (input, output) = (values(&columns.input), values(&columns.output));
         let (input, output) = (input.map_err(StaticsError::from)?, output.map_err(StaticsError::from)?);
-        write(path, &report::drawing(&statics, input, output))?;
+        write(path, report::drawing(&statics, input, output))?;
     }
     for note in &table.notes {
         console.note(format_args!("{}: {note}", table.name()));

@@ -1,5 +1,6 @@
 //! The files that a command will write, checked before it begins: a long run must not end without its result.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::CliError;
@@ -10,12 +11,23 @@ pub(super) fn check_target(path: &Path) -> Result<(), CliError> {
     atomic::check(path).map_err(|cause| CliError::Write { path: path.to_owned(), cause })
 }
 
+/// Writes a file whole or not at all.
+pub(super) fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
+    atomic::write(path, |out| out.write_all(bytes.as_ref()))
+        .map_err(|cause| CliError::Write { path: path.to_owned(), cause })
+}
+
 /// Checks that files could be written now into this folder, or into one that is made there. Nothing is left there.
 pub(super) fn check_folder(folder: &Path) -> Result<(), CliError> {
     // The empty path stands for where the program runs.
     let is_there = |place: &&Path| place.as_os_str().is_empty() || place.exists();
     let place = folder.ancestors().find(is_there).unwrap_or(folder);
     atomic::check(&place.join("any")).map_err(|cause| CliError::Write { path: folder.to_owned(), cause })
+}
+
+/// Makes a folder and those above it, where they are not there.
+pub(super) fn make_folder(folder: &Path) -> Result<(), CliError> {
+    fs::create_dir_all(folder).map_err(|cause| CliError::Write { path: folder.to_owned(), cause })
 }
 
 /// Checks that a file to write is none of those that are read, by whatever names.

@@ -9,9 +9,8 @@ use rayon::prelude::*;
 
 use super::draw;
 use super::input::TickArgument;
-use super::target::check_folder;
+use super::target::{check_folder, make_folder, write};
 use super::{CliError, Console, Outcome};
-use crate::atomic;
 use crate::machine_file::{self, MachineFile};
 use crate::noise::extent;
 use crate::recording::Format;
@@ -119,13 +118,9 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     // Everything is made before the first file is written.
     let machine = out.join("machine.toml");
     let toml = plan.file.to_text(&machine.display().to_string())?;
-    let failed = |path: &Path| {
-        let path = path.to_owned();
-        move |cause| CliError::Write { path, cause }
-    };
-    fs::create_dir_all(out).map_err(failed(out))?;
+    make_folder(out)?;
     for (path, text) in made.iter().chain([&(machine, toml)]) {
-        atomic::write(path, |out| out.write_all(text.as_bytes())).map_err(failed(path))?;
+        write(path, text)?;
     }
     for (path, _) in &made {
         console.print(path.display())?;

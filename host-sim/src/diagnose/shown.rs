@@ -86,6 +86,11 @@ impl Diagnosis {
         !self.findings.is_empty() || self.unnamed.is_some()
     }
 
+    /// What the model before is called: where none comes after, it is the model.
+    pub(crate) fn before_is_called(&self) -> &'static str {
+        if self.changes() { "before" } else { "refitted" }
+    }
+
     /// The recording to show first: a held-out one where there is one.
     #[must_use]
     pub fn example(&self) -> Option<&Shown> {

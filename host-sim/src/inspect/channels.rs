@@ -2,7 +2,7 @@
 
 use crate::failure::Failures;
 use crate::noise::{extent, noise, resolution};
-use crate::presentation::unit_for_people;
+use crate::presentation::unit_of;
 use crate::recording::{Column, Signal, Unit};
 
 /// What was found in one column.
@@ -12,7 +12,7 @@ pub struct FoundColumn {
     pub signal: Signal,
     /// Its header in the file.
     pub header: String,
-    /// The unit in which people read it; of a command V or mA.
+    /// The unit in which people read it.
     pub unit: Unit,
     /// Lowest value, SI.
     pub low: f64,
@@ -38,7 +38,7 @@ impl FoundColumn {
         Self {
             signal: column.signal,
             header: column.header.clone(),
-            unit: unit(column),
+            unit: unit_of(column),
             low,
             high,
             noise: measured.then(|| noise(values, step)),
@@ -51,22 +51,9 @@ impl FoundColumn {
         }
     }
 
-    /// The unit of its values here.
-    #[must_use]
-    pub fn si_unit(&self) -> Unit {
-        Unit::si(self.unit.dimension())
-    }
-
     /// Whether it holds one value in every row.
     #[must_use]
     pub fn is_constant(&self) -> bool {
         self.low >= self.high
     }
-}
-
-/// The unit in which people read a column: a current is no voltage.
-pub(super) fn unit(column: &Column) -> Unit {
-    let usual = unit_for_people(column.signal);
-    let measures = column.unit.dimension();
-    if measures == usual.dimension() { usual } else { Unit::si(measures) }
 }

@@ -3,10 +3,10 @@
 use model_core::machine::{Machine, Source};
 use model_core::parameter::Parameter;
 
-use super::channels::{FoundColumn, unit};
+use super::channels::FoundColumn;
 use crate::failure::{Failures, bridged};
 use crate::noise::{extent, noise, resolution};
-use crate::presentation::{significant, unit_for_people};
+use crate::presentation::{significant, unit_for_people, unit_of};
 use crate::recording::{Recording, Signal, Unit};
 use crate::slope::slopes;
 use crate::window::rows_in;
@@ -25,7 +25,8 @@ const LITTLE_TRAVEL: f64 = 0.2;
 pub struct Opened {
     /// The measured slider, or the command where no slider is.
     pub by: Signal,
-    /// The unit in which people read it: of the slider, measured or as the machine file has it by the command; or of the command.
+    /// The unit in which people read `low` and `high`: that of a slider position, or the command's own where no machine file tells
+    /// where a command puts the slider.
     pub unit: Unit,
     /// Lowest slider position, 1; of a command without machine file, V or mA.
     pub low: f64,
@@ -105,14 +106,17 @@ impl Excited {
 fn opened(recording: &Recording, machine: Option<&Machine<f64>>) -> Option<Opened> {
     let machine = machine.filter(|machine| machine.source == Source::Valve);
     let get = |parameter| machine.map(|machine| machine.get(parameter));
-    let slider = unit_for_people(Signal::Spool);
+    let position = unit_for_people(Signal::Spool);
     let (by, unit, values) = if let Some(spool) = recording.signal(Signal::Spool) {
-        (Signal::Spool, slider, spool.to_vec())
+        (Signal::Spool, position, spool.to_vec())
     } else {
-        let column = recording.column(Signal::Command)?;
-        let (gain, offset) = (get(Parameter::ValveGain).unwrap_or(1.0), get(Parameter::ValveOffset).unwrap_or(0.0));
-        let unit = if machine.is_some() { slider } else { unit(column) };
-        (Signal::Command, unit, column.values.iter().map(|volts| gain * volts + offset).collect())
+        let command = recording.column(Signal::Command)?;
+        match (get(Parameter::ValveGain), get(Parameter::ValveOffset)) {
+            (Some(gain), Some(offset)) => {
+                (Signal::Command, position, command.values.iter().map(|value| gain * value + offset).collect())
+            }
+            _ => (Signal::Command, unit_of(command), command.values.clone()),
+        }
     };
     let (low, high) = extent(&values);
     let share = |beyond: &dyn Fn(f64) -> bool| {

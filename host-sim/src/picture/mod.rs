@@ -13,6 +13,7 @@ use model_core::parameter::Fallback;
 
 use crate::diagnose::Diagnosis;
 use crate::hypothesis::Hypothesis;
+use crate::noise::quantile;
 use crate::plot::{Figure, Layer, Marks, RangeBin, Style};
 use crate::recording::Recording;
 
@@ -150,17 +151,8 @@ fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
 
 /// Without the few that lie far off the others in y: they would flatten what is to be seen.
 fn within(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
-    if points.is_empty() {
-        return points;
-    }
-    let mut values: Vec<f64> = points.iter().map(|point| point.1).collect();
-    values.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a rank")]
-        let rank = (share * (values.len() - 1) as f64).round() as usize;
-        values[rank]
-    };
-    let (low, high) = (at(0.02), at(0.98));
+    let at = |share: f64| quantile(points.iter().map(|point| point.1).collect(), share);
+    let (Some(low), Some(high)) = (at(0.02), at(0.98)) else { return points };
     let air = 0.5 * (high - low);
     points.into_iter().filter(|point| point.1 >= low - air && point.1 <= high + air).collect()
 }

@@ -38,7 +38,8 @@ impl Leg {
     ) -> Result<Option<Self>, MachineError> {
         let test = brought_back(test, machine, largest_v, tick)?;
         let Some(stimulus) = test.stimulus(machine, tick) else { return Ok(None) };
-        let products = Products::of(machine, &directions.all, &View { stimulus: &stimulus, sensors })?;
+        let changes = View { stimulus: &stimulus, sensors }.changes(machine, &directions.all)?;
+        let products = Products::of(&changes, stimulus.rows());
         Ok(Some(Self { test, products }))
     }
 }

@@ -72,15 +72,24 @@ impl Isolability {
         }
     }
 
-    /// Effects that would pass for others, each with those that it could be taken for.
-    pub fn confused(&self, truth: usize) -> impl Iterator<Item = usize> + '_ {
+    /// Effects that would be claimed as they usually are.
+    pub fn claimed(&self) -> impl Iterator<Item = usize> + '_ {
+        self.claimed.iter().enumerate().filter(|(_, claimed)| **claimed).map(|(effect, _)| effect)
+    }
+
+    /// Pairs (what is there, what it would pass for) of those.
+    pub fn confused(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.claimed().flat_map(|truth| self.rivals(truth).map(move |rival| (truth, rival)))
+    }
+
+    /// What an effect would pass for.
+    pub fn rivals(&self, truth: usize) -> impl Iterator<Item = usize> + '_ {
         self.told[truth].iter().enumerate().filter(|(_, told)| !**told).map(|(rival, _)| rival)
     }
 
     /// How much is told: effects that are claimed and the pairs of them, and, where these are equal, by how far.
     pub(super) fn worth(&self) -> (usize, f64) {
-        let claimed = self.claimed.iter().enumerate().filter(|(_, claimed)| **claimed).map(|(effect, _)| effect);
-        claimed.fold((0, 0.0), |(count, far), truth| {
+        self.claimed().fold((0, 0.0), |(count, far), truth| {
             let told = self.told[truth].iter().filter(|told| **told).count();
             let by: f64 = self.left[truth].iter().map(|left| left.ln_1p()).sum();
             (count + told, far + by)

@@ -29,7 +29,7 @@ use course::{Leg, best, joined};
 use directions::Directions;
 pub use isolability::Isolability;
 use isolability::needed;
-use products::{Products, Seen, View};
+use products::{Changes, Products, View};
 
 /// What is planned for.
 #[derive(Clone, Debug)]
@@ -116,18 +116,6 @@ pub struct Outlook {
     pub effects: Vec<Prospect>,
     /// The same effects against each other.
     pub isolability: Isolability,
-}
-
-impl Outlook {
-    /// Effects that would be claimed as they usually are.
-    pub fn claimed(&self) -> impl Iterator<Item = usize> + '_ {
-        self.isolability.claimed.iter().enumerate().filter(|(_, claimed)| **claimed).map(|(effect, _)| effect)
-    }
-
-    /// Pairs (what is there, what it would pass for) of those.
-    pub fn confused(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        self.claimed().flat_map(|truth| self.isolability.confused(truth).map(move |rival| (truth, rival)))
-    }
 }
 
 /// A sensor that is not there, and what it would add.
@@ -245,11 +233,12 @@ struct Judge<'a> {
 impl Judge<'_> {
     fn outlook(&self, stimulus: &Stimulus, at_hand: &[usize]) -> Result<(Outlook, Products), PlanError> {
         let view = View { stimulus, sensors: self.sensors };
-        let products = Products::of(self.scene.machine, &self.directions.all, &view)?;
+        let changes = view.changes(self.scene.machine, &self.directions.all)?;
+        let products = Products::of(&changes, stimulus.rows());
         let (over, samples) = products.over(at_hand);
         let isolability = Isolability::of(self.directions, &over, samples);
         let near = View { stimulus, sensors: &self.sensors[..at_hand.len()] };
-        let scale = Scale::of(self.scene.machine, self.directions, &near)?;
+        let scale = Scale::of(&near, &changes, self.directions.ordinary);
         let effects = self
             .directions
             .effects
@@ -294,10 +283,8 @@ impl Judge<'_> {
                 let wider: Vec<usize> = at_hand.iter().copied().chain([further]).collect();
                 let (over, samples) = products.over(&wider);
                 let isolability = Isolability::of(self.directions, &over, samples);
-                let claimed: Vec<usize> =
-                    (0..self.directions.effects.len()).filter(|&effect| isolability.claimed[effect]).collect();
-                let confused = claimed.iter().map(|&truth| isolability.confused(truth).count()).sum();
-                Addition { sensor: self.sensors[further], claimed: claimed.len(), confused }
+                let (claimed, confused) = (isolability.claimed().count(), isolability.confused().count());
+                Addition { sensor: self.sensors[further], claimed, confused }
             })
             .collect();
         let told = |addition: &Addition| addition.claimed * (self.directions.effects.len() - 1) - addition.confused;
@@ -309,29 +296,23 @@ impl Judge<'_> {
 /// How far a machine is from the one as it is, once the ordinary parameters have settled.
 struct Scale<'a> {
     view: &'a View<'a>,
-    base: Seen,
+    base: &'a [DVector<f64>],
     /// Changes by the ordinary parameters and the start, a matrix a sensor.
     ordinary: Vec<DMatrix<f64>>,
     inverse: DMatrix<f64>,
 }
 
 impl<'a> Scale<'a> {
-    fn of(machine: &Machine<f64>, directions: &Directions, view: &'a View<'a>) -> Result<Self, MachineError> {
-        let base = view.of(machine, StartOffset::none())?;
-        let count = directions.ordinary;
-        let mut ordinary: Vec<DMatrix<f64>> = base.iter().map(|seen| DMatrix::zeros(seen.len(), count)).collect();
-        for (index, direction) in directions.all[..count].iter().enumerate() {
-            let Ok(there) = view.of(&direction.machine, direction.offset) else { continue };
-            for (columns, (there, base)) in ordinary.iter_mut().zip(there.iter().zip(&base)) {
-                columns.set_column(index, &((there - base) * direction.times));
-            }
-        }
+    /// By what the first `count` directions change in the view's sensors, the first of those that changes were seen by.
+    fn of(view: &'a View<'a>, changes: &'a Changes, count: usize) -> Self {
+        let base = &changes.base[..view.sensors.len()];
+        let ordinary: Vec<DMatrix<f64>> = (0..base.len()).map(|sensor| changes.columns(0..count, sensor)).collect();
         let mut own = DMatrix::identity(count, count);
         for columns in &ordinary {
             own += columns.tr_mul(columns);
         }
         let inverse = own.try_inverse().unwrap_or_else(|| DMatrix::zeros(count, count));
-        Ok(Self { view, base, ordinary, inverse })
+        Self { view, base, ordinary, inverse }
     }
 
     /// In standard deviations of the noise; `None` where the machine does not become a drive.
@@ -339,7 +320,7 @@ impl<'a> Scale<'a> {
         let there = self.view.of(machine, StartOffset::none()).ok()?;
         let mut square = 0.0;
         let mut across = DVector::zeros(self.inverse.nrows());
-        for ((there, base), columns) in there.iter().zip(&self.base).zip(&self.ordinary) {
+        for ((there, base), columns) in there.iter().zip(self.base).zip(&self.ordinary) {
             let change = there - base;
             square += change.norm_squared();
             across += columns.tr_mul(&change);

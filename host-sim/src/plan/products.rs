@@ -40,6 +40,43 @@ impl View<'_> {
         })?;
         Ok(series.into_iter().map(DVector::from_vec).collect())
     }
+
+    /// Simulates the machine as it is and in every direction.
+    pub(super) fn changes(&self, machine: &Machine<f64>, directions: &[Direction]) -> Result<Changes, MachineError> {
+        let base = self.of(machine, StartOffset::none())?;
+        let each = directions
+            .par_iter()
+            .map(|direction| {
+                let there = self.of(&direction.machine, direction.offset).ok()?;
+                let change = there.into_iter().zip(&base).map(|(there, base)| (there - base) * direction.times);
+                Some(change.collect())
+            })
+            .collect();
+        Ok(Changes { base, each })
+    }
+}
+
+/// What every direction changes.
+#[derive(Debug)]
+pub(super) struct Changes {
+    /// The machine as it is.
+    pub(super) base: Seen,
+    /// Each direction beside it; one that does not become a drive changes nothing.
+    each: Vec<Option<Seen>>,
+}
+
+impl Changes {
+    /// Those of some directions in one sensor, a column each.
+    pub(super) fn columns(&self, directions: std::ops::Range<usize>, sensor: usize) -> DMatrix<f64> {
+        let each = &self.each[directions];
+        let mut columns = DMatrix::zeros(self.base[sensor].len(), each.len());
+        for (mut column, change) in columns.column_iter_mut().zip(each) {
+            if let Some(change) = change {
+                column.copy_from(&change[sensor]);
+            }
+        }
+        columns
+    }
 }
 
 /// Products of all directions, a matrix a sensor.
@@ -51,28 +88,13 @@ pub(super) struct Products {
 }
 
 impl Products {
-    /// Simulates every direction. One that does not become a drive changes nothing.
-    pub(super) fn of(machine: &Machine<f64>, directions: &[Direction], view: &View<'_>) -> Result<Self, MachineError> {
-        let base = view.of(machine, StartOffset::none())?;
-        let changes: Vec<Option<Seen>> = directions
-            .par_iter()
-            .map(|direction| {
-                let there = view.of(&direction.machine, direction.offset).ok()?;
-                let change = there.into_iter().zip(&base).map(|(there, base)| (there - base) * direction.times);
-                Some(change.collect())
-            })
-            .collect();
-        let by_sensor = (0..view.sensors.len()).into_par_iter().map(|sensor| {
-            let rows = base[sensor].len();
-            let mut columns = DMatrix::zeros(rows, directions.len());
-            for (mut column, change) in columns.column_iter_mut().zip(&changes) {
-                if let Some(change) = change {
-                    column.copy_from(&change[sensor]);
-                }
-            }
+    /// Of what every direction changes in an excitation of so many rows.
+    pub(super) fn of(changes: &Changes, rows: usize) -> Self {
+        let by_sensor = (0..changes.base.len()).into_par_iter().map(|sensor| {
+            let columns = changes.columns(0..changes.each.len(), sensor);
             columns.tr_mul(&columns)
         });
-        Ok(Self { by_sensor: by_sensor.collect(), rows: view.stimulus.rows() as f64 })
+        Self { by_sensor: by_sensor.collect(), rows: rows as f64 }
     }
 
     /// Those of several excitations together.

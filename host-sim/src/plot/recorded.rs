@@ -1,7 +1,7 @@
 //! The panels of a recording beside its simulation.
 
 use super::{Panel, Style, Trace};
-use crate::presentation::{percent, unit_for_people};
+use crate::presentation::{percent, unit_for_people, unit_of};
 use crate::recording::{Recording, Signal};
 use crate::residual::SignalFit;
 use crate::simulate::{EntryPoint, Trajectory};
@@ -11,12 +11,13 @@ use crate::simulate::{EntryPoint, Trajectory};
 #[must_use]
 pub fn panels(recording: &Recording, entry: EntryPoint, simulated: &Trajectory, judged: &[Signal]) -> Vec<Panel> {
     let time_s = recording.time_s();
+    let unit_in = |signal: Signal| recording.column(signal).map_or_else(|| unit_for_people(signal), unit_of);
     let readable = |signal: Signal, values: &[f64]| -> Vec<f64> {
-        let unit = unit_for_people(signal);
+        let unit = unit_in(signal);
         values.iter().map(|value| unit.from_si(*value)).collect()
     };
     let empty = |signal: Signal| {
-        let unit = unit_for_people(signal);
+        let unit = unit_in(signal);
         let unit = if signal == Signal::Spool { "% of travel" } else { unit.symbol() };
         Panel::new(title(signal), unit, time_s.to_vec())
     };

@@ -62,7 +62,7 @@ impl Recording {
         path: &Path,
         replaced: &[Series<'_>],
         added: &[Series<'_>],
-        packed: fn(&Sheet) -> io::Result<Vec<u8>>,
+        packed: fn(&Sheet<'_>) -> io::Result<Vec<u8>>,
     ) -> Result<(), RecordingError> {
         let bytes = packed(&self.checked(path, replaced, added)?);
         atomic::write(path, |out| out.write_all(&bytes?))
@@ -70,7 +70,12 @@ impl Recording {
     }
 
     /// What is to be written, once every series is as long as the recording and finite.
-    fn checked(&self, path: &Path, replaced: &[Series<'_>], added: &[Series<'_>]) -> Result<Sheet, RecordingError> {
+    fn checked<'a>(
+        &'a self,
+        path: &Path,
+        replaced: &[Series<'a>],
+        added: &[Series<'a>],
+    ) -> Result<Sheet<'a>, RecordingError> {
         let place = || Place::file(&path.display().to_string());
         for &(signal, values) in replaced.iter().chain(added) {
             let header = signal.name().to_owned();
@@ -85,35 +90,30 @@ impl Recording {
         Ok(self.sheet(replaced, added))
     }
 
-    /// Every row of the file with what it holds now, column by column.
-    fn sheet(&self, replaced: &[Series<'_>], added: &[Series<'_>]) -> Sheet {
+    /// The columns of the file with what they hold now, and those that are added.
+    fn sheet<'a>(&'a self, replaced: &[Series<'a>], added: &[Series<'a>]) -> Sheet<'a> {
         let own = self.columns.iter().enumerate().map(|(index, column)| {
             let new = replaced.iter().find(|(signal, _)| *signal == column.signal);
             let (values, cell) = new.map_or((column.values.as_slice(), Some(index)), |(_, values)| (*values, None));
-            (column.header.clone(), column.unit, values, cell)
+            Written { recording: self, header: column.header.clone(), unit: column.unit, values, cell }
         });
         let further = added.iter().map(|&(signal, values)| {
             let unit = signal.si_unit();
-            (format!("{signal} [{unit}]"), unit, values, None)
+            Written { recording: self, header: format!("{signal} [{unit}]"), unit, values, cell: None }
         });
-        let columns = own.chain(further).map(|(header, unit, values, cell)| {
-            let mut si = Vec::with_capacity(values.len() + self.left_out.after.len());
-            let cells = self.left_out.cells.chunks_exact(self.columns.len());
-            let mut left_out = self.left_out.after.iter().zip(cells).peekable();
-            for row in 0..=self.rows() {
-                while let Some((_, cells)) = left_out.next_if(|(after, _)| **after == row) {
-                    si.push(if let Some(index) = cell {
-                        cells[index]
-                    } else {
-                        let at = cells[0].and_then(|time| self.between(time));
-                        at.map(|(row, share)| mixed(values, row, share))
-                    });
-                }
-                si.extend(values.get(row).copied().map(Some));
+        Sheet { recording: self, columns: own.chain(further).collect() }
+    }
+
+    /// The rows of the file in their order.
+    fn rows_of_the_file(&self) -> impl Iterator<Item = Row> {
+        let mut left_out = self.left_out.after.iter().enumerate().peekable();
+        (0..=self.rows()).flat_map(move |row| {
+            let mut rows = Vec::new();
+            while let Some((index, _)) = left_out.next_if(|(_, after)| **after == row) {
+                rows.push(Row::LeftOut(index));
             }
-            Written { header, unit, si }
-        });
-        Sheet { columns: columns.collect() }
+            rows.into_iter().chain((row < self.rows()).then_some(Row::Read(row)))
+        })
     }
 
     /// The row at or before a time, and the share of the way to the next one.
@@ -131,34 +131,62 @@ impl Recording {
 pub type Series<'a> = (Signal, &'a [f64]);
 
 /// A table as it is written.
-pub(super) struct Sheet {
-    pub(super) columns: Vec<Written>,
+pub(super) struct Sheet<'a> {
+    recording: &'a Recording,
+    pub(super) columns: Vec<Written<'a>>,
 }
 
 /// A column as it is written.
-pub(super) struct Written {
+pub(super) struct Written<'a> {
+    recording: &'a Recording,
     pub(super) header: String,
     pub(super) unit: Unit,
-    /// The value of each row, SI.
-    si: Vec<Option<f64>>,
+    /// SI, one for each row that was read.
+    values: &'a [f64],
+    /// Its place among the cells of a row that was left out, where it has one there.
+    cell: Option<usize>,
 }
 
-impl Written {
+/// A row of the file.
+#[derive(Clone, Copy)]
+enum Row {
+    /// One that was read, by its place among them.
+    Read(usize),
+    /// One that was left out, by its place among them.
+    LeftOut(usize),
+}
+
+impl Written<'_> {
+    /// Its value in a row, SI.
+    fn si(&self, row: Row) -> Option<f64> {
+        let index = match row {
+            Row::Read(row) => return Some(self.values[row]),
+            Row::LeftOut(index) => index,
+        };
+        let width = self.recording.columns.len();
+        let cells = &self.recording.left_out.cells[index * width..][..width];
+        if let Some(cell) = self.cell {
+            return cells[cell];
+        }
+        let (row, share) = self.recording.between(cells[0]?)?;
+        Some(mixed(self.values, row, share))
+    }
+
     /// The value of each row in the column's unit: the number that stands in a text, to the bit.
     #[cfg(any(feature = "mat", feature = "parquet"))]
     pub(super) fn values(&self) -> impl Iterator<Item = Option<f64>> {
-        self.si.iter().map(|value| value.and_then(|value| self.unit.print(value).parse().ok()))
+        self.recording.rows_of_the_file().map(|row| self.si(row).and_then(|si| self.unit.print(si).parse().ok()))
     }
 }
 
-impl Sheet {
+impl Sheet<'_> {
     fn write_csv(&self, out: &mut dyn Write) -> io::Result<()> {
         let headers: Vec<String> = self.columns.iter().map(|column| quoted(&column.header)).collect();
         writeln!(out, "{}", headers.join(","))?;
-        for row in 0..self.columns.first().map_or(0, |column| column.si.len()) {
+        for row in self.recording.rows_of_the_file() {
             for (index, column) in self.columns.iter().enumerate() {
                 let separator = if index == 0 { "" } else { "," };
-                let text = column.si[row].map_or_else(String::new, |value| column.unit.print(value));
+                let text = column.si(row).map_or_else(String::new, |si| column.unit.print(si));
                 write!(out, "{separator}{text}")?;
             }
             writeln!(out)?;

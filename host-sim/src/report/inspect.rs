@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::inspect::{FoundColumn, Inspection, LinkTest, Reach};
 use crate::presentation::{TABLE, difference, significant};
-use crate::recording::Signal;
+use crate::recording::{Dimension, Signal, Unit};
 use crate::simulate::EntryPoint;
 
 /// The text of one recording.
@@ -41,15 +41,13 @@ pub fn text(found: &Inspection) -> String {
     }
     if let Some(opened) = found.excited.opened {
         let unit = opened.unit;
-        let by = if opened.by == Signal::Command && opened.beyond.is_some() { "opening by " } else { "" };
-        let shown = |value: f64| unit.from_si(value);
-        let _ = write!(
-            text,
-            "excited    {by}{} {} … {} {unit}",
-            opened.by,
-            significant(shown(opened.low), 3),
-            significant(shown(opened.high), 3)
-        );
+        let shown = |value: f64| significant(unit.from_si(value), 3);
+        let puts = if opened.by == Signal::Command && unit.dimension() == Dimension::Ratio {
+            " puts the slider at"
+        } else {
+            ""
+        };
+        let _ = write!(text, "excited    {}{puts} {} … {} {unit}", opened.by, shown(opened.low), shown(opened.high));
         let _ = match opened.beyond {
             Some((retracting, extending)) => writeln!(
                 text,
@@ -144,7 +142,7 @@ pub fn document(found: &[Inspection]) -> Value {
 fn recording(found: &Inspection) -> Value {
     let channel = |channel: &FoundColumn| {
         json!({
-            "signal": channel.signal.name(), "header": channel.header, "unit": channel.si_unit().symbol(),
+            "signal": channel.signal.name(), "header": channel.header, "unit": Unit::si(channel.unit.dimension()).symbol(),
             "low": channel.low, "high": channel.high, "noise": channel.noise, "step": channel.step,
             "failed_rows": channel.failed,
         })

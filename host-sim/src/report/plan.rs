@@ -22,7 +22,7 @@ pub fn text(name: &str, sensors: &[Sensor], plan: &Plan) -> String {
     let _ = write!(text, "\nwith {}, {}:\n", plan.excitation.name, summary(&plan.best));
     let _ = writeln!(text, "  {}", plan.tests.join(", then "));
     let _ = writeln!(text, "{}", table(&plan.best));
-    let (claimed, confused) = (plan.best.claimed().count(), plan.best.confused().count());
+    let (claimed, confused) = (plan.best.isolability.claimed().count(), plan.best.isolability.confused().count());
     for addition in &plan.additions {
         if addition.claimed > claimed || addition.confused < confused {
             let sensor = shown(&addition.sensor);
@@ -51,11 +51,11 @@ fn shown(sensor: &Sensor) -> String {
 }
 
 fn summary(outlook: &Outlook) -> String {
-    let (claimed, of) = (outlook.claimed().count(), outlook.effects.len());
+    let (claimed, of) = (outlook.isolability.claimed().count(), outlook.effects.len());
     let duration = significant(outlook.duration_s, 3);
     format!(
         "{duration} s: {claimed} of {of} effects would be claimed, {} of them mixed up",
-        pairs(outlook.confused().count())
+        pairs(outlook.isolability.confused().count())
     )
 }
 
@@ -69,7 +69,7 @@ fn table(outlook: &Outlook) -> String {
     table.set_header(["effect", "link", "claimed from", "usual", "would pass for"]);
     for (index, prospect) in outlook.effects.iter().enumerate() {
         let rivals: Vec<&str> = if outlook.isolability.claimed[index] {
-            outlook.isolability.confused(index).map(|rival| outlook.effects[rival].effect.name).collect()
+            outlook.isolability.rivals(index).map(|rival| outlook.effects[rival].effect.name).collect()
         } else {
             vec!["nothing: not seen"]
         };
@@ -142,7 +142,7 @@ fn outlook(outlook: &Outlook) -> Value {
                 "claimed_from_share_of_usual": prospect.smallest.is_finite().then_some(prospect.smallest),
                 "claimed": outlook.isolability.claimed[index],
                 "deviations": outlook.isolability.seen[index],
-                "passes_for": outlook.isolability.confused(index).map(|rival| outlook.effects[rival].effect.name).collect::<Vec<_>>(),
+                "passes_for": outlook.isolability.rivals(index).map(|rival| outlook.effects[rival].effect.name).collect::<Vec<_>>(),
                 "left_by": outlook.isolability.left[index],
             })
         })

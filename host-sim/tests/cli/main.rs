@@ -17,6 +17,7 @@ mod init;
 mod inspect;
 mod interrupted;
 mod plan;
+mod readme;
 mod report;
 mod shared;
 mod shipped;

@@ -12,7 +12,7 @@ const MATRIX: u32 = 14;
 const DOUBLE_CLASS: u32 = 6;
 
 /// The bytes of a file; NaN stands for a value that is not there.
-pub(in super::super) fn write(sheet: &Sheet) -> io::Result<Vec<u8>> {
+pub(in super::super) fn write(sheet: &Sheet<'_>) -> io::Result<Vec<u8>> {
     let mut file = b"MATLAB 5.0 MAT-file, written by host-sim".to_vec();
     file.resize(116, b' ');
     // No subsystem; version 1; the low byte first.

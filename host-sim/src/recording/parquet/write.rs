@@ -11,11 +11,11 @@ use std::io;
 use std::sync::Arc;
 
 /// The bytes of a file; null stands for a value that is not there.
-pub(in super::super) fn write(sheet: &Sheet) -> io::Result<Vec<u8>> {
+pub(in super::super) fn write(sheet: &Sheet<'_>) -> io::Result<Vec<u8>> {
     bytes(sheet).map_err(io::Error::other)
 }
 
-fn bytes(sheet: &Sheet) -> Result<Vec<u8>, ParquetError> {
+fn bytes(sheet: &Sheet<'_>) -> Result<Vec<u8>, ParquetError> {
     let field = |header: &str| {
         let field = Type::primitive_type_builder(header, Physical::DOUBLE).with_repetition(Repetition::OPTIONAL);
         field.build().map(Arc::new)

@@ -43,7 +43,7 @@ pub(super) fn panels(diagnosis: &Diagnosis, shown: &Shown, signals: &[Signal], p
                 Style::Recorded,
             ));
             if let Some(before) = shown.before.signal(channel.signal) {
-                panel = panel.trace(Trace::new(before_is_called(changes), readable(before), Style::Before));
+                panel = panel.trace(Trace::new(diagnosis.before_is_called(), readable(before), Style::Before));
             }
             if let Some(after) = shown.after.signal(channel.signal).filter(|_| changes) {
                 panel = panel.trace(Trace::new("after", readable(after), Style::After));
@@ -57,11 +57,6 @@ pub(super) fn panels(diagnosis: &Diagnosis, shown: &Shown, signals: &[Signal], p
             Panel { points: Some(points), ..panel }.residuals()
         })
         .collect()
-}
-
-/// The model before, where there is one after; else it is the model.
-fn before_is_called(changes: bool) -> &'static str {
-    if changes { "before" } else { "refitted" }
 }
 
 /// Points a trace may have, so that all recordings would go into one file.
