@@ -6,9 +6,9 @@
 
 use crate::failure::{MEASURED, Mended};
 use crate::noise::{noise, resolution};
+use crate::random::Noise;
 use crate::recording::Signal;
 use crate::simulate::{SimulateError, Trajectory};
-use crate::testbed::Noise;
 
 /// Rows that are simulated again at least, where a recording is short: a single random walk may be anywhere.
 const ROWS_AGAIN: usize = 400_000;

@@ -37,6 +37,7 @@ pub mod prepare;
 pub mod presentation;
 #[cfg(test)]
 mod press;
+mod random;
 pub mod recording;
 pub mod region;
 pub mod report;

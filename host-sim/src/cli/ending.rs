@@ -24,20 +24,30 @@ pub(super) const DOCUMENT: Kind = Kind { what: "JSON", endings: &["json"] };
 /// A machine file.
 pub(super) const MACHINE: Kind = Kind { what: "a machine file", endings: &["toml"] };
 
+/// Endings of what is never written, or by another command.
+const OTHERS: [&str; 17] = [
+    "xlsx", "xls", "ods", "mf4", "pdf", "png", "jpg", "jpeg", "doc", "docx", "fmu", "h", "rs", "zip", "xml", "yaml",
+    "yml",
+];
+
 /// Whether standard output is meant.
 pub(super) fn is_standard_output(path: &Path) -> bool {
     path == Path::new("-")
 }
 
-/// Checks that a name promises nothing else than is written. One without ending promises nothing; neither does a pipe's.
+/// Checks that a name promises nothing else than is written. One without ending promises nothing, nor does one with an ending that no
+/// format here has, nor a pipe's: other programs' temporary names are theirs to choose.
 pub(super) fn check_ending(option: &'static str, path: &Path, kind: Kind) -> Result<(), CliError> {
     if is_standard_output(path) {
         return Err(CliError::Dash { option });
     }
     let is_stream = path.metadata().is_ok_and(|file| !file.is_file() && !file.is_dir());
-    let fits = |ending: &str| kind.endings.iter().any(|known| known.eq_ignore_ascii_case(ending));
-    match path.extension() {
-        Some(ending) if !is_stream && !ending.to_str().is_some_and(fits) => {
+    let written = [RECORDING, DRAWING, PAGE, DOCUMENT, MACHINE];
+    let formats =
+        written.iter().flat_map(|kind| kind.endings).chain(&OTHERS).filter(|known| !kind.endings.contains(known));
+    let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
+    match formats.into_iter().find(|known| known.eq_ignore_ascii_case(ending)) {
+        Some(_) if !is_stream => {
             let known: Vec<String> = kind.endings.iter().map(|ending| format!(".{ending}")).collect();
             Err(CliError::Ending { option, path: path.to_owned(), what: kind.what, known: known.join(", ") })
         }

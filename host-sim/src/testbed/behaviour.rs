@@ -3,11 +3,11 @@
 use model_core::machine::{Machine, Source};
 use model_core::parameter::Parameter::*;
 
-use super::noise::Noise;
 use super::physics::Physics;
 use super::tangent::Tangent;
 use super::validation::{heavy, press};
 use super::*;
+use crate::random::Noise;
 
 const SIMPLE: f64 = 1e-9;
 

@@ -1,6 +1,6 @@
 //! Signals to excite a drive with: the paper's steps, sweeps, random steps, triangles.
 
-use super::noise::Noise;
+use crate::random::Noise;
 
 /// A command signal over time, V.
 #[derive(Clone, Copy, Debug, PartialEq)]

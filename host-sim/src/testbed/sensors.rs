@@ -4,7 +4,7 @@ use model_core::machine::Machine;
 use model_core::parameter::Parameter;
 
 use super::linkage::{Linkage, LinkageError};
-use super::noise::Noise;
+use crate::random::Noise;
 
 /// A value rounded to the steps of a converter.
 fn quantised(value: f64, step: f64) -> f64 {

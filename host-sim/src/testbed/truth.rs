@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use model_core::machine::Machine;
 use model_core::parameter::Parameter;
 
-use super::noise::Noise;
+use crate::random::Noise;
 
 /// A drive drawn about its nominal values: each parameter in `sigma` is off by its standard deviation times a Gaussian
 /// number times `spread`, but by no more than two deviations and never out of its range. The others are exact.

@@ -90,6 +90,16 @@ fn a_name_that_promises_another_format_is_refused_with_the_endings_known() {
 }
 
 #[test]
+fn a_name_that_promises_nothing_is_taken() {
+    let folder = folder();
+    for name in ["found", "found.json.new", "found.v2"] {
+        done(folder.path(), &["inspect", "train-1.csv", "--json", name]);
+        let text = std::fs::read_to_string(folder.path().join(name)).unwrap();
+        assert!(text.starts_with('{'), "{text}");
+    }
+}
+
+#[test]
 fn a_dash_is_standard_output_where_nothing_else_is_printed() {
     let folder = folder();
     let printed = done(folder.path(), &[&SIMULATE[..], &["--out", "-"]].concat());

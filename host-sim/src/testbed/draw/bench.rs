@@ -6,12 +6,12 @@ use model_core::parameter::Parameter as P;
 use super::super::bench::{Bench, Drive};
 use super::super::effect::PlantEffect;
 use super::super::input::{LoadProfile, PumpCommand};
-use super::super::noise::Noise;
 use super::super::plant::{InitialState, Plant, PlantError};
 use super::super::sensors::{PositionSensor, PressureSensor, Sensors, SpoolSensor, Thermometer};
 use super::super::synthetic::SyntheticRecording;
 use super::signals;
 use super::{Channels, Mode};
+use crate::random::Noise;
 
 /// Tolerance of drawn recordings: an order below what their sensors tell.
 const TOLERANCE: f64 = 1e-6;

@@ -5,7 +5,6 @@ use model_core::parameter::Parameter as P;
 
 use super::super::effect::{LoadEffect, PlantEffect};
 use super::super::input::LoadProfile;
-use super::super::noise::Noise;
 use super::super::plant::PlantError;
 use super::super::synthetic::SyntheticRecording;
 use super::bench::{Setting, Signal, spiked, travel};
@@ -15,6 +14,7 @@ use super::truth::{CaseTruth, noise_floor};
 use super::visibility::Shown;
 use super::{Channels, Concealed, Drawn, Lot, Mode, OUTSIDE, PUMP_SLIP, VOCABULARY, drive};
 use crate::machine_file::MachineFile;
+use crate::random::Noise;
 
 /// Draws of one case before the last one is taken as it is, if it can be used at all.
 const ATTEMPTS: u64 = 12;

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use model_core::machine::{Machine, Source};
 use model_core::parameter::Parameter as P;
 
-use super::super::noise::Noise;
 use crate::machine_file::MachineFile;
+use crate::random::Noise;
 
 /// A drive that could stand in a workshop: pressures of 50 to 160 bar, pistons of 40 to 80 mm, loads of 15 to 200 kg.
 pub(super) fn draw(dice: &mut Noise) -> Machine<f64> {

@@ -1,7 +1,7 @@
 //! Excitations at random, between −1 and 1: to be scaled to a command or to a set position.
 
 use super::super::excitation::Excitation;
-use super::super::noise::Noise;
+use crate::random::Noise;
 
 /// What a recording is driven with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,8 +8,8 @@ use super::super::effect::{
     Channel, DryFriction, FlowEffect, FrictionLevel, LoadEffect, OilGrade, OilTemperature, PlantEffect, SensingEffect,
     ValveEffect,
 };
-use super::super::noise::Noise;
 use super::Channels;
+use crate::random::Noise;
 
 /// What a strength is measured by.
 pub(super) struct About<'a> {
