@@ -7,6 +7,7 @@
 mod at_hand;
 mod bad_input;
 mod export;
+mod faults;
 #[cfg(unix)]
 mod first_minutes;
 mod import;
