@@ -88,10 +88,12 @@ pub fn check(path: &Path) -> io::Result<()> {
 /// What would have been right where [`write()`] or [`check`] has failed; a phrase.
 #[must_use]
 pub fn expected(error: &io::Error) -> &'static str {
-    if error.kind() == io::ErrorKind::IsADirectory {
-        "the name of a file, and this is a folder"
-    } else {
-        "a folder that can be written to"
+    match error.kind() {
+        io::ErrorKind::IsADirectory => "the name of a file, and this is a folder",
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge => {
+            "room for it on the disk; what was there is as it was"
+        }
+        _ => "a folder that can be written to",
     }
 }
 

@@ -167,6 +167,19 @@ pub(crate) fn engineering(value: f64) -> String {
     format!("{whole}{moved}{point}{rest}e{}", exponent.div_euclid(3) * 3)
 }
 
+/// A text of ours with names from files in it, as it may go to a terminal, which would obey control characters: they are spelt out.
+pub(crate) fn printable(text: &impl fmt::Display) -> String {
+    let kept = |character: char| matches!(character, '\n' | '\t');
+    text.to_string().chars().fold(String::new(), |mut told, character| {
+        if kept(character) {
+            told.push(character);
+        } else {
+            told.extend(visible(character));
+        }
+        told
+    })
+}
+
 fn visible(character: char) -> impl Iterator<Item = char> {
     let escaped = character.is_control();
     character.escape_debug().filter(move |_| escaped).chain((!escaped).then_some(character))

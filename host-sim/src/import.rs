@@ -9,6 +9,8 @@ use std::fmt::{self, Write as _};
 use firmware::frame::{FrameReader, Losses};
 use firmware::message::{Message, NONE};
 
+use crate::recording::quoted;
+
 /// One recording as it was streamed out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Imported {
@@ -20,8 +22,10 @@ pub struct Imported {
     pub rows_sent: u32,
     /// Row at which the recording was triggered.
     pub trigger: u32,
-    /// Header of each channel, `name [unit]`, and the SI value of one step; `None` where the channel's frame was lost.
-    channels: Vec<Option<(String, f64)>>,
+    /// How many channels a row has.
+    width: usize,
+    /// Header of each channel by its number, `name [unit]`, and the SI value of one step; not there where the channel's frame was lost.
+    channels: BTreeMap<usize, (String, f64)>,
     /// Tick of the first row.
     first: u32,
     /// Words of each row that arrived, by its place.
@@ -64,7 +68,21 @@ pub enum ImportError {
         /// Its number.
         channel: usize,
     },
+    /// The words of a channel have no value.
+    #[error("a step of channel {channel} is {step}; expected the SI value of one step")]
+    Step {
+        /// Its number.
+        channel: usize,
+        /// What its frame says.
+        step: f64,
+    },
+    /// There is more than any recorder has streamed out.
+    #[error("more than {MAX_CAPTURE_BYTES} bytes; expected a capture of what the firmware's recorder streams out")]
+    TooLarge,
 }
+
+/// Largest capture, in bytes: an hour and a half of a line of 115200 baud. Its rows may take fifty times as much memory.
+pub const MAX_CAPTURE_BYTES: u64 = 1 << 26;
 
 /// The recordings of a stream.
 pub fn stream(bytes: &[u8]) -> Result<Stream, ImportError> {
@@ -79,14 +97,15 @@ pub fn stream(bytes: &[u8]) -> Result<Stream, ImportError> {
                 tick_s: f64::from(header.tick_ns) * 1e-9,
                 rows_sent: header.rows,
                 trigger: header.trigger.wrapping_sub(header.first),
-                channels: vec![None; usize::from(header.channels)],
+                width: usize::from(header.channels),
+                channels: BTreeMap::new(),
                 first: header.first,
                 rows: BTreeMap::new(),
             }),
             Ok(Message::Channel(channel)) => {
-                let slot = recordings.last_mut().and_then(|last| last.channels.get_mut(usize::from(channel.number)));
-                if let Some(slot) = slot {
-                    *slot = Some((format!("{} [{}]", channel.name, channel.unit), channel.step));
+                let number = usize::from(channel.number);
+                if let Some(last) = recordings.last_mut().filter(|last| number < last.width) {
+                    last.channels.insert(number, (format!("{} [{}]", channel.name, channel.unit), channel.step));
                 }
             }
             Ok(Message::Rows(rows)) => {
@@ -121,7 +140,7 @@ impl Stream {
 impl Imported {
     fn take(&mut self, first: u32, words: &[i16]) {
         let place = first.wrapping_sub(self.first);
-        for (place, row) in (place..self.rows_sent).zip(words.chunks_exact(self.channels.len().max(1))) {
+        for (place, row) in (place..self.rows_sent).zip(words.chunks_exact(self.width.max(1))) {
             self.rows.insert(place, row.to_vec());
         }
     }
@@ -135,8 +154,12 @@ impl Imported {
     /// As a recording file: CSV in SI units, an empty cell where there was no value.
     pub fn csv(&self) -> Result<String, ImportError> {
         let mut known = Vec::new();
-        for (channel, of) in self.channels.iter().enumerate() {
-            known.push(of.as_ref().ok_or(ImportError::Channel { channel })?);
+        for channel in 0..self.width {
+            let of = self.channels.get(&channel).ok_or(ImportError::Channel { channel })?;
+            if !(of.1 * f64::from(i16::MAX)).is_finite() {
+                return Err(ImportError::Step { channel, step: of.1 });
+            }
+            known.push(of);
         }
         let mut text = String::new();
         // Writing to a string cannot fail.
@@ -147,7 +170,7 @@ impl Imported {
     fn write_csv(&self, channels: &[&(String, f64)], out: &mut String) -> fmt::Result {
         write!(out, "time [s]")?;
         for (header, _) in channels {
-            write!(out, ",{header}")?;
+            write!(out, ",{}", quoted(header))?;
         }
         writeln!(out)?;
         for (place, row) in &self.rows {
@@ -168,6 +191,7 @@ impl Imported {
 #[cfg(test)]
 mod tests {
     use firmware::frame::FrameWriter;
+    use firmware::message::{ChannelHeader, Header, RowsWriter};
     use firmware::recorder::{Channel, Progress, Range, Recorder, Stream as Out};
     use model_core::fixed_point::PerUnit;
     use model_core::number::Number;
@@ -229,6 +253,24 @@ mod tests {
         assert_eq!(both.clone().chosen(None).unwrap_err(), ImportError::Several { found: 2 });
         assert_eq!(both.clone().chosen(Some(3)).unwrap_err(), ImportError::Several { found: 2 });
         assert_eq!(both.chosen(Some(2)).unwrap().rows.len(), 40);
+    }
+
+    #[test]
+    fn a_name_of_any_characters_stays_one_column_and_a_step_is_a_number() {
+        let streamed = |step: f64| {
+            let (mut line, mut frames) = (Vec::new(), FrameWriter::default());
+            let header = Header { channels: 1, tick_ns: 1_000_000, first: 0, rows: 2, trigger: 0, machine: "m" };
+            let channel = ChannelHeader { number: 0, step, name: "a,\"\n", unit: "1" };
+            let mut rows = RowsWriter::new(0);
+            assert!(rows.push(&[1]) && rows.push(&[2]));
+            for (kind, payload) in [header.written(), channel.written(), rows.written()] {
+                frames.write(&mut line, kind, &payload).unwrap();
+            }
+            stream(&line).unwrap().chosen(None).unwrap().csv()
+        };
+        assert_eq!(streamed(0.5).unwrap(), "time [s],\"a,\"\"  [1]\"\n0,0.5\n0.001,1\n");
+        assert!(matches!(streamed(f64::MAX), Err(ImportError::Step { channel: 0, .. })));
+        assert!(matches!(streamed(f64::NAN), Err(ImportError::Step { .. })));
     }
 
     #[test]

@@ -49,7 +49,7 @@ fn document(text: &str) -> Document {
 
 /// Every Markdown file that belongs to the repository and is not its history.
 fn documents() -> Vec<PathBuf> {
-    let folders = ["", "docs", "firmware", "firmware/boards", "examples", "presets", "tests"];
+    let folders = ["", "docs", "firmware", "firmware/boards", "examples", "presets", "tests", "fuzz"];
     let mut found = Vec::new();
     for folder in folders {
         let folder = root().join(folder);

@@ -3,6 +3,7 @@
 
 pub mod any_effects;
 pub mod any_machine;
+pub mod anything;
 #[path = "../../host-sim/tests/at_hand/mod.rs"]
 pub mod at_hand;
 pub mod drives;

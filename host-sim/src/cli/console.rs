@@ -8,6 +8,7 @@ use anstyle::{AnsiColor, Style};
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 
 use super::CliError;
+use crate::diagnostic::printable;
 
 /// How much a command says beside its result, on standard error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -74,13 +75,17 @@ impl<'a> Console<'a> {
 
     /// Prints a line, or several.
     pub fn print(&mut self, text: impl Display) -> Result<(), CliError> {
+        self.write(&printable(&text))
+    }
+
+    fn write(&mut self, text: &str) -> Result<(), CliError> {
         writeln!(self.out, "{text}").and_then(|()| self.out.flush()).map_err(CliError::Output)
     }
 
     /// Prints a line that says how things are, coloured on a terminal.
     pub fn verdict(&mut self, text: impl Display, tone: Tone) -> Result<(), CliError> {
         let style = if self.terminal { tone.style() } else { Style::new() };
-        self.print(format_args!("{style}{text}{style:#}"))
+        self.write(&format!("{style}{}{style:#}", printable(&text)))
     }
 
     /// Whether nothing but the result is wanted.
@@ -98,14 +103,14 @@ impl<'a> Console<'a> {
     pub fn note(&self, text: impl Display) {
         if self.talks() {
             // A closed standard error takes nothing from the result.
-            let _ = writeln!(io::stderr(), "note: {text}");
+            let _ = writeln!(io::stderr(), "note: {}", printable(&text));
         }
     }
 
     /// Says what a stage found, on standard error, where `--verbose` asks for it.
     pub fn detail(&self, text: impl Display) {
         if self.beside == Some(Volume::Verbose) {
-            let _ = writeln!(io::stderr(), "{text}");
+            let _ = writeln!(io::stderr(), "{}", printable(&text));
         }
     }
 
@@ -199,6 +204,9 @@ mod tests {
         let mut out = Vec::new();
         Console::into_buffer(&mut out).verdict("nothing missing", Tone::Good).unwrap();
         assert_eq!(out, b"nothing missing\n");
+        let mut out = Vec::new();
+        Console::into_buffer(&mut out).print("a\u{1b}[2J\u{7}b\n\tc").unwrap();
+        assert_eq!(out, b"a\\u{1b}[2J\\u{7}b\n\tc\n", "a name that a terminal would obey");
         let mut out = Vec::new();
         Console { out: &mut out, terminal: true, beside: None }.verdict("unexplained", Tone::Open).unwrap();
         let text = String::from_utf8(out).unwrap();

@@ -1,11 +1,13 @@
 //! `host-sim import`: a recording that the firmware has streamed out.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::PathBuf;
 
 use super::ending::{TEXT, check_ending, is_standard_output};
 use super::target::{check_not_read, check_target, write};
 use super::{CliError, Console, Outcome};
-use crate::import;
+use crate::import::{self, ImportError, MAX_CAPTURE_BYTES};
 
 /// Arguments of `import`.
 #[derive(Clone, Debug, clap::Args)]
@@ -33,9 +35,14 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         check_not_read(&arguments.out, std::slice::from_ref(&arguments.frames))?;
         check_ending("--out", &arguments.out, TEXT)?;
     }
-    let bytes =
-        std::fs::read(&arguments.frames).map_err(|cause| CliError::Unread { path: arguments.frames.clone(), cause })?;
+    let mut bytes = Vec::new();
+    File::open(&arguments.frames)
+        .and_then(|file| file.take(MAX_CAPTURE_BYTES + 1).read_to_end(&mut bytes))
+        .map_err(|cause| CliError::Unread { path: arguments.frames.clone(), cause })?;
     let failed = |cause| CliError::Import { frames: arguments.frames.clone(), cause };
+    if bytes.len() as u64 > MAX_CAPTURE_BYTES {
+        return Err(failed(ImportError::TooLarge));
+    }
     let stream = import::stream(&bytes).map_err(failed)?;
     let losses = stream.losses;
     let recording = stream.chosen(arguments.which).map_err(failed)?;

@@ -1,17 +1,17 @@
-//! Ctrl-C: the program stops, and leaves no file half-written.
+//! Ctrl-C, a request to end, a terminal that closes: the program stops, and leaves no file half-written.
 
 use std::io::{self, Write};
 use std::process;
 
 use crate::atomic;
 
-/// Exit status of a program that was interrupted, as shells have it: 128 and the number of the signal.
+/// Exit status of a program that was interrupted, as shells have it: 128 and the number of Ctrl-C's signal, for the other two as well.
 pub const INTERRUPTED: u8 = 130;
 
-/// From here on Ctrl-C removes what is being written and exits with [`INTERRUPTED`].
+/// From here on Ctrl-C, SIGTERM and SIGHUP remove what is being written and exit with [`INTERRUPTED`].
 ///
 /// Files that are whole stay; so does a result that takes the place of an older one only when it is whole. Whoever started the
-/// program with that signal ignored, as a shell does in the background, is taken at their word.
+/// program with one of these signals ignored, as a shell does in the background and `nohup` for a terminal that closes, is taken at their word.
 ///
 /// # Errors
 /// Where the system takes no handler. The program can be interrupted then as well, but a temporary file may stay.

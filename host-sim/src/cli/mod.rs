@@ -35,6 +35,8 @@ pub use error::CliError;
 pub use input::{MachineArguments, TickArgument};
 pub use interrupt::{INTERRUPTED, stop_cleanly};
 
+use crate::diagnostic::printable;
+
 /// Simulates and compares valve-controlled hydraulic drives against recordings.
 #[derive(Debug, clap::Parser)]
 #[command(name = "host-sim", version, max_term_width = 110, arg_required_else_help = true)]
@@ -132,7 +134,7 @@ pub fn finish(result: Result<Outcome, CliError>, line: &CommandLine, errors: &mu
         Err(CliError::Interrupted) => ExitCode::from(INTERRUPTED),
         Err(error) => {
             // Nobody is left to tell when standard error is closed too.
-            let _ = writeln!(errors, "{}", error.render_on(line));
+            let _ = writeln!(errors, "{}", printable(&error.render_on(line)));
             ExitCode::from(2)
         }
     }

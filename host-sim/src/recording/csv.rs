@@ -11,7 +11,7 @@
 use super::channels::ChannelMap;
 use super::columns::{Offer, assign};
 use super::error::RecordingError;
-use super::lines::{Cells, Line, Lines, MAX_ROWS, Splitter, detect_separator, parse_number};
+use super::lines::{Cells, Line, Lines, Splitter, detect_separator, most_rows, parse_number};
 use super::{At, Column, LeftOut, Note, Recording, Signal, twincat};
 use std::io::Read;
 
@@ -88,8 +88,9 @@ impl Table {
         if cells.len() != self.width {
             return Err(RecordingError::RaggedRow { place: line.whole(), found: cells.len(), expected: self.width });
         }
-        if self.rows == MAX_ROWS {
-            return Err(RecordingError::TooManyRows { place: line.whole(), most: MAX_ROWS });
+        let most = most_rows(self.columns.len());
+        if self.rows == most {
+            return Err(RecordingError::TooManyRows { place: line.whole(), most });
         }
         self.rows += 1;
         self.row.clear();

@@ -208,7 +208,8 @@ impl Explained for RecordingError {
             E::Write { source, .. } => atomic::expected(source).into(),
             E::Empty { .. } => "a header such as `time [s],command [V],position [mm]` and rows".into(),
             E::TooFewRows { .. } => "at least two rows at different times with a number in every known column".into(),
-            E::TooManyRows { .. } | E::TooManyColumns { .. } | E::TooLarge { .. } => "a smaller recording".into(),
+            E::TooManyRows { .. } => "a part of it: what is read is held in memory".into(),
+            E::TooManyColumns { .. } | E::TooLarge { .. } => "a smaller recording".into(),
             E::LineTooLong { .. } | E::TooManySkippedLines { .. } => {
                 "a text file with a header and one row a line".into()
             }

@@ -14,8 +14,15 @@ pub const MAX_LINE_BYTES: usize = 1 << 20;
 pub const MAX_COLUMNS: usize = 4096;
 /// Most rows of a recording.
 pub const MAX_ROWS: usize = 20_000_000;
+/// Most values of a recording's known columns, all together: 1.6 GB, and as much again while they are read.
+pub const MAX_VALUES: usize = 200_000_000;
 /// Most blank lines and comments.
 pub const MAX_SKIPPED_LINES: usize = 1_000_000;
+
+/// Most rows of a recording with so many known columns.
+pub(super) fn most_rows(columns: usize) -> usize {
+    MAX_ROWS.min(MAX_VALUES / columns.max(1))
+}
 
 /// The lines of a file that are neither blank nor comments (`#`).
 #[derive(Debug)]
@@ -326,5 +333,10 @@ mod tests {
         assert_eq!(cell_span("a,\"b,c\",d", b',', 1), 2..7);
         assert_eq!(cell_span("a,b", b',', 1), 2..3);
         assert_eq!(cell_span("a,b", b',', 9), 2..3);
+    }
+
+    #[test]
+    fn many_columns_leave_room_for_fewer_rows() {
+        assert_eq!((most_rows(0), most_rows(10), most_rows(20)), (MAX_ROWS, MAX_ROWS, MAX_ROWS / 2));
     }
 }

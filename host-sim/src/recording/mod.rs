@@ -37,12 +37,13 @@ pub(crate) use channels::nearest_signal;
 pub use channels::{ChannelMap, MapError, Mapping, Scale};
 pub use error::RecordingError;
 pub use format::{Format, MAX_BINARY_BYTES, MAX_UNPACKED_BYTES, read, read_from, read_through};
-pub use lines::{MAX_COLUMNS, MAX_LINE_BYTES, MAX_ROWS, MAX_SKIPPED_LINES};
+pub use lines::{MAX_COLUMNS, MAX_LINE_BYTES, MAX_ROWS, MAX_SKIPPED_LINES, MAX_VALUES};
 pub use signal::Signal;
 pub use table::Table;
 pub use units::{Dimension, Unit};
 pub use unsupported::Unsupported;
 pub use write::Series;
+pub(crate) use write::quoted;
 
 use crate::diagnostic::{Place, counted, engineering, rounded};
 use std::fmt;

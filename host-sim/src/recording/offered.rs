@@ -12,11 +12,12 @@
 use super::channels::ChannelMap;
 use super::columns::{Assignment, Offer, assign, one};
 use super::error::RecordingError;
+use super::lines::most_rows;
 use super::names::split_suffix;
 use super::sampled::{self, Sampled};
 use super::signal::{Signal, split_header};
 use super::units::{Dimension, Unit};
-use super::{At, Column, LeftOut, MAX_COLUMNS, MAX_ROWS, Note, Recording};
+use super::{At, Column, LeftOut, MAX_COLUMNS, Note, Recording};
 use crate::diagnostic::Place;
 
 /// A series of numbers that a file offers.
@@ -69,6 +70,8 @@ pub(super) fn recording<C: Contents>(name: &str, contents: &C, map: &ChannelMap)
         .map(|(index, column)| (others[index], titled(column, &offered[others[index]], map)))
         .collect();
     let present = || offered.iter().map(|offered| offered.name.clone()).collect::<Vec<_>>();
+    // Each may have times of its own.
+    let most = most_rows(2 * known.len());
     let mut pairs = Vec::new();
     for (index, column) in known {
         if let Some(found) = contents.instead(index) {
@@ -80,8 +83,8 @@ pub(super) fn recording<C: Contents>(name: &str, contents: &C, map: &ChannelMap)
             return Err(RecordingError::NoTimes { place: file.place(index), header, present: present() });
         };
         let rows = contents.rows(offered[index].base);
-        if rows > MAX_ROWS {
-            return Err(RecordingError::TooManyRows { place: file.place(index), most: MAX_ROWS });
+        if rows > most {
+            return Err(RecordingError::TooManyRows { place: file.place(index), most });
         }
         pairs.push((clock, index, column));
     }

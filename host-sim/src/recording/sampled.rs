@@ -123,7 +123,20 @@ fn interpolate(time_s: &[f64], values: &[f64], at_s: &[f64]) -> Vec<f64> {
         }
         let (t0, t1) = (time_s[next - 1], time_s[next]);
         let (v0, v1) = (values[next - 1], values[next]);
-        if at >= t1 { v1 } else { v0 + (v1 - v0) * ((at - t0) / (t1 - t0)) }
+        if at >= t1 { v1 } else { on_line(v0, v1, share_of(t0, t1, at)) }
     };
     at_s.iter().map(value_at).collect()
+}
+
+/// How much of the way between two times a third one between them is.
+pub(super) fn share_of(from: f64, to: f64, at: f64) -> f64 {
+    let whole = to - from;
+    // Halves where the way itself is beyond all numbers.
+    if whole.is_finite() { (at - from) / whole } else { (0.5 * at - 0.5 * from) / (0.5 * to - 0.5 * from) }
+}
+
+/// The value on the line between two others.
+pub(super) fn on_line(from: f64, to: f64, share: f64) -> f64 {
+    let rise = to - from;
+    if rise.is_finite() { from + rise * share } else { from * (1.0 - share) + to * share }
 }

@@ -4,7 +4,7 @@
 //! are asked for by header, or by the part of it before its unit. Values stay in the file's own units.
 
 use super::error::RecordingError;
-use super::lines::{Lines, MAX_ROWS, Splitter, detect_separator, parse_number};
+use super::lines::{Lines, Splitter, detect_separator, most_rows, parse_number};
 use super::signal::{Signal, split_header};
 use super::units::{Dimension, Unit};
 use super::{At, Note};
@@ -60,8 +60,9 @@ impl Table {
                     expected: columns.len(),
                 });
             }
-            if rows == MAX_ROWS {
-                return Err(RecordingError::TooManyRows { place: line.whole(), most: MAX_ROWS });
+            let most = most_rows(columns.len());
+            if rows == most {
+                return Err(RecordingError::TooManyRows { place: line.whole(), most });
             }
             rows += 1;
             if cells.iter().any(str::is_empty) {

@@ -25,7 +25,7 @@ use super::channels::ChannelMap;
 use super::columns::{Offer, assign};
 use super::csv::number;
 use super::error::RecordingError;
-use super::lines::{Line, Lines, MAX_ROWS, Splitter, parse_number};
+use super::lines::{Line, Lines, Splitter, most_rows, parse_number};
 use super::sampled::{self, Sampled};
 use super::signal::split_header;
 use super::units::{Dimension, Unit};
@@ -89,8 +89,10 @@ pub(super) fn read<R: Read>(
             none => none.insert(Channels::find(&block, map, &file)?),
         };
         rows += 1;
-        if rows > MAX_ROWS {
-            return Err(RecordingError::TooManyRows { place: line.whole(), most: MAX_ROWS });
+        // Every channel has times of its own.
+        let most = most_rows(2 * channels.known.len());
+        if rows > most {
+            return Err(RecordingError::TooManyRows { place: line.whole(), most });
         }
         if cells.len() > channels.width && (channels.width..cells.len()).any(|at| !cells.get(at).is_empty()) {
             return Err(RecordingError::RaggedRow {

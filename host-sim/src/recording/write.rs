@@ -1,6 +1,7 @@
 //! Writing a recording back in its own columns and units.
 
 use super::format::Format;
+use super::sampled::{on_line, share_of};
 use super::unsupported::Unsupported;
 use super::{Recording, RecordingError, Signal, Unit};
 use crate::atomic;
@@ -121,7 +122,7 @@ impl Recording {
         let time_s = self.time_s();
         let row = time_s.partition_point(|&row| row <= time).checked_sub(1)?;
         match time_s.get(row + 1) {
-            Some(next) => Some((row, (time - time_s[row]) / (next - time_s[row]))),
+            Some(&next) => Some((row, share_of(time_s[row], next, time))),
             None => (time <= time_s[row]).then_some((row, 0.0)),
         }
     }
@@ -196,14 +197,11 @@ impl Sheet<'_> {
 }
 
 fn mixed(values: &[f64], row: usize, share: f64) -> f64 {
-    if share > 0.0 { values[row] + share * (values[row + 1] - values[row]) } else { values[row] }
+    if share > 0.0 { on_line(values[row], values[row + 1], share) } else { values[row] }
 }
 
-/// A header, in quotation marks where it holds a separator or a quotation mark.
-fn quoted(header: &str) -> String {
-    if header.contains([',', ';', '\t', '"']) {
-        format!("\"{}\"", header.replace('"', "\"\""))
-    } else {
-        header.to_owned()
-    }
+/// A header, in one line, and in quotation marks where it holds a separator or a quotation mark.
+pub(crate) fn quoted(header: &str) -> String {
+    let header = header.replace(|character: char| character.is_control() && character != '\t', " ");
+    if header.contains([',', ';', '\t', '"']) { format!("\"{}\"", header.replace('"', "\"\"")) } else { header }
 }

@@ -8,7 +8,7 @@ use model_core::number::Number;
 use super::{MACHINE, done, folder_with, refused, run, text};
 
 /// A second of a command that rises, and of a rod that stays.
-fn streamed() -> Vec<u8> {
+pub(super) fn streamed() -> Vec<u8> {
     let channel = |name, unit, base| Channel { name, unit, base, range: Range::One };
     let channels = [channel("command", "V", 10.0), channel("position", "m", 0.3)];
     let mut recorder: Recorder<2, 1000> = Recorder::new(channels, 999).unwrap();

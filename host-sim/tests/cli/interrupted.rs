@@ -1,4 +1,4 @@
-//! Ctrl-C: exit status 130, and no file that is half-written.
+//! Ctrl-C, a request to end, a terminal that closes: exit status 130, and no file that is half-written.
 #![cfg(unix)]
 
 use std::io::{BufRead, BufReader, Write};
@@ -7,13 +7,13 @@ use std::process::{Command, Stdio};
 
 use super::{MACHINE, at_hand, example, folder_with, listing, root, text};
 
-/// Runs with --verbose, sends SIGINT once `said` stands on standard error, and gives exit status and standard output.
+/// Runs with --verbose, sends a signal once `said` stands on standard error, and gives exit status and standard output.
 ///
 /// The signal may be ignored where the tests run in the background: `env` gives it its meaning back; `None` where it cannot.
-fn interrupted(folder: &Path, arguments: &[&str], said: &str) -> Option<(Option<i32>, String)> {
-    const AS_USUAL: &str = "--default-signal=INT";
+fn interrupted(folder: &Path, arguments: &[&str], said: &str, signal: &str) -> Option<(Option<i32>, String)> {
+    const AS_USUAL: &str = "--default-signal=INT,HUP,TERM";
     if !Command::new("env").args([AS_USUAL, "true"]).output().is_ok_and(|output| output.status.success()) {
-        at_hand::skipped("this `env` cannot give SIGINT its usual meaning");
+        at_hand::skipped("this `env` cannot give signals their usual meaning");
         return None;
     }
     let mut command = Command::new("env");
@@ -25,7 +25,7 @@ fn interrupted(folder: &Path, arguments: &[&str], said: &str) -> Option<(Option<
         line.clear();
         assert!(errors.read_line(&mut line).unwrap() > 0, "{arguments:?} never says `{said}`");
     }
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
     Some((output.status.code(), text(&output.stdout)))
 }
@@ -37,7 +37,7 @@ fn an_interrupted_diagnosis_leaves_its_results_as_they_were() {
     let case = root().join("examples/press-63-40").display().to_string();
     let results = ["--json", "d.json", "--save-machine", "f.toml", "--report", "d.html"];
     let diagnose = [&["diagnose", &case][..], &results].concat();
-    let Some(found) = interrupted(folder.path(), &diagnose, "read: 4 training") else { return };
+    let Some(found) = interrupted(folder.path(), &diagnose, "read: 4 training", "-INT") else { return };
     assert_eq!(found, (Some(130), String::new()));
     assert_eq!(listing(folder.path()), [folder.path().join("d.json")]);
     assert_eq!(std::fs::read_to_string(folder.path().join("d.json")).unwrap(), "old");
@@ -51,9 +51,11 @@ fn writing_can_be_interrupted_too() {
     let before = listing(folder.path());
     let recording = example("train-1.csv");
     let simulate = ["simulate", "--machine", "machine.toml", "--recording", &recording, "--out", "pipe"];
-    let Some(found) = interrupted(folder.path(), &simulate, "simulating:") else { return };
-    assert_eq!(found, (Some(130), String::new()));
-    assert_eq!(listing(folder.path()), before);
+    for signal in ["-INT", "-HUP", "-TERM"] {
+        let Some(found) = interrupted(folder.path(), &simulate, "simulating:", signal) else { return };
+        assert_eq!(found, (Some(130), String::new()), "{signal}");
+        assert_eq!(listing(folder.path()), before);
+    }
 }
 
 /// What the handler of the signal does, in the middle of a file. Nothing else in this process writes one so.

@@ -10,6 +10,7 @@ mod at_terminal;
 mod bad_input;
 mod compare;
 mod export;
+mod faults;
 #[cfg(unix)]
 mod first_minutes;
 mod import;

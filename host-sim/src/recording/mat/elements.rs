@@ -10,6 +10,7 @@ use super::super::unsupported::Unsupported;
 use super::numbers::{Class, Numbers, Stored};
 use crate::diagnostic::Place;
 use std::io::Read;
+use std::rc::Rc;
 
 /// Bytes of the head.
 const HEAD: usize = 128;
@@ -17,6 +18,8 @@ const HEAD: usize = 128;
 const DEEPEST: usize = 3;
 /// Most fields of a structure, or most structures of an array, that are looked at.
 const MOST_FIELDS: usize = 4096;
+/// Longest name of a variable or a field, in bytes; MATLAB's own have 63.
+const LONGEST_NAME: usize = 4096;
 
 const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
@@ -26,7 +29,7 @@ const COMPLEX: u32 = 1 << 11;
 /// A variable, or a field of one.
 #[derive(Debug)]
 pub(super) struct Variable {
-    pub(super) name: String,
+    pub(super) name: Rc<str>,
     pub(super) content: Content,
 }
 
@@ -148,12 +151,10 @@ fn words(bytes: &[u8]) -> impl Iterator<Item = usize> + '_ {
 fn variable(bytes: &[u8], depth: usize) -> Result<Variable, Fault> {
     let mut elements = Elements(bytes);
     if bytes.is_empty() {
-        return Ok(Variable { name: String::new(), content: Content::Other("nothing") });
+        return Ok(Variable { name: Rc::default(), content: Content::Other("nothing") });
     }
     let flags = word(elements.next()?.1, 0).ok_or(CUT)?;
-    let other = |name: &[u8], what| {
-        Ok(Variable { name: String::from_utf8_lossy(name).into_owned(), content: Content::Other(what) })
-    };
+    let other = |name: &[u8], what| Ok(Variable { name: named(name)?, content: Content::Other(what) });
     if flags & 0xff == 17 {
         // An object has its name in the place of dimensions.
         return other(elements.next()?.1, "an object");
@@ -190,7 +191,15 @@ fn variable(bytes: &[u8], depth: usize) -> Result<Variable, Fault> {
         }
         _ => return other(name, "something unknown"),
     };
-    Ok(Variable { name: String::from_utf8_lossy(name).into_owned(), content })
+    Ok(Variable { name: named(name)?, content })
+}
+
+/// A name, which all fields of it share: an array of structures has it once for all.
+fn named(bytes: &[u8]) -> Result<Rc<str>, Fault> {
+    if bytes.len() > LONGEST_NAME {
+        return Err(Fault::Damaged("a name of more than 4096 bytes"));
+    }
+    Ok(String::from_utf8_lossy(bytes).into())
 }
 
 /// The structures of an array, whose field names come first.
@@ -200,13 +209,11 @@ fn structures(mut elements: Elements<'_>, count: usize, depth: usize) -> Result<
     if length == 0 {
         return Err(Fault::Damaged("fields without names"));
     }
-    let names: Vec<String> = names
-        .chunks_exact(length)
-        .map(|name| String::from_utf8_lossy(name.split(|byte| *byte == 0).next().unwrap_or_default()).into_owned())
-        .collect();
-    if names.len() > MOST_FIELDS || count > MOST_FIELDS {
+    if names.len() / length > MOST_FIELDS || count > MOST_FIELDS {
         return Err(Fault::Damaged("a structure of more than 4096 fields or elements"));
     }
+    let names = names.chunks_exact(length).map(|name| named(name.split(|byte| *byte == 0).next().unwrap_or_default()));
+    let names = names.collect::<Result<Vec<Rc<str>>, Fault>>()?;
     let mut all = Vec::new();
     for _ in 0..count {
         let mut fields = Vec::new();
@@ -216,7 +223,7 @@ fn structures(mut elements: Elements<'_>, count: usize, depth: usize) -> Result<
                 return Err(Fault::Damaged("a field that is no variable"));
             }
             let content = variable(content, depth + 1)?.content;
-            fields.push(Variable { name: name.clone(), content });
+            fields.push(Variable { name: Rc::clone(name), content });
         }
         all.push(fields);
     }

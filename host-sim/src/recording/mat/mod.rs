@@ -14,10 +14,10 @@ mod elements;
 mod numbers;
 mod write;
 
-use super::Recording;
 use super::channels::ChannelMap;
 use super::error::RecordingError;
 use super::offered::{self, Contents, Offered};
+use super::{MAX_COLUMNS, Recording};
 use elements::{Content, Variable};
 use numbers::Numbers;
 pub(super) use write::write;
@@ -67,7 +67,10 @@ impl<'a> MatFile<'a> {
     /// Takes the series of these variables, which stand in a structure of this name.
     fn take(&mut self, within: &str, variables: &'a [Variable]) {
         for Variable { name, content } in variables {
-            let path = if within.is_empty() { name.clone() } else { format!("{within}.{name}") };
+            if self.offered.len() > MAX_COLUMNS {
+                return;
+            }
+            let path = if within.is_empty() { name.to_string() } else { format!("{within}.{name}") };
             match content {
                 Content::Vector(numbers) if numbers.len() > 1 => {
                     let base = self.base(within, numbers.len());
@@ -95,14 +98,14 @@ impl<'a> MatFile<'a> {
             self.offer(path, name, base, false, Ok(data));
             return true;
         }
-        let signals = fields.iter().find(|field| field.name == "signals");
+        let signals = fields.iter().find(|field| *field.name == *"signals");
         let Some(Variable { content: Content::Structures(signals), .. }) = signals else { return false };
         self.bases.push((path.to_owned(), time.len()));
         self.offer(&format!("{path}.time"), "", base, true, Ok(time));
         for (number, signal) in signals.iter().enumerate() {
             if let Some(values) = vector(signal, &["values"]).filter(|values| values.len() == time.len()) {
                 let label = signal.iter().find_map(|field| match &field.content {
-                    Content::Text(text) if field.name == "label" => Some(text.trim()),
+                    Content::Text(text) if *field.name == *"label" => Some(text.trim()),
                     _ => None,
                 });
                 let own = format!("{path}.signals({})", number + 1);

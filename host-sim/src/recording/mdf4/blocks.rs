@@ -204,10 +204,16 @@ impl<'a> File<'a> {
                 bits: block.u32(8)?,
                 flags: block.u32(12)?,
                 mark: block.u32(16)? as usize,
-                conversion: conversion.map_or(Ok(Conversion::None), conversion_of)?,
+                conversion: Conversion::None,
+                conversion_at: block.link(4),
             });
         }
         Ok(channels)
+    }
+
+    /// The conversion that stands at a place: read where it is used, for a few blocks can be the long tables of thousands of channels.
+    pub(super) fn conversion(&self, at: u64) -> Result<Conversion, Fault> {
+        if at == 0 { Ok(Conversion::None) } else { conversion_of(self.block_of(at, *b"CC")?) }
     }
 }
 

@@ -37,6 +37,8 @@ pub(super) struct Channel {
     /// The bit that marks its value invalid.
     pub(super) mark: usize,
     pub(super) conversion: Conversion,
+    /// Where its conversion stands that is not read yet; 0 where it has none.
+    pub(super) conversion_at: u64,
 }
 
 const VARIABLE: u8 = 1;
@@ -75,7 +77,7 @@ impl Channel {
         }
         let bits = self.bits;
         match self.data_type {
-            0..=3 if bits > 0 && bits + self.bit_offset <= 64 => Ok(()),
+            0..=3 if bits > 0 && bits <= 64_u32.saturating_sub(self.bit_offset) => Ok(()),
             0..=3 => Err(Fault::Unsupported(Unsupported::Layout(format!("{bits} bits at bit {}", self.bit_offset)))),
             4 | 5 if matches!(bits, 32 | 64) && self.bit_offset == 0 => Ok(()),
             4 | 5 => Err(Fault::Unsupported(Unsupported::Layout(format!("a floating number of {bits} bits")))),
@@ -163,7 +165,21 @@ mod tests {
 
     fn channel(data_type: u8, bit_offset: u32, bits: u32, conversion: Conversion) -> Channel {
         let (name, unit, kind, sync, flags) = ("x".to_owned(), None, 0, 0, MARKED);
-        Channel { name, unit, kind, sync, data_type, bit_offset, byte_offset: 1, bits, flags, mark: 3, conversion }
+        let (byte_offset, mark, conversion_at) = (1, 3, 0);
+        Channel {
+            name,
+            unit,
+            kind,
+            sync,
+            data_type,
+            bit_offset,
+            byte_offset,
+            bits,
+            flags,
+            mark,
+            conversion,
+            conversion_at,
+        }
     }
 
     fn group(value_bytes: usize) -> Group {
@@ -208,6 +224,8 @@ mod tests {
         let wide = channel(0, 0, 64, Conversion::None);
         assert!(matches!(wide.values(&group(2), &[0; 6]), Err(Fault::Damaged(_))));
         assert!(matches!(channel(0, 60, 8, Conversion::None).check(), Err(Fault::Unsupported(_))));
+        // Their sum is 4, when it is not looked at closely.
+        assert!(matches!(channel(0, 5, u32::MAX, Conversion::None).check(), Err(Fault::Unsupported(_))));
         assert!(matches!(channel(6, 0, 8, Conversion::None).check(), Err(Fault::NotNumbers(_))));
     }
 }

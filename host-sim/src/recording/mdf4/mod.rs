@@ -71,12 +71,11 @@ struct Mdf<'a> {
 impl Mdf<'_> {
     fn list(&mut self) -> Result<(), Fault> {
         for (base, group) in self.groups.iter().enumerate() {
-            let channels = self.file.channels(group)?;
             // Without samples there is nothing to know; loggers leave such groups behind.
             if group.cycles == 0 {
                 continue;
             }
-            for channel in channels {
+            for channel in self.file.channels(group)? {
                 let name = channel.name.clone();
                 let short = name.split('\\').next().unwrap_or_default().to_owned();
                 let mut also: Vec<String> = Some(short.clone()).filter(|short| *short != name).into_iter().collect();
@@ -124,6 +123,8 @@ impl Contents for Mdf<'_> {
         if self.rows(*base) > MAX_ROWS {
             return Err(RecordingError::TooManyRows { place: Place::file(self.name), most: MAX_ROWS });
         }
+        let conversion = self.file.conversion(channel.conversion_at).map_err(fault)?;
+        let channel = Channel { conversion, ..channel.clone() };
         channel.check().map_err(fault)?;
         let records = if channel.is_virtual() { Rc::default() } else { self.records(*base).map_err(fault)? };
         channel.values(group, &records).map_err(fault)

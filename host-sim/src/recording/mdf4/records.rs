@@ -3,6 +3,7 @@
 use super::blocks::{Block, File, Group};
 use super::{Fault, Unsupported};
 use crate::recording::MAX_UNPACKED_BYTES;
+use std::collections::HashMap;
 use std::io::Read;
 
 /// The records of a group, one after the other and without numbers: as many as the group says.
@@ -15,10 +16,9 @@ pub(super) fn of(file: &File<'_>, group: &Group) -> Result<Vec<u8>, Fault> {
     let mut records = if group.id_bytes == 0 {
         bytes
     } else {
-        {
-            let groups: Vec<Group> = file.groups()?.into_iter().filter(|other| other.data == group.data).collect();
-            sorted(&groups, group, &bytes)?
-        }
+        let groups = file.groups()?;
+        let groups: Vec<&Group> = groups.iter().filter(|other| other.data == group.data).collect();
+        sorted(&groups, group, &bytes)?
     };
     if records.len() < wanted {
         return Err(fewer());
@@ -99,8 +99,10 @@ fn untransposed(bytes: &[u8], columns: usize) -> Vec<u8> {
 }
 
 /// The records of a group among those of the groups it shares its data with, each behind the number of its group.
-fn sorted(groups: &[Group], group: &Group, bytes: &[u8]) -> Result<Vec<u8>, Fault> {
+fn sorted(groups: &[&Group], group: &Group, bytes: &[u8]) -> Result<Vec<u8>, Fault> {
     let mut records = Vec::new();
+    // The first of a number counts, and each is found at once: records may be a byte long, and groups thousands.
+    let by_number: HashMap<u64, &Group> = groups.iter().rev().map(|group| (group.id, *group)).collect();
     let mut rest = bytes;
     let cut = || Fault::Damaged("a record that is not whole");
     while !rest.is_empty() {
@@ -108,7 +110,7 @@ fn sorted(groups: &[Group], group: &Group, bytes: &[u8]) -> Result<Vec<u8>, Faul
         let number = number.iter().rev().try_fold(0_u64, |number, byte| {
             number.checked_mul(256).and_then(|number| number.checked_add(u64::from(*byte)))
         });
-        let of = groups.iter().find(|group| Some(group.id) == number);
+        let of = number.and_then(|number| by_number.get(&number));
         let of = of.ok_or(Fault::Damaged("a record of no channel group"))?;
         let (length, after) = if of.variable {
             let (length, after) = after.split_first_chunk::<4>().ok_or_else(cut)?;
@@ -132,12 +134,13 @@ mod tests {
     #[test]
     fn records_of_several_groups_are_told_apart() {
         let group = |id, value_bytes, variable| Group { id, id_bytes: 1, value_bytes, variable, ..Group::default() };
-        let groups = [group(1, 2, false), group(2, 1, false), group(3, 0, true)];
+        let all = [group(1, 2, false), group(2, 1, false), group(3, 0, true)];
+        let groups: Vec<&Group> = all.iter().collect();
         let bytes = [1, 10, 11, 3, 3, 0, 0, 0, 7, 7, 7, 2, 20, 1, 12, 13, 2, 21];
-        assert_eq!(sorted(&groups, &groups[0], &bytes).unwrap(), [10, 11, 12, 13]);
-        assert_eq!(sorted(&groups, &groups[1], &bytes).unwrap(), [20, 21]);
-        assert!(matches!(sorted(&groups, &groups[0], &bytes[..8]), Err(Fault::Damaged(_))));
-        assert!(matches!(sorted(&groups[..1], &groups[0], &bytes), Err(Fault::Damaged(_))));
+        assert_eq!(sorted(&groups, groups[0], &bytes).unwrap(), [10, 11, 12, 13]);
+        assert_eq!(sorted(&groups, groups[1], &bytes).unwrap(), [20, 21]);
+        assert!(matches!(sorted(&groups, groups[0], &bytes[..8]), Err(Fault::Damaged(_))));
+        assert!(matches!(sorted(&groups[..1], groups[0], &bytes), Err(Fault::Damaged(_))));
     }
 
     #[test]

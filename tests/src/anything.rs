@@ -1,0 +1,280 @@
+//! Everything that may be fed anything, each as one function of bytes: `fuzz/` looks for bytes that break one, and `tests/anything`
+//! repeats what was kept of that.
+//!
+//! Each panics where something is wrong: where the code it calls panics or overflows, and where what comes out breaks a promise.
+
+use firmware::frame::{FrameWriter, PAYLOAD};
+use host_sim::diagnostic::{Explained, render};
+use host_sim::import;
+use host_sim::machine_file::{self, MachineFile};
+use host_sim::recording::{self, ChannelMap, Mapping, Recording, RecordingError, Scale, Signal, Table};
+use model_core::drive::{Drive, DriveState, Entry, Load};
+use model_core::fixed_point::PerUnit;
+use model_core::flow::{Flows, PumpDrive};
+use model_core::follow::{Follower, Tuning};
+use model_core::machine::{Machine, Source, Tick};
+use model_core::number::Number;
+use model_core::parameter::Parameter;
+use model_core::valve::Slider;
+use serde::de::DeserializeOwned;
+
+use crate::drives;
+use crate::simulate::DELAY;
+
+/// Name, and what takes the bytes. The folders of `fuzz/corpus` and the programs of `fuzz/` have these names.
+pub const TARGETS: [(&str, fn(&[u8])); 10] = [
+    ("csv", csv),
+    ("twincat", recording),
+    ("mat", recording),
+    ("mdf4", recording),
+    ("parquet", recording),
+    ("machine_file", machine_file),
+    ("frames", frames),
+    ("coefficients", coefficients),
+    ("step_fixed", step::<PerUnit>),
+    ("step_float", step::<f64>),
+];
+
+/// The target of a name.
+///
+/// # Panics
+/// There is none.
+pub fn feed(target: &str, bytes: &[u8]) {
+    let known = TARGETS.iter().find(|(name, _)| *name == target);
+    known.unwrap_or_else(|| panic!("no target {target}")).1(bytes);
+}
+
+/// A recording in whatever format its first bytes show: an explained error, or rising times and finite numbers.
+pub fn recording(bytes: &[u8]) {
+    let mut mapped = ChannelMap::default();
+    mapped.insert(Signal::Position, Mapping::column("x [mm]", false));
+    mapped
+        .insert(Signal::Spool, Mapping { scale: Some(Scale { zero: 5.0, full: -5.0 }), ..Mapping::column("s", false) });
+    for map in [ChannelMap::default(), mapped] {
+        match recording::read_from("run", bytes, &map) {
+            Ok(recording) => check(&recording),
+            Err(error) => explained(&error),
+        }
+    }
+}
+
+/// Text, as a recording and as a table without a clock.
+fn csv(bytes: &[u8]) {
+    recording(bytes);
+    match Table::read_from("run", bytes) {
+        Ok(table) => {
+            let finite = |(_, values): &(String, Vec<f64>)| values.iter().all(|value| value.is_finite());
+            assert!(table.columns().iter().all(finite), "a number that is none");
+        }
+        Err(error) => explained(&error),
+    }
+}
+
+fn check(recording: &Recording) {
+    let rows = recording.rows();
+    assert!(rows >= 2 && recording.time_s().windows(2).all(|pair| pair[0] < pair[1]), "times that do not rise");
+    for column in recording.columns() {
+        assert_eq!(column.values.len(), rows, "{}", column.header);
+        let odd = column.values.iter().find(|value| !value.is_finite());
+        assert_eq!(odd, None, "{}", column.header);
+    }
+    for note in recording.notes() {
+        let _ = note.to_string();
+    }
+}
+
+fn explained(error: &impl Explained) {
+    let told = render(error);
+    assert!(told.starts_with("error: ") && told.contains("expected"), "{told}");
+    let _ = error.to_string();
+}
+
+/// A machine file: an explained error, or one that is written and read again as it was, and becomes a drive or an error.
+pub fn machine_file(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let file = match machine_file::read_text("machine.toml", text) {
+        Ok(file) => file,
+        Err(error) => return explained(&error),
+    };
+    match file.to_text("machine.toml") {
+        Ok(text) => {
+            let again =
+                machine_file::read_text("machine.toml", &text).unwrap_or_else(|error| panic!("{error}:\n{text}"));
+            assert_eq!(bits(&again), bits(&file), "{text}");
+        }
+        Err(error) => explained(&error),
+    }
+    drive_of(&file.machine, Tick::OneMillisecond);
+}
+
+fn bits(file: &MachineFile) -> Vec<u64> {
+    Parameter::ALL.iter().map(|&parameter| file.machine.get(parameter).to_bits()).collect()
+}
+
+/// What a serial line brings: the bytes as they are, and the same as the payloads of whole frames, whose checksum no chance finds.
+pub fn frames(bytes: &[u8]) {
+    stream(bytes);
+    let mut rest = bytes;
+    let (mut line, mut writer) = (Vec::new(), FrameWriter::default());
+    while let Some((&[kind, length], after)) = rest.split_first_chunk::<2>() {
+        let (payload, after) = after.split_at(usize::from(length).min(after.len()).min(PAYLOAD));
+        writer.write(&mut line, kind, payload).unwrap_or_else(|error| panic!("{error}"));
+        rest = after;
+    }
+    stream(&line);
+}
+
+/// What is imported is a CSV whose every row reads; only what its names and numbers say may be wrong.
+fn stream(bytes: &[u8]) {
+    let Ok(stream) = import::stream(bytes) else { return };
+    for imported in stream.recordings {
+        let _ = imported.rows_lost();
+        let Ok(csv) = imported.csv() else { continue };
+        match recording::read_from("taken.csv", csv.as_bytes(), &ChannelMap::default()) {
+            Ok(recording) => check(&recording),
+            Err(
+                error @ (RecordingError::RaggedRow { .. }
+                | RecordingError::OpenQuote { .. }
+                | RecordingError::NotANumber { .. }
+                | RecordingError::ControlCharacter { .. }
+                | RecordingError::NotUtf8 { .. }
+                | RecordingError::NotFinite { .. }
+                | RecordingError::TimeBackwards { .. }),
+            ) => panic!("{error}\n{csv}"),
+            Err(error) => explained(&error),
+        }
+    }
+}
+
+/// Any parameters: an error, or coefficients that three ticks can be computed with.
+pub fn coefficients(bytes: &[u8]) {
+    let mut words = Words(bytes);
+    let (machine, tick) = words.machine();
+    drive_of(&machine, tick);
+}
+
+fn drive_of(machine: &Machine<f64>, tick: Tick) {
+    fn some_ticks<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Tick) {
+        let Ok(drive) = Drive::<N>::new::<DELAY>(machine, tick) else { return };
+        let mut state: DriveState<N, DELAY> = drive.at_rest(
+            N::saturated(0.1),
+            model_core::chambers::ChamberState { a: N::saturated(0.4), b: N::saturated(0.6) },
+            N::travel(0.5),
+        );
+        for entry in [
+            Entry::Command(N::saturated(0.5)),
+            Entry::Slider(Slider { from: N::ZERO, to: N::saturated(-1.0) }),
+            Entry::Pump(PumpDrive { speed: N::saturated(0.7), direction: -1 }),
+        ] {
+            drive.step(&mut state, entry, Load::NONE);
+            let _ = drive.sensed(&state);
+        }
+    }
+    some_ticks::<PerUnit>(machine, tick);
+    some_ticks::<f64>(machine, tick);
+    // The follower's rules divide by what a machine may not have.
+    if machine.check().is_ok() {
+        let _ = Follower::new(machine, &Tuning::by_rule(machine, true), tick);
+    }
+}
+
+/// Any machine, any state, any inputs, stored states among them that no run leads to.
+pub fn step<N>(bytes: &[u8])
+where
+    N: Word + DeserializeOwned,
+    N::Travel: DeserializeOwned,
+{
+    let mut words = Words(bytes);
+    let (machine, tick) = words.machine();
+    let Ok(drive) = Drive::<N>::new::<DELAY>(&machine, tick) else { return };
+    let Ok((mut state, rest)) = postcard::take_from_bytes::<DriveState<N, DELAY>>(words.0) else { return };
+    let mut words = Words(rest);
+    for _ in 0..64 {
+        let Some(entry) = words.entry() else { break };
+        let load = Load { from: words.word(), to: words.word() };
+        drive.step(&mut state, entry, load);
+        let _ = drive.sensed(&state);
+    }
+}
+
+/// A number that any bits are one of.
+pub trait Word: Number<Real = f64> {
+    /// The number of these bits.
+    fn any(bits: u64) -> Self;
+}
+
+impl Word for PerUnit {
+    #[expect(clippy::cast_possible_truncation, reason = "the lower half is the word")]
+    fn any(bits: u64) -> Self {
+        PerUnit::from_bits((bits as u32).cast_signed())
+    }
+}
+
+impl Word for f64 {
+    fn any(bits: u64) -> Self {
+        f64::from_bits(bits)
+    }
+}
+
+/// Bytes that are used up from the front; nothing but zeros follows.
+struct Words<'a>(&'a [u8]);
+
+impl Words<'_> {
+    fn byte(&mut self) -> u8 {
+        let (&byte, rest) = self.0.split_first().unwrap_or((&0, &[]));
+        self.0 = rest;
+        byte
+    }
+
+    fn bits(&mut self) -> u64 {
+        u64::from_le_bytes(std::array::from_fn(|_| self.byte()))
+    }
+
+    fn word<N: Word>(&mut self) -> N {
+        N::any(self.bits())
+    }
+
+    /// The press or a pump drive, with up to 255 changes of parameters, each to an end of its range, a share of it, a multiple of
+    /// what it is, or anything.
+    fn machine(&mut self) -> (Machine<f64>, Tick) {
+        let kind = self.byte();
+        let mut machine = if kind & 1 == 0 { drives::press() } else { drives::pump() };
+        machine.source = if kind & 1 == 0 { Source::Valve } else { Source::Pump };
+        let tick = match kind >> 1 & 3 {
+            0 | 3 => Tick::OneMillisecond,
+            1 => Tick::HalfMillisecond,
+            _ => Tick::TwoMilliseconds,
+        };
+        for _ in 0..self.byte() {
+            let parameter = Parameter::ALL[usize::from(self.byte()) % Parameter::COUNT];
+            let what = parameter.description();
+            let value = match self.byte() % 5 {
+                0 => what.min,
+                1 => what.max,
+                2 => what.min + (what.max.min(1e12) - what.min) * f64::from(self.byte()) / 255.0,
+                3 => machine.get(parameter) * (f64::from(self.byte().cast_signed()) / 8.0).exp2(),
+                _ => f64::from_bits(self.bits()),
+            };
+            let whole = if parameter.is_whole() { value.floor() } else { value };
+            machine.set(parameter, whole);
+        }
+        (machine, tick)
+    }
+
+    fn entry<N: Word>(&mut self) -> Option<Entry<N>> {
+        if self.0.is_empty() {
+            return None;
+        }
+        Some(match self.byte() % 6 {
+            0 => Entry::Command(self.word()),
+            1 => Entry::Slider(Slider { from: self.word(), to: self.word() }),
+            2 => Entry::Followed { command: self.word(), slider: Slider { from: self.word(), to: self.word() } },
+            3 => Entry::Pump(PumpDrive { direction: self.byte().cast_signed(), speed: self.word() }),
+            4 => Entry::Flow {
+                from: Flows { a: self.word(), b: self.word() },
+                to: Flows { a: self.word(), b: self.word() },
+            },
+            _ => Entry::Force { from: self.word(), to: self.word() },
+        })
+    }
+}
