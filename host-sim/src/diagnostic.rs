@@ -170,14 +170,13 @@ pub(crate) fn engineering(value: f64) -> String {
 /// A text of ours with names from files in it, as it may go to a terminal, which would obey control characters: they are spelt out.
 pub(crate) fn printable(text: &impl fmt::Display) -> String {
     let kept = |character: char| matches!(character, '\n' | '\t');
-    text.to_string().chars().fold(String::new(), |mut told, character| {
-        if kept(character) {
-            told.push(character);
-        } else {
-            told.extend(visible(character));
-        }
-        told
-    })
+    text.to_string()
+        .chars()
+        .flat_map(|character| {
+            let plain = kept(character).then_some(character);
+            plain.into_iter().chain(visible(character).filter(move |_| plain.is_none()))
+        })
+        .collect()
 }
 
 fn visible(character: char) -> impl Iterator<Item = char> {

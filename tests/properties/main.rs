@@ -1,6 +1,11 @@
 //! What holds for every drive, every state and every input.
 //!
-//! The seeds are fixed, so that a run says the same everywhere; a case that once failed is kept in `proptest-regressions`.
+//! The seeds are fixed, so that a run says the same everywhere; a case that once failed is kept in `proptest-regressions`. More of
+//! them, thirty times as many with another seed:
+//!
+//! ```text
+//! CASES_TIMES=30 CASES_SEED=1 cargo test -p system-tests --test properties
+//! ```
 
 mod agreement;
 mod derivatives;
@@ -11,10 +16,19 @@ mod physics;
 mod repeat;
 mod settling;
 mod symmetry;
+mod time;
 
 use proptest::test_runner::{Config, RngSeed};
 
-/// That many cases from a fixed seed.
+/// That many cases from a fixed seed; `CASES_TIMES` as many, and from the seed `CASES_SEED`, where these are set.
 fn cases(cases: u32) -> Config {
-    Config { cases, rng_seed: RngSeed::Fixed(20_200), ..Config::default() }
+    let set = |name: &str| {
+        std::env::var(name).ok().map(|text| text.parse::<u32>().unwrap_or_else(|_| panic!("{name}={text}")))
+    };
+    let seed = set("CASES_SEED").unwrap_or(20_200);
+    Config {
+        cases: cases * set("CASES_TIMES").unwrap_or(1),
+        rng_seed: RngSeed::Fixed(seed.into()),
+        ..Config::default()
+    }
 }

@@ -9,8 +9,9 @@ use model_core::parameter::Parameter as P;
 use proptest::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use system_tests::any_effects::any_side_effects;
 use system_tests::any_machine::{any_machine, any_plain_machine, any_tick};
-use system_tests::simulate::{State, at_rest, command, drive};
+use system_tests::simulate::{DELAY, State, at_rest, command, drive};
 
 use super::cases;
 
@@ -42,9 +43,12 @@ proptest! {
     fn a_run_that_is_stored_and_continued_is_the_run(
         machine in any_machine(),
         tick in any_tick(),
+        effects in prop::option::of((any_side_effects(), any::<u16>())),
         seed in any::<u64>(),
         at in 0_usize..1000,
     ) {
+        let machine = effects.map_or(machine, |(effects, which)| effects.on(&machine, |index| which >> index & 1 == 1));
+        prop_assume!(Drive::<PerUnit>::new::<DELAY>(&machine, tick).is_ok());
         let volts = Excitation::random_steps(seed).sample(1e-3);
         stored_and_continued::<PerUnit>(&machine, tick, &volts[..1000], at);
         stored_and_continued::<f64>(&machine, tick, &volts[..1000], at);

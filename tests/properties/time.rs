@@ -1,0 +1,54 @@
+//! What happens does not depend on when it happens.
+
+use host_sim::testbed::{Excitation, InitialState};
+use model_core::drive::{Entry, Interfaces, Load};
+use model_core::fixed_point::PerUnit;
+use model_core::machine::{Machine, Tick};
+use model_core::number::Number;
+use model_core::parameter::Parameter as P;
+use proptest::prelude::*;
+use system_tests::any_machine::{any_machine, any_tick};
+use system_tests::simulate::{State, at_rest, command, drive};
+
+use super::cases;
+
+/// Nothing moves it while its valve stands closed.
+fn at_peace(mut machine: Machine<f64>) -> Machine<f64> {
+    machine.set(P::ValveOffset, 0.0);
+    machine.set(P::DeadZone, machine.get(P::DeadZone).max(0.01));
+    machine.set(P::InternalLeakage, 0.0);
+    machine.set(P::LoadForce, 0.0);
+    machine
+}
+
+/// A run that begins so many ticks later; without dry friction it holds the rounding of its pressures by a little more.
+fn later<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Tick, volts: &[f64], wait: usize) -> Vec<Interfaces<N>> {
+    let drive = drive::<N>(machine, tick);
+    let mut state: State<N> = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.1));
+    // Whatever is left of a force by rounding goes first.
+    state.chambers.a = N::ZERO;
+    state.chambers.b = N::ZERO;
+    let start = state;
+    for _ in 0..wait {
+        drive.step(&mut state, Entry::Command(N::ZERO), Load::NONE);
+        assert_eq!((state.chambers, state.motion), (start.chambers, start.motion), "nothing moves it");
+    }
+    volts.iter().map(|&volts| drive.step(&mut state, Entry::Command(command(volts)), Load::NONE)).collect()
+}
+
+proptest! {
+    #![proptest_config(cases(60))]
+
+    /// The delay line stands elsewhere in its ring, and nothing else is another.
+    #[test]
+    fn the_same_later_is_the_same(
+        machine in any_machine().prop_map(at_peace),
+        tick in any_tick(),
+        seed in any::<u64>(),
+        wait in 1_usize..200,
+    ) {
+        let volts = &Excitation::random_steps(seed).sample(1e-3)[..1000];
+        prop_assert_eq!(later::<PerUnit>(&machine, tick, volts, wait), later::<PerUnit>(&machine, tick, volts, 0));
+        prop_assert_eq!(later::<f64>(&machine, tick, volts, wait), later::<f64>(&machine, tick, volts, 0));
+    }
+}
