@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 
 use model_core::machine::{Machine, MachineError, Tick};
 use model_core::parameter::Parameter;
+use rayon::prelude::*;
 
 use crate::compare::CompareError;
 use crate::excerpt::Excerpt;
@@ -232,10 +233,13 @@ pub fn diagnose(
     let mut left = misses(&after.fit.machine, &self::cases(training, &references, &after.fit.starts))?;
     left.retain(|miss| miss.over_noise > WITHIN_NOISE);
     let level_at_rest = level_at_rest(&after.fit.machine, &references, &after.fit.starts);
-    let shown = trained
+    let together: Vec<_> = trained
         .into_iter()
         .zip(base.starts.iter().zip(&after.fit.starts).map(|(&before, &after)| Some((before, after))))
         .chain(held.into_iter().map(|prepared| (prepared, None)))
+        .collect();
+    let shown = together
+        .into_par_iter()
         .map(|(prepared, starts)| show(prepared, starts, &base.machine, &after.fit.machine))
         .collect::<Result<Vec<_>, MachineError>>()?;
     let mut refitted = after.estimates();

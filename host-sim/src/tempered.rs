@@ -4,6 +4,8 @@
 //! effect that it lacks does not look like the best addition. Tempered, every channel's noise is taken to be what the model
 //! leaves, and as correlated: the priors keep the parameters where they can be, and what is left shows the effect.
 
+use rayon::prelude::*;
+
 use crate::candidate::{Candidate, Question};
 use crate::fit::{FitError, StartState, effective_samples, loss, standardised};
 use crate::prepare::Prepared;
@@ -33,7 +35,7 @@ impl Tempered {
         let machine = from.map_or(question.scene.machine, |from| &from.fit.machine);
         let cases = question
             .training
-            .iter()
+            .par_iter()
             .enumerate()
             .map(|(index, &case)| {
                 let start = from.map_or(StartState::default(), |from| from.fit.starts[index]);

@@ -50,11 +50,23 @@ pub trait Real:
     #[must_use]
     fn acos(self) -> Self;
 
-    /// The number without derivatives that are too small to count, if it has any.
+    /// The number times a constant.
     #[must_use]
     #[inline]
-    fn noted(self) -> Self {
-        self
+    fn scaled(self, by: f64) -> Self {
+        self * Self::constant(by)
+    }
+
+    /// Σ gain·signal, without derivatives that are too small to count, if it has any: what fades in a step, fades through here.
+    #[must_use]
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "the arrays of a call are half of what it computes")]
+    fn sum<const K: usize>(gains: &[Self; K], signals: &[Self; K]) -> Self {
+        let mut total = Self::ZERO;
+        for (gain, signal) in gains.iter().zip(signals) {
+            total = total + *gain * *signal;
+        }
+        total
     }
 }
 
@@ -210,6 +222,7 @@ pub trait Number:
     fn strokes(travel: Self::Travel) -> Self::Real;
 }
 
+#[expect(clippy::inline_always, reason = "a call with dual numbers in memory is half of what it computes")]
 impl<R: Real> Number for R {
     type Real = R;
     type Gain = R;
@@ -219,122 +232,120 @@ impl<R: Real> Number for R {
     const ZERO: Self = R::ZERO;
     const ONE: Self = R::ONE;
 
-    #[inline]
+    #[inline(always)]
     fn signal(value: R) -> Option<Self> {
         value.value().is_finite().then_some(value)
     }
-    #[inline]
+    #[inline(always)]
     fn saturated(value: f64) -> Self {
         R::constant(if value.is_nan() { 0.0 } else { value.clamp(f64::MIN, f64::MAX) })
     }
+    #[inline(always)]
     fn counted(counts: i32) -> Self {
         R::constant(f64::from(counts) / 65536.0)
     }
-    #[inline]
+    #[inline(always)]
     fn to_f64(self) -> f64 {
         self.value()
     }
-    #[inline]
+    #[inline(always)]
     fn to_real(self) -> R {
         self
     }
-    #[inline]
+    #[inline(always)]
     fn gain(value: R) -> Option<R> {
         value.value().is_finite().then_some(value)
     }
-    #[inline]
+    #[inline(always)]
     fn steep(value: R) -> Option<R> {
         (value.value().is_finite() && value.value() >= 0.0).then_some(value)
     }
-    #[inline]
+    #[inline(always)]
     fn times(self, other: Self) -> Self {
         self * other
     }
-    #[inline]
+    #[inline(always)]
     fn of(self, signal: Self) -> Self {
         self * signal
     }
-    #[inline]
+    #[inline(always)]
     fn part(self, of: R) -> Self {
-        sum([of], [self])
+        R::sum(&[of], &[self])
     }
     #[inline(always)]
-    #[expect(clippy::inline_always, reason = "as `sum`")]
     fn dot<const K: usize>(gains: [R; K], signals: [Self; K]) -> Self {
-        sum(gains, signals)
+        R::sum(&gains, &signals)
     }
-    #[inline]
+    #[inline(always)]
     fn and_more<const K: usize>(self, _: [R; K], _: [Self; K], by_steps: impl FnOnce() -> Self) -> Self {
         by_steps()
     }
-    #[inline]
+    #[inline(always)]
     fn weighed(self, second: Self) -> Self {
-        sum([R::constant(1.5), R::constant(0.5)], [self, second])
+        R::sum(&[self, second], &[R::constant(1.5), R::constant(0.5)])
     }
-    #[inline]
+    #[inline(always)]
     fn accumulated<const K: usize>(self, rest: Self, gains: [R; K], signals: [Self; K]) -> (Self, Self) {
-        (self + sum(gains, signals), rest)
+        (self + R::sum(&gains, &signals), rest)
     }
-    #[inline]
+    #[inline(always)]
     fn amplified(self, by: R) -> Self {
         self * by
     }
-    #[inline]
+    #[inline(always)]
     fn halved(self) -> Self {
-        self * R::constant(0.5)
+        self.scaled(0.5)
     }
-    #[inline]
+    #[inline(always)]
+    fn limited(self, limit: Self) -> Self {
+        let below = self.min(limit);
+        if -limit.value() > below.value() { -limit } else { below }
+    }
+    #[inline(always)]
+    fn magnitude(self) -> Self {
+        if -self.value() > self.value() { -self } else { self }
+    }
+    #[inline(always)]
     fn orifice_root(self, transition: Self) -> (Self, R) {
         let hypotenuse = (self * self + transition * transition).sqrt();
         let chord = R::ONE / hypotenuse.sqrt();
         (self * chord, chord)
     }
-    #[inline]
+    #[inline(always)]
     fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [R; K]) -> Self {
-        R::ONE / (R::ONE + sum(weights, steep))
+        R::ONE / (R::ONE + R::sum(&weights, &steep))
     }
-    #[inline]
+    #[inline(always)]
     fn share<const K: usize>(part: Self, weights: [Self; K], steep: [R; K]) -> Self {
         /// Less than a fixed-point number can hold is nothing: its share would have slopes without bound.
         const NOTHING: f64 = 1.0 / (1_u64 << 31) as f64;
-        let whole = part + sum(weights, steep);
+        let whole = part + R::sum(&weights, &steep);
         if whole.value() > NOTHING { part / whole } else { R::ZERO }
     }
-    #[inline]
+    #[inline(always)]
     fn as_gain(self) -> R {
         self
     }
-    #[inline]
+    #[inline(always)]
     fn travel(strokes: R) -> R {
         strokes
     }
-    #[inline]
+    #[inline(always)]
     fn as_travel(self) -> R {
         self
     }
-    #[inline]
+    #[inline(always)]
     fn travelled<const K: usize>(from: R, gains: [R; K], signals: [Self; K]) -> R {
-        from + sum(gains, signals)
+        from + R::sum(&gains, &signals)
     }
-    #[inline]
+    #[inline(always)]
     fn of_travel(travel: R) -> R {
         travel
     }
-    #[inline]
+    #[inline(always)]
     fn strokes(travel: R) -> R {
         travel
     }
-}
-
-/// By reference: a dual number is too large to be moved through an iterator. What fades in a step, fades through here.
-#[inline(always)]
-#[expect(clippy::inline_always, reason = "the arrays of a call are half of what it computes on dual numbers")]
-fn sum<R: Real, const K: usize>(gains: [R; K], signals: [R; K]) -> R {
-    let mut total = R::ZERO;
-    for (gain, signal) in gains.iter().zip(&signals) {
-        total = total + *gain * *signal;
-    }
-    total.noted()
 }
 
 impl Real for f64 {

@@ -135,7 +135,9 @@ impl<N: Number> Sensors<N> {
     }
 
     /// What the sensors read.
-    #[inline]
+    #[cfg_attr(not(feature = "std"), inline)]
+    #[cfg_attr(feature = "std", inline(always))]
+    #[cfg_attr(feature = "std", expect(clippy::inline_always, reason = "as `Drive::sensed`"))]
     pub(crate) fn read<const DELAY: usize>(
         &self,
         state: &SensedState<N, DELAY>,
@@ -153,7 +155,9 @@ impl<N: Number> Sensors<N> {
         }
     }
 
-    #[inline]
+    #[cfg_attr(not(feature = "std"), inline)]
+    #[cfg_attr(feature = "std", inline(always))]
+    #[cfg_attr(feature = "std", expect(clippy::inline_always, reason = "as `Drive::sensed`"))]
     fn position<const DELAY: usize>(&self, state: &SensedState<N, DELAY>, position: N::Travel) -> N::Travel {
         if !self.follows() && self.position.is_none() {
             return position;
