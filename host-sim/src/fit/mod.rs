@@ -158,7 +158,7 @@ pub struct Fit {
     pub coordinates: Vec<f64>,
     /// The state each recording starts from.
     pub starts: Vec<StartState>,
-    /// What each recording tells of the free parameters, at the solution; of a first look, a step before it.
+    /// What each recording tells of the free parameters, at the solution.
     pub information: Vec<Information>,
     /// Whether the optimiser met one of its criteria.
     pub converged: bool,

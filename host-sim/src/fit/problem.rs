@@ -4,13 +4,13 @@
 //! few dozen numbers instead of a hundred thousand.
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use model_core::machine::{Machine, MachineError};
+use model_core::machine::Machine;
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
 use rayon::prelude::*;
 
 use super::information::OF_START;
 use super::slopes::At;
-use super::{Free, From, Information, StartState, loss, softened};
+use super::{Free, From, Information, StartState};
 use crate::prepare::Prepared;
 
 /// What is told of an evaluated recording.
@@ -92,7 +92,7 @@ impl<'a> Problem<'a> {
             // Every coordinate is in standard deviations of its prior already: a first step of several of them is far.
             .with_scale_diag(false)
             .with_stepbound(5.0);
-        let start = Slots::new(self, precision);
+        let start = Slots::new(self);
         let (end, report) = solver.minimize(start);
         let information = end.here.information;
         self.information = information;
@@ -109,14 +109,10 @@ pub(super) struct Minimum {
     pub(super) loss: f64,
 }
 
-/// A search that ends at a coarser precision than this is a first look, whose slopes at the end nobody asks for.
-const FIRST_LOOK: f64 = 3e-5;
-
 /// The problem as the optimiser wants it: where it is and where it was.
 struct Slots<'p, 'a> {
     problem: &'p mut Problem<'a>,
-    precision: f64,
-    /// Here, and where the search goes on from: a step that is not taken leads back there.
+    /// Here, and where the search was before: a step that is not taken leads back there.
     here: Point,
     before: Point,
 }
@@ -130,17 +126,10 @@ struct Point {
     triangle: Option<(DVector<f64>, DMatrix<f64>)>,
 }
 
-impl Point {
-    /// The root of twice the loss.
-    fn norm(&self) -> f64 {
-        self.triangle.as_ref().map_or(f64::INFINITY, |(residuals, _)| residuals.norm())
-    }
-}
-
 impl<'p, 'a> Slots<'p, 'a> {
-    fn new(problem: &'p mut Problem<'a>, precision: f64) -> Self {
+    fn new(problem: &'p mut Problem<'a>) -> Self {
         let coordinates = problem.coordinates.clone();
-        let mut slots = Self { problem, precision, here: Point::default(), before: Point::default() };
+        let mut slots = Self { problem, here: Point::default(), before: Point::default() };
         slots.set_params(&coordinates);
         slots
     }
@@ -162,48 +151,6 @@ impl<'p, 'a> Slots<'p, 'a> {
     }
 }
 
-impl Slots<'_, '_> {
-    /// A first look's last step, where that is what the coordinates are: the loss alone says so, at a fraction of what slopes cost.
-    ///
-    /// The optimiser ends where a step is both said to gain less than the precision and gains less. What is not clearly so is a
-    /// step like any other.
-    fn last(&self, coordinates: &DVector<f64>) -> Option<Point> {
-        const CLEARLY: f64 = 0.999;
-        let (before, limit) = (&self.before, CLEARLY * self.precision);
-        let (Some(from), Some((residuals, jacobian))) = (&before.at, &before.triangle) else { return None };
-        if self.precision < FIRST_LOOK {
-            return None;
-        }
-        let square = residuals.norm_squared();
-        let said = 1.0 - (residuals + jacobian * (coordinates - from)).norm_squared() / square;
-        if said.is_nan() || said > limit {
-            return None;
-        }
-        let now = self.square().ok()?;
-        let gained = 1.0 - now / square;
-        // Taken where it gains anything to speak of, else the search ends where it was.
-        let share = gained / said;
-        let is_last = gained.abs() < limit && share < 1.999 && !(5e-5..2e-4).contains(&share);
-        is_last.then(|| {
-            // Of its residuals only the norm is asked for.
-            let mut residuals = DVector::zeros(residuals.len());
-            residuals[0] = now.sqrt();
-            let at = Some(coordinates.clone());
-            Point { at, information: before.information.clone(), triangle: Some((residuals, jacobian.clone())) }
-        })
-    }
-
-    /// Twice the loss at the coordinates.
-    fn square(&self) -> Result<f64, MachineError> {
-        let (machine, starts) = (self.problem.machine(), self.problem.starts());
-        let of_case = |(case, start): (&&Prepared, StartState)| -> Result<f64, MachineError> {
-            Ok(softened(&machine, case, start)?.iter().map(|series| loss(series)).sum())
-        };
-        let squares: Vec<f64> = self.problem.cases.par_iter().zip(starts).map(of_case).collect::<Result<_, _>>()?;
-        Ok(squares.iter().sum::<f64>() + self.problem.coordinates.norm_squared())
-    }
-}
-
 impl LeastSquaresProblem<f64, Dyn, Dyn> for Slots<'_, '_> {
     type ResidualStorage = Owned<f64, Dyn>;
     type JacobianStorage = Owned<f64, Dyn, Dyn>;
@@ -214,16 +161,8 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Slots<'_, '_> {
         if self.here.at.as_ref() == Some(coordinates) {
             return;
         }
-        // A step that was not taken lies higher than where the search goes on from, which is kept.
-        if self.before.at.as_ref() == Some(coordinates) {
-            std::mem::swap(&mut self.here, &mut self.before);
-            return;
-        }
-        if self.here.norm() < self.before.norm() {
-            std::mem::swap(&mut self.here, &mut self.before);
-        }
-        if let Some(last) = self.last(coordinates) {
-            self.here = last;
+        std::mem::swap(&mut self.here, &mut self.before);
+        if self.here.at.as_ref() == Some(coordinates) {
             return;
         }
         let Problem { base, free, cases, told, .. } = *self.problem;
