@@ -15,7 +15,7 @@ use crate::compare::CompareError;
 use crate::excerpt::Excerpt;
 use crate::fit::{Estimate, FitError, Free, Freedom, StartState, level_at_rest, set_tolerances};
 use crate::hypothesis::{CATALOGUE, Hypothesis, Scene, Subsystem};
-use crate::locate::{Case, Location, Miss, locate, misses};
+use crate::locate::{Case, Location, Miss, WITHIN_NOISE, locate, misses};
 use crate::machine_file::MachineFile;
 use crate::noise::extent;
 use crate::prepare::{Channel, Prepared};
@@ -26,9 +26,6 @@ use crate::verdict::{Candidate, Chosen, Confirmation, Question, Selection, Trial
 
 use shown::show;
 pub use shown::{Fits, Shown};
-
-/// How sure the model follows within the noise: no signal further off than half the noise again.
-const WITHIN_NOISE: f64 = 1.5;
 
 /// How it ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -230,8 +227,8 @@ pub fn diagnose(
         Some((tabled, unnamed)) => (tabled, Some(unnamed)),
         None => (after, None),
     };
-    let mut left = misses(&after.fit.machine, &self::cases(training, &references, &after.fit.starts))?;
-    left.retain(|miss| miss.over_noise > WITHIN_NOISE);
+    let mut left = misses(&after.fit.machine, references.iter().copied().zip(after.fit.starts.iter().copied()))?;
+    left.retain(Miss::is_above_noise);
     let level_at_rest = level_at_rest(&after.fit.machine, &references, &after.fit.starts);
     let together: Vec<_> = trained
         .into_iter()

@@ -37,6 +37,17 @@ pub struct Miss {
     pub over_noise: f64,
 }
 
+/// How sure the model follows within the noise: no signal further off than half the noise again.
+pub(crate) const WITHIN_NOISE: f64 = 1.5;
+
+impl Miss {
+    /// Whether that is more than noise.
+    #[must_use]
+    pub fn is_above_noise(&self) -> bool {
+        self.over_noise > WITHIN_NOISE
+    }
+}
+
 /// The place of a mismatch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Location {
@@ -79,7 +90,7 @@ pub fn locate(
     named: &[Subsystem],
     promises: &[(Subsystem, f64)],
 ) -> Result<Location, MachineError> {
-    let misses = misses(machine, cases)?;
+    let misses = misses(machine, cases.iter().map(|case| (case.prepared, case.start)))?;
     let link = missing_link(machine, load, cases, promises)?;
     let event = once(
         &link
@@ -224,8 +235,11 @@ pub(crate) fn states(course: &Course) -> Vec<State> {
 }
 
 /// RMSE over noise of every judged signal.
-pub fn misses(machine: &Machine<f64>, cases: &[Case<'_>]) -> Result<Vec<Miss>, MachineError> {
-    let misfits = misfits(machine, cases.iter().map(|case| (case.prepared, case.start)))?;
+pub fn misses<'a>(
+    machine: &Machine<f64>,
+    cases: impl IntoIterator<Item = (&'a Prepared, StartState)>,
+) -> Result<Vec<Miss>, MachineError> {
+    let misfits = misfits(machine, cases)?;
     let miss = |misfit: &Misfit| Miss { signal: misfit.signal, over_noise: misfit.mean_square().sqrt() };
     Ok(misfits.iter().map(miss).collect())
 }

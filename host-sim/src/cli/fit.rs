@@ -9,6 +9,7 @@ use super::{CliError, Console, Outcome};
 use crate::diagnose::{DiagnoseError, ordinary};
 use crate::fit::{From, fit_told, level_at_rest, most_evaluations};
 use crate::judge;
+use crate::locate::{Miss, misses};
 use crate::machine_file;
 use crate::prepare::Prepared;
 use crate::recording::{ChannelMap, Signal};
@@ -80,6 +81,15 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     file.given.extend(fitted.free.iter().map(|free| free.parameter));
     file.save(&arguments.save_machine)?;
     console.print(terminal::parameters(&fitted.estimates(1.0)))?;
+    let left = misses(&fitted.machine, cases.iter().copied().zip(fitted.starts.iter().copied()))
+        .map_err(|cause| failed(cause.into()))?;
+    console.print(format_args!("What is left: {}.", terminal::missed(&left)))?;
+    if left.iter().any(Miss::is_above_noise) {
+        console.print(
+            "That is more than noise, and the values that may move do not mend it: \
+             `host-sim diagnose` looks for what is missing.",
+        )?;
+    }
     if !fitted.converged {
         console.note("the search did not converge: the values are the best it met");
     }

@@ -8,6 +8,7 @@ use crate::diagnose::{Diagnosis, Verdict};
 use crate::exhibits::Exhibits;
 use crate::fit::Estimate;
 use crate::hypothesis::short_name;
+use crate::locate::Miss;
 use crate::presentation::{TABLE, significant};
 
 /// The whole text.
@@ -119,9 +120,14 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
 /// What the effects claimed leave above the noise.
 #[must_use]
 pub fn still_missing(diagnosis: &Diagnosis) -> String {
-    let signals: Vec<String> =
-        diagnosis.left.iter().map(|miss| format!("{} ({:.1} times its noise)", miss.signal, miss.over_noise)).collect();
-    format!("something is still missing: the model with these effects misses {}", signals.join(", "))
+    format!("something is still missing: the model with these effects misses {}", missed(&diagnosis.left))
+}
+
+/// How far signals are off.
+#[must_use]
+pub fn missed(misses: &[Miss]) -> String {
+    let signal = |miss: &Miss| format!("{} ({:.1} times its noise)", miss.signal, miss.over_noise);
+    misses.iter().map(signal).collect::<Vec<_>>().join(", ")
 }
 
 /// A standard deviation, or why there is none.

@@ -158,7 +158,8 @@ fn from_data_sheet_to_the_noise_floor() {
         "--save-machine",
         "fitted.toml",
     ];
-    done(folder.path(), &fit);
+    let printed = done(folder.path(), &fit);
+    assert!(printed.contains("\nWhat is left: ") && !printed.contains("more than noise"), "{printed}");
 
     let before = misses(folder.path(), "press.toml");
     let after = misses(folder.path(), "fitted.toml");

@@ -19,6 +19,15 @@ fn documented_command() -> Vec<String> {
 }
 
 #[test]
+fn a_fit_says_what_it_could_not_mend() {
+    let folder = tempfile::tempdir().unwrap();
+    let (machine, train) = (example("machine.toml"), example("train-1.csv"));
+    let fit = ["fit", "--machine", &machine, "--train", &train, "--save-machine", "fitted.toml"];
+    let printed = done(folder.path(), &fit);
+    assert!(printed.contains("What is left: ") && printed.contains("`host-sim diagnose` looks for"), "{printed}");
+}
+
+#[test]
 fn the_documented_command_makes_the_example_again() {
     let folder = tempfile::tempdir().unwrap();
     let mut words = documented_command();

@@ -4,7 +4,7 @@ use model_core::machine::Tick;
 
 use super::*;
 use crate::fit::settle;
-use crate::locate::{Case, misses};
+use crate::locate::misses;
 use crate::machine_file::LoadSource;
 use crate::press::press;
 use crate::recording::{Column, Recording};
@@ -50,9 +50,7 @@ fn rows_in_which_a_sensor_failed_make_no_mean_smaller() {
     let recording = recorded(&machine);
     let start = StartState::default();
     let [all, some] = [false, true].map(|every_fourth| read_too_far(&recording, &machine, every_fourth));
-    let missed = |prepared: &Prepared| {
-        misses(&machine, &[Case { recording: &recording, prepared, start }]).unwrap()[0].over_noise
-    };
+    let missed = |prepared: &Prepared| misses(&machine, [(prepared, start)]).unwrap()[0].over_noise;
     // Two standard deviations and the noise itself.
     assert!((missed(&all) - 5.0_f64.sqrt()).abs() < 0.1, "{}", missed(&all));
     assert!((missed(&some) / missed(&all) - 1.0).abs() < 0.05, "{} of {}", missed(&some), missed(&all));
