@@ -43,6 +43,17 @@ pub(super) const PRESS: [&str; 28] = [
 ];
 
 #[test]
+fn a_valve_that_is_driven_by_a_current_counts_in_milliamperes() {
+    let folder = tempfile::tempdir().unwrap();
+    // 59.35 % of travel at 40 mA.
+    let by_current = PRESS.map(|word| if word == "10V" { "40mA" } else { word });
+    done(folder.path(), &by_current);
+    let file = machine_file::read(&folder.path().join("press.toml")).unwrap();
+    let gain = file.machine.get(model_core::parameter::Parameter::ValveGain);
+    assert!((gain - 0.5935 / 40.0).abs() < 1e-9, "{gain}");
+}
+
+#[test]
 fn a_machine_file_comes_out_of_flags_and_says_what_to_do_next() {
     let folder = tempfile::tempdir().unwrap();
     let printed = done(folder.path(), &PRESS);

@@ -28,7 +28,12 @@ fn a_plan_says_what_could_be_seen_and_writes_an_excitation_that_the_drive_can_pl
     assert_eq!(leakage["passes_for"].as_array().unwrap().len(), 0, "{leakage}");
     assert!(leakage["claimed_from_share_of_usual"].as_f64().unwrap() < 1.0, "{leakage}");
     assert!(plan["best"]["outlook"]["duration_s"].as_f64().unwrap() <= 9.0);
-    assert!(read("matrix.svg").contains("internal-leakage"));
+    // Every effect that would be claimed has a row and a column.
+    let (matrix, effects) = (read("matrix.svg"), plan["best"]["outlook"]["effects"].as_array().unwrap());
+    let claimed = effects.iter().filter(|effect| effect["claimed"] == true).count();
+    assert!(claimed > 5 && matrix.matches("<rect").count() > claimed * claimed, "{claimed}");
+    assert_eq!(matrix.matches("internal-leakage").count(), 2);
+    assert!(done(folder.path(), &["plan", "--help"]).contains("Longest excitation, s [default: 20]"));
     assert!(read("excitation.csv").starts_with("time [s],command [V]\n"));
     done(folder.path(), &["simulate", "--machine", &machine, "--recording", "excitation.csv", "--out", "played.csv"]);
     assert!(read("played.csv").lines().next().unwrap().contains("position"));
