@@ -162,17 +162,9 @@ impl<const P: usize> Real for Dual<P> {
         self.chain(Real::acos(self.value), -1.0 / (1.0 - self.value * self.value).sqrt())
     }
     #[inline]
-    fn scaled(self, by: f64) -> Self {
-        self.chain(self.value * by, by)
-    }
-    #[inline(always)]
-    #[expect(clippy::inline_always, reason = "the arrays of a call are half of what it computes")]
-    fn sum<const K: usize>(gains: &[Self; K], signals: &[Self; K]) -> Self {
-        let product = |k: usize| gains[k] * signals[k];
-        let total = (1..K).fold(product(0), |total, k| total + product(k));
+    fn noted(self) -> Self {
         let noted = |slope: f32| if slope.abs() < NONE_BELOW { 0.0 } else { slope };
-        // A sum begins with 0, for -0 is none.
-        Self { value: 0.0 + total.value, partials: total.partials.map(noted) }
+        Self { partials: self.partials.map(noted), ..self }
     }
 }
 

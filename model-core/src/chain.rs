@@ -21,7 +21,7 @@
 //! stage forces, from which [`Chambers`] and [`Mechanics`] alone reproduce the chain bit for bit.
 
 use crate::chambers::{ChamberEffects, ChamberState, Chambers};
-use crate::drive::{DriveState, Interfaces, Load, Seen};
+use crate::drive::{DriveState, Interfaces, Load};
 use crate::feed::Feed;
 use crate::flow::Flows;
 use crate::mechanics::{Contact, Forces, MechanicalEffects, Mechanics, Surroundings};
@@ -46,12 +46,12 @@ pub(crate) struct Chain<'a, N: Number, C = ChamberEffects<N>, M = MechanicalEffe
 impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Chain<'_, N, C, M> {
     /// All links below the valve.
     #[inline]
-    pub(crate) fn step<V: Vocabulary, S: Seen<N>, const DELAY: usize>(
+    pub(crate) fn step<V: Vocabulary, const DELAY: usize>(
         &self,
         state: &mut DriveState<N, DELAY>,
         feed: &impl Feed<N>,
         load: Load<N>,
-    ) -> S {
+    ) -> Interfaces<N> {
         let mechanics = self.mechanics;
         let pressures = state.chambers;
         let velocity = state.motion.velocity;
@@ -128,13 +128,13 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Cha
         };
         chambers.fill(&mut state.chambers, &mut state.rest, flows, mean);
         state.supply = feed.supplied::<V>(state.chambers, state.supply, drawn);
-        S::of(|| Interfaces {
+        Interfaces {
             slider: feed.slider(),
             flows,
             forces: Forces { start, first, second, around },
             velocity: mean,
             position,
-        })
+        }
     }
 
     /// The oil at the start of a tick, where it changes.

@@ -139,24 +139,6 @@ pub struct Interfaces<N> {
     pub position: N,
 }
 
-/// What a tick tells beside the state it leaves: all that the links handed to each other, or nothing, which costs nothing.
-pub(crate) trait Seen<N: Number> {
-    /// Of these.
-    fn of(interfaces: impl FnOnce() -> Interfaces<N>) -> Self;
-}
-
-impl<N: Number> Seen<N> for Interfaces<N> {
-    #[inline]
-    fn of(interfaces: impl FnOnce() -> Interfaces<N>) -> Self {
-        interfaces()
-    }
-}
-
-impl<N: Number> Seen<N> for () {
-    #[inline]
-    fn of(_: impl FnOnce() -> Interfaces<N>) -> Self {}
-}
-
 impl<N: Number, const DELAY: usize> DriveState<N, DELAY> {
     /// No velocity, the oil cold.
     pub(crate) fn at_rest(
@@ -261,12 +243,7 @@ impl<N: Number> Drive<N> {
 
     /// What the sensors read. The slider is the valve's own; a drive that is entered at a measured slider has it from there.
     #[must_use]
-    #[cfg_attr(not(feature = "std"), inline)]
-    #[cfg_attr(feature = "std", inline(always))]
-    #[cfg_attr(
-        feature = "std",
-        expect(clippy::inline_always, reason = "what the caller does not read is never computed")
-    )]
+    #[inline]
     pub fn sensed<const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> Sensed<N> {
         self.sensors.read(&state.sensed, self.slider(state), state.chambers, &state.motion)
     }
@@ -315,25 +292,19 @@ impl<N: Number> Drive<N> {
             && let (Entry::Command(command), OilSource::Valve(valve, edges)) = (entry, &self.source)
         {
             let slider = valve.step_with::<Plain, DELAY>(&mut state.valve, command, AcrossEdges::NONE);
-            return self.chain().step::<Plain, _, DELAY>(state, &Metered::new::<Plain>(edges, slider), load);
+            return self.chain().step::<Plain, DELAY>(state, &Metered::new::<Plain>(edges, slider), load);
         }
         self.step_links(state, entry, load)
     }
 
-    /// One tick as [`Drive::step`] does it, for who does not ask what the links handed to each other: it is then never computed.
-    #[inline]
-    pub fn advance<const DELAY: usize>(&self, state: &mut DriveState<N, DELAY>, entry: Entry<N>, load: Load<N>) {
-        self.step_links::<(), DELAY>(state, entry, load);
-    }
-
     /// One tick of a drive that may have any effect. Out of line, so that it takes no registers from the one without.
     #[inline(never)]
-    fn step_links<S: Seen<N>, const DELAY: usize>(
+    fn step_links<const DELAY: usize>(
         &self,
         state: &mut DriveState<N, DELAY>,
         entry: Entry<N>,
         load: Load<N>,
-    ) -> S {
+    ) -> Interfaces<N> {
         if let Entry::Force { from, to } = entry {
             let seen = self.step_force(state, from + load.from, to + load.to);
             self.step_beside(state);
@@ -357,7 +328,7 @@ impl<N: Number> Drive<N> {
             (Entry::Flow { from, to }, _) => given(from, to),
             _ => given(closed, closed),
         };
-        let seen = self.chain().step::<Effects, S, DELAY>(state, &feed, load);
+        let seen = self.chain().step::<Effects, DELAY>(state, &feed, load);
         self.step_beside(state);
         seen
     }
@@ -410,7 +381,7 @@ impl<N: Number> Drive<N> {
 
     /// Only the mechanics, under a given force of the oil.
     #[inline]
-    fn step_force<S: Seen<N>, const DELAY: usize>(&self, state: &mut DriveState<N, DELAY>, from: N, to: N) -> S {
+    fn step_force<const DELAY: usize>(&self, state: &mut DriveState<N, DELAY>, from: N, to: N) -> Interfaces<N> {
         let (rise, chain) = (to - from, self.chain());
         let constant = self.unsprung.load;
         let forces = Forces {
@@ -421,7 +392,7 @@ impl<N: Number> Drive<N> {
         };
         let position = N::of_travel(state.motion.position);
         let velocity = self.unsprung.step(&mut state.motion, forces);
-        S::of(|| Interfaces { slider: None, flows: Flows { a: N::ZERO, b: N::ZERO }, forces, velocity, position })
+        Interfaces { slider: None, flows: Flows { a: N::ZERO, b: N::ZERO }, forces, velocity, position }
     }
 
     /// Temperature that the machine's values are for, where the viscosity goes by it.

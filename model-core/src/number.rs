@@ -50,23 +50,11 @@ pub trait Real:
     #[must_use]
     fn acos(self) -> Self;
 
-    /// The number times a constant.
+    /// The number without derivatives that are too small to count, if it has any.
     #[must_use]
     #[inline]
-    fn scaled(self, by: f64) -> Self {
-        self * Self::constant(by)
-    }
-
-    /// Σ gain·signal, without derivatives that are too small to count, if it has any: what fades in a step, fades through here.
-    #[must_use]
-    #[inline(always)]
-    #[expect(clippy::inline_always, reason = "the arrays of a call are half of what it computes")]
-    fn sum<const K: usize>(gains: &[Self; K], signals: &[Self; K]) -> Self {
-        let mut total = Self::ZERO;
-        for (gain, signal) in gains.iter().zip(signals) {
-            total = total + *gain * *signal;
-        }
-        total
+    fn noted(self) -> Self {
+        self
     }
 }
 
@@ -222,7 +210,6 @@ pub trait Number:
     fn strokes(travel: Self::Travel) -> Self::Real;
 }
 
-#[expect(clippy::inline_always, reason = "a call with dual numbers in memory is half of what it computes")]
 impl<R: Real> Number for R {
     type Real = R;
     type Gain = R;
@@ -232,120 +219,122 @@ impl<R: Real> Number for R {
     const ZERO: Self = R::ZERO;
     const ONE: Self = R::ONE;
 
-    #[inline(always)]
+    #[inline]
     fn signal(value: R) -> Option<Self> {
         value.value().is_finite().then_some(value)
     }
-    #[inline(always)]
+    #[inline]
     fn saturated(value: f64) -> Self {
         R::constant(if value.is_nan() { 0.0 } else { value.clamp(f64::MIN, f64::MAX) })
     }
-    #[inline(always)]
     fn counted(counts: i32) -> Self {
         R::constant(f64::from(counts) / 65536.0)
     }
-    #[inline(always)]
+    #[inline]
     fn to_f64(self) -> f64 {
         self.value()
     }
-    #[inline(always)]
+    #[inline]
     fn to_real(self) -> R {
         self
     }
-    #[inline(always)]
+    #[inline]
     fn gain(value: R) -> Option<R> {
         value.value().is_finite().then_some(value)
     }
-    #[inline(always)]
+    #[inline]
     fn steep(value: R) -> Option<R> {
         (value.value().is_finite() && value.value() >= 0.0).then_some(value)
     }
-    #[inline(always)]
+    #[inline]
     fn times(self, other: Self) -> Self {
         self * other
     }
-    #[inline(always)]
+    #[inline]
     fn of(self, signal: Self) -> Self {
         self * signal
     }
-    #[inline(always)]
+    #[inline]
     fn part(self, of: R) -> Self {
-        R::sum(&[of], &[self])
+        sum([of], [self])
     }
     #[inline(always)]
+    #[expect(clippy::inline_always, reason = "as `sum`")]
     fn dot<const K: usize>(gains: [R; K], signals: [Self; K]) -> Self {
-        R::sum(&gains, &signals)
+        sum(gains, signals)
     }
-    #[inline(always)]
+    #[inline]
     fn and_more<const K: usize>(self, _: [R; K], _: [Self; K], by_steps: impl FnOnce() -> Self) -> Self {
         by_steps()
     }
-    #[inline(always)]
+    #[inline]
     fn weighed(self, second: Self) -> Self {
-        R::sum(&[self, second], &[R::constant(1.5), R::constant(0.5)])
+        sum([R::constant(1.5), R::constant(0.5)], [self, second])
     }
-    #[inline(always)]
+    #[inline]
     fn accumulated<const K: usize>(self, rest: Self, gains: [R; K], signals: [Self; K]) -> (Self, Self) {
-        (self + R::sum(&gains, &signals), rest)
+        (self + sum(gains, signals), rest)
     }
-    #[inline(always)]
+    #[inline]
     fn amplified(self, by: R) -> Self {
         self * by
     }
-    #[inline(always)]
+    #[inline]
     fn halved(self) -> Self {
-        self.scaled(0.5)
+        self * R::constant(0.5)
     }
-    #[inline(always)]
-    fn limited(self, limit: Self) -> Self {
-        let below = self.min(limit);
-        if -limit.value() > below.value() { -limit } else { below }
-    }
-    #[inline(always)]
-    fn magnitude(self) -> Self {
-        if -self.value() > self.value() { -self } else { self }
-    }
-    #[inline(always)]
+    #[inline]
     fn orifice_root(self, transition: Self) -> (Self, R) {
         let hypotenuse = (self * self + transition * transition).sqrt();
         let chord = R::ONE / hypotenuse.sqrt();
         (self * chord, chord)
     }
-    #[inline(always)]
+    #[inline]
     fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [R; K]) -> Self {
-        R::ONE / (R::ONE + R::sum(&weights, &steep))
+        R::ONE / (R::ONE + sum(weights, steep))
     }
-    #[inline(always)]
+    #[inline]
     fn share<const K: usize>(part: Self, weights: [Self; K], steep: [R; K]) -> Self {
         /// Less than a fixed-point number can hold is nothing: its share would have slopes without bound.
         const NOTHING: f64 = 1.0 / (1_u64 << 31) as f64;
-        let whole = part + R::sum(&weights, &steep);
+        let whole = part + sum(weights, steep);
         if whole.value() > NOTHING { part / whole } else { R::ZERO }
     }
-    #[inline(always)]
+    #[inline]
     fn as_gain(self) -> R {
         self
     }
-    #[inline(always)]
+    #[inline]
     fn travel(strokes: R) -> R {
         strokes
     }
-    #[inline(always)]
+    #[inline]
     fn as_travel(self) -> R {
         self
     }
-    #[inline(always)]
+    #[inline]
     fn travelled<const K: usize>(from: R, gains: [R; K], signals: [Self; K]) -> R {
-        from + R::sum(&gains, &signals)
+        from + sum(gains, signals)
     }
-    #[inline(always)]
+    #[inline]
     fn of_travel(travel: R) -> R {
         travel
     }
-    #[inline(always)]
+    #[inline]
     fn strokes(travel: R) -> R {
         travel
     }
+}
+
+/// By reference: a dual number is too large to be moved through an iterator. What fades in a step, fades through here.
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "the arrays of a call are half of what it computes on dual numbers")]
+fn sum<R: Real, const K: usize>(gains: [R; K], signals: [R; K]) -> R {
+    let mut total = R::ZERO;
+    for (gain, signal) in gains.iter().zip(&signals) {
+        total = total + *gain * *signal;
+    }
+    total.noted()
 }
 
 impl Real for f64 {

@@ -74,7 +74,7 @@ impl<N: Number> PaperDrive<N> {
             viscosity: None,
             unnamed: None,
         };
-        chain.step::<Plain, _, DELAY>(state, &Metered::new::<Plain>(&self.edges, slider), load)
+        chain.step::<Plain, DELAY>(state, &Metered::new::<Plain>(&self.edges, slider), load)
     }
 
     /// A drive at rest: `command` (in 10 V) held for long, no velocity.

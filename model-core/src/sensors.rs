@@ -135,9 +135,7 @@ impl<N: Number> Sensors<N> {
     }
 
     /// What the sensors read.
-    #[cfg_attr(not(feature = "std"), inline)]
-    #[cfg_attr(feature = "std", inline(always))]
-    #[cfg_attr(feature = "std", expect(clippy::inline_always, reason = "as `Drive::sensed`"))]
+    #[inline]
     pub(crate) fn read<const DELAY: usize>(
         &self,
         state: &SensedState<N, DELAY>,
@@ -155,9 +153,7 @@ impl<N: Number> Sensors<N> {
         }
     }
 
-    #[cfg_attr(not(feature = "std"), inline)]
-    #[cfg_attr(feature = "std", inline(always))]
-    #[cfg_attr(feature = "std", expect(clippy::inline_always, reason = "as `Drive::sensed`"))]
+    #[inline]
     fn position<const DELAY: usize>(&self, state: &SensedState<N, DELAY>, position: N::Travel) -> N::Travel {
         if !self.follows() && self.position.is_none() {
             return position;

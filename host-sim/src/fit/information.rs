@@ -4,8 +4,8 @@
 use model_core::machine::MachineError;
 use nalgebra::{DMatrix, DVector};
 
-use super::residuals::{missed_si, soft};
-use super::slopes::{At, Judged};
+use super::residuals::{missed, soft};
+use super::slopes::At;
 use super::start::StartState;
 use crate::dual::single;
 use crate::prepare::Prepared;
@@ -30,13 +30,13 @@ impl Information {
     /// Runs a recording with the slopes of its residuals.
     pub(super) fn of(at: &At<'_>, start: StartState, case: &Prepared) -> Result<Self, MachineError> {
         let mut sums = Sums::new(at.free.len() + OF_START);
-        let mut raw = Raw::new(at.free.len() + OF_START);
         at.each(start, case, &mut |judged| {
-            if judged.simulated.is_some() && raw.add(judged) {
-                raw.hand_on(&mut sums);
-            }
+            let Some(simulated) = judged.simulated else { return };
+            let channel = judged.channel;
+            let (residual, slope) = soft(missed(channel, judged.row, Some(simulated)), channel.tolerance);
+            let scale = single(-slope / channel.noise);
+            sums.add(judged.slopes.iter().map(|by| by * scale).chain([single(judged.by_shift) * scale]), residual);
         })?;
-        raw.hand_on(&mut sums);
         Ok(sums.total())
     }
 
@@ -103,127 +103,60 @@ impl Information {
     }
 }
 
-/// Rows that are softened and summed up at a time.
+/// Rows that are summed up at a time.
 const ROWS: usize = 4;
 
-/// Rows that wait to be softened.
-struct Raw {
-    count: usize,
-    /// Recorded minus simulated, SI.
-    missed: [f64; ROWS],
-    noise: [f64; ROWS],
-    tolerance: [f64; ROWS],
-    /// Coordinates.
-    size: usize,
-    /// Derivatives of the simulated signal, a row after the other.
-    slopes: Vec<f32>,
-}
-
-impl Raw {
-    fn new(size: usize) -> Self {
-        let [missed, noise, tolerance] = [[0.0; ROWS]; 3];
-        Self { count: 0, missed, noise, tolerance, size, slopes: vec![0.0; ROWS * size] }
-    }
-
-    /// Takes in a row; whether no other may follow before they are handed on.
-    #[inline]
-    fn add(&mut self, judged: &Judged<'_>) -> bool {
-        let (index, channel) = (self.count, judged.channel);
-        self.missed[index] = missed_si(channel, judged.row, judged.simulated);
-        self.noise[index] = channel.noise;
-        self.tolerance[index] = channel.tolerance;
-        if let Some((by_shift, slopes)) = self.slopes[index * self.size..][..self.size].split_last_mut() {
-            slopes.copy_from_slice(judged.slopes);
-            *by_shift = single(judged.by_shift);
-        }
-        self.count += 1;
-        self.count == ROWS
-    }
-
-    /// Hands the rows on as residuals with their slopes.
-    fn hand_on(&mut self, sums: &mut Sums) {
-        let softened: [(f64, f64); ROWS] =
-            std::array::from_fn(|row| soft(self.missed[row] / self.noise[row], self.tolerance[row]));
-        let scales: [f32; ROWS] = std::array::from_fn(|row| single(-softened[row].1 / self.noise[row]));
-        let rows = self.slopes.chunks_exact(self.size).zip(softened.iter().zip(scales)).take(self.count);
-        for (slopes, ((residual, _), scale)) in rows {
-            sums.add(slopes.iter().map(|by| by * scale), *residual);
-        }
-        self.count = 0;
-    }
-}
-
-/// Columns that are summed up at a time.
-const COLUMNS: usize = 4;
-
 /// Sums over rows. In double: what single precision rounds away of two nearly equal columns is more than any prior.
-pub(super) struct Sums {
+struct Sums {
     /// Coordinates, and the residual as one more column.
     columns: usize,
-    /// How many times [`COLUMNS`] that fills up to.
-    blocks: usize,
-    /// Rows that wait, a row after the other, each filled up with zeros.
-    waiting: Vec<[f64; COLUMNS]>,
-    /// How many.
-    count: usize,
-    /// Lower triangle of the products of columns, column after column, each filled up to the end of its block.
-    products: Vec<[f64; COLUMNS]>,
+    /// Rows that wait, a row after the other.
+    waiting: Vec<f64>,
+    /// Lower triangle of the products of columns, column after column.
+    products: Vec<f64>,
     rows: f64,
 }
 
 impl Sums {
-    /// Of rows of so many coordinates.
-    pub(super) fn new(size: usize) -> Self {
+    fn new(size: usize) -> Self {
         let columns = size + 1;
-        let blocks = columns.div_ceil(COLUMNS);
-        let [waiting, products] = [ROWS, columns].map(|rows| vec![[0.0; COLUMNS]; rows * blocks]);
-        Self { columns, blocks, waiting, count: 0, products, rows: 0.0 }
+        Self { columns, waiting: Vec::with_capacity(ROWS * columns), products: vec![0.0; columns * columns], rows: 0.0 }
     }
 
-    /// Takes in a residual with its slopes by every coordinate.
     #[inline]
-    pub(super) fn add(&mut self, slopes: impl Iterator<Item = f32>, residual: f64) {
-        let row = self.waiting[self.count * self.blocks..][..self.blocks].as_flattened_mut();
-        for (place, slope) in row.iter_mut().zip(slopes) {
-            *place = f64::from(slope);
-        }
-        row[self.columns - 1] = residual;
-        self.count += 1;
+    fn add(&mut self, slopes: impl Iterator<Item = f32>, residual: f64) {
+        self.waiting.extend(slopes.map(f64::from));
+        self.waiting.push(residual);
         self.rows += 1.0;
-        if self.count == ROWS {
+        if self.waiting.len() == ROWS * self.columns {
             self.gather();
         }
     }
 
     /// Adds the products of the rows that wait, in their order.
     fn gather(&mut self) {
-        self.waiting[self.count * self.blocks..].fill([0.0; COLUMNS]);
-        let mut rows = self.waiting.chunks_exact(self.blocks);
+        self.waiting.resize(ROWS * self.columns, 0.0);
+        let mut rows = self.waiting.chunks_exact(self.columns);
         if let [Some(a), Some(b), Some(c), Some(d)] = std::array::from_fn(|_| rows.next()) {
-            for (index, sums) in self.products.chunks_exact_mut(self.blocks).enumerate() {
-                let by = [a, b, c, d].map(|row| row[index / COLUMNS][index % COLUMNS]);
+            for (index, sums) in self.products.chunks_exact_mut(self.columns).enumerate() {
+                let by = [a[index], b[index], c[index], d[index]];
                 // Most rows know nothing of some parameters.
                 if by.iter().all(|slope| *slope == 0.0) {
                     continue;
                 }
                 let columns = a.iter().zip(b).zip(c.iter().zip(d));
-                for (sums, ((a, b), (c, d))) in sums[..=index / COLUMNS].iter_mut().zip(columns) {
-                    let (before, a, b, c, d) = (*sums, *a, *b, *c, *d);
-                    *sums = std::array::from_fn(|column| {
-                        before[column] + by[0] * a[column] + by[1] * b[column] + by[2] * c[column] + by[3] * d[column]
-                    });
+                for (sum, ((a, b), (c, d))) in sums[..=index].iter_mut().zip(columns) {
+                    *sum = *sum + by[0] * a + by[1] * b + by[2] * c + by[3] * d;
                 }
             }
         }
-        self.count = 0;
+        self.waiting.clear();
     }
 
-    /// What all rows tell.
-    pub(super) fn total(mut self) -> Information {
+    fn total(mut self) -> Information {
         self.gather();
         let size = self.columns - 1;
-        let products = self.products.as_flattened();
-        let product = |row: usize, column: usize| products[row.max(column) * self.blocks * COLUMNS + row.min(column)];
+        let product = |row: usize, column: usize| self.products[row.max(column) * self.columns + row.min(column)];
         Information {
             matrix: DMatrix::from_fn(size, size, product),
             gradient: DVector::from_fn(size, |row, _| product(size, row)),

@@ -17,12 +17,12 @@ const HUBER: f64 = 5.0;
 #[must_use]
 pub fn soft(residual: f64, tolerance: f64) -> (f64, f64) {
     let limit = HUBER * tolerance;
-    // Both ways are computed and one is taken: many residuals one after the other then wait for no decision.
-    let is_small = residual.abs() < 1e-6 * limit;
+    if residual.abs() < 1e-6 * limit {
+        return (residual, 1.0);
+    }
     let root = (1.0 + (residual / limit).powi(2)).sqrt();
     let value = limit * (2.0 * (root - 1.0)).sqrt();
-    let slope = residual.abs() / (root * value);
-    (if is_small { residual } else { value.copysign(residual) }, if is_small { 1.0 } else { slope })
+    (value.copysign(residual), residual.abs() / (root * value))
 }
 
 /// Residuals as their squares enter the loss: [`standardised`], softened.
@@ -103,14 +103,8 @@ pub fn standardised(machine: &Machine<f64>, case: &Prepared, start: StartState) 
 
 /// Recorded minus simulated over noise; 0 where the sensor failed.
 pub(super) fn missed(channel: &Channel, row: usize, simulated: Option<f64>) -> f64 {
-    missed_si(channel, row, simulated) / channel.noise
-}
-
-/// Recorded minus simulated, SI; 0 where the sensor failed.
-#[inline]
-pub(super) fn missed_si(channel: &Channel, row: usize, simulated: Option<f64>) -> f64 {
     match simulated {
-        Some(simulated) if !channel.failed[row] => channel.recorded[row] - simulated,
+        Some(simulated) if !channel.failed[row] => (channel.recorded[row] - simulated) / channel.noise,
         _ => 0.0,
     }
 }

@@ -4,12 +4,11 @@ use model_core::machine::{Machine, MachineError};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 
-use super::information::Sums;
-use super::residuals::{missed, missed_si, soft};
+use super::residuals::{missed, soft};
 use super::slopes::At;
 use super::{Fit, Information, MOST_PARAMETERS, OF_START, StartState};
 use crate::dual::single;
-use crate::prepare::{Channel, Prepared};
+use crate::prepare::Prepared;
 use crate::simulate::run;
 
 /// Rows that are kept at most; of longer recordings every so-manieth, which stands for those left out: residuals and slopes weigh
@@ -33,7 +32,7 @@ impl Kept {
     }
 
     fn has(self, row: usize) -> bool {
-        self.stride == 1 || row.is_multiple_of(self.stride)
+        row.is_multiple_of(self.stride)
     }
 }
 
@@ -98,21 +97,16 @@ impl<'a> Sensitivity<'a> {
             .map(|(case, (start, block))| {
                 let mut change = Vec::with_capacity(block.residuals.len());
                 run::<f64>(machine, &case.stimulus, start.offset(machine, case), |row, sample| {
-                    if self.kept.has(row) {
-                        let missed = |channel: &Channel| missed_si(channel, row, sample.signal(channel.signal));
-                        change.extend(case.channels.iter().map(missed));
+                    if !self.kept.has(row) {
+                        return;
+                    }
+                    for channel in &case.channels {
+                        let index = change.len();
+                        let (here, slope) = block.residuals[index];
+                        let there = soft(missed(channel, row, sample.signal(channel.signal)), channel.tolerance).0;
+                        change.push(if slope == 0.0 { 0.0 } else { self.kept.weight * there - here });
                     }
                 })?;
-                // Softened all together: no tick of the simulation waits for the roots.
-                let channels = case.channels.len().max(1);
-                for (changes, residuals) in
-                    change.chunks_exact_mut(channels).zip(block.residuals.chunks_exact(channels))
-                {
-                    for ((change, (here, slope)), channel) in changes.iter_mut().zip(residuals).zip(&case.channels) {
-                        let there = soft(*change / channel.noise, channel.tolerance).0;
-                        *change = if *slope == 0.0 { 0.0 } else { self.kept.weight * there - here };
-                    }
-                }
                 Ok(change)
             })
             .collect()
@@ -124,9 +118,7 @@ impl<'a> Sensitivity<'a> {
         let mut sum = DVector::zeros(self.gradient.len());
         for (index, (block, change)) in self.blocks.iter().zip(change).enumerate() {
             let mut own = vec![0.0_f64; count + OF_START];
-            let rows = block.slopes.chunks_exact(count + OF_START).zip(change);
-            // What an effect does not reach has not changed: most leave the slider where it is.
-            for (slopes, change) in rows.filter(|(_, change)| **change != 0.0) {
+            for (slopes, change) in block.slopes.chunks_exact(count + OF_START).zip(change) {
                 for (sum, slope) in own.iter_mut().zip(slopes) {
                     *sum += f64::from(*slope) * change;
                 }
@@ -169,22 +161,20 @@ impl<'a> Sensitivity<'a> {
         let across: Vec<DVector<f64>> = directions.iter().map(|direction| self.across(direction)).collect();
         let settled: Vec<DVector<f64>> = across.iter().map(|across| self.factor.solve(across)).collect();
         let own = self.factor.solve(&self.gradient);
-        let inner = |a: &Change, b: &Change| -> f64 {
-            a.iter().zip(b).map(|(a, b)| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>()).sum()
-        };
-        let along_residuals = |a: &Change| -> f64 {
-            let along = |(a, block): (&Vec<f64>, &Block)| -> f64 {
-                a.iter().zip(&block.residuals).map(|(a, (residual, _))| a * residual).sum()
-            };
-            a.iter().zip(&self.blocks).map(along).sum()
+        let inner = |a: &Change, b: &dyn Fn(usize, usize) -> f64| -> f64 {
+            a.iter()
+                .enumerate()
+                .map(|(case, a)| a.iter().enumerate().map(|(row, a)| a * b(case, row)).sum::<f64>())
+                .sum()
         };
         let count = directions.len();
         let mut matrix = DMatrix::zeros(count, count);
         let mut right = DVector::zeros(count);
         for row in 0..count {
-            right[row] = across[row].dot(&own) - along_residuals(&directions[row]);
+            right[row] =
+                across[row].dot(&own) - inner(&directions[row], &|case, index| self.blocks[case].residuals[index].0);
             for column in row..count {
-                let plain = inner(&directions[row], &directions[column]);
+                let plain = inner(&directions[row], &|case, index| directions[column][case][index]);
                 matrix[(row, column)] = plain - across[row].dot(&settled[column]);
                 matrix[(column, row)] = matrix[(row, column)];
             }
@@ -244,10 +234,20 @@ impl Block {
     /// Normal equations of the kept rows.
     fn information(&self, count: usize) -> Information {
         let size = count + OF_START;
-        let mut sums = Sums::new(size);
+        let mut matrix = DMatrix::zeros(size, size);
+        let mut gradient = DVector::zeros(size);
+        let mut square = 0.0;
         for (slopes, (residual, _)) in self.slopes.chunks_exact(size).zip(&self.residuals) {
-            sums.add(slopes.iter().copied(), *residual);
+            for row in 0..size {
+                let by = f64::from(slopes[row]);
+                gradient[row] += by * residual;
+                for column in row..size {
+                    matrix[(row, column)] += by * f64::from(slopes[column]);
+                }
+            }
+            square += residual * residual;
         }
-        sums.total()
+        matrix.fill_lower_triangle_with_upper_triangle();
+        Information { matrix, gradient, square, rows: self.residuals.len() as f64 }
     }
 }

@@ -54,7 +54,7 @@ impl<N: Number<Real = f64>> Live<N> {
             Source::Pump => Entry::Pump(self.pump(inputs)),
         };
         self.state.oil_temperature = N::saturated(inputs.oil_temperature_c / bases.temperature_c);
-        self.drive.advance(&mut self.state, entry, Load { from: load, to: load });
+        self.drive.step(&mut self.state, entry, Load { from: load, to: load });
     }
 
     /// The value of a signal as its sensor reads it, SI, if the drive computes it; the flow of a pump under these inputs.

@@ -53,7 +53,7 @@ impl<N: Number> Sample<'_, N> {
         let now = self.at_point(signal)?;
         let Some(Since { before, share }) = self.since else { return Some(now) };
         let (_, before) = before.iter().find(|(known, _)| *known == signal)?;
-        Some(*before + (now - *before).scaled(share))
+        Some(*before + (now - *before) * N::Real::constant(share))
     }
 
     #[inline]
@@ -90,7 +90,7 @@ fn reading<N: Number>(
     flow_a: impl FnOnce() -> N,
 ) -> Option<N::Real> {
     let bases = drive.bases();
-    let in_si = |reading: N, base: f64| reading.to_real().scaled(base);
+    let in_si = |reading: N, base: f64| reading.to_real() * N::Real::constant(base);
     let pressure_a = || in_si(drive.sensed(state).pressure_a, bases.pressure_pa);
     let pressure_b = || in_si(drive.sensed(state).pressure_b, bases.pressure_pa);
     let get = |parameter| machine.get(parameter);
@@ -237,7 +237,7 @@ pub fn run<N: Number>(
             if let Some(temperature) = stimulus.oil_at(tick, &bases) {
                 state.oil_temperature = temperature;
             }
-            drive.advance(&mut state, entry, stimulus.load_at(tick, &bases));
+            drive.step(&mut state, entry, stimulus.load_at(tick, &bases));
         }
         let now = Sample { drive: &drive, machine, stimulus, state: &state, point, since: None };
         while let Some(&(at, share)) = stimulus.rows.get(row) {
