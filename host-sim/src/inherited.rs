@@ -7,7 +7,7 @@
 use crate::failure::{MEASURED, Mended};
 use crate::noise::{noise, resolution};
 use crate::random::Noise;
-use crate::recording::Signal;
+use crate::recording::{Recording, Signal};
 use crate::simulate::{SimulateError, Trajectory};
 
 /// Rows that are simulated again at least, where a recording is short: a single random walk may be anywhere.
@@ -18,15 +18,8 @@ const MOST: usize = 16;
 const LEAST: usize = 2;
 
 /// How many times the noise is put on a recording of so many rows.
-pub(crate) const fn realisations(rows: usize) -> usize {
-    let times = ROWS_AGAIN / if rows == 0 { 1 } else { rows };
-    if times < LEAST {
-        LEAST
-    } else if times > MOST {
-        MOST
-    } else {
-        times
-    }
+pub(crate) fn realisations(rows: usize) -> usize {
+    (ROWS_AGAIN / rows.max(1)).clamp(LEAST, MOST)
 }
 
 /// RMS by which each of the `signals` of a simulation is off through the noise of what the recording's sensors measured, SI.
@@ -37,9 +30,10 @@ pub(crate) fn inherited(
     simulated: impl Fn(&Mended<'_>) -> Result<Trajectory, SimulateError>,
 ) -> Result<Vec<f64>, SimulateError> {
     let times = realisations(mended.recording.rows());
+    let noisy = noisy(&mended.recording);
     let mut squares = vec![0.0; signals.len()];
     for seed in 0..times {
-        let again = simulated(&disturbed(mended, seed as u64))?;
+        let again = simulated(&disturbed(mended, &noisy, seed as u64))?;
         for (square, &signal) in squares.iter_mut().zip(signals) {
             if let Some((quiet, loud)) = trajectory.signal(signal).zip(again.signal(signal)) {
                 let sum: f64 = quiet.iter().zip(loud).map(|(quiet, loud)| (loud - quiet).powi(2)).sum();
@@ -50,14 +44,24 @@ pub(crate) fn inherited(
     Ok(squares.into_iter().map(f64::sqrt).collect())
 }
 
+/// A signal that a sensor measured, and the standard deviation of its noise, SI.
+type Noisy<'a> = (Signal, &'a [f64], f64);
+
+fn noisy(recording: &Recording) -> Vec<Noisy<'_>> {
+    let measured = MEASURED.into_iter().filter(|signal| *signal != Signal::OilTemperature);
+    measured
+        .filter_map(|signal| Some((signal, recording.signal(signal)?)))
+        .map(|(signal, values)| (signal, values, noise(values, resolution(values))))
+        .collect()
+}
+
 /// The recording with as much noise again on all that its sensors measured.
-fn disturbed<'a>(mended: &Mended<'a>, seed: u64) -> Mended<'a> {
+fn disturbed<'a>(mended: &Mended<'a>, noisy: &[Noisy<'_>], seed: u64) -> Mended<'a> {
     let mut disturbed = mended.clone();
-    for (stream, signal) in (0..).zip(MEASURED).filter(|(_, signal)| *signal != Signal::OilTemperature) {
-        let Some(values) = mended.recording.signal(signal) else { continue };
-        let (deviation, mut source) = (noise(values, resolution(values)), Noise::new(seed, stream));
-        let noisy: Vec<f64> = values.iter().map(|value| value + source.gaussian(deviation)).collect();
-        disturbed.recording.to_mut().replace(signal, &noisy);
+    for (stream, &(signal, values, deviation)) in (0..).zip(noisy) {
+        let mut source = Noise::new(seed, stream);
+        let values: Vec<f64> = values.iter().map(|value| value + source.gaussian(deviation)).collect();
+        disturbed.recording.to_mut().replace(signal, &values);
     }
     disturbed
 }
@@ -65,7 +69,7 @@ fn disturbed<'a>(mended: &Mended<'a>, seed: u64) -> Mended<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::{Column, Recording};
+    use crate::recording::Column;
 
     /// A sum of what was recorded, as an integrator has it.
     fn summed(mended: &Mended<'_>) -> Trajectory {

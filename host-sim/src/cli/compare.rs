@@ -7,11 +7,12 @@ use comfy_table::{Attribute, Cell, CellAlignment, Table};
 use model_core::machine::Tick;
 use rayon::prelude::*;
 
-use super::ending::{DRAWING, check_endings};
+use super::ending::{DRAWING, check_ending};
 use super::input::{self, MachineArguments};
-use super::target::{check_not_read, check_target, write};
+use super::target::{check_targets, write};
 use super::{CliError, Console, Outcome, Tone};
 use crate::compare::{Arithmetic, Comparison, Section, compare_told, rows_simulated};
+use crate::diagnostic::printable;
 use crate::judge;
 use crate::machine_file::{LoadSource, MachineFile};
 use crate::plot;
@@ -70,7 +71,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     {
         console.print(format_args!("note: {note}"))?;
     }
-    console.print(table(&comparisons, console.terminal))?;
+    console.print_styled(table(&comparisons, console.terminal))?;
     for line in sentences(&comparisons, plan.file.load_source) {
         console.print(line)?;
     }
@@ -98,11 +99,8 @@ fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> 
         .collect::<Result<Vec<_>, _>>()?;
     let plots = arguments.plot.as_ref().map_or_else(Vec::new, |path| plot_paths(path, &recordings));
     let read = [arguments.recording.as_slice(), std::slice::from_ref(&arguments.machine.machine)].concat();
-    for target in &plots {
-        check_target(target)?;
-        check_not_read(target, &read)?;
-    }
-    check_endings(&[("--plot", arguments.plot.as_deref(), DRAWING)])?;
+    check_targets(&plots.iter().map(|path| ("--plot", Some(path.as_path()), DRAWING)).collect::<Vec<_>>(), &read)?;
+    arguments.plot.as_deref().map_or(Ok(()), |path| check_ending("--plot", path, DRAWING))?;
     Ok(Plan { file, recordings, tick: arguments.machine.tick(), arithmetic: arguments.machine.arithmetic, plots })
 }
 
@@ -163,7 +161,7 @@ fn table(comparisons: &[Comparison], terminal: bool) -> Table {
         let worst = weakest(std::slice::from_ref(comparison));
         for (index, section) in comparison.sections.iter().enumerate() {
             for (row, fit) in section.fits.iter().enumerate() {
-                let recording = if index + row == 0 { comparison.recording.clone() } else { String::new() };
+                let recording = if index + row == 0 { printable(&comparison.recording) } else { String::new() };
                 let name = if row == 0 { section.section.to_string() } else { String::new() };
                 let bold = worst.is_some_and(|w| (w.section, w.signal) == (section.section, fit.signal));
                 let cells = [

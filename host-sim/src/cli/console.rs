@@ -78,6 +78,11 @@ impl<'a> Console<'a> {
         self.write(&printable(&text))
     }
 
+    /// Prints what styles itself; names from files in it are [`printable`] already.
+    pub fn print_styled(&mut self, text: impl Display) -> Result<(), CliError> {
+        self.write(&text.to_string())
+    }
+
     fn write(&mut self, text: &str) -> Result<(), CliError> {
         writeln!(self.out, "{text}").and_then(|()| self.out.flush()).map_err(CliError::Output)
     }

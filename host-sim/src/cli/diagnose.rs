@@ -3,9 +3,9 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::ending::{DOCUMENT, DRAWING, MACHINE, PAGE, check_endings};
+use super::ending::{DOCUMENT, DRAWING, MACHINE, PAGE};
 use super::input;
-use super::target::{check_not_read, check_target, write};
+use super::target::{check_targets, write};
 use super::{CliError, Console, Outcome, Tone};
 use crate::diagnose::{Diagnosis, Verdict, diagnose, steps};
 use crate::exhibits::Exhibits;
@@ -150,21 +150,13 @@ fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> 
     };
     // A refined machine file may take the place of the one it was made of; nothing else may.
     let recordings = [train.as_slice(), &holdout].concat();
-    if let Some(target) = &arguments.save_machine {
-        check_target(target)?;
-        check_not_read(target, &recordings)?;
-    }
-    let read = [recordings.as_slice(), std::slice::from_ref(&machine)].concat();
-    for target in [&arguments.json, &report, &arguments.plot].into_iter().flatten() {
-        check_target(target)?;
-        check_not_read(target, &read)?;
-    }
-    check_endings(&[
+    check_targets(&[("--save-machine", arguments.save_machine.as_deref(), MACHINE)], &recordings)?;
+    let others = [
         ("--json", arguments.json.as_deref(), DOCUMENT),
-        ("--save-machine", arguments.save_machine.as_deref(), MACHINE),
         ("--report", report.as_deref(), PAGE),
         ("--plot", arguments.plot.as_deref(), DRAWING),
-    ])?;
+    ];
+    check_targets(&others, &[recordings.as_slice(), std::slice::from_ref(&machine)].concat())?;
     let file = machine_file::read(&machine)?;
     let channels = file.channels.clone().overlaid_with(&maps);
     let read = input::recordings(&recordings, &channels, console)?;

@@ -54,11 +54,3 @@ pub(super) fn check_ending(option: &'static str, path: &Path, kind: Kind) -> Res
         _ => Ok(()),
     }
 }
-
-/// The same of several options, of which each may be absent.
-pub(super) fn check_endings(options: &[(&'static str, Option<&Path>, Kind)]) -> Result<(), CliError> {
-    options
-        .iter()
-        .filter_map(|(option, path, kind)| Some((option, (*path)?, kind)))
-        .try_for_each(|(option, path, kind)| check_ending(option, path, *kind))
-}

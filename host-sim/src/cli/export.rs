@@ -6,7 +6,7 @@ use model_core::machine::Tick;
 
 use super::ending::is_standard_output;
 use super::input::TickArgument;
-use super::target::{check_not_read, check_target, write};
+use super::target::{check_not_read, check_target, write, write_or_print};
 use super::{CliError, Console, Outcome};
 use crate::compare::Arithmetic;
 use crate::export::Constants;
@@ -86,16 +86,11 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         check_not_read(&arguments.out, &read)?;
     }
     let file = machine_file::read(&arguments.machine)?;
-    let bytes = match format {
-        Format::Rust => constants(arguments, &file)?.rust().into_bytes(),
-        Format::C99 => constants(arguments, &file)?.c99().into_bytes(),
-        Format::Fmu => packed(arguments, &file)?,
-    };
-    if to_console {
-        console.print(String::from_utf8_lossy(&bytes).trim_end())?;
-        return Ok(Outcome::Done);
+    match format {
+        Format::Rust => write_or_print(&arguments.out, &constants(arguments, &file)?.rust(), console)?,
+        Format::C99 => write_or_print(&arguments.out, &constants(arguments, &file)?.c99(), console)?,
+        Format::Fmu => write(&arguments.out, packed(arguments, &file)?)?,
     }
-    write(&arguments.out, bytes)?;
     Ok(Outcome::Done)
 }
 

@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use super::ending::{MACHINE, check_ending};
+use super::ending::MACHINE;
 use super::input;
-use super::target::{check_not_read, check_target};
+use super::target::check_targets;
 use super::{CliError, Console, Outcome};
 use crate::diagnose::{DiagnoseError, ordinary};
 use crate::fit::{From, fit_told, level_at_rest, most_evaluations};
@@ -44,9 +44,7 @@ pub struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
-    check_target(&arguments.save_machine)?;
-    check_not_read(&arguments.save_machine, &arguments.train)?;
-    check_ending("--save-machine", &arguments.save_machine, MACHINE)?;
+    check_targets(&[("--save-machine", Some(&arguments.save_machine), MACHINE)], &arguments.train)?;
     let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
     let mut file = machine_file::read(&arguments.machine)?;
     let channels = file.channels.clone().overlaid_with(&maps);

@@ -4,8 +4,8 @@ use std::fs::File;
 use std::io::Read;
 use std::path::PathBuf;
 
-use super::ending::{TEXT, check_ending, is_standard_output};
-use super::target::{check_not_read, check_target, write};
+use super::ending::{TEXT, is_standard_output};
+use super::target::{check_targets, write_or_print};
 use super::{CliError, Console, Outcome};
 use crate::import::{self, ImportError, MAX_CAPTURE_BYTES};
 
@@ -30,11 +30,8 @@ pub struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
-    if !is_standard_output(&arguments.out) {
-        check_target(&arguments.out)?;
-        check_not_read(&arguments.out, std::slice::from_ref(&arguments.frames))?;
-        check_ending("--out", &arguments.out, TEXT)?;
-    }
+    let out = Some(arguments.out.as_path()).filter(|out| !is_standard_output(out));
+    check_targets(&[("--out", out, TEXT)], std::slice::from_ref(&arguments.frames))?;
     let mut bytes = Vec::new();
     File::open(&arguments.frames)
         .and_then(|file| file.take(MAX_CAPTURE_BYTES + 1).read_to_end(&mut bytes))
@@ -57,10 +54,6 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
             losses.refused
         ));
     }
-    if is_standard_output(&arguments.out) {
-        console.print(csv.trim_end())?;
-        return Ok(Outcome::Done);
-    }
-    write(&arguments.out, csv)?;
+    write_or_print(&arguments.out, &csv, console)?;
     Ok(Outcome::Done)
 }

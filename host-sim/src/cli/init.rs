@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use clap::{Arg, ArgMatches, Command};
 
 use super::ask::ask;
-use super::ending::{MACHINE, check_ending};
-use super::target::{check_target, write};
+use super::ending::MACHINE;
+use super::target::{check_targets, write};
 use super::{CliError, Console, Outcome};
 use crate::data_sheet::{self, Answers, Edges, Item, Need, Origin};
 use crate::machine_file;
@@ -18,7 +18,7 @@ use crate::machine_file;
 #[command(after_help = "Examples:
   host-sim init
   host-sim init --out press.toml --bore 63mm --rod 40mm --stroke 300mm --mass 18.3kg --supply 70bar --rated-flow 5l/min \\
-      --rated-drop 5bar --rated-signal 10V --valve-response 96ms --overlap 17.7%
+      --rated-drop 5bar --rated-signal 10V --valve-response 96ms --overlap 17.7% --spool-at-rated 59.35%
   host-sim init --out press.toml --bore 63mm --rod 40mm --stroke 300mm --mass 40kg --supply 150bar --pump-displacement 16cm3/rev
 
 On a terminal, what no flag gives is asked for; elsewhere a flag that is required and not given is an error, which names all of
@@ -87,8 +87,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     if target.exists() && !arguments.force {
         return Err(CliError::IsThere { path: target.clone() });
     }
-    check_target(target)?;
-    check_ending("--out", target, MACHINE)?;
+    check_targets(&[("--out", Some(target), MACHINE)], &[])?;
     let mut answers = arguments.answers.clone();
     if !answers.missing().is_empty() && io::stdin().is_terminal() && io::stderr().is_terminal() {
         ask(&mut answers)?;

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::ending::{DOCUMENT, check_endings};
-use super::target::{check_not_read, check_target, write};
+use super::ending::DOCUMENT;
+use super::target::{check_targets, write};
 use super::{CliError, Console, Outcome, input};
 use crate::inspect::Inspection;
 use crate::machine_file;
@@ -39,11 +39,8 @@ pub struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
-    if let Some(target) = &arguments.json {
-        check_target(target)?;
-        check_not_read(target, &[arguments.recordings.as_slice(), arguments.machine.as_slice()].concat())?;
-    }
-    check_endings(&[("--json", arguments.json.as_deref(), DOCUMENT)])?;
+    let read = [arguments.recordings.as_slice(), arguments.machine.as_slice()].concat();
+    check_targets(&[("--json", arguments.json.as_deref(), DOCUMENT)], &read)?;
     let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
     let file = arguments.machine.as_deref().map(machine_file::read).transpose()?;
     let channels = file.as_ref().map(|file| file.channels.clone()).unwrap_or_default().overlaid_with(&maps);

@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use super::ending::{DOCUMENT, DRAWING, TEXT, check_endings};
+use super::ending::{DOCUMENT, DRAWING, TEXT};
 use super::input;
-use super::target::{check_not_read, check_target, write};
+use super::target::{check_targets, write};
 use super::{CliError, Console, Outcome};
 use crate::diagnose::ordinary;
 use crate::machine_file::{self, LoadSource, MachineFile};
@@ -76,15 +76,12 @@ struct AtHand {
 
 pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     let read: Vec<PathBuf> = arguments.recording.iter().chain([&arguments.machine]).cloned().collect();
-    for target in [&arguments.out, &arguments.json, &arguments.plot].into_iter().flatten() {
-        check_target(target)?;
-        check_not_read(target, &read)?;
-    }
-    check_endings(&[
+    let targets = [
         ("--out", arguments.out.as_deref(), TEXT),
         ("--json", arguments.json.as_deref(), DOCUMENT),
         ("--plot", arguments.plot.as_deref(), DRAWING),
-    ])?;
+    ];
+    check_targets(&targets, &read)?;
     positive("--seconds", arguments.seconds)?;
     arguments.largest.map_or(Ok(()), |largest| positive("--largest", largest))?;
     let file = machine_file::read(&arguments.machine)?;

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use model_core::machine::{Machine, Source, Tick};
 
-use super::ending::{DRAWING, RECORDING, check_endings, is_standard_output};
+use super::ending::{DRAWING, RECORDING, is_standard_output};
 use super::input::{self, MachineArguments};
-use super::target::{check_not_read, check_target, write};
+use super::target::{check_targets, write};
 use super::{CliError, Console, Outcome};
 use crate::compare::{Arithmetic, judged};
 use crate::machine_file::LoadSource;
@@ -115,12 +115,8 @@ fn written(
 
 fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> {
     let read: Vec<PathBuf> = arguments.recording.iter().chain([&arguments.machine.machine]).cloned().collect();
-    let out = Some(&arguments.out).filter(|out| !is_standard_output(out));
-    for target in [out, arguments.plot.as_ref()].into_iter().flatten() {
-        check_target(target)?;
-        check_not_read(target, &read)?;
-    }
-    check_endings(&[("--out", out.map(PathBuf::as_path), RECORDING), ("--plot", arguments.plot.as_deref(), DRAWING)])?;
+    let out = Some(arguments.out.as_path()).filter(|out| !is_standard_output(out));
+    check_targets(&[("--out", out, RECORDING), ("--plot", arguments.plot.as_deref(), DRAWING)], &read)?;
     let (file, channels) = arguments.machine.read()?;
     let (machine, asked) = (file.machine, arguments.machine.tick());
     let (recording, load) = if let Some(path) = &arguments.recording {

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::ending::{DOCUMENT, DRAWING, check_endings};
-use super::target::{check_not_read, check_target, write};
+use super::ending::{DOCUMENT, DRAWING};
+use super::target::{check_targets, write};
 use super::{CliError, Console, Outcome};
 use crate::recording::Table;
 use crate::report::statics as report;
@@ -51,11 +51,8 @@ pub struct Arguments {
 
 pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     let read: Vec<PathBuf> = arguments.recording.iter().chain(&arguments.runs).cloned().collect();
-    for target in [&arguments.json, &arguments.plot].into_iter().flatten() {
-        check_target(target)?;
-        check_not_read(target, &read)?;
-    }
-    check_endings(&[("--json", arguments.json.as_deref(), DOCUMENT), ("--plot", arguments.plot.as_deref(), DRAWING)])?;
+    let targets = [("--json", arguments.json.as_deref(), DOCUMENT), ("--plot", arguments.plot.as_deref(), DRAWING)];
+    check_targets(&targets, &read)?;
     let columns = Columns {
         input: arguments.input.clone(),
         output: arguments.output.clone(),

@@ -3,8 +3,20 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::CliError;
+use super::ending::{Kind, check_ending, is_standard_output};
+use super::{CliError, Console};
 use crate::atomic;
+
+/// Checks each file that an option names: it could be written now, it is none of those read, and its ending promises what is written.
+pub(super) fn check_targets(targets: &[(&'static str, Option<&Path>, Kind)], read: &[PathBuf]) -> Result<(), CliError> {
+    for &(option, path, kind) in targets {
+        let Some(path) = path else { continue };
+        check_target(path)?;
+        check_not_read(path, read)?;
+        check_ending(option, path, kind)?;
+    }
+    Ok(())
+}
 
 /// Checks that this file could be written now. Nothing is left there.
 pub(super) fn check_target(path: &Path) -> Result<(), CliError> {
@@ -15,6 +27,11 @@ pub(super) fn check_target(path: &Path) -> Result<(), CliError> {
 pub(super) fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
     atomic::write(path, |out| out.write_all(bytes.as_ref()))
         .map_err(|cause| CliError::Write { path: path.to_owned(), cause })
+}
+
+/// Writes text to a file, or prints it where that is `-`.
+pub(super) fn write_or_print(path: &Path, text: &str, console: &mut Console<'_>) -> Result<(), CliError> {
+    if is_standard_output(path) { console.print(text.trim_end()) } else { write(path, text) }
 }
 
 /// Checks that files could be written now into this folder, or into one that is made there. Nothing is left there.

@@ -12,10 +12,11 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 use super::import::streamed;
+use super::init::PRESS;
 use super::{at_hand, done, example, listing, refused, text};
 
-/// Commands that write a file, each with the option for it last; its name follows.
-const WRITING: [(&str, &[&str]); 10] = [
+/// Commands that write a file, each with the option for it last; its name goes before it here, and follows there.
+const WRITING: [(&str, &[&str]); 9] = [
     ("simulated.csv", &["simulate", "--machine", "machine.toml", "--recording", "run.csv", "--out"]),
     ("simulated.mat", &["simulate", "--machine", "machine.toml", "--recording", "run.csv", "--out"]),
     ("simulated.parquet", &["simulate", "--machine", "machine.toml", "--recording", "run.csv", "--out"]),
@@ -25,32 +26,6 @@ const WRITING: [(&str, &[&str]); 10] = [
     ("drive.h", &["export", "--machine", "machine.toml", "--out"]),
     ("taken.csv", &["import", "--frames", "frames.bin", "--out"]),
     ("fitted.toml", &["fit", "--machine", "machine.toml", "--train", "run.csv", "--save-machine"]),
-    (
-        "init.toml",
-        &[
-            "init",
-            "--bore",
-            "63mm",
-            "--rod",
-            "40mm",
-            "--stroke",
-            "300mm",
-            "--supply",
-            "70bar",
-            "--rated-flow",
-            "5l/min",
-            "--rated-drop",
-            "5bar",
-            "--rated-signal",
-            "10V",
-            "--mass",
-            "18kg",
-            "--valve-response",
-            "50ms",
-            "--force",
-            "--out",
-        ],
-    ),
 ];
 
 /// Those that take longer: a diagnosis, a plan.
@@ -80,18 +55,30 @@ fn behind(shell: &str, folder: &Path, arguments: &[&str]) -> Output {
     command.output().unwrap()
 }
 
+type Commands = Vec<(&'static str, Vec<&'static str>)>;
+
+/// All of [`WRITING`], and `init`.
+fn writing() -> Commands {
+    let init = [&PRESS[..1], &PRESS[3..], &["--force", "--out"]].concat();
+    WRITING.map(|(target, arguments)| (target, arguments.to_vec())).into_iter().chain([("init.toml", init)]).collect()
+}
+
+fn long() -> Commands {
+    LONG.map(|(target, arguments)| (target, arguments.to_vec())).into()
+}
+
 fn with(arguments: &[&'static str], target: &'static str) -> Vec<&'static str> {
     [arguments, &[target]].concat()
 }
 
 #[test]
 fn where_nothing_can_be_written_the_old_file_stays() {
-    for (target, arguments) in WRITING {
+    for (target, arguments) in writing() {
         let folder = bench();
         fs::write(folder.path().join(target), "old").unwrap();
         let before = listing(folder.path());
         // No file may grow: as on a full disk, writing fails in the middle.
-        let output = behind("trap '' XFSZ; ulimit -f 0; exec \"$0\" \"$@\"", folder.path(), &with(arguments, target));
+        let output = behind("trap '' XFSZ; ulimit -f 0; exec \"$0\" \"$@\"", folder.path(), &with(&arguments, target));
         let message = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
         assert!(message.contains(target) && message.contains("cannot be written"), "{message}");
@@ -136,10 +123,10 @@ fn a_full_device_at_the_other_end_of_the_output_is_said() {
 
 #[test]
 fn a_folder_in_the_place_of_a_result_is_refused_before_anything_is_done() {
-    for (target, arguments) in WRITING.into_iter().chain(LONG) {
+    for (target, arguments) in writing().into_iter().chain(long()) {
         let folder = bench();
         fs::create_dir(folder.path().join(target)).unwrap();
-        let message = refused(folder.path(), &with(arguments, target));
+        let message = refused(folder.path(), &with(&arguments, target));
         assert!(message.contains(target) && message.contains("this is a folder"), "{message}");
         assert_eq!(listing(&folder.path().join(target)), Vec::<std::path::PathBuf>::new());
     }
@@ -167,9 +154,9 @@ fn without_permission_nothing_is_written_or_read() {
         rights("closed", 0o755);
         return at_hand::skipped("this user may do everything, and nobody cannot run the program");
     }
-    for (target, arguments) in WRITING.into_iter().chain(LONG) {
+    for (target, arguments) in writing().into_iter().chain(long()) {
         let target = format!("closed/{target}");
-        let output = behind(shell, folder.path(), &[arguments, &[target.as_str()]].concat());
+        let output = behind(shell, folder.path(), &[arguments.as_slice(), &[target.as_str()]].concat());
         let message = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
         assert!(message.contains("Permission denied") || message.contains("permission denied"), "{message}");
@@ -216,8 +203,8 @@ fn a_recording_that_ends_while_it_is_read_is_what_was_there_or_refused() {
 }
 
 /// Kills commands at several shares of the time they take: what is there afterwards is the old file or the new one.
-fn killed_in_the_middle(commands: &[(&'static str, &[&'static str])], shares: &[f64]) {
-    for &(target, arguments) in commands {
+fn killed_in_the_middle(commands: &Commands, shares: &[f64]) {
+    for (target, arguments) in commands {
         let folder = bench();
         let arguments = with(arguments, target);
         let read = |name: &str| fs::read(folder.path().join(name)).ok();
@@ -255,21 +242,21 @@ fn killed_in_the_middle(commands: &[(&'static str, &[&'static str])], shares: &[
 
 #[test]
 fn a_command_that_is_killed_leaves_the_old_file_or_the_new_one() {
-    killed_in_the_middle(&WRITING, &[0.3, 0.7, 0.95]);
+    killed_in_the_middle(&writing(), &[0.3, 0.7, 0.95]);
 }
 
 #[test]
 #[ignore = "minutes: cargo test -p host-sim --test cli killed -- --ignored"]
 fn a_long_command_that_is_killed_leaves_the_old_file_or_the_new_one() {
-    killed_in_the_middle(&LONG, &[0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 0.99, 1.0]);
-    killed_in_the_middle(&WRITING, &[0.05, 0.2, 0.4, 0.6, 0.8, 0.9, 0.93, 0.96, 0.98, 0.99, 1.0, 1.01]);
+    killed_in_the_middle(&long(), &[0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 0.99, 1.0]);
+    killed_in_the_middle(&writing(), &[0.05, 0.2, 0.4, 0.6, 0.8, 0.9, 0.93, 0.96, 0.98, 0.99, 1.0, 1.01]);
 }
 
 #[test]
 fn a_reader_that_leaves_takes_nothing_from_the_results() {
-    for (target, arguments) in WRITING {
+    for (target, arguments) in writing() {
         let folder = bench();
-        let mut command = super::program(folder.path(), &with(arguments, target));
+        let mut command = super::program(folder.path(), &with(&arguments, target));
         let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         drop(child.stdout.take());
         let output = child.wait_with_output().unwrap();

@@ -31,6 +31,21 @@ fn the_verdict_is_coloured_on_a_terminal_unless_nobody_wants_colours() {
     assert!(text(&piped.stdout).contains("out of tolerance") && !text(&piped.stdout).contains('\u{1b}'));
 }
 
+/// The row that `compare` shows in bold, as a terminal obeys it; a name that a terminal would obey, as text.
+#[test]
+fn the_weakest_row_is_bold_on_a_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::copy(example("train-1.csv"), folder.path().join("r\u{1b}[2Jun.csv")).unwrap();
+    let compare = format!("compare --machine {} --recording r*un.csv", example("machine.toml"));
+    let Some(shown) = on_a_terminal(folder.path(), "", &compare) else { return };
+    let bold = shown.lines().find(|line| line.contains("\u{1b}[1m")).unwrap_or_else(|| panic!("{shown:?}"));
+    let weakest = shown.lines().find_map(|line| line.split_once("weakest is ")?.1.split_once(',')).unwrap();
+    let signal = weakest.1.split(" at ").next().unwrap().trim();
+    assert!(bold.contains(signal), "{bold:?}: {weakest:?}");
+    assert!(shown.contains(r"r\u{1b}[2Jun.csv") && !shown.contains(r"\u{1b}[1m"), "{shown:?}");
+    assert!(!shown.contains("\u{1b}[2J"), "{shown:?}");
+}
+
 #[test]
 fn quiet_prints_the_result_alone() {
     let folder = folder_with(MACHINE, "time [s],command [V],position [m]\n0,0,0\n0.1,4,0\n0.1,4,0\n0.2,4,0.1\n");
