@@ -1,10 +1,10 @@
 //! The FMU in another's tool: `FMPy` finds nothing wrong with it, and simulates what `host-sim simulate` does.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 
 use host_sim::recording::{self, ChannelMap, Signal};
-use system_tests::at_hand::skipped;
+use system_tests::python::python_with;
 
 use super::{PUMP, done, leaking_press, library, text};
 
@@ -20,17 +20,6 @@ const OUTPUTS: [(Signal, f64); 7] = [
     (Signal::Flow, 6e-4),
     (Signal::Force, 2.2e4),
 ];
-
-/// A Python that has `FMPy`: `$HOST_SIM_PYTHON`, or `python3`. Says why where there is none.
-fn python() -> Option<PathBuf> {
-    let python = std::env::var_os("HOST_SIM_PYTHON").map_or_else(|| PathBuf::from("python3"), PathBuf::from);
-    let found = Command::new(&python).args(["-c", "import fmpy"]).output();
-    if found.is_ok_and(|found| found.status.success()) {
-        return Some(python);
-    }
-    skipped(&format!("{} has no fmpy; HOST_SIM_PYTHON names one that has", python.display()));
-    None
-}
 
 fn asked(python: &Path, arguments: &[&str]) -> Output {
     Command::new(python).args(["-c", SCRIPT]).args(arguments).output().unwrap()
@@ -74,21 +63,21 @@ fn assert_same(python: &Path, arithmetic: &str, every: usize) {
 
 #[test]
 fn fmpy_simulates_in_fixed_point_what_simulate_does() {
-    let Some(python) = python() else { return };
+    let Some(python) = python_with("fmpy") else { return };
     assert_same(&python, "fixed", 1);
     assert_same(&python, "fixed", 10);
 }
 
 #[test]
 fn fmpy_simulates_in_float_what_simulate_does() {
-    let Some(python) = python() else { return };
+    let Some(python) = python_with("fmpy") else { return };
     assert_same(&python, "float", 1);
     assert_same(&python, "float", 10);
 }
 
 #[test]
 fn fmpy_finds_nothing_wrong_with_an_fmu() {
-    let Some(python) = python() else { return };
+    let Some(python) = python_with("fmpy") else { return };
     let folder = tempfile::tempdir().unwrap();
     let [machine, fmu] = ["machine.toml", "drive.fmu"].map(|name| folder.path().join(name));
     let library = library();
@@ -103,7 +92,7 @@ fn fmpy_finds_nothing_wrong_with_an_fmu() {
 
 #[test]
 fn fmpy_goes_on_from_a_state_and_is_told_why_a_step_is_refused() {
-    let Some(python) = python() else { return };
+    let Some(python) = python_with("fmpy") else { return };
     let folder = tempfile::tempdir().unwrap();
     let [machine, fmu] = ["machine.toml", "drive.fmu"].map(|name| folder.path().join(name));
     std::fs::write(&machine, leaking_press()).unwrap();

@@ -31,6 +31,7 @@ fn every_format_gives_the_recording_of_the_csv() {
         "packed_2.mf4",
         "pyarrow.parquet",
         "plain.parquet",
+        "mixed.parquet",
         "pandas.parquet",
         "scope.txt",
     ] {
@@ -110,10 +111,10 @@ fn every_format_is_mapped() {
 
 #[test]
 fn what_is_not_read_says_what_to_do() {
-    let packing = read_mapped("zstd.parquet", &[]).unwrap_err();
+    let packing = read_mapped("brotli.parquet", &[]).unwrap_err();
     assert!(matches!(packing, RecordingError::Unsupported { what: Unsupported::Packing(_), .. }));
     assert!(
-        packing.to_string().contains("zstd.parquet, column `time [s]`: data packed by zstd; expected"),
+        packing.to_string().contains("brotli.parquet, column `time [s]`: data packed by brotli; expected"),
         "{packing}"
     );
     let text = read_mapped("packed_0.mf4", &["force=state [N]"]).unwrap_err();

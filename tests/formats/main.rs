@@ -4,6 +4,7 @@
 mod commands;
 mod damaged;
 mod fixtures;
+mod others;
 mod written;
 
 use std::path::PathBuf;

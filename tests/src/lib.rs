@@ -14,6 +14,7 @@ pub mod in_the_loop;
 #[path = "../../firmware/tests/rig/parts.rs"]
 #[expect(dead_code, reason = "the firmware's own tests break more of them")]
 mod parts;
+pub mod python;
 pub mod rig;
 pub mod simulate;
 pub mod snapshot;

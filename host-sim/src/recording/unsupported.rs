@@ -49,7 +49,9 @@ impl Unsupported {
             U::Unfinished => "a finished file: open it in the recorder's program, or asammdf, and save it",
             U::MdfVersion(_) => "version 4: in asammdf convert('4.10'), or export as CSV or Parquet",
             U::ColumnOriented => "data row by row: in asammdf convert('4.10')",
-            U::Packing(_) => "a file saved without packing, or by the usual one (Parquet: snappy; MDF: deflate)",
+            U::Packing(_) => {
+                "a file saved without packing, or by the usual one (Parquet: snappy, gzip, zstd or lz4; MDF: deflate)"
+            }
             U::Conversion(_) => "the numbers themselves, or a linear, rational or tabulated conversion of them",
             U::Writing => "a name that ends with .csv, .mat or .parquet",
             U::Layout(_) => "whole numbers of 8 to 64 bits, or floating ones of 32 or 64",

@@ -1,4 +1,4 @@
-//! Apache Parquet, uncompressed or with snappy, as pandas and pyarrow write it.
+//! Apache Parquet, uncompressed, with snappy as pandas and pyarrow write it, or with gzip, zstd or lz4 as Spark, `Polars` and `DuckDB` do.
 //!
 //! Every flat column of numbers is a series; its name holds its unit (`position [mm]`, `position_mm`). A column of timestamps counts
 //! in s from its first one. Nulls are no values. Columns of lists and structures are not read, and whatever pandas or Arrow keep
@@ -115,7 +115,13 @@ impl Contents for Table<'_> {
         }
         for group in self.reader.metadata().row_groups() {
             match group.columns().get(index).map(ColumnChunkMetaData::compression) {
-                Some(Compression::UNCOMPRESSED | Compression::SNAPPY) => {}
+                Some(
+                    Compression::UNCOMPRESSED
+                    | Compression::SNAPPY
+                    | Compression::GZIP(_)
+                    | Compression::ZSTD(_)
+                    | Compression::LZ4_RAW,
+                ) => {}
                 Some(other) => {
                     let packing = format!("{other:?}").split('(').next().unwrap_or_default().to_lowercase();
                     return Err(RecordingError::Unsupported { place: place(), what: Unsupported::Packing(packing) });
