@@ -132,6 +132,137 @@ fn a_click_on_the_legend_hides_a_trace_and_another_shows_it() {
     browser.until(&format!("{shows} === true"));
 }
 
+/// The rows of all recordings over time: the chart that shows the located intervals.
+const ROWS: &str = "window.hostSimCharts.find(one => one.kind === 'rows')";
+
+/// Where a value of the chart of rows stands in the window.
+fn on_rows(browser: &mut Chromium, time_s: f64, height: f64) -> (f64, f64) {
+    let at = browser.value(&format!(
+        "(() => {{ const plot = {ROWS}.plot, box = plot.over.getBoundingClientRect();
+            return [box.left + plot.valToPos({time_s}, 'x'), box.top + plot.valToPos({height}, 'y')]; }})()"
+    ));
+    (at[0].as_f64().unwrap(), at[1].as_f64().unwrap())
+}
+
+#[test]
+fn the_located_intervals_are_shaded_in_the_row_of_their_recording_and_zoomed() {
+    let Some(mut browser) = opened() else { return };
+    browser.until(&format!("{ROWS} !== undefined"));
+    browser.value(&format!("{ROWS}.plot.root.scrollIntoView({{ block: 'center' }})"));
+    let data = browser.value(&format!("JSON.parse({ROWS}.figure.querySelector('script').textContent)"));
+    let rows = data["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 4, "a row for each training recording");
+    // Above the highest trace, in the middle of an interval, and where none is.
+    let ink = |browser: &mut Chromium, row: usize, time_s: f64| {
+        let height = (rows.len() - 1 - row) as f64 + 0.9;
+        browser.value(&format!(
+            "(() => {{ const plot = {ROWS}.plot; return [...plot.ctx.getImageData(Math.round(plot.valToPos({time_s}, 'x', true)),
+                Math.round(plot.valToPos({height}, 'y', true)), 1, 1).data].join(); }})()"
+        ))
+    };
+    let last = browser.value(&format!("{ROWS}.plot.scales.x.max")).as_f64().unwrap();
+    let mut intervals = 0;
+    for (index, row) in rows.iter().enumerate() {
+        let shade: Vec<(f64, f64)> = row["shade"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|ends| (ends[0].as_f64().unwrap(), ends[1].as_f64().unwrap()))
+            .collect();
+        let free = (1..200).map(|step| last * f64::from(step) / 200.0);
+        let free =
+            free.into_iter().find(|time| shade.iter().all(|(from, to)| *time < from - 0.05 || *time > to + 0.05));
+        let Some(free) = free else { continue };
+        for (from, to) in &shade {
+            intervals += 1;
+            assert_ne!(
+                ink(&mut browser, index, 0.5 * (from + to)),
+                ink(&mut browser, index, free),
+                "row {index}: {from} to {to} s"
+            );
+        }
+    }
+    assert!(intervals > 3, "{intervals} intervals");
+
+    let (from, to) = (on_rows(&mut browser, 0.25 * last, 1.5), on_rows(&mut browser, 0.5 * last, 1.5));
+    browser.drag(from, to);
+    browser.until(&format!("Math.abs({ROWS}.plot.scales.x.max - {}) < {}", 0.5 * last, 0.02 * last));
+    browser.click(from, 2);
+    browser.until(&format!("{ROWS}.plot.scales.x.max === {last}"));
+    // The pointer reads the row it is on; a button hides the traces of its kind.
+    let (x, y) = on_rows(&mut browser, 0.5 * last, 0.5);
+    browser.mouse("mouseMoved", (x, y), 0);
+    let name = rows[3]["label"].as_str().unwrap();
+    browser.until(&format!("{ROWS}.figure.querySelector('.switches span').textContent.startsWith('{name} at ')"));
+    browser.value(&format!("{ROWS}.figure.querySelector('.switches button').click()"));
+    let shown = format!("{ROWS}.plot.series.slice(1).filter(one => one.show).length");
+    assert_eq!(
+        browser.value(&shown).as_u64().unwrap() + 4,
+        browser.value(&format!("{ROWS}.plot.series.length - 1")).as_u64().unwrap()
+    );
+}
+
+#[test]
+fn the_map_over_two_states_tells_the_cell_under_the_pointer() {
+    let Some(mut browser) = opened() else { return };
+    let map = "[...document.querySelectorAll('figure.data')].find(one => JSON.parse(one.querySelector('script').textContent).kind === 'map')";
+    browser.until(&format!("{map}.classList.contains('live')"));
+    browser.value(&format!("{map}.scrollIntoView({{ block: 'center' }})"));
+    let data = browser.value(&format!("JSON.parse({map}.querySelector('script').textContent)"));
+    let number = |name: &str| data[name].as_f64().unwrap();
+    let cells = data["cells"].as_array().unwrap();
+    let full = cells.iter().position(|cell| !cell.is_null()).unwrap();
+    let columns = usize::try_from(data["columns"].as_u64().unwrap()).unwrap();
+    // The middle of that cell, as a share of the drawing.
+    let across = (full % columns) as f64 + 0.5;
+    let upwards = (full / columns) as f64 + 0.5;
+    let x = number("left") + (number("right") - number("left")) * across / number("columns");
+    let y = number("bottom") - (number("bottom") - number("top")) * upwards / number("rows");
+    let at = browser.value(&format!(
+        "(() => {{ const box = {map}.querySelector('svg').getBoundingClientRect();
+            return [box.left + {} * box.width, box.top + {} * box.height]; }})()",
+        x / number("width"),
+        y / number("height")
+    ));
+    browser.mouse("mouseMoved", (at[0].as_f64().unwrap(), at[1].as_f64().unwrap()), 0);
+    let rows = cells[full][1].as_u64().unwrap();
+    browser.until(&format!("{map}.querySelector('.told').textContent.endsWith(', {rows} rows')"));
+    let told = browser.value(&format!("{map}.querySelector('.told').textContent"));
+    assert!(told.as_str().unwrap().starts_with(data["x"].as_str().unwrap()), "{told}");
+}
+
+#[test]
+fn the_effects_own_picture_answers_the_pointer_and_hides_a_layer() {
+    let Some(mut browser) = opened() else { return };
+    let picture = "window.hostSimCharts.find(one => one.kind === 'figure')";
+    browser.until(&format!("{picture} !== undefined"));
+    browser.value(&format!("{picture}.plot.root.scrollIntoView({{ block: 'center' }})"));
+    let place = browser.value(&format!(
+        "(() => {{ const box = {picture}.plot.over.getBoundingClientRect(); return [box.left + 0.5 * box.width, box.top + 0.5 * box.height]; }})()"
+    ));
+    let at = (place[0].as_f64().unwrap(), place[1].as_f64().unwrap());
+    browser.mouse("mouseMoved", at, 0);
+    let values = format!("[...{picture}.plot.root.querySelectorAll('.u-value')].map(cell => cell.textContent)");
+    browser.until(&format!("{values}.slice(1).some(text => /^−?[0-9.]+ /.test(text))"));
+    let legend = format!("{picture}.plot.root.querySelectorAll('.u-legend th')[1]");
+    browser.value(&format!("{legend}.click()"));
+    browser.until(&format!("{picture}.plot.series[1].show === false"));
+    assert_eq!(browser.complaints(), Vec::<serde_json::Value>::new());
+}
+
+#[test]
+fn a_phones_first_screen_has_the_verdict_and_the_improvement() {
+    let Some(mut browser) = opened() else { return };
+    browser.resize(390, 844, true);
+    browser.open(page());
+    for part in ["h1", ".gains"] {
+        let bottom = browser.value(&format!("document.querySelector('{part}').getBoundingClientRect().bottom"));
+        assert!(bottom.as_f64().unwrap() < 844.0, "{part} ends at {bottom}");
+    }
+    let top = browser.value("document.querySelector('figure').getBoundingClientRect().top");
+    assert!(top.as_f64().unwrap() < 844.0, "the picture begins at {top}");
+}
+
 #[test]
 fn nothing_is_wider_than_a_phone() {
     let Some(mut browser) = opened() else { return };

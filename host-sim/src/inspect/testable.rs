@@ -36,6 +36,8 @@ pub struct LinkTest {
     pub reach: Reach,
     /// Signals that would have to be recorded too, to test it by itself; empty where it is.
     pub missing: Vec<Signal>,
+    /// Signals of which one is enough to test it together with others; empty where it is tested, or where it takes more than one.
+    pub enough: Vec<Signal>,
 }
 
 /// What has to be measured to test a link by itself.
@@ -46,6 +48,9 @@ struct Way {
 }
 
 use Signal::{Command, Flow, Force, Position, PressureA, PressureB, PumpSpeed, Spool, Velocity};
+
+/// What may be added to a recording, the usual first.
+const ENOUGH: [Signal; 6] = [Command, Spool, PumpSpeed, Position, PressureA, PressureB];
 
 fn ways(link: Subsystem, source: Source) -> Vec<Way> {
     const MOTION: &[Signal] = &[Position, Velocity];
@@ -84,7 +89,9 @@ fn tested(link: Subsystem, source: Source, has: &impl Fn(Signal) -> bool) -> Lin
     let there = |signal: Signal| has(signal) || (signal == Position && has(Velocity));
     let lacks = |way: &Way| way.needs.iter().copied().filter(|signal| !there(*signal)).collect::<Vec<_>>();
     let nearest = ways(link, source).into_iter().min_by_key(|way| lacks(way).len());
-    let Some(way) = nearest else { return LinkTest { link, reach: Reach::No, missing: Vec::new() } };
+    let Some(way) = nearest else {
+        return LinkTest { link, reach: Reach::No, missing: Vec::new(), enough: Vec::new() };
+    };
     let missing = lacks(&way);
     let reach = if missing.is_empty() {
         let judged = way.judged.iter().copied().filter(|signal| has(*signal)).collect();
@@ -92,7 +99,9 @@ fn tested(link: Subsystem, source: Source, has: &impl Fn(Signal) -> bool) -> Lin
     } else {
         together(link, source, has)
     };
-    LinkTest { link, reach, missing }
+    let reaches = |one: &Signal| together(link, source, &|signal| signal == *one || has(signal)) != Reach::No;
+    let enough = if reach == Reach::No { ENOUGH.into_iter().filter(reaches).collect() } else { Vec::new() };
+    LinkTest { link, reach, missing, enough }
 }
 
 /// The entry furthest upstream, where it lies above the link and something below the link is measured.
@@ -157,6 +166,21 @@ mod tests {
                 }
             );
         }
+    }
+
+    #[test]
+    fn one_signal_more_tests_links_together() {
+        let enough = |signals: &[Signal]| {
+            let found = links(Source::Valve, |signal| signals.contains(&signal));
+            found.into_iter().map(|test| test.enough).collect::<Vec<_>>()
+        };
+        let mechanics = vec![Command, Spool];
+        assert_eq!(
+            enough(&[Position]),
+            [vec![Command], vec![Command, Spool], vec![Command, Spool], mechanics.clone(), mechanics]
+        );
+        assert_eq!(enough(&[Command])[0], [Spool, Position, PressureA, PressureB]);
+        assert_eq!(enough(&[]), vec![vec![]; 5]);
     }
 
     #[test]

@@ -105,7 +105,11 @@ fn channels(channels: &[FoundColumn]) -> Table {
 }
 
 fn names(signals: &[Signal]) -> String {
-    signals.iter().map(|signal| signal.name()).collect::<Vec<_>>().join(", ")
+    joined(signals, ", ")
+}
+
+fn joined(signals: &[Signal], between: &str) -> String {
+    signals.iter().map(|signal| signal.name()).collect::<Vec<_>>().join(between)
 }
 
 fn entry_name(entry: EntryPoint) -> &'static str {
@@ -129,7 +133,15 @@ fn reach(test: &LinkTest) -> String {
             entry_name(*entry),
             names(judged)
         ),
-        Reach::No => format!("not: add {add}"),
+        Reach::No if test.enough.is_empty() || test.missing.iter().all(|signal| test.enough.contains(signal)) => {
+            format!("not: add {add}")
+        }
+        Reach::No => {
+            format!(
+                "not: add {} to test it together with others, {add} to test it by itself",
+                joined(&test.enough, " or ")
+            )
+        }
     }
 }
 
@@ -154,7 +166,7 @@ fn recording(found: &Inspection) -> Value {
             Reach::Together { entry, judged } => ("together", Some(entry_name(*entry)), names(judged)),
             Reach::No => ("not", None, Vec::new()),
         };
-        json!({ "link": test.link.to_string(), "tested": how, "entry": entry, "judged_by": judged, "missing": names(&test.missing) })
+        json!({ "link": test.link.to_string(), "tested": how, "entry": entry, "judged_by": judged, "missing": names(&test.missing), "enough": names(&test.enough) })
     };
     let opened = found.excited.opened.map(|opened| {
         let beyond =

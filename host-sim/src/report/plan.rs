@@ -63,9 +63,15 @@ fn pairs(count: usize) -> String {
     if count == 1 { "1 pair".to_owned() } else { format!("{count} pairs") }
 }
 
+/// Characters of a line where no terminal says how many it has.
+const WIDTH: u16 = 120;
+
 fn table(outlook: &Outlook) -> String {
     let mut table = Table::new();
     table.load_style(TABLE).set_content_arrangement(ContentArrangement::Dynamic);
+    if table.width().is_none() {
+        table.set_width(WIDTH);
+    }
     table.set_header(["effect", "link", "claimed from", "usual", "would pass for"]);
     for (index, prospect) in outlook.effects.iter().enumerate() {
         let rivals: Vec<&str> = if outlook.isolability.claimed[index] {

@@ -10,7 +10,7 @@ use rexpect::reader::Options;
 use rexpect::session::{PtySession, spawn_with_options};
 
 use super::init::PRESS;
-use super::{MACHINE, at_hand, done, example, folder_with, listing};
+use super::{MACHINE, at_hand, done, example, folder_with, listing, root};
 
 /// The program at a terminal of its own, with Ctrl-C as usual; `None` where that cannot be had.
 fn at_terminal(folder: &Path, arguments: &[&str]) -> Option<PtySession> {
@@ -96,6 +96,10 @@ fn what_takes_long_shows_the_time_left() {
     let machine = example("machine.toml");
     let fit = ["fit", "--machine", &machine, "--save-machine", "f.toml", "--train"];
     let fit: Vec<&str> = fit.into_iter().chain(trains.iter().map(String::as_str)).collect();
+    let (shipped, preset) = (example(""), root().join("presets/press-63-40.toml").display().to_string());
+    let diagnose = ["diagnose", &shipped, "--report", "d.html"];
+    let testbed = ["testbed", "--machine", &preset, "--out", "case"].into_iter();
+    let testbed: Vec<&str> = testbed.chain(["--train", "sweep:5V,0.5Hz,3Hz,20s"].repeat(60)).collect();
     for (arguments, shown) in [
         (&["inspect", "long.csv"][..], r"reading .* \d+ %, \d+(s|m|h) left"),
         (
@@ -104,6 +108,13 @@ fn what_takes_long_shows_the_time_left() {
         ),
         (&["compare", "--machine", "machine.toml", "--recording", "long.csv"], r"comparing .* \d+ %, \d+(s|m|h) left"),
         (&fit, r"fitting .* \d+ %, at most \d+(s|m|h) left"),
+        (&diagnose, r"diagnosing .* \d+/\d+, \d+(s|m|h) left"),
+        (
+            &["plan", "--machine", "machine.toml", "--sensors", "position,pressure_a,pressure_b"],
+            r"planning .* \d+/\d+, \d+(s|m|h) left",
+        ),
+        (&testbed, r"running the test bed .* \d+/\d+, \d+(s|m|h) left"),
+        (&["testbed", "draw", "--count", "40", "--out", "cases"], r"drawing cases .* \d+/\d+, \d+(s|m|h) left"),
     ] {
         let Some(mut terminal) = at_terminal(folder.path(), arguments) else { return };
         let found = terminal.exp_regex(shown);
