@@ -156,6 +156,26 @@ impl Candidate {
         Self::refitted(question, effects, self.jumps.clone(), &from)
     }
 
+    /// With the effect that its newest one extends in the place of that, refitted to the end from where that has ended: there the search
+    /// with the plainer one may never have come. `None` where the newest extends none that these recordings can show.
+    pub fn with_plain(&self, question: &Question<'_>) -> Result<Option<Self>, FitError> {
+        let Some((newest, others)) = self.effects.split_last() else { return Ok(None) };
+        let Some(extension) = newest.effect.extends else { return Ok(None) };
+        let plain = question.hypotheses.iter().find(|effect| effect.name == extension.plain);
+        let alike = |form: &Form| is_elastic(form) == is_elastic(newest.form);
+        let form = plain.and_then(|effect| Some((*effect, effect.forms_in(question.scene).find(alike)?)));
+        let Some((effect, form)) = form else { return Ok(None) };
+        let taken = newest.form.iter().filter(|strength| extension.taken.contains(&strength.parameter));
+        let taken: Vec<f64> = taken.map(|strength| self.fit.machine.get(strength.parameter)).collect();
+        if taken.is_empty() {
+            return Ok(None);
+        }
+        let values = [(extension.given, taken.iter().sum::<f64>() / taken.len() as f64)];
+        let effects = others.iter().copied().chain([Chosen { effect, form }]).collect();
+        let from = Beginning { fit: &self.fit, values: &values, settled: &[], precision: PRECISION };
+        Self::refitted(question, effects, self.jumps.clone(), &from).map(Some)
+    }
+
     /// With one more effect, roughly refitted from where the lead points; [`Candidate::finished`] does the rest.
     pub fn with(&self, question: &Question<'_>, lead: &Lead) -> Result<Self, FitError> {
         let mut effects = self.effects.clone();

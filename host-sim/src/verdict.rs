@@ -304,14 +304,22 @@ fn finished(
     let rest = rough.split_off(leading.min(FINISHED).max(BEAM.min(rough.len())));
     let mut all = plausible(to_the_end(question, rough, FINISHED)?);
     all.extend(rest.into_iter().map(|(candidate, _)| candidate));
+    let mut simplified: Vec<Vec<&str>> = Vec::new();
     loop {
         let mut ranked = ranked(question, base, all);
         prefer_plain(base, &mut ranked);
         // A set that comes up only now is refitted to the end before it may be chosen.
-        if ranked.iter().take(BEAM).all(|(candidate, _)| candidate.is_finished) {
-            return Ok(ranked);
+        if !ranked.iter().take(BEAM).all(|(candidate, _)| candidate.is_finished) {
+            all = plausible(to_the_end(question, ranked, BEAM)?);
+            continue;
         }
-        all = plausible(to_the_end(question, ranked, BEAM)?);
+        // Nor is an extension, before what it extends was looked for where it has ended.
+        let Some((best, _)) = ranked.first().filter(|(best, _)| !simplified.contains(&best.names())) else {
+            return Ok(ranked);
+        };
+        simplified.push(best.names());
+        let Some(plain) = best.with_plain(question)? else { return Ok(ranked) };
+        all = ranked.into_iter().map(|(candidate, _)| candidate).chain(plausible(vec![plain])).collect();
     }
 }
 

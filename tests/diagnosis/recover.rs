@@ -1,8 +1,12 @@
 //! The fit on what the model itself computed: it must find what was put in.
 
+use host_sim::candidate::{Candidate, Question};
 use host_sim::fit::{Free, Freedom, From, fit};
+use host_sim::hypothesis::{CATALOGUE, Hypothesis, Scene};
 use host_sim::prepare::{Channel, Prepared};
+use host_sim::recording::Signal;
 use host_sim::simulate::{StartOffset, simulate};
+use host_sim::testbed::PlantEffect;
 use model_core::machine::Machine;
 use model_core::parameter::Parameter as P;
 
@@ -55,4 +59,42 @@ fn a_fit_to_the_models_own_signals_recovers_what_they_were_made_with() {
         assert!(off.abs() < 5e-3, "{}: {put_in:e} {:e}", estimate.parameter.description().key, estimate.value);
     }
     assert!(fit.converged);
+}
+
+/// The search for a friction that is the same both ways may end short of what two forces find, which are then about the same.
+#[test]
+fn where_a_richer_friction_ends_the_plainer_one_is_looked_for() {
+    let case = valve_case(31, PlantEffect::named("coulomb-friction", 900.0), true, None);
+    let prepare = |recording| Prepared::new(recording, &case.file.machine, case.file.load_source, None).unwrap();
+    let training: Vec<Prepared> = case.training.iter().map(prepare).collect();
+    let references: Vec<&Prepared> = training.iter().collect();
+    let judged: Vec<Signal> = training[0].channels.iter().map(|channel| channel.signal).collect();
+    let scene = Scene {
+        machine: &case.file.machine,
+        entry: training[0].stimulus.entry,
+        load: case.file.load_source,
+        judged: &judged,
+        travel_m: (0.05, 0.25),
+        duration_s: 3.0,
+    };
+    let ordinary: Vec<Free> = host_sim::diagnose::ordinary(&case.file);
+    let frictions: Vec<&'static Hypothesis> = CATALOGUE
+        .iter()
+        .copied()
+        .filter(|effect| effect.name.ends_with("friction") || effect.name == "friction-asymmetry")
+        .collect();
+    let question = Question { scene: &scene, ordinary: &ordinary, hypotheses: &frictions, training: &references };
+    let base = Candidate::rough(&question, None).unwrap();
+    let leads = base.leads(&question, &frictions).unwrap();
+    let lead = leads.iter().find(|lead| lead.effect.name == "friction-asymmetry").unwrap();
+    let richer = base.with(&question, lead).unwrap().finished(&question).unwrap();
+    let plain = richer.with_plain(&question).unwrap().unwrap();
+    let force = plain.fit.machine.get(P::CoulombFriction);
+    println!("{force:.0} N; {:.1} with one force, {:.1} with two", plain.fit.loss, richer.fit.loss);
+    assert_eq!(plain.names(), ["coulomb-friction"]);
+    assert!((force / 900.0 - 1.0).abs() < 0.1, "{force}");
+    assert!(plain.fit.loss < 1.02 * richer.fit.loss && plain.fit.loss < 0.5 * base.fit.loss);
+    let gone = [P::AsymmetricExtending, P::AsymmetricRetracting];
+    assert!(gone.iter().all(|&gone| plain.fit.machine.get(gone).abs() < f64::MIN_POSITIVE));
+    assert!(plain.with_plain(&question).unwrap().is_none(), "it extends nothing");
 }
