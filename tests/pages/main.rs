@@ -70,6 +70,65 @@ fn the_page_draws_its_charts_without_a_complaint_and_asks_nothing_of_the_network
 }
 
 #[test]
+fn the_page_tells_where_what_how_sure_and_how_to_take_it_to_the_controller_in_this_order() {
+    let Some(mut browser) = opened() else { return };
+    let texts = |browser: &mut Chromium, selector: &str| -> Vec<String> {
+        let found = browser.value(&format!("[...document.querySelectorAll('{selector}')].map(one => one.textContent)"));
+        found.as_array().unwrap().iter().map(|text| text.as_str().unwrap().to_owned()).collect()
+    };
+    let headings = texts(&mut browser, "h2");
+    let expected = [
+        "Where",
+        "What: internal-leakage",
+        "How sure",
+        "Where the error went",
+        "Before and after",
+        "Every recording",
+        "Is the rest white?",
+        "Ordinary parameters",
+        "What was prepared",
+        "To the controller",
+    ];
+    assert_eq!(headings, expected);
+    // Each with what it is for.
+    let section = |browser: &mut Chromium, heading: &str, what: &str| -> Vec<String> {
+        let found = browser.value(&format!(
+            "[...[...document.querySelectorAll('section')].find(one => one.querySelector('h2')?.textContent === '{heading}')
+                .querySelectorAll('{what}')].map(one => one.textContent)"
+        ));
+        found.as_array().unwrap().iter().map(|text| text.as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(section(&mut browser, "What: internal-leakage", "code"), ["Q_leak = G·(pa − pb)"]);
+    let parameter = section(&mut browser, "What: internal-leakage", "td");
+    assert_eq!(
+        (parameter.len(), parameter[0].as_str(), parameter[3].as_str()),
+        (4, "conductance_m3_per_s_pa", "m3/s/Pa")
+    );
+    let (value, deviation): (f64, f64) = (parameter[1].parse().unwrap(), parameter[2].parse().unwrap());
+    assert!(value > 1.5e-12 && value < 2.5e-12 && deviation > 0.0 && deviation < 0.1 * value, "{value} ± {deviation}");
+    let separated = section(&mut browser, "How sure", "th");
+    assert_eq!(separated[..4], ["against", "test with the channels at hand", "apart", "with one more sensor"]);
+    let each = section(&mut browser, "Before and after", "details td:first-child");
+    assert_eq!(each.iter().filter(|name| name.contains(".csv")).count(), 6, "{each:?}");
+    // Of each signal with itself and with the input.
+    let correlations = "[...document.querySelectorAll('figure.data script')].map(one => JSON.parse(one.textContent)) \
+        .filter(one => one.y === 'correlation (shaded: 99 % band)' && one.band > 0 && one.layers.length === 2).map(one => one.title)";
+    let correlations = browser.value(correlations);
+    for signal in ["Position", "Pressure A", "Pressure B", "Slider"] {
+        for with in ["with itself", "with the input"] {
+            let titles = correlations.as_array().unwrap().iter().filter_map(|title| title.as_str());
+            let there = titles.filter(|title| title.starts_with(&format!("{signal}: {with}"))).count();
+            assert_eq!(there, 1, "{signal} {with}: {correlations}");
+        }
+    }
+    let steps = section(&mut browser, "To the controller", "li");
+    for (step, command) in steps.iter().zip(["--save-machine after.toml", "host-sim compare", "host-sim export"]) {
+        assert!(step.contains(command), "{step}");
+    }
+    assert_eq!(steps.len(), 3);
+}
+
+#[test]
 fn the_first_screen_has_the_verdict_the_improvement_and_a_picture() {
     let Some(mut browser) = opened() else { return };
     browser.resize(1280, 800, false);

@@ -22,6 +22,11 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     // Into memory first: a reader that leaves early is no reason to panic.
     let mut script = Vec::new();
     generate(arguments.shell, &mut Cli::command(), "host-sim", &mut script);
-    console.print(String::from_utf8_lossy(&script).trim_end())?;
+    let mut script = String::from_utf8_lossy(&script).into_owned();
+    if arguments.shell == Shell::Bash {
+        // clap_complete cuts a name with a hyphen in two on one side of a comparison and not on the other (clap-rs/clap#6421).
+        script = script.replace("host__subcmd__sim", "host__sim");
+    }
+    console.print(script.trim_end())?;
     Ok(Outcome::Done)
 }

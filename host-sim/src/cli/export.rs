@@ -31,7 +31,7 @@ pub struct Arguments {
     /// Control period of the firmware, step of the FMU's model, in ms
     #[arg(long, value_enum, value_name = "ms", default_value = "1")]
     tick: TickArgument,
-    /// Where to write; .rs becomes Rust, .h C99, .fmu an FMU; - is standard output
+    /// Where to write; .rs becomes Rust, .h C99, .fmu an FMU; - is standard output, with --format
     #[arg(long, value_name = "params.rs")]
     out: PathBuf,
     /// What to write, whatever the file is called

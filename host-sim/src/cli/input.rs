@@ -6,7 +6,7 @@ use model_core::machine::{Machine, Tick};
 
 use super::{CliError, Console};
 use crate::compare::Arithmetic;
-use crate::inspect::command_doubt;
+use crate::inspect::unit_doubts;
 use crate::judge;
 use crate::machine_file::{self, MachineFile};
 use crate::recording::{self, ChannelMap, Recording, Signal};
@@ -96,6 +96,6 @@ pub(super) fn judged(recording: Recording, file: &MachineFile, wanted: &[Signal]
 
 /// The notes of a recording, and what is doubtful about it for this drive, each with its name.
 pub(super) fn notes<'a>(recording: &'a Recording, machine: &Machine<f64>) -> impl Iterator<Item = String> + 'a {
-    let notes = recording.notes().iter().map(ToString::to_string).chain(command_doubt(recording, machine));
+    let notes = recording.notes().iter().map(ToString::to_string).chain(unit_doubts(recording, machine));
     notes.map(|note| format!("{}: {note}", recording.name()))
 }

@@ -3,6 +3,8 @@
 use std::io::{self, Write};
 use std::process;
 
+use dialoguer::console::Term;
+
 use crate::atomic;
 
 /// Exit status of a program that was interrupted, as shells have it: 128 and the number of Ctrl-C's signal, for the other two as well.
@@ -18,9 +20,12 @@ pub const INTERRUPTED: u8 = 130;
 pub fn stop_cleanly() -> Result<(), ctrlc::Error> {
     let set = ctrlc::try_set_handler(|| {
         atomic::abandon();
-        // A question or a bar may have left the cursor hidden; nobody may be there to see it.
-        let _ = dialoguer::console::Term::stderr().show_cursor();
-        let _ = writeln!(io::stderr());
+        let errors = Term::stderr();
+        if errors.is_term() {
+            // A question or a bar may have left the cursor hidden; nobody may be there to see it.
+            let _ = errors.show_cursor();
+            let _ = writeln!(io::stderr());
+        }
         process::exit(i32::from(INTERRUPTED));
     });
     match set {

@@ -37,7 +37,7 @@ pub struct Arguments {
     /// Signal at the command, such as "step:4V"
     #[arg(long, value_name = "signal")]
     input: Option<String>,
-    /// Where to write the simulated signals: .csv, .mat or .parquet; - is standard output, as CSV
+    /// Where to write the simulated signals: .csv or .txt, .mat, .parquet; no ending is CSV, and - is CSV to standard output
     #[arg(long, value_name = "S.csv")]
     out: PathBuf,
     /// Also draw recorded against simulated
@@ -72,6 +72,9 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let plan = plan(arguments, console)?;
     for note in input::notes(&plan.recording, &plan.machine) {
         console.note(note);
+    }
+    if !plan.recording.has(Signal::Position) {
+        console.note(format_args!("{}: no position is recorded: the rod starts at mid-stroke", plan.recording.name()));
     }
     let bar = console.share(plan.recording.rows() as u64, "simulating");
     let simulated = simulate(&plan, &|rows| bar.inc(rows as u64));

@@ -24,7 +24,7 @@ const LEAST_ROWS: usize = 20;
 
 /// What is doubtful about the command's unit; a sentence without full stop.
 #[must_use]
-pub fn command_doubt(recording: &Recording, machine: &Machine<f64>) -> Option<String> {
+pub(super) fn command_doubt(recording: &Recording, machine: &Machine<f64>) -> Option<String> {
     let column = recording.column(Signal::Command).filter(|_| machine.source == Source::Valve)?;
     let get = |parameter| machine.get(parameter);
     let opened = |command: f64| get(Parameter::ValveGain) * command + get(Parameter::ValveOffset);

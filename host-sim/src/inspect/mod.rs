@@ -5,11 +5,12 @@ mod channels;
 mod command;
 mod excitation;
 mod testable;
+mod units;
 
 pub use channels::FoundColumn;
-pub use command::command_doubt;
 pub use excitation::{Excited, Opened, Travelled};
 pub use testable::{LinkTest, Reach};
+pub use units::unit_doubts;
 
 use model_core::machine::Source;
 
@@ -57,8 +58,8 @@ impl Inspection {
             .map(|column| FoundColumn::of(time_s, column))
             .collect();
         let excited = Excited::of(recording, file.map(|file| &file.machine));
-        let mut advice = excitation::doubts(&channels, file.map(|file| &file.machine));
-        advice.extend(file.and_then(|file| command_doubt(recording, &file.machine)));
+        let mut advice = excitation::doubts(&channels);
+        advice.extend(file.map(|file| unit_doubts(recording, &file.machine)).unwrap_or_default());
         advice.extend(excited.advice());
         Self {
             recording: recording.name().to_owned(),

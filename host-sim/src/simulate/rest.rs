@@ -1,5 +1,8 @@
 //! The state that a recording starts from.
 
+use model_core::machine::Machine;
+use model_core::parameter::Parameter;
+
 use crate::recording::{Recording, Signal};
 
 /// State that a simulation starts from.
@@ -19,8 +22,8 @@ const REST_LEAST_S: f64 = 0.02;
 const REST_MOST_S: f64 = 0.1;
 
 /// The state a recording starts from: means over the rest at its start, so that the noise of one row does not shift all others.
-/// Rows whose sensor failed are bridged in it.
-pub(super) fn start(recording: &Recording) -> Start {
+/// Rows whose sensor failed are bridged in it. Where no position is recorded, the rod stands at mid-stroke.
+pub(super) fn start(recording: &Recording, machine: &Machine<f64>) -> Start {
     let time_s = recording.time_s();
     let command = recording.signal(Signal::Command);
     let held = |row: usize| command.is_some_and(|command| command[row].to_bits() == command[0].to_bits());
@@ -34,7 +37,7 @@ pub(super) fn start(recording: &Recording) -> Start {
     Start {
         command_v: command.map_or(0.0, |command| command[0]),
         pressures_pa: began(Signal::PressureA).zip(began(Signal::PressureB)),
-        position_m: began(Signal::Position).unwrap_or(0.0),
+        position_m: began(Signal::Position).unwrap_or(0.5 * machine.get(Parameter::Stroke)),
     }
 }
 

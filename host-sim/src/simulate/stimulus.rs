@@ -214,7 +214,7 @@ impl Stimulus {
         Ok(Self {
             entry,
             tick,
-            start: start(recording),
+            start: start(recording, machine),
             ticks: grid.ticks,
             input,
             slider,

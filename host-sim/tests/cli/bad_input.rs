@@ -41,7 +41,7 @@ fn time_must_not_go_backwards() {
 
 #[test]
 fn a_recording_that_is_too_long_is_named_with_its_duration_in_few_digits() {
-    let folder = folder_with(MACHINE, "time [s],command [V],position [m]\n0,0,0\n0.001,0,0\n1.23e300,0,1\n");
+    let folder = folder_with(MACHINE, "time [s],command [V],position [m]\n0,0,0\n0.001,0,0\n1.23e300,0,0.1\n");
     let diagnose = ["diagnose", "--machine", "machine.toml", "--train", "run.csv"];
     let fit = ["fit", "--machine", "machine.toml", "--train", "run.csv", "--save-machine", "f.toml"];
     for command in [&SIMULATE[..], &COMPARE, &diagnose, &fit] {
@@ -80,7 +80,7 @@ fn what_is_missing_is_named() {
 
 #[test]
 fn errors_of_the_machine_file_show_their_line() {
-    let recording = "time [s],command [V],position [m]\n0,0,0\n1,0,1\n";
+    let recording = "time [s],command [V],position [m]\n0,0,0\n1,0,0.1\n";
     for (machine, expected) in [
         (MACHINE.replace("area_b_m2 = 1.861e-3\n", ""), "`cylinder.area_b_m2` is missing"),
         (MACHINE.replace("gain_per_v", "gain"), "unknown key `gain` in [valve]"),

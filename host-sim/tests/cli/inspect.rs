@@ -76,7 +76,7 @@ fn duplicates_gaps_and_wrong_units_are_told() {
         "1 gap in time, of 0.051 s",
         "50 rows missing",
         "spool is 5.00 % in every row",
-        "pressure_a reaches 351 bar, half above the supply pressure of the machine file: is its unit right?",
+        "pressure_a reaches 35.1 MPa, half above the supply pressure of the machine file: is its unit right?",
         "the valve never leaves the dead zone",
     ] {
         assert!(printed.contains(part), "{part}: {printed}");

@@ -1,7 +1,7 @@
 //! Ctrl-C, a request to end, a terminal that closes: exit status 130, and no file that is half-written.
 #![cfg(unix)]
 
-use std::io::{BufRead, BufReader, Write};
+use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
@@ -26,6 +26,9 @@ fn interrupted(folder: &Path, arguments: &[&str], said: &str, signal: &str) -> O
         assert!(errors.read_line(&mut line).unwrap() > 0, "{arguments:?} never says `{said}`");
     }
     assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
+    let mut rest = String::new();
+    errors.read_to_string(&mut rest).unwrap();
+    assert!(!rest.contains('\u{1b}'), "no terminal is there to obey {rest:?}");
     let output = child.wait_with_output().unwrap();
     Some((output.status.code(), text(&output.stdout)))
 }

@@ -1,6 +1,8 @@
 //! What a recording will be able to show, before it is made.
 
-use super::{done, example, folder_with, refused};
+use host_sim::recording::{self, ChannelMap, Signal};
+
+use super::{done, example, folder_with, refused, run, text};
 
 #[test]
 fn a_plan_says_what_could_be_seen_and_writes_an_excitation_that_the_drive_can_play() {
@@ -35,8 +37,15 @@ fn a_plan_says_what_could_be_seen_and_writes_an_excitation_that_the_drive_can_pl
     assert_eq!(matrix.matches("internal-leakage").count(), 2);
     assert!(done(folder.path(), &["plan", "--help"]).contains("Longest excitation, s [default: 20]"));
     assert!(read("excitation.csv").starts_with("time [s],command [V]\n"));
-    done(folder.path(), &["simulate", "--machine", &machine, "--recording", "excitation.csv", "--out", "played.csv"]);
-    assert!(read("played.csv").lines().next().unwrap().contains("position"));
+    let simulate = ["simulate", "--machine", &machine, "--recording", "excitation.csv", "--out", "played.csv"];
+    let said = text(&run(folder.path(), &simulate).stderr);
+    assert!(said.contains("excitation.csv: no position is recorded: the rod starts at mid-stroke"), "{said}");
+    // The rod stays within its stroke, 300 mm, all the time.
+    let played = recording::read(&folder.path().join("played.csv"), &ChannelMap::default()).unwrap();
+    let position = played.signal(Signal::Position).unwrap();
+    assert!((position[0] - 0.15).abs() < 1e-6, "{}", position[0]);
+    assert!(position.iter().all(|position| (0.0..=0.3).contains(position)));
+    assert!(position.iter().any(|position| (position - 0.15).abs() > 0.01));
 }
 
 #[test]

@@ -79,6 +79,13 @@ fn every_shell_gets_its_completions() {
         let script = done(folder.path(), &["completions", shell]);
         assert!(script.contains("diagnose") && script.contains("save-machine"), "{shell}");
     }
+    // In a real shell: what it would offer for a line that ends here.
+    let line = "source <(\"$0\" completions bash) && COMP_WORDS=(host-sim diagnose --sa) COMP_CWORD=2 && \
+        _host__sim host-sim --sa diagnose && echo \"${COMPREPLY[@]}\"";
+    match Command::new("bash").args(["-c", line, env!("CARGO_BIN_EXE_host-sim")]).output() {
+        Ok(offered) => assert_eq!(text(&offered.stdout), "--save-machine\n", "{}", text(&offered.stderr)),
+        Err(_) => at_hand::skipped("there is no bash to complete in"),
+    }
     let unknown = run(folder.path(), &["completions", "tcsh"]);
     assert!(unknown.status.code() == Some(2) && text(&unknown.stderr).contains("bash"));
 }
