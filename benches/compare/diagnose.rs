@@ -5,6 +5,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use crate::child::{self, Took};
+use crate::machine;
 use crate::page::{Part, table};
 
 /// What the cases have too much: m³/s/Pa.
@@ -63,6 +64,7 @@ fn exponent(points: &[(f64, f64)]) -> f64 {
 
 /// The part.
 pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
+    let load = machine::load()?;
     let scratch = tempfile::tempdir()?;
     let scratch = scratch.path();
     let mut lines = Vec::new();
@@ -111,7 +113,7 @@ pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
     writeln!(
         part.text,
         "Computing time grows with recorded length to the power {:.2} from {} s to {} s ({:.2} up to {} s), with the number of recordings to the power {:.2}. Two threads\n\
-         are faster than one by (recordings): {}.",
+         are faster than one by (recordings): {}; the load before was {load}.",
         exponent(up_to_search),
         LENGTHS_S[0],
         LENGTHS_S[LENGTHS_S.len() - 2],

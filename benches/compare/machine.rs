@@ -22,11 +22,16 @@ fn processor() -> std::io::Result<String> {
     Ok(format!("{} (family {}, model {})", of("model name"), of("cpu family"), of("model\t")))
 }
 
+/// How many programs wanted to compute, as a mean of the last minute.
+pub(crate) fn load() -> std::io::Result<String> {
+    let load = std::fs::read_to_string("/proc/loadavg")?;
+    Ok(load.split_whitespace().next().unwrap_or("?").to_owned())
+}
+
 /// Machine, versions and date, as a list.
 pub(crate) fn described() -> std::io::Result<String> {
     let cores = std::thread::available_parallelism()?;
-    let load = std::fs::read_to_string("/proc/loadavg")?;
-    let load = load.split_whitespace().next().unwrap_or("?").to_owned();
+    let load = load()?;
     let commit = first_line("git", &["describe", "--always", "--dirty", "--exclude=*"]);
     Ok(format!(
         "- {}, commit {commit}\n- {}, {cores} cores; load at the start {load}\n- {}, release profile without `target-cpu`\n\

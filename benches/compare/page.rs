@@ -33,12 +33,15 @@ pub(crate) struct Page {
 const HEAD: &str = "# What it costs\n\n\
     Written by `benches/run`, which measures all of it anew and installs the opponents; `benches/run fit` prints a part (desktop, target, fit,\n\
     diagnose) and writes nothing. The opponents are not in this repository (`peers/speed` in `$HOST_SIM_SHARED`); without them our side alone\n\
-    is printed. Times are the shortest of rounds in which all take turns, and only ratios within a run say something: the machine is shared.\n";
+    is printed. Times are the shortest of rounds in which all take turns, and only ratios within a run say something. Other programs that compute take cores away:\n\
+    beside a load of 1 or more, two threads on two cores show little. Growth of instructions is what `benches/instructions.txt` and its test are for.\n";
 
 /// What nothing here measures.
 const NOT_DONE: &str = "## Not done\n\n\
     - A batch of recordings or hypotheses in SIMD lanes (wanted: 4 times the speed of one after the other) does not exist, so it has no row.\n\
-    - `diffsol` on this model, PySINDy (weak form) on the residuals of a diagnosis, and more than 8 recordings or 10 minutes of them are not measured here.\n\
+    - How far a step is from the floor of the processor is not stated.\n\
+    - PySINDy (weak form) on the residuals of a diagnosis, and more than 8 recordings or 10 minutes of them are not measured here. The test\n\
+    \u{20}\u{20}`diagnosis an_hour` has an hour.\n\
     - Instructions are not cycles: on a Cortex-M4F a square root or a division of floats counts as one and takes 14, which flatters the opponents there.\n";
 
 impl Page {
