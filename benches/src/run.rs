@@ -42,7 +42,9 @@ impl<N: Number<Real = f64>> Run<N> {
 
     /// The step of a drive that may have any effect, as the simulations of the tool take it.
     pub fn any(&self, volts: &[f32], rows: &mut Vec<Row>) {
-        self.each(volts, rows, |state, command| self.drive.advance(state, Entry::Command(command), Load::NONE));
+        self.each(volts, rows, |state, command| {
+            self.drive.step(state, Entry::Command(command), Load::NONE);
+        });
     }
 
     #[inline(always)]
