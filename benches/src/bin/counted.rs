@@ -1,0 +1,52 @@
+//! What `tests/instructions.rs` counts the instructions of: `counted step-f64 TICKS`, `counted step-fixed TICKS`, `counted refit FOLDER TIMES`.
+//! Times 0 reads what a refit needs and does none: what is left of the difference is the refit.
+
+use std::error::Error;
+use std::path::Path;
+
+use host_sim::testbed::{Excitation, InitialState};
+use model_core::fixed_point::PerUnit;
+use model_core::number::Number;
+use system_benches::refit::Refit;
+use system_benches::run::{Run, TICK};
+use system_tests::drives;
+
+/// Where the rod stands at first, m: mid-stroke.
+const START_M: f64 = 0.15;
+
+fn step<N: Number<Real = f64>>(ticks: usize) -> f64 {
+    let machine = drives::press();
+    let run = Run::<N>::new(&machine, &InitialState::at_rest(&machine, START_M));
+    #[expect(clippy::cast_possible_truncation, reason = "commands in V, as the peers take them")]
+    let random: Vec<f32> =
+        Excitation::random_steps(1).sample(TICK.seconds()).into_iter().map(|volts| volts as f32).collect();
+    let volts: Vec<f32> = random.into_iter().cycle().take(ticks).collect();
+    let mut rows = Vec::new();
+    run.any(&volts, &mut rows);
+    rows.last().map_or(f64::NAN, |row| row[1])
+}
+
+fn refit(folder: &str, times: usize) -> Result<f64, Box<dyn Error>> {
+    let refit = Refit::read(Path::new(folder))?;
+    // Who does what must not depend on how many threads there are.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    let mut loss = 0.0;
+    for _ in 0..times {
+        let (fit, _) = pool.install(|| refit.run())?;
+        loss += fit.loss;
+    }
+    Ok(loss)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let result = match words.as_slice() {
+        ["step-f64", ticks] => step::<f64>(ticks.parse()?),
+        ["step-fixed", ticks] => step::<PerUnit>(ticks.parse()?),
+        ["refit", folder, times] => refit(folder, times.parse()?)?,
+        _ => return Err("expected step-f64 TICKS, step-fixed TICKS, or refit FOLDER TIMES".into()),
+    };
+    println!("{result}");
+    Ok(())
+}

@@ -1,0 +1,158 @@
+//! One refit of ten parameters on the training recordings of a case.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use host_sim::compare::CompareError;
+use host_sim::fit::{Fit, FitError, Free, Freedom, From, fit_told};
+use host_sim::machine_file::{self, MachineFileError};
+use host_sim::prepare::Prepared;
+use host_sim::recording::{self, ChannelMap, RecordingError, Signal};
+use model_core::machine::Machine;
+use model_core::parameter::Parameter as P;
+
+/// What is free, in the peers' order.
+pub const FREE: [P; 10] = [
+    P::ValveGain,
+    P::ValveOffset,
+    P::DeadZone,
+    P::RateLimit,
+    P::TimeConstant1,
+    P::TimeConstant2,
+    P::TransportDelay,
+    P::FlowCoefficient,
+    P::ViscousFriction,
+    P::BulkModulus,
+];
+
+/// Standard deviation of the valve's offset, whose nominal value may be 0; of any other it is the nominal value itself. So wide a prior
+/// says nothing beside a recording.
+const OFFSET_SIGMA: f64 = 0.05;
+
+/// The loss is done when a step lowers it by less than this share, as by default in `scipy.optimize.least_squares`.
+const PRECISION: f64 = 1e-8;
+
+/// Rows that the peers take the first position from.
+const ROWS_AT_REST: usize = 50;
+
+/// A case, read.
+#[derive(Clone, Debug)]
+pub struct Refit {
+    machine: Machine<f64>,
+    free: Vec<Free>,
+    cases: Vec<Prepared>,
+    /// What a residual here is in the peers' terms, where the problem is theirs.
+    unit: Option<f64>,
+}
+
+/// Why there is nothing to refit.
+#[derive(Debug, thiserror::Error)]
+pub enum RefitError {
+    /// The folder cannot be listed.
+    #[error("{folder}: {cause}")]
+    Folder {
+        /// The folder.
+        folder: PathBuf,
+        /// Why not.
+        cause: std::io::Error,
+    },
+    /// The machine file is none.
+    #[error(transparent)]
+    Machine(#[from] Box<MachineFileError>),
+    /// A recording is none.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// A recording cannot be simulated.
+    #[error(transparent)]
+    Prepared(#[from] CompareError),
+}
+
+impl Refit {
+    /// Reads `machine.toml` and every `train-*.csv` of a folder.
+    pub fn read(folder: &Path) -> Result<Self, RefitError> {
+        let file = machine_file::read(&folder.join("machine.toml")).map_err(Box::new)?;
+        let listed = |cause| RefitError::Folder { folder: folder.to_owned(), cause };
+        let mut training: Vec<PathBuf> = std::fs::read_dir(folder)
+            .map_err(listed)?
+            .filter_map(|entry| Some(entry.ok()?.path()))
+            .filter(|path| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("train-")))
+            .collect();
+        training.sort();
+        let prepare = |path: &PathBuf| {
+            let recording = recording::read(path, &ChannelMap::default())?;
+            Ok(Prepared::new(&recording, &file.machine, file.load_source, None)?)
+        };
+        let cases = training.iter().map(prepare).collect::<Result<_, RefitError>>()?;
+        let around = |&parameter: &P| {
+            let nominal = file.machine.get(parameter);
+            let sigma = if parameter == P::ValveOffset { OFFSET_SIGMA } else { nominal.abs() };
+            Free { parameter, freedom: Freedom::Around { nominal, sigma } }
+        };
+        Ok(Self { machine: file.machine, free: FREE.iter().map(around).collect(), cases, unit: None })
+    }
+
+    /// The same problem as the peers': plain squares, each channel by its norm over all recordings, and starts that are not free. What
+    /// the first channel's residuals are divided by stays its noise, so that the priors say as little as before.
+    #[must_use]
+    pub fn as_the_peers(mut self) -> Self {
+        let norms: Vec<f64> = (0..self.cases[0].channels.len())
+            .map(|index| {
+                let of_case = |case: &Prepared| {
+                    let recorded = &case.channels[index].recorded;
+                    let mean = recorded.iter().sum::<f64>() / recorded.len() as f64;
+                    recorded.iter().map(|value| (value - mean).powi(2)).sum::<f64>().sqrt()
+                };
+                self.cases.iter().map(of_case).sum::<f64>() / self.cases.len() as f64
+            })
+            .collect();
+        let unit = self.cases[0].channels[0].noise / norms[0];
+        self.unit = Some(unit);
+        for case in &mut self.cases {
+            for (channel, norm) in case.channels.iter_mut().zip(&norms) {
+                channel.noise = norm * unit;
+                // Residuals are squared however large they are.
+                channel.tolerance = 1e9;
+            }
+            let position = case.channels.iter().find(|channel| channel.signal == Signal::Position);
+            let rest = position.map_or(&[][..], |channel| &channel.recorded[..ROWS_AT_REST]);
+            let start = &mut case.stimulus.start;
+            start.position_m = rest.iter().sum::<f64>() / ROWS_AT_REST as f64;
+            start.pressures_pa = Some(at_rest(&self.machine));
+            case.start_sigma_m = 0.0;
+        }
+        self
+    }
+
+    /// Rows of all recordings together.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.cases.iter().map(Prepared::rows).sum()
+    }
+
+    /// Half the sum of squares that a fit ended at, as the peers count it, where the problem is theirs; the priors, which say next to
+    /// nothing, are included.
+    #[must_use]
+    pub fn cost(&self, fit: &Fit) -> Option<f64> {
+        Some(fit.loss * self.unit?.powi(2))
+    }
+
+    /// Refits, from the nominal values; also how many times each recording was simulated with its derivatives.
+    pub fn run(&self) -> Result<(Fit, usize), FitError> {
+        let cases: Vec<&Prepared> = self.cases.iter().collect();
+        let evaluated = AtomicUsize::new(0);
+        let told = |_: &Prepared| {
+            evaluated.fetch_add(1, Ordering::Relaxed);
+        };
+        let found = fit_told(&self.machine, &self.free, &cases, &From::default(), PRECISION, &told)?;
+        Ok((found, evaluated.into_inner() / cases.len().max(1)))
+    }
+}
+
+/// Pressures in A and B at rest, Pa, as the peers have them: half the supply in B, and the balance of forces within 2 to 98 % of it.
+fn at_rest(machine: &Machine<f64>) -> (f64, f64) {
+    let [supply, area_a, area_b, force] =
+        [P::SupplyPressure, P::AreaA, P::AreaB, P::LoadForce].map(|parameter| machine.get(parameter));
+    let within = |pressure: f64| pressure.clamp(0.02 * supply, 0.98 * supply);
+    let a = within((0.5 * supply * area_b - force) / area_a);
+    (a, within((a * area_a + force) / area_b))
+}

@@ -1,0 +1,69 @@
+//! Neither a step nor a refit may take more instructions than was kept.
+//!
+//! Callgrind counts them, less those of a run that does all but what is counted. The counts are of the test profile (optimised, with a
+//! debug build's checks), of the compiler that `rust-toolchain.toml` pins, and of the processor features that valgrind shows to the
+//! C library: another compiler asks for `RENEW=1`, which writes `instructions.txt` anew. No time is measured.
+
+use std::fmt::Write;
+use std::process::{Command, Stdio};
+
+use system_tests::at_hand::skipped;
+use system_tests::snapshot;
+
+/// By how much a figure may differ from what was kept.
+const RELATIVE: f64 = 0.05;
+/// Where the figures begin in a row.
+const COLUMN: usize = 60;
+
+/// Ticks of the longer and of the shorter run.
+const TICKS: [u64; 2] = [12_000, 4_000];
+
+/// Instructions of the whole program.
+fn instructions(arguments: &[&str]) -> u64 {
+    let output = Command::new("valgrind")
+        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null", env!("CARGO_BIN_EXE_counted")])
+        .args(arguments)
+        .stdin(Stdio::null())
+        .output()
+        .expect("it was there a moment ago");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {}\n{said}", output.status);
+    let collected = said.lines().find_map(|line| line.split_once("Collected : "));
+    let (_, count) = collected.unwrap_or_else(|| panic!("{arguments:?}: no count in\n{said}"));
+    count.trim().parse().unwrap_or_else(|error| panic!("{count}: {error}"))
+}
+
+fn of_a_step(which: &str) -> u64 {
+    let [more, fewer] = TICKS.map(|ticks| instructions(&[which, &ticks.to_string()]));
+    (more - fewer) / (TICKS[0] - TICKS[1])
+}
+
+fn of_a_refit() -> u64 {
+    let case = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/press-63-40");
+    let [once, none] = ["1", "0"].map(|times| instructions(&["refit", case, times]));
+    (once - none) / 1_000_000
+}
+
+#[test]
+fn a_step_and_a_refit_take_no_more_instructions_than_before() {
+    let valgrind = Command::new("valgrind").arg("--version").stdout(Stdio::null()).status();
+    if !valgrind.is_ok_and(|status| status.success()) {
+        skipped("there is no valgrind; Debian: apt-get install valgrind");
+        return;
+    }
+    if !cfg!(target_arch = "x86_64") {
+        skipped("the instructions that were kept are those of x86-64");
+        return;
+    }
+    let figures = [
+        ("instructions a step, f64", of_a_step("step-f64")),
+        ("instructions a step, fixed point", of_a_step("step-fixed")),
+        ("millions of instructions a refit, four recordings", of_a_refit()),
+    ];
+    let mut table = "Under callgrind, x86-64, test profile.\n".to_owned();
+    for (row, figure) in figures {
+        writeln!(table, "{row:<COLUMN$} {figure:>8}").unwrap();
+    }
+    let near = |found: &str, kept: &str| snapshot::numbers_near(found, kept, COLUMN, RELATIVE, 0.0);
+    snapshot::compare("../benches/instructions.txt", &table, near);
+}
