@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 
 use host_sim::diagnose::{Diagnosis, diagnose};
+use host_sim::hypothesis::Scene;
 use host_sim::machine_file::{self, MachineFile};
+use host_sim::prepare::Prepared;
 use host_sim::recording::{Column, Recording, Signal};
 use host_sim::testbed::sensors::PositionSensor;
 use host_sim::testbed::{
@@ -26,6 +28,24 @@ pub(crate) struct Case {
 impl Case {
     pub(crate) fn diagnose(&self) -> Diagnosis {
         diagnose(&self.file, &self.training, &self.held_out, None, &|_| {}).unwrap()
+    }
+
+    /// Recordings as a fit takes them.
+    pub(crate) fn prepared(&self, recordings: &[Recording]) -> Vec<Prepared> {
+        let prepare = |recording| Prepared::new(recording, &self.file.machine, self.file.load_source, None).unwrap();
+        recordings.iter().map(prepare).collect()
+    }
+
+    /// What is known of the drive before it is fitted to recordings that begin as this one does.
+    pub(crate) fn scene<'a>(&'a self, recording: &Prepared, judged: &'a [Signal]) -> Scene<'a> {
+        Scene {
+            machine: &self.file.machine,
+            entry: recording.stimulus.entry,
+            load: self.file.load_source,
+            judged,
+            travel_m: (0.05, 0.25),
+            duration_s: 3.0,
+        }
     }
 }
 
@@ -54,6 +74,11 @@ impl Dice {
     /// Evenly in [from, to).
     pub(crate) fn between(&mut self, from: f64, to: f64) -> f64 {
         from + (to - from) * ((self.word() >> 11) as f64 / 9_007_199_254_740_992.0)
+    }
+
+    /// One of the numbers from 0 to below `count`.
+    pub(crate) fn below(&mut self, count: usize) -> usize {
+        usize::try_from(self.word() % count as u64).unwrap()
     }
 
     /// Evenly over the decades between two positive values.
@@ -91,6 +116,17 @@ pub(crate) fn valve_case(
     pressures: bool,
     push: Option<&(usize, LoadProfile)>,
 ) -> Case {
+    valve_case_every(2e-3, seed, effect, pressures, push)
+}
+
+/// The same with a row every `tick_s`, s.
+pub(crate) fn valve_case_every(
+    tick_s: f64,
+    seed: u64,
+    effect: Option<PlantEffect>,
+    pressures: bool,
+    push: Option<&(usize, LoadProfile)>,
+) -> Case {
     let file = press();
     let mut dice = Dice::new(seed);
     let truth = truth_near(&file.machine, &file.sigma, 1.0, seed);
@@ -116,7 +152,7 @@ pub(crate) fn valve_case(
         let plant = plant.with_load(pushed.unwrap_or_else(LoadProfile::none));
         let mut sensors = Sensors::with_position(&truth, PositionSensor::Linear { resolution_m: 2.5e-5 });
         sensors.spool.noise_std = 5e-4;
-        let bench = Bench { tick_s: 2e-3, seed: 1000 * seed + index as u64, ..Bench::new(plant, sensors) };
+        let bench = Bench { tick_s, seed: 1000 * seed + index as u64, ..Bench::new(plant, sensors) };
         let mut recording = within_stroke(&bench, *excitation, &truth);
         if !pressures {
             recording.pressure_a_pa.clear();

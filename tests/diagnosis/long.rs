@@ -3,7 +3,6 @@
 use std::time::Instant;
 
 use host_sim::excerpt::{AFFORDABLE_TICKS, Excerpt};
-use host_sim::prepare::Prepared;
 use host_sim::recording::Recording;
 use host_sim::testbed::sensors::PositionSensor;
 use host_sim::testbed::{Bench, Drive, Excitation, InitialState, Plant, PlantEffect, Sensors, truth_near};
@@ -41,11 +40,6 @@ fn cycling(training_s: &[f64], held_out_s: &[f64], rest_s: f64) -> Case {
     Case { file, training, held_out }
 }
 
-fn prepared(case: &Case) -> Vec<Prepared> {
-    let prepare = |recording| Prepared::new(recording, &case.file.machine, case.file.load_source, None).unwrap();
-    case.training.iter().map(prepare).collect()
-}
-
 /// Diagnoses; how long that took, s.
 fn leakage_is_named(case: &Case) -> f64 {
     let start = Instant::now();
@@ -66,7 +60,8 @@ fn leakage_is_named(case: &Case) -> f64 {
 #[test]
 fn an_effect_is_found_in_the_first_minute_of_five_and_confirmed_by_the_rest() {
     let case = cycling(&[150.0, 150.0], &[40.0], 2.0);
-    let excerpt = Excerpt::of(&case.training, &prepared(&case), &case.file.machine, case.file.load_source).unwrap();
+    let excerpt =
+        Excerpt::of(&case.training, &case.prepared(&case.training), &case.file.machine, case.file.load_source).unwrap();
     let searched = excerpt.expect("five minutes are more than a search affords");
     assert!(searched.cases.iter().map(|case| case.stimulus.ticks()).sum::<usize>() < AFFORDABLE_TICKS / 4);
     leakage_is_named(&case);

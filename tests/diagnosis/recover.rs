@@ -2,7 +2,7 @@
 
 use host_sim::candidate::{Candidate, Question};
 use host_sim::fit::{Free, Freedom, From, fit};
-use host_sim::hypothesis::{CATALOGUE, Hypothesis, Scene};
+use host_sim::hypothesis::{CATALOGUE, Hypothesis};
 use host_sim::prepare::{Channel, Prepared};
 use host_sim::recording::Signal;
 use host_sim::simulate::{StartOffset, simulate};
@@ -14,7 +14,6 @@ use super::bed::{Case, press, valve_case};
 
 /// The case's recordings with the model's own signals in place of the test bed's, free of noise.
 fn computed(case: &Case, truth: &Machine<f64>) -> Vec<Prepared> {
-    let prepare = |recording| Prepared::new(recording, &case.file.machine, case.file.load_source, None).unwrap();
     let replace = |mut prepared: Prepared| {
         let computed = simulate::<f64>(truth, &prepared.stimulus, StartOffset::none()).unwrap();
         for Channel { signal, recorded, .. } in &mut prepared.channels {
@@ -23,7 +22,7 @@ fn computed(case: &Case, truth: &Machine<f64>) -> Vec<Prepared> {
         }
         prepared
     };
-    case.training.iter().map(prepare).map(replace).collect()
+    case.prepared(&case.training).into_iter().map(replace).collect()
 }
 
 #[test]
@@ -65,18 +64,10 @@ fn a_fit_to_the_models_own_signals_recovers_what_they_were_made_with() {
 #[test]
 fn where_a_richer_friction_ends_the_plainer_one_is_looked_for() {
     let case = valve_case(31, PlantEffect::named("coulomb-friction", 900.0), true, None);
-    let prepare = |recording| Prepared::new(recording, &case.file.machine, case.file.load_source, None).unwrap();
-    let training: Vec<Prepared> = case.training.iter().map(prepare).collect();
+    let training = case.prepared(&case.training);
     let references: Vec<&Prepared> = training.iter().collect();
     let judged: Vec<Signal> = training[0].channels.iter().map(|channel| channel.signal).collect();
-    let scene = Scene {
-        machine: &case.file.machine,
-        entry: training[0].stimulus.entry,
-        load: case.file.load_source,
-        judged: &judged,
-        travel_m: (0.05, 0.25),
-        duration_s: 3.0,
-    };
+    let scene = case.scene(&training[0], &judged);
     let ordinary: Vec<Free> = host_sim::diagnose::ordinary(&case.file);
     let frictions: Vec<&'static Hypothesis> = CATALOGUE
         .iter()

@@ -1,7 +1,6 @@
 //! What has no name is still followed better by a table, unless it happened only once.
 
 use host_sim::fit::{Free, settle};
-use host_sim::hypothesis::Scene;
 use host_sim::locate::{Case as Located, Location, locate};
 use host_sim::prepare::Prepared;
 use host_sim::recording::Signal;
@@ -15,20 +14,11 @@ use super::bed::{Case, valve_case};
 /// The table for a case of which the catalogue knows nothing, with how far the position misses on held-out recordings before and after
 /// (root mean square over noise).
 fn tabled(case: &Case, with: impl Fn(Location) -> Location) -> Option<(Unnamed, [f64; 2])> {
-    let prepare = |recording| Prepared::new(recording, &case.file.machine, case.file.load_source, None).unwrap();
-    let training: Vec<Prepared> = case.training.iter().map(prepare).collect();
-    let held: Vec<Prepared> = case.held_out.iter().map(prepare).collect();
+    let (training, held) = (case.prepared(&case.training), case.prepared(&case.held_out));
     let (training_refs, held_refs): (Vec<&Prepared>, Vec<&Prepared>) =
         (training.iter().collect(), held.iter().collect());
     let judged: Vec<Signal> = training[0].channels.iter().map(|channel| channel.signal).collect();
-    let scene = Scene {
-        machine: &case.file.machine,
-        entry: training[0].stimulus.entry,
-        load: case.file.load_source,
-        judged: &judged,
-        travel_m: (0.05, 0.25),
-        duration_s: 3.0,
-    };
+    let scene = case.scene(&training[0], &judged);
     let ordinary: Vec<Free> = host_sim::diagnose::ordinary(&case.file);
     let question = Question { scene: &scene, ordinary: &ordinary, hypotheses: &[], training: &training_refs };
     let base = Candidate::rough(&question, None).unwrap();
