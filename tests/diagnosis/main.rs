@@ -17,6 +17,7 @@ mod real_statics;
 mod real_valve;
 mod recover;
 mod shipped;
+mod stress;
 mod table;
 mod tutorial;
 

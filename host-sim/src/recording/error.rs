@@ -223,21 +223,22 @@ impl Explained for RecordingError {
             E::ControlCharacter { .. } => "a text file in UTF-8 with line ends LF or CRLF".into(),
             E::OpenQuote { .. } => "a closing quotation mark on the same line".into(),
             E::NoTimeColumn { header, .. } => {
+                let unit = if header.contains('[') { "" } else { " […]" };
                 format!(
-                    "`time [s]` (or ms, µs) in the first column, or --map \"time={header}\"; other columns as well, by the names of \
-                     `host-sim inspect --help`"
+                    "`time [s]` (or ms, µs) in the first column, or --map \"time={header}{unit}\"; other columns as well, by the names of \
+                     `host-sim inspect --help`. Lines above the header begin with `#`"
                 )
             }
             E::DuplicateColumn { signal, .. } => format!("one column for {signal}; choose with --map \"{signal}=…\""),
             E::MissingUnit { place, columns } => {
-                let [(signal, _), ..] = columns.as_slice() else { return String::new() };
+                let [(signal, header), ..] = columns.as_slice() else { return String::new() };
                 let unit = signal.si_unit();
                 let bracketed = format!("{signal} [{unit}]");
                 let how = if place.spot.is_none() {
                     let plain = variable(&bracketed, unit, &[]);
                     format!("a unit with the name, as `{bracketed}` or `{plain}`")
                 } else {
-                    "a unit in brackets after the name".to_owned()
+                    format!("a unit in brackets after the name, in the file or as --map \"{signal}={header} […]\"")
                 };
                 if columns.len() == 1 {
                     return format!("{how}, one of: {}", signal.units());
@@ -254,7 +255,9 @@ impl Explained for RecordingError {
                 format!("one of its headers: {}", present.join(", "))
             }
             E::RaggedRow { expected, .. } => format!("{expected} cells, as many as the header has"),
-            E::NotANumber { .. } => "a decimal number such as -12.5 or 1.5e-3".into(),
+            E::NotANumber { .. } => {
+                "a decimal number such as -12.5 or 1.5e-3; units stand in the header, as `position [mm]`".into()
+            }
             E::NotFinite { .. } => "a finite number".into(),
             E::TimeBackwards { .. } => "times that rise from row to row".into(),
             E::ExportLayout { .. } => {

@@ -134,8 +134,8 @@ fn columns_that_cannot_be_understood_are_refused() {
     assert_error!(refused("time,spool\n", Some(1)), RecordingError::MissingUnit { .. });
     assert_error!(refused("time [s],position\n", Some(1)), RecordingError::MissingUnit { .. });
     let several = refused("time [s],position,spool,pressure_a\n0,1,2,3\n", Some(1)).to_string();
-    let expected = "columns `position`, `pressure_a` have no unit; expected a unit in brackets after the name: \
-        `position` one of: m mm; `pressure_a` one of: Pa kPa MPa bar psi";
+    let expected = "columns `position`, `pressure_a` have no unit; expected a unit in brackets after the name, in the file or as \
+        --map \"position=position […]\": `position` one of: m mm; `pressure_a` one of: Pa kPa MPa bar psi";
     assert!(several.ends_with(expected), "{several}");
     assert_error!(refused("time [s],position [inch]\n", Some(1)), RecordingError::UnknownUnit { .. });
     assert_error!(refused("time [s],spool,spool [%]\n", Some(1)), RecordingError::DuplicateColumn { .. });

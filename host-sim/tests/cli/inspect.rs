@@ -106,6 +106,16 @@ fn every_column_without_a_unit_is_named_at_once() {
 }
 
 #[test]
+fn headers_as_they_are_can_be_mapped_with_their_units() {
+    let folder = folder_with(MACHINE, "Zeit (s),Weg (mm)\n0,1\n0.001,2\n");
+    let message = refused(folder.path(), &["inspect", "run.csv"]);
+    assert!(message.contains("--map \"time=Zeit (s) […]\"") && message.contains("begin with `#`"), "{message}");
+    let maps = ["--map", "time=Zeit (s) [s]", "--map", "position=Weg (mm) [mm]"];
+    let printed = done(folder.path(), &[&["inspect", "run.csv"][..], &maps].concat());
+    assert!(printed.contains(" position   Weg (mm)   1.000   2.000   mm "), "{printed}");
+}
+
+#[test]
 fn a_current_for_a_drive_in_volts_is_doubted_by_inspect_and_diagnose() {
     let mut recording = String::from("time [s],command [mA],position [mm]\n");
     for row in 0..400 {
