@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use comfy_table::{Attribute, Cell, CellAlignment, Table};
+use comfy_table::{Attribute, Cell, CellAlignment, ContentArrangement, Table};
 use model_core::machine::Tick;
 use rayon::prelude::*;
 
@@ -152,7 +152,8 @@ fn drawings<'a>(plan: &'a Plan, comparisons: &'a [Comparison]) -> impl Iterator<
 fn table(comparisons: &[Comparison], terminal: bool) -> Table {
     const NUMBERS: std::ops::RangeInclusive<usize> = 3..=7;
     let mut table = Table::new();
-    table.load_style(TABLE);
+    // As wide as the terminal; in a pipe as wide as it is.
+    table.load_style(TABLE).set_content_arrangement(ContentArrangement::Dynamic);
     if !terminal {
         table.force_no_tty();
     }

@@ -78,7 +78,7 @@ impl<'a> Console<'a> {
         self.write(&printable(&text))
     }
 
-    /// Prints what styles itself; names from files in it are [`printable`] already.
+    /// Prints what styles itself; names from files in it have to be printable already.
     pub fn print_styled(&mut self, text: impl Display) -> Result<(), CliError> {
         self.write(&text.to_string())
     }

@@ -81,7 +81,7 @@ pub fn text(found: &Inspection) -> String {
 
 fn channels(channels: &[FoundColumn]) -> Table {
     let mut table = Table::new();
-    table.load_style(TABLE).force_no_tty().set_content_arrangement(ContentArrangement::Disabled);
+    table.load_style(TABLE).set_content_arrangement(ContentArrangement::Dynamic);
     table.set_header(["signal", "column", "from", "to", "unit", "noise", "step", "failed rows"]);
     for channel in channels {
         let unit = channel.unit;

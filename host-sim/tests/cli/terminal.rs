@@ -31,6 +31,23 @@ fn the_verdict_is_coloured_on_a_terminal_unless_nobody_wants_colours() {
     assert!(text(&piped.stdout).contains("out of tolerance") && !text(&piped.stdout).contains('\u{1b}'));
 }
 
+/// A table is as wide as the terminal, and its lines are not broken by it.
+#[test]
+fn tables_fit_the_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    let (machine, recording) = (example("machine.toml"), example("train-1.csv"));
+    for arguments in [
+        format!("compare --machine {machine} --recording {recording}"),
+        format!("inspect {recording} --machine {machine}"),
+    ] {
+        let Some(shown) = on_a_terminal(folder.path(), "stty cols 80;", &arguments) else { return };
+        let plain = |line: &str| line.replace("\u{1b}[1m", "").replace("\u{1b}[0m", "").trim_end().chars().count();
+        let rows = shown.lines().skip_while(|line| !line.contains('─')).take_while(|line| !line.contains(": weakest"));
+        let table: Vec<usize> = rows.take_while(|line| !line.starts_with("tests")).map(plain).collect();
+        assert!(table.len() > 6 && table.iter().all(|width| *width <= 80), "{shown}");
+    }
+}
+
 /// The row that `compare` shows in bold, as a terminal obeys it; a name that a terminal would obey, as text.
 #[test]
 fn the_weakest_row_is_bold_on_a_terminal() {

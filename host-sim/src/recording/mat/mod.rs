@@ -9,6 +9,8 @@
 //! - a structure `time` and `signals`, as Simulink writes "Structure With Time": each signal with `values` under its `label`.
 //!
 //! Objects are not read, a timeseries object neither: MATLAB's classes are not part of the documented format.
+//!
+//! The elements are read here, over `flate2`: the libraries that were found read no structures, or are C with HDF5 behind it.
 
 mod elements;
 mod numbers;
