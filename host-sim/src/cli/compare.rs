@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use comfy_table::{Attribute, Cell, CellAlignment, ContentArrangement, Table};
+use comfy_table::{Attribute, Cell, CellAlignment, Table};
 use model_core::machine::Tick;
 use rayon::prelude::*;
 
@@ -16,7 +16,7 @@ use crate::diagnostic::printable;
 use crate::judge;
 use crate::machine_file::{LoadSource, MachineFile};
 use crate::plot;
-use crate::presentation::{TABLE, difference, percent};
+use crate::presentation::{TABLE, difference, fit_terminal, percent};
 use crate::recording::{Recording, Signal};
 use crate::weakest::{Weakest, missed_by_the_whole, obstacles, weakest};
 
@@ -152,11 +152,11 @@ fn drawings<'a>(plan: &'a Plan, comparisons: &'a [Comparison]) -> impl Iterator<
 fn table(comparisons: &[Comparison], terminal: bool) -> Table {
     const NUMBERS: std::ops::RangeInclusive<usize> = 3..=7;
     let mut table = Table::new();
-    // As wide as the terminal; in a pipe as wide as it is.
-    table.load_style(TABLE).set_content_arrangement(ContentArrangement::Dynamic);
+    table.load_style(TABLE);
     if !terminal {
         table.force_no_tty();
     }
+    fit_terminal(&mut table, None);
     table.set_header(["recording", "section", "signal", "NRMSE fit %", "R²", "RMSE", "max error", "at s"]);
     for comparison in comparisons {
         let worst = weakest(std::slice::from_ref(comparison));

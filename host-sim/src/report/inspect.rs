@@ -2,12 +2,12 @@
 
 use std::fmt::Write;
 
-use comfy_table::{CellAlignment, ContentArrangement, Table};
+use comfy_table::{CellAlignment, Table};
 use model_core::machine::Source;
 use serde_json::{Value, json};
 
 use crate::inspect::{FoundColumn, Inspection, LinkTest, Reach};
-use crate::presentation::{TABLE, difference, significant};
+use crate::presentation::{TABLE, difference, fit_terminal, significant};
 use crate::recording::{Dimension, Signal, Unit};
 use crate::simulate::EntryPoint;
 
@@ -81,7 +81,8 @@ pub fn text(found: &Inspection) -> String {
 
 fn channels(channels: &[FoundColumn]) -> Table {
     let mut table = Table::new();
-    table.load_style(TABLE).set_content_arrangement(ContentArrangement::Dynamic);
+    table.load_style(TABLE);
+    fit_terminal(&mut table, None);
     table.set_header(["signal", "column", "from", "to", "unit", "noise", "step", "failed rows"]);
     for channel in channels {
         let unit = channel.unit;

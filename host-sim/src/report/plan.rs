@@ -2,14 +2,14 @@
 
 use std::fmt::Write;
 
-use comfy_table::{ContentArrangement, Table};
+use comfy_table::Table;
 use model_core::parameter::Parameter;
 use serde_json::{Value, json};
 
 use crate::hypothesis::short_name;
 use crate::plan::{Outlook, Plan, Prospect};
 use crate::plot::{Cell, Grid};
-use crate::presentation::{TABLE, significant};
+use crate::presentation::{TABLE, fit_terminal, significant};
 use crate::sensor::Sensor;
 
 /// The whole text.
@@ -68,10 +68,8 @@ const WIDTH: u16 = 120;
 
 fn table(outlook: &Outlook) -> String {
     let mut table = Table::new();
-    table.load_style(TABLE).set_content_arrangement(ContentArrangement::Dynamic);
-    if table.width().is_none() {
-        table.set_width(WIDTH);
-    }
+    table.load_style(TABLE);
+    fit_terminal(&mut table, Some(WIDTH));
     table.set_header(["effect", "link", "claimed from", "usual", "would pass for"]);
     for (index, prospect) in outlook.effects.iter().enumerate() {
         let rivals: Vec<&str> = if outlook.isolability.claimed[index] {
