@@ -10,18 +10,13 @@ pub const TABLE: TableStyle = TableStyle::new()
     .header_separator(LineStyle::none().fill('─').junction('─'))
     .bottom_border(LineStyle::none().fill('─').junction('─'));
 
-/// A terminal with fewer characters a line is none that a table is read on, or does not know how many it has.
-const NARROWEST: u16 = 60;
-
-/// Lets a table be as wide as the terminal; elsewhere it is as wide as `otherwise` says, or as its cells are.
-pub fn fit_terminal(table: &mut Table, otherwise: Option<u16>) {
-    if table.width().is_some_and(|width| width >= NARROWEST) {
-        table.set_content_arrangement(ContentArrangement::Dynamic);
-    } else if let Some(width) = otherwise {
-        table.set_content_arrangement(ContentArrangement::Dynamic).set_width(width);
-    } else {
-        table.set_content_arrangement(ContentArrangement::Disabled);
-    }
+/// Makes a table as many characters wide, or as its cells are; what this process's own output is, is not asked.
+pub fn arrange(table: &mut Table, width: Option<u16>) {
+    table.force_no_tty();
+    match width {
+        Some(width) => table.set_content_arrangement(ContentArrangement::Dynamic).set_width(width),
+        None => table.set_content_arrangement(ContentArrangement::Disabled),
+    };
 }
 
 /// The unit in which tables and plots show a signal: mm, mm/s, bar, l/min, %, kN … whatever the recording used.

@@ -16,7 +16,7 @@ use crate::diagnostic::printable;
 use crate::judge;
 use crate::machine_file::{LoadSource, MachineFile};
 use crate::plot;
-use crate::presentation::{TABLE, difference, fit_terminal, percent};
+use crate::presentation::{TABLE, arrange, difference, percent};
 use crate::recording::{Recording, Signal};
 use crate::weakest::{Weakest, missed_by_the_whole, obstacles, weakest};
 
@@ -71,7 +71,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     {
         console.print(format_args!("note: {note}"))?;
     }
-    console.print_styled(table(&comparisons, console.terminal))?;
+    console.print_styled(table(&comparisons, console.terminal, console.width))?;
     for line in sentences(&comparisons, plan.file.load_source) {
         console.print(line)?;
     }
@@ -149,14 +149,14 @@ fn drawings<'a>(plan: &'a Plan, comparisons: &'a [Comparison]) -> impl Iterator<
 }
 
 /// One row a recording, section and signal; the weakest part of each recording in bold on a terminal.
-fn table(comparisons: &[Comparison], terminal: bool) -> Table {
+fn table(comparisons: &[Comparison], terminal: bool, width: Option<u16>) -> Table {
     const NUMBERS: std::ops::RangeInclusive<usize> = 3..=7;
     let mut table = Table::new();
     table.load_style(TABLE);
-    if !terminal {
-        table.force_no_tty();
+    arrange(&mut table, width);
+    if terminal {
+        table.enforce_styling();
     }
-    fit_terminal(&mut table, None);
     table.set_header(["recording", "section", "signal", "NRMSE fit %", "R²", "RMSE", "max error", "at s"]);
     for comparison in comparisons {
         let worst = weakest(std::slice::from_ref(comparison));
@@ -177,7 +177,7 @@ fn table(comparisons: &[Comparison], terminal: bool) -> Table {
                 ];
                 table.add_row(cells.map(|text| {
                     let cell = Cell::new(text);
-                    if bold && terminal { cell.add_attribute(Attribute::Bold) } else { cell }
+                    if bold { cell.add_attribute(Attribute::Bold) } else { cell }
                 }));
             }
         }

@@ -5,6 +5,7 @@ use std::io::{self, Read, Write};
 use std::time::{Duration, Instant};
 
 use anstyle::{AnsiColor, Style};
+use dialoguer::console::Term;
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 
 use super::CliError;
@@ -21,6 +22,9 @@ pub enum Volume {
     /// Also what each stage found and how long it took.
     Verbose,
 }
+
+/// A terminal with fewer characters a line is none that a table is read on, or does not know how many it has.
+const NARROWEST: u16 = 60;
 
 /// What a line says of the drive, which a terminal shows as a colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,6 +53,8 @@ pub struct Console<'a> {
     out: &'a mut dyn Write,
     /// Whether the output is a terminal that wants colours: only then is anything coloured.
     pub terminal: bool,
+    /// Characters of a terminal's line; `None` elsewhere, and where it does not say or a table could not be read.
+    pub width: Option<u16>,
     /// How much is said beside the result; `None` where there is nobody to say it to.
     beside: Option<Volume>,
 }
@@ -65,12 +71,14 @@ impl<'a> Console<'a> {
     /// Coloured as a terminal says, and as `NO_COLOR` and `CLICOLOR_FORCE` ask.
     pub fn of_process(out: &'a mut dyn Write, volume: Volume) -> Self {
         let terminal = anstream::AutoStream::choice(&io::stdout()) != anstream::ColorChoice::Never;
-        Self { out, terminal, beside: Some(volume) }
+        let size = Term::stdout().size_checked();
+        let width = size.map(|(_, columns)| columns).filter(|columns| *columns >= NARROWEST);
+        Self { out, terminal, width, beside: Some(volume) }
     }
 
     /// A console that prints into a buffer and shows no progress.
     pub fn into_buffer(out: &'a mut dyn Write) -> Self {
-        Self { out, terminal: false, beside: None }
+        Self { out, terminal: false, width: None, beside: None }
     }
 
     /// Prints a line, or several.
@@ -213,7 +221,9 @@ mod tests {
         Console::into_buffer(&mut out).print("a\u{1b}[2J\u{7}b\n\tc").unwrap();
         assert_eq!(out, b"a\\u{1b}[2J\\u{7}b\n\tc\n", "a name that a terminal would obey");
         let mut out = Vec::new();
-        Console { out: &mut out, terminal: true, beside: None }.verdict("unexplained", Tone::Open).unwrap();
+        Console { out: &mut out, terminal: true, width: None, beside: None }
+            .verdict("unexplained", Tone::Open)
+            .unwrap();
         let text = String::from_utf8(out).unwrap();
         assert!(text.starts_with("\u{1b}[") && text.ends_with("\u{1b}[0m\n"), "{text:?}");
     }

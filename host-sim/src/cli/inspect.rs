@@ -56,7 +56,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     if let Some(path) = &arguments.json {
         write(path, format!("{:#}\n", report::document(&found)))?;
     }
-    let texts: Vec<String> = found.iter().map(report::text).collect();
+    let texts: Vec<String> = found.iter().map(|found| report::text(found, console.width)).collect();
     console.print(texts.join("\n").trim_end())?;
     Ok(Outcome::Done)
 }

@@ -112,7 +112,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     if let Some(path) = &arguments.plot {
         write(path, plot::grid(&report::plan::matrix(&plan.best)))?;
     }
-    console.print(report::plan::text(&file.name, &sensors, &plan).trim_end())?;
+    console.print(report::plan::text(&file.name, &sensors, &plan, console.width).trim_end())?;
     Ok(Outcome::Done)
 }
 

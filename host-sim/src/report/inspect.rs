@@ -7,13 +7,13 @@ use model_core::machine::Source;
 use serde_json::{Value, json};
 
 use crate::inspect::{FoundColumn, Inspection, LinkTest, Reach};
-use crate::presentation::{TABLE, difference, fit_terminal, significant};
+use crate::presentation::{TABLE, arrange, difference, significant};
 use crate::recording::{Dimension, Signal, Unit};
 use crate::simulate::EntryPoint;
 
-/// The text of one recording.
+/// The text of one recording; its table has so many characters a line, or as many as it takes.
 #[must_use]
-pub fn text(found: &Inspection) -> String {
+pub fn text(found: &Inspection, width: Option<u16>) -> String {
     let interval = significant(1e3 * found.stamps.interval_s, 3);
     let rate = significant(1.0 / found.stamps.interval_s, 3);
     let mut text = format!(
@@ -27,7 +27,7 @@ pub fn text(found: &Inspection) -> String {
     for note in &found.notes {
         let _ = writeln!(text, "note: {note}");
     }
-    let _ = writeln!(text, "{}", channels(&found.channels));
+    let _ = writeln!(text, "{}", channels(&found.channels, width));
     if !found.ignored.is_empty() {
         let _ = writeln!(
             text,
@@ -79,10 +79,10 @@ pub fn text(found: &Inspection) -> String {
     text
 }
 
-fn channels(channels: &[FoundColumn]) -> Table {
+fn channels(channels: &[FoundColumn], width: Option<u16>) -> Table {
     let mut table = Table::new();
     table.load_style(TABLE);
-    fit_terminal(&mut table, None);
+    arrange(&mut table, width);
     table.set_header(["signal", "column", "from", "to", "unit", "noise", "step", "failed rows"]);
     for channel in channels {
         let unit = channel.unit;

@@ -9,19 +9,19 @@ use serde_json::{Value, json};
 use crate::hypothesis::short_name;
 use crate::plan::{Outlook, Plan, Prospect};
 use crate::plot::{Cell, Grid};
-use crate::presentation::{TABLE, fit_terminal, significant};
+use crate::presentation::{TABLE, arrange, significant};
 use crate::sensor::Sensor;
 
-/// The whole text.
+/// The whole text; its tables have so many characters a line, or 120.
 #[must_use]
-pub fn text(name: &str, sensors: &[Sensor], plan: &Plan) -> String {
+pub fn text(name: &str, sensors: &[Sensor], plan: &Plan, width: Option<u16>) -> String {
     let mut text = format!("{name}, seen by {}\n", seen_by(sensors));
     if let Some(given) = &plan.given {
-        let _ = write!(text, "\nwith the excitation at hand, {}:\n{}\n", summary(given), table(given));
+        let _ = write!(text, "\nwith the excitation at hand, {}:\n{}\n", summary(given), table(given, width));
     }
     let _ = write!(text, "\nwith {}, {}:\n", plan.excitation.name, summary(&plan.best));
     let _ = writeln!(text, "  {}", plan.tests.join(", then "));
-    let _ = writeln!(text, "{}", table(&plan.best));
+    let _ = writeln!(text, "{}", table(&plan.best, width));
     let (claimed, confused) = (plan.best.isolability.claimed().count(), plan.best.isolability.confused().count());
     for addition in &plan.additions {
         if addition.claimed > claimed || addition.confused < confused {
@@ -66,10 +66,10 @@ fn pairs(count: usize) -> String {
 /// Characters of a line where no terminal says how many it has.
 const WIDTH: u16 = 120;
 
-fn table(outlook: &Outlook) -> String {
+fn table(outlook: &Outlook, width: Option<u16>) -> String {
     let mut table = Table::new();
     table.load_style(TABLE);
-    fit_terminal(&mut table, Some(WIDTH));
+    arrange(&mut table, Some(width.unwrap_or(WIDTH)));
     table.set_header(["effect", "link", "claimed from", "usual", "would pass for"]);
     for (index, prospect) in outlook.effects.iter().enumerate() {
         let rivals: Vec<&str> = if outlook.isolability.claimed[index] {

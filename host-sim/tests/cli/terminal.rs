@@ -40,7 +40,10 @@ fn tables_fit_the_terminal() {
         format!("compare --machine {machine} --recording {recording}"),
         format!("inspect {recording} --machine {machine}"),
     ] {
-        let Some(shown) = on_a_terminal(folder.path(), "stty cols 80;", &arguments) else { return };
+        let Some(shown) = on_a_terminal(folder.path(), "stty cols 80 rows 24;", &arguments) else { return };
+        // Who wants no colours has the same terminal.
+        let colourless = on_a_terminal(folder.path(), "stty cols 80 rows 24; NO_COLOR=1", &arguments).unwrap();
+        assert_eq!(colourless, shown.replace("\u{1b}[1m", "").replace("\u{1b}[0m", ""));
         let plain = |line: &str| line.replace("\u{1b}[1m", "").replace("\u{1b}[0m", "").trim_end().chars().count();
         let rows = shown.lines().skip_while(|line| !line.contains('─')).take_while(|line| !line.contains(": weakest"));
         let table: Vec<usize> = rows.take_while(|line| !line.starts_with("tests")).map(plain).collect();
