@@ -19,6 +19,8 @@ pub enum Unsupported {
     Conversion(u8),
     /// An MDF file to be written.
     Writing,
+    /// Values that stand in another file; its name, as this one has it.
+    Elsewhere(String),
     /// A number that is not laid out as numbers usually are; how.
     Layout(String),
 }
@@ -37,6 +39,7 @@ impl Unsupported {
             U::Packing(name) => format!("data packed by {name}"),
             U::Conversion(kind) => format!("a conversion of type {kind}"),
             U::Writing => "the name of an MDF file, which is not written".into(),
+            U::Elsewhere(name) => format!("values that stand in another file, `{name}`"),
             U::Layout(what) => format!("numbers as {what}"),
         }
     }
@@ -54,6 +57,7 @@ impl Unsupported {
             }
             U::Conversion(_) => "the numbers themselves, or a linear, rational or tabulated conversion of them",
             U::Writing => "a name that ends with .csv, .mat or .parquet",
+            U::Elsewhere(_) => "the file that holds the values itself",
             U::Layout(_) => "whole numbers of 8 to 64 bits, or floating ones of 32 or 64",
         }
     }

@@ -114,7 +114,13 @@ impl Contents for Table<'_> {
             return Err(not_numbers("text or bytes"));
         }
         for group in self.reader.metadata().row_groups() {
-            match group.columns().get(index).map(ColumnChunkMetaData::compression) {
+            let chunk = group.columns().get(index);
+            // A summary of several files. None of them is opened: what a recording says is no place to read from.
+            if let Some(path) = chunk.and_then(ColumnChunkMetaData::file_path).filter(|path| !path.is_empty()) {
+                let what = Unsupported::Elsewhere(path.to_owned());
+                return Err(RecordingError::Unsupported { place: place(), what });
+            }
+            match chunk.map(ColumnChunkMetaData::compression) {
                 Some(
                     Compression::UNCOMPRESSED
                     | Compression::SNAPPY
@@ -185,4 +191,57 @@ fn numbers<T: DataType>(
     let mut found = found.iter();
     let value = |level: &i16| if *level == full { found.next().map_or(f64::NAN, &mut number) } else { f64::NAN };
     Ok(levels.iter().take(read).map(value).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::{Column, Signal};
+    use ::parquet::file::metadata::{ParquetMetaDataReader, ParquetMetaDataWriter};
+
+    /// Three rows of position.
+    fn written() -> Vec<u8> {
+        let columns =
+            vec![Column::si(Signal::Time, vec![0.0, 1.0, 2.0]), Column::si(Signal::Position, vec![0.1, 0.2, 0.3])];
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.parquet");
+        Recording::new("run", columns).unwrap().write(&path, &[], &[]).unwrap();
+        std::fs::read(path).unwrap()
+    }
+
+    /// The same with an index that says that all values stand in another file.
+    fn said_to_be_in(path: &str) -> Vec<u8> {
+        let mut bytes = written();
+        let metadata = ParquetMetaDataReader::new().parse_and_finish(&Bytes::from(bytes.clone())).unwrap();
+        let mut metadata = metadata.into_builder();
+        let moved = |group: ::parquet::file::metadata::RowGroupMetaData| {
+            let column =
+                |chunk: &ColumnChunkMetaData| chunk.clone().into_builder().set_file_path(path.to_owned()).build();
+            let columns = group.columns().iter().map(|chunk| column(chunk).unwrap()).collect();
+            group.into_builder().set_column_metadata(columns).build().unwrap()
+        };
+        let groups = metadata.take_row_groups().into_iter().map(moved).collect();
+        let metadata = metadata.set_row_groups(groups).build();
+        // The length of the index stands before the mark at the end.
+        let end = bytes.len() - 8;
+        let index = u32::from_le_bytes(bytes[end..end + 4].try_into().unwrap());
+        bytes.truncate(end - usize::try_from(index).unwrap());
+        ParquetMetaDataWriter::new(&mut bytes, &metadata).finish().unwrap();
+        bytes
+    }
+
+    #[test]
+    fn values_that_stand_in_another_file_are_not_looked_for_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let other = folder.path().join("other.parquet");
+        std::fs::write(&other, written()).unwrap();
+        for path in [other.to_str().unwrap(), "../../etc/passwd", "part-0.parquet"] {
+            let refused = read("summary.parquet", said_to_be_in(path), &ChannelMap::default()).unwrap_err();
+            assert!(
+                matches!(&refused, RecordingError::Unsupported { what: Unsupported::Elsewhere(name), .. } if name == path),
+                "{refused}"
+            );
+        }
+        assert_eq!(read("run.parquet", said_to_be_in(""), &ChannelMap::default()).unwrap().time_s(), [0.0, 1.0, 2.0]);
+    }
 }
