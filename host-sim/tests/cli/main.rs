@@ -17,6 +17,7 @@ mod import;
 mod init;
 mod inspect;
 mod interrupted;
+mod outside;
 mod plan;
 mod readme;
 mod report;

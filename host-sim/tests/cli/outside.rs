@@ -1,0 +1,155 @@
+//! Names are names: no path in a machine file or a recording is followed, to read or to write, and no result goes anywhere but where
+//! an argument says.
+//!
+//! Every name that a file may hold is here the path of a named pipe outside the folder. Whoever opens a pipe to read or to write waits
+//! for the other end, and whoever writes a file whole or not at all puts another in its place: a command that ends, and leaves the pipe a
+//! pipe, has not touched it.
+#![cfg(unix)]
+
+use std::fs;
+use std::os::unix::fs::FileTypeExt;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use tempfile::TempDir;
+
+use super::{MACHINE, listing, program, text};
+
+/// Longer than any of the commands takes.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A folder with a pipe, and in it the folder that the commands run in.
+struct Place {
+    outer: TempDir,
+}
+
+impl Place {
+    fn new() -> Self {
+        let outer = tempfile::tempdir().unwrap();
+        assert!(Command::new("mkfifo").arg(outer.path().join("bait")).status().unwrap().success());
+        fs::create_dir(outer.path().join("inner")).unwrap();
+        Self { outer }
+    }
+
+    fn inner(&self) -> PathBuf {
+        self.outer.path().join("inner")
+    }
+
+    fn bait(&self) -> PathBuf {
+        self.outer.path().join("bait")
+    }
+
+    /// Names that lead out of the folder, or are none.
+    fn names(&self) -> Vec<String> {
+        let bait = self.bait().display().to_string();
+        let long = format!("{}bait", "../inner/".repeat(2000));
+        vec![
+            "../bait".into(),
+            bait.clone(),
+            format!("file://{bait}"),
+            "inner/../../bait".into(),
+            "..".into(),
+            "/".into(),
+            "a/b".into(),
+            "..\\bait".into(),
+            "nul\0/../bait".into(),
+            "$(cat ../bait)".into(),
+            long,
+        ]
+    }
+
+    /// Runs a command, which must end by itself, and checks that nothing but `written` has come to the folder, and nothing outside.
+    fn run(&self, arguments: &[&str], written: &[&str]) -> Output {
+        let (inner, outside) = (self.inner(), listing(self.outer.path()));
+        let mut there = listing(&inner);
+        there.extend(written.iter().map(|name| inner.join(name)));
+        there.sort();
+        there.dedup();
+        let output = within(PATIENCE, &inner, arguments);
+        assert_eq!(listing(self.outer.path()), outside, "{arguments:?}");
+        assert!(fs::symlink_metadata(self.bait()).unwrap().file_type().is_fifo(), "{arguments:?}");
+        assert_eq!(listing(&inner), there, "{arguments:?}: {}", text(&output.stderr));
+        output
+    }
+}
+
+/// The program's end, by itself; it is ended where it waits for something.
+fn within(patience: Duration, folder: &Path, arguments: &[&str]) -> Output {
+    // Into files: a pipe that nobody reads could be what it waits for.
+    let said = tempfile::tempdir().unwrap();
+    let [out, errors] = ["out", "errors"].map(|name| said.path().join(name));
+    let mut command = program(folder, arguments);
+    command.stdin(Stdio::null()).stdout(fs::File::create(&out).unwrap()).stderr(fs::File::create(&errors).unwrap());
+    let (mut child, start) = (command.spawn().unwrap(), Instant::now());
+    let status = loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            break status;
+        }
+        if start.elapsed() > patience {
+            child.kill().unwrap();
+            child.wait().unwrap();
+            panic!("{arguments:?} waits for something");
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    };
+    Output { status, stdout: fs::read(out).unwrap(), stderr: fs::read(errors).unwrap() }
+}
+
+/// A text as TOML writes it.
+fn quoted(name: &str) -> String {
+    let escaped: String = name
+        .chars()
+        .map(|c| if c.is_control() || "\"\\".contains(c) { format!("\\u{:04X}", u32::from(c)) } else { c.into() })
+        .collect();
+    format!("\"{escaped}\"")
+}
+
+/// A drive of this name, whose slider stands in a column of this name.
+fn machine(name: &str) -> String {
+    format!("name = {}\n{MACHINE}\n[channels]\nspool = {}\n", quoted(name), quoted(name))
+}
+
+/// 0.4 s of a step, with a column under this header; a header is a line's part.
+fn recording(header: &str) -> String {
+    let header = header.replace(['\n', '\0'], " ");
+    let mut text = format!("time [s],command [V],position [m],\"{header}\"\n");
+    for row in 0..200 {
+        let (time_s, rising) = (f64::from(row) * 2e-3, (f64::from(row) - 20.0).max(0.0));
+        let command_v = if row < 10 { 0.0 } else { 5.0 };
+        text += &format!("{time_s},{command_v},{},{}\n", 0.1 + 1e-4 * rising, 0.3 * (1.0 - (-rising / 20.0).exp()));
+    }
+    text
+}
+
+/// Commands that read the two, with what each writes.
+const COMMANDS: [(&[&str], &[&str]); 8] = [
+    (
+        &["simulate", "--machine", "m.toml", "--recording", "r.csv", "--out", "s.csv", "--plot", "s.svg"],
+        &["s.csv", "s.svg"],
+    ),
+    (&["simulate", "--machine", "m.toml", "--recording", "r.csv", "--out", "s.mat"], &["s.mat"]),
+    (&["simulate", "--machine", "m.toml", "--recording", "r.csv", "--out", "s.parquet"], &["s.parquet"]),
+    (&["compare", "--machine", "m.toml", "--recording", "r.csv", "--plot", "c.svg"], &["c.svg"]),
+    (&["inspect", "r.csv", "--machine", "m.toml", "--json", "i.json"], &["i.json"]),
+    (&["export", "--machine", "m.toml", "--out", "p.rs"], &["p.rs"]),
+    (&["export", "--machine", "m.toml", "--out", "p.h"], &["p.h"]),
+    (&["fit", "--machine", "m.toml", "--train", "r.csv", "--save-machine", "f.toml"], &["f.toml"]),
+];
+
+#[test]
+fn a_path_as_a_name_is_a_name() {
+    let place = Place::new();
+    for name in place.names() {
+        fs::write(place.inner().join("m.toml"), machine(&name)).unwrap();
+        fs::write(place.inner().join("r.csv"), recording(&name)).unwrap();
+        for (arguments, written) in COMMANDS {
+            let output = place.run(arguments, written);
+            let message = text(&output.stderr);
+            assert_eq!(output.status.code(), Some(0), "{arguments:?} with {}: {message}", quoted(&name));
+            for name in written {
+                fs::remove_file(place.inner().join(name)).unwrap();
+            }
+        }
+    }
+}
