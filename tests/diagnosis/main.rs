@@ -19,6 +19,7 @@ mod recover;
 mod shipped;
 mod stress;
 mod table;
+mod threads;
 mod tutorial;
 
 use std::path::{Path, PathBuf};

@@ -1,0 +1,30 @@
+//! Threads change nothing: a diagnosis in a pool of one thread and in one of two is the same, to the last bit of every number.
+
+use host_sim::exhibits::Exhibits;
+use host_sim::report::json;
+
+use super::bed::{Case, Dice, effect, pump_case, valve_case};
+
+/// Everything that is found, as text: the shortest that reads back to the same bits.
+fn found(case: &Case, threads: usize) -> [String; 2] {
+    let run = || {
+        let diagnosis = case.diagnose();
+        let exhibits = Exhibits::of(&case.file, &case.training, &case.held_out, &diagnosis, true).unwrap();
+        [format!("{diagnosis:?}"), json::document(&diagnosis, &exhibits).to_string()]
+    };
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run)
+}
+
+#[test]
+fn one_thread_finds_what_two_find() {
+    let valve = |name, seed| valve_case(seed, effect(name, &mut Dice::new(7 * seed + 3)), seed % 2 == 1, None);
+    let pump = |name, seed| pump_case(seed, effect(name, &mut Dice::new(7 * seed + 3)));
+    let cases = [valve("internal-leakage", 401), valve("none", 402), pump("pump-slip", 403)];
+    for (index, case) in cases.iter().enumerate() {
+        let [[one, one_written], [two, two_written]] = [1, 2].map(|threads| found(case, threads));
+        assert_eq!(one.len(), two.len(), "case {index}");
+        let differs = one.bytes().zip(two.bytes()).position(|(one, two)| one != two);
+        assert_eq!(differs.map(|at| (&one[at..], &two[at..])), None, "case {index}");
+        assert!(one_written == two_written, "case {index}: the document");
+    }
+}
