@@ -205,6 +205,7 @@ impl<R: Real> Builder<'_, R> {
             overlap: self.overlap()?,
             gain: self.gain::<N>("flow at full opening", P::FlowCoefficient, self.orifice(P::FlowCoefficient))?,
             limit: Self::limit(self.get(P::FlowLimit) / R::constant(self.bases.flow_m3_per_s)),
+            unity: self.steep::<N>("one", P::FlowLimit, R::ONE)?,
             transition: self.transition()?,
             lines: self.lines()?,
             effects: self.edge_effects()?,

@@ -15,7 +15,8 @@ use crate::vocabulary::{Effects, Keeps, Vocabulary};
 pub struct Linearised<N: Number> {
     /// The flow, per unit.
     pub flow: N,
-    /// Magnitude of the opening: the slope is −`opening`·`slope`; 0 where the flow does not depend on the pressure.
+    /// Magnitude of the opening: the slope is −`opening`·`slope`, that of the chord to no pressure difference; 0 where the flow does not
+    /// depend on the pressure.
     pub opening: N,
     /// Slope of the orifice's root: of its chord to zero pressure difference.
     pub slope: N::Steep,
@@ -71,6 +72,8 @@ pub struct Edges<N: Number, E = Option<EdgeEffects<N>>> {
     pub(crate) gain: N::Gain,
     /// Largest flow, both signs.
     pub(crate) limit: N,
+    /// 1, as a slope.
+    pub(crate) unity: N::Steep,
     /// Pressure difference at which the root turns from laminar to turbulent, `laminar-transition` included.
     pub(crate) transition: N,
     pub(crate) lines: Lines<N>,
@@ -82,8 +85,18 @@ impl<N: Number, E> Edges<N, E> {
     /// The same edges with these effects.
     #[inline]
     pub(crate) fn with<F>(&self, effects: F) -> Edges<N, F> {
-        let &Self { overlap, gain, limit, transition, lines, .. } = self;
-        Edges { overlap, gain, limit, transition, lines, effects }
+        let &Self { overlap, gain, limit, unity, transition, lines, .. } = self;
+        Edges { overlap, gain, limit, unity, transition, lines, effects }
+    }
+}
+
+impl<N: Number, E> Edges<N, E> {
+    /// Share of an opening that would pass the limit where all of it passes more: its chord is that of the limited flow. Without a
+    /// slope a chamber that one tick at the limit overfills would rest between the lines, short of both.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn share_within_limit(&self, free: N) -> N {
+        N::share(self.limit, [free.magnitude() - self.limit], [self.unity])
     }
 }
 
@@ -162,7 +175,8 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         let (root, slope) = across.orifice_root(self.transition);
         let free = opening.times(root);
         let flow = free.limited(self.limit);
-        Linearised { flow, opening: if flow == free { larger } else { N::ZERO }, slope }
+        let opening = if flow == free { larger } else { self.share_within_limit(free).of(larger) };
+        Linearised { flow, opening, slope }
     }
 
     /// Pressure over both edges that either way of the slider opens, without sign.

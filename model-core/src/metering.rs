@@ -47,8 +47,8 @@ struct Passing<N: Number> {
     flow: N,
     /// Slope of the root's chord.
     slope: N::Steep,
-    /// Whether the flow is that of the pressure, not the limit.
-    follows: bool,
+    /// Share of the opening that the limit leaves, where it is reached.
+    share: Option<N>,
 }
 
 impl<N: Number> Four<Passing<N>> {
@@ -73,7 +73,8 @@ impl<N: Number> Passing<N> {
     /// Opening times slope, over the scale of slopes.
     #[inline]
     fn steepness(&self, opening: N, fraction: N) -> N {
-        if self.follows { opening.times(fraction).amplified(self.slope) } else { N::ZERO }
+        let opening = self.share.map_or(opening, |share| share.of(opening));
+        opening.times(fraction).amplified(self.slope)
     }
 }
 
@@ -179,7 +180,7 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
     fn through(&self, opening: N, (root, slope): (N, N::Steep)) -> Passing<N> {
         let free = opening.times(root);
         let flow = free.limited(self.limit);
-        Passing { flow, slope, follows: flow == free }
+        Passing { flow, slope, share: (flow != free).then(|| self.share_within_limit(free)) }
     }
 
     #[inline]
