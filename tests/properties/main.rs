@@ -8,6 +8,7 @@
 //! ```
 
 mod agreement;
+mod balance;
 mod derivatives;
 mod effects;
 mod extremes;
@@ -15,7 +16,9 @@ mod friction;
 mod physics;
 mod repeat;
 mod settling;
+mod smooth;
 mod symmetry;
+mod ticks;
 mod time;
 
 use proptest::test_runner::{Config, RngSeed};

@@ -6,6 +6,7 @@
 //! pipe, has not touched it.
 #![cfg(unix)]
 
+use std::fmt::Write;
 use std::fs;
 use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
@@ -17,7 +18,7 @@ use tempfile::TempDir;
 use super::{MACHINE, listing, program, text};
 
 /// Longer than any of the commands takes.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_mins(1);
 
 /// A folder with a pipe, and in it the folder that the commands run in.
 struct Place {
@@ -117,7 +118,8 @@ fn recording(header: &str) -> String {
     for row in 0..200 {
         let (time_s, rising) = (f64::from(row) * 2e-3, (f64::from(row) - 20.0).max(0.0));
         let command_v = if row < 10 { 0.0 } else { 5.0 };
-        text += &format!("{time_s},{command_v},{},{}\n", 0.1 + 1e-4 * rising, 0.3 * (1.0 - (-rising / 20.0).exp()));
+        let (position_m, spool) = (0.1 + 1e-4 * rising, 0.3 * (1.0 - (-rising / 20.0).exp()));
+        writeln!(text, "{time_s},{command_v},{position_m},{spool}").unwrap();
     }
     text
 }
