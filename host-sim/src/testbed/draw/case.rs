@@ -104,6 +104,9 @@ fn attempt_at(lot: &Lot, index: u64, names: &[String], dice: &mut Noise) -> Resu
     let travel_m = usual_travel(&reach, machine.get(P::Stroke));
     let about = About { machine: &machine, channels: setting.channels, travel_m, thermometer: lot.thermometer };
     let effects: Vec<PlantEffect> = names.iter().filter_map(|name| strength::draw(name, &about, dice)).collect();
+    for signal in &mut signals {
+        signal.start_m = before_stops(&effects, signal.start_m);
+    }
 
     let mut made = Vec::new();
     for mut signal in signals {
@@ -237,6 +240,15 @@ fn usual_travel(reach: &[(f64, f64)], stroke_m: f64) -> (f64, f64) {
         values[values.len() / 2]
     };
     (middle(reach.iter().map(|r| r.0).collect()), middle(reach.iter().map(|r| r.1).collect()))
+}
+
+/// Where a rod begins that would begin there: no rod can beyond a stop.
+fn before_stops(effects: &[PlantEffect], start_m: f64) -> f64 {
+    effects.iter().fold(start_m, |start_m, effect| match effect {
+        PlantEffect::Load(LoadEffect::EndStop { at_m, extending: true, .. }) => start_m.min(*at_m),
+        PlantEffect::Load(LoadEffect::EndStop { at_m, .. }) => start_m.max(*at_m),
+        _ => start_m,
+    })
 }
 
 /// A stop that no training recording presses on is no effect.

@@ -3,7 +3,7 @@
 use model_core::parameter::Parameter as P;
 use rayon::prelude::*;
 
-use super::super::effect::PlantEffect;
+use super::super::effect::{LoadEffect, PlantEffect};
 use super::*;
 
 fn lot(concealed: Concealed, seed: u64, only: &[&str]) -> Lot {
@@ -39,6 +39,22 @@ fn every_name_can_be_drawn_and_stays_inside_its_stroke() {
             }
         }
         assert!(drawn.truth.visible.iter().all(|visible| *visible > 1.0), "{name}: {:?}", drawn.truth.visible);
+    });
+}
+
+#[test]
+fn no_rod_begins_beyond_a_stop() {
+    /// What a stop gives under the full force, m.
+    const GIVES_M: f64 = 1e-3;
+    (0..8_u64).into_par_iter().for_each(|index| {
+        let drawn = draw(&lot(Concealed::Single, 77, &["end-stop"]), index).unwrap().unwrap();
+        let PlantEffect::Load(LoadEffect::EndStop { at_m, extending, .. }) = drawn.truth.forms[0] else {
+            panic!("{:?}", drawn.truth.forms)
+        };
+        for (file, recording) in &drawn.recordings {
+            let beyond_m = if extending { 1.0 } else { -1.0 } * (recording.truth[0].position_m - at_m);
+            assert!(beyond_m < GIVES_M, "{index} {file}: {beyond_m}");
+        }
     });
 }
 
