@@ -22,8 +22,6 @@ pub struct EdgeEffects<N: Number> {
     pub(crate) slope_fraction: N,
     /// `SLOPE_SCALE`
     pub(crate) slope_scale: N::Steep,
-    /// 1, as a slope.
-    pub(crate) unity: N::Steep,
 }
 
 /// What an opening times its root's slope is divided by to fit a signal: 8192 at most, where a root has 2600 at Δp = 0 with the
@@ -45,16 +43,16 @@ impl<N: Number> EdgeEffects<N> {
         self.leakage.as_ref().map_or(N::ZERO, |leakage| leakage.opening(slider))
     }
 
-    /// Opening of a tank edge with the return line behind it.
+    /// Opening of a tank edge with the return line behind it; `unity` is 1, as a slope.
     #[inline]
-    pub(crate) fn tank_opening(&self, metered: N, leaking: N) -> N {
+    pub(crate) fn tank_opening(&self, metered: N, leaking: N, unity: N::Steep) -> N {
         let sized = match self.tank_excess {
             Some(excess) => metered + N::dot([excess], [metered]),
             None => metered,
         };
         let edge = sized + leaking;
         match &self.return_line {
-            Some(line) => line.opening(self.unity, edge),
+            Some(line) => line.opening(unity, edge),
             None => edge,
         }
     }

@@ -88,14 +88,17 @@ impl<N: Number, E> Edges<N, E> {
         let &Self { overlap, gain, limit, unity, transition, lines, .. } = self;
         Edges { overlap, gain, limit, unity, transition, lines, effects }
     }
-}
 
-impl<N: Number, E> Edges<N, E> {
-    /// Share of an opening that would pass the limit where all of it passes more: its chord is that of the limited flow. Without a
-    /// slope a chamber that one tick at the limit overfills would rest between the lines, short of both.
+    /// The opening whose chord is that of a limited flow: all of it, or where it would pass more than the limit the share that does not.
+    /// Without a slope there, a chamber that one tick at the limit overfills would rest between the lines, short of both.
+    #[inline]
+    pub(crate) fn within_limit(&self, opening: N, flow: N, free: N) -> N {
+        if flow == free { opening } else { self.share_within_limit(free).of(opening) }
+    }
+
     #[cold]
     #[inline(never)]
-    pub(crate) fn share_within_limit(&self, free: N) -> N {
+    fn share_within_limit(&self, free: N) -> N {
         N::share(self.limit, [free.magnitude() - self.limit], [self.unity])
     }
 }
@@ -175,8 +178,7 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         let (root, slope) = across.orifice_root(self.transition);
         let free = opening.times(root);
         let flow = free.limited(self.limit);
-        let opening = if flow == free { larger } else { self.share_within_limit(free).of(larger) };
-        Linearised { flow, opening, slope }
+        Linearised { flow, opening: self.within_limit(larger, flow, free), slope }
     }
 
     /// Pressure over both edges that either way of the slider opens, without sign.

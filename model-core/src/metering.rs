@@ -45,10 +45,10 @@ impl<T: Copy> Four<T> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Passing<N: Number> {
     flow: N,
+    /// What would pass without the limit.
+    free: N,
     /// Slope of the root's chord.
     slope: N::Steep,
-    /// Share of the opening that the limit leaves, where it is reached.
-    share: Option<N>,
 }
 
 impl<N: Number> Four<Passing<N>> {
@@ -60,21 +60,6 @@ impl<N: Number> Four<Passing<N>> {
     #[inline]
     fn drawn(&self) -> N {
         self.supply_a.flow + self.supply_b.flow
-    }
-
-    /// Opening times slope of each edge, over the scale of slopes.
-    #[inline]
-    fn steepness(&self, openings: &Four<N>, fraction: N) -> Four<N> {
-        self.with(openings, |passing, opening| passing.steepness(opening, fraction))
-    }
-}
-
-impl<N: Number> Passing<N> {
-    /// Opening times slope, over the scale of slopes.
-    #[inline]
-    fn steepness(&self, opening: N, fraction: N) -> N {
-        let opening = self.share.map_or(opening, |share| share.of(opening));
-        opening.times(fraction).amplified(self.slope)
     }
 }
 
@@ -113,7 +98,8 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         let passing = self.passing(effects, &from, pressures, supply);
         let started = self.overlap.beyond(slider.from);
         let way = if started == N::ZERO { self.overlap.beyond(slider.to) } else { started };
-        let steep = passing.steepness(&larger(way, &from, to), effects.slope_fraction);
+        let steep =
+            passing.with(&larger(way, &from, to), |passing, opening| self.steepness(effects, &passing, opening));
         let supplied = steep.supply_a + steep.supply_b;
         let soft = |own: N| match &effects.droop {
             Some(droop) => droop.softened(own, supplied, effects.slope_scale),
@@ -144,7 +130,7 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
             let Lines { supply, .. } = self.lines_at(supply);
             let edge = |opening: N, pressure: N| {
                 let passing = self.through(opening, (supply - pressure).orifice_root(self.transition));
-                (passing.flow, passing.steepness(opening, effects.slope_fraction))
+                (passing.flow, self.steepness(effects, &passing, opening))
             };
             let ((flow_a, steep_a), (flow_b, steep_b)) = (edge(into_a, pressures.a), edge(into_b, pressures.b));
             Draw { flow: flow_a + flow_b, steepness: steep_a + steep_b }
@@ -166,7 +152,7 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
     pub(crate) fn openings(&self, effects: &EdgeEffects<N>, slider: N) -> Four<N> {
         let Metered { extending, retracting, leaking } = self.metered(effects, slider);
         let opening = |beyond: N| N::dot([self.gain], [beyond]);
-        let tank = |opened: N| opening(effects.tank_opening(opened, leaking));
+        let tank = |opened: N| opening(effects.tank_opening(opened, leaking, self.unity));
         Four {
             supply_a: opening(extending + leaking),
             tank_a: tank(retracting),
@@ -180,7 +166,14 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
     fn through(&self, opening: N, (root, slope): (N, N::Steep)) -> Passing<N> {
         let free = opening.times(root);
         let flow = free.limited(self.limit);
-        Passing { flow, slope, share: (flow != free).then(|| self.share_within_limit(free)) }
+        Passing { flow, free, slope }
+    }
+
+    /// Opening times slope, over the scale of slopes.
+    #[inline]
+    fn steepness(&self, effects: &EdgeEffects<N>, passing: &Passing<N>, opening: N) -> N {
+        let opening = self.within_limit(opening, passing.flow, passing.free);
+        opening.times(effects.slope_fraction).amplified(passing.slope)
     }
 
     #[inline]

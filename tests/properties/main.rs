@@ -14,6 +14,7 @@ mod effects;
 mod extremes;
 mod friction;
 mod physics;
+mod ports;
 mod repeat;
 mod settling;
 mod smooth;

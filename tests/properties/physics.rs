@@ -172,7 +172,8 @@ proptest! {
         let store = Store::of(&machine);
         let (supply_pa, area_b) = (machine.get(P::SupplyPressure), machine.get(P::AreaB));
         let forced = (machine.get(P::LoadForce).abs() + machine.get(P::CoulombFriction)) / area_b;
-        for [lowest, highest, fastest] in [extremes::<PerUnit>(&machine, tick, &volts), extremes::<f64>(&machine, tick, &volts)] {
+        let fixed = extremes::<PerUnit>(&machine, tick, &volts);
+        for [lowest, highest, fastest] in [fixed, extremes::<f64>(&machine, tick, &volts)] {
             let shock = store.shock_pa(fastest);
             let most = supply_pa * machine.get(P::AreaA) / area_b + forced + shock + 0.01 * supply_pa;
             let least = -forced - shock - 0.01 * supply_pa;

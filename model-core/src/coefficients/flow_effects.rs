@@ -39,7 +39,6 @@ impl<R: Real> Builder<'_, R> {
             droop: self.unless_nil(P::DroopResistance, |resistance| self.droop(resistance))?,
             slope_fraction: self.signal("a slope's scale", P::FlowCoefficient, R::ONE / R::constant(SLOPE_SCALE))?,
             slope_scale: self.steep::<N>("a slope's scale", P::FlowCoefficient, R::constant(SLOPE_SCALE))?,
-            unity: self.steep::<N>("one", P::FlowCoefficient, R::ONE)?,
         };
         self.check_largest_opening::<N>()?;
         let EdgeEffects { curve, tank_excess, return_line, half_laminar, leakage, droop, .. } = &effects;
