@@ -95,17 +95,16 @@ impl Strength {
         }
     }
 
-    /// Points of a shape's range to try.
+    /// Points of the range of a shape or a place to try.
     fn tries(&self, scene: &Scene<'_>) -> Vec<f64> {
-        let share = |index: usize, count: usize| (index as f64 + 0.5) / count as f64;
         match self.kind {
             Kind::Shape(range, count) => {
                 let (low, high) = range(scene);
-                (0..count).map(|index| low * (high / low).powf(share(index, count))).collect()
+                (0..count).map(|index| low * (high / low).powf((index as f64 + 0.5) / count as f64)).collect()
             }
-            Kind::Place(range, count) => {
+            Kind::Place(range, shares) => {
                 let (low, high) = range(scene);
-                (0..count).map(|index| low + (high - low) * share(index, count)).collect()
+                shares.iter().map(|share| low + (high - low) * share).collect()
             }
             _ => Vec::new(),
         }

@@ -36,8 +36,8 @@ pub fn widened(
 
 /// Refits of a set with one more effect, from where the set stands and, where that is bent, from the tempered model.
 ///
-/// From both a form mostly ends alike, so what both lead to is refitted from the tempered model, and only what comes near the best from
-/// the other as well.
+/// The tempered model's leads are those of its correlated residuals, and what only independent ones lead to. From both models a form
+/// mostly ends alike, so what both lead to is refitted from the tempered one, and only what comes near the best from the other too.
 fn added(
     question: &Question<'_>,
     tempered: &Tempered,
@@ -47,13 +47,18 @@ fn added(
     done: &(impl Fn(&str) + Sync),
 ) -> Result<Vec<Candidate>, FitError> {
     let refit = |leads: &[Lead], reference: &Candidate| refit_each(leads, done, |lead| reference.with(question, lead));
-    let own = promising(from.leads(question, open)?, from.fit.loss, most, CHANCE);
+    let own = promising(from.leads(question, open)?, most, CHANCE);
     if !from.effects.is_empty() || !from.is_bent(question) {
         return refit(&own, from);
     }
-    let cases: Vec<&Prepared> = tempered.cases.iter().collect();
-    let softer = Question { training: &cases, ..*question };
-    let beside = promising(tempered.base.leads(&softer, open)?, tempered.base.fit.loss, most, 0.0);
+    let mut beside: Vec<Lead> = Vec::new();
+    for cases in [&tempered.correlated, &tempered.independent] {
+        let cases: Vec<&Prepared> = cases.iter().collect();
+        let softer = Question { training: &cases, ..*question };
+        let mut leads = promising(tempered.base.leads(&softer, open)?, most, 0.0);
+        leads.retain(|lead| beside.iter().all(|known| !known.is_like(lead)));
+        beside.extend(leads);
+    }
     let (again, own): (Vec<Lead>, Vec<Lead>) =
         own.into_iter().partition(|lead| beside.iter().any(|other| other.is_like(lead)));
     let (alone, both) = rayon::join(|| refit(&own, from), || refit(&beside, &tempered.base));
@@ -88,10 +93,10 @@ pub(crate) fn open_to(question: &Question<'_>, from: &Candidate) -> Vec<&'static
 }
 
 /// The leads of the most promising effects, each of which promises more than the `least`: what chance gives, but beside the
-/// tempered model nothing, for there a loss is no larger than chance would have it.
-fn promising(mut leads: Vec<Lead>, loss: f64, most: usize, least: f64) -> Vec<Lead> {
-    leads.sort_by(|a, b| a.loss.total_cmp(&b.loss));
-    let best = leads.first().map_or(0.0, |lead| loss - lead.loss);
+/// tempered model nothing, for there all that is left counts as noise.
+fn promising(mut leads: Vec<Lead>, most: usize, least: f64) -> Vec<Lead> {
+    leads.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let best = leads.first().map_or(0.0, |lead| lead.gain);
     let mut kept: Vec<(&str, *const _, f64)> = Vec::new();
     let mut names: Vec<&str> = Vec::new();
     leads.retain(|lead| {
@@ -102,13 +107,13 @@ fn promising(mut leads: Vec<Lead>, loss: f64, most: usize, least: f64) -> Vec<Le
         let rank = names.iter().position(|known| *known == name);
         let mut same = kept.iter().filter(|(known, ..)| *known == name);
         // Another form of the same effect has to come near the best one.
-        let another = same.clone().all(|(.., promised)| loss - lead.loss > 0.8 * promised);
+        let another = same.clone().all(|(.., promised)| lead.gain > 0.8 * promised);
         let keep = same.all(|(_, known, _)| *known != form)
             && another
-            && loss - lead.loss > least.max(PROMISING * best)
+            && lead.gain > least.max(PROMISING * best)
             && rank.is_some_and(|rank| rank < most);
         if keep {
-            kept.push((name, form, loss - lead.loss));
+            kept.push((name, form, lead.gain));
         }
         keep
     });

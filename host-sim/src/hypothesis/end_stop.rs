@@ -35,13 +35,14 @@ const DAMPING: Strength = Strength {
         (0.02 * critical, 20.0 * critical)
     }),
 };
+// No rod went further than a stop let it: at a hard one the travel ends, a soft one lies a little before its end.
 const EXTENDED_AT: Strength = Strength {
     parameter: Parameter::StopExtended,
-    kind: Kind::Place(|scene| (from_lowest_m(scene, 0.7), scene.travel_m.1), 4),
+    kind: Kind::Place(|scene| (from_lowest_m(scene, 0.7), scene.travel_m.1), &[0.4, 0.8, 0.95, 1.0]),
 };
 const RETRACTED_AT: Strength = Strength {
     parameter: Parameter::StopRetracted,
-    kind: Kind::Place(|scene| (scene.travel_m.0, from_lowest_m(scene, 0.3)), 4),
+    kind: Kind::Place(|scene| (scene.travel_m.0, from_lowest_m(scene, 0.3)), &[0.0, 0.05, 0.2, 0.6]),
 };
 
 /// The position at this share of the recorded travel.

@@ -145,8 +145,8 @@ pub enum Kind {
     Signed(fn(&Scene<'_>) -> f64),
     /// How the effect acts, not how much: positive, moves in its logarithm; tried first at so many points of the usual range.
     Shape(fn(&Scene<'_>) -> (f64, f64), usize),
-    /// The same for a place, which may have either sign: moves linearly.
-    Place(fn(&Scene<'_>) -> (f64, f64), usize),
+    /// The same for a place, which may have either sign: moves linearly; tried first at these shares of the usual range.
+    Place(fn(&Scene<'_>) -> (f64, f64), &'static [f64]),
 }
 
 /// One parameter of an effect.

@@ -43,7 +43,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
         ],
         &[
             Strength { parameter: Parameter::ViscosityLossPerKelvin, kind: Kind::Amount(|_| (0.02, 0.06)) },
-            Strength { parameter: Parameter::ReferenceTemperature, kind: Kind::Place(|_| (30.0, 50.0), 1) },
+            Strength { parameter: Parameter::ReferenceTemperature, kind: Kind::Place(|_| (30.0, 50.0), &[0.5]) },
         ],
     ],
     look_alikes: &[
