@@ -8,10 +8,10 @@
 //! that a rod rests at a stop is one sample, and the stop explains less than a trifle does in a signal that is nearly noise. With
 //! every sample independent it explains most.
 
-use model_core::machine::Machine;
+use model_core::machine::{Machine, MachineError};
 use rayon::prelude::*;
 
-use crate::candidate::{Candidate, Question};
+use crate::candidate::{Candidate, Question, Residuals};
 use crate::fit::{Fit, FitError, StartState, effective_samples, loss, standardised};
 use crate::prepare::Prepared;
 
@@ -32,45 +32,37 @@ impl Tempered {
         /// After three rounds the noise hardly changes.
         const ROUNDS: usize = 3;
         let nominal = vec![StartState::default(); question.training.len()];
-        let mut base = refitted(question, question.scene.machine, &nominal, None)?;
+        let mut base = refitted(question, &left_by(question, question.scene.machine, &nominal)?, None)?;
+        let mut left = left_by(question, &base.fit.machine, &base.fit.starts)?;
         for _ in 1..ROUNDS {
-            base = refitted(question, &base.fit.machine, &base.fit.starts, Some(&base.fit))?;
+            base = refitted(question, &left, Some(&base.fit))?;
+            left = left_by(question, &base.fit.machine, &base.fit.starts)?;
         }
-        let Fit { machine, starts, .. } = &base.fit;
-        let correlated = noisier(question, machine, starts, effective_samples)?;
-        let independent = noisier(question, machine, starts, |series| series.len() as f64)?;
+        let correlated = noisier(question, &left, effective_samples);
+        let independent = noisier(question, &left, |series| series.len() as f64);
         Ok(Self { correlated, independent, base })
     }
 }
 
-/// The machine file's model, refitted with the noise that another machine asks for.
-fn refitted(
-    question: &Question<'_>,
-    machine: &Machine<f64>,
-    starts: &[StartState],
-    from: Option<&Fit>,
-) -> Result<Candidate, FitError> {
-    let cases = noisier(question, machine, starts, effective_samples)?;
+/// What a machine leaves of every channel of each training recording, over its noise.
+fn left_by(question: &Question<'_>, machine: &Machine<f64>, starts: &[StartState]) -> Result<Residuals, MachineError> {
+    let training = question.training.par_iter().zip(starts);
+    training.map(|(case, start)| standardised(machine, case, *start)).collect()
+}
+
+/// The machine file's model, refitted with the noise that so much left asks for.
+fn refitted(question: &Question<'_>, left: &Residuals, from: Option<&Fit>) -> Result<Candidate, FitError> {
+    let cases = noisier(question, left, effective_samples);
     let references: Vec<&Prepared> = cases.iter().collect();
     Candidate::rough(&Question { training: &references, ..*question }, from)
 }
 
-/// The training recordings as if the noise of every channel were all that a machine leaves, spread over so many samples.
-fn noisier(
-    question: &Question<'_>,
-    machine: &Machine<f64>,
-    starts: &[StartState],
-    samples: fn(&[f64]) -> f64,
-) -> Result<Vec<Prepared>, FitError> {
-    let training = question.training.par_iter().zip(starts);
-    let noisier = |(case, start): (&&Prepared, &StartState)| {
-        let mut case = Prepared::clone(case);
-        let residuals = standardised(machine, &case, *start)?;
-        for (channel, series) in case.channels.iter_mut().zip(&residuals) {
-            channel.noise *= (loss(series) / samples(series)).sqrt().max(1.0);
-            channel.tolerance = 1.0;
-        }
-        Ok(case)
-    };
-    training.map(noisier).collect()
+/// The training recordings as if the noise of every channel were all that is left, spread over so many samples.
+fn noisier(question: &Question<'_>, left: &Residuals, samples: fn(&[f64]) -> f64) -> Vec<Prepared> {
+    let mut cases: Vec<Prepared> = question.training.iter().map(|&case| case.clone()).collect();
+    for (channel, series) in cases.iter_mut().flat_map(|case| &mut case.channels).zip(left.iter().flatten()) {
+        channel.noise *= (loss(series) / samples(series)).sqrt().max(1.0);
+        channel.tolerance = 1.0;
+    }
+    cases
 }
