@@ -37,7 +37,8 @@ pub fn widened(
 /// Refits of a set with one more effect, from where the set stands and, where that is bent, from the tempered model.
 ///
 /// The tempered model's leads are those of its correlated residuals, and what only independent ones lead to. From both models a form
-/// mostly ends alike, so what both lead to is refitted from the tempered one, and only what comes near the best from the other too.
+/// mostly ends alike, so what correlated residuals lead to is refitted from the tempered one, and only what comes near the best from the
+/// other too.
 fn added(
     question: &Question<'_>,
     tempered: &Tempered,
@@ -51,17 +52,17 @@ fn added(
     if !from.effects.is_empty() || !from.is_bent(question) {
         return refit(&own, from);
     }
-    let mut beside: Vec<Lead> = Vec::new();
-    for cases in [&tempered.correlated, &tempered.independent] {
+    let beside = |cases: &[Prepared]| -> Result<Vec<Lead>, FitError> {
         let cases: Vec<&Prepared> = cases.iter().collect();
-        let softer = Question { training: &cases, ..*question };
-        let mut leads = promising(tempered.base.leads(&softer, open)?, most, 0.0);
-        leads.retain(|lead| beside.iter().all(|known| !known.is_like(lead)));
-        beside.extend(leads);
-    }
+        Ok(promising(tempered.base.leads(&Question { training: &cases, ..*question }, open)?, most, 0.0))
+    };
+    let mut others = beside(&tempered.correlated)?;
     let (again, own): (Vec<Lead>, Vec<Lead>) =
-        own.into_iter().partition(|lead| beside.iter().any(|other| other.is_like(lead)));
-    let (alone, both) = rayon::join(|| refit(&own, from), || refit(&beside, &tempered.base));
+        own.into_iter().partition(|lead| others.iter().any(|other| other.is_like(lead)));
+    let mut bending = beside(&tempered.independent)?;
+    bending.retain(|lead| others.iter().all(|known| !known.is_like(lead)));
+    others.extend(bending);
+    let (alone, both) = rayon::join(|| refit(&own, from), || refit(&others, &tempered.base));
     let mut found = alone?;
     found.extend(both?);
     let least = least_above(found.iter().filter(|candidate| candidate.is_plausible(question.scene)));
