@@ -76,17 +76,26 @@ struct Beginning<'a> {
 }
 
 impl Candidate {
-    /// The machine file's model, refitted from its nominal values and from a solution that is near.
-    pub fn base(question: &Question<'_>, near: &Fit) -> Result<Self, FitError> {
-        let (nominal, other) =
-            rayon::join(|| Self::ordinary(question, None, NEARLY), || Self::ordinary(question, Some(near), NEARLY));
-        let (nominal, other) = (nominal?, other?);
-        Self::near(question, if other.loss < nominal.loss { &other } else { &nominal })
+    /// The machine file's model, refitted from two solutions that are near.
+    pub fn base(question: &Question<'_>, one: &Fit, other: &Fit) -> Result<Self, FitError> {
+        let nearly = |near: &Fit| Self::ordinary(question, Some(near), NEARLY);
+        let (one, other) = rayon::join(|| nearly(one), || nearly(other));
+        let (one, other) = (one?, other?);
+        Self::near(question, if other.loss < one.loss { &other } else { &one })
     }
 
     /// The machine file's model, refitted to the end from a solution that is near.
     pub fn near(question: &Question<'_>, solution: &Fit) -> Result<Self, FitError> {
-        Self::of(question, Vec::new(), Self::ordinary(question, Some(solution), FINELY)?, Vec::new(), true)
+        // Of residuals that are alike for so many rows, a fall of the loss says so many times less.
+        let alike = inflation(&residuals(question, solution)?);
+        let precision = (alike * FINELY).min(PRECISION);
+        Self::of(question, Vec::new(), Self::ordinary(question, Some(solution), precision)?, Vec::new(), true)
+    }
+
+    /// The machine file's model, refitted from a solution where that ends below a loss: nearly first, to the end only where it does.
+    pub fn below(question: &Question<'_>, solution: &Fit, loss: f64) -> Result<Option<Self>, FitError> {
+        let nearly = Self::ordinary(question, Some(solution), NEARLY)?;
+        if nearly.loss < loss { Self::near(question, &nearly).map(Some) } else { Ok(None) }
     }
 
     /// The machine file's model, roughly refitted.
@@ -102,13 +111,14 @@ impl Candidate {
 
     /// The machine file's model refitted, after which every channel tolerates what that leaves: residuals far beyond count
     /// linearly in all that follows.
-    pub fn tolerated(scene: &Scene<'_>, ordinary: &[Free], training: &mut [Prepared]) -> Result<(), FitError> {
+    /// That refit is returned.
+    pub fn tolerated(scene: &Scene<'_>, ordinary: &[Free], training: &mut [Prepared]) -> Result<Fit, FitError> {
         let nominal = vec![StartState::default(); training.len()];
         set_tolerances(scene.machine, training, &nominal)?;
         let references: Vec<&Prepared> = training.iter().collect();
         let base = fit(scene.machine, ordinary, &references, &From::default(), 1e-3)?;
         set_tolerances(&base.machine, training, &base.starts)?;
-        Ok(())
+        Ok(base)
     }
 
     /// A fit with its residuals.
@@ -119,12 +129,7 @@ impl Candidate {
         jumps: Vec<(Parameter, f64)>,
         is_finished: bool,
     ) -> Result<Self, FitError> {
-        let residuals = question
-            .training
-            .par_iter()
-            .zip(&fit.starts)
-            .map(|(case, start)| softened(&fit.machine, case, *start))
-            .collect::<Result<_, _>>()?;
+        let residuals = residuals(question, &fit)?;
         Ok(Self { effects, fit, jumps, residuals, is_finished })
     }
 
@@ -223,17 +228,21 @@ impl Candidate {
             .collect()
     }
 
-    /// Strengths at an end of what is admissible, with the middle of their ranges.
+    /// Strengths at an end of what is admissible, and amounts beyond what can be, with the middle of their ranges.
     fn stranded(&self, scene: &Scene<'_>) -> Vec<(Parameter, f64)> {
         let at_bound = |strength: &Strength| {
             let mut known = self.fit.free.iter().zip(&self.fit.coordinates);
             known.any(|(free, at)| free.parameter == strength.parameter && free.at_bound(*at))
         };
         // What has vanished is at an end as well.
-        let is_signed = |strength: &Strength| matches!(strength.kind, Kind::Signed(_));
+        let is_stranded = |strength: &Strength| match strength.kind {
+            Kind::Signed(_) => at_bound(strength),
+            Kind::Amount(_) => self.coordinate(scene, strength) > PRESSED,
+            _ => false,
+        };
         strengths(&self.effects)
             .into_iter()
-            .filter(|strength| is_signed(strength) && at_bound(strength))
+            .filter(is_stranded)
             .map(|strength| (strength.parameter, strength.free(scene).value(0.0)))
             .collect()
     }
@@ -246,11 +255,6 @@ impl Candidate {
         jumps.retain(|(parameter, _)| !is_jump(gone.form, *parameter));
         let from = Beginning { fit: &self.fit, values: &[], settled: &[], precision: PRECISION };
         Self::refitted(question, effects, jumps, &from)
-    }
-
-    /// Without any of its effects: the ordinary parameters refitted from where they are beside them.
-    pub fn plain(&self, question: &Question<'_>) -> Result<Self, FitError> {
-        Self::of(question, Vec::new(), Self::ordinary(question, Some(&self.fit), PRECISION)?, Vec::new(), true)
     }
 
     fn refitted(
@@ -367,12 +371,7 @@ impl Candidate {
     /// Fitted values of what was free, with the strengths that were found without a slope.
     #[must_use]
     pub fn estimates(&self) -> Vec<Estimate> {
-        let (mut rows, mut independent) = (0.0, 0.0);
-        for series in self.residuals.iter().flatten() {
-            rows += series.len() as f64;
-            independent += effective_samples(series);
-        }
-        let mut estimates = self.fit.estimates(rows / independent);
+        let mut estimates = self.fit.estimates(inflation(&self.residuals));
         estimates.extend(self.jumps.iter().map(|&(parameter, value)| Estimate {
             parameter,
             before: 0.0,
@@ -400,6 +399,22 @@ impl Candidate {
             })
             .fold(0.0, f64::max)
     }
+}
+
+/// Residuals of a fit on the training recordings.
+fn residuals(question: &Question<'_>, fit: &Fit) -> Result<Residuals, FitError> {
+    let training = question.training.par_iter().zip(&fit.starts);
+    Ok(training.map(|(case, start)| softened(&fit.machine, case, *start)).collect::<Result<_, _>>()?)
+}
+
+/// How many times more rows there are than independent samples.
+fn inflation(residuals: &Residuals) -> f64 {
+    let (mut rows, mut independent) = (0.0, 0.0);
+    for series in residuals.iter().flatten() {
+        rows += series.len() as f64;
+        independent += effective_samples(series);
+    }
+    rows / independent
 }
 
 /// The strengths of a set, one that effects share once.

@@ -286,9 +286,9 @@ impl<'a> Asked<'a> {
     ) -> Result<Selection, FitError> {
         let done = |name: &str| progress(name);
         let search = |cases: &mut [Prepared]| {
-            Candidate::tolerated(self.scene, self.ordinary, cases)?;
+            let near = Candidate::tolerated(self.scene, self.ordinary, cases)?;
             let references: Vec<&Prepared> = cases.iter().collect();
-            select(&self.of(&references), &done)
+            select(&self.of(&references), &near, &done)
         };
         let Some(excerpt) = excerpt else { return search(trained) };
         let found = search(&mut excerpt.cases)?;

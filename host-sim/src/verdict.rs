@@ -17,7 +17,7 @@ use model_core::machine::Machine;
 use rayon::prelude::*;
 
 pub use crate::candidate::{Candidate, Chosen, Question, Residuals};
-use crate::fit::{CHANCE, FitError};
+use crate::fit::{CHANCE, Fit, FitError};
 use crate::hypothesis::Hypothesis;
 use crate::prepare::Prepared;
 use crate::search::{is_hopeful, least_above, widened};
@@ -90,19 +90,19 @@ struct Course {
     rounds: Vec<Vec<Trial>>,
 }
 
-/// Chooses the effects. `done` is told after each refit.
+/// Chooses the effects. `near` is a first refit of the machine file's model; `done` is told after each refit.
 ///
 /// Where the slider is recorded and the model is far off, large effects are looked for with the links apart first: the recorded
 /// slider meters the oil beside the valve, so that what one link misses bends no other's parameters. The chain as a whole then
 /// has to accept what was found, and is searched on.
-pub fn select(question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<Selection, FitError> {
-    let mut course = Course::of(question)?;
+pub fn select(question: &Question<'_>, near: &Fit, done: &(impl Fn(&str) + Sync)) -> Result<Selection, FitError> {
+    let mut course = Course::of(question, near)?;
     if course.base.worst_over_noise(question) > FAR
         && let Some(mut followed) = followed(question.training)
     {
-        Candidate::tolerated(question.scene, question.ordinary, &mut followed)?;
+        let near = Candidate::tolerated(question.scene, question.ordinary, &mut followed)?;
         let references: Vec<&Prepared> = followed.iter().collect();
-        course.join(question, &Question { training: &references, ..*question }, done)?;
+        course.join(question, &Question { training: &references, ..*question }, &near, done)?;
     }
     done("refit");
     course.forward(question, AT_NOISE, done)?;
@@ -117,19 +117,17 @@ fn followed(training: &[&Prepared]) -> Option<Vec<Prepared>> {
 
 impl Course {
     /// Nothing chosen yet.
-    fn of(question: &Question<'_>) -> Result<Self, FitError> {
+    fn of(question: &Question<'_>, near: &Fit) -> Result<Self, FitError> {
         let tempered = Tempered::of(question)?;
-        let base = Candidate::base(question, &tempered.base.fit)?;
+        let base = Candidate::base(question, near, &tempered.base.fit)?;
         Ok(Self { tempered, chosen: base.clone(), beam: vec![base.clone()], rounds: Vec::new(), base })
     }
 
-    /// Takes the better of two bases, while nothing is chosen.
-    fn rebase(&mut self, other: Candidate) {
-        if other.fit.loss < self.base.fit.loss {
-            self.chosen = other.clone();
-            self.beam = vec![other.clone()];
-            self.base = other;
-        }
+    /// Takes a better base, while nothing is chosen.
+    fn rebase(&mut self, better: Candidate) {
+        self.chosen = better.clone();
+        self.beam = vec![better.clone()];
+        self.base = better;
     }
 
     /// Looks for effects with the links `apart`, and takes over what the chain as a whole accepts of what is found.
@@ -137,10 +135,13 @@ impl Course {
         &mut self,
         question: &Question<'_>,
         apart: &Question<'_>,
+        near: &Fit,
         done: &(impl Fn(&str) + Sync),
     ) -> Result<(), FitError> {
-        let mut parted = Self::of(apart)?;
-        self.rebase(Candidate::near(question, &parted.base.fit)?);
+        let mut parted = Self::of(apart, near)?;
+        if let Some(better) = Candidate::below(question, &parted.base.fit, self.base.fit.loss)? {
+            self.rebase(better);
+        }
         parted.forward(apart, FAR, done)?;
         if parted.chosen.effects.is_empty() {
             return Ok(());
@@ -222,10 +223,7 @@ impl Course {
         if !self.chosen.effects.is_empty() {
             return Ok(true);
         }
-        let plain = set.plain(question)?;
-        if plain.fit.loss >= self.base.fit.loss {
-            return Ok(true);
-        }
+        let Some(plain) = Candidate::below(question, &set.fit, self.base.fit.loss)? else { return Ok(true) };
         (self.base, self.chosen) = (plain.clone(), plain);
         accepts(question, &self.base, &self.chosen, set)
     }
@@ -298,11 +296,17 @@ fn finished(
     let plausible = |found: Vec<Candidate>| -> Vec<Candidate> {
         found.into_iter().filter(|candidate| candidate.is_plausible(question.scene)).collect()
     };
-    let mut rough = ranked(question, base, plausible(found));
+    let (possible, astray): (Vec<Candidate>, Vec<Candidate>) =
+        found.into_iter().partition(|candidate| candidate.is_plausible(question.scene));
+    let mut rough = ranked(question, base, possible);
     let least = least_above(rough.iter().map(|(candidate, _)| candidate));
     let leading = rough.iter().take_while(|(candidate, _)| is_hopeful(candidate, least)).count();
     let rest = rough.split_off(leading.min(FINISHED).max(BEAM.min(rough.len())));
-    let mut all = plausible(to_the_end(question, rough, FINISHED)?);
+    // One that has gone beyond what can be, and beside which all that can be is hopeless, may come back from there.
+    let astray = astray.into_iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss));
+    let beside_it = |least: f64| rough.iter().all(|(candidate, _)| !is_hopeful(candidate, least));
+    rough.extend(astray.filter(|one| beside_it(excess(&one.residuals))).map(|one| (one, f64::NEG_INFINITY)));
+    let mut all = plausible(to_the_end(question, rough, FINISHED + 1)?);
     all.extend(rest.into_iter().map(|(candidate, _)| candidate));
     let mut simplified: Vec<Vec<&str>> = Vec::new();
     loop {

@@ -4,6 +4,7 @@
 use model_core::machine::MachineError;
 use nalgebra::{DMatrix, DVector};
 
+use super::nearby::Slopes;
 use super::residuals::{missed, soft};
 use super::slopes::At;
 use super::start::StartState;
@@ -27,15 +28,22 @@ pub struct Information {
 pub(crate) const OF_START: usize = 2;
 
 impl Information {
-    /// Runs a recording with the slopes of its residuals.
-    pub(super) fn of(at: &At<'_>, start: StartState, case: &Prepared) -> Result<Self, MachineError> {
+    /// Runs a recording with the slopes of its residuals, which are put aside in the `slopes`.
+    pub(super) fn of(
+        at: &At<'_>,
+        start: StartState,
+        case: &Prepared,
+        slopes: &mut Slopes,
+    ) -> Result<Self, MachineError> {
         let mut sums = Sums::new(at.free.len() + OF_START);
         at.each(start, case, &mut |judged| {
             let Some(simulated) = judged.simulated else { return };
             let channel = judged.channel;
             let (residual, slope) = soft(missed(channel, judged.row, Some(simulated)), channel.tolerance);
+            let of_row = || judged.slopes.iter().copied().chain([single(judged.by_shift)]);
+            slopes.put(of_row(), single(-1.0 / channel.noise));
             let scale = single(-slope / channel.noise);
-            sums.add(judged.slopes.iter().map(|by| by * scale).chain([single(judged.by_shift) * scale]), residual);
+            sums.add(of_row().map(|by| by * scale), residual);
         })?;
         Ok(sums.total())
     }

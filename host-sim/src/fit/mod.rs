@@ -7,6 +7,7 @@
 //! its sensors leave open.
 
 mod information;
+mod nearby;
 mod problem;
 mod residuals;
 mod sensitivity;

@@ -16,13 +16,11 @@ const HUBER: f64 = 5.0;
 /// The residual whose square is the pseudo-Huber loss of `residual`, and its derivative.
 #[must_use]
 pub fn soft(residual: f64, tolerance: f64) -> (f64, f64) {
-    let limit = HUBER * tolerance;
-    if residual.abs() < 1e-6 * limit {
-        return (residual, 1.0);
-    }
-    let root = (1.0 + (residual / limit).powi(2)).sqrt();
-    let value = limit * (2.0 * (root - 1.0)).sqrt();
-    (value.copysign(residual), residual.abs() / (root * value))
+    let share = residual / (HUBER * tolerance);
+    let root = (1.0 + share * share).sqrt();
+    // 2·(root − 1) = share² · 2/(root + 1), which loses nothing where the residual is small.
+    let divisor = (0.5 * (root + 1.0)).sqrt();
+    (residual / divisor, divisor / root)
 }
 
 /// Residuals as their squares enter the loss: [`standardised`], softened.
@@ -125,4 +123,4 @@ pub fn loss(residuals: &[f64]) -> f64 {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
