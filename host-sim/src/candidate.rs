@@ -1,12 +1,14 @@
 //! A set of effects with its refit in the chain.
 
+mod standing;
+
 use model_core::machine::Machine;
 use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
 use crate::fit::{
-    Estimate, Fit, FitError, Free, From, REACH, REACH_SIGNED, Sensitivity, StartState, effective_samples, fit, loss,
-    set_tolerances, settle, softened,
+    Estimate, Fit, FitError, Free, From, Sensitivity, StartState, effective_samples, fit, loss, set_tolerances, settle,
+    softened,
 };
 use crate::hypothesis::{Form, Hypothesis, Kind, Scene, Strength, is_elastic};
 use crate::prepare::Prepared;
@@ -60,10 +62,6 @@ const FINELY: f64 = 1e-6;
 const NEARLY: f64 = 1e-4;
 /// The same for a first look.
 const ROUGHLY: f64 = 0.03;
-
-/// A coordinate beyond this is pressed against the end of its range: the recordings pull there with more than four standard
-/// deviations' weight, where an undecided value only drifts.
-const PRESSED: f64 = 2.0 * REACH;
 
 /// Where a refit begins.
 struct Beginning<'a> {
@@ -208,45 +206,6 @@ impl Candidate {
         Ok(if again.fit.loss < found.fit.loss { again } else { found })
     }
 
-    /// Where a strength is: as it was fitted, or else by its value.
-    fn coordinate(&self, scene: &Scene<'_>, strength: &Strength) -> f64 {
-        let mut known = self.fit.free.iter().zip(&self.fit.coordinates);
-        let fitted = known.find(|(free, _)| free.parameter == strength.parameter).map(|(_, at)| *at);
-        fitted.unwrap_or_else(|| strength.free(scene).coordinate(self.fit.machine.get(strength.parameter)))
-    }
-
-    /// Amounts that have become negligible in effects that have not, with the middle of their ranges.
-    fn vanished(&self, scene: &Scene<'_>) -> Vec<(Parameter, f64)> {
-        let is_amount = |strength: &&Strength| matches!(strength.kind, Kind::Amount(_));
-        let gone = |strength: &&Strength| self.coordinate(scene, strength) < -REACH;
-        let partly = |form: Form| !form.iter().filter(is_amount).all(|strength| gone(&strength));
-        self.effects
-            .iter()
-            .filter(|chosen| partly(chosen.form))
-            .flat_map(|chosen| chosen.form.iter().filter(is_amount).filter(gone))
-            .map(|strength| (strength.parameter, strength.free(scene).value(0.0)))
-            .collect()
-    }
-
-    /// Strengths at an end of what is admissible, and amounts beyond what can be, with the middle of their ranges.
-    fn stranded(&self, scene: &Scene<'_>) -> Vec<(Parameter, f64)> {
-        let at_bound = |strength: &Strength| {
-            let mut known = self.fit.free.iter().zip(&self.fit.coordinates);
-            known.any(|(free, at)| free.parameter == strength.parameter && free.at_bound(*at))
-        };
-        // What has vanished is at an end as well.
-        let is_stranded = |strength: &Strength| match strength.kind {
-            Kind::Signed(_) => at_bound(strength),
-            Kind::Amount(_) => self.coordinate(scene, strength) > PRESSED,
-            _ => false,
-        };
-        strengths(&self.effects)
-            .into_iter()
-            .filter(is_stranded)
-            .map(|strength| (strength.parameter, strength.free(scene).value(0.0)))
-            .collect()
-    }
-
     /// Without one of its effects.
     pub fn without(&self, question: &Question<'_>, index: usize) -> Result<Self, FitError> {
         let mut effects = self.effects.clone();
@@ -299,49 +258,6 @@ impl Candidate {
                 Ok(softened(&machine, case, settle(&machine, case)?)?)
             })
             .collect()
-    }
-
-    /// Whether the fit succeeded and every effect lies where such an effect can: no amount pressed against the end of its usual
-    /// range widened threefold, and of each effect at least one amount that is not negligible.
-    #[must_use]
-    pub fn is_plausible(&self, scene: &Scene<'_>) -> bool {
-        /// Share of the largest usual magnitude below which a signed amount is negligible.
-        const NEGLIGIBLE: f64 = 0.02;
-        self.fit.loss.is_finite()
-            && self.effects.iter().all(|chosen| {
-                let at = |strength: &Strength| (strength.kind, self.coordinate(scene, strength));
-                let possible = chosen.form.iter().map(at).all(|(kind, coordinate)| match kind {
-                    Kind::Amount(_) | Kind::Jump(_) => coordinate < PRESSED,
-                    // A shape stays where shapes are; where it runs to the end, the recordings leave it open.
-                    Kind::Shape(..) => true,
-                    Kind::Signed(_) => coordinate.abs() < 2.0 * REACH_SIGNED,
-                    Kind::Place(..) => coordinate.abs() < REACH_SIGNED,
-                });
-                let notable = chosen.form.iter().map(at).any(|(kind, coordinate)| match kind {
-                    Kind::Amount(_) | Kind::Jump(_) => coordinate > -REACH,
-                    Kind::Signed(_) => coordinate.abs() > NEGLIGIBLE,
-                    Kind::Shape(..) | Kind::Place(..) => false,
-                });
-                possible && notable
-            })
-    }
-
-    /// What the ordinary parameters cost by being away from their nominal values: half the sum of squares of their distances, each
-    /// in its standard deviation.
-    #[must_use]
-    pub fn bent(&self, question: &Question<'_>) -> f64 {
-        let own = self.fit.coordinates.iter().take(question.ordinary.len());
-        0.5 * own.map(|coordinate| coordinate * coordinate).sum::<f64>()
-    }
-
-    /// Whether they are further away than their standard deviations allow in 999 of 1000 drives: by χ², its quantile after Wilson
-    /// and Hilferty 1931.
-    #[must_use]
-    pub fn is_bent(&self, question: &Question<'_>) -> bool {
-        const QUANTILE: f64 = 3.09;
-        let count = question.ordinary.len() as f64;
-        let share = 2.0 / (9.0 * count);
-        count > 0.0 && 2.0 * self.bent(question) > count * (1.0 - share + QUANTILE * share.sqrt()).powi(3)
     }
 
     /// Names of its effects, sorted.

@@ -103,12 +103,15 @@ fn of_a_dozen_drawn_cases_most_are_named_and_nothing_is_claimed_where_nothing_wa
     assert!(cases.iter().filter(|case| case.right).count() >= 8);
 }
 
-/// While its rod rests at the stop the model's goes on: a residual of one independent sample, which the stop alone explains.
+/// While its rod rests at the stop the model's goes on: a residual of one independent sample, which the stop alone explains. Of the
+/// first drive the rough refit explains all of it with a damping beyond what can be.
 #[test]
 fn a_stop_that_a_rod_rests_at_is_named() {
     let stop = Lot { only: vec!["end-stop".to_owned()], ..lot(77, Concealed::Single, false) };
-    let said = said(&stop, 2).unwrap();
-    assert!(said.right, "{} put in, {} said", said.truth, said.answer);
+    for index in [1, 2] {
+        let said = said(&stop, index).unwrap();
+        assert!(said.right, "{} put in, {} said", said.truth, said.answer);
+    }
 }
 
 /// Slow: `cargo test --release -p system-tests --test diagnosis sixty -- --ignored --nocapture`.
