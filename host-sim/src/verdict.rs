@@ -293,28 +293,30 @@ fn finished(
     base: &Candidate,
     found: Vec<Candidate>,
 ) -> Result<Vec<(Candidate, f64)>, FitError> {
-    let plausible = |found: Vec<Candidate>| -> Vec<Candidate> {
-        found.into_iter().filter(|candidate| candidate.is_plausible(question.scene)).collect()
-    };
-    let (possible, astray): (Vec<Candidate>, Vec<Candidate>) =
-        found.into_iter().partition(|candidate| candidate.is_plausible(question.scene));
-    let mut rough = ranked(question, base, possible);
-    let least = least_above(rough.iter().map(|(candidate, _)| candidate));
-    let leading = rough.iter().take_while(|(candidate, _)| is_hopeful(candidate, least)).count();
+    let can_be = |candidate: &Candidate| candidate.is_plausible(question.scene);
+    let plausible = |found: Vec<Candidate>| -> Vec<Candidate> { found.into_iter().filter(can_be).collect() };
+    let (possible, astray): (Vec<Candidate>, Vec<Candidate>) = found.into_iter().partition(can_be);
+    let mut rough = candidates(ranked(question, base, possible));
+    let least = least_above(&rough);
+    let leading = rough.iter().take_while(|candidate| is_hopeful(candidate, least)).count();
     let rest = rough.split_off(leading.min(FINISHED).max(BEAM.min(rough.len())));
     // One that has gone beyond what can be, and beside which all that can be is hopeless, may come back from there.
     let astray = astray.into_iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss));
-    let beside_it = |least: f64| rough.iter().all(|(candidate, _)| !is_hopeful(candidate, least));
-    rough.extend(astray.filter(|one| beside_it(excess(&one.residuals))).map(|one| (one, f64::NEG_INFINITY)));
-    let mut all = plausible(to_the_end(question, rough, FINISHED + 1)?);
-    all.extend(rest.into_iter().map(|(candidate, _)| candidate));
+    let beside_it = |least: f64| rough.iter().all(|candidate| !is_hopeful(candidate, least));
+    let astray = astray.filter(|one| beside_it(excess(&one.residuals)));
+    rough.extend(astray);
+    let mut all = plausible(to_the_end(question, rough)?);
+    all.extend(rest);
     let mut simplified: Vec<Vec<&str>> = Vec::new();
     loop {
         let mut ranked = ranked(question, base, all);
         prefer_plain(base, &mut ranked);
         // A set that comes up only now is refitted to the end before it may be chosen.
         if !ranked.iter().take(BEAM).all(|(candidate, _)| candidate.is_finished) {
-            all = plausible(to_the_end(question, ranked, BEAM)?);
+            let mut first = candidates(ranked);
+            let rest = first.split_off(BEAM.min(first.len()));
+            all = plausible(to_the_end(question, first)?);
+            all.extend(rest);
             continue;
         }
         // Nor is an extension, before what it extends was looked for where it has ended.
@@ -323,20 +325,20 @@ fn finished(
         };
         simplified.push(best.names());
         let Some(plain) = best.with_plain(question)? else { return Ok(ranked) };
-        all = ranked.into_iter().map(|(candidate, _)| candidate).chain(plausible(vec![plain])).collect();
+        all = candidates(ranked).into_iter().chain(plausible(vec![plain])).collect();
     }
 }
 
-/// The sets in their order, the `first` refitted to the end.
-fn to_the_end(
-    question: &Question<'_>,
-    ranked: Vec<(Candidate, f64)>,
-    first: usize,
-) -> Result<Vec<Candidate>, FitError> {
-    let finished = |(place, (candidate, _)): (usize, (Candidate, f64))| {
-        if place < first && !candidate.is_finished { candidate.finished(question) } else { Ok(candidate) }
-    };
-    ranked.into_par_iter().enumerate().map(finished).collect()
+/// Ranked sets in their order.
+fn candidates(ranked: Vec<(Candidate, f64)>) -> Vec<Candidate> {
+    ranked.into_iter().map(|(candidate, _)| candidate).collect()
+}
+
+/// The sets in their order, each refitted to the end.
+fn to_the_end(question: &Question<'_>, sets: Vec<Candidate>) -> Result<Vec<Candidate>, FitError> {
+    let finished =
+        |candidate: Candidate| if candidate.is_finished { Ok(candidate) } else { candidate.finished(question) };
+    sets.into_par_iter().map(finished).collect()
 }
 
 fn trial(candidate: &Candidate, net: f64) -> Trial {
