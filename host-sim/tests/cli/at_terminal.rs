@@ -12,11 +12,12 @@ use rexpect::session::{PtySession, spawn_with_options};
 use super::init::PRESS;
 use super::{MACHINE, at_hand, done, example, folder_with, listing, root};
 
-/// The program at a terminal of its own, with Ctrl-C as usual; `None` where that cannot be had.
+/// The program at a terminal of its own, with what ends it as usual (`nohup` and a shell's background ignore some of it); `None` where
+/// that cannot be had.
 fn at_terminal(folder: &Path, arguments: &[&str]) -> Option<PtySession> {
-    const AS_USUAL: &str = "--default-signal=INT";
+    const AS_USUAL: &str = "--default-signal=INT,TERM,HUP";
     if !Command::new("env").args([AS_USUAL, "true"]).output().is_ok_and(|output| output.status.success()) {
-        at_hand::skipped("this `env` cannot give SIGINT its usual meaning");
+        at_hand::skipped("this `env` cannot give signals their usual meaning");
         return None;
     }
     let mut command = Command::new("env");
@@ -95,7 +96,7 @@ fn what_takes_long_shows_the_time_left() {
     let trains = ["train-1.csv", "train-2.csv", "train-3.csv", "train-4.csv"].map(example);
     let machine = example("machine.toml");
     let fit = ["fit", "--machine", &machine, "--save-machine", "f.toml", "--train"];
-    let fit: Vec<&str> = fit.into_iter().chain(trains.iter().map(String::as_str)).collect();
+    let fit: Vec<&str> = fit.into_iter().chain(trains.iter().map(String::as_str).cycle().take(40)).collect();
     let (shipped, preset) = (example(""), root().join("presets/press-63-40.toml").display().to_string());
     let diagnose = ["diagnose", &shipped, "--report", "d.html"];
     let testbed = ["testbed", "--machine", &preset, "--out", "case"].into_iter();
