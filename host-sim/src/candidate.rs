@@ -1,18 +1,20 @@
 //! A set of effects with its refit in the chain.
 
+mod reference;
+mod refit;
 mod standing;
 
-use model_core::machine::Machine;
 use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
 use crate::fit::{
-    Estimate, Fit, FitError, Free, From, Sensitivity, StartState, effective_samples, fit, loss, set_tolerances, settle,
-    softened,
+    Estimate, Fit, FitError, Free, StartState, effective_samples, loss, set_tolerances, settle, softened,
 };
 use crate::hypothesis::{Form, Hypothesis, Kind, Scene, Strength, is_elastic};
 use crate::prepare::Prepared;
-use crate::screen::{Lead, extended, screen, with};
+use crate::screen::Lead;
+pub use reference::{Reference, Weighing, noisier};
+use refit::{Beginning, FINELY, Goes, NARROWEST, NEARLY, PRECISION, SETTLED};
 
 /// The question put to the training recordings.
 #[derive(Clone, Copy, Debug)]
@@ -54,57 +56,31 @@ pub struct Candidate {
     pub is_finished: bool,
 }
 
-/// The search ends when the loss falls by less than this share in a step.
-const PRECISION: f64 = 1e-5;
-/// The same for what all sets are measured against: of twenty thousand samples a hundredth of a unit of log-likelihood.
-const FINELY: f64 = 1e-6;
-/// The same for one of several starts, the best of which is gone on with.
-const NEARLY: f64 = 1e-4;
-/// The same for a first look.
-const ROUGHLY: f64 = 0.03;
-
-/// Where a refit begins.
-struct Beginning<'a> {
-    fit: &'a Fit,
-    /// Strengths that are new.
-    values: &'a [(Parameter, f64)],
-    /// Where the former fit's coordinates settle with them.
-    settled: &'a [f64],
-    precision: f64,
-}
-
 impl Candidate {
     /// The machine file's model, refitted from two solutions that are near.
     pub fn base(question: &Question<'_>, one: &Fit, other: &Fit) -> Result<Self, FitError> {
         let nearly = |near: &Fit| Self::ordinary(question, Some(near), NEARLY);
         let (one, other) = rayon::join(|| nearly(one), || nearly(other));
         let (one, other) = (one?, other?);
-        Self::near(question, if other.loss < one.loss { &other } else { &one })
-    }
-
-    /// The machine file's model, refitted to the end from a solution that is near.
-    pub fn near(question: &Question<'_>, solution: &Fit) -> Result<Self, FitError> {
-        // Of residuals that are alike for so many rows, a fall of the loss says so many times less.
-        let alike = inflation(&residuals(question, solution)?);
-        let precision = (alike * FINELY).min(PRECISION);
-        Self::of(question, Vec::new(), Self::ordinary(question, Some(solution), precision)?, Vec::new(), true)
+        if other.fit.loss < one.fit.loss { &other } else { &one }.to_the_end(question)
     }
 
     /// The machine file's model, refitted from a solution where that ends below a loss: nearly first, to the end only where it does.
     pub fn below(question: &Question<'_>, solution: &Fit, loss: f64) -> Result<Option<Self>, FitError> {
         let nearly = Self::ordinary(question, Some(solution), NEARLY)?;
-        if nearly.loss < loss { Self::near(question, &nearly).map(Some) } else { Ok(None) }
+        if nearly.fit.loss < loss { nearly.to_the_end(question).map(Some) } else { Ok(None) }
+    }
+
+    /// The machine file's model, as all sets are measured against it.
+    fn to_the_end(&self, question: &Question<'_>) -> Result<Self, FitError> {
+        // Of residuals that are alike for so many rows, a fall of the loss says so many times less.
+        let precision = (inflation(&self.residuals) * FINELY).min(PRECISION);
+        Self::ordinary(question, Some(&self.fit), precision)
     }
 
     /// The machine file's model, roughly refitted.
     pub fn rough(question: &Question<'_>, from: Option<&Fit>) -> Result<Self, FitError> {
-        Self::of(question, Vec::new(), Self::ordinary(question, from, 1e-3)?, Vec::new(), false)
-    }
-
-    /// A refit of the ordinary parameters alone.
-    fn ordinary(question: &Question<'_>, solution: Option<&Fit>, precision: f64) -> Result<Fit, FitError> {
-        let from = From { solution, ..From::default() };
-        fit(question.scene.machine, question.ordinary, question.training, &from, precision)
+        Self::ordinary(question, from, SETTLED)
     }
 
     /// The machine file's model refitted, after which every channel tolerates what that leaves: residuals far beyond count
@@ -114,49 +90,10 @@ impl Candidate {
         let nominal = vec![StartState::default(); training.len()];
         set_tolerances(scene.machine, training, &nominal)?;
         let references: Vec<&Prepared> = training.iter().collect();
-        let base = fit(scene.machine, ordinary, &references, &From::default(), 1e-3)?;
+        let question = Question { scene, ordinary, hypotheses: &[], training: &references };
+        let base = Self::rough(&question, None)?.fit;
         set_tolerances(&base.machine, training, &base.starts)?;
         Ok(base)
-    }
-
-    /// A fit with its residuals.
-    pub(crate) fn of(
-        question: &Question<'_>,
-        effects: Vec<Chosen>,
-        fit: Fit,
-        jumps: Vec<(Parameter, f64)>,
-        is_finished: bool,
-    ) -> Result<Self, FitError> {
-        let residuals = residuals(question, &fit)?;
-        Ok(Self { effects, fit, jumps, residuals, is_finished })
-    }
-
-    /// What could be added to it, the most promising first.
-    pub fn leads(&self, question: &Question<'_>, hypotheses: &[&'static Hypothesis]) -> Result<Vec<Lead>, FitError> {
-        let Some(sensitivity) = Sensitivity::at(&self.fit, question.training)? else { return Ok(Vec::new()) };
-        Ok(screen(question.scene, &self.fit, &sensitivity, hypotheses)?)
-    }
-
-    /// Where extensions of its newest effect could start: of friction on bristles those on bristles, of rigid friction the others.
-    pub fn extensions(&self, question: &Question<'_>, of: &[&'static Hypothesis]) -> Result<Vec<Lead>, FitError> {
-        let Some(sensitivity) = Sensitivity::at(&self.fit, question.training)? else { return Ok(Vec::new()) };
-        let mut found = Vec::new();
-        for effect in of {
-            found.extend(extended(question.scene, &self.fit, &sensitivity, effect)?);
-        }
-        let elastic = self.effects.last().is_some_and(|newest| is_elastic(newest.form));
-        found.retain(|lead| is_elastic(lead.form) == elastic);
-        Ok(found)
-    }
-
-    /// With an extension in the place of the effect that it extends.
-    pub fn with_extension(&self, question: &Question<'_>, lead: &Lead) -> Result<Self, FitError> {
-        let plain = lead.effect.extends.map_or("", |extension| extension.plain);
-        let mut effects = self.effects.clone();
-        effects.retain(|chosen| chosen.effect.name != plain);
-        effects.push(Chosen { effect: lead.effect, form: lead.form });
-        let from = Beginning { fit: &self.fit, values: &lead.values, settled: &lead.settled, precision: ROUGHLY };
-        Self::refitted(question, effects, self.jumps.clone(), &from)
     }
 
     /// With the effect that its newest one extends in the place of that, refitted to the end from where that has ended: there the search
@@ -175,25 +112,15 @@ impl Candidate {
         }
         let values = [(extension.given, taken.iter().sum::<f64>() / taken.len() as f64)];
         let effects = others.iter().copied().chain([Chosen { effect, form }]).collect();
-        let from = Beginning { fit: &self.fit, values: &values, settled: &[], precision: PRECISION };
+        let from = Beginning { fit: &self.fit, values: &values, settled: &[], goes: Goes::ToTheEnd };
         Self::refitted(question, effects, self.jumps.clone(), &from).map(Some)
-    }
-
-    /// With one more effect, roughly refitted from where the lead points; [`Candidate::finished`] does the rest.
-    pub fn with(&self, question: &Question<'_>, lead: &Lead) -> Result<Self, FitError> {
-        let mut effects = self.effects.clone();
-        effects.push(Chosen { effect: lead.effect, form: lead.form });
-        let mut jumps = self.jumps.clone();
-        jumps.extend(lead.values.iter().filter(|(parameter, _)| is_jump(lead.form, *parameter)));
-        let from = Beginning { fit: &self.fit, values: &lead.values, settled: &lead.settled, precision: ROUGHLY };
-        Self::refitted(question, effects, jumps, &from)
     }
 
     /// Refitted to the end. An amount that vanished beside others has left no slope that leads back, nor has a strength at the end of
     /// what is admissible: the middle of its range is tried as well.
     pub fn finished(&self, question: &Question<'_>) -> Result<Self, FitError> {
         let to_the_end = |fit: &Fit, values: &[(Parameter, f64)]| {
-            let from = Beginning { fit, values, settled: &[], precision: PRECISION };
+            let from = Beginning { fit, values, settled: &[], goes: Goes::ToTheEnd };
             Self::refitted(question, self.effects.clone(), self.jumps.clone(), &from)
         };
         let found = to_the_end(&self.fit, &[])?;
@@ -212,39 +139,8 @@ impl Candidate {
         let gone = effects.remove(index);
         let mut jumps = self.jumps.clone();
         jumps.retain(|(parameter, _)| !is_jump(gone.form, *parameter));
-        let from = Beginning { fit: &self.fit, values: &[], settled: &[], precision: PRECISION };
+        let from = Beginning { fit: &self.fit, values: &[], settled: &[], goes: Goes::ToTheEnd };
         Self::refitted(question, effects, jumps, &from)
-    }
-
-    fn refitted(
-        question: &Question<'_>,
-        effects: Vec<Chosen>,
-        mut jumps: Vec<(Parameter, f64)>,
-        from: &Beginning<'_>,
-    ) -> Result<Self, FitError> {
-        let smooth = strengths(&effects).into_iter().filter(|strength| !matches!(strength.kind, Kind::Jump(_)));
-        let free: Vec<Free> =
-            question.ordinary.iter().copied().chain(smooth.map(|strength| strength.free(question.scene))).collect();
-        let coordinates: Vec<(Parameter, f64)> = from
-            .values
-            .iter()
-            .filter_map(|(parameter, value)| {
-                let free = free.iter().find(|free| free.parameter == *parameter)?;
-                Some((*parameter, free.coordinate(*value)))
-            })
-            .collect();
-        let start = From { solution: Some(from.fit), coordinates: &coordinates, moved: from.settled };
-        let mut found = fit(&with(question.scene.machine, &jumps), &free, question.training, &start, from.precision)?;
-        for _ in 0..if jumps.is_empty() { 0 } else { 2 } {
-            let Some(sensitivity) = Sensitivity::at(&found, question.training)? else { break };
-            for (parameter, value) in &mut jumps {
-                *value = nearby(&found.machine, &sensitivity, *parameter, *value)?;
-            }
-            drop(sensitivity);
-            let again = From { solution: Some(&found), ..From::default() };
-            found = fit(&with(question.scene.machine, &jumps), &free, question.training, &again, from.precision)?;
-        }
-        Self::of(question, effects, found, jumps, from.precision <= PRECISION)
     }
 
     /// Residuals on each training recording by a model that never saw it, from the start that suits that model.
@@ -317,12 +213,6 @@ impl Candidate {
     }
 }
 
-/// Residuals of a fit on the training recordings.
-fn residuals(question: &Question<'_>, fit: &Fit) -> Result<Residuals, FitError> {
-    let training = question.training.par_iter().zip(&fit.starts);
-    Ok(training.map(|(case, start)| softened(&fit.machine, case, *start)).collect::<Result<_, _>>()?)
-}
-
 /// How many times more rows there are than independent samples.
 fn inflation(residuals: &Residuals) -> f64 {
     let (mut rows, mut independent) = (0.0, 0.0);
@@ -346,34 +236,4 @@ fn strengths(effects: &[Chosen]) -> Vec<Strength> {
 
 fn is_jump(form: Form, parameter: Parameter) -> bool {
     form.iter().any(|strength| strength.parameter == parameter && matches!(strength.kind, Kind::Jump(_)))
-}
-
-/// A strength that no slope leads to is known to this share of itself.
-const NARROWEST: f64 = 0.01;
-
-/// A better value of such a strength near where it is.
-fn nearby(
-    machine: &Machine<f64>,
-    sensitivity: &Sensitivity<'_>,
-    parameter: Parameter,
-    value: f64,
-) -> Result<f64, FitError> {
-    let gain = |value: f64| -> Result<f64, FitError> {
-        Ok(sensitivity.settle(&sensitivity.change(&with(machine, &[(parameter, value)]))?).gain)
-    };
-    let (mut best, mut width) = ((value, gain(value)?), 0.16);
-    while width > NARROWEST {
-        let (mut moved, around) = (false, best.0);
-        for there in [around * (1.0 - width), (around * (1.0 + width)).min(parameter.description().max)] {
-            let found = gain(there)?;
-            if found > best.1 {
-                best = (there, found);
-                moved = true;
-            }
-        }
-        if !moved {
-            width *= 0.5;
-        }
-    }
-    Ok(best.0)
 }

@@ -11,6 +11,7 @@ use model_core::machine::{Machine, MachineError, Tick};
 use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
+use crate::candidate::Reference;
 use crate::compare::CompareError;
 use crate::excerpt::Excerpt;
 use crate::fit::{Estimate, FitError, Free, Freedom, StartState, level_at_rest, set_tolerances};
@@ -214,7 +215,11 @@ pub fn diagnose(
     let located = if verdict == Verdict::NothingMissing && named.is_empty() {
         None
     } else {
-        let promises = if named.is_empty() { promises(&seen.leads(&question, &hypotheses)?) } else { Vec::new() };
+        let promises = if named.is_empty() {
+            promises(&Reference::new(&question, &seen)?.leads(&hypotheses)?)
+        } else {
+            Vec::new()
+        };
         Some(locate(&seen.fit.machine, file.load_source, &cases, &named, &promises)?)
     };
     let tabled = match &located {

@@ -5,7 +5,7 @@ use model_core::machine::{Machine, MachineError};
 use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
-use crate::fit::{Fit, Free, Freedom, Sensitivity, Settled};
+use crate::fit::{Change, Fit, Free, Freedom, Sensitivity, Settled, Simulated};
 use crate::hypothesis::{Form, Hypothesis, Kind, Scene, Strength};
 
 /// A form of an effect at the point of its range where it promises most.
@@ -34,8 +34,8 @@ impl Lead {
         form: Form,
         values: Values,
     ) -> Result<Self, MachineError> {
-        let Settled { gain, loss, coordinates } =
-            sensitivity.settle(&sensitivity.change(&with(&fit.machine, &values))?);
+        let there = sensitivity.simulated(&with(&fit.machine, &values))?;
+        let Settled { gain, loss, coordinates } = sensitivity.settle(&sensitivity.change(&there));
         Ok(Self { effect, form, values, gain, loss, settled: coordinates })
     }
 
@@ -127,52 +127,39 @@ struct Promise {
     gain: f64,
 }
 
-impl Promise {
-    fn of(
-        scene: &Scene<'_>,
-        fit: &Fit,
-        sensitivity: &Sensitivity<'_>,
-        form: Form,
-        shape: Values,
-        index: usize,
-    ) -> Self {
-        let units: Vec<f64> = amounts(form).map(|strength| strength.unit(scene)).collect();
-        let (shares, gain) = directed(fit, sensitivity, form, &shape, &units).unwrap_or_default();
-        Self { form: index, shape, shares, gain }
-    }
-}
-
 /// The strengths that say how much of the effect there is.
 pub(crate) fn amounts(form: Form) -> impl Iterator<Item = &'static Strength> {
     form.iter().filter(|strength| strength.is_amount())
 }
 
-/// How much of each amount lowers the loss most, in units of each, by the direction that it moves the residuals in; and the gain.
-fn directed(
+/// What each amount simulates at its unit, the others at nil.
+fn directions(
     fit: &Fit,
     sensitivity: &Sensitivity<'_>,
     form: Form,
     shape: &[(Parameter, f64)],
     units: &[f64],
-) -> Result<(Vec<f64>, f64), MachineError> {
-    let positive: Vec<bool> = amounts(form).map(|strength| !matches!(strength.kind, Kind::Signed(_))).collect();
-    let directions = amounts(form)
-        .zip(units)
-        .map(|(strength, unit)| {
-            let values = [shape, &[(strength.parameter, *unit)]].concat();
-            sensitivity.change(&with(&fit.machine, &values))
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-    Ok(sensitivity.amounts(&directions, &positive))
+) -> Result<Vec<Simulated>, MachineError> {
+    let values = amounts(form).zip(units).map(|(strength, unit)| [shape, &[(strength.parameter, *unit)]].concat());
+    values.map(|values| sensitivity.simulated(&with(&fit.machine, &values))).collect()
 }
 
-/// The best point of every form, the most promising first. Forms that promise nothing are left out.
+/// How much of each amount lowers the loss most, in units of each, by the direction that it moves the residuals in; and the gain.
+fn directed(sensitivity: &Sensitivity<'_>, form: Form, directions: &[Simulated]) -> (Vec<f64>, f64) {
+    let positive: Vec<bool> = amounts(form).map(|strength| !matches!(strength.kind, Kind::Signed(_))).collect();
+    let changes: Vec<Change> = directions.iter().map(|direction| sensitivity.change(direction)).collect();
+    sensitivity.amounts(&changes, &positive)
+}
+
+/// The best point of every form, the most promising first, by each of several weighings of the same recordings. Forms that promise
+/// nothing are left out.
 pub fn screen(
     scene: &Scene<'_>,
     fit: &Fit,
-    sensitivity: &Sensitivity<'_>,
+    weighings: &[Sensitivity<'_>],
     hypotheses: &[&'static Hypothesis],
-) -> Result<Vec<Lead>, MachineError> {
+) -> Result<Vec<Vec<Lead>>, MachineError> {
+    let Some(any) = weighings.first() else { return Ok(Vec::new()) };
     let forms: Vec<(&'static Hypothesis, Form)> =
         hypotheses.iter().flat_map(|effect| effect.forms_in(scene).map(move |form| (*effect, form))).collect();
     let points: Vec<(usize, Values)> = forms
@@ -180,11 +167,36 @@ pub fn screen(
         .enumerate()
         .flat_map(|(index, (_, form))| shapes(scene, form).into_iter().map(move |shape| (index, shape)))
         .collect();
-    // First what each point promises along its directions, then the promising ones for real.
-    let promised: Vec<Promise> = points
+    // What each point promises along its directions, by each weighing.
+    let promised: Vec<Vec<Promise>> = points
         .into_par_iter()
-        .map(|(index, shape)| Promise::of(scene, fit, sensitivity, forms[index].1, shape, index))
+        .map(|(index, shape)| {
+            let form = forms[index].1;
+            let units: Vec<f64> = amounts(form).map(|strength| strength.unit(scene)).collect();
+            // A point that does not become a drive promises nothing.
+            let directions = directions(fit, any, form, &shape, &units).ok();
+            let promise = |sensitivity| {
+                let promised = directions.as_ref().map(|directions| directed(sensitivity, form, directions));
+                let (shares, gain) = promised.unwrap_or_default();
+                Promise { form: index, shape: shape.clone(), shares, gain }
+            };
+            weighings.iter().map(promise).collect()
+        })
         .collect();
+    let by = |(which, sensitivity): (usize, &Sensitivity<'_>)| {
+        best(scene, fit, sensitivity, &forms, promised.iter().map(|each| &each[which]).collect())
+    };
+    Ok(weighings.iter().enumerate().map(by).collect())
+}
+
+/// The best of the promising points of every form, for real.
+fn best(
+    scene: &Scene<'_>,
+    fit: &Fit,
+    sensitivity: &Sensitivity<'_>,
+    forms: &[(&'static Hypothesis, Form)],
+    promised: Vec<&Promise>,
+) -> Vec<Lead> {
     let mut gains: Vec<f64> = promised.iter().map(|promise| promise.gain).collect();
     gains.sort_by(|a, b| b.total_cmp(a));
     let least = gains.first().map_or(0.0, |most| WORTHWHILE * most).max(gains.get(MOST_TRIED).copied().unwrap_or(0.0));
@@ -194,7 +206,7 @@ pub fn screen(
         .map(|promise| {
             let (effect, form) = forms[promise.form];
             // A point that does not become a drive is no lead.
-            (promise.form, lead(scene, fit, sensitivity, effect, form, &promise).ok().flatten())
+            (promise.form, lead(scene, fit, sensitivity, effect, form, promise).ok().flatten())
         })
         .collect();
     let mut best: Vec<Option<Lead>> = vec![None; forms.len()];
@@ -207,7 +219,7 @@ pub fn screen(
     }
     let mut found: Vec<Lead> = best.into_iter().flatten().collect();
     found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    Ok(found)
+    found
 }
 
 /// Every combination of the shapes' points.
@@ -319,7 +331,7 @@ fn lead(
                 *unit *= share.abs().clamp(0.02, 30.0);
             }
         }
-        (shares, promised) = directed(fit, sensitivity, form, &promise.shape, &units)?;
+        (shares, promised) = directed(sensitivity, form, &directions(fit, sensitivity, form, &promise.shape, &units)?);
     }
     Ok(best.filter(|lead| lead.gain > 0.0).map(|mut lead| {
         // A strength that this point does without starts small.

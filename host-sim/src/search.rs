@@ -2,10 +2,9 @@
 
 use rayon::prelude::*;
 
-use crate::candidate::{Candidate, Question};
+use crate::candidate::{Candidate, Question, Reference};
 use crate::fit::{CHANCE, FitError};
 use crate::hypothesis::Hypothesis;
-use crate::prepare::Prepared;
 use crate::screen::Lead;
 use crate::tempered::Tempered;
 use crate::verdict::excess;
@@ -47,28 +46,26 @@ fn added(
     most: usize,
     done: &(impl Fn(&str) + Sync),
 ) -> Result<Vec<Candidate>, FitError> {
-    let refit = |leads: &[Lead], reference: &Candidate| refit_each(leads, done, |lead| reference.with(question, lead));
-    let own = promising(from.leads(question, open)?, most, CHANCE);
+    let refit = |leads: &[Lead], reference: &Reference<'_>| refit_each(leads, done, |lead| reference.with(lead));
+    let reference = Reference::new(question, from)?;
+    let own = promising(reference.leads(open)?, most, CHANCE);
     if !from.effects.is_empty() || !from.is_bent(question) {
-        return refit(&own, from);
+        return refit(&own, &reference);
     }
-    let beside = |cases: &[Prepared]| -> Result<Vec<Lead>, FitError> {
-        let cases: Vec<&Prepared> = cases.iter().collect();
-        Ok(promising(tempered.base.leads(&Question { training: &cases, ..*question }, open)?, most, 0.0))
-    };
-    let mut others = beside(&tempered.correlated)?;
+    let beside = Reference::new(question, &tempered.base)?;
+    let leads = beside.leads_by([&tempered.correlated, &tempered.independent], open)?;
+    let [mut others, mut bending] = leads.map(|leads| promising(leads, most, 0.0));
     let (again, own): (Vec<Lead>, Vec<Lead>) =
         own.into_iter().partition(|lead| others.iter().any(|other| other.is_like(lead)));
-    let mut bending = beside(&tempered.independent)?;
     bending.retain(|lead| others.iter().all(|known| !known.is_like(lead)));
     others.extend(bending);
-    let (alone, both) = rayon::join(|| refit(&own, from), || refit(&others, &tempered.base));
+    let (alone, both) = rayon::join(|| refit(&own, &reference), || refit(&others, &beside));
     let mut found = alone?;
     found.extend(both?);
     let least = least_above(found.iter().filter(|candidate| candidate.is_plausible(question.scene)));
     let near = |lead: &Lead| found.iter().any(|known| known.newest_is_like(lead) && is_hopeful(known, least));
     let again: Vec<Lead> = again.into_iter().filter(near).collect();
-    found.extend(refit(&again, from)?);
+    found.extend(refit(&again, &reference)?);
     Ok(found)
 }
 
@@ -154,10 +151,11 @@ fn extensions(
         if richer.is_empty() || plain.fit.loss >= from.fit.loss || plainer.iter().any(better) {
             return Ok(Vec::new());
         }
-        let mut leads = plain.extensions(question, &richer)?;
+        let reference = Reference::new(question, plain)?;
+        let mut leads = reference.extensions(&richer)?;
         let known = |lead: &Lead| plainer.iter().any(|known| known.newest_is_like(lead) && known.fit.loss <= lead.loss);
         leads.retain(|lead| !known(lead));
-        refit_each(&leads, done, |lead| plain.with_extension(question, lead))
+        refit_each(&leads, done, |lead| reference.with_extension(lead))
     };
     let found: Vec<Vec<Candidate>> = plainer.par_iter().map(of_plain).collect::<Result<_, _>>()?;
     Ok(found.into_iter().flatten().collect())

@@ -11,17 +11,17 @@
 use model_core::machine::{Machine, MachineError};
 use rayon::prelude::*;
 
-use crate::candidate::{Candidate, Question, Residuals};
+use crate::candidate::{Candidate, Question, Residuals, Weighing, noisier};
 use crate::fit::{Fit, FitError, StartState, effective_samples, loss, standardised};
 use crate::prepare::Prepared;
 
-/// Recordings with the noise that a refitted model asks for, and that model.
+/// The noise that a refitted model asks for, and that model.
 #[derive(Clone, Debug)]
 pub struct Tempered {
-    /// The training recordings, the noise of every channel what the model leaves, and as correlated.
-    pub correlated: Vec<Prepared>,
+    /// The noise of every channel what the model leaves, and as correlated.
+    pub correlated: Weighing,
     /// The same with every sample independent.
-    pub independent: Vec<Prepared>,
+    pub independent: Weighing,
     /// The machine file's model, refitted with the noise of every channel what it leaves, and as correlated.
     pub base: Candidate,
 }
@@ -38,8 +38,7 @@ impl Tempered {
             base = refitted(question, &left, Some(&base.fit))?;
             left = left_by(question, &base.fit.machine, &base.fit.starts)?;
         }
-        let correlated = noisier(question, &left, effective_samples);
-        let independent = noisier(question, &left, |series| series.len() as f64);
+        let (correlated, independent) = (spread(&left, effective_samples), spread(&left, |series| series.len() as f64));
         Ok(Self { correlated, independent, base })
     }
 }
@@ -52,17 +51,14 @@ fn left_by(question: &Question<'_>, machine: &Machine<f64>, starts: &[StartState
 
 /// The machine file's model, refitted with the noise that so much left asks for.
 fn refitted(question: &Question<'_>, left: &Residuals, from: Option<&Fit>) -> Result<Candidate, FitError> {
-    let cases = noisier(question, left, effective_samples);
+    let cases: Vec<Prepared> = question.training.iter().map(|&case| case.clone()).collect();
+    let cases = noisier(&cases, &spread(left, effective_samples));
     let references: Vec<&Prepared> = cases.iter().collect();
     Candidate::rough(&Question { training: &references, ..*question }, from)
 }
 
-/// The training recordings as if the noise of every channel were all that is left, spread over so many samples.
-fn noisier(question: &Question<'_>, left: &Residuals, samples: fn(&[f64]) -> f64) -> Vec<Prepared> {
-    let mut cases: Vec<Prepared> = question.training.iter().map(|&case| case.clone()).collect();
-    for (channel, series) in cases.iter_mut().flat_map(|case| &mut case.channels).zip(left.iter().flatten()) {
-        channel.noise *= (loss(series) / samples(series)).sqrt().max(1.0);
-        channel.tolerance = 1.0;
-    }
-    cases
+/// The noise if all that is left of a channel is noise, spread over so many samples.
+fn spread(left: &Residuals, samples: fn(&[f64]) -> f64) -> Weighing {
+    let each = |series: &Vec<f64>| (loss(series) / samples(series)).sqrt().max(1.0);
+    left.iter().map(|case| case.iter().map(each).collect()).collect()
 }

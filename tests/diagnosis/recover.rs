@@ -1,6 +1,6 @@
 //! The fit on what the model itself computed: it must find what was put in.
 
-use host_sim::candidate::{Candidate, Question};
+use host_sim::candidate::{Candidate, Question, Reference};
 use host_sim::fit::{Free, Freedom, From, fit};
 use host_sim::hypothesis::{CATALOGUE, Hypothesis};
 use host_sim::prepare::{Channel, Prepared};
@@ -76,9 +76,10 @@ fn where_a_richer_friction_ends_the_plainer_one_is_looked_for() {
         .collect();
     let question = Question { scene: &scene, ordinary: &ordinary, hypotheses: &frictions, training: &references };
     let base = Candidate::rough(&question, None).unwrap();
-    let leads = base.leads(&question, &frictions).unwrap();
+    let reference = Reference::new(&question, &base).unwrap();
+    let leads = reference.leads(&frictions).unwrap();
     let lead = leads.iter().find(|lead| lead.effect.name == "friction-asymmetry").unwrap();
-    let richer = base.with(&question, lead).unwrap().finished(&question).unwrap();
+    let richer = reference.with(lead).unwrap().finished(&question).unwrap();
     let plain = richer.with_plain(&question).unwrap().unwrap();
     let force = plain.fit.machine.get(P::CoulombFriction);
     println!("{force:.0} N; {:.1} with one force, {:.1} with two", plain.fit.loss, richer.fit.loss);

@@ -6,6 +6,7 @@
 //! move in by their logarithm, and which none leaves far. The state that each recording starts from is free as well, within what
 //! its sensors leave open.
 
+mod coarse;
 mod information;
 mod nearby;
 mod problem;
@@ -19,12 +20,13 @@ use model_core::parameter::Parameter;
 use nalgebra::DVector;
 
 use crate::prepare::Prepared;
+pub use coarse::coarse;
 pub use information::Information;
 pub(crate) use information::OF_START;
 pub use problem::Told;
 use problem::{Minimum, Problem};
 pub use residuals::{CHANCE, Misfit, effective_samples, loss, misfits, set_tolerances, soft, softened, standardised};
-pub use sensitivity::{Change, Sensitivity, Settled};
+pub use sensitivity::{Change, Sensitivity, Settled, Simulated};
 pub use start::{StartState, level_at_rest, settle};
 
 /// Most parameters of one fit.

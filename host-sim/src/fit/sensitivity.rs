@@ -56,6 +56,9 @@ pub struct Sensitivity<'a> {
     gradient: DVector<f64>,
 }
 
+/// Every channel at the kept rows, row by row, SI; 0 where it is not simulated: one vector a recording.
+pub type Simulated = Vec<Vec<f64>>;
+
 /// A change of all residuals: one vector a recording.
 pub type Change = Vec<Vec<f64>>;
 
@@ -89,25 +92,42 @@ impl<'a> Sensitivity<'a> {
         Ok(matrix.cholesky().map(|factor| Self { cases, fit, blocks, kept, factor, gradient }))
     }
 
-    /// Residuals of another machine, as they would enter the loss, less those of the solution.
-    pub fn change(&self, machine: &Machine<f64>) -> Result<Change, MachineError> {
+    /// What another machine simulates from the solution's starts.
+    pub fn simulated(&self, machine: &Machine<f64>) -> Result<Simulated, MachineError> {
         self.cases
             .iter()
             .zip(self.fit.starts.iter().zip(&self.blocks))
             .map(|(case, (start, block))| {
-                let mut change = Vec::with_capacity(block.residuals.len());
+                let mut simulated = Vec::with_capacity(block.residuals.len());
                 run::<f64>(machine, &case.stimulus, start.offset(machine, case), |row, sample| {
-                    if !self.kept.has(row) {
-                        return;
-                    }
-                    for channel in &case.channels {
-                        let index = change.len();
-                        let (here, slope) = block.residuals[index];
-                        let there = soft(missed(channel, row, sample.signal(channel.signal)), channel.tolerance).0;
-                        change.push(if slope == 0.0 { 0.0 } else { self.kept.weight * there - here });
+                    if self.kept.has(row) {
+                        let signals = case.channels.iter().map(|channel| sample.signal(channel.signal));
+                        simulated.extend(signals.map(Option::unwrap_or_default));
                     }
                 })?;
-                Ok(change)
+                Ok(simulated)
+            })
+            .collect()
+    }
+
+    /// Residuals of what another machine simulates, as they would enter the loss, less those of the solution.
+    #[must_use]
+    pub fn change(&self, simulated: &Simulated) -> Change {
+        self.cases
+            .iter()
+            .zip(simulated.iter().zip(&self.blocks))
+            .map(|(case, (simulated, block))| {
+                let channels = case.channels.len();
+                let each = simulated.iter().zip(&block.residuals).enumerate();
+                each.map(|(index, (there, (here, slope)))| {
+                    if *slope == 0.0 {
+                        return 0.0;
+                    }
+                    let (channel, row) = (&case.channels[index % channels], index / channels * self.kept.stride);
+                    let residual = soft(missed(channel, row, Some(*there)), channel.tolerance).0;
+                    self.kept.weight * residual - here
+                })
+                .collect()
             })
             .collect()
     }

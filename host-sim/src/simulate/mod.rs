@@ -17,7 +17,7 @@ use model_core::valve::Slider;
 
 pub use live::{Inputs, Live};
 pub use rest::Start;
-pub use stimulus::{EntryPoint, SimulateError, Stimulus, first_entry, natural_tick};
+pub use stimulus::{Coarser, EntryPoint, SimulateError, Stimulus, first_entry, natural_tick};
 
 use crate::recording::Signal;
 

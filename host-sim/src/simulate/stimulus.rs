@@ -1,5 +1,7 @@
 //! A recording laid on the core's grid: where the chain is entered, with what, from which state.
 
+mod coarser;
+
 use std::sync::Arc;
 
 use model_core::drive::{Entry, Load};
@@ -18,6 +20,8 @@ use crate::machine_file::LoadSource;
 use crate::noise::{extent, noise, resolution};
 use crate::recording::{Recording, Signal};
 use crate::slope::slopes;
+
+pub use coarser::Coarser;
 
 /// Where the chain is entered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -5,6 +5,7 @@
 
 use super::likelihood::{accepts, ranked};
 use super::{AT_NOISE, Candidate, FAR, MOST_EFFECTS, Question, Selection, explains_enough, reduced, trial};
+use crate::candidate::Reference;
 use crate::fit::FitError;
 use crate::screen::Lead;
 use crate::search::{open_to, refit_each};
@@ -59,7 +60,8 @@ fn slow(
     if open.is_empty() {
         return Ok(None);
     }
-    let mut leads: Vec<Lead> = from.leads(question, &open)?;
+    let reference = Reference::new(question, from)?;
+    let mut leads: Vec<Lead> = reference.leads(&open)?;
     let mut known: Vec<&str> = Vec::new();
     // The most promising first, so that the best form of each stays.
     leads.retain(|lead| {
@@ -67,7 +69,7 @@ fn slow(
         known.push(lead.effect.name);
         new
     });
-    let rough = refit_each(&leads, done, |lead| from.with(question, lead))?;
+    let rough = refit_each(&leads, done, |lead| reference.with(lead))?;
     let best = rough.into_iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss));
     let finished = best.map(|best| best.finished(question)).transpose()?;
     Ok(finished.filter(|candidate| candidate.is_plausible(question.scene)))

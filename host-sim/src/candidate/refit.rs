@@ -1,0 +1,159 @@
+//! Refits of a set: to the end at the recordings' own tick, short of that at twice the tick.
+
+use model_core::machine::Machine;
+use model_core::parameter::Parameter;
+use rayon::prelude::*;
+
+use super::{Candidate, Chosen, Question, Residuals, strengths};
+use crate::fit::{Fit, FitError, Free, From, Sensitivity, StartState, coarse, fit, loss, softened};
+use crate::hypothesis::Kind;
+use crate::prepare::Prepared;
+use crate::screen::with;
+
+/// The search ends when the loss falls by less than this share in a step.
+pub(super) const PRECISION: f64 = 1e-5;
+/// The same for what all sets are measured against: of twenty thousand samples a hundredth of a unit of log-likelihood.
+pub(super) const FINELY: f64 = 1e-6;
+/// The same for one of several starts, the best of which is gone on with.
+pub(super) const NEARLY: f64 = 1e-4;
+/// The same for a model that another search begins at.
+pub(super) const SETTLED: f64 = 1e-3;
+/// The same for a first look.
+const ROUGHLY: f64 = 0.03;
+/// A strength that no slope leads to is known to this share of itself.
+pub(super) const NARROWEST: f64 = 0.01;
+
+/// How far a refit goes.
+pub(super) enum Goes<'a> {
+    /// To the end.
+    ToTheEnd,
+    /// Only for a first look, on the training recordings at twice the tick around where it begins.
+    Roughly(&'a [Prepared]),
+}
+
+/// Where a refit begins.
+pub(super) struct Beginning<'a> {
+    pub(super) fit: &'a Fit,
+    /// Strengths that are new.
+    pub(super) values: &'a [(Parameter, f64)],
+    /// Where the former fit's coordinates settle with them.
+    pub(super) settled: &'a [f64],
+    pub(super) goes: Goes<'a>,
+}
+
+impl Candidate {
+    /// A fit with its residuals.
+    pub(crate) fn of(
+        question: &Question<'_>,
+        effects: Vec<Chosen>,
+        fit: Fit,
+        jumps: Vec<(Parameter, f64)>,
+        is_finished: bool,
+    ) -> Result<Self, FitError> {
+        let training = question.training.par_iter().zip(&fit.starts);
+        let residuals: Residuals =
+            training.map(|(case, start)| softened(&fit.machine, case, *start)).collect::<Result<_, _>>()?;
+        Ok(Self { effects, fit, jumps, residuals, is_finished })
+    }
+
+    /// What a search found. Short of the end it was at twice the tick, and its loss is told anew at the recordings' own.
+    fn found(
+        question: &Question<'_>,
+        effects: Vec<Chosen>,
+        fit: Fit,
+        jumps: Vec<(Parameter, f64)>,
+        precision: f64,
+    ) -> Result<Self, FitError> {
+        let is_finished = precision <= PRECISION;
+        let mut found = Self::of(question, effects, fit, jumps, is_finished)?;
+        if !is_finished {
+            let missed: f64 = found.residuals.iter().flatten().map(|series| loss(series)).sum();
+            let missed_there: f64 = found.fit.information.iter().map(|one| one.square).sum();
+            found.fit.loss += 0.5 * (missed - missed_there);
+        }
+        Ok(found)
+    }
+
+    /// A refit of the ordinary parameters alone.
+    pub(super) fn ordinary(question: &Question<'_>, solution: Option<&Fit>, precision: f64) -> Result<Self, FitError> {
+        let from = From { solution, ..From::default() };
+        let searched = |training: &[&Prepared]| {
+            let found = fit(question.scene.machine, question.ordinary, training, &from, precision)?;
+            Self::found(question, Vec::new(), found, Vec::new(), precision)
+        };
+        if precision <= PRECISION {
+            return searched(question.training);
+        }
+        let nominal = vec![StartState::default(); question.training.len()];
+        let (machine, starts) =
+            solution.map_or((question.scene.machine, nominal.as_slice()), |known| (&known.machine, &known.starts));
+        let nearby = coarse(question.training, machine, starts)?;
+        searched(&nearby.iter().collect::<Vec<_>>())
+    }
+
+    /// A refit of a set with everything that is free in it.
+    pub(super) fn refitted(
+        question: &Question<'_>,
+        effects: Vec<Chosen>,
+        mut jumps: Vec<(Parameter, f64)>,
+        from: &Beginning<'_>,
+    ) -> Result<Self, FitError> {
+        let smooth = strengths(&effects).into_iter().filter(|strength| !matches!(strength.kind, Kind::Jump(_)));
+        let free: Vec<Free> =
+            question.ordinary.iter().copied().chain(smooth.map(|strength| strength.free(question.scene))).collect();
+        let coordinates: Vec<(Parameter, f64)> = from
+            .values
+            .iter()
+            .filter_map(|(parameter, value)| {
+                let free = free.iter().find(|free| free.parameter == *parameter)?;
+                Some((*parameter, free.coordinate(*value)))
+            })
+            .collect();
+        let (training, precision) = match from.goes {
+            Goes::ToTheEnd => (question.training.to_vec(), PRECISION),
+            Goes::Roughly(nearby) => (nearby.iter().collect(), ROUGHLY),
+        };
+        let refit = |jumps: &[(Parameter, f64)], start: &From<'_>| {
+            fit(&with(question.scene.machine, jumps), &free, &training, start, precision)
+        };
+        let mut found =
+            refit(&jumps, &From { solution: Some(from.fit), coordinates: &coordinates, moved: from.settled })?;
+        for _ in 0..if jumps.is_empty() { 0 } else { 2 } {
+            let Some(sensitivity) = Sensitivity::at(&found, &training)? else { break };
+            for (parameter, value) in &mut jumps {
+                *value = better(&found.machine, &sensitivity, *parameter, *value)?;
+            }
+            drop(sensitivity);
+            found = refit(&jumps, &From { solution: Some(&found), ..From::default() })?;
+        }
+        Self::found(question, effects, found, jumps, precision)
+    }
+}
+
+/// A better value of a strength that no slope leads to, near where it is.
+fn better(
+    machine: &Machine<f64>,
+    sensitivity: &Sensitivity<'_>,
+    parameter: Parameter,
+    value: f64,
+) -> Result<f64, FitError> {
+    let gain = |value: f64| -> Result<f64, FitError> {
+        let there = sensitivity.simulated(&with(machine, &[(parameter, value)]))?;
+        Ok(sensitivity.settle(&sensitivity.change(&there)).gain)
+    };
+    let (mut best, mut width) = ((value, gain(value)?), 0.16);
+    while width > NARROWEST {
+        let (mut moved, around) = (false, best.0);
+        for there in [around * (1.0 - width), (around * (1.0 + width)).min(parameter.description().max)] {
+            let found = gain(there)?;
+            if found > best.1 {
+                best = (there, found);
+                moved = true;
+            }
+        }
+        if !moved {
+            width *= 0.5;
+        }
+    }
+    Ok(best.0)
+}

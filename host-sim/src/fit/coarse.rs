@@ -1,0 +1,95 @@
+//! Recordings at twice the tick: half the work of every simulation, for a first look.
+//!
+//! What a step of twice the length misses at a solution is taken off the recorded values, so there the residuals are those of the
+//! recording's own tick. Elsewhere they lack what that miss changes by.
+
+use model_core::machine::{Machine, MachineError};
+use rayon::prelude::*;
+
+use super::StartState;
+use crate::prepare::{Channel, Prepared};
+use crate::simulate::{Coarser, Stimulus, run};
+
+/// Recordings at twice the tick, around a machine and the start of each; as they are, where the core has no such tick.
+pub fn coarse(
+    cases: &[&Prepared],
+    machine: &Machine<f64>,
+    starts: &[StartState],
+) -> Result<Vec<Prepared>, MachineError> {
+    let each = cases.par_iter().zip(starts);
+    each.map(|(case, start)| Ok(coarser(case, machine, *start)?.unwrap_or_else(|| (*case).clone()))).collect()
+}
+
+fn coarser(case: &Prepared, machine: &Machine<f64>, start: StartState) -> Result<Option<Prepared>, MachineError> {
+    let Some(Coarser { stimulus, kept }) = case.stimulus.coarser() else { return Ok(None) };
+    let simulated = |stimulus: &Stimulus| -> Result<Vec<Vec<f64>>, MachineError> {
+        let mut all: Vec<Vec<f64>> = case.channels.iter().map(|_| Vec::with_capacity(stimulus.rows())).collect();
+        run::<f64>(machine, stimulus, start.offset(machine, case), |_, sample| {
+            for (channel, series) in case.channels.iter().zip(&mut all) {
+                series.push(sample.signal(channel.signal).unwrap_or(0.0));
+            }
+        })?;
+        Ok(all)
+    };
+    let (fine, rough) = (simulated(&case.stimulus)?, simulated(&stimulus)?);
+    // Fewer rows have to weigh as much.
+    let weight = (kept.len() as f64 / case.rows() as f64).sqrt();
+    let channel = |(channel, (fine, rough)): (&Channel, (&Vec<f64>, &Vec<f64>))| Channel {
+        recorded: kept.iter().zip(rough).map(|(&row, rough)| channel.recorded[row] - fine[row] + rough).collect(),
+        failed: kept.iter().map(|&row| channel.failed[row]).collect(),
+        noise: channel.noise * weight,
+        tolerance: channel.tolerance / weight,
+        stretches: Vec::new(),
+        ..*channel
+    };
+    Ok(Some(Prepared {
+        name: case.name.clone(),
+        time_s: kept.iter().map(|&row| case.time_s[row]).collect(),
+        channels: case.channels.iter().zip(fine.iter().zip(&rough)).map(channel).collect(),
+        stimulus,
+        failures: Vec::new(),
+        start_sigma_m: case.start_sigma_m,
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use model_core::parameter::Parameter;
+
+    use super::*;
+    use crate::fit::residuals::tests::recorded;
+    use crate::fit::standardised;
+    use crate::machine_file::LoadSource;
+    use crate::press::press;
+
+    /// Residuals of the position over its noise.
+    fn missed(machine: &Machine<f64>, case: &Prepared) -> Vec<f64> {
+        standardised(machine, case, StartState::default()).unwrap().remove(0)
+    }
+
+    #[test]
+    fn residuals_at_twice_the_tick_are_those_of_the_rows_that_are_kept_and_a_small_change_moves_them_as_much() {
+        let machine = press(&[(Parameter::ViscousFriction, 4e4), (Parameter::TimeConstant2, 0.02)]);
+        let fine = Prepared::new(&recorded(&machine), &machine, LoadSource::Constant, None).unwrap();
+        // Around a machine that is off, where residuals are far more than noise.
+        let around = machine.with(&[(Parameter::FlowCoefficient, 1.02 * machine.get(Parameter::FlowCoefficient))]);
+        let nearby = coarse(&[&fine], &around, &[StartState::default()]).unwrap().remove(0);
+        assert_eq!((nearby.rows(), nearby.stimulus.ticks()), (600, 599));
+
+        let (all, kept) = (missed(&around, &fine), missed(&around, &nearby));
+        let weight = nearby.channels[0].noise / fine.channels[0].noise;
+        for (row, kept) in kept.iter().enumerate() {
+            assert!((all[2 * row] - weight * kept).abs() < 1e-9 * all[2 * row].abs().max(1.0), "{row}");
+        }
+        let square = |series: &[f64]| series.iter().map(|one| one * one).sum::<f64>();
+        assert!((square(&kept) / square(&all) - 1.0).abs() < 0.02, "{} {}", square(&kept), square(&all));
+
+        let other = around.with(&[(Parameter::InternalLeakage, 2e-12)]);
+        let change = |case: &Prepared| -> Vec<f64> {
+            missed(&other, case).iter().zip(missed(&around, case)).map(|(there, here)| there - here).collect()
+        };
+        let (fine, coarse) = (change(&fine), change(&nearby));
+        let off: Vec<f64> = coarse.iter().enumerate().map(|(row, coarse)| weight * coarse - fine[2 * row]).collect();
+        assert!(square(&fine) > 100.0 && square(&off) < 1e-4 * square(&fine), "{} of {}", square(&off), square(&fine));
+    }
+}
