@@ -51,8 +51,8 @@ fn left_by(question: &Question<'_>, machine: &Machine<f64>, starts: &[StartState
 
 /// The machine file's model, refitted with the noise that so much left asks for.
 fn refitted(question: &Question<'_>, left: &Residuals, from: Option<&Fit>) -> Result<Candidate, FitError> {
-    let cases: Vec<Prepared> = question.training.iter().map(|&case| case.clone()).collect();
-    let cases = noisier(&cases, &spread(left, effective_samples));
+    let training = question.training.iter().map(|&case| case.clone()).collect();
+    let cases = noisier(training, &spread(left, effective_samples));
     let references: Vec<&Prepared> = cases.iter().collect();
     Candidate::rough(&Question { training: &references, ..*question }, from)
 }

@@ -39,7 +39,7 @@ impl<'a> Reference<'a> {
         weighings: [&Weighing; 2],
         hypotheses: &[&'static Hypothesis],
     ) -> Result<[Vec<Lead>; 2], FitError> {
-        let weighed = weighings.map(|weighing| noisier(&self.nearby, weighing));
+        let weighed = weighings.map(|weighing| noisier(self.nearby.clone(), weighing));
         let [one, other] = weighed.each_ref().map(|cases| cases.iter().collect::<Vec<_>>());
         let at = |cases| Sensitivity::at(&self.set.fit, cases);
         let (Some(one), Some(other)) = (at(&one)?, at(&other)?) else { return Ok([Vec::new(), Vec::new()]) };
@@ -63,9 +63,7 @@ impl<'a> Reference<'a> {
 
     /// The set with one more effect, roughly refitted from where the lead points; [`Candidate::finished`] does the rest.
     pub fn with(&self, lead: &Lead) -> Result<Candidate, FitError> {
-        let mut effects = self.set.effects.clone();
-        effects.push(Chosen { effect: lead.effect, form: lead.form });
-        self.refitted(effects, lead)
+        self.beside(self.set.effects.clone(), lead)
     }
 
     /// The set with an extension in the place of the effect that it extends.
@@ -73,11 +71,12 @@ impl<'a> Reference<'a> {
         let plain = lead.effect.extends.map_or("", |extension| extension.plain);
         let mut effects = self.set.effects.clone();
         effects.retain(|chosen| chosen.effect.name != plain);
-        effects.push(Chosen { effect: lead.effect, form: lead.form });
-        self.refitted(effects, lead)
+        self.beside(effects, lead)
     }
 
-    fn refitted(&self, effects: Vec<Chosen>, lead: &Lead) -> Result<Candidate, FitError> {
+    /// The lead's effect beside others, roughly refitted.
+    fn beside(&self, mut effects: Vec<Chosen>, lead: &Lead) -> Result<Candidate, FitError> {
+        effects.push(Chosen { effect: lead.effect, form: lead.form });
         let mut jumps = self.set.jumps.clone();
         jumps.extend(lead.values.iter().filter(|(parameter, _)| is_jump(lead.form, *parameter)));
         let Lead { values, settled, .. } = lead;
@@ -87,8 +86,7 @@ impl<'a> Reference<'a> {
 }
 
 /// Recordings with more noise.
-pub fn noisier(cases: &[Prepared], by: &Weighing) -> Vec<Prepared> {
-    let mut cases = cases.to_vec();
+pub fn noisier(mut cases: Vec<Prepared>, by: &Weighing) -> Vec<Prepared> {
     for (channel, times) in cases.iter_mut().flat_map(|case| &mut case.channels).zip(by.iter().flatten()) {
         channel.noise *= times;
         channel.tolerance = 1.0;

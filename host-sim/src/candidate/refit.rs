@@ -42,36 +42,24 @@ pub(super) struct Beginning<'a> {
 }
 
 impl Candidate {
-    /// A fit with its residuals.
+    /// A fit with its residuals. One that was not searched to the end was searched at twice the tick: its loss is told anew at the
+    /// recordings' own.
     pub(crate) fn of(
         question: &Question<'_>,
         effects: Vec<Chosen>,
-        fit: Fit,
+        mut fit: Fit,
         jumps: Vec<(Parameter, f64)>,
         is_finished: bool,
     ) -> Result<Self, FitError> {
         let training = question.training.par_iter().zip(&fit.starts);
         let residuals: Residuals =
             training.map(|(case, start)| softened(&fit.machine, case, *start)).collect::<Result<_, _>>()?;
-        Ok(Self { effects, fit, jumps, residuals, is_finished })
-    }
-
-    /// What a search found. Short of the end it was at twice the tick, and its loss is told anew at the recordings' own.
-    fn found(
-        question: &Question<'_>,
-        effects: Vec<Chosen>,
-        fit: Fit,
-        jumps: Vec<(Parameter, f64)>,
-        precision: f64,
-    ) -> Result<Self, FitError> {
-        let is_finished = precision <= PRECISION;
-        let mut found = Self::of(question, effects, fit, jumps, is_finished)?;
         if !is_finished {
-            let missed: f64 = found.residuals.iter().flatten().map(|series| loss(series)).sum();
-            let missed_there: f64 = found.fit.information.iter().map(|one| one.square).sum();
-            found.fit.loss += 0.5 * (missed - missed_there);
+            let missed: f64 = residuals.iter().flatten().map(|series| loss(series)).sum();
+            let missed_there: f64 = fit.information.iter().map(|one| one.square).sum();
+            fit.loss += 0.5 * (missed - missed_there);
         }
-        Ok(found)
+        Ok(Self { effects, fit, jumps, residuals, is_finished })
     }
 
     /// A refit of the ordinary parameters alone.
@@ -79,7 +67,7 @@ impl Candidate {
         let from = From { solution, ..From::default() };
         let searched = |training: &[&Prepared]| {
             let found = fit(question.scene.machine, question.ordinary, training, &from, precision)?;
-            Self::found(question, Vec::new(), found, Vec::new(), precision)
+            Self::of(question, Vec::new(), found, Vec::new(), precision <= PRECISION)
         };
         if precision <= PRECISION {
             return searched(question.training);
@@ -126,7 +114,7 @@ impl Candidate {
             drop(sensitivity);
             found = refit(&jumps, &From { solution: Some(&found), ..From::default() })?;
         }
-        Self::found(question, effects, found, jumps, precision)
+        Self::of(question, effects, found, jumps, precision <= PRECISION)
     }
 }
 
