@@ -1,12 +1,25 @@
 //! Rows that stand alone.
 
-/// A row is a spike that is further from the median of the seven around it than so many standard deviations of the noise…
+use super::bridged;
+
+/// A row is a spike that is further from its neighbours than so many standard deviations of the noise…
 const SPIKE: f64 = 8.0;
-/// … and so many times their own median distance from it, which is what a moving signal makes.
+/// … and so many times what a moving signal makes.
 const MOVING: f64 = 6.0;
 
-/// Rows where the sensor failed for a moment, up to three in a row (Hampel's identifier).
+/// Rows where the sensor failed for a moment: up to three in a row where the signal hardly moves, and single ones where it does.
 pub(super) fn spikes(values: &[f64], noise: f64) -> Vec<bool> {
+    let mut spikes = off_the_median(values, noise);
+    let known = bridged(values, &spikes);
+    let moving: Vec<usize> = off_the_line(&known, noise).collect();
+    for row in moving {
+        spikes[row] = true;
+    }
+    spikes
+}
+
+/// Rows far from the median of the seven around them, for as much as those lie from it themselves (Hampel's identifier).
+fn off_the_median(values: &[f64], noise: f64) -> Vec<bool> {
     let last = values.len() - 1;
     let is_spike = |row: usize| {
         let (from, to) = (row.saturating_sub(3), (row + 3).min(last));
@@ -29,4 +42,15 @@ pub(super) fn spikes(values: &[f64], noise: f64) -> Vec<bool> {
         spikes[row] = suspect && is_spike(row);
     }
     spikes
+}
+
+/// Rows far outside what lies between their neighbours, for as much as the three rows before and the three after bend: a signal that
+/// moves evenly, however fast, bends little, and one that jumps lies between its neighbours.
+fn off_the_line(values: &[f64], noise: f64) -> impl Iterator<Item = usize> {
+    values.windows(7).enumerate().filter_map(move |(from, around)| {
+        let &[a, b, c, value, d, e, f] = around else { return None };
+        let outside = (value - c.max(d)).max(c.min(d) - value);
+        let bend = || (a - 2.0 * b + c).abs().max((d - 2.0 * e + f).abs()).max((e - d - (c - b)).abs());
+        (outside > SPIKE * noise && outside > SPIKE * noise + MOVING * bend()).then_some(from + 3)
+    })
 }

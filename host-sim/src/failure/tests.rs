@@ -105,6 +105,39 @@ fn a_jump_over_a_gap_in_time_is_none() {
     assert_eq!(found(Signal::Position, &(time_s, values)), []);
 }
 
+/// A slider that strokes up and down with sharp corners, jumps and rings, 200 Hz, with noise of half a thousandth.
+fn stroking_slider() -> Vec<f64> {
+    let shape = |row: usize| match row % 100 {
+        phase @ 0..30 => 0.03 * phase as f64 - 0.45,
+        30..60 => 0.45,
+        phase @ 60..80 => 0.45 - 0.09 * (phase - 60) as f64 / 2.0,
+        // A jump, and what rings after it.
+        phase => -0.6 + 0.15 * (0.8 * (phase - 80) as f64).cos() * (-0.2 * (phase - 80) as f64).exp(),
+    };
+    let mut seed = 9_u32;
+    let mut uniform = || {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(seed >> 8) / f64::from(1 << 24) - 0.5
+    };
+    (0..1000).map(|row| shape(row) + 1e-3 * (uniform() + uniform() + uniform())).collect()
+}
+
+#[test]
+fn spikes_stand_out_of_a_signal_that_moves_and_its_corners_jumps_and_ringing_do_not() {
+    let spikes = |values: &[f64]| -> Vec<usize> {
+        let found = super::spikes(values, crate::noise::noise(values, 0.0));
+        (0..values.len()).filter(|row| found[*row]).collect()
+    };
+    let clean = stroking_slider();
+    assert!(spikes(&clean).is_empty(), "{:?}", spikes(&clean));
+    let mut values = clean;
+    // Both ways, on the way up and down; the median of seven rows that move so lies as far from them as these do.
+    for (row, off) in [(110, 0.17), (215, -0.17), (470, 0.2), (575, -0.3)] {
+        values[row] += off;
+    }
+    assert_eq!(spikes(&values), [110, 215, 470, 575]);
+}
+
 #[test]
 fn spikes_are_no_stretches_and_failed_rows_are_bridged() {
     let (time_s, mut values) = rod();
