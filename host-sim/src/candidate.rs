@@ -4,11 +4,12 @@ mod reference;
 mod refit;
 mod standing;
 
+use model_core::machine::Machine;
 use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
 use crate::fit::{
-    Estimate, Fit, FitError, Free, StartState, effective_samples, loss, set_tolerances, settle, softened,
+    Estimate, Fit, FitError, Free, StartState, coarse, effective_samples, loss, set_tolerances, settle, softened,
 };
 use crate::hypothesis::{Form, Hypothesis, Kind, Scene, Strength, is_elastic};
 use crate::prepare::Prepared;
@@ -143,17 +144,28 @@ impl Candidate {
         Self::refitted(question, effects, jumps, &from)
     }
 
-    /// Residuals on each training recording by a model that never saw it, from the start that suits that model.
+    /// Residuals on each training recording by a model that never saw it, one Newton step away, from the start that suits that model.
     pub fn left_out(&self, question: &Question<'_>) -> Result<Residuals, FitError> {
+        self.left_out_by(question, |index| Ok(self.fit.without(index)))
+    }
+
+    /// The same by models refitted without the recording.
+    pub fn left_out_refitted(&self, question: &Question<'_>) -> Result<Residuals, FitError> {
+        let nearby = coarse(question.training, &self.fit.machine, &self.fit.starts)?;
+        self.left_out_by(question, |index| self.refitted_without(question, &nearby, index))
+    }
+
+    fn left_out_by(
+        &self,
+        question: &Question<'_>,
+        without: impl Fn(usize) -> Result<Machine<f64>, FitError> + Sync,
+    ) -> Result<Residuals, FitError> {
         let training = question.training;
-        training
-            .par_iter()
-            .enumerate()
-            .map(|(index, case)| {
-                let machine = if training.len() > 1 { self.fit.without(index) } else { self.fit.machine };
-                Ok(softened(&machine, case, settle(&machine, case)?)?)
-            })
-            .collect()
+        let residuals = |(index, case): (usize, &&Prepared)| {
+            let machine = if training.len() > 1 { without(index)? } else { self.fit.machine };
+            Ok(softened(&machine, case, settle(&machine, case)?)?)
+        };
+        training.par_iter().enumerate().map(residuals).collect()
     }
 
     /// Names of its effects, sorted.

@@ -19,7 +19,7 @@ use crate::prepare::Prepared;
 use crate::recording::Signal;
 use crate::shape::Shape;
 use crate::simulate::{EntryPoint, simulate};
-use crate::verdict::{Candidate, Confirmation, LeftOut, Question, Residuals, confirm};
+use crate::verdict::{Candidate, Confirmation, Gained, Question, Residuals, confirm};
 
 /// The search of a first look ends when the loss falls by less than this share in a step.
 const ROUGHLY: f64 = 0.03;
@@ -317,9 +317,9 @@ fn fitted(
 
 /// Log-likelihood gained on left-out recordings less what `values` cost; none where it gains on too few, or nothing.
 fn net(before: &Residuals, after: &Residuals, values: usize) -> Option<f64> {
-    let left_out = LeftOut::of(before, after);
-    let net = left_out.gain - left_out.cost(values);
-    (net > CHANCE && left_out.repeats).then_some(net)
+    let gained = Gained::of(before, after);
+    let net = gained.all - gained.cost(values);
+    (net > CHANCE && gained.repeats).then_some(net)
 }
 
 /// Whether the mean NRMSE fit on the held-out recordings rises, and no signal's falls clearly.

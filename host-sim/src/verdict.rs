@@ -23,7 +23,7 @@ use crate::prepare::Prepared;
 use crate::search::{is_hopeful, least_above, widened};
 use crate::tempered::Tempered;
 pub use confirmation::{Confirmation, confirm};
-pub(crate) use likelihood::{FORM, LeftOut, excess};
+pub(crate) use likelihood::{FORM, Gained, excess};
 use likelihood::{accepts, prefer_plain, ranked};
 pub use whole::lengthened;
 

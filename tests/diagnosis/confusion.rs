@@ -114,6 +114,14 @@ fn a_stop_that_a_rod_rests_at_is_named() {
     }
 }
 
+/// An oil that warms up, in two recordings of the position: a Newton step away from one of them, the model with it follows that one worse.
+#[test]
+fn what_one_newton_step_tells_too_little_of_is_refitted() {
+    let said = said(&lot(102, Concealed::Single, true), 8).unwrap();
+    assert_eq!(said.truth, "oil-temperature");
+    assert!(said.right, "{} said", said.answer);
+}
+
 /// Slow: `cargo test --release -p system-tests --test diagnosis sixty -- --ignored --nocapture`.
 #[test]
 #[ignore = "some minutes"]

@@ -116,6 +116,22 @@ impl Candidate {
         }
         Self::of(question, effects, found, jumps, precision <= PRECISION)
     }
+
+    /// The machine refitted without one of the recordings, which are at twice the tick.
+    pub(super) fn refitted_without(
+        &self,
+        question: &Question<'_>,
+        nearby: &[Prepared],
+        index: usize,
+    ) -> Result<Machine<f64>, FitError> {
+        let mut solution = self.fit.clone();
+        solution.starts.remove(index);
+        let others: Vec<&Prepared> =
+            nearby.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, case)| case).collect();
+        let machine = with(question.scene.machine, &self.jumps);
+        let from = From { solution: Some(&solution), ..From::default() };
+        Ok(fit(&machine, &self.fit.free, &others, &from, SETTLED)?.machine)
+    }
 }
 
 /// A better value of a strength that no slope leads to, near where it is.

@@ -118,24 +118,30 @@ pub(super) fn accepts(
     if after > (1.0 - LEAST_SHARE) * before || (!without.effects.is_empty() && !told) {
         return Ok(false);
     }
-    let left_out = LeftOut::of(&without.left_out(question)?, &with.left_out(question)?);
-    let penalty = left_out.cost(with.strengths().saturating_sub(without.strengths())) + CHANCE;
-    // Parameters that come back may pay for the strengths, but the recordings themselves have to tell.
-    let told = left_out.gain > CHANCE && left_out.gain + straightened(question, without, with) > penalty;
-    Ok(told && left_out.repeats)
+    let pays = |gained: &Gained| {
+        let penalty = gained.cost(with.strengths().saturating_sub(without.strengths())) + CHANCE;
+        // Parameters that come back may pay for the strengths, but the recordings themselves have to tell.
+        gained.all > CHANCE && gained.all + straightened(question, without, with) > penalty && gained.repeats
+    };
+    if pays(&Gained::of(&without.left_out(question)?, &with.left_out(question)?)) {
+        return Ok(true);
+    }
+    // One step says little where much hangs on the recording that was left out.
+    Ok(pays(&Gained::of(&without.residuals, &with.residuals))
+        && pays(&Gained::of(&without.left_out_refitted(question)?, &with.left_out_refitted(question)?)))
 }
 
-/// What recordings that were left out say of residuals `after` over those `before`.
-pub(crate) struct LeftOut {
+/// What recordings say of residuals `after` over those `before`.
+pub(crate) struct Gained {
     /// Log-likelihood gained on all of them.
-    pub(crate) gain: f64,
+    pub(crate) all: f64,
     /// Whether that is so on all but one of them: what happens once is a disturbance.
     pub(crate) repeats: bool,
     /// Independent samples.
     samples: f64,
 }
 
-impl LeftOut {
+impl Gained {
     pub(crate) fn of(before: &Residuals, after: &Residuals) -> Self {
         let mut samples = 0.0;
         let mut on = |before: &[Vec<f64>], after: &[Vec<f64>]| -> f64 {
@@ -149,7 +155,7 @@ impl LeftOut {
         let gains: Vec<f64> = before.iter().zip(after).map(|(before, after)| on(before, after)).collect();
         let improved = gains.iter().filter(|gain| **gain > 0.0).count();
         let needed = if gains.len() > 2 { gains.len() - 1 } else { gains.len() };
-        Self { gain: gains.iter().sum(), repeats: improved >= needed, samples }
+        Self { all: gains.iter().sum(), repeats: improved >= needed, samples }
     }
 
     /// What so many values that were fitted cost: half the logarithm of the samples each.
