@@ -11,8 +11,7 @@ const MOVING: f64 = 6.0;
 pub(super) fn spikes(values: &[f64], noise: f64) -> Vec<bool> {
     let mut spikes = off_the_median(values, noise);
     let known = bridged(values, &spikes);
-    let moving: Vec<usize> = off_the_line(&known, noise).collect();
-    for row in moving {
+    for row in off_the_line(&known, noise) {
         spikes[row] = true;
     }
     spikes

@@ -1,4 +1,5 @@
 use super::*;
+use crate::random::Noise;
 
 /// A rod that rests, moves at up to 0.2 m/s, and rests again, 1 kHz, read in steps of 20 µm.
 fn rod() -> (Vec<f64>, Vec<f64>) {
@@ -114,12 +115,8 @@ fn stroking_slider() -> Vec<f64> {
         // A jump, and what rings after it.
         phase => -0.6 + 0.15 * (0.8 * (phase - 80) as f64).cos() * (-0.2 * (phase - 80) as f64).exp(),
     };
-    let mut seed = 9_u32;
-    let mut uniform = || {
-        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        f64::from(seed >> 8) / f64::from(1 << 24) - 0.5
-    };
-    (0..1000).map(|row| shape(row) + 1e-3 * (uniform() + uniform() + uniform())).collect()
+    let mut noise = Noise::new(9, 0);
+    (0..1000).map(|row| shape(row) + noise.gaussian(5e-4)).collect()
 }
 
 #[test]

@@ -7,8 +7,9 @@ use model_core::machine::{Machine, MachineError};
 use rayon::prelude::*;
 
 use super::StartState;
+use super::residuals::simulated;
 use crate::prepare::{Channel, Prepared};
-use crate::simulate::{Coarser, Stimulus, run};
+use crate::simulate::{Coarser, Stimulus};
 
 /// Recordings at twice the tick, around a machine and the start of each; as they are, where the core has no such tick.
 pub fn coarse(
@@ -22,20 +23,18 @@ pub fn coarse(
 
 fn coarser(case: &Prepared, machine: &Machine<f64>, start: StartState) -> Result<Option<Prepared>, MachineError> {
     let Some(Coarser { stimulus, kept }) = case.stimulus.coarser() else { return Ok(None) };
-    let simulated = |stimulus: &Stimulus| -> Result<Vec<Vec<f64>>, MachineError> {
-        let mut all: Vec<Vec<f64>> = case.channels.iter().map(|_| Vec::with_capacity(stimulus.rows())).collect();
-        run::<f64>(machine, stimulus, start.offset(machine, case), |_, sample| {
-            for (channel, series) in case.channels.iter().zip(&mut all) {
-                series.push(sample.signal(channel.signal).unwrap_or(0.0));
-            }
-        })?;
-        Ok(all)
-    };
+    let simulated =
+        |stimulus: &Stimulus| simulated(machine, stimulus, start.offset(machine, case), &case.channels, |_| true);
     let (fine, rough) = (simulated(&case.stimulus)?, simulated(&stimulus)?);
+    let channels = case.channels.len();
     // Fewer rows have to weigh as much.
     let weight = (kept.len() as f64 / case.rows() as f64).sqrt();
-    let channel = |(channel, (fine, rough)): (&Channel, (&Vec<f64>, &Vec<f64>))| Channel {
-        recorded: kept.iter().zip(rough).map(|(&row, rough)| channel.recorded[row] - fine[row] + rough).collect(),
+    let channel = |(index, channel): (usize, &Channel)| Channel {
+        recorded: kept
+            .iter()
+            .zip(rough.chunks_exact(channels))
+            .map(|(&row, rough)| channel.recorded[row] - fine[row * channels + index] + rough[index])
+            .collect(),
         failed: kept.iter().map(|&row| channel.failed[row]).collect(),
         noise: channel.noise * weight,
         tolerance: channel.tolerance / weight,
@@ -45,7 +44,7 @@ fn coarser(case: &Prepared, machine: &Machine<f64>, start: StartState) -> Result
     Ok(Some(Prepared {
         name: case.name.clone(),
         time_s: kept.iter().map(|&row| case.time_s[row]).collect(),
-        channels: case.channels.iter().zip(fine.iter().zip(&rough)).map(channel).collect(),
+        channels: case.channels.iter().enumerate().map(channel).collect(),
         stimulus,
         failures: Vec::new(),
         start_sigma_m: case.start_sigma_m,

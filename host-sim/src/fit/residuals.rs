@@ -5,7 +5,7 @@ use model_core::machine::{Machine, MachineError};
 use super::start::StartState;
 use crate::prepare::{Channel, Prepared};
 use crate::recording::Signal;
-use crate::simulate::run;
+use crate::simulate::{StartOffset, Stimulus, run};
 
 /// What a log-likelihood has to gain beyond its penalty: less comes by chance once in twenty times.
 pub const CHANCE: f64 = 3.0;
@@ -97,6 +97,24 @@ pub fn standardised(machine: &Machine<f64>, case: &Prepared, start: StartState) 
         }
     })?;
     Ok(series)
+}
+
+/// What a machine simulates of the judged channels at some rows of a stimulus, row by row, SI; 0 where it is not simulated.
+pub(super) fn simulated(
+    machine: &Machine<f64>,
+    stimulus: &Stimulus,
+    start: StartOffset<f64>,
+    channels: &[Channel],
+    keeps: impl Fn(usize) -> bool,
+) -> Result<Vec<f64>, MachineError> {
+    let mut simulated = Vec::new();
+    run::<f64>(machine, stimulus, start, |row, sample| {
+        if keeps(row) {
+            let signals = channels.iter().map(|channel| sample.signal(channel.signal));
+            simulated.extend(signals.map(Option::unwrap_or_default));
+        }
+    })?;
+    Ok(simulated)
 }
 
 /// Recorded minus simulated over noise; 0 where the sensor failed.

@@ -4,12 +4,11 @@ use model_core::machine::{Machine, MachineError};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 
-use super::residuals::{missed, soft};
+use super::residuals::{missed, simulated, soft};
 use super::slopes::At;
 use super::{Fit, Information, MOST_PARAMETERS, OF_START, StartState};
 use crate::dual::single;
 use crate::prepare::Prepared;
-use crate::simulate::run;
 
 /// Rows that are kept at most; of longer recordings every so-manieth, which stands for those left out: residuals and slopes weigh
 /// as much as all of them.
@@ -94,20 +93,11 @@ impl<'a> Sensitivity<'a> {
 
     /// What another machine simulates from the solution's starts.
     pub fn simulated(&self, machine: &Machine<f64>) -> Result<Simulated, MachineError> {
-        self.cases
-            .iter()
-            .zip(self.fit.starts.iter().zip(&self.blocks))
-            .map(|(case, (start, block))| {
-                let mut simulated = Vec::with_capacity(block.residuals.len());
-                run::<f64>(machine, &case.stimulus, start.offset(machine, case), |row, sample| {
-                    if self.kept.has(row) {
-                        let signals = case.channels.iter().map(|channel| sample.signal(channel.signal));
-                        simulated.extend(signals.map(Option::unwrap_or_default));
-                    }
-                })?;
-                Ok(simulated)
-            })
-            .collect()
+        let of_case = |(case, start): (&&Prepared, &StartState)| {
+            let keeps = |row| self.kept.has(row);
+            simulated(machine, &case.stimulus, start.offset(machine, case), &case.channels, keeps)
+        };
+        self.cases.iter().zip(&self.fit.starts).map(of_case).collect()
     }
 
     /// Residuals of what another machine simulates, as they would enter the loss, less those of the solution.
