@@ -182,13 +182,13 @@ pub fn diagnose(
         .partition(|hypothesis| hypothesis.is_testable(&scene));
     let mut excerpt = Excerpt::of(training, &trained, &file.machine, file.load_source).map_err(CompareError::from)?;
     let asked = Asked { scene: &scene, ordinary: &ordinary, hypotheses: &hypotheses };
-    let selection = asked.selected(&mut trained, excerpt.as_mut(), progress)?;
+    let mut selection = asked.selected(&mut trained, excerpt.as_mut(), progress)?;
 
-    let base = &selection.base.fit;
     let references: Vec<&Prepared> = trained.iter().collect();
+    let opened: Vec<&Prepared> = held.iter().collect();
+    let (findings, not_confirmed, confirmation, after) = decide(&asked.of(&references), &mut selection, &opened)?;
+    let base = &selection.base.fit;
     let above_noise = selection.base.worst_over_noise(&asked.of(&references)) > WITHIN_NOISE;
-
-    let (findings, not_confirmed, confirmation, after) = decide(&selection, &held)?;
     let verdict = if !findings.is_empty() {
         Verdict::MissingPhysics
     } else if above_noise {
@@ -223,9 +223,7 @@ pub fn diagnose(
         Some(locate(&seen.fit.machine, file.load_source, &cases, &named, &promises)?)
     };
     let tabled = match &located {
-        Some(location) if verdict == Verdict::Unexplained => {
-            improved(&question, &seen, location, &cases, &held.iter().collect::<Vec<_>>())?
-        }
+        Some(location) if verdict == Verdict::Unexplained => improved(&question, &seen, location, &cases, &opened)?,
         _ => None,
     };
     let (after, unnamed) = match tabled {
@@ -311,21 +309,22 @@ fn cases<'a>(recordings: &'a [Recording], prepared: &[&'a Prepared], starts: &[S
 
 type Decision = (Vec<Finding>, Vec<&'static Hypothesis>, Option<Confirmation>, Candidate);
 
-/// Opens the held-out recordings for the chosen set: they confirm it as a whole or veto it.
-fn decide(selection: &Selection, held: &[Prepared]) -> Result<Decision, MachineError> {
+/// Opens the held-out recordings for the chosen set: they confirm each of its effects beside the others, and it as a whole, or
+/// veto it.
+fn decide(question: &Question<'_>, selection: &mut Selection, held: &[&Prepared]) -> Result<Decision, FitError> {
+    let mut vetoed = selection.refused(question, held)?;
     let chosen = &selection.chosen;
     if chosen.effects.is_empty() {
-        return Ok((Vec::new(), Vec::new(), None, selection.base.clone()));
+        return Ok((Vec::new(), vetoed, None, selection.base.clone()));
     }
-    let held: Vec<&Prepared> = held.iter().collect();
-    let confirmation = confirm(&selection.base.fit.machine, &chosen.fit.machine, &held)?;
+    let confirmation = confirm(&selection.base.fit.machine, &chosen.fit.machine, held)?;
     if !held.is_empty() && !confirmation.confirms() {
-        let vetoed = chosen.effects.iter().map(|chosen| chosen.effect).collect();
+        vetoed.extend(chosen.effects.iter().map(|chosen| chosen.effect));
         return Ok((Vec::new(), vetoed, Some(confirmation), selection.base.clone()));
     }
     let mut findings: Vec<Finding> = chosen.effects.iter().map(|chosen| finding(chosen, selection)).collect();
     findings.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
-    Ok((findings, Vec::new(), (!held.is_empty()).then_some(confirmation), chosen.clone()))
+    Ok((findings, vetoed, (!held.is_empty()).then_some(confirmation), chosen.clone()))
 }
 
 /// A finding with its probability among the sets that were refitted in the round of the chosen one.

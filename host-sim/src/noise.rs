@@ -2,8 +2,10 @@
 
 use std::borrow::Borrow;
 
-/// Rows of one segment that the noise is estimated from.
-const SEGMENT: usize = 64;
+/// Rows of one segment that the noise is estimated from: few, so that where a signal moves and rings most of the time some still rest.
+const SEGMENT: usize = 16;
+/// Median of the segments' mean squares of white noise, over its variance.
+const MEDIAN: f64 = 0.9;
 
 /// Standard deviation of white noise in a smooth signal: root mean square of its third differences over √20 (Gasser, Sroka,
 /// Jennen-Steinmetz 1986) in short segments, of which the median counts, so that steps and spikes do not; at least what
@@ -13,7 +15,11 @@ pub(crate) fn noise(values: &[f64], resolution: f64) -> f64 {
     let mut segments: Vec<f64> =
         squares.chunks(SEGMENT).map(|segment| segment.iter().sum::<f64>() / segment.len() as f64).collect();
     let (low, high) = extent(values);
-    median(&mut segments).sqrt().max(resolution / 12.0_f64.sqrt()).max(1e-5 * (high - low)).max(f64::MIN_POSITIVE)
+    (median(&mut segments) / MEDIAN)
+        .sqrt()
+        .max(resolution / 12.0_f64.sqrt())
+        .max(1e-5 * (high - low))
+        .max(f64::MIN_POSITIVE)
 }
 
 /// The step that most neighbouring values differ by, where a sensor shows one: the smallest difference that is not nil
@@ -61,6 +67,7 @@ pub(crate) fn median(values: &mut [f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Noise;
 
     #[test]
     fn noise_of_a_quantised_ramp_is_that_of_its_rounding() {
@@ -81,5 +88,14 @@ mod tests {
             (0..5000).map(|k| (f64::from(k) * 0.01).sin() + 0.02 * (uniform() + uniform() + uniform())).collect();
         let found = noise(&values, resolution(&values));
         assert!((found / 0.01 - 1.0).abs() < 0.1, "{found}");
+    }
+    #[test]
+    fn ringing_is_not_taken_for_noise() {
+        // A pressure at 200 Hz that rings after a jump every 0.4 s.
+        let mut noise = Noise::new(7, 0);
+        let ringing = |k: u32| 50.0 * (-0.3 * f64::from(k)).exp() * (0.63 * f64::from(k)).sin();
+        let values: Vec<f64> = (0..4000).map(|k| ringing(k % 80) + noise.gaussian(0.01)).collect();
+        let found = super::noise(&values, resolution(&values));
+        assert!((0.9..1.5).contains(&(found / 0.01)), "{found}");
     }
 }

@@ -1,12 +1,13 @@
 //! The fit on what the model itself computed: it must find what was put in.
 
-use host_sim::candidate::{Candidate, Question, Reference};
+use host_sim::candidate::{Candidate, Chosen, Question, Reference};
 use host_sim::fit::{Free, Freedom, From, fit};
 use host_sim::hypothesis::{CATALOGUE, Hypothesis};
 use host_sim::prepare::{Channel, Prepared};
 use host_sim::recording::Signal;
 use host_sim::simulate::{StartOffset, simulate};
 use host_sim::testbed::PlantEffect;
+use host_sim::verdict::Selection;
 use model_core::machine::Machine;
 use model_core::parameter::Parameter as P;
 
@@ -89,4 +90,37 @@ fn where_a_richer_friction_ends_the_plainer_one_is_looked_for() {
     let gone = [P::AsymmetricExtending, P::AsymmetricRetracting];
     assert!(gone.iter().all(|&gone| plain.fit.machine.get(gone).abs() < f64::MIN_POSITIVE));
     assert!(plain.with_plain(&question).unwrap().is_none(), "it extends nothing");
+}
+
+/// Held-out recordings veto an effect by itself: friction stays, and a play that no recording shows goes.
+#[test]
+fn of_two_effects_held_out_recordings_take_out_the_one_they_gain_nothing_by() {
+    let case = valve_case(31, PlantEffect::named("coulomb-friction", 900.0), true, None);
+    let (training, held) = (case.prepared(&case.training), case.prepared(&case.held_out));
+    let (references, held): (Vec<&Prepared>, Vec<&Prepared>) = (training.iter().collect(), held.iter().collect());
+    let judged: Vec<Signal> = training[0].channels.iter().map(|channel| channel.signal).collect();
+    let scene = case.scene(&training[0], &judged);
+    let ordinary: Vec<Free> = host_sim::diagnose::ordinary(&case.file);
+    let effects = ["coulomb-friction", "valve-hysteresis"];
+    let named = |name| CATALOGUE.iter().copied().find(|effect| effect.name == name).unwrap();
+    let hypotheses = effects.map(named);
+    let question = Question { scene: &scene, ordinary: &ordinary, hypotheses: &hypotheses, training: &references };
+    let base = Candidate::rough(&question, None).unwrap();
+    let beside = |set: &Candidate, effect: &'static Hypothesis| {
+        let effect = Chosen { effect, form: effect.forms[0] };
+        Candidate { effects: set.effects.iter().copied().chain([effect]).collect(), ..set.clone() }
+    };
+    let reference = Reference::new(&question, &base).unwrap();
+    let leads = reference.leads(&hypotheses).unwrap();
+    let friction = leads.iter().find(|lead| lead.effect.name == effects[0]).unwrap();
+    let one = reference.with(friction).unwrap().finished(&question).unwrap();
+    let mut two = beside(&one, hypotheses[1]);
+    two.fit.machine.set(P::HysteresisWidth, 0.05);
+
+    let mut selection = Selection { base, chosen: two, rounds: Vec::new() };
+    assert!(selection.refused(&question, &[]).unwrap().is_empty(), "nothing is held out that could speak against it");
+    let refused: Vec<&str> = selection.refused(&question, &held).unwrap().iter().map(|effect| effect.name).collect();
+    assert_eq!((refused, selection.chosen.names()), (vec![effects[1]], vec![effects[0]]));
+    assert!(selection.chosen.fit.machine.get(P::HysteresisWidth).abs() < f64::MIN_POSITIVE);
+    assert!(selection.refused(&question, &held).unwrap().is_empty(), "one alone is confirmed or vetoed as a whole");
 }

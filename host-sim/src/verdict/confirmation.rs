@@ -3,7 +3,9 @@
 use model_core::machine::{Machine, MachineError};
 
 use super::likelihood::gained;
-use crate::fit::{CHANCE, settle, softened, standardised};
+use super::{Question, Selection};
+use crate::fit::{CHANCE, FitError, settle, softened, standardised};
+use crate::hypothesis::Hypothesis;
 use crate::prepare::Prepared;
 use crate::recording::Signal;
 
@@ -36,6 +38,32 @@ impl Confirmation {
     #[must_use]
     pub fn confirms(&self) -> bool {
         self.gains() && self.least_fit_percent > 0.0
+    }
+}
+
+impl Selection {
+    /// Takes out of a set of several every effect that held-out recordings gain nothing by beside the others, refitted without it
+    /// to the training recordings; the last added first. Those that were taken out.
+    pub fn refused(
+        &mut self,
+        question: &Question<'_>,
+        held_out: &[&Prepared],
+    ) -> Result<Vec<&'static Hypothesis>, FitError> {
+        let mut refused = Vec::new();
+        if held_out.is_empty() {
+            return Ok(refused);
+        }
+        for index in (0..self.chosen.effects.len()).rev() {
+            if self.chosen.effects.len() == 1 {
+                break;
+            }
+            let fewer = self.chosen.without(question, index)?;
+            if !confirm(&fewer.fit.machine, &self.chosen.fit.machine, held_out)?.gains() {
+                refused.push(self.chosen.effects[index].effect);
+                self.chosen = fewer;
+            }
+        }
+        Ok(refused)
     }
 }
 
