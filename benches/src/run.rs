@@ -1,9 +1,13 @@
-//! A drive stepped over commands at 1 kHz, as the peers' `host_run` does it: every tick's row is written out, in SI.
+//! A drive stepped over commands at 1 kHz, as the peers' `host_run` does it: every tick's row is written out, in SI. One run at a time,
+//! or as many abreast as a number has lanes.
 
+use std::array::from_fn;
+
+use host_sim::lanes::{LANES, Lanes};
 use host_sim::testbed::InitialState;
 use model_core::drive::{Drive, Entry, Load};
 use model_core::machine::{Machine, Tick};
-use model_core::number::Number;
+use model_core::number::Scalar;
 use model_core::paper::PaperDrive;
 use system_tests::simulate::{State, at_rest, command, drive};
 
@@ -15,13 +19,13 @@ pub const TICK: Tick = Tick::OneMillisecond;
 
 /// A drive and where it starts.
 #[derive(Clone, Copy, Debug)]
-pub struct Run<N: Number> {
+pub struct Run<N: Scalar> {
     drive: Drive<N>,
     paper: PaperDrive<N>,
     start: State<N>,
 }
 
-impl<N: Number<Real = f64>> Run<N> {
+impl<N: Scalar<Real = f64>> Run<N> {
     /// A machine without effects, at rest under 0 V.
     ///
     /// # Panics
@@ -63,5 +67,64 @@ impl<N: Number<Real = f64>> Run<N> {
                 state.chambers.b.to_f64() * bases.pressure_pa,
             ]
         }));
+    }
+}
+
+/// The same drive several times over, abreast.
+#[derive(Clone, Copy, Debug)]
+pub struct Abreast {
+    drive: Drive<Lanes>,
+    paper: PaperDrive<Lanes>,
+    start: State<Lanes>,
+}
+
+impl Abreast {
+    /// As [`Run::new`].
+    ///
+    /// # Panics
+    /// As there.
+    #[must_use]
+    pub fn new(machine: &Machine<f64>, initial: &InitialState) -> Self {
+        let drive = drive::<Lanes>(machine, TICK);
+        let paper = drive.without_effects().expect("the drives that are measured are the paper's");
+        Self { start: at_rest(&drive, 0.0, initial), paper, drive }
+    }
+
+    /// The paper's model by itself, each under commands of its own in V, of which there are as many.
+    pub fn paper(&self, volts: [&[f32]; LANES], rows: &mut [Vec<Row>; LANES]) {
+        self.each(volts, rows, |state, command| {
+            self.paper.step(state, command, Load::NONE);
+        });
+    }
+
+    /// The step of drives that may have any effect.
+    pub fn any(&self, volts: [&[f32]; LANES], rows: &mut [Vec<Row>; LANES]) {
+        self.each(volts, rows, |state, command| {
+            self.drive.step(state, Entry::Command(command), Load::NONE);
+        });
+    }
+
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "the step is then compiled into its own loop, as in C")]
+    fn each(&self, volts: [&[f32]; LANES], rows: &mut [Vec<Row>; LANES], step: impl Fn(&mut State<Lanes>, Lanes)) {
+        let bases = *self.drive.bases();
+        let mut state = self.start;
+        rows.iter_mut().for_each(Vec::clear);
+        let mut left = volts.map(<[f32]>::iter);
+        while let [Some(a), Some(b), Some(c), Some(d)] = from_fn(|lane| left[lane].next()) {
+            let held = [a, b, c, d].map(|&volts| f64::from(volts));
+            step(&mut state, Lanes::new(held) / Lanes::all(bases.command_v));
+            let told = [
+                state.valve.slider(),
+                state.motion.position * Lanes::all(bases.stroke_m),
+                state.motion.velocity * Lanes::all(bases.velocity_m_per_s),
+                state.chambers.a * Lanes::all(bases.pressure_pa),
+                state.chambers.b * Lanes::all(bases.pressure_pa),
+            ]
+            .map(Lanes::values);
+            for (lane, rows) in rows.iter_mut().enumerate() {
+                rows.push(told.map(|signal| signal[lane]));
+            }
+        }
     }
 }

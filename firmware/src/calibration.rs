@@ -256,7 +256,7 @@ impl Calibration {
 mod tests {
     use model_core::drive::Drive;
     use model_core::machine::Tick;
-    use model_core::number::Number;
+
     use proptest::prelude::*;
 
     use super::*;

@@ -11,7 +11,6 @@
 use embedded_io::Write;
 use heapless::Deque;
 use model_core::fixed_point::PerUnit;
-use model_core::number::Number;
 use thiserror::Error;
 
 use crate::frame::{FrameError, FrameWriter};
@@ -290,6 +289,8 @@ impl<const CHANNELS: usize, const ROWS: usize> Recorder<CHANNELS, ROWS> {
 #[cfg(test)]
 mod tests {
     use std::vec::Vec;
+
+    use model_core::number::Number;
 
     use super::*;
     use crate::frame::FrameReader;

@@ -5,7 +5,6 @@
 
 use model_core::fixed_point::PerUnit;
 use model_core::machine::Bases;
-use model_core::number::Number;
 use model_core::sensing::Linkage;
 
 use crate::calibration::CalibrationError;
@@ -168,6 +167,7 @@ impl Travel {
 mod tests {
     use model_core::drive::Drive;
     use model_core::machine::Tick;
+    use model_core::number::Number;
     use model_core::parameter::Parameter;
     use proptest::prelude::*;
 

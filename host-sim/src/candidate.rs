@@ -9,7 +9,8 @@ use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
 use crate::fit::{
-    Estimate, Fit, FitError, Free, StartState, coarse, effective_samples, loss, set_tolerances, settle, softened,
+    Estimate, Fit, FitError, Free, Residuals, StartState, coarse, effective_samples, loss, set_tolerances, settle,
+    softened,
 };
 use crate::hypothesis::{Form, Hypothesis, Kind, Scene, Strength, is_elastic};
 use crate::prepare::Prepared;
@@ -38,9 +39,6 @@ pub struct Chosen {
     /// The form.
     pub form: Form,
 }
-
-/// Standardised residuals: for each recording one series a channel.
-pub type Residuals = Vec<Vec<Vec<f64>>>;
 
 /// A set of effects with its fit.
 #[derive(Clone, Debug)]

@@ -23,6 +23,7 @@ pub mod import;
 mod inherited;
 pub mod inspect;
 pub mod judge;
+pub mod lanes;
 pub mod links;
 pub mod locate;
 pub mod machine_file;

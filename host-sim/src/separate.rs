@@ -11,10 +11,11 @@ use rayon::prelude::*;
 
 use crate::diagnose::{Diagnosis, Finding};
 use crate::hypothesis::Hypothesis;
+use crate::lanes::LANES;
 use crate::machine_file::LoadSource;
 use crate::recording::{Recording, Signal};
 use crate::sensor;
-use crate::simulate::{EntryPoint, StartOffset, run};
+use crate::simulate::{EntryPoint, Run, StartOffset, Stimulus, run_abreast};
 use crate::standard_tests::{StandardTest, standard_tests};
 use crate::verdict::Trial;
 
@@ -102,10 +103,14 @@ pub fn separations(
     let tests = standard_tests(chosen, largest_v);
     let tick = first.prepared.stimulus.tick;
     let sensors = sensors(diagnosis);
+    let moves = moves(diagnosis);
     let rows: Vec<Vec<(usize, Told)>> = tests
-        .par_iter()
-        .map(|test| told_by(test, chosen, &moves(diagnosis), &pairs, &sensors, tick))
-        .collect::<Result<_, _>>()?;
+        .par_chunks(LANES)
+        .map(|tests| told_by(tests, chosen, &moves, &pairs, &sensors, tick))
+        .collect::<Result<Vec<_>, _>>()?
+        .into_iter()
+        .flatten()
+        .collect();
     Ok(pairs
         .iter()
         .enumerate()
@@ -237,53 +242,74 @@ impl Told {
     }
 }
 
-/// Every rival on one test; none where the test does not run on the drive.
+/// Every rival on each of a few tests; none where a test does not run on the drive.
 fn told_by(
-    test: &StandardTest,
+    tests: &[StandardTest],
     chosen: &Machine<f64>,
     moves: &[(Parameter, f64)],
     pairs: &[Pair],
     sensors: &[Sensor],
     tick: Tick,
-) -> Result<Vec<(usize, Told)>, MachineError> {
-    let Some(stimulus) = test.stimulus(chosen, tick) else { return Ok(Vec::new()) };
-    let seen = |machine: &Machine<f64>| -> Result<Vec<Vec<f64>>, MachineError> {
-        let mut series = vec![Vec::with_capacity(stimulus.rows()); sensors.len()];
-        run::<f64>(machine, &stimulus, StartOffset::none(), |_, sample| {
-            for (sensor, series) in sensors.iter().zip(&mut series) {
-                series.extend(sample.signal(sensor.signal).map(|value| value / sensor.noise));
-            }
-        })?;
-        Ok(series)
+) -> Result<Vec<Vec<(usize, Told)>>, MachineError> {
+    let stimuli: Vec<Option<Stimulus>> = tests.iter().map(|test| test.stimulus(chosen, tick)).collect();
+    let run = |stimulus| Run {
+        stimulus,
+        offset: StartOffset::none(),
+        signals: sensors.iter().map(|sensor| sensor.signal).collect(),
     };
-    let base = seen(chosen)?;
-    let minus = |there: &[Vec<f64>]| -> Vec<DVector<f64>> {
-        let each = there.iter().zip(&base);
-        each.map(|(there, base)| DVector::from_iterator(base.len(), there.iter().zip(base).map(|(a, b)| a - b)))
-            .collect()
-    };
-    let mut columns: Vec<Vec<DVector<f64>>> = Vec::new();
+    let runs: Vec<Run<'_>> = stimuli.iter().flatten().map(run).collect();
+    let base = seen(chosen, &runs, sensors)?;
+    let mut columns: Vec<Seen> = Vec::new();
     for (parameter, step) in moves {
         let mut moved = *chosen;
         let description = parameter.description();
         moved.set(*parameter, (chosen.get(*parameter) + step).clamp(description.min, description.max));
         // A move that does not become a drive is none.
-        if let Ok(there) = seen(&moved) {
-            columns.push(minus(&there));
+        if let Ok(there) = seen(&moved, &runs, sensors) {
+            columns.push(less(there, &base));
         }
     }
-    let mut found = Vec::new();
-    for (index, pair) in pairs.iter().enumerate() {
-        let apart = minus(&seen(&pair.machine)?);
-        let of = apart.iter().enumerate().map(|(sensor, apart)| {
-            let by = |one: &Vec<DVector<f64>>| one[sensor].dot(apart);
+    let rivals = pairs.iter().map(|pair| Ok(less(seen(&pair.machine, &runs, sensors)?, &base)));
+    let rivals: Vec<Seen> = rivals.collect::<Result<_, MachineError>>()?;
+    let told = |run: usize, apart: &Seen| {
+        let of = apart[run].iter().enumerate().map(|(sensor, apart)| {
+            let by = |one: &Seen| one[run][sensor].dot(apart);
             let g = DVector::from_iterator(columns.len(), columns.iter().map(by));
-            let h = DMatrix::from_fn(columns.len(), columns.len(), |i, j| columns[i][sensor].dot(&columns[j][sensor]));
-            (apart.dot(apart), g, h)
+            let product = |i: usize, j: usize| columns[i][run][sensor].dot(&columns[j][run][sensor]);
+            (apart.dot(apart), g, DMatrix::from_fn(columns.len(), columns.len(), product))
         });
-        found.push((index, Told { rows: stimulus.rows(), of: of.collect() }));
+        Told { rows: runs[run].stimulus.rows(), of: of.collect() }
+    };
+    let mut run = 0..;
+    let each = stimuli.iter().map(|stimulus| match stimulus {
+        None => Vec::new(),
+        Some(_) => {
+            run.next().map_or_else(Vec::new, |run| rivals.iter().map(|apart| told(run, apart)).enumerate().collect())
+        }
+    });
+    Ok(each.collect())
+}
+
+/// What each sensor reads over its noise, in each of some runs.
+type Seen = Vec<Vec<DVector<f64>>>;
+
+fn seen(machine: &Machine<f64>, runs: &[Run<'_>], sensors: &[Sensor]) -> Result<Seen, MachineError> {
+    let mut series: Vec<Vec<Vec<f64>>> =
+        runs.iter().map(|run| vec![Vec::with_capacity(run.stimulus.rows()); sensors.len()]).collect();
+    run_abreast(machine, runs, |run, _, values| {
+        for ((value, sensor), series) in values.iter().zip(sensors).zip(&mut series[run]) {
+            series.push(value / sensor.noise);
+        }
+    })?;
+    Ok(series.into_iter().map(|series| series.into_iter().map(DVector::from_vec).collect()).collect())
+}
+
+/// A difference of what was seen.
+fn less(mut there: Seen, base: &Seen) -> Seen {
+    for (there, base) in there.iter_mut().flatten().zip(base.iter().flatten()) {
+        *there -= base;
     }
-    Ok(found)
+    there
 }
 
 fn separation(pair: &Pair, tests: &[(&StandardTest, &Told)], sensors: &[Sensor]) -> Separation {

@@ -22,10 +22,7 @@ fn separated(
 ) -> Separation {
     let pairs = [Pair { effect: "chosen", rival: "rival", confidence: 0.2, machine: *rival }];
     let (tests, sensors) = (standard_tests(chosen, 10.0), sensors(present));
-    let told: Vec<Vec<(usize, Told)>> = tests
-        .iter()
-        .map(|test| told_by(test, chosen, moves, &pairs, &sensors, Tick::OneMillisecond).unwrap())
-        .collect();
+    let told = told_by(&tests, chosen, moves, &pairs, &sensors, Tick::OneMillisecond).unwrap();
     let of_pair: Vec<_> = tests.iter().zip(&told).map(|(test, told)| (test, &told[0].1)).collect();
     separation(&pairs[0], &of_pair, &sensors)
 }

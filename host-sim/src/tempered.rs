@@ -9,10 +9,9 @@
 //! every sample independent it explains most.
 
 use model_core::machine::{Machine, MachineError};
-use rayon::prelude::*;
 
-use crate::candidate::{Candidate, Question, Residuals, Weighing, noisier};
-use crate::fit::{Fit, FitError, StartState, effective_samples, loss, standardised};
+use crate::candidate::{Candidate, Question, Weighing, noisier};
+use crate::fit::{Fit, FitError, Residuals, StartState, effective_samples, loss, standardised_all};
 use crate::prepare::Prepared;
 
 /// The noise that a refitted model asks for, and that model.
@@ -45,8 +44,7 @@ impl Tempered {
 
 /// What a machine leaves of every channel of each training recording, over its noise.
 fn left_by(question: &Question<'_>, machine: &Machine<f64>, starts: &[StartState]) -> Result<Residuals, MachineError> {
-    let training = question.training.par_iter().zip(starts);
-    training.map(|(case, start)| standardised(machine, case, *start)).collect()
+    standardised_all(machine, question.training.iter().copied().zip(starts.iter().copied()))
 }
 
 /// The machine file's model, refitted with the noise that so much left asks for.

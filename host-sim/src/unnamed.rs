@@ -10,7 +10,7 @@ use model_core::machine::Machine;
 use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
-use crate::fit::{CHANCE, Estimate, FitError, Free, Freedom, From, fit, settle, standardised};
+use crate::fit::{CHANCE, Estimate, FitError, Free, Freedom, From, Residuals, fit, settle, standardised};
 use crate::hypothesis::{Scene, Subsystem};
 use crate::locate::{Case, Location};
 use crate::machine_file::LoadSource;
@@ -19,7 +19,7 @@ use crate::prepare::Prepared;
 use crate::recording::Signal;
 use crate::shape::Shape;
 use crate::simulate::{EntryPoint, simulate};
-use crate::verdict::{Candidate, Confirmation, Gained, Question, Residuals, confirm};
+use crate::verdict::{Candidate, Confirmation, Gained, Question, confirm};
 
 /// The search of a first look ends when the loss falls by less than this share in a step.
 const ROUGHLY: f64 = 0.03;

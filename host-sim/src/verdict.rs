@@ -16,7 +16,7 @@ mod whole;
 use model_core::machine::Machine;
 use rayon::prelude::*;
 
-pub use crate::candidate::{Candidate, Chosen, Question, Residuals};
+pub use crate::candidate::{Candidate, Chosen, Question};
 use crate::fit::{CHANCE, Fit, FitError};
 use crate::hypothesis::Hypothesis;
 use crate::prepare::Prepared;

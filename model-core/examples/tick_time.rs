@@ -7,7 +7,7 @@ use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState, Entry, Load};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, MachineError, Source, Tick};
-use model_core::number::Number;
+use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 
 const TICKS: u32 = 2_000_000;
@@ -31,7 +31,7 @@ fn main() -> Result<(), MachineError> {
 }
 
 /// Shortest of five runs.
-fn tick_ns<N: Number<Real = f64>>(machine: &Machine<f64>) -> Result<f64, MachineError> {
+fn tick_ns<N: Scalar<Real = f64>>(machine: &Machine<f64>) -> Result<f64, MachineError> {
     let drive = Drive::<N>::new::<64>(machine, Tick::OneMillisecond)?;
     let pressures = ChamberState { a: N::saturated(0.4), b: N::saturated(0.6) };
     let mut state: DriveState<N> = drive.at_rest(N::ZERO, pressures, N::travel(0.5));

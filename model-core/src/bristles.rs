@@ -71,7 +71,8 @@ impl<N: Number> Bristles<N> {
         let share = N::share(share, [most - share], [self.unity]);
         // A rod that all but rests may go either way.
         let going = N::share(velocity.magnitude(), [N::ONE], [self.at_rest]);
-        let full = share.times(if (velocity > N::ZERO) == (bent > N::ZERO) { going } else { -going });
+        let across = velocity.above(N::ZERO) ^ bent.above(N::ZERO);
+        let full = share.times(N::pick(across, -going, going));
         Gripping { law: self, level, bent, velocity, slow, full }
     }
 }
@@ -110,16 +111,16 @@ impl<N: Number> Gripping<'_, N> {
     /// Their force after a tick with this mean velocity, in shares of the reference. Error of rounding 5e-8.
     #[inline]
     pub(crate) fn after(&self, mean: N) -> N {
-        if mean == N::ZERO {
-            return self.bent;
-        }
-        let most = self.level.against(mean);
-        let half = N::share(most, [mean.magnitude()], [self.law.bend.half]);
-        let moved = N::ONE - half;
-        // 1 + x + x²/2 = (1 + x/2)² + (x/2)²
-        let still = half.times(half).times(N::inverse_one_plus([moved.times(moved)], [self.law.unity]));
-        let slid = most.times(N::ONE - still);
-        self.level.held(self.bent.times(still) + if mean < N::ZERO { -slid } else { slid })
+        let bent = || {
+            let most = self.level.against(mean);
+            let half = N::share(most, [mean.magnitude()], [self.law.bend.half]);
+            let moved = N::ONE - half;
+            // 1 + x + x²/2 = (1 + x/2)² + (x/2)²
+            let still = half.times(half).times(N::inverse_one_plus([moved.times(moved)], [self.law.unity]));
+            let slid = most.times(N::ONE - still);
+            self.level.held(self.bent.times(still) + N::pick(N::ZERO.above(mean), -slid, slid))
+        };
+        N::choose(mean.equals(N::ZERO), || self.bent, bent)
     }
 
     /// What is left of a velocity that has turned within the tick: by bending back the bristles are stiffer by 2·F/g.

@@ -24,8 +24,8 @@ use crate::chambers::{ChamberEffects, ChamberState, Chambers};
 use crate::drive::{DriveState, Interfaces, Load};
 use crate::feed::Feed;
 use crate::flow::Flows;
-use crate::mechanics::{Contact, Forces, MechanicalEffects, Mechanics, Surroundings};
-use crate::number::Number;
+use crate::mechanics::{Forces, MechanicalEffects, Mechanics, Surroundings};
+use crate::number::{Mask, Number};
 use crate::temperature::{Oil, Viscosity};
 use crate::unnamed::{States, Unnamed};
 use crate::vocabulary::{Keeps, Vocabulary};
@@ -78,7 +78,7 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Cha
         let give = |share: Option<N>| {
             N::inverse_one_plus(share.map_or(weights, |share| weights.map(|weight| weight.times(share))), self.springs)
         };
-        let gives = if contact == Contact::Sticks { None } else { Some(equation.gives(give)) };
+        let gives = if contact.sticks.all() { None } else { Some(equation.gives(give)) };
 
         // First stage.
         let inflow1 = with(chambers.inflow::<V>(Flows { a: flows.a.flow, b: flows.b.flow }, pressures));

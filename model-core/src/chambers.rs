@@ -200,8 +200,12 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
     /// Of its ends, leakage leaves one chamber with the very word that enters the other, and no oil comes from rounding.
     #[inline]
     pub(crate) fn mean<V: Vocabulary>(&self, side: &Linearised<N>, from: N, to: N, solved: Option<N>) -> N {
-        let depends = side.opening != N::ZERO || V::on(self.effects.kept()).is_some_and(|effects| effects.leaks_fast);
-        solved.filter(|_| depends).unwrap_or_else(|| (from + to).halved())
+        let of_its_ends = || (from + to).halved();
+        match solved {
+            None => of_its_ends(),
+            Some(solved) if V::on(self.effects.kept()).is_some_and(|effects| effects.leaks_fast) => solved,
+            Some(solved) => N::choose(side.opening.equals(N::ZERO), of_its_ends, || solved),
+        }
     }
 
     /// How far each chamber yields in the implicit step: 1/(1 − γ·h·∂f/∂p).

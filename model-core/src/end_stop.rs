@@ -6,7 +6,7 @@
 //! in it would throw the rod back faster than it came. The oil that its way beyond the face would have made room for stays where
 //! it is, so that the pressures know when within the tick the rod was stopped.
 
-use crate::number::Number;
+use crate::number::{Mask, Number};
 
 /// Both stops, where they are within reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,15 +21,6 @@ pub(crate) struct Stops<N: Number> {
     pub(crate) per_stroke: N::Steep,
 }
 
-/// A rod that was free at the start of the tick and met a stop in it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct SetDown<N: Number> {
-    /// The stop's face.
-    pub(crate) place: N::Travel,
-    /// What of the tick's mean velocity was beyond it.
-    pub(crate) beyond: N,
-}
-
 /// Where a stop begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Face<N: Number> {
@@ -37,54 +28,76 @@ pub(crate) struct Face<N: Number> {
     pub(crate) place: N::Travel,
 }
 
-/// The side of a stop.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Side {
-    Retracted,
-    Extended,
+/// Whether a rod touches a stop, and which.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Touch<N: Number> {
+    /// The retracted one.
+    retracted: N::Mask,
+    /// The extended one.
+    extended: N::Mask,
+    /// How far beyond its face, in strokes; only where it touches.
+    pub(crate) depth: N,
 }
 
 impl<N: Number> Stops<N> {
-    /// The stop that the rod touches, and how far beyond its face the rod is, in strokes.
+    /// The stop that the rod touches.
     #[inline]
-    pub(crate) fn touched(&self, position: N::Travel) -> Option<(Side, N)> {
+    pub(crate) fn touched(&self, position: N::Travel) -> Touch<N> {
         let at = N::of_travel(position);
-        let beyond = |face: &Option<Face<N>>, depth: fn(N, N) -> N| {
-            face.map(|face| depth(at, N::of_travel(face.place))).filter(|depth| *depth >= N::ZERO)
+        let touch = |face: &Option<Face<N>>, depth: fn(N, N) -> N| match face {
+            Some(face) => {
+                let depth = depth(at, N::of_travel(face.place));
+                (!N::ZERO.above(depth), depth)
+            }
+            None => (N::Mask::NONE, N::ZERO),
         };
-        beyond(&self.extended, |at, face| at - face)
-            .map(|depth| (Side::Extended, depth))
-            .or_else(|| beyond(&self.retracted, |at, face| face - at).map(|depth| (Side::Retracted, depth)))
+        let (extended, beyond) = touch(&self.extended, |at, face| at - face);
+        if extended.all() {
+            return Touch { retracted: N::Mask::NONE, extended, depth: beyond };
+        }
+        let (retracted, before) = touch(&self.retracted, |at, face| face - at);
+        Touch { retracted: retracted & !extended, extended, depth: N::pick(extended, beyond, before) }
     }
 
-    /// What becomes of a rod that was free before it moved here; `None` where it still is.
+    /// Sets a rod down that was free before it moved here: what of the tick's mean velocity was beyond a face, 0 where it still is
+    /// free; `None` where there is none that met a stop.
     #[inline]
-    pub(crate) fn set_down(&self, position: N::Travel) -> Option<SetDown<N>> {
-        let (side, depth) = self.touched(position)?;
-        let face = match side {
-            Side::Extended => self.extended,
-            Side::Retracted => self.retracted,
-        }?;
-        Some(SetDown { place: face.place, beyond: side.push(-depth.amplified(self.per_stroke)) })
+    pub(crate) fn set_down(&self, position: &mut N::Travel, was_free: N::Mask) -> Option<N> {
+        let touch = self.touched(*position).only(was_free);
+        if !touch.any().any() {
+            return None;
+        }
+        for (met, face) in [(touch.extended, &self.extended), (touch.retracted, &self.retracted)] {
+            if let Some(face) = face {
+                *position = N::pick_travel(met, face.place, *position);
+            }
+        }
+        Some(N::pick(touch.any(), touch.push(-touch.depth.amplified(self.per_stroke)), N::ZERO))
     }
 }
 
-impl Side {
-    /// A force into the stop's face becomes one on the rod.
+impl<N: Number> Touch<N> {
+    /// Of either.
     #[inline]
-    pub(crate) fn push<N: Number>(self, force: N) -> N {
-        match self {
-            Side::Retracted => force,
-            Side::Extended => -force,
-        }
+    pub(crate) fn any(&self) -> N::Mask {
+        self.retracted | self.extended
     }
 
-    /// Of a free and a held motion the one less into the stop: a stop does not pull.
+    /// Only of these.
     #[inline]
-    pub(crate) fn hold<N: Number>(self, free: N, held: N) -> N {
-        match self {
-            Side::Retracted => free.max(held),
-            Side::Extended => free.min(held),
-        }
+    fn only(self, these: N::Mask) -> Self {
+        Self { retracted: self.retracted & these, extended: self.extended & these, ..self }
+    }
+
+    /// A force into the stop's face becomes one on the rod.
+    #[inline]
+    pub(crate) fn push(&self, force: N) -> N {
+        N::pick(self.extended, -force, force)
+    }
+
+    /// Of a free and a held motion the one less into the stop that it touches: a stop does not pull.
+    #[inline]
+    pub(crate) fn hold(&self, free: N, held: N) -> N {
+        N::pick(self.extended, free.min(held), N::pick(self.retracted, free.max(held), free))
     }
 }

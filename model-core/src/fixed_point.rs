@@ -19,7 +19,7 @@ use core::ops::{Add, Neg, Sub};
 
 use fixed::types::{I4F28, I8F56, U16F16};
 
-use crate::number::Number;
+use crate::number::{Number, Scalar};
 use crate::roots::{InverseFourthRoot, reciprocal_of_one_plus, share_of};
 
 /// A signal on the controller: per unit, `I4F28`, range ±8, step 2⁻²⁸. Sums saturate.
@@ -52,6 +52,18 @@ impl PerUnit {
     #[inline]
     pub fn of_travel(travel: I8F56) -> Self {
         Self(I4F28::saturating_from_num(travel))
+    }
+
+    /// The value.
+    #[must_use]
+    pub fn to_f64(self) -> f64 {
+        self.0.to_num()
+    }
+
+    /// A position in strokes.
+    #[must_use]
+    pub fn strokes(travel: I8F56) -> f64 {
+        travel.to_num()
     }
 }
 
@@ -141,6 +153,7 @@ impl Number for PerUnit {
     type Gain = I4F28;
     type Steep = U16F16;
     type Travel = I8F56;
+    type Mask = bool;
 
     const LEAN: bool = true;
     const ZERO: Self = Self(I4F28::ZERO);
@@ -156,11 +169,21 @@ impl Number for PerUnit {
     fn counted(counts: i32) -> Self {
         Self::from_bits(counts.saturating_mul(1 << (FRACTION - 16)))
     }
-    fn to_f64(self) -> f64 {
-        self.0.to_num()
+    #[inline]
+    fn above(self, other: Self) -> bool {
+        self > other
     }
-    fn to_real(self) -> f64 {
-        self.0.to_num()
+    #[inline]
+    fn equals(self, other: Self) -> bool {
+        self == other
+    }
+    #[inline]
+    fn pick(of: bool, yes: Self, no: Self) -> Self {
+        if of { yes } else { no }
+    }
+    #[inline]
+    fn pick_travel(of: bool, yes: I8F56, no: I8F56) -> I8F56 {
+        if of { yes } else { no }
     }
     fn gain(value: f64) -> Option<I4F28> {
         let fits = value.is_finite() && value.abs() < LARGEST_GAIN;
@@ -247,8 +270,17 @@ impl Number for PerUnit {
     fn of_travel(travel: I8F56) -> Self {
         Self::of_travel(travel)
     }
+}
+
+impl Scalar for PerUnit {
+    fn to_f64(self) -> f64 {
+        self.to_f64()
+    }
+    fn to_real(self) -> f64 {
+        self.to_f64()
+    }
     fn strokes(travel: I8F56) -> f64 {
-        travel.to_num()
+        Self::strokes(travel)
     }
 }
 

@@ -93,7 +93,7 @@ impl<N: Number, E> Edges<N, E> {
     /// Without a slope there, a chamber that one tick at the limit overfills would rest between the lines, short of both.
     #[inline]
     pub(crate) fn within_limit(&self, opening: N, flow: N, free: N) -> N {
-        if flow == free { opening } else { self.share_within_limit(free).of(opening) }
+        N::choose(flow.equals(free), || opening, || self.share_within_limit(free).of(opening))
     }
 
     #[cold]
@@ -158,7 +158,7 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         }
         let (from, to) = (self.opening(slider.from), end.way);
         // A closed valve that opens within the tick already works between the pressures it opens to.
-        let across = self.across(if from == N::ZERO { to } else { from }, pressures);
+        let across = self.across(N::pick(from.equals(N::ZERO), to, from), pressures);
         let larger = from.magnitude().max(to.magnitude());
         let edge = |across: N| self.passing_linearised(from, larger, across);
         (Flows { a: edge(across.a), b: edge(across.b) }, N::ZERO)
@@ -259,7 +259,9 @@ impl<N: Number> Pump<N> {
     #[inline]
     fn delivered(&self, displacement: N::Gain, speed: N, over: N) -> Linearised<N> {
         let flow = N::dot([displacement], [speed.magnitude()]) - self.slip.times(over);
-        if flow > N::ZERO { Linearised { flow, opening: self.slip, slope: self.unity } } else { self.blocked() }
+        let delivers = flow.above(N::ZERO);
+        let only = |signal: N| N::pick(delivers, signal, N::ZERO);
+        Linearised { flow: only(flow), opening: only(self.slip), slope: self.unity }
     }
 
     #[inline]

@@ -17,19 +17,22 @@
 //! Source: Armstrong-Hélouvry, Dupont, Canudas de Wit, *A survey of models, analysis tools and compensation methods for the
 //! control of machines with friction*, Automatica 30, 1994.
 
-use crate::number::Number;
+use crate::number::{Mask, Number};
 
-/// How dry friction acts during one tick.
+/// How dry friction acts during one tick. Where none of these holds there is no motion and no force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Contact {
+pub struct Contact<M> {
     /// The rod sticks.
-    Sticks,
+    pub sticks: M,
     /// It slides; friction points against extending.
-    Extends,
+    pub extends: M,
     /// It slides; friction points against retracting.
-    Retracts,
-    /// No motion and no force.
-    Free,
+    pub retracts: M,
+}
+
+impl<M: Mask> Contact<M> {
+    /// No friction.
+    pub(crate) const FREE: Self = Self { sticks: M::NONE, extends: M::NONE, retracts: M::NONE };
 }
 
 /// Coefficients of all dry friction, per unit of force, or in shares of the bristles' reference. 0 is neutral.
@@ -171,33 +174,29 @@ impl<N: Number> Level<N> {
 
     /// Sticks, or slides which way. Set-valued: at rest, any force below the friction is held exactly.
     #[inline]
-    pub(crate) fn contact(&self, velocity: N, force: N) -> Contact {
+    pub(crate) fn contact(&self, velocity: N, force: N) -> Contact<N::Mask> {
+        let (out, back) = (velocity.above(N::ZERO), N::ZERO.above(velocity));
+        let rests = !(out | back);
+        if !rests.any() {
+            return Contact { extends: out, retracts: back, ..Contact::FREE };
+        }
         let excess = self.excess();
-        if velocity > N::ZERO {
-            Contact::Extends
-        } else if velocity < N::ZERO {
-            Contact::Retracts
-        } else if force < self.extending + excess && -force < self.retracting + excess {
-            Contact::Sticks
-        } else if force > N::ZERO {
-            Contact::Extends
-        } else if force < N::ZERO {
-            Contact::Retracts
-        } else {
-            Contact::Free
+        let sticks = rests & (self.extending + excess).above(force) & (self.retracting + excess).above(-force);
+        let yields = rests & !sticks;
+        Contact {
+            sticks,
+            extends: out | (yields & force.above(N::ZERO)),
+            retracts: back | (yields & N::ZERO.above(force)),
         }
     }
 
     /// The friction force at a stage's velocity; a velocity that has turned within the tick counts as rest.
     #[inline]
-    pub(crate) fn force(&self, contact: Contact, velocity: N) -> N {
+    pub(crate) fn force(&self, contact: Contact<N::Mask>, velocity: N) -> N {
         let falling = |along: N| self.stribeck.map(|stribeck| stribeck.at(along.max(N::ZERO)));
         let level = |constant: N, along: N| falling(along).map_or(constant, |excess| constant + excess);
-        match contact {
-            Contact::Extends => -level(self.extending, velocity),
-            Contact::Retracts => level(self.retracting, -velocity),
-            Contact::Sticks | Contact::Free => N::ZERO,
-        }
+        let retracts = || N::choose(contact.retracts, || level(self.retracting, -velocity), || N::ZERO);
+        N::choose(contact.extends, || -level(self.extending, velocity), retracts)
     }
 
     /// A force of the bristles as far as a rod at rest is held by it.
@@ -210,13 +209,9 @@ impl<N: Number> Level<N> {
     /// The friction against this velocity; at rest that of the harder direction.
     #[inline]
     pub(crate) fn against(&self, velocity: N) -> N {
-        let constant = if velocity > N::ZERO {
-            self.extending
-        } else if velocity < N::ZERO {
-            self.retracting
-        } else {
-            self.extending.max(self.retracting)
-        };
+        let still = || self.extending.max(self.retracting);
+        let back = || N::choose(N::ZERO.above(velocity), || self.retracting, still);
+        let constant = N::choose(velocity.above(N::ZERO), || self.extending, back);
         self.stribeck.map_or(constant, |stribeck| constant + stribeck.at(velocity))
     }
 
@@ -224,9 +219,10 @@ impl<N: Number> Level<N> {
     #[inline]
     pub(crate) fn change(&self, from: N, to: N) -> N {
         let Some(stribeck) = &self.stribeck else { return N::ZERO };
-        let along = if from < N::ZERO { -to } else { to };
+        let back = N::ZERO.above(from);
+        let along = N::pick(back, -to, to);
         let change = stribeck.at(along.max(N::ZERO)) - stribeck.at(from);
-        if from < N::ZERO { -change } else { change }
+        N::pick(back, -change, change)
     }
 
     /// What the frictions of both directions are together, breaking away included.
@@ -275,8 +271,9 @@ mod tests {
         let [extending, retracting] = [0.3, 0.1].map(PerUnit::saturated);
         let level = Level::constant(extending, retracting);
         let at_rest = |force: f64| level.contact(PerUnit::ZERO, PerUnit::saturated(force));
-        assert_eq!([0.29, -0.09].map(at_rest), [Contact::Sticks; 2]);
-        assert_eq!([0.31, -0.11].map(at_rest), [Contact::Extends, Contact::Retracts]);
+        let (sticks, extends) = (Contact { sticks: true, ..Contact::FREE }, Contact { extends: true, ..Contact::FREE });
+        assert_eq!([0.29, -0.09].map(at_rest), [sticks; 2]);
+        assert_eq!([0.31, -0.11].map(at_rest), [extends, Contact { retracts: true, ..Contact::FREE }]);
     }
 
     proptest! {

@@ -2,7 +2,7 @@
 //!
 //! command → [`valve`] → slider → [`flow`] → [`chambers`] → [`mechanics`] → [`sensing`]. Each link is a type of its own that can
 //! be stepped alone; [`drive::Drive`] composes them into one fixed-cost implicit step a tick. The equations are written once,
-//! over [`number::Number`]: fixed point on the controller and, bit for bit the same, on the desktop; `f64` and dual numbers on the
+//! over [`number::Number`]: fixed point on the controller and, bit for bit the same, on the desktop; `f64`, dual numbers and vectors on the
 //! desktop. [`machine::Machine`] holds a drive's SI parameters, [`parameter::Parameter`] names them.
 //!
 //! No allocation, no clock, no I/O, no `unsafe`, no floating point in a step.

@@ -11,7 +11,7 @@
 use crate::chambers::ChamberState;
 use crate::edge_effects::{EdgeEffects, behind_laminar_line};
 use crate::flow::{Edges, Flows, Linearised, Lines, Opened};
-use crate::number::Number;
+use crate::number::{Mask, Number};
 use crate::supply::{Draw, SupplyState};
 use crate::valve::Slider;
 use crate::vocabulary::{Keeps, Vocabulary};
@@ -97,7 +97,7 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         let from = self.openings(effects, slider.from);
         let passing = self.passing(effects, &from, pressures, supply);
         let started = self.overlap.beyond(slider.from);
-        let way = if started == N::ZERO { self.overlap.beyond(slider.to) } else { started };
+        let way = N::choose(started.equals(N::ZERO), || self.overlap.beyond(slider.to), || started);
         let steep =
             passing.with(&larger(way, &from, to), |passing, opening| self.steepness(effects, &passing, opening));
         let supplied = steep.supply_a + steep.supply_b;
@@ -214,13 +214,16 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
 fn larger<N: Number>(way: N, from: &Four<N>, to: &Four<N>) -> Four<N> {
     // (working, other) edge of a port at both ends.
     let port = |from: (N, N), to: (N, N)| (from.0.max(to.0.max(to.1)), from.1.max(to.0.min(to.1)));
-    if way > N::ZERO {
+    let extending = || {
         let (supply_a, tank_a) = port((from.supply_a, from.tank_a), (to.supply_a, to.tank_a));
         let (tank_b, supply_b) = port((from.tank_b, from.supply_b), (to.tank_b, to.supply_b));
         Four { supply_a, tank_a, supply_b, tank_b }
-    } else {
+    };
+    let retracting = || {
         let (tank_a, supply_a) = port((from.tank_a, from.supply_a), (to.tank_a, to.supply_a));
         let (supply_b, tank_b) = port((from.supply_b, from.tank_b), (to.supply_b, to.tank_b));
         Four { supply_a, tank_a, supply_b, tank_b }
-    }
+    };
+    let extends = way.above(N::ZERO);
+    extends.branch(extending, retracting, |yes, no| yes.with(&no, |yes, no| N::pick(extends, yes, no)))
 }

@@ -12,7 +12,7 @@
 use core::f64::consts::PI;
 
 use crate::machine::{Machine, MachineError};
-use crate::number::{Number, Real};
+use crate::number::{Number, Real, Scalar};
 use crate::parameter::Parameter as P;
 
 /// Terms of a series.
@@ -87,7 +87,7 @@ pub enum LinkageError {
     Machine(#[from] MachineError),
 }
 
-impl<N: Number<Real = f64>> Linkage<N> {
+impl<N: Scalar<Real = f64>> Linkage<N> {
     /// From `[linkage]`, `sensing.encoder_counts_per_rev` and the stroke.
     ///
     /// # Errors

@@ -160,7 +160,7 @@ impl<N: Number> Sensors<N> {
         }
         let sensed = if self.follows() { state.position } else { N::of_travel(position) };
         let sensed = self.position.map_or(sensed, |factor| state.origin + N::dot([factor], [sensed - state.origin]));
-        N::travelled(N::travel(N::ZERO.to_real()), [self.unity], [sensed])
+        N::travelled(N::ZERO.as_travel(), [self.unity], [sensed])
     }
 }
 

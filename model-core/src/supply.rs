@@ -99,6 +99,7 @@ mod tests {
     use crate::fixed_point::PerUnit;
     use crate::flow::PumpDrive;
     use crate::machine::{Machine, Source, Tick};
+    use crate::number::Scalar;
     use crate::parameter::Parameter as P;
     use crate::valve::Slider;
 
@@ -119,7 +120,7 @@ mod tests {
     }
 
     /// Supply pressures in Pa after so many ticks with the valve half open, and the flow it then draws into A in m³/s.
-    fn after<N: Number<Real = f64>>(machine: &Machine<f64>, ticks: usize) -> [f64; 2] {
+    fn after<N: Scalar<Real = f64>>(machine: &Machine<f64>, ticks: usize) -> [f64; 2] {
         let drive = Drive::<N>::new::<64>(machine, Tick::OneMillisecond).unwrap();
         let half = N::saturated(0.5);
         let mut state: DriveState<N> =

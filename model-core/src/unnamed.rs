@@ -21,7 +21,7 @@
 
 use crate::drive::DriveState;
 use crate::flow::Flows;
-use crate::number::Number;
+use crate::number::{Mask, Number};
 
 /// States of a drive that a table may be over, per unit.
 #[derive(Clone, Copy, Debug, PartialEq, Hash)]
@@ -118,10 +118,11 @@ fn along<N: Number>(mut values: impl Iterator<Item = N>, nodes: N) -> N {
     let Some(mut lower) = values.next() else { return N::ZERO };
     let (mut total, mut left) = (lower, nodes);
     for upper in values {
-        if left <= N::ZERO {
+        let inside = left.above(N::ZERO);
+        if !inside.any() {
             break;
         }
-        total = total + (upper - lower).times(left.min(N::ONE));
+        total = total + N::pick(inside, (upper - lower).times(left.min(N::ONE)), N::ZERO);
         left = left - N::ONE;
         lower = upper;
     }
@@ -195,6 +196,7 @@ mod tests {
     use crate::drive::{Drive, Entry, Load};
     use crate::fixed_point::PerUnit;
     use crate::machine::{Machine, MachineError, Source, Tick};
+    use crate::number::Scalar;
     use crate::parameter::Parameter as P;
 
     fn press() -> Machine<f64> {
@@ -221,7 +223,7 @@ mod tests {
     }
 
     /// Steps up, back and to rest; the states on the way.
-    fn run<N: Number<Real = f64>>(machine: &Machine<f64>, ticks: u32) -> (DriveState<N>, Vec<[f64; 2]>) {
+    fn run<N: Scalar<Real = f64>>(machine: &Machine<f64>, ticks: u32) -> (DriveState<N>, Vec<[f64; 2]>) {
         let drive = Drive::<N>::new::<64>(machine, Tick::OneMillisecond).unwrap();
         let pressures = ChamberState { a: N::saturated(0.3), b: N::saturated(0.5) };
         let mut state: DriveState<N> = drive.at_rest(N::ZERO, pressures, N::travel(0.5));

@@ -201,7 +201,8 @@ impl<N: Number> Stiction<N> {
     #[inline]
     fn held(&self, slider: N, free: N) -> N {
         let asked = free - slider;
-        if asked.magnitude() > self.band { free - asked.select_positive(self.kept, -self.kept) } else { slider }
+        let jumps = asked.magnitude().above(self.band);
+        N::choose(jumps, || free - asked.select_positive(self.kept, -self.kept), || slider)
     }
 }
 

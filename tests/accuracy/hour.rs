@@ -6,7 +6,7 @@ use host_sim::testbed::InitialState;
 use model_core::drive::{Entry, Load};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
-use model_core::number::Number;
+use model_core::number::{Number, Scalar};
 use model_core::parameter::Parameter::{DeadZone, InternalLeakage, LoadForce, SupplyPressure, ValveGain, ValveOffset};
 use system_tests::drives::{self, NamedDrive};
 use system_tests::simulate::{Distance, Row, at_rest, command, core, drive, oracle, row};
@@ -71,7 +71,7 @@ fn closed_cycle(machine: &Machine<f64>) -> Vec<f64> {
     trapezoid(5.0, f64::midpoint(low_v, high_v))
 }
 
-fn cycling<N: Number<Real = f64>>(named: &NamedDrive, ticks: usize, cycle: &[f64]) -> Row {
+fn cycling<N: Scalar<Real = f64>>(named: &NamedDrive, ticks: usize, cycle: &[f64]) -> Row {
     let drive = drive::<N>(&named.machine, TICK);
     let mut state = at_rest(&drive, cycle[0], &InitialState::at_rest(&named.machine, 0.15));
     let commands: Vec<N> = cycle.iter().map(|&volts| command(volts)).collect();
@@ -143,7 +143,7 @@ fn a_closed_valve_holds_a_load_for_an_hour() {
     });
 }
 
-fn an_hour_of_leakage<N: Number<Real = f64>>(machine: &Machine<f64>) -> Row {
+fn an_hour_of_leakage<N: Scalar<Real = f64>>(machine: &Machine<f64>) -> Row {
     let drive = drive::<N>(machine, TICK);
     let mut state = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.15));
     for _ in 0..HOUR {

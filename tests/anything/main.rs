@@ -11,7 +11,7 @@ use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::Tick;
-use model_core::number::Number;
+use model_core::number::Scalar;
 use serde::Serialize;
 use system_tests::anything::{TARGETS, machine_file, recording};
 use system_tests::drives;
@@ -137,7 +137,7 @@ fn write_seeds() {
     }
 }
 
-fn at_rest<N: Number<Real = f64> + Serialize>(machine: &model_core::machine::Machine<f64>) -> Vec<u8>
+fn at_rest<N: Scalar<Real = f64> + Serialize>(machine: &model_core::machine::Machine<f64>) -> Vec<u8>
 where
     N::Travel: Serialize,
 {

@@ -4,14 +4,14 @@ use host_sim::testbed::{Excitation, InitialState};
 use model_core::drive::{Entry, Load};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
-use model_core::number::Number;
+use model_core::number::Scalar;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::drives;
 use system_tests::simulate::{State, at_rest, command, drive};
 
-fn chain_and_links_agree<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Tick, seed: u64) {
+fn chain_and_links_agree<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, seed: u64) {
     let drive = drive::<N>(machine, tick);
     let valve = drive.valve().unwrap();
     let mut chain: State<N> = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.1));

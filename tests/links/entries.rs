@@ -6,7 +6,7 @@ use model_core::drive::{Drive, Entry, Load};
 use model_core::fixed_point::PerUnit;
 use model_core::flow::{Flows, PumpDrive};
 use model_core::machine::Tick;
-use model_core::number::Number;
+use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 use system_tests::drives::{self, NamedDrive};
 use system_tests::simulate::{ORACLE_TOLERANCE, Row, State, at_rest, command, distance, drive, row};
@@ -24,17 +24,17 @@ const FROM_FORCE: f64 = 3e-4;
 
 const NO_PUMP: f64 = 0.0;
 
-fn port_flows<N: Number<Real = f64>>(drive: &Drive<N>, state: &State<N>) -> Flows<N> {
+fn port_flows<N: Scalar<Real = f64>>(drive: &Drive<N>, state: &State<N>) -> Flows<N> {
     drive.flows(state.valve.slider(), PumpDrive { speed: N::saturated(NO_PUMP), direction: 0 }, state.chambers)
 }
 
 /// pa − α·pb: what a force sensor between the piston and the rod would show without friction.
-fn oil_force<N: Number<Real = f64>>(named: &NamedDrive, pressures: ChamberState<N>) -> N {
+fn oil_force<N: Scalar<Real = f64>>(named: &NamedDrive, pressures: ChamberState<N>) -> N {
     let ratio = named.machine.get(P::AreaB) / named.machine.get(P::AreaA);
     N::saturated(pressures.a.to_f64() - ratio * pressures.b.to_f64())
 }
 
-fn runs<N: Number<Real = f64>>(named: &NamedDrive, excitation: &Excitation) -> [Vec<Row>; 3] {
+fn runs<N: Scalar<Real = f64>>(named: &NamedDrive, excitation: &Excitation) -> [Vec<Row>; 3] {
     let drive = drive::<N>(&named.machine, TICK);
     let volts = excitation.sample(TICK.seconds());
     let start = at_rest(&drive, volts[0], &InitialState::at_rest(&named.machine, 0.15));
@@ -54,7 +54,7 @@ fn runs<N: Number<Real = f64>>(named: &NamedDrive, excitation: &Excitation) -> [
     rows
 }
 
-fn entered_downstream<N: Number<Real = f64>>(named: &NamedDrive, excitation: &Excitation) {
+fn entered_downstream<N: Scalar<Real = f64>>(named: &NamedDrive, excitation: &Excitation) {
     let [chain, from_flow, from_force] = runs::<N>(named, excitation);
     let flow = distance(&from_flow, &chain).position;
     let force = distance(&from_force, &chain).position;
@@ -73,7 +73,7 @@ fn entered_at_flow_or_force_the_drive_moves_as_the_chain_did() {
     }
 }
 
-fn flow_link<N: Number<Real = f64>>(named: &NamedDrive) -> f64 {
+fn flow_link<N: Scalar<Real = f64>>(named: &NamedDrive) -> f64 {
     let drive = drive::<N>(&named.machine, TICK);
     let bases = drive.bases();
     let volts = Excitation::random_steps(2).sample(TICK.seconds());

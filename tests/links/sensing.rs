@@ -2,11 +2,11 @@
 
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Source};
-use model_core::number::Number;
+use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 use model_core::sensing::{Linkage, Lvdt};
 
-fn every_count<N: Number<Real = f64>>() {
+fn every_count<N: Scalar<Real = f64>>() {
     let machine = Machine::with_defaults(Source::Valve);
     let linkage = Linkage::<N>::new(&machine).unwrap();
     let at = |strokes: f64| linkage.counts(N::saturated(strokes)).round();

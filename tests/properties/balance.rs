@@ -10,7 +10,7 @@ use model_core::drive::{Drive, Entry, Interfaces, Load};
 use model_core::fixed_point::PerUnit;
 use model_core::flow::{Flows, PumpDrive};
 use model_core::machine::{Machine, Source, Tick};
-use model_core::number::Number;
+use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 use model_core::valve::Slider;
 use proptest::prelude::*;
@@ -33,7 +33,7 @@ const INVERSE: f64 = 2e-8;
 const ATMOSPHERE_PA: f64 = 1.013e5;
 
 /// What rounding may do to a number of this type.
-trait Rounded: Number<Real = f64> {
+trait Rounded: Scalar<Real = f64> {
     /// Whether its coefficients and products are rounded to the formats above.
     const TO_FORMAT: bool;
     /// Largest signal.
@@ -73,7 +73,7 @@ struct Capacity {
 }
 
 impl Chamber {
-    fn of(machine: &Machine<f64>, drive: &Drive<impl Number<Real = f64>>, (area, volume, side): (P, P, f64)) -> Self {
+    fn of(machine: &Machine<f64>, drive: &Drive<impl Scalar<Real = f64>>, (area, volume, side): (P, P, f64)) -> Self {
         let bases = drive.bases();
         Self {
             side,
@@ -172,7 +172,7 @@ impl Books {
         let (qa, qb, v) = (seen.flows.a.to_f64(), seen.flows.b.to_f64(), seen.velocity.to_f64());
         let strokes = N::strokes(before.motion.position);
         let nets = [qa - v, self.ratio * v - qb];
-        let pressures = [before.chambers.a, before.chambers.b].map(Number::to_f64);
+        let pressures = [before.chambers.a, before.chambers.b].map(Scalar::to_f64);
         // α is a gain, and what B displaces is rounded before anything is taken from it.
         let nets_off = [0.0, HALF * (v.abs() + 1.0)];
         for side in 0..2 {
@@ -214,7 +214,7 @@ enum Way {
     Pump,
 }
 
-fn entry<N: Number>(way: Way, ratio: f64, volts: [f64; 2]) -> Entry<N> {
+fn entry<N: Scalar>(way: Way, ratio: f64, volts: [f64; 2]) -> Entry<N> {
     let flows = |volts: f64| Flows { a: N::saturated(0.04 * volts), b: N::saturated(0.04 * ratio * volts) };
     let direction = if volts[1] > 0.0 { 1 } else { -1 };
     match way {
@@ -319,7 +319,7 @@ proptest! {
 
 /// Past a closed valve, and without leakage to outside, all that leaves one chamber enters the other: the very word, so that not a step
 /// of oil comes or goes in any time.
-fn passed<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Tick, start: [f64; 3]) -> bool {
+fn passed<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, start: [f64; 3]) -> bool {
     let drive = Drive::<N>::new::<DELAY>(machine, tick).unwrap();
     let mut state: State<N> = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.0));
     (state.chambers.a, state.chambers.b) = (N::saturated(start[0]), N::saturated(start[1]));

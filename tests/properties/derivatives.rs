@@ -5,13 +5,13 @@ use host_sim::testbed::Excitation;
 use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, Entry, Load};
 use model_core::machine::{Machine, Tick};
-use model_core::number::{Number, Real};
+use model_core::number::{Real, Scalar};
 use model_core::parameter::Parameter as P;
 use system_tests::drives;
 use system_tests::simulate::{DELAY, State};
 
 /// Slider, both pressures, the supply's and the position, per unit, at every tick.
-fn signals<N: Number>(machine: &Machine<N::Real>) -> Vec<[N::Real; 5]> {
+fn signals<N: Scalar>(machine: &Machine<N::Real>) -> Vec<[N::Real; 5]> {
     let drive = Drive::<N>::new::<DELAY>(machine, Tick::OneMillisecond).unwrap();
     let pressures = ChamberState { a: N::saturated(0.4), b: N::saturated(0.67) };
     let mut state: State<N> = drive.at_rest(N::ZERO, pressures, N::travel(N::Real::constant(0.5)));

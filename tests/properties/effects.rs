@@ -5,7 +5,7 @@ use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, Entry, Interfaces, Load};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
-use model_core::number::Number;
+use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 use model_core::valve::Slider;
 use proptest::prelude::*;
@@ -16,7 +16,7 @@ use system_tests::simulate::{DELAY, State, at_rest, command, core, distance, dri
 
 use super::cases;
 
-fn run<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Tick, volts: &[f64]) -> (Vec<Interfaces<N>>, State<N>) {
+fn run<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, volts: &[f64]) -> (Vec<Interfaces<N>>, State<N>) {
     let drive = drive::<N>(machine, tick);
     let mut state = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.1));
     let step = |&volts: &f64| drive.step(&mut state, Entry::Command(command(volts)), Load::NONE);
@@ -85,7 +85,7 @@ fn a_stuck_slider_jumps_in_the_same_ticks_in_fixed_point_and_f64() {
 }
 
 /// Largest change of a pressure or the supply's from tick to tick, late with the slider held open.
-fn restlessness<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Tick, slider: f64, start: [f64; 2]) -> f64 {
+fn restlessness<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, slider: f64, start: [f64; 2]) -> f64 {
     let drive = drive::<N>(machine, tick);
     let pressures = ChamberState { a: N::saturated(start[0]), b: N::saturated(start[1]) };
     let mut state: State<N> = drive.at_rest(N::ZERO, pressures, N::travel(0.0));

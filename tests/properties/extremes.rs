@@ -6,7 +6,7 @@ use model_core::fixed_point::PerUnit;
 use model_core::flow::{Flows, PumpDrive};
 use model_core::machine::{Machine, Source, Tick};
 use model_core::mechanics::{Forces, MotionState, Surroundings};
-use model_core::number::Number;
+use model_core::number::{Number, Scalar};
 use model_core::parameter::Parameter as P;
 use model_core::valve::Slider;
 use proptest::prelude::*;
@@ -130,7 +130,7 @@ proptest! {
 
 /// The drive with its valve closed, thrown off: pressures in supply pressures, velocity in its base. Its largest velocity in the
 /// second half of 3000 ticks.
-fn thrown<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Tick, [a, b, velocity]: [f64; 3]) -> f64 {
+fn thrown<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, [a, b, velocity]: [f64; 3]) -> f64 {
     let drive = drive::<N>(machine, tick);
     let pressures = ChamberState { a: N::saturated(a), b: N::saturated(b) };
     let mut state: State<N> = drive.at_rest(N::ZERO, pressures, N::travel(0.0));

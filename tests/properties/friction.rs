@@ -5,7 +5,7 @@ use model_core::drive::{Entry, Load};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
 use model_core::mechanics::{Forces, MotionState, Surroundings};
-use model_core::number::Number;
+use model_core::number::{Number, Scalar};
 use model_core::parameter::Parameter as P;
 use proptest::prelude::*;
 use system_tests::any_machine::{any_machine, any_tick};
@@ -24,7 +24,7 @@ fn with_friction() -> impl Strategy<Value = Machine<f64>> {
     })
 }
 
-fn held<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Tick, share: f64, shaking: &[f64]) {
+fn held<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, share: f64, shaking: &[f64]) {
     let drive = drive::<N>(machine, tick);
     let friction_n = machine.get(P::CoulombFriction);
     let mut initial = InitialState::at_rest(machine, 0.1);

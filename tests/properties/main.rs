@@ -7,6 +7,7 @@
 //! CASES_TIMES=30 CASES_SEED=1 cargo test -p system-tests --test properties
 //! ```
 
+mod abreast;
 mod agreement;
 mod balance;
 mod derivatives;

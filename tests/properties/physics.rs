@@ -4,7 +4,7 @@ use host_sim::testbed::{Excitation, InitialState};
 use model_core::drive::{Entry, Load};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
-use model_core::number::Number;
+use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 use proptest::prelude::*;
 use system_tests::any_machine::{any_machine, any_tick};
@@ -60,7 +60,7 @@ struct Si {
     position_m: f64,
 }
 
-fn si<N: Number<Real = f64>>(state: &State<N>, bases: &model_core::machine::Bases) -> Si {
+fn si<N: Scalar<Real = f64>>(state: &State<N>, bases: &model_core::machine::Bases) -> Si {
     Si {
         pressures_pa: [state.chambers.a, state.chambers.b].map(|pressure| pressure.to_f64() * bases.pressure_pa),
         velocity_m_per_s: state.motion.velocity.to_f64() * bases.velocity_m_per_s,
@@ -92,7 +92,7 @@ fn closed(mut machine: Machine<f64>) -> Machine<f64> {
 
 /// Largest growth of the energy in any tick with the valve closed, beside what dry friction that turns within the tick may give,
 /// and over the whole run; in shares of what the supply would compress.
-fn growth<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Tick, start: [f64; 3]) -> (f64, f64) {
+fn growth<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, start: [f64; 3]) -> (f64, f64) {
     let drive = drive::<N>(machine, tick);
     let (store, bases) = (Store::of(machine), drive.bases());
     let supply_pa = machine.get(P::SupplyPressure);
@@ -141,7 +141,7 @@ fn created(machine: &Machine<f64>, tick: Tick, seed: u64) -> f64 {
 }
 
 /// Lowest and highest pressure of a run, Pa, and its largest velocity without sign, m/s.
-fn extremes<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Tick, volts: &[f64]) -> [f64; 3] {
+fn extremes<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, volts: &[f64]) -> [f64; 3] {
     let drive = drive::<N>(machine, tick);
     let mut state: State<N> = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.0));
     let [mut lowest, mut highest, mut fastest] = [0.0_f64; 3];

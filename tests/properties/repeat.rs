@@ -4,7 +4,7 @@ use host_sim::testbed::{Excitation, InitialState};
 use model_core::drive::{Drive, Entry, Interfaces, Load};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
-use model_core::number::Number;
+use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 use proptest::prelude::*;
 use serde::Serialize;
@@ -15,13 +15,13 @@ use system_tests::simulate::{DELAY, State, at_rest, command, drive};
 
 use super::cases;
 
-fn run<N: Number<Real = f64>>(drive: &Drive<N>, state: &mut State<N>, volts: &[f64]) -> Vec<Interfaces<N>> {
+fn run<N: Scalar<Real = f64>>(drive: &Drive<N>, state: &mut State<N>, volts: &[f64]) -> Vec<Interfaces<N>> {
     volts.iter().map(|&volts| drive.step(state, Entry::Command(command(volts)), Load::NONE)).collect()
 }
 
 fn stored_and_continued<N>(machine: &Machine<f64>, tick: Tick, volts: &[f64], at: usize)
 where
-    N: Number<Real = f64> + Serialize + DeserializeOwned,
+    N: Scalar<Real = f64> + Serialize + DeserializeOwned,
     N::Travel: Serialize + DeserializeOwned,
 {
     let drive = drive::<N>(machine, tick);

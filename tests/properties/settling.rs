@@ -5,7 +5,7 @@ use model_core::drive::{Drive, DriveState, Entry, Load};
 use model_core::fixed_point::PerUnit;
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, Source, Tick};
-use model_core::number::Number;
+use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 use proptest::prelude::*;
 use system_tests::any_machine::any_tick;
@@ -35,7 +35,7 @@ fn pump_drive(return_coefficient: f64, capacity: f64) -> Machine<f64> {
 }
 
 /// Pressure in the returning chamber after `ticks`, Pa.
-fn settled_pa<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Tick, pump: f64, ticks: u32) -> f64 {
+fn settled_pa<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, pump: f64, ticks: u32) -> f64 {
     let drive = Drive::<N>::new::<64>(machine, tick).expect("the drive fits");
     let rest = N::saturated(0.04);
     let mut state: DriveState<N, 64> = drive.at_rest(N::ZERO, ChamberState { a: rest, b: rest }, N::travel(0.5));

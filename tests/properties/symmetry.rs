@@ -4,7 +4,7 @@ use host_sim::testbed::{Excitation, InitialState};
 use model_core::drive::Drive;
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
-use model_core::number::Number;
+use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 use proptest::prelude::*;
 use system_tests::any_machine::{any_machine, any_tick};
@@ -35,7 +35,7 @@ fn mirror_image(machine: &Machine<f64>) -> Machine<f64> {
     ])
 }
 
-fn unlikeness<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Tick, seed: u64) -> Distance {
+fn unlikeness<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, seed: u64) -> Distance {
     let volts = Excitation::random_steps(seed).sample(tick.seconds());
     let mirrored: Vec<f64> = volts.iter().map(|volts| -volts).collect();
     let initial = InitialState::at_rest(machine, 0.0);

@@ -4,7 +4,7 @@ use host_sim::testbed::{Excitation, InitialState};
 use model_core::drive::{Entry, Interfaces, Load};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
-use model_core::number::Number;
+use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 use proptest::prelude::*;
 use system_tests::any_machine::{any_machine, any_tick};
@@ -22,7 +22,7 @@ fn at_peace(mut machine: Machine<f64>) -> Machine<f64> {
 }
 
 /// A run that begins so many ticks later; without dry friction it holds the rounding of its pressures by a little more.
-fn later<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Tick, volts: &[f64], wait: usize) -> Vec<Interfaces<N>> {
+fn later<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, volts: &[f64], wait: usize) -> Vec<Interfaces<N>> {
     let drive = drive::<N>(machine, tick);
     let mut state: State<N> = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.1));
     // Whatever is left of a force by rounding goes first.

@@ -13,7 +13,7 @@ use model_core::fixed_point::PerUnit;
 use model_core::flow::{Flows, PumpDrive};
 use model_core::follow::{Follower, Tuning};
 use model_core::machine::{Machine, Source, Tick};
-use model_core::number::Number;
+use model_core::number::{Number, Scalar};
 use model_core::parameter::Parameter;
 use model_core::valve::Slider;
 use serde::de::DeserializeOwned;
@@ -163,7 +163,7 @@ pub fn coefficients(bytes: &[u8]) {
 }
 
 fn drive_of(machine: &Machine<f64>, tick: Tick) {
-    fn some_ticks<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Tick) {
+    fn some_ticks<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick) {
         let Ok(drive) = Drive::<N>::new::<DELAY>(machine, tick) else { return };
         let mut state: DriveState<N, DELAY> = drive.at_rest(
             N::saturated(0.1),

@@ -4,7 +4,6 @@ use firmware::set_point::{Bounds, Course, CourseState, Leg, SetPoint};
 use host_sim::testbed::sensors::{PositionSensor, PressureSensor, Sensors};
 use host_sim::testbed::{Command, InitialState, LoadProfile, Plant, PlantEffect, PlantState};
 use model_core::machine::{Bases, Machine, Tick};
-use model_core::number::Number;
 use model_core::parameter::Parameter as P;
 
 /// The control period.

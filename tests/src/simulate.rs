@@ -5,7 +5,7 @@ use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState, Entry, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, Tick};
-use model_core::number::Number;
+use model_core::number::{Number, Scalar};
 use model_core::parameter::Parameter;
 
 /// The tolerance the oracle is solved to, per unit.
@@ -90,7 +90,7 @@ pub fn at_rest<N: Number<Real = f64>>(drive: &Drive<N>, volts: f64, initial: &In
 
 /// What is compared of a state.
 #[must_use]
-pub fn row<N: Number<Real = f64>, const LINE: usize>(state: &DriveState<N, LINE>) -> Row {
+pub fn row<N: Scalar<Real = f64>, const LINE: usize>(state: &DriveState<N, LINE>) -> Row {
     Row {
         pressure_a: state.chambers.a.to_f64(),
         pressure_b: state.chambers.b.to_f64(),
@@ -100,7 +100,7 @@ pub fn row<N: Number<Real = f64>, const LINE: usize>(state: &DriveState<N, LINE>
 
 /// The core's run: row k is the state at tick k, before its command acts.
 #[must_use]
-pub fn core<N: Number<Real = f64>>(
+pub fn core<N: Scalar<Real = f64>>(
     machine: &Machine<f64>,
     tick: Tick,
     volts: &[f64],
@@ -112,7 +112,7 @@ pub fn core<N: Number<Real = f64>>(
 
 /// The core's run of a pump drive.
 #[must_use]
-pub fn core_pump<N: Number<Real = f64>>(
+pub fn core_pump<N: Scalar<Real = f64>>(
     machine: &Machine<f64>,
     tick: Tick,
     commands: &[PumpCommand],
@@ -126,7 +126,7 @@ pub fn core_pump<N: Number<Real = f64>>(
     run::<N>(machine, tick, 0.0, commands.iter().map(entry), initial)
 }
 
-fn run<N: Number<Real = f64>>(
+fn run<N: Scalar<Real = f64>>(
     machine: &Machine<f64>,
     tick: Tick,
     first_v: f64,

@@ -1,29 +1,45 @@
-//! What `tests/instructions.rs` counts the instructions of: `counted step-f64 TICKS`, `counted step-fixed TICKS`, `counted refit FOLDER TIMES`.
+//! What `tests/instructions.rs` counts the instructions of: `counted step-f64 TICKS`, `counted step-fixed TICKS`, `counted step-abreast TICKS`,
+//! `counted refit FOLDER TIMES`.
 //! Times 0 reads what a refit needs and does none: what is left of the difference is the refit.
 
+use std::array::from_fn;
 use std::error::Error;
 use std::path::Path;
 
+use host_sim::lanes::LANES;
 use host_sim::testbed::{Excitation, InitialState};
 use model_core::fixed_point::PerUnit;
-use model_core::number::Number;
+use model_core::number::Scalar;
 use system_benches::refit::Refit;
-use system_benches::run::{Run, TICK};
+use system_benches::run::{Abreast, Run, TICK};
 use system_tests::drives;
 
 /// Where the rod stands at first, m: mid-stroke.
 const START_M: f64 = 0.15;
 
-fn step<N: Number<Real = f64>>(ticks: usize) -> f64 {
+/// Random steps over so many ticks.
+fn commands(ticks: usize) -> Vec<f32> {
+    #[expect(clippy::cast_possible_truncation, reason = "commands in V, as the peers take them")]
+    let random = Excitation::random_steps(1).sample(TICK.seconds()).into_iter().map(|volts| volts as f32);
+    random.collect::<Vec<f32>>().into_iter().cycle().take(ticks).collect()
+}
+
+fn step<N: Scalar<Real = f64>>(ticks: usize) -> f64 {
     let machine = drives::press();
     let run = Run::<N>::new(&machine, &InitialState::at_rest(&machine, START_M));
-    #[expect(clippy::cast_possible_truncation, reason = "commands in V, as the peers take them")]
-    let random: Vec<f32> =
-        Excitation::random_steps(1).sample(TICK.seconds()).into_iter().map(|volts| volts as f32).collect();
-    let volts: Vec<f32> = random.into_iter().cycle().take(ticks).collect();
     let mut rows = Vec::new();
-    run.any(&volts, &mut rows);
+    run.any(&commands(ticks), &mut rows);
     rows.last().map_or(f64::NAN, |row| row[1])
+}
+
+/// Each drive a quarter of the commands further on.
+fn step_abreast(ticks: usize) -> f64 {
+    let machine = drives::press();
+    let four = Abreast::new(&machine, &InitialState::at_rest(&machine, START_M));
+    let volts = commands(2 * ticks);
+    let mut rows = <[Vec<_>; LANES]>::default();
+    four.any(from_fn(|lane| &volts[lane * ticks / LANES..][..ticks]), &mut rows);
+    rows[0].last().map_or(f64::NAN, |row| row[1])
 }
 
 fn refit(folder: &str, times: usize) -> Result<f64, Box<dyn Error>> {
@@ -44,8 +60,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let result = match words.as_slice() {
         ["step-f64", ticks] => step::<f64>(ticks.parse()?),
         ["step-fixed", ticks] => step::<PerUnit>(ticks.parse()?),
+        ["step-abreast", ticks] => step_abreast(ticks.parse()?),
         ["refit", folder, times] => refit(folder, times.parse()?)?,
-        _ => return Err("expected step-f64 TICKS, step-fixed TICKS, or refit FOLDER TIMES".into()),
+        _ => return Err("expected step-f64 TICKS, step-fixed TICKS, step-abreast TICKS, or refit FOLDER TIMES".into()),
     };
     println!("{result}");
     Ok(())

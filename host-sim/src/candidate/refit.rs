@@ -2,10 +2,9 @@
 
 use model_core::machine::Machine;
 use model_core::parameter::Parameter;
-use rayon::prelude::*;
 
-use super::{Candidate, Chosen, Question, Residuals, strengths};
-use crate::fit::{Fit, FitError, Free, From, Sensitivity, StartState, coarse, fit, loss, softened};
+use super::{Candidate, Chosen, Question, strengths};
+use crate::fit::{Fit, FitError, Free, From, Sensitivity, StartState, coarse, fit, loss, softened_all};
 use crate::hypothesis::Kind;
 use crate::prepare::Prepared;
 use crate::screen::with;
@@ -51,9 +50,8 @@ impl Candidate {
         jumps: Vec<(Parameter, f64)>,
         is_finished: bool,
     ) -> Result<Self, FitError> {
-        let training = question.training.par_iter().zip(&fit.starts);
-        let residuals: Residuals =
-            training.map(|(case, start)| softened(&fit.machine, case, *start)).collect::<Result<_, _>>()?;
+        let training = question.training.iter().copied().zip(fit.starts.iter().copied());
+        let residuals = softened_all(&fit.machine, training)?;
         if !is_finished {
             let missed: f64 = residuals.iter().flatten().map(|series| loss(series)).sum();
             let missed_there: f64 = fit.information.iter().map(|one| one.square).sum();

@@ -7,9 +7,9 @@ use model_core::machine::{Machine, MachineError};
 use rayon::prelude::*;
 
 use super::StartState;
-use super::residuals::simulated;
+use super::residuals::judged;
 use crate::prepare::{Channel, Prepared};
-use crate::simulate::{Coarser, Stimulus};
+use crate::simulate::{Coarser, run_abreast};
 
 /// Recordings at twice the tick, around a machine and the start of each; as they are, where the core has no such tick.
 pub fn coarse(
@@ -23,9 +23,16 @@ pub fn coarse(
 
 fn coarser(case: &Prepared, machine: &Machine<f64>, start: StartState) -> Result<Option<Prepared>, MachineError> {
     let Some(Coarser { stimulus, kept }) = case.stimulus.coarser() else { return Ok(None) };
-    let simulated =
-        |stimulus: &Stimulus| simulated(machine, stimulus, start.offset(machine, case), &case.channels, |_| true);
-    let (fine, rough) = (simulated(&case.stimulus)?, simulated(&stimulus)?);
+    let offset = start.offset(machine, case);
+    let mut both = [Vec::new(), Vec::new()];
+    run_abreast(
+        machine,
+        &[judged(&case.stimulus, offset, case), judged(&stimulus, offset, case)],
+        |run, _, values| {
+            both[run].extend_from_slice(values);
+        },
+    )?;
+    let [fine, rough] = both;
     let channels = case.channels.len();
     // Fewer rows have to weigh as much.
     let weight = (kept.len() as f64 / case.rows() as f64).sqrt();

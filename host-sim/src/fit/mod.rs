@@ -25,7 +25,10 @@ pub use information::Information;
 pub(crate) use information::OF_START;
 pub use problem::Told;
 use problem::{Minimum, Problem};
-pub use residuals::{CHANCE, Misfit, effective_samples, loss, misfits, set_tolerances, soft, softened, standardised};
+pub use residuals::{
+    CHANCE, Misfit, Residuals, effective_samples, loss, misfits, set_tolerances, soft, softened, softened_all,
+    standardised, standardised_all,
+};
 pub use sensitivity::{Change, Sensitivity, Settled, Simulated};
 pub use start::{StartState, level_at_rest, settle};
 

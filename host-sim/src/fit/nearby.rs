@@ -4,10 +4,9 @@ use model_core::machine::{Machine, MachineError};
 use nalgebra::DVector;
 
 use super::information::{Information, OF_START};
-use super::residuals::{missed, soft};
+use super::residuals::{missed, simulated, soft};
 use super::start::StartState;
 use crate::prepare::Prepared;
-use crate::simulate::run;
 
 /// Slopes of more than so many values are not kept: 16 MB of a recording.
 const MOST_KEPT: usize = 4 << 20;
@@ -40,23 +39,32 @@ impl Slopes {
 }
 
 impl Information {
-    /// What it becomes at a machine and a start nearby: residuals anew, and slopes as they were kept. `None` where they were not.
+    /// What they become at a machine and starts nearby: residuals anew, and slopes as they were kept. `None` where they were not.
     pub(super) fn nearby(
-        &self,
-        slopes: &Slopes,
+        here: &[Self],
+        slopes: &[Slopes],
         machine: &Machine<f64>,
-        start: StartState,
-        case: &Prepared,
-    ) -> Result<Option<Self>, MachineError> {
-        if !slopes.is_kept {
+        cases: &[&Prepared],
+        starts: &[StartState],
+    ) -> Result<Option<Vec<Self>>, MachineError> {
+        if !slopes.iter().all(|slopes| slopes.is_kept) {
             return Ok(None);
         }
+        let there = simulated(machine, cases.iter().copied().zip(starts.iter().copied()), |_| true)?;
+        let moved = |((here, slopes), (case, there)): ((&Self, &Slopes), (&&Prepared, &Vec<f64>))| {
+            here.moved(slopes, case, there)
+        };
+        Ok(Some(here.iter().zip(slopes).zip(cases.iter().zip(&there)).map(moved).collect()))
+    }
+
+    /// With the residuals of what one recording simulates.
+    fn moved(&self, slopes: &Slopes, case: &Prepared, simulated: &[f64]) -> Self {
         let mut rows = slopes.values.chunks_exact(slopes.columns);
         let mut gradient = vec![0.0; slopes.columns];
         let mut square = 0.0;
-        run::<f64>(machine, &case.stimulus, start.offset(machine, case), |row, sample| {
-            for channel in case.channels.iter().filter(|channel| !channel.failed[row]) {
-                let Some(simulated) = sample.signal(channel.signal) else { continue };
+        for (row, simulated) in simulated.chunks_exact(case.channels.len()).enumerate() {
+            let judged = case.channels.iter().zip(simulated).filter(|(channel, _)| !channel.failed[row]);
+            for (channel, &simulated) in judged {
                 let (residual, slope) = soft(missed(channel, row, Some(simulated)), channel.tolerance);
                 square += residual * residual;
                 let weight = slope * residual;
@@ -64,13 +72,15 @@ impl Information {
                     *sum += weight * f64::from(*slope);
                 }
             }
-        })?;
-        Ok(Some(Self { gradient: DVector::from_vec(gradient), square, ..self.clone() }))
+        }
+        Self { gradient: DVector::from_vec(gradient), square, ..self.clone() }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::slice;
+
     use model_core::parameter::Parameter;
 
     use super::*;
@@ -108,16 +118,19 @@ mod tests {
             let nominal = machine.get(parameter);
             Free { parameter, freedom: Freedom::Around { nominal, sigma: 0.1 * nominal } }
         });
-        let start = StartState::default();
+        let nearby = |here: &Information, slopes: &Slopes, there: &Machine<f64>| {
+            let (here, slopes, starts) = (slice::from_ref(here), slice::from_ref(slopes), [StartState::default()]);
+            Information::nearby(here, slopes, there, &[&case], &starts).unwrap().unwrap().remove(0)
+        };
         let apart = |a: &Information, b: &Information| (&a.gradient - &b.gradient).norm() / b.gradient.norm();
 
         let (here, slopes, there) = own(&machine, &free, [0.3, -0.2], &case);
-        let again = here.nearby(&slopes, &there, start, &case).unwrap().unwrap();
+        let again = nearby(&here, &slopes, &there);
         assert!((again.square / here.square - 1.0).abs() < 1e-12, "{} {}", again.square, here.square);
         assert!(apart(&again, &here) < 1e-5, "{}", apart(&again, &here));
 
         let (anew, _, there) = own(&machine, &free, [0.5, -0.5], &case);
-        let nearby = here.nearby(&slopes, &there, start, &case).unwrap().unwrap();
+        let nearby = nearby(&here, &slopes, &there);
         assert!((nearby.square / anew.square - 1.0).abs() < 1e-12, "{} {}", nearby.square, anew.square);
         assert!(
             apart(&here, &anew) > 0.2 && apart(&nearby, &anew) < 0.01,

@@ -223,13 +223,8 @@ impl<'p, 'a> Slots<'p, 'a> {
         let cases = self.problem.cases;
         let machine = self.problem.machine();
         let known = &self.before;
-        let information: Result<Option<Vec<_>>, _> = cases
-            .par_iter()
-            .zip(self.problem.starts())
-            .zip(known.information.par_iter().zip(known.slopes.par_iter()))
-            .map(|((case, start), (information, slopes))| information.nearby(slopes, &machine, start, case).transpose())
-            .collect::<Option<Result<Vec<_>, _>>>()
-            .transpose();
+        let starts = self.problem.starts();
+        let information = Information::nearby(&known.information, &known.slopes, &machine, cases, &starts);
         let information = information.ok().flatten()?;
         let point = Point::of(coordinates, information, Arc::clone(&known.slopes), true);
         point.triangle.is_some().then_some(point)

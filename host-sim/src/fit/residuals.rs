@@ -5,7 +5,7 @@ use model_core::machine::{Machine, MachineError};
 use super::start::StartState;
 use crate::prepare::{Channel, Prepared};
 use crate::recording::Signal;
-use crate::simulate::{StartOffset, Stimulus, run};
+use crate::simulate::{Run, StartOffset, Stimulus, run_abreast};
 
 /// What a log-likelihood has to gain beyond its penalty: less comes by chance once in twenty times.
 pub const CHANCE: f64 = 3.0;
@@ -25,10 +25,21 @@ pub fn soft(residual: f64, tolerance: f64) -> (f64, f64) {
 
 /// Residuals as their squares enter the loss: [`standardised`], softened.
 pub fn softened(machine: &Machine<f64>, case: &Prepared, start: StartState) -> Result<Vec<Vec<f64>>, MachineError> {
-    let mut all = standardised(machine, case, start)?;
-    for (channel, series) in case.channels.iter().zip(&mut all) {
-        for residual in series {
-            *residual = soft(*residual, channel.tolerance).0;
+    Ok(softened_all(machine, [(case, start)])?.swap_remove(0))
+}
+
+/// The same of several recordings.
+pub fn softened_all<'a>(
+    machine: &Machine<f64>,
+    cases: impl IntoIterator<Item = (&'a Prepared, StartState)>,
+) -> Result<Residuals, MachineError> {
+    let cases: Vec<(&Prepared, StartState)> = cases.into_iter().collect();
+    let mut all = standardised_all(machine, cases.iter().copied())?;
+    for ((case, _), all) in cases.iter().zip(&mut all) {
+        for (channel, series) in case.channels.iter().zip(all) {
+            for residual in series {
+                *residual = soft(*residual, channel.tolerance).0;
+            }
         }
     }
     Ok(all)
@@ -73,8 +84,9 @@ pub fn misfits<'a>(
     cases: impl IntoIterator<Item = (&'a Prepared, StartState)>,
 ) -> Result<Vec<Misfit>, MachineError> {
     let mut misfits: Vec<Misfit> = Vec::new();
-    for (case, start) in cases {
-        for (channel, series) in case.channels.iter().zip(standardised(machine, case, start)?) {
+    let cases: Vec<(&Prepared, StartState)> = cases.into_iter().collect();
+    for ((case, _), all) in cases.iter().zip(standardised_all(machine, cases.iter().copied())?) {
+        for (channel, series) in case.channels.iter().zip(all) {
             let (signal, square, rows) = (channel.signal, loss(&series), series.len() as f64);
             match misfits.iter_mut().find(|misfit| misfit.signal == signal) {
                 Some(misfit) => (misfit.square, misfit.rows) = (misfit.square + square, misfit.rows + rows),
@@ -85,36 +97,60 @@ pub fn misfits<'a>(
     Ok(misfits)
 }
 
+/// Residuals over noise: for each recording one series a channel.
+pub type Residuals = Vec<Vec<Vec<f64>>>;
+
 /// Residuals of a machine on one recording, each over its channel's noise: one series for each channel, of the rows in which its
 /// sensor worked. As rows that miss nothing, the others would make every mean smaller than it is.
 pub fn standardised(machine: &Machine<f64>, case: &Prepared, start: StartState) -> Result<Vec<Vec<f64>>, MachineError> {
-    let mut series: Vec<Vec<f64>> = case.channels.iter().map(|_| Vec::with_capacity(case.time_s.len())).collect();
-    run::<f64>(machine, &case.stimulus, start.offset(machine, case), |row, sample| {
-        for (channel, series) in case.channels.iter().zip(series.iter_mut()) {
+    Ok(standardised_all(machine, [(case, start)])?.swap_remove(0))
+}
+
+/// The same of several recordings.
+pub fn standardised_all<'a>(
+    machine: &Machine<f64>,
+    cases: impl IntoIterator<Item = (&'a Prepared, StartState)>,
+) -> Result<Residuals, MachineError> {
+    let cases: Vec<(&Prepared, StartState)> = cases.into_iter().collect();
+    let room = |(case, _): &(&Prepared, StartState)| {
+        case.channels.iter().map(|_| Vec::with_capacity(case.time_s.len())).collect::<Vec<Vec<f64>>>()
+    };
+    let mut all: Residuals = cases.iter().map(room).collect();
+    run_abreast(machine, &runs(machine, &cases), |run, row, values| {
+        for ((channel, value), series) in cases[run].0.channels.iter().zip(values).zip(&mut all[run]) {
             if !channel.failed[row] {
-                series.push(missed(channel, row, sample.signal(channel.signal)));
+                series.push(missed(channel, row, Some(*value)));
             }
         }
     })?;
-    Ok(series)
+    Ok(all)
 }
 
-/// What a machine simulates of the judged channels at some rows of a stimulus, row by row, SI; 0 where it is not simulated.
-pub(super) fn simulated(
+/// What a machine simulates of the judged channels of several recordings at some of their rows, SI: one vector each, row by row; 0
+/// for what the chain does not compute.
+pub(super) fn simulated<'a>(
     machine: &Machine<f64>,
-    stimulus: &Stimulus,
-    start: StartOffset<f64>,
-    channels: &[Channel],
+    cases: impl Iterator<Item = (&'a Prepared, StartState)>,
     keeps: impl Fn(usize) -> bool,
-) -> Result<Vec<f64>, MachineError> {
-    let mut simulated = Vec::new();
-    run::<f64>(machine, stimulus, start, |row, sample| {
+) -> Result<Vec<Vec<f64>>, MachineError> {
+    let cases: Vec<(&Prepared, StartState)> = cases.collect();
+    let mut simulated = vec![Vec::new(); cases.len()];
+    run_abreast(machine, &runs(machine, &cases), |run, row, values| {
         if keeps(row) {
-            let signals = channels.iter().map(|channel| sample.signal(channel.signal));
-            simulated.extend(signals.map(Option::unwrap_or_default));
+            simulated[run].extend_from_slice(values);
         }
     })?;
     Ok(simulated)
+}
+
+/// Runs of the judged channels.
+fn runs<'a>(machine: &Machine<f64>, cases: &[(&'a Prepared, StartState)]) -> Vec<Run<'a>> {
+    cases.iter().map(|(case, start)| judged(&case.stimulus, start.offset(machine, case), case)).collect()
+}
+
+/// A run of the judged channels.
+pub(super) fn judged<'a>(stimulus: &'a Stimulus, offset: StartOffset<f64>, case: &Prepared) -> Run<'a> {
+    Run { stimulus, offset, signals: case.channels.iter().map(|channel| channel.signal).collect() }
 }
 
 /// Recorded minus simulated over noise; 0 where the sensor failed.

@@ -93,11 +93,8 @@ impl<'a> Sensitivity<'a> {
 
     /// What another machine simulates from the solution's starts.
     pub fn simulated(&self, machine: &Machine<f64>) -> Result<Simulated, MachineError> {
-        let of_case = |(case, start): (&&Prepared, &StartState)| {
-            let keeps = |row| self.kept.has(row);
-            simulated(machine, &case.stimulus, start.offset(machine, case), &case.channels, keeps)
-        };
-        self.cases.iter().zip(&self.fit.starts).map(of_case).collect()
+        let cases = self.cases.iter().copied().zip(self.fit.starts.iter().copied());
+        simulated(machine, cases, |row| self.kept.has(row))
     }
 
     /// Residuals of what another machine simulates, as they would enter the loss, less those of the solution.

@@ -4,7 +4,7 @@ use model_core::machine::{Machine, MachineError};
 use model_core::number::Real;
 use model_core::parameter::Parameter;
 
-use super::residuals::{soft, standardised};
+use super::residuals::{soft, standardised_all};
 use crate::prepare::Prepared;
 use crate::recording::Signal;
 use crate::simulate::StartOffset;
@@ -70,12 +70,10 @@ pub fn settle(machine: &Machine<f64>, case: &Prepared) -> Result<StartState, Mac
     let mut state = StartState::default();
     let rounds = if needs_level(case) { 4 } else { 1 };
     for _ in 0..rounds {
-        let here = standardised(machine, case, state)?;
-        let moved = if needs_level(case) {
-            Some(standardised(machine, case, StartState { level: state.level + STEP, ..state })?)
-        } else {
-            None
-        };
+        let beside = needs_level(case).then_some(StartState { level: state.level + STEP, ..state });
+        let mut both =
+            standardised_all(machine, [state].into_iter().chain(beside).map(|start| (case, start)))?.into_iter();
+        let (here, moved) = (both.next().unwrap_or_default(), both.next());
         let (mut h, mut g) = ([[1.0, 0.0], [0.0, 1.0]], [state.level, state.shift]);
         for (index, (channel, residuals)) in case.channels.iter().zip(&here).enumerate() {
             let shift = if channel.signal == Signal::Position { -case.start_sigma_m / channel.noise } else { 0.0 };

@@ -5,10 +5,10 @@
 use model_core::drive::{Drive, DriveState, Entry, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, MachineError, Source, Tick};
-use model_core::number::Number;
+use model_core::number::Scalar;
 
 use super::stimulus::sign;
-use super::{DELAY_LINE, Start, StartOffset, at_start, reading};
+use super::{DELAY_LINE, Start, StartOffset, Units, at_start};
 use crate::recording::Signal;
 
 /// What acts on a drive over a tick, SI; a drive uses what its source of oil takes.
@@ -28,13 +28,13 @@ pub struct Inputs {
 
 /// A drive and its state.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Live<N: Number<Real = f64>> {
+pub struct Live<N: Scalar<Real = f64>> {
     machine: Machine<f64>,
     drive: Drive<N>,
     state: DriveState<N, DELAY_LINE>,
 }
 
-impl<N: Number<Real = f64>> Live<N> {
+impl<N: Scalar<Real = f64>> Live<N> {
     /// A drive at rest.
     ///
     /// # Errors
@@ -69,7 +69,9 @@ impl<N: Number<Real = f64>> Live<N> {
         if signal == Signal::Spool && self.machine.source == Source::Pump {
             return None;
         }
-        reading(&self.drive, &self.machine, &self.state, signal, spool, flow_a)
+        let si = |value: N, base: f64| value.to_real() * base;
+        let units = Units { drive: &self.drive, si, strokes: N::strokes, of: |value| value };
+        units.reading(&self.machine, &self.state, signal, spool, flow_a)
     }
 
     /// The state, to be kept.
@@ -107,7 +109,7 @@ mod tests {
     const ROWS: usize = 1500;
 
     /// Every signal of a drive that is driven live is that of a simulation, at every tick.
-    fn as_simulated<N: Number<Real = f64>>(machine: &Machine<f64>, inputs: impl Fn(usize) -> Inputs, given: &[Signal]) {
+    fn as_simulated<N: Scalar<Real = f64>>(machine: &Machine<f64>, inputs: impl Fn(usize) -> Inputs, given: &[Signal]) {
         let column = |&signal: &Signal| {
             let value = |k: usize| match signal {
                 Signal::Command => inputs(k).command_v,

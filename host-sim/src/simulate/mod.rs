@@ -3,18 +3,22 @@
 //! A [`Stimulus`] is a recording laid on the core's tick grid. [`run`] steps the core over it in any number type and hands out the
 //! signals at the recorded rows.
 
+mod abreast;
 mod grid;
 mod live;
 mod rest;
 mod stimulus;
 
+use std::ops::{Mul, Sub};
+
 use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState, Entry};
-use model_core::machine::{Machine, MachineError};
-use model_core::number::{Number, Real};
+use model_core::machine::{Bases, Machine, MachineError};
+use model_core::number::{Number, Real, Scalar};
 use model_core::parameter::Parameter;
 use model_core::valve::Slider;
 
+pub use abreast::{Run, run_abreast};
 pub use live::{Inputs, Live};
 pub use rest::Start;
 pub use stimulus::{Coarser, EntryPoint, SimulateError, Stimulus, first_entry, natural_tick};
@@ -26,7 +30,7 @@ pub const DELAY_LINE: usize = 512;
 
 /// The chain at one recorded row; each signal is computed when it is asked for.
 #[derive(Clone, Copy, Debug)]
-pub struct Sample<'a, N: Number> {
+pub struct Sample<'a, N: Scalar> {
     drive: &'a Drive<N>,
     machine: &'a Machine<N::Real>,
     stimulus: &'a Stimulus,
@@ -45,7 +49,7 @@ struct Since<'a, R> {
     share: f64,
 }
 
-impl<N: Number> Sample<'_, N> {
+impl<N: Scalar> Sample<'_, N> {
     /// The value of a recorded signal as its sensor reads it, in SI units, if the chain computes it.
     #[must_use]
     #[inline]
@@ -58,7 +62,9 @@ impl<N: Number> Sample<'_, N> {
 
     #[inline]
     fn at_point(&self, signal: Signal) -> Option<N::Real> {
-        reading(self.drive, self.machine, self.state, signal, || self.spool(), || self.flow_a())
+        let si = |value: N, base: f64| value.to_real() * N::Real::constant(base);
+        let units = Units { drive: self.drive, si, strokes: N::strokes, of: |value| value };
+        units.reading(self.machine, self.state, signal, || self.spool(), || self.flow_a())
     }
 
     /// The slider as it is read; a drive that is entered at the slider has it from the recording.
@@ -78,33 +84,51 @@ impl<N: Number> Sample<'_, N> {
     }
 }
 
-/// The value of a recorded signal as its sensor reads it, in SI units, if the chain computes it; the slider and the flow into A by
-/// what is known of them.
-#[inline]
-fn reading<N: Number>(
-    drive: &Drive<N>,
-    machine: &Machine<N::Real>,
-    state: &DriveState<N, DELAY_LINE>,
-    signal: Signal,
-    spool: impl FnOnce() -> N,
-    flow_a: impl FnOnce() -> N,
-) -> Option<N::Real> {
-    let bases = drive.bases();
-    let in_si = |reading: N, base: f64| reading.to_real() * N::Real::constant(base);
-    let pressure_a = || in_si(drive.sensed(state).pressure_a, bases.pressure_pa);
-    let pressure_b = || in_si(drive.sensed(state).pressure_b, bases.pressure_pa);
-    let get = |parameter| machine.get(parameter);
-    Some(match signal {
-        Signal::Spool => spool().to_real(),
-        Signal::SupplyPressure => in_si(state.supply.pressure, bases.pressure_pa),
-        Signal::Flow => in_si(flow_a(), bases.flow_m3_per_s),
-        Signal::PressureA => pressure_a(),
-        Signal::PressureB => pressure_b(),
-        Signal::Force => get(Parameter::AreaA) * pressure_a() - get(Parameter::AreaB) * pressure_b(),
-        Signal::Velocity => in_si(drive.sensed(state).velocity, bases.velocity_m_per_s),
-        Signal::Position => N::strokes(drive.sensed(state).position) * get(Parameter::Stroke),
-        _ => return None,
-    })
+/// How what a drive computes is told in SI units, `V`.
+struct Units<'a, N: Number, S, T, C> {
+    drive: &'a Drive<N>,
+    /// A signal times its base.
+    si: S,
+    /// A position, in strokes.
+    strokes: T,
+    /// A value of the machine file.
+    of: C,
+}
+
+impl<N: Number, S, T, C> Units<'_, N, S, T, C> {
+    /// The value of a recorded signal as its sensor reads it, if the chain computes it; the slider and the flow into A by what is
+    /// known of them.
+    #[inline]
+    fn reading<V: Copy + Mul<Output = V> + Sub<Output = V>>(
+        &self,
+        machine: &Machine<N::Real>,
+        state: &DriveState<N, DELAY_LINE>,
+        signal: Signal,
+        spool: impl FnOnce() -> N,
+        flow_a: impl FnOnce() -> N,
+    ) -> Option<V>
+    where
+        S: Fn(N, f64) -> V,
+        T: Fn(N::Travel) -> V,
+        C: Fn(N::Real) -> V,
+    {
+        let Self { drive, si, strokes, of } = self;
+        let bases = drive.bases();
+        let pressure_a = || si(drive.sensed(state).pressure_a, bases.pressure_pa);
+        let pressure_b = || si(drive.sensed(state).pressure_b, bases.pressure_pa);
+        let get = |parameter| of(machine.get(parameter));
+        Some(match signal {
+            Signal::Spool => si(spool(), 1.0),
+            Signal::SupplyPressure => si(state.supply.pressure, bases.pressure_pa),
+            Signal::Flow => si(flow_a(), bases.flow_m3_per_s),
+            Signal::PressureA => pressure_a(),
+            Signal::PressureB => pressure_b(),
+            Signal::Force => get(Parameter::AreaA) * pressure_a() - get(Parameter::AreaB) * pressure_b(),
+            Signal::Velocity => si(drive.sensed(state).velocity, bases.velocity_m_per_s),
+            Signal::Position => strokes(drive.sensed(state).position) * get(Parameter::Stroke),
+            _ => return None,
+        })
+    }
 }
 
 /// Signals that the chain computes below an entry, in its order. A supply pressure only where the valve draws from it.
@@ -191,32 +215,77 @@ fn balanced<R: Real>(machine: &Machine<R>, level: R, position_m: R) -> (R, R) {
     )
 }
 
+/// Where a run starts, per unit.
+#[derive(Clone, Copy, Debug)]
+struct Departure<R> {
+    /// Command, in 10 V.
+    command: f64,
+    pressures: ChamberState<R>,
+    strokes: R,
+}
+
+impl<R: Real> Departure<R> {
+    fn of(machine: &Machine<R>, bases: &Bases, start: &Start, offset: StartOffset<R>) -> Self {
+        let constant = R::constant;
+        let position_m = constant(start.position_m) + offset.shift_m;
+        let (a, b) = match start.pressures_pa {
+            Some((a, b)) => (behind(machine, PRESSURE_A, constant(a)), behind(machine, PRESSURE_B, constant(b))),
+            None => balanced(machine, offset.level.unwrap_or(machine.get(Parameter::LevelAtRest)), position_m),
+        };
+        let per_unit = |pressure: R| pressure / constant(bases.pressure_pa);
+        Self {
+            command: start.command_v / bases.command_v,
+            pressures: ChamberState { a: per_unit(a), b: per_unit(b) },
+            strokes: position_m / machine.get(Parameter::Stroke),
+        }
+    }
+}
+
+/// A signal, at the end of its range where the value is beyond.
+fn within<N: Scalar>(value: N::Real) -> N {
+    N::signal(value).unwrap_or_else(|| N::saturated(value.value()))
+}
+
 /// The state that a run starts from.
-fn at_start<N: Number>(
+fn at_start<N: Scalar>(
     drive: &Drive<N>,
     machine: &Machine<N::Real>,
     start: &Start,
     offset: StartOffset<N::Real>,
 ) -> DriveState<N, DELAY_LINE> {
-    let bases = drive.bases();
-    let constant = N::Real::constant;
-    let position_m = constant(start.position_m) + offset.shift_m;
-    let (pressure_a, pressure_b) = match start.pressures_pa {
-        Some((a, b)) => (behind(machine, PRESSURE_A, constant(a)), behind(machine, PRESSURE_B, constant(b))),
-        None => balanced(machine, offset.level.unwrap_or(machine.get(Parameter::LevelAtRest)), position_m),
-    };
-    let fit = |value: N::Real| N::signal(value).unwrap_or_else(|| N::saturated(value.value()));
-    let pressures = ChamberState {
-        a: fit(pressure_a / constant(bases.pressure_pa)),
-        b: fit(pressure_b / constant(bases.pressure_pa)),
-    };
-    let position = N::travel(position_m / machine.get(Parameter::Stroke));
-    let command = N::saturated(start.command_v / bases.command_v);
-    drive.at_rest(command, pressures, position)
+    let Departure { command, pressures, strokes } = Departure::of(machine, drive.bases(), start, offset);
+    let pressures = ChamberState { a: within(pressures.a), b: within(pressures.b) };
+    drive.at_rest(N::saturated(command), pressures, N::travel(strokes))
+}
+
+/// Rows of a recording in their order: each lies on a point of the grid, or in the tick before it and is then mixed of both.
+#[derive(Clone, Copy, Debug)]
+struct Rows<'a> {
+    rows: &'a [(usize, f64)],
+    next: usize,
+}
+
+impl Rows<'_> {
+    /// The next row, if it lies at this point or in the tick before; and how far on from the point before, 0 where it is this one.
+    #[inline]
+    fn at(&mut self, point: usize) -> Option<(usize, f64)> {
+        let &(at, share) = self.rows.get(self.next)?;
+        if at + usize::from(share != 0.0) != point {
+            return None;
+        }
+        self.next += 1;
+        Some((self.next - 1, share))
+    }
+
+    /// Whether the next row lies in the tick after this point.
+    #[inline]
+    fn is_mixed_of(&self, point: usize) -> bool {
+        self.rows.get(self.next).is_some_and(|(at, share)| *at == point && *share != 0.0)
+    }
 }
 
 /// Runs the core over a stimulus and hands each recorded row's sample to `sink`, in order.
-pub fn run<N: Number>(
+pub fn run<N: Scalar>(
     machine: &Machine<N::Real>,
     stimulus: &Stimulus,
     offset: StartOffset<N::Real>,
@@ -227,8 +296,7 @@ pub fn run<N: Number>(
     let bases = *drive.bases();
     let mut state = at_start(&drive, machine, &stimulus.start, offset);
 
-    // A row lies on a point, or in the tick before it; then it is mixed of both points.
-    let mut row = 0;
+    let mut rows = Rows { rows: &stimulus.rows, next: 0 };
     let mut before: Vec<(Signal, N::Real)> = Vec::new();
     for point in 0..=stimulus.ticks {
         if point > 0 {
@@ -240,14 +308,10 @@ pub fn run<N: Number>(
             drive.step(&mut state, entry, stimulus.load_at(tick, &bases));
         }
         let now = Sample { drive: &drive, machine, stimulus, state: &state, point, since: None };
-        while let Some(&(at, share)) = stimulus.rows.get(row) {
-            if at + usize::from(share != 0.0) != point {
-                break;
-            }
+        while let Some((row, share)) = rows.at(point) {
             sink(row, &Sample { since: (share != 0.0).then_some(Since { before: &before, share }), ..now });
-            row += 1;
         }
-        if stimulus.rows.get(row).is_some_and(|(at, share)| *at == point && *share != 0.0) {
+        if rows.is_mixed_of(point) {
             let signals = computed_below(EntryPoint::Command).iter();
             before = signals.filter_map(|&signal| Some((signal, now.signal(signal)?))).collect();
         }
@@ -267,7 +331,7 @@ fn behind<R: Real>(machine: &Machine<R>, (factor, offset): SensorError, reading:
 }
 
 /// What the chain is entered with where the recording has the reading of a sensor.
-fn entered<N: Number>(machine: &Machine<N::Real>, entry: Entry<N>) -> Entry<N> {
+fn entered<N: Scalar>(machine: &Machine<N::Real>, entry: Entry<N>) -> Entry<N> {
     let true_slider = |Slider { from, to }| Slider { from: true_slider(machine, from), to: true_slider(machine, to) };
     match entry {
         Entry::Slider(slider) => Entry::Slider(true_slider(slider)),
@@ -276,13 +340,12 @@ fn entered<N: Number>(machine: &Machine<N::Real>, entry: Entry<N>) -> Entry<N> {
     }
 }
 
-fn true_slider<N: Number>(machine: &Machine<N::Real>, reading: N) -> N {
+fn true_slider<N: Scalar>(machine: &Machine<N::Real>, reading: N) -> N {
     let (factor, offset) = SPOOL;
     if machine.get(factor).is_nil() && machine.get(offset).is_nil() {
         return reading;
     }
-    let slider = behind(machine, SPOOL, reading.to_real());
-    N::signal(slider).unwrap_or_else(|| N::saturated(slider.value()))
+    within(behind(machine, SPOOL, reading.to_real()))
 }
 
 /// What a load that balances the recorded pressures holds already: every force on the rod but viscous friction and the constant load.
@@ -345,7 +408,7 @@ fn unbraked<R: Real>(machine: &Machine<R>, stimulus: &Stimulus) -> Machine<R> {
 /// assert_eq!(position_m.len(), recording.rows());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn simulate<N: Number<Real = f64>>(
+pub fn simulate<N: Scalar<Real = f64>>(
     machine: &Machine<f64>,
     stimulus: &Stimulus,
     offset: StartOffset<f64>,
@@ -357,7 +420,7 @@ pub fn simulate<N: Number<Real = f64>>(
 const ROWS_TOLD: usize = 4096;
 
 /// As [`simulate`], and tells after every few thousand rows how many more are done.
-pub fn simulate_told<N: Number<Real = f64>>(
+pub fn simulate_told<N: Scalar<Real = f64>>(
     machine: &Machine<f64>,
     stimulus: &Stimulus,
     offset: StartOffset<f64>,

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use model_core::drive::{Entry, Load};
 use model_core::flow::{Flows, PumpDrive};
 use model_core::machine::{Bases, Machine, MachineError, Source, Tick};
-use model_core::number::Number;
+use model_core::number::{Number, Scalar};
 use model_core::parameter::Parameter;
 use model_core::valve::Slider;
 
@@ -237,6 +237,13 @@ impl Stimulus {
         self.slider.is_some().then(|| Self { follows: true, ..self.clone() })
     }
 
+    /// Whether both enter the chain at the same place, at the same tick, so that they can be run abreast. A pump's valve has a
+    /// direction of its own in each.
+    pub(super) fn goes_with(&self, other: &Self) -> bool {
+        let kind = |one: &Self| (one.entry, one.tick, one.follows, one.load_n.is_some(), one.oil_c.is_some());
+        self.entry != EntryPoint::Pump && kind(self) == kind(other) && self.damping == other.damping
+    }
+
     /// The recorded slider, where it meters the oil beside the valve.
     fn followed(&self) -> Option<&[f64]> {
         if self.follows { self.slider.as_deref() } else { None }
@@ -254,45 +261,75 @@ impl Stimulus {
         self.ticks
     }
 
-    pub(super) fn entry_at<N: Number>(&self, tick: usize, bases: &Bases) -> Entry<N> {
-        let at = |values: &[f64], base: f64| N::saturated(values.get(tick).copied().unwrap_or(0.0) / base);
-        let next = |values: &[f64], base: f64| N::saturated(values.get(tick + 1).copied().unwrap_or(0.0) / base);
-        let slider = |spool: &[f64]| Slider { from: at(spool, 1.0), to: next(spool, 1.0) };
+    /// Where a tick enters the chain, and with what. `read` gives the value of a series at a grid point over a base.
+    pub(super) fn entry_by<N: Number>(
+        &self,
+        tick: usize,
+        bases: &Bases,
+        read: impl Fn(fn(&Self) -> &[f64], usize, f64) -> N,
+    ) -> Entry<N> {
+        let at = |base: f64| read(Self::entering, tick, base);
+        let next = |base: f64| read(Self::entering, tick + 1, base);
         match &self.input {
-            Input::Command(volts) => match self.followed() {
-                Some(spool) => Entry::Followed { command: at(volts, bases.command_v), slider: slider(spool) },
-                None => Entry::Command(at(volts, bases.command_v)),
-            },
-            Input::Slider(spool) => Entry::Slider(slider(spool)),
-            Input::Pump(speed, direction) => Entry::Pump(PumpDrive {
-                speed: at(speed, bases.pump_speed_rev_per_s),
+            Input::Command(_) if self.follows => {
+                let slider = Slider { from: read(Self::spool, tick, 1.0), to: read(Self::spool, tick + 1, 1.0) };
+                Entry::Followed { command: at(bases.command_v), slider }
+            }
+            Input::Command(_) => Entry::Command(at(bases.command_v)),
+            Input::Slider(_) => Entry::Slider(Slider { from: at(1.0), to: next(1.0) }),
+            Input::Pump(_, direction) => Entry::Pump(PumpDrive {
+                speed: at(bases.pump_speed_rev_per_s),
                 direction: direction.get(tick).copied().unwrap_or(0),
             }),
-            Input::Flow(flow, ratio) => {
+            Input::Flow(_, ratio) => {
                 let base = bases.flow_m3_per_s;
                 Entry::Flow {
-                    from: Flows { a: at(flow, base), b: at(flow, base / ratio) },
-                    to: Flows { a: next(flow, base), b: next(flow, base / ratio) },
+                    from: Flows { a: at(base), b: at(base / ratio) },
+                    to: Flows { a: next(base), b: next(base / ratio) },
                 }
             }
-            Input::Force(force) => Entry::Force { from: at(force, bases.force_n), to: next(force, bases.force_n) },
+            Input::Force(_) => Entry::Force { from: at(bases.force_n), to: next(bases.force_n) },
         }
     }
 
-    pub(super) fn load_at<N: Number>(&self, tick: usize, bases: &Bases) -> Load<N> {
-        self.load_n.as_ref().map_or(Load::NONE, |force| {
-            let at = |index: usize| N::saturated(force.get(index).copied().unwrap_or(0.0) / bases.force_n);
-            Load { from: at(tick), to: at(tick + 1) }
-        })
+    /// The same for one recording.
+    pub(super) fn entry_at<N: Scalar>(&self, tick: usize, bases: &Bases) -> Entry<N> {
+        self.entry_by(tick, bases, |series, index, base| N::saturated(value_at(series(self), index) / base))
+    }
+
+    /// The series that drives the chain.
+    fn entering(&self) -> &[f64] {
+        match &self.input {
+            Input::Command(series)
+            | Input::Slider(series)
+            | Input::Pump(series, _)
+            | Input::Flow(series, _)
+            | Input::Force(series) => series,
+        }
+    }
+
+    /// The recorded slider beside a command.
+    fn spool(&self) -> &[f64] {
+        self.slider.as_deref().unwrap_or_default()
+    }
+
+    /// External force, N; empty where there is none.
+    pub(super) fn load(&self) -> &[f64] {
+        self.load_n.as_deref().unwrap_or_default()
+    }
+
+    pub(super) fn load_at<N: Scalar>(&self, tick: usize, bases: &Bases) -> Load<N> {
+        let at = |index: usize| N::saturated(value_at(self.load(), index) / bases.force_n);
+        if self.load_n.is_some() { Load { from: at(tick), to: at(tick + 1) } } else { Load::NONE }
     }
 
     /// Measured temperature of the oil at the start of a tick, per unit.
-    pub(super) fn oil_at<N: Number>(&self, tick: usize, bases: &Bases) -> Option<N> {
+    pub(super) fn oil_at<N: Scalar>(&self, tick: usize, bases: &Bases) -> Option<N> {
         let measured = self.oil_c.as_ref().and_then(|oil_c| oil_c.get(tick));
         measured.map(|temperature_c| N::saturated(temperature_c / bases.temperature_c))
     }
 
-    pub(super) fn pump_at<N: Number>(&self, tick: usize, bases: &Bases) -> PumpDrive<N> {
+    pub(super) fn pump_at<N: Scalar>(&self, tick: usize, bases: &Bases) -> PumpDrive<N> {
         match self.entry_at(tick, bases) {
             Entry::Pump(pump) => pump,
             _ => PumpDrive { speed: N::ZERO, direction: 0 },
@@ -300,13 +337,19 @@ impl Stimulus {
     }
 
     /// The recorded slider that meters the oil.
-    pub(super) fn metering_at<N: Number>(&self, point: usize) -> Option<N> {
+    pub(super) fn metering_at<N: Scalar>(&self, point: usize) -> Option<N> {
         let spool = match &self.input {
             Input::Slider(spool) => Some(spool.as_slice()),
             _ => self.followed(),
         };
         spool.and_then(|spool| spool.get(point)).map(|&value| N::saturated(value))
     }
+}
+
+/// A series at a grid point; 0 beyond its end.
+#[inline]
+pub(super) fn value_at(series: &[f64], index: usize) -> f64 {
+    series.get(index).copied().unwrap_or(0.0)
 }
 
 /// The direction of a valve: 1, −1 or 0.

@@ -1,8 +1,8 @@
 //! What a set of effects is worth over another: log-likelihoods in which each signal's noise level is unknown, ½·n·ln(loss) with n the
 //! independent samples of its residual, less what the strengths cost, plus what the ordinary parameters gain by coming back.
 
-use crate::candidate::{Candidate, Chosen, Question, Residuals};
-use crate::fit::{CHANCE, FitError, effective_samples, loss};
+use crate::candidate::{Candidate, Chosen, Question};
+use crate::fit::{CHANCE, FitError, Residuals, effective_samples, loss};
 use crate::hypothesis::CATALOGUE;
 
 /// What an effect must take away of what is above the noise.

@@ -8,9 +8,9 @@ use core::marker::PhantomData;
 
 use super::{Contact, MechanicalEffects, Mechanics, MotionState, Resistance, Row, Surroundings};
 use crate::bristles::Gripping;
-use crate::end_stop::{SetDown, Side};
+use crate::end_stop::Touch;
 use crate::friction::Level;
-use crate::number::Number;
+use crate::number::{Mask, Number};
 use crate::unnamed::States;
 use crate::vocabulary::{Keeps, Vocabulary};
 
@@ -39,8 +39,8 @@ pub(crate) struct Equation<'a, N: Number, V, E> {
 
 /// What acts on the mass at a stage beside the net force and its own diagonal.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Stage<N> {
-    sticks: bool,
+pub(crate) struct Stage<N: Number> {
+    sticks: N::Mask,
     /// Velocity at the stage, and what the first stage gained of it.
     velocity: N,
     gained: N,
@@ -82,11 +82,10 @@ pub(crate) struct Moved<N> {
     pub(crate) beyond: Option<N>,
 }
 
-/// A stop that the rod touches.
+/// Where the rod touches a stop.
 #[derive(Clone, Copy, Debug)]
 struct Held<N: Number> {
-    side: Side,
-    depth: N,
+    touch: Touch<N>,
     stiffness: N::Steep,
     row: Row<N>,
 }
@@ -95,7 +94,13 @@ impl<N: Number> Held<N> {
     /// Force of the stop at a depth; positive extends.
     #[inline]
     fn pushes(&self, depth: N) -> N {
-        self.side.push(depth.amplified(self.stiffness))
+        self.touch.push(depth.amplified(self.stiffness))
+    }
+
+    /// A force with that of the stop, where it is touched.
+    #[inline]
+    fn with(&self, force: N, stop: N) -> N {
+        N::pick(self.touch.any(), force + stop, force)
     }
 }
 
@@ -165,13 +170,10 @@ impl<N: Number, E: Keeps<MechanicalEffects<N>>> Mechanics<N, E> {
             );
             self.row.braked(share, resistance.per_gamma)
         };
-        let touched = resistance.stops.as_ref().and_then(|stops| Some((stops, stops.touched(state.position)?)));
-        let held = touched.map(|(stops, (side, depth))| Held {
-            side,
-            depth,
-            stiffness: stops.stiffness,
-            row: braked(N::ONE, stops.weight),
-        });
+        let touched = resistance.stops.as_ref().map(|stops| (stops, stops.touched(state.position)));
+        let touched = touched.filter(|(_, touch)| touch.any().any());
+        let held =
+            touched.map(|(stops, touch)| Held { touch, stiffness: stops.stiffness, row: braked(N::ONE, stops.weight) });
         let own = Some(Own { resistance, from_middle, grip, start: spring - bristle });
         let level = if grip.is_some() { Level::NONE } else { level };
         equation(braked(N::ZERO, resistance.none), level, held, own)
@@ -198,13 +200,13 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
 
     /// How dry friction acts on a rod with this velocity under this force at the start.
     #[inline]
-    pub(crate) fn contact(&self, velocity: N, force: N) -> Contact {
+    pub(crate) fn contact(&self, velocity: N, force: N) -> Contact<N::Mask> {
         if V::PLAIN {
-            return Contact::Free;
+            return Contact::FREE;
         }
         let force = self.own().map_or(force, |own| force + own.start);
         let force = V::on(self.pushed.as_ref()).map_or(force, |&pushed| force + pushed);
-        let force = self.held().map_or(force, |held| force + held.pushes(held.depth));
+        let force = self.held().map_or(force, |held| held.with(force, held.pushes(held.touch.depth)));
         self.level.contact(velocity, force)
     }
 
@@ -217,24 +219,24 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
 
     /// What acts at the first stage.
     #[inline]
-    pub(crate) fn first_stage(&self, contact: Contact, velocity: N) -> Stage<N> {
+    pub(crate) fn first_stage(&self, contact: Contact<N::Mask>, velocity: N) -> Stage<N> {
         Stage {
-            sticks: contact == Contact::Sticks,
+            sticks: contact.sticks,
             velocity,
             gained: N::ZERO,
             pushed: V::on(self.pushed.as_ref()).copied(),
             dry: self.level.force(contact, velocity),
             own: self.own().map(|own| own.start),
-            stop: self.held().map(|held| held.pushes(held.depth)),
+            stop: self.held().map(|held| held.pushes(held.touch.depth)),
         }
     }
 
     /// What acts at the second stage, after the velocity that the first has gained.
     #[inline]
-    pub(crate) fn second_stage(&self, contact: Contact, velocity: N, gained: N) -> Stage<N> {
+    pub(crate) fn second_stage(&self, contact: Contact<N::Mask>, velocity: N, gained: N) -> Stage<N> {
         let there = velocity + gained;
         let plain = Stage {
-            sticks: contact == Contact::Sticks,
+            sticks: contact.sticks,
             velocity: there,
             gained,
             pushed: None,
@@ -242,7 +244,7 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
             own: None,
             stop: None,
         };
-        if V::PLAIN || plain.sticks {
+        if V::PLAIN || plain.sticks.all() {
             return plain;
         }
         let pushed = self
@@ -256,7 +258,7 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
         let stop = self.held().map(|held| {
             // How much deeper a spring's second stage starts, in the direction out of the face.
             let left = N::dot([own.resistance.second], [moved]);
-            held.pushes(held.depth - held.side.push(left))
+            held.pushes(held.touch.depth - held.touch.push(left))
         });
         Stage { pushed, dry, own: Some(own.second(there, ahead, moved)), stop, ..plain }
     }
@@ -289,17 +291,17 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
         gives: Option<Gives<N>>,
         solved: impl Fn(&Row<N>, N, Option<N>) -> N,
     ) -> N {
-        if stage.sticks {
-            return N::ZERO;
-        }
-        let force = stage.with(force);
-        let free = solved(&self.row, force, gives.map(|gives| gives.free));
-        match (self.held(), stage.stop) {
-            (Some(held), Some(stop)) => {
-                held.side.hold(free, solved(&held.row, force + stop, gives.map(|gives| gives.held)))
+        let moves = || {
+            let force = stage.with(force);
+            let free = solved(&self.row, force, gives.map(|gives| gives.free));
+            match (self.held(), stage.stop) {
+                (Some(held), Some(stop)) => {
+                    held.touch.hold(free, solved(&held.row, force + stop, gives.map(|gives| gives.held)))
+                }
+                _ => free,
             }
-            _ => free,
-        }
+        };
+        N::choose(stage.sticks, || N::ZERO, moves)
     }
 
     /// Moves the rod by the two increments and returns how fast.
@@ -308,7 +310,13 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
     /// held stages can throw the rod to and fro for ever. It then goes on where it is pushed to, with a velocity of one half at
     /// most, from where the step is linear.
     #[inline]
-    pub(crate) fn finish(&self, contact: Contact, state: &mut MotionState<N>, first: N, second: N) -> Moved<N> {
+    pub(crate) fn finish(
+        &self,
+        contact: Contact<N::Mask>,
+        state: &mut MotionState<N>,
+        first: N,
+        second: N,
+    ) -> Moved<N> {
         let mechanics = self.mechanics;
         let [weigh_first, weigh_second] = mechanics.mean;
         let mean = N::dot([mechanics.unity, weigh_first, weigh_second], [state.velocity, first, second]);
@@ -326,20 +334,17 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
         state.position = N::travelled(state.position, [mechanics.travel], [mean]);
         let moved = limit(state.velocity + first.weighed(second));
         // Friction turned with the velocity somewhere within the tick: give back what it took too much, at most to rest.
-        state.velocity = match contact {
-            Contact::Extends if moved < N::ZERO => (moved + self.turn()).min(self.turned(moved)),
-            Contact::Retracts if moved > N::ZERO => (moved - self.turn()).max(self.turned(moved)),
-            _ => moved,
-        };
+        let retracts = contact.retracts & moved.above(N::ZERO);
+        let back = || N::choose(retracts, || (moved - self.turn()).max(self.turned(moved)), || moved);
+        let extends = contact.extends & N::ZERO.above(moved);
+        state.velocity = N::choose(extends, || (moved + self.turn()).min(self.turned(moved)), back);
         if let Some(Own { resistance: Resistance { stops, .. }, grip, .. }) = self.own() {
             if let Some(grip) = grip {
                 state.bristles = grip.after(mean);
             }
-            if let (Some(stops), None) = (stops, self.held())
-                && let Some(SetDown { place, beyond }) = stops.set_down(state.position)
-            {
-                state.position = place;
-                return Moved { solved: mean, beyond: Some(beyond) };
+            if let Some(stops) = stops {
+                let was_free = !self.held().map_or(N::Mask::NONE, |held| held.touch.any());
+                return Moved { solved: mean, beyond: stops.set_down(&mut state.position, was_free) };
             }
         }
         Moved { solved: mean, beyond: None }

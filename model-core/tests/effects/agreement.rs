@@ -4,7 +4,7 @@ use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, Entry, Load};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
-use model_core::number::Number;
+use model_core::number::{Number, Scalar};
 use model_core::parameter::Parameter as P;
 use proptest::prelude::*;
 
@@ -15,7 +15,7 @@ const POSITION: f64 = 2e-6;
 /// Of the pressures at its end, supply pressures; a stop that is met a tick sooner presses sooner.
 const PRESSURE: f64 = 1e-5;
 
-fn run<N: Number<Real = f64>>(machine: &Machine<f64>) -> (Vec<f64>, [f64; 2]) {
+fn run<N: Scalar<Real = f64>>(machine: &Machine<f64>) -> (Vec<f64>, [f64; 2]) {
     let drive = drive::<N>(machine);
     let mut state = at_rest(&drive, [0.3, 0.5], 0.4);
     let positions = (0..1200)
@@ -62,7 +62,7 @@ fn all_on() -> Machine<f64> {
 
 #[test]
 fn links_alone_reproduce_the_chain_with_everything_on() {
-    fn check<N: Number<Real = f64>>() {
+    fn check<N: Scalar<Real = f64>>() {
         let drive = drive::<N>(&all_on());
         let mut chain = at_rest(&drive, [0.3, 0.5], 0.4);
         let (mut chambers, mut rest, mut motion) = (chain.chambers, chain.rest, chain.motion);

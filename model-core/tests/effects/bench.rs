@@ -3,7 +3,7 @@
 use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState, Entry, Interfaces, Load};
 use model_core::machine::{Machine, Source, Tick};
-use model_core::number::Number;
+use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 use proptest::test_runner::{Config, RngSeed};
 
@@ -38,23 +38,23 @@ pub(crate) fn with(machine: &Machine<f64>, changes: &[(P, f64)]) -> Machine<f64>
     changed
 }
 
-pub(crate) fn drive<N: Number<Real = f64>>(machine: &Machine<f64>) -> Drive<N> {
+pub(crate) fn drive<N: Scalar<Real = f64>>(machine: &Machine<f64>) -> Drive<N> {
     Drive::new::<64>(machine, TICK).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// At rest, pressures in supply pressures, position in strokes.
-pub(crate) fn at_rest<N: Number<Real = f64>>(drive: &Drive<N>, [a, b]: [f64; 2], position: f64) -> State<N> {
+pub(crate) fn at_rest<N: Scalar<Real = f64>>(drive: &Drive<N>, [a, b]: [f64; 2], position: f64) -> State<N> {
     drive.at_rest(N::ZERO, ChamberState { a: N::saturated(a), b: N::saturated(b) }, N::travel(position))
 }
 
 /// Under a force of the oil alone, N.
-pub(crate) fn pushed<N: Number<Real = f64>>(drive: &Drive<N>, state: &mut State<N>, force_n: f64) -> Interfaces<N> {
+pub(crate) fn pushed<N: Scalar<Real = f64>>(drive: &Drive<N>, state: &mut State<N>, force_n: f64) -> Interfaces<N> {
     let force = N::saturated(force_n / drive.bases().force_n);
     drive.step(state, Entry::Force { from: force, to: force }, Load::NONE)
 }
 
 /// Under a command, in 10 V.
-pub(crate) fn commanded<N: Number<Real = f64>>(drive: &Drive<N>, state: &mut State<N>, command: f64) -> Interfaces<N> {
+pub(crate) fn commanded<N: Scalar<Real = f64>>(drive: &Drive<N>, state: &mut State<N>, command: f64) -> Interfaces<N> {
     drive.step(state, Entry::Command(N::saturated(command)), Load::NONE)
 }
 
@@ -64,15 +64,15 @@ pub(crate) fn command(tick: usize) -> f64 {
 }
 
 /// Oil that is measured to be so warm, °C.
-pub(crate) fn oil_at<N: Number<Real = f64>>(drive: &Drive<N>, state: &mut State<N>, temperature_c: f64) {
+pub(crate) fn oil_at<N: Scalar<Real = f64>>(drive: &Drive<N>, state: &mut State<N>, temperature_c: f64) {
     state.oil_temperature = N::saturated(temperature_c / drive.bases().temperature_c);
 }
 
-pub(crate) fn velocity_m_per_s<N: Number<Real = f64>>(drive: &Drive<N>, state: &State<N>) -> f64 {
+pub(crate) fn velocity_m_per_s<N: Scalar<Real = f64>>(drive: &Drive<N>, state: &State<N>) -> f64 {
     state.motion.velocity.to_f64() * drive.bases().velocity_m_per_s
 }
 
-pub(crate) fn position_m<N: Number<Real = f64>>(drive: &Drive<N>, state: &State<N>) -> f64 {
+pub(crate) fn position_m<N: Scalar<Real = f64>>(drive: &Drive<N>, state: &State<N>) -> f64 {
     N::strokes(state.motion.position) * drive.bases().stroke_m
 }
 

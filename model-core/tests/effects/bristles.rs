@@ -1,7 +1,7 @@
 //! Every law of dry friction acts through bristles as `LuGre` integrated apart from the core.
 
 use model_core::fixed_point::PerUnit;
-use model_core::number::Number;
+use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 use proptest::prelude::*;
 
@@ -103,7 +103,7 @@ fn damping(stiffness: f64) -> f64 {
     f64::min(2.0 * (stiffness * MASS_KG).sqrt(), (1.0 - 0.5_f64.sqrt()) * TICK_S * stiffness)
 }
 
-fn core<N: Number<Real = f64>>(law: &[(P, f64)], stiffness: f64) -> Vec<[f64; 2]> {
+fn core<N: Scalar<Real = f64>>(law: &[(P, f64)], stiffness: f64) -> Vec<[f64; 2]> {
     let machine = with(&with(&press(), law), &[(P::PreslidingStiffness, stiffness)]);
     let drive = drive::<N>(&machine);
     let mut state = at_rest(&drive, [3.0 / 7.0, 1.0 / 7.0], 0.5);
@@ -156,7 +156,7 @@ fn bristles_without_friction_are_nothing() {
 /// Pressed against its bristles the rod neither swings nor creeps, but for the last bit of fixed point: 3 nm a second.
 #[test]
 fn a_rod_that_hangs_on_its_bristles_stays() {
-    fn check<N: Number<Real = f64>>(ticks: u32, creep_m: f64) {
+    fn check<N: Scalar<Real = f64>>(ticks: u32, creep_m: f64) {
         for (name, law, _) in laws() {
             for stiffness in [3e6, 3e8, 3e10] {
                 let drive = drive::<N>(&with(&with(&press(), &law), &[(P::PreslidingStiffness, stiffness)]));

@@ -1,7 +1,7 @@
 //! Leakage to tank, air in the oil, volumes that follow the piston.
 
 use model_core::fixed_point::PerUnit;
-use model_core::number::Number;
+use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 
 use super::bench::{State, at_rest, commanded, drive, press, with};
@@ -14,7 +14,7 @@ fn clamped(changes: &[(P, f64)]) -> model_core::machine::Machine<f64> {
     with(&with(&press(), &[(P::CoulombFriction, 5e4)]), changes)
 }
 
-fn after<N: Number<Real = f64>>(drive: &model_core::drive::Drive<N>, state: &mut State<N>, ticks: usize) -> [f64; 2] {
+fn after<N: Scalar<Real = f64>>(drive: &model_core::drive::Drive<N>, state: &mut State<N>, ticks: usize) -> [f64; 2] {
     for _ in 0..ticks {
         commanded(drive, state, 0.0);
     }
@@ -24,7 +24,7 @@ fn after<N: Number<Real = f64>>(drive: &model_core::drive::Drive<N>, state: &mut
 /// dp/dt = −G·E0/V·(p − pt): over one time constant, to a share 1/e.
 #[test]
 fn a_leaking_chamber_falls_to_tank_by_its_own_time_constant() {
-    fn check<N: Number<Real = f64>>() {
+    fn check<N: Scalar<Real = f64>>() {
         let leakage = 2e-12;
         let tank_pa = 2e5;
         let drive = drive::<N>(&clamped(&[(P::ExternalLeakageA, leakage), (P::TankPressure, tank_pa)]));
@@ -43,7 +43,7 @@ fn a_leaking_chamber_falls_to_tank_by_its_own_time_constant() {
 }
 
 /// A flow of 1e-5 m³/s for a tick into A, the rod held fast: dp = h·Q/C.
-fn rise_pa<N: Number<Real = f64>>(changes: &[(P, f64)], pressure_pa: f64, position: f64) -> f64 {
+fn rise_pa<N: Scalar<Real = f64>>(changes: &[(P, f64)], pressure_pa: f64, position: f64) -> f64 {
     let drive = drive::<N>(&clamped(changes));
     let flow = N::saturated(1e-5 / drive.bases().flow_m3_per_s);
     let mut state = at_rest(&drive, [pressure_pa / SUPPLY_PA, 0.0], position);
@@ -55,7 +55,7 @@ fn rise_pa<N: Number<Real = f64>>(changes: &[(P, f64)], pressure_pa: f64, positi
 
 #[test]
 fn air_makes_a_chamber_soft_at_low_pressure_and_hardly_at_high() {
-    fn check<N: Number<Real = f64>>() {
+    fn check<N: Scalar<Real = f64>>() {
         for (pressure_pa, share) in [(0.0, 0.01), (1e5, 0.01), (3e5, 0.03), (1e6, 0.01), (5e6, 0.05)] {
             let absolute = pressure_pa + ATMOSPHERE_PA;
             let capacity = 5.2e-4 / 1.2e9 * (1.0 + 1.2e9 * share * ATMOSPHERE_PA / (absolute * absolute));
@@ -70,7 +70,7 @@ fn air_makes_a_chamber_soft_at_low_pressure_and_hardly_at_high() {
 
 #[test]
 fn a_chamber_grows_with_its_piston_and_never_vanishes() {
-    fn check<N: Number<Real = f64>>() {
+    fn check<N: Scalar<Real = f64>>() {
         for (share, position) in [(1.0, 0.5), (1.0, 1.0), (0.5, 0.2), (1.0, 0.25)] {
             let volume = 5.2e-4 + share * 3.117e-3 * 0.3 * (position - 0.5);
             let found = rise_pa::<N>(&[(P::VolumeShare, share)], 3e6, position);

@@ -3,7 +3,7 @@
 use model_core::drive::{Drive, Entry, Load};
 use model_core::fixed_point::PerUnit;
 use model_core::mechanics::{Forces, MotionState, Surroundings};
-use model_core::number::Number;
+use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 use proptest::prelude::*;
 
@@ -40,7 +40,7 @@ const PRESSURES: [f64; 2] = [3.0 / 7.0, 1.0 / 7.0];
 
 #[test]
 fn what_sticks_stays_exactly_and_what_is_pushed_harder_goes() {
-    fn check<N: Number<Real = f64>>() {
+    fn check<N: Scalar<Real = f64>>() {
         for (name, law, [extending_n, retracting_n]) in laws() {
             let drive = drive::<N>(&with(&press(), &law));
             let start = at_rest(&drive, PRESSURES, 0.75);
@@ -63,7 +63,7 @@ fn what_sticks_stays_exactly_and_what_is_pushed_harder_goes() {
 }
 
 /// At steady speed D·v + F(v) is the force.
-fn steady_m_per_s<N: Number<Real = f64>>(law: &[(P, f64)], force_n: f64) -> f64 {
+fn steady_m_per_s<N: Scalar<Real = f64>>(law: &[(P, f64)], force_n: f64) -> f64 {
     let drive = drive::<N>(&with(&with(&press(), &[(P::Stroke, 3.0)]), law));
     let mut state = at_rest(&drive, PRESSURES, 0.5);
     for _ in 0..400 {
@@ -74,7 +74,7 @@ fn steady_m_per_s<N: Number<Real = f64>>(law: &[(P, f64)], force_n: f64) -> f64 
 
 #[test]
 fn at_steady_speed_the_friction_is_its_formula() {
-    fn check<N: Number<Real = f64>>() {
+    fn check<N: Scalar<Real = f64>>() {
         let near =
             |found: f64, expected: f64| assert!((found - expected).abs() < 2e-4 * expected.abs(), "{found} {expected}");
         let asymmetric = [(P::AsymmetricExtending, 600.0), (P::AsymmetricRetracting, 250.0)];
@@ -94,7 +94,7 @@ fn at_steady_speed_the_friction_is_its_formula() {
 
 #[test]
 fn bristles_give_elastically_before_they_slide() {
-    fn check<N: Number<Real = f64>>() {
+    fn check<N: Scalar<Real = f64>>() {
         let drive = drive::<N>(&with(&press(), &[(P::PreslidingForce, 500.0), (P::PreslidingStiffness, 1e7)]));
         let mut state = at_rest(&drive, PRESSURES, 0.5);
         let mut before_n = 0.0;
@@ -123,7 +123,7 @@ fn any_law() -> impl Strategy<Value = Vec<(P, f64)>> {
     prop::sample::select(laws)
 }
 
-fn braked<N: Number<Real = f64>>(drive: &Drive<N>, velocity: N, from: f64) {
+fn braked<N: Scalar<Real = f64>>(drive: &Drive<N>, velocity: N, from: f64) {
     let mut state = MotionState { velocity, ..MotionState::at_rest(N::travel(from)) };
     let around = Surroundings { pressed: N::saturated(0.6), ..Surroundings::NONE };
     let free = Forces { start: N::ZERO, first: N::ZERO, second: N::ZERO, around };

@@ -3,13 +3,13 @@
 use model_core::drive::Entry;
 use model_core::fixed_point::PerUnit;
 use model_core::machine::Machine;
-use model_core::number::Number;
+use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 use proptest::prelude::*;
 
 use super::bench::{State, at_rest, cases, command, commanded, drive, press, with};
 
-fn run<N: Number<Real = f64>>(machine: &Machine<f64>) -> Vec<State<N>> {
+fn run<N: Scalar<Real = f64>>(machine: &Machine<f64>) -> Vec<State<N>> {
     let drive = drive::<N>(machine);
     let mut state = at_rest(&drive, [0.3, 0.5], 0.4);
     let step = |tick: usize| {

@@ -1,7 +1,7 @@
 //! Loads by position, end stops, and warming oil.
 
 use model_core::fixed_point::PerUnit;
-use model_core::number::Number;
+use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 use proptest::prelude::*;
 
@@ -9,7 +9,7 @@ use super::bench::{STROKE_M, at_rest, cases, drive, oil_at, position_m, press, p
 
 #[test]
 fn a_spring_bears_its_force_where_its_formula_says() {
-    fn check<N: Number<Real = f64>>() {
+    fn check<N: Scalar<Real = f64>>() {
         let load = [(P::LoadSpring, 2e4), (P::LoadSpringForce, 300.0), (P::LoadSpringBow, 5e4)];
         let drive = drive::<N>(&with(&press(), &load));
         let mut state = at_rest(&drive, [0.4, 0.4], 0.5);
@@ -49,7 +49,7 @@ fn a_stiff_spring_swings_with_its_own_period_and_no_more_than_it_was_given() {
 
 #[test]
 fn a_stop_bears_a_force_at_its_depth_and_lets_go_of_the_rod() {
-    fn check<N: Number<Real = f64>>() {
+    fn check<N: Scalar<Real = f64>>() {
         for (at, force_n) in [(P::StopExtended, 5e3_f64), (P::StopRetracted, -5e3)] {
             let away = if at == P::StopExtended { P::StopRetracted } else { P::StopExtended };
             let stop = [(at, 0.15), (away, force_n.signum() * -100.0), (P::StopStiffness, 1e8), (P::StopDamping, 1e4)];
@@ -107,7 +107,7 @@ proptest! {
 
 #[test]
 fn friction_falls_and_leakage_rises_as_the_oil_warms() {
-    fn check<N: Number<Real = f64>>() {
+    fn check<N: Scalar<Real = f64>>() {
         for loss in [0.6, -1.0] {
             let warming = [(P::ViscosityLoss, loss), (P::WarmingTime, 0.5), (P::Stroke, 3.0)];
             let drive = drive::<N>(&with(&press(), &warming));
@@ -132,7 +132,7 @@ fn friction_falls_and_leakage_rises_as_the_oil_warms() {
 
 #[test]
 fn friction_follows_a_measured_temperature_from_tick_to_tick() {
-    fn check<N: Number<Real = f64>>() {
+    fn check<N: Scalar<Real = f64>>() {
         let thinning = [(P::ViscosityLossPerKelvin, 0.04), (P::ReferenceTemperature, 45.0), (P::Stroke, 3.0)];
         let drive = drive::<N>(&with(&press(), &thinning));
         let mut state = at_rest(&drive, [0.4, 0.4], 0.1);
@@ -156,7 +156,7 @@ fn friction_follows_a_measured_temperature_from_tick_to_tick() {
 
 #[test]
 fn viscous_friction_changes_along_the_stroke_as_its_formula_says() {
-    fn check<N: Number<Real = f64>>() {
+    fn check<N: Scalar<Real = f64>>() {
         // The oil of the second thins meanwhile; the third starts where a twentieth of the friction is left.
         for (slope, bow, loss) in [(0.8, -0.4, 0.0), (-1.5, 2.0, 0.6), (3.0, 1.0, 0.0)] {
             let placed = [(P::PositionDragSlope, slope), (P::PositionDragBow, bow)];

@@ -3,18 +3,18 @@
 use model_core::drive::Drive;
 use model_core::fixed_point::PerUnit;
 use model_core::machine::MachineError;
-use model_core::number::Number;
+use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 
 use super::bench::{STROKE_M, State, TICK, at_rest, drive, position_m, press, pushed, velocity_m_per_s, with};
 
-fn sensed_m<N: Number<Real = f64>>(drive: &Drive<N>, state: &State<N>) -> f64 {
+fn sensed_m<N: Scalar<Real = f64>>(drive: &Drive<N>, state: &State<N>) -> f64 {
     N::strokes(drive.sensed(state).position) * STROKE_M
 }
 
 #[test]
 fn play_hides_half_of_it_from_the_middle_and_all_of_it_at_a_reversal() {
-    fn check<N: Number<Real = f64>>() {
+    fn check<N: Scalar<Real = f64>>() {
         let drive = drive::<N>(&with(&press(), &[(P::BacklashPlay, 2e-3)]));
         let mut state = at_rest(&drive, [0.4, 0.4], 0.5);
         assert!((sensed_m(&drive, &state) - 0.15).abs() < 1e-8, "at the start it reads true");
@@ -36,7 +36,7 @@ fn play_hides_half_of_it_from_the_middle_and_all_of_it_at_a_reversal() {
 /// On a ramp the reading is behind by speed times lag and delay.
 #[test]
 fn a_slow_sensor_is_behind_by_its_time() {
-    fn check<N: Number<Real = f64>>() {
+    fn check<N: Scalar<Real = f64>>() {
         let slow = [(P::PositionLag, 8e-3), (P::PositionDelay, 4.3e-3), (P::Stroke, STROKE_M)];
         let drive = drive::<N>(&with(&press(), &slow));
         let mut state = at_rest(&drive, [0.4, 0.4], 0.1);
@@ -52,7 +52,7 @@ fn a_slow_sensor_is_behind_by_its_time() {
 
 #[test]
 fn gain_errors_and_offsets_are_what_they_say() {
-    fn check<N: Number<Real = f64>>() {
+    fn check<N: Scalar<Real = f64>>() {
         let wrong = [
             (P::PressureAOffset, 1.4e5),
             (P::PressureAFactor, 0.1),

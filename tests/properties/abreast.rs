@@ -1,0 +1,160 @@
+//! Recordings that are simulated abreast are each simulated as alone, bit for bit.
+
+use host_sim::hypothesis::{CATALOGUE, Form, Kind, Scene, Strength};
+use host_sim::machine_file::LoadSource;
+use host_sim::recording::{Column, Recording, Signal};
+use host_sim::simulate::{EntryPoint, Run, StartOffset, Stimulus, computed_below, run, run_abreast};
+use host_sim::testbed::Excitation;
+use model_core::drive::Drive;
+use model_core::machine::{Machine, Source, Tick};
+use model_core::parameter::Parameter as P;
+use proptest::prelude::*;
+use system_tests::any_effects::any_side_effects;
+use system_tests::any_machine::{any_machine, any_tick};
+use system_tests::drives;
+use system_tests::simulate::DELAY;
+
+use super::cases;
+
+/// Every input that a chain may be entered with, at rows that lie between ticks.
+fn recording(machine: &Machine<f64>, seed: u64, rows: usize, interval_s: f64, from: f64) -> Recording {
+    let volts = Excitation::random_steps(seed).sample(interval_s);
+    let of = |scale: f64| volts[..rows].iter().map(|volts| scale * volts).collect::<Vec<f64>>();
+    let stroke_m = machine.get(P::Stroke);
+    let columns = [
+        (Signal::Time, (0..rows).map(|row| row as f64 * interval_s).collect()),
+        (Signal::Command, of(1.0)),
+        (Signal::Spool, of(0.1)),
+        (Signal::PumpSpeed, of(4.0)),
+        (Signal::Flow, of(1e-5)),
+        (Signal::Force, of(100.0)),
+        (Signal::LoadForce, of(-200.0)),
+        (Signal::OilTemperature, of(3.0)),
+        (Signal::Position, vec![from * stroke_m; rows]),
+    ];
+    Recording::new("any", columns.into_iter().map(|(signal, values)| Column::si(signal, values)).collect()).unwrap()
+}
+
+/// A recording that is drawn: seed, rows, interval in s, start in strokes, and what a fit moved that by, m.
+type Drawn = (u64, usize, f64, f64, f64);
+
+/// Simulates them abreast and one by one, some of their signals left out, and wants the same bits.
+fn as_alone(machine: &Machine<f64>, tick: Tick, entry: EntryPoint, follows: bool, drawn: &[Drawn]) {
+    let of_drawn = |&(seed, rows, interval_s, from, shift_m): &Drawn| {
+        let recording = recording(machine, seed, rows, interval_s, from);
+        let stimulus = Stimulus::new(&recording, machine, entry, LoadSource::Constant, tick).unwrap();
+        let stimulus = if follows { stimulus.following().unwrap_or(stimulus) } else { stimulus };
+        (stimulus, StartOffset { level: Some(0.2 + 0.6 * from), shift_m })
+    };
+    let stimuli: Vec<(Stimulus, StartOffset<f64>)> = drawn.iter().map(of_drawn).collect();
+    let mut runs: Vec<Run<'_>> = Vec::new();
+    let mut expected: Vec<Vec<(usize, Vec<u64>)>> = Vec::new();
+    for (index, (stimulus, offset)) in stimuli.iter().enumerate() {
+        let signals: Vec<Signal> = computed_below(entry).iter().copied().skip(index % 2).collect();
+        let mut series = Vec::new();
+        run::<f64>(machine, stimulus, *offset, |row, sample| {
+            series.push((row, signals.iter().map(|&signal| sample.signal(signal).unwrap().to_bits()).collect()));
+        })
+        .unwrap();
+        runs.push(Run { stimulus, offset: *offset, signals });
+        expected.push(series);
+    }
+    let mut abreast = vec![Vec::new(); runs.len()];
+    run_abreast(machine, &runs, |run, row, values| {
+        abreast[run].push((row, values.iter().map(|value| value.to_bits()).collect::<Vec<u64>>()));
+    })
+    .unwrap();
+    for (found, expected) in abreast.iter().zip(&expected) {
+        assert_eq!(found.len(), expected.len());
+        for (found, expected) in found.iter().zip(expected) {
+            assert_eq!(found, expected);
+        }
+    }
+}
+
+#[test]
+fn recordings_of_a_pump_are_simulated_one_by_one() {
+    let mut machine = drives::press();
+    machine.source = Source::Pump;
+    machine.set(P::PumpDisplacement, 1e-5);
+    let drawn = [(5, 900, 1e-3, 0.3, 0.0), (6, 700, 1e-3, 0.6, 0.0), (7, 500, 2.5e-3, 0.5, 0.0)];
+    as_alone(&machine, Tick::OneMillisecond, EntryPoint::Pump, false, &drawn);
+}
+
+/// The press with every form of every effect, and with tables without a name.
+fn with_each_effect() -> Vec<(&'static str, Machine<f64>)> {
+    let press = drives::press();
+    let scene = Scene {
+        machine: &press,
+        entry: EntryPoint::Command,
+        load: LoadSource::Constant,
+        judged: computed_below(EntryPoint::Command),
+        travel_m: (0.05, 0.25),
+        duration_s: 2.0,
+    };
+    let strong = |strength: &Strength| match strength.kind {
+        Kind::Amount(range) | Kind::Jump(range) | Kind::Shape(range, _) | Kind::Place(range, _) => {
+            let (low, high) = range(&scene);
+            low + 0.7 * (high - low)
+        }
+        Kind::Signed(size) => 0.7 * size(&scene),
+    };
+    let forms = CATALOGUE.iter().flat_map(|effect| effect.forms.iter().map(|form| (effect.name, *form)));
+    let machine = |(name, form): (&'static str, Form)| {
+        let mut machine = press;
+        for strength in form {
+            machine.set(strength.parameter, strong(strength));
+        }
+        (name, machine)
+    };
+    let tables = [(1.0, 1.0, 500.0), (2.0, 4.0, 1e-5), (3.0, 3.0, 1e-5), (4.0, 2.0, 0.02)];
+    let table = |(quantity, over, value): (f64, f64, f64)| {
+        let mut machine = press;
+        for (parameter, value) in [
+            (P::TableQuantity, quantity),
+            (P::TableOver, over),
+            (P::TableOver2, 2.0),
+            (P::TableFrom, -0.1),
+            (P::TableTo, 0.2),
+            (P::TableTo2, 0.3),
+            (P::TableValue2, value),
+            (P::TableValue9, -value),
+        ] {
+            machine.set(parameter, value);
+        }
+        ("unnamed", machine)
+    };
+    forms.map(machine).chain(tables.into_iter().map(table)).collect()
+}
+
+#[test]
+fn recordings_of_a_drive_with_any_effect_are_abreast_as_alone() {
+    let drawn = [
+        (1, 2000, 1e-3, 0.3, 0.0),
+        (2, 1500, 1e-3, 0.6, 1e-6),
+        (3, 700, 2.5e-3, 0.02, 0.0),
+        (4, 1900, 1e-3, 0.97, 0.0),
+    ];
+    for (name, machine) in with_each_effect() {
+        println!("{name}");
+        as_alone(&machine, Tick::OneMillisecond, EntryPoint::Command, false, &drawn);
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(150))]
+
+    #[test]
+    fn recordings_abreast_are_each_as_alone(
+        machine in any_machine(),
+        tick in any_tick(),
+        effects in prop::option::of((any_side_effects(), any::<u16>())),
+        entry in prop::sample::select(vec![EntryPoint::Command, EntryPoint::Slider, EntryPoint::Flow, EntryPoint::Force]),
+        follows in any::<bool>(),
+        drawn in prop::collection::vec((any::<u64>(), 200_usize..900, 0.4e-3..3e-3_f64, 0.0..1.0_f64, -1e-5..1e-5_f64), 1..7),
+    ) {
+        let machine = effects.map_or(machine, |(effects, which)| effects.on(&machine, |index| which >> index & 1 == 1));
+        prop_assume!(machine.source == Source::Valve && Drive::<f64>::new::<DELAY>(&machine, tick).is_ok());
+        as_alone(&machine, tick, entry, follows, &drawn);
+    }
+}
