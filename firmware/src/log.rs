@@ -1,8 +1,5 @@
 //! What a period tells: faults as they enter, changes of the mode, the monitor's alarm.
 
-#[cfg(feature = "defmt")]
-use model_core::number::Number;
-
 use crate::fault::{Fault, Response, Standing};
 use crate::mode::Mode;
 use crate::monitor::Miss;

@@ -11,7 +11,6 @@ use firmware::trial::DELAY;
 use heapless::Vec;
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Bases, Machine, MachineError, Tick};
-use model_core::number::Number;
 
 /// Number of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
