@@ -1,7 +1,7 @@
 //! The whole way: recordings in, diagnosis out.
 //!
 //! recording → prepare → refit → locate → hypothesis → fit → verdict. Training recordings make the choice; the held-out
-//! ones are opened once, after it.
+//! ones are opened after it, and may only take away from it.
 
 mod shown;
 
@@ -322,15 +322,17 @@ fn decide(question: &Question<'_>, selection: &mut Selection, held: &[&Prepared]
         vetoed.extend(chosen.effects.iter().map(|chosen| chosen.effect));
         return Ok((Vec::new(), vetoed, Some(confirmation), selection.base.clone()));
     }
-    let mut findings: Vec<Finding> = chosen.effects.iter().map(|chosen| finding(chosen, selection)).collect();
+    let mut findings: Vec<Finding> = chosen.effects.iter().map(|chosen| finding(chosen, selection, &vetoed)).collect();
     findings.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
     Ok((findings, vetoed, (!held.is_empty()).then_some(confirmation), chosen.clone()))
 }
 
-/// A finding with its probability among the sets that were refitted in the round of the chosen one.
-fn finding(chosen: &Chosen, selection: &Selection) -> Finding {
+/// A finding with its probability among the sets that were refitted in the round of the chosen one, but for those with an effect
+/// that was vetoed.
+fn finding(chosen: &Chosen, selection: &Selection, vetoed: &[&'static Hypothesis]) -> Finding {
     let count = selection.chosen.effects.len();
-    let sets: &[Trial] = selection.rounds.get(count - 1).map_or(&[], Vec::as_slice);
+    let is_open = |set: &&Trial| set.effects.iter().all(|effect| vetoed.iter().all(|other| other.name != effect.name));
+    let sets: Vec<&Trial> = selection.rounds.get(count - 1).into_iter().flatten().filter(is_open).collect();
     let largest = sets.iter().map(|set| set.net).fold(0.0, f64::max);
     // No effect at all stands against them with a net gain of 0.
     let total: f64 = sets.iter().map(|set| (set.net - largest).exp()).sum::<f64>() + (-largest).exp();

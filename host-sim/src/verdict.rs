@@ -56,7 +56,7 @@ pub struct Trial {
     pub machine: Machine<f64>,
 }
 
-/// The outcome of the selection on training recordings.
+/// The outcome of the selection: on training recordings, and what held-out ones left of it.
 #[derive(Clone, Debug)]
 pub struct Selection {
     /// The machine file's model, refitted.
@@ -189,7 +189,7 @@ impl Course {
         for index in 0..best.effects.len() {
             let fewer = best.without(question, index)?;
             if self.is_likely(question, &fewer) && self.claims(question, &fewer)? {
-                self.enter(question, &fewer);
+                enter(question, &self.base, &mut self.rounds, &fewer);
                 return Ok(Some(fewer));
             }
         }
@@ -236,7 +236,7 @@ impl Course {
             if !self.is_likely(question, &chosen) {
                 return Ok(());
             }
-            self.enter(question, &chosen);
+            enter(question, &self.base, &mut self.rounds, &chosen);
         }
         self.chosen = chosen;
         Ok(())
@@ -246,18 +246,18 @@ impl Course {
     fn is_enough(&self, question: &Question<'_>, near: f64) -> bool {
         self.beam.first().is_none_or(|best| explains_enough(question, &self.base, best, near))
     }
+}
 
-    /// Enters a set into the round of its size, in the place of a worse fit of the same effects.
-    fn enter(&mut self, question: &Question<'_>, candidate: &Candidate) {
-        let Some(round) = self.rounds.get_mut(candidate.effects.len() - 1) else { return };
-        let same = |trial: &Trial| {
-            candidate.effects.iter().all(|chosen| trial.effects.iter().any(|effect| effect.name == chosen.effect.name))
-        };
-        round.retain(|trial| !same(trial));
-        let entered = ranked(question, &self.base, vec![candidate.clone()]);
-        round.extend(entered.iter().map(|(candidate, net)| trial(candidate, *net)));
-        round.sort_by(|a, b| b.net.total_cmp(&a.net));
-    }
+/// Enters a set into the round of its size, in the place of a worse fit of the same effects.
+fn enter(question: &Question<'_>, base: &Candidate, rounds: &mut [Vec<Trial>], candidate: &Candidate) {
+    let Some(round) = rounds.get_mut(candidate.effects.len() - 1) else { return };
+    let same = |trial: &Trial| {
+        candidate.effects.iter().all(|chosen| trial.effects.iter().any(|effect| effect.name == chosen.effect.name))
+    };
+    round.retain(|trial| !same(trial));
+    let entered = ranked(question, base, vec![candidate.clone()]);
+    round.extend(entered.iter().map(|(candidate, net)| trial(candidate, *net)));
+    round.sort_by(|a, b| b.net.total_cmp(&a.net));
 }
 
 /// A set without every effect that the others make superfluous.

@@ -117,10 +117,19 @@ fn of_two_effects_held_out_recordings_take_out_the_one_they_gain_nothing_by() {
     let mut two = beside(&one, hypotheses[1]);
     two.fit.machine.set(P::HysteresisWidth, 0.05);
 
-    let mut selection = Selection { base, chosen: two, rounds: Vec::new() };
+    let mut selection = Selection { base, chosen: two, rounds: vec![Vec::new(), Vec::new()] };
     assert!(selection.refused(&question, &[]).unwrap().is_empty(), "nothing is held out that could speak against it");
     let refused: Vec<&str> = selection.refused(&question, &held).unwrap().iter().map(|effect| effect.name).collect();
     assert_eq!((refused, selection.chosen.names()), (vec![effects[1]], vec![effects[0]]));
     assert!(selection.chosen.fit.machine.get(P::HysteresisWidth).abs() < f64::MIN_POSITIVE);
     assert!(selection.refused(&question, &held).unwrap().is_empty(), "one alone is confirmed or vetoed as a whole");
+    let entered: Vec<&str> = selection.rounds[0].iter().map(|trial| trial.effect.name).collect();
+    assert_eq!(entered, [effects[0]], "what is left stands in the round of its size");
+
+    // Where the friction is left out, what is left without the bad one explains next to nothing, and goes with it.
+    let mut both = beside(&beside(&selection.base, hypotheses[1]), named("linkage-backlash"));
+    both.fit.machine.set(P::BacklashPlay, 0.01);
+    let mut selection = Selection { chosen: both, ..selection };
+    let refused: Vec<&str> = selection.refused(&question, &held).unwrap().iter().map(|effect| effect.name).collect();
+    assert_eq!((refused, selection.chosen.names()), (vec!["linkage-backlash", effects[1]], vec![]));
 }

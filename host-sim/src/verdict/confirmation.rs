@@ -1,15 +1,16 @@
-//! The held-out recordings, opened once: they confirm a choice or veto it.
+//! The held-out recordings, opened once the training recordings have chosen: they may take an effect out of the choice, or veto it,
+//! and never put one in.
 
 use model_core::machine::{Machine, MachineError};
 
-use super::likelihood::gained;
-use super::{Question, Selection};
+use super::likelihood::{accepts, gained};
+use super::{Question, Selection, enter};
 use crate::fit::{CHANCE, FitError, settle, softened, standardised};
 use crate::hypothesis::Hypothesis;
 use crate::prepare::Prepared;
 use crate::recording::Signal;
 
-/// What the held-out recordings say of a choice that they did not take part in.
+/// What the held-out recordings say of what they left of a choice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Confirmation {
     /// Log-likelihood gained over the base on all held-out recordings.
@@ -43,7 +44,8 @@ impl Confirmation {
 
 impl Selection {
     /// Takes out of a set of several every effect that held-out recordings gain nothing by beside the others, refitted without it
-    /// to the training recordings; the last added first. Those that were taken out.
+    /// to the training recordings; the last added first. What is left has to be a claim by itself, else it goes as well: a pair may
+    /// have been claimed because neither was enough alone. Those that were taken out.
     pub fn refused(
         &mut self,
         question: &Question<'_>,
@@ -63,6 +65,15 @@ impl Selection {
                 self.chosen = fewer;
             }
         }
+        if refused.is_empty() {
+            return Ok(refused);
+        }
+        if self.chosen.is_plausible(question.scene) && accepts(question, &self.base, &self.base, &self.chosen)? {
+            enter(question, &self.base, &mut self.rounds, &self.chosen);
+        } else {
+            refused.extend(self.chosen.effects.iter().map(|chosen| chosen.effect));
+            self.chosen = self.base.clone();
+        }
         Ok(refused)
     }
 }
@@ -70,7 +81,7 @@ impl Selection {
 /// NRMSE fit, %, that a perfect model would reach on a signal that is mostly noise.
 const MOSTLY_NOISE: f64 = 50.0;
 
-/// Opens the held-out recordings, once.
+/// What held-out recordings gain by a machine over a base.
 pub fn confirm(
     base: &Machine<f64>,
     chosen: &Machine<f64>,
