@@ -38,7 +38,6 @@ const HEAD: &str = "# What it costs\n\n\
 
 /// What nothing here measures.
 const NOT_DONE: &str = "## Not done\n\n\
-    - A batch of recordings or hypotheses in SIMD lanes (wanted: 4 times the speed of one after the other) does not exist, so it has no row.\n\
     - How far a step is from the floor of the processor is not stated.\n\
     - PySINDy (weak form) on the residuals of a diagnosis, and more than 8 recordings or 10 minutes of them are not measured here. The test\n\
     \u{20}\u{20}`diagnosis an_hour` has an hour.\n\

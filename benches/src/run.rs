@@ -7,7 +7,7 @@ use host_sim::lanes::{LANES, Lanes};
 use host_sim::testbed::InitialState;
 use model_core::drive::{Drive, Entry, Load};
 use model_core::machine::{Machine, Tick};
-use model_core::number::Scalar;
+use model_core::number::{Field, Scalar};
 use model_core::paper::PaperDrive;
 use system_tests::simulate::{State, at_rest, command, drive};
 
@@ -113,13 +113,13 @@ impl Abreast {
         let mut left = volts.map(<[f32]>::iter);
         while let [Some(a), Some(b), Some(c), Some(d)] = from_fn(|lane| left[lane].next()) {
             let held = [a, b, c, d].map(|&volts| f64::from(volts));
-            step(&mut state, Lanes::new(held) / Lanes::all(bases.command_v));
+            step(&mut state, Lanes::new(held) / Lanes::constant(bases.command_v));
             let told = [
                 state.valve.slider(),
-                state.motion.position * Lanes::all(bases.stroke_m),
-                state.motion.velocity * Lanes::all(bases.velocity_m_per_s),
-                state.chambers.a * Lanes::all(bases.pressure_pa),
-                state.chambers.b * Lanes::all(bases.pressure_pa),
+                state.motion.position * Lanes::constant(bases.stroke_m),
+                state.motion.velocity * Lanes::constant(bases.velocity_m_per_s),
+                state.chambers.a * Lanes::constant(bases.pressure_pa),
+                state.chambers.b * Lanes::constant(bases.pressure_pa),
             ]
             .map(Lanes::values);
             for (lane, rows) in rows.iter_mut().enumerate() {

@@ -9,7 +9,7 @@
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use model_core::number::Real;
+use model_core::number::{Field, Real};
 
 /// A value with `P` partial derivatives.
 #[derive(Clone, Copy, Debug)]
@@ -131,7 +131,9 @@ impl<const P: usize> Neg for Dual<P> {
     }
 }
 
-impl<const P: usize> Real for Dual<P> {
+impl<const P: usize> Field for Dual<P> {
+    type Real = Self;
+
     const ZERO: Self = Self { value: 0.0, partials: [0.0; P] };
     const ONE: Self = Self { value: 1.0, partials: [0.0; P] };
 
@@ -140,16 +142,28 @@ impl<const P: usize> Real for Dual<P> {
         Self::constant_of(value)
     }
     #[inline]
-    fn value(self) -> f64 {
-        self.value
-    }
-    fn is_nil(self) -> bool {
-        self.value == 0.0 && self.partials.iter().all(|partial| *partial == 0.0)
+    fn coefficient(value: Self) -> Self {
+        value
     }
     #[inline]
     fn sqrt(self) -> Self {
         let root = self.value.sqrt();
         self.chain(root, 0.5 / root)
+    }
+    #[inline]
+    fn noted(self) -> Self {
+        let noted = |slope: f32| if slope.abs() < NONE_BELOW { 0.0 } else { slope };
+        Self { partials: self.partials.map(noted), ..self }
+    }
+}
+
+impl<const P: usize> Real for Dual<P> {
+    #[inline]
+    fn value(self) -> f64 {
+        self.value
+    }
+    fn is_nil(self) -> bool {
+        self.value == 0.0 && self.partials.iter().all(|partial| *partial == 0.0)
     }
     fn exp(self) -> Self {
         let value = Real::exp(self.value);
@@ -160,11 +174,6 @@ impl<const P: usize> Real for Dual<P> {
     }
     fn acos(self) -> Self {
         self.chain(Real::acos(self.value), -1.0 / (1.0 - self.value * self.value).sqrt())
-    }
-    #[inline]
-    fn noted(self) -> Self {
-        let noted = |slope: f32| if slope.abs() < NONE_BELOW { 0.0 } else { slope };
-        Self { partials: self.partials.map(noted), ..self }
     }
 }
 

@@ -5,7 +5,7 @@
 
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
-use model_core::number::{Field, Mask};
+use model_core::number::{Compared, Field, Mask};
 use wide::f64x4;
 
 /// How many.
@@ -25,13 +25,6 @@ impl Lanes {
     #[must_use]
     pub fn new(values: [f64; LANES]) -> Self {
         Self(f64x4::new(values))
-    }
-
-    /// The same for all.
-    #[inline]
-    #[must_use]
-    pub fn all(value: f64) -> Self {
-        Self(f64x4::splat(value))
     }
 
     /// Each.
@@ -133,43 +126,50 @@ impl Mask for LaneMask {
     }
 }
 
-impl Field for Lanes {
-    type Real = f64;
+impl Compared for Lanes {
     type Mask = LaneMask;
 
-    const NIL: Self = Self(f64x4::ZERO);
-    const UNIT: Self = Self(f64x4::ONE);
-
     #[inline]
-    fn constant(value: f64) -> Self {
-        Self::all(value)
-    }
-    #[inline]
-    fn coefficient(value: f64) -> Self {
-        Self::all(value)
-    }
-    #[inline]
-    fn root(self) -> Self {
-        Self(self.0.sqrt())
-    }
-    #[inline]
-    fn is_above(self, other: Self) -> LaneMask {
+    fn above(self, other: Self) -> LaneMask {
         LaneMask(self.0.simd_gt(other.0))
     }
     #[inline]
-    fn is_equal(self, other: Self) -> LaneMask {
+    fn equals(self, other: Self) -> LaneMask {
         LaneMask(self.0.simd_eq(other.0))
     }
     #[inline]
-    fn either(of: LaneMask, yes: Self, no: Self) -> Self {
+    fn pick(of: LaneMask, yes: Self, no: Self) -> Self {
         Self(of.0.select(yes.0, no.0))
     }
+    // One instruction each there, to the bit what `pick` gives: of two that are equal or no numbers, the second operand.
+    #[cfg(target_arch = "x86_64")]
     #[inline]
     fn larger(self, other: Self) -> Self {
         Self(other.0.fast_max(self.0))
     }
+    #[cfg(target_arch = "x86_64")]
     #[inline]
     fn smaller(self, other: Self) -> Self {
         Self(other.0.fast_min(self.0))
+    }
+}
+
+impl Field for Lanes {
+    type Real = f64;
+
+    const ZERO: Self = Self(f64x4::ZERO);
+    const ONE: Self = Self(f64x4::ONE);
+
+    #[inline]
+    fn constant(value: f64) -> Self {
+        Self(f64x4::splat(value))
+    }
+    #[inline]
+    fn coefficient(value: f64) -> Self {
+        Self::constant(value)
+    }
+    #[inline]
+    fn sqrt(self) -> Self {
+        Self(self.0.sqrt())
     }
 }

@@ -89,6 +89,15 @@ mod tests {
         let found = noise(&values, resolution(&values));
         assert!((found / 0.01 - 1.0).abs() < 0.1, "{found}");
     }
+
+    #[test]
+    fn white_noise_is_found_without_bias() {
+        let mut white = Noise::new(3, 0);
+        let values: Vec<f64> = (0..50_000).map(|_| white.gaussian(0.01)).collect();
+        let found = super::noise(&values, 0.0);
+        assert!((found / 0.01 - 1.0).abs() < 0.02, "{found}");
+    }
+
     #[test]
     fn ringing_is_not_taken_for_noise() {
         // A pressure at 200 Hz that rings after a jump every 0.4 s.

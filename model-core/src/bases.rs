@@ -4,7 +4,7 @@
 
 use crate::machine::{Bases, Machine, Source, Tick};
 use crate::mechanics::GAMMA;
-use crate::number::Real;
+use crate::number::{Field, Real};
 use crate::parameter::Parameter as P;
 use crate::temperature::THINNEST;
 
@@ -29,7 +29,7 @@ pub(crate) const SPRUNG: f64 = 1.05;
 pub(crate) fn bases(machine: &Machine<f64>, tick: Tick) -> Bases {
     let (tick_s, area_a, area_b) = (tick.seconds(), machine.get(P::AreaA), machine.get(P::AreaB));
     let pressure_pa = machine.get(P::SupplyPressure);
-    let opened = machine.get(P::FlowCoefficient) * Real::sqrt(pressure_pa);
+    let opened = machine.get(P::FlowCoefficient) * Field::sqrt(pressure_pa);
     let (largest_flow, gained_flow) = match machine.source {
         Source::Valve => (machine.get(P::FlowLimit).min(opened), opened),
         Source::Pump => {

@@ -16,7 +16,7 @@ use crate::drive::{Drive, OilSource};
 use crate::flow::{Edges, Lines, Pump};
 use crate::machine::{Bases, Machine, MachineError, Source, Tick};
 use crate::mechanics::GAMMA;
-use crate::number::{Number, Real};
+use crate::number::{Field, Number, Real};
 use crate::parameter::Parameter as P;
 use crate::valve::Valve;
 

@@ -6,7 +6,7 @@
 //! in it would throw the rod back faster than it came. The oil that its way beyond the face would have made room for stays where
 //! it is, so that the pressures know when within the tick the rod was stopped.
 
-use crate::number::{Mask, Number};
+use crate::number::{Compared, Mask, Number};
 
 /// Both stops, where they are within reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,7 +69,7 @@ impl<N: Number> Stops<N> {
         }
         for (met, face) in [(touch.extended, &self.extended), (touch.retracted, &self.retracted)] {
             if let Some(face) = face {
-                *position = N::pick_travel(met, face.place, *position);
+                *position = N::Travel::pick(met, face.place, *position);
             }
         }
         Some(N::pick(touch.any(), touch.push(-touch.depth.amplified(self.per_stroke)), N::ZERO))

@@ -19,7 +19,7 @@ use core::ops::{Add, Neg, Sub};
 
 use fixed::types::{I4F28, I8F56, U16F16};
 
-use crate::number::{Number, Scalar};
+use crate::number::Number;
 use crate::roots::{InverseFourthRoot, reciprocal_of_one_plus, share_of};
 
 /// A signal on the controller: per unit, `I4F28`, range ±8, step 2⁻²⁸. Sums saturate.
@@ -150,10 +150,10 @@ fn weighed<const K: usize>(weights: [PerUnit; K], steep: [U16F16; K]) -> u64 {
 
 impl Number for PerUnit {
     type Real = f64;
+    type Value = f64;
     type Gain = I4F28;
     type Steep = U16F16;
     type Travel = I8F56;
-    type Mask = bool;
 
     const LEAN: bool = true;
     const ZERO: Self = Self(I4F28::ZERO);
@@ -169,21 +169,8 @@ impl Number for PerUnit {
     fn counted(counts: i32) -> Self {
         Self::from_bits(counts.saturating_mul(1 << (FRACTION - 16)))
     }
-    #[inline]
-    fn above(self, other: Self) -> bool {
-        self > other
-    }
-    #[inline]
-    fn equals(self, other: Self) -> bool {
-        self == other
-    }
-    #[inline]
-    fn pick(of: bool, yes: Self, no: Self) -> Self {
-        if of { yes } else { no }
-    }
-    #[inline]
-    fn pick_travel(of: bool, yes: I8F56, no: I8F56) -> I8F56 {
-        if of { yes } else { no }
+    fn to_real(self) -> f64 {
+        self.to_f64()
     }
     fn gain(value: f64) -> Option<I4F28> {
         let fits = value.is_finite() && value.abs() < LARGEST_GAIN;
@@ -269,15 +256,6 @@ impl Number for PerUnit {
     #[inline]
     fn of_travel(travel: I8F56) -> Self {
         Self::of_travel(travel)
-    }
-}
-
-impl Scalar for PerUnit {
-    fn to_f64(self) -> f64 {
-        self.to_f64()
-    }
-    fn to_real(self) -> f64 {
-        self.to_f64()
     }
     fn strokes(travel: I8F56) -> f64 {
         Self::strokes(travel)

@@ -19,7 +19,7 @@
 
 use crate::number::{Mask, Number};
 
-/// How dry friction acts during one tick. Where none of these holds there is no motion and no force.
+/// How dry friction acts during one tick. Where none of these holds, none acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Contact<M> {
     /// The rod sticks.

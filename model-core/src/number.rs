@@ -5,62 +5,12 @@
 //! the desktop. `f64` and dual numbers are [`Real`]s, which are also what coefficients are computed in before a run. A number that
 //! is one signal of one drive is a [`Scalar`].
 
-#![expect(clippy::float_arithmetic, reason = "this file is the real arithmetic that coefficients and desktop runs use")]
+mod real;
 
 use core::fmt::Debug;
-use core::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
+use core::ops::{Add, BitAnd, BitOr, BitXor, Neg, Not, Sub};
 
-/// Real arithmetic for the computation of coefficients, and for runs on the desktop.
-pub trait Real:
-    Copy
-    + Debug
-    + PartialOrd
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
-{
-    /// 0
-    const ZERO: Self;
-    /// 1
-    const ONE: Self;
-
-    /// The constant `value`.
-    fn constant(value: f64) -> Self;
-
-    /// The value without derivatives.
-    fn value(self) -> f64;
-
-    /// Whether it is 0, and would be for any parameter: a dual number of value 0 that has a derivative is not nil.
-    fn is_nil(self) -> bool;
-
-    /// Square root.
-    #[must_use]
-    fn sqrt(self) -> Self;
-
-    /// Exponential.
-    #[must_use]
-    fn exp(self) -> Self;
-
-    /// Cosine; the argument in rad.
-    #[must_use]
-    fn cos(self) -> Self;
-
-    /// Inverse cosine in rad, in 0..π.
-    #[must_use]
-    fn acos(self) -> Self;
-
-    /// The number without derivatives that are too small to count, if it has any.
-    #[must_use]
-    #[inline]
-    fn noted(self) -> Self {
-        self
-    }
-}
-
-/// Less than a fixed-point number can hold is nothing: its share would have slopes without bound.
-const NOTHING: f64 = 1.0 / (1_u64 << 31) as f64;
+pub use real::{Field, Real};
 
 /// What a comparison of two numbers says: `bool`, or one for each of several that are computed abreast.
 pub trait Mask:
@@ -105,21 +55,69 @@ impl Mask for bool {
     }
 }
 
+/// What can be compared: one, or several at once, each with its own.
+pub trait Compared: Copy {
+    /// What a comparison says.
+    type Mask: Mask;
+
+    /// Whether it is above another.
+    fn above(self, other: Self) -> Self::Mask;
+
+    /// Whether it equals another.
+    fn equals(self, other: Self) -> Self::Mask;
+
+    /// One of two.
+    #[must_use]
+    fn pick(of: Self::Mask, yes: Self, no: Self) -> Self;
+
+    /// The larger of two; the first where both are equal.
+    #[must_use]
+    #[inline]
+    fn larger(self, other: Self) -> Self {
+        Self::pick(other.above(self), other, self)
+    }
+
+    /// The smaller of two; the first where both are equal.
+    #[must_use]
+    #[inline]
+    fn smaller(self, other: Self) -> Self {
+        Self::pick(self.above(other), other, self)
+    }
+}
+
+impl<T: Copy + PartialOrd> Compared for T {
+    type Mask = bool;
+
+    #[inline]
+    fn above(self, other: Self) -> bool {
+        self > other
+    }
+    #[inline]
+    fn equals(self, other: Self) -> bool {
+        self == other
+    }
+    #[inline]
+    fn pick(of: bool, yes: Self, no: Self) -> Self {
+        if of { yes } else { no }
+    }
+}
+
 /// A scaled signal, with the few operations the model's step is made of.
 ///
 /// Sums and differences saturate where the type has a range. A product rounds to nearest. What the step decides by a signal it
-/// decides by a [`Mask`], so that a type may hold several signals of as many drives.
-pub trait Number: Copy + Debug + PartialEq + Add<Output = Self> + Sub<Output = Self> + Neg<Output = Self> {
+/// decides by a [`Mask`], so that a type may hold several signals of as many drives; but for [`Number::is_held`], so that such a type has no
+/// range to be held at.
+pub trait Number: Compared + Debug + PartialEq + Add<Output = Self> + Sub<Output = Self> + Neg<Output = Self> {
     /// What coefficients are computed in before they become gains.
     type Real: Real;
+    /// What a signal is told in.
+    type Value: Field<Real = Self::Real>;
     /// A coefficient of magnitude below 4.
     type Gain: Copy + Debug + PartialEq;
     /// A positive coefficient or slope that may be large, at lower relative precision.
     type Steep: Copy + Debug + PartialEq;
     /// The position: an accumulator that loses nothing of what is added to it.
-    type Travel: Copy + Debug + PartialEq;
-    /// What a comparison says.
-    type Mask: Mask;
+    type Travel: Compared<Mask = Self::Mask> + Debug + PartialEq;
 
     /// Whether steps of drives without effects are worth code of their own: on a controller, where each question after one counts.
     const LEAN: bool = false;
@@ -138,19 +136,8 @@ pub trait Number: Copy + Debug + PartialEq + Add<Output = Self> + Sub<Output = S
     /// A sensor's count, in units of 65536 counts, held at the end of the range.
     fn counted(counts: i32) -> Self;
 
-    /// Whether it is above another.
-    fn above(self, other: Self) -> Self::Mask;
-
-    /// Whether it equals another.
-    fn equals(self, other: Self) -> Self::Mask;
-
-    /// One of two signals.
-    #[must_use]
-    fn pick(of: Self::Mask, yes: Self, no: Self) -> Self;
-
-    /// One of two positions.
-    #[must_use]
-    fn pick_travel(of: Self::Mask, yes: Self::Travel, no: Self::Travel) -> Self::Travel;
+    /// The value of a signal, with its derivatives if it has any.
+    fn to_real(self) -> Self::Value;
 
     /// One of two signals, of which only the one that is needed is computed.
     #[must_use]
@@ -231,14 +218,14 @@ pub trait Number: Copy + Debug + PartialEq + Add<Output = Self> + Sub<Output = S
     #[must_use]
     #[inline]
     fn max(self, other: Self) -> Self {
-        Self::pick(other.above(self), other, self)
+        self.larger(other)
     }
 
     /// The smaller of two.
     #[must_use]
     #[inline]
     fn min(self, other: Self) -> Self {
-        Self::pick(self.above(other), other, self)
+        self.smaller(other)
     }
 
     /// Held within ±`limit`.
@@ -273,303 +260,17 @@ pub trait Number: Copy + Debug + PartialEq + Add<Output = Self> + Sub<Output = S
 
     /// The position as a signal, in strokes, rounded down to the signal's step and held at the ends of its range.
     fn of_travel(travel: Self::Travel) -> Self;
+
+    /// The position in strokes.
+    fn strokes(travel: Self::Travel) -> Self::Value;
 }
 
 /// A number that is one signal of one drive: it has an order and a value.
-pub trait Scalar: Number<Mask = bool> + PartialOrd {
+pub trait Scalar: Number<Mask = bool, Value = <Self as Number>::Real> + PartialOrd {
     /// The value of a signal without derivatives.
-    fn to_f64(self) -> f64;
-
-    /// The value of a signal with its derivatives.
-    fn to_real(self) -> Self::Real;
-
-    /// The position in strokes.
-    fn strokes(travel: Self::Travel) -> Self::Real;
-}
-
-/// Real arithmetic of one signal, or of several at once, each as if it were alone: what a [`Number`] on the desktop is made of.
-pub trait Field:
-    Copy
-    + Debug
-    + PartialEq
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
-{
-    /// What coefficients are computed in.
-    type Real: Real;
-    /// What a comparison says.
-    type Mask: Mask;
-
-    /// 0
-    const NIL: Self;
-    /// 1
-    const UNIT: Self;
-
-    /// The constant `value`, the same for all.
-    fn constant(value: f64) -> Self;
-
-    /// A coefficient, the same for all.
-    fn coefficient(value: Self::Real) -> Self;
-
-    /// Square root.
-    #[must_use]
-    fn root(self) -> Self;
-
-    /// Whether it is above another.
-    fn is_above(self, other: Self) -> Self::Mask;
-
-    /// Whether it equals another.
-    fn is_equal(self, other: Self) -> Self::Mask;
-
-    /// One of two.
-    #[must_use]
-    fn either(of: Self::Mask, yes: Self, no: Self) -> Self;
-
-    /// The larger of two; the first where both are equal.
-    #[must_use]
-    #[inline]
-    fn larger(self, other: Self) -> Self {
-        Self::either(other.is_above(self), other, self)
-    }
-
-    /// The smaller of two; the first where both are equal.
-    #[must_use]
-    #[inline]
-    fn smaller(self, other: Self) -> Self {
-        Self::either(self.is_above(other), other, self)
-    }
-
-    /// Without derivatives that are too small to count, if it has any.
-    #[must_use]
-    #[inline]
-    fn kept(self) -> Self {
-        self
-    }
-}
-
-impl<R: Real> Field for R {
-    type Real = R;
-    type Mask = bool;
-
-    const NIL: Self = R::ZERO;
-    const UNIT: Self = R::ONE;
-
-    #[inline]
-    fn constant(value: f64) -> Self {
-        <R as Real>::constant(value)
-    }
-    #[inline]
-    fn coefficient(value: R) -> Self {
-        value
-    }
-    #[inline]
-    fn root(self) -> Self {
-        self.sqrt()
-    }
-    #[inline]
-    fn is_above(self, other: Self) -> bool {
-        self > other
-    }
-    #[inline]
-    fn is_equal(self, other: Self) -> bool {
-        self == other
-    }
-    #[inline]
-    fn either(of: bool, yes: Self, no: Self) -> Self {
-        if of { yes } else { no }
-    }
-    #[inline]
-    fn kept(self) -> Self {
-        self.noted()
-    }
-}
-
-impl<F: Field> Number for F {
-    type Real = F::Real;
-    type Gain = F;
-    type Steep = F;
-    type Travel = F;
-    type Mask = F::Mask;
-
-    const ZERO: Self = F::NIL;
-    const ONE: Self = F::UNIT;
-
-    #[inline]
-    fn signal(value: F::Real) -> Option<Self> {
-        value.value().is_finite().then(|| F::coefficient(value))
-    }
-    #[inline]
-    fn saturated(value: f64) -> Self {
-        F::constant(if value.is_nan() { 0.0 } else { value.clamp(f64::MIN, f64::MAX) })
-    }
-    fn counted(counts: i32) -> Self {
-        F::constant(f64::from(counts) / 65536.0)
-    }
-    #[inline]
-    fn above(self, other: Self) -> F::Mask {
-        self.is_above(other)
-    }
-    #[inline]
-    fn equals(self, other: Self) -> F::Mask {
-        self.is_equal(other)
-    }
-    #[inline]
-    fn pick(of: F::Mask, yes: Self, no: Self) -> Self {
-        F::either(of, yes, no)
-    }
-    #[inline]
-    fn pick_travel(of: F::Mask, yes: F, no: F) -> F {
-        F::either(of, yes, no)
-    }
-    #[inline]
-    fn max(self, other: Self) -> Self {
-        self.larger(other)
-    }
-    #[inline]
-    fn min(self, other: Self) -> Self {
-        self.smaller(other)
-    }
-    #[inline]
-    fn gain(value: F::Real) -> Option<F> {
-        Self::signal(value)
-    }
-    #[inline]
-    fn steep(value: F::Real) -> Option<F> {
-        if value.value() >= 0.0 { Self::signal(value) } else { None }
-    }
-    #[inline]
-    fn times(self, other: Self) -> Self {
-        self * other
-    }
-    #[inline]
-    fn of(self, signal: Self) -> Self {
-        self * signal
-    }
-    #[inline]
-    fn part(self, of: F) -> Self {
-        sum([of], [self])
-    }
-    #[inline(always)]
-    #[expect(clippy::inline_always, reason = "as `sum`")]
-    fn dot<const K: usize>(gains: [F; K], signals: [Self; K]) -> Self {
-        sum(gains, signals)
-    }
-    #[inline]
-    fn and_more<const K: usize>(self, _: [F; K], _: [Self; K], by_steps: impl FnOnce() -> Self) -> Self {
-        by_steps()
-    }
-    #[inline]
-    fn weighed(self, second: Self) -> Self {
-        sum([F::constant(1.5), F::constant(0.5)], [self, second])
-    }
-    #[inline]
-    fn accumulated<const K: usize>(self, rest: Self, gains: [F; K], signals: [Self; K]) -> (Self, Self) {
-        (self + sum(gains, signals), rest)
-    }
-    #[inline]
-    fn amplified(self, by: F) -> Self {
-        self * by
-    }
-    #[inline]
-    fn halved(self) -> Self {
-        self * F::constant(0.5)
-    }
-    #[inline]
-    fn orifice_root(self, transition: Self) -> (Self, F) {
-        let hypotenuse = (self * self + transition * transition).root();
-        let chord = F::UNIT / hypotenuse.root();
-        (self * chord, chord)
-    }
-    #[inline]
-    fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [F; K]) -> Self {
-        F::UNIT / (F::UNIT + sum(weights, steep))
-    }
-    #[inline]
-    fn share<const K: usize>(part: Self, weights: [Self; K], steep: [F; K]) -> Self {
-        let whole = part + sum(weights, steep);
-        Self::choose(whole.is_above(F::constant(NOTHING)), || part / whole, || F::NIL)
-    }
-    #[inline]
-    fn as_gain(self) -> F {
-        self
-    }
-    #[inline]
-    fn travel(strokes: F::Real) -> F {
-        F::coefficient(strokes)
-    }
-    #[inline]
-    fn as_travel(self) -> F {
-        self
-    }
-    #[inline]
-    fn travelled<const K: usize>(from: F, gains: [F; K], signals: [Self; K]) -> F {
-        from + sum(gains, signals)
-    }
-    #[inline]
-    fn of_travel(travel: F) -> F {
-        travel
-    }
-}
-
-impl<R: Real> Scalar for R {
-    #[inline]
     fn to_f64(self) -> f64 {
-        self.value()
-    }
-    #[inline]
-    fn to_real(self) -> R {
-        self
-    }
-    #[inline]
-    fn strokes(travel: R) -> R {
-        travel
+        self.to_real().value()
     }
 }
 
-/// By reference: a dual number is too large to be moved through an iterator. What fades in a step, fades through here.
-#[inline(always)]
-#[expect(clippy::inline_always, reason = "the arrays of a call are half of what it computes on dual numbers")]
-fn sum<F: Field, const K: usize>(gains: [F; K], signals: [F; K]) -> F {
-    let mut total = F::NIL;
-    for (gain, signal) in gains.iter().zip(&signals) {
-        total = total + *gain * *signal;
-    }
-    total.kept()
-}
-
-impl Real for f64 {
-    const ZERO: Self = 0.0;
-    const ONE: Self = 1.0;
-    #[inline]
-    fn constant(value: f64) -> Self {
-        value
-    }
-    #[inline]
-    fn value(self) -> f64 {
-        self
-    }
-    #[inline]
-    fn is_nil(self) -> bool {
-        self == 0.0
-    }
-    #[inline]
-    fn sqrt(self) -> Self {
-        // Correctly rounded both ways, so the feature does not change a result.
-        #[cfg(feature = "std")]
-        return f64::sqrt(self);
-        #[cfg(not(feature = "std"))]
-        return libm::sqrt(self);
-    }
-    fn exp(self) -> Self {
-        libm::exp(self)
-    }
-    fn cos(self) -> Self {
-        libm::cos(self)
-    }
-    fn acos(self) -> Self {
-        libm::acos(self)
-    }
-}
+impl<N: Number<Mask = bool, Value = <N as Number>::Real> + PartialOrd> Scalar for N {}

@@ -12,7 +12,7 @@
 use core::f64::consts::PI;
 
 use crate::machine::{Machine, MachineError};
-use crate::number::{Number, Real, Scalar};
+use crate::number::{Field, Number, Real, Scalar};
 use crate::parameter::Parameter as P;
 
 /// Terms of a series.
@@ -184,7 +184,7 @@ impl Triangle {
     fn position(&self, angle_rad: f64) -> f64 {
         let (base_m, arm_m) = (self.base_m, self.arm_m);
         let square = base_m * base_m + arm_m * arm_m - 2.0 * base_m * arm_m * Real::cos(angle_rad);
-        (Real::sqrt(square.max(0.0)) - self.retracted_m) / self.stroke_m
+        (Field::sqrt(square.max(0.0)) - self.retracted_m) / self.stroke_m
     }
 }
 

@@ -5,7 +5,7 @@ use host_sim::prepare::Prepared;
 use host_sim::recording::Signal;
 use host_sim::simulate::{StartOffset, Stimulus, run};
 use model_core::machine::Machine;
-use model_core::number::Real;
+use model_core::number::Field;
 use model_core::parameter::Parameter as P;
 
 use super::bed::{in_oil, pump_case, valve_case};

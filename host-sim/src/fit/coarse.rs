@@ -4,12 +4,11 @@
 //! recording's own tick. Elsewhere they lack what that miss changes by.
 
 use model_core::machine::{Machine, MachineError};
-use rayon::prelude::*;
 
 use super::StartState;
-use super::residuals::judged;
+use super::residuals::{runs, simulated};
 use crate::prepare::{Channel, Prepared};
-use crate::simulate::{Coarser, run_abreast};
+use crate::simulate::{Coarser, Run};
 
 /// Recordings at twice the tick, around a machine and the start of each; as they are, where the core has no such tick.
 pub fn coarse(
@@ -17,22 +16,24 @@ pub fn coarse(
     machine: &Machine<f64>,
     starts: &[StartState],
 ) -> Result<Vec<Prepared>, MachineError> {
-    let each = cases.par_iter().zip(starts);
-    each.map(|(case, start)| Ok(coarser(case, machine, *start)?.unwrap_or_else(|| (*case).clone()))).collect()
+    let coarser: Vec<Option<Coarser>> = cases.iter().map(|case| case.stimulus.coarser()).collect();
+    let fine = runs(machine, cases.iter().copied().zip(starts.iter().copied()));
+    let rough = fine.iter().zip(&coarser).map(|(run, coarser)| Run {
+        stimulus: coarser.as_ref().map_or(run.stimulus, |coarser| &coarser.stimulus),
+        ..run.clone()
+    });
+    let rough = simulated(machine, &rough.collect::<Vec<_>>(), |_| true)?;
+    let fine = simulated(machine, &fine, |_| true)?;
+    let simulated = fine.iter().zip(&rough);
+    let each = cases.iter().zip(coarser).zip(simulated).map(|((&case, coarser), (fine, rough))| match coarser {
+        Some(coarser) => at_twice_the_tick(case, coarser, fine, rough),
+        None => case.clone(),
+    });
+    Ok(each.collect())
 }
 
-fn coarser(case: &Prepared, machine: &Machine<f64>, start: StartState) -> Result<Option<Prepared>, MachineError> {
-    let Some(Coarser { stimulus, kept }) = case.stimulus.coarser() else { return Ok(None) };
-    let offset = start.offset(machine, case);
-    let mut both = [Vec::new(), Vec::new()];
-    run_abreast(
-        machine,
-        &[judged(&case.stimulus, offset, case), judged(&stimulus, offset, case)],
-        |run, _, values| {
-            both[run].extend_from_slice(values);
-        },
-    )?;
-    let [fine, rough] = both;
+/// A recording of which so much is simulated at its own tick and at twice that.
+fn at_twice_the_tick(case: &Prepared, Coarser { stimulus, kept }: Coarser, fine: &[f64], rough: &[f64]) -> Prepared {
     let channels = case.channels.len();
     // Fewer rows have to weigh as much.
     let weight = (kept.len() as f64 / case.rows() as f64).sqrt();
@@ -48,14 +49,14 @@ fn coarser(case: &Prepared, machine: &Machine<f64>, start: StartState) -> Result
         stretches: Vec::new(),
         ..*channel
     };
-    Ok(Some(Prepared {
+    Prepared {
         name: case.name.clone(),
         time_s: kept.iter().map(|&row| case.time_s[row]).collect(),
         channels: case.channels.iter().enumerate().map(channel).collect(),
         stimulus,
         failures: Vec::new(),
         start_sigma_m: case.start_sigma_m,
-    }))
+    }
 }
 
 #[cfg(test)]

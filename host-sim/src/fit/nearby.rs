@@ -4,7 +4,7 @@ use model_core::machine::{Machine, MachineError};
 use nalgebra::DVector;
 
 use super::information::{Information, OF_START};
-use super::residuals::{missed, simulated, soft};
+use super::residuals::{missed, runs, simulated, soft};
 use super::start::StartState;
 use crate::prepare::Prepared;
 
@@ -50,7 +50,8 @@ impl Information {
         if !slopes.iter().all(|slopes| slopes.is_kept) {
             return Ok(None);
         }
-        let there = simulated(machine, cases.iter().copied().zip(starts.iter().copied()), |_| true)?;
+        let runs = runs(machine, cases.iter().copied().zip(starts.iter().copied()));
+        let there = simulated(machine, &runs, |_| true)?;
         let moved = |((here, slopes), (case, there)): ((&Self, &Slopes), (&&Prepared, &Vec<f64>))| {
             here.moved(slopes, case, there)
         };

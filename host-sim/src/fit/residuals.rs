@@ -5,7 +5,7 @@ use model_core::machine::{Machine, MachineError};
 use super::start::StartState;
 use crate::prepare::{Channel, Prepared};
 use crate::recording::Signal;
-use crate::simulate::{Run, StartOffset, Stimulus, run_abreast};
+use crate::simulate::{Run, run_abreast};
 
 /// What a log-likelihood has to gain beyond its penalty: less comes by chance once in twenty times.
 pub const CHANCE: f64 = 3.0;
@@ -116,7 +116,7 @@ pub fn standardised_all<'a>(
         case.channels.iter().map(|_| Vec::with_capacity(case.time_s.len())).collect::<Vec<Vec<f64>>>()
     };
     let mut all: Residuals = cases.iter().map(room).collect();
-    run_abreast(machine, &runs(machine, &cases), |run, row, values| {
+    run_abreast(machine, &runs(machine, cases.iter().copied()), |run, row, values| {
         for ((channel, value), series) in cases[run].0.channels.iter().zip(values).zip(&mut all[run]) {
             if !channel.failed[row] {
                 series.push(missed(channel, row, Some(*value)));
@@ -126,16 +126,14 @@ pub fn standardised_all<'a>(
     Ok(all)
 }
 
-/// What a machine simulates of the judged channels of several recordings at some of their rows, SI: one vector each, row by row; 0
-/// for what the chain does not compute.
-pub(super) fn simulated<'a>(
+/// What runs yield at some of their rows, SI: one vector each, row by row; 0 for what the chain does not compute.
+pub(super) fn simulated(
     machine: &Machine<f64>,
-    cases: impl Iterator<Item = (&'a Prepared, StartState)>,
+    runs: &[Run<'_>],
     keeps: impl Fn(usize) -> bool,
 ) -> Result<Vec<Vec<f64>>, MachineError> {
-    let cases: Vec<(&Prepared, StartState)> = cases.collect();
-    let mut simulated = vec![Vec::new(); cases.len()];
-    run_abreast(machine, &runs(machine, &cases), |run, row, values| {
+    let mut simulated = vec![Vec::new(); runs.len()];
+    run_abreast(machine, runs, |run, row, values| {
         if keeps(row) {
             simulated[run].extend_from_slice(values);
         }
@@ -143,14 +141,17 @@ pub(super) fn simulated<'a>(
     Ok(simulated)
 }
 
-/// Runs of the judged channels.
-fn runs<'a>(machine: &Machine<f64>, cases: &[(&'a Prepared, StartState)]) -> Vec<Run<'a>> {
-    cases.iter().map(|(case, start)| judged(&case.stimulus, start.offset(machine, case), case)).collect()
-}
-
-/// A run of the judged channels.
-pub(super) fn judged<'a>(stimulus: &'a Stimulus, offset: StartOffset<f64>, case: &Prepared) -> Run<'a> {
-    Run { stimulus, offset, signals: case.channels.iter().map(|channel| channel.signal).collect() }
+/// Runs of the judged channels of recordings.
+pub(super) fn runs<'a>(
+    machine: &Machine<f64>,
+    cases: impl Iterator<Item = (&'a Prepared, StartState)>,
+) -> Vec<Run<'a>> {
+    let run = |(case, start): (&'a Prepared, StartState)| Run {
+        stimulus: &case.stimulus,
+        offset: start.offset(machine, case),
+        signals: case.channels.iter().map(|channel| channel.signal).collect(),
+    };
+    cases.map(run).collect()
 }
 
 /// Recorded minus simulated over noise; 0 where the sensor failed.

@@ -4,7 +4,7 @@ use model_core::machine::{Machine, MachineError};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 
-use super::residuals::{missed, simulated, soft};
+use super::residuals::{missed, runs, simulated, soft};
 use super::slopes::At;
 use super::{Fit, Information, MOST_PARAMETERS, OF_START, StartState};
 use crate::dual::single;
@@ -94,7 +94,7 @@ impl<'a> Sensitivity<'a> {
     /// What another machine simulates from the solution's starts.
     pub fn simulated(&self, machine: &Machine<f64>) -> Result<Simulated, MachineError> {
         let cases = self.cases.iter().copied().zip(self.fit.starts.iter().copied());
-        simulated(machine, cases, |row| self.kept.has(row))
+        simulated(machine, &runs(machine, cases), |row| self.kept.has(row))
     }
 
     /// Residuals of what another machine simulates, as they would enter the loss, less those of the solution.

@@ -1,17 +1,18 @@
 //! Several recordings simulated abreast: as many as a number has lanes, with what a step asks of the machine asked once for all.
 
 use std::array::from_fn;
+use std::cmp::Reverse;
 
 use model_core::chambers::ChamberState;
-use model_core::drive::{Drive, Entry, Load};
+use model_core::drive::{Drive, DriveState, Entry, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, MachineError};
-use model_core::number::Number;
+use model_core::number::{Field, Number};
 use model_core::valve::Slider;
 
 use super::stimulus::value_at;
 use super::{
-    DELAY_LINE, Departure, EntryPoint, Rows, StartOffset, Stimulus, Units, run, true_slider, unbraked, within,
+    DELAY_LINE, Departure, EntryPoint, Rows, StartOffset, Stimulus, reading, run, true_slider, unbraked, within,
 };
 use crate::lanes::{LANES, Lanes};
 use crate::recording::Signal;
@@ -34,7 +35,9 @@ pub fn run_abreast(
     runs: &[Run<'_>],
     mut sink: impl FnMut(usize, usize, &[f64]),
 ) -> Result<(), MachineError> {
+    // Lanes run as long as the longest of theirs.
     let mut left: Vec<usize> = (0..runs.len()).collect();
+    left.sort_by_key(|&index| Reverse(runs[index].stimulus.ticks));
     while !left.is_empty() {
         let first = left.remove(0);
         let mut together = vec![first];
@@ -65,106 +68,116 @@ fn alone(machine: &Machine<f64>, one: &Run<'_>, mut sink: impl FnMut(usize, &[f6
     })
 }
 
-/// One recording in its lane.
-struct Lane<'a> {
-    rows: Rows<'a>,
-    /// Its signals among those of all.
-    places: Vec<usize>,
+/// Several recordings in the lanes of one drive.
+struct Abreast<'a> {
+    machine: Machine<f64>,
+    /// Of each lane; one without a recording of its own repeats the first.
+    stimuli: [&'a Stimulus; LANES],
+    drive: Drive<Lanes>,
+    state: DriveState<Lanes, DELAY_LINE>,
 }
 
-/// Runs that go together, `LANES` at most; lanes without one repeat the first.
+impl<'a> Abreast<'a> {
+    /// Runs that go together, `LANES` at most, where each starts.
+    fn at_start(machine: &Machine<f64>, runs: &[&Run<'a>]) -> Result<Self, MachineError> {
+        let of = |lane: usize| *runs.get(lane).unwrap_or(&runs[0]);
+        let stimuli: [&Stimulus; LANES] = from_fn(|lane| of(lane).stimulus);
+        let machine = unbraked(machine, stimuli[0]);
+        let drive = Drive::<Lanes>::new::<DELAY_LINE>(&machine, stimuli[0].tick)?;
+        let departures: [Departure<f64>; LANES] =
+            from_fn(|lane| Departure::of(&machine, drive.bases(), &stimuli[lane].start, of(lane).offset));
+        let packed = |value: fn(&Departure<f64>) -> f64| Lanes::new(departures.each_ref().map(value));
+        let pressures = ChamberState { a: packed(|of| within(of.pressures.a)), b: packed(|of| within(of.pressures.b)) };
+        let state = drive.at_rest(packed(|of| f64::saturated(of.command)), pressures, packed(|of| of.strokes));
+        Ok(Self { machine, stimuli, drive, state })
+    }
+
+    /// One tick.
+    fn step(&mut self, tick: usize) {
+        let (stimuli, bases) = (self.stimuli, *self.drive.bases());
+        let read = |series: fn(&Stimulus) -> &[f64], index: usize, base: f64| {
+            Lanes::new(stimuli.map(|stimulus| value_at(series(stimulus), index))) / Lanes::constant(base)
+        };
+        let entry = match stimuli[0].entry_by(tick, &bases, read) {
+            Entry::Slider(slider) => Entry::Slider(self.truly(slider)),
+            Entry::Followed { command, slider } => Entry::Followed { command, slider: self.truly(slider) },
+            other => other,
+        };
+        let kept = self.state.oil_temperature.values();
+        let oil = |lane: usize| stimuli[lane].oil_at(tick, &bases).unwrap_or(kept[lane]);
+        self.state.oil_temperature = Lanes::new(from_fn(oil));
+        let load = |index: usize| read(Stimulus::load, index, bases.force_n);
+        self.drive.step(&mut self.state, entry, Load { from: load(tick), to: load(tick + 1) });
+    }
+
+    /// The slider behind what its sensors read.
+    fn truly(&self, Slider { from, to }: Slider<Lanes>) -> Slider<Lanes> {
+        let behind = |reading: Lanes| Lanes::new(reading.values().map(|reading| true_slider(&self.machine, reading)));
+        Slider { from: behind(from), to: behind(to) }
+    }
+
+    /// A signal at a point of the grid, SI; 0 for what the chain does not compute.
+    fn signal(&self, signal: Signal, point: usize) -> [f64; LANES] {
+        let Self { machine, stimuli, drive, state } = self;
+        let metering = |lane: usize| stimuli[lane].metering_at::<f64>(point);
+        let spool = || match stimuli[0].entry {
+            EntryPoint::Slider => Lanes::new(from_fn(|lane| metering(lane).unwrap_or_default())),
+            _ => drive.sensed(state).spool,
+        };
+        let flow_a = || {
+            let own = drive.slider(state).values();
+            let slider = |lane: usize| metering(lane).map_or(own[lane], |reading| true_slider(machine, reading));
+            let none = PumpDrive { speed: Lanes::constant(0.0), direction: 0 };
+            drive.flows_from(state.supply.pressure, Lanes::new(from_fn(slider)), none, state.chambers).a
+        };
+        reading(drive, machine, state, signal, spool, flow_a).map_or([0.0; LANES], Lanes::values)
+    }
+}
+
+/// Runs that go together, `LANES` at most.
 fn in_lanes(
     machine: &Machine<f64>,
     runs: &[&Run<'_>],
     mut sink: impl FnMut(usize, usize, &[f64]),
 ) -> Result<(), MachineError> {
-    let of = |lane: usize| *runs.get(lane).unwrap_or(&runs[0]);
-    let stimuli: [&Stimulus; LANES] = from_fn(|lane| of(lane).stimulus);
-    let first = stimuli[0];
-    let machine = &unbraked(machine, first);
-    let drive = Drive::<Lanes>::new::<DELAY_LINE>(machine, first.tick)?;
-    let bases = *drive.bases();
-    let departures: [Departure<f64>; LANES] =
-        from_fn(|lane| Departure::of(machine, &bases, &stimuli[lane].start, of(lane).offset));
-    let pressures = ChamberState {
-        a: packed(&departures, |departure| within(departure.pressures.a)),
-        b: packed(&departures, |departure| within(departure.pressures.b)),
-    };
-    let command = packed(&departures, |departure| f64::saturated(departure.command));
-    let mut state = drive.at_rest(command, pressures, packed(&departures, |departure| departure.strokes));
-
+    let mut abreast = Abreast::at_start(machine, runs)?;
     let mut signals: Vec<Signal> = Vec::new();
-    let mut lanes: Vec<Lane<'_>> = Vec::new();
-    for run in runs {
-        for &signal in &run.signals {
-            if !signals.contains(&signal) {
-                signals.push(signal);
-            }
+    for signal in runs.iter().flat_map(|run| &run.signals) {
+        if !signals.contains(signal) {
+            signals.push(*signal);
         }
-        let place = |signal: &Signal| signals.iter().position(|known| known == signal);
-        let places = run.signals.iter().filter_map(place).collect();
-        lanes.push(Lane { rows: Rows { rows: &run.stimulus.rows, next: 0 }, places });
     }
-    let units = Units {
-        drive: &drive,
-        si: |value: Lanes, base: f64| value * Lanes::all(base),
-        strokes: |travel: Lanes| travel,
-        of: Lanes::all,
-    };
-    let of_reading = |reading: Lanes| Lanes::new(reading.values().map(|reading| true_slider(machine, reading)));
-    let truly = |Slider { from, to }| Slider { from: of_reading(from), to: of_reading(to) };
+    // Rows of each run, and where its signals are among those of all.
+    let place = |signal: &Signal| signals.iter().position(|known| known == signal);
+    let places = |run: &&Run<'_>| run.signals.iter().filter_map(place).collect();
+    let places: Vec<Vec<usize>> = runs.iter().map(places).collect();
+    let mut rows: Vec<Rows<'_>> = runs.iter().map(|run| Rows { rows: &run.stimulus.rows, next: 0 }).collect();
     let (mut before, mut now) = (vec![[0.0; LANES]; signals.len()], vec![[0.0; LANES]; signals.len()]);
     let mut values = Vec::with_capacity(signals.len());
     for point in 0..=runs.iter().map(|run| run.stimulus.ticks).max().unwrap_or(0) {
         if point > 0 {
-            let tick = point - 1;
-            let read = |series: fn(&Stimulus) -> &[f64], index: usize, base: f64| {
-                Lanes::new(stimuli.map(|stimulus| value_at(series(stimulus), index))) / Lanes::all(base)
-            };
-            let entry = match first.entry_by(tick, &bases, read) {
-                Entry::Slider(slider) => Entry::Slider(truly(slider)),
-                Entry::Followed { command, slider } => Entry::Followed { command, slider: truly(slider) },
-                other => other,
-            };
-            let kept = state.oil_temperature.values();
-            let oil = |lane: usize| stimuli[lane].oil_at(tick, &bases).unwrap_or(kept[lane]);
-            state.oil_temperature = Lanes::new(from_fn(oil));
-            let load = |index: usize| read(Stimulus::load, index, bases.force_n);
-            drive.step(&mut state, entry, Load { from: load(tick), to: load(tick + 1) });
+            abreast.step(point - 1);
         }
-        let metering = |lane: usize| stimuli[lane].metering_at::<f64>(point);
-        let spool = || match first.entry {
-            EntryPoint::Slider => Lanes::new(from_fn(|lane| metering(lane).unwrap_or_default())),
-            _ => drive.sensed(&state).spool,
-        };
-        let flow_a = || {
-            let own = drive.slider(&state).values();
-            let slider = |lane: usize| metering(lane).map_or(own[lane], |reading| true_slider(machine, reading));
-            let pump = PumpDrive { speed: Lanes::ZERO, direction: 0 };
-            drive.flows_from(state.supply.pressure, Lanes::new(from_fn(slider)), pump, state.chambers).a
-        };
-        let computed = signals.iter().map(|&signal| units.reading(machine, &state, signal, spool, flow_a));
-        for (now, computed) in now.iter_mut().zip(computed) {
-            *now = computed.unwrap_or(Lanes::ZERO).values();
+        if !rows.iter().any(|rows| rows.is_wanted(point)) {
+            continue;
         }
-        for (index, lane) in lanes.iter_mut().enumerate() {
-            while let Some((row, share)) = lane.rows.at(point) {
-                values.clear();
-                values.extend(lane.places.iter().map(|&place| {
-                    let (before, now) = (before[place][index], now[place][index]);
+        for (now, &signal) in now.iter_mut().zip(&signals) {
+            *now = abreast.signal(signal, point);
+        }
+        for (lane, (rows, places)) in rows.iter_mut().zip(&places).enumerate() {
+            while let Some((row, share)) = rows.at(point) {
+                let value = |&place: &usize| {
+                    let (before, now) = (before[place][lane], now[place][lane]);
                     if share == 0.0 { now } else { before + (now - before) * share }
-                }));
-                sink(index, row, &values);
+                };
+                values.clear();
+                values.extend(places.iter().map(value));
+                sink(lane, row, &values);
             }
         }
-        if lanes.iter().any(|lane| lane.rows.is_mixed_of(point)) {
+        if rows.iter().any(|rows| rows.is_mixed_of(point)) {
             std::mem::swap(&mut before, &mut now);
         }
     }
     Ok(())
-}
-
-/// One value of each.
-fn packed<T>(of: &[T; LANES], value: impl Fn(&T) -> f64) -> Lanes {
-    Lanes::new(from_fn(|lane| value(&of[lane])))
 }

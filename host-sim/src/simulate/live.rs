@@ -8,7 +8,7 @@ use model_core::machine::{Machine, MachineError, Source, Tick};
 use model_core::number::Scalar;
 
 use super::stimulus::sign;
-use super::{DELAY_LINE, Start, StartOffset, Units, at_start};
+use super::{DELAY_LINE, Start, StartOffset, at_start, reading};
 use crate::recording::Signal;
 
 /// What acts on a drive over a tick, SI; a drive uses what its source of oil takes.
@@ -69,9 +69,7 @@ impl<N: Scalar<Real = f64>> Live<N> {
         if signal == Signal::Spool && self.machine.source == Source::Pump {
             return None;
         }
-        let si = |value: N, base: f64| value.to_real() * base;
-        let units = Units { drive: &self.drive, si, strokes: N::strokes, of: |value| value };
-        units.reading(&self.machine, &self.state, signal, spool, flow_a)
+        reading(&self.drive, &self.machine, &self.state, signal, spool, flow_a)
     }
 
     /// The state, to be kept.

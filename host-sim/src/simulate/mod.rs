@@ -4,21 +4,21 @@
 //! signals at the recorded rows.
 
 mod abreast;
+mod departure;
 mod grid;
 mod live;
 mod rest;
 mod stimulus;
 
-use std::ops::{Mul, Sub};
-
-use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState, Entry};
-use model_core::machine::{Bases, Machine, MachineError};
-use model_core::number::{Number, Real, Scalar};
+use model_core::machine::{Machine, MachineError};
+use model_core::number::{Field, Number, Real, Scalar};
 use model_core::parameter::Parameter;
 use model_core::valve::Slider;
 
 pub use abreast::{Run, run_abreast};
+pub use departure::StartOffset;
+use departure::{Departure, at_start, within};
 pub use live::{Inputs, Live};
 pub use rest::Start;
 pub use stimulus::{Coarser, EntryPoint, SimulateError, Stimulus, first_entry, natural_tick};
@@ -62,9 +62,7 @@ impl<N: Scalar> Sample<'_, N> {
 
     #[inline]
     fn at_point(&self, signal: Signal) -> Option<N::Real> {
-        let si = |value: N, base: f64| value.to_real() * N::Real::constant(base);
-        let units = Units { drive: self.drive, si, strokes: N::strokes, of: |value| value };
-        units.reading(self.machine, self.state, signal, || self.spool(), || self.flow_a())
+        reading(self.drive, self.machine, self.state, signal, || self.spool(), || self.flow_a())
     }
 
     /// The slider as it is read; a drive that is entered at the slider has it from the recording.
@@ -84,51 +82,33 @@ impl<N: Scalar> Sample<'_, N> {
     }
 }
 
-/// How what a drive computes is told in SI units, `V`.
-struct Units<'a, N: Number, S, T, C> {
-    drive: &'a Drive<N>,
-    /// A signal times its base.
-    si: S,
-    /// A position, in strokes.
-    strokes: T,
-    /// A value of the machine file.
-    of: C,
-}
-
-impl<N: Number, S, T, C> Units<'_, N, S, T, C> {
-    /// The value of a recorded signal as its sensor reads it, if the chain computes it; the slider and the flow into A by what is
-    /// known of them.
-    #[inline]
-    fn reading<V: Copy + Mul<Output = V> + Sub<Output = V>>(
-        &self,
-        machine: &Machine<N::Real>,
-        state: &DriveState<N, DELAY_LINE>,
-        signal: Signal,
-        spool: impl FnOnce() -> N,
-        flow_a: impl FnOnce() -> N,
-    ) -> Option<V>
-    where
-        S: Fn(N, f64) -> V,
-        T: Fn(N::Travel) -> V,
-        C: Fn(N::Real) -> V,
-    {
-        let Self { drive, si, strokes, of } = self;
-        let bases = drive.bases();
-        let pressure_a = || si(drive.sensed(state).pressure_a, bases.pressure_pa);
-        let pressure_b = || si(drive.sensed(state).pressure_b, bases.pressure_pa);
-        let get = |parameter| of(machine.get(parameter));
-        Some(match signal {
-            Signal::Spool => si(spool(), 1.0),
-            Signal::SupplyPressure => si(state.supply.pressure, bases.pressure_pa),
-            Signal::Flow => si(flow_a(), bases.flow_m3_per_s),
-            Signal::PressureA => pressure_a(),
-            Signal::PressureB => pressure_b(),
-            Signal::Force => get(Parameter::AreaA) * pressure_a() - get(Parameter::AreaB) * pressure_b(),
-            Signal::Velocity => si(drive.sensed(state).velocity, bases.velocity_m_per_s),
-            Signal::Position => strokes(drive.sensed(state).position) * get(Parameter::Stroke),
-            _ => return None,
-        })
-    }
+/// The value of a recorded signal as its sensor reads it, in SI units, if the chain computes it; the slider and the flow into A by
+/// what is known of them.
+#[inline]
+fn reading<N: Number>(
+    drive: &Drive<N>,
+    machine: &Machine<N::Real>,
+    state: &DriveState<N, DELAY_LINE>,
+    signal: Signal,
+    spool: impl FnOnce() -> N,
+    flow_a: impl FnOnce() -> N,
+) -> Option<N::Value> {
+    let bases = drive.bases();
+    let in_si = |reading: N, base: f64| reading.to_real() * N::Value::constant(base);
+    let pressure_a = || in_si(drive.sensed(state).pressure_a, bases.pressure_pa);
+    let pressure_b = || in_si(drive.sensed(state).pressure_b, bases.pressure_pa);
+    let get = |parameter| N::Value::coefficient(machine.get(parameter));
+    Some(match signal {
+        Signal::Spool => spool().to_real(),
+        Signal::SupplyPressure => in_si(state.supply.pressure, bases.pressure_pa),
+        Signal::Flow => in_si(flow_a(), bases.flow_m3_per_s),
+        Signal::PressureA => pressure_a(),
+        Signal::PressureB => pressure_b(),
+        Signal::Force => get(Parameter::AreaA) * pressure_a() - get(Parameter::AreaB) * pressure_b(),
+        Signal::Velocity => in_si(drive.sensed(state).velocity, bases.velocity_m_per_s),
+        Signal::Position => N::strokes(drive.sensed(state).position) * get(Parameter::Stroke),
+        _ => return None,
+    })
 }
 
 /// Signals that the chain computes below an entry, in its order. A supply pressure only where the valve draws from it.
@@ -168,96 +148,6 @@ impl Trajectory {
     }
 }
 
-/// Freedom of a run beyond the recording: what a fit may move about the start.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StartOffset<R> {
-    /// Share of supply pressure in chamber B at rest, where pressures are not recorded; the machine's where it is `None`.
-    pub level: Option<R>,
-    /// What the rod stands further out than the recording's start, m: less than its sensor resolves.
-    pub shift_m: R,
-}
-
-impl<R: Real> StartOffset<R> {
-    /// The machine's level, and the position as recorded.
-    #[must_use]
-    pub fn none() -> Self {
-        Self { level: None, shift_m: R::ZERO }
-    }
-}
-
-/// Pressures at the start where the recording has none: the level in B, and the balance of forces.
-fn balanced<R: Real>(machine: &Machine<R>, level: R, position_m: R) -> (R, R) {
-    let get = |parameter| machine.get(parameter);
-    let beyond = position_m - get(Parameter::Stroke) * R::constant(0.5);
-    let spring = get(Parameter::LoadSpringForce)
-        + beyond * (get(Parameter::LoadSpring) + beyond * get(Parameter::LoadSpringBow));
-    let force = get(Parameter::LoadForce) - spring;
-    let supply = get(Parameter::SupplyPressure);
-    let a = (level * supply * get(Parameter::AreaB) - force) / get(Parameter::AreaA);
-    let (low, high) = (supply * R::constant(0.02), supply * R::constant(0.98));
-    let a = if a < low {
-        low
-    } else if a > high {
-        high
-    } else {
-        a
-    };
-    let b = (a * get(Parameter::AreaA) + force) / get(Parameter::AreaB);
-    (
-        a,
-        if b < low {
-            low
-        } else if b > high {
-            high
-        } else {
-            b
-        },
-    )
-}
-
-/// Where a run starts, per unit.
-#[derive(Clone, Copy, Debug)]
-struct Departure<R> {
-    /// Command, in 10 V.
-    command: f64,
-    pressures: ChamberState<R>,
-    strokes: R,
-}
-
-impl<R: Real> Departure<R> {
-    fn of(machine: &Machine<R>, bases: &Bases, start: &Start, offset: StartOffset<R>) -> Self {
-        let constant = R::constant;
-        let position_m = constant(start.position_m) + offset.shift_m;
-        let (a, b) = match start.pressures_pa {
-            Some((a, b)) => (behind(machine, PRESSURE_A, constant(a)), behind(machine, PRESSURE_B, constant(b))),
-            None => balanced(machine, offset.level.unwrap_or(machine.get(Parameter::LevelAtRest)), position_m),
-        };
-        let per_unit = |pressure: R| pressure / constant(bases.pressure_pa);
-        Self {
-            command: start.command_v / bases.command_v,
-            pressures: ChamberState { a: per_unit(a), b: per_unit(b) },
-            strokes: position_m / machine.get(Parameter::Stroke),
-        }
-    }
-}
-
-/// A signal, at the end of its range where the value is beyond.
-fn within<N: Scalar>(value: N::Real) -> N {
-    N::signal(value).unwrap_or_else(|| N::saturated(value.value()))
-}
-
-/// The state that a run starts from.
-fn at_start<N: Scalar>(
-    drive: &Drive<N>,
-    machine: &Machine<N::Real>,
-    start: &Start,
-    offset: StartOffset<N::Real>,
-) -> DriveState<N, DELAY_LINE> {
-    let Departure { command, pressures, strokes } = Departure::of(machine, drive.bases(), start, offset);
-    let pressures = ChamberState { a: within(pressures.a), b: within(pressures.b) };
-    drive.at_rest(N::saturated(command), pressures, N::travel(strokes))
-}
-
 /// Rows of a recording in their order: each lies on a point of the grid, or in the tick before it and is then mixed of both.
 #[derive(Clone, Copy, Debug)]
 struct Rows<'a> {
@@ -275,6 +165,12 @@ impl Rows<'_> {
         }
         self.next += 1;
         Some((self.next - 1, share))
+    }
+
+    /// Whether the next row lies at this point, or in a tick that it bounds.
+    #[inline]
+    fn is_wanted(&self, point: usize) -> bool {
+        self.rows.get(self.next).is_some_and(|(at, share)| *at == point || (*share != 0.0 && at + 1 == point))
     }
 
     /// Whether the next row lies in the tick after this point.

@@ -64,6 +64,21 @@ fn farthest(a: &[f64], b: &[f64]) -> f64 {
 }
 
 #[test]
+fn recordings_that_enter_the_chain_alike_go_together() {
+    let stimulus = |rows: u32, tick: Tick| {
+        let recording = commanded(grid(1e-3, rows));
+        Stimulus::new(&recording, &press(), EntryPoint::Command, LoadSource::Constant, tick).unwrap()
+    };
+    let [one, shorter] = [800, 500].map(|rows| stimulus(rows, Tick::OneMillisecond));
+    assert!(one.goes_with(&shorter));
+    assert!(!one.goes_with(&stimulus(800, Tick::TwoMilliseconds)), "a tick of its own");
+    let recorded = measured(&run(&commanded(grid(1e-3, 800)), EntryPoint::Command, LoadSource::Constant));
+    let at_slider =
+        Stimulus::new(&recorded, &press(), EntryPoint::Slider, LoadSource::Constant, Tick::OneMillisecond).unwrap();
+    assert!(!one.goes_with(&at_slider) && at_slider.goes_with(&at_slider));
+}
+
+#[test]
 fn entered_at_its_own_slider_the_rest_of_the_chain_is_the_same() {
     let whole = run(&commanded(grid(1e-3, 1200)), EntryPoint::Command, LoadSource::Constant);
     let series = |signal| whole.signal(signal).unwrap().to_vec();
