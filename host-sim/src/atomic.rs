@@ -1,6 +1,6 @@
 //! Files that are written whole or not at all.
 
-use std::fs::{self, OpenOptions};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::mem;
 use std::path::{Path, PathBuf};
@@ -16,18 +16,48 @@ static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 /// When writing fails, the target is as it was before. A target that exists and is no regular file
 /// (a pipe, a terminal) is written directly. No error names the temporary file.
 pub fn write(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    if is_stream(path) {
-        let mut out = BufWriter::new(OpenOptions::new().write(true).open(path)?);
-        fill(&mut out)?;
-        return out.flush();
+    let mut begun = Begun::new(path)?;
+    fill(&mut begun)?;
+    begun.finish()
+}
+
+/// A file as [`write()`] writes it, by whoever has it: it is there once it is finished, and never without.
+#[derive(Debug)]
+pub struct Begun {
+    path: PathBuf,
+    out: BufWriter<File>,
+    /// `None` for what is written directly.
+    unfinished: Option<Unfinished>,
+}
+
+impl Begun {
+    /// Nothing is in it yet.
+    pub fn new(path: &Path) -> io::Result<Self> {
+        let (file, unfinished) = if is_stream(path) {
+            (OpenOptions::new().write(true).open(path)?, None)
+        } else {
+            let unfinished = Unfinished::beside(path)?;
+            (unfinished.file.as_file().try_clone()?, Some(unfinished))
+        };
+        Ok(Self { path: path.to_owned(), out: BufWriter::new(file), unfinished })
     }
-    let file = Unfinished::beside(path)?;
-    let mut out = BufWriter::new(file.file.as_file());
-    fill(&mut out)?;
-    out.flush()?;
-    drop(out);
-    file.file.as_file().sync_all()?;
-    file.finish(path)
+
+    /// Everything is in it.
+    pub fn finish(mut self) -> io::Result<()> {
+        self.out.flush()?;
+        let Some(unfinished) = self.unfinished else { return Ok(()) };
+        unfinished.file.as_file().sync_all()?;
+        unfinished.finish(&self.path)
+    }
+}
+
+impl Write for Begun {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.out.write(bytes)
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
 }
 
 /// Removes every temporary file and lets no other file be begun or finished: the process is about to end.
@@ -46,12 +76,14 @@ fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
 }
 
 /// A temporary file that [`abandon`] knows.
+#[derive(Debug)]
 struct Unfinished {
     file: NamedTempFile,
     _listed: Listed,
 }
 
 /// A line of [`UNFINISHED`], as long as it lives.
+#[derive(Debug)]
 struct Listed(PathBuf);
 
 impl Drop for Listed {

@@ -198,6 +198,11 @@ impl Progress {
         self.bar.wrap_read(input)
     }
 
+    /// Says something while the bar is away.
+    pub fn aside(&self, say: impl FnOnce()) {
+        self.bar.suspend(say);
+    }
+
     /// The stage is over: the bar goes, and `--verbose` says how long it took.
     pub fn finish_and_clear(&self) {
         self.bar.finish_and_clear();

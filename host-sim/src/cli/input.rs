@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use model_core::machine::{Machine, Tick};
 
-use super::{CliError, Console};
+use super::{CliError, Console, Progress};
 use crate::compare::Arithmetic;
 use crate::inspect::unit_doubts;
 use crate::judge;
@@ -74,13 +74,18 @@ pub(super) fn recordings(
     channels: &ChannelMap,
     console: &Console<'_>,
 ) -> Result<Vec<Recording>, CliError> {
-    let bytes = paths.iter().filter_map(|path| path.metadata().ok()).map(|file| file.len()).sum();
-    // A pipe does not say how much comes.
-    let bar = if bytes > 0 { console.share(bytes, "reading") } else { console.working("reading") };
+    let bar = bar(paths, console, "reading");
     let read = |path: &PathBuf| Ok(recording::read_through(path, channels, |file| bar.counting(file))?);
     let found = paths.iter().map(read).collect();
     bar.finish_and_clear();
     found
+}
+
+/// A bar over the bytes of files that are read.
+pub(super) fn bar(paths: &[PathBuf], console: &Console<'_>, doing: &'static str) -> Progress {
+    let bytes = paths.iter().filter_map(|path| path.metadata().ok()).map(|file| file.len()).sum();
+    // A pipe does not say how much comes.
+    if bytes > 0 { console.share(bytes, doing) } else { console.working(doing) }
 }
 
 /// The recording of a file.
@@ -96,6 +101,11 @@ pub(super) fn judged(recording: Recording, file: &MachineFile, wanted: &[Signal]
 
 /// The notes of a recording, and what is doubtful about it for this drive, each with its name.
 pub(super) fn notes<'a>(recording: &'a Recording, machine: &Machine<f64>) -> impl Iterator<Item = String> + 'a {
-    let notes = recording.notes().iter().map(ToString::to_string).chain(unit_doubts(recording, machine));
-    notes.map(|note| format!("{}: {note}", recording.name()))
+    let doubts = unit_doubts(recording, machine).into_iter();
+    own_notes(recording).chain(doubts.map(|doubt| format!("{}: {doubt}", recording.name())))
+}
+
+/// What reading noted, with the recording's name.
+pub(super) fn own_notes(recording: &Recording) -> impl Iterator<Item = String> + '_ {
+    recording.notes().iter().map(|note| format!("{}: {note}", recording.name()))
 }

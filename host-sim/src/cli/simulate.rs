@@ -1,18 +1,24 @@
 //! `host-sim simulate`: the signals of the model for a recording or for an input signal.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Source, Tick};
+use model_core::number::Scalar;
 
 use super::ending::{DRAWING, RECORDING, is_standard_output};
 use super::input::{self, MachineArguments};
 use super::target::{check_targets, write};
 use super::{CliError, Console, Outcome};
+use crate::atomic::Begun;
 use crate::compare::{Arithmetic, judged};
 use crate::machine_file::LoadSource;
 use crate::plot;
-use crate::recording::{Column, Recording, Series, Signal};
-use crate::simulate::{EntryPoint, SimulateError, StartOffset, Stimulus, Trajectory, first_entry, natural_tick};
+use crate::recording::{self, Column, Format, Recording, Series, Signal};
+use crate::simulate::{
+    EntryPoint, Onward, SimulateError, StartOffset, Stimulus, Trajectory, first_entry, natural_tick,
+};
 use crate::standard_tests::StandardTest;
 use crate::testbed::Excitation;
 
@@ -69,12 +75,96 @@ struct Plan {
 }
 
 pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
-    let plan = plan(arguments, console)?;
-    for note in input::notes(&plan.recording, &plan.machine) {
+    let read: Vec<PathBuf> = arguments.recording.iter().chain([&arguments.machine.machine]).cloned().collect();
+    let out = Some(arguments.out.as_path()).filter(|out| !is_standard_output(out));
+    check_targets(&[("--out", out, RECORDING), ("--plot", arguments.plot.as_deref(), DRAWING)], &read)?;
+    let is_text = matches!(Format::of_extension(&arguments.out), Some(Format::Text) | None);
+    match &arguments.recording {
+        Some(path) if is_text && arguments.plot.is_none() => match arguments.machine.arithmetic {
+            Arithmetic::Fixed => in_parts::<PerUnit>(arguments, path, console)?,
+            Arithmetic::Float => in_parts::<f64>(arguments, path, console)?,
+        },
+        _ => at_once(arguments, console)?,
+    }
+    Ok(Outcome::Done)
+}
+
+/// A recording part by part, each written before the next is read: however long it is, it takes no more memory.
+fn in_parts<N: Scalar<Real = f64>>(
+    arguments: &Arguments,
+    path: &Path,
+    console: &mut Console<'_>,
+) -> Result<(), CliError> {
+    let (file, channels) = arguments.machine.read()?;
+    let bar = input::bar(&[path.to_owned()], console, "simulating");
+    let mut notes = Vec::new();
+    let mut simulate = || -> Result<(), CliError> {
+        let mut parts = recording::in_parts(path, &channels, |file| bar.counting(file))?;
+        let Some(mut part) = parts.read_next()? else { return Ok(()) };
+        notes.extend(input::notes(&part.recording, &file.machine).chain(starts_anywhere(&part.recording)));
+        let failed = |cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause };
+        let entry = first_entry(file.machine.source, &part.recording).map_err(failed)?;
+        let tick = arguments.machine.tick().unwrap_or_else(|| natural_tick(&part.recording));
+        let mut onward = Onward::<N>::new(&file.machine, entry, file.load_source, tick);
+        bar.aside(|| console.detail(format_args!("read: the first {} rows", part.recording.rows())));
+        let mut out = Target::new(&arguments.out, console)?;
+        loop {
+            let advance = onward.part(&part).map_err(failed)?;
+            let (replaced, added) = columns(&part.recording, &advance.trajectory);
+            out.write(&part.recording.csv_rows(advance.rows, &replaced, &added)?)?;
+            parts.forget_before(advance.next_from);
+            let Some(next) = parts.read_next()? else { break };
+            notes.extend(input::own_notes(&next.recording));
+            part = next;
+        }
+        out.finish()
+    };
+    let done = simulate();
+    bar.finish_and_clear();
+    for note in notes {
         console.note(note);
     }
-    if !plan.recording.has(Signal::Position) {
-        console.note(format_args!("{}: no position is recorded: the rod starts at mid-stroke", plan.recording.name()));
+    done
+}
+
+/// Where the rows of a text go.
+enum Target<'c, 'o> {
+    File(Begun, PathBuf),
+    Standard(&'c mut Console<'o>),
+}
+
+impl<'c, 'o> Target<'c, 'o> {
+    fn new(path: &Path, console: &'c mut Console<'o>) -> Result<Self, CliError> {
+        if is_standard_output(path) {
+            return Ok(Target::Standard(console));
+        }
+        let begun = Begun::new(path).map_err(|cause| CliError::Write { path: path.to_owned(), cause })?;
+        Ok(Target::File(begun, path.to_owned()))
+    }
+
+    fn write(&mut self, text: &[u8]) -> Result<(), CliError> {
+        match self {
+            Target::File(begun, path) => {
+                begun.write_all(text).map_err(|cause| CliError::Write { path: path.clone(), cause })
+            }
+            Target::Standard(_) if text.is_empty() => Ok(()),
+            Target::Standard(console) => console.print(String::from_utf8_lossy(text).trim_end()),
+        }
+    }
+
+    fn finish(self) -> Result<(), CliError> {
+        match self {
+            Target::File(begun, path) => begun.finish().map_err(|cause| CliError::Write { path, cause }),
+            Target::Standard(_) => Ok(()),
+        }
+    }
+}
+
+/// What a whole recording is needed for, or an input signal.
+fn at_once(arguments: &Arguments, console: &mut Console<'_>) -> Result<(), CliError> {
+    let plan = plan(arguments, console)?;
+    for note in input::notes(&plan.recording, &plan.machine).chain(starts_anywhere(&plan.recording)) {
+        console.note(note);
     }
     let bar = console.share(plan.recording.rows() as u64, "simulating");
     let simulated = simulate(&plan, &|rows| bar.inc(rows as u64));
@@ -86,20 +176,31 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         let panels = plot::panels(&plan.recording, plan.entry, &simulated, &signals);
         (path, plot::svg(plan.recording.name(), &plan.name, &panels))
     });
-    match arguments.recording {
-        Some(_) => {
-            let computed: Vec<Series<'_>> =
-                SIGNALS.iter().filter_map(|&signal| Some((signal, simulated.signal(signal)?))).collect();
-            let replaces = computed.iter().any(|(signal, _)| plan.recording.has(*signal));
-            let added = if replaces { &[] } else { computed.as_slice() };
-            written(&plan.recording, &arguments.out, &computed, added, console)?;
-        }
-        None => written(&response(&plan.recording, &simulated)?, &arguments.out, &[], &[], console)?,
+    if arguments.recording.is_some() {
+        let (replaced, added) = columns(&plan.recording, &simulated);
+        written(&plan.recording, &arguments.out, &replaced, &added, console)?;
+    } else {
+        written(&response(&plan.recording, &simulated)?, &arguments.out, &[], &[], console)?;
     }
     if let Some((path, svg)) = drawing {
         write(path, svg)?;
     }
-    Ok(Outcome::Done)
+    Ok(())
+}
+
+/// Where a rod starts that nobody measured.
+fn starts_anywhere(recording: &Recording) -> Option<String> {
+    let unmeasured = !recording.has(Signal::Position);
+    unmeasured.then(|| format!("{}: no position is recorded: the rod starts at mid-stroke", recording.name()))
+}
+
+/// The simulated signals in the place of the recorded ones, and those that are added where none of them was recorded.
+fn columns<'a>(recording: &Recording, simulated: &'a Trajectory) -> (Vec<Series<'a>>, Vec<Series<'a>>) {
+    let computed: Vec<Series<'_>> =
+        SIGNALS.iter().filter_map(|&signal| Some((signal, simulated.signal(signal)?))).collect();
+    let replaces = computed.iter().any(|(signal, _)| recording.has(*signal));
+    let added = if replaces { Vec::new() } else { computed.clone() };
+    (computed, added)
 }
 
 /// Writes the signals: to standard output as CSV, where that is meant.
@@ -111,15 +212,13 @@ fn written(
     console: &mut Console<'_>,
 ) -> Result<(), CliError> {
     if is_standard_output(out) {
-        return console.print(String::from_utf8_lossy(&recording.csv(replaced, added)?).trim_end());
+        let text = recording.csv_rows(0..recording.rows(), replaced, added)?;
+        return console.print(String::from_utf8_lossy(&text).trim_end());
     }
     Ok(recording.write(out, replaced, added)?)
 }
 
 fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> {
-    let read: Vec<PathBuf> = arguments.recording.iter().chain([&arguments.machine.machine]).cloned().collect();
-    let out = Some(arguments.out.as_path()).filter(|out| !is_standard_output(out));
-    check_targets(&[("--out", out, RECORDING), ("--plot", arguments.plot.as_deref(), DRAWING)], &read)?;
     let (file, channels) = arguments.machine.read()?;
     let (machine, asked) = (file.machine, arguments.machine.tick());
     let (recording, load) = if let Some(path) = &arguments.recording {

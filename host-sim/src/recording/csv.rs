@@ -17,57 +17,148 @@ use std::io::Read;
 
 /// Reads a text from anywhere; `name` stands for the file in messages.
 pub(super) fn read_from(name: &str, input: impl Read, map: &ChannelMap) -> Result<Recording, RecordingError> {
-    let mut lines = Lines::new(name, input);
-    let file = lines.file();
-    let Some(header) = lines.next()? else {
-        return Err(RecordingError::Empty { place: file });
-    };
-    let separator = detect_separator(header.text);
-    let mut splitter = Splitter::new(separator);
-    let cells = splitter.split(header)?;
-    if cells.get(0) == twincat::FIRST_CELL {
-        let names = cells.iter().map(str::to_owned).collect();
-        return twincat::read(lines, splitter, names, map);
-    }
-    let width = cells.len();
-    let offers: Vec<Offer> = cells.iter().map(Offer::plain).collect();
-    let assignment = assign(&offers, map, &file, |index| header.cell(separator, index))?;
-    match assignment.known.first() {
-        Some((0, column)) if column.signal == Signal::Time => {}
-        _ => {
-            let header_text = offers.first().map_or_else(String::new, |offer| offer.header.clone());
-            return Err(RecordingError::NoTimeColumn { place: header.cell(separator, 0), header: header_text });
+    match Opened::new(name, input, map)? {
+        Opened::Rows(mut reader) => {
+            reader.read_on(usize::MAX)?;
+            reader.whole()
         }
+        Opened::Whole(recording) => Ok(recording),
     }
-    let mut table = Table {
-        columns: assignment.known,
-        width,
-        separator,
-        row: Vec::new(),
-        rows: 0,
-        repeated: None,
-        incomplete: None,
-        left_out: LeftOut::default(),
-    };
-    while let Some(line) = lines.next()? {
-        let cells = splitter.split(line)?;
-        table.push(line, cells)?;
+}
+
+/// A text whose header has been read.
+pub(super) enum Opened<R> {
+    /// Its rows are read one after the other.
+    Rows(Box<Reader<R>>),
+    /// An export whose channels have clocks of their own is read as a whole.
+    Whole(Recording),
+}
+
+impl<R: Read> Opened<R> {
+    pub(super) fn new(name: &str, input: R, map: &ChannelMap) -> Result<Self, RecordingError> {
+        let mut lines = Lines::new(name, input);
+        let file = lines.file();
+        let Some(header) = lines.next()? else {
+            return Err(RecordingError::Empty { place: file });
+        };
+        let separator = detect_separator(header.text);
+        let mut splitter = Splitter::new(separator);
+        let cells = splitter.split(header)?;
+        if cells.get(0) == twincat::FIRST_CELL {
+            let names = cells.iter().map(str::to_owned).collect();
+            return twincat::read(lines, splitter, names, map).map(Opened::Whole);
+        }
+        let width = cells.len();
+        let offers: Vec<Offer> = cells.iter().map(Offer::plain).collect();
+        let assignment = assign(&offers, map, &file, |index| header.cell(separator, index))?;
+        match assignment.known.first() {
+            Some((0, column)) if column.signal == Signal::Time => {}
+            _ => {
+                let header_text = offers.first().map_or_else(String::new, |offer| offer.header.clone());
+                return Err(RecordingError::NoTimeColumn { place: header.cell(separator, 0), header: header_text });
+            }
+        }
+        let table = Table {
+            columns: assignment.known,
+            width,
+            separator,
+            row: Vec::new(),
+            repeated: None,
+            incomplete: None,
+            left_out: LeftOut::default(),
+        };
+        let (ignored, notes) = (assignment.ignored, assignment.notes);
+        Ok(Opened::Rows(Box::new(Reader { lines, splitter, table, ignored, notes, western: None, is_at_end: false })))
     }
-    let mut notes = assignment.notes;
-    notes.extend(lines.western().map(|line| Note::ReadAsWindows1252 { first: At::Line(line) }));
-    notes.extend(table.repeated.map(|(rows, line)| Note::DuplicateTimes { rows, first: At::Line(line) }));
-    notes.extend(table.incomplete.map(|(rows, line)| Note::IncompleteRows { rows, first: At::Line(line) }));
-    let columns: Vec<Column> = table.columns.into_iter().map(|(_, column)| column).collect();
-    let kept = columns[0].values.len();
-    if kept < 2 {
-        return Err(RecordingError::TooFewRows { place: file, rows: kept, skipped: table.rows - kept });
+}
+
+/// A text that is read row by row.
+#[derive(Debug)]
+pub(super) struct Reader<R> {
+    lines: Lines<R>,
+    splitter: Splitter,
+    table: Table,
+    ignored: Vec<String>,
+    /// Of the header.
+    notes: Vec<Note>,
+    /// The first line of the whole text that is Windows-1252, once that was told.
+    western: Option<usize>,
+    is_at_end: bool,
+}
+
+impl<R: Read> Reader<R> {
+    /// Reads on until so many rows are held, or to the end.
+    pub(super) fn read_on(&mut self, rows: usize) -> Result<(), RecordingError> {
+        while self.table.kept() < rows {
+            let Some(line) = self.lines.next()? else {
+                self.is_at_end = true;
+                break;
+            };
+            let cells = self.splitter.split(line)?;
+            self.table.push(line, cells)?;
+        }
+        Ok(())
     }
-    let mut recording = Recording::assemble(name, columns, assignment.ignored, notes);
-    recording.left_out = table.left_out;
-    Ok(recording)
+
+    pub(super) fn name(&self) -> &str {
+        self.lines.file_name()
+    }
+
+    /// Whether the text has no more rows than those that were read.
+    pub(super) fn is_at_end(&self) -> bool {
+        self.is_at_end
+    }
+
+    /// Rows that are held.
+    pub(super) fn kept(&self) -> usize {
+        self.table.kept()
+    }
+
+    /// Forgets the rows before this one.
+    pub(super) fn forget_before(&mut self, row: usize) {
+        self.table.forget_before(row);
+    }
+
+    /// The rows that are held, with what there is to say of those read since the last time.
+    pub(super) fn held(&mut self) -> Result<Recording, RecordingError> {
+        let columns = self.table.columns.iter().map(|(_, column)| column.clone()).collect();
+        let (left_out, ignored) = (self.table.left_out.clone(), self.ignored.clone());
+        self.recording(columns, left_out, ignored)
+    }
+
+    /// All of it, once it has been read to its end.
+    fn whole(mut self) -> Result<Recording, RecordingError> {
+        let columns = std::mem::take(&mut self.table.columns).into_iter().map(|(_, column)| column).collect();
+        let (left_out, ignored) = (std::mem::take(&mut self.table.left_out), std::mem::take(&mut self.ignored));
+        self.recording(columns, left_out, ignored)
+    }
+
+    fn recording(
+        &mut self,
+        columns: Vec<Column>,
+        left_out: LeftOut,
+        ignored: Vec<String>,
+    ) -> Result<Recording, RecordingError> {
+        let rows = columns.first().map_or(0, |time| time.values.len());
+        if rows < 2 {
+            return Err(RecordingError::TooFewRows { place: self.lines.file(), rows, skipped: left_out.after.len() });
+        }
+        let mut notes = std::mem::take(&mut self.notes);
+        if self.western.is_none() {
+            self.western = self.lines.western();
+            notes.extend(self.western.map(|line| Note::ReadAsWindows1252 { first: At::Line(line) }));
+        }
+        let (repeated, incomplete) = (self.table.repeated.take(), self.table.incomplete.take());
+        notes.extend(repeated.map(|(rows, line)| Note::DuplicateTimes { rows, first: At::Line(line) }));
+        notes.extend(incomplete.map(|(rows, line)| Note::IncompleteRows { rows, first: At::Line(line) }));
+        let mut recording = Recording::assemble(self.lines.file_name(), columns, ignored, notes);
+        recording.left_out = left_out;
+        Ok(recording)
+    }
 }
 
 /// Rows as they come in; the first column is time.
+#[derive(Debug)]
 struct Table {
     /// Known columns with their cell's index.
     columns: Vec<(usize, Column)>,
@@ -75,7 +166,6 @@ struct Table {
     separator: u8,
     /// The row at hand, SI.
     row: Vec<f64>,
-    rows: usize,
     /// How many rows repeat a time, and the line of the first.
     repeated: Option<(usize, usize)>,
     /// How many rows have an empty cell, and the line of the first.
@@ -84,15 +174,31 @@ struct Table {
 }
 
 impl Table {
+    /// Rows that are held, without those left out.
+    fn kept(&self) -> usize {
+        self.columns.first().map_or(0, |(_, time)| time.values.len())
+    }
+
+    fn forget_before(&mut self, row: usize) {
+        for (_, column) in &mut self.columns {
+            column.values.drain(..row);
+        }
+        let forgotten = self.left_out.after.partition_point(|&after| after < row);
+        self.left_out.after.drain(..forgotten);
+        self.left_out.cells.drain(..forgotten * self.columns.len());
+        for after in &mut self.left_out.after {
+            *after -= row;
+        }
+    }
+
     fn push(&mut self, line: Line<'_>, cells: Cells<'_>) -> Result<(), RecordingError> {
         if cells.len() != self.width {
             return Err(RecordingError::RaggedRow { place: line.whole(), found: cells.len(), expected: self.width });
         }
         let most = most_rows(self.columns.len());
-        if self.rows == most {
+        if self.kept() + self.left_out.after.len() == most {
             return Err(RecordingError::TooManyRows { place: line.whole(), most });
         }
-        self.rows += 1;
         self.row.clear();
         let empty = self.columns.iter().filter(|(index, _)| cells.get(*index).is_empty()).count();
         let without_time = cells.get(0).is_empty();
@@ -122,8 +228,7 @@ impl Table {
     }
 
     fn leave_out(&mut self, cells: Cells<'_>) {
-        let kept = self.columns[0].1.values.len();
-        self.left_out.after.push(kept);
+        self.left_out.after.push(self.kept());
         for (index, column) in &self.columns {
             let value = parse_number(cells.get(*index), self.separator != b',').map(|value| column.unit.to_si(value));
             self.left_out.cells.push(value.filter(|value| value.is_finite()));

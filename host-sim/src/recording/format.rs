@@ -5,11 +5,11 @@
 use super::channels::ChannelMap;
 use super::error::RecordingError;
 use super::unsupported::Unsupported;
-use super::{Recording, csv};
+use super::{PART_ROWS, Parts, Recording, csv};
 use crate::diagnostic::Place;
 use std::fmt;
 use std::fs::File;
-use std::io::{Cursor, Read};
+use std::io::{Chain, Cursor, Read};
 use std::path::Path;
 
 /// Largest file of a format that is not text, in bytes: such a file is held in memory.
@@ -120,18 +120,70 @@ pub fn read_through<R: Read>(
 /// assert!(error.is_err());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn read_from(name: &str, mut input: impl Read, map: &ChannelMap) -> Result<Recording, RecordingError> {
-    let failed = |source| RecordingError::Io { place: Place::file(name), source };
+pub fn read_from(name: &str, input: impl Read, map: &ChannelMap) -> Result<Recording, RecordingError> {
+    match opened(name, input)? {
+        (Format::Text, text) => csv::read_from(name, text, map).map_err(|error| of_its_name(name, error)),
+        (format, packed) => unpacked(name, format, packed, map),
+    }
+}
+
+/// Reads a recording in parts of [`PART_ROWS`] rows, through a reader that is laid around the file.
+///
+/// # Errors
+/// As in [`read`], as far as the header of a text; what is no text is read here.
+pub fn in_parts<R: Read>(
+    path: &Path,
+    map: &ChannelMap,
+    around: impl FnOnce(File) -> R,
+) -> Result<Parts<FromItsStart<R>>, RecordingError> {
+    let name = path.display().to_string();
+    let file = File::open(path).map_err(|source| RecordingError::Io { place: Place::file(&name), source })?;
+    parts_of(&name, around(file), map, PART_ROWS)
+}
+
+/// The same from anywhere, in parts of so many rows.
+pub fn parts_of<R: Read>(
+    name: &str,
+    input: R,
+    map: &ChannelMap,
+    most_rows: usize,
+) -> Result<Parts<FromItsStart<R>>, RecordingError> {
+    match opened(name, input)? {
+        (Format::Text, text) => match csv::Opened::new(name, text, map) {
+            Ok(text) => Ok(Parts::of_text(text, most_rows)),
+            Err(error) => Err(of_its_name(name, error)),
+        },
+        (format, packed) => unpacked(name, format, packed, map).map(Parts::whole),
+    }
+}
+
+/// What was read of a file to tell its format, and the rest of it.
+pub type FromItsStart<R> = Chain<Cursor<Vec<u8>>, R>;
+
+/// The format that a file shows, and all of it.
+fn opened<R: Read>(name: &str, mut input: R) -> Result<(Format, FromItsStart<R>), RecordingError> {
     let mut head = Vec::new();
-    (&mut input).take(HEAD as u64).read_to_end(&mut head).map_err(failed)?;
+    let read = (&mut input).take(HEAD as u64).read_to_end(&mut head);
+    read.map_err(|source| RecordingError::Io { place: Place::file(name), source })?;
     let format =
         Format::of_content(&head).map_err(|what| RecordingError::Unsupported { place: Place::file(name), what })?;
-    let mut whole = Cursor::new(head).chain(input);
-    if format == Format::Text {
-        return csv::read_from(name, whole, map).map_err(|error| of_its_name(name, error));
-    }
+    Ok((format, Cursor::new(head).chain(input)))
+}
+
+/// Reads what is no text.
+fn unpacked(
+    name: &str,
+    format: Format,
+    packed: impl Read,
+    #[cfg_attr(
+        not(any(feature = "mat", feature = "mdf4", feature = "parquet")),
+        expect(unused_variables, reason = "no format that has columns is built in")
+    )]
+    map: &ChannelMap,
+) -> Result<Recording, RecordingError> {
     let mut bytes = Vec::new();
-    (&mut whole).take(MAX_BINARY_BYTES + 1).read_to_end(&mut bytes).map_err(failed)?;
+    let read = packed.take(MAX_BINARY_BYTES + 1).read_to_end(&mut bytes);
+    read.map_err(|source| RecordingError::Io { place: Place::file(name), source })?;
     if bytes.len() as u64 > MAX_BINARY_BYTES {
         return Err(RecordingError::TooLarge { place: Place::file(name), most_bytes: MAX_BINARY_BYTES });
     }
@@ -148,7 +200,7 @@ pub fn read_from(name: &str, mut input: impl Read, map: &ChannelMap) -> Result<R
 }
 
 /// What is no text, in a file whose name promises another format, is a file of that format that is none.
-fn of_its_name(name: &str, error: RecordingError) -> RecordingError {
+pub(super) fn of_its_name(name: &str, error: RecordingError) -> RecordingError {
     let no_text = matches!(
         error,
         RecordingError::NotUtf8 { .. } | RecordingError::ControlCharacter { .. } | RecordingError::LineTooLong { .. }

@@ -153,6 +153,7 @@ fn western(bytes: &[u8]) -> Option<String> {
 }
 
 /// Splits lines into cells.
+#[derive(Debug)]
 pub(super) struct Splitter {
     core: csv_core::Reader,
     separator: u8,

@@ -25,6 +25,7 @@ mod names;
 mod offered;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod parts;
 mod sampled;
 mod signal;
 mod table;
@@ -36,8 +37,11 @@ mod write;
 pub(crate) use channels::nearest_signal;
 pub use channels::{ChannelMap, MapError, Mapping, Scale};
 pub use error::RecordingError;
-pub use format::{Format, MAX_BINARY_BYTES, MAX_UNPACKED_BYTES, read, read_from, read_through};
+pub use format::{
+    Format, FromItsStart, MAX_BINARY_BYTES, MAX_UNPACKED_BYTES, in_parts, parts_of, read, read_from, read_through,
+};
 pub use lines::{MAX_COLUMNS, MAX_LINE_BYTES, MAX_ROWS, MAX_SKIPPED_LINES, MAX_VALUES};
+pub use parts::{PART_ROWS, Part, Parts};
 pub use signal::Signal;
 pub use table::Table;
 pub use units::{Dimension, Unit};

@@ -7,6 +7,7 @@ use super::{Recording, RecordingError, Signal, Unit};
 use crate::atomic;
 use crate::diagnostic::Place;
 use std::io::{self, Write};
+use std::ops::Range;
 use std::path::Path;
 
 impl Recording {
@@ -26,11 +27,23 @@ impl Recording {
             .map_err(|source| RecordingError::Write { place: Place::file(&path.display().to_string()), source })
     }
 
-    /// The text that [`Self::write_csv`] writes, for where there is no file.
-    pub fn csv(&self, replaced: &[Series<'_>], added: &[Series<'_>]) -> Result<Vec<u8>, RecordingError> {
+    /// Rows of the text that [`Self::write_csv`] writes, by their places in this recording; its header comes before the first.
+    ///
+    /// A row that was left out comes with the one after it, at the end of the recording with the last. Series have to reach as far as
+    /// the rows.
+    pub fn csv_rows(
+        &self,
+        rows: Range<usize>,
+        replaced: &[Series<'_>],
+        added: &[Series<'_>],
+    ) -> Result<Vec<u8>, RecordingError> {
         let (path, mut text) = (Path::new("the text"), Vec::new());
-        self.checked(path, replaced, added)?
-            .write_csv(&mut text)
+        let reaching: Vec<Series<'_>> = replaced.iter().chain(added).copied().collect();
+        Self::check(path, rows.end, &reaching)?;
+        let sheet = self.sheet(replaced, added);
+        let header = if rows.start == 0 { sheet.write_header(&mut text) } else { Ok(()) };
+        header
+            .and_then(|()| sheet.write_rows(rows, &mut text))
             .map_err(|source| RecordingError::Write { place: Place::file(&path.display().to_string()), source })?;
         Ok(text)
     }
@@ -77,18 +90,24 @@ impl Recording {
         replaced: &[Series<'a>],
         added: &[Series<'a>],
     ) -> Result<Sheet<'a>, RecordingError> {
+        let all: Vec<Series<'_>> = replaced.iter().chain(added).copied().collect();
+        Self::check(path, self.rows(), &all)?;
+        Ok(self.sheet(replaced, added))
+    }
+
+    /// Checks that every series has so many values, all of them finite.
+    fn check(path: &Path, expected: usize, series: &[Series<'_>]) -> Result<(), RecordingError> {
         let place = || Place::file(&path.display().to_string());
-        for &(signal, values) in replaced.iter().chain(added) {
-            let header = signal.name().to_owned();
-            if values.len() != self.rows() {
-                let (found, expected) = (values.len(), self.rows());
+        for &(signal, values) in series {
+            let (header, found) = (signal.name().to_owned(), values.len());
+            if found != expected {
                 return Err(RecordingError::LengthMismatch { place: place(), header, found, expected });
             }
             if let Some(value) = values.iter().find(|value| !value.is_finite()) {
                 return Err(RecordingError::NotFinite { place: place(), header, found: value.to_string() });
             }
         }
-        Ok(self.sheet(replaced, added))
+        Ok(())
     }
 
     /// The columns of the file with what they hold now, and those that are added.
@@ -105,10 +124,12 @@ impl Recording {
         Sheet { recording: self, columns: own.chain(further).collect() }
     }
 
-    /// The rows of the file in their order.
-    fn rows_of_the_file(&self) -> impl Iterator<Item = Row> {
-        let mut left_out = self.left_out.after.iter().enumerate().peekable();
-        (0..=self.rows()).flat_map(move |row| {
+    /// Rows of the file in their order, those left out with the one after them.
+    fn rows_of_the_file(&self, rows: Range<usize>) -> impl Iterator<Item = Row> {
+        let before = self.left_out.after.partition_point(|&after| after < rows.start);
+        let mut left_out = self.left_out.after.iter().enumerate().skip(before).peekable();
+        let end = if rows.end == self.rows() { rows.end + 1 } else { rows.end };
+        (rows.start..end).flat_map(move |row| {
             let mut rows = Vec::new();
             while let Some((index, _)) = left_out.next_if(|(_, after)| **after == row) {
                 rows.push(Row::LeftOut(index));
@@ -170,21 +191,31 @@ impl Written<'_> {
             return cells[cell];
         }
         let (row, share) = self.recording.between(cells[0]?)?;
-        Some(mixed(self.values, row, share))
+        mixed(self.values, row, share)
     }
 
     /// The value of each row in the column's unit: the number that stands in a text, to the bit.
     #[cfg(any(feature = "mat", feature = "parquet"))]
     pub(super) fn values(&self) -> impl Iterator<Item = Option<f64>> {
-        self.recording.rows_of_the_file().map(|row| self.si(row).and_then(|si| self.unit.print(si).parse().ok()))
+        self.recording
+            .rows_of_the_file(0..self.recording.rows())
+            .map(|row| self.si(row).and_then(|si| self.unit.print(si).parse().ok()))
     }
 }
 
 impl Sheet<'_> {
     fn write_csv(&self, out: &mut dyn Write) -> io::Result<()> {
+        self.write_header(out)?;
+        self.write_rows(0..self.recording.rows(), out)
+    }
+
+    fn write_header(&self, out: &mut dyn Write) -> io::Result<()> {
         let headers: Vec<String> = self.columns.iter().map(|column| quoted(&column.header)).collect();
-        writeln!(out, "{}", headers.join(","))?;
-        for row in self.recording.rows_of_the_file() {
+        writeln!(out, "{}", headers.join(","))
+    }
+
+    fn write_rows(&self, rows: Range<usize>, out: &mut dyn Write) -> io::Result<()> {
+        for row in self.recording.rows_of_the_file(rows) {
             for (index, column) in self.columns.iter().enumerate() {
                 let separator = if index == 0 { "" } else { "," };
                 let text = column.si(row).map_or_else(String::new, |si| column.unit.print(si));
@@ -196,8 +227,10 @@ impl Sheet<'_> {
     }
 }
 
-fn mixed(values: &[f64], row: usize, share: f64) -> f64 {
-    if share > 0.0 { on_line(values[row], values[row + 1], share) } else { values[row] }
+/// The value at a share of the way from a row to the next; none beyond what there is.
+fn mixed(values: &[f64], row: usize, share: f64) -> Option<f64> {
+    let from = *values.get(row)?;
+    if share > 0.0 { Some(on_line(from, *values.get(row + 1)?, share)) } else { Some(from) }
 }
 
 /// A header, in one line, and in quotation marks where it holds a separator or a quotation mark.

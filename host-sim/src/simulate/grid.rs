@@ -8,19 +8,37 @@ use crate::recording::Recording;
 /// Most ticks of one simulation: 14 hours at 1 kHz.
 const MAX_TICKS: usize = 50_000_000;
 
+/// Where the grid of a recording begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Origin {
+    /// Time of point 0, s.
+    pub(super) time_s: f64,
+    /// The point at which a part of a recording is taken up; what is before it was simulated with the part before.
+    pub(super) point: usize,
+}
+
+impl Origin {
+    /// A recording's own: its first row.
+    pub(super) fn of(recording: &Recording) -> Self {
+        Self { time_s: recording.time_s()[0], point: 0 }
+    }
+}
+
 /// The core's grid over a recording.
 pub(super) struct Grid<'a> {
     time_s: &'a [f64],
     tick_s: f64,
+    origin: Origin,
     pub(super) ticks: usize,
+    /// Of each row, from where the recording is taken up; of one before, that point.
     pub(super) rows: Vec<(usize, f64)>,
 }
 
 impl<'a> Grid<'a> {
-    pub(super) fn new(recording: &'a Recording, tick: Tick) -> Result<Self, SimulateError> {
+    pub(super) fn new(recording: &'a Recording, tick: Tick, origin: Origin) -> Result<Self, SimulateError> {
         let time_s = recording.time_s();
-        let (first, tick_s) = (time_s[0], tick.seconds());
-        let duration_s = time_s[time_s.len() - 1] - first;
+        let tick_s = tick.seconds();
+        let duration_s = time_s[time_s.len() - 1] - origin.time_s - origin.point as f64 * tick_s;
         if duration_s / tick_s > MAX_TICKS as f64 {
             let recording = recording.name().to_owned();
             return Err(SimulateError::TooLong { recording, duration_s, tick_s, limit: MAX_TICKS });
@@ -28,21 +46,22 @@ impl<'a> Grid<'a> {
         let rows: Vec<(usize, f64)> = time_s
             .iter()
             .map(|time| {
-                let at = (time - first) / tick_s;
+                let at = (time - origin.time_s) / tick_s;
                 // Times are written with a few digits: within a thousandth of a tick they are on the grid.
                 let nearest = at.round();
                 let (point, share) =
                     if (at - nearest).abs() < 1e-3 { (nearest, 0.0) } else { (at.floor(), at - at.floor()) };
+                let since = point - origin.point as f64;
                 #[expect(
                     clippy::cast_possible_truncation,
                     clippy::cast_sign_loss,
                     reason = "0..MAX_TICKS by the check above"
                 )]
-                (point as usize, share)
+                if since < 0.0 { (0, 0.0) } else { (since as usize, share) }
             })
             .collect();
         let ticks = rows.last().map_or(0, |(point, share)| point + usize::from(*share > 0.0));
-        Ok(Self { time_s, tick_s, ticks, rows })
+        Ok(Self { time_s, tick_s, origin, ticks, rows })
     }
 
     /// For each tick the last recorded value at or before its start.
@@ -67,7 +86,7 @@ impl<'a> Grid<'a> {
         let mut row = 0;
         (0..=self.ticks)
             .map(|point| {
-                let time = self.time_s[0] + point as f64 * self.tick_s;
+                let time = self.origin.time_s + (self.origin.point + point) as f64 * self.tick_s;
                 while row + 2 < self.time_s.len() && self.time_s[row + 1] <= time {
                     row += 1;
                 }

@@ -7,6 +7,7 @@ mod abreast;
 mod departure;
 mod grid;
 mod live;
+mod onward;
 mod rest;
 mod stimulus;
 
@@ -20,6 +21,7 @@ pub use abreast::{Run, run_abreast};
 pub use departure::StartOffset;
 use departure::{Departure, at_start, within};
 pub use live::{Inputs, Live};
+pub use onward::{Advance, Onward};
 pub use rest::Start;
 pub use stimulus::{Coarser, EntryPoint, SimulateError, Stimulus, first_entry, natural_tick};
 
@@ -146,6 +148,28 @@ impl Trajectory {
     pub fn signal(&self, signal: Signal) -> Option<&[f64]> {
         self.series.iter().find(|(found, _)| *found == signal).map(|(_, values)| values.as_slice())
     }
+
+    /// No rows of these signals yet.
+    fn of(signals: &[Signal]) -> Self {
+        Self { series: signals.iter().map(|&signal| (signal, Vec::new())).collect() }
+    }
+
+    /// How many rows it has.
+    fn rows(&self) -> usize {
+        self.series.first().map_or(0, |(_, values)| values.len())
+    }
+
+    /// One row more.
+    fn push(&mut self, value: impl Fn(Signal) -> Option<f64>) {
+        for (signal, values) in &mut self.series {
+            values.extend(value(*signal));
+        }
+    }
+
+    /// Its rows from this one on.
+    fn since(&self, row: usize) -> Self {
+        Self { series: self.series.iter().map(|(signal, values)| (*signal, values[row..].to_vec())).collect() }
+    }
 }
 
 /// Rows of a recording in their order: each lies on a point of the grid, or in the tick before it and is then mixed of both.
@@ -185,13 +209,24 @@ pub fn run<N: Scalar>(
     machine: &Machine<N::Real>,
     stimulus: &Stimulus,
     offset: StartOffset<N::Real>,
-    mut sink: impl FnMut(usize, &Sample<'_, N>),
+    sink: impl FnMut(usize, &Sample<'_, N>),
 ) -> Result<(), MachineError> {
     let machine = &unbraked(machine, stimulus);
     let drive = Drive::<N>::new::<DELAY_LINE>(machine, stimulus.tick)?;
-    let bases = *drive.bases();
     let mut state = at_start(&drive, machine, &stimulus.start, offset);
+    run_on(&drive, machine, stimulus, &mut state, sink);
+    Ok(())
+}
 
+/// The same from a state, which it leaves at the end of the stimulus.
+fn run_on<N: Scalar>(
+    drive: &Drive<N>,
+    machine: &Machine<N::Real>,
+    stimulus: &Stimulus,
+    state: &mut DriveState<N, DELAY_LINE>,
+    mut sink: impl FnMut(usize, &Sample<'_, N>),
+) {
+    let bases = *drive.bases();
     let mut rows = Rows { rows: &stimulus.rows, next: 0 };
     let mut before: Vec<(Signal, N::Real)> = Vec::new();
     for point in 0..=stimulus.ticks {
@@ -201,9 +236,9 @@ pub fn run<N: Scalar>(
             if let Some(temperature) = stimulus.oil_at(tick, &bases) {
                 state.oil_temperature = temperature;
             }
-            drive.step(&mut state, entry, stimulus.load_at(tick, &bases));
+            drive.step(state, entry, stimulus.load_at(tick, &bases));
         }
-        let now = Sample { drive: &drive, machine, stimulus, state: &state, point, since: None };
+        let now = Sample { drive, machine, stimulus, state, point, since: None };
         while let Some((row, share)) = rows.at(point) {
             sink(row, &Sample { since: (share != 0.0).then_some(Since { before: &before, share }), ..now });
         }
@@ -212,7 +247,6 @@ pub fn run<N: Scalar>(
             before = signals.filter_map(|&signal| Some((signal, now.signal(signal)?))).collect();
         }
     }
-    Ok(())
 }
 
 /// Gain error and offset of a sensor.
@@ -322,19 +356,15 @@ pub fn simulate_told<N: Scalar<Real = f64>>(
     offset: StartOffset<f64>,
     told: &dyn Fn(usize),
 ) -> Result<Trajectory, MachineError> {
-    let signals = computed_below(stimulus.entry);
-    let mut series: Vec<(Signal, Vec<f64>)> =
-        signals.iter().map(|&signal| (signal, Vec::with_capacity(stimulus.rows()))).collect();
+    let mut trajectory = Trajectory::of(computed_below(stimulus.entry));
     run::<N>(machine, stimulus, offset, |row, sample| {
-        for (signal, values) in &mut series {
-            values.extend(sample.signal(*signal));
-        }
+        trajectory.push(|signal| sample.signal(signal));
         if (row + 1) % ROWS_TOLD == 0 {
             told(ROWS_TOLD);
         }
     })?;
     told(stimulus.rows() % ROWS_TOLD);
-    Ok(Trajectory { series })
+    Ok(trajectory)
 }
 
 #[cfg(test)]

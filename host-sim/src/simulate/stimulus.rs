@@ -12,7 +12,7 @@ use model_core::number::{Number, Scalar};
 use model_core::parameter::Parameter;
 use model_core::valve::Slider;
 
-use super::grid::Grid;
+use super::grid::{Grid, Origin};
 use super::rest::{Start, start};
 use crate::diagnostic::{engineering, rounded};
 use crate::failure::Mended;
@@ -170,8 +170,20 @@ impl Stimulus {
         load: LoadSource,
         tick: Tick,
     ) -> Result<Self, SimulateError> {
+        Self::from_origin(mended, machine, entry, load, tick, Origin::of(&mended.recording))
+    }
+
+    /// Lays a part of a recording that is mended on the grid of the whole.
+    pub(super) fn from_origin(
+        mended: &Mended<'_>,
+        machine: &Machine<f64>,
+        entry: EntryPoint,
+        load: LoadSource,
+        tick: Tick,
+        origin: Origin,
+    ) -> Result<Self, SimulateError> {
         let recording = &*mended.recording;
-        let grid = Grid::new(recording, tick)?;
+        let grid = Grid::new(recording, tick, origin)?;
         let need = |signal, reason| {
             recording.signal(signal).ok_or_else(|| SimulateError::Missing {
                 recording: recording.name().to_owned(),
@@ -227,6 +239,14 @@ impl Stimulus {
             damping,
             rows: grid.rows,
         })
+    }
+
+    /// Ends it at the last point of the grid at or before the last of so many rows; rows between that and the next are not in it then.
+    pub(super) fn end_at(&mut self, rows: usize) {
+        let Some(&(last, _)) = self.rows[..rows.min(self.rows.len())].last() else { return };
+        self.ticks = last;
+        let kept = self.rows.partition_point(|(point, share)| point + usize::from(*share > 0.0) <= last);
+        self.rows.truncate(kept.min(rows));
     }
 
     /// The same with the recorded slider metering the oil, beside the valve that the command moves: what the valve misses

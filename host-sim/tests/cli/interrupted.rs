@@ -55,7 +55,7 @@ fn writing_can_be_interrupted_too() {
     let recording = example("train-1.csv");
     let simulate = ["simulate", "--machine", "machine.toml", "--recording", &recording, "--out", "pipe"];
     for signal in ["-INT", "-HUP", "-TERM"] {
-        let Some(found) = interrupted(folder.path(), &simulate, "simulating:", signal) else { return };
+        let Some(found) = interrupted(folder.path(), &simulate, "read: the first", signal) else { return };
         assert_eq!(found, (Some(130), String::new()), "{signal}");
         assert_eq!(listing(folder.path()), before);
     }
