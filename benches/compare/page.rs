@@ -39,8 +39,7 @@ const HEAD: &str = "# What it costs\n\n\
 /// What nothing here measures.
 const NOT_DONE: &str = "## Not done\n\n\
     - How far a step is from the floor of the processor is not stated.\n\
-    - PySINDy (weak form) on the residuals of a diagnosis, and more than 8 recordings or 10 minutes of them are not measured here. The test\n\
-    \u{20}\u{20}`diagnosis an_hour` has an hour.\n\
+    - PySINDy (weak form) on the residuals of a diagnosis is not measured here.\n\
     - Instructions are not cycles: on a Cortex-M4F a square root or a division of floats counts as one and takes 14, which flatters the opponents there.\n";
 
 impl Page {
