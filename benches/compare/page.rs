@@ -38,7 +38,6 @@ const HEAD: &str = "# What it costs\n\n\
 
 /// What nothing here measures.
 const NOT_DONE: &str = "## Not done\n\n\
-    - How far a step is from the floor of the processor is not stated.\n\
     - PySINDy (weak form) on the residuals of a diagnosis is not measured here.\n\
     - Instructions are not cycles: on a Cortex-M4F a square root or a division of floats counts as one and takes 14, which flatters the opponents there.\n";
 

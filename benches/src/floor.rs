@@ -1,0 +1,207 @@
+//! The floor of a step: what its own arithmetic takes alone, if no operation waited for another and nothing else had to be done.
+
+use std::cell::Cell;
+use std::cmp::Ordering;
+use std::hint::black_box;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::time::Instant;
+
+use host_sim::testbed::InitialState;
+use model_core::drive::Load;
+use model_core::machine::Machine;
+use model_core::number::Field;
+use system_tests::simulate::{at_rest, drive};
+
+use crate::run::TICK;
+
+/// Operations on reals; a comparison is one, a change of sign none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Operations {
+    /// Sums, differences and comparisons, which take the same.
+    pub sums: f64,
+    /// Products.
+    pub products: f64,
+    /// Quotients.
+    pub quotients: f64,
+    /// Square roots.
+    pub roots: f64,
+}
+
+thread_local! {
+    /// What this thread has computed with [`Counted`] numbers.
+    static DONE: Cell<Operations> = const { Cell::new(Operations { sums: 0.0, products: 0.0, quotients: 0.0, roots: 0.0 }) };
+}
+
+fn done(of: impl Fn(&mut Operations) -> &mut f64) {
+    let mut operations = DONE.get();
+    *of(&mut operations) += 1.0;
+    DONE.set(operations);
+}
+
+/// A real number that counts what is computed with it.
+#[derive(Clone, Copy, Debug)]
+struct Counted(f64);
+
+impl PartialEq for Counted {
+    fn eq(&self, other: &Self) -> bool {
+        done(|operations| &mut operations.sums);
+        self.0 == other.0
+    }
+}
+
+impl PartialOrd for Counted {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        done(|operations| &mut operations.sums);
+        self.0.partial_cmp(&other.0)
+    }
+}
+
+impl Add for Counted {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        done(|operations| &mut operations.sums);
+        Self(self.0 + other.0)
+    }
+}
+
+impl Sub for Counted {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        done(|operations| &mut operations.sums);
+        Self(self.0 - other.0)
+    }
+}
+
+impl Mul for Counted {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        done(|operations| &mut operations.products);
+        Self(self.0 * other.0)
+    }
+}
+
+impl Div for Counted {
+    type Output = Self;
+    fn div(self, other: Self) -> Self {
+        done(|operations| &mut operations.quotients);
+        Self(self.0 / other.0)
+    }
+}
+
+impl Neg for Counted {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+impl Field for Counted {
+    type Real = f64;
+
+    const ZERO: Self = Self(0.0);
+    const ONE: Self = Self(1.0);
+
+    fn constant(value: f64) -> Self {
+        Self(value)
+    }
+    fn coefficient(value: f64) -> Self {
+        Self(value)
+    }
+    fn sqrt(self) -> Self {
+        done(|operations| &mut operations.roots);
+        Self(self.0.sqrt())
+    }
+}
+
+impl Operations {
+    /// Of a tick of the paper's model on the average, at rest first and then under commands in V.
+    ///
+    /// # Panics
+    /// The machine is none, or has effects.
+    #[must_use]
+    pub fn of_a_tick(machine: &Machine<f64>, initial: &InitialState, volts: &[f32]) -> Self {
+        let drive = drive::<Counted>(machine, TICK);
+        let paper = drive.without_effects().expect("the drives that are measured are the paper's");
+        let mut state = at_rest(&drive, 0.0, initial);
+        DONE.set(Self::default());
+        for &volts in volts {
+            paper.step(&mut state, Counted(f64::from(volts) / drive.bases().command_v), Load::NONE);
+        }
+        let (all, ticks) = (DONE.get(), volts.len() as f64);
+        Self {
+            sums: all.sums / ticks,
+            products: all.products / ticks,
+            quotients: all.quotients / ticks,
+            roots: all.roots / ticks,
+        }
+    }
+
+    /// What they take on this processor at least, s, each by an instruction of its own and none waiting for another. An instruction
+    /// here does two at once and takes what it takes for one.
+    ///
+    /// Sums and products go side by side, and so do they and what divides: the longer of both counts.
+    #[must_use]
+    pub fn floor_s(&self) -> f64 {
+        let both = shortest(|x, sums: &mut [f64; CHAINS], products: &mut [f64; CHAINS]| {
+            for (sum, product) in sums.iter_mut().zip(products) {
+                *sum += x;
+                *product *= x;
+            }
+        });
+        let dividing = |divide: fn(f64, f64) -> f64| {
+            shortest(|x, values: &mut [f64; CHAINS], _| {
+                for value in values {
+                    *value = divide(x, *value);
+                }
+            })
+        };
+        let quotient = dividing(|x, value| x / value);
+        let root = dividing(|_, value| value.sqrt());
+        // A pair for each of those of which there are more would be too much where they share their units.
+        let simple = 0.5 * (self.sums + self.products) * both;
+        simple.max(self.quotients * quotient + self.roots * root)
+    }
+}
+
+/// Values of as many chains of operations: more than wait for each other in any processor, in instructions of two.
+const CHAINS: usize = 12;
+/// Rounds over the chains that are timed at once, and how often.
+const ROUNDS: usize = 20_000;
+const TIMES: usize = 50;
+
+/// Shortest time of one instruction of a round, s.
+fn shortest(round: impl Fn(f64, &mut [f64; CHAINS], &mut [f64; CHAINS])) -> f64 {
+    let once = || {
+        let (x, mut one, mut other) = (black_box(1.0), black_box([1.0; CHAINS]), black_box([1.0; CHAINS]));
+        let start = Instant::now();
+        for _ in 0..ROUNDS {
+            round(x, &mut one, &mut other);
+        }
+        let took = start.elapsed().as_secs_f64();
+        black_box((one, other));
+        took / (ROUNDS * CHAINS / 2) as f64
+    };
+    (0..TIMES).map(|_| once()).fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use system_tests::drives;
+
+    use super::*;
+
+    #[test]
+    fn every_tick_has_four_orifices_and_they_have_two_roots_each() {
+        let machine = drives::press();
+        let initial = InitialState::at_rest(&machine, 0.15);
+        let operations = Operations::of_a_tick(&machine, &initial, &[3.0; 50]);
+        assert!((operations.roots - 8.0).abs() < 1e-9, "{operations:?}");
+        assert!(operations.products > 50.0 && operations.sums > 50.0, "{operations:?}");
+    }
+
+    #[test]
+    fn a_quotient_takes_longer_than_a_product() {
+        let only = |products: f64, quotients: f64| Operations { products, quotients, ..Operations::default() };
+        assert!(only(0.0, 100.0).floor_s() > only(100.0, 0.0).floor_s());
+    }
+}
