@@ -1,6 +1,8 @@
 //! A drive as its sensors show it, moment by moment: means and slopes over short windows, for a recorded drive and for a simulated
 //! one alike.
 
+use std::borrow::Cow;
+
 use model_core::chambers::ChamberState;
 use model_core::drive::Drive;
 use model_core::flow::PumpDrive;
@@ -11,7 +13,6 @@ use super::Drives;
 use crate::diagnose::{Diagnosis, Shown};
 use crate::fit::settle;
 use crate::links::Coefficients;
-use crate::prepare::Channel;
 use crate::recording::{Recording, Signal};
 use crate::simulate::{DELAY_LINE, Trajectory, simulate};
 use crate::window::Window;
@@ -82,12 +83,12 @@ pub(super) struct Moment {
 }
 
 /// One value a row, of one drive.
-struct View {
-    slider: Vec<f64>,
-    a: Vec<f64>,
-    b: Vec<f64>,
-    supply: Vec<f64>,
-    position: Vec<f64>,
+struct View<'a> {
+    slider: Cow<'a, [f64]>,
+    a: Cow<'a, [f64]>,
+    b: Cow<'a, [f64]>,
+    supply: Cow<'a, [f64]>,
+    position: Cow<'a, [f64]>,
 }
 
 /// Every moment of every recording, for the recorded drive and both models.
@@ -101,8 +102,8 @@ pub(super) fn moments(law: &Law, diagnosis: &Diagnosis, recordings: &[&Recording
         let start = settle(&law.after, &shown.prepared)?.offset(&law.after, &shown.prepared);
         let reference = simulate::<f64>(&law.machine, &shown.prepared.stimulus, start)?;
         let reference = simulated(law, shown, recording, &reference);
-        let flows = |view: &View| ports(law, shown.prepared.stimulus.tick, recording, view);
-        let of = |view: &View| -> Result<Vec<Moment>, MachineError> {
+        let flows = |view: &View<'_>| ports(law, shown.prepared.stimulus.tick, recording, view);
+        let of = |view: &View<'_>| -> Result<Vec<Moment>, MachineError> {
             Ok(over(&windows, shown, recording, view, &reference, &flows(view)?))
         };
         drives.recorded.extend(of(&recorded)?);
@@ -112,11 +113,11 @@ pub(super) fn moments(law: &Law, diagnosis: &Diagnosis, recordings: &[&Recording
     Ok(drives)
 }
 
-fn simulated(law: &Law, shown: &Shown, recording: &Recording, trajectory: &Trajectory) -> View {
+fn simulated<'a>(law: &Law, shown: &Shown, recording: &'a Recording, trajectory: &'a Trajectory) -> View<'a> {
     let rows = shown.prepared.time_s.len();
     let of = |signal: Signal, else_value: f64| {
-        let given = || recording.signal(signal).map(<[f64]>::to_vec);
-        trajectory.signal(signal).map(<[f64]>::to_vec).or_else(given).unwrap_or_else(|| vec![else_value; rows])
+        let known = trajectory.signal(signal).or_else(|| recording.signal(signal));
+        known.map_or_else(|| Cow::Owned(vec![else_value; rows]), Cow::Borrowed)
     };
     View {
         slider: of(Signal::Spool, 0.0),
@@ -128,10 +129,10 @@ fn simulated(law: &Law, shown: &Shown, recording: &Recording, trajectory: &Traje
 }
 
 /// The recorded drive; what is not recorded is the model's before.
-fn recorded(shown: &Shown, before: &View) -> View {
-    let of = |signal: Signal, simulated: &Vec<f64>| {
+fn recorded<'a>(shown: &Shown, before: &View<'a>) -> View<'a> {
+    let of = |signal: Signal, simulated: &Cow<'a, [f64]>| {
         let channel = shown.prepared.channels.iter().find(|channel| channel.signal == signal);
-        channel.map_or_else(|| simulated.clone(), Channel::bridged)
+        channel.map_or_else(|| simulated.clone(), |channel| Cow::Owned(channel.bridged()))
     };
     View {
         slider: of(Signal::Spool, &before.slider),
@@ -143,7 +144,7 @@ fn recorded(shown: &Shown, before: &View) -> View {
 }
 
 /// Flow into A and out of B that the law's ports pass at every row.
-fn ports(law: &Law, tick: Tick, recording: &Recording, view: &View) -> Result<(Vec<f64>, Vec<f64>), MachineError> {
+fn ports(law: &Law, tick: Tick, recording: &Recording, view: &View<'_>) -> Result<(Vec<f64>, Vec<f64>), MachineError> {
     let drive = Drive::<f64>::new::<DELAY_LINE>(&law.machine, tick)?;
     let bases = *drive.bases();
     let speed = recording.signal(Signal::PumpSpeed);
@@ -169,13 +170,13 @@ fn over(
     windows: &[Window],
     shown: &Shown,
     recording: &Recording,
-    view: &View,
-    reference: &View,
+    view: &View<'_>,
+    reference: &View<'_>,
     (port_a, port_b): &(Vec<f64>, Vec<f64>),
 ) -> Vec<Moment> {
     let time_s = &shown.prepared.time_s;
     let rows = time_s.len();
-    let given = |signal: Signal| recording.signal(signal).map_or_else(|| vec![0.0; rows], <[f64]>::to_vec);
+    let given = |signal: Signal| recording.signal(signal).map_or_else(|| Cow::Owned(vec![0.0; rows]), Cow::Borrowed);
     let drives = if recording.has(Signal::Command) { Signal::Command } else { Signal::PumpSpeed };
     let (command, load, pump) = (given(drives), given(Signal::LoadForce), given(Signal::PumpSpeed));
     let oil = recording.signal(Signal::OilTemperature);

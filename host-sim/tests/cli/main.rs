@@ -17,6 +17,8 @@ mod import;
 mod init;
 mod inspect;
 mod interrupted;
+#[cfg(target_os = "linux")]
+mod long;
 mod outside;
 mod plan;
 mod readme;
