@@ -198,9 +198,14 @@ impl Progress {
         self.bar.wrap_read(input)
     }
 
+    /// So many steps are done in all.
+    pub fn reach(&self, steps: u64) {
+        self.bar.set_position(steps);
+    }
+
     /// Says something while the bar is away.
-    pub fn aside(&self, say: impl FnOnce()) {
-        self.bar.suspend(say);
+    pub fn aside<T>(&self, say: impl FnOnce() -> T) -> T {
+        self.bar.suspend(say)
     }
 
     /// The stage is over: the bar goes, and `--verbose` says how long it took.

@@ -1,6 +1,8 @@
 //! `host-sim simulate`: the signals of the model for a recording or for an input signal.
 
-use std::io::Write;
+use std::cell::OnceCell;
+use std::fs::File;
+use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 
 use model_core::fixed_point::PerUnit;
@@ -10,7 +12,7 @@ use model_core::number::Scalar;
 use super::ending::{DRAWING, RECORDING, is_standard_output};
 use super::input::{self, MachineArguments};
 use super::target::{check_targets, write};
-use super::{CliError, Console, Outcome};
+use super::{CliError, Console, Outcome, Progress};
 use crate::atomic::Begun;
 use crate::compare::{Arithmetic, judged};
 use crate::machine_file::LoadSource;
@@ -43,7 +45,8 @@ pub struct Arguments {
     /// Signal at the command, such as "step:4V"
     #[arg(long, value_name = "signal")]
     input: Option<String>,
-    /// Where to write the simulated signals: .csv or .txt, .mat, .parquet; no ending is CSV, and - is CSV to standard output
+    /// Where to write the simulated signals: .csv or .txt, .mat, .parquet; no ending is CSV, and - is CSV to standard output.
+    /// A file is there whole or not at all; standard output and a pipe have what came before an error
     #[arg(long, value_name = "S.csv")]
     out: PathBuf,
     /// Also draw recorded against simulated
@@ -95,67 +98,84 @@ fn in_parts<N: Scalar<Real = f64>>(
     path: &Path,
     console: &mut Console<'_>,
 ) -> Result<(), CliError> {
-    let (file, channels) = arguments.machine.read()?;
     let bar = input::bar(&[path.to_owned()], console, "simulating");
-    let mut notes = Vec::new();
-    let mut simulate = || -> Result<(), CliError> {
-        let mut parts = recording::in_parts(path, &channels, |file| bar.counting(file))?;
-        let Some(mut part) = parts.read_next()? else { return Ok(()) };
-        notes.extend(input::notes(&part.recording, &file.machine).chain(starts_anywhere(&part.recording)));
-        let failed = |cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause };
-        let entry = first_entry(file.machine.source, &part.recording).map_err(failed)?;
-        let tick = arguments.machine.tick().unwrap_or_else(|| natural_tick(&part.recording));
-        let mut onward = Onward::<N>::new(&file.machine, entry, file.load_source, tick);
-        bar.aside(|| console.detail(format_args!("read: the first {} rows", part.recording.rows())));
-        let mut out = Target::new(&arguments.out, console)?;
-        loop {
-            let advance = onward.part(&part).map_err(failed)?;
-            let (replaced, added) = columns(&part.recording, &advance.trajectory);
-            out.write(&part.recording.csv_rows(advance.rows, &replaced, &added)?)?;
-            parts.forget_before(advance.next_from);
-            let Some(next) = parts.read_next()? else { break };
-            notes.extend(input::own_notes(&next.recording));
-            part = next;
-        }
-        out.finish()
-    };
-    let done = simulate();
+    let done = each_part::<N>(arguments, path, console, &bar);
     bar.finish_and_clear();
-    for note in notes {
-        console.note(note);
-    }
     done
 }
 
-/// Where the rows of a text go.
-enum Target<'c, 'o> {
-    File(Begun, PathBuf),
-    Standard(&'c mut Console<'o>),
+fn each_part<N: Scalar<Real = f64>>(
+    arguments: &Arguments,
+    path: &Path,
+    console: &mut Console<'_>,
+    bar: &Progress,
+) -> Result<(), CliError> {
+    let (file, channels) = arguments.machine.read()?;
+    // Another handle on the same file tells how far it is read; a pipe does not know.
+    let read = OnceCell::new();
+    let mut parts = recording::in_parts(path, &channels, |file| {
+        if let Ok(same) = file.try_clone() {
+            let _ = read.set(same);
+        }
+        file
+    })?;
+    let mut part = parts.read_next()?.expect("a text without rows is an error");
+    bar.aside(|| {
+        for note in input::notes(&part.recording, &file.machine).chain(starts_anywhere(&part.recording)) {
+            console.note(note);
+        }
+        console.detail(format_args!("read: the first {} rows", part.recording.rows()));
+    });
+    let failed = |cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause };
+    let entry = first_entry(file.machine.source, &part.recording).map_err(failed)?;
+    let tick = arguments.machine.tick().unwrap_or_else(|| natural_tick(&part.recording));
+    let mut onward = Onward::<N>::new(&file.machine, entry, file.load_source, tick);
+    let mut out = Target::new(&arguments.out)?;
+    loop {
+        let advance = onward.part(&part).map_err(failed)?;
+        let (replaced, added) = columns(&part.recording, &advance.trajectory);
+        let text = part.recording.csv_rows(&arguments.out, advance.rows, &replaced, &added)?;
+        bar.aside(|| out.write(&text, console))?;
+        if let Some(bytes) = read.get().and_then(|mut file: &File| file.stream_position().ok()) {
+            bar.reach(bytes);
+        }
+        parts.forget_before(advance.next_from);
+        let Some(next) = parts.read_next()? else { break };
+        bar.aside(|| input::own_notes(&next.recording).for_each(|note| console.note(note)));
+        part = next;
+    }
+    out.finish()
 }
 
-impl<'c, 'o> Target<'c, 'o> {
-    fn new(path: &Path, console: &'c mut Console<'o>) -> Result<Self, CliError> {
+/// Where the rows of a text go.
+enum Target {
+    File(Begun, PathBuf),
+    Standard,
+}
+
+impl Target {
+    fn new(path: &Path) -> Result<Self, CliError> {
         if is_standard_output(path) {
-            return Ok(Target::Standard(console));
+            return Ok(Target::Standard);
         }
         let begun = Begun::new(path).map_err(|cause| CliError::Write { path: path.to_owned(), cause })?;
         Ok(Target::File(begun, path.to_owned()))
     }
 
-    fn write(&mut self, text: &[u8]) -> Result<(), CliError> {
+    fn write(&mut self, text: &[u8], console: &mut Console<'_>) -> Result<(), CliError> {
         match self {
             Target::File(begun, path) => {
                 begun.write_all(text).map_err(|cause| CliError::Write { path: path.clone(), cause })
             }
-            Target::Standard(_) if text.is_empty() => Ok(()),
-            Target::Standard(console) => console.print(String::from_utf8_lossy(text).trim_end()),
+            Target::Standard if text.is_empty() => Ok(()),
+            Target::Standard => console.print(String::from_utf8_lossy(text).trim_end()),
         }
     }
 
     fn finish(self) -> Result<(), CliError> {
         match self {
             Target::File(begun, path) => begun.finish().map_err(|cause| CliError::Write { path, cause }),
-            Target::Standard(_) => Ok(()),
+            Target::Standard => Ok(()),
         }
     }
 }
@@ -212,7 +232,7 @@ fn written(
     console: &mut Console<'_>,
 ) -> Result<(), CliError> {
     if is_standard_output(out) {
-        let text = recording.csv_rows(0..recording.rows(), replaced, added)?;
+        let text = recording.csv_rows(out, 0..recording.rows(), replaced, added)?;
         return console.print(String::from_utf8_lossy(&text).trim_end());
     }
     Ok(recording.write(out, replaced, added)?)

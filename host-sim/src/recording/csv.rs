@@ -12,7 +12,7 @@ use super::channels::ChannelMap;
 use super::columns::{Offer, assign};
 use super::error::RecordingError;
 use super::lines::{Cells, Line, Lines, Splitter, detect_separator, most_rows, parse_number};
-use super::{At, Column, LeftOut, Note, Recording, Signal, twincat};
+use super::{At, Column, LeftOut, Note, Recording, Signal, gaps, twincat};
 use std::io::Read;
 
 /// Reads a text from anywhere; `name` stands for the file in messages.
@@ -68,7 +68,16 @@ impl<R: Read> Opened<R> {
             left_out: LeftOut::default(),
         };
         let (ignored, notes) = (assignment.ignored, assignment.notes);
-        Ok(Opened::Rows(Box::new(Reader { lines, splitter, table, ignored, notes, western: None, is_at_end: false })))
+        Ok(Opened::Rows(Box::new(Reader {
+            lines,
+            splitter,
+            table,
+            ignored,
+            notes,
+            western: None,
+            told_gaps: 0,
+            is_at_end: false,
+        })))
     }
 }
 
@@ -83,13 +92,15 @@ pub(super) struct Reader<R> {
     notes: Vec<Note>,
     /// The first line of the whole text that is Windows-1252, once that was told.
     western: Option<usize>,
+    /// The row up to which gaps were told.
+    told_gaps: usize,
     is_at_end: bool,
 }
 
 impl<R: Read> Reader<R> {
-    /// Reads on until so many rows are held, or to the end.
+    /// Reads on until so many rows are held, two of them to be used at least, or to the end.
     pub(super) fn read_on(&mut self, rows: usize) -> Result<(), RecordingError> {
-        while self.table.kept() < rows {
+        while self.table.held() < rows || self.table.kept() < 2 {
             let Some(line) = self.lines.next()? else {
                 self.is_at_end = true;
                 break;
@@ -109,21 +120,27 @@ impl<R: Read> Reader<R> {
         self.is_at_end
     }
 
-    /// Rows that are held.
-    pub(super) fn kept(&self) -> usize {
-        self.table.kept()
+    /// Rows that are held, those left out among them.
+    pub(super) fn rows_held(&self) -> usize {
+        self.table.held()
     }
 
     /// Forgets the rows before this one.
     pub(super) fn forget_before(&mut self, row: usize) {
+        let row = row.min(self.table.kept());
         self.table.forget_before(row);
+        self.told_gaps = self.told_gaps.saturating_sub(row);
     }
 
-    /// The rows that are held, with what there is to say of those read since the last time.
+    /// The rows that are held. What is noted was not noted before; how many rows were left out, once all were read.
     pub(super) fn held(&mut self) -> Result<Recording, RecordingError> {
         let columns = self.table.columns.iter().map(|(_, column)| column.clone()).collect();
         let (left_out, ignored) = (self.table.left_out.clone(), self.ignored.clone());
-        self.recording(columns, left_out, ignored)
+        let told = std::mem::replace(&mut self.told_gaps, self.table.kept().saturating_sub(1));
+        let mut recording = self.recording(columns, left_out, ignored)?;
+        recording.notes.retain(|note| !matches!(note, Note::Gaps { .. }));
+        recording.notes.extend(gaps(&recording.time_s()[told..]));
+        Ok(recording)
     }
 
     /// All of it, once it has been read to its end.
@@ -148,9 +165,11 @@ impl<R: Read> Reader<R> {
             self.western = self.lines.western();
             notes.extend(self.western.map(|line| Note::ReadAsWindows1252 { first: At::Line(line) }));
         }
-        let (repeated, incomplete) = (self.table.repeated.take(), self.table.incomplete.take());
-        notes.extend(repeated.map(|(rows, line)| Note::DuplicateTimes { rows, first: At::Line(line) }));
-        notes.extend(incomplete.map(|(rows, line)| Note::IncompleteRows { rows, first: At::Line(line) }));
+        if self.is_at_end {
+            let Table { repeated, incomplete, .. } = self.table;
+            notes.extend(repeated.map(|(rows, line)| Note::DuplicateTimes { rows, first: At::Line(line) }));
+            notes.extend(incomplete.map(|(rows, line)| Note::IncompleteRows { rows, first: At::Line(line) }));
+        }
         let mut recording = Recording::assemble(self.lines.file_name(), columns, ignored, notes);
         recording.left_out = left_out;
         Ok(recording)
@@ -174,7 +193,12 @@ struct Table {
 }
 
 impl Table {
-    /// Rows that are held, without those left out.
+    /// Rows that are held.
+    fn held(&self) -> usize {
+        self.kept() + self.left_out.after.len()
+    }
+
+    /// The same without those left out.
     fn kept(&self) -> usize {
         self.columns.first().map_or(0, |(_, time)| time.values.len())
     }
@@ -196,7 +220,7 @@ impl Table {
             return Err(RecordingError::RaggedRow { place: line.whole(), found: cells.len(), expected: self.width });
         }
         let most = most_rows(self.columns.len());
-        if self.kept() + self.left_out.after.len() == most {
+        if self.held() == most {
             return Err(RecordingError::TooManyRows { place: line.whole(), most });
         }
         self.row.clear();

@@ -127,30 +127,30 @@ pub fn read_from(name: &str, input: impl Read, map: &ChannelMap) -> Result<Recor
     }
 }
 
-/// Reads a recording in parts of [`PART_ROWS`] rows, through a reader that is laid around the file.
+/// Reads a recording in parts of some [`PART_ROWS`] rows, through a reader that is laid around the file.
 ///
 /// # Errors
 /// As in [`read`], as far as the header of a text; what is no text is read here.
-pub fn in_parts<R: Read>(
+pub fn in_parts<R: Read, A: FnOnce(File) -> R>(
     path: &Path,
     map: &ChannelMap,
-    around: impl FnOnce(File) -> R,
-) -> Result<Parts<FromItsStart<R>>, RecordingError> {
+    around: A,
+) -> Result<Parts<impl Read + use<R, A>>, RecordingError> {
     let name = path.display().to_string();
     let file = File::open(path).map_err(|source| RecordingError::Io { place: Place::file(&name), source })?;
     parts_of(&name, around(file), map, PART_ROWS)
 }
 
-/// The same from anywhere, in parts of so many rows.
-pub fn parts_of<R: Read>(
+/// The same from anywhere, in parts of some `usual_rows`.
+pub(crate) fn parts_of<R: Read>(
     name: &str,
     input: R,
     map: &ChannelMap,
-    most_rows: usize,
-) -> Result<Parts<FromItsStart<R>>, RecordingError> {
+    usual_rows: usize,
+) -> Result<Parts<impl Read + use<R>>, RecordingError> {
     match opened(name, input)? {
         (Format::Text, text) => match csv::Opened::new(name, text, map) {
-            Ok(text) => Ok(Parts::of_text(text, most_rows)),
+            Ok(text) => Ok(Parts::of_text(text, usual_rows)),
             Err(error) => Err(of_its_name(name, error)),
         },
         (format, packed) => unpacked(name, format, packed, map).map(Parts::whole),
@@ -158,7 +158,7 @@ pub fn parts_of<R: Read>(
 }
 
 /// What was read of a file to tell its format, and the rest of it.
-pub type FromItsStart<R> = Chain<Cursor<Vec<u8>>, R>;
+type FromItsStart<R> = Chain<Cursor<Vec<u8>>, R>;
 
 /// The format that a file shows, and all of it.
 fn opened<R: Read>(name: &str, mut input: R) -> Result<(Format, FromItsStart<R>), RecordingError> {

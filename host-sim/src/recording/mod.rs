@@ -37,9 +37,9 @@ mod write;
 pub(crate) use channels::nearest_signal;
 pub use channels::{ChannelMap, MapError, Mapping, Scale};
 pub use error::RecordingError;
-pub use format::{
-    Format, FromItsStart, MAX_BINARY_BYTES, MAX_UNPACKED_BYTES, in_parts, parts_of, read, read_from, read_through,
-};
+#[cfg(test)]
+pub(crate) use format::parts_of;
+pub use format::{Format, MAX_BINARY_BYTES, MAX_UNPACKED_BYTES, in_parts, read, read_from, read_through};
 pub use lines::{MAX_COLUMNS, MAX_LINE_BYTES, MAX_ROWS, MAX_SKIPPED_LINES, MAX_VALUES};
 pub use parts::{PART_ROWS, Part, Parts};
 pub use signal::Signal;
@@ -234,13 +234,7 @@ impl Recording {
 
     /// A recording of columns that are known to be right.
     fn assemble(path: &str, columns: Vec<Column>, ignored: Vec<String>, mut notes: Vec<Note>) -> Self {
-        let time_s = &columns[0].values;
-        let usual = median_interval(time_s);
-        let gaps = time_s.windows(2).filter(|pair| pair[1] - pair[0] > 10.0 * usual);
-        let longest = gaps.clone().max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
-        if let Some(&[before, after]) = longest {
-            notes.push(Note::Gaps { count: gaps.count(), longest_s: after - before, at_s: before });
-        }
+        notes.extend(gaps(&columns[0].values));
         Self { path: path.to_owned(), columns, ignored, notes, left_out: LeftOut::default() }
     }
 
@@ -362,6 +356,14 @@ impl Recording {
         let value = values.first().copied().unwrap_or_default();
         Err(RecordingError::ConstantSignal { place: Place::file(&self.path), signal, value })
     }
+}
+
+/// What is to be noted of intervals that are longer than usual.
+fn gaps(time_s: &[f64]) -> Option<Note> {
+    let usual = median_interval(time_s);
+    let gaps = time_s.windows(2).filter(|pair| pair[1] - pair[0] > 10.0 * usual);
+    let longest = gaps.clone().max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))?;
+    Some(Note::Gaps { count: gaps.count(), longest_s: longest[1] - longest[0], at_s: longest[0] })
 }
 
 /// The median difference of neighbours; NaN without any.

@@ -29,15 +29,16 @@ impl Recording {
 
     /// Rows of the text that [`Self::write_csv`] writes, by their places in this recording; its header comes before the first.
     ///
-    /// A row that was left out comes with the one after it, at the end of the recording with the last. Series have to reach as far as
-    /// the rows.
+    /// A row that was left out comes with the one after it, at the end of the recording with the last. Series end where the rows do;
+    /// `path` stands for the file in messages.
     pub fn csv_rows(
         &self,
+        path: &Path,
         rows: Range<usize>,
         replaced: &[Series<'_>],
         added: &[Series<'_>],
     ) -> Result<Vec<u8>, RecordingError> {
-        let (path, mut text) = (Path::new("the text"), Vec::new());
+        let mut text = Vec::new();
         let reaching: Vec<Series<'_>> = replaced.iter().chain(added).copied().collect();
         Self::check(path, rows.end, &reaching)?;
         let sheet = self.sheet(replaced, added);

@@ -5,7 +5,7 @@ use model_core::machine::Tick;
 use super::SimulateError;
 use crate::recording::Recording;
 
-/// Most ticks of one simulation: 14 hours at 1 kHz.
+/// Most ticks of one simulation, or of a part of one: 14 hours at 1 kHz.
 const MAX_TICKS: usize = 50_000_000;
 
 /// Where the grid of a recording begins.

@@ -149,9 +149,9 @@ impl Trajectory {
         self.series.iter().find(|(found, _)| *found == signal).map(|(_, values)| values.as_slice())
     }
 
-    /// No rows of these signals yet.
-    fn of(signals: &[Signal]) -> Self {
-        Self { series: signals.iter().map(|&signal| (signal, Vec::new())).collect() }
+    /// No rows of these signals yet, and room for so many.
+    fn of(signals: &[Signal], rows: usize) -> Self {
+        Self { series: signals.iter().map(|&signal| (signal, Vec::with_capacity(rows))).collect() }
     }
 
     /// How many rows it has.
@@ -356,7 +356,7 @@ pub fn simulate_told<N: Scalar<Real = f64>>(
     offset: StartOffset<f64>,
     told: &dyn Fn(usize),
 ) -> Result<Trajectory, MachineError> {
-    let mut trajectory = Trajectory::of(computed_below(stimulus.entry));
+    let mut trajectory = Trajectory::of(computed_below(stimulus.entry), stimulus.rows());
     run::<N>(machine, stimulus, offset, |row, sample| {
         trajectory.push(|signal| sample.signal(signal));
         if (row + 1) % ROWS_TOLD == 0 {

@@ -21,8 +21,9 @@ const OVERLAP: usize = 1000;
 
 /// A simulation that goes on from part to part of a recording.
 ///
-/// Where the chain is entered at a command, every value is that of a simulation of the whole, to the last bit. What is found out about
-/// a recording (rows in which a sensor failed, how noisy its pressures are) is found out about each part by itself.
+/// Every value is that of a simulation of the whole, to the last bit, but for what is found out about a recording, which is found out about
+/// each part by itself: rows in which a sensor failed, and how noisy pressures are that the load balances. A failure that lasts beyond
+/// what two parts have in common is bridged in each as if it were at an end of the recording.
 #[derive(Debug)]
 pub struct Onward<N: Scalar<Real = f64>> {
     machine: Machine<f64>,
@@ -64,7 +65,7 @@ impl<N: Scalar<Real = f64>> Onward<N> {
         let recording = &part.recording;
         let (origin, mut trajectory) = match &self.going {
             Some(going) => (going.origin, going.tail.clone()),
-            None => (Origin::of(recording), Trajectory::of(computed_below(self.entry))),
+            None => (Origin::of(recording), Trajectory::of(computed_below(self.entry), recording.rows())),
         };
         let begun = trajectory.rows();
         let mended = Mended::of(recording);
@@ -94,77 +95,129 @@ impl<N: Scalar<Real = f64>> Onward<N> {
 #[cfg(test)]
 mod tests {
     use std::fmt::Write;
+    use std::path::Path;
 
     use model_core::fixed_point::PerUnit;
+    use model_core::machine::Source;
+    use model_core::parameter::Parameter;
 
     use super::*;
     use crate::press::press;
-    use crate::recording::{ChannelMap, Parts, parts_of, read_from};
+    use crate::recording::{At, ChannelMap, Note, Parts, Recording, Signal, parts_of, read_from};
     use crate::simulate::simulate;
 
-    /// A recording of so many rows at such intervals, as a text; some rows stand twice, and some have an empty cell.
-    fn text(rows: usize, interval_s: impl Fn(usize) -> f64) -> String {
-        let mut time_s = 3.0;
-        let mut text = String::from("time [s],command [V],position [mm],oil_temperature [°C]\n");
+    /// What a recording has beside its time: the column that drives it, and what acts on it all along.
+    const DRIVEN: [(EntryPoint, &str); 4] = [
+        (EntryPoint::Command, "command [V]"),
+        (EntryPoint::Slider, "spool"),
+        (EntryPoint::Flow, "flow [l/min]"),
+        (EntryPoint::Pump, "pump_speed [rpm]"),
+    ];
+
+    /// A recording of so many rows at such intervals, as a text. Every seventh row stands twice, with another after it that has an empty
+    /// cell: whatever row a part begins or ends with, some do so beside one that is left out.
+    fn text(rows: usize, driven_by: &str, interval_s: impl Fn(usize) -> f64) -> String {
+        let (mut time_s, mut text) =
+            (3.0, format!("time [s],{driven_by},position [mm],oil_temperature [°C],load_force [N]\n"));
+        let largest = if driven_by.starts_with("pump") { 900.0 } else { 0.6 };
         for row in 0..rows {
-            let volts = 6.0 * (0.003 * row as f64).sin();
-            writeln!(text, "{time_s:.7},{volts:.3},150.0,{:.2}", 40.0 + 1e-3 * row as f64).unwrap();
-            if row % 1234 == 7 {
-                writeln!(text, "{time_s:.7},1,2,3\n{:.7},,2,3", time_s + 1e-5).unwrap();
+            let (drive, force) = (largest * (0.003 * row as f64).sin(), 2e3 * (0.001 * row as f64).cos());
+            writeln!(text, "{time_s:.7},{drive:.4},150.0,{:.2},{force:.1}", 40.0 + 1e-3 * row as f64).unwrap();
+            if row % 7 == 3 {
+                writeln!(text, "{time_s:.7},1,2,3,4\n{:.7},,2,3,4", time_s + 1e-5).unwrap();
             }
             time_s += interval_s(row);
         }
         text
     }
 
-    fn parts(text: &str, most_rows: usize) -> Parts<impl std::io::Read> {
-        parts_of("run.csv", text.as_bytes(), &ChannelMap::default(), most_rows).unwrap()
+    fn parts(text: &str, usual_rows: usize) -> Parts<impl std::io::Read> {
+        parts_of("run.csv", text.as_bytes(), &ChannelMap::default(), usual_rows).unwrap()
+    }
+
+    /// Rows of a text with every signal in it.
+    fn written(recording: &Recording, rows: Range<usize>, trajectory: &Trajectory) -> String {
+        let series: Vec<_> = trajectory.series.iter().map(|(signal, values)| (*signal, values.as_slice())).collect();
+        String::from_utf8(recording.csv_rows(Path::new("out.csv"), rows, &series, &series).unwrap()).unwrap()
     }
 
     /// What is simulated in parts and written is what is simulated and written as a whole.
-    fn as_a_whole<N: Scalar<Real = f64>>(text: &str, tick: Tick) {
-        let machine = press(&[]);
+    fn as_a_whole<N: Scalar<Real = f64>>(text: &str, entry: EntryPoint, tick: Tick) {
+        let further = [(Parameter::ViscosityLossPerKelvin, 0.03), (Parameter::CoulombFriction, 300.0)];
+        let mut machine = press(&further);
+        if entry == EntryPoint::Pump {
+            machine.source = Source::Pump;
+        }
         let whole = read_from("run.csv", text.as_bytes(), &ChannelMap::default()).unwrap();
-        let (entry, load) = (EntryPoint::Command, LoadSource::Constant);
+        let load = LoadSource::Constant;
         let stimulus = Stimulus::new(&whole, &machine, entry, load, tick).unwrap();
-        let expected = simulate::<N>(&machine, &stimulus, StartOffset::none()).unwrap();
-        let all = |trajectory: &Trajectory| -> Vec<_> { trajectory.series.clone() };
-        let series = all(&expected);
-        let written: Vec<_> = series.iter().map(|(signal, values)| (*signal, values.as_slice())).collect();
-        let expected = String::from_utf8(whole.csv_rows(0..whole.rows(), &written, &written[..1]).unwrap()).unwrap();
+        let simulated = simulate::<N>(&machine, &stimulus, StartOffset::none()).unwrap();
+        let position = simulated.signal(Signal::Position).unwrap();
+        assert!(position.iter().any(|there| (there - position[0]).abs() > 1e-4), "{entry:?} moves the rod");
+        let expected = written(&whole, 0..whole.rows(), &simulated);
 
-        for most_rows in [2500, 4001, 100_000] {
-            let (mut parts, mut onward) = (parts(text, most_rows), Onward::<N>::new(&machine, entry, load, tick));
+        for usual_rows in [3500, 5003, 100_000] {
+            let (mut parts, mut onward) = (parts(text, usual_rows), Onward::<N>::new(&machine, entry, load, tick));
             let (mut found, mut count) = (String::new(), 0);
             while let Some(part) = parts.read_next().unwrap() {
                 let advance = onward.part(&part).unwrap();
-                let series = all(&advance.trajectory);
-                let written: Vec<_> = series.iter().map(|(signal, values)| (*signal, values.as_slice())).collect();
-                let rows = part.recording.csv_rows(advance.rows, &written, &written[..1]).unwrap();
-                found += &String::from_utf8(rows).unwrap();
+                found += &written(&part.recording, advance.rows, &advance.trajectory);
                 parts.forget_before(advance.next_from);
                 count += 1;
             }
-            assert_eq!(count > 1, most_rows < 10_000, "{most_rows} rows a part");
-            assert!(found == expected, "{most_rows} rows a part");
+            assert_eq!(count > 1, usual_rows < 10_000, "{usual_rows} rows a part");
+            assert!(found == expected, "{entry:?}, {usual_rows} rows a part");
         }
     }
 
     #[test]
     fn in_parts_a_recording_is_simulated_and_written_as_a_whole() {
-        let every_tick = text(10_000, |_| 1e-3);
-        as_a_whole::<f64>(&every_tick, Tick::OneMillisecond);
-        as_a_whole::<PerUnit>(&every_tick, Tick::TwoMilliseconds);
-        // Faster than the tick, slower, and uneven with gaps: no row lies on a point but by chance.
-        as_a_whole::<PerUnit>(&text(10_000, |_| 1.3e-4), Tick::HalfMillisecond);
-        as_a_whole::<f64>(&text(6_000, |_| 7.1e-3), Tick::OneMillisecond);
-        let uneven = |row: usize| 1e-4 * (1 + row * 7919 % 23) as f64 + if row % 999 == 500 { 0.25 } else { 0.0 };
-        as_a_whole::<PerUnit>(&text(9_000, uneven), Tick::OneMillisecond);
+        for (entry, driven_by) in DRIVEN {
+            as_a_whole::<f64>(&text(7_000, driven_by, |_| 1e-3), entry, Tick::OneMillisecond);
+            // Faster than the tick, slower, and uneven with gaps: no row lies on a point but by chance.
+            as_a_whole::<PerUnit>(&text(9_000, driven_by, |_| 2.3e-4), entry, Tick::HalfMillisecond);
+            as_a_whole::<f64>(&text(4_000, driven_by, |_| 7.1e-3), entry, Tick::TwoMilliseconds);
+            let uneven = |row: usize| 1e-4 * (1 + row * 7919 % 23) as f64 + if row % 999 == 500 { 0.25 } else { 0.0 };
+            as_a_whole::<PerUnit>(&text(7_000, driven_by, uneven), entry, Tick::OneMillisecond);
+        }
+    }
+
+    #[test]
+    fn rows_that_are_left_out_take_no_more_memory_than_others() {
+        let mut text = String::from("time [ms],command [V]\n");
+        for row in 0..100_000 {
+            writeln!(text, "{},1", row / 50).unwrap();
+        }
+        let mut parts = parts(&text, 3_000);
+        let mut onward =
+            Onward::<f64>::new(&press(&[]), EntryPoint::Command, LoadSource::Constant, Tick::OneMillisecond);
+        let (mut rows, mut notes) = (0, Vec::new());
+        while let Some(part) = parts.read_next().unwrap() {
+            let advance = onward.part(&part).unwrap();
+            rows += advance.rows.len();
+            parts.forget_before(advance.next_from);
+            notes.extend(part.recording.notes().to_vec());
+        }
+        assert_eq!(rows, 2_000);
+        assert_eq!(notes, [Note::DuplicateTimes { rows: 98_000, first: At::Line(3) }], "said once, of all");
+    }
+
+    #[test]
+    fn a_gap_is_noted_once() {
+        let text = text(9_000, "command [V]", |row| if row == 4_000 { 0.5 } else { 1e-3 });
+        let mut parts = parts(&text, 3_000);
+        let mut gaps = Vec::new();
+        while let Some(part) = parts.read_next().unwrap() {
+            parts.forget_before(part.recording.rows() / 2);
+            let is_gap = |note: &&Note| matches!(note, Note::Gaps { .. });
+            gaps.extend(part.recording.notes().iter().filter(is_gap).cloned());
+        }
+        assert!(matches!(gaps.as_slice(), [Note::Gaps { count: 1, .. }]), "{gaps:?}");
     }
 
     #[test]
     fn a_part_with_fewer_rows_than_two_have_in_common_only_waits_for_more() {
-        let text = text(6_000, |_| 1e-3);
+        let text = text(6_000, "command [V]", |_| 1e-3);
         let mut parts = parts(&text, 300);
         let mut onward =
             Onward::<f64>::new(&press(&[]), EntryPoint::Command, LoadSource::Constant, Tick::OneMillisecond);
@@ -179,11 +232,12 @@ mod tests {
 
     #[test]
     fn an_error_in_a_later_part_names_its_line() {
-        let text = text(5_000, |_| 1e-3) + "8.0,far,1,2\n";
-        let mut parts = parts(&text, 3_000);
+        let text = text(5_000, "command [V]", |_| 1e-3) + "8.0,far,1,2,3\n";
+        let mut parts = parts(&text, 4_000);
         assert!(!parts.read_next().unwrap().unwrap().is_last);
-        parts.forget_before(2_900);
+        parts.forget_before(usize::MAX);
         let told = parts.read_next().map(|part| part.map(|part| part.recording.rows())).unwrap_err().to_string();
-        assert!(told.contains("run.csv:5012") && told.contains("far"), "{told}");
+        let line = 1 + 5_000 + 2 * 714 + 1;
+        assert!(told.contains(&format!("run.csv:{line}")) && told.contains("far"), "{told}");
     }
 }

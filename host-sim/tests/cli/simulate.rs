@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{MACHINE, done, example, folder_with};
+use super::{MACHINE, done, example, folder_with, refused};
 
 /// Header and rows of numbers.
 fn table(path: &Path) -> (String, Vec<Vec<f64>>) {
@@ -108,6 +108,34 @@ fn a_recording_of_the_command_alone_gets_every_signal() {
         "time [ms],command [V],spool [1],position [m],velocity [m/s],pressure_a [Pa],pressure_b [Pa],flow [m3/s],force [N]"
     );
     assert!(rows[2][3] > rows[0][3], "4 V extends");
+}
+
+/// A recording of more rows than are held at once.
+fn more_than_a_part() -> String {
+    let volts = |row: usize| if row % 1000 < 500 { 2 } else { -2 };
+    let rows: Vec<String> = (0..600_000).map(|row| format!("{row},{}\n", volts(row))).collect();
+    format!("time [ms],command [V]\n{}", rows.concat())
+}
+
+#[test]
+fn standard_output_gets_what_a_file_gets_of_more_rows_than_are_held() {
+    let folder = folder_with(MACHINE, &more_than_a_part());
+    let simulate = |out| ["simulate", "--machine", "machine.toml", "--recording", "run.csv", "--out", out];
+    let printed = done(folder.path(), &simulate("-"));
+    done(folder.path(), &simulate("out.csv"));
+    assert_eq!(printed.lines().count(), 600_001);
+    assert!(printed == std::fs::read_to_string(folder.path().join("out.csv")).unwrap());
+}
+
+#[test]
+fn an_error_beyond_what_is_held_leaves_the_old_file() {
+    let folder = folder_with(MACHINE, &(more_than_a_part() + "600000,far\n"));
+    let out = folder.path().join("out.csv");
+    std::fs::write(&out, "old").unwrap();
+    let arguments = ["--quiet", "simulate", "--machine", "machine.toml", "--recording", "run.csv", "--out", "out.csv"];
+    let message = refused(folder.path(), &arguments);
+    assert!(message.contains("run.csv:600002") && message.contains("far"), "{message}");
+    assert_eq!(std::fs::read_to_string(&out).unwrap(), "old");
 }
 
 #[cfg(unix)]
