@@ -4,6 +4,8 @@ use std::error::Error;
 use std::fmt::Write;
 use std::path::Path;
 
+use host_sim::excerpt::AFFORDABLE_TICKS;
+
 use crate::child::{self, Took};
 use crate::machine;
 use crate::page::{Part, table};
@@ -12,10 +14,9 @@ use crate::page::{Part, table};
 const EFFECT: (&str, &str) = ("internal-leakage", "2e-12");
 /// Lengths of the one training recording, s.
 const LENGTHS_S: [u32; 5] = [10, 30, 120, 600, 3600];
-/// Numbers of training recordings of 10 s.
+/// Numbers of training recordings of so many seconds.
 const COUNTS: [u32; 6] = [1, 2, 4, 8, 30, 100];
-/// Training recordings that are longer together are searched on their first parts, s.
-const SEARCHED_WHOLE_S: u32 = 240;
+const COUNTED_S: u32 = 10;
 /// The fit alone is of the shipped case.
 const SHIPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/press-63-40");
 
@@ -64,9 +65,10 @@ fn exponent(points: &[(f64, f64)]) -> f64 {
     above / below
 }
 
-/// The exponent among the sizes that are searched whole, and among all.
-fn exponents(points: &[(f64, f64)], most: u32) -> (f64, f64) {
-    let whole: Vec<(f64, f64)> = points.iter().copied().filter(|(size, _)| *size <= f64::from(most)).collect();
+/// The exponent among the sizes that are searched whole, and among all; a size is so many seconds at 1 kHz.
+fn exponents(points: &[(f64, f64)], seconds: u32) -> (f64, f64) {
+    let is_whole = |(size, _): &(f64, f64)| 1e3 * size * f64::from(seconds) <= AFFORDABLE_TICKS as f64;
+    let whole: Vec<(f64, f64)> = points.iter().copied().filter(is_whole).collect();
     (exponent(&whole), exponent(points))
 }
 
@@ -87,13 +89,13 @@ pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
     let (mut by_count, mut faster) = (Vec::new(), Vec::new());
     for count in COUNTS {
         let folder = scratch.join(format!("count-{count}"));
-        case(&folder, count, 10)?;
+        case(&folder, count, COUNTED_S)?;
         let [one, two] = [1, 2].map(|threads| diagnosed(&folder, scratch, threads));
         let (one, two) = (one?, two?);
         by_count.push((f64::from(count), one.computed_s));
         faster.push(format!("{:.2} ({count})", one.wall_s / two.wall_s));
-        lines.push(line(format!("{count} of 10 s, one thread"), &one));
-        lines.push(line(format!("{count} of 10 s, two threads"), &two));
+        lines.push(line(format!("{count} of {COUNTED_S} s, one thread"), &one));
+        lines.push(line(format!("{count} of {COUNTED_S} s, two threads"), &two));
     }
     lines.push(line("the shipped case, two threads".to_owned(), &diagnosed(Path::new(SHIPPED), scratch, 2)?));
     let recordings: Vec<String> = (1..=4).map(|index| format!("{SHIPPED}/train-{index}.csv")).collect();
@@ -117,8 +119,7 @@ pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
     )?;
     let head = ["what", "s", "s, of all threads", "most memory, MB", "the effect"];
     writeln!(part.text, "{}", table(&head, &lines))?;
-    let ((length, length_all), (count, count_all)) =
-        (exponents(&by_length, SEARCHED_WHOLE_S), exponents(&by_count, SEARCHED_WHOLE_S / 10));
+    let ((length, length_all), (count, count_all)) = (exponents(&by_length, 1), exponents(&by_count, COUNTED_S));
     writeln!(
         part.text,
         "Computing time grows with recorded length to the power {length:.2} as far as it is searched whole ({length_all:.2} up to an hour), with the number of\n\

@@ -331,8 +331,8 @@ fn decide(question: &Question<'_>, selection: &mut Selection, held: &[&Prepared]
 /// that was vetoed.
 fn finding(chosen: &Chosen, selection: &Selection, vetoed: &[&'static Hypothesis]) -> Finding {
     let count = selection.chosen.effects.len();
-    let is_open = |set: &&Trial| set.effects.iter().all(|effect| vetoed.iter().all(|other| other.name != effect.name));
-    let sets: Vec<&Trial> = selection.rounds.get(count - 1).into_iter().flatten().filter(is_open).collect();
+    let round = selection.rounds.get(count - 1).into_iter().flatten();
+    let sets: Vec<&Trial> = round.filter(|set| !set.has_any(vetoed)).collect();
     let largest = sets.iter().map(|set| set.net).fold(0.0, f64::max);
     // No effect at all stands against them with a net gain of 0.
     let total: f64 = sets.iter().map(|set| (set.net - largest).exp()).sum::<f64>() + (-largest).exp();

@@ -149,8 +149,7 @@ fn rivals(diagnosis: &Diagnosis) -> Vec<Pair> {
         };
         let mut found: Vec<(f64, Pair)> = Vec::new();
         let mut nearest: Option<(f64, Pair)> = None;
-        let vetoed = |effect: &Hypothesis| diagnosis.not_confirmed.iter().any(|other| other.name == effect.name);
-        for trial in round.iter().filter(instead).filter(|trial| !trial.effects.iter().any(|effect| vetoed(effect))) {
+        for trial in round.iter().filter(instead).filter(|trial| !trial.has_any(&diagnosis.not_confirmed)) {
             let Some(rival) = trial.effects.iter().find(|effect| !chosen.contains(&effect.name)) else { continue };
             let confidence = confidence(finding, rival);
             // Without any of these, the one that came nearest.

@@ -56,6 +56,13 @@ pub struct Trial {
     pub machine: Machine<f64>,
 }
 
+impl Trial {
+    /// Whether any of these effects is in it.
+    pub(crate) fn has_any(&self, effects: &[&Hypothesis]) -> bool {
+        self.effects.iter().any(|own| effects.iter().any(|effect| effect.name == own.name))
+    }
+}
+
 /// The outcome of the selection: on training recordings, and what held-out ones left of it.
 #[derive(Clone, Debug)]
 pub struct Selection {

@@ -233,7 +233,7 @@ fn written(
 ) -> Result<(), CliError> {
     if is_standard_output(out) {
         let text = recording.csv_rows(out, 0..recording.rows(), replaced, added)?;
-        return console.print(String::from_utf8_lossy(&text).trim_end());
+        return Target::Standard.write(&text, console);
     }
     Ok(recording.write(out, replaced, added)?)
 }

@@ -11,38 +11,26 @@
 use super::channels::ChannelMap;
 use super::columns::{Offer, assign};
 use super::error::RecordingError;
-use super::lines::{Cells, Line, Lines, Splitter, detect_separator, most_rows, parse_number};
+use super::lines::{Cells, Line, Lines, Splitter, most_rows, parse_number};
 use super::{At, Column, LeftOut, Note, Recording, Signal, gaps, twincat};
 use std::io::Read;
 
-/// Reads a text from anywhere; `name` stands for the file in messages.
-pub(super) fn read_from(name: &str, input: impl Read, map: &ChannelMap) -> Result<Recording, RecordingError> {
-    match Opened::new(name, input, map)? {
-        Opened::Rows(mut reader) => {
-            reader.read_on(usize::MAX)?;
-            reader.whole()
-        }
-        Opened::Whole(recording) => Ok(recording),
-    }
-}
-
-/// A text whose header has been read.
+/// A recording whose header has been read.
+#[derive(Debug)]
 pub(super) enum Opened<R> {
     /// Its rows are read one after the other.
     Rows(Box<Reader<R>>),
-    /// An export whose channels have clocks of their own is read as a whole.
+    /// All of it: an export whose channels have clocks of their own, and what is no text, is read as a whole.
     Whole(Recording),
 }
 
 impl<R: Read> Opened<R> {
-    pub(super) fn new(name: &str, input: R, map: &ChannelMap) -> Result<Self, RecordingError> {
+    /// A text from anywhere; `name` stands for the file in messages.
+    pub(super) fn text(name: &str, input: R, map: &ChannelMap) -> Result<Self, RecordingError> {
         let mut lines = Lines::new(name, input);
         let file = lines.file();
-        let Some(header) = lines.next()? else {
-            return Err(RecordingError::Empty { place: file });
-        };
-        let separator = detect_separator(header.text);
-        let mut splitter = Splitter::new(separator);
+        let (header, mut splitter) = lines.header()?;
+        let separator = splitter.separator();
         let cells = splitter.split(header)?;
         if cells.get(0) == twincat::FIRST_CELL {
             let names = cells.iter().map(str::to_owned).collect();
@@ -78,6 +66,17 @@ impl<R: Read> Opened<R> {
             told_gaps: 0,
             is_at_end: false,
         })))
+    }
+
+    /// All of its rows.
+    pub(super) fn whole(self) -> Result<Recording, RecordingError> {
+        match self {
+            Opened::Rows(mut reader) => {
+                reader.read_on(usize::MAX)?;
+                reader.rest()
+            }
+            Opened::Whole(recording) => Ok(recording),
+        }
     }
 }
 
@@ -132,19 +131,17 @@ impl<R: Read> Reader<R> {
         self.told_gaps = self.told_gaps.saturating_sub(row);
     }
 
-    /// The rows that are held. What is noted was not noted before; how many rows were left out, once all were read.
+    /// The rows that are held, some of which a later part may have as well. What is noted was not noted before.
     pub(super) fn held(&mut self) -> Result<Recording, RecordingError> {
         let columns = self.table.columns.iter().map(|(_, column)| column.clone()).collect();
         let (left_out, ignored) = (self.table.left_out.clone(), self.ignored.clone());
-        let told = std::mem::replace(&mut self.told_gaps, self.table.kept().saturating_sub(1));
-        let mut recording = self.recording(columns, left_out, ignored)?;
-        recording.notes.retain(|note| !matches!(note, Note::Gaps { .. }));
-        recording.notes.extend(gaps(&recording.time_s()[told..]));
-        Ok(recording)
+        let recording = self.recording(columns, left_out, ignored);
+        self.told_gaps = self.table.kept().saturating_sub(1);
+        recording
     }
 
-    /// All of it, once it has been read to its end.
-    fn whole(mut self) -> Result<Recording, RecordingError> {
+    /// The same of a text that has been read to its end, of which there is no later part; and how many rows were left out in all.
+    pub(super) fn rest(mut self) -> Result<Recording, RecordingError> {
         let columns = std::mem::take(&mut self.table.columns).into_iter().map(|(_, column)| column).collect();
         let (left_out, ignored) = (std::mem::take(&mut self.table.left_out), std::mem::take(&mut self.ignored));
         self.recording(columns, left_out, ignored)
@@ -170,9 +167,8 @@ impl<R: Read> Reader<R> {
             notes.extend(repeated.map(|(rows, line)| Note::DuplicateTimes { rows, first: At::Line(line) }));
             notes.extend(incomplete.map(|(rows, line)| Note::IncompleteRows { rows, first: At::Line(line) }));
         }
-        let mut recording = Recording::assemble(self.lines.file_name(), columns, ignored, notes);
-        recording.left_out = left_out;
-        Ok(recording)
+        notes.extend(gaps(&columns[0].values[self.told_gaps..]));
+        Ok(Recording { path: self.lines.file_name().to_owned(), columns, ignored, notes, left_out })
     }
 }
 

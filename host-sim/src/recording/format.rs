@@ -3,13 +3,14 @@
 //! A name's extension decides nothing when reading: it only makes a message better. When writing it chooses the format.
 
 use super::channels::ChannelMap;
+use super::csv::Opened;
 use super::error::RecordingError;
 use super::unsupported::Unsupported;
-use super::{PART_ROWS, Parts, Recording, csv};
+use super::{PART_ROWS, Parts, Recording};
 use crate::diagnostic::Place;
 use std::fmt;
 use std::fs::File;
-use std::io::{Chain, Cursor, Read};
+use std::io::{self, Chain, Cursor, Read};
 use std::path::Path;
 
 /// Largest file of a format that is not text, in bytes: such a file is held in memory.
@@ -99,8 +100,7 @@ pub fn read_through<R: Read>(
     map: &ChannelMap,
     around: impl FnOnce(File) -> R,
 ) -> Result<Recording, RecordingError> {
-    let name = path.display().to_string();
-    let file = File::open(path).map_err(|source| RecordingError::Io { place: Place::file(&name), source })?;
+    let (name, file) = open(path)?;
     read_from(&name, around(file), map)
 }
 
@@ -121,10 +121,7 @@ pub fn read_through<R: Read>(
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read_from(name: &str, input: impl Read, map: &ChannelMap) -> Result<Recording, RecordingError> {
-    match opened(name, input)? {
-        (Format::Text, text) => csv::read_from(name, text, map).map_err(|error| of_its_name(name, error)),
-        (format, packed) => unpacked(name, format, packed, map),
-    }
+    opened(name, input, map)?.whole().map_err(|error| of_its_name(name, error))
 }
 
 /// Reads a recording in parts of some [`PART_ROWS`] rows, through a reader that is laid around the file.
@@ -136,8 +133,7 @@ pub fn in_parts<R: Read, A: FnOnce(File) -> R>(
     map: &ChannelMap,
     around: A,
 ) -> Result<Parts<impl Read + use<R, A>>, RecordingError> {
-    let name = path.display().to_string();
-    let file = File::open(path).map_err(|source| RecordingError::Io { place: Place::file(&name), source })?;
+    let (name, file) = open(path)?;
     parts_of(&name, around(file), map, PART_ROWS)
 }
 
@@ -148,26 +144,36 @@ pub(crate) fn parts_of<R: Read>(
     map: &ChannelMap,
     usual_rows: usize,
 ) -> Result<Parts<impl Read + use<R>>, RecordingError> {
-    match opened(name, input)? {
-        (Format::Text, text) => match csv::Opened::new(name, text, map) {
-            Ok(text) => Ok(Parts::of_text(text, usual_rows)),
-            Err(error) => Err(of_its_name(name, error)),
-        },
-        (format, packed) => unpacked(name, format, packed, map).map(Parts::whole),
+    Ok(Parts::of(opened(name, input, map)?, usual_rows))
+}
+
+/// A file that is there, and what messages call it.
+pub(super) fn open(path: &Path) -> Result<(String, File), RecordingError> {
+    let name = path.display().to_string();
+    match File::open(path) {
+        Ok(file) => Ok((name, file)),
+        Err(source) => Err(unreadable(&name, source)),
     }
+}
+
+fn unreadable(name: &str, source: io::Error) -> RecordingError {
+    RecordingError::Io { place: Place::file(name), source }
 }
 
 /// What was read of a file to tell its format, and the rest of it.
 type FromItsStart<R> = Chain<Cursor<Vec<u8>>, R>;
 
-/// The format that a file shows, and all of it.
-fn opened<R: Read>(name: &str, mut input: R) -> Result<(Format, FromItsStart<R>), RecordingError> {
+/// A recording in the format that its first bytes show: of a text the header is read, anything else whole.
+fn opened<R: Read>(name: &str, mut input: R, map: &ChannelMap) -> Result<Opened<FromItsStart<R>>, RecordingError> {
     let mut head = Vec::new();
-    let read = (&mut input).take(HEAD as u64).read_to_end(&mut head);
-    read.map_err(|source| RecordingError::Io { place: Place::file(name), source })?;
+    (&mut input).take(HEAD as u64).read_to_end(&mut head).map_err(|source| unreadable(name, source))?;
     let format =
         Format::of_content(&head).map_err(|what| RecordingError::Unsupported { place: Place::file(name), what })?;
-    Ok((format, Cursor::new(head).chain(input)))
+    let all = Cursor::new(head).chain(input);
+    if format == Format::Text {
+        return Opened::text(name, all, map).map_err(|error| of_its_name(name, error));
+    }
+    unpacked(name, format, all, map).map(Opened::Whole)
 }
 
 /// Reads what is no text.
@@ -182,8 +188,7 @@ fn unpacked(
     map: &ChannelMap,
 ) -> Result<Recording, RecordingError> {
     let mut bytes = Vec::new();
-    let read = packed.take(MAX_BINARY_BYTES + 1).read_to_end(&mut bytes);
-    read.map_err(|source| RecordingError::Io { place: Place::file(name), source })?;
+    packed.take(MAX_BINARY_BYTES + 1).read_to_end(&mut bytes).map_err(|source| unreadable(name, source))?;
     if bytes.len() as u64 > MAX_BINARY_BYTES {
         return Err(RecordingError::TooLarge { place: Place::file(name), most_bytes: MAX_BINARY_BYTES });
     }

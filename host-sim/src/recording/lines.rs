@@ -88,6 +88,13 @@ impl<R: Read> Lines<R> {
         self.western
     }
 
+    /// The header: the first line with content, and what splits it and those after it into cells.
+    pub(super) fn header(&mut self) -> Result<(Line<'_>, Splitter), RecordingError> {
+        let place = self.file();
+        let header = self.next()?.ok_or(RecordingError::Empty { place })?;
+        Ok((header, Splitter::new(detect_separator(header.text))))
+    }
+
     /// The next line with content, without its end; `None` after the last one.
     pub(super) fn next(&mut self) -> Result<Option<Line<'_>>, RecordingError> {
         loop {
@@ -162,7 +169,7 @@ pub(super) struct Splitter {
 }
 
 impl Splitter {
-    pub(super) fn new(separator: u8) -> Self {
+    fn new(separator: u8) -> Self {
         let core = csv_core::ReaderBuilder::new().delimiter(separator).build();
         Self { core, separator, text: Vec::new(), ends: vec![0; MAX_COLUMNS] }
     }
@@ -239,7 +246,7 @@ pub(super) fn parse_number(text: &str, decimal_comma: bool) -> Option<f64> {
 }
 
 /// The separator of a header row: the first tab, semicolon or comma outside quotes and brackets.
-pub(super) fn detect_separator(header: &str) -> u8 {
+fn detect_separator(header: &str) -> u8 {
     let mut quoted = false;
     let mut depth = 0_u32;
     for byte in header.bytes() {

@@ -4,12 +4,12 @@
 //! are asked for by header, or by the part of it before its unit. Values stay in the file's own units.
 
 use super::error::RecordingError;
-use super::lines::{Lines, Splitter, detect_separator, most_rows, parse_number};
+use super::format::open;
+use super::lines::{Lines, most_rows, parse_number};
 use super::signal::{Signal, split_header};
 use super::units::{Dimension, Unit};
 use super::{At, Note};
 use crate::diagnostic::Place;
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -34,8 +34,7 @@ impl Table {
 
     /// Reads a file. Rows with an empty cell are left out and counted.
     pub fn read(path: &Path) -> Result<Self, RecordingError> {
-        let name = path.display().to_string();
-        let file = File::open(path).map_err(|source| RecordingError::Io { place: Place::file(&name), source })?;
+        let (name, file) = open(path)?;
         Self::read_from(&name, file)
     }
 
@@ -43,11 +42,8 @@ impl Table {
     pub fn read_from(name: &str, input: impl Read) -> Result<Self, RecordingError> {
         let mut lines = Lines::new(name, input);
         let file = lines.file();
-        let Some(header) = lines.next()? else {
-            return Err(RecordingError::Empty { place: file });
-        };
-        let separator = detect_separator(header.text);
-        let mut splitter = Splitter::new(separator);
+        let (header, mut splitter) = lines.header()?;
+        let separator = splitter.separator();
         let mut columns: Vec<(String, Vec<f64>)> =
             splitter.split(header)?.iter().map(|header| (header.to_owned(), Vec::new())).collect();
         let (mut rows, mut incomplete) = (0, 0);

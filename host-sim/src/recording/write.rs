@@ -22,7 +22,7 @@ impl Recording {
     /// have a point, whatever the recording used; ignored columns are not written. The file appears
     /// whole or not at all.
     pub fn write_csv(&self, path: &Path, replaced: &[Series<'_>], added: &[Series<'_>]) -> Result<(), RecordingError> {
-        let sheet = self.checked(path, replaced, added)?;
+        let sheet = self.checked(path, self.rows(), replaced, added)?;
         atomic::write(path, |out| sheet.write_csv(out))
             .map_err(|source| RecordingError::Write { place: Place::file(&path.display().to_string()), source })
     }
@@ -39,9 +39,7 @@ impl Recording {
         added: &[Series<'_>],
     ) -> Result<Vec<u8>, RecordingError> {
         let mut text = Vec::new();
-        let reaching: Vec<Series<'_>> = replaced.iter().chain(added).copied().collect();
-        Self::check(path, rows.end, &reaching)?;
-        let sheet = self.sheet(replaced, added);
+        let sheet = self.checked(path, rows.end, replaced, added)?;
         let header = if rows.start == 0 { sheet.write_header(&mut text) } else { Ok(()) };
         header
             .and_then(|()| sheet.write_rows(rows, &mut text))
@@ -79,27 +77,21 @@ impl Recording {
         added: &[Series<'_>],
         packed: fn(&Sheet<'_>) -> io::Result<Vec<u8>>,
     ) -> Result<(), RecordingError> {
-        let bytes = packed(&self.checked(path, replaced, added)?);
+        let bytes = packed(&self.checked(path, self.rows(), replaced, added)?);
         atomic::write(path, |out| out.write_all(&bytes?))
             .map_err(|source| RecordingError::Write { place: Place::file(&path.display().to_string()), source })
     }
 
-    /// What is to be written, once every series is as long as the recording and finite.
+    /// What is to be written, once every series has as many values as are expected, all of them finite.
     fn checked<'a>(
         &'a self,
         path: &Path,
+        expected: usize,
         replaced: &[Series<'a>],
         added: &[Series<'a>],
     ) -> Result<Sheet<'a>, RecordingError> {
-        let all: Vec<Series<'_>> = replaced.iter().chain(added).copied().collect();
-        Self::check(path, self.rows(), &all)?;
-        Ok(self.sheet(replaced, added))
-    }
-
-    /// Checks that every series has so many values, all of them finite.
-    fn check(path: &Path, expected: usize, series: &[Series<'_>]) -> Result<(), RecordingError> {
         let place = || Place::file(&path.display().to_string());
-        for &(signal, values) in series {
+        for &(signal, values) in replaced.iter().chain(added) {
             let (header, found) = (signal.name().to_owned(), values.len());
             if found != expected {
                 return Err(RecordingError::LengthMismatch { place: place(), header, found, expected });
@@ -108,7 +100,7 @@ impl Recording {
                 return Err(RecordingError::NotFinite { place: place(), header, found: value.to_string() });
             }
         }
-        Ok(())
+        Ok(self.sheet(replaced, added))
     }
 
     /// The columns of the file with what they hold now, and those that are added.
