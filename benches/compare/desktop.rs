@@ -14,7 +14,7 @@ use model_core::fixed_point::PerUnit;
 use model_core::machine::Machine;
 use model_core::parameter::Parameter as P;
 use serde_json::Value;
-use system_benches::floor::Operations;
+use system_benches::floor::{Operations, WIDE};
 use system_benches::run::{Abreast, Row, Run, TICK};
 use system_tests::drives;
 use system_tests::simulate::ORACLE_TOLERANCE;
@@ -238,7 +238,7 @@ fn against(part: &mut Part, peers: &mut Peers, said: &Said) -> Result<(), Box<dy
          (RK4 in double, 200 substeps) by at most {POSITION_PERCENT} % of the stroke and {PRESSURE_PERCENT} % of the supply pressure on every tick. Shortest of {ROUNDS} rounds; \
          a ratio is that of the\n\
          shortest. C is `-O3 -march=native -fno-math-errno` with parameters that are constants of the compiler and the fewest accurate substeps S; ours has\n\
-         parameters of the run time and is built without `target-cpu`. {}.\n",
+         parameters of the run time, and what it is built for is said above. {}.\n",
         text(&said.0["versions"])
     )?;
     for drive in ["press", "heavy"] {
@@ -266,10 +266,10 @@ fn floor(operations: &Operations, alone_s: f64, batch_s: f64) -> String {
     format!(
         "A tick of the core in f64 is {sums:.0} sums and comparisons, {products:.0} products, {quotients:.0} quotients and {roots:.0} roots. By instructions of one\n\
          each, none of which waited for another, with nothing else to do, these would take {:.4} µs on this processor in this run: the step takes {:.1} times its\n\
-         floor. A batch does two at once (SSE2): {:.1} times its.\n",
+         floor. A batch does {WIDE} at once: {:.1} times its.\n",
         1e6 * floor_s,
         alone_s / floor_s,
-        batch_s / (0.5 * floor_s),
+        batch_s / (floor_s / WIDE as f64),
     )
 }
 

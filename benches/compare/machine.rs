@@ -34,11 +34,12 @@ pub(crate) fn described() -> std::io::Result<String> {
     let load = load()?;
     let commit = first_line("git", &["describe", "--always", "--dirty", "--exclude=*"]);
     Ok(format!(
-        "- {}, commit {commit}\n- {}, {cores} cores; load at the start {load}\n- {}, release profile without `target-cpu`\n\
+        "- {}, commit {commit}\n- {}, {cores} cores; load at the start {load}\n- {}, release profile, {}\n\
          - {}; {}\n- {}\n",
         first_line("date", &["-u", "+%Y-%m-%d"]),
         processor()?,
         first_line("rustc", &["--version"]),
+        if cfg!(target_feature = "avx2") { "AVX2" } else { "any processor" },
         first_line("gcc", &["--version"]),
         first_line("arm-none-eabi-gcc", &["--version"]),
         first_line("qemu-system-arm", &["--version"]),

@@ -137,7 +137,7 @@ impl Operations {
     }
 
     /// What they take on this processor at least, s, each by an instruction of its own and none waiting for another. An instruction
-    /// here does two at once and takes what it takes for one.
+    /// here does [`WIDE`] at once and takes what it takes for one.
     ///
     /// Sums and products go side by side, and so do they and what divides: the longer of both counts.
     #[must_use]
@@ -163,8 +163,10 @@ impl Operations {
     }
 }
 
-/// Values of as many chains of operations: more than wait for each other in any processor, in instructions of two.
-const CHAINS: usize = 12;
+/// Doubles that an instruction does at once: AVX2, else SSE2.
+pub const WIDE: usize = if cfg!(target_feature = "avx2") { 4 } else { 2 };
+/// Values of as many chains of operations: more instructions than wait for each other in any processor.
+const CHAINS: usize = 6 * WIDE;
 /// Rounds over the chains that are timed at once, and how often.
 const ROUNDS: usize = 20_000;
 const TIMES: usize = 50;
@@ -179,7 +181,7 @@ fn shortest(round: impl Fn(f64, &mut [f64; CHAINS], &mut [f64; CHAINS])) -> f64 
         }
         let took = start.elapsed().as_secs_f64();
         black_box((one, other));
-        took / (ROUNDS * CHAINS / 2) as f64
+        took / (ROUNDS * CHAINS / WIDE) as f64
     };
     (0..TIMES).map(|_| once()).fold(f64::INFINITY, f64::min)
 }

@@ -10,6 +10,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::ptr;
 
+use host_sim::processor;
+
 use crate::{Instance, Refusal, Snapshot};
 
 type Status = c_int;
@@ -119,6 +121,7 @@ unsafe extern "C" fn fmi3InstantiateCoSimulation(
 ) -> *mut c_void {
     let log = Log { environment, message };
     let new = || {
+        processor::check()?;
         let resources = unsafe { text(resources, "resourcePath") }?;
         Instance::new(Path::new(resources), unsafe { text(token, "instantiationToken") }?)
     };

@@ -1,6 +1,7 @@
 //! Why a call could not be done; the tool's log shows it.
 
 use host_sim::fmu::{ContentsError, Variable};
+use host_sim::processor::Unsuited;
 use model_core::machine::MachineError;
 
 use crate::Mode;
@@ -8,6 +9,9 @@ use crate::Mode;
 /// Why a call could not be done.
 #[derive(Debug, thiserror::Error)]
 pub enum Refusal {
+    /// The library was built for another processor.
+    #[error(transparent)]
+    Processor(#[from] Unsuited),
     /// The description is not this library's.
     #[error("the model description has the token {found:?}; expected {expected:?}: export the FMU again")]
     Token {

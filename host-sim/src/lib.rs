@@ -38,6 +38,7 @@ pub mod prepare;
 pub mod presentation;
 #[cfg(test)]
 mod press;
+pub mod processor;
 mod random;
 pub mod recording;
 pub mod region;

@@ -5,8 +5,19 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use host_sim::cli::{self, Cli, CommandLine, Console};
+use host_sim::processor;
 
 fn main() -> ExitCode {
+    if let Err(error) = processor::check() {
+        eprintln!("error: {error}");
+        return ExitCode::from(2);
+    }
+    commanded()
+}
+
+/// Apart, so that nothing of it is taken before.
+#[inline(never)]
+fn commanded() -> ExitCode {
     let line = &CommandLine::of_process();
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,

@@ -21,6 +21,7 @@ mod interrupted;
 mod long;
 mod outside;
 mod plan;
+mod processor;
 mod readme;
 mod report;
 mod shared;
