@@ -6,6 +6,7 @@ use std::hint::black_box;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::time::Instant;
 
+use host_sim::lanes::{LANES, Lanes};
 use host_sim::testbed::InitialState;
 use model_core::drive::Load;
 use model_core::machine::Machine;
@@ -142,21 +143,22 @@ impl Operations {
     /// Sums and products go side by side, and so do they and what divides: the longer of both counts.
     #[must_use]
     pub fn floor_s(&self) -> f64 {
-        let both = shortest(|x, sums: &mut [f64; CHAINS], products: &mut [f64; CHAINS]| {
+        let both = shortest(|x, sums: &mut Chains, products: &mut Chains| {
             for (sum, product) in sums.iter_mut().zip(products) {
-                *sum += x;
-                *product *= x;
+                *sum = *sum + x;
+                *product = *product * x;
             }
         });
-        let dividing = |divide: fn(f64, f64) -> f64| {
-            shortest(|x, values: &mut [f64; CHAINS], _| {
-                for value in values {
-                    *value = divide(x, *value);
-                }
-            })
-        };
-        let quotient = dividing(|x, value| x / value);
-        let root = dividing(|_, value| value.sqrt());
+        let quotient = shortest(|x, values: &mut Chains, _| {
+            for value in values {
+                *value = x / *value;
+            }
+        });
+        let root = shortest(|_, values: &mut Chains, _| {
+            for value in values {
+                *value = value.sqrt();
+            }
+        });
         // A pair for each of those of which there are more would be too much where they share their units.
         let simple = 0.5 * (self.sums + self.products) * both;
         simple.max(self.quotients * quotient + self.roots * root)
@@ -165,23 +167,25 @@ impl Operations {
 
 /// Doubles that an instruction does at once: AVX2, else SSE2.
 pub const WIDE: usize = if cfg!(target_feature = "avx2") { 4 } else { 2 };
-/// Values of as many chains of operations: more instructions than wait for each other in any processor.
-const CHAINS: usize = 6 * WIDE;
+/// As many chains of operations as wait for each other in no processor, and as its registers hold twice.
+const CHAINS: usize = 6;
+type Chains = [Lanes; CHAINS * WIDE / LANES];
 /// Rounds over the chains that are timed at once, and how often.
 const ROUNDS: usize = 20_000;
 const TIMES: usize = 50;
 
 /// Shortest time of one instruction of a round, s.
-fn shortest(round: impl Fn(f64, &mut [f64; CHAINS], &mut [f64; CHAINS])) -> f64 {
+fn shortest(round: impl Fn(Lanes, &mut Chains, &mut Chains)) -> f64 {
     let once = || {
-        let (x, mut one, mut other) = (black_box(1.0), black_box([1.0; CHAINS]), black_box([1.0; CHAINS]));
+        let x = black_box(Lanes::constant(1.0));
+        let [mut one, mut other]: [Chains; 2] = black_box([[x; CHAINS * WIDE / LANES]; 2]);
         let start = Instant::now();
         for _ in 0..ROUNDS {
             round(x, &mut one, &mut other);
         }
         let took = start.elapsed().as_secs_f64();
         black_box((one, other));
-        took / (ROUNDS * CHAINS / WIDE) as f64
+        took / (ROUNDS * CHAINS) as f64
     };
     (0..TIMES).map(|_| once()).fold(f64::INFINITY, f64::min)
 }
