@@ -132,13 +132,18 @@ impl Candidate {
         Ok(if again.fit.loss < found.fit.loss { again } else { found })
     }
 
-    /// Without one of its effects.
+    /// Without one of its effects. What that had of an ordinary parameter goes to it.
     pub fn without(&self, question: &Question<'_>, index: usize) -> Result<Self, FitError> {
         let mut effects = self.effects.clone();
         let gone = effects.remove(index);
         let mut jumps = self.jumps.clone();
         jumps.retain(|(parameter, _)| !is_jump(gone.form, *parameter));
-        let from = Beginning { fit: &self.fit, values: &[], settled: &[], goes: Goes::ToTheEnd };
+        let fitted = |parameter| self.fit.machine.get(parameter);
+        let left = |strength: &Strength| {
+            strength.negative_of().map(|ordinary| (ordinary, fitted(ordinary) - fitted(strength.parameter)))
+        };
+        let values: Vec<(Parameter, f64)> = gone.form.iter().filter_map(left).collect();
+        let from = Beginning { fit: &self.fit, values: &values, settled: &[], goes: Goes::ToTheEnd };
         Self::refitted(question, effects, jumps, &from)
     }
 
@@ -247,3 +252,6 @@ fn strengths(effects: &[Chosen]) -> Vec<Strength> {
 fn is_jump(form: Form, parameter: Parameter) -> bool {
     form.iter().any(|strength| strength.parameter == parameter && matches!(strength.kind, Kind::Jump(_)))
 }
+
+#[cfg(test)]
+mod tests;

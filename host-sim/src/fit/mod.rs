@@ -25,6 +25,8 @@ pub use information::Information;
 pub(crate) use information::OF_START;
 pub use problem::Told;
 use problem::{Minimum, Problem};
+#[cfg(test)]
+pub(crate) use residuals::tests::recorded;
 pub use residuals::{
     CHANCE, Misfit, Residuals, effective_samples, loss, misfits, set_tolerances, soft, softened, softened_all,
     standardised, standardised_all,

@@ -158,6 +158,15 @@ pub struct Strength {
     pub kind: Kind,
 }
 
+impl Strength {
+    /// The ordinary parameter that it is the negative of, if it is one: what a set without it has to say by that.
+    #[must_use]
+    pub fn negative_of(&self) -> Option<Parameter> {
+        // A constant force against extending is the load's.
+        (self.parameter == Parameter::LoadSpringForce).then_some(Parameter::LoadForce)
+    }
+}
+
 /// The bristles that every law of dry friction acts through before the rod slides: about as stiff as the oil columns, or stiffer. Those
 /// softer than about a third of the oil columns are presliding; stiffer ones are how all dry friction is. Each law has a form that
 /// holds rigidly and one with bristles: recordings without pressures hardly show them.

@@ -11,7 +11,7 @@ use crate::recording::{Column, Recording};
 use crate::simulate::{EntryPoint, StartOffset, Stimulus, simulate};
 
 /// A press that extends, its position with noise.
-pub(in crate::fit) fn recorded(machine: &Machine<f64>) -> Recording {
+pub(crate) fn recorded(machine: &Machine<f64>) -> Recording {
     let time_s: Vec<f64> = (0..1200).map(|row| f64::from(row) * 1e-3).collect();
     let command = time_s.iter().map(|time| if *time < 0.1 { 0.0 } else { 4.0 }).collect();
     let columns = |position_m: Vec<f64>| {
