@@ -3,6 +3,11 @@
 use model_core::machine::{Machine, Source};
 use model_core::parameter::Parameter;
 
+use crate::hypothesis::Scene;
+use crate::machine_file::LoadSource;
+use crate::recording::Signal;
+use crate::simulate::EntryPoint;
+
 /// The press, with what a test sets beside its cylinder, the valve's gain and its speed.
 pub(crate) fn press(further: &[(Parameter, f64)]) -> Machine<f64> {
     let mut machine = Machine::with_defaults(Source::Valve);
@@ -32,4 +37,16 @@ pub(crate) fn with_papers_valve() -> Machine<f64> {
         (P::MovingMass, 18.3),
         (P::ViscousFriction, 1.0e5),
     ])
+}
+
+/// What is known of it where these signals are measured: driven by its command over most of its stroke, for 5 s.
+pub(crate) fn scene<'a>(machine: &'a Machine<f64>, judged: &'a [Signal]) -> Scene<'a> {
+    Scene {
+        machine,
+        entry: EntryPoint::Command,
+        load: LoadSource::Constant,
+        judged,
+        travel_m: (0.05, 0.25),
+        duration_s: 5.0,
+    }
 }

@@ -2,9 +2,8 @@ use super::*;
 use crate::fit::{Freedom, recorded};
 use crate::hypothesis::CATALOGUE;
 use crate::machine_file::LoadSource;
-use crate::press::press;
+use crate::press::{press, scene};
 use crate::recording::Signal;
-use crate::simulate::EntryPoint;
 
 #[test]
 fn without_an_effect_an_ordinary_parameter_has_what_that_had_of_it() {
@@ -12,14 +11,7 @@ fn without_an_effect_an_ordinary_parameter_has_what_that_had_of_it() {
     let machine = press(&[(Parameter::ViscousFriction, 4e4), (Parameter::LoadForce, 500.0)]);
     let case = Prepared::new(&recorded(&machine), &machine, LoadSource::Constant, None).unwrap();
     let training = [&case];
-    let scene = Scene {
-        machine: &machine,
-        entry: EntryPoint::Command,
-        load: LoadSource::Constant,
-        judged: &[Signal::Position],
-        travel_m: (0.0, 0.3),
-        duration_s: case.duration_s(),
-    };
+    let scene = scene(&machine, &[Signal::Position]);
     let load = Free { parameter: Parameter::LoadForce, freedom: Freedom::Around { nominal: 500.0, sigma: 1e5 } };
     let question = Question { scene: &scene, ordinary: &[load], hypotheses: &[], training: &training };
 

@@ -308,19 +308,12 @@ impl Hypothesis {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::press::press;
+    use crate::press::{press, scene};
 
     #[test]
     fn every_effect_is_in_the_machine_files_vocabulary_and_has_a_typical_strength_in_range() {
         let machine = press(&[]);
-        let scene = Scene {
-            machine: &machine,
-            entry: EntryPoint::Command,
-            load: LoadSource::Constant,
-            judged: &[Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Position],
-            travel_m: (0.05, 0.25),
-            duration_s: 5.0,
-        };
+        let scene = scene(&machine, &[Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Position]);
         for hypothesis in CATALOGUE {
             for strength in hypothesis.forms.iter().flat_map(|form| form.iter()) {
                 let description = strength.parameter.description();
@@ -351,14 +344,7 @@ mod tests {
     #[test]
     fn what_drifts_and_what_warms_up_act_slowly() {
         let machine = press(&[]);
-        let scene = Scene {
-            machine: &machine,
-            entry: EntryPoint::Command,
-            load: LoadSource::Constant,
-            judged: &[Signal::Position],
-            travel_m: (0.05, 0.25),
-            duration_s: 3600.0,
-        };
+        let scene = Scene { duration_s: 3600.0, ..scene(&machine, &[Signal::Position]) };
         let slow: Vec<&str> = CATALOGUE
             .iter()
             .filter(|hypothesis| hypothesis.is_slow(&scene))

@@ -5,7 +5,7 @@ use std::process::Command;
 
 use super::{at_hand, text};
 
-/// Exit status and standard error of the program without arguments.
+/// Exit status and standard error of the program, asked for its version.
 fn on(processor: &str) -> std::io::Result<(Option<i32>, String)> {
     let program = env!("CARGO_BIN_EXE_host-sim");
     let output = Command::new("qemu-x86_64").args(["-cpu", processor, program, "--version"]).output()?;
