@@ -132,6 +132,31 @@ impl Candidate {
         Ok(if again.fit.loss < found.fit.loss { again } else { found })
     }
 
+    /// This set and one with other effects and other parameters together, refitted to the end.
+    pub fn beside(&self, question: &Question<'_>, other: &Self) -> Result<Self, FitError> {
+        let effects = other.effects.iter().chain(&self.effects).copied().collect();
+        let jumps = other.jumps.iter().chain(&self.jumps).copied().collect();
+        let fit = self.fit.beside(&other.fit);
+        let from = Beginning { fit: &fit, values: &[], settled: &[], goes: Goes::ToTheEnd };
+        Self::refitted(question, effects, jumps, &from)
+    }
+
+    /// With another effect in the place of one, refitted to the end from these values.
+    pub fn instead(
+        &self,
+        question: &Question<'_>,
+        index: usize,
+        by: Chosen,
+        values: &[(Parameter, f64)],
+    ) -> Result<Self, FitError> {
+        let mut effects = self.effects.clone();
+        let gone = std::mem::replace(&mut effects[index], by);
+        let mut jumps = self.jumps.clone();
+        jumps.retain(|(parameter, _)| !is_jump(gone.form, *parameter));
+        let from = Beginning { fit: &self.fit, values, settled: &[], goes: Goes::ToTheEnd };
+        Self::refitted(question, effects, jumps, &from)
+    }
+
     /// Without one of its effects. What that had of an ordinary parameter goes to it.
     pub fn without(&self, question: &Question<'_>, index: usize) -> Result<Self, FitError> {
         let mut effects = self.effects.clone();

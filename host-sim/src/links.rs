@@ -25,6 +25,16 @@ use crate::recording::Signal;
 use crate::simulate::{DELAY_LINE, simulate};
 use crate::window::{WINDOW_S, Window, rows_in};
 
+/// Parameters of the valve alone.
+pub(crate) const OF_VALVE: &[Parameter] = &[
+    Parameter::ValveGain,
+    Parameter::ValveOffset,
+    Parameter::RateLimit,
+    Parameter::TimeConstant1,
+    Parameter::TimeConstant2,
+    Parameter::TransportDelay,
+];
+
 /// The flow link at one row, with its slopes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowFlow {

@@ -7,7 +7,7 @@ use nalgebra::DVector;
 use crate::evidence::{Account, Evidence, Lack, Pattern, weigh};
 use crate::fit::{Fit, Free, Freedom, From, StartState, fit};
 use crate::hypothesis::Subsystem;
-use crate::links::{Balance, Coefficients, Observed, residuals, slider_residuals};
+use crate::links::{Balance, Coefficients, OF_VALVE, Observed, residuals, slider_residuals};
 use crate::locate::Case;
 use crate::machine_file::LoadSource;
 use crate::patterns::{patterns, wrong_parameters};
@@ -186,15 +186,6 @@ fn judged(
 /// A link is missed when what is left over, wrong parameters taken out, is further off than half the noise again.
 const GATE: f64 = 1.5;
 
-/// Parameters of the valve alone.
-const OF_VALVE: &[Parameter] = &[
-    Parameter::ValveGain,
-    Parameter::ValveOffset,
-    Parameter::RateLimit,
-    Parameter::TimeConstant1,
-    Parameter::TimeConstant2,
-    Parameter::TransportDelay,
-];
 /// Parameters of the links below it that are never known well.
 const BELOW_SLIDER: &[Parameter] =
     &[Parameter::FlowCoefficient, Parameter::DeadZone, Parameter::BulkModulus, Parameter::ViscousFriction];

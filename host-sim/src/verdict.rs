@@ -9,6 +9,7 @@
 //! noise: an effect that does less is a stand-in for something else. So is a set that another of its size is likelier than, by more
 //! than chance, even if that one cannot be claimed.
 
+mod apart;
 mod confirmation;
 mod likelihood;
 mod whole;
@@ -19,7 +20,6 @@ use rayon::prelude::*;
 pub use crate::candidate::{Candidate, Chosen, Question};
 use crate::fit::{CHANCE, Fit, FitError};
 use crate::hypothesis::Hypothesis;
-use crate::prepare::Prepared;
 use crate::search::{is_hopeful, least_above, widened};
 use crate::tempered::Tempered;
 pub use confirmation::{Confirmation, confirm};
@@ -39,8 +39,7 @@ const BEAM: usize = 2;
 const BESIDE: usize = 4;
 /// A set whose worst signal is this close to its noise is not searched further.
 const AT_NOISE: f64 = 1.03;
-/// With the links apart the noise of the recorded slider adds to what is below it: effects are only looked for so while the
-/// worst signal is this many times its noise.
+/// The links are looked at apart where the worst signal is this many times its noise.
 const FAR: f64 = 2.0;
 
 /// What one set gained over the one before it.
@@ -72,6 +71,8 @@ pub struct Selection {
     pub chosen: Candidate,
     /// Every set that was refitted, round by round, the best first.
     pub rounds: Vec<Vec<Trial>>,
+    /// Whether effects of it were found with the links apart, and the chain only had to accept them all together.
+    pub is_joined: bool,
 }
 
 impl Selection {
@@ -93,33 +94,26 @@ struct Course {
     chosen: Candidate,
     /// Sets that the next round starts from.
     beam: Vec<Candidate>,
+    /// Sets of as many effects that were nearly as likely as the chosen one when it was chosen.
+    rivals: Vec<Candidate>,
     /// Every set that was refitted, round by round, the best first.
     rounds: Vec<Vec<Trial>>,
 }
 
 /// Chooses the effects. `near` is a first refit of the machine file's model; `done` is told after each refit.
 ///
-/// Where the slider is recorded and the model is far off, large effects are looked for with the links apart first: the recorded
-/// slider meters the oil beside the valve, so that what one link misses bends no other's parameters. The chain as a whole then
-/// has to accept what was found, and is searched on.
+/// Where the slider is recorded and the model is far off, effects are looked for with the links apart first. The chain as a whole
+/// then has to accept what was found, and is searched on.
 pub fn select(question: &Question<'_>, near: &Fit, done: &(impl Fn(&str) + Sync)) -> Result<Selection, FitError> {
     let mut course = Course::of(question, near)?;
-    if course.base.worst_over_noise(question) > FAR
-        && let Some(mut followed) = followed(question.training)
-    {
-        let near = Candidate::tolerated(question.scene, question.ordinary, &mut followed)?;
-        let references: Vec<&Prepared> = followed.iter().collect();
-        course.join(question, &Question { training: &references, ..*question }, &near, done)?;
+    if course.base.worst_over_noise(question) > FAR {
+        course.join(question, done)?;
     }
     done("refit");
+    let is_joined = course.chosen.effects.len() > 1;
     course.forward(question, AT_NOISE, done)?;
     let Course { base, chosen, rounds, .. } = course;
-    Ok(Selection { base, chosen, rounds })
-}
-
-/// The same recordings with the recorded slider metering the oil; `None` unless every one allows it.
-fn followed(training: &[&Prepared]) -> Option<Vec<Prepared>> {
-    training.iter().map(|case| case.following()).collect()
+    Ok(Selection { base, chosen, rounds, is_joined })
 }
 
 impl Course {
@@ -127,7 +121,14 @@ impl Course {
     fn of(question: &Question<'_>, near: &Fit) -> Result<Self, FitError> {
         let tempered = Tempered::of(question)?;
         let base = Candidate::base(question, near, &tempered.base.fit)?;
-        Ok(Self { tempered, chosen: base.clone(), beam: vec![base.clone()], rounds: Vec::new(), base })
+        Ok(Self {
+            tempered,
+            chosen: base.clone(),
+            beam: vec![base.clone()],
+            rivals: Vec::new(),
+            rounds: Vec::new(),
+            base,
+        })
     }
 
     /// Takes a better base, while nothing is chosen.
@@ -135,32 +136,6 @@ impl Course {
         self.chosen = better.clone();
         self.beam = vec![better.clone()];
         self.base = better;
-    }
-
-    /// Looks for effects with the links `apart`, and takes over what the chain as a whole accepts of what is found.
-    fn join(
-        &mut self,
-        question: &Question<'_>,
-        apart: &Question<'_>,
-        near: &Fit,
-        done: &(impl Fn(&str) + Sync),
-    ) -> Result<(), FitError> {
-        let mut parted = Self::of(apart, near)?;
-        if let Some(better) = Candidate::below(question, &parted.base.fit, self.base.fit.loss)? {
-            self.rebase(better);
-        }
-        parted.forward(apart, FAR, done)?;
-        if parted.chosen.effects.is_empty() {
-            return Ok(());
-        }
-        let joined = parted.chosen.finished(question)?;
-        if self.claims(question, &joined)? {
-            self.choose(question, joined)?;
-            self.beam = vec![self.chosen.clone()];
-            self.rounds = parted.rounds;
-            self.rounds.truncate(self.chosen.effects.len());
-        }
-        Ok(())
     }
 
     /// Adds effects round by round, until the best set is within `near` times the noise or nothing more is worth it.
@@ -173,9 +148,10 @@ impl Course {
             let found = widened(question, &self.tempered, &self.beam, most, done)?;
             let ranked = finished(question, &self.base, found)?;
             self.rounds.push(ranked.iter().map(|(candidate, net)| trial(candidate, *net)).collect());
-            self.beam = ranked.into_iter().take(BEAM).map(|(candidate, _)| candidate).collect();
+            self.beam = ranked.iter().take(BEAM).map(|(candidate, _)| candidate.clone()).collect();
             if let Some(better) = self.claimed(question)? {
                 self.choose(question, better)?;
+                self.rivals = rivals(&self.chosen, ranked);
             }
             // Two that go together may each be nothing alone, but a third is only looked for beside what was found.
             if self.is_enough(question, near) || (round > 0 && self.chosen.effects.len() <= round) {
@@ -292,6 +268,16 @@ fn explains_enough(question: &Question<'_>, base: &Candidate, best: &Candidate, 
     let fits =
         || best.worst_over_noise(question) < near || excess(&best.residuals) < FORM * FORM * excess(&base.residuals);
     !best.is_bent(question) && fits()
+}
+
+/// Sets of a round that are nearly as likely as one of it: less so by no more than chance, or than its form's own error may gain.
+fn rivals(set: &Candidate, ranked: Vec<(Candidate, f64)>) -> Vec<Candidate> {
+    let names = set.names();
+    let Some(net) = ranked.iter().find(|(other, _)| other.names() == names).map(|(_, net)| *net) else {
+        return Vec::new();
+    };
+    let is_near = |other: &(Candidate, f64)| other.1 >= net - CHANCE.max(FORM * FORM * net) && other.0.names() != names;
+    candidates(ranked.into_iter().filter(is_near).take(FINISHED - 1).collect())
 }
 
 /// Plausible sets ranked, the best of them refitted to the end.

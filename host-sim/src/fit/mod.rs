@@ -202,6 +202,17 @@ impl Fit {
         )
     }
 
+    /// This solution and one of other parameters, as a search of all of them starts: each recording where it does in this.
+    pub(crate) fn beside(&self, other: &Self) -> Self {
+        let mut both = self.clone();
+        for (free, &coordinate) in other.free.iter().zip(&other.coordinates) {
+            both.machine.set(free.parameter, free.value(coordinate));
+            both.free.push(*free);
+            both.coordinates.push(coordinate);
+        }
+        both
+    }
+
     /// The machine that this fit would have ended at without one of its recordings: one Newton step away from the solution.
     #[must_use]
     pub fn without(&self, recording: usize) -> Machine<f64> {

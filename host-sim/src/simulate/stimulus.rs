@@ -256,6 +256,23 @@ impl Stimulus {
         self.slider.is_some().then(|| Self { follows: true, ..self.clone() })
     }
 
+    /// The same with an error of the recorded slider, drawn for every row and in between along a straight line.
+    #[must_use]
+    pub(crate) fn disturbed(&self, mut error: impl FnMut() -> f64) -> Self {
+        let slider = self.slider.as_ref().map(|slider| {
+            let mut slider = slider.to_vec();
+            let errors: Vec<f64> = self.rows.iter().map(|_| error()).collect();
+            for (rows, errors) in self.rows.windows(2).zip(errors.windows(2)) {
+                let (from, to) = (rows[0].0, rows[1].0);
+                for (index, value) in slider.iter_mut().enumerate().take(to).skip(from) {
+                    *value += errors[0] + (errors[1] - errors[0]) * (index - from) as f64 / (to - from) as f64;
+                }
+            }
+            slider.into()
+        });
+        Self { slider, ..self.clone() }
+    }
+
     /// Whether both enter the chain at the same place, at the same tick, so that they can be run abreast. A pump's valve has a
     /// direction of its own in each.
     pub(super) fn goes_with(&self, other: &Self) -> bool {

@@ -3,8 +3,9 @@
 
 use model_core::machine::{Machine, MachineError};
 
+use super::apart::gains_apart;
 use super::likelihood::{accepts, gained};
-use super::{Question, Selection, enter};
+use super::{FAR, Question, Selection, enter};
 use crate::fit::{CHANCE, FitError, settle, softened, standardised};
 use crate::hypothesis::Hypothesis;
 use crate::prepare::Prepared;
@@ -44,7 +45,7 @@ impl Confirmation {
 
 impl Selection {
     /// Takes out of a set of several every effect that held-out recordings gain nothing by beside the others, refitted without it
-    /// to the training recordings; the last added first. What is left has to be a claim by itself, else it goes as well: a pair may
+    /// to the training recordings; the last added first. While the chain is far off, one may also gain on its own side of the slider. What is left has to be a claim by itself, else it goes as well: a pair may
     /// have been claimed because neither was enough alone. Those that were taken out.
     pub fn refused(
         &mut self,
@@ -59,9 +60,13 @@ impl Selection {
             if self.chosen.effects.len() == 1 {
                 break;
             }
-            let fewer = self.chosen.without(question, index)?;
-            if !confirm(&fewer.fit.machine, &self.chosen.fit.machine, held_out)?.gains() {
-                refused.push(self.chosen.effects[index].effect);
+            let (fewer, effect) = (self.chosen.without(question, index)?, self.chosen.effects[index].effect);
+            let (without, with) = (&fewer.fit.machine, &self.chosen.fit.machine);
+            let is_hidden = self.chosen.worst_over_noise(question) > FAR;
+            let gains = confirm(without, with, held_out)?.gains()
+                || (is_hidden && gains_apart(effect, without, with, held_out)?);
+            if !gains {
+                refused.push(effect);
                 self.chosen = fewer;
             }
         }

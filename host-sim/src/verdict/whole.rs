@@ -23,12 +23,14 @@ pub fn lengthened(
         rayon::join(|| base(question, &found.base), || claims.then(|| found.chosen.finished(question)).transpose());
     let base = base?;
     done("the whole recordings");
-    let mut selection = Selection { chosen: base.clone(), base, rounds: found.rounds.clone() };
+    let mut selection =
+        Selection { chosen: base.clone(), base, rounds: found.rounds.clone(), is_joined: found.is_joined };
     if let Some(chosen) = chosen?
         && chosen.is_plausible(question.scene)
         && accepts(question, &selection.base, &selection.base, &chosen)?
     {
-        selection.chosen = reduced(question, &selection.base, chosen)?;
+        let reduced = |chosen| if found.is_joined { Ok(chosen) } else { reduced(question, &selection.base, chosen) };
+        selection.chosen = reduced(chosen)?;
     }
     if selection.chosen.effects.len() < MOST_EFFECTS
         && !explains_enough(question, &selection.base, &selection.chosen, AT_NOISE)

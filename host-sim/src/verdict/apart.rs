@@ -1,0 +1,261 @@
+//! The links apart: where the slider is recorded, what it does and what it meters are two questions. Its command answers the one; in
+//! the other the recorded slider meters the oil, so that no error of the valve's reaches what is below it.
+//!
+//! Each is searched by itself, with the parameters and the effects of its own link. What both find together the chain as a whole
+//! has to accept.
+
+use model_core::machine::{Machine, MachineError};
+use model_core::parameter::Parameter;
+use rayon::prelude::*;
+
+use super::{AT_NOISE, Course, MOST_EFFECTS, Trial, confirm, finished, reduced, trial};
+use crate::candidate::{Candidate, Chosen, Question};
+use crate::fit::FitError;
+use crate::hypothesis::{Hypothesis, Subsystem};
+use crate::links::OF_VALVE;
+use crate::prepare::Prepared;
+use crate::random::Noise;
+use crate::recording::Signal;
+use crate::search::open_to;
+use crate::simulate::{StartOffset, Stimulus, simulate};
+
+/// A side of the slider.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    /// The valve, which moves it.
+    Valve,
+    /// All that it meters the oil for.
+    Below,
+}
+
+impl Side {
+    fn of_signal(signal: Signal) -> Self {
+        if signal == Signal::Spool { Self::Valve } else { Self::Below }
+    }
+
+    fn of_parameter(parameter: Parameter) -> Self {
+        if OF_VALVE.contains(&parameter) { Self::Valve } else { Self::Below }
+    }
+
+    fn of_effect(effect: &Hypothesis) -> Self {
+        if effect.subsystem == Subsystem::Valve { Self::Valve } else { Self::Below }
+    }
+
+    /// Times its noise that its worst signal is searched down to. What the recorded slider did between two rows is not known: below it
+    /// that adds to all.
+    fn near(self) -> f64 {
+        match self {
+            Self::Valve => AT_NOISE,
+            Self::Below => 2.0,
+        }
+    }
+
+    /// Recordings judged by its signals alone.
+    fn judging(self, cases: &[Prepared]) -> Vec<Prepared> {
+        cases.iter().map(|case| case.judged_by(|signal| Self::of_signal(signal) == self)).collect()
+    }
+
+    /// What its own signals choose.
+    fn searched(
+        self,
+        question: &Question<'_>,
+        followed: &[Prepared],
+        done: &(impl Fn(&str) + Sync),
+    ) -> Result<Course, FitError> {
+        let (ordinary, effects) = (question.ordinary.iter().copied(), question.hypotheses.iter().copied());
+        let ordinary: Vec<_> = ordinary.filter(|free| Self::of_parameter(free.parameter) == self).collect();
+        let hypotheses: Vec<_> = effects.filter(|effect| Self::of_effect(effect) == self).collect();
+        let mut training = self.judging(followed);
+        let near = Candidate::tolerated(question.scene, &ordinary, &mut training)?;
+        let training: Vec<&Prepared> = training.iter().collect();
+        let own = Question { scene: question.scene, ordinary: &ordinary, hypotheses: &hypotheses, training: &training };
+        let mut course = Course::of(&own, &near)?;
+        if !course.is_enough(&own, self.near()) {
+            course.forward(&own, self.near(), done)?;
+        }
+        Ok(course)
+    }
+}
+
+/// The recordings driven by their sliders; `None` unless each can be and tells of both sides.
+fn followed(cases: &[&Prepared], machine: &Machine<f64>) -> Result<Option<Vec<Prepared>>, MachineError> {
+    let following = |case: &&Prepared| case.following().filter(|case| case.channels.len() > 1);
+    let followed: Option<Vec<Prepared>> = cases.iter().map(following).collect();
+    let with_noise = |case| with_noise_of_slider(case, machine);
+    followed.map(|cases| cases.into_par_iter().map(with_noise).collect()).transpose()
+}
+
+/// A recording driven by its slider, the noise of every other channel with what the slider's adds to it.
+fn with_noise_of_slider(mut case: Prepared, machine: &Machine<f64>) -> Result<Prepared, MachineError> {
+    /// Draws that it is the mean of.
+    const DRAWS: u64 = 4;
+    let of_slider = case.channels.iter().find(|channel| channel.signal == Signal::Spool);
+    let of_slider = of_slider.map_or(0.0, |slider| slider.noise);
+    let simulated = |stimulus: &Stimulus| simulate::<f64>(machine, stimulus, StartOffset::none());
+    let undisturbed = simulated(&case.stimulus)?;
+    let mut added = vec![0.0; case.channels.len()];
+    for draw in 0..DRAWS {
+        let mut noise = Noise::new(1, draw);
+        let disturbed = simulated(&case.stimulus.disturbed(|| noise.gaussian(of_slider)))?;
+        for (channel, added) in case.channels.iter().zip(&mut added) {
+            let both = undisturbed.signal(channel.signal).zip(disturbed.signal(channel.signal));
+            let square = |(one, other): (&[f64], &[f64])| -> f64 {
+                one.iter().zip(other).map(|(one, other)| (one - other).powi(2)).sum()
+            };
+            *added += both.map_or(0.0, square) / (DRAWS as f64 * case.rows() as f64);
+        }
+    }
+    for (channel, added) in case.channels.iter_mut().zip(added) {
+        channel.noise = channel.noise.hypot(added.sqrt());
+    }
+    Ok(case)
+}
+
+/// Whether held-out recordings gain by an effect on its own side of their sliders.
+pub(super) fn gains_apart(
+    effect: &Hypothesis,
+    without: &Machine<f64>,
+    with: &Machine<f64>,
+    held_out: &[&Prepared],
+) -> Result<bool, MachineError> {
+    let Some(followed) = followed(held_out, without)? else { return Ok(false) };
+    let judging = Side::of_effect(effect).judging(&followed);
+    Ok(confirm(without, with, &judging.iter().collect::<Vec<_>>())?.gains())
+}
+
+impl Course {
+    /// Looks for effects on each side of the recorded slider, and takes over what the chain as a whole accepts of what is found.
+    pub(super) fn join(&mut self, question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<(), FitError> {
+        let Some(followed) = followed(question.training, question.scene.machine)? else { return Ok(()) };
+        let searched = |side: Side| side.searched(question, &followed, done);
+        let (valve, below) = rayon::join(|| searched(Side::Valve), || searched(Side::Below));
+        let (valve, below) = (valve?, below?);
+        let start = below.base.fit.beside(&valve.base.fit);
+        if let Some(better) = Candidate::below(question, &start, self.base.fit.loss)? {
+            self.rebase(better);
+        }
+        if valve.chosen.effects.is_empty() && below.chosen.effects.is_empty() {
+            return Ok(());
+        }
+        let ranked = joined(question, &self.base, &valve, &below)?;
+        for (found, net) in &ranked {
+            if self.claims(question, found)? {
+                self.chosen = found.clone();
+                self.beam = vec![found.clone()];
+                self.rounds = together(question.scene.machine, &valve, &below);
+                told_by_chain(&mut self.rounds, &ranked, (found, *net));
+                break;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What both sides chose, and what was nearly as likely on one of them, refitted in the chain and ranked by it.
+fn joined(
+    question: &Question<'_>,
+    base: &Candidate,
+    valve: &Course,
+    below: &Course,
+) -> Result<Vec<(Candidate, f64)>, FitError> {
+    let pairs: Vec<(&Candidate, &Candidate)> = std::iter::once((&valve.chosen, &below.chosen))
+        .chain(below.rivals.iter().map(|rival| (&valve.chosen, rival)))
+        .chain(valve.rivals.iter().map(|rival| (rival, &below.chosen)))
+        .collect();
+    let few = pairs.into_par_iter().filter(|(valve, below)| valve.effects.len() + below.effects.len() <= MOST_EFFECTS);
+    let together = |(valve, below): (&Candidate, &Candidate)| below.beside(question, valve);
+    let mut sets: Vec<Candidate> = few.map(together).collect::<Result<_, _>>()?;
+    if let Some(other) = sets.first().map(|found| misread(question, found)).transpose()?.flatten() {
+        // The valve may have had an effect for what was only misread.
+        sets.push(reduced(question, base, other)?);
+    }
+    finished(question, base, sets)
+}
+
+/// In the last round, what the chain says of the sets that were refitted in it; the others stay as far behind the chosen one as apart.
+fn told_by_chain(rounds: &mut Vec<Vec<Trial>>, ranked: &[(Candidate, f64)], (chosen, net): (&Candidate, f64)) {
+    rounds.truncate(chosen.effects.len());
+    let Some(round) = rounds.last_mut() else { return };
+    let ranked: Vec<_> = ranked.iter().filter(|(set, _)| set.effects.len() == chosen.effects.len()).collect();
+    let names = |trial: &Trial| {
+        let mut names: Vec<&str> = trial.effects.iter().map(|effect| effect.name).collect();
+        names.sort_unstable();
+        names
+    };
+    let apart = round.iter().find(|trial| names(trial) == chosen.names()).or(round.first());
+    let shift = apart.map_or(0.0, |trial| net - trial.net);
+    round.retain(|trial| ranked.iter().all(|(set, _)| set.names() != names(trial)));
+    for set in round.iter_mut() {
+        set.net += shift;
+    }
+    round.extend(ranked.iter().map(|(set, net)| trial(set, *net)));
+    round.sort_by(|a, b| b.net.total_cmp(&a.net));
+}
+
+/// The set with a slider that reads o too much in the place of edges that lie 2·o further apart on one side, or the other way round: below
+/// the slider both are the same, and only the valve's own offset tells them apart. `None` where it has neither.
+fn misread(question: &Question<'_>, set: &Candidate) -> Result<Option<Candidate>, FitError> {
+    let value = |parameter| set.fit.machine.get(parameter);
+    let (read, edges) = (Parameter::SpoolOffset, Parameter::DeadZoneDifference);
+    let offset = value(Parameter::ValveOffset);
+    let is_of = |chosen: &Chosen, parameter| chosen.form.iter().any(|strength| strength.parameter == parameter);
+    for (index, chosen) in set.effects.iter().enumerate() {
+        let (to, size, offset) = if is_of(chosen, edges) {
+            (read, 0.5 * value(edges), offset - 0.5 * value(edges))
+        } else if is_of(chosen, read) {
+            (edges, 2.0 * value(read), offset + value(read))
+        } else {
+            continue;
+        };
+        let other = open_to(question, set).into_iter().find_map(|effect| {
+            let form =
+                effect.forms_in(question.scene).find(|form| form.iter().any(|strength| strength.parameter == to))?;
+            Some(Chosen { effect, form })
+        });
+        let Some(other) = other else { return Ok(None) };
+        return set.instead(question, index, other, &[(to, size), (Parameter::ValveOffset, offset)]).map(Some);
+    }
+    Ok(None)
+}
+
+/// A set of one side: its effects, its net gain and its machine.
+type Part = (Vec<&'static Hypothesis>, f64, Machine<f64>);
+
+/// Rounds of a side as far as it chose, that of no effect at all first.
+fn parts(course: &Course) -> Vec<Vec<Part>> {
+    let rounds = course.rounds.iter().take(course.chosen.effects.len());
+    let part = |trial: &Trial| (trial.effects.clone(), trial.net, trial.machine);
+    let none = vec![(Vec::new(), 0.0, course.base.fit.machine)];
+    std::iter::once(none).chain(rounds.map(|round| round.iter().map(part).collect())).collect()
+}
+
+/// Sets of both sides together, round by round, the valve's effects before those below: what one side gains, the other does not know of.
+fn together(nominal: &Machine<f64>, valve: &Course, below: &Course) -> Vec<Vec<Trial>> {
+    let (valve, below) = (parts(valve), parts(below));
+    let last = valve.len() - 1;
+    let rounds = (1..=last).map(|own| (own, 0)).chain((1..below.len()).map(|other| (last, other)));
+    let joined = |(own, other): (usize, usize)| {
+        let pairs = valve[own].iter().flat_map(|above| below[other].iter().map(move |below| (above, below)));
+        let mut round: Vec<Trial> = pairs.filter_map(|(above, below)| both(nominal, above, below)).collect();
+        round.sort_by(|a, b| b.net.total_cmp(&a.net));
+        round
+    };
+    rounds.map(joined).collect()
+}
+
+/// A set of each side as one; `None` where neither has an effect.
+fn both(nominal: &Machine<f64>, valve: &Part, below: &Part) -> Option<Trial> {
+    let effects: Vec<&'static Hypothesis> = valve.0.iter().chain(&below.0).copied().collect();
+    let effect = *effects.last()?;
+    let mut machine = below.2;
+    for &parameter in Parameter::ALL {
+        let value = valve.2.get(parameter);
+        if value.to_bits() != nominal.get(parameter).to_bits() {
+            machine.set(parameter, value);
+        }
+    }
+    Some(Trial { effect, effects, net: valve.1 + below.1, machine })
+}
+
+#[cfg(test)]
+mod tests;
