@@ -1,13 +1,14 @@
 //! What the model and the tool cost, against what a user would pick otherwise: `benches/run` prints it and writes `BENCHMARKS.md`.
 //!
-//! The opponents are the peers' own programs, called as they are. What runs against what is taken in turns, round by round, and the
-//! shortest of the rounds counts: the computer has other things to do as well.
+//! The opponents are the peers' own programs, called as they are; for names it is `PySINDy`, as `peers/sindy.py` uses it. What runs
+//! against what is taken in turns, round by round, and the shortest of the rounds counts: the computer has other things to do as well.
 
 mod child;
 mod desktop;
 mod diagnose;
 mod fit;
 mod machine;
+mod names;
 mod page;
 mod peers;
 mod target;
@@ -20,13 +21,18 @@ use page::{Page, Part};
 /// A part of the comparison by its name on the command line.
 type Measured = fn() -> Result<Part, Box<dyn Error>>;
 
-const PARTS: [(&str, Measured); 4] =
-    [("desktop", desktop::part), ("target", target::part), ("fit", fit::part), ("diagnose", diagnose::part)];
+const PARTS: [(&str, Measured); 5] = [
+    ("desktop", desktop::part),
+    ("target", target::part),
+    ("fit", fit::part),
+    ("diagnose", diagnose::part),
+    ("names", names::part),
+];
 
 fn measured(wanted: &[String]) -> Result<(), Box<dyn Error>> {
     let of_name = |name: &str| PARTS.iter().find(|(known, _)| *known == name);
     if let Some(unknown) = wanted.iter().find(|name| of_name(name).is_none()) {
-        return Err(format!("{unknown} is none of desktop, target, fit, diagnose").into());
+        return Err(format!("{unknown} is none of desktop, target, fit, diagnose, names").into());
     }
     let mut page = Page::of_this_machine()?;
     for (name, part) in PARTS {

@@ -32,13 +32,13 @@ pub(crate) struct Page {
 
 const HEAD: &str = "# What it costs\n\n\
     Written by `benches/run`, which measures all of it anew and installs the opponents; `benches/run fit` prints a part (desktop, target, fit,\n\
-    diagnose) and writes nothing. The opponents are not in this repository (`peers/speed` in `$HOST_SIM_SHARED`); without them our side alone\n\
-    is printed. Times are the shortest of rounds in which all take turns, and only ratios within a run say something. Other programs that compute take cores away:\n\
-    beside a load of 1 or more, two threads on two cores show little. Growth of instructions is what `benches/instructions.txt` and its test are for.\n";
+    diagnose, names) and writes nothing. The opponents are not in this repository (`peers/speed` in `$HOST_SIM_SHARED`, PySINDy from PyPI);\n\
+    without them our side alone is printed. Times are the shortest of rounds in which all take turns, where nothing else is said, and only ratios\n\
+    within a run say something. Other programs that compute take cores away: beside a load of 1 or more, two threads on two cores show little.\n\
+    Growth of instructions is what `benches/instructions.txt` and its test are for.\n";
 
 /// What nothing here measures.
 const NOT_DONE: &str = "## Not done\n\n\
-    - PySINDy (weak form) on the residuals of a diagnosis is not measured here.\n\
     - Instructions are not cycles: on a Cortex-M4F a square root or a division of floats counts as one and takes 14, which flatters the opponents there.\n";
 
 impl Page {

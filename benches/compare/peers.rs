@@ -18,6 +18,11 @@ fn built() -> Option<PathBuf> {
     std::env::var_os("SPEED_BUILD").map(PathBuf::from).filter(|built| built.join("venv").is_dir())
 }
 
+/// The Python that their programs run in; any other where they are not installed.
+pub(crate) fn python() -> PathBuf {
+    built().map_or_else(|| PathBuf::from("python3"), |built| built.join("venv/bin/python"))
+}
+
 /// Whether they are at hand and installed.
 pub(crate) fn are_there() -> bool {
     folder().is_some() && built().is_some()
@@ -43,7 +48,7 @@ impl Peers {
     /// Starts one of the programs in `benches/peers`, and hands out what it says of itself; `None` where the peers are not there.
     pub(crate) fn start(program: &str) -> Result<Option<(Self, Value)>, Box<dyn Error>> {
         let (Some(folder), Some(built)) = (folder(), built()) else { return Ok(None) };
-        let mut process = Command::new(built.join("venv/bin/python"))
+        let mut process = Command::new(python())
             .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("peers").join(program))
             .arg(folder)
             .env("PYTHONDONTWRITEBYTECODE", "1")
