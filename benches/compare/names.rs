@@ -51,8 +51,8 @@ impl Tool {
     }
 
     /// A row of the table.
-    fn line(&self, set: &str, folder: &Path, count: usize) -> Result<Vec<String>, Box<dyn Error>> {
-        let printed = scored(folder, &self.results)?;
+    fn line(&self, scorer: &Path, set: &str, folder: &Path, count: usize) -> Result<Vec<String>, Box<dyn Error>> {
+        let printed = scored(scorer, folder, &self.results)?;
         let last = printed.lines().last().ok_or("the scorer says nothing")?;
         let mut line = vec![format!("`{set}`"), self.name.clone()];
         for (said, _) in SCORES {
@@ -73,10 +73,7 @@ fn text_of(path: &Path) -> Result<String, Box<dyn Error>> {
 }
 
 /// What the scorer prints of results.
-fn scored(folder: &Path, results: &Path) -> Result<String, Box<dyn Error>> {
-    let scorer = shared(SETS[0])
-        .map(|set| set.join(SCORER))
-        .ok_or_else(|| format!("no {SCORER}: {} is not at hand", SETS[0]))?;
+fn scored(scorer: &Path, folder: &Path, results: &Path) -> Result<String, Box<dyn Error>> {
     let output = Command::new(peers::python()).arg(scorer).args([folder, results]).output()?;
     if !output.status.success() {
         return Err(format!("{SCORER}: {}", String::from_utf8_lossy(&output.stderr)).into());
@@ -84,13 +81,26 @@ fn scored(folder: &Path, results: &Path) -> Result<String, Box<dyn Error>> {
     Ok(String::from_utf8(output.stdout)?)
 }
 
-/// The cases of a set, by name.
-fn cases(folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
-    let entries: Vec<PathBuf> =
+/// What is in a folder, by name.
+fn within(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let mut entries: Vec<PathBuf> =
         std::fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>()?;
-    let mut cases: Vec<PathBuf> = entries.into_iter().filter(|path| path.join("machine.toml").is_file()).collect();
-    cases.sort();
-    Ok(cases)
+    entries.sort();
+    Ok(entries)
+}
+
+/// The cases of a set.
+fn cases(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    Ok(within(folder)?.into_iter().filter(|path| path.join("machine.toml").is_file()).collect())
+}
+
+/// Recordings of a case whose names begin so.
+fn recordings(case: &Path, prefix: &str) -> Result<Vec<String>, Box<dyn Error>> {
+    let begins = |path: &&PathBuf| {
+        path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(prefix))
+            && path.extension().is_some_and(|ending| ending == "csv")
+    };
+    within(case)?.iter().filter(begins).map(|path| text_of(path)).collect()
 }
 
 /// Both tools on all cases, in turns.
@@ -101,7 +111,13 @@ fn diagnosed(
 ) -> Result<(), Box<dyn Error>> {
     let mut theirs = theirs;
     for case in cases {
-        let took = child::host_sim(THREADS, &["diagnose", &text_of(case)?, "--json", &ours.result(case)?])?;
+        let (machine, result) = (text_of(&case.join("machine.toml"))?, ours.result(case)?);
+        let (training, held_out) = (recordings(case, "train-")?, recordings(case, "holdout-")?);
+        let mut arguments = vec!["diagnose", "--machine", &machine, "--json", &result, "--train"];
+        arguments.extend(training.iter().map(String::as_str));
+        arguments.push("--holdout");
+        arguments.extend(held_out.iter().map(String::as_str));
+        let took = child::host_sim(THREADS, &arguments)?;
         ours.took(took.wall_s, took.computed_s);
         if let Some((tool, peers)) = &mut theirs {
             let found = peers.ask(&format!("{}\t{}", text_of(case)?, tool.result(case)?))?;
@@ -116,9 +132,13 @@ pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
     let mut part = Part { text: "## Names, against PySINDy\n\n".to_owned(), wanted: Vec::new() };
     let load = machine::load()?;
     let scratch = tempfile::tempdir()?;
-    let mut opponent = Peers::start("sindy.py")?;
+    let mut opponent = if peers::can_import("numba, pysindy") { Peers::start("sindy.py")? } else { None };
     let versions = opponent.as_ref().map(|(_, said)| text(&said["versions"]));
     let mut lines = Vec::new();
+    let Some(scorer) = shared(SETS[0]).map(|set| set.join(SCORER)).filter(|scorer| scorer.is_file()) else {
+        writeln!(part.text, "Left out: `{}/{SCORER}` is not at hand.\n", SETS[0])?;
+        return Ok(part);
+    };
     for set in SETS {
         let Some(folder) = shared(set) else {
             writeln!(part.text, "Left out: `{set}` is not at hand.\n")?;
@@ -131,7 +151,7 @@ pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
         diagnosed(&cases, &mut ours, opponent.as_mut().map(|(peers, _)| (&mut theirs, peers)))?;
         let tools = if opponent.is_some() { vec![&ours, &theirs] } else { vec![&ours] };
         for tool in tools {
-            lines.push(tool.line(set, &folder, cases.len())?);
+            lines.push(tool.line(&scorer, set, &folder, cases.len())?);
         }
     }
     if lines.is_empty() {
@@ -140,14 +160,14 @@ pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
     writeln!(
         part.text,
         "Each case once, in turns, and judged by the scorer of the cases: the set of effects must be the one that is missing, or one that the noise leaves to be found.\n\
-         The tool is a process a case with {THREADS} threads, and also holds its claims against the held-out recordings. The opponent is `benches/peers/sindy.py`, one\n\
+         The tool is a process a case with {THREADS} threads, without its page, and also holds its claims against the held-out recordings. The opponent is `benches/peers/sindy.py`, one\n\
          process and one thread, whose start is not counted: `WeakPDELibrary` and `STLSQ` with what an expert adds (noise that the sensors predict, parameters\n\
          refitted and projected out, one shape an effect, signs, the likeliest simulated once more). It refits the ordinary model itself, which is counted. Both were\n\
          developed with these cases at hand: neither score is one on unknown cases. The load before was {load}.\n"
     )?;
     match versions {
         Some(versions) => writeln!(part.text, "Opponent: {versions}.\n")?,
-        None => writeln!(part.text, "The peers are not at hand: no opponent.\n")?,
+        None => writeln!(part.text, "PySINDy is not at hand: no opponent.\n")?,
     }
     let mut head = vec!["cases", "tool"];
     head.extend(SCORES.map(|(_, called)| called));

@@ -23,6 +23,12 @@ pub(crate) fn python() -> PathBuf {
     built().map_or_else(|| PathBuf::from("python3"), |built| built.join("venv/bin/python"))
 }
 
+/// Whether that Python finds these modules.
+pub(crate) fn can_import(modules: &str) -> bool {
+    let import = Command::new(python()).args(["-c", &format!("import {modules}")]).output();
+    import.is_ok_and(|output| output.status.success())
+}
+
 /// Whether they are at hand and installed.
 pub(crate) fn are_there() -> bool {
     folder().is_some() && built().is_some()

@@ -356,7 +356,11 @@ def takes(case, before, after, share):
 
 
 def diagnose(folder, out):
-    verdict, names = decide(Case(folder))
+    try:
+        verdict, names = decide(Case(folder))
+    except (ValueError, np.linalg.LinAlgError) as error:
+        print(f"{folder}: {error}", file=sys.stderr)
+        verdict, names = "failed", []
     with open(out, "w") as file:
         json.dump({"schema": "host-sim/diagnosis/1", "verdict": verdict, "findings": [{"effect": name} for name in names]}, file)
 
