@@ -71,8 +71,8 @@ pub struct Selection {
     pub chosen: Candidate,
     /// Every set that was refitted, round by round, the best first.
     pub rounds: Vec<Vec<Trial>>,
-    /// Whether effects of it were found with the links apart, and the chain only had to accept them all together.
-    pub is_joined: bool,
+    /// Names of several effects that were found with the links apart: the chain only had to accept them all together.
+    pub joined: Vec<&'static str>,
 }
 
 impl Selection {
@@ -94,6 +94,8 @@ struct Course {
     chosen: Candidate,
     /// Sets that the next round starts from.
     beam: Vec<Candidate>,
+    /// Names of effects that were found with the links apart.
+    joined: Vec<&'static str>,
     /// Sets of as many effects that were nearly as likely as the chosen one when it was chosen.
     rivals: Vec<Candidate>,
     /// Every set that was refitted, round by round, the best first.
@@ -110,10 +112,9 @@ pub fn select(question: &Question<'_>, near: &Fit, done: &(impl Fn(&str) + Sync)
         course.join(question, done)?;
     }
     done("refit");
-    let is_joined = course.chosen.effects.len() > 1;
     course.forward(question, AT_NOISE, done)?;
-    let Course { base, chosen, rounds, .. } = course;
-    Ok(Selection { base, chosen, rounds, is_joined })
+    let Course { base, chosen, rounds, joined, .. } = course;
+    Ok(Selection { base, chosen, rounds, joined })
 }
 
 impl Course {
@@ -125,6 +126,7 @@ impl Course {
             tempered,
             chosen: base.clone(),
             beam: vec![base.clone()],
+            joined: Vec::new(),
             rivals: Vec::new(),
             rounds: Vec::new(),
             base,
@@ -151,7 +153,9 @@ impl Course {
             self.beam = ranked.iter().take(BEAM).map(|(candidate, _)| candidate.clone()).collect();
             if let Some(better) = self.claimed(question)? {
                 self.choose(question, better)?;
-                self.rivals = rivals(&self.chosen, ranked);
+                if let Some(rivals) = rivals(&self.chosen, ranked) {
+                    self.rivals = rivals;
+                }
             }
             // Two that go together may each be nothing alone, but a third is only looked for beside what was found.
             if self.is_enough(question, near) || (round > 0 && self.chosen.effects.len() <= round) {
@@ -214,7 +218,7 @@ impl Course {
     /// Chooses a set, but for every effect that the others make superfluous; none where what is left is not likely by itself.
     fn choose(&mut self, question: &Question<'_>, full: Candidate) -> Result<(), FitError> {
         let effects = full.effects.len();
-        let chosen = reduced(question, &self.base, full)?;
+        let chosen = reduced(question, &self.base, full, &self.joined)?;
         if chosen.effects.len() < effects {
             if !self.is_likely(question, &chosen) {
                 return Ok(());
@@ -243,11 +247,16 @@ fn enter(question: &Question<'_>, base: &Candidate, rounds: &mut [Vec<Trial>], c
     round.sort_by(|a, b| b.net.total_cmp(&a.net));
 }
 
-/// A set without every effect that the others make superfluous.
-fn reduced(question: &Question<'_>, base: &Candidate, mut full: Candidate) -> Result<Candidate, FitError> {
+/// A set without every effect that the others make superfluous, but for those that the links apart have shown.
+fn reduced(
+    question: &Question<'_>,
+    base: &Candidate,
+    mut full: Candidate,
+    shown: &[&str],
+) -> Result<Candidate, FitError> {
     while full.effects.len() > 1 {
         let mut dropped = None;
-        for index in 0..full.effects.len() {
+        for index in (0..full.effects.len()).filter(|&index| !shown.contains(&full.effects[index].effect.name)) {
             let without = full.without(question, index)?;
             if without.is_plausible(question.scene) && !accepts(question, base, &without, &full)? {
                 dropped = Some(without);
@@ -271,13 +280,12 @@ fn explains_enough(question: &Question<'_>, base: &Candidate, best: &Candidate, 
 }
 
 /// Sets of a round that are nearly as likely as one of it: less so by no more than chance, or than its form's own error may gain.
-fn rivals(set: &Candidate, ranked: Vec<(Candidate, f64)>) -> Vec<Candidate> {
+/// `None` where it is not of the round.
+fn rivals(set: &Candidate, ranked: Vec<(Candidate, f64)>) -> Option<Vec<Candidate>> {
     let names = set.names();
-    let Some(net) = ranked.iter().find(|(other, _)| other.names() == names).map(|(_, net)| *net) else {
-        return Vec::new();
-    };
+    let net = ranked.iter().find(|(other, _)| other.names() == names).map(|(_, net)| *net)?;
     let is_near = |other: &(Candidate, f64)| other.1 >= net - CHANCE.max(FORM * FORM * net) && other.0.names() != names;
-    candidates(ranked.into_iter().filter(is_near).take(FINISHED - 1).collect())
+    Some(candidates(ranked.into_iter().filter(is_near).take(FINISHED - 1).collect()))
 }
 
 /// Plausible sets ranked, the best of them refitted to the end.

@@ -8,9 +8,10 @@ use model_core::machine::{Machine, MachineError};
 use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
+use super::likelihood::accepts;
 use super::{AT_NOISE, Course, MOST_EFFECTS, Trial, confirm, finished, reduced, trial};
 use crate::candidate::{Candidate, Chosen, Question};
-use crate::fit::FitError;
+use crate::fit::{CHANCE, FitError};
 use crate::hypothesis::{Hypothesis, Subsystem};
 use crate::links::OF_VALVE;
 use crate::prepare::Prepared;
@@ -73,6 +74,13 @@ impl Side {
         if !course.is_enough(&own, self.near()) {
             course.forward(&own, self.near(), done)?;
         }
+        let base = &course.base;
+        let claimed = |rival: Candidate| -> Result<Option<Candidate>, FitError> {
+            let may_be = rival.is_plausible(own.scene) && accepts(&own, base, base, &rival)?;
+            Ok(may_be.then_some(rival))
+        };
+        let rivals: Vec<_> = course.rivals.into_par_iter().map(claimed).collect::<Result<_, _>>()?;
+        course.rivals = rivals.into_iter().flatten().collect();
         Ok(course)
     }
 }
@@ -138,10 +146,15 @@ impl Course {
             return Ok(());
         }
         let ranked = joined(question, &self.base, &valve, &below)?;
-        for (found, net) in &ranked {
+        // What cannot be claimed may still be what it is, and nothing less likely stands in for it.
+        let least = ranked.first().map_or(f64::INFINITY, |(_, net)| net - CHANCE);
+        for (found, net) in ranked.iter().take_while(|(_, net)| *net > least) {
             if self.claims(question, found)? {
                 self.chosen = found.clone();
                 self.beam = vec![found.clone()];
+                if found.effects.len() > 1 {
+                    self.joined = found.names();
+                }
                 self.rounds = together(question.scene.machine, &valve, &below);
                 told_by_chain(&mut self.rounds, &ranked, (found, *net));
                 break;
@@ -167,7 +180,7 @@ fn joined(
     let mut sets: Vec<Candidate> = few.map(together).collect::<Result<_, _>>()?;
     if let Some(other) = sets.first().map(|found| misread(question, found)).transpose()?.flatten() {
         // The valve may have had an effect for what was only misread.
-        sets.push(reduced(question, base, other)?);
+        sets.push(reduced(question, base, other, &[])?);
     }
     finished(question, base, sets)
 }
@@ -182,12 +195,16 @@ fn told_by_chain(rounds: &mut Vec<Vec<Trial>>, ranked: &[(Candidate, f64)], (cho
         names.sort_unstable();
         names
     };
-    let apart = round.iter().find(|trial| names(trial) == chosen.names()).or(round.first());
-    let shift = apart.map_or(0.0, |trial| net - trial.net);
-    round.retain(|trial| ranked.iter().all(|(set, _)| set.names() != names(trial)));
-    for set in round.iter_mut() {
-        set.net += shift;
+    match round.iter().find(|trial| names(trial) == chosen.names()).map(|trial| net - trial.net) {
+        Some(shift) => {
+            for set in round.iter_mut() {
+                set.net += shift;
+            }
+        }
+        // One that neither side had has nothing behind it there.
+        None => round.clear(),
     }
+    round.retain(|trial| ranked.iter().all(|(set, _)| set.names() != names(trial)));
     round.extend(ranked.iter().map(|(set, net)| trial(set, *net)));
     round.sort_by(|a, b| b.net.total_cmp(&a.net));
 }

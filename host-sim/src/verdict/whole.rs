@@ -24,13 +24,12 @@ pub fn lengthened(
     let base = base?;
     done("the whole recordings");
     let mut selection =
-        Selection { chosen: base.clone(), base, rounds: found.rounds.clone(), is_joined: found.is_joined };
+        Selection { chosen: base.clone(), base, rounds: found.rounds.clone(), joined: found.joined.clone() };
     if let Some(chosen) = chosen?
         && chosen.is_plausible(question.scene)
         && accepts(question, &selection.base, &selection.base, &chosen)?
     {
-        let reduced = |chosen| if found.is_joined { Ok(chosen) } else { reduced(question, &selection.base, chosen) };
-        selection.chosen = reduced(chosen)?;
+        selection.chosen = reduced(question, &selection.base, chosen, &found.joined)?;
     }
     if selection.chosen.effects.len() < MOST_EFFECTS
         && !explains_enough(question, &selection.base, &selection.chosen, AT_NOISE)
@@ -40,7 +39,7 @@ pub fn lengthened(
         let added = ranked(question, &selection.base, vec![slow.clone()]);
         selection.rounds.truncate(selection.chosen.effects.len());
         selection.rounds.push(added.iter().map(|(candidate, net)| trial(candidate, *net)).collect());
-        selection.chosen = reduced(question, &selection.base, slow)?;
+        selection.chosen = reduced(question, &selection.base, slow, &found.joined)?;
     }
     Ok(selection)
 }
