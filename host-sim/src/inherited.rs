@@ -29,11 +29,21 @@ pub(crate) fn inherited(
     signals: &[Signal],
     simulated: impl Fn(&Mended<'_>) -> Result<Trajectory, SimulateError>,
 ) -> Result<Vec<f64>, SimulateError> {
-    let times = realisations(mended.recording.rows());
     let noisy = noisy(&mended.recording);
+    let again = |seed| simulated(&disturbed(mended, &noisy, seed));
+    off_by(trajectory, signals, realisations(mended.recording.rows()), again)
+}
+
+/// RMS by which each of the `signals` of a simulation is off in so many others, the seed of whose noise is handed to each, SI.
+pub(crate) fn off_by<E>(
+    trajectory: &Trajectory,
+    signals: &[Signal],
+    times: usize,
+    again: impl Fn(u64) -> Result<Trajectory, E>,
+) -> Result<Vec<f64>, E> {
     let mut squares = vec![0.0; signals.len()];
     for seed in 0..times {
-        let again = simulated(&disturbed(mended, &noisy, seed as u64))?;
+        let again = again(seed as u64)?;
         for (square, &signal) in squares.iter_mut().zip(signals) {
             if let Some((quiet, loud)) = trajectory.signal(signal).zip(again.signal(signal)) {
                 let sum: f64 = quiet.iter().zip(loud).map(|(quiet, loud)| (loud - quiet).powi(2)).sum();

@@ -39,7 +39,7 @@ const BEAM: usize = 2;
 const BESIDE: usize = 4;
 /// A set whose worst signal is this close to its noise is not searched further.
 const AT_NOISE: f64 = 1.03;
-/// The links are looked at apart where the worst signal is this many times its noise.
+/// The links are looked at apart where the worst signal is this many times its noise, and below a recorded slider searched down to that.
 const FAR: f64 = 2.0;
 
 /// What one set gained over the one before it.
@@ -56,6 +56,12 @@ pub struct Trial {
 }
 
 impl Trial {
+    /// Whether its effects are those of a set.
+    fn is_of(&self, set: &Candidate) -> bool {
+        let has = |name| self.effects.iter().any(|own| own.name == name);
+        self.effects.len() == set.effects.len() && set.effects.iter().all(|chosen| has(chosen.effect.name))
+    }
+
     /// Whether any of these effects is in it.
     pub(crate) fn has_any(&self, effects: &[&Hypothesis]) -> bool {
         self.effects.iter().any(|own| effects.iter().any(|effect| effect.name == own.name))
@@ -238,10 +244,7 @@ impl Course {
 /// Enters a set into the round of its size, in the place of a worse fit of the same effects.
 fn enter(question: &Question<'_>, base: &Candidate, rounds: &mut [Vec<Trial>], candidate: &Candidate) {
     let Some(round) = rounds.get_mut(candidate.effects.len() - 1) else { return };
-    let same = |trial: &Trial| {
-        candidate.effects.iter().all(|chosen| trial.effects.iter().any(|effect| effect.name == chosen.effect.name))
-    };
-    round.retain(|trial| !same(trial));
+    round.retain(|trial| !trial.is_of(candidate));
     let entered = ranked(question, base, vec![candidate.clone()]);
     round.extend(entered.iter().map(|(candidate, net)| trial(candidate, *net)));
     round.sort_by(|a, b| b.net.total_cmp(&a.net));

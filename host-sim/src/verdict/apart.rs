@@ -9,10 +9,11 @@ use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
 use super::likelihood::accepts;
-use super::{AT_NOISE, Course, MOST_EFFECTS, Trial, confirm, finished, reduced, trial};
+use super::{AT_NOISE, Course, FAR, MOST_EFFECTS, Trial, confirm, finished, reduced, trial};
 use crate::candidate::{Candidate, Chosen, Question};
 use crate::fit::{CHANCE, FitError};
 use crate::hypothesis::{Hypothesis, Subsystem};
+use crate::inherited::off_by;
 use crate::links::OF_VALVE;
 use crate::prepare::Prepared;
 use crate::random::Noise;
@@ -47,7 +48,7 @@ impl Side {
     fn near(self) -> f64 {
         match self {
             Self::Valve => AT_NOISE,
-            Self::Below => 2.0,
+            Self::Below => FAR,
         }
     }
 
@@ -96,25 +97,18 @@ fn followed(cases: &[&Prepared], machine: &Machine<f64>) -> Result<Option<Vec<Pr
 /// A recording driven by its slider, the noise of every other channel with what the slider's adds to it.
 fn with_noise_of_slider(mut case: Prepared, machine: &Machine<f64>) -> Result<Prepared, MachineError> {
     /// Draws that it is the mean of.
-    const DRAWS: u64 = 4;
+    const DRAWS: usize = 4;
     let of_slider = case.channels.iter().find(|channel| channel.signal == Signal::Spool);
     let of_slider = of_slider.map_or(0.0, |slider| slider.noise);
     let simulated = |stimulus: &Stimulus| simulate::<f64>(machine, stimulus, StartOffset::none());
-    let undisturbed = simulated(&case.stimulus)?;
-    let mut added = vec![0.0; case.channels.len()];
-    for draw in 0..DRAWS {
+    let disturbed = |draw| {
         let mut noise = Noise::new(1, draw);
-        let disturbed = simulated(&case.stimulus.disturbed(|| noise.gaussian(of_slider)))?;
-        for (channel, added) in case.channels.iter().zip(&mut added) {
-            let both = undisturbed.signal(channel.signal).zip(disturbed.signal(channel.signal));
-            let square = |(one, other): (&[f64], &[f64])| -> f64 {
-                one.iter().zip(other).map(|(one, other)| (one - other).powi(2)).sum()
-            };
-            *added += both.map_or(0.0, square) / (DRAWS as f64 * case.rows() as f64);
-        }
-    }
+        simulated(&case.stimulus.disturbed(|| noise.gaussian(of_slider)))
+    };
+    let signals: Vec<Signal> = case.channels.iter().map(|channel| channel.signal).collect();
+    let added = off_by(&simulated(&case.stimulus)?, &signals, DRAWS, disturbed)?;
     for (channel, added) in case.channels.iter_mut().zip(added) {
-        channel.noise = channel.noise.hypot(added.sqrt());
+        channel.noise = channel.noise.hypot(added);
     }
     Ok(case)
 }
@@ -190,12 +184,7 @@ fn told_by_chain(rounds: &mut Vec<Vec<Trial>>, ranked: &[(Candidate, f64)], (cho
     rounds.truncate(chosen.effects.len());
     let Some(round) = rounds.last_mut() else { return };
     let ranked: Vec<_> = ranked.iter().filter(|(set, _)| set.effects.len() == chosen.effects.len()).collect();
-    let names = |trial: &Trial| {
-        let mut names: Vec<&str> = trial.effects.iter().map(|effect| effect.name).collect();
-        names.sort_unstable();
-        names
-    };
-    match round.iter().find(|trial| names(trial) == chosen.names()).map(|trial| net - trial.net) {
+    match round.iter().find(|trial| trial.is_of(chosen)).map(|trial| net - trial.net) {
         Some(shift) => {
             for set in round.iter_mut() {
                 set.net += shift;
@@ -204,7 +193,7 @@ fn told_by_chain(rounds: &mut Vec<Vec<Trial>>, ranked: &[(Candidate, f64)], (cho
         // One that neither side had has nothing behind it there.
         None => round.clear(),
     }
-    round.retain(|trial| ranked.iter().all(|(set, _)| set.names() != names(trial)));
+    round.retain(|trial| !ranked.iter().any(|(set, _)| trial.is_of(set)));
     round.extend(ranked.iter().map(|(set, net)| trial(set, *net)));
     round.sort_by(|a, b| b.net.total_cmp(&a.net));
 }

@@ -45,8 +45,9 @@ impl Confirmation {
 
 impl Selection {
     /// Takes out of a set of several every effect that held-out recordings gain nothing by beside the others, refitted without it
-    /// to the training recordings; the last added first. While the chain is far off, one may also gain on its own side of the slider. What is left has to be a claim by itself, else it goes as well: a pair may
-    /// have been claimed because neither was enough alone. Those that were taken out.
+    /// to the training recordings; the last added first. While the chain is far off, one may also gain on its own side of the slider.
+    /// What is left has to be a claim by itself, else it goes as well: a pair may have been claimed because neither was enough
+    /// alone. Those that were taken out.
     pub fn refused(
         &mut self,
         question: &Question<'_>,
