@@ -157,19 +157,30 @@ impl Candidate {
         Self::refitted(question, effects, jumps, &from)
     }
 
-    /// Without one of its effects. What that had of an ordinary parameter goes to it.
+    /// With only some of its effects, refitted to the end to these recordings, which may judge by other signals.
+    pub fn only(&self, question: &Question<'_>, keeps: impl Fn(&Hypothesis) -> bool) -> Result<Self, FitError> {
+        let (kept, gone): (Vec<_>, Vec<_>) = self.effects.iter().copied().partition(|chosen| keeps(chosen.effect));
+        self.left(question, kept, &gone)
+    }
+
+    /// Without one of its effects, refitted to the end.
     pub fn without(&self, question: &Question<'_>, index: usize) -> Result<Self, FitError> {
         let mut effects = self.effects.clone();
         let gone = effects.remove(index);
+        self.left(question, effects, &[gone])
+    }
+
+    /// What is left without some of its effects. What those had of an ordinary parameter goes to it.
+    fn left(&self, question: &Question<'_>, kept: Vec<Chosen>, gone: &[Chosen]) -> Result<Self, FitError> {
         let mut jumps = self.jumps.clone();
-        jumps.retain(|(parameter, _)| !is_jump(gone.form, *parameter));
+        jumps.retain(|(parameter, _)| gone.iter().all(|chosen| !is_jump(chosen.form, *parameter)));
         let fitted = |parameter| self.fit.machine.get(parameter);
         let left = |strength: &Strength| {
             strength.negative_of().map(|ordinary| (ordinary, fitted(ordinary) - fitted(strength.parameter)))
         };
-        let values: Vec<(Parameter, f64)> = gone.form.iter().filter_map(left).collect();
+        let values: Vec<_> = gone.iter().flat_map(|chosen| chosen.form.iter()).filter_map(left).collect();
         let from = Beginning { fit: &self.fit, values: &values, settled: &[], goes: Goes::ToTheEnd };
-        Self::refitted(question, effects, jumps, &from)
+        Self::refitted(question, kept, jumps, &from)
     }
 
     /// Residuals on each training recording by a model that never saw it, one Newton step away, from the start that suits that model.
@@ -202,6 +213,11 @@ impl Candidate {
         let mut names: Vec<&str> = self.effects.iter().map(|chosen| chosen.effect.name).collect();
         names.sort_unstable();
         names
+    }
+
+    /// Whether an effect is one of its own.
+    pub(crate) fn has(&self, effect: &Hypothesis) -> bool {
+        self.effects.iter().any(|chosen| chosen.effect.name == effect.name)
     }
 
     /// The effect that was added last and its form.

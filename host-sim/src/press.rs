@@ -1,12 +1,13 @@
 //! The drive that tests use: a valve on a 63/40 × 300 mm cylinder.
 
-use model_core::machine::{Machine, Source};
+use model_core::machine::{Machine, Source, Tick};
 use model_core::parameter::Parameter;
 
 use crate::hypothesis::Scene;
 use crate::machine_file::LoadSource;
-use crate::recording::Signal;
-use crate::simulate::EntryPoint;
+use crate::random::Noise;
+use crate::recording::{Column, Recording, Signal};
+use crate::simulate::{EntryPoint, StartOffset, Stimulus, simulate};
 
 /// The press, with what a test sets beside its cylinder, the valve's gain and its speed.
 pub(crate) fn press(further: &[(Parameter, f64)]) -> Machine<f64> {
@@ -49,4 +50,26 @@ pub(crate) fn scene<'a>(machine: &'a Machine<f64>, judged: &'a [Signal]) -> Scen
         travel_m: (0.05, 0.25),
         duration_s: 5.0,
     }
+}
+
+/// Two seconds of a machine driven to and fro from 0.12 m, as sensors of these noises record it; the same noise for the same sensors.
+pub(crate) fn recorded(machine: &Machine<f64>, sensors: &[(Signal, f64)]) -> Recording {
+    let time_s: Vec<f64> = (0..2000).map(|row| f64::from(row) * 1e-3).collect();
+    let command = time_s.iter().map(|t| 2.5 * (5.0 * t).sin() + 1.5 * (13.0 * t).sin()).collect();
+    let driven = vec![
+        Column::si(Signal::Time, time_s.clone()),
+        Column::si(Signal::Command, command),
+        Column::si(Signal::Position, vec![0.12; time_s.len()]),
+    ];
+    let at_start = Recording::new("driven", driven.clone()).unwrap();
+    let stimulus =
+        Stimulus::new(&at_start, machine, EntryPoint::Command, LoadSource::Constant, Tick::OneMillisecond).unwrap();
+    let run = simulate::<f64>(machine, &stimulus, StartOffset::none()).unwrap();
+    let read = |(stream, &(signal, noise)): (u64, &(Signal, f64))| {
+        let mut generator = Noise::new(3, stream);
+        let values = run.signal(signal).unwrap().iter().map(|value| value + generator.gaussian(noise)).collect();
+        Column::si(signal, values)
+    };
+    let sensors = (1..).zip(sensors).map(read);
+    Recording::new("made", driven.into_iter().take(2).chain(sensors).collect()).unwrap()
 }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::candidate::{Candidate, Question, Reference};
+use crate::candidate::{Candidate, Chosen, Question, Reference};
 use crate::fit::{CHANCE, FitError};
 use crate::hypothesis::Hypothesis;
 use crate::screen::Lead;
@@ -143,20 +143,47 @@ fn extensions(
     let of_plain = |plain: &Candidate| -> Result<Vec<Candidate>, FitError> {
         let Some(newest) = plain.effects.last() else { return Ok(Vec::new()) };
         let better = |other: &Candidate| other.newest() == plain.newest() && other.fit.loss < plain.fit.loss;
-        let richer: Vec<&'static Hypothesis> = open
-            .iter()
-            .copied()
-            .filter(|effect| effect.extends.is_some_and(|extension| extension.plain == newest.effect.name))
-            .collect();
-        if richer.is_empty() || plain.fit.loss >= from.fit.loss || plainer.iter().any(better) {
+        if plain.fit.loss >= from.fit.loss || plainer.iter().any(better) {
             return Ok(Vec::new());
         }
-        let reference = Reference::new(question, plain)?;
-        let mut leads = reference.extensions(&richer)?;
         let known = |lead: &Lead| plainer.iter().any(|known| known.newest_is_like(lead) && known.fit.loss <= lead.loss);
-        leads.retain(|lead| !known(lead));
-        refit_each(&leads, done, |lead| reference.with_extension(lead))
+        in_its_place(question, plain, newest, open, &known, done)
     };
     let found: Vec<Vec<Candidate>> = plainer.par_iter().map(of_plain).collect::<Result<_, _>>()?;
     Ok(found.into_iter().flatten().collect())
 }
+
+/// Refits of a set with extensions in the place of an effect that it had before its newest: what they have more shows beside that.
+pub fn enriched(
+    question: &Question<'_>,
+    set: &Candidate,
+    done: &(impl Fn(&str) + Sync),
+) -> Result<Vec<Candidate>, FitError> {
+    let Some((_, older)) = set.effects.split_last() else { return Ok(Vec::new()) };
+    let of_one = |plain: &Chosen| in_its_place(question, set, plain, question.hypotheses, &|_| false, done);
+    let found: Vec<Vec<Candidate>> = older.par_iter().map(of_one).collect::<Result<_, _>>()?;
+    Ok(found.into_iter().flatten().collect())
+}
+
+/// Refits of a set with each extension of one of its effects in the place of that, but from leads that are known.
+fn in_its_place(
+    question: &Question<'_>,
+    set: &Candidate,
+    plain: &Chosen,
+    open: &[&'static Hypothesis],
+    known: &impl Fn(&Lead) -> bool,
+    done: &(impl Fn(&str) + Sync),
+) -> Result<Vec<Candidate>, FitError> {
+    let extends = |effect: &&Hypothesis| effect.extends.is_some_and(|extension| extension.plain == plain.effect.name);
+    let richer: Vec<&'static Hypothesis> = open.iter().copied().filter(extends).collect();
+    if richer.is_empty() {
+        return Ok(Vec::new());
+    }
+    let reference = Reference::new(question, set)?;
+    let mut leads = reference.extensions(plain, &richer)?;
+    leads.retain(|lead| !known(lead));
+    refit_each(&leads, done, |lead| reference.with_extension(lead))
+}
+
+#[cfg(test)]
+mod tests;

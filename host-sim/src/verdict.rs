@@ -20,8 +20,9 @@ use rayon::prelude::*;
 pub use crate::candidate::{Candidate, Chosen, Question};
 use crate::fit::{CHANCE, Fit, FitError};
 use crate::hypothesis::Hypothesis;
-use crate::search::{is_hopeful, least_above, widened};
+use crate::search::{enriched, is_hopeful, least_above, widened};
 use crate::tempered::Tempered;
+use apart::Side;
 pub use confirmation::{Confirmation, confirm};
 pub(crate) use likelihood::{FORM, Gained, excess};
 use likelihood::{accepts, prefer_plain, ranked};
@@ -77,7 +78,7 @@ pub struct Selection {
     pub chosen: Candidate,
     /// Every set that was refitted, round by round, the best first.
     pub rounds: Vec<Vec<Trial>>,
-    /// Names of several effects that were found with the links apart: the chain only had to accept them all together.
+    /// The plainest of several effects that were found with the links apart: the chain only had to accept them all together.
     pub joined: Vec<&'static str>,
 }
 
@@ -100,8 +101,10 @@ struct Course {
     chosen: Candidate,
     /// Sets that the next round starts from.
     beam: Vec<Candidate>,
-    /// Names of effects that were found with the links apart.
+    /// The plainest of effects that were found with the links apart.
     joined: Vec<&'static str>,
+    /// Sides of the recorded slider that explain themselves by what was found with the links apart.
+    explained: Vec<Side>,
     /// Sets of as many effects that were nearly as likely as the chosen one when it was chosen.
     rivals: Vec<Candidate>,
     /// Every set that was refitted, round by round, the best first.
@@ -133,6 +136,7 @@ impl Course {
             chosen: base.clone(),
             beam: vec![base.clone()],
             joined: Vec::new(),
+            explained: Vec::new(),
             rivals: Vec::new(),
             rounds: Vec::new(),
             base,
@@ -152,9 +156,14 @@ impl Course {
             if !self.chosen.effects.is_empty() && self.is_enough(question, near) {
                 break;
             }
+            let open = self.open(question);
+            if open.is_empty() {
+                break;
+            }
             let most = if round == 0 { REFITTED } else { BESIDE };
-            let found = widened(question, &self.tempered, &self.beam, most, done)?;
-            let ranked = finished(question, &self.base, found)?;
+            let asked = Question { hypotheses: &open, ..*question };
+            let found = widened(&asked, &self.tempered, &self.beam, most, done)?;
+            let ranked = self.extended(question, finished(question, &self.base, found)?, near, done)?;
             self.rounds.push(ranked.iter().map(|(candidate, net)| trial(candidate, *net)).collect());
             self.beam = ranked.iter().take(BEAM).map(|(candidate, _)| candidate.clone()).collect();
             if let Some(better) = self.claimed(question)? {
@@ -169,6 +178,25 @@ impl Course {
             }
         }
         Ok(())
+    }
+
+    /// A ranked round with the extensions of what the best set of it had before its newest effect, where that is not `near` its noise: alone,
+    /// what is missing beside it may have hidden what an extension has more.
+    fn extended(
+        &self,
+        question: &Question<'_>,
+        ranked: Vec<(Candidate, f64)>,
+        near: f64,
+        done: &(impl Fn(&str) + Sync),
+    ) -> Result<Vec<(Candidate, f64)>, FitError> {
+        let best = ranked.first().filter(|(best, _)| best.worst_over_noise(question) > near);
+        let richer = best.map_or(Ok(Vec::new()), |(best, _)| enriched(question, best, done))?;
+        if richer.is_empty() {
+            return Ok(ranked);
+        }
+        let richer = candidates(likelihood::ranked(question, &self.base, richer)).into_iter().take(BEAM).collect();
+        let all = candidates(ranked).into_iter().chain(to_the_end(question, richer)?).collect();
+        finished(question, &self.base, all)
     }
 
     /// The first set of the beam that may be claimed; where none may, the best one without an effect that only showed the way.
@@ -259,7 +287,7 @@ fn reduced(
 ) -> Result<Candidate, FitError> {
     while full.effects.len() > 1 {
         let mut dropped = None;
-        for index in (0..full.effects.len()).filter(|&index| !shown.contains(&full.effects[index].effect.name)) {
+        for index in (0..full.effects.len()).filter(|&index| !shown.contains(&full.effects[index].effect.plainest())) {
             let without = full.without(question, index)?;
             if without.is_plausible(question.scene) && !accepts(question, base, &without, &full)? {
                 dropped = Some(without);

@@ -130,6 +130,14 @@ fn a_late_position_does_not_hide_a_neutral_that_drifts() {
     assert!(said.right, "{} said", said.answer);
 }
 
+/// What a saturated valve leaves of its own form's error reaches every signal below; the air there is told by the recorded slider.
+#[test]
+fn a_saturated_valve_does_not_hide_the_air_below_it() {
+    let said = said(&lot(9204, Concealed::Pair, true), 3).unwrap();
+    assert_eq!(said.truth, "solenoid-saturation + entrained-air");
+    assert!(said.right, "{} said", said.answer);
+}
+
 /// Slow: `cargo test --release -p system-tests --test diagnosis sixty -- --ignored --nocapture`.
 #[test]
 #[ignore = "some minutes"]

@@ -48,16 +48,15 @@ impl<'a> Reference<'a> {
         Ok(std::array::from_fn(|_| leads.next().unwrap_or_default()))
     }
 
-    /// Where extensions of its newest effect could start: of friction on bristles those on bristles, of rigid friction the others.
-    pub fn extensions(&self, of: &[&'static Hypothesis]) -> Result<Vec<Lead>, FitError> {
+    /// Where extensions of one of its effects could start: of friction on bristles those on bristles, of rigid friction the others.
+    pub fn extensions(&self, of: &Chosen, by: &[&'static Hypothesis]) -> Result<Vec<Lead>, FitError> {
         let nearby: Vec<&Prepared> = self.nearby.iter().collect();
         let Some(sensitivity) = Sensitivity::at(&self.set.fit, &nearby)? else { return Ok(Vec::new()) };
         let mut found = Vec::new();
-        for effect in of {
+        for effect in by {
             found.extend(extended(self.question.scene, &self.set.fit, &sensitivity, effect)?);
         }
-        let elastic = self.set.effects.last().is_some_and(|newest| is_elastic(newest.form));
-        found.retain(|lead| is_elastic(lead.form) == elastic);
+        found.retain(|lead| is_elastic(lead.form) == is_elastic(of.form));
         Ok(found)
     }
 

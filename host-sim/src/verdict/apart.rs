@@ -9,9 +9,9 @@ use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
 use super::likelihood::accepts;
-use super::{AT_NOISE, Course, FAR, MOST_EFFECTS, Trial, confirm, finished, reduced, trial};
+use super::{AT_NOISE, Course, FAR, MOST_EFFECTS, Trial, confirm, explains_enough, finished, reduced, trial};
 use crate::candidate::{Candidate, Chosen, Question};
-use crate::fit::{CHANCE, FitError};
+use crate::fit::{CHANCE, FitError, Free};
 use crate::hypothesis::{Hypothesis, Subsystem};
 use crate::inherited::off_by;
 use crate::links::OF_VALVE;
@@ -23,7 +23,7 @@ use crate::simulate::{StartOffset, Stimulus, simulate};
 
 /// A side of the slider.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Side {
+pub(super) enum Side {
     /// The valve, which moves it.
     Valve,
     /// All that it meters the oil for.
@@ -52,6 +52,13 @@ impl Side {
         }
     }
 
+    /// Its ordinary parameters and its effects.
+    fn part_of(self, question: &Question<'_>) -> (Vec<Free>, Vec<&'static Hypothesis>) {
+        let (ordinary, effects) = (question.ordinary.iter().copied(), question.hypotheses.iter().copied());
+        let is_own = |effect: &&'static Hypothesis| Self::of_effect(effect) == self;
+        (ordinary.filter(|free| Self::of_parameter(free.parameter) == self).collect(), effects.filter(is_own).collect())
+    }
+
     /// Recordings judged by its signals alone.
     fn judging(self, cases: &[Prepared]) -> Vec<Prepared> {
         cases.iter().map(|case| case.judged_by(|signal| Self::of_signal(signal) == self)).collect()
@@ -64,9 +71,7 @@ impl Side {
         followed: &[Prepared],
         done: &(impl Fn(&str) + Sync),
     ) -> Result<Course, FitError> {
-        let (ordinary, effects) = (question.ordinary.iter().copied(), question.hypotheses.iter().copied());
-        let ordinary: Vec<_> = ordinary.filter(|free| Self::of_parameter(free.parameter) == self).collect();
-        let hypotheses: Vec<_> = effects.filter(|effect| Self::of_effect(effect) == self).collect();
+        let (ordinary, hypotheses) = self.part_of(question);
         let mut training = self.judging(followed);
         let near = Candidate::tolerated(question.scene, &ordinary, &mut training)?;
         let training: Vec<&Prepared> = training.iter().collect();
@@ -82,6 +87,9 @@ impl Side {
         };
         let rivals: Vec<_> = course.rivals.into_par_iter().map(claimed).collect::<Result<_, _>>()?;
         course.rivals = rivals.into_iter().flatten().collect();
+        if explains_enough(&own, &course.base, &course.chosen, AT_NOISE) {
+            course.explained.push(self);
+        }
         Ok(course)
     }
 }
@@ -113,16 +121,28 @@ fn with_noise_of_slider(mut case: Prepared, machine: &Machine<f64>) -> Result<Pr
     Ok(case)
 }
 
-/// Whether held-out recordings gain by an effect on its own side of their sliders.
+/// Whether held-out recordings gain by an effect of a set on its own side of their sliders, where that side is refitted to the training
+/// recordings by itself with it and without: that it is there, whatever its strength is in the chain.
 pub(super) fn gains_apart(
+    question: &Question<'_>,
+    set: &Candidate,
     effect: &Hypothesis,
-    without: &Machine<f64>,
-    with: &Machine<f64>,
     held_out: &[&Prepared],
-) -> Result<bool, MachineError> {
-    let Some(followed) = followed(held_out, without)? else { return Ok(false) };
-    let judging = Side::of_effect(effect).judging(&followed);
-    Ok(confirm(without, with, &judging.iter().collect::<Vec<_>>())?.gains())
+) -> Result<bool, FitError> {
+    let (side, machine) = (Side::of_effect(effect), &set.fit.machine);
+    let (Some(training), Some(held_out)) = (followed(question.training, machine)?, followed(held_out, machine)?) else {
+        return Ok(false);
+    };
+    let (mut training, held_out) = (side.judging(&training), side.judging(&held_out));
+    let (ordinary, _) = side.part_of(question);
+    Candidate::tolerated(question.scene, &ordinary, &mut training)?;
+    let (training, held_out): (Vec<_>, Vec<_>) = (training.iter().collect(), held_out.iter().collect());
+    let own = Question { scene: question.scene, ordinary: &ordinary, hypotheses: &[], training: &training };
+    let of_side = |one: &Hypothesis| Side::of_effect(one) == side;
+    let (with, without) =
+        rayon::join(|| set.only(&own, of_side), || set.only(&own, |one| of_side(one) && one.name != effect.name));
+    let (with, without) = (with?, without?);
+    Ok(with.is_plausible(own.scene) && confirm(&without.fit.machine, &with.fit.machine, &held_out)?.gains())
 }
 
 impl Course {
@@ -147,7 +167,13 @@ impl Course {
                 self.chosen = found.clone();
                 self.beam = vec![found.clone()];
                 if found.effects.len() > 1 {
-                    self.joined = found.names();
+                    self.joined = found.effects.iter().map(|chosen| chosen.effect.plainest()).collect();
+                }
+                // A side has explained itself by what it chose, not by what the chain put in the place of that.
+                let as_chosen = |side: &Course| side.chosen.effects.iter().all(|own| found.has(own.effect));
+                let as_many = found.effects.len() == valve.chosen.effects.len() + below.chosen.effects.len();
+                if as_many && as_chosen(&valve) && as_chosen(&below) {
+                    self.explained = [valve.explained.as_slice(), &below.explained].concat();
                 }
                 self.rounds = together(question.scene.machine, &valve, &below);
                 told_by_chain(&mut self.rounds, &ranked, (found, *net));
@@ -155,6 +181,14 @@ impl Course {
             }
         }
         Ok(())
+    }
+
+    /// Effects that may still be added. Where the chain is far off, a side that has explained itself is not asked again: what is
+    /// still missing there comes from the other.
+    pub(super) fn open(&self, question: &Question<'_>) -> Vec<&'static Hypothesis> {
+        let is_far = !self.explained.is_empty() && self.chosen.worst_over_noise(question) > FAR;
+        let is_open = |effect: &&'static Hypothesis| !(is_far && self.explained.contains(&Side::of_effect(effect)));
+        question.hypotheses.iter().copied().filter(is_open).collect()
     }
 }
 

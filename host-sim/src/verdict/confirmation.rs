@@ -65,7 +65,7 @@ impl Selection {
             let (without, with) = (&fewer.fit.machine, &self.chosen.fit.machine);
             let is_hidden = self.chosen.worst_over_noise(question) > FAR;
             let gains = confirm(without, with, held_out)?.gains()
-                || (is_hidden && gains_apart(effect, without, with, held_out)?);
+                || (is_hidden && gains_apart(question, &self.chosen, effect, held_out)?);
             if !gains {
                 refused.push(effect);
                 self.chosen = fewer;

@@ -2,34 +2,14 @@ use super::*;
 use crate::candidate::Reference;
 use crate::hypothesis::CATALOGUE;
 use crate::machine_file::LoadSource;
-use crate::press::{press, scene};
+use crate::press::{press, recorded, scene};
 use crate::recording::{Column, Recording};
-use crate::simulate::EntryPoint;
 
 /// Noise of the slider's sensor, of full travel.
 const OF_SLIDER: f64 = 1e-3;
 
-/// What sensors with a little noise record of the press, driven to and fro, its slider and its position.
-fn recorded(machine: &Machine<f64>) -> Recording {
-    let time_s: Vec<f64> = (0..2000).map(|row| f64::from(row) * 1e-3).collect();
-    let command = time_s.iter().map(|t| 2.5 * (5.0 * t).sin() + 1.5 * (13.0 * t).sin()).collect();
-    let driven = vec![
-        Column::si(Signal::Time, time_s.clone()),
-        Column::si(Signal::Command, command),
-        Column::si(Signal::Position, vec![0.12; time_s.len()]),
-    ];
-    let at_start = Recording::new("driven", driven.clone()).unwrap();
-    let entry = (EntryPoint::Command, LoadSource::Constant, model_core::machine::Tick::OneMillisecond);
-    let stimulus = Stimulus::new(&at_start, machine, entry.0, entry.1, entry.2).unwrap();
-    let run = simulate::<f64>(machine, &stimulus, StartOffset::none()).unwrap();
-    let read = |signal, noise: f64, stream| {
-        let mut generator = Noise::new(3, stream);
-        let values = run.signal(signal).unwrap().iter().map(|value| value + generator.gaussian(noise)).collect();
-        Column::si(signal, values)
-    };
-    let sensors = [read(Signal::Spool, OF_SLIDER, 1), read(Signal::Position, 1e-5, 2)];
-    Recording::new("made", driven.into_iter().take(2).chain(sensors).collect()).unwrap()
-}
+/// What the slider's and the position's sensors record.
+const SENSORS: [(Signal, f64); 2] = [(Signal::Spool, OF_SLIDER), (Signal::Position, 1e-5)];
 
 fn prepared(recording: &Recording, machine: &Machine<f64>) -> Prepared {
     Prepared::new(recording, machine, LoadSource::Constant, None).unwrap()
@@ -38,7 +18,7 @@ fn prepared(recording: &Recording, machine: &Machine<f64>) -> Prepared {
 #[test]
 fn what_the_sliders_noise_does_below_it_adds_to_the_noise_there_and_nothing_to_its_own() {
     let machine = press(&[(Parameter::ViscousFriction, 4e4)]);
-    let own = prepared(&recorded(&machine), &machine);
+    let own = prepared(&recorded(&machine, &SENSORS), &machine);
     let followed = followed(&[&own], &machine).unwrap().unwrap();
     let noise = |case: &Prepared, signal| case.channels.iter().find(|one| one.signal == signal).unwrap().noise;
     let of = |signal| (noise(&own, signal), noise(&followed[0], signal));
@@ -57,7 +37,7 @@ fn what_the_sliders_noise_does_below_it_adds_to_the_noise_there_and_nothing_to_i
 #[test]
 fn nothing_is_followed_where_the_slider_was_not_recorded() {
     let machine = press(&[]);
-    let recording = recorded(&machine);
+    let recording = recorded(&machine, &SENSORS);
     let blind: Vec<Column> = [Signal::Time, Signal::Command, Signal::Position]
         .map(|signal| {
             let values = if signal == Signal::Time { recording.time_s() } else { recording.signal(signal).unwrap() };
@@ -76,7 +56,7 @@ fn a_slider_that_reads_too_much_and_edges_that_lie_apart_are_the_same_but_for_th
         read.set(Parameter::SpoolOffset, 0.015);
         read
     };
-    let case = prepared(&recorded(&read), &machine);
+    let case = prepared(&recorded(&read, &SENSORS), &machine);
     let (training, judged) = ([&case], [Signal::Spool, Signal::Position]);
     let scene = scene(&machine, &judged);
     let hypotheses: Vec<_> = CATALOGUE.to_vec();
@@ -106,4 +86,61 @@ fn a_slider_that_reads_too_much_and_edges_that_lie_apart_are_the_same_but_for_th
     assert_eq!(back.names(), ["dead-zone-asymmetry"]);
     assert!((back.fit.loss - apart).abs() < 0.05, "{} {apart}", back.fit.loss);
     assert!(misread(&question, &base).unwrap().is_none());
+}
+
+/// A slider that saturates, which the model does not know, hides nothing below it: where the recorded one meters the oil, friction gains if it is
+/// there, and only then.
+#[test]
+fn an_effect_gains_on_its_own_side_whatever_the_valve_lacks() {
+    let nominal = press(&[(Parameter::ViscousFriction, 2e4)]);
+    let truth = |force: f64| {
+        let mut truth = nominal;
+        truth.set(Parameter::CoulombFriction, force);
+        truth.set(Parameter::SolenoidOnset, 0.1);
+        truth.set(Parameter::SolenoidLoss, 0.7);
+        truth
+    };
+    let sensors = [(Signal::Spool, OF_SLIDER), (Signal::PressureA, 2e4), (Signal::Position, 1e-5)];
+    let judged = sensors.map(|(signal, _)| signal);
+    let scene = scene(&nominal, &judged);
+    let coulomb = *CATALOGUE.iter().find(|effect| effect.name == "coulomb-friction").unwrap();
+    for (force, expected) in [(300.0, true), (0.0, false)] {
+        let case = prepared(&recorded(&truth(force), &sensors), &nominal);
+        // The same drive through sensors in another order, so that each has another noise.
+        let held_out = prepared(&recorded(&truth(force), &[sensors[2], sensors[0], sensors[1]]), &nominal);
+        let training = [&case];
+        let question = Question { scene: &scene, ordinary: &[], hypotheses: CATALOGUE, training: &training };
+        let base = Candidate::rough(&question, None).unwrap();
+        let chosen = Chosen { effect: coulomb, form: coulomb.forms[0] };
+        let with = Candidate { effects: vec![chosen], ..base };
+        assert!(with.worst_over_noise(&question) > FAR);
+        assert_eq!(gains_apart(&question, &with, coulomb, &[&held_out]).unwrap(), expected, "{force} N");
+    }
+}
+
+#[test]
+fn a_side_that_has_explained_itself_is_not_asked_again_while_the_chain_is_far_off() {
+    let nominal = press(&[(Parameter::ViscousFriction, 2e4)]);
+    let judged = [Signal::Spool, Signal::Position];
+    let scene = scene(&nominal, &judged);
+    let open = |loss: f64, explained: &[Side]| -> Vec<Side> {
+        let mut truth = nominal;
+        truth.set(Parameter::SolenoidOnset, 0.1);
+        truth.set(Parameter::SolenoidLoss, loss);
+        let case = prepared(&recorded(&truth, &SENSORS), &nominal);
+        let training = [&case];
+        let question = Question { scene: &scene, ordinary: &[], hypotheses: CATALOGUE, training: &training };
+        let near = Candidate::rough(&question, None).unwrap().fit;
+        let mut course = Course::of(&question, &near).unwrap();
+        course.explained = explained.to_vec();
+        course.open(&question).into_iter().map(Side::of_effect).collect()
+    };
+    let all: Vec<Side> = CATALOGUE.iter().copied().map(Side::of_effect).collect();
+    let only = |kept: Side| -> Vec<Side> { all.iter().copied().filter(|side| *side == kept).collect() };
+    assert_eq!(open(0.7, &[Side::Below]), only(Side::Valve));
+    assert_eq!(open(0.7, &[Side::Valve]), only(Side::Below));
+    assert!(open(0.7, &[Side::Valve, Side::Below]).is_empty());
+    assert_eq!(open(0.7, &[]), all);
+    // Near the noise the whole chain tells the rest.
+    assert_eq!(open(0.0, &[Side::Below]), all);
 }

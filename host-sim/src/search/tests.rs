@@ -1,0 +1,50 @@
+use model_core::parameter::Parameter as P;
+
+use super::*;
+use crate::hypothesis::CATALOGUE;
+use crate::machine_file::LoadSource;
+use crate::prepare::Prepared;
+use crate::press::{press, recorded, scene};
+use crate::recording::Signal;
+
+/// What an effect extends was found before what else is missing: the extension is looked for beside that as well, and found.
+#[test]
+fn an_extension_is_found_beside_what_was_added_later() {
+    let nominal = press(&[(P::ViscousFriction, 2e4)]);
+    let mut truth = nominal;
+    for (parameter, value) in [
+        (P::StribeckForce, 300.0),
+        (P::StribeckExcess, 300.0),
+        (P::StribeckVelocity, 0.01),
+        (P::ReturnResistance, 1.5e13),
+    ] {
+        truth.set(parameter, value);
+    }
+    let judged = [Signal::PressureA, Signal::PressureB, Signal::Position];
+    let recording = recorded(&truth, &[(Signal::PressureA, 1e4), (Signal::PressureB, 1e4), (Signal::Position, 1e-5)]);
+    let case = Prepared::new(&recording, &nominal, LoadSource::Constant, None).unwrap();
+    let (training, scene) = ([&case], scene(&nominal, &judged));
+    let question = Question { scene: &scene, ordinary: &[], hypotheses: CATALOGUE, training: &training };
+    let with = |set: &Candidate, name: &str| -> Candidate {
+        let effect = *CATALOGUE.iter().find(|effect| effect.name == name).unwrap();
+        let reference = Reference::new(&question, set).unwrap();
+        reference.with(&reference.leads(&[effect]).unwrap()[0]).unwrap().finished(&question).unwrap()
+    };
+    let base = Candidate::rough(&question, None).unwrap();
+    let friction = with(&base, "coulomb-friction");
+    let both = with(&friction, "tank-back-pressure");
+
+    let found = enriched(&question, &both, &|_| ()).unwrap();
+    let names: Vec<_> = found.iter().map(Candidate::names).collect();
+    assert!(found.iter().all(|set| set.names().contains(&"tank-back-pressure") && set.effects.len() == 2), "{names:?}");
+    let best = found.iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss)).unwrap().finished(&question).unwrap();
+    assert_eq!(best.names(), ["stribeck-friction", "tank-back-pressure"]);
+    assert!(best.fit.loss < 0.5 * both.fit.loss, "{} {}", best.fit.loss, both.fit.loss);
+    let sliding = best.fit.machine.get(P::StribeckForce);
+    assert!((sliding / 300.0 - 1.0).abs() < 0.05, "{sliding}");
+
+    // What was added last has been extended in its own round.
+    let alone = with(&base, "tank-back-pressure");
+    assert!(enriched(&question, &with(&alone, "coulomb-friction"), &|_| ()).unwrap().is_empty());
+    assert!(enriched(&question, &base, &|_| ()).unwrap().is_empty());
+}
