@@ -130,15 +130,15 @@ fn diagnosed(
 /// The part.
 pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
     let mut part = Part { text: "## Names, against PySINDy\n\n".to_owned(), wanted: Vec::new() };
+    let Some(scorer) = shared(SETS[0]).map(|set| set.join(SCORER)).filter(|scorer| scorer.is_file()) else {
+        writeln!(part.text, "Left out: `{}/{SCORER}` is not at hand.\n", SETS[0])?;
+        return Ok(part);
+    };
     let load = machine::load()?;
     let scratch = tempfile::tempdir()?;
     let mut opponent = if peers::can_import("numba, pysindy") { Peers::start("sindy.py")? } else { None };
     let versions = opponent.as_ref().map(|(_, said)| text(&said["versions"]));
     let mut lines = Vec::new();
-    let Some(scorer) = shared(SETS[0]).map(|set| set.join(SCORER)).filter(|scorer| scorer.is_file()) else {
-        writeln!(part.text, "Left out: `{}/{SCORER}` is not at hand.\n", SETS[0])?;
-        return Ok(part);
-    };
     for set in SETS {
         let Some(folder) = shared(set) else {
             writeln!(part.text, "Left out: `{set}` is not at hand.\n")?;

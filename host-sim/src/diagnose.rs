@@ -348,7 +348,7 @@ fn finding(chosen: &Chosen, selection: &Selection, vetoed: &[&'static Hypothesis
         .collect();
     let mut alternatives: Vec<(&'static Hypothesis, f64)> = Vec::new();
     for effect in sets.iter().flat_map(|set| set.effects.iter().copied()) {
-        let claimed = selection.chosen.effects.iter().any(|chosen| chosen.effect.name == effect.name);
+        let claimed = selection.chosen.has(effect);
         let probability = probability(effect.name);
         if !claimed && probability > 1e-3 && alternatives.iter().all(|(known, _)| known.name != effect.name) {
             alternatives.push((effect, probability));

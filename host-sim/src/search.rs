@@ -29,8 +29,7 @@ pub fn widened(
         found.extend(extensions(question, from, &open, &found, done)?);
         Ok(found)
     };
-    let found: Vec<Vec<Candidate>> = beam.par_iter().map(of_set).collect::<Result<_, _>>()?;
-    Ok(found.into_iter().flatten().collect())
+    of_each(beam, of_set)
 }
 
 /// Refits of a set with one more effect, from where the set stands and, where that is bent, from the tempered model.
@@ -67,6 +66,15 @@ fn added(
     let again: Vec<Lead> = again.into_iter().filter(near).collect();
     found.extend(refit(&again, &reference)?);
     Ok(found)
+}
+
+/// The refits of each, in their order.
+fn of_each<T: Sync>(
+    all: &[T],
+    refits: impl Fn(&T) -> Result<Vec<Candidate>, FitError> + Sync + Send,
+) -> Result<Vec<Candidate>, FitError> {
+    let found: Vec<Vec<Candidate>> = all.par_iter().map(refits).collect::<Result<_, _>>()?;
+    Ok(found.into_iter().flatten().collect())
 }
 
 /// A rough refit from each lead, in their order. `done` is told after each.
@@ -149,8 +157,7 @@ fn extensions(
         let known = |lead: &Lead| plainer.iter().any(|known| known.newest_is_like(lead) && known.fit.loss <= lead.loss);
         in_its_place(question, plain, newest, open, &known, done)
     };
-    let found: Vec<Vec<Candidate>> = plainer.par_iter().map(of_plain).collect::<Result<_, _>>()?;
-    Ok(found.into_iter().flatten().collect())
+    of_each(plainer, of_plain)
 }
 
 /// Refits of a set with extensions in the place of an effect that it had before its newest: what they have more shows beside that.
@@ -161,8 +168,7 @@ pub fn enriched(
 ) -> Result<Vec<Candidate>, FitError> {
     let Some((_, older)) = set.effects.split_last() else { return Ok(Vec::new()) };
     let of_one = |plain: &Chosen| in_its_place(question, set, plain, question.hypotheses, &|_| false, done);
-    let found: Vec<Vec<Candidate>> = older.par_iter().map(of_one).collect::<Result<_, _>>()?;
-    Ok(found.into_iter().flatten().collect())
+    of_each(older, of_one)
 }
 
 /// Refits of a set with each extension of one of its effects in the place of that, but from leads that are known.

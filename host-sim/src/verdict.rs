@@ -40,7 +40,8 @@ const BEAM: usize = 2;
 const BESIDE: usize = 4;
 /// A set whose worst signal is this close to its noise is not searched further.
 const AT_NOISE: f64 = 1.03;
-/// The links are looked at apart where the worst signal is this many times its noise, and below a recorded slider searched down to that.
+/// A model is far off where the worst signal is this many times its noise: then the links are looked at apart, and below a recorded
+/// slider searched down to that.
 const FAR: f64 = 2.0;
 
 /// What one set gained over the one before it.
@@ -59,8 +60,7 @@ pub struct Trial {
 impl Trial {
     /// Whether its effects are those of a set.
     fn is_of(&self, set: &Candidate) -> bool {
-        let has = |name| self.effects.iter().any(|own| own.name == name);
-        self.effects.len() == set.effects.len() && set.effects.iter().all(|chosen| has(chosen.effect.name))
+        self.effects.len() == set.effects.len() && self.effects.iter().all(|own| set.has(own))
     }
 
     /// Whether any of these effects is in it.

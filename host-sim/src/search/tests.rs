@@ -11,15 +11,12 @@ use crate::recording::Signal;
 #[test]
 fn an_extension_is_found_beside_what_was_added_later() {
     let nominal = press(&[(P::ViscousFriction, 2e4)]);
-    let mut truth = nominal;
-    for (parameter, value) in [
+    let truth = nominal.with(&[
         (P::StribeckForce, 300.0),
         (P::StribeckExcess, 300.0),
         (P::StribeckVelocity, 0.01),
         (P::ReturnResistance, 1.5e13),
-    ] {
-        truth.set(parameter, value);
-    }
+    ]);
     let judged = [Signal::PressureA, Signal::PressureB, Signal::Position];
     let recording = recorded(&truth, &[(Signal::PressureA, 1e4), (Signal::PressureB, 1e4), (Signal::Position, 1e-5)]);
     let case = Prepared::new(&recording, &nominal, LoadSource::Constant, None).unwrap();

@@ -52,11 +52,9 @@ impl Side {
         }
     }
 
-    /// Its ordinary parameters and its effects.
-    fn part_of(self, question: &Question<'_>) -> (Vec<Free>, Vec<&'static Hypothesis>) {
-        let (ordinary, effects) = (question.ordinary.iter().copied(), question.hypotheses.iter().copied());
-        let is_own = |effect: &&'static Hypothesis| Self::of_effect(effect) == self;
-        (ordinary.filter(|free| Self::of_parameter(free.parameter) == self).collect(), effects.filter(is_own).collect())
+    /// Its ordinary parameters.
+    fn ordinary(self, question: &Question<'_>) -> Vec<Free> {
+        question.ordinary.iter().copied().filter(|free| Self::of_parameter(free.parameter) == self).collect()
     }
 
     /// Recordings judged by its signals alone.
@@ -71,7 +69,9 @@ impl Side {
         followed: &[Prepared],
         done: &(impl Fn(&str) + Sync),
     ) -> Result<Course, FitError> {
-        let (ordinary, hypotheses) = self.part_of(question);
+        let ordinary = self.ordinary(question);
+        let effects = question.hypotheses.iter().copied();
+        let hypotheses: Vec<_> = effects.filter(|effect| Self::of_effect(effect) == self).collect();
         let mut training = self.judging(followed);
         let near = Candidate::tolerated(question.scene, &ordinary, &mut training)?;
         let training: Vec<&Prepared> = training.iter().collect();
@@ -134,7 +134,7 @@ pub(super) fn gains_apart(
         return Ok(false);
     };
     let (mut training, held_out) = (side.judging(&training), side.judging(&held_out));
-    let (ordinary, _) = side.part_of(question);
+    let ordinary = side.ordinary(question);
     Candidate::tolerated(question.scene, &ordinary, &mut training)?;
     let (training, held_out): (Vec<_>, Vec<_>) = (training.iter().collect(), held_out.iter().collect());
     let own = Question { scene: question.scene, ordinary: &ordinary, hypotheses: &[], training: &training };
@@ -170,9 +170,8 @@ impl Course {
                     self.joined = found.effects.iter().map(|chosen| chosen.effect.plainest()).collect();
                 }
                 // A side has explained itself by what it chose, not by what the chain put in the place of that.
-                let as_chosen = |side: &Course| side.chosen.effects.iter().all(|own| found.has(own.effect));
-                let as_many = found.effects.len() == valve.chosen.effects.len() + below.chosen.effects.len();
-                if as_many && as_chosen(&valve) && as_chosen(&below) {
+                let both = [valve.chosen.effects.as_slice(), &below.chosen.effects].concat();
+                if both.len() == found.effects.len() && both.iter().all(|own| found.has(own.effect)) {
                     self.explained = [valve.explained.as_slice(), &below.explained].concat();
                 }
                 self.rounds = together(question.scene.machine, &valve, &below);
@@ -183,8 +182,8 @@ impl Course {
         Ok(())
     }
 
-    /// Effects that may still be added. Where the chain is far off, a side that has explained itself is not asked again: what is
-    /// still missing there comes from the other.
+    /// Effects that may still be added. Where the chain is far off, a side that has explained itself is not asked again: what the
+    /// chain misses there comes from the other, or from the forms of both.
     pub(super) fn open(&self, question: &Question<'_>) -> Vec<&'static Hypothesis> {
         let is_far = !self.explained.is_empty() && self.chosen.worst_over_noise(question) > FAR;
         let is_open = |effect: &&'static Hypothesis| !(is_far && self.explained.contains(&Side::of_effect(effect)));

@@ -93,13 +93,8 @@ fn a_slider_that_reads_too_much_and_edges_that_lie_apart_are_the_same_but_for_th
 #[test]
 fn an_effect_gains_on_its_own_side_whatever_the_valve_lacks() {
     let nominal = press(&[(Parameter::ViscousFriction, 2e4)]);
-    let truth = |force: f64| {
-        let mut truth = nominal;
-        truth.set(Parameter::CoulombFriction, force);
-        truth.set(Parameter::SolenoidOnset, 0.1);
-        truth.set(Parameter::SolenoidLoss, 0.7);
-        truth
-    };
+    let saturated = nominal.with(&[(Parameter::SolenoidOnset, 0.1), (Parameter::SolenoidLoss, 0.7)]);
+    let truth = |force: f64| saturated.with(&[(Parameter::CoulombFriction, force)]);
     let sensors = [(Signal::Spool, OF_SLIDER), (Signal::PressureA, 2e4), (Signal::Position, 1e-5)];
     let judged = sensors.map(|(signal, _)| signal);
     let scene = scene(&nominal, &judged);
@@ -124,9 +119,7 @@ fn a_side_that_has_explained_itself_is_not_asked_again_while_the_chain_is_far_of
     let judged = [Signal::Spool, Signal::Position];
     let scene = scene(&nominal, &judged);
     let open = |loss: f64, explained: &[Side]| -> Vec<Side> {
-        let mut truth = nominal;
-        truth.set(Parameter::SolenoidOnset, 0.1);
-        truth.set(Parameter::SolenoidLoss, loss);
+        let truth = nominal.with(&[(Parameter::SolenoidOnset, 0.1), (Parameter::SolenoidLoss, loss)]);
         let case = prepared(&recorded(&truth, &SENSORS), &nominal);
         let training = [&case];
         let question = Question { scene: &scene, ordinary: &[], hypotheses: CATALOGUE, training: &training };
