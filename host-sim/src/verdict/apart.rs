@@ -206,8 +206,10 @@ fn joined(
     let together = |(valve, below): (&Candidate, &Candidate)| below.beside(question, valve);
     let mut sets: Vec<Candidate> = few.map(together).collect::<Result<_, _>>()?;
     if let Some(other) = sets.first().map(|found| misread(question, found)).transpose()?.flatten() {
-        // The valve may have had an effect for what was only misread.
-        sets.push(reduced(question, base, other, &[])?);
+        // Only the valve may have had an effect for what was misread: the others stay.
+        let stay = other.effects.iter().filter(|chosen| !valve.chosen.has(chosen.effect));
+        let stay: Vec<&str> = stay.map(|chosen| chosen.effect.plainest()).collect();
+        sets.push(reduced(question, base, other, &stay)?);
     }
     finished(question, base, sets)
 }
