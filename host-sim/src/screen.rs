@@ -59,7 +59,7 @@ impl Strength {
             vanishes,
         };
         let freedom = match self.kind {
-            Kind::Amount(range) | Kind::Jump(range) => logarithm(range(scene), true),
+            Kind::Amount(range) | Kind::Firm(range) | Kind::Jump(range) => logarithm(range(scene), true),
             Kind::Shape(range, _) => logarithm(range(scene), false),
             Kind::Signed(size) => Freedom::Signed { sigma: size(scene) },
             Kind::Place(range, _) => {
@@ -72,13 +72,13 @@ impl Strength {
 
     /// Whether it says how much of the effect there is.
     pub(crate) fn is_amount(&self) -> bool {
-        matches!(self.kind, Kind::Amount(_) | Kind::Jump(_) | Kind::Signed(_))
+        matches!(self.kind, Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) | Kind::Signed(_))
     }
 
     /// The size that directions are taken at.
     pub(crate) fn unit(&self, scene: &Scene<'_>) -> f64 {
         match self.kind {
-            Kind::Amount(range) | Kind::Jump(range) | Kind::Shape(range, _) => {
+            Kind::Amount(range) | Kind::Firm(range) | Kind::Jump(range) | Kind::Shape(range, _) => {
                 let (low, high) = range(scene);
                 (low * high).sqrt()
             }
@@ -90,7 +90,11 @@ impl Strength {
     /// Its usual range.
     pub(crate) fn range(&self, scene: &Scene<'_>) -> (f64, f64) {
         match self.kind {
-            Kind::Amount(range) | Kind::Jump(range) | Kind::Shape(range, _) | Kind::Place(range, _) => range(scene),
+            Kind::Amount(range)
+            | Kind::Firm(range)
+            | Kind::Jump(range)
+            | Kind::Shape(range, _)
+            | Kind::Place(range, _) => range(scene),
             Kind::Signed(size) => (-size(scene), size(scene)),
         }
     }
@@ -262,7 +266,7 @@ pub fn extended(
             let values = match strength.kind {
                 // What both have, the plainer one's refit knows.
                 _ if known && (low..=high).contains(&fitted) => vec![fitted],
-                Kind::Amount(_) | Kind::Jump(_) => vec![0.1 * given, 0.5 * given, given],
+                Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) => vec![0.1 * given, 0.5 * given, given],
                 Kind::Signed(_) => vec![-0.5 * given, 0.05 * given, 0.5 * given],
                 Kind::Shape(..) | Kind::Place(..) => strength.tries(scene),
             };

@@ -61,7 +61,7 @@ fn added(
     let (alone, both) = rayon::join(|| refit(&own, &reference), || refit(&others, &beside));
     let mut found = alone?;
     found.extend(both?);
-    let least = least_above(found.iter().filter(|candidate| candidate.is_plausible(question.scene)));
+    let least = least_above(found.iter().filter(|candidate| candidate.is_possible(question.scene)));
     let near = |lead: &Lead| found.iter().any(|known| known.newest_is_like(lead) && is_hopeful(known, least));
     let again: Vec<Lead> = again.into_iter().filter(near).collect();
     found.extend(refit(&again, &reference)?);

@@ -319,14 +319,14 @@ fn rivals(set: &Candidate, ranked: Vec<(Candidate, f64)>) -> Option<Vec<Candidat
     Some(candidates(ranked.into_iter().filter(is_near).take(FINISHED - 1).collect()))
 }
 
-/// Plausible sets ranked, the best of them refitted to the end.
+/// Possible sets ranked, the best of them refitted to the end.
 fn finished(
     question: &Question<'_>,
     base: &Candidate,
     found: Vec<Candidate>,
 ) -> Result<Vec<(Candidate, f64)>, FitError> {
-    let can_be = |candidate: &Candidate| candidate.is_plausible(question.scene);
-    let plausible = |found: Vec<Candidate>| -> Vec<Candidate> { found.into_iter().filter(can_be).collect() };
+    let can_be = |candidate: &Candidate| candidate.is_possible(question.scene);
+    let only_possible = |found: Vec<Candidate>| -> Vec<Candidate> { found.into_iter().filter(can_be).collect() };
     let (possible, astray): (Vec<Candidate>, Vec<Candidate>) = found.into_iter().partition(can_be);
     let mut rough = candidates(ranked(question, base, possible));
     let least = least_above(&rough);
@@ -337,7 +337,7 @@ fn finished(
     let beside_it = |least: f64| rough.iter().all(|candidate| !is_hopeful(candidate, least));
     let astray = astray.filter(|one| beside_it(excess(&one.residuals)));
     rough.extend(astray);
-    let mut all = plausible(to_the_end(question, rough)?);
+    let mut all = only_possible(to_the_end(question, rough)?);
     all.extend(rest);
     let mut simplified: Vec<Vec<&str>> = Vec::new();
     loop {
@@ -347,7 +347,7 @@ fn finished(
         if !ranked.iter().take(BEAM).all(|(candidate, _)| candidate.is_finished) {
             let mut first = candidates(ranked);
             let rest = first.split_off(BEAM.min(first.len()));
-            all = plausible(to_the_end(question, first)?);
+            all = only_possible(to_the_end(question, first)?);
             all.extend(rest);
             continue;
         }
@@ -357,7 +357,7 @@ fn finished(
         };
         simplified.push(best.names());
         let Some(plain) = best.with_plain(question)? else { return Ok(ranked) };
-        all = candidates(ranked).into_iter().chain(plausible(vec![plain])).collect();
+        all = candidates(ranked).into_iter().chain(only_possible(vec![plain])).collect();
     }
 }
 

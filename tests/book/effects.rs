@@ -65,7 +65,9 @@ fn sections(effect: &Hypothesis) -> (String, Vec<(String, String)>) {
 /// Where values usually lie in a scene.
 fn usual(strength: &Strength, scene: &Scene<'_>) -> (f64, f64) {
     match strength.kind {
-        Kind::Amount(range) | Kind::Jump(range) | Kind::Shape(range, _) | Kind::Place(range, _) => range(scene),
+        Kind::Amount(range) | Kind::Firm(range) | Kind::Jump(range) | Kind::Shape(range, _) | Kind::Place(range, _) => {
+            range(scene)
+        }
         Kind::Signed(size) => (-size(scene), size(scene)),
     }
 }
@@ -76,7 +78,7 @@ fn example(strength: &Strength, scene: &Scene<'_>) -> f64 {
     match strength.kind {
         Kind::Signed(_) => high / 2.0,
         Kind::Place(..) => f64::midpoint(low, high),
-        Kind::Amount(_) | Kind::Jump(_) | Kind::Shape(..) => (low * high).sqrt(),
+        Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) | Kind::Shape(..) => (low * high).sqrt(),
     }
 }
 

@@ -150,6 +150,13 @@ fn a_misread_slider_is_not_taken_for_unequal_edges_beside_a_leak() {
     assert!(said.right, "{} said", said.answer);
 }
 
+/// A load that begins inside the stroke gives by centimetres; a stop that soft would be none.
+#[test]
+fn a_load_that_begins_inside_the_stroke_is_not_called_a_stop() {
+    let said = pair(9102, 7, "position-dependent-friction + position-dependent-load");
+    assert!(!said.answer.contains("end-stop"), "{} said", said.answer);
+}
+
 /// Slow: `cargo test --release -p system-tests --test diagnosis sixty -- --ignored --nocapture`.
 #[test]
 #[ignore = "some minutes"]

@@ -96,7 +96,7 @@ fn with_each_effect() -> Vec<(&'static str, Machine<f64>)> {
         duration_s: 2.0,
     };
     let strong = |strength: &Strength| match strength.kind {
-        Kind::Amount(range) | Kind::Jump(range) | Kind::Shape(range, _) | Kind::Place(range, _) => {
+        Kind::Amount(range) | Kind::Firm(range) | Kind::Jump(range) | Kind::Shape(range, _) | Kind::Place(range, _) => {
             let (low, high) = range(&scene);
             low + 0.7 * (high - low)
         }

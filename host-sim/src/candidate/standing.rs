@@ -20,7 +20,7 @@ impl Candidate {
 
     /// Amounts that have become negligible in effects that have not, with the middle of their ranges.
     pub(super) fn vanished(&self, scene: &Scene<'_>) -> Vec<(Parameter, f64)> {
-        let is_amount = |strength: &&Strength| matches!(strength.kind, Kind::Amount(_));
+        let is_amount = |strength: &&Strength| matches!(strength.kind, Kind::Amount(_) | Kind::Firm(_));
         let gone = |strength: &&Strength| self.coordinate(scene, strength) < -REACH;
         let partly = |form: Form| !form.iter().filter(is_amount).all(|strength| gone(&strength));
         self.effects
@@ -40,7 +40,7 @@ impl Candidate {
         // What has vanished is at an end as well.
         let is_stranded = |strength: &Strength| match strength.kind {
             Kind::Signed(_) => at_bound(strength),
-            Kind::Amount(_) => self.coordinate(scene, strength) > PRESSED,
+            Kind::Amount(_) | Kind::Firm(_) => self.coordinate(scene, strength) > PRESSED,
             _ => false,
         };
         strengths(&self.effects)
@@ -53,26 +53,39 @@ impl Candidate {
     /// Whether the fit succeeded and every effect lies where such an effect can: no amount pressed against the end of its usual
     /// range widened threefold, and of each effect at least one amount that is not negligible.
     #[must_use]
-    pub fn is_plausible(&self, scene: &Scene<'_>) -> bool {
+    pub(crate) fn is_possible(&self, scene: &Scene<'_>) -> bool {
         /// Share of the largest usual magnitude below which a signed amount is negligible.
         const NEGLIGIBLE: f64 = 0.02;
         self.fit.loss.is_finite()
             && self.effects.iter().all(|chosen| {
                 let at = |strength: &Strength| (strength.kind, self.coordinate(scene, strength));
                 let possible = chosen.form.iter().map(at).all(|(kind, coordinate)| match kind {
-                    Kind::Amount(_) | Kind::Jump(_) => coordinate < PRESSED,
+                    Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) => coordinate < PRESSED,
                     // A shape stays where shapes are; where it runs to the end, the recordings leave it open.
                     Kind::Shape(..) => true,
                     Kind::Signed(_) => coordinate.abs() < 2.0 * REACH_SIGNED,
                     Kind::Place(..) => coordinate.abs() < REACH_SIGNED,
                 });
                 let notable = chosen.form.iter().map(at).any(|(kind, coordinate)| match kind {
-                    Kind::Amount(_) | Kind::Jump(_) => coordinate > -REACH,
+                    Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) => coordinate > -REACH,
                     Kind::Signed(_) => coordinate.abs() > NEGLIGIBLE,
                     Kind::Shape(..) | Kind::Place(..) => false,
                 });
                 possible && notable
             })
+    }
+
+    /// Whether it may be claimed: what is possible, but has little of what there is never little of (a stop as soft as a spring), is not what
+    /// its name says. Nothing less likely is, either.
+    #[must_use]
+    pub fn is_plausible(&self, scene: &Scene<'_>) -> bool {
+        /// Below the usual range widened threefold.
+        const LITTLE: f64 = -2.0;
+        let firm = |strength: &Strength| match strength.kind {
+            Kind::Firm(_) => self.coordinate(scene, strength) > LITTLE,
+            _ => true,
+        };
+        self.is_possible(scene) && self.effects.iter().flat_map(|chosen| chosen.form).all(firm)
     }
 
     /// What the ordinary parameters cost by being away from their nominal values: half the sum of squares of their distances, each

@@ -5,6 +5,35 @@ use crate::machine_file::LoadSource;
 use crate::press::{press, scene};
 use crate::recording::Signal;
 
+/// A set of one effect in its plainest form, as if a fit had ended at a machine.
+fn standing(name: &str, scene: &Scene<'_>, ordinary: &[Free], machine: &Machine<f64>) -> Candidate {
+    let effect = CATALOGUE.iter().find(|effect| effect.name == name).unwrap();
+    let form = effect.forms[0];
+    let free: Vec<Free> = ordinary.iter().copied().chain(form.iter().map(|strength| strength.free(scene))).collect();
+    let coordinates = free.iter().map(|free| free.coordinate(machine.get(free.parameter))).collect();
+    let starts = vec![StartState::default()];
+    let fit = Fit { machine: *machine, free, coordinates, starts, information: Vec::new(), converged: true, loss: 0.0 };
+    let effects = vec![Chosen { effect, form }];
+    Candidate { effects, fit, jumps: Vec::new(), residuals: Vec::new(), is_finished: true }
+}
+
+#[test]
+fn a_spring_that_begins_inside_the_stroke_is_no_stop_however_damped() {
+    let machine = press(&[]);
+    let scene = scene(&machine, &[Signal::Position]);
+    let stop = |share: f64, damping: f64| -> (bool, bool) {
+        let stiffness = scene.full_force_n() / (share * machine.get(Parameter::Stroke));
+        let values =
+            [(Parameter::StopStiffness, stiffness), (Parameter::StopExtended, 0.24), (Parameter::StopDamping, damping)];
+        let set = standing("end-stop", &scene, &[], &machine.with(&values));
+        (set.is_possible(&scene), set.is_plausible(&scene))
+    };
+    // The full force makes steel give by a ten-thousandth of the stroke, rubber by a hundredth.
+    assert_eq!([1e-4, 1e-3, 1e-2].map(|share| stop(share, 1e3)), [(true, true); 3]);
+    // One that gives by a tenth may be what is likeliest, and is not claimed.
+    assert_eq!([stop(0.1, 1e3), stop(0.3, 1e4)], [(true, false); 2]);
+}
+
 #[test]
 fn without_an_effect_an_ordinary_parameter_has_what_that_had_of_it() {
     // A load of 500 N, said by more force than the supply has one way and nearly as much the other.
@@ -15,17 +44,8 @@ fn without_an_effect_an_ordinary_parameter_has_what_that_had_of_it() {
     let load = Free { parameter: Parameter::LoadForce, freedom: Freedom::Around { nominal: 500.0, sigma: 1e5 } };
     let question = Question { scene: &scene, ordinary: &[load], hypotheses: &[], training: &training };
 
-    let effect = CATALOGUE.iter().find(|effect| effect.name == "position-dependent-load").unwrap();
-    let form = effect.forms[0];
-    let mut moved = machine;
-    moved.set(Parameter::LoadForce, -59_500.0);
-    moved.set(Parameter::LoadSpringForce, -60_000.0);
-    let free: Vec<Free> = [load].into_iter().chain(form.iter().map(|strength| strength.free(&scene))).collect();
-    let coordinates = free.iter().map(|free| free.coordinate(moved.get(free.parameter))).collect();
-    let starts = vec![StartState::default()];
-    let fit = Fit { machine: moved, free, coordinates, starts, information: Vec::new(), converged: true, loss: 0.0 };
-    let effects = vec![Chosen { effect, form }];
-    let set = Candidate { effects, fit, jumps: Vec::new(), residuals: Vec::new(), is_finished: true };
+    let moved = machine.with(&[(Parameter::LoadForce, -59_500.0), (Parameter::LoadSpringForce, -60_000.0)]);
+    let set = standing("position-dependent-load", &scene, &[load], &moved);
 
     let without = set.without(&question, 0).unwrap();
     let found = without.fit.machine;

@@ -9,12 +9,14 @@
 //! missing within a millimetre of that position only.
 //!
 //! ## What looks alike
-//! A load spring pushes along the whole stroke. Friction that rises towards an end flips with the direction.
+//! A load spring pushes along the whole stroke, and one that begins inside it gives by more than a few hundredths of it. Friction that
+//! rises towards an end flips with the direction.
 //!
 //! ## Parameters
-//! Position of the stop in m, where the recording turns or ends flat. Stiffness k in N/m, not negative: 1e7–1e9
-//! (steel), 1e6 (rubber). Damping d in N·s/m, not negative: around the critical damping of the moving mass on the stop;
-//! a cushion has far more.
+//! Position of the stop in m, where the recording turns or ends flat. Stiffness k in N/m, not negative: the full force makes it give
+//! by a hundredth of the stroke (rubber) to a ten-thousandth (steel), which is 1e7–1e9 N/m for 25 kN and 0.25 m. Damping d in N·s/m,
+//! not negative: around the critical damping of the moving mass on the stop; a cushion has far more. What
+//! gives by more than three hundredths is a load that begins inside the stroke, and never claimed as a stop.
 //!
 //! ## Source
 //! K. H. Hunt and F. R. E. Crossley, *Coefficient of restitution interpreted as damping in vibroimpact*, J. Applied
@@ -26,12 +28,15 @@ use super::{Hypothesis, Kind, LookAlike, Scene, Strength, Subsystem};
 use crate::machine_file::LoadSource;
 use crate::recording::Signal;
 
-const STIFFNESS: Strength = Strength { parameter: Parameter::StopStiffness, kind: Kind::Amount(|_| (1e6, 1e9)) };
+const STIFFNESS: Strength = Strength {
+    parameter: Parameter::StopStiffness,
+    kind: Kind::Firm(|scene| (giving(scene, 1e-2), giving(scene, 1e-4))),
+};
 const DAMPING: Strength = Strength {
     parameter: Parameter::StopDamping,
     kind: Kind::Amount(|scene| {
-        // 2·√(k·m) on a stop of middling stiffness, 3e7 N/m.
-        let critical = 2.0 * (3e7 * scene.machine.get(Parameter::MovingMass)).sqrt();
+        // 2·√(k·m) on a stop of middling stiffness.
+        let critical = 2.0 * (giving(scene, 1e-3) * scene.machine.get(Parameter::MovingMass)).sqrt();
         (0.02 * critical, 20.0 * critical)
     }),
 };
@@ -44,6 +49,11 @@ const RETRACTED_AT: Strength = Strength {
     parameter: Parameter::StopRetracted,
     kind: Kind::Place(|scene| (scene.travel_m.0, from_lowest_m(scene, 0.3)), &[0.0, 0.05, 0.2, 0.6]),
 };
+
+/// The stiffness that gives by this share of the stroke under the full force, N/m.
+fn giving(scene: &Scene<'_>, share: f64) -> f64 {
+    scene.full_force_n() / (share * scene.machine.get(Parameter::Stroke))
+}
 
 /// The position at this share of the recorded travel.
 fn from_lowest_m(scene: &Scene<'_>, share: f64) -> f64 {

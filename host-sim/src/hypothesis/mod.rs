@@ -139,6 +139,8 @@ impl Scene<'_> {
 pub enum Kind {
     /// How much of the effect there is: positive, 0 is neutral. Moves in its logarithm; the range is what is usual.
     Amount(fn(&Scene<'_>) -> (f64, f64)),
+    /// The same for an amount of which there is never little: far below what is usual it is another effect's.
+    Firm(fn(&Scene<'_>) -> (f64, f64)),
     /// The same for an amount that the residuals jump with, so that no slope leads to it.
     Jump(fn(&Scene<'_>) -> (f64, f64)),
     /// The same as an amount, of either sign; the value is the largest usual magnitude, 0 where a scene cannot show it.
@@ -300,7 +302,9 @@ impl Hypothesis {
     pub fn is_on(&self, machine: &Machine<f64>) -> bool {
         let amounts = self.forms.iter().flat_map(|form| form.iter());
         amounts
-            .filter(|strength| matches!(strength.kind, Kind::Amount(_) | Kind::Jump(_) | Kind::Signed(_)))
+            .filter(|strength| {
+                matches!(strength.kind, Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) | Kind::Signed(_))
+            })
             .any(|strength| machine.get(strength.parameter) != 0.0)
     }
 }
@@ -320,9 +324,11 @@ mod tests {
                 let own = hypothesis.parameters().any(|parameter| parameter == strength.parameter);
                 assert!(own || strength.parameter == BRISTLES.parameter, "{}", description.key);
                 let (low, high) = match strength.kind {
-                    Kind::Amount(range) | Kind::Jump(range) | Kind::Shape(range, _) | Kind::Place(range, _) => {
-                        range(&scene)
-                    }
+                    Kind::Amount(range)
+                    | Kind::Firm(range)
+                    | Kind::Jump(range)
+                    | Kind::Shape(range, _)
+                    | Kind::Place(range, _) => range(&scene),
                     Kind::Signed(size) => (-size(&scene), size(&scene)),
                 };
                 assert!(
@@ -330,7 +336,8 @@ mod tests {
                     "{}: {low}..{high}",
                     description.key
                 );
-                let positive = matches!(strength.kind, Kind::Amount(_) | Kind::Jump(_) | Kind::Shape(..));
+                let positive =
+                    matches!(strength.kind, Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) | Kind::Shape(..));
                 assert!(!positive || low > 0.0, "{}: {low}", description.key);
             }
             if let Some(extension) = hypothesis.extends {
