@@ -87,8 +87,9 @@ impl Strength {
         }
     }
 
-    /// Its usual range.
-    pub(crate) fn range(&self, scene: &Scene<'_>) -> (f64, f64) {
+    /// Its usual range, of a value of either sign about 0, in the unit of its parameter.
+    #[must_use]
+    pub fn range(&self, scene: &Scene<'_>) -> (f64, f64) {
         match self.kind {
             Kind::Amount(range)
             | Kind::Firm(range)

@@ -278,16 +278,16 @@ fn enter(question: &Question<'_>, base: &Candidate, rounds: &mut [Vec<Trial>], c
     round.sort_by(|a, b| b.net.total_cmp(&a.net));
 }
 
-/// A set without every effect that the others make superfluous, but for those that the links apart have shown.
+/// A set without every effect that the others make superfluous, but for those of these plainest names.
 fn reduced(
     question: &Question<'_>,
     base: &Candidate,
     mut full: Candidate,
-    shown: &[&str],
+    stay: &[&str],
 ) -> Result<Candidate, FitError> {
     while full.effects.len() > 1 {
         let mut dropped = None;
-        for index in (0..full.effects.len()).filter(|&index| !shown.contains(&full.effects[index].effect.plainest())) {
+        for index in (0..full.effects.len()).filter(|&index| !stay.contains(&full.effects[index].effect.plainest())) {
             let without = full.without(question, index)?;
             if without.is_plausible(question.scene) && !accepts(question, base, &without, &full)? {
                 dropped = Some(without);

@@ -62,23 +62,13 @@ fn sections(effect: &Hypothesis) -> (String, Vec<(String, String)>) {
     (title, sections)
 }
 
-/// Where values usually lie in a scene.
-fn usual(strength: &Strength, scene: &Scene<'_>) -> (f64, f64) {
-    match strength.kind {
-        Kind::Amount(range) | Kind::Firm(range) | Kind::Jump(range) | Kind::Shape(range, _) | Kind::Place(range, _) => {
-            range(scene)
-        }
-        Kind::Signed(size) => (-size(scene), size(scene)),
-    }
-}
-
 /// A value to show: usual, and not neutral.
 fn example(strength: &Strength, scene: &Scene<'_>) -> f64 {
-    let (low, high) = usual(strength, scene);
+    let (low, high) = strength.range(scene);
     match strength.kind {
         Kind::Signed(_) => high / 2.0,
         Kind::Place(..) => f64::midpoint(low, high),
-        Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) | Kind::Shape(..) => (low * high).sqrt(),
+        _ => (low * high).sqrt(),
     }
 }
 
@@ -125,7 +115,7 @@ fn table(effect: &Hypothesis, scene: &Scene<'_>) -> String {
 fn row(strength: &Strength, scene: &Scene<'_>) -> String {
     let description = strength.parameter.description();
     let name = description.key.rsplit_once('.').unwrap().1;
-    let (low, high) = usual(strength, scene);
+    let (low, high) = strength.range(scene);
     let default = match description.default {
         Fallback::Value(value) => short(value),
         Fallback::Required | Fallback::HalfStrokeVolume => "–".to_owned(),

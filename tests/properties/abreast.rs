@@ -95,12 +95,9 @@ fn with_each_effect() -> Vec<(&'static str, Machine<f64>)> {
         travel_m: (0.05, 0.25),
         duration_s: 2.0,
     };
-    let strong = |strength: &Strength| match strength.kind {
-        Kind::Amount(range) | Kind::Firm(range) | Kind::Jump(range) | Kind::Shape(range, _) | Kind::Place(range, _) => {
-            let (low, high) = range(&scene);
-            low + 0.7 * (high - low)
-        }
-        Kind::Signed(size) => 0.7 * size(&scene),
+    let strong = |strength: &Strength| {
+        let (low, high) = strength.range(&scene);
+        if matches!(strength.kind, Kind::Signed(_)) { 0.7 * high } else { low + 0.7 * (high - low) }
     };
     let forms = CATALOGUE.iter().flat_map(|effect| effect.forms.iter().map(|form| (effect.name, *form)));
     let machine = |(name, form): (&'static str, Form)| {

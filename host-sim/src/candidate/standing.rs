@@ -75,8 +75,8 @@ impl Candidate {
             })
     }
 
-    /// Whether it may be claimed: what is possible, but has little of what there is never little of (a stop as soft as a spring), is not what
-    /// its name says. Nothing less likely is, either.
+    /// Whether it may be claimed: possible, and with enough of what there is never little of. A stop as soft as a spring is not what its
+    /// name says; it is ranked all the same, for nothing less likely may be claimed in its place.
     #[must_use]
     pub fn is_plausible(&self, scene: &Scene<'_>) -> bool {
         /// Below the usual range widened threefold.

@@ -41,6 +41,7 @@ use model_core::parameter::Parameter;
 
 use crate::machine_file::LoadSource;
 use crate::recording::Signal;
+use crate::screen::amounts;
 use crate::simulate::EntryPoint;
 
 /// A part of the chain, as a finding names it.
@@ -300,12 +301,8 @@ impl Hypothesis {
     /// Whether the machine file already has it.
     #[must_use]
     pub fn is_on(&self, machine: &Machine<f64>) -> bool {
-        let amounts = self.forms.iter().flat_map(|form| form.iter());
-        amounts
-            .filter(|strength| {
-                matches!(strength.kind, Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) | Kind::Signed(_))
-            })
-            .any(|strength| machine.get(strength.parameter) != 0.0)
+        let mut amounts = self.forms.iter().flat_map(|form| amounts(form));
+        amounts.any(|strength| machine.get(strength.parameter) != 0.0)
     }
 }
 
@@ -323,22 +320,14 @@ mod tests {
                 let description = strength.parameter.description();
                 let own = hypothesis.parameters().any(|parameter| parameter == strength.parameter);
                 assert!(own || strength.parameter == BRISTLES.parameter, "{}", description.key);
-                let (low, high) = match strength.kind {
-                    Kind::Amount(range)
-                    | Kind::Firm(range)
-                    | Kind::Jump(range)
-                    | Kind::Shape(range, _)
-                    | Kind::Place(range, _) => range(&scene),
-                    Kind::Signed(size) => (-size(&scene), size(&scene)),
-                };
+                let (low, high) = strength.range(&scene);
                 assert!(
                     low < high && description.min <= low && high <= description.max,
                     "{}: {low}..{high}",
                     description.key
                 );
-                let positive =
-                    matches!(strength.kind, Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) | Kind::Shape(..));
-                assert!(!positive || low > 0.0, "{}: {low}", description.key);
+                let may_be_negative = matches!(strength.kind, Kind::Signed(_) | Kind::Place(..));
+                assert!(may_be_negative || low > 0.0, "{}: {low}", description.key);
             }
             if let Some(extension) = hypothesis.extends {
                 let plain = CATALOGUE.iter().find(|known| known.name == extension.plain).unwrap();
