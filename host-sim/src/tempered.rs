@@ -11,7 +11,7 @@
 use model_core::machine::{Machine, MachineError};
 
 use crate::candidate::{Candidate, Question, Weighing, noisier};
-use crate::fit::{Fit, FitError, Residuals, StartState, effective_samples, loss, standardised_all};
+use crate::fit::{Fit, FitError, Residuals, StartState, effective_samples, loss, samples_by_blocks, standardised_all};
 use crate::prepare::Prepared;
 
 /// The noise that a refitted model asks for, and that model.
@@ -42,6 +42,13 @@ impl Tempered {
     }
 }
 
+/// The recordings with the noise of every channel what a set leaves of it, and as correlated; and the independent samples in that.
+pub fn believed(question: &Question<'_>, set: &Candidate) -> Result<(Vec<Prepared>, f64), MachineError> {
+    let left = left_by(question, &set.fit.machine, &set.fit.starts)?;
+    let samples = left.iter().flatten().map(|series| samples_by_blocks(series)).sum();
+    Ok((noisy(question, &spread(&left, samples_by_blocks)), samples))
+}
+
 /// What a machine leaves of every channel of each training recording, over its noise.
 fn left_by(question: &Question<'_>, machine: &Machine<f64>, starts: &[StartState]) -> Result<Residuals, MachineError> {
     standardised_all(machine, question.training.iter().copied().zip(starts.iter().copied()))
@@ -49,10 +56,14 @@ fn left_by(question: &Question<'_>, machine: &Machine<f64>, starts: &[StartState
 
 /// The machine file's model, refitted with the noise that so much left asks for.
 fn refitted(question: &Question<'_>, left: &Residuals, from: Option<&Fit>) -> Result<Candidate, FitError> {
-    let training = question.training.iter().map(|&case| case.clone()).collect();
-    let cases = noisier(training, &spread(left, effective_samples));
+    let cases = noisy(question, &spread(left, effective_samples));
     let references: Vec<&Prepared> = cases.iter().collect();
     Candidate::rough(&Question { training: &references, ..*question }, from)
+}
+
+/// The training recordings with so much more noise.
+fn noisy(question: &Question<'_>, by: &Weighing) -> Vec<Prepared> {
+    noisier(question.training.iter().map(|&case| case.clone()).collect(), by)
 }
 
 /// The noise if all that is left of a channel is noise, spread over so many samples.

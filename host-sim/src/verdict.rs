@@ -10,6 +10,7 @@
 //! than chance, even if that one cannot be claimed.
 
 mod apart;
+mod believed;
 mod confirmation;
 mod likelihood;
 mod whole;

@@ -150,6 +150,21 @@ fn a_misread_slider_is_not_taken_for_unequal_edges_beside_a_leak() {
     assert!(said.right, "{} said", said.answer);
 }
 
+/// What a slider with flow force does is followed to three times its noise; no ordinary parameter is bent by that, nor edges that lie apart
+/// taken for a misread slider.
+#[test]
+fn unequal_edges_are_told_below_a_slider_with_flow_force() {
+    let said = pair(9204, 9, "flow-force + dead-zone-asymmetry");
+    assert!(said.right, "{} said", said.answer);
+}
+
+/// The rod adds up what a bent flow gain leaves beneath the noise: it does not make a slider that reads too much out of unequal edges.
+#[test]
+fn unequal_edges_are_told_beside_a_bent_flow_gain() {
+    let said = pair(9102, 10, "flow-gain-nonlinearity + dead-zone-asymmetry");
+    assert!(said.right, "{} said", said.answer);
+}
+
 /// A load that begins inside the stroke gives by centimetres; a stop that soft would be none.
 #[test]
 fn a_load_that_begins_inside_the_stroke_is_not_called_a_stop() {

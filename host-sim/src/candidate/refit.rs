@@ -3,7 +3,7 @@
 use model_core::machine::Machine;
 use model_core::parameter::Parameter;
 
-use super::{Candidate, Chosen, Question, strengths};
+use super::{Candidate, Chosen, Question, inflation, strengths};
 use crate::fit::{Fit, FitError, Free, From, Sensitivity, StartState, coarse, fit, loss, softened_all};
 use crate::hypothesis::Kind;
 use crate::prepare::Prepared;
@@ -41,8 +41,8 @@ pub(super) struct Beginning<'a> {
 }
 
 impl Candidate {
-    /// A fit with its residuals. One that was not searched to the end was searched at twice the tick: its loss is told anew at the
-    /// recordings' own.
+    /// A fit with its residuals. One that was not searched to the end was searched at twice the tick or more noise: its loss is told
+    /// anew by the recordings as they are.
     pub(crate) fn of(
         question: &Question<'_>,
         effects: Vec<Chosen>,
@@ -113,6 +113,22 @@ impl Candidate {
             found = refit(&jumps, &From { solution: Some(&found), ..From::default() })?;
         }
         Self::of(question, effects, found, jumps, precision <= PRECISION)
+    }
+
+    /// Refitted to the end to recordings that are believed less, and the loss among those. Its own loss and residuals are those of the
+    /// recordings as they are.
+    pub(crate) fn believing(&self, question: &Question<'_>, less: &Question<'_>) -> Result<(Self, f64), FitError> {
+        let found = self.finished(less)?;
+        let loss = found.fit.loss;
+        let mut told = Self::of(question, found.effects, found.fit, found.jumps, false)?;
+        // There the noise was as correlated already, which standard deviations count in as well.
+        let neighbours = inflation(&told.residuals);
+        for one in &mut told.fit.information {
+            one.matrix *= neighbours;
+            one.gradient *= neighbours;
+            one.square *= neighbours;
+        }
+        Ok((Self { is_finished: true, ..told }, loss))
     }
 
     /// The machine refitted without one of the recordings, which are at twice the tick.

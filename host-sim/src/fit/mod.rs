@@ -28,8 +28,8 @@ use problem::{Minimum, Problem};
 #[cfg(test)]
 pub(crate) use residuals::tests::recorded;
 pub use residuals::{
-    CHANCE, Misfit, Residuals, effective_samples, loss, misfits, set_tolerances, soft, softened, softened_all,
-    standardised, standardised_all,
+    CHANCE, Misfit, Residuals, effective_samples, loss, misfits, samples_by_blocks, set_tolerances, soft, softened,
+    softened_all, standardised, standardised_all,
 };
 pub use sensitivity::{Change, Sensitivity, Settled, Simulated};
 pub use start::{StartState, level_at_rest, settle};

@@ -8,6 +8,7 @@ use model_core::machine::{Machine, MachineError};
 use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
+use super::believed::believed;
 use super::likelihood::accepts;
 use super::{AT_NOISE, Course, FAR, MOST_EFFECTS, Trial, confirm, explains_enough, finished, reduced, trial};
 use crate::candidate::{Candidate, Chosen, Question};
@@ -191,7 +192,7 @@ impl Course {
     }
 }
 
-/// What both sides chose, and what was nearly as likely on one of them, refitted in the chain and ranked by it.
+/// What both sides chose, and what was nearly as likely on one of them, refitted in the chain and ranked by it, as far as it is believed.
 fn joined(
     question: &Question<'_>,
     base: &Candidate,
@@ -205,13 +206,14 @@ fn joined(
     let few = pairs.into_par_iter().filter(|(valve, below)| valve.effects.len() + below.effects.len() <= MOST_EFFECTS);
     let together = |(valve, below): (&Candidate, &Candidate)| below.beside(question, valve);
     let mut sets: Vec<Candidate> = few.map(together).collect::<Result<_, _>>()?;
-    if let Some(other) = sets.first().map(|found| misread(question, found)).transpose()?.flatten() {
+    let exchanged = sets.first().map(|found| misread(question, found)).transpose()?.flatten();
+    if let Some(other) = exchanged.clone() {
         // Only the valve may have had an effect for what was misread: the others stay.
         let stay = other.effects.iter().filter(|chosen| !valve.chosen.has(chosen.effect));
         let stay: Vec<&str> = stay.map(|chosen| chosen.effect.plainest()).collect();
         sets.push(reduced(question, base, other, &stay)?);
     }
-    finished(question, base, sets)
+    believed(question, base, finished(question, base, sets)?, exchanged)
 }
 
 /// In the last round, what the chain says of the sets that were refitted in it; the others stay as far behind the chosen one as apart.
