@@ -53,6 +53,8 @@ pub struct Candidate {
     pub residuals: Residuals,
     /// Whether it was refitted to the end.
     pub is_finished: bool,
+    /// Whether the noise that it was fitted with was as correlated: standard deviations hold what neighbouring rows have in common.
+    pub is_tempered: bool,
 }
 
 impl Candidate {
@@ -239,7 +241,7 @@ impl Candidate {
     /// Fitted values of what was free, with the strengths that were found without a slope.
     #[must_use]
     pub fn estimates(&self) -> Vec<Estimate> {
-        let mut estimates = self.fit.estimates(inflation(&self.residuals));
+        let mut estimates = self.fit.estimates(if self.is_tempered { 1.0 } else { inflation(&self.residuals) });
         estimates.extend(self.jumps.iter().map(|&(parameter, value)| Estimate {
             parameter,
             before: 0.0,

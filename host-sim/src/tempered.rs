@@ -42,11 +42,10 @@ impl Tempered {
     }
 }
 
-/// The recordings with the noise of every channel what a set leaves of it, and as correlated; and the independent samples in that.
-pub fn believed(question: &Question<'_>, set: &Candidate) -> Result<(Vec<Prepared>, f64), MachineError> {
+/// The recordings believed as far as a set follows them: with the noise of every channel what it leaves, and as correlated.
+pub(crate) fn as_far_as(question: &Question<'_>, set: &Candidate) -> Result<Vec<Prepared>, MachineError> {
     let left = left_by(question, &set.fit.machine, &set.fit.starts)?;
-    let samples = left.iter().flatten().map(|series| samples_by_blocks(series)).sum();
-    Ok((noisy(question, &spread(&left, samples_by_blocks)), samples))
+    Ok(noisy(question, &spread(&left, samples_by_blocks)))
 }
 
 /// What a machine leaves of every channel of each training recording, over its noise.

@@ -62,6 +62,12 @@ fn pair(seed: u64, index: u64, truth: &str) -> Said {
     said
 }
 
+/// A drawn hard pair, which has to be this one, is named.
+fn is_named(seed: u64, index: u64, truth: &str) {
+    let said = pair(seed, index, truth);
+    assert!(said.right, "{} said", said.answer);
+}
+
 fn joined(names: &[&str]) -> String {
     if names.is_empty() { "nothing".to_owned() } else { names.join(" + ") }
 }
@@ -132,37 +138,32 @@ fn what_one_newton_step_tells_too_little_of_is_refitted() {
 /// Where the neutral drifts a little, a late position is nearly all that the chain misses.
 #[test]
 fn a_late_position_does_not_hide_a_neutral_that_drifts() {
-    let said = pair(9102, 14, "null-drift + position-sensor-lag");
-    assert!(said.right, "{} said", said.answer);
+    is_named(9102, 14, "null-drift + position-sensor-lag");
 }
 
 /// What a saturated valve leaves of its own form's error reaches every signal below; the air there is told by the recorded slider.
 #[test]
 fn a_saturated_valve_does_not_hide_the_air_below_it() {
-    let said = pair(9204, 3, "solenoid-saturation + entrained-air");
-    assert!(said.right, "{} said", said.answer);
+    is_named(9204, 3, "solenoid-saturation + entrained-air");
 }
 
 /// A slider that reads too much and edges that lie apart look alike below it; what is told of the rod's side stays with either.
 #[test]
 fn a_misread_slider_is_not_taken_for_unequal_edges_beside_a_leak() {
-    let said = pair(9204, 27, "external-leakage + sensor-offset");
-    assert!(said.right, "{} said", said.answer);
+    is_named(9204, 27, "external-leakage + sensor-offset");
 }
 
 /// What a slider with flow force does is followed to three times its noise; no ordinary parameter is bent by that, nor edges that lie apart
 /// taken for a misread slider.
 #[test]
 fn unequal_edges_are_told_below_a_slider_with_flow_force() {
-    let said = pair(9204, 9, "flow-force + dead-zone-asymmetry");
-    assert!(said.right, "{} said", said.answer);
+    is_named(9204, 9, "flow-force + dead-zone-asymmetry");
 }
 
 /// The rod adds up what a bent flow gain leaves beneath the noise: it does not make a slider that reads too much out of unequal edges.
 #[test]
 fn unequal_edges_are_told_beside_a_bent_flow_gain() {
-    let said = pair(9102, 10, "flow-gain-nonlinearity + dead-zone-asymmetry");
-    assert!(said.right, "{} said", said.answer);
+    is_named(9102, 10, "flow-gain-nonlinearity + dead-zone-asymmetry");
 }
 
 /// A load that begins inside the stroke gives by centimetres; a stop that soft would be none.

@@ -3,7 +3,7 @@
 use model_core::machine::Machine;
 use model_core::parameter::Parameter;
 
-use super::{Candidate, Chosen, Question, inflation, strengths};
+use super::{Candidate, Chosen, Question, strengths};
 use crate::fit::{Fit, FitError, Free, From, Sensitivity, StartState, coarse, fit, loss, softened_all};
 use crate::hypothesis::Kind;
 use crate::prepare::Prepared;
@@ -57,7 +57,7 @@ impl Candidate {
             let missed_there: f64 = fit.information.iter().map(|one| one.square).sum();
             fit.loss += 0.5 * (missed - missed_there);
         }
-        Ok(Self { effects, fit, jumps, residuals, is_finished })
+        Ok(Self { effects, fit, jumps, residuals, is_finished, is_tempered: false })
     }
 
     /// A refit of the ordinary parameters alone.
@@ -115,20 +115,11 @@ impl Candidate {
         Self::of(question, effects, found, jumps, precision <= PRECISION)
     }
 
-    /// Refitted to the end to recordings that are believed less, and the loss among those. Its own loss and residuals are those of the
-    /// recordings as they are.
-    pub(crate) fn believing(&self, question: &Question<'_>, less: &Question<'_>) -> Result<(Self, f64), FitError> {
-        let found = self.finished(less)?;
-        let loss = found.fit.loss;
-        let mut told = Self::of(question, found.effects, found.fit, found.jumps, false)?;
-        // There the noise was as correlated already, which standard deviations count in as well.
-        let neighbours = inflation(&told.residuals);
-        for one in &mut told.fit.information {
-            one.matrix *= neighbours;
-            one.gradient *= neighbours;
-            one.square *= neighbours;
-        }
-        Ok((Self { is_finished: true, ..told }, loss))
+    /// Refitted to the end to `others`, the same recordings with more noise, from where it is; told by the recordings as they are.
+    pub(crate) fn refitted_to(&self, question: &Question<'_>, others: &Question<'_>) -> Result<Self, FitError> {
+        let found = self.finished(others)?;
+        let told = Self::of(question, found.effects, found.fit, found.jumps, false)?;
+        Ok(Self { is_finished: true, is_tempered: true, ..told })
     }
 
     /// The machine refitted without one of the recordings, which are at twice the tick.

@@ -14,7 +14,7 @@ fn standing(name: &str, scene: &Scene<'_>, ordinary: &[Free], machine: &Machine<
     let starts = vec![StartState::default()];
     let fit = Fit { machine: *machine, free, coordinates, starts, information: Vec::new(), converged: true, loss: 0.0 };
     let effects = vec![Chosen { effect, form }];
-    Candidate { effects, fit, jumps: Vec::new(), residuals: Vec::new(), is_finished: true }
+    Candidate { effects, fit, jumps: Vec::new(), residuals: Vec::new(), is_finished: true, is_tempered: false }
 }
 
 #[test]

@@ -25,11 +25,12 @@ pub use information::Information;
 pub(crate) use information::OF_START;
 pub use problem::Told;
 use problem::{Minimum, Problem};
+pub(crate) use residuals::samples_by_blocks;
 #[cfg(test)]
 pub(crate) use residuals::tests::recorded;
 pub use residuals::{
-    CHANCE, Misfit, Residuals, effective_samples, loss, misfits, samples_by_blocks, set_tolerances, soft, softened,
-    softened_all, standardised, standardised_all,
+    CHANCE, Misfit, Residuals, effective_samples, loss, misfits, set_tolerances, soft, softened, softened_all,
+    standardised, standardised_all,
 };
 pub use sensitivity::{Change, Sensitivity, Settled, Simulated};
 pub use start::{StartState, level_at_rest, settle};

@@ -173,8 +173,7 @@ pub fn effective_samples(series: &[f64]) -> f64 {
 
 /// The same by the means of blocks, each twice as long as the last, down to sixteen of them (Flyvbjerg and Petersen 1989), where they say
 /// less: what is smooth beneath independent noise hardly shows in the correlation at lag one.
-#[must_use]
-pub fn samples_by_blocks(series: &[f64]) -> f64 {
+pub(crate) fn samples_by_blocks(series: &[f64]) -> f64 {
     /// With fewer blocks their mean square says little.
     const FEWEST: usize = 16;
     let mean_square = |of: &[f64]| loss(of) / of.len() as f64;

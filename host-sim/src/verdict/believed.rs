@@ -1,4 +1,4 @@
-//! Sets compared where none follows the recordings down to their noise: those are believed only as far as the best set follows them.
+//! Sets compared where even the best one does not follow the recordings down to their noise: those are believed only as far as it does.
 //!
 //! An effect follows its textbook form within some per cent, and what the valve's misses adds up in all that the rod does. Taken at their
 //! noise, recordings bend the ordinary parameters without end to make up for that, whichever set is refitted; the priors, which count once,
@@ -7,43 +7,47 @@
 
 use rayon::prelude::*;
 
-use super::likelihood::prefer_plain;
-use super::{AT_NOISE, excess};
+use super::likelihood::{prefer_plain, ranked_by};
+use super::{AT_NOISE, FAR, excess};
 use crate::candidate::{Candidate, Question};
-use crate::fit::FitError;
+use crate::fit::{FitError, samples_by_blocks};
 use crate::prepare::Prepared;
-use crate::tempered;
+use crate::tempered::as_far_as;
 
-/// Ranked sets, and one `beside` that was not ranked, refitted to recordings that are believed as far as the best of them follows those, and
-/// ranked by that. As they are, where that is down to the noise.
+/// Finished sets, ranked, and one `beside` that the chain may have had no use for, ranked by refits to recordings that are believed as far as
+/// the best of them follows those. A set that is far off, or whose ordinary parameters were bent, is so refitted from here on; any other stays as it was.
+/// All as they are, where the best is at its noise, or where there is nothing to compare or to straighten.
 pub(super) fn believed(
     question: &Question<'_>,
     base: &Candidate,
-    ranked: Vec<(Candidate, f64)>,
+    finished: Vec<(Candidate, f64)>,
     beside: Option<Candidate>,
 ) -> Result<Vec<(Candidate, f64)>, FitError> {
-    let sets = ranked.iter().map(|(set, _)| set);
+    let sets = finished.iter().map(|(set, _)| set);
     let best = sets.min_by(|a, b| excess(&a.residuals).total_cmp(&excess(&b.residuals)));
-    let Some(best) = best.filter(|best| best.worst_over_noise(question) > AT_NOISE) else { return Ok(ranked) };
-    let (training, samples) = tempered::believed(question, best)?;
+    let Some(best) = best.filter(|best| best.worst_over_noise(question) > AT_NOISE) else { return Ok(finished) };
+    let training = as_far_as(question, best)?;
     let training: Vec<&Prepared> = training.iter().collect();
     let less = Question { training: &training, ..*question };
-    let again = |set: Candidate| -> Result<(Candidate, f64), FitError> {
-        let (set, loss) = set.believing(question, &less)?;
-        let net = -loss - 0.5 * set.strengths() as f64 * samples.max(2.0).ln();
-        Ok((set, net))
-    };
-    let first = |ranked: &[(Candidate, f64)]| ranked.first().map_or(0.0, |(_, net)| *net);
-    let gained = first(&ranked);
-    let beside = beside.filter(|one| ranked.iter().all(|(set, _)| set.names() != one.names()));
-    let sets: Vec<Candidate> = ranked.into_iter().map(|(set, _)| set).chain(beside).collect();
-    let mut ranked: Vec<(Candidate, f64)> = sets.into_par_iter().map(again).collect::<Result<_, _>>()?;
-    ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
-    // What the best one gains over the base is told by the recordings as they are: believed less, the base would gain by that alone.
-    let shift = gained - first(&ranked);
-    for (_, net) in &mut ranked {
-        *net += shift;
+    let possible = |set: &Candidate| set.is_possible(question.scene);
+    let beside = beside.filter(|one| possible(one) && finished.iter().all(|(set, _)| set.names() != one.names()));
+    let before: Vec<Candidate> = finished.iter().map(|(set, _)| set.clone()).chain(beside).collect();
+    let stays = |set: &Candidate| !set.is_bent(question) && set.worst_over_noise(question) <= FAR;
+    if before.len() == 1 && before.iter().all(stays) {
+        return Ok(finished);
     }
-    prefer_plain(base, &mut ranked);
-    Ok(ranked)
+    let refits: Vec<Candidate> =
+        before.par_iter().map(|set| set.refitted_to(question, &less)).collect::<Result<_, _>>()?;
+    let refits: Vec<Candidate> = refits.into_iter().filter(possible).collect();
+    if refits.is_empty() {
+        return Ok(finished);
+    }
+    let mut again = ranked_by(question, base, refits, samples_by_blocks);
+    prefer_plain(base, &mut again);
+    for (set, _) in &mut again {
+        if let Some(as_it_was) = before.iter().find(|one| one.names() == set.names() && stays(one)) {
+            *set = as_it_was.clone();
+        }
+    }
+    Ok(again)
 }

@@ -15,9 +15,19 @@ const EARNED: f64 = 0.75;
 
 /// Best first by log-likelihood gained over the base less penalty; only the best form of the same effects stays.
 pub(super) fn ranked(question: &Question<'_>, base: &Candidate, found: Vec<Candidate>) -> Vec<(Candidate, f64)> {
+    ranked_by(question, base, found, effective_samples)
+}
+
+/// The same by other counts of the independent samples of a series.
+pub(super) fn ranked_by(
+    question: &Question<'_>,
+    base: &Candidate,
+    found: Vec<Candidate>,
+    independent: fn(&[f64]) -> f64,
+) -> Vec<(Candidate, f64)> {
     let Some(best) = found.iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss)) else { return Vec::new() };
     // The independent samples of the best residuals, so that all are measured alike.
-    let samples: Vec<f64> = best.residuals.iter().flatten().map(|series| effective_samples(series)).collect();
+    let samples: Vec<f64> = best.residuals.iter().flatten().map(|series| independent(series)).collect();
     let total: f64 = samples.iter().sum();
     let net = |candidate: &Candidate| {
         let series = base.residuals.iter().flatten().zip(candidate.residuals.iter().flatten());
