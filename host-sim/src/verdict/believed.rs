@@ -26,16 +26,16 @@ pub(super) fn believed(
     let sets = finished.iter().map(|(set, _)| set);
     let best = sets.min_by(|a, b| excess(&a.residuals).total_cmp(&excess(&b.residuals)));
     let Some(best) = best.filter(|best| best.worst_over_noise(question) > AT_NOISE) else { return Ok(finished) };
-    let training = as_far_as(question, best)?;
-    let training: Vec<&Prepared> = training.iter().collect();
-    let less = Question { training: &training, ..*question };
     let possible = |set: &Candidate| set.is_possible(question.scene);
     let beside = beside.filter(|one| possible(one) && finished.iter().all(|(set, _)| set.names() != one.names()));
     let before: Vec<Candidate> = finished.iter().map(|(set, _)| set.clone()).chain(beside).collect();
     let stays = |set: &Candidate| !set.is_bent(question) && set.worst_over_noise(question) <= FAR;
-    if before.len() == 1 && before.iter().all(stays) {
+    if matches!(before.as_slice(), [only] if stays(only)) {
         return Ok(finished);
     }
+    let training = as_far_as(question, best)?;
+    let training: Vec<&Prepared> = training.iter().collect();
+    let less = Question { training: &training, ..*question };
     let refits: Vec<Candidate> =
         before.par_iter().map(|set| set.refitted_to(question, &less)).collect::<Result<_, _>>()?;
     let refits: Vec<Candidate> = refits.into_iter().filter(possible).collect();
