@@ -125,7 +125,8 @@ fn attempt_at(lot: &Lot, index: u64, names: &[String], dice: &mut Noise) -> Resu
     let pushed = names.iter().any(|name| name == "~external-disturbance");
     let shown = Shown { setting: &setting, sigma: &file.sigma, made: &made[..training.min(2)] };
     let visible = if names.is_empty() { Vec::new() } else { shown.without_each(&effects, pushed)? };
-    Ok(Some(Attempt { lot, setting, file, names, effects, visible, made, training }.finished(dice)))
+    let plainer = shown.plainer_each(&effects)?;
+    Ok(Some(Attempt { lot, setting, file, names, effects, visible, plainer, made, training }.finished(dice)))
 }
 
 fn setting(lot: &Lot, machine: &Machine<f64>, names: &[String], dice: &mut Noise) -> Setting {
@@ -273,6 +274,7 @@ struct Attempt<'a> {
     names: &'a [String],
     effects: Vec<PlantEffect>,
     visible: Vec<f64>,
+    plainer: Vec<Option<(&'static str, f64)>>,
     made: Vec<(Signal, SyntheticRecording)>,
     training: usize,
 }
@@ -324,6 +326,11 @@ impl Attempt<'_> {
             hard: self.lot.hard,
             noise_floor: floors,
             visible: self.visible.iter().map(|visible| drive::rounded(*visible, 4)).collect(),
+            plainer: self
+                .plainer
+                .iter()
+                .map(|plainer| plainer.map(|(name, left)| (name, drive::rounded(left, 4))))
+                .collect(),
         };
         Drawn { id: self.file.name.clone(), file: self.file, recordings, truth }
     }

@@ -36,6 +36,12 @@ impl About<'_> {
         0.4 * self.get(P::FlowCoefficient) * (0.5 * self.get(P::SupplyPressure)).sqrt()
     }
 
+    /// Stiffness of the oil in both chambers, N/m.
+    fn oil_spring_n_per_m(&self) -> f64 {
+        let side = |area, volume| self.get(area).powi(2) * self.get(P::BulkModulus) / self.get(volume);
+        side(P::AreaA, P::VolumeA) + side(P::AreaB, P::VolumeB)
+    }
+
     fn place(&self, dice: &mut Noise, from: f64, to: f64) -> f64 {
         let (low, high) = self.travel_m;
         low + (high - low) * dice.uniform(from, to)
@@ -228,7 +234,12 @@ fn friction(name: &str, about: &About<'_>, dice: &mut Noise) -> Option<DryFricti
         "presliding" => {
             let sliding_n = full_n * dice.decades(0.015, 0.05);
             let break_away_n = sliding_n * dice.uniform(1.02, 1.2);
-            DryFriction::giving(FrictionLevel::Presliding { sliding_n, break_away_n }, dice.decades(1.5e-5, 6e-5), 4e3)
+            DryFriction {
+                level: FrictionLevel::Presliding { sliding_n, break_away_n },
+                // Stiffer bristles than a third of the oil give way less than that, and are plain dry friction.
+                stiffness_n_per_m: about.oil_spring_n_per_m() * dice.decades(3e-3, 0.1),
+                damping_n_s_per_m: 4e3,
+            }
         }
         _ => return None,
     })

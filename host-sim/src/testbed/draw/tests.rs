@@ -97,3 +97,22 @@ fn an_effect_that_the_noise_hides_may_be_left_out() {
     truth.visible = vec![1.1, 3.0];
     assert_eq!(truth.accept(), [vec!["end-stop", "null-drift"], vec!["null-drift"]]);
 }
+
+#[test]
+fn what_a_load_hides_of_an_asymmetry_may_be_called_plain_friction_and_soft_bristles_may_not() {
+    let drawn = |seed: u64, name: &str| {
+        let lot = Lot { hard: true, ..lot(Concealed::Single, seed, &[name]) };
+        (0..6_u64).into_par_iter().map(|index| draw(&lot, index).unwrap().unwrap().truth).collect::<Vec<_>>()
+    };
+    let plain = vec!["coulomb-friction"];
+    let asymmetric = drawn(5, "friction-asymmetry");
+    assert!(asymmetric.iter().any(|truth| truth.accept().contains(&plain)), "a load is known to some per cent");
+    assert!(asymmetric.iter().any(|truth| !truth.accept().contains(&plain)));
+    for truth in drawn(6, "presliding") {
+        let (name, left) = truth.plainer[0].unwrap();
+        assert_eq!(name, "coulomb-friction");
+        assert_eq!(left < 1.25, truth.accept().contains(&plain), "{left}");
+    }
+    let lot = Lot { hard: true, ..lot(Concealed::Single, 5, &["internal-leakage"]) };
+    assert_eq!(draw(&lot, 0).unwrap().unwrap().truth.plainer, [None]);
+}

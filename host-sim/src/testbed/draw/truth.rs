@@ -29,13 +29,16 @@ pub struct CaseTruth {
     pub noise_floor: Vec<(String, Vec<(&'static str, f64)>)>,
     /// For each effect: what a refit without it leaves, in parts of the noise.
     pub visible: Vec<f64>,
+    /// For each effect that has one: its plainer form, and what a refit with that in its place leaves, in parts of the noise.
+    pub plainer: Vec<Option<(&'static str, f64)>>,
 }
 
-/// Below this an answer without the effect is as good.
+/// Below this an answer without the effect, or with its plainer form, is as good.
 const HIDDEN_BELOW: f64 = 1.25;
 
 impl CaseTruth {
-    /// The sets of names that are right answers: without an effect that the noise hides, too.
+    /// The sets of names that are right answers: without an effect that the noise hides, too, and with a plainer one where the noise
+    /// hides what it has more.
     #[must_use]
     pub fn accept(&self) -> Vec<Vec<&'static str>> {
         let mut accept = vec![self.effects.clone()];
@@ -45,6 +48,12 @@ impl CaseTruth {
             if !accept.contains(&without) {
                 accept.push(without);
             }
+        }
+        for (index, plainer) in self.plainer.iter().enumerate() {
+            let Some((name, _)) = plainer.filter(|(_, left)| *left < HIDDEN_BELOW) else { continue };
+            let mut plain = self.effects.clone();
+            plain[index] = name;
+            accept.push(plain);
         }
         if self.visible.len() > 1 && self.visible.iter().all(|&visible| visible < HIDDEN_BELOW) {
             accept.push(Vec::new());
@@ -74,6 +83,7 @@ impl CaseTruth {
             "rough": self.hard,
             "noise_floor_nrmse": floor,
             "visible": self.visible,
+            "plainer": self.plainer.iter().map(|plainer| plainer.map(|(name, left)| json!({ name: left }))).collect::<Vec<_>>(),
             "accept": self.accept(),
         })
     }

@@ -1,7 +1,8 @@
 //! How far an effect shows beside the noise, once the uncertain parameters have taken what they can.
 //!
 //! The difference that the effect makes to each recorded signal, in parts of its noise, less its projection on what one
-//! standard deviation of each uncertain parameter would make: a linear refit with the machine file's prior.
+//! standard deviation of each uncertain parameter would make: a linear refit with the machine file's prior. What an effect has more than
+//! a plainer one shows by the same measure, with that one's strength free.
 
 use std::collections::BTreeMap;
 
@@ -16,6 +17,8 @@ use super::bench::{Setting, Signal};
 
 /// Rows of a recording that are looked at, about.
 const ROWS: usize = 400;
+/// By how much of itself a plainer effect is made stronger to see what its strength does.
+const STRONGER: f64 = 0.1;
 
 /// A case's recordings, to be repeated without an effect.
 pub(super) struct Shown<'a> {
@@ -31,16 +34,7 @@ impl Shown<'_> {
     pub(super) fn without_each(&self, effects: &[PlantEffect], pushed: bool) -> Result<Vec<f64>, PlantError> {
         let machine = &self.setting.machine;
         let base = self.repeated(machine, effects, true)?;
-        let mut columns = Vec::new();
-        for (&parameter, &deviation) in self.sigma {
-            let mut moved = *machine;
-            let range = parameter.description();
-            moved.set(parameter, (machine.get(parameter) + 0.5 * deviation).clamp(range.min, range.max));
-            let other = self.repeated(&moved, effects, true)?;
-            columns.push((other - &base) * 2.0);
-        }
-        columns.extend((0..self.made.len()).map(|recording| self.other_start(recording)));
-        let jacobian = DMatrix::from_columns(&columns);
+        let jacobian = DMatrix::from_columns(&self.ordinary(effects, &base)?);
         let count = if pushed { 1 } else { effects.len() };
         (0..count)
             .map(|left_out| {
@@ -50,6 +44,44 @@ impl Shown<'_> {
                 Ok(self.worst_channel(&projected(&jacobian, &(&base - without), self.weight())))
             })
             .collect()
+    }
+
+    /// For each effect the same with its plainer form in its place, and that one's name; none where it has no plainer form.
+    pub(super) fn plainer_each(&self, effects: &[PlantEffect]) -> Result<Vec<Option<(&'static str, f64)>>, PlantError> {
+        let with = |k: usize, plain: PlantEffect| {
+            let all: Vec<PlantEffect> =
+                effects.iter().enumerate().map(|(i, &e)| if i == k { plain } else { e }).collect();
+            self.repeated(&self.setting.machine, &all, true)
+        };
+        let shown = |k: usize, strengths: [PlantEffect; 2]| -> Result<_, PlantError> {
+            let base = self.repeated(&self.setting.machine, effects, true)?;
+            let [plain, stronger] = [with(k, strengths[0])?, with(k, strengths[1])?];
+            let mut columns = self.ordinary(effects, &base)?;
+            columns.push((stronger - &plain) / STRONGER);
+            let left = projected(&DMatrix::from_columns(&columns), &(base - plain), self.weight());
+            Ok((strengths[0].name(), self.worst_channel(&left)))
+        };
+        let of_each = |(k, effect): (usize, &PlantEffect)| {
+            let strengths = [effect.plainer(1.0), effect.plainer(1.0 + STRONGER)];
+            let [Some(plain), Some(stronger)] = strengths else { return Ok(None) };
+            shown(k, [plain, stronger]).map(Some)
+        };
+        effects.iter().enumerate().map(of_each).collect()
+    }
+
+    /// What one standard deviation of each uncertain parameter, and another start of each recording, would make.
+    fn ordinary(&self, effects: &[PlantEffect], base: &DVector<f64>) -> Result<Vec<DVector<f64>>, PlantError> {
+        let machine = &self.setting.machine;
+        let mut columns = Vec::new();
+        for (&parameter, &deviation) in self.sigma {
+            let mut moved = *machine;
+            let range = parameter.description();
+            moved.set(parameter, (machine.get(parameter) + 0.5 * deviation).clamp(range.min, range.max));
+            let other = self.repeated(&moved, effects, true)?;
+            columns.push((other - base) * 2.0);
+        }
+        columns.extend((0..self.made.len()).map(|recording| self.other_start(recording)));
+        Ok(columns)
     }
 
     /// How many recorded rows one row that is looked at stands for.

@@ -3,6 +3,10 @@
 use super::super::physics::{State, Terms};
 use super::super::tangent::Real;
 
+/// By how much plain dry friction gives before it slides, m.
+const PLAIN_GIVES_M: f64 = 2e-6;
+const PLAIN_DAMPING_N_S_PER_M: f64 = 1e4;
+
 /// The force in steady sliding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FrictionLevel {
@@ -78,6 +82,12 @@ impl DryFriction {
     #[must_use]
     pub fn giving(level: FrictionLevel, give_m: f64, damping_n_s_per_m: f64) -> Self {
         Self { level, stiffness_n_per_m: level.usual_n() / give_m, damping_n_s_per_m }
+    }
+
+    /// As strong everywhere, on bristles as stiff as those of plain dry friction usually are.
+    pub(super) fn plainer(&self, factor: f64) -> Option<Self> {
+        let level = FrictionLevel::Constant(factor * self.level.usual_n());
+        (self.name() != "coulomb-friction").then(|| Self::giving(level, PLAIN_GIVES_M, PLAIN_DAMPING_N_S_PER_M))
     }
 
     pub(super) const fn name(&self) -> &'static str {

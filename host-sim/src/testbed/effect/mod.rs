@@ -124,6 +124,15 @@ impl PlantEffect {
         Self::CoulombFriction { force_n, stiffness_n_per_m: 3.0e7, damping_n_s_per_m: 2.0e4 }
     }
 
+    /// Its plainer form, of a strength near its own times a factor; none where it has no plainer form.
+    #[must_use]
+    pub fn plainer(&self, factor: f64) -> Option<Self> {
+        match self {
+            Self::Friction(friction) => friction.plainer(factor).map(Self::Friction),
+            _ => None,
+        }
+    }
+
     /// The name in the project's vocabulary; a leading ~ marks what is outside of it.
     #[must_use]
     pub const fn name(&self) -> &'static str {
