@@ -4,10 +4,10 @@ use rayon::prelude::*;
 
 use crate::candidate::{Candidate, Chosen, Question, Reference};
 use crate::fit::{CHANCE, FitError};
-use crate::hypothesis::Hypothesis;
+use crate::hypothesis::{Form, Hypothesis};
 use crate::screen::Lead;
 use crate::tempered::Tempered;
-use crate::verdict::excess;
+use crate::verdict::{EARNED, excess};
 
 /// An effect that promises less than this share of what the best does is not refitted.
 const PROMISING: f64 = 0.05;
@@ -160,7 +160,8 @@ fn extensions(
     of_each(plainer, of_plain)
 }
 
-/// Refits of a set with extensions in the place of an effect that it had before its newest: what they have more shows beside that.
+/// Refits of a set with extensions, or a refined form, in the place of an effect that it had before its newest: what they have more
+/// shows beside that.
 pub fn enriched(
     question: &Question<'_>,
     set: &Candidate,
@@ -171,7 +172,8 @@ pub fn enriched(
     of_each(older, of_one)
 }
 
-/// Refits of a set with each extension of one of its effects in the place of that, but from leads that are known.
+/// Refits of a set with each extension and each refined form of one of its effects in the place of that, but from leads that are known.
+/// A refined form bends to much: it stays where it takes most of what the set leaves.
 fn in_its_place(
     question: &Question<'_>,
     set: &Candidate,
@@ -182,13 +184,17 @@ fn in_its_place(
 ) -> Result<Vec<Candidate>, FitError> {
     let extends = |effect: &&Hypothesis| effect.extends.is_some_and(|extension| extension.plain == plain.effect.name);
     let richer: Vec<&'static Hypothesis> = open.iter().copied().filter(extends).collect();
-    if richer.is_empty() {
+    let refined: Vec<Form> = plain.effect.refined_from(plain.form).collect();
+    if richer.is_empty() && refined.is_empty() {
         return Ok(Vec::new());
     }
     let reference = Reference::new(question, set)?;
-    let mut leads = reference.extensions(plain, &richer)?;
+    let mut leads = reference.extensions(plain, &refined, &richer)?;
     leads.retain(|lead| !known(lead));
-    refit_each(&leads, done, |lead| reference.with_extension(lead))
+    let mut found = refit_each(&leads, done, |lead| reference.with_extension(plain, lead))?;
+    let most = (1.0 - EARNED) * excess(&set.residuals);
+    found.retain(|richer| richer.names() != set.names() || excess(&richer.residuals) < most);
+    Ok(found)
 }
 
 #[cfg(test)]

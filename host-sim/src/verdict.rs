@@ -25,7 +25,7 @@ use crate::search::{enriched, is_hopeful, least_above, widened};
 use crate::tempered::Tempered;
 use apart::Side;
 pub use confirmation::{Confirmation, confirm};
-pub(crate) use likelihood::{FORM, Gained, excess};
+pub(crate) use likelihood::{EARNED, FORM, Gained, excess};
 use likelihood::{accepts, prefer_plain, ranked};
 pub use whole::lengthened;
 
@@ -255,7 +255,7 @@ impl Course {
         let effects = full.effects.len();
         let chosen = reduced(question, &self.base, full, &self.joined)?;
         if chosen.effects.len() < effects {
-            if !self.is_likely(question, &chosen) {
+            if !self.is_likely(question, &chosen) || !accepts(question, &self.base, &self.base, &chosen)? {
                 return Ok(());
             }
             enter(question, &self.base, &mut self.rounds, &chosen);

@@ -11,8 +11,7 @@ use crate::vocabulary::LinkEffects;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeEffects<N: Number> {
     pub(crate) curve: Option<GainCurve<N>>,
-    /// `metering-asymmetry`: what the tank edges' opening is more than the supply edges', as a share. −1..4.
-    pub(crate) tank_excess: Option<N::Gain>,
+    pub(crate) sizes: EdgeSizes<N>,
     pub(crate) return_line: Option<ReturnLine<N>>,
     /// `tank-back-pressure`, its laminar part: half the return line's pressure drop per flow.
     pub(crate) half_laminar: Option<N::Gain>,
@@ -45,15 +44,34 @@ impl<N: Number> EdgeEffects<N> {
 
     /// Opening of a tank edge with the return line behind it; `unity` is 1, as a slope.
     #[inline]
-    pub(crate) fn tank_opening(&self, metered: N, leaking: N, unity: N::Steep) -> N {
-        let sized = match self.tank_excess {
-            Some(excess) => metered + N::dot([excess], [metered]),
-            None => metered,
-        };
-        let edge = sized + leaking;
+    pub(crate) fn behind_line(&self, edge: N, unity: N::Steep) -> N {
         match &self.return_line {
             Some(line) => line.opening(unity, edge),
             None => edge,
+        }
+    }
+}
+
+/// `metering-asymmetry`: what the metering openings of the other edges are more than that of P-A, as a share. −1..4.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct EdgeSizes<N: Number> {
+    pub(crate) tank_a: Option<N::Gain>,
+    pub(crate) supply_b: Option<N::Gain>,
+    pub(crate) tank_b: Option<N::Gain>,
+}
+
+impl<N: Number> EdgeSizes<N> {
+    /// Whether no edge is of another size.
+    pub(crate) const fn are_one(&self) -> bool {
+        self.tank_a.is_none() && self.supply_b.is_none() && self.tank_b.is_none()
+    }
+
+    /// A metering opening of the edge with that excess.
+    #[inline]
+    pub(crate) fn sized(excess: Option<N::Gain>, metered: N) -> N {
+        match excess {
+            Some(excess) => metered + N::dot([excess], [metered]),
+            None => metered,
         }
     }
 }
@@ -193,6 +211,20 @@ mod tests {
     }
 
     #[test]
+    fn ports_and_directions_have_edges_of_their_own_size() {
+        let b_half = [(P::MeteringPorts, -0.5)];
+        assert_near(flows(&b_half, 0.5), [0.5 * FROM_SUPPLY[0], 0.25 * 2.0 / 3.0]);
+        assert_near(flows(&b_half, -0.5), [-0.5 * 0.5, -0.25 * FROM_SUPPLY[1]]);
+        let slower_in = [(P::MeteringDirections, -0.5)];
+        assert_near(flows(&slower_in, 0.5), [0.5 * FROM_SUPPLY[0], 0.5 * 2.0 / 3.0]);
+        assert_near(flows(&slower_in, -0.5), [-0.25 * 0.5, -0.25 * FROM_SUPPLY[1]]);
+        // Shares of one edge multiply.
+        let all = [(P::MeteringRatio, 0.5), (P::MeteringPorts, 0.2), (P::MeteringDirections, -0.25)];
+        assert_near(flows(&all, 0.5), [0.5 * FROM_SUPPLY[0], 0.5 * 1.5 * 1.2 * 2.0 / 3.0]);
+        assert_near(flows(&all, -0.5), [-0.5 * 1.5 * 0.75 * 0.5, -0.5 * 1.2 * 0.75 * FROM_SUPPLY[1]]);
+    }
+
+    #[test]
     fn a_return_line_three_times_as_tight_as_the_edge_halves_what_returns() {
         // R·K² = 3: with the edge fully open three quarters of the pressure are lost in the line.
         let changes = [(P::ReturnResistance, 3.0 / (2.4e-7 * 2.4e-7))];
@@ -233,6 +265,7 @@ mod tests {
         };
         assert_eq!(refused(&[(P::FlowGainLinear, 10.0), (P::FlowGainBeyond, 10.0)]), P::FlowGainLinear);
         assert_eq!(refused(&[(P::MeteringRatio, 4.0)]), P::MeteringRatio);
+        assert_eq!(refused(&[(P::MeteringRatio, 0.5), (P::MeteringPorts, 4.0)]), P::MeteringPorts);
         assert_eq!(refused(&[(P::ReturnResistance, 1e18)]), P::ReturnResistance);
         assert_eq!(refused(&[(P::DroopResistance, 1e13)]), P::DroopResistance);
         assert_eq!(refused(&[(P::SupplyPressure, 1e7), (P::FlowForce, 1e-6)]), P::FlowForce);

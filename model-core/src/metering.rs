@@ -9,7 +9,7 @@
 //! of each port, and the other is closed.
 
 use crate::chambers::ChamberState;
-use crate::edge_effects::{EdgeEffects, behind_laminar_line};
+use crate::edge_effects::{EdgeEffects, EdgeSizes, behind_laminar_line};
 use crate::flow::{Edges, Flows, Linearised, Lines, Opened};
 use crate::number::{Mask, Number};
 use crate::supply::{Draw, SupplyState};
@@ -152,12 +152,13 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
     pub(crate) fn openings(&self, effects: &EdgeEffects<N>, slider: N) -> Four<N> {
         let Metered { extending, retracting, leaking } = self.metered(effects, slider);
         let opening = |beyond: N| N::dot([self.gain], [beyond]);
-        let tank = |opened: N| opening(effects.tank_opening(opened, leaking, self.unity));
+        let tank = |opened: N| opening(effects.behind_line(opened + leaking, self.unity));
+        let sizes = &effects.sizes;
         Four {
             supply_a: opening(extending + leaking),
-            tank_a: tank(retracting),
-            supply_b: opening(retracting + leaking),
-            tank_b: tank(extending),
+            tank_a: tank(EdgeSizes::sized(sizes.tank_a, retracting)),
+            supply_b: opening(EdgeSizes::sized(sizes.supply_b, retracting) + leaking),
+            tank_b: tank(EdgeSizes::sized(sizes.tank_b, extending)),
         }
     }
 

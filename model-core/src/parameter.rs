@@ -109,6 +109,8 @@ parameters! {
     FlowGainBeyond: "effects.flow-gain-nonlinearity.beyond", "1", -0.95, 10.0, Value(0.0), "Relative change of the flow gain beyond the notch.";
     FlowGainNotch: "effects.flow-gain-nonlinearity.notch", "1", 0.0, 2.0, Value(0.2), "Opening at which the notch ends.";
     MeteringRatio: "effects.metering-asymmetry.ratio", "1", -0.95, 4.0, Value(0.0), "Size of the tank edges over that of the supply edges, less 1.";
+    MeteringPorts: "effects.metering-asymmetry.ports", "1", -0.95, 4.0, Value(0.0), "Size of B's edges over that of A's, less 1.";
+    MeteringDirections: "effects.metering-asymmetry.directions", "1", -0.95, 4.0, Value(0.0), "Size of the edges that are open while retracting over that of those open while extending, less 1.";
     DroopResistance: "effects.supply-droop.resistance_pa_s_per_m3", "Pa s/m3", 0.0, 1e13, Value(0.0), "Fall of the supply pressure per delivered flow.";
     DroopTime: "effects.supply-droop.time_constant_s", "s", 0.0, 1e3, Value(0.0), "Time constant of that fall: the resistance times the accumulator's capacity.";
     ReturnResistance: "effects.tank-back-pressure.resistance_pa_s2_per_m6", "Pa s2/m6", 0.0, 1e18, Value(0.0), "Pressure drop of the return line per flow squared.";

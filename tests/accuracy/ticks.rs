@@ -22,7 +22,7 @@ const EFFECTS: [(&str, &[(P, f64)]); 12] = [
     ("flow-force", &[(P::FlowForce, 4e-8)]),
     ("dead-zone-asymmetry", &[(P::DeadZoneDifference, 0.1)]),
     ("flow-gain-nonlinearity", &[(P::FlowGainLinear, 0.5), (P::FlowGainBeyond, -0.5)]),
-    ("metering-asymmetry", &[(P::MeteringRatio, 0.4)]),
+    ("metering-asymmetry", &[(P::MeteringRatio, 0.4), (P::MeteringPorts, -0.3), (P::MeteringDirections, 0.2)]),
     ("supply-droop, static", &[(P::DroopResistance, 8e9)]),
     ("supply-droop, 20 ms", &[(P::DroopResistance, 8e9), (P::DroopTime, 0.02)]),
     ("tank-back-pressure", &[(P::ReturnResistance, 2e13)]),

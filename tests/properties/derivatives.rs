@@ -52,7 +52,7 @@ fn check(machine: &Machine<f64>, parameter: P, step: f64, one_sided: bool, toler
 }
 
 /// Parameter, a middling value, and the size of its range.
-const SMOOTH: [(P, f64); 15] = [
+const SMOOTH: [(P, f64); 17] = [
     (P::HysteresisWidth, 0.05),
     (P::NullDriftTravel, 0.05),
     (P::NullDriftTime, 0.5),
@@ -64,6 +64,8 @@ const SMOOTH: [(P, f64); 15] = [
     (P::FlowGainLinear, 0.3),
     (P::FlowGainBeyond, 0.2),
     (P::MeteringRatio, 0.2),
+    (P::MeteringPorts, -0.1),
+    (P::MeteringDirections, 0.1),
     (P::DroopResistance, 3e9),
     (P::ReturnResistance, 3e12),
     (P::ValveLeakageOpening, 0.01),

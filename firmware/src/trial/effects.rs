@@ -42,7 +42,11 @@ pub const EFFECTS: &[Effect] = &[
         "flow-gain-nonlinearity",
         &[(P::FlowGainLinear, 0.3), (P::FlowGainBeyond, 0.2), (P::FlowGainNotch, 0.1)],
     ),
-    Effect::new("metering-asymmetry", &[(P::MeteringRatio, 0.2)]),
+    Effect::new(
+        "metering-asymmetry",
+        &[(P::MeteringRatio, 0.2), (P::MeteringPorts, -0.1), (P::MeteringDirections, 0.05)],
+    ),
+    Effect::other_form("metering-asymmetry, tank edges alone", &[(P::MeteringRatio, 0.2)]),
     Effect::new("supply-droop", &[(P::DroopResistance, 3e9), (P::DroopTime, 0.05)]),
     Effect::other_form("supply-droop, without memory", &[(P::DroopResistance, 3e9)]),
     Effect::new("tank-back-pressure", &[(P::ReturnResistance, 3e12), (P::ReturnLaminar, 1e9)]),

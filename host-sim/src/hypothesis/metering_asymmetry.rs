@@ -1,19 +1,21 @@
 //! # Metering asymmetry
 //!
 //! ## What it adds
-//! The edges to tank are larger or smaller than those from the supply, as spools for differential cylinders are cut:
-//! the flow gain of A-T and B-T is multiplied by 1 + r.
+//! The four edges are not of one size, as on spools for differential cylinders. Against P-A the flow gain of the edges to tank is
+//! multiplied by 1 + r, of those at port B by 1 + s, and of those that are open while retracting by 1 + d: B-T has
+//! (1 + r)·(1 + s), P-B (1 + s)·(1 + d), A-T (1 + r)·(1 + d).
 //!
 //! ## How it shows
 //! Both chamber pressures of a steady stroke lie higher (r < 0) or lower (r > 0) than the model's, while the position
-//! may look right.
+//! may look right. Unequal ports move them apart from stroke to stroke; unequal directions show in the speeds.
 //!
 //! ## What looks alike
 //! With wrong piston areas the balance of forces is off at rest, too, and so it is with a pressure sensor's offset.
 //! Back-pressure of the return line is quadratic in the flow. Unequal overlap takes travel, not a share.
 //!
 //! ## Parameters
-//! r, either sign: ±10–40 %; a spool cut for a 2:1 cylinder has more.
+//! r or s, either sign: ±10–40 %; a spool cut for a 2:1 cylinder has s = −50 %. Edges that were cut alike still differ by some per cent:
+//! beside r, s and d are fitted as ±5 %.
 //!
 //! ## Source
 //! M. Jelali and A. Kroll, *Hydraulic Servo-systems*, Springer 2003, chapter 4 (valves with unequal edges); J. Watton,
@@ -24,11 +26,24 @@ use model_core::parameter::Parameter;
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
 use crate::simulate::EntryPoint;
 
+const fn cut(parameter: Parameter) -> Strength {
+    Strength { parameter, kind: Kind::Signed(|_| 0.5) }
+}
+
+/// What edges that were cut alike differ by.
+const fn nearly(parameter: Parameter) -> Strength {
+    Strength { parameter, kind: Kind::Signed(|_| 0.05) }
+}
+
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "metering-asymmetry",
     subsystem: Subsystem::Flow,
-    equation: "Q to tank = (1 + r)·K_Q·o·√Δp",
-    forms: &[&[Strength { parameter: Parameter::MeteringRatio, kind: Kind::Signed(|_| 0.5) }]],
+    equation: "Q = (1 + r to tank)·(1 + s at B)·(1 + d retracting)·K_Q·o·√Δp",
+    forms: &[
+        &[cut(Parameter::MeteringRatio)],
+        &[cut(Parameter::MeteringPorts)],
+        &[cut(Parameter::MeteringRatio), nearly(Parameter::MeteringPorts), nearly(Parameter::MeteringDirections)],
+    ],
     look_alikes: &[
         LookAlike {
             effect: "tank-back-pressure",

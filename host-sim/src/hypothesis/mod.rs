@@ -187,6 +187,13 @@ pub fn is_elastic(form: Form) -> bool {
     form.iter().any(|strength| strength.parameter == BRISTLES.parameter)
 }
 
+/// Whether a form refines a plainer one of its effect, by what differs a little beside that: it is tried where that one was found, and has
+/// to be what that one left.
+#[must_use]
+pub fn is_refined(form: Form) -> bool {
+    form.iter().any(|strength| strength.parameter == Parameter::MeteringDirections)
+}
+
 /// What an effect has in common with a plainer one.
 #[derive(Clone, Copy, Debug)]
 pub struct Extension {
@@ -286,10 +293,19 @@ impl Hypothesis {
         })
     }
 
-    /// The forms that a scene can show.
+    /// The forms that a scene can show, but for refined ones.
     pub fn forms_in<'a>(&'a self, scene: &'a Scene<'_>) -> impl Iterator<Item = Form> + 'a {
         let hidden = |strength: &Strength| matches!(strength.kind, Kind::Signed(size) if size(scene) == 0.0);
-        self.forms.iter().copied().filter(move |form| !form.iter().any(hidden))
+        self.forms.iter().copied().filter(move |form| !is_refined(form) && !form.iter().any(hidden))
+    }
+
+    /// The forms that refine one of its forms.
+    pub fn refined_from(&self, plain: Form) -> impl Iterator<Item = Form> {
+        let refines = move |form: &Form| {
+            let has = |strength: &Strength| form.iter().any(|other| other.parameter == strength.parameter);
+            is_refined(form) && form.len() > plain.len() && plain.iter().all(has)
+        };
+        self.forms.iter().copied().filter(refines)
     }
 
     /// Whether a drive in this scene can show it at all, in any form.

@@ -7,41 +7,81 @@ use crate::prepare::Prepared;
 use crate::press::{press, recorded, scene};
 use crate::recording::Signal;
 
-/// What an effect extends was found before what else is missing: the extension is looked for beside that as well, and found.
-#[test]
-fn an_extension_is_found_beside_what_was_added_later() {
+/// A press of which pressures and position are recorded, with what its machine file does not know, handed to `seen`.
+fn with_press(unknown: &[(P, f64)], seen: impl FnOnce(&Question<'_>)) {
     let nominal = press(&[(P::ViscousFriction, 2e4)]);
-    let truth = nominal.with(&[
-        (P::StribeckForce, 300.0),
-        (P::StribeckExcess, 300.0),
-        (P::StribeckVelocity, 0.01),
-        (P::ReturnResistance, 1.5e13),
-    ]);
+    let truth = nominal.with(unknown);
     let judged = [Signal::PressureA, Signal::PressureB, Signal::Position];
     let recording = recorded(&truth, &[(Signal::PressureA, 1e4), (Signal::PressureB, 1e4), (Signal::Position, 1e-5)]);
     let case = Prepared::new(&recording, &nominal, LoadSource::Constant, None).unwrap();
     let (training, scene) = ([&case], scene(&nominal, &judged));
-    let question = Question { scene: &scene, ordinary: &[], hypotheses: CATALOGUE, training: &training };
-    let with = |set: &Candidate, name: &str| -> Candidate {
-        let effect = *CATALOGUE.iter().find(|effect| effect.name == name).unwrap();
-        let reference = Reference::new(&question, set).unwrap();
-        reference.with(&reference.leads(&[effect]).unwrap()[0]).unwrap().finished(&question).unwrap()
-    };
-    let base = Candidate::rough(&question, None).unwrap();
-    let friction = with(&base, "coulomb-friction");
-    let both = with(&friction, "tank-back-pressure");
+    seen(&Question { scene: &scene, ordinary: &[], hypotheses: CATALOGUE, training: &training });
+}
 
-    let found = enriched(&question, &both, &|_| ()).unwrap();
-    let names: Vec<_> = found.iter().map(Candidate::names).collect();
-    assert!(found.iter().all(|set| set.names().contains(&"tank-back-pressure") && set.effects.len() == 2), "{names:?}");
-    let best = found.iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss)).unwrap().finished(&question).unwrap();
-    assert_eq!(best.names(), ["stribeck-friction", "tank-back-pressure"]);
-    assert!(best.fit.loss < 0.5 * both.fit.loss, "{} {}", best.fit.loss, both.fit.loss);
-    let sliding = best.fit.machine.get(P::StribeckForce);
-    assert!((sliding / 300.0 - 1.0).abs() < 0.05, "{sliding}");
+/// A set with one more effect in the form whose strengths are so many, refitted.
+fn added(question: &Question<'_>, set: &Candidate, name: &str, strengths: usize) -> Candidate {
+    let effect = *CATALOGUE.iter().find(|effect| effect.name == name).unwrap();
+    let reference = Reference::new(question, set).unwrap();
+    let leads = reference.leads(&[effect]).unwrap();
+    let lead = leads.iter().find(|lead| strengths == 0 || lead.form.len() == strengths).unwrap();
+    reference.with(lead).unwrap().finished(question).unwrap()
+}
 
-    // What was added last has been extended in its own round.
-    let alone = with(&base, "tank-back-pressure");
-    assert!(enriched(&question, &with(&alone, "coulomb-friction"), &|_| ()).unwrap().is_empty());
-    assert!(enriched(&question, &base, &|_| ()).unwrap().is_empty());
+/// What an effect extends was found before what else is missing: the extension is looked for beside that as well, and found.
+#[test]
+fn an_extension_is_found_beside_what_was_added_later() {
+    let unknown = [
+        (P::StribeckForce, 300.0),
+        (P::StribeckExcess, 300.0),
+        (P::StribeckVelocity, 0.01),
+        (P::ReturnResistance, 1.5e13),
+    ];
+    with_press(&unknown, |question| {
+        let with = |set: &Candidate, name: &str| added(question, set, name, 0);
+        let base = Candidate::rough(question, None).unwrap();
+        let friction = with(&base, "coulomb-friction");
+        let both = with(&friction, "tank-back-pressure");
+
+        let found = enriched(question, &both, &|_| ()).unwrap();
+        let names: Vec<_> = found.iter().map(Candidate::names).collect();
+        assert!(
+            found.iter().all(|set| set.names().contains(&"tank-back-pressure") && set.effects.len() == 2),
+            "{names:?}"
+        );
+        let best = found.iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss)).unwrap().finished(question).unwrap();
+        assert_eq!(best.names(), ["stribeck-friction", "tank-back-pressure"]);
+        assert!(best.fit.loss < 0.5 * both.fit.loss, "{} {}", best.fit.loss, both.fit.loss);
+        let sliding = best.fit.machine.get(P::StribeckForce);
+        assert!((sliding / 300.0 - 1.0).abs() < 0.05, "{sliding}");
+
+        // What was added last has been extended in its own round.
+        let alone = with(&base, "tank-back-pressure");
+        assert!(enriched(question, &with(&alone, "coulomb-friction"), &|_| ()).unwrap().is_empty());
+        assert!(enriched(question, &base, &|_| ()).unwrap().is_empty());
+    });
+}
+
+/// So is a refined form of the same effect.
+#[test]
+fn a_refined_form_is_found_beside_what_was_added_later() {
+    let unknown = [
+        (P::MeteringRatio, -0.3),
+        (P::MeteringPorts, 0.03),
+        (P::MeteringDirections, -0.04),
+        (P::CoulombFriction, 300.0),
+    ];
+    with_press(&unknown, |question| {
+        let base = Candidate::rough(question, None).unwrap();
+        let both = added(question, &added(question, &base, "metering-asymmetry", 1), "coulomb-friction", 0);
+        assert!(both.fit.machine.get(P::MeteringPorts).abs() < 1e-9, "the tank edges alone");
+
+        let found = enriched(question, &both, &|_| ()).unwrap();
+        assert!(found.iter().all(|set| set.effects.len() == 2 && set.names().contains(&"coulomb-friction")));
+        let best = found.iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss)).unwrap().finished(question).unwrap();
+        assert!(best.fit.loss < 0.5 * both.fit.loss, "{} {}", best.fit.loss, both.fit.loss);
+        for (parameter, value) in &unknown[..3] {
+            let found = best.fit.machine.get(*parameter);
+            assert!((found - value).abs() < 0.01, "{parameter:?} {found}");
+        }
+    });
 }

@@ -22,13 +22,15 @@ pub fn truth_near(nominal: &Machine<f64>, sigma: &BTreeMap<Parameter, f64>, spre
 }
 
 /// Parameters that came into the table later, between others.
-const LATER: [Parameter; 6] = [
+const LATER: [Parameter; 8] = [
     Parameter::LevelAtRest,
     Parameter::ViscosityLossPerKelvin,
     Parameter::ReferenceTemperature,
     Parameter::PositionDragSlope,
     Parameter::PositionDragBow,
     Parameter::SolenoidLoss,
+    Parameter::MeteringPorts,
+    Parameter::MeteringDirections,
 ];
 
 /// A stream for each parameter; the first ones are the sensors'. The others keep their streams beside those that came later, so that a

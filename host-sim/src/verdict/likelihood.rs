@@ -11,7 +11,7 @@ const LEAST_SHARE: f64 = 0.5;
 /// explains less than this of what the first ones did cannot be told from their own form's error.
 pub(crate) const FORM: f64 = 0.1;
 /// An extension that explains less than that still earns its place by this share of what the plainer effect leaves.
-const EARNED: f64 = 0.75;
+pub(crate) const EARNED: f64 = 0.75;
 
 /// Best first by log-likelihood gained over the base less penalty; only the best form of the same effects stays.
 pub(super) fn ranked(question: &Question<'_>, base: &Candidate, found: Vec<Candidate>) -> Vec<(Candidate, f64)> {

@@ -1,13 +1,20 @@
 //! Coefficients of the flow link's effects; `None` where the strength is nil.
 
 use super::Builder;
-use crate::edge_effects::{EdgeEffects, GainCurve, ReturnLine, SLOPE_SCALE, ValveLeakage};
+use crate::edge_effects::{EdgeEffects, EdgeSizes, GainCurve, ReturnLine, SLOPE_SCALE, ValveLeakage};
 use crate::flow::Overlap;
 use crate::machine::MachineError;
 use crate::number::{Number, Real};
 use crate::parameter::Parameter as P;
 use crate::relaxation::fineness;
 use crate::supply::Droop;
+
+/// A-T, P-B and B-T by the two shares that each is larger by than P-A.
+const OTHER_EDGES: [[P; 2]; 3] = [
+    [P::MeteringRatio, P::MeteringDirections],
+    [P::MeteringPorts, P::MeteringDirections],
+    [P::MeteringRatio, P::MeteringPorts],
+];
 
 impl<R: Real> Builder<'_, R> {
     /// The dead zone of either side, none below 0.
@@ -27,9 +34,7 @@ impl<R: Real> Builder<'_, R> {
         let curve = if bends { Some(self.gain_curve(linear, beyond)?) } else { None };
         let effects = EdgeEffects {
             curve,
-            tank_excess: self.unless_nil(P::MeteringRatio, |ratio| {
-                self.gain::<N>("excess of the tank edges", P::MeteringRatio, ratio)
-            })?,
+            sizes: self.edge_sizes()?,
             return_line: self.unless_nil(P::ReturnResistance, |resistance| self.return_line(resistance))?,
             half_laminar: self.unless_nil(P::ReturnLaminar, |laminar| {
                 let drop = laminar * R::constant(0.5 * self.bases.flow_m3_per_s / self.bases.pressure_pa);
@@ -41,19 +46,36 @@ impl<R: Real> Builder<'_, R> {
             slope_scale: self.steep::<N>("a slope's scale", P::FlowCoefficient, R::constant(SLOPE_SCALE))?,
         };
         self.check_largest_opening::<N>()?;
-        let EdgeEffects { curve, tank_excess, return_line, half_laminar, leakage, droop, .. } = &effects;
+        let EdgeEffects { curve, sizes, return_line, half_laminar, leakage, droop, .. } = &effects;
         let returns = return_line.is_some() || half_laminar.is_some();
-        let differ = curve.is_some() || tank_excess.is_some() || returns || leakage.is_some();
+        let differ = curve.is_some() || !sizes.are_one() || returns || leakage.is_some();
         Ok((differ || droop.is_some()).then_some(effects))
     }
 
-    /// An opening that the format holds: full travel, bent, on the tank edge if that is the larger, and the leakage.
+    /// What each edge is more than P-A: tank edges by one share, B's by another, those open while retracting by a third.
+    fn edge_sizes<N: Number<Real = R>>(&self) -> Result<EdgeSizes<N>, MachineError> {
+        let sized = |shares: [P; 2]| {
+            let (excess, of) = self.edge_excess(shares);
+            if excess.is_nil() { Ok(None) } else { self.gain::<N>("excess of an edge", of, excess).map(Some) }
+        };
+        let [tank_a, supply_b, tank_b] = OTHER_EDGES;
+        Ok(EdgeSizes { tank_a: sized(tank_a)?, supply_b: sized(supply_b)?, tank_b: sized(tank_b)? })
+    }
+
+    /// (1 + a)·(1 + b) − 1, and the larger one of a and b.
+    fn edge_excess(&self, [first, second]: [P; 2]) -> (R, P) {
+        let (a, b) = (self.get(first), self.get(second));
+        (a + b + a * b, if b.value() > a.value() { second } else { first })
+    }
+
+    /// An opening that the format holds: full travel, bent, on the largest edge, and the leakage.
     fn check_largest_opening<N: Number<Real = R>>(&self) -> Result<(), MachineError> {
         let bent = self.get(P::FlowGainLinear) + self.get(P::FlowGainBeyond);
-        let excess = self.get(P::MeteringRatio);
-        let excess = if excess.value() > 0.0 { excess } else { R::ZERO };
+        let larger = |most: (R, P), edge: (R, P)| if edge.0.value() > most.0.value() { edge } else { most };
+        let (excess, of) =
+            OTHER_EDGES.map(|shares| self.edge_excess(shares)).into_iter().fold((R::ZERO, P::FlowGainLinear), larger);
         let opening = (R::ONE + bent) * (R::ONE + excess) + self.get(P::ValveLeakageOpening);
-        let of = if excess.value() > bent.value() { P::MeteringRatio } else { P::FlowGainLinear };
+        let of = if excess.value() > bent.value() { of } else { P::FlowGainLinear };
         let flow = self.orifice(P::FlowCoefficient) * opening;
         self.signal::<N>("flow at full opening with its effects", of, flow).map(|_| ())
     }
