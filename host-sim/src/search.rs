@@ -173,7 +173,7 @@ pub fn enriched(
 }
 
 /// Refits of a set with each extension and each refined form of one of its effects in the place of that, but from leads that are known.
-/// A refined form bends to much: it stays where it takes most of what the set leaves.
+/// A refined form can follow much that is not its own: it stays where it takes most of what the set leaves.
 fn in_its_place(
     question: &Question<'_>,
     set: &Candidate,

@@ -123,9 +123,7 @@ impl Scene<'_> {
     /// Stiffness of both oil columns that the rod is held by, N/m.
     #[must_use]
     pub fn oil_spring_n_per_m(&self) -> f64 {
-        let get = |parameter| self.machine.get(parameter);
-        let side = |area, volume| get(area) * get(area) * get(Parameter::BulkModulus) / get(volume);
-        side(Parameter::AreaA, Parameter::VolumeA) + side(Parameter::AreaB, Parameter::VolumeB)
+        oil_spring_n_per_m(self.machine)
     }
 
     /// Whether a signal is measured and judged.
@@ -133,6 +131,13 @@ impl Scene<'_> {
     pub fn judges(&self, signal: Signal) -> bool {
         self.judged.contains(&signal)
     }
+}
+
+/// Stiffness of the oil in both chambers of a drive, N/m.
+pub(crate) fn oil_spring_n_per_m(machine: &Machine<f64>) -> f64 {
+    let get = |parameter| machine.get(parameter);
+    let side = |area, volume| get(area) * get(area) * get(Parameter::BulkModulus) / get(volume);
+    side(Parameter::AreaA, Parameter::VolumeA) + side(Parameter::AreaB, Parameter::VolumeB)
 }
 
 /// How a strength moves in a search.

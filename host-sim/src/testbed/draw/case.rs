@@ -123,9 +123,13 @@ fn attempt_at(lot: &Lot, index: u64, names: &[String], dice: &mut Noise) -> Resu
         return Ok(None);
     }
     let pushed = names.iter().any(|name| name == "~external-disturbance");
-    let shown = Shown { setting: &setting, sigma: &file.sigma, made: &made[..training.min(2)] };
-    let visible = if names.is_empty() { Vec::new() } else { shown.without_each(&effects, pushed)? };
-    let plainer = shown.plainer_each(&effects)?;
+    let (visible, plainer) = if names.is_empty() {
+        (Vec::new(), Vec::new())
+    } else {
+        let made = &made[..training.min(2)];
+        let refits = Shown { setting: &setting, sigma: &file.sigma, made, effects: &effects }.refits()?;
+        (refits.without_each(pushed)?, refits.plainer_each()?)
+    };
     Ok(Some(Attempt { lot, setting, file, names, effects, visible, plainer, made, training }.finished(dice)))
 }
 

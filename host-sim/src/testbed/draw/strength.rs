@@ -9,6 +9,7 @@ use super::super::effect::{
     ValveEffect,
 };
 use super::Channels;
+use crate::hypothesis::oil_spring_n_per_m;
 use crate::random::Noise;
 
 /// What a strength is measured by.
@@ -34,12 +35,6 @@ impl About<'_> {
     /// Flow at an opening of 0.4 and half the pressure, m³/s.
     fn full_flow(&self) -> f64 {
         0.4 * self.get(P::FlowCoefficient) * (0.5 * self.get(P::SupplyPressure)).sqrt()
-    }
-
-    /// Stiffness of the oil in both chambers, N/m.
-    fn oil_spring_n_per_m(&self) -> f64 {
-        let side = |area, volume| self.get(area).powi(2) * self.get(P::BulkModulus) / self.get(volume);
-        side(P::AreaA, P::VolumeA) + side(P::AreaB, P::VolumeB)
     }
 
     fn place(&self, dice: &mut Noise, from: f64, to: f64) -> f64 {
@@ -237,7 +232,7 @@ fn friction(name: &str, about: &About<'_>, dice: &mut Noise) -> Option<DryFricti
             DryFriction {
                 level: FrictionLevel::Presliding { sliding_n, break_away_n },
                 // Stiffer bristles than a third of the oil give way less than that, and are plain dry friction.
-                stiffness_n_per_m: about.oil_spring_n_per_m() * dice.decades(3e-3, 0.1),
+                stiffness_n_per_m: oil_spring_n_per_m(about.machine) * dice.decades(3e-3, 0.1),
                 damping_n_s_per_m: 4e3,
             }
         }

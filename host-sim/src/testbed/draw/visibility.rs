@@ -26,62 +26,72 @@ pub(super) struct Shown<'a> {
     pub(super) sigma: &'a BTreeMap<Parameter, f64>,
     /// Signals and the recordings they made.
     pub(super) made: &'a [(Signal, SyntheticRecording)],
+    pub(super) effects: &'a [PlantEffect],
 }
 
-impl Shown<'_> {
+/// What they show with all effects, and what the ordinary parameters could change of it.
+pub(super) struct Refits<'a> {
+    shown: Shown<'a>,
+    base: DVector<f64>,
+    /// One standard deviation of each uncertain parameter, and another start of each recording.
+    ordinary: Vec<DVector<f64>>,
+}
+
+impl Refits<'_> {
     /// For each effect (or, without any, for the push): RMS of what a refit without it leaves, noise included, in parts
     /// of the noise, in the worst channel.
-    pub(super) fn without_each(&self, effects: &[PlantEffect], pushed: bool) -> Result<Vec<f64>, PlantError> {
-        let machine = &self.setting.machine;
-        let base = self.repeated(machine, effects, true)?;
-        let jacobian = DMatrix::from_columns(&self.ordinary(effects, &base)?);
+    pub(super) fn without_each(&self, pushed: bool) -> Result<Vec<f64>, PlantError> {
+        let Self { shown, base, ordinary } = self;
+        let (machine, effects) = (&shown.setting.machine, shown.effects);
+        let jacobian = DMatrix::from_columns(ordinary);
         let count = if pushed { 1 } else { effects.len() };
         (0..count)
             .map(|left_out| {
                 let rest: Vec<PlantEffect> =
                     effects.iter().enumerate().filter(|&(k, _)| pushed || k != left_out).map(|(_, &e)| e).collect();
-                let without = self.repeated(machine, &rest, !pushed)?;
-                Ok(self.worst_channel(&projected(&jacobian, &(&base - without), self.weight())))
+                let without = shown.repeated(machine, &rest, !pushed)?;
+                Ok(shown.worst_channel(&projected(&jacobian, &(base - without), shown.weight())))
             })
             .collect()
     }
 
     /// For each effect the same with its plainer form in its place, and that one's name; none where it has no plainer form.
-    pub(super) fn plainer_each(&self, effects: &[PlantEffect]) -> Result<Vec<Option<(&'static str, f64)>>, PlantError> {
+    pub(super) fn plainer_each(&self) -> Result<Vec<Option<(&'static str, f64)>>, PlantError> {
+        let Self { shown, base, ordinary } = self;
+        let effects = shown.effects;
         let with = |k: usize, plain: PlantEffect| {
             let all: Vec<PlantEffect> =
                 effects.iter().enumerate().map(|(i, &e)| if i == k { plain } else { e }).collect();
-            self.repeated(&self.setting.machine, &all, true)
-        };
-        let shown = |k: usize, strengths: [PlantEffect; 2]| -> Result<_, PlantError> {
-            let base = self.repeated(&self.setting.machine, effects, true)?;
-            let [plain, stronger] = [with(k, strengths[0])?, with(k, strengths[1])?];
-            let mut columns = self.ordinary(effects, &base)?;
-            columns.push((stronger - &plain) / STRONGER);
-            let left = projected(&DMatrix::from_columns(&columns), &(base - plain), self.weight());
-            Ok((strengths[0].name(), self.worst_channel(&left)))
+            shown.repeated(&shown.setting.machine, &all, true)
         };
         let of_each = |(k, effect): (usize, &PlantEffect)| {
             let strengths = [effect.plainer(1.0), effect.plainer(1.0 + STRONGER)];
             let [Some(plain), Some(stronger)] = strengths else { return Ok(None) };
-            shown(k, [plain, stronger]).map(Some)
+            let (without, more) = (with(k, plain)?, with(k, stronger)?);
+            let mut columns = ordinary.clone();
+            columns.push((more - &without) / STRONGER);
+            let left = projected(&DMatrix::from_columns(&columns), &(base - without), shown.weight());
+            Ok(Some((plain.name(), shown.worst_channel(&left))))
         };
         effects.iter().enumerate().map(of_each).collect()
     }
+}
 
-    /// What one standard deviation of each uncertain parameter, and another start of each recording, would make.
-    fn ordinary(&self, effects: &[PlantEffect], base: &DVector<f64>) -> Result<Vec<DVector<f64>>, PlantError> {
-        let machine = &self.setting.machine;
-        let mut columns = Vec::new();
+impl<'a> Shown<'a> {
+    /// Repeated with all effects, and with each ordinary parameter a little off.
+    pub(super) fn refits(self) -> Result<Refits<'a>, PlantError> {
+        let (machine, effects) = (&self.setting.machine, self.effects);
+        let base = self.repeated(machine, effects, true)?;
+        let mut ordinary = Vec::new();
         for (&parameter, &deviation) in self.sigma {
             let mut moved = *machine;
             let range = parameter.description();
             moved.set(parameter, (machine.get(parameter) + 0.5 * deviation).clamp(range.min, range.max));
             let other = self.repeated(&moved, effects, true)?;
-            columns.push((other - base) * 2.0);
+            ordinary.push((other - &base) * 2.0);
         }
-        columns.extend((0..self.made.len()).map(|recording| self.other_start(recording)));
-        Ok(columns)
+        ordinary.extend((0..self.made.len()).map(|recording| self.other_start(recording)));
+        Ok(Refits { shown: self, base, ordinary })
     }
 
     /// How many recorded rows one row that is looked at stands for.
