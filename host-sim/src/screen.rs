@@ -1,7 +1,7 @@
 //! Which effects are worth a refit: each is tried at a few points of its usual range, and what it would gain once everything
 //! that is free has settled anew is read off the residuals' slopes. One simulation a point instead of a fit.
 
-mod richer;
+mod extended;
 
 use model_core::machine::{Machine, MachineError};
 use model_core::parameter::Parameter;
@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::fit::{Change, Fit, Free, Freedom, Sensitivity, Settled, Simulated};
 use crate::hypothesis::{Form, Hypothesis, Kind, Scene, Strength};
-pub use richer::{extended, refining};
+pub use extended::extended;
 
 /// A form of an effect at the point of its range where it promises most.
 #[derive(Clone, Debug)]

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::candidate::{Candidate, Chosen, Question, Reference};
 use crate::fit::{CHANCE, FitError};
-use crate::hypothesis::{Form, Hypothesis};
+use crate::hypothesis::Hypothesis;
 use crate::screen::Lead;
 use crate::tempered::Tempered;
 use crate::verdict::{EARNED, excess};
@@ -69,7 +69,7 @@ fn added(
 }
 
 /// The refits of each, in their order.
-fn of_each<T: Sync>(
+pub(crate) fn of_each<T: Sync>(
     all: &[T],
     refits: impl Fn(&T) -> Result<Vec<Candidate>, FitError> + Sync + Send,
 ) -> Result<Vec<Candidate>, FitError> {
@@ -160,8 +160,42 @@ fn extensions(
     of_each(plainer, of_plain)
 }
 
-/// Refits of a set with extensions, or a refined form, in the place of an effect that it had before its newest: what they have more
-/// shows beside that.
+/// A set with each refinement of one of its effects in the place of the plain form, refitted to the end. That can follow much that is not
+/// its own: it stays where it takes most of what the set leaves.
+pub fn refined(
+    question: &Question<'_>,
+    set: &Candidate,
+    done: &(impl Fn(&str) + Sync),
+) -> Result<Vec<Candidate>, FitError> {
+    let finer = |(index, plain): (usize, &Chosen)| {
+        let (effect, question) = (plain.effect, *question);
+        let forms = effect.refined_from(plain.form);
+        forms.map(move |form| {
+            done(effect.name);
+            set.instead(&question, index, Chosen { effect, form }, &[])
+        })
+    };
+    let mut found: Vec<Candidate> = set.effects.iter().enumerate().flat_map(finer).collect::<Result<_, _>>()?;
+    for f in &found {
+        eprintln!(
+            "REF {:?} form {} {:.0} -> {:.0} worst? {:?}",
+            set.names(),
+            f.effects.last().map_or(0, |c| c.form.len()),
+            excess(&set.residuals),
+            excess(&f.residuals),
+            f.estimates()
+                .iter()
+                .filter(|e| format!("{:?}", e.parameter).contains("Meter"))
+                .map(|e| (e.value, e.at_bound))
+                .collect::<Vec<_>>()
+        );
+    }
+    let most = (1.0 - EARNED) * excess(&set.residuals);
+    found.retain(|finer| excess(&finer.residuals) < most);
+    Ok(found)
+}
+
+/// Refits of a set with extensions in the place of an effect that it had before its newest: what they have more shows beside that.
 pub fn enriched(
     question: &Question<'_>,
     set: &Candidate,
@@ -172,8 +206,7 @@ pub fn enriched(
     of_each(older, of_one)
 }
 
-/// Refits of a set with each extension and each refined form of one of its effects in the place of that, but from leads that are known.
-/// A refined form can follow much that is not its own: it stays where it takes most of what the set leaves.
+/// Refits of a set with each extension of one of its effects in the place of that, but from leads that are known.
 fn in_its_place(
     question: &Question<'_>,
     set: &Candidate,
@@ -184,17 +217,13 @@ fn in_its_place(
 ) -> Result<Vec<Candidate>, FitError> {
     let extends = |effect: &&Hypothesis| effect.extends.is_some_and(|extension| extension.plain == plain.effect.name);
     let richer: Vec<&'static Hypothesis> = open.iter().copied().filter(extends).collect();
-    let refined: Vec<Form> = plain.effect.refined_from(plain.form).collect();
-    if richer.is_empty() && refined.is_empty() {
+    if richer.is_empty() {
         return Ok(Vec::new());
     }
     let reference = Reference::new(question, set)?;
-    let mut leads = reference.extensions(plain, &refined, &richer)?;
+    let mut leads = reference.extensions(plain, &richer)?;
     leads.retain(|lead| !known(lead));
-    let mut found = refit_each(&leads, done, |lead| reference.with_extension(plain, lead))?;
-    let most = (1.0 - EARNED) * excess(&set.residuals);
-    found.retain(|richer| richer.names() != set.names() || excess(&richer.residuals) < most);
-    Ok(found)
+    refit_each(&leads, done, |lead| reference.with_extension(lead))
 }
 
 #[cfg(test)]

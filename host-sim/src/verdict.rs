@@ -21,7 +21,7 @@ use rayon::prelude::*;
 pub use crate::candidate::{Candidate, Chosen, Question};
 use crate::fit::{CHANCE, Fit, FitError};
 use crate::hypothesis::Hypothesis;
-use crate::search::{enriched, is_hopeful, least_above, widened};
+use crate::search::{enriched, is_hopeful, least_above, of_each, refined, widened};
 use crate::tempered::Tempered;
 use apart::Side;
 pub use confirmation::{Confirmation, confirm};
@@ -164,11 +164,12 @@ impl Course {
             let most = if round == 0 { REFITTED } else { BESIDE };
             let asked = Question { hypotheses: &open, ..*question };
             let found = widened(&asked, &self.tempered, &self.beam, most, done)?;
-            let ranked = self.extended(question, finished(question, &self.base, found)?, near, done)?;
+            let ranked = self.refined(question, finished(question, &self.base, found)?, done)?;
+            let ranked = self.extended(question, ranked, near, done)?;
             self.rounds.push(ranked.iter().map(|(candidate, net)| trial(candidate, *net)).collect());
             self.beam = ranked.iter().take(BEAM).map(|(candidate, _)| candidate.clone()).collect();
             if let Some(better) = self.claimed(question)? {
-                self.choose(question, better)?;
+                self.chosen = better;
                 if let Some(rivals) = rivals(&self.chosen, ranked) {
                     self.rivals = rivals;
                 }
@@ -179,6 +180,22 @@ impl Course {
             }
         }
         Ok(())
+    }
+
+    /// A ranked round with what refines its finished sets that are above their noise.
+    fn refined(
+        &self,
+        question: &Question<'_>,
+        ranked: Vec<(Candidate, f64)>,
+        done: &(impl Fn(&str) + Sync),
+    ) -> Result<Vec<(Candidate, f64)>, FitError> {
+        let far = |set: &Candidate| set.is_finished && set.worst_over_noise(question) > AT_NOISE;
+        let sets: Vec<&Candidate> = ranked.iter().map(|(set, _)| set).filter(|set| far(set)).collect();
+        let finer = of_each(&sets, |set| refined(question, set, done))?;
+        if finer.is_empty() {
+            return Ok(ranked);
+        }
+        finished(question, &self.base, candidates(ranked).into_iter().chain(finer).collect())
     }
 
     /// A ranked round with the extensions of what the best set of it had before its newest effect, where that is not `near` its noise: alone,
@@ -200,22 +217,39 @@ impl Course {
         finished(question, &self.base, all)
     }
 
-    /// The first set of the beam that may be claimed; where none may, the best one without an effect that only showed the way.
+    /// What may be claimed of the first set of the beam of which anything may; where nothing may, of the best one without an effect that only
+    /// showed the way.
     fn claimed(&mut self, question: &Question<'_>) -> Result<Option<Candidate>, FitError> {
         for candidate in self.beam.clone() {
-            if self.is_likely(question, &candidate) && self.claims(question, &candidate)? {
-                return Ok(Some(candidate));
+            if let Some(claim) = self.claim(question, candidate)? {
+                return Ok(Some(claim));
             }
         }
         let Some(best) = self.beam.first().filter(|best| best.effects.len() > 1).cloned() else { return Ok(None) };
         for index in 0..best.effects.len() {
-            let fewer = best.without(question, index)?;
-            if self.is_likely(question, &fewer) && self.claims(question, &fewer)? {
-                enter(question, &self.base, &mut self.rounds, &fewer);
-                return Ok(Some(fewer));
+            if let Some(claim) = self.claim(question, best.without(question, index)?)? {
+                enter(question, &self.base, &mut self.rounds, &claim);
+                return Ok(Some(claim));
             }
         }
         Ok(None)
+    }
+
+    /// What of a set may be claimed: it, but for every effect that the others make superfluous. `None` where it may not be claimed, or what is
+    /// left may not.
+    fn claim(&mut self, question: &Question<'_>, set: Candidate) -> Result<Option<Candidate>, FitError> {
+        if !self.is_likely(question, &set) || !self.claims(question, &set)? {
+            return Ok(None);
+        }
+        let effects = set.effects.len();
+        let Some(rest) = reduced(question, &self.base, set, &self.joined)? else { return Ok(None) };
+        if rest.effects.len() < effects {
+            if !self.is_likely(question, &rest) || !self.stands(question, &rest)? {
+                return Ok(None);
+            }
+            enter(question, &self.base, &mut self.rounds, &rest);
+        }
+        Ok(Some(rest))
     }
 
     /// Whether no other set of as many effects is likelier by more than chance. What cannot be claimed may still be what it
@@ -236,32 +270,23 @@ impl Course {
     }
 
     /// Whether a set may be claimed over what is chosen: each of its effects is one that can be, and they are worth their
-    /// strengths. Over nothing they have to be so twice, for they may only have led the ordinary parameters to where
-    /// those do as well alone.
+    /// strengths.
     fn claims(&mut self, question: &Question<'_>, set: &Candidate) -> Result<bool, FitError> {
         if !set.is_plausible(question.scene) || !accepts(question, &self.base, &self.chosen, set)? {
             return Ok(false);
         }
-        if !self.chosen.effects.is_empty() {
-            return Ok(true);
-        }
-        let Some(plain) = Candidate::below(question, &set.fit, self.base.fit.loss)? else { return Ok(true) };
-        (self.base, self.chosen) = (plain.clone(), plain);
-        accepts(question, &self.base, &self.chosen, set)
+        if self.chosen.effects.is_empty() { self.stands(question, set) } else { Ok(true) }
     }
 
-    /// Chooses a set, but for every effect that the others make superfluous; none where what is left is not likely by itself.
-    fn choose(&mut self, question: &Question<'_>, full: Candidate) -> Result<(), FitError> {
-        let effects = full.effects.len();
-        let chosen = reduced(question, &self.base, full, &self.joined)?;
-        if chosen.effects.len() < effects {
-            if !self.is_likely(question, &chosen) || !accepts(question, &self.base, &self.base, &chosen)? {
-                return Ok(());
-            }
-            enter(question, &self.base, &mut self.rounds, &chosen);
+    /// Whether what is worth its strengths over nothing is so twice: its effects may only have led the ordinary parameters to where those do as
+    /// well alone.
+    fn stands(&mut self, question: &Question<'_>, set: &Candidate) -> Result<bool, FitError> {
+        let Some(plain) = Candidate::below(question, &set.fit, self.base.fit.loss)? else { return Ok(true) };
+        if self.chosen.effects.is_empty() {
+            self.chosen = plain.clone();
         }
-        self.chosen = chosen;
-        Ok(())
+        self.base = plain;
+        accepts(question, &self.base, &self.base, set)
     }
 
     /// Whether the best set explains enough.
@@ -279,28 +304,31 @@ fn enter(question: &Question<'_>, base: &Candidate, rounds: &mut [Vec<Trial>], c
     round.sort_by(|a, b| b.net.total_cmp(&a.net));
 }
 
-/// A set without every effect that the others make superfluous, but for those of these plainest names.
+/// A set without every effect that the others make superfluous, but for those of these plainest names. `None` where what is left is not worth
+/// its strengths over nothing.
 fn reduced(
     question: &Question<'_>,
     base: &Candidate,
-    mut full: Candidate,
+    full: Candidate,
     stay: &[&str],
-) -> Result<Candidate, FitError> {
-    while full.effects.len() > 1 {
-        let mut dropped = None;
-        for index in (0..full.effects.len()).filter(|&index| !stay.contains(&full.effects[index].effect.plainest())) {
-            let without = full.without(question, index)?;
-            if without.is_plausible(question.scene) && !accepts(question, base, &without, &full)? {
-                dropped = Some(without);
-                break;
+) -> Result<Option<Candidate>, FitError> {
+    let (mut rest, mut is_claim) = (full, true);
+    while rest.effects.len() > 1 {
+        let mut fewer: Vec<(bool, Candidate)> = Vec::new();
+        for index in (0..rest.effects.len()).filter(|&index| !stay.contains(&rest.effects[index].effect.plainest())) {
+            let without = rest.without(question, index)?;
+            if without.is_plausible(question.scene) && !accepts(question, base, &without, &rest)? {
+                fewer.push((accepts(question, base, base, &without)?, without));
             }
         }
-        match dropped {
-            Some(without) => full = without,
-            None => break,
-        }
+        // Of two that each make the other superfluous, the one that is a claim stays, or the one that leaves less.
+        let best = fewer
+            .into_iter()
+            .min_by(|(one, a), (other, b)| other.cmp(one).then_with(|| a.fit.loss.total_cmp(&b.fit.loss)));
+        let Some(best) = best else { break };
+        (is_claim, rest) = best;
     }
-    Ok(full)
+    Ok(is_claim.then_some(rest))
 }
 
 /// Whether nothing is left that a further effect could explain: the ordinary parameters of the best set are where they were

@@ -1,5 +1,6 @@
 //! A drive's SI parameters.
 
+use crate::number::Real;
 use crate::parameter::{Fallback, Parameter};
 
 /// Where the oil comes from.
@@ -60,6 +61,16 @@ impl<R: Copy> Machine<R> {
     #[must_use]
     pub fn map<S>(&self, convert: impl Fn(R) -> S) -> Machine<S> {
         Machine { source: self.source, values: self.values.map(convert) }
+    }
+}
+
+impl<R: Real> Machine<R> {
+    /// Stiffness of the oil columns in both chambers that hold the rod, N/m: (A²/Va + (αA)²/Vb)·E0.
+    #[must_use]
+    pub fn oil_spring_n_per_m(&self) -> R {
+        let side = |area, volume| self.get(area) * self.get(area) / self.get(volume);
+        let both = side(Parameter::AreaA, Parameter::VolumeA) + side(Parameter::AreaB, Parameter::VolumeB);
+        both * self.get(Parameter::BulkModulus)
     }
 }
 

@@ -86,7 +86,7 @@ fn short(value: f64) -> String {
 /// The strengths of all forms, each parameter once, in the order of the machine file.
 fn strengths(effect: &Hypothesis) -> Vec<Strength> {
     let mut all: Vec<Strength> = Vec::new();
-    for strength in effect.forms.iter().flat_map(|form| form.iter()) {
+    for strength in effect.strengths() {
         let known = all.iter().any(|known| known.parameter == strength.parameter);
         let own = effect.parameters().any(|parameter| parameter == strength.parameter);
         if own && !known {
@@ -166,7 +166,7 @@ fn catalogue() -> String {
             writeln!(text, "It extends [{0}](#{0}) and has to earn what it has more.\n", extension.plain).unwrap();
         }
         writeln!(text, "**Parameters.** {}\n", body("Parameters")).unwrap();
-        let mut fitted = effect.forms.iter().flat_map(|form| form.iter()).map(|strength| strength.parameter);
+        let mut fitted = effect.strengths().map(|strength| strength.parameter);
         if let Some(shared) = fitted.find(|fitted| effect.parameters().all(|own| own != *fitted)) {
             let key = shared.description().key;
             writeln!(text, "It is also fitted with `{key}`, a key that several laws share.\n").unwrap();

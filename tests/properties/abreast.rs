@@ -99,7 +99,7 @@ fn with_each_effect() -> Vec<(&'static str, Machine<f64>)> {
         let (low, high) = strength.range(&scene);
         if matches!(strength.kind, Kind::Signed(_)) { 0.7 * high } else { low + 0.7 * (high - low) }
     };
-    let forms = CATALOGUE.iter().flat_map(|effect| effect.forms.iter().map(|form| (effect.name, *form)));
+    let forms = CATALOGUE.iter().flat_map(|effect| effect.every_form().map(|form| (effect.name, form)));
     let machine = |(name, form): (&'static str, Form)| {
         let mut machine = press;
         for strength in form {

@@ -3,9 +3,9 @@
 use super::refit::{Beginning, Goes};
 use super::{Candidate, Chosen, Question, is_jump};
 use crate::fit::{FitError, Sensitivity, coarse};
-use crate::hypothesis::{Form, Hypothesis, is_elastic};
+use crate::hypothesis::{Hypothesis, is_elastic};
 use crate::prepare::Prepared;
-use crate::screen::{Lead, extended, refining, screen};
+use crate::screen::{Lead, extended, screen};
 
 /// A set that others begin at, with the training recordings at twice the tick around it.
 #[derive(Debug)]
@@ -48,15 +48,11 @@ impl<'a> Reference<'a> {
         Ok(std::array::from_fn(|_| leads.next().unwrap_or_default()))
     }
 
-    /// Where refined forms and extensions of one of its effects could start: of friction on bristles those on bristles, of rigid friction
-    /// the others.
-    pub fn extensions(&self, of: &Chosen, refined: &[Form], by: &[&'static Hypothesis]) -> Result<Vec<Lead>, FitError> {
+    /// Where extensions of one of its effects could start: of friction on bristles those on bristles, of rigid friction the others.
+    pub fn extensions(&self, of: &Chosen, by: &[&'static Hypothesis]) -> Result<Vec<Lead>, FitError> {
         let nearby: Vec<&Prepared> = self.nearby.iter().collect();
         let Some(sensitivity) = Sensitivity::at(&self.set.fit, &nearby)? else { return Ok(Vec::new()) };
         let mut found = Vec::new();
-        for form in refined {
-            found.extend(refining(self.question.scene, &self.set.fit, &sensitivity, of.effect, [of.form, form])?);
-        }
         for effect in by {
             found.extend(extended(self.question.scene, &self.set.fit, &sensitivity, effect)?);
         }
@@ -69,10 +65,11 @@ impl<'a> Reference<'a> {
         self.beside(self.set.effects.clone(), lead)
     }
 
-    /// The set with a refined form or an extension in the place of one of its effects.
-    pub fn with_extension(&self, plain: &Chosen, lead: &Lead) -> Result<Candidate, FitError> {
+    /// The set with an extension in the place of the effect that it extends.
+    pub fn with_extension(&self, lead: &Lead) -> Result<Candidate, FitError> {
+        let plain = lead.effect.extends.map_or("", |extension| extension.plain);
         let mut effects = self.set.effects.clone();
-        effects.retain(|chosen| chosen.effect.name != plain.effect.name);
+        effects.retain(|chosen| chosen.effect.name != plain);
         self.beside(effects, lead)
     }
 

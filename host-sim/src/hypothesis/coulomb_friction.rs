@@ -57,6 +57,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "slow triangle, both pressures recorded: they build up when friction holds the rod",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "constant-speed strokes below 10 mm/s",
     source: "Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30, 1994",

@@ -44,6 +44,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "steps of several sizes: overlap takes the same travel from each, edges the same share",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "slow triangle through the centre, slider recorded",
     source: "Tao & Kokotović, Adaptive Control of Systems with Actuator and Sensor Nonlinearities, 1996",

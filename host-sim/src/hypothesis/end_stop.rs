@@ -76,6 +76,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "strokes over the whole stroke, both ways: leaving a stop the rod is not held",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "strokes over the whole stroke, slowly into the end, both pressures recorded",
     source: "Hunt & Crossley, J. Applied Mechanics 42, 1975",

@@ -39,6 +39,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "strokes over the whole stroke: air is as soft at both ends",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "strokes at two loads, both pressures recorded, one below 50 bar and one above",
     source: "Yu, Chen, Lu, J. Dyn. Syst. Meas. Control 116, 1994; Merritt 1967, §2-5",

@@ -48,6 +48,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "closed-valve hold under load: a sensor's offset stays, a leaking chamber empties",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "closed-valve hold under load, both pressures recorded",
     source: "Merritt, Hydraulic Control Systems, 1967, ch. 6",

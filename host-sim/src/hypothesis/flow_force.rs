@@ -50,6 +50,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "steps of several sizes, slider recorded: droop leaves the slider in its place",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "strokes at two loads and steps of several sizes, slider recorded",
     source: "Merritt, Hydraulic Control Systems, 1967, §5-6",

@@ -47,6 +47,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "steps of several sizes, both pressures recorded: a curved gain changes with the opening",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "steps of several sizes at two loads",
     source: "Backé, Systematik der hydraulischen Widerstandsschaltungen, 1974",

@@ -55,6 +55,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "closed-valve hold under load: a pressure sensor's offset is there at rest, too",
         },
     ],
+    refined: &[],
     extends: Some(Extension {
         plain: "coulomb-friction",
         given: Parameter::CoulombFriction,

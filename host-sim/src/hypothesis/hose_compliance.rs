@@ -52,6 +52,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "constant-speed strokes: at constant pressure compliance rests, a lag stays",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "pressure steps against a blocked rod at two pressure levels",
     source: "Merritt, Hydraulic Control Systems, 1967, §2-5",

@@ -54,6 +54,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "long run for warming up: with wear the leakage rises and the friction stays",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "closed-valve hold under load, both pressures recorded",
     source: "Merritt, Hydraulic Control Systems, 1967, §6-1",

@@ -39,6 +39,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "closed-valve hold under load: only leakage lets it creep",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "strokes at two loads, one of which takes nearly the whole supply, both pressures recorded",
     source: "Borutzky, Barnard, Thoma, Simulation Modelling Practice and Theory 10, 2002",

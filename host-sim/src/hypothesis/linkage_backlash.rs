@@ -47,6 +47,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "constant-speed strokes: play is the same at every speed, a lag grows with it",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "slow triangle, both pressures recorded",
     source: "Nordin & Gutman, Automatica 38, 2002",

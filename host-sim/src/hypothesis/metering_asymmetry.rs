@@ -7,15 +7,16 @@
 //!
 //! ## How it shows
 //! Both chamber pressures of a steady stroke lie higher (r < 0) or lower (r > 0) than the model's, while the position
-//! may look right. Unequal ports move them apart from stroke to stroke; unequal directions show in the speeds.
+//! may look right. Unequal ports (s < 0) raise both while extending and lower both while retracting; unequal directions leave them and
+//! change the speed of one way.
 //!
 //! ## What looks alike
 //! With wrong piston areas the balance of forces is off at rest, too, and so it is with a pressure sensor's offset.
 //! Back-pressure of the return line is quadratic in the flow. Unequal overlap takes travel, not a share.
 //!
 //! ## Parameters
-//! r or s, either sign: ±10–40 %; a spool cut for a 2:1 cylinder has s = −50 %. Edges that were cut alike still differ by some per cent:
-//! beside r, s and d are fitted as ±5 %.
+//! r or s, either sign: ±10–40 %; a spool cut for a 2:1 cylinder has s = −50 %. Edges that were cut alike still differ by some per cent,
+//! in s and d as well. No edge may be five times P-A.
 //!
 //! ## Source
 //! M. Jelali and A. Kroll, *Hydraulic Servo-systems*, Springer 2003, chapter 4 (valves with unequal edges); J. Watton,
@@ -30,20 +31,11 @@ const fn cut(parameter: Parameter) -> Strength {
     Strength { parameter, kind: Kind::Signed(|_| 0.5) }
 }
 
-/// What edges that were cut alike differ by.
-const fn nearly(parameter: Parameter) -> Strength {
-    Strength { parameter, kind: Kind::Signed(|_| 0.05) }
-}
-
 pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "metering-asymmetry",
     subsystem: Subsystem::Flow,
     equation: "Q = (1 + r to tank)·(1 + s at B)·(1 + d retracting)·K_Q·o·√Δp",
-    forms: &[
-        &[cut(Parameter::MeteringRatio)],
-        &[cut(Parameter::MeteringPorts)],
-        &[cut(Parameter::MeteringRatio), nearly(Parameter::MeteringPorts), nearly(Parameter::MeteringDirections)],
-    ],
+    forms: &[&[cut(Parameter::MeteringRatio)], &[cut(Parameter::MeteringPorts)]],
     look_alikes: &[
         LookAlike {
             effect: "tank-back-pressure",
@@ -62,6 +54,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "closed-valve hold under load: a pressure sensor's offset is there at rest, too",
         },
     ],
+    refined: &[&[cut(Parameter::MeteringRatio), cut(Parameter::MeteringPorts), cut(Parameter::MeteringDirections)]],
     extends: None,
     separated_by: "steps of several sizes both ways, both pressures recorded",
     source: "Jelali & Kroll, Hydraulic Servo-systems, 2003, ch. 4",

@@ -41,7 +41,6 @@ use model_core::parameter::Parameter;
 
 use crate::machine_file::LoadSource;
 use crate::recording::Signal;
-use crate::screen::amounts;
 use crate::simulate::EntryPoint;
 
 /// A part of the chain, as a finding names it.
@@ -120,24 +119,11 @@ impl Scene<'_> {
         opened.min(self.machine.get(Parameter::FlowLimit))
     }
 
-    /// Stiffness of both oil columns that the rod is held by, N/m.
-    #[must_use]
-    pub fn oil_spring_n_per_m(&self) -> f64 {
-        oil_spring_n_per_m(self.machine)
-    }
-
     /// Whether a signal is measured and judged.
     #[must_use]
     pub fn judges(&self, signal: Signal) -> bool {
         self.judged.contains(&signal)
     }
-}
-
-/// Stiffness of the oil in both chambers of a drive, N/m.
-pub(crate) fn oil_spring_n_per_m(machine: &Machine<f64>) -> f64 {
-    let get = |parameter| machine.get(parameter);
-    let side = |area, volume| get(area) * get(area) * get(Parameter::BulkModulus) / get(volume);
-    side(Parameter::AreaA, Parameter::VolumeA) + side(Parameter::AreaB, Parameter::VolumeB)
 }
 
 /// How a strength moves in a search.
@@ -180,7 +166,7 @@ impl Strength {
 /// holds rigidly and one with bristles: recordings without pressures hardly show them.
 const BRISTLES: Strength = Strength {
     parameter: Parameter::PreslidingStiffness,
-    kind: Kind::Shape(|scene| (scene.oil_spring_n_per_m(), 30.0 * scene.oil_spring_n_per_m()), 1),
+    kind: Kind::Shape(|scene| (scene.machine.oil_spring_n_per_m(), 30.0 * scene.machine.oil_spring_n_per_m()), 1),
 };
 
 /// A set of strengths that an effect is fitted with; the others stay neutral.
@@ -190,13 +176,6 @@ pub type Form = &'static [Strength];
 #[must_use]
 pub fn is_elastic(form: Form) -> bool {
     form.iter().any(|strength| strength.parameter == BRISTLES.parameter)
-}
-
-/// Whether a form refines a plainer one of its effect, by what differs a little beside that: it is tried where that one was found, and has
-/// to be what that one left.
-#[must_use]
-pub fn is_refined(form: Form) -> bool {
-    form.iter().any(|strength| strength.parameter == Parameter::MeteringDirections)
 }
 
 /// What an effect has in common with a plainer one.
@@ -223,6 +202,9 @@ pub struct Hypothesis {
     pub forms: &'static [Form],
     /// What may be taken for it.
     pub look_alikes: &'static [LookAlike],
+    /// What refines these forms, with further strengths: tried where one of them was found, and kept where it takes three quarters of what
+    /// that leaves.
+    pub refined: &'static [Form],
     /// The effect that it is an extension of, if any: it has to earn what it has more.
     pub extends: Option<Extension>,
     /// The test that shows it apart from others.
@@ -292,25 +274,35 @@ impl Hypothesis {
     #[must_use]
     pub fn is_slow(&self, scene: &Scene<'_>) -> bool {
         let short = Scene { duration_s: 0.0, ..scene.clone() };
-        self.forms.iter().flat_map(|form| form.iter()).any(|strength| match strength.kind {
+        self.strengths().any(|strength| match strength.kind {
             Kind::Shape(range, _) => range(scene) != range(&short),
             _ => false,
         })
     }
 
-    /// The forms that a scene can show, but for refined ones.
+    /// All its forms, refined ones included.
+    pub fn every_form(&self) -> impl Iterator<Item = Form> {
+        self.forms.iter().chain(self.refined).copied()
+    }
+
+    /// The strengths of all of them; what forms share comes with each.
+    pub fn strengths(&self) -> impl Iterator<Item = &'static Strength> {
+        self.every_form().flatten()
+    }
+
+    /// The forms that a scene can show.
     pub fn forms_in<'a>(&'a self, scene: &'a Scene<'_>) -> impl Iterator<Item = Form> + 'a {
         let hidden = |strength: &Strength| matches!(strength.kind, Kind::Signed(size) if size(scene) == 0.0);
-        self.forms.iter().copied().filter(move |form| !is_refined(form) && !form.iter().any(hidden))
+        self.forms.iter().copied().filter(move |form| !form.iter().any(hidden))
     }
 
     /// The forms that refine one of its forms.
     pub fn refined_from(&self, plain: Form) -> impl Iterator<Item = Form> {
         let refines = move |form: &Form| {
             let has = |strength: &Strength| form.iter().any(|other| other.parameter == strength.parameter);
-            is_refined(form) && form.len() > plain.len() && plain.iter().all(has)
+            form.len() > plain.len() && plain.iter().all(has)
         };
-        self.forms.iter().copied().filter(refines)
+        self.refined.iter().copied().filter(refines)
     }
 
     /// Whether a drive in this scene can show it at all, in any form.
@@ -322,7 +314,7 @@ impl Hypothesis {
     /// Whether the machine file already has it.
     #[must_use]
     pub fn is_on(&self, machine: &Machine<f64>) -> bool {
-        let mut amounts = self.forms.iter().flat_map(|form| amounts(form));
+        let mut amounts = self.strengths().filter(|strength| strength.is_amount());
         amounts.any(|strength| machine.get(strength.parameter) != 0.0)
     }
 }
@@ -337,7 +329,7 @@ mod tests {
         let machine = press(&[]);
         let scene = scene(&machine, &[Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Position]);
         for hypothesis in CATALOGUE {
-            for strength in hypothesis.forms.iter().flat_map(|form| form.iter()) {
+            for strength in hypothesis.strengths() {
                 let description = strength.parameter.description();
                 let own = hypothesis.parameters().any(|parameter| parameter == strength.parameter);
                 assert!(own || strength.parameter == BRISTLES.parameter, "{}", description.key);
@@ -383,9 +375,8 @@ mod tests {
                 continue;
             }
             let hypothesis = CATALOGUE.iter().find(|hypothesis| hypothesis.name == name);
-            let tried = hypothesis.is_some_and(|hypothesis| {
-                hypothesis.forms.iter().any(|form| form.iter().any(|strength| strength.parameter == *parameter))
-            });
+            let tried = hypothesis
+                .is_some_and(|hypothesis| hypothesis.strengths().any(|strength| strength.parameter == *parameter));
             assert!(tried, "{key}");
         }
     }

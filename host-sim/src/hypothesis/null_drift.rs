@@ -50,6 +50,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "long run for warming up: warm oil speeds both directions up, drift one only",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "long run for warming up, with the slow triangle repeated, slider recorded",
     source: "ISO 10770-1 (null shift); Merritt, Hydraulic Control Systems, 1967, ch. 7",

@@ -56,6 +56,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "long run for warming up: warm oil speeds both directions up, drift one only",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "long run for warming up with the oil's temperature recorded, constant-speed strokes and closed-valve hold repeated",
     source: "Totten (ed.), Handbook of Hydraulic Fluid Technology, 2000; ASTM D341",

@@ -89,6 +89,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "strokes over the whole stroke, both ways: leaving a stop the rod is not held",
         },
     ],
+    refined: &[],
     extends: Some(Extension {
         plain: "coulomb-friction",
         given: Parameter::CoulombFriction,

@@ -61,6 +61,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "strokes over the whole stroke: a pressure sensor's offset is the same at every position",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "constant-speed strokes over the whole stroke both ways, both pressures recorded",
     source: "Jelali & Kroll, Hydraulic Servo-systems, 2003, ch. 4",

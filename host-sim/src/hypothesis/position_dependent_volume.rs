@@ -40,6 +40,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "strokes over the whole stroke: air is as soft at both ends",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "strokes over the whole stroke, or small steps near both ends, both pressures recorded",
     source: "Merritt, Hydraulic Control Systems, 1967, ch. 6",

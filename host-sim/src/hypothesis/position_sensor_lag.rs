@@ -41,6 +41,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "constant-speed strokes: at constant pressure compliance rests, a lag stays",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "constant-speed strokes at several speeds and a sine sweep, both pressures recorded",
     source: "Doebelin, Measurement Systems: Application and Design",

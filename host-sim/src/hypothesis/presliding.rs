@@ -38,7 +38,10 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
         },
         Strength {
             parameter: Parameter::PreslidingStiffness,
-            kind: Kind::Shape(|scene| (1e-3 * scene.oil_spring_n_per_m(), 0.1 * scene.oil_spring_n_per_m()), 3),
+            kind: Kind::Shape(
+                |scene| (1e-3 * scene.machine.oil_spring_n_per_m(), 0.1 * scene.machine.oil_spring_n_per_m()),
+                3,
+            ),
         },
     ]],
     look_alikes: &[
@@ -55,6 +58,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "sine sweep of small amplitude, both pressures recorded: play leaves no force",
         },
     ],
+    refined: &[],
     extends: Some(Extension {
         plain: "coulomb-friction",
         given: Parameter::CoulombFriction,

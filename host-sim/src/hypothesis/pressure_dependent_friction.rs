@@ -50,6 +50,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "strokes at two loads over the whole stroke: friction of the place does not follow the load",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "strokes at two loads at the same constant speed, both pressures recorded",
     source: "Bonchis, Corke, Rye, IEEE ICRA 1999",

@@ -36,6 +36,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
         effect: "internal-leakage",
         told_apart_by: "closed-valve hold under load: leakage goes on with the pump at rest",
     }],
+    refined: &[],
     extends: None,
     separated_by: "constant speeds at two loads, and a hold under load with the pump at rest",
     source: "Wilson, Rotary-pump theory, Trans. ASME 68, 1946",

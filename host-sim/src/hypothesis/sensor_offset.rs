@@ -93,6 +93,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "strokes over the whole stroke: a sensor's offset is the same at every position",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "closed-valve hold with the supply shut off, all sensors recorded",
     source: "Isermann, Fault-Diagnosis Systems, 2006",

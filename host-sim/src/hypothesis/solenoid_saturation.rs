@@ -45,6 +45,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "steps of several sizes with the supply shut off: saturation stays, flow force is gone",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "steps of several sizes up to full command, slider recorded",
     source: "Vaughan & Gamble, J. Dyn. Syst. Meas. Control 118, 1996",

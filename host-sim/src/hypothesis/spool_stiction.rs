@@ -41,6 +41,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "constant-speed strokes, both pressures recorded: they build up before a rod breaks away",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "slow triangle without dither, slider recorded",
     source: "Choudhury, Thornhill, Shah, Control Engineering Practice 13, 2005",

@@ -55,6 +55,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "constant-speed strokes, pressures recorded: a slider that jumps leaves them flat before",
         },
     ],
+    refined: &[],
     extends: Some(Extension {
         plain: "coulomb-friction",
         given: Parameter::CoulombFriction,

@@ -52,6 +52,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "steps of several sizes, slider recorded: flow force moves the slider",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "steps of several sizes, supply pressure recorded",
     source: "Merritt, Hydraulic Control Systems, 1967, ch. 11",

@@ -54,6 +54,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "steps of several sizes, both pressures recorded: unequal edges show at slow speed, too",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "steps of several sizes, both pressures and the tank pressure recorded",
     source: "Backé & Murrenhoff, Grundlagen der Ölhydraulik, RWTH Aachen",

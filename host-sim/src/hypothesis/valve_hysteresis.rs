@@ -49,6 +49,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "slow triangle with slider or pressures recorded: they know nothing of play in the linkage",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "slow triangle at two rates, slider recorded",
     source: "Krasnosel'skii & Pokrovskii, Systems with Hysteresis, 1989",

@@ -43,6 +43,7 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
             told_apart_by: "closed-valve hold under load: without leakage a closed valve holds",
         },
     ],
+    refined: &[],
     extends: None,
     separated_by: "closed-valve hold under load, both pressures recorded",
     source: "Eryilmaz & Wilson, J. Franklin Institute 343, 2006",

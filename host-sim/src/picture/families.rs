@@ -90,7 +90,7 @@ pub(super) fn of(effect: &Hypothesis, after: &Machine<f64>) -> Family {
         },
         "metering-asymmetry" => Family {
             title: "Tank edge against supply edge",
-            caption: "Openings that the flows into and out of the cylinder speak for; edges of one size lie on the diagonal.",
+            caption: "Openings that the flows into and out of the cylinder speak for; a way whose two edges are of one size lies on the diagonal.",
             x: ("opening of the supply edge", "% of travel"),
             y: ("opening of the tank edge", "% of travel"),
             needs: PRESSURES,

@@ -100,8 +100,7 @@ impl Prospect {
 
 /// Whether this says how much of the effect there is; of strengths that no slope leads to, the first does.
 fn is_amount(effect: &Hypothesis, parameter: Parameter) -> bool {
-    let mut forms = effect.forms.iter();
-    forms.any(|form| {
+    effect.every_form().any(|form| {
         let place = form.iter().position(|strength| strength.parameter == parameter && strength.is_amount());
         place.is_some_and(|place| place == 0 || !matches!(form[place].kind, Kind::Jump(_)))
     })

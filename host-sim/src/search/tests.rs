@@ -18,12 +18,13 @@ fn with_press(unknown: &[(P, f64)], seen: impl FnOnce(&Question<'_>)) {
     seen(&Question { scene: &scene, ordinary: &[], hypotheses: CATALOGUE, training: &training });
 }
 
-/// A set with one more effect in the form whose strengths are so many, refitted.
-fn added(question: &Question<'_>, set: &Candidate, name: &str, strengths: usize) -> Candidate {
+/// A set with one more effect, in the form that begins with a strength, refitted.
+fn added(question: &Question<'_>, set: &Candidate, name: &str, first: Option<P>) -> Candidate {
     let effect = *CATALOGUE.iter().find(|effect| effect.name == name).unwrap();
     let reference = Reference::new(question, set).unwrap();
     let leads = reference.leads(&[effect]).unwrap();
-    let lead = leads.iter().find(|lead| strengths == 0 || lead.form.len() == strengths).unwrap();
+    let is_asked = |lead: &&Lead| first.is_none_or(|first| lead.form[0].parameter == first);
+    let lead = leads.iter().find(is_asked).unwrap();
     reference.with(lead).unwrap().finished(question).unwrap()
 }
 
@@ -37,7 +38,7 @@ fn an_extension_is_found_beside_what_was_added_later() {
         (P::ReturnResistance, 1.5e13),
     ];
     with_press(&unknown, |question| {
-        let with = |set: &Candidate, name: &str| added(question, set, name, 0);
+        let with = |set: &Candidate, name: &str| added(question, set, name, None);
         let base = Candidate::rough(question, None).unwrap();
         let friction = with(&base, "coulomb-friction");
         let both = with(&friction, "tank-back-pressure");
@@ -61,27 +62,36 @@ fn an_extension_is_found_beside_what_was_added_later() {
     });
 }
 
-/// So is a refined form of the same effect.
-#[test]
-fn a_refined_form_is_found_beside_what_was_added_later() {
-    let unknown = [
-        (P::MeteringRatio, -0.3),
-        (P::MeteringPorts, 0.03),
-        (P::MeteringDirections, -0.04),
-        (P::CoulombFriction, 300.0),
-    ];
+/// Edges of four sizes beside friction, of which the plain form with one strength was found, and what refines it.
+fn refined_edges(sizes: [(P, f64); 3], found: P, seen: impl FnOnce(&Candidate, &[Candidate])) {
+    let unknown = [sizes[0], sizes[1], sizes[2], (P::CoulombFriction, 300.0)];
     with_press(&unknown, |question| {
         let base = Candidate::rough(question, None).unwrap();
-        let both = added(question, &added(question, &base, "metering-asymmetry", 1), "coulomb-friction", 0);
-        assert!(both.fit.machine.get(P::MeteringPorts).abs() < 1e-9, "the tank edges alone");
-
-        let found = enriched(question, &both, &|_| ()).unwrap();
-        assert!(found.iter().all(|set| set.effects.len() == 2 && set.names().contains(&"coulomb-friction")));
-        let best = found.iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss)).unwrap().finished(question).unwrap();
-        assert!(best.fit.loss < 0.5 * both.fit.loss, "{} {}", best.fit.loss, both.fit.loss);
-        for (parameter, value) in &unknown[..3] {
-            let found = best.fit.machine.get(*parameter);
-            assert!((found - value).abs() < 0.01, "{parameter:?} {found}");
-        }
+        let edges = added(question, &base, "metering-asymmetry", Some(found));
+        let both = added(question, &edges, "coulomb-friction", None);
+        seen(&both, &refined(question, &both, &|_| ()).unwrap());
     });
+}
+
+#[test]
+fn edges_of_four_sizes_refine_those_of_two_wherever_the_set_has_them() {
+    let little = [(P::MeteringDirections, -0.04), (P::MeteringPorts, 0.03), (P::MeteringRatio, 0.03)];
+    for (plain, size, other) in [(P::MeteringRatio, -0.3, little[1]), (P::MeteringPorts, -0.45, little[2])] {
+        let sizes = [(plain, size), little[0], other];
+        refined_edges(sizes, plain, |both, found| {
+            assert!(sizes[1..].iter().all(|(more, _)| both.fit.machine.get(*more) == 0.0), "the plain form alone");
+            let [best] = found else { panic!("{}", found.len()) };
+            assert_eq!(best.names(), ["coulomb-friction", "metering-asymmetry"]);
+            for (parameter, value) in sizes {
+                let fitted = best.fit.machine.get(parameter);
+                assert!((fitted - value).abs() < 0.01, "{parameter:?} {fitted}");
+            }
+        });
+    }
+}
+
+#[test]
+fn what_takes_less_than_three_quarters_refines_nothing() {
+    let none = [(P::MeteringRatio, -0.3), (P::MeteringPorts, 0.0), (P::MeteringDirections, 0.0)];
+    refined_edges(none, P::MeteringRatio, |_, found| assert!(found.is_empty()));
 }

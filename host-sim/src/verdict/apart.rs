@@ -211,7 +211,7 @@ fn joined(
         // Only the valve may have had an effect for what was misread: the others stay.
         let stay = other.effects.iter().filter(|chosen| !valve.chosen.has(chosen.effect));
         let stay: Vec<&str> = stay.map(|chosen| chosen.effect.plainest()).collect();
-        sets.push(reduced(question, base, other, &stay)?);
+        sets.extend(reduced(question, base, other, &stay)?);
     }
     believed(question, base, finished(question, base, sets)?, exchanged)
 }

@@ -28,8 +28,9 @@ pub fn lengthened(
     if let Some(chosen) = chosen?
         && chosen.is_plausible(question.scene)
         && accepts(question, &selection.base, &selection.base, &chosen)?
+        && let Some(claim) = reduced(question, &selection.base, chosen, &found.joined)?
     {
-        selection.chosen = reduced(question, &selection.base, chosen, &found.joined)?;
+        selection.chosen = claim;
     }
     if selection.chosen.effects.len() < MOST_EFFECTS
         && !explains_enough(question, &selection.base, &selection.chosen, AT_NOISE)
@@ -39,7 +40,9 @@ pub fn lengthened(
         let added = ranked(question, &selection.base, vec![slow.clone()]);
         selection.rounds.truncate(selection.chosen.effects.len());
         selection.rounds.push(added.iter().map(|(candidate, net)| trial(candidate, *net)).collect());
-        selection.chosen = reduced(question, &selection.base, slow, &found.joined)?;
+        if let Some(claim) = reduced(question, &selection.base, slow, &found.joined)? {
+            selection.chosen = claim;
+        }
     }
     Ok(selection)
 }

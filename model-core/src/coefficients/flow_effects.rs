@@ -76,6 +76,7 @@ impl<R: Real> Builder<'_, R> {
             OTHER_EDGES.map(|shares| self.edge_excess(shares)).into_iter().fold((R::ZERO, P::FlowGainLinear), larger);
         let opening = (R::ONE + bent) * (R::ONE + excess) + self.get(P::ValveLeakageOpening);
         let of = if excess.value() > bent.value() { of } else { P::FlowGainLinear };
+        self.signal::<N>("opening at full travel with its effects", of, opening)?;
         let flow = self.orifice(P::FlowCoefficient) * opening;
         self.signal::<N>("flow at full opening with its effects", of, flow).map(|_| ())
     }

@@ -9,7 +9,6 @@ use super::super::effect::{
     ValveEffect,
 };
 use super::Channels;
-use crate::hypothesis::oil_spring_n_per_m;
 use crate::random::Noise;
 
 /// What a strength is measured by.
@@ -102,9 +101,12 @@ fn flow(name: &str, about: &About<'_>, dice: &mut Noise) -> Option<FlowEffect> {
             GainCurve::Power { exponent: 1.0 + dice.decades(0.08, 0.4), unchanged_at: dice.uniform(0.2, 0.4) }
         }),
         "metering-asymmetry" => {
-            let size = 1.0 + dice.sign() * dice.decades(0.1, 0.4);
+            // The edges to tank are of another size than those of the supply, or B's than A's.
+            let to_tank = dice.happens(0.7);
+            let size = 1.0 + dice.sign() * dice.decades(0.1, if to_tank { 0.4 } else { 0.5 });
+            let [supply_b, tank_a] = if to_tank { [1.0, size] } else { [size, 1.0] };
             let mut near = || dice.uniform(0.96, 1.04);
-            FlowEffect::Metering { sizes: [near(), size * near(), near(), size * near()] }
+            FlowEffect::Metering { sizes: [near(), size * near(), supply_b * near(), tank_a * near()] }
         }
         "supply-droop" => {
             let fall_pa = dice.decades(5e5, 3e6).min(0.3 * about.get(P::SupplyPressure));
@@ -185,7 +187,7 @@ fn oil_grade(dice: &mut Noise) -> OilGrade {
 
 fn friction(name: &str, about: &About<'_>, dice: &mut Noise) -> Option<DryFriction> {
     let full_n = about.full_n();
-    let stiff = |level: FrictionLevel, dice: &mut Noise| DryFriction::giving(level, dice.decades(1e-6, 4e-6), 1e4);
+    let stiff = |level: FrictionLevel, dice: &mut Noise| DryFriction::stiff(level, dice.decades(1e-6, 4e-6));
     Some(match name {
         "coulomb-friction" => stiff(FrictionLevel::Constant(full_n * dice.decades(0.01, 0.05)), dice),
         "stribeck-friction" => {
@@ -231,8 +233,8 @@ fn friction(name: &str, about: &About<'_>, dice: &mut Noise) -> Option<DryFricti
             let break_away_n = sliding_n * dice.uniform(1.02, 1.2);
             DryFriction {
                 level: FrictionLevel::Presliding { sliding_n, break_away_n },
-                // Stiffer bristles than a third of the oil give way less than that, and are plain dry friction.
-                stiffness_n_per_m: oil_spring_n_per_m(about.machine) * dice.decades(3e-3, 0.1),
+                // From soft ones to some as stiff as the oil, which the noise may hide.
+                stiffness_n_per_m: about.machine.oil_spring_n_per_m() * dice.decades(3e-3, 1.0),
                 damping_n_s_per_m: 4e3,
             }
         }

@@ -37,26 +37,23 @@ pub struct CaseTruth {
 const HIDDEN_BELOW: f64 = 1.25;
 
 impl CaseTruth {
-    /// The sets of names that are right answers: without an effect that the noise hides, too, and with a plainer one where the noise
-    /// hides what it has more.
+    /// The sets of names that are right answers, the whole truth first: without each effect that the noise hides, too, and with a plainer one
+    /// where the noise hides what it has more.
     #[must_use]
     pub fn accept(&self) -> Vec<Vec<&'static str>> {
-        let mut accept = vec![self.effects.clone()];
-        for (index, _) in self.visible.iter().enumerate().filter(|(_, visible)| **visible < HIDDEN_BELOW) {
-            let mut without = self.effects.clone();
-            without.remove(index);
-            if !accept.contains(&without) {
-                accept.push(without);
-            }
-        }
-        for (index, plainer) in self.plainer.iter().enumerate() {
-            let Some((name, _)) = plainer.filter(|(_, left)| *left < HIDDEN_BELOW) else { continue };
-            let mut plain = self.effects.clone();
-            plain[index] = name;
-            accept.push(plain);
-        }
-        if self.visible.len() > 1 && self.visible.iter().all(|&visible| visible < HIDDEN_BELOW) {
-            accept.push(Vec::new());
+        let mut accept = vec![Vec::new()];
+        for (index, effect) in self.effects.iter().enumerate() {
+            let is_hidden = |left: &&f64| **left < HIDDEN_BELOW;
+            let none = self.visible.get(index).filter(is_hidden).map(|_| None);
+            let plainer = self.plainer.get(index).and_then(Option::as_ref).filter(|(_, left)| is_hidden(&left));
+            let said: Vec<Option<&str>> =
+                [Some(Some(*effect)), plainer.map(|(name, _)| Some(*name)), none].into_iter().flatten().collect();
+            accept = said
+                .iter()
+                .flat_map(|said| {
+                    accept.iter().map(|names: &Vec<&'static str>| names.iter().copied().chain(*said).collect())
+                })
+                .collect();
         }
         accept
     }

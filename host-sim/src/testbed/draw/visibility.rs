@@ -29,7 +29,7 @@ pub(super) struct Shown<'a> {
     pub(super) effects: &'a [PlantEffect],
 }
 
-/// What they show with all effects, and what the ordinary parameters could change of it.
+/// What a case's recordings show with all effects, and what the ordinary parameters could change of it.
 pub(super) struct Refits<'a> {
     shown: Shown<'a>,
     base: DVector<f64>,
@@ -67,10 +67,10 @@ impl Refits<'_> {
         let of_each = |(k, effect): (usize, &PlantEffect)| {
             let strengths = [effect.plainer(1.0), effect.plainer(1.0 + STRONGER)];
             let [Some(plain), Some(stronger)] = strengths else { return Ok(None) };
-            let (without, more) = (with(k, plain)?, with(k, stronger)?);
+            let (plainly, more) = (with(k, plain)?, with(k, stronger)?);
             let mut columns = ordinary.clone();
-            columns.push((more - &without) / STRONGER);
-            let left = projected(&DMatrix::from_columns(&columns), &(base - without), shown.weight());
+            columns.push((more - &plainly) / STRONGER);
+            let left = projected(&DMatrix::from_columns(&columns), &(base - plainly), shown.weight());
             Ok(Some((plain.name(), shown.worst_channel(&left))))
         };
         effects.iter().enumerate().map(of_each).collect()

@@ -78,7 +78,13 @@ pub struct DryFriction {
 }
 
 impl DryFriction {
-    /// With bristles so stiff that they give by `give_m` before they slide.
+    /// With bristles that give by `give_m` before they slide, damped as those of plain dry friction usually are.
+    #[must_use]
+    pub fn stiff(level: FrictionLevel, give_m: f64) -> Self {
+        Self::giving(level, give_m, PLAIN_DAMPING_N_S_PER_M)
+    }
+
+    /// With bristles that give by `give_m` before they slide.
     #[must_use]
     pub fn giving(level: FrictionLevel, give_m: f64, damping_n_s_per_m: f64) -> Self {
         Self { level, stiffness_n_per_m: level.usual_n() / give_m, damping_n_s_per_m }
@@ -87,7 +93,7 @@ impl DryFriction {
     /// As strong everywhere, on bristles as stiff as those of plain dry friction usually are.
     pub(super) fn plainer(&self, factor: f64) -> Option<Self> {
         let level = FrictionLevel::Constant(factor * self.level.usual_n());
-        (self.name() != "coulomb-friction").then(|| Self::giving(level, PLAIN_GIVES_M, PLAIN_DAMPING_N_S_PER_M))
+        (self.name() != "coulomb-friction").then(|| Self::stiff(level, PLAIN_GIVES_M))
     }
 
     pub(super) const fn name(&self) -> &'static str {

@@ -22,7 +22,7 @@ const EFFECTS: [(&str, &str, Make); 32] = [
     ("friction-asymmetry", "N", |mean_n| friction(FrictionLevel::Asymmetric { extending_n: 1.35 * mean_n, retracting_n: 0.65 * mean_n })),
     ("position-dependent-friction", "N", |force_n| friction(FrictionLevel::Bump { force_n, rise_n: 2.0 * force_n, at_m: 0.16, width_m: 0.03 })),
     ("pressure-dependent-friction", "m2", |area_m2| friction(FrictionLevel::Pressure { area_m2, share_of_higher: 0.75, least_n: 30.0 })),
-    ("presliding", "N", |sliding_n| PlantEffect::Friction(DryFriction::giving(FrictionLevel::Presliding { sliding_n, break_away_n: 1.15 * sliding_n }, 4e-5, 8e3))),
+    ("presliding", "N", |sliding_n| PlantEffect::Friction(DryFriction::giving(FrictionLevel::Presliding { sliding_n, break_away_n: 1.15 * sliding_n }, 4e-4, 8e3))),
     ("position-dependent-load", "N", |force_n| PlantEffect::Load(LoadEffect::Linkage { force_n, neutral_m: 0.1, reach_m: 0.12 })),
     ("end-stop", "m", |at_m| PlantEffect::Load(LoadEffect::EndStop { at_m, extending: true, stiffness: 2e9, damping_s_per_m: 3.0 })),
     ("valve-hysteresis", "1", |width| PlantEffect::Valve(ValveEffect::WeightedPlays { width })),
