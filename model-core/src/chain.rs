@@ -66,7 +66,8 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Cha
         let equation = mechanics.equation::<V>(&state.motion, around);
         let constant = mechanics.load;
 
-        let (flows, drawn) = feed.start::<V>(pressures, state.supply.pressure);
+        let motion = &state.motion;
+        let (flows, drawn) = feed.start::<V>(pressures, state.supply.pressure, || chambers.filling(motion.velocity));
         let yielding = chambers.yielding::<V>(&flows);
         let start = self.pressure_force(pressures) + load.from + constant;
         let contact = equation.contact(velocity, start);

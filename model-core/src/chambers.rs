@@ -58,6 +58,23 @@ pub(crate) struct Filled<N: Number, E> {
     pub(crate) shares: Option<Flows<N>>,
 }
 
+/// How a tick fills a chamber.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Filling<N: Number> {
+    /// Pressure that a flow of 1 makes over the tick.
+    pub(crate) stiffness: N::Gain,
+    /// Flow that the rod makes room for at its speed: into A, out of B.
+    pub(crate) room: N,
+}
+
+impl<N: Number> Filling<N> {
+    /// The same for a flow the other way.
+    #[inline]
+    pub(crate) fn reversed(self) -> Self {
+        Self { room: -self.room, ..self }
+    }
+}
+
 /// Pressures of both chambers, per unit of supply pressure.
 #[derive(Clone, Copy, Debug, PartialEq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -177,6 +194,15 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
     #[inline]
     pub(crate) fn rise(&self, net: Flows<N>) -> ChamberState<N> {
         ChamberState { a: N::dot([self.stiffness_a], [net.a]), b: N::dot([self.stiffness_b], [net.b]) }
+    }
+
+    /// How a tick fills both chambers that begins at this velocity.
+    #[inline]
+    pub(crate) fn filling(&self, velocity: N) -> Flows<Filling<N>> {
+        Flows {
+            a: Filling { stiffness: self.stiffness_a, room: velocity },
+            b: Filling { stiffness: self.stiffness_b, room: self.displaced_b(velocity) },
+        }
     }
 
     /// Flow that the rod side displaces. (6)

@@ -1,6 +1,6 @@
 //! What feeds the chambers in a tick: the valve's edges, the pump, or flows that were measured.
 
-use crate::chambers::ChamberState;
+use crate::chambers::{ChamberState, Filling};
 use crate::edge_effects::EdgeEffects;
 use crate::flow::{Edges, Flows, Linearised, Opened, Pump, PumpDrive};
 use crate::number::Number;
@@ -14,7 +14,12 @@ pub(crate) trait Feed<N: Number> {
     fn slider(&self) -> Option<Slider<N>>;
 
     /// Flows at the start of the tick, with their slopes, and the flow drawn from a supply that droops.
-    fn start<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N) -> (Flows<Linearised<N>>, N);
+    fn start<V: Vocabulary>(
+        &self,
+        pressures: ChamberState<N>,
+        supply: N,
+        filling: impl Fn() -> Flows<Filling<N>>,
+    ) -> (Flows<Linearised<N>>, N);
 
     /// Flows at the end of the tick.
     fn end<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N) -> Flows<N>;
@@ -47,8 +52,13 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Feed<N> for Metered<'_, N, E> {
         Some(self.slider)
     }
     #[inline]
-    fn start<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N) -> (Flows<Linearised<N>>, N) {
-        self.edges.linearised_with::<V>(self.slider, &self.opened, pressures, supply)
+    fn start<V: Vocabulary>(
+        &self,
+        pressures: ChamberState<N>,
+        supply: N,
+        filling: impl Fn() -> Flows<Filling<N>>,
+    ) -> (Flows<Linearised<N>>, N) {
+        self.edges.linearised_with::<V>(self.slider, &self.opened, pressures, supply, filling)
     }
     #[inline]
     fn end<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N) -> Flows<N> {
@@ -79,9 +89,14 @@ impl<N: Number> Feed<N> for AnyFeed<'_, N> {
         if let AnyFeed::Edges(edges) = self { edges.slider() } else { None }
     }
     #[inline]
-    fn start<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N) -> (Flows<Linearised<N>>, N) {
+    fn start<V: Vocabulary>(
+        &self,
+        pressures: ChamberState<N>,
+        supply: N,
+        filling: impl Fn() -> Flows<Filling<N>>,
+    ) -> (Flows<Linearised<N>>, N) {
         match self {
-            AnyFeed::Edges(edges) => edges.start::<V>(pressures, supply),
+            AnyFeed::Edges(edges) => edges.start::<V>(pressures, supply, filling),
             &AnyFeed::Pump(pump, drive) => (pump.flow(drive, pressures.a, pressures.b), N::ZERO),
             &AnyFeed::Given { from, unity, .. } => {
                 let given = |flow: N| Linearised { flow, opening: N::ZERO, slope: unity };

@@ -3,7 +3,7 @@
 //! Signs: slider > 0 opens P-A and B-T. Flow a > 0 goes into chamber A, flow b > 0 comes out of chamber B.
 //! The roots are signed, so a chamber above supply pushes oil back.
 
-use crate::chambers::ChamberState;
+use crate::chambers::{ChamberState, Filling};
 use crate::edge_effects::EdgeEffects;
 use crate::metering::Four;
 use crate::number::Number;
@@ -90,10 +90,34 @@ impl<N: Number, E> Edges<N, E> {
     }
 
     /// The opening whose chord is that of a limited flow: all of it, or where it would pass more than the limit the share that does not.
-    /// Without a slope there, a chamber that one tick at the limit overfills would rest between the lines, short of both.
     #[inline]
     pub(crate) fn within_limit(&self, opening: N, flow: N, free: N) -> N {
         N::choose(flow.equals(free), || opening, || self.share_within_limit(free).of(opening))
+    }
+
+    /// The opening that a tick's slope is of: of a limited flow none, for no pressure moves it, unless the tick brings the pressures to where it
+    /// is not limited; then that of the limit's chord.
+    ///
+    /// Without that one, a chamber that one tick at the limit overfills would rest between the lines, short of both. With it all the time, a
+    /// rod on the oil's spring would swing up, as if the step's slope took from the swing what no flow does.
+    #[inline]
+    pub(crate) fn sloping(
+        &self,
+        opening: N,
+        [flow, free]: [N; 2],
+        across: N,
+        filling: impl FnOnce() -> Filling<N>,
+    ) -> N {
+        N::choose(flow.equals(free), || opening, || self.sloping_at_limit(opening, [flow, free], across, filling()))
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn sloping_at_limit(&self, opening: N, [flow, free]: [N; 2], across: N, filling: Filling<N>) -> N {
+        let (share, across) = (self.share_within_limit(free), across.magnitude());
+        let taken = N::dot([filling.stiffness], [flow - filling.room]);
+        let taken = flow.select_positive(taken, -taken);
+        N::pick((taken + share.of(share.of(across))).above(across), share.of(opening), N::ZERO)
     }
 
     #[cold]
@@ -108,13 +132,6 @@ impl<N: Number> Edges<N> {
     #[inline]
     pub fn flow(&self, slider: N, pressures: ChamberState<N>, supply: N) -> Flows<N> {
         self.flow_with::<Effects>(&self.opened::<Effects>(slider), pressures, supply)
-    }
-
-    /// Flows at the start of a tick, with their slopes at the larger opening of the tick for the implicit step; and the flow drawn
-    /// from a supply that droops.
-    #[inline]
-    pub fn linearised(&self, slider: Slider<N>, pressures: ChamberState<N>, supply: N) -> (Flows<Linearised<N>>, N) {
-        self.linearised_with::<Effects>(slider, &self.opened::<Effects>(slider.to), pressures, supply)
     }
 }
 
@@ -152,16 +169,18 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         end: &Opened<N>,
         pressures: ChamberState<N>,
         supply: N,
+        filling: impl Fn() -> Flows<Filling<N>>,
     ) -> (Flows<Linearised<N>>, N) {
         if let (Some(effects), Some(four)) = (V::on(self.effects.kept()), &end.four) {
-            return self.linearised_of_four(effects, slider, four, pressures, supply);
+            return self.linearised_of_four(effects, slider, four, pressures, supply, filling);
         }
         let (from, to) = (self.opening(slider.from), end.way);
         // A closed valve that opens within the tick already works between the pressures it opens to.
         let across = self.across(N::pick(from.equals(N::ZERO), to, from), pressures);
         let larger = from.magnitude().max(to.magnitude());
-        let edge = |across: N| self.passing_linearised(from, larger, across);
-        (Flows { a: edge(across.a), b: edge(across.b) }, N::ZERO)
+        let a = self.passing_linearised(from, larger, across.a, || filling().a);
+        let b = self.passing_linearised(from, larger, across.b, || filling().b);
+        (Flows { a, b }, N::ZERO)
     }
 
     /// Flow through an edge.
@@ -174,11 +193,17 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
     /// Flow through an edge with its slope, at the `larger` opening of the tick.
     #[inline(always)]
     #[expect(clippy::inline_always, reason = "a call with its result in memory is half of what it computes")]
-    fn passing_linearised(&self, opening: N, larger: N, across: N) -> Linearised<N> {
+    fn passing_linearised(
+        &self,
+        opening: N,
+        larger: N,
+        across: N,
+        filling: impl FnOnce() -> Filling<N>,
+    ) -> Linearised<N> {
         let (root, slope) = across.orifice_root(self.transition);
         let free = opening.times(root);
         let flow = free.limited(self.limit);
-        Linearised { flow, opening: self.within_limit(larger, flow, free), slope }
+        Linearised { flow, opening: self.sloping(larger, [flow, free], across, filling), slope }
     }
 
     /// Pressure over both edges that either way of the slider opens, without sign.

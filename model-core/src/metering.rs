@@ -8,7 +8,7 @@
 //! With every effect at nil this is the flow of [`Edges`] but for rounding: the opening that the paper's valve has is then one edge
 //! of each port, and the other is closed.
 
-use crate::chambers::ChamberState;
+use crate::chambers::{ChamberState, Filling};
 use crate::edge_effects::{EdgeEffects, EdgeSizes, behind_laminar_line};
 use crate::flow::{Edges, Flows, Linearised, Lines, Opened};
 use crate::number::{Mask, Number};
@@ -93,13 +93,26 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         to: &Four<N>,
         pressures: ChamberState<N>,
         supply: N,
+        filling: impl Fn() -> Flows<Filling<N>>,
     ) -> (Flows<Linearised<N>>, N) {
         let from = self.openings(effects, slider.from);
         let passing = self.passing(effects, &from, pressures, supply);
         let started = self.overlap.beyond(slider.from);
         let way = N::choose(started.equals(N::ZERO), || self.overlap.beyond(slider.to), || started);
-        let steep =
-            passing.with(&larger(way, &from, to), |passing, opening| self.steepness(effects, &passing, opening));
+        let filling = filling();
+        let sloping = |across: N, filling: Filling<N>| {
+            move |passing: Passing<N>, opening: N| {
+                let opening = self.sloping(opening, [passing.flow, passing.free], across, || filling);
+                Self::steepness(effects, passing.slope, opening)
+            }
+        };
+        let (across, larger) = (self.across_each(pressures, supply), larger(way, &from, to));
+        let steep = Four {
+            supply_a: sloping(across.supply_a, filling.a)(passing.supply_a, larger.supply_a),
+            tank_a: sloping(across.tank_a, filling.a.reversed())(passing.tank_a, larger.tank_a),
+            supply_b: sloping(across.supply_b, filling.b.reversed())(passing.supply_b, larger.supply_b),
+            tank_b: sloping(across.tank_b, filling.b)(passing.tank_b, larger.tank_b),
+        };
         let supplied = steep.supply_a + steep.supply_b;
         let soft = |own: N| match &effects.droop {
             Some(droop) => droop.softened(own, supplied, effects.slope_scale),
@@ -130,7 +143,10 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
             let Lines { supply, .. } = self.lines_at(supply);
             let edge = |opening: N, pressure: N| {
                 let passing = self.through(opening, (supply - pressure).orifice_root(self.transition));
-                (passing.flow, self.steepness(effects, &passing, opening))
+                {
+                    let opening = self.within_limit(opening, passing.flow, passing.free);
+                    (passing.flow, Self::steepness(effects, passing.slope, opening))
+                }
             };
             let ((flow_a, steep_a), (flow_b, steep_b)) = (edge(into_a, pressures.a), edge(into_b, pressures.b));
             Draw { flow: flow_a + flow_b, steepness: steep_a + steep_b }
@@ -172,9 +188,20 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
 
     /// Opening times slope, over the scale of slopes.
     #[inline]
-    fn steepness(&self, effects: &EdgeEffects<N>, passing: &Passing<N>, opening: N) -> N {
-        let opening = self.within_limit(opening, passing.flow, passing.free);
-        opening.times(effects.slope_fraction).amplified(passing.slope)
+    fn steepness(effects: &EdgeEffects<N>, slope: N::Steep, opening: N) -> N {
+        opening.times(effects.slope_fraction).amplified(slope)
+    }
+
+    /// Pressure differences over the edges.
+    #[inline]
+    fn across_each(&self, pressures: ChamberState<N>, supply: N) -> Four<N> {
+        let lines = self.lines_at(supply);
+        Four {
+            supply_a: lines.supply - pressures.a,
+            tank_a: pressures.a - lines.tank,
+            supply_b: lines.supply - pressures.b,
+            tank_b: pressures.b - lines.tank,
+        }
     }
 
     #[inline]
@@ -185,13 +212,7 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         pressures: ChamberState<N>,
         supply: N,
     ) -> Four<Passing<N>> {
-        let lines = self.lines_at(supply);
-        let across = Four {
-            supply_a: lines.supply - pressures.a,
-            tank_a: pressures.a - lines.tank,
-            supply_b: lines.supply - pressures.b,
-            tank_b: pressures.b - lines.tank,
-        };
+        let across = self.across_each(pressures, supply);
         let supply = |opening: N, across: N| self.through(opening, across.orifice_root(self.transition));
         let tank = |opening: N, across: N| match effects.half_laminar {
             Some(half) => {

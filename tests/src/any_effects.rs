@@ -27,12 +27,12 @@ pub const STICTION: usize = 11;
 #[derive(Clone, Copy, Debug)]
 pub struct SideEffects {
     shares: [f64; 12],
-    others: [f64; 8],
+    others: [f64; 9],
 }
 
 /// Every effect, in any size.
 pub fn any_side_effects() -> impl Strategy<Value = SideEffects> {
-    (prop::array::uniform12(0.0..1.0_f64), prop::array::uniform8(0.0..1.0_f64))
+    (prop::array::uniform12(0.0..1.0_f64), prop::array::uniform9(0.0..1.0_f64))
         .prop_map(|(shares, others)| SideEffects { shares, others })
 }
 
@@ -46,7 +46,7 @@ impl SideEffects {
         let decades = |share: f64, from: f64, to: f64| from * (to / from).powf(share);
         let s = |index: usize| if on(index) { self.shares[index] } else { 0.0 };
         let signed = |index: usize, size: f64| if on(index) { both(self.shares[index], size) } else { 0.0 };
-        let [spread, drift, onset, bend, memory, reach, pairs, ports] = self.others;
+        let [spread, drift, onset, bend, memory, reach, pairs, ports, directions] = self.others;
         let mut machine = *machine;
         for (parameter, value) in [
             (P::HysteresisWidth, 0.1 * s(0)),
@@ -62,7 +62,7 @@ impl SideEffects {
             (P::FlowGainBeyond, if on(5) { both(bend, 0.5) } else { 0.0 }),
             (P::MeteringRatio, signed(6, 0.5)),
             (P::MeteringPorts, if on(6) { both(ports, 0.3) } else { 0.0 }),
-            (P::MeteringDirections, if on(6) { both(1.0 - ports, 0.2) } else { 0.0 }),
+            (P::MeteringDirections, if on(6) { both(directions, 0.2) } else { 0.0 }),
             (P::DroopResistance, 0.3 * s(7) * supply_pa.sqrt() / coefficient),
             (P::DroopTime, if memory < 0.2 { 0.0 } else { decades(memory, 1e-4, 1e3) }),
             (P::ReturnResistance, 0.5 * s(8) / (coefficient * coefficient)),
