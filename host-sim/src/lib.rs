@@ -1,5 +1,7 @@
 //! Simulates, compares and diagnoses hydraulic drives against recordings.
 #![forbid(unsafe_code)]
+// What it has to say it returns, or tells its caller: what is printed is the program's.
+#![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
 
 pub mod atomic;
 pub mod candidate;

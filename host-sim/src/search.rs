@@ -176,20 +176,6 @@ pub fn refined(
         })
     };
     let mut found: Vec<Candidate> = set.effects.iter().enumerate().flat_map(finer).collect::<Result<_, _>>()?;
-    for f in &found {
-        eprintln!(
-            "REF {:?} form {} {:.0} -> {:.0} worst? {:?}",
-            set.names(),
-            f.effects.last().map_or(0, |c| c.form.len()),
-            excess(&set.residuals),
-            excess(&f.residuals),
-            f.estimates()
-                .iter()
-                .filter(|e| format!("{:?}", e.parameter).contains("Meter"))
-                .map(|e| (e.value, e.at_bound))
-                .collect::<Vec<_>>()
-        );
-    }
     let most = (1.0 - EARNED) * excess(&set.residuals);
     found.retain(|finer| excess(&finer.residuals) < most);
     Ok(found)
@@ -227,4 +213,4 @@ fn in_its_place(
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

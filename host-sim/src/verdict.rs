@@ -406,3 +406,6 @@ fn trial(candidate: &Candidate, net: f64) -> Trial {
     let effects: Vec<_> = candidate.effects.iter().map(|chosen| chosen.effect).collect();
     Trial { effect: effects[effects.len() - 1], effects, net, machine: candidate.fit.machine }
 }
+
+#[cfg(test)]
+mod tests;

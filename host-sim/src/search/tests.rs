@@ -8,7 +8,7 @@ use crate::press::{press, recorded, scene};
 use crate::recording::Signal;
 
 /// A press of which pressures and position are recorded, with what its machine file does not know, handed to `seen`.
-fn with_press(unknown: &[(P, f64)], seen: impl FnOnce(&Question<'_>)) {
+pub(crate) fn with_press(unknown: &[(P, f64)], seen: impl FnOnce(&Question<'_>)) {
     let nominal = press(&[(P::ViscousFriction, 2e4)]);
     let truth = nominal.with(unknown);
     let judged = [Signal::PressureA, Signal::PressureB, Signal::Position];
@@ -19,7 +19,7 @@ fn with_press(unknown: &[(P, f64)], seen: impl FnOnce(&Question<'_>)) {
 }
 
 /// A set with one more effect, in the form that begins with a strength, refitted.
-fn added(question: &Question<'_>, set: &Candidate, name: &str, first: Option<P>) -> Candidate {
+pub(crate) fn added(question: &Question<'_>, set: &Candidate, name: &str, first: Option<P>) -> Candidate {
     let effect = *CATALOGUE.iter().find(|effect| effect.name == name).unwrap();
     let reference = Reference::new(question, set).unwrap();
     let leads = reference.leads(&[effect]).unwrap();

@@ -1,0 +1,77 @@
+use model_core::parameter::Parameter as P;
+
+use super::believed::believed;
+use super::*;
+use crate::fit::{Free, Freedom};
+use crate::search::tests::{added, with_press};
+
+/// A set of two effects, refitted, on a press whose machine file lacks what is unknown, and the base of it.
+fn with_two(unknown: &[(P, f64)], effects: [&str; 2], seen: impl FnOnce(&Question<'_>, &Candidate, Candidate)) {
+    with_press(unknown, |question| {
+        let base = Candidate::rough(question, None).unwrap();
+        let first = added(question, &base, effects[0], None);
+        let both = added(question, &first, effects[1], None);
+        seen(question, &base, both);
+    });
+}
+
+#[test]
+fn what_the_other_effect_makes_superfluous_goes_unless_it_was_found_with_the_links_apart() {
+    let unknown = [(P::CoulombFriction, 300.0)];
+    with_two(&unknown, ["internal-leakage", "coulomb-friction"], |question, base, both| {
+        let left = |stay: &[&str]| reduced(question, base, both.clone(), stay).unwrap().unwrap().names();
+        assert_eq!(left(&[]), ["coulomb-friction"]);
+        assert_eq!(left(&["internal-leakage"]), ["coulomb-friction", "internal-leakage"]);
+    });
+}
+
+#[test]
+fn two_effects_that_are_there_stay() {
+    let unknown = [(P::CoulombFriction, 300.0), (P::ReturnResistance, 1.5e13)];
+    with_two(&unknown, ["tank-back-pressure", "coulomb-friction"], |question, base, both| {
+        let left = reduced(question, base, both, &[]).unwrap().unwrap();
+        assert_eq!(left.names(), ["coulomb-friction", "tank-back-pressure"]);
+    });
+}
+
+/// Sets of one effect each, beside which a bent flow gain is missing, where the flow coefficient and the mass are free.
+fn beside_a_bent_gain(effects: [&str; 2], seen: impl FnOnce(&Question<'_>, &Candidate, Vec<(Candidate, f64)>)) {
+    with_press(&[(P::FlowGainLinear, 0.8), (P::CoulombFriction, 300.0)], |question| {
+        let free = [P::FlowCoefficient, P::MovingMass].map(|parameter| {
+            let nominal = question.scene.machine.get(parameter);
+            Free { parameter, freedom: Freedom::Around { nominal, sigma: 0.05 * nominal } }
+        });
+        let question = &Question { ordinary: &free, ..*question };
+        let base = Candidate::rough(question, None).unwrap();
+        let sets = effects.map(|name| added(question, &base, name, None));
+        seen(question, &base, ranked(question, &base, sets.to_vec()));
+    });
+}
+
+#[test]
+fn sets_that_are_far_off_are_refitted_to_recordings_that_are_believed_less_and_bend_less() {
+    beside_a_bent_gain(["coulomb-friction", "internal-leakage"], |question, base, sets| {
+        let before: Vec<Candidate> = sets.iter().map(|(set, _)| set.clone()).collect();
+        let after = believed(question, base, sets, None).unwrap();
+        assert_eq!(after.len(), before.len());
+        for (set, _) in &after {
+            let was = before.iter().find(|one| one.names() == set.names()).unwrap();
+            assert!(was.worst_over_noise(question) > FAR, "{:?}", was.names());
+            assert!(set.bent(question) < 0.5 * was.bent(question), "{:?} {}", set.names(), set.bent(question));
+        }
+    });
+}
+
+#[test]
+fn where_a_set_is_at_its_noise_recordings_are_believed() {
+    with_press(&[(P::CoulombFriction, 300.0)], |question| {
+        let base = Candidate::rough(question, None).unwrap();
+        let sets = ["coulomb-friction", "internal-leakage"].map(|name| added(question, &base, name, None));
+        let sets = ranked(question, &base, sets.to_vec());
+        let told = |sets: &[(Candidate, f64)]| -> Vec<_> {
+            sets.iter().map(|(set, net)| (set.names(), *net, set.fit.machine)).collect()
+        };
+        let before = told(&sets);
+        assert_eq!(told(&believed(question, &base, sets, None).unwrap()), before);
+    });
+}
