@@ -67,7 +67,11 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Cha
         let constant = mechanics.load;
 
         let motion = &state.motion;
-        let (flows, drawn) = feed.start::<V>(pressures, state.supply.pressure, || chambers.filling(motion.velocity));
+        let filling = || {
+            let beside = with(chambers.inflow::<V>(Flows { a: N::ZERO, b: N::ZERO }, pressures));
+            chambers.filling(mechanics.making_room::<V>(motion), beside)
+        };
+        let (flows, drawn) = feed.start::<V>(pressures, state.supply.pressure, filling);
         let yielding = chambers.yielding::<V>(&flows);
         let start = self.pressure_force(pressures) + load.from + constant;
         let contact = equation.contact(velocity, start);

@@ -63,7 +63,7 @@ pub(crate) struct Filled<N: Number, E> {
 pub(crate) struct Filling<N: Number> {
     /// Pressure that a flow of 1 makes over the tick.
     pub(crate) stiffness: N::Gain,
-    /// Flow that the rod makes room for at its speed: into A, out of B.
+    /// Flow that is taken up elsewhere, by the rod at its speed and by what leaks: into A, out of B.
     pub(crate) room: N,
 }
 
@@ -72,6 +72,12 @@ impl<N: Number> Filling<N> {
     #[inline]
     pub(crate) fn reversed(self) -> Self {
         Self { room: -self.room, ..self }
+    }
+
+    /// The same with a flow the other way beside it.
+    #[inline]
+    pub(crate) fn against(self, flow: N) -> Self {
+        Self { room: self.room + flow, ..self }
     }
 }
 
@@ -196,12 +202,12 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
         ChamberState { a: N::dot([self.stiffness_a], [net.a]), b: N::dot([self.stiffness_b], [net.b]) }
     }
 
-    /// How a tick fills both chambers that begins at this velocity.
+    /// How a tick fills both chambers, in which a rod at this velocity makes room, with these flows into A and out of B beside the feed's.
     #[inline]
-    pub(crate) fn filling(&self, velocity: N) -> Flows<Filling<N>> {
+    pub(crate) fn filling(&self, velocity: N, beside: Flows<N>) -> Flows<Filling<N>> {
         Flows {
-            a: Filling { stiffness: self.stiffness_a, room: velocity },
-            b: Filling { stiffness: self.stiffness_b, room: self.displaced_b(velocity) },
+            a: Filling { stiffness: self.stiffness_a, room: velocity - beside.a },
+            b: Filling { stiffness: self.stiffness_b, room: self.displaced_b(velocity) - beside.b },
         }
     }
 

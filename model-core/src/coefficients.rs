@@ -263,6 +263,23 @@ mod tests {
         Drive::<PerUnit>::new::<64>(machine, tick).err()
     }
 
+    /// A bent gain and large edges together may open further than the format holds, where neither does alone.
+    #[test]
+    fn an_opening_that_is_too_large_is_refused_by_what_makes_most_of_it() {
+        let with = |linear: f64, ratio: f64| {
+            let sizes = [(P::FlowGainLinear, linear), (P::MeteringRatio, ratio), (P::MovingMass, 50.0)];
+            refusal(&light().with(&sizes), Tick::OneMillisecond)
+        };
+        for (linear, ratio, of) in [(1.0, 3.5, P::MeteringRatio), (3.5, 1.0, P::FlowGainLinear)] {
+            let error = with(linear, ratio).unwrap();
+            let MachineError::DoesNotFit { parameter, coefficient, scaled, .. } = error else { panic!("{error}") };
+            assert_eq!((parameter, coefficient), (of, "opening at full travel with its effects"));
+            assert!((scaled - 9.0).abs() < 1e-9, "{scaled}");
+        }
+        assert_eq!(with(0.0, 3.5), None);
+        assert_eq!(with(1.0, 0.0), None);
+    }
+
     #[test]
     fn too_fast_an_oil_spring_is_refused_by_its_mass_and_what_is_said_to_fit_does() {
         let machine = light();

@@ -111,6 +111,8 @@ impl<N: Number, E> Edges<N, E> {
         N::choose(flow.equals(free), || opening, || self.sloping_at_limit(opening, [flow, free], across, filling()))
     }
 
+    /// Whether a tick at the limit takes the pressures past where the limit's chord begins: what it fills, with that chord's share of what is
+    /// across, is more than what is across.
     #[cold]
     #[inline(never)]
     fn sloping_at_limit(&self, opening: N, [flow, free]: [N; 2], across: N, filling: Filling<N>) -> N {

@@ -11,7 +11,7 @@ use crate::friction::{DryFriction, PlacedDrag};
 use crate::number::Number;
 use crate::position_load::PositionLoad;
 use crate::unnamed::{Push, States};
-use crate::vocabulary::{Effects, LinkEffects};
+use crate::vocabulary::{Effects, Keeps, LinkEffects, Vocabulary};
 
 pub use crate::friction::Contact;
 
@@ -133,6 +133,17 @@ pub struct Surroundings<N> {
 impl<N: Number> Surroundings<N> {
     /// No pressures, and the thinnest oil.
     pub const NONE: Self = Self { pressed: N::ZERO, viscosity: N::ZERO, states: States::NONE };
+}
+
+impl<N: Number, E: Keeps<MechanicalEffects<N>>> Mechanics<N, E> {
+    /// Velocity at which the rod makes room for oil over a tick that it begins so: none where a stop has caught it by the end.
+    #[inline]
+    pub(crate) fn making_room<V: Vocabulary>(&self, motion: &MotionState<N>) -> N {
+        let resistance = V::on(self.effects.kept()).and_then(|effects| effects.resistance.as_ref());
+        let Some(stops) = resistance.and_then(|resistance| resistance.stops.as_ref()) else { return motion.velocity };
+        let ahead = N::travelled(motion.position, [self.travel], [motion.velocity]);
+        N::pick(stops.touched(ahead).any(), N::ZERO, motion.velocity)
+    }
 }
 
 impl<N: Number, E> Mechanics<N, E> {

@@ -99,19 +99,23 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         let passing = self.passing(effects, &from, pressures, supply);
         let started = self.overlap.beyond(slider.from);
         let way = N::choose(started.equals(N::ZERO), || self.overlap.beyond(slider.to), || started);
-        let filling = filling();
-        let sloping = |across: N, filling: Filling<N>| {
-            move |passing: Passing<N>, opening: N| {
-                let opening = self.sloping(opening, [passing.flow, passing.free], across, || filling);
-                Self::steepness(effects, passing.slope, opening)
-            }
-        };
         let (across, larger) = (self.across_each(pressures, supply), larger(way, &from, to));
+        // An edge fills what the other edge of its port does not empty.
+        let steep = |passing: Passing<N>, opening: N, across: N, filling: &dyn Fn() -> Filling<N>| {
+            let opening = self.sloping(opening, [passing.flow, passing.free], across, filling);
+            Self::steepness(effects, passing.slope, opening)
+        };
         let steep = Four {
-            supply_a: sloping(across.supply_a, filling.a)(passing.supply_a, larger.supply_a),
-            tank_a: sloping(across.tank_a, filling.a.reversed())(passing.tank_a, larger.tank_a),
-            supply_b: sloping(across.supply_b, filling.b.reversed())(passing.supply_b, larger.supply_b),
-            tank_b: sloping(across.tank_b, filling.b)(passing.tank_b, larger.tank_b),
+            supply_a: steep(passing.supply_a, larger.supply_a, across.supply_a, &|| {
+                filling().a.against(passing.tank_a.flow)
+            }),
+            tank_a: steep(passing.tank_a, larger.tank_a, across.tank_a, &|| {
+                filling().a.reversed().against(passing.supply_a.flow)
+            }),
+            supply_b: steep(passing.supply_b, larger.supply_b, across.supply_b, &|| {
+                filling().b.reversed().against(passing.tank_b.flow)
+            }),
+            tank_b: steep(passing.tank_b, larger.tank_b, across.tank_b, &|| filling().b.against(passing.supply_b.flow)),
         };
         let supplied = steep.supply_a + steep.supply_b;
         let soft = |own: N| match &effects.droop {
@@ -143,10 +147,8 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
             let Lines { supply, .. } = self.lines_at(supply);
             let edge = |opening: N, pressure: N| {
                 let passing = self.through(opening, (supply - pressure).orifice_root(self.transition));
-                {
-                    let opening = self.within_limit(opening, passing.flow, passing.free);
-                    (passing.flow, Self::steepness(effects, passing.slope, opening))
-                }
+                let opening = self.within_limit(opening, passing.flow, passing.free);
+                (passing.flow, Self::steepness(effects, passing.slope, opening))
             };
             let ((flow_a, steep_a), (flow_b, steep_b)) = (edge(into_a, pressures.a), edge(into_b, pressures.b));
             Draw { flow: flow_a + flow_b, steepness: steep_a + steep_b }

@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 
+use host_sim::testbed::{Commands, InitialState, LoadEffect, PlantEffect};
 use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState, Entry, Load};
 use model_core::fixed_point::PerUnit;
@@ -13,6 +14,7 @@ use model_core::valve::Slider;
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use system_tests::any_machine::any_tick;
+use system_tests::simulate::{Row, core, oracle_with};
 
 use super::cases;
 
@@ -70,12 +72,16 @@ proptest! {
     }
 }
 
+/// Where the rods of the drives below start: half a stroke.
+const MIDDLE_M: f64 = 0.15;
+
 /// A rod on its oil's spring, at this many radians a tick and hardly damped, behind a valve that would pass `ratio` times its limit; at that
 /// a tick would fill chamber A, with the rod held, by `fill` times half the supply.
 fn sprung_drive(tick: Tick, turn: f64, ratio: f64, fill: f64) -> Machine<f64> {
     const DAMPING: f64 = 0.02;
     let areas = [(P::AreaA, 2e-3), (P::AreaB, 1.2e-3), (P::VolumeA, 3e-4), (P::VolumeB, 3e-4), (P::BulkModulus, 1e9)];
-    let machine = Machine::with_defaults(Source::Valve).with(&areas).with(&[(P::Stroke, 0.3)]);
+    let machine =
+        Machine::with_defaults(Source::Valve).with(&areas).with(&[(P::Stroke, 2.0 * MIDDLE_M), (P::ValveGain, 0.1)]);
     let (spring, turn_per_s) = (machine.oil_spring_n_per_m(), turn / tick.seconds());
     let mass = spring / (turn_per_s * turn_per_s);
     let limit = 2e-3 * 0.2;
@@ -90,12 +96,45 @@ fn sprung_drive(tick: Tick, turn: f64, ratio: f64, fill: f64) -> Machine<f64> {
     ])
 }
 
-/// How much the pressure in A still swings over the last of 3000 ticks with the valve held open, in parts of the supply.
-fn swing<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick) -> f64 {
+/// What else passes oil beside the edges that the slider opens.
+#[derive(Clone, Copy, Debug, Default)]
+struct Passing {
+    /// Opening of all four edges at the centre.
+    valve: f64,
+    /// Flow past the piston and out of either chamber at the supply pressure, in parts of the limit.
+    piston: f64,
+}
+
+impl Passing {
+    fn on(self, machine: &Machine<f64>) -> Machine<f64> {
+        let conductance = self.piston * machine.get(P::FlowLimit) / machine.get(P::SupplyPressure);
+        machine.with(&[
+            (P::ValveLeakageOpening, self.valve),
+            (P::ValveLeakageReach, 1.0),
+            (P::InternalLeakage, conductance),
+            (P::ExternalLeakageA, conductance),
+            (P::ExternalLeakageB, conductance),
+        ])
+    }
+}
+
+/// Which way the slider goes.
+fn any_way() -> impl Strategy<Value = f64> {
+    prop_oneof![Just(1.0), Just(-1.0)]
+}
+
+fn any_passing() -> impl Strategy<Value = Passing> {
+    let valve = (0.0..0.5_f64).prop_map(|valve| Passing { valve, ..Passing::default() });
+    let piston = (0.0..0.3_f64).prop_map(|piston| Passing { piston, ..Passing::default() });
+    prop_oneof![Just(Passing::default()), valve, piston]
+}
+
+/// How much the pressure in A still swings over the last of 3000 ticks with the slider held at `open`, in parts of the supply.
+fn swing<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, open: f64) -> f64 {
     let drive = Drive::<N>::new::<64>(machine, tick).expect("the drive fits");
     let rest = N::saturated(0.5);
     let mut state: DriveState<N, 64> = drive.at_rest(N::ZERO, ChamberState { a: rest, b: rest }, N::travel(0.5));
-    let open = N::saturated(1.0);
+    let open = N::saturated(open);
     let mut ends = (f64::INFINITY, f64::NEG_INFINITY);
     for tick in 0..3000 {
         drive.step(&mut state, Entry::Slider(Slider { from: open, to: open }), Load::NONE);
@@ -108,23 +147,104 @@ fn swing<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick) -> f64 {
 }
 
 /// No pressure moves a flow at its limit. With the slope of its chord in every step, two of three such drives swung up and went on; what is left
-/// are large swings of a quarter turn a tick.
+/// are large swings at a radian a tick, and small ones where leakage holds a pressure where the limit begins.
 #[test]
 fn hardly_any_rod_on_its_oils_spring_swings_up_behind_a_limited_flow() {
-    let any = (0.3..1.6_f64, 0.5..6.0_f64, 0.2..6.0_f64, any_tick());
+    let any = (0.3..1.6_f64, 0.5..6.0_f64, 0.2..6.0_f64, any_tick(), any_way(), any_passing());
     let swings = RefCell::new(Vec::new());
-    TestRunner::new(cases(2000))
-        .run(&any, |(turn, ratio, fill, tick)| {
-            let machine = sprung_drive(tick, turn, ratio, fill);
+    TestRunner::new(cases(2500))
+        .run(&any, |(turn, ratio, fill, tick, way, passing)| {
+            let machine = passing.on(&sprung_drive(tick, turn, ratio, fill));
             prop_assume!(Drive::<PerUnit>::new::<64>(&machine, tick).is_ok());
-            swings.borrow_mut().push([swing::<f64>(&machine, tick), swing::<PerUnit>(&machine, tick)]);
+            let swing = [swing::<f64>(&machine, tick, way), swing::<PerUnit>(&machine, tick, way)];
+            swings.borrow_mut().push((passing, swing));
             Ok(())
         })
         .unwrap();
     let swings = swings.into_inner();
-    for of in 0..2 {
-        let still = swings.iter().filter(|swing| swing[of] > 1e-3).count();
-        println!("{still} of {} still swing", swings.len());
-        assert!(200 * still < swings.len(), "{still} of {}", swings.len());
+    for (what, of) in [("leakage", true), ("none", false)] {
+        for number in 0..2 {
+            let such =
+                swings.iter().filter(|(passing, _)| (passing.piston > 0.0) == of).map(|(_, swing)| swing[number]);
+            let (all, still): (Vec<f64>, f64) = (such.clone().collect(), such.fold(0.0, f64::max));
+            let moved = all.iter().filter(|swing| **swing > 1e-3).count();
+            println!("{what}: {moved} of {} still swing, by {still:.2} at most", all.len());
+            let (share, most) = if of { (25, 0.3) } else { (200, f64::INFINITY) };
+            assert!(share * moved < all.len() && still < most, "{what}: {moved} of {}, by {still}", all.len());
+        }
     }
+}
+
+/// By how much more than the truth either pressure leaves half the supply, in supplies.
+fn beyond_truth<N: Scalar<Real = f64>>(
+    machine: &Machine<f64>,
+    stop: Option<PlantEffect>,
+    tick: Tick,
+    volts: &[f64],
+) -> f64 {
+    let half = 0.5 * machine.get(P::SupplyPressure);
+    let at_middle = InitialState::at_rest(machine, MIDDLE_M);
+    let initial = InitialState { pressure_a_pa: half, pressure_b_pa: half, ..at_middle };
+    let largest = |rows: &[Row]| {
+        let of_row = |row: &Row| f64::max((row.pressure_a - 0.5).abs(), (row.pressure_b - 0.5).abs());
+        rows.iter().map(of_row).fold(0.0, f64::max)
+    };
+    let commands = Commands::Valve(volts.to_vec());
+    largest(&core::<N>(machine, tick, volts, &initial))
+        - largest(&oracle_with(machine, stop.as_slice(), tick, &commands, &initial))
+}
+
+/// Fails where more than one of a hundred errors is above a supply.
+fn hardly_any_above_a_supply(errors: &[[f64; 2]]) {
+    for number in 0..2 {
+        let above = errors.iter().filter(|error| error[number] > 1.0).count();
+        println!("{above} of {} err by more than a supply", errors.len());
+        assert!(100 * above <= errors.len(), "{above} of {}", errors.len());
+    }
+}
+
+/// A stopped rod makes no room. With that of a free one counted, one in fifteen drives of this draw ended up to two supplies too high.
+#[test]
+fn a_rod_that_a_stop_catches_behind_a_limited_flow_drives_no_pressure_beyond_the_true_one() {
+    let any = (0.3..1.6_f64, 0.5..6.0_f64, 0.2..6.0_f64, any_tick(), any_way(), 0.005..0.2_f64);
+    let errors = RefCell::new(Vec::new());
+    TestRunner::new(cases(400))
+        .run(&any, |(turn, ratio, fill, tick, way, strokes)| {
+            let free = sprung_drive(tick, turn, ratio, fill);
+            let (at_m, extending) = (MIDDLE_M + way * strokes * 2.0 * MIDDLE_M, way > 0.0);
+            let face = if extending { P::StopExtended } else { P::StopRetracted };
+            let machine = free.with(&[(face, at_m), (P::StopStiffness, 1e8), (P::StopDamping, 1e4)]);
+            prop_assume!(Drive::<PerUnit>::new::<64>(&machine, tick).is_ok());
+            let stop = LoadEffect::EndStop { at_m, extending, stiffness: 1e11, damping_s_per_m: 3.0 };
+            let (stop, volts) = (Some(PlantEffect::Load(stop)), [10.0 * way; 400]);
+            let error = [
+                beyond_truth::<f64>(&machine, stop, tick, &volts),
+                beyond_truth::<PerUnit>(&machine, stop, tick, &volts),
+            ];
+            errors.borrow_mut().push(error);
+            Ok(())
+        })
+        .unwrap();
+    hardly_any_above_a_supply(&errors.into_inner());
+}
+
+/// A slider that leaves the limit and comes back within some ticks.
+#[test]
+fn a_slider_that_goes_back_through_its_dead_centre_drives_no_pressure_beyond_the_true_one() {
+    let any = (0.3..1.6_f64, 0.5..6.0_f64, 0.2..6.0_f64, any_tick(), 0.0..1.0_f64, 1.0..4.0_f64);
+    let errors = RefCell::new(Vec::new());
+    TestRunner::new(cases(300))
+        .run(&any, |(turn, ratio, fill, tick, back, lag)| {
+            let machine = sprung_drive(tick, turn, ratio, fill).with(&[(P::TimeConstant1, lag * tick.seconds())]);
+            prop_assume!(Drive::<PerUnit>::new::<64>(&machine, tick).is_ok());
+            let volts: Vec<f64> = (0..200).map(|k| if k % 40 < 20 { 10.0 } else { -10.0 * back }).collect();
+            let error = [
+                beyond_truth::<f64>(&machine, None, tick, &volts),
+                beyond_truth::<PerUnit>(&machine, None, tick, &volts),
+            ];
+            errors.borrow_mut().push(error);
+            Ok(())
+        })
+        .unwrap();
+    hardly_any_above_a_supply(&errors.into_inner());
 }
