@@ -117,21 +117,27 @@ impl Candidate {
         Self::refitted(question, effects, self.jumps.clone(), &from).map(Some)
     }
 
-    /// Refitted to the end. An amount that vanished beside others has left no slope that leads back, nor has a strength at the end of
-    /// what is admissible: the middle of its range is tried as well.
+    /// Refitted to the end.
     pub fn finished(&self, question: &Question<'_>) -> Result<Self, FitError> {
-        let to_the_end = |fit: &Fit, values: &[(Parameter, f64)]| {
-            let from = Beginning { fit, values, settled: &[], goes: Goes::ToTheEnd };
-            Self::refitted(question, self.effects.clone(), self.jumps.clone(), &from)
-        };
-        let found = to_the_end(&self.fit, &[])?;
+        self.again_from(question, &[])?.unstuck(question)
+    }
+
+    /// What was refitted to the end, refitted again where that leaves less. An amount that vanished beside others has left no slope that
+    /// leads back, nor has a strength at the end of what is admissible: the middle of its range is tried.
+    pub fn unstuck(self, question: &Question<'_>) -> Result<Self, FitError> {
         let lost: Vec<(Parameter, f64)> =
-            found.vanished(question.scene).into_iter().chain(found.stranded(question.scene)).collect();
+            self.vanished(question.scene).into_iter().chain(self.stranded(question.scene)).collect();
         if lost.is_empty() {
-            return Ok(found);
+            return Ok(self);
         }
-        let again = to_the_end(&found.fit, &lost)?;
-        Ok(if again.fit.loss < found.fit.loss { again } else { found })
+        let again = self.again_from(question, &lost)?;
+        Ok(if again.fit.loss < self.fit.loss { again } else { self })
+    }
+
+    /// Refitted to the end from where it is, but from these values.
+    fn again_from(&self, question: &Question<'_>, values: &[(Parameter, f64)]) -> Result<Self, FitError> {
+        let from = Beginning { fit: &self.fit, values, settled: &[], goes: Goes::ToTheEnd };
+        Self::refitted(question, self.effects.clone(), self.jumps.clone(), &from)
     }
 
     /// This set and one with other effects and other parameters together, refitted to the end.

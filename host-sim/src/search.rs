@@ -7,7 +7,7 @@ use crate::fit::{CHANCE, FitError};
 use crate::hypothesis::Hypothesis;
 use crate::screen::Lead;
 use crate::tempered::Tempered;
-use crate::verdict::{EARNED, excess};
+use crate::verdict::{excess, is_earned};
 
 /// An effect that promises less than this share of what the best does is not refitted.
 const PROMISING: f64 = 0.05;
@@ -172,12 +172,11 @@ pub fn refined(
         let forms = effect.refined_from(plain.form);
         forms.map(move |form| {
             done(effect.name);
-            set.instead(&question, index, Chosen { effect, form }, &[])
+            set.instead(&question, index, Chosen { effect, form }, &[])?.unstuck(&question)
         })
     };
     let mut found: Vec<Candidate> = set.effects.iter().enumerate().flat_map(finer).collect::<Result<_, _>>()?;
-    let most = (1.0 - EARNED) * excess(&set.residuals);
-    found.retain(|finer| excess(&finer.residuals) < most);
+    found.retain(|finer| is_earned(set, finer));
     Ok(found)
 }
 

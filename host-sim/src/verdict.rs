@@ -25,7 +25,7 @@ use crate::search::{enriched, is_hopeful, least_above, of_each, refined, widened
 use crate::tempered::Tempered;
 use apart::Side;
 pub use confirmation::{Confirmation, confirm};
-pub(crate) use likelihood::{EARNED, FORM, Gained, excess};
+pub(crate) use likelihood::{FORM, Gained, excess, is_earned};
 use likelihood::{accepts, prefer_plain, ranked};
 pub use whole::lengthened;
 
@@ -164,9 +164,9 @@ impl Course {
             let most = if round == 0 { REFITTED } else { BESIDE };
             let asked = Question { hypotheses: &open, ..*question };
             let found = widened(&asked, &self.tempered, &self.beam, most, done)?;
-            let ranked = self.refined(question, finished(question, &self.base, found)?, done)?;
+            let ranked = self.refined(question, finished(question, &self.base, found)?, near, done)?;
             let ranked = self.extended(question, ranked, near, done)?;
-            self.rounds.push(ranked.iter().map(|(candidate, net)| trial(candidate, *net)).collect());
+            self.rounds.push(trials(&ranked));
             self.beam = ranked.iter().take(BEAM).map(|(candidate, _)| candidate.clone()).collect();
             if let Some(better) = self.claimed(question)? {
                 self.chosen = better;
@@ -182,14 +182,15 @@ impl Course {
         Ok(())
     }
 
-    /// A ranked round with what refines its finished sets that are above their noise.
+    /// A ranked round with what refines its finished sets that are not `near` their noise.
     fn refined(
         &self,
         question: &Question<'_>,
         ranked: Vec<(Candidate, f64)>,
+        near: f64,
         done: &(impl Fn(&str) + Sync),
     ) -> Result<Vec<(Candidate, f64)>, FitError> {
-        let far = |set: &Candidate| set.is_finished && set.worst_over_noise(question) > AT_NOISE;
+        let far = |set: &Candidate| set.is_finished && set.worst_over_noise(question) > near;
         let sets: Vec<&Candidate> = ranked.iter().map(|(set, _)| set).filter(|set| far(set)).collect();
         let finer = of_each(&sets, |set| refined(question, set, done))?;
         if finer.is_empty() {
@@ -220,15 +221,16 @@ impl Course {
     /// What may be claimed of the first set of the beam of which anything may; where nothing may, of the best one without an effect that only
     /// showed the way.
     fn claimed(&mut self, question: &Question<'_>) -> Result<Option<Candidate>, FitError> {
+        let over = self.base.clone();
         for candidate in self.beam.clone() {
-            if let Some(claim) = self.claim(question, candidate)? {
+            if let Some(claim) = self.claim(question, &over, candidate)? {
                 return Ok(Some(claim));
             }
         }
         let Some(best) = self.beam.first().filter(|best| best.effects.len() > 1).cloned() else { return Ok(None) };
         for index in 0..best.effects.len() {
-            if let Some(claim) = self.claim(question, best.without(question, index)?)? {
-                enter(question, &self.base, &mut self.rounds, &claim);
+            if let Some(claim) = self.claim(question, &over, best.without(question, index)?)? {
+                enter(question, &over, &mut self.rounds, &claim);
                 return Ok(Some(claim));
             }
         }
@@ -236,37 +238,33 @@ impl Course {
     }
 
     /// What of a set may be claimed: it, but for every effect that the others make superfluous. `None` where it may not be claimed, or what is
-    /// left may not.
-    fn claim(&mut self, question: &Question<'_>, set: Candidate) -> Result<Option<Candidate>, FitError> {
-        if !self.is_likely(question, &set) || !self.claims(question, &set)? {
+    /// left may not. `over` is the base that the rounds were ranked over.
+    fn claim(
+        &mut self,
+        question: &Question<'_>,
+        over: &Candidate,
+        set: Candidate,
+    ) -> Result<Option<Candidate>, FitError> {
+        if !self.is_likely(question, over, &set) || !self.claims(question, &set)? {
             return Ok(None);
         }
         let effects = set.effects.len();
         let Some(rest) = reduced(question, &self.base, set, &self.joined)? else { return Ok(None) };
         if rest.effects.len() < effects {
-            if !self.is_likely(question, &rest) || !self.stands(question, &rest)? {
+            if !self.is_likely(question, over, &rest) || !self.stands(question, &rest)? {
                 return Ok(None);
             }
-            enter(question, &self.base, &mut self.rounds, &rest);
+            enter(question, over, &mut self.rounds, &rest);
         }
         Ok(Some(rest))
     }
 
     /// Whether no other set of as many effects is likelier by more than chance. What cannot be claimed may still be what it
     /// is, and nothing less likely stands in for it; an extension only says more of the same.
-    fn is_likely(&self, question: &Question<'_>, set: &Candidate) -> bool {
+    fn is_likely(&self, question: &Question<'_>, over: &Candidate, set: &Candidate) -> bool {
         let Some(round) = self.rounds.get(set.effects.len() - 1) else { return true };
-        let plainest = |effects: &mut dyn Iterator<Item = &'static Hypothesis>| {
-            let mut names: Vec<&str> = effects.map(Hypothesis::plainest).collect();
-            names.sort_unstable();
-            names
-        };
-        let of_set = plainest(&mut set.effects.iter().map(|chosen| chosen.effect));
-        let (same, others): (Vec<&Trial>, Vec<&Trial>) =
-            round.iter().partition(|trial| plainest(&mut trial.effects.iter().copied()) == of_set);
-        let now = ranked(question, &self.base, vec![set.clone()]);
-        let nets = |trials: Vec<&Trial>| trials.into_iter().map(|trial| trial.net).fold(f64::NEG_INFINITY, f64::max);
-        now.iter().map(|(_, net)| *net).fold(nets(same), f64::max) > nets(others) - CHANCE
+        let now = ranked(question, over, vec![set.clone()]);
+        is_likeliest(set, now.first().map(|(_, net)| *net), round)
     }
 
     /// Whether a set may be claimed over what is chosen: each of its effects is one that can be, and they are worth their
@@ -282,10 +280,11 @@ impl Course {
     /// well alone.
     fn stands(&mut self, question: &Question<'_>, set: &Candidate) -> Result<bool, FitError> {
         let Some(plain) = Candidate::below(question, &set.fit, self.base.fit.loss)? else { return Ok(true) };
-        if self.chosen.effects.is_empty() {
-            self.chosen = plain.clone();
-        }
         self.base = plain;
+        // What was chosen has to be worth its strengths over that as well.
+        if self.chosen.effects.is_empty() || !accepts(question, &self.base, &self.base, &self.chosen)? {
+            self.chosen = self.base.clone();
+        }
         accepts(question, &self.base, &self.base, set)
     }
 
@@ -295,12 +294,30 @@ impl Course {
     }
 }
 
-/// Enters a set into the round of its size, in the place of a worse fit of the same effects.
+/// Whether no other set of a round is likelier by more than chance than one that gains so much `now`, or what it gained in that round.
+fn is_likeliest(set: &Candidate, now: Option<f64>, round: &[Trial]) -> bool {
+    let plainest = |effects: &mut dyn Iterator<Item = &'static Hypothesis>| {
+        let mut names: Vec<&str> = effects.map(Hypothesis::plainest).collect();
+        names.sort_unstable();
+        names
+    };
+    let of_set = plainest(&mut set.effects.iter().map(|chosen| chosen.effect));
+    let (same, others): (Vec<&Trial>, Vec<&Trial>) =
+        round.iter().partition(|trial| plainest(&mut trial.effects.iter().copied()) == of_set);
+    let nets = |trials: Vec<&Trial>| trials.into_iter().map(|trial| trial.net).fold(f64::NEG_INFINITY, f64::max);
+    now.into_iter().fold(nets(same), f64::max) > nets(others) - CHANCE
+}
+
+/// Enters a set into the round of its size, unless a better fit of the same effects is there.
 fn enter(question: &Question<'_>, base: &Candidate, rounds: &mut [Vec<Trial>], candidate: &Candidate) {
     let Some(round) = rounds.get_mut(candidate.effects.len() - 1) else { return };
-    round.retain(|trial| !trial.is_of(candidate));
-    let entered = ranked(question, base, vec![candidate.clone()]);
-    round.extend(entered.iter().map(|(candidate, net)| trial(candidate, *net)));
+    for (candidate, net) in ranked(question, base, vec![candidate.clone()]) {
+        let is_better = |trial: &Trial| trial.is_of(&candidate) && trial.net >= net;
+        if !round.iter().any(is_better) {
+            round.retain(|trial| !trial.is_of(&candidate));
+            round.push(trial(&candidate, net));
+        }
+    }
     round.sort_by(|a, b| b.net.total_cmp(&a.net));
 }
 
@@ -312,23 +329,45 @@ fn reduced(
     full: Candidate,
     stay: &[&str],
 ) -> Result<Option<Candidate>, FitError> {
-    let (mut rest, mut is_claim) = (full, true);
+    let (mut rest, mut is_claim) = (unrefined(question, full)?, true);
     while rest.effects.len() > 1 {
-        let mut fewer: Vec<(bool, Candidate)> = Vec::new();
-        for index in (0..rest.effects.len()).filter(|&index| !stay.contains(&rest.effects[index].effect.plainest())) {
+        let without = |index: usize| -> Result<Option<(bool, Candidate)>, FitError> {
             let without = rest.without(question, index)?;
-            if without.is_plausible(question.scene) && !accepts(question, base, &without, &rest)? {
-                fewer.push((accepts(question, base, base, &without)?, without));
+            if !without.is_plausible(question.scene) || accepts(question, base, &without, &rest)? {
+                return Ok(None);
             }
-        }
+            Ok(Some((accepts(question, base, base, &without)?, without)))
+        };
+        let may_go = |&index: &usize| !stay.contains(&rest.effects[index].effect.plainest());
+        let indices: Vec<usize> = (0..rest.effects.len()).filter(may_go).collect();
+        let fewer: Vec<Option<(bool, Candidate)>> = indices.into_par_iter().map(without).collect::<Result<_, _>>()?;
         // Of two that each make the other superfluous, the one that is a claim stays, or the one that leaves less.
         let best = fewer
             .into_iter()
+            .flatten()
             .min_by(|(one, a), (other, b)| other.cmp(one).then_with(|| a.fit.loss.total_cmp(&b.fit.loss)));
         let Some(best) = best else { break };
         (is_claim, rest) = best;
     }
     Ok(is_claim.then_some(rest))
+}
+
+/// A set with the plain form of each refined one that no longer takes most of what that leaves, now that other effects are beside it.
+fn unrefined(question: &Question<'_>, mut set: Candidate) -> Result<Candidate, FitError> {
+    if set.effects.len() < 2 {
+        return Ok(set);
+    }
+    for index in 0..set.effects.len() {
+        let Chosen { effect, form } = set.effects[index];
+        for form in effect.plain_of(form) {
+            let plain = set.instead(question, index, Chosen { effect, form }, &[])?;
+            if plain.is_possible(question.scene) && !is_earned(&plain, &set) {
+                set = plain;
+                break;
+            }
+        }
+    }
+    Ok(set)
 }
 
 /// Whether nothing is left that a further effect could explain: the ordinary parameters of the best set are where they were
@@ -400,6 +439,10 @@ fn to_the_end(question: &Question<'_>, sets: Vec<Candidate>) -> Result<Vec<Candi
     let finished =
         |candidate: Candidate| if candidate.is_finished { Ok(candidate) } else { candidate.finished(question) };
     sets.into_par_iter().map(finished).collect()
+}
+
+fn trials(ranked: &[(Candidate, f64)]) -> Vec<Trial> {
+    ranked.iter().map(|(candidate, net)| trial(candidate, *net)).collect()
 }
 
 fn trial(candidate: &Candidate, net: f64) -> Trial {

@@ -305,6 +305,12 @@ impl Hypothesis {
         self.refined.iter().copied().filter(refines)
     }
 
+    /// The forms that a refined one refines.
+    pub fn plain_of(&self, finer: Form) -> impl Iterator<Item = Form> {
+        let refines = move |plain: &Form| self.refined_from(plain).any(|form| std::ptr::eq(form, finer));
+        self.forms.iter().copied().filter(refines)
+    }
+
     /// Whether a drive in this scene can show it at all, in any form.
     #[must_use]
     pub fn is_testable(&self, scene: &Scene<'_>) -> bool {
@@ -348,6 +354,19 @@ mod tests {
                 assert!(extension.taken.iter().all(|taken| hypothesis.parameters().any(|own| own == *taken)));
             }
         }
+    }
+
+    #[test]
+    fn every_refined_form_has_plain_ones_within_it() {
+        let mut refined = 0;
+        for hypothesis in CATALOGUE {
+            for &form in hypothesis.refined {
+                assert!(hypothesis.plain_of(form).next().is_some(), "{}", hypothesis.name);
+                refined += 1;
+            }
+            assert!(hypothesis.forms.iter().all(|form| hypothesis.plain_of(form).next().is_none()));
+        }
+        assert!(refined > 0);
     }
 
     #[test]

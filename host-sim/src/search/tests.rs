@@ -90,8 +90,16 @@ fn edges_of_four_sizes_refine_those_of_two_wherever_the_set_has_them() {
     }
 }
 
+/// Edges of two sizes beside a return line that nobody looks for: all sizes follow some of that, but not most.
 #[test]
 fn what_takes_less_than_three_quarters_refines_nothing() {
-    let none = [(P::MeteringRatio, -0.3), (P::MeteringPorts, 0.0), (P::MeteringDirections, 0.0)];
-    refined_edges(none, P::MeteringRatio, |_, found| assert!(found.is_empty()));
+    with_press(&[(P::MeteringRatio, -0.3), (P::ReturnResistance, 1.5e13)], |question| {
+        let base = Candidate::rough(question, None).unwrap();
+        let edges = added(question, &base, "metering-asymmetry", Some(P::MeteringRatio));
+        let effect = edges.effects[0].effect;
+        let finer = edges.instead(question, 0, Chosen { effect, form: effect.refined[0] }, &[]).unwrap();
+        let share = excess(&finer.residuals) / excess(&edges.residuals);
+        assert!(share < 0.95 && share > 0.3, "{share}");
+        assert!(refined(question, &edges, &|_| ()).unwrap().is_empty());
+    });
 }

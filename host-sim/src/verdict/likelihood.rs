@@ -11,7 +11,7 @@ const LEAST_SHARE: f64 = 0.5;
 /// explains less than this of what the first ones did cannot be told from their own form's error.
 pub(crate) const FORM: f64 = 0.1;
 /// An extension that explains less than that still earns its place by this share of what the plainer effect leaves.
-pub(crate) const EARNED: f64 = 0.75;
+const EARNED: f64 = 0.75;
 
 /// Best first by log-likelihood gained over the base less penalty; only the best form of the same effects stays.
 pub(super) fn ranked(question: &Question<'_>, base: &Candidate, found: Vec<Candidate>) -> Vec<(Candidate, f64)> {
@@ -75,7 +75,7 @@ pub(super) fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>)
             })
         });
         let (left, leaves) = (excess(&candidate.residuals), excess(&best.residuals));
-        let earned = best_net - net > CHANCE && (left - leaves > FORM * FORM * most || leaves < (1.0 - EARNED) * left);
+        let earned = best_net - net > CHANCE && (left - leaves > FORM * FORM * most || is_earned(candidate, best));
         extended && !earned
     });
     if let Some(index) = plainer {
@@ -86,6 +86,11 @@ pub(super) fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>)
         }
         ranked.insert(0, plain);
     }
+}
+
+/// Whether a finer form takes enough of what the plain one leaves.
+pub(crate) fn is_earned(plain: &Candidate, finer: &Candidate) -> bool {
+    excess(&finer.residuals) < (1.0 - EARNED) * excess(&plain.residuals)
 }
 
 /// The loss of a series, or what pure noise would lose if that is more: nothing below it can be gained.

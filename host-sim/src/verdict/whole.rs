@@ -1,10 +1,13 @@
 //! What was found on the first part of long recordings, held against the whole of them.
 //!
-//! Base and chosen set are refitted on the whole, which has to accept the set once more. What acts slowly does not show in
-//! a first part: where the whole is left above its noise, the effects that act over time are tried on it.
+//! Base and chosen set are refitted on the whole, which has to accept the set once more; what it makes superfluous goes, where what is
+//! left was the likeliest of its size on the first part. What acts slowly does not show in a first part: where the whole is left above
+//! its noise, the effects that act over time are tried on it.
 
 use super::likelihood::{accepts, ranked};
-use super::{AT_NOISE, Candidate, FAR, MOST_EFFECTS, Question, Selection, explains_enough, reduced, trial};
+use super::{
+    AT_NOISE, Candidate, FAR, MOST_EFFECTS, Question, Selection, explains_enough, is_likeliest, reduced, trials,
+};
 use crate::candidate::Reference;
 use crate::fit::FitError;
 use crate::screen::Lead;
@@ -29,22 +32,34 @@ pub fn lengthened(
         && chosen.is_plausible(question.scene)
         && accepts(question, &selection.base, &selection.base, &chosen)?
         && let Some(claim) = reduced(question, &selection.base, chosen, &found.joined)?
+        && found.makes_likeliest(&claim)
     {
         selection.chosen = claim;
     }
     if selection.chosen.effects.len() < MOST_EFFECTS
         && !explains_enough(question, &selection.base, &selection.chosen, AT_NOISE)
-        && let Some(slow) = slow(question, &selection.chosen, done)?
+        && let Some((slow, others)) = slow(question, &selection.chosen, done)?
         && accepts(question, &selection.base, &selection.chosen, &slow)?
+        && let Some(claim) = reduced(question, &selection.base, slow.clone(), &found.joined)?
     {
-        let added = ranked(question, &selection.base, vec![slow.clone()]);
-        selection.rounds.truncate(selection.chosen.effects.len());
-        selection.rounds.push(added.iter().map(|(candidate, net)| trial(candidate, *net)).collect());
-        if let Some(claim) = reduced(question, &selection.base, slow, &found.joined)? {
-            selection.chosen = claim;
-        }
+        // It stands against what else the whole recordings were asked about.
+        let mut of_its_size = others;
+        of_its_size.extend([slow, selection.chosen, claim.clone()]);
+        of_its_size.retain(|set| set.effects.len() == claim.effects.len());
+        selection.rounds.truncate(claim.effects.len() - 1);
+        selection.rounds.push(trials(&ranked(question, &selection.base, of_its_size)));
+        selection.chosen = claim;
     }
     Ok(selection)
+}
+
+impl Selection {
+    /// Whether a claim that is left of the chosen set was the likeliest of its size, where that was decided.
+    fn makes_likeliest(&self, claim: &Candidate) -> bool {
+        let count = claim.effects.len();
+        count == self.chosen.effects.len()
+            || self.rounds.get(count - 1).is_some_and(|round| is_likeliest(claim, None, round))
+    }
 }
 
 /// The machine file's model on the whole: to the end only where that is near, for what lacks an effect never quite arrives.
@@ -53,12 +68,12 @@ fn base(question: &Question<'_>, from: &Candidate) -> Result<Candidate, FitError
     if rough.worst_over_noise(question) < FAR { rough.finished(question) } else { Ok(rough) }
 }
 
-/// A set with the effect beside it that acts slowly and follows the whole recordings best, refitted.
+/// A set with the effect beside it that acts slowly and follows the whole recordings best, refitted, and those with each of the others.
 fn slow(
     question: &Question<'_>,
     from: &Candidate,
     done: &(impl Fn(&str) + Sync),
-) -> Result<Option<Candidate>, FitError> {
+) -> Result<Option<(Candidate, Vec<Candidate>)>, FitError> {
     let mut open = open_to(question, from);
     open.retain(|hypothesis| hypothesis.is_slow(question.scene));
     if open.is_empty() {
@@ -73,8 +88,12 @@ fn slow(
         known.push(lead.effect.name);
         new
     });
-    let rough = refit_each(&leads, done, |lead| reference.with(lead))?;
-    let best = rough.into_iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss));
-    let finished = best.map(|best| best.finished(question)).transpose()?;
-    Ok(finished.filter(|candidate| candidate.is_plausible(question.scene)))
+    let mut others = refit_each(&leads, done, |lead| reference.with(lead))?;
+    others.sort_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss));
+    if others.is_empty() {
+        return Ok(None);
+    }
+    let best = others.remove(0).finished(question)?;
+    others.retain(|candidate| candidate.is_possible(question.scene));
+    Ok(best.is_plausible(question.scene).then_some((best, others)))
 }

@@ -11,7 +11,7 @@ use super::bench::{Setting, Signal, spiked, travel};
 use super::signals::{self, HELD_OUT, Kind, TRAINING};
 use super::strength::{self, About};
 use super::truth::{CaseTruth, noise_floor};
-use super::visibility::Shown;
+use super::visibility::{Shown, Visible};
 use super::{Channels, Concealed, Drawn, Lot, Mode, OUTSIDE, PUMP_SLIP, VOCABULARY, drive};
 use crate::machine_file::MachineFile;
 use crate::random::Noise;
@@ -123,14 +123,13 @@ fn attempt_at(lot: &Lot, index: u64, names: &[String], dice: &mut Noise) -> Resu
         return Ok(None);
     }
     let pushed = names.iter().any(|name| name == "~external-disturbance");
-    let (visible, plainer) = if names.is_empty() {
-        (Vec::new(), Vec::new())
+    let visible = if names.is_empty() {
+        Visible::default()
     } else {
         let made = &made[..training.min(2)];
-        let refits = Shown { setting: &setting, sigma: &file.sigma, made, effects: &effects }.refits()?;
-        (refits.without_each(pushed)?, refits.plainer_each()?)
+        Shown { setting: &setting, sigma: &file.sigma, made, effects: &effects }.refits()?.visible(pushed)?
     };
-    Ok(Some(Attempt { lot, setting, file, names, effects, visible, plainer, made, training }.finished(dice)))
+    Ok(Some(Attempt { lot, setting, file, names, effects, visible, made, training }.finished(dice)))
 }
 
 fn setting(lot: &Lot, machine: &Machine<f64>, names: &[String], dice: &mut Noise) -> Setting {
@@ -277,8 +276,7 @@ struct Attempt<'a> {
     file: MachineFile,
     names: &'a [String],
     effects: Vec<PlantEffect>,
-    visible: Vec<f64>,
-    plainer: Vec<Option<(&'static str, f64)>>,
+    visible: Visible,
     made: Vec<(Signal, SyntheticRecording)>,
     training: usize,
 }
@@ -329,8 +327,10 @@ impl Attempt<'_> {
             spikes,
             hard: self.lot.hard,
             noise_floor: floors,
-            visible: self.visible.iter().map(|visible| drive::rounded(*visible, 4)).collect(),
+            visible: self.visible.each.iter().map(|visible| drive::rounded(*visible, 4)).collect(),
+            visible_together: self.visible.together.map(|visible| drive::rounded(visible, 4)),
             plainer: self
+                .visible
                 .plainer
                 .iter()
                 .map(|plainer| plainer.map(|(name, left)| (name, drive::rounded(left, 4))))

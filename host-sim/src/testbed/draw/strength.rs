@@ -233,8 +233,8 @@ fn friction(name: &str, about: &About<'_>, dice: &mut Noise) -> Option<DryFricti
             let break_away_n = sliding_n * dice.uniform(1.02, 1.2);
             DryFriction {
                 level: FrictionLevel::Presliding { sliding_n, break_away_n },
-                // From soft ones to some as stiff as the oil, which the noise may hide.
-                stiffness_n_per_m: about.machine.oil_spring_n_per_m() * dice.decades(3e-3, 1.0),
+                // From soft ones to a third of the oil's stiffness: stiffer ones are how all dry friction is.
+                stiffness_n_per_m: about.machine.oil_spring_n_per_m() * dice.decades(3e-3, 1.0 / 3.0),
                 damping_n_s_per_m: 4e3,
             }
         }

@@ -100,7 +100,13 @@ fn an_effect_that_the_noise_hides_may_be_left_out() {
     truth.plainer = vec![Some(("coulomb-friction", 1.2)), None];
     truth.visible = vec![3.0, 1.1];
     let [whole, plainer] = [["presliding", "null-drift"], ["coulomb-friction", "null-drift"]];
-    assert_eq!(truth.accept(), [&whole[..], &plainer, &whole[..1], &plainer[..1]]);
+    assert_eq!(truth.accept(), [&whole[..], &plainer, &whole[..1]]);
+    // What each of two makes alone, the noise may hide, and show what both make together.
+    truth.visible = vec![1.1, 1.1];
+    truth.visible_together = Some(1.3);
+    assert_eq!(truth.accept(), [&whole[..], &plainer, &whole[1..], &whole[..1]]);
+    truth.visible_together = Some(1.2);
+    assert_eq!(truth.accept().last().map(Vec::len), Some(0));
 }
 
 #[test]
@@ -113,7 +119,9 @@ fn what_the_noise_or_a_load_hides_of_a_richer_friction_may_be_called_plain() {
     let asymmetric = drawn(5, "friction-asymmetry");
     assert!(asymmetric.iter().any(is_plain), "a load is known to some per cent");
     assert!(!asymmetric.iter().all(is_plain));
-    for drawn in drawn(6, "presliding") {
+    let soft = drawn(6, "presliding");
+    assert!(soft.iter().filter(|drawn| drawn.truth.visible[0] >= 1.25).count() > 2);
+    for drawn in soft {
         let PlantEffect::Friction(friction) = drawn.truth.forms[0] else { panic!("{:?}", drawn.truth.forms) };
         let share = friction.stiffness_n_per_m / drawn.file.machine.oil_spring_n_per_m();
         // What shows of soft bristles, plain friction does not make.

@@ -29,6 +29,8 @@ pub struct CaseTruth {
     pub noise_floor: Vec<(String, Vec<(&'static str, f64)>)>,
     /// For each effect: what a refit without it leaves, in parts of the noise.
     pub visible: Vec<f64>,
+    /// Of several effects: what a refit without any leaves, in parts of the noise.
+    pub visible_together: Option<f64>,
     /// For each effect that has one: its plainer form, and what a refit with that in its place leaves, in parts of the noise.
     pub plainer: Vec<Option<(&'static str, f64)>>,
 }
@@ -37,23 +39,28 @@ pub struct CaseTruth {
 const HIDDEN_BELOW: f64 = 1.25;
 
 impl CaseTruth {
-    /// The sets of names that are right answers, the whole truth first: without each effect that the noise hides, too, and with a plainer one
-    /// where the noise hides what it has more.
+    /// The sets of names that are right answers, the whole truth first: without one effect that the noise hides, too, or with a plainer one in
+    /// its place where the noise hides what it has more; none, where the noise hides all of them together.
     #[must_use]
     pub fn accept(&self) -> Vec<Vec<&'static str>> {
-        let mut accept = vec![Vec::new()];
-        for (index, effect) in self.effects.iter().enumerate() {
-            let is_hidden = |left: &&f64| **left < HIDDEN_BELOW;
-            let none = self.visible.get(index).filter(is_hidden).map(|_| None);
-            let plainer = self.plainer.get(index).and_then(Option::as_ref).filter(|(_, left)| is_hidden(&left));
-            let said: Vec<Option<&str>> =
-                [Some(Some(*effect)), plainer.map(|(name, _)| Some(*name)), none].into_iter().flatten().collect();
-            accept = said
-                .iter()
-                .flat_map(|said| {
-                    accept.iter().map(|names: &Vec<&'static str>| names.iter().copied().chain(*said).collect())
-                })
-                .collect();
+        let is_hidden = |left: f64| left < HIDDEN_BELOW;
+        let with = |index: usize, instead: Option<&'static str>| {
+            let before = self.effects.iter().take(index).copied();
+            before.chain(instead).chain(self.effects.iter().skip(index + 1).copied()).collect::<Vec<_>>()
+        };
+        let mut accept = vec![self.effects.clone()];
+        for index in 0..self.effects.len() {
+            if let Some(&Some((name, left))) = self.plainer.get(index)
+                && is_hidden(left)
+            {
+                accept.push(with(index, Some(name)));
+            }
+            if self.visible.get(index).copied().is_some_and(is_hidden) {
+                accept.push(with(index, None));
+            }
+        }
+        if self.visible_together.is_some_and(is_hidden) {
+            accept.push(Vec::new());
         }
         accept
     }
@@ -80,6 +87,7 @@ impl CaseTruth {
             "rough": self.hard,
             "noise_floor_nrmse": floor,
             "visible": self.visible,
+            "visible_together": self.visible_together,
             "plainer": self.plainer.iter().map(|plainer| plainer.map(|(name, left)| json!({ name: left }))).collect::<Vec<_>>(),
             "accept": self.accept(),
         })

@@ -37,26 +37,45 @@ pub(super) struct Refits<'a> {
     ordinary: Vec<DVector<f64>>,
 }
 
+/// RMS of what refits leave, noise included, in parts of the noise, in the worst channel.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Visible {
+    /// Without each effect, or, without any, without the push.
+    pub(super) each: Vec<f64>,
+    /// Without any of several effects.
+    pub(super) together: Option<f64>,
+    /// With its plainer form in the place of each effect that has one, and that one's name.
+    pub(super) plainer: Vec<Option<(&'static str, f64)>>,
+}
+
 impl Refits<'_> {
-    /// For each effect (or, without any, for the push): RMS of what a refit without it leaves, noise included, in parts
-    /// of the noise, in the worst channel.
-    pub(super) fn without_each(&self, pushed: bool) -> Result<Vec<f64>, PlantError> {
-        let Self { shown, base, ordinary } = self;
-        let (machine, effects) = (&shown.setting.machine, shown.effects);
-        let jacobian = DMatrix::from_columns(ordinary);
-        let count = if pushed { 1 } else { effects.len() };
-        (0..count)
-            .map(|left_out| {
-                let rest: Vec<PlantEffect> =
-                    effects.iter().enumerate().filter(|&(k, _)| pushed || k != left_out).map(|(_, &e)| e).collect();
-                let without = shown.repeated(machine, &rest, !pushed)?;
-                Ok(shown.worst_channel(&projected(&jacobian, &(base - without), shown.weight())))
-            })
-            .collect()
+    pub(super) fn visible(&self, pushed: bool) -> Result<Visible, PlantError> {
+        let several = self.shown.effects.len() > 1;
+        Ok(Visible {
+            each: self.without_each(pushed)?,
+            together: several.then(|| self.with_only(&[], true)).transpose()?,
+            plainer: self.plainer_each()?,
+        })
     }
 
-    /// For each effect the same with its plainer form in its place, and that one's name; none where it has no plainer form.
-    pub(super) fn plainer_each(&self) -> Result<Vec<Option<(&'static str, f64)>>, PlantError> {
+    fn without_each(&self, pushed: bool) -> Result<Vec<f64>, PlantError> {
+        let effects = self.shown.effects;
+        if pushed {
+            return Ok(vec![self.with_only(effects, false)?]);
+        }
+        let but = |left_out: usize| -> Vec<PlantEffect> {
+            effects.iter().enumerate().filter(|&(k, _)| k != left_out).map(|(_, &effect)| effect).collect()
+        };
+        (0..effects.len()).map(|left_out| self.with_only(&but(left_out), true)).collect()
+    }
+
+    fn with_only(&self, effects: &[PlantEffect], pushed: bool) -> Result<f64, PlantError> {
+        let Self { shown, base, ordinary } = self;
+        let without = shown.repeated(&shown.setting.machine, effects, pushed)?;
+        Ok(shown.worst_channel(&projected(&DMatrix::from_columns(ordinary), &(base - without), shown.weight())))
+    }
+
+    fn plainer_each(&self) -> Result<Vec<Option<(&'static str, f64)>>, PlantError> {
         let Self { shown, base, ordinary } = self;
         let effects = shown.effects;
         let with = |k: usize, plain: PlantEffect| {
