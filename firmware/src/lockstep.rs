@@ -1,16 +1,16 @@
 //! The whole firmware with its parts at the other end of a serial line, in lockstep with a simulated machine.
 //!
 //! The same drivers, period, monitor and recorder as on a board; only the SPI frames go over the line ([`Line`]). It says nothing before the
-//! host has sent [`START`]. Then, before each period, it sends what became of the last one and is answered with what is wanted in this one, 20
-//! bytes each way, little-endian:
+//! host has sent [`START`]. Then, before each period, it sends what became of the last one and is answered with what is wanted in this one,
+//! little-endian:
 //!
 //! | bytes | to the host: report | to the firmware: request |
 //! |---|---|---|
 //! | 0…3 | command, word | position wanted, word |
 //! | 4…7 | measured position, word | velocity wanted, word |
-//! | 8…11 | model's position, word | order u8, overrun u8, 0, 0 |
-//! | 12…15 | mode u8, alarm u8, fed watchdog u8, refused order u8 | 0 |
-//! | 16…19 | faults told since the start u8, kind of the last u8, 0, 0 | 0 |
+//! | 8…11 | model's position, word | order u8, overrun u8 |
+//! | 12…15 | mode u8, alarm u8, fed watchdog u8, refused order u8 | |
+//! | 16, 17 | faults told since the start u8, kind of the last u8 | |
 //!
 //! A word is a per-unit signal's 32 bits. An alarm is the number of its signal, from 1. The recorder is streamed out when the host ends it.
 
@@ -113,10 +113,11 @@ pub fn run<L: Read + Write>(
     line.wait_for(START)?;
     let [inputs, counter, output] = [part::INPUTS, part::COUNTER, part::OUTPUT].map(|number| line.part(number));
     let mut station = wired(inputs, counter, output, delay, memory)?;
-    let (mut heard, mut last) = (Heard { log, faults: 0, last: 0 }, [0; BYTES]);
+    let (mut heard, mut report) = (Heard { log, faults: 0, last: 0 }, [0; REPORT]);
     loop {
-        line.exchange(part::PERIOD, &mut last)?;
-        let (order, request) = read(last);
+        let mut asked = [0; REQUEST];
+        line.exchange(part::PERIOD, &report, &mut asked)?;
+        let (order, request) = read(asked);
         match order {
             Order::End => break,
             Order::Refer => _ = station.refer(request.set_point.position),
@@ -124,7 +125,7 @@ pub fn run<L: Read + Write>(
             Order::None | Order::Follow | Order::Stop | Order::Acknowledge => {}
         }
         let outcome = station.step(&request, &mut heard);
-        last = written(&outcome, station.predicted().position, &heard);
+        report = written(&outcome, station.predicted().position, &heard);
     }
     streamed(station.recorder(), &line)
 }
@@ -153,12 +154,14 @@ impl<L: Log> Log for Heard<'_, L> {
     }
 }
 
-/// Bytes of a report and of a request.
-pub const BYTES: usize = 20;
+/// Bytes of a report.
+pub const REPORT: usize = 18;
+/// Bytes of a request.
+pub const REQUEST: usize = 10;
 
 /// What is wanted in the next period.
-fn read(bytes: [u8; BYTES]) -> (Order, Request) {
-    let [p0, p1, p2, p3, v0, v1, v2, v3, order, overrun, ..] = bytes;
+fn read(bytes: [u8; REQUEST]) -> (Order, Request) {
+    let [p0, p1, p2, p3, v0, v1, v2, v3, order, overrun] = bytes;
     let order = Order::of(order);
     let word = |bytes| PerUnit::from_bits(i32::from_le_bytes(bytes));
     let set_point = SetPoint { position: word([p0, p1, p2, p3]), velocity: word([v0, v1, v2, v3]) };
@@ -167,7 +170,7 @@ fn read(bytes: [u8; BYTES]) -> (Order, Request) {
 }
 
 /// What became of a period.
-fn written<L>(outcome: &Outcome, model: PerUnit, heard: &Heard<'_, L>) -> [u8; BYTES] {
+fn written<L>(outcome: &Outcome, model: PerUnit, heard: &Heard<'_, L>) -> [u8; REPORT] {
     let Outcome { report, alarm } = outcome;
     let [c0, c1, c2, c3] = report.command.to_bits().to_le_bytes();
     let [p0, p1, p2, p3] = report.measured.position.to_bits().to_le_bytes();
@@ -176,7 +179,7 @@ fn written<L>(outcome: &Outcome, model: PerUnit, heard: &Heard<'_, L>) -> [u8; B
     let fed = u8::from(report.watchdog == Watchdog::Feed);
     let refused = u8::from(report.answer.is_some_and(|answer| answer != Answer::Taken));
     let mode = report.mode as u8;
-    [c0, c1, c2, c3, p0, p1, p2, p3, m0, m1, m2, m3, mode, alarm, fed, refused, heard.faults, heard.last, 0, 0]
+    [c0, c1, c2, c3, p0, p1, p2, p3, m0, m1, m2, m3, mode, alarm, fed, refused, heard.faults, heard.last]
 }
 
 /// Streams a full recorder out.
@@ -205,12 +208,9 @@ impl<L> ErrorType for Record<'_, L> {
 
 impl<L: Read + Write> Write for Record<'_, L> {
     fn write(&mut self, bytes: &[u8]) -> Result<usize, Self::Error> {
-        let mut frame = [0; MOST_BYTES];
-        let count = bytes.len().min(MOST_BYTES);
-        let (Some(frame), Some(sent)) = (frame.get_mut(..count), bytes.get(..count)) else { return Ok(0) };
-        frame.copy_from_slice(sent);
-        self.line.exchange(part::RECORD, frame)?;
-        Ok(count)
+        let (sent, _) = bytes.split_at_checked(MOST_BYTES).unwrap_or((bytes, &[]));
+        self.line.exchange(part::RECORD, sent, &mut [])?;
+        Ok(sent.len())
     }
 
     fn flush(&mut self) -> Result<(), Self::Error> {

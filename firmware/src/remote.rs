@@ -3,11 +3,12 @@
 //! The drivers run on the target as they would on a board; who answers is a simulation. Everything is asked for by the target, so
 //! both sides stay in step:
 //!
-//! | byte 0 | byte 1 | bytes | answer |
-//! |---|---|---|---|
-//! | number of the part | n, 1…255 | n bytes to the part | n bytes from the part |
+//! | byte 0 | byte 1 | byte 2 | bytes | answer |
+//! |---|---|---|---|---|
+//! | number of the part | n, 0…255 | m, 0…255 | n bytes to the part | m bytes from the part |
 //!
-//! [`Line::exchange`] also serves what is no SPI part: a set point that is asked for, a report that is sent.
+//! A part is clocked for the longer of both: it gets zeros after the n bytes, and what it says after the m nobody hears. So a write waits for
+//! nothing. [`Line::exchange`] also serves what is no SPI part: a set point that is asked for, a report that is sent.
 
 use core::cell::RefCell;
 
@@ -32,7 +33,7 @@ pub enum RemoteError {
     /// A frame is empty or too long.
     #[error("{bytes} bytes in a frame; expected 1 to 255")]
     Frame {
-        /// Its bytes.
+        /// Its bytes, the longer way.
         bytes: usize,
     },
 }
@@ -55,17 +56,19 @@ impl<L: Read + Write> Line<L> {
         Self { line: RefCell::new(line) }
     }
 
-    /// Sends a frame to a part and replaces it by the answer.
+    /// Sends bytes to a part and takes its answer.
     ///
     /// # Errors
     /// The line fails, or the frame is empty or too long.
-    pub fn exchange(&self, part: u8, frame: &mut [u8]) -> Result<(), RemoteError> {
-        let bytes = frame.len();
-        let count = u8::try_from(bytes).ok().filter(|count| *count > 0).ok_or(RemoteError::Frame { bytes })?;
+    pub fn exchange(&self, part: u8, sent: &[u8], answer: &mut [u8]) -> Result<(), RemoteError> {
+        let bytes = sent.len().max(answer.len());
+        let (Ok(to), Ok(from), 1..) = (u8::try_from(sent.len()), u8::try_from(answer.len()), bytes) else {
+            return Err(RemoteError::Frame { bytes });
+        };
         let mut line = self.line.try_borrow_mut().map_err(|_| RemoteError::Line)?;
-        line.write_all(&[part, count]).and_then(|()| line.write_all(frame)).map_err(|_| RemoteError::Line)?;
+        line.write_all(&[part, to, from]).and_then(|()| line.write_all(sent)).map_err(|_| RemoteError::Line)?;
         line.flush().map_err(|_| RemoteError::Line)?;
-        line.read_exact(frame).map_err(|_: ReadExactError<_>| RemoteError::Line)
+        line.read_exact(answer).map_err(|_: ReadExactError<_>| RemoteError::Line)
     }
 
     /// Waits for a byte from the other end; what comes before it is nobody's.
@@ -105,30 +108,16 @@ impl<L: Read + Write> SpiDevice for Part<'_, L> {
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Self::Error> {
         for operation in operations {
             match operation {
-                Operation::Read(bytes) => {
-                    bytes.fill(0);
-                    self.line.exchange(self.number, bytes)?;
-                }
-                Operation::Write(bytes) => {
-                    let mut frame = [0; MOST_BYTES];
+                Operation::Read(answer) => self.line.exchange(self.number, &[], answer)?,
+                Operation::Write(sent) => self.line.exchange(self.number, sent, &mut [])?,
+                Operation::Transfer(answer, sent) => self.line.exchange(self.number, sent, answer)?,
+                Operation::TransferInPlace(bytes) => {
+                    let mut sent = [0; MOST_BYTES];
                     let length = bytes.len();
-                    let frame = frame.get_mut(..length).ok_or(RemoteError::Frame { bytes: length })?;
-                    frame.copy_from_slice(bytes);
-                    self.line.exchange(self.number, frame)?;
+                    let sent = sent.get_mut(..length).ok_or(RemoteError::Frame { bytes: length })?;
+                    sent.copy_from_slice(bytes);
+                    self.line.exchange(self.number, sent, bytes)?;
                 }
-                Operation::Transfer(read, write) => {
-                    let mut frame = [0; MOST_BYTES];
-                    let length = read.len().max(write.len());
-                    let frame = frame.get_mut(..length).ok_or(RemoteError::Frame { bytes: length })?;
-                    for (slot, byte) in frame.iter_mut().zip(write.iter()) {
-                        *slot = *byte;
-                    }
-                    self.line.exchange(self.number, frame)?;
-                    for (byte, answer) in read.iter_mut().zip(frame) {
-                        *byte = *answer;
-                    }
-                }
-                Operation::TransferInPlace(bytes) => self.line.exchange(self.number, bytes)?,
                 Operation::DelayNs(_) => {}
             }
         }
@@ -144,7 +133,7 @@ mod tests {
 
     use super::*;
 
-    /// Answers every frame with its bytes in reverse, each one more.
+    /// A part that answers every byte with one more.
     #[derive(Default)]
     struct Echo {
         sent: Vec<u8>,
@@ -162,9 +151,11 @@ mod tests {
         }
 
         fn flush(&mut self) -> Result<(), Infallible> {
-            let frame = self.sent.split_off(2);
-            assert_eq!(self.sent, [7, u8::try_from(frame.len()).unwrap()]);
-            self.answer = frame.iter().map(|byte| byte + 1).collect();
+            let mut frame = self.sent.split_off(3);
+            let [7, to, from] = *self.sent else { panic!("{:?}", self.sent) };
+            assert_eq!(frame.len(), usize::from(to));
+            frame.resize(from.into(), 0);
+            self.answer.extend(frame.iter().map(|byte| byte + 1));
             self.sent.clear();
             Ok(())
         }
@@ -173,7 +164,7 @@ mod tests {
     impl Read for Echo {
         fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Infallible> {
             let count = bytes.len().min(self.answer.len());
-            for (byte, answer) in bytes.iter_mut().zip(self.answer.drain(..count).rev()) {
+            for (byte, answer) in bytes.iter_mut().zip(self.answer.drain(..count)) {
                 *byte = answer;
             }
             Ok(count)
@@ -181,23 +172,37 @@ mod tests {
     }
 
     #[test]
-    fn a_transfer_goes_over_the_line_and_its_answer_comes_back() {
+    fn what_a_part_is_asked_goes_over_the_line_and_its_answer_comes_back() {
         let line = Line::new(Echo::default());
         let mut part = line.part(7);
-        let mut answer = [0; 3];
-        part.transfer(&mut answer, &[1, 2, 3]).unwrap();
-        assert_eq!(answer, [4, 3, 2]);
-        part.write(&[9]).unwrap();
-        let mut read = [5; 2];
-        part.read(&mut read).unwrap();
-        assert_eq!(read, [1, 1]);
+        let (mut same, mut fewer, mut more) = ([0; 3], [0; 1], [0; 4]);
+        part.transfer(&mut same, &[1, 2, 3]).unwrap();
+        part.transfer(&mut fewer, &[4, 5]).unwrap();
+        part.transfer(&mut more, &[6, 7]).unwrap();
+        assert_eq!((same, fewer, more), ([2, 3, 4], [5], [7, 8, 1, 1]));
+        part.transfer_in_place(&mut same).unwrap();
+        part.read(&mut fewer).unwrap();
+        assert_eq!((same, fewer), ([3, 4, 5], [1]));
+    }
+
+    #[test]
+    fn nobody_answers_a_write() {
+        let line = Line::new(Echo::default());
+        line.part(7).write(&[9, 8]).unwrap();
+        assert!(line.line.borrow().answer.is_empty());
     }
 
     #[test]
     fn a_frame_that_is_empty_or_too_long_is_refused() {
         let line = Line::new(Echo::default());
         assert_eq!(line.part(7).write(&[]), Err(RemoteError::Frame { bytes: 0 }));
-        assert_eq!(line.part(7).write(&[0; 256]), Err(RemoteError::Frame { bytes: 256 }));
+        for refused in [
+            line.part(7).write(&[0; 256]),
+            line.part(7).read(&mut [0; 256]),
+            line.part(7).transfer_in_place(&mut [0; 256]),
+        ] {
+            assert_eq!(refused, Err(RemoteError::Frame { bytes: 256 }));
+        }
     }
 
     #[test]
@@ -233,6 +238,6 @@ mod tests {
 
     #[test]
     fn a_closed_line_is_an_error_of_the_bus() {
-        assert_eq!(Line::new(Closed).part(7).write(&[1]), Err(RemoteError::Line));
+        assert_eq!(Line::new(Closed).part(7).read(&mut [0]), Err(RemoteError::Line));
     }
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use firmware::lockstep::{BYTES, Order, START, part};
+use firmware::lockstep::{Order, REQUEST, START, part};
 use firmware::mode::Mode;
 use firmware::period::Timing;
 use firmware::press;
@@ -220,25 +220,20 @@ impl Board {
     /// Answers what the firmware asks for, up to the end of its period.
     fn serve(&mut self) {
         loop {
-            let mut head = [0; 2];
-            self.line.read_exact(&mut head).expect("the firmware goes on");
-            let [number, length] = head;
-            let mut frame = vec![0; usize::from(length)];
-            self.line.read_exact(&mut frame).expect("the firmware sends whole frames");
+            let (number, mut frame, from) = self.asked().expect("the firmware goes on");
+            if number == part::PERIOD {
+                self.said = Said::of(&frame);
+                return;
+            }
+            // A part is clocked for the longer way.
+            frame.resize(frame.len().max(from), 0);
             let mut answer = match number {
                 part::INPUTS => self.inputs.frame(&frame),
                 part::OUTPUT => self.output.frame(&frame),
                 part::COUNTER => self.counter.frame(&frame),
-                part::RECORD => {
-                    self.record.extend(&frame);
-                    frame
-                }
-                part::PERIOD => {
-                    self.said = Said::of(&frame);
-                    return;
-                }
                 other => panic!("there is no part {other}"),
             };
+            answer.truncate(from);
             if let Some((_, level)) = self.wrong.hangs.filter(|(part, _)| *part == number) {
                 answer.fill(level);
             }
@@ -246,8 +241,18 @@ impl Board {
         }
     }
 
+    /// What the firmware asks next: the part, the bytes to it, and how many it wants back. `None` where it has ended.
+    fn asked(&mut self) -> Option<(u8, Vec<u8>, usize)> {
+        let mut head = [0; 3];
+        self.line.read_exact(&mut head).ok()?;
+        let [number, to, from] = head;
+        let mut frame = vec![0; to.into()];
+        self.line.read_exact(&mut frame).expect("the firmware sends whole frames");
+        Some((number, frame, from.into()))
+    }
+
     fn ask(&mut self, wanted: SetPoint, order: Order, timing: Timing) {
-        let mut request = [0; BYTES];
+        let mut request = [0; REQUEST];
         request[..4].copy_from_slice(&wanted.position.to_bits().to_le_bytes());
         request[4..8].copy_from_slice(&wanted.velocity.to_bits().to_le_bytes());
         request[8] = order as u8;
@@ -263,12 +268,8 @@ impl Board {
     pub fn end(mut self) -> Ended {
         let nothing = SetPoint { position: self.said.position, velocity: PerUnit::from_bits(0) };
         self.ask(nothing, Order::End, Timing::Kept);
-        let mut head = [0; 2];
-        while self.line.read_exact(&mut head).is_ok() {
-            let mut frame = vec![0; usize::from(head[1])];
-            self.line.read_exact(&mut frame).expect("the firmware sends whole frames");
-            assert_eq!(head[0], part::RECORD, "nothing but the record follows");
-            self.line.write_all(&frame).expect("the firmware waits for an answer");
+        while let Some((number, frame, _)) = self.asked() {
+            assert_eq!(number, part::RECORD, "nothing but the record follows");
             self.record.extend(frame);
         }
         let status = self.emulator.wait().unwrap();
