@@ -275,8 +275,8 @@ impl Sticking {
             return x;
         }
         let moved = x + left.copysign(pull) * -libm::expm1(-step_s / self.jump_s);
-        // Arrived as nearly as makes no difference: it sticks again.
-        self.moving = left > 0.02 * self.break_away;
+        // Arrived, or as nearly as makes no difference: it sticks again.
+        self.moving = self.jump_s > 0.0 && left > 0.02 * self.break_away;
         moved
     }
 }

@@ -97,6 +97,16 @@ fn a_sticking_spool_holds_and_jumps_short() {
 }
 
 #[test]
+fn a_spool_that_jumps_at_once_makes_a_staircase_even_of_a_fast_ramp() {
+    let effect = ValveEffect::Stiction { break_away: 0.02, kinetic_share: 0.25, jump_s: 0.0 };
+    let positions = run(&[effect], 7e6, 200, |time_s| 20.0 * time_s);
+    // 2 travel a second: a jump of 0.015 every 7.5 ms.
+    let jumps: Vec<f64> = positions.windows(2).map(|pair| pair[1] - pair[0]).filter(|jump| *jump > 0.0).collect();
+    assert!((20..30).contains(&jumps.len()), "{}", jumps.len());
+    assert!(jumps.iter().all(|jump| (jump - 0.015).abs() < 1e-3), "{jumps:?}");
+}
+
+#[test]
 fn the_neutral_drifts_and_the_solenoid_saturates() {
     let drift = run(&[ValveEffect::NullDrift { travel: 0.02, period_s: 2.0 }], 7e6, 2001, |_| 1.0);
     assert!((drift[0] - 0.1).abs() < 1e-12 && (drift[2000] - 0.12).abs() < 1e-3);

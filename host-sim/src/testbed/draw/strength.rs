@@ -66,7 +66,7 @@ fn valve(name: &str, about: &About<'_>, dice: &mut Noise) -> Option<ValveEffect>
         "spool-stiction" => ValveEffect::Stiction {
             break_away: dice.decades(0.005, 0.03),
             kinetic_share: dice.uniform(0.05, 0.3),
-            jump_s: dice.decades(8e-4, 3e-3),
+            jump_s: if dice.happens(0.5) { 0.0 } else { dice.decades(8e-4, 3e-3) },
         },
         "null-drift" => {
             ValveEffect::NullDrift { travel: dice.sign() * dice.decades(0.006, 0.03), period_s: dice.uniform(4.0, 8.0) }

@@ -21,7 +21,7 @@ pub enum ValveEffect {
         break_away: f64,
         /// Kinetic in parts of static friction; the jump falls short by it.
         kinetic_share: f64,
-        /// Time constant of the jump, s.
+        /// Time constant of the jump, s; 0: it jumps at once, and sticks again wherever it ends.
         jump_s: f64,
     },
     /// The neutral moves with time: a straight line and a slow sine on it.
