@@ -273,6 +273,26 @@ impl Stimulus {
         Self { slider, ..self.clone() }
     }
 
+    /// The same with every row read half a row's interval earlier: midway between two recorded rows.
+    #[must_use]
+    pub(crate) fn midway(&self) -> Self {
+        let place = |&(point, share): &(usize, f64)| point as f64 + share;
+        let mut rows = Vec::with_capacity(self.rows.len());
+        let mut before = self.rows.first().map_or(0.0, place);
+        for row in &self.rows {
+            let at = f64::midpoint(before, place(row));
+            before = place(row);
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "between two points of the grid"
+            )]
+            let point = at as usize;
+            rows.push((point, at - point as f64));
+        }
+        Self { rows, ..self.clone() }
+    }
+
     /// Whether both enter the chain at the same place, at the same tick, so that they can be run abreast. A pump's valve has a
     /// direction of its own in each.
     pub(super) fn goes_with(&self, other: &Self) -> bool {

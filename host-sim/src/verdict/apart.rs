@@ -4,6 +4,9 @@
 //! Each is searched by itself, with the parameters and the effects of its own link. What both find together the chain as a whole
 //! has to accept.
 
+mod jumps;
+mod stuck;
+
 use model_core::machine::{Machine, MachineError};
 use model_core::parameter::Parameter;
 use rayon::prelude::*;
@@ -91,6 +94,18 @@ impl Side {
         if explains_enough(&own, &course.base, &course.chosen, AT_NOISE) {
             course.explained.push(self);
         }
+        // What jumps is judged by its jumps.
+        if self == Self::Valve
+            && let Some((chosen, round)) = stuck::stuck(&own, done)?
+        {
+            course.rounds.resize(chosen.effects.len(), Vec::new());
+            if let [_, last] = course.rounds.as_mut_slice() {
+                *last = round;
+            }
+            course.rivals.clear();
+            course.explained = vec![self];
+            course.chosen = chosen;
+        }
         Ok(course)
     }
 }
@@ -139,6 +154,11 @@ pub(super) fn gains_apart(
     Candidate::tolerated(question.scene, &ordinary, &mut training)?;
     let (training, held_out): (Vec<_>, Vec<_>) = (training.iter().collect(), held_out.iter().collect());
     let own = Question { scene: question.scene, ordinary: &ordinary, hypotheses: &[], training: &training };
+    if side == Side::Valve
+        && let Some(told) = stuck::confirms(&own, set, effect, &held_out)?
+    {
+        return Ok(told);
+    }
     let of_side = |one: &Hypothesis| Side::of_effect(one) == side;
     let (with, without) =
         rayon::join(|| set.only(&own, of_side), || set.only(&own, |one| of_side(one) && one.name != effect.name));

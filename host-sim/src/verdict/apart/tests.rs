@@ -137,3 +137,69 @@ fn a_side_that_has_explained_itself_is_not_asked_again_while_the_chain_is_far_of
     // Near the noise the whole chain tells the rest.
     assert_eq!(open(0.0, &[Side::Below]), all);
 }
+
+/// Two recordings of a valve with stiction, one held out, asked of the valve's side alone.
+fn asked_of_a_sticking_valve(further: &[(Parameter, f64)], ask: impl FnOnce(&Question<'_>, &Prepared)) {
+    let nominal = press(&[(Parameter::ViscousFriction, 4e4), (Parameter::DeadZone, 0.03)]);
+    let sticking = nominal.with(&[(Parameter::StictionBand, 0.012), (Parameter::StictionKept, 0.2)]).with(further);
+    let sensors = [(Signal::Spool, 3e-4), (Signal::Position, 1e-5), (Signal::PressureA, 2e4)];
+    // The same drive through sensors in another order, so that each has another noise.
+    let orders = [[0, 1, 2], [1, 0, 2], [2, 1, 0]];
+    let cases = orders.map(|order| {
+        let case = prepared(&recorded(&sticking, &order.map(|index| sensors[index])), &nominal);
+        case.judged_by(|signal| signal == Signal::Spool)
+    });
+    let around = |parameter, sigma| crate::fit::Free {
+        parameter,
+        freedom: crate::fit::Freedom::Around { nominal: nominal.get(parameter), sigma },
+    };
+    let ordinary = [
+        around(Parameter::ValveGain, 0.003),
+        around(Parameter::TimeConstant1, 0.002),
+        around(Parameter::ValveOffset, 0.01),
+    ];
+    let hypotheses: Vec<_> = CATALOGUE.iter().copied().filter(|one| Side::of_effect(one) == Side::Valve).collect();
+    let judged = [Signal::Spool];
+    let scene = scene(&nominal, &judged);
+    let training = [&cases[0], &cases[1]];
+    ask(&Question { scene: &scene, ordinary: &ordinary, hypotheses: &hypotheses, training: &training }, &cases[2]);
+}
+
+#[test]
+fn jumps_tell_a_play_beside_stiction_with_both_strengths_and_held_out_ones_confirm_both() {
+    let play = [(Parameter::HysteresisWidth, 0.02), (Parameter::HysteresisSpread, 0.6)];
+    asked_of_a_sticking_valve(&play, |question, held_out| {
+        let (chosen, round) = stuck::stuck(question, &|_| ()).unwrap().unwrap();
+        assert_eq!(chosen.names(), ["spool-stiction", "valve-hysteresis"]);
+        assert!(round.iter().any(|trial| trial.is_of(&chosen)));
+        let value = |parameter| chosen.fit.machine.get(parameter);
+        assert!((value(Parameter::StictionBand) / 0.012 - 1.0).abs() < 0.1, "{}", value(Parameter::StictionBand));
+        // Half the play adds to how far the free slider is ahead, but for where it turns: of the two, less is known than of their sum.
+        let width = value(Parameter::HysteresisWidth);
+        assert!((width / 0.02 - 1.0).abs() < 0.2, "{width}");
+        for effect in &chosen.effects {
+            assert_eq!(stuck::confirms(question, &chosen, effect.effect, &[held_out]).unwrap(), Some(true));
+        }
+    });
+}
+
+#[test]
+fn jumps_tell_no_play_that_is_not_there_and_held_out_ones_confirm_none() {
+    asked_of_a_sticking_valve(&[], |question, held_out| {
+        let (chosen, _) = stuck::stuck(question, &|_| ()).unwrap().unwrap();
+        assert_eq!(chosen.names(), ["spool-stiction"]);
+        let value = |parameter| chosen.fit.machine.get(parameter);
+        assert!((value(Parameter::StictionBand) / 0.012 - 1.0).abs() < 0.1, "{}", value(Parameter::StictionBand));
+        let play = *CATALOGUE.iter().find(|effect| effect.name == "valve-hysteresis").unwrap();
+        let mut both = chosen;
+        both.effects.insert(0, Chosen { effect: play, form: play.forms[0] });
+        assert_eq!(stuck::confirms(question, &both, play, &[held_out]).unwrap(), Some(false));
+    });
+}
+
+#[test]
+fn a_slider_that_does_not_stick_is_left_alone() {
+    asked_of_a_sticking_valve(&[(Parameter::StictionBand, 0.0)], |question, _| {
+        assert!(stuck::stuck(question, &|_| ()).unwrap().is_none());
+    });
+}
