@@ -22,8 +22,8 @@ const LONGEST: usize = 3;
 const MOST_LEVEL: usize = 16;
 /// Jumps of a slider that sticks are as long as each other, but for this share.
 const ALIKE: f64 = 0.15;
-/// So many of all its jumps are: of moves between rests that have another cause, a third at most were on the recordings of `../shared`. Two jumps
-/// between two rows are one of twice the length.
+/// So many of all its jumps are, at least. Where nothing sticks, fewer moves between rests are alike: on every drive of `../shared` that does not.
+/// Two jumps between two rows are one of twice the length.
 const OF_ALL: f64 = 0.6;
 
 /// A jump of the slider.
