@@ -6,7 +6,7 @@ use crate::fit::{CHANCE, FitError, Residuals, effective_samples, loss};
 use crate::hypothesis::CATALOGUE;
 
 /// What an effect must take away of what is above the noise.
-const LEAST_SHARE: f64 = 0.5;
+pub(super) const LEAST_SHARE: f64 = 0.5;
 /// How closely a real effect follows its textbook form, as a share of the error that it explains (RMS): a further effect that
 /// explains less than this of what the first ones did cannot be told from their own form's error.
 pub(crate) const FORM: f64 = 0.1;
@@ -112,7 +112,7 @@ fn independent(before: &[f64], after: &[f64]) -> f64 {
 
 /// Log-likelihood gained as the ordinary parameters come back to where they were said to be: a model that lacks an effect bends
 /// them.
-fn straightened(question: &Question<'_>, without: &Candidate, with: &Candidate) -> f64 {
+pub(super) fn straightened(question: &Question<'_>, without: &Candidate, with: &Candidate) -> f64 {
     without.bent(question) - with.bent(question)
 }
 

@@ -7,6 +7,7 @@
 
 use crate::candidate::Candidate;
 use crate::fit::{FitError, Sensitivity};
+use crate::noise::median;
 use crate::prepare::{Channel, Prepared};
 use crate::recording::Signal;
 
@@ -75,21 +76,16 @@ fn jumps(slider: &Channel, noise: f64) -> Vec<Jump> {
 }
 
 /// Noise of a row of a slider that mostly rests.
-fn noise_at_rest(slider: &Channel) -> Option<f64> {
+fn noise_at_rest(slider: &Channel) -> f64 {
     // Of white noise, a difference's median over its standard deviation, and that over the noise's.
     const SHARE: f64 = 0.6745 * std::f64::consts::SQRT_2;
-    median(slider.recorded.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect()).map(|one| one / SHARE)
+    let mut steps: Vec<f64> = slider.recorded.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    median(&mut steps) / SHARE
 }
 
 /// Whether two jumps are as long as each other.
 pub(super) fn is_alike(one: f64, other: f64) -> bool {
     (one / other - 1.0).abs() < ALIKE
-}
-
-/// The middle one of some values; none of none.
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }
 
 /// Recordings of a slider that sticks, each with its jumps.
@@ -107,22 +103,28 @@ impl<'a> Sticking<'a> {
     pub(super) fn of(cases: &[&'a Prepared], at_least: usize) -> Option<Self> {
         let with_jumps = |case: &&'a Prepared| {
             let slider = case.channels.iter().find(|channel| channel.signal == Signal::Spool)?;
-            let noise = noise_at_rest(slider)?.max(LEAST_NOISE);
+            let noise = noise_at_rest(slider).max(LEAST_NOISE);
             Some((*case, jumps(slider, noise), noise))
         };
         let all: Vec<_> = cases.iter().filter_map(with_jumps).collect();
-        let sensor = median(all.iter().map(|(.., noise)| *noise).collect())?;
+        let sensor = median(&mut all.iter().map(|(.., noise)| *noise).collect::<Vec<f64>>());
         let lengths: Vec<f64> = all.iter().flat_map(|(_, jumps, _)| jumps.iter().map(Jump::length)).collect();
-        let with = |length: f64| lengths.iter().filter(|one| is_alike(**one, length)).count();
+        let mut sorted = lengths.clone();
+        sorted.sort_by(f64::total_cmp);
+        // How many are as long as one: of an hour there may be a hundred thousand.
+        let with = |length: f64| {
+            let shorter = sorted.partition_point(|one| *one < length && !is_alike(*one, length));
+            sorted[shorter..].partition_point(|one| is_alike(*one, length))
+        };
         let length = lengths.iter().copied().max_by(|a, b| with(*a).cmp(&with(*b)))?;
         if (with(length) as f64) < OF_ALL * lengths.len() as f64 {
             return None;
         }
-        let length = median(lengths.iter().copied().filter(|one| is_alike(*one, length)).collect())?;
+        let length = median(&mut lengths.iter().copied().filter(|one| is_alike(*one, length)).collect::<Vec<f64>>());
         // From jump to jump the free slider goes a jump's length: so far, about, between two rows.
         let unseen = |jump: &Jump| length * jump.per_row / 12.0_f64.sqrt();
         let jumps = || all.iter().flat_map(|(_, jumps, _)| jumps).filter(|jump| is_alike(jump.length(), length));
-        let usual = median(jumps().map(unseen).collect())?;
+        let usual = median(&mut jumps().map(unseen).collect::<Vec<f64>>());
         // A free slider that goes far between two rows is not measured by a jump there.
         let is_slow = |jump: &Jump| unseen(jump) <= 2.0 * usual;
         let slow: Vec<f64> = jumps().filter(|jump| is_slow(jump)).map(|jump| unseen(jump).powi(2)).collect();
@@ -204,7 +206,7 @@ mod tests {
     #[test]
     fn every_jump_of_a_staircase_is_found_with_its_levels() {
         let slider = slider(1000, staircase);
-        let noise = noise_at_rest(&slider).unwrap();
+        let noise = noise_at_rest(&slider);
         assert!((noise / 3e-4 - 1.0).abs() < 0.1, "{noise}");
         let found = jumps(&slider, noise);
         // 0 to 0.09 and back, in steps; the last two rests are short of an end.
@@ -226,6 +228,6 @@ mod tests {
             to + (from - to) * (-since_s / 0.01).exp()
         };
         let slider = slider(1000, lagged);
-        assert!(jumps(&slider, noise_at_rest(&slider).unwrap()).len() < FEWEST);
+        assert!(jumps(&slider, noise_at_rest(&slider)).len() < FEWEST);
     }
 }

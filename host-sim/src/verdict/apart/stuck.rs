@@ -7,7 +7,7 @@
 use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
-use super::super::likelihood::{Gained, excess, ranked};
+use super::super::likelihood::{Gained, LEAST_SHARE, excess, ranked, straightened};
 use super::super::{Trial, trial};
 use super::jumps::{Sticking, is_alike};
 use crate::candidate::{Candidate, Chosen, Question, Reference};
@@ -22,8 +22,6 @@ const FEWEST: usize = 2;
 const REFITTED: usize = 4;
 /// How far the free slider may be ahead, in lengths of a jump: jumps that end up to seven tenths short.
 const AHEAD: [f64; 5] = [0.5, 0.75, 1.1, 1.6, 2.6];
-/// Least that an effect beside stiction takes of what is above the noise.
-const LEAST_SHARE: f64 = 0.5;
 
 /// A set of effects beside stiction, refitted to the free slider.
 struct Beside {
@@ -126,7 +124,7 @@ impl Search<'_, '_> {
     /// Whether an effect is worth its strengths beside stiction.
     fn accepts(&self, plain: &Beside, with: &Beside) -> bool {
         let gained = Gained::of(&plain.left_out, &with.left_out);
-        let straightened = plain.set.bent(self.question) - with.set.bent(self.question);
+        let straightened = straightened(self.question, &plain.set, &with.set);
         with.set.is_plausible(self.question.scene)
             && excess(&with.set.residuals) < (1.0 - LEAST_SHARE) * excess(&plain.set.residuals)
             && gained.all > CHANCE
