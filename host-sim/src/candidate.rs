@@ -40,6 +40,13 @@ pub struct Chosen {
     pub form: Form,
 }
 
+impl Chosen {
+    /// Whether a parameter is one of its strengths.
+    pub(crate) fn has(&self, parameter: Parameter) -> bool {
+        self.form.iter().any(|strength| strength.parameter == parameter)
+    }
+}
+
 /// A set of effects with its fit.
 #[derive(Clone, Debug)]
 pub struct Candidate {

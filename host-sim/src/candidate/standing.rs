@@ -2,7 +2,7 @@
 
 use model_core::parameter::Parameter;
 
-use super::{Candidate, Question, strengths};
+use super::{Candidate, Chosen, Question, strengths};
 use crate::fit::{REACH, REACH_SIGNED};
 use crate::hypothesis::{Form, Kind, Scene, Strength};
 
@@ -76,7 +76,7 @@ impl Candidate {
     }
 
     /// Whether it may be claimed: possible, and with enough of what there is never little of. A stop as soft as a spring is not what its
-    /// name says; it is ranked all the same, for nothing less likely may be claimed in its place.
+    /// name says; nor is a stiction that only shapes a play. Both are ranked all the same, for nothing less likely may be claimed in their place.
     #[must_use]
     pub fn is_plausible(&self, scene: &Scene<'_>) -> bool {
         /// Below the usual range widened threefold.
@@ -85,7 +85,22 @@ impl Candidate {
             Kind::Firm(_) => self.coordinate(scene, strength) > LITTLE,
             _ => true,
         };
-        self.is_possible(scene) && self.effects.iter().flat_map(|chosen| chosen.form).all(firm)
+        self.is_possible(scene) && !self.shapes_a_play() && self.effects.iter().flat_map(|chosen| chosen.form).all(firm)
+    }
+
+    /// Whether its stiction only shapes the play beside it. One that keeps most of its band hardly jumps, and is a play itself, of twice the band:
+    /// where that is small beside the play that is there, it bends the loop of that one, whose own form is not exact either.
+    fn shapes_a_play(&self) -> bool {
+        /// Share of its band that a stiction keeps which hardly jumps. It says nothing alone: free runs, in which a jump that is a row late costs
+        /// more than none, end there as well.
+        const HARDLY_JUMPS: f64 = 2.0 / 3.0;
+        /// Share of the play's width that its band is below.
+        const SMALL: f64 = 1.0 / 3.0;
+        let is_of = |chosen: &Chosen| chosen.has(Parameter::StictionBand);
+        let value = |parameter| self.fit.machine.get(parameter);
+        self.effects.iter().any(is_of)
+            && value(Parameter::StictionKept) > HARDLY_JUMPS
+            && value(Parameter::StictionBand) < SMALL * value(Parameter::HysteresisWidth)
     }
 
     /// What the ordinary parameters cost by being away from their nominal values: half the sum of squares of their distances, each

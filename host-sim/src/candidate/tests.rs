@@ -35,6 +35,24 @@ fn a_spring_that_begins_inside_the_stroke_is_no_stop_however_damped() {
 }
 
 #[test]
+fn a_small_stiction_that_hardly_jumps_is_the_form_of_the_play_beside_it() {
+    let machine = press(&[]);
+    let scene = scene(&machine, &[Signal::Spool]);
+    let beside = |band: f64, kept: f64, width: f64| -> (bool, bool) {
+        let strengths =
+            [(Parameter::StictionBand, band), (Parameter::StictionKept, kept), (Parameter::HysteresisWidth, width)];
+        let mut set = standing("spool-stiction", &scene, &[], &machine.with(&strengths));
+        let play = CATALOGUE.iter().find(|effect| effect.name == "valve-hysteresis").unwrap();
+        set.effects.push(Chosen { effect: play, form: play.forms[0] });
+        (set.is_possible(&scene), set.is_plausible(&scene))
+    };
+    // It may be what is likeliest, and is not claimed.
+    assert_eq!(beside(0.005, 0.9, 0.02), (true, false));
+    // One that jumps is there however small, and one that is as wide as the play shapes no part of it.
+    assert_eq!([beside(0.005, 0.2, 0.02), beside(0.02, 0.9, 0.02)], [(true, true); 2]);
+}
+
+#[test]
 fn without_an_effect_an_ordinary_parameter_has_what_that_had_of_it() {
     // A load of 500 N, said by more force than the supply has one way and nearly as much the other.
     let machine = press(&[(Parameter::ViscousFriction, 4e4), (Parameter::LoadForce, 500.0)]);

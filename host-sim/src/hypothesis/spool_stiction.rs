@@ -10,7 +10,9 @@
 //!
 //! ## What looks alike
 //! Valve hysteresis follows without jumps once its play is taken up. Dither hides both. A rod that sticks and slips
-//! lets the pressures build up before it jumps; a stuck slider leaves them flat.
+//! lets the pressures build up before it jumps; a stuck slider leaves them flat. A stiction that keeps most of its
+//! band does not jump either, and is a play: beside a hysteresis three times as wide as its band it only bends the loop of
+//! that, and is never claimed there.
 //!
 //! ## Parameters
 //! Band in parts of full travel, not negative: 0.5–3 %, 6 % in a silted valve; the share of the band that a jump ends short by,

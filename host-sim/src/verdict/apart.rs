@@ -261,11 +261,10 @@ fn misread(question: &Question<'_>, set: &Candidate) -> Result<Option<Candidate>
     let value = |parameter| set.fit.machine.get(parameter);
     let (read, edges) = (Parameter::SpoolOffset, Parameter::DeadZoneDifference);
     let offset = value(Parameter::ValveOffset);
-    let is_of = |chosen: &Chosen, parameter| chosen.form.iter().any(|strength| strength.parameter == parameter);
     for (index, chosen) in set.effects.iter().enumerate() {
-        let (to, size, offset) = if is_of(chosen, edges) {
+        let (to, size, offset) = if chosen.has(edges) {
             (read, 0.5 * value(edges), offset - 0.5 * value(edges))
-        } else if is_of(chosen, read) {
+        } else if chosen.has(read) {
             (edges, 2.0 * value(read), offset + value(read))
         } else {
             continue;

@@ -12,7 +12,7 @@ use super::super::{Trial, trial};
 use super::jumps::{Sticking, is_alike};
 use crate::candidate::{Candidate, Chosen, Question, Reference};
 use crate::fit::{CHANCE, FitError, Residuals, StartState, softened_all};
-use crate::hypothesis::{Form, Hypothesis};
+use crate::hypothesis::Hypothesis;
 use crate::prepare::Prepared;
 use crate::screen::Lead;
 
@@ -142,10 +142,6 @@ fn nearest(all: Vec<Beginning>) -> Beginning {
     best.expect("it was tried somewhere")
 }
 
-fn has(form: Form, parameter: Parameter) -> bool {
-    form.iter().any(|strength| strength.parameter == parameter)
-}
-
 /// Whether held-out jumps say that an effect of the valve's is there, in a set with stiction: that the slider jumps as far in them as in
 /// training, or that they measure a free slider which is followed better with the effect. `None` where the set has no stiction, or no jumps
 /// tell.
@@ -155,7 +151,7 @@ pub(super) fn confirms(
     effect: &Hypothesis,
     held_out: &[&Prepared],
 ) -> Result<Option<bool>, FitError> {
-    let is_stiction = |chosen: &&Chosen| has(chosen.form, Parameter::StictionBand);
+    let is_stiction = |chosen: &&Chosen| chosen.has(Parameter::StictionBand);
     let Some(stiction) = set.effects.iter().find(is_stiction) else { return Ok(None) };
     let (Some(sticking), Some(held_out)) = (Sticking::of(question.training, FEWEST), Sticking::of(held_out, 1)) else {
         return Ok(None);
@@ -186,12 +182,13 @@ pub(super) fn stuck(
     question: &Question<'_>,
     done: &(impl Fn(&str) + Sync),
 ) -> Result<Option<(Candidate, Vec<Trial>)>, FitError> {
-    let stiction = question.hypotheses.iter().find_map(|effect| {
-        let is_full =
-            |form: &Form| [Parameter::StictionBand, Parameter::StictionKept].iter().all(|one| has(form, *one));
-        let form = effect.forms_in(question.scene).find(is_full)?;
-        Some(Chosen { effect, form })
-    });
+    let is_full =
+        |one: &Chosen| [Parameter::StictionBand, Parameter::StictionKept].iter().all(|strength| one.has(*strength));
+    let forms = |effect: &&'static Hypothesis| {
+        let effect = *effect;
+        effect.forms_in(question.scene).map(move |form| Chosen { effect, form })
+    };
+    let stiction = question.hypotheses.iter().flat_map(forms).find(is_full);
     let (Some(stiction), Some(sticking)) = (stiction, Sticking::of(question.training, FEWEST)) else { return Ok(None) };
     let effects = question.hypotheses.iter().copied().filter(|effect| effect.name != stiction.effect.name).collect();
     let search = Search { question, sticking, effects };
