@@ -97,6 +97,12 @@ impl<'a> Sensitivity<'a> {
         simulated(machine, &runs(machine, cases), |row| self.kept.has(row))
     }
 
+    /// Where a row's channels begin in what is simulated, in steps of as many channels; `None` where the row is left out.
+    #[must_use]
+    pub fn place_of(&self, row: usize) -> Option<usize> {
+        self.kept.has(row).then_some(row / self.kept.stride)
+    }
+
     /// Residuals of what another machine simulates, as they would enter the loss, less those of the solution.
     #[must_use]
     pub fn change(&self, simulated: &Simulated) -> Change {

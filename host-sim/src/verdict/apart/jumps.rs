@@ -7,7 +7,7 @@
 
 use crate::candidate::Candidate;
 use crate::fit::{FitError, Sensitivity};
-use crate::noise::median;
+use crate::noise::{median, resolution};
 use crate::prepare::{Channel, Prepared};
 use crate::recording::Signal;
 
@@ -48,7 +48,7 @@ impl Jump {
 
 /// Every jump of a slider between two rests, where a row at rest has so much noise.
 fn jumps(slider: &Channel, noise: f64) -> Vec<Jump> {
-    let x = &slider.recorded;
+    let x = &slider.bridged();
     let is_known = |row: usize| !slider.failed[row] && !slider.failed[row - 1];
     let is_far = |row: usize| is_known(row) && (x[row] - x[row - 1]).abs() > JUMPS * noise;
     // First and last row of each stretch in which it goes on moving.
@@ -75,12 +75,13 @@ fn jumps(slider: &Channel, noise: f64) -> Vec<Jump> {
         .collect()
 }
 
-/// Noise of a row of a slider that mostly rests.
+/// Noise of a row of a slider that mostly rests: at least the step of its sensor, whose readings are all as far from each other.
 fn noise_at_rest(slider: &Channel) -> f64 {
     // Of white noise, a difference's median over its standard deviation, and that over the noise's.
     const SHARE: f64 = 0.6745 * std::f64::consts::SQRT_2;
-    let mut steps: Vec<f64> = slider.recorded.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
-    median(&mut steps) / SHARE
+    let readings = slider.bridged();
+    let mut steps: Vec<f64> = readings.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    (median(&mut steps) / SHARE).max(resolution(&readings)).max(LEAST_NOISE)
 }
 
 /// Whether two jumps are as long as each other.
@@ -103,7 +104,7 @@ impl<'a> Sticking<'a> {
     pub(super) fn of(cases: &[&'a Prepared], at_least: usize) -> Option<Self> {
         let with_jumps = |case: &&'a Prepared| {
             let slider = case.channels.iter().find(|channel| channel.signal == Signal::Spool)?;
-            let noise = noise_at_rest(slider).max(LEAST_NOISE);
+            let noise = noise_at_rest(slider);
             Some((*case, jumps(slider, noise), noise))
         };
         let all: Vec<_> = cases.iter().filter_map(with_jumps).collect();
@@ -166,10 +167,10 @@ impl<'a> Sticking<'a> {
     pub(super) fn further(&self, set: &Candidate, freed: &[&Prepared]) -> Result<f64, FitError> {
         let Some(sensitivity) = Sensitivity::at(&set.fit, freed)? else { return Ok(0.0) };
         let mut there = sensitivity.simulated(&set.fit.machine)?;
-        // What is recorded further ahead is simulated less far.
+        // What is recorded further ahead is simulated less far. The slider is the only channel.
         for ((_, jumps), there) in self.recordings.iter().zip(&mut there) {
             for jump in jumps {
-                if let Some(at) = there.get_mut(jump.row) {
+                if let Some(at) = sensitivity.place_of(jump.row).and_then(|place| there.get_mut(place)) {
                     *at -= self.noise.copysign(jump.to - jump.from);
                 }
             }
@@ -218,6 +219,16 @@ mod tests {
                 "{jump:?}"
             );
         }
+    }
+
+    #[test]
+    fn a_sensor_that_counts_does_not_make_a_slider_jump() {
+        const COUNT: f64 = 1.0 / 2048.0;
+        let time_s: Vec<f64> = (0..4000).map(|row| f64::from(row) * 1e-3).collect();
+        let triangle = |time_s: &f64| 0.05 * (1.0 - (time_s - 2.0).abs());
+        let counted: Vec<f64> = time_s.iter().map(|at| (triangle(at) / COUNT).round() * COUNT).collect();
+        let slider = Channel::of(Signal::Spool, &time_s, &counted);
+        assert!(jumps(&slider, noise_at_rest(&slider)).is_empty());
     }
 
     #[test]

@@ -177,7 +177,7 @@ pub(super) fn confirms(
 }
 
 /// What the valve's side chooses where its slider sticks, and the sets of as many effects that were tried if those are two; `None` where it
-/// does not stick.
+/// does not stick, or further ahead than a drive's can be.
 pub(super) fn stuck(
     question: &Question<'_>,
     done: &(impl Fn(&str) + Sync),
@@ -200,24 +200,29 @@ pub(super) fn stuck(
         beside
     };
     let tried: Vec<Beside> = forms.par_iter().take(REFITTED).map(refit).collect::<Result<_, _>>()?;
+    // No stiction is so far ahead that a drive cannot have it.
     let with_stiction = |beside: &Beside| {
         let (band, kept) = search.sticking.strengths(beside.ahead);
+        let can_be = |parameter: Parameter, value: f64| value <= parameter.description().max;
+        if !can_be(Parameter::StictionBand, band) || !can_be(Parameter::StictionKept, kept) {
+            return None;
+        }
         let mut set = beside.set.clone();
         for (parameter, value) in [(Parameter::StictionBand, band), (Parameter::StictionKept, kept)] {
             set.fit.machine.set(parameter, value);
             set.jumps.push((parameter, value));
         }
         set.effects.push(stiction);
-        set
+        Some(set)
     };
     let ranked = ranked(question, &plain.set, tried.iter().map(|beside| beside.set.clone()).collect());
     // Of an effect only its best form was ranked.
     let beside = |set: &Candidate| {
-        let same = |beside: &&Beside| beside.set.names() == set.names() && beside.set.strengths() == set.strengths();
+        let same = |beside: &&Beside| beside.set.names() == set.names() && beside.set.newest() == set.newest();
         tried.iter().find(same)
     };
     let best = ranked.first().and_then(|(best, _)| beside(best)).filter(|best| search.accepts(&plain, best));
-    let Some(best) = best else { return Ok(Some((with_stiction(&plain), Vec::new()))) };
-    let told = |(set, net): &(Candidate, f64)| Some(trial(&with_stiction(beside(set)?), *net));
-    Ok(Some((with_stiction(best), ranked.iter().filter_map(told).collect())))
+    let Some(best) = best else { return Ok(with_stiction(&plain).map(|set| (set, Vec::new()))) };
+    let told = |(set, net): &(Candidate, f64)| Some(trial(&with_stiction(beside(set)?)?, *net));
+    Ok(with_stiction(best).map(|set| (set, ranked.iter().filter_map(told).collect())))
 }
