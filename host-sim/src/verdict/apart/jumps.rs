@@ -75,7 +75,7 @@ fn jumps(slider: &Channel, noise: f64) -> Vec<Jump> {
         .collect()
 }
 
-/// Noise of a row of a slider that mostly rests: at least the step of its sensor, whose readings are all as far from each other.
+/// Noise of a row of a slider that mostly rests: at least its sensor's step, for all that such a slider does by one count is as long.
 fn noise_at_rest(slider: &Channel) -> f64 {
     // Of white noise, a difference's median over its standard deviation, and that over the noise's.
     const SHARE: f64 = 0.6745 * std::f64::consts::SQRT_2;

@@ -184,11 +184,8 @@ pub(super) fn stuck(
 ) -> Result<Option<(Candidate, Vec<Trial>)>, FitError> {
     let is_full =
         |one: &Chosen| [Parameter::StictionBand, Parameter::StictionKept].iter().all(|strength| one.has(*strength));
-    let forms = |effect: &&'static Hypothesis| {
-        let effect = *effect;
-        effect.forms_in(question.scene).map(move |form| Chosen { effect, form })
-    };
-    let stiction = question.hypotheses.iter().flat_map(forms).find(is_full);
+    let forms = |effect: &'static Hypothesis| effect.forms_in(question.scene).map(move |form| Chosen { effect, form });
+    let stiction = question.hypotheses.iter().copied().flat_map(forms).find(is_full);
     let (Some(stiction), Some(sticking)) = (stiction, Sticking::of(question.training, FEWEST)) else { return Ok(None) };
     let effects = question.hypotheses.iter().copied().filter(|effect| effect.name != stiction.effect.name).collect();
     let search = Search { question, sticking, effects };
@@ -200,15 +197,14 @@ pub(super) fn stuck(
         beside
     };
     let tried: Vec<Beside> = forms.par_iter().take(REFITTED).map(refit).collect::<Result<_, _>>()?;
-    // No stiction is so far ahead that a drive cannot have it.
     let with_stiction = |beside: &Beside| {
         let (band, kept) = search.sticking.strengths(beside.ahead);
-        let can_be = |parameter: Parameter, value: f64| value <= parameter.description().max;
-        if !can_be(Parameter::StictionBand, band) || !can_be(Parameter::StictionKept, kept) {
+        let strengths = [(Parameter::StictionBand, band), (Parameter::StictionKept, kept)];
+        if strengths.iter().any(|(parameter, value)| *value > parameter.description().max) {
             return None;
         }
         let mut set = beside.set.clone();
-        for (parameter, value) in [(Parameter::StictionBand, band), (Parameter::StictionKept, kept)] {
+        for (parameter, value) in strengths {
             set.fit.machine.set(parameter, value);
             set.jumps.push((parameter, value));
         }
@@ -217,10 +213,7 @@ pub(super) fn stuck(
     };
     let ranked = ranked(question, &plain.set, tried.iter().map(|beside| beside.set.clone()).collect());
     // Of an effect only its best form was ranked.
-    let beside = |set: &Candidate| {
-        let same = |beside: &&Beside| beside.set.names() == set.names() && beside.set.newest() == set.newest();
-        tried.iter().find(same)
-    };
+    let beside = |set: &Candidate| tried.iter().find(|beside| beside.set.newest() == set.newest());
     let best = ranked.first().and_then(|(best, _)| beside(best)).filter(|best| search.accepts(&plain, best));
     let Some(best) = best else { return Ok(with_stiction(&plain).map(|set| (set, Vec::new()))) };
     let told = |(set, net): &(Candidate, f64)| Some(trial(&with_stiction(beside(set)?)?, *net));
