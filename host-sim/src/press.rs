@@ -54,7 +54,12 @@ pub(crate) fn scene<'a>(machine: &'a Machine<f64>, judged: &'a [Signal]) -> Scen
 
 /// Two seconds of a machine driven to and fro from 0.12 m, as sensors of these noises record it; the same noise for the same sensors.
 pub(crate) fn recorded(machine: &Machine<f64>, sensors: &[(Signal, f64)]) -> Recording {
-    let time_s: Vec<f64> = (0..2000).map(|row| f64::from(row) * 1e-3).collect();
+    recorded_for(machine, sensors, 2000)
+}
+
+/// So many milliseconds of it.
+pub(crate) fn recorded_for(machine: &Machine<f64>, sensors: &[(Signal, f64)], rows: u32) -> Recording {
+    let time_s: Vec<f64> = (0..rows).map(|row| f64::from(row) * 1e-3).collect();
     let command = time_s.iter().map(|t| 2.5 * (5.0 * t).sin() + 1.5 * (13.0 * t).sin()).collect();
     let driven = vec![
         Column::si(Signal::Time, time_s.clone()),

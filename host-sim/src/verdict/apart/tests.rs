@@ -2,7 +2,7 @@ use super::*;
 use crate::candidate::Reference;
 use crate::hypothesis::CATALOGUE;
 use crate::machine_file::LoadSource;
-use crate::press::{press, recorded, scene};
+use crate::press::{press, recorded, recorded_for, scene};
 use crate::recording::{Column, Recording};
 
 /// Noise of the slider's sensor, of full travel.
@@ -202,4 +202,35 @@ fn a_slider_that_does_not_stick_is_left_alone() {
     asked_of_a_sticking_valve(&[(Parameter::StictionBand, 0.0)], |question, _| {
         assert!(stuck::stuck(question, &|_| ()).unwrap().is_none());
     });
+}
+
+/// A long recording's slopes are those of every so-manieth row, and jumps are at any.
+#[test]
+fn jumps_tell_how_far_ahead_the_free_slider_is_however_long_the_recording_is() {
+    const FURTHER: f64 = 1e-3;
+    let nominal = press(&[(Parameter::ViscousFriction, 4e4)]);
+    let (band, kept) = (0.012, 0.2);
+    let truth = nominal.with(&[(Parameter::StictionBand, band), (Parameter::StictionKept, kept)]);
+    let judged = [Signal::Spool];
+    let scene = scene(&nominal, &judged);
+    let free = crate::fit::Free {
+        parameter: Parameter::ValveOffset,
+        freedom: crate::fit::Freedom::Around { nominal: 0.0, sigma: 0.01 },
+    };
+    for rows in [2_000, 150_000] {
+        let case = prepared(&recorded_for(&truth, &[(Signal::Spool, 3e-4)], rows), &nominal);
+        let sticking = jumps::Sticking::of(&[&case], 1).unwrap();
+        let at = 0.5 * band * (1.0 + kept);
+        // A jump is seen a row after the slider broke away, so that the free one has gone on by half a row's way.
+        let told = |ahead: f64| {
+            let freed = sticking.freed(ahead);
+            let training: Vec<&Prepared> = freed.iter().collect();
+            let question = Question { scene: &scene, ordinary: &[free], hypotheses: CATALOGUE, training: &training };
+            let set = Candidate::rough(&question, None).unwrap().finished(&question).unwrap();
+            sticking.further(&set, &training).unwrap()
+        };
+        let (nearer, there) = (told(at - FURTHER), told(at));
+        assert!(there.abs() < 0.1 * at, "{rows} rows: {there} beside {at}");
+        assert!(((nearer - there) / FURTHER - 1.0).abs() < 0.05, "{rows} rows: {nearer} {there}");
+    }
 }
