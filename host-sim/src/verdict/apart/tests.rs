@@ -221,7 +221,6 @@ fn jumps_tell_how_far_ahead_the_free_slider_is_however_long_the_recording_is() {
         let case = prepared(&recorded_for(&truth, &[(Signal::Spool, 3e-4)], rows), &nominal);
         let sticking = jumps::Sticking::of(&[&case], 1).unwrap();
         let at = 0.5 * band * (1.0 + kept);
-        // A jump is seen a row after the slider broke away, so that the free one has gone on by half a row's way.
         let told = |ahead: f64| {
             let freed = sticking.freed(ahead);
             let training: Vec<&Prepared> = freed.iter().collect();
@@ -230,6 +229,7 @@ fn jumps_tell_how_far_ahead_the_free_slider_is_however_long_the_recording_is() {
             sticking.further(&set, &training).unwrap()
         };
         let (nearer, there) = (told(at - FURTHER), told(at));
+        // A jump is seen up to a row after the slider broke away, and the free one has gone on meanwhile.
         assert!(there.abs() < 0.1 * at, "{rows} rows: {there} beside {at}");
         assert!(((nearer - there) / FURTHER - 1.0).abs() < 0.05, "{rows} rows: {nearer} {there}");
     }
