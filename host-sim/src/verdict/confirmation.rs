@@ -4,7 +4,7 @@
 use model_core::machine::{Machine, MachineError};
 
 use super::apart::gains_apart;
-use super::likelihood::{accepts, gained};
+use super::likelihood::{FORM, above_noise, accepts, gained};
 use super::{FAR, Question, Selection, enter};
 use crate::fit::{CHANCE, FitError, settle, softened, standardised};
 use crate::hypothesis::Hypothesis;
@@ -30,10 +30,12 @@ impl Confirmation {
     /// Whether they gain by it: in all and on at least half of the recordings, and no signal is clearly worse.
     #[must_use]
     pub fn gains(&self) -> bool {
-        self.recordings > 0
-            && self.gain > 0.0
-            && self.least_gain > -CHANCE.max(0.1 * self.gain)
-            && 2 * self.improved >= self.recordings
+        self.gains_in_all() && self.least_gain > -CHANCE.max(0.1 * self.gain)
+    }
+
+    /// Whether they gain by it in all and on at least half of the recordings, whatever becomes of one signal.
+    fn gains_in_all(&self) -> bool {
+        self.recordings > 0 && self.gain > 0.0 && 2 * self.improved >= self.recordings
     }
 
     /// Whether they confirm it: they gain, and the model follows no signal worse than its mean would.
@@ -45,7 +47,8 @@ impl Confirmation {
 
 impl Selection {
     /// Takes out of a set of several every effect that held-out recordings gain nothing by beside the others, refitted without it
-    /// to the training recordings; the last added first. While the chain is far off, one may also gain on its own side of the slider.
+    /// to the training recordings; the last added first. A signal may get worse by as little as the forms of the others may be off:
+    /// that is not the fault of the one in question. While the chain is far off, one may also gain on its own side of the slider.
     /// What is left has to be a claim by itself, else it goes as well: a pair may have been claimed because neither was enough
     /// alone. Those that were taken out.
     pub fn refused(
@@ -64,9 +67,13 @@ impl Selection {
             let (fewer, effect) = (self.chosen.without(question, index)?, self.chosen.effects[index].effect);
             let (without, with) = (&fewer.fit.machine, &self.chosen.fit.machine);
             let is_hidden = self.chosen.worst_over_noise(question) > FAR;
-            let gains = confirm(without, with, held_out)?.gains()
-                || (is_hidden && gains_apart(question, &self.chosen, effect, held_out)?);
-            if !gains {
+            let told = confirm(without, with, held_out)?;
+            let gains = told.gains()
+                || (told.gains_in_all() && {
+                    let left = |machine: &Machine<f64>| left(machine, held_out);
+                    is_by_form(&left(&self.base.fit.machine)?, &left(without)?, &left(with)?)
+                });
+            if !(gains || (is_hidden && gains_apart(question, &self.chosen, effect, held_out)?)) {
                 refused.push(effect);
                 self.chosen = fewer;
             }
@@ -81,6 +88,35 @@ impl Selection {
             self.chosen = self.base.clone();
         }
         Ok(refused)
+    }
+}
+
+/// What a machine leaves above the noise on held-out recordings, by signal.
+fn left(machine: &Machine<f64>, held_out: &[&Prepared]) -> Result<Vec<(Signal, f64)>, MachineError> {
+    let mut signals = Vec::new();
+    for case in held_out {
+        let residuals = softened(machine, case, settle(machine, case)?)?;
+        for (channel, series) in case.channels.iter().zip(&residuals) {
+            add(&mut signals, channel.signal, above_noise(series));
+        }
+    }
+    Ok(signals)
+}
+
+/// Whether no signal is worse with an effect than without it by more than the form of the others is off by, of what those explain of it over
+/// the base.
+fn is_by_form(base: &[(Signal, f64)], without: &[(Signal, f64)], with: &[(Signal, f64)]) -> bool {
+    let signals = base.iter().zip(without).zip(with);
+    signals
+        .into_iter()
+        .all(|(((_, base), (_, without)), (_, with))| with - without <= FORM * FORM * (base - without).max(0.0))
+}
+
+/// Adds to the sum of a signal.
+fn add(signals: &mut Vec<(Signal, f64)>, signal: Signal, amount: f64) {
+    match signals.iter_mut().find(|(known, _)| *known == signal) {
+        Some((_, sum)) => *sum += amount,
+        None => signals.push((signal, amount)),
     }
 }
 
@@ -104,10 +140,7 @@ pub fn confirm(
         for ((channel, missed), (before, after)) in case.channels.iter().zip(&missed).zip(before.iter().zip(&after)) {
             let gain = gained(before, after);
             total += gain;
-            match signals.iter_mut().find(|(signal, _)| *signal == channel.signal) {
-                Some((_, sum)) => *sum += gain,
-                None => signals.push((channel.signal, gain)),
-            }
+            add(&mut signals, channel.signal, gain);
             // A signal that is mostly noise fits no better than its mean, whatever the model.
             if channel.noise_floor_percent() > MOSTLY_NOISE {
                 least_fit_percent = least_fit_percent.min(channel.fit_percent(missed));
@@ -122,4 +155,19 @@ pub fn confirm(
         improved,
         recordings: held_out.len(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_signal_may_get_worse_by_a_hundredth_of_what_the_other_effects_explain_of_it() {
+        let sums = |supply, position| [(Signal::SupplyPressure, supply), (Signal::Position, position)];
+        let (base, without) = (sums(540_000.0, 520_000.0), sums(8_000.0, 280_000.0));
+        assert!(is_by_form(&base, &without, &sums(13_300.0, 107_000.0)));
+        assert!(!is_by_form(&base, &without, &sums(13_400.0, 107_000.0)));
+        // Where the others explain nothing, nothing may get worse.
+        assert!(!is_by_form(&sums(8_000.0, 520_000.0), &without, &sums(8_001.0, 107_000.0)));
+    }
 }

@@ -118,7 +118,12 @@ pub(super) fn straightened(question: &Question<'_>, without: &Candidate, with: &
 
 /// What is above the noise.
 pub(crate) fn excess(residuals: &Residuals) -> f64 {
-    residuals.iter().flatten().map(|series| floored(series) - series.len() as f64).sum()
+    residuals.iter().flatten().map(|series| above_noise(series)).sum()
+}
+
+/// What a series has above the noise.
+pub(super) fn above_noise(series: &[f64]) -> f64 {
+    floored(series) - series.len() as f64
 }
 
 /// Whether `with` is worth its strengths over `without`.
