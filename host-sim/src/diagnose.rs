@@ -21,6 +21,7 @@ use crate::machine_file::MachineFile;
 use crate::noise::extent;
 use crate::prepare::{Channel, Prepared};
 use crate::recording::{Recording, Signal};
+use crate::rhythm::Rhythm;
 use crate::screen::Lead;
 use crate::unnamed::{Unnamed, improved};
 use crate::verdict::{Candidate, Chosen, Confirmation, Question, Selection, Trial, confirm, lengthened, select};
@@ -51,6 +52,8 @@ pub struct Finding {
     pub parameters: Vec<Estimate>,
     /// Other effects of those sets, with their probability.
     pub alternatives: Vec<(&'static Hypothesis, f64)>,
+    /// The jumps that the position holds, of a stiction that no free run tells.
+    pub heard: Option<Rhythm>,
 }
 
 /// What was found.
@@ -288,16 +291,29 @@ impl<'a> Asked<'a> {
         progress: Progress<'_>,
     ) -> Result<Selection, FitError> {
         let done = |name: &str| progress(name);
+        let mut selection = self.searched(trained, excerpt, &done)?;
+        let references: Vec<&Prepared> = trained.iter().collect();
+        selection.listen(&self.of(&references), &done)?;
+        Ok(selection)
+    }
+
+    /// The same as far as free runs tell.
+    fn searched(
+        self,
+        trained: &mut [Prepared],
+        excerpt: Option<&mut Excerpt>,
+        done: &(impl Fn(&str) + Sync),
+    ) -> Result<Selection, FitError> {
         let search = |cases: &mut [Prepared]| {
             let near = Candidate::tolerated(self.scene, self.ordinary, cases)?;
             let references: Vec<&Prepared> = cases.iter().collect();
-            select(&self.of(&references), &near, &done)
+            select(&self.of(&references), &near, done)
         };
         let Some(excerpt) = excerpt else { return search(trained) };
         let found = search(&mut excerpt.cases)?;
         set_tolerances(&found.base.fit.machine, trained, &found.base.fit.starts)?;
         let references: Vec<&Prepared> = trained.iter().collect();
-        lengthened(&self.of(&references), &found, &done)
+        lengthened(&self.of(&references), &found, done)
     }
 }
 
@@ -340,7 +356,13 @@ fn finding(chosen: &Chosen, selection: &Selection, vetoed: &[&'static Hypothesis
         let with = sets.iter().filter(|set| set.effects.iter().any(|effect| effect.name == name));
         with.map(|set| (set.net - largest).exp()).sum::<f64>() / total
     };
-    let estimates = selection.chosen.estimates();
+    let mut estimates = selection.chosen.estimates();
+    let heard = selection.heard.as_ref().filter(|_| chosen.has(Parameter::StictionBand));
+    for estimate in &mut estimates {
+        if let Some(deviation) = heard.and_then(|heard| heard.deviation(estimate.parameter, estimate.value)) {
+            estimate.std = deviation;
+        }
+    }
     let parameters = chosen
         .form
         .iter()
@@ -356,7 +378,13 @@ fn finding(chosen: &Chosen, selection: &Selection, vetoed: &[&'static Hypothesis
     }
     alternatives.sort_by(|a, b| b.1.total_cmp(&a.1));
     let effect = chosen.effect;
-    Finding { effect, confidence: probability(effect.name).min(0.999), parameters, alternatives }
+    Finding {
+        effect,
+        confidence: probability(effect.name).min(0.999),
+        parameters,
+        alternatives,
+        heard: heard.map(|heard| heard.rhythm),
+    }
 }
 
 /// What the best hypothesis of each subsystem would gain.

@@ -46,6 +46,7 @@ pub mod recording;
 pub mod region;
 pub mod report;
 pub mod residual;
+pub mod rhythm;
 pub mod screen;
 pub mod search;
 pub mod sensor;

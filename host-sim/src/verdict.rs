@@ -13,6 +13,7 @@ mod apart;
 mod believed;
 mod confirmation;
 mod likelihood;
+mod unseen;
 mod whole;
 
 use model_core::machine::Machine;
@@ -27,6 +28,7 @@ use apart::Side;
 pub use confirmation::{Confirmation, confirm};
 pub(crate) use likelihood::{FORM, Gained, excess, is_earned};
 use likelihood::{accepts, prefer_plain, ranked};
+pub use unseen::Heard;
 pub use whole::lengthened;
 
 /// Most effects claimed at once.
@@ -81,6 +83,8 @@ pub struct Selection {
     pub rounds: Vec<Vec<Trial>>,
     /// The plainest of several effects that were found with the links apart: the chain only had to accept them all together.
     pub joined: Vec<&'static str>,
+    /// The jumps of a slider that no sensor sees, where the chosen set has them from the position.
+    pub heard: Option<Heard>,
 }
 
 impl Selection {
@@ -124,7 +128,7 @@ pub fn select(question: &Question<'_>, near: &Fit, done: &(impl Fn(&str) + Sync)
     done("refit");
     course.forward(question, AT_NOISE, done)?;
     let Course { base, chosen, rounds, joined, .. } = course;
-    Ok(Selection { base, chosen, rounds, joined })
+    Ok(Selection { base, chosen, rounds, joined, heard: None })
 }
 
 impl Course {
@@ -165,6 +169,7 @@ impl Course {
             let asked = Question { hypotheses: &open, ..*question };
             let found = widened(&asked, &self.tempered, &self.beam, most, done)?;
             let ranked = self.refined(question, finished(question, &self.base, found)?, near, done)?;
+            let ranked = if round == 0 { self.played(question, ranked)? } else { ranked };
             let ranked = self.extended(question, ranked, near, done)?;
             self.rounds.push(trials(&ranked));
             self.beam = ranked.iter().take(BEAM).map(|(candidate, _)| candidate.clone()).collect();
@@ -197,6 +202,22 @@ impl Course {
             return Ok(ranked);
         }
         finished(question, &self.base, candidates(ranked).into_iter().chain(finer).collect())
+    }
+
+    /// A first round with the play of a valve of which no sensor sees the slider, where the best set is far off.
+    fn played(
+        &self,
+        question: &Question<'_>,
+        ranked: Vec<(Candidate, f64)>,
+    ) -> Result<Vec<(Candidate, f64)>, FitError> {
+        if ranked.first().is_some_and(|(best, _)| best.worst_over_noise(question) <= FAR) {
+            return Ok(ranked);
+        }
+        let found = unseen::played(question, &self.base)?;
+        if found.is_empty() {
+            return Ok(ranked);
+        }
+        finished(question, &self.base, candidates(ranked).into_iter().chain(found).collect())
     }
 
     /// A ranked round with the extensions of what the best set of it had before its newest effect, where that is not `near` its noise: alone,

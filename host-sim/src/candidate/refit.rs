@@ -77,6 +77,20 @@ impl Candidate {
         searched(&nearby.iter().collect::<Vec<_>>())
     }
 
+    /// A refit of a set to the end, from values of what no former solution has; strengths that no slope leads to stay as they are given.
+    pub(crate) fn given(
+        question: &Question<'_>,
+        effects: Vec<Chosen>,
+        jumps: Vec<(Parameter, f64)>,
+        solution: Option<&Fit>,
+        values: &[(Parameter, f64)],
+    ) -> Result<Self, FitError> {
+        let free = free(question, &effects);
+        let from = From { solution, coordinates: &coordinates(&free, values), moved: &[] };
+        let found = fit(&with(question.scene.machine, &jumps), &free, question.training, &from, PRECISION)?;
+        Self::of(question, effects, found, jumps, true)
+    }
+
     /// A refit of a set with everything that is free in it.
     pub(super) fn refitted(
         question: &Question<'_>,
@@ -84,17 +98,8 @@ impl Candidate {
         mut jumps: Vec<(Parameter, f64)>,
         from: &Beginning<'_>,
     ) -> Result<Self, FitError> {
-        let smooth = strengths(&effects).into_iter().filter(|strength| !matches!(strength.kind, Kind::Jump(_)));
-        let free: Vec<Free> =
-            question.ordinary.iter().copied().chain(smooth.map(|strength| strength.free(question.scene))).collect();
-        let coordinates: Vec<(Parameter, f64)> = from
-            .values
-            .iter()
-            .filter_map(|(parameter, value)| {
-                let free = free.iter().find(|free| free.parameter == *parameter)?;
-                Some((*parameter, free.coordinate(*value)))
-            })
-            .collect();
+        let free = free(question, &effects);
+        let coordinates = coordinates(&free, from.values);
         let (training, precision) = match from.goes {
             Goes::ToTheEnd => (question.training.to_vec(), PRECISION),
             Goes::Roughly(nearby) => (nearby.iter().collect(), ROUGHLY),
@@ -137,6 +142,21 @@ impl Candidate {
         let from = From { solution: Some(&solution), ..From::default() };
         Ok(fit(&machine, &self.fit.free, &others, &from, SETTLED)?.machine)
     }
+}
+
+/// What a fit moves: the ordinary parameters, and every strength that a slope leads to.
+fn free(question: &Question<'_>, effects: &[Chosen]) -> Vec<Free> {
+    let smooth = strengths(effects).into_iter().filter(|strength| !matches!(strength.kind, Kind::Jump(_)));
+    question.ordinary.iter().copied().chain(smooth.map(|strength| strength.free(question.scene))).collect()
+}
+
+/// Coordinates of the values that are free.
+fn coordinates(free: &[Free], values: &[(Parameter, f64)]) -> Vec<(Parameter, f64)> {
+    let of = |(parameter, value): &(Parameter, f64)| {
+        let free = free.iter().find(|free| free.parameter == *parameter)?;
+        Some((*parameter, free.coordinate(*value)))
+    };
+    values.iter().filter_map(of).collect()
 }
 
 /// A better value of a strength that no slope leads to, near where it is.

@@ -140,7 +140,7 @@ fn finding_of(diagnosis: &Diagnosis, exhibits: &Exhibits, finding: &Finding) -> 
         .iter()
         .map(|(effect, confidence)| json!({ "effect": effect.name, "confidence": digits(*confidence, 3) }))
         .collect();
-    json!({
+    let mut told = json!({
         "effect": finding.effect.name,
         "subsystem": finding.effect.subsystem,
         "confidence": digits(finding.confidence, 3),
@@ -152,7 +152,15 @@ fn finding_of(diagnosis: &Diagnosis, exhibits: &Exhibits, finding: &Finding) -> 
         "alternatives": alternatives,
         "separated_by": exhibits.separated_by(finding),
         "separation": exhibits_json::separation(exhibits, finding),
-    })
+    });
+    if let Some(rhythm) = finding.heard {
+        told["jumps"] = json!({
+            "length": digits(rhythm.length, 3),
+            "log_likelihood": digits(rhythm.evidence, 3),
+            "sentence": rhythm.to_string(),
+        });
+    }
+    told
 }
 
 fn rounded(fits: &crate::diagnose::Fits) -> Value {

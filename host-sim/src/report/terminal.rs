@@ -44,6 +44,9 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
                 uncertainty(estimate)
             );
         }
+        if let Some(rhythm) = finding.heard {
+            let _ = writeln!(text, "told by    {rhythm}");
+        }
         for (effect, confidence) in &finding.alternatives {
             let _ = writeln!(text, "instead    {} ({confidence:.3})", effect.name);
         }

@@ -60,6 +60,7 @@ impl Selection {
         if held_out.is_empty() {
             return Ok(refused);
         }
+        refused.extend(self.unheard(held_out)?);
         for index in (0..self.chosen.effects.len()).rev() {
             if self.chosen.effects.len() == 1 {
                 break;
@@ -73,7 +74,8 @@ impl Selection {
                     let left = |machine: &Machine<f64>| left(machine, held_out);
                     is_by_form(&left(&self.base.fit.machine)?, &left(without)?, &left(with)?)
                 });
-            if !(gains || (is_hidden && gains_apart(question, &self.chosen, effect, held_out)?)) {
+            let gains = gains || (is_hidden && gains_apart(question, &self.chosen, effect, held_out)?);
+            if !(gains || self.is_heard(effect)) {
                 refused.push(effect);
                 self.chosen = fewer;
             }
@@ -81,7 +83,9 @@ impl Selection {
         if refused.is_empty() {
             return Ok(refused);
         }
-        if self.chosen.is_plausible(question.scene) && accepts(question, &self.base, &self.base, &self.chosen)? {
+        let is_heard = self.chosen.effects.iter().any(|one| self.is_heard(one.effect));
+        let stands = || Ok::<_, FitError>(is_heard || accepts(question, &self.base, &self.base, &self.chosen)?);
+        if self.chosen.is_plausible(question.scene) && stands()? {
             enter(question, &self.base, &mut self.rounds, &self.chosen);
         } else {
             refused.extend(self.chosen.effects.iter().map(|chosen| chosen.effect));

@@ -26,8 +26,13 @@ pub fn lengthened(
         rayon::join(|| base(question, &found.base), || claims.then(|| found.chosen.finished(question)).transpose());
     let base = base?;
     done("the whole recordings");
-    let mut selection =
-        Selection { chosen: base.clone(), base, rounds: found.rounds.clone(), joined: found.joined.clone() };
+    let mut selection = Selection {
+        chosen: base.clone(),
+        base,
+        rounds: found.rounds.clone(),
+        joined: found.joined.clone(),
+        heard: None,
+    };
     if let Some(chosen) = chosen?
         && chosen.is_plausible(question.scene)
         && accepts(question, &selection.base, &selection.base, &chosen)?

@@ -105,6 +105,9 @@ fn sureness(finding: &Finding, exhibits: &Exhibits) -> Markup {
                 "."
             }
         }
+        @if let Some(rhythm) = finding.heard {
+            p { "Told by: " (rhythm.to_string()) "." }
+        }
         @if rivals.is_empty() {
             p { "To be sure: " (finding.effect.separated_by) "." }
         } @else {
