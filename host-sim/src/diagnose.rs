@@ -21,10 +21,9 @@ use crate::machine_file::MachineFile;
 use crate::noise::extent;
 use crate::prepare::{Channel, Prepared};
 use crate::recording::{Recording, Signal};
-use crate::rhythm::Rhythm;
 use crate::screen::Lead;
 use crate::unnamed::{Unnamed, improved};
-use crate::verdict::{Candidate, Chosen, Confirmation, Question, Selection, Trial, confirm, lengthened, select};
+use crate::verdict::{Candidate, Chosen, Confirmation, Question, Selection, Told, Trial, confirm, lengthened, select};
 
 use shown::show;
 pub use shown::{Fits, Shown};
@@ -53,7 +52,7 @@ pub struct Finding {
     /// Other effects of those sets, with their probability.
     pub alternatives: Vec<(&'static Hypothesis, f64)>,
     /// The jumps that the position holds, of a stiction that no free run tells.
-    pub heard: Option<Rhythm>,
+    pub heard: Option<Told>,
 }
 
 /// What was found.
@@ -383,7 +382,7 @@ fn finding(chosen: &Chosen, selection: &Selection, vetoed: &[&'static Hypothesis
         confidence: probability(effect.name).min(0.999),
         parameters,
         alternatives,
-        heard: heard.map(|heard| heard.rhythm),
+        heard: heard.map(|heard| heard.told),
     }
 }
 

@@ -28,7 +28,7 @@ use apart::Side;
 pub use confirmation::{Confirmation, confirm};
 pub(crate) use likelihood::{FORM, Gained, excess, is_earned};
 use likelihood::{accepts, prefer_plain, ranked};
-pub use unseen::Heard;
+pub use unseen::{Heard, Told};
 pub use whole::lengthened;
 
 /// Most effects claimed at once.

@@ -140,7 +140,7 @@ fn finding_of(diagnosis: &Diagnosis, exhibits: &Exhibits, finding: &Finding) -> 
         .iter()
         .map(|(effect, confidence)| json!({ "effect": effect.name, "confidence": digits(*confidence, 3) }))
         .collect();
-    let mut told = json!({
+    let mut found = json!({
         "effect": finding.effect.name,
         "subsystem": finding.effect.subsystem,
         "confidence": digits(finding.confidence, 3),
@@ -153,14 +153,15 @@ fn finding_of(diagnosis: &Diagnosis, exhibits: &Exhibits, finding: &Finding) -> 
         "separated_by": exhibits.separated_by(finding),
         "separation": exhibits_json::separation(exhibits, finding),
     });
-    if let Some(rhythm) = finding.heard {
-        told["jumps"] = json!({
-            "length": digits(rhythm.length, 3),
-            "log_likelihood": digits(rhythm.evidence, 3),
-            "sentence": rhythm.to_string(),
+    if let Some(told) = finding.heard {
+        found["jumps"] = json!({
+            "length": digits(told.rhythm.length, 3),
+            "log_likelihood": digits(told.rhythm.evidence, 3),
+            "kept_alone": digits(told.kept_alone, 3),
+            "sentence": told.to_string(),
         });
     }
-    told
+    found
 }
 
 fn rounded(fits: &crate::diagnose::Fits) -> Value {

@@ -44,8 +44,8 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
                 uncertainty(estimate)
             );
         }
-        if let Some(rhythm) = finding.heard {
-            let _ = writeln!(text, "told by    {rhythm}");
+        if let Some(told) = finding.heard {
+            let _ = writeln!(text, "told by    {told}");
         }
         for (effect, confidence) in &finding.alternatives {
             let _ = writeln!(text, "instead    {} ({confidence:.3})", effect.name);

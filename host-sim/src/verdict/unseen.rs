@@ -1,5 +1,7 @@
 //! Valves of which no sensor sees the slider: a play that the search missed, and stiction by what its jumps leave in the position.
 
+use std::fmt;
+
 use model_core::machine::Machine;
 use model_core::parameter::Parameter;
 use rayon::prelude::*;
@@ -10,6 +12,7 @@ use crate::candidate::{Candidate, Chosen, Question};
 use crate::fit::{CHANCE, FitError, loss, samples_by_blocks, softened_all};
 use crate::hypothesis::Hypothesis;
 use crate::prepare::Prepared;
+use crate::presentation::significant;
 use crate::recording::Signal;
 use crate::rhythm::Rhythm;
 use crate::screen::with;
@@ -29,11 +32,35 @@ const LAGS: [f64; 4] = [0.8, 0.9, 1.0, 1.1];
 /// Simulated ones that are refitted.
 const REFITTED: usize = 3;
 
+/// What a position says of the jumps of a slider that no sensor sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Told {
+    /// How long they are, and how surely.
+    pub rhythm: Rhythm,
+    /// Share of its band that a stiction alone would keep, to lag as far as the slider does.
+    pub kept_alone: f64,
+}
+
+impl Told {
+    /// Whether a stiction alone may keep so much.
+    fn is_alone(&self) -> bool {
+        self.kept_alone <= MOST_KEPT
+    }
+}
+
+impl fmt::Display for Told {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let kept = significant(100.0 * self.kept_alone, 2);
+        let whose = if self.is_alone() { "as one does" } else { "more than one does, so a play stands beside it" };
+        write!(f, "{}; a stiction alone would keep {kept} % of its band, {whose}", self.rhythm)
+    }
+}
+
 /// The jumps of a slider that no sensor sees.
 #[derive(Clone, Debug)]
 pub struct Heard {
     /// What the position says of them.
-    pub rhythm: Rhythm,
+    pub told: Told,
     /// The model without jumps that it is held against.
     following: Machine<f64>,
     /// What was chosen before.
@@ -146,7 +173,8 @@ impl Selection {
         done(stiction.effect.name);
 
         let width = following.fit.machine.get(Parameter::HysteresisWidth);
-        let is_alone = Sticks::alone(rhythm.length, width).kept <= MOST_KEPT;
+        let told = Told { rhythm, kept_alone: Sticks::alone(rhythm.length, width).kept };
+        let is_alone = told.is_alone();
         let tries = LENGTHS.iter().map(|times| times * rhythm.length).flat_map(|length| {
             let alone = LAGS.map(|times| Some(Sticks::alone(length, times * width)));
             let beside = KEPT.map(|kept| Sticks::beside(length, kept, width));
@@ -162,7 +190,7 @@ impl Selection {
         };
         let Some((best, _)) = ranked.into_iter().find(may_be) else { return Ok(()) };
         let (chosen, rounds) = (self.chosen.clone(), self.rounds.clone());
-        self.heard = Some(Heard { rhythm, following: following.fit.machine, chosen, rounds });
+        self.heard = Some(Heard { told, following: following.fit.machine, chosen, rounds });
         self.rounds.truncate(best.effects.len());
         self.rounds.resize(best.effects.len(), Vec::new());
         if let Some(last) = self.rounds.last_mut() {
@@ -178,7 +206,7 @@ impl Selection {
     /// Goes back to what was chosen before, where held-out recordings do not tell of jumps as long; the stiction that goes.
     pub(super) fn unheard(&mut self, held_out: &[&Prepared]) -> Result<Option<&'static Hypothesis>, FitError> {
         let Some(heard) = &self.heard else { return Ok(None) };
-        if heard.rhythm.is_in(&heard.following, held_out)? {
+        if heard.told.rhythm.is_in(&heard.following, held_out)? {
             return Ok(None);
         }
         let gone = self.chosen.effects.iter().find(|one| one.has(Parameter::StictionBand)).map(|one| one.effect);

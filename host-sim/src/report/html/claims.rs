@@ -105,8 +105,8 @@ fn sureness(finding: &Finding, exhibits: &Exhibits) -> Markup {
                 "."
             }
         }
-        @if let Some(rhythm) = finding.heard {
-            p { "Told by: " (rhythm.to_string()) "." }
+        @if let Some(told) = finding.heard {
+            p { "Told by: " (told.to_string()) "." }
         }
         @if rivals.is_empty() {
             p { "To be sure: " (finding.effect.separated_by) "." }
