@@ -31,6 +31,15 @@ pub struct Question<'a> {
     pub training: &'a [&'a Prepared],
 }
 
+impl Question<'_> {
+    /// The first form of the effects that has all these strengths.
+    pub(crate) fn form_with(&self, strengths: &[Parameter]) -> Option<Chosen> {
+        let forms = |effect: &'static Hypothesis| effect.forms_in(self.scene).map(move |form| Chosen { effect, form });
+        let has_all = |chosen: &Chosen| strengths.iter().all(|strength| chosen.has(*strength));
+        self.hypotheses.iter().copied().flat_map(forms).find(has_all)
+    }
+}
+
 /// An effect in one of its forms.
 #[derive(Clone, Copy, Debug)]
 pub struct Chosen {

@@ -15,7 +15,7 @@ use crate::region::{Course, since};
 use crate::shape::{Shape, State, once, over, periodic, stands_out};
 use crate::simulate::{Trajectory, simulate};
 use crate::spectrum::strongest_line;
-use crate::window::rows_in;
+use crate::window::{rows_in, running_sums};
 
 /// A stretch of a recording.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -186,10 +186,7 @@ fn oscillation(case: &Case<'_>, trajectory: &Trajectory) -> Option<Shape> {
 
 /// A series less its moving mean over `rows`.
 fn high_passed(values: &[f64], rows: usize) -> Vec<f64> {
-    let mut sums = vec![0.0];
-    for value in values {
-        sums.push(sums[sums.len() - 1] + value);
-    }
+    let sums = running_sums(values.iter().copied());
     let half = rows / 2;
     (half..values.len().saturating_sub(half))
         .map(|row| values[row] - (sums[row + half + 1] - sums[row - half]) / (2 * half + 1) as f64)

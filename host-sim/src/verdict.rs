@@ -204,22 +204,6 @@ impl Course {
         finished(question, &self.base, candidates(ranked).into_iter().chain(finer).collect())
     }
 
-    /// A first round with the play of a valve of which no sensor sees the slider, where the best set is far off.
-    fn played(
-        &self,
-        question: &Question<'_>,
-        ranked: Vec<(Candidate, f64)>,
-    ) -> Result<Vec<(Candidate, f64)>, FitError> {
-        if ranked.first().is_some_and(|(best, _)| best.worst_over_noise(question) <= FAR) {
-            return Ok(ranked);
-        }
-        let found = unseen::played(question, &self.base)?;
-        if found.is_empty() {
-            return Ok(ranked);
-        }
-        finished(question, &self.base, candidates(ranked).into_iter().chain(found).collect())
-    }
-
     /// A ranked round with the extensions of what the best set of it had before its newest effect, where that is not `near` its noise: alone,
     /// what is missing beside it may have hidden what an extension has more.
     fn extended(

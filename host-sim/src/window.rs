@@ -11,6 +11,15 @@ pub(crate) fn rows_in(time_s: &[f64], span_s: f64) -> usize {
     (span_s / interval_s).round().clamp(1.0, 1e6) as usize
 }
 
+/// The sum of the values before each row, and of all.
+pub(crate) fn running_sums(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
+    let mut sums = vec![0.0];
+    for value in values {
+        sums.push(sums[sums.len() - 1] + value);
+    }
+    sums
+}
+
 /// A bump over a few rows: weights of the value, of its change and of its curvature.
 #[derive(Clone, Debug)]
 pub struct Window {

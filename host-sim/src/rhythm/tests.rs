@@ -1,6 +1,9 @@
+use model_core::parameter::Parameter;
+
 use super::*;
 use crate::machine_file::LoadSource;
 use crate::press::{press, recorded_for};
+use crate::recording::Signal;
 
 const BAND: f64 = 0.02;
 const KEPT: f64 = 0.2;

@@ -7,7 +7,7 @@ use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
 use super::likelihood::ranked_by;
-use super::{AT_NOISE, MOST_EFFECTS, Selection, Trial, trial};
+use super::{AT_NOISE, Course, FAR, MOST_EFFECTS, Selection, Trial, candidates, finished, trial};
 use crate::candidate::{Candidate, Chosen, Question};
 use crate::fit::{CHANCE, FitError, loss, samples_by_blocks, softened_all};
 use crate::hypothesis::Hypothesis;
@@ -80,13 +80,6 @@ impl Heard {
     }
 }
 
-/// The first form of the effects in question that has all these strengths.
-fn form_with(question: &Question<'_>, parameters: &[Parameter]) -> Option<Chosen> {
-    let forms = |effect: &'static Hypothesis| effect.forms_in(question.scene).map(move |form| Chosen { effect, form });
-    let has_all = |chosen: &Chosen| parameters.iter().all(|parameter| chosen.has(*parameter));
-    question.hypotheses.iter().copied().flat_map(forms).find(has_all)
-}
-
 /// Whether a sensor sees the slider.
 fn is_seen(question: &Question<'_>) -> bool {
     question.training.iter().flat_map(|case| &case.channels).any(|channel| channel.signal == Signal::Spool)
@@ -94,8 +87,8 @@ fn is_seen(question: &Question<'_>) -> bool {
 
 /// A set with a play, refitted from several widths, from where the set is and from the nominal machine: a play moves the end of every stroke, so
 /// that slopes at none say little of it. Empty where a sensor sees the slider, or a play is in the set.
-pub(super) fn played(question: &Question<'_>, set: &Candidate) -> Result<Vec<Candidate>, FitError> {
-    let play = form_with(question, &[Parameter::HysteresisWidth, Parameter::HysteresisSpread]);
+fn played(question: &Question<'_>, set: &Candidate) -> Result<Vec<Candidate>, FitError> {
+    let play = question.form_with(&[Parameter::HysteresisWidth, Parameter::HysteresisSpread]);
     let Some(play) = play.filter(|play| !is_seen(question) && !set.has(play.effect)) else { return Ok(Vec::new()) };
     let effects = [set.effects.as_slice(), &[play]].concat();
     let refitted = |(near, width)| {
@@ -104,6 +97,24 @@ pub(super) fn played(question: &Question<'_>, set: &Candidate) -> Result<Vec<Can
     };
     let starts = [None, Some(&set.fit)].into_iter().flat_map(|near| WIDTHS.map(|width| (near, width)));
     starts.collect::<Vec<_>>().into_par_iter().map(refitted).collect()
+}
+
+impl Course {
+    /// A first round with the play of a valve of which no sensor sees the slider, where the best set is far off.
+    pub(super) fn played(
+        &self,
+        question: &Question<'_>,
+        ranked: Vec<(Candidate, f64)>,
+    ) -> Result<Vec<(Candidate, f64)>, FitError> {
+        if ranked.first().is_some_and(|(best, _)| best.worst_over_noise(question) <= FAR) {
+            return Ok(ranked);
+        }
+        let found = played(question, &self.base)?;
+        if found.is_empty() {
+            return Ok(ranked);
+        }
+        finished(question, &self.base, candidates(ranked).into_iter().chain(found).collect())
+    }
 }
 
 /// A stiction beside a play that is so wide.
@@ -141,7 +152,7 @@ impl Selection {
     /// far as it follows them. How far that lags, and how long a jump is, say how much of its band a stiction alone would keep; where that is more
     /// than one keeps, a play stands beside it. How much is kept then, no jump tells: it is taken from where least is left.
     pub fn listen(&mut self, question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<(), FitError> {
-        let Some(stiction) = form_with(question, &[Parameter::StictionBand, Parameter::StictionKept]) else {
+        let Some(stiction) = question.form_with(&[Parameter::StictionBand, Parameter::StictionKept]) else {
             return Ok(());
         };
         if is_seen(question) {
@@ -175,12 +186,12 @@ impl Selection {
         let width = following.fit.machine.get(Parameter::HysteresisWidth);
         let told = Told { rhythm, kept_alone: Sticks::alone(rhythm.length, width).kept };
         let is_alone = told.is_alone();
-        let tries = LENGTHS.iter().map(|times| times * rhythm.length).flat_map(|length| {
-            let alone = LAGS.map(|times| Some(Sticks::alone(length, times * width)));
-            let beside = KEPT.map(|kept| Sticks::beside(length, kept, width));
-            if is_alone { alone.to_vec() } else { beside.to_vec() }
-        });
-        let tries: Vec<Sticks> = tries.flatten().collect();
+        let lengths = LENGTHS.iter().map(|times| times * rhythm.length);
+        let tries: Vec<Sticks> = if is_alone {
+            lengths.flat_map(|length| LAGS.map(|times| Sticks::alone(length, times * width))).collect()
+        } else {
+            lengths.flat_map(|length| KEPT.map(|kept| Sticks::beside(length, kept, width))).flatten().collect()
+        };
         let others = following.effects.iter().copied().filter(|one| !(is_alone && is_play(one)));
         let effects: Vec<Chosen> = others.chain([stiction]).collect();
         let sets = nearest(question, &less, &following, &effects, &tries)?;

@@ -182,10 +182,7 @@ pub(super) fn stuck(
     question: &Question<'_>,
     done: &(impl Fn(&str) + Sync),
 ) -> Result<Option<(Candidate, Vec<Trial>)>, FitError> {
-    let is_full =
-        |one: &Chosen| [Parameter::StictionBand, Parameter::StictionKept].iter().all(|strength| one.has(*strength));
-    let forms = |effect: &'static Hypothesis| effect.forms_in(question.scene).map(move |form| Chosen { effect, form });
-    let stiction = question.hypotheses.iter().copied().flat_map(forms).find(is_full);
+    let stiction = question.form_with(&[Parameter::StictionBand, Parameter::StictionKept]);
     let (Some(stiction), Some(sticking)) = (stiction, Sticking::of(question.training, FEWEST)) else { return Ok(None) };
     let effects = question.hypotheses.iter().copied().filter(|effect| effect.name != stiction.effect.name).collect();
     let search = Search { question, sticking, effects };
