@@ -3,20 +3,20 @@
 mod reference;
 mod refit;
 mod standing;
+mod uncertainty;
 
 use model_core::machine::Machine;
 use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
 use crate::fit::{
-    Estimate, Fit, FitError, Free, Residuals, StartState, coarse, effective_samples, loss, set_tolerances, settle,
-    softened,
+    Fit, FitError, Free, Residuals, StartState, coarse, inflation, loss, set_tolerances, settle, softened,
 };
 use crate::hypothesis::{Form, Hypothesis, Kind, Scene, Strength, is_elastic};
 use crate::prepare::Prepared;
 use crate::screen::Lead;
 pub use reference::{Reference, Weighing, noisier};
-use refit::{Beginning, FINELY, Goes, NARROWEST, NEARLY, PRECISION, SETTLED};
+use refit::{Beginning, FINELY, Goes, NEARLY, PRECISION, SETTLED};
 
 /// The question put to the training recordings.
 #[derive(Clone, Copy, Debug)]
@@ -260,20 +260,6 @@ impl Candidate {
         strengths(&self.effects).len()
     }
 
-    /// Fitted values of what was free, with the strengths that were found without a slope.
-    #[must_use]
-    pub fn estimates(&self) -> Vec<Estimate> {
-        let mut estimates = self.fit.estimates(if self.is_tempered { 1.0 } else { inflation(&self.residuals) });
-        estimates.extend(self.jumps.iter().map(|&(parameter, value)| Estimate {
-            parameter,
-            before: 0.0,
-            value,
-            std: value * NARROWEST,
-            at_bound: false,
-        }));
-        estimates
-    }
-
     /// RMSE over noise of the worst channel.
     #[must_use]
     pub fn worst_over_noise(&self, question: &Question<'_>) -> f64 {
@@ -291,16 +277,6 @@ impl Candidate {
             })
             .fold(0.0, f64::max)
     }
-}
-
-/// How many times more rows there are than independent samples.
-fn inflation(residuals: &Residuals) -> f64 {
-    let (mut rows, mut independent) = (0.0, 0.0);
-    for series in residuals.iter().flatten() {
-        rows += series.len() as f64;
-        independent += effective_samples(series);
-    }
-    rows / independent
 }
 
 /// The strengths of a set, one that effects share once.

@@ -3,6 +3,7 @@
 //! recording → prepare → refit → locate → hypothesis → fit → verdict. Training recordings make the choice; the held-out
 //! ones are opened after it, and may only take away from it.
 
+mod decision;
 mod shown;
 
 use std::collections::BTreeMap;
@@ -14,7 +15,7 @@ use rayon::prelude::*;
 use crate::candidate::Reference;
 use crate::compare::CompareError;
 use crate::excerpt::Excerpt;
-use crate::fit::{Estimate, FitError, Free, Freedom, StartState, level_at_rest, set_tolerances};
+use crate::fit::{Correlation, Estimate, FitError, Free, Freedom, StartState, level_at_rest, set_tolerances};
 use crate::hypothesis::{CATALOGUE, Hypothesis, Scene, Subsystem};
 use crate::locate::{Case, Location, Miss, WITHIN_NOISE, locate, misses};
 use crate::machine_file::MachineFile;
@@ -23,8 +24,9 @@ use crate::prepare::{Channel, Prepared};
 use crate::recording::{Recording, Signal};
 use crate::screen::Lead;
 use crate::unnamed::{Unnamed, improved};
-use crate::verdict::{Candidate, Chosen, Confirmation, Question, Selection, Told, Trial, confirm, lengthened, select};
+use crate::verdict::{Candidate, Confirmation, Question, Selection, Told, lengthened, select};
 
+use decision::{Decision, decide};
 use shown::show;
 pub use shown::{Fits, Shown};
 
@@ -79,6 +81,8 @@ pub struct Diagnosis {
     pub confirmation: Option<Confirmation>,
     /// Ordinary parameters that were refitted (with the effects, if any).
     pub refitted: Vec<Estimate>,
+    /// Pairs of fitted values, ordinary ones and strengths, whose estimates are correlated; the closest first.
+    pub correlated: Vec<Correlation>,
     /// Every recording with its simulations.
     pub shown: Vec<Shown>,
     /// The course of the selection.
@@ -188,7 +192,8 @@ pub fn diagnose(
 
     let references: Vec<&Prepared> = trained.iter().collect();
     let opened: Vec<&Prepared> = held.iter().collect();
-    let (findings, not_confirmed, confirmation, after) = decide(&asked.of(&references), &mut selection, &opened)?;
+    let Decision { findings, not_confirmed, confirmation, after, estimates } =
+        decide(&asked.of(&references), &mut selection, &opened)?;
     let base = &selection.base.fit;
     let above_noise = selection.base.worst_over_noise(&asked.of(&references)) > WITHIN_NOISE;
     let verdict = if !findings.is_empty() {
@@ -228,12 +233,11 @@ pub fn diagnose(
         Some(location) if verdict == Verdict::Unexplained => improved(&question, &seen, location, &cases, &opened)?,
         _ => None,
     };
-    let (after, unnamed) = match tabled {
-        Some((tabled, unnamed)) => (tabled, Some(unnamed)),
-        None => (after, None),
+    let (after, estimates, unnamed) = match tabled {
+        Some((tabled, unnamed)) => (tabled.clone(), tabled.estimates(&question)?, Some(unnamed)),
+        None => (after, estimates, None),
     };
-    let mut left = misses(&after.fit.machine, references.iter().copied().zip(after.fit.starts.iter().copied()))?;
-    left.retain(Miss::is_above_noise);
+    let left = above_noise_by(&after, &references)?;
     let level_at_rest = level_at_rest(&after.fit.machine, &references, &after.fit.starts);
     let together: Vec<_> = trained
         .into_iter()
@@ -244,8 +248,7 @@ pub fn diagnose(
         .into_par_iter()
         .map(|(prepared, starts)| show(prepared, starts, &base.machine, &after.fit.machine))
         .collect::<Result<Vec<_>, MachineError>>()?;
-    let mut refitted = after.estimates();
-    refitted.retain(|estimate| ordinary.iter().any(|free| free.parameter == estimate.parameter));
+    let is_ordinary = |estimate: &Estimate| ordinary.iter().any(|free| free.parameter == estimate.parameter);
     Ok(Diagnosis {
         machine: file.name.clone(),
         verdict,
@@ -256,7 +259,8 @@ pub fn diagnose(
         not_confirmed,
         unnamed,
         confirmation,
-        refitted,
+        refitted: estimates.into_iter().filter(is_ordinary).collect(),
+        correlated: after.correlations(),
         shown,
         machine_after: after.fit.machine,
         level_at_rest,
@@ -316,74 +320,17 @@ impl<'a> Asked<'a> {
     }
 }
 
+/// Signals that a set still misses by more than noise.
+fn above_noise_by(set: &Candidate, training: &[&Prepared]) -> Result<Vec<Miss>, MachineError> {
+    let mut left = misses(&set.fit.machine, training.iter().copied().zip(set.fit.starts.iter().copied()))?;
+    left.retain(Miss::is_above_noise);
+    Ok(left)
+}
+
 /// Recordings with how they were prepared and where each starts.
 fn cases<'a>(recordings: &'a [Recording], prepared: &[&'a Prepared], starts: &[StartState]) -> Vec<Case<'a>> {
     let together = recordings.iter().zip(prepared).zip(starts);
     together.map(|((recording, prepared), &start)| Case { recording, prepared, start }).collect()
-}
-
-type Decision = (Vec<Finding>, Vec<&'static Hypothesis>, Option<Confirmation>, Candidate);
-
-/// Opens the held-out recordings for the chosen set: they confirm each of its effects beside the others, and it as a whole, or
-/// veto it.
-fn decide(question: &Question<'_>, selection: &mut Selection, held: &[&Prepared]) -> Result<Decision, FitError> {
-    let mut vetoed = selection.refused(question, held)?;
-    let chosen = &selection.chosen;
-    if chosen.effects.is_empty() {
-        return Ok((Vec::new(), vetoed, None, selection.base.clone()));
-    }
-    let confirmation = confirm(&selection.base.fit.machine, &chosen.fit.machine, held)?;
-    if !held.is_empty() && !confirmation.confirms() {
-        vetoed.extend(chosen.effects.iter().map(|chosen| chosen.effect));
-        return Ok((Vec::new(), vetoed, Some(confirmation), selection.base.clone()));
-    }
-    let mut findings: Vec<Finding> = chosen.effects.iter().map(|chosen| finding(chosen, selection, &vetoed)).collect();
-    findings.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
-    Ok((findings, vetoed, (!held.is_empty()).then_some(confirmation), chosen.clone()))
-}
-
-/// A finding with its probability among the sets that were refitted in the round of the chosen one, but for those with an effect
-/// that was vetoed.
-fn finding(chosen: &Chosen, selection: &Selection, vetoed: &[&'static Hypothesis]) -> Finding {
-    let count = selection.chosen.effects.len();
-    let round = selection.rounds.get(count - 1).into_iter().flatten();
-    let sets: Vec<&Trial> = round.filter(|set| !set.has_any(vetoed)).collect();
-    let largest = sets.iter().map(|set| set.net).fold(0.0, f64::max);
-    // No effect at all stands against them with a net gain of 0.
-    let total: f64 = sets.iter().map(|set| (set.net - largest).exp()).sum::<f64>() + (-largest).exp();
-    let probability = |name: &str| {
-        let with = sets.iter().filter(|set| set.effects.iter().any(|effect| effect.name == name));
-        with.map(|set| (set.net - largest).exp()).sum::<f64>() / total
-    };
-    let mut estimates = selection.chosen.estimates();
-    let heard = selection.heard.as_ref().filter(|_| chosen.has(Parameter::StictionBand));
-    for estimate in &mut estimates {
-        if let Some(deviation) = heard.and_then(|heard| heard.deviation(estimate.parameter, estimate.value)) {
-            estimate.std = deviation;
-        }
-    }
-    let parameters = chosen
-        .form
-        .iter()
-        .filter_map(|strength| estimates.iter().find(|estimate| estimate.parameter == strength.parameter).copied())
-        .collect();
-    let mut alternatives: Vec<(&'static Hypothesis, f64)> = Vec::new();
-    for effect in sets.iter().flat_map(|set| set.effects.iter().copied()) {
-        let claimed = selection.chosen.has(effect);
-        let probability = probability(effect.name);
-        if !claimed && probability > 1e-3 && alternatives.iter().all(|(known, _)| known.name != effect.name) {
-            alternatives.push((effect, probability));
-        }
-    }
-    alternatives.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let effect = chosen.effect;
-    Finding {
-        effect,
-        confidence: probability(effect.name).min(0.999),
-        parameters,
-        alternatives,
-        heard: heard.map(|heard| heard.told),
-    }
 }
 
 /// What the best hypothesis of each subsystem would gain.

@@ -280,7 +280,7 @@ pub fn improved(
     if !confirmation.gains() || !fits_better(&base.fit.machine, &candidate.fit.machine, held)? {
         return Ok(None);
     }
-    let mut values = candidate.estimates();
+    let mut values = candidate.estimates(question)?;
     values.retain(|estimate| Parameter::TABLE_VALUES.contains(&estimate.parameter));
     Ok(Some((candidate, Unnamed { quantity, over, values, net, confirmation })))
 }

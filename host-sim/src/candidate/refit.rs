@@ -19,7 +19,7 @@ pub(super) const NEARLY: f64 = 1e-4;
 pub(super) const SETTLED: f64 = 1e-3;
 /// The same for a first look.
 const ROUGHLY: f64 = 0.03;
-/// A strength that no slope leads to is known to this share of itself.
+/// A strength that no slope leads to is looked for down to this share of itself.
 pub(super) const NARROWEST: f64 = 0.01;
 
 /// How far a refit goes.

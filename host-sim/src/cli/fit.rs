@@ -7,7 +7,7 @@ use super::input;
 use super::target::check_targets;
 use super::{CliError, Console, Outcome};
 use crate::diagnose::{DiagnoseError, ordinary};
-use crate::fit::{From, fit_told, level_at_rest, most_evaluations};
+use crate::fit::{From, fit_told, inflation, level_at_rest, most_evaluations, softened_all};
 use crate::judge;
 use crate::locate::{Miss, misses};
 use crate::machine_file;
@@ -78,9 +78,14 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     file.start_at(level_at_rest(&fitted.machine, &cases, &fitted.starts));
     file.given.extend(fitted.free.iter().map(|free| free.parameter));
     file.save(&arguments.save_machine)?;
-    console.print(terminal::parameters(&fitted.estimates(1.0)))?;
-    let left = misses(&fitted.machine, cases.iter().copied().zip(fitted.starts.iter().copied()))
-        .map_err(|cause| failed(cause.into()))?;
+    let with_starts = || cases.iter().copied().zip(fitted.starts.iter().copied());
+    let residuals = softened_all(&fitted.machine, with_starts()).map_err(|cause| failed(cause.into()))?;
+    let inflation = inflation(&residuals);
+    console.print(terminal::parameters(&fitted.estimates(inflation)))?;
+    if let Some(pairs) = terminal::correlated(&fitted.correlations(inflation)) {
+        console.print(pairs)?;
+    }
+    let left = misses(&fitted.machine, with_starts()).map_err(|cause| failed(cause.into()))?;
     console.print(format_args!("What is left: {}.", terminal::missed(&left)))?;
     if left.iter().any(Miss::is_above_noise) {
         console.print(

@@ -80,21 +80,18 @@ impl Information {
         (own - &across * inverse * across.transpose(), self.gradient.rows(0, count).into_owned())
     }
 
-    /// Standard deviation of each coordinate, prior included. The residuals are correlated in time, so what the recordings tell is
-    /// divided by their mean square and by how many neighbours tell the same; the priors keep theirs.
-    #[must_use]
-    pub fn deviations(all: &[Information], inflation: f64) -> Vec<f64> {
-        let Some(first) = all.first() else { return Vec::new() };
-        let count = first.gradient.len() - OF_START;
+    /// Covariance of the coordinates, prior included; `None` where the recordings and the priors do not determine them. The residuals
+    /// are correlated in time, so what the recordings tell is divided by their mean square and by how many neighbours tell the same;
+    /// the priors keep theirs.
+    pub(super) fn covariance(all: &[Information], inflation: f64) -> Option<DMatrix<f64>> {
+        let count = all.first()?.gradient.len() - OF_START;
         let (square, rows) = all.iter().fold((0.0, 0.0), |sum, one| (sum.0 + one.square, sum.1 + one.rows));
         let scale = (square / rows.max(1.0)).max(1.0) * inflation.max(1.0);
         let mut matrix = DMatrix::identity(count, count);
         for one in all {
             matrix += one.reduced().0 / scale;
         }
-        matrix.cholesky().map_or(vec![f64::NAN; count], |factor| {
-            factor.inverse().diagonal().iter().map(|variance| variance.sqrt()).collect()
-        })
+        matrix.cholesky().map(|factor| factor.inverse())
     }
 
     /// The Newton step from the common solution to that without one recording.

@@ -7,6 +7,7 @@
 //! its sensors leave open.
 
 mod coarse;
+mod correlation;
 mod information;
 mod nearby;
 mod problem;
@@ -21,6 +22,7 @@ use nalgebra::DVector;
 
 use crate::prepare::Prepared;
 pub use coarse::coarse;
+pub use correlation::{CORRELATED, Correlation};
 pub use information::Information;
 pub(crate) use information::OF_START;
 pub use problem::Told;
@@ -29,8 +31,8 @@ pub(crate) use residuals::samples_by_blocks;
 #[cfg(test)]
 pub(crate) use residuals::tests::recorded;
 pub use residuals::{
-    CHANCE, Misfit, Residuals, effective_samples, loss, misfits, set_tolerances, soft, softened, softened_all,
-    standardised, standardised_all,
+    CHANCE, Misfit, Residuals, effective_samples, inflation, loss, misfits, set_tolerances, soft, softened,
+    softened_all, standardised, standardised_all,
 };
 pub use sensitivity::{Change, Sensitivity, Settled, Simulated};
 pub use start::{StartState, level_at_rest, settle};
@@ -180,10 +182,11 @@ impl Fit {
     /// samples.
     #[must_use]
     pub fn estimates(&self, inflation: f64) -> Vec<Estimate> {
-        let deviations = Information::deviations(&self.information, inflation);
+        let covariance = Information::covariance(&self.information, inflation);
+        let deviation = |slot| covariance.as_ref().map_or(f64::NAN, |covariance| covariance[(slot, slot)].sqrt());
         self.free
             .iter()
-            .zip(self.coordinates.iter().zip(&deviations))
+            .zip(self.coordinates.iter().zip((0..).map(deviation)))
             .map(|(free, (&coordinate, deviation))| Estimate {
                 parameter: free.parameter,
                 before: free.value(0.0),

@@ -187,6 +187,17 @@ pub(crate) fn samples_by_blocks(series: &[f64]) -> f64 {
     if most > 0.0 { (loss(series) / most).clamp(1.0, samples) } else { samples }
 }
 
+/// How many times more rows there are than independent samples.
+#[must_use]
+pub fn inflation(residuals: &Residuals) -> f64 {
+    let (mut rows, mut independent) = (0.0, 0.0);
+    for series in residuals.iter().flatten() {
+        rows += series.len() as f64;
+        independent += effective_samples(series);
+    }
+    rows / independent
+}
+
 /// The sum of the squares of a series; of softened residuals, their loss.
 #[must_use]
 pub fn loss(residuals: &[f64]) -> f64 {

@@ -61,6 +61,12 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
                 "at_bound": estimate.at_bound,
             })
         }).collect::<Vec<_>>(),
+        "correlations": diagnosis.correlated.iter().map(|pair| {
+            json!({
+                "parameters": [pair.one.description().key, pair.other.description().key],
+                "coefficient": digits(pair.coefficient, 5),
+            })
+        }).collect::<Vec<_>>(),
         "level_at_rest": diagnosis.level_at_rest.map(|level| digits(level, 6)),
         "fit": { "train": fits(false), "holdout": fits(true) },
         "waterfall": exhibits_json::waterfall(&exhibits.waterfall),

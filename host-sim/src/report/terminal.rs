@@ -6,7 +6,7 @@ use comfy_table::{ContentArrangement, Table};
 
 use crate::diagnose::{Diagnosis, Verdict};
 use crate::exhibits::Exhibits;
-use crate::fit::Estimate;
+use crate::fit::{CORRELATED, Correlation, Estimate};
 use crate::hypothesis::short_name;
 use crate::locate::Miss;
 use crate::presentation::{TABLE, significant};
@@ -73,6 +73,9 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     let _ = writeln!(text, "{}", prepared(exhibits));
     if !diagnosis.refitted.is_empty() {
         let _ = write!(text, "\n{}\n", parameters(&diagnosis.refitted));
+    }
+    if let Some(pairs) = correlated(&diagnosis.correlated) {
+        let _ = writeln!(text, "{pairs}");
     }
     if let Some(level) = diagnosis.level_at_rest {
         let _ = writeln!(
@@ -169,23 +172,35 @@ fn fits(diagnosis: &Diagnosis) -> Table {
     table
 }
 
-/// What each step leaves of the error, a line each, and what is left at the end.
+/// What each step leaves of the error, a line each, which share of what was above the noise it took away, and what is left at the end.
 fn waterfall(exhibits: &Exhibits) -> Table {
     let stages = &exhibits.waterfall.stages;
     let which = if exhibits.waterfall.held_out { "held out" } else { "training" };
     let signals: Vec<&str> =
         stages.iter().take(1).flat_map(|stage| &stage.signals).map(|(signal, _)| signal.name()).collect();
     let first = format!("square error over noise², {which}");
-    let header: Vec<&str> = std::iter::once(first.as_str()).chain(signals).collect();
+    let header: Vec<&str> = std::iter::once(first.as_str()).chain(signals).chain(["all", "share taken"]).collect();
     let mut table = table(&header);
-    for stage in stages {
-        let left = stage.signals.iter().map(|(_, left)| significant(*left, 3));
-        table.add_row(std::iter::once(stage.label.clone()).chain(left).collect::<Vec<_>>());
+    let shares = exhibits.waterfall.shares();
+    for (index, stage) in stages.iter().enumerate() {
+        let left = stage.signals.iter().map(|(_, left)| *left).chain([stage.total]).map(|left| significant(left, 3));
+        let share = match &shares {
+            // The machine file takes nothing: all that is above the noise is above it there. The last took what was left.
+            Some(shares) if index + 1 == stages.len() => format!("{} left", share_taken(shares[index])),
+            Some(shares) if index > 0 => share_taken(shares[index]),
+            _ => String::new(),
+        };
+        table.add_row(std::iter::once(stage.label.clone()).chain(left).chain([share]).collect::<Vec<_>>());
     }
     let white = exhibits.whiteness.iter().map(|of| format!("{} %", significant(100.0 * of.outside(), 2)));
     table
         .add_row(std::iter::once("lags of the rest outside the 99 % band".to_owned()).chain(white).collect::<Vec<_>>());
     table
+}
+
+/// A share of what the machine file leaves above the noise; a step that makes it worse takes less than nothing.
+fn share_taken(share: f64) -> String {
+    format!("{}{:.1} %", if share < -5e-4 { "−" } else { "" }, (100.0 * share).abs())
 }
 
 /// What the preparation found, in a line, and a line for each failure and clock that is worth one.
@@ -229,6 +244,14 @@ pub fn parameters(estimates: &[Estimate]) -> Table {
         ]);
     }
     table
+}
+
+/// Pairs of parameters that the recordings tell only together, in a sentence; `None` where there are none.
+#[must_use]
+pub fn correlated(pairs: &[Correlation]) -> Option<String> {
+    let limit = significant(CORRELATED, 1);
+    let listed = pairs.iter().map(Correlation::to_string).collect::<Vec<_>>().join("; ");
+    (!pairs.is_empty()).then(|| format!("correlated beyond {limit}, told together better than each: {listed}"))
 }
 
 fn trials(diagnosis: &Diagnosis) -> Table {

@@ -68,18 +68,6 @@ pub struct Heard {
     rounds: Vec<Vec<Trial>>,
 }
 
-impl Heard {
-    /// How well a strength of the stiction is known: its jumps are, within some fifths, and of the share of the band that it keeps little is.
-    #[must_use]
-    pub fn deviation(&self, parameter: Parameter, value: f64) -> Option<f64> {
-        match parameter {
-            Parameter::StictionBand => Some(0.15 * value),
-            Parameter::StictionKept => Some(0.15),
-            _ => None,
-        }
-    }
-}
-
 /// Whether a sensor sees the slider.
 fn is_seen(question: &Question<'_>) -> bool {
     question.training.iter().flat_map(|case| &case.channels).any(|channel| channel.signal == Signal::Spool)

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use crate::diagnose::Diagnosis;
 use crate::fit::{Estimate, Freedom};
 use crate::presentation::significant;
-use crate::report::terminal::uncertainty;
+use crate::report::terminal::{correlated, uncertainty};
 
 /// A value moved when it is further off than this many of its standard deviations.
 const MOVED: f64 = 3.0;
@@ -41,6 +41,7 @@ pub(super) fn parameters(diagnosis: &Diagnosis) -> Markup {
                     }
                 }
             }
+            @if let Some(pairs) = correlated(&diagnosis.correlated) { p { "Estimates " (pairs) "." } }
         }
     }
 }

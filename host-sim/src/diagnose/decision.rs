@@ -1,0 +1,109 @@
+//! What is claimed of a selection once the held-out recordings are opened, and how well its values are known.
+
+use model_core::parameter::Parameter;
+
+use super::Finding;
+use crate::candidate::{Candidate, Chosen, Question};
+use crate::fit::{Estimate, FitError};
+use crate::hypothesis::Hypothesis;
+use crate::prepare::Prepared;
+use crate::verdict::{Confirmation, Selection, Trial, confirm};
+
+/// What is claimed.
+pub(super) struct Decision {
+    pub(super) findings: Vec<Finding>,
+    pub(super) not_confirmed: Vec<&'static Hypothesis>,
+    /// What the held-out recordings said; `None` if there was no choice to confirm.
+    pub(super) confirmation: Option<Confirmation>,
+    /// The model with what is claimed.
+    pub(super) after: Candidate,
+    /// Every value that was fitted in it.
+    pub(super) estimates: Vec<Estimate>,
+}
+
+impl Decision {
+    /// Nothing is.
+    fn without(
+        question: &Question<'_>,
+        selection: &Selection,
+        not_confirmed: Vec<&'static Hypothesis>,
+        confirmation: Option<Confirmation>,
+    ) -> Result<Self, FitError> {
+        let after = selection.base.clone();
+        let estimates = after.estimates(question)?;
+        Ok(Self { findings: Vec::new(), not_confirmed, confirmation, after, estimates })
+    }
+}
+
+/// Opens the held-out recordings for the chosen set: they confirm each of its effects beside the others, and it as a whole, or
+/// veto it.
+pub(super) fn decide(
+    question: &Question<'_>,
+    selection: &mut Selection,
+    held: &[&Prepared],
+) -> Result<Decision, FitError> {
+    let mut vetoed = selection.refused(question, held)?;
+    let chosen = &selection.chosen;
+    if chosen.effects.is_empty() {
+        return Decision::without(question, selection, vetoed, None);
+    }
+    let confirmation = confirm(&selection.base.fit.machine, &chosen.fit.machine, held)?;
+    if !held.is_empty() && !confirmation.confirms() {
+        vetoed.extend(chosen.effects.iter().map(|chosen| chosen.effect));
+        return Decision::without(question, selection, vetoed, Some(confirmation));
+    }
+    let estimates = estimates(question, selection)?;
+    let mut findings: Vec<Finding> =
+        chosen.effects.iter().map(|chosen| finding(chosen, selection, &estimates, &vetoed)).collect();
+    findings.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
+    let confirmation = (!held.is_empty()).then_some(confirmation);
+    Ok(Decision { findings, not_confirmed: vetoed, confirmation, after: chosen.clone(), estimates })
+}
+
+/// Values of the chosen set. Free runs do not tell when a slider jumps that no sensor sees: its strengths have no standard deviation but
+/// what is said of its jumps.
+fn estimates(question: &Question<'_>, selection: &Selection) -> Result<Vec<Estimate>, FitError> {
+    let mut estimates = selection.chosen.estimates(question)?;
+    let is_unseen = |parameter| matches!(parameter, Parameter::StictionBand | Parameter::StictionKept);
+    for estimate in estimates.iter_mut().filter(|one| selection.heard.is_some() && is_unseen(one.parameter)) {
+        estimate.std = f64::NAN;
+    }
+    Ok(estimates)
+}
+
+/// A finding with its probability among the sets that were refitted in the round of the chosen one, but for those with an effect
+/// that was vetoed.
+fn finding(chosen: &Chosen, selection: &Selection, estimates: &[Estimate], vetoed: &[&'static Hypothesis]) -> Finding {
+    let count = selection.chosen.effects.len();
+    let round = selection.rounds.get(count - 1).into_iter().flatten();
+    let sets: Vec<&Trial> = round.filter(|set| !set.has_any(vetoed)).collect();
+    let largest = sets.iter().map(|set| set.net).fold(0.0, f64::max);
+    // No effect at all stands against them with a net gain of 0.
+    let total: f64 = sets.iter().map(|set| (set.net - largest).exp()).sum::<f64>() + (-largest).exp();
+    let probability = |name: &str| {
+        let with = sets.iter().filter(|set| set.effects.iter().any(|effect| effect.name == name));
+        with.map(|set| (set.net - largest).exp()).sum::<f64>() / total
+    };
+    let parameters = chosen
+        .form
+        .iter()
+        .filter_map(|strength| estimates.iter().find(|estimate| estimate.parameter == strength.parameter).copied())
+        .collect();
+    let mut alternatives: Vec<(&'static Hypothesis, f64)> = Vec::new();
+    for effect in sets.iter().flat_map(|set| set.effects.iter().copied()) {
+        let claimed = selection.chosen.has(effect);
+        let probability = probability(effect.name);
+        if !claimed && probability > 1e-3 && alternatives.iter().all(|(known, _)| known.name != effect.name) {
+            alternatives.push((effect, probability));
+        }
+    }
+    alternatives.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let effect = chosen.effect;
+    Finding {
+        effect,
+        confidence: probability(effect.name).min(0.999),
+        parameters,
+        alternatives,
+        heard: selection.heard.as_ref().filter(|_| chosen.has(Parameter::StictionBand)).map(|heard| heard.told),
+    }
+}
