@@ -3,6 +3,9 @@
 //! The refitted model is run twice over every recording: entered where the chain begins, and entered at the measured slider,
 //! where there is one. A link that is driven by its measured input and still misses its measured output lacks physics.
 
+mod intervals;
+mod slider;
+
 use model_core::machine::{Machine, MachineError};
 
 use crate::fit::{Misfit, StartState, misfits};
@@ -16,17 +19,10 @@ use crate::shape::{Shape, State, once, over, periodic, stands_out};
 use crate::simulate::{Trajectory, simulate};
 use crate::spectrum::strongest_line;
 use crate::window::{rows_in, running_sums};
-
-/// A stretch of a recording.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct Interval {
-    /// The recording.
-    pub recording: String,
-    /// Start, s.
-    pub from_s: f64,
-    /// End, s.
-    pub to_s: f64,
-}
+pub use intervals::Interval;
+use intervals::{Series, When, when};
+pub use slider::Habit;
+use slider::habits;
 
 /// How far one signal misses, in standard deviations of its noise (root mean square over all recordings).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,12 +53,16 @@ pub struct Location {
     pub signal: Signal,
     /// Share of that signal's squared error that lies in the intervals.
     pub share: f64,
-    /// Where the error is made, the largest first; five a recording at most.
+    /// Share of all recorded time that they take.
+    pub of_time: f64,
+    /// When the error is made, the largest first, five a recording at most; empty where no time is distinguished.
     pub intervals: Vec<Interval>,
     /// In which states of the drive, in words.
     pub region: String,
     /// What the error looks like.
     pub shape: Shape,
+    /// What a recorded slider does that the model's does not, where its link misses.
+    pub slider: Vec<Habit>,
     /// Every judged signal, end to end.
     pub misses: Vec<Miss>,
 }
@@ -113,32 +113,24 @@ pub fn locate(
         (None, _, Some(Shape::Periodic { signal, .. })) => oscillates(*signal, &link, commanded),
         _ => link.subsystem,
     };
-    let event = event.filter(|_| subsystem == Subsystem::Mechanics);
+    // What was confirmed on recordings that were held out does not happen once.
+    let event = event.filter(|_| subsystem == Subsystem::Mechanics && named.is_empty());
     let signal = worst(&misses, subsystem);
-    let mut intervals = Vec::new();
-    let (mut inside, mut total) = (0.0, 0.0);
+    let slider = if subsystem == Subsystem::Valve { habits(cases, &trajectories) } else { Vec::new() };
+    let mut series = Vec::new();
     let mut course = Course::default();
-    let mut all: Vec<f64> = Vec::new();
     for (case, trajectory) in cases.iter().zip(trajectories) {
         let Some(channel) = case.prepared.channels.iter().find(|channel| channel.signal == signal) else { continue };
         let Some(simulated) = trajectory.signal(signal) else { continue };
-        let errors = channel.over_noise(simulated);
-        let made = made(signal, &case.prepared.time_s, &errors);
-        let (stretches, held) = stretches(&made);
-        inside += held;
-        total += made.iter().map(|error| error * error).sum::<f64>();
         let time_s = &case.prepared.time_s;
-        intervals.extend(stretches.into_iter().map(|(from, to)| Interval {
-            recording: case.prepared.name.clone(),
-            from_s: time_s[from],
-            to_s: time_s[to],
-        }));
+        let errors = made(signal, time_s, &channel.over_noise(simulated));
+        series.push(Series { recording: &case.prepared.name, time_s, errors });
         extend(&mut course, case.recording, case.prepared, &trajectory);
-        all.extend(&made);
     }
-    let share = if total > 0.0 { inside / total } else { 0.0 };
+    let When { intervals, share, of_time } = when(&series);
+    let all: Vec<f64> = series.iter().flat_map(|series| &series.errors).copied().collect();
     let shape = event.or(oscillating).unwrap_or_else(|| over(&all, &states(&course)));
-    Ok(Location { subsystem, signal, share, intervals, region: course.region(&all), shape, misses })
+    Ok(Location { subsystem, signal, share, of_time, intervals, region: course.region(&all), shape, slider, misses })
 }
 
 /// The link that an oscillation in this signal comes from: the supply's ripple reaches the chambers; a structure that rings
@@ -214,6 +206,8 @@ pub(crate) fn extend(course: &mut Course, recording: &Recording, prepared: &Prep
     course.command_v.extend(command.map_or_else(|| vec![0.0; time_s.len()], <[f64]>::to_vec));
     course.pressure_a_pa.extend(of(Signal::PressureA));
     course.pressure_b_pa.extend(of(Signal::PressureB));
+    let below_slider = prepared.channels.iter().any(|channel| channel.signal != Signal::Spool);
+    course.is_below_slider_seen |= below_slider;
     course.velocity_m_per_s.extend(velocity);
 }
 
@@ -264,29 +258,4 @@ pub(crate) fn made(signal: Signal, time_s: &[f64], errors: &[f64]) -> Vec<f64> {
             errors[to] - errors[from]
         })
         .collect()
-}
-
-/// The stretches with the largest errors, as first and last row, and the squared error they hold.
-fn stretches(errors: &[f64]) -> (Vec<(usize, usize)>, f64) {
-    let mean = errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64;
-    let threshold = mean.max(9.0);
-    let join = errors.len() / 100 + 1;
-    let mut found: Vec<(usize, usize, f64)> = Vec::new();
-    for (row, error) in errors.iter().enumerate() {
-        let square = error * error;
-        if square <= threshold {
-            continue;
-        }
-        match found.last_mut() {
-            Some((_, last, sum)) if row - *last <= join => {
-                *last = row;
-                *sum += square;
-            }
-            _ => found.push((row, row, square)),
-        }
-    }
-    found.retain(|(first, last, _)| last > first);
-    found.sort_by(|a, b| b.2.total_cmp(&a.2));
-    found.truncate(5);
-    (found.iter().map(|(first, last, _)| (*first, *last)).collect(), found.iter().map(|(.., sum)| sum).sum())
 }

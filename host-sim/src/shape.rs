@@ -128,12 +128,17 @@ pub fn periodic(line: Line, mean_square: f64, signal: Signal) -> Option<Shape> {
     is.then_some(Shape::Periodic { hz: line.hz, amplitude: line.amplitude, signal })
 }
 
+/// How many rows of an error tell something of their own.
+pub(crate) fn independent_samples(errors: &[f64]) -> f64 {
+    effective_samples(errors).max(errors.len() as f64 / MOST_ALIKE)
+}
+
 /// The state that explains an error best, by the means of equally filled bins, less what so many means explain by chance.
 #[must_use]
 pub fn over(errors: &[f64], states: &[State]) -> Shape {
     let rows = errors.len() as f64;
     // Neighbours tell the same: so many means explain the more by chance.
-    let independent = effective_samples(errors).max(rows / MOST_ALIKE);
+    let independent = independent_samples(errors);
     let mean = errors.iter().sum::<f64>() / rows.max(1.0);
     let spread: f64 = errors.iter().map(|error| (error - mean).powi(2)).sum();
     if spread <= 0.0 || errors.len() < 4 * BINS {
@@ -225,7 +230,8 @@ impl fmt::Display for Shape {
                         _ => (" s", 1.0),
                     };
                     let (from, to) = (significant(scale * peak.from, 2), significant(scale * peak.to, 2));
-                    write!(f, " and is largest from {from} to {to}{unit}")?;
+                    let range = if from == to { format!("at {from}") } else { format!("from {from} to {to}") };
+                    write!(f, " and is largest {range}{unit}")?;
                 }
                 match pair {
                     Some((one, other, share)) => {
@@ -261,6 +267,16 @@ mod tests {
         assert_eq!(recording, "pushed");
         assert!((1.19..1.25).contains(&from_s) && (1.35..1.41).contains(&to_s), "{from_s} {to_s}");
         assert_eq!(once(&[("a", &time_s, &pulse), ("b", &time_s, &pulse)]), None);
+    }
+
+    #[test]
+    fn a_range_that_is_a_point_in_the_digits_that_are_told_is_told_as_one() {
+        let shape = |from: f64, to: f64| {
+            let bins = vec![Bin { from, to, mean: 4.0, count: 10 }, Bin { from: to, to: 0.2, mean: 0.1, count: 10 }];
+            Shape::Over { state: "velocity", unit: "m/s", explained: 0.4, bins, pair: None }.to_string()
+        };
+        assert!(shape(0.0, 0.0).ends_with("is largest at 0 mm/s"), "{}", shape(0.0, 0.0));
+        assert!(shape(0.01, 0.02).ends_with("is largest from 10 to 20 mm/s"), "{}", shape(0.01, 0.02));
     }
 
     #[test]

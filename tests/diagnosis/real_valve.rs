@@ -3,6 +3,7 @@
 use host_sim::diagnose::{Verdict, diagnose};
 use host_sim::hypothesis::Subsystem;
 use host_sim::judge::judged_by;
+use host_sim::locate::Habit;
 use host_sim::machine_file;
 use host_sim::recording::{self, Recording, Signal};
 
@@ -34,6 +35,18 @@ fn the_valve_of_a_real_crane_is_located_and_no_other_link_is_blamed() {
     println!("verdict: {:?}", diagnosis.verdict);
     assert_ne!(diagnosis.verdict, Verdict::NothingMissing);
     let located = diagnosis.located.unwrap();
+    for habit in &located.slider {
+        println!("{habit}");
+    }
+    let [Habit::Hangs { at, .. }, Habit::BreaksAway { speed_per_s, .. }, Habit::RestsApart { rests, .. }] =
+        located.slider.as_slice()
+    else {
+        panic!("{:?}", located.slider)
+    };
+    // As the recordings' own page says: it hangs at 5.25 V of 5 to 10, breaks away at 8 to 10 V/s, and rests at 5.24 V where it rested at 4.965 V.
+    assert!((0.03..0.07).contains(at) && (1.6..2.0).contains(speed_per_s), "{at} {speed_per_s}");
+    let [home, away] = [&rests[0], &rests[1]].map(|(_, at)| 5.0 + 5.0 * at);
+    assert!((home - 4.965).abs() < 0.01 && (away - 5.245).abs() < 0.01, "{home} V {away} V");
     assert_eq!((located.subsystem, located.signal), (Subsystem::Valve, Signal::Spool));
     assert!(diagnosis.findings.iter().all(|finding| finding.effect.subsystem == Subsystem::Valve));
     assert!(fits[0] > 70.0 && fits[1] > fits[0] - 0.5 && fits[1] < floor - 1.0, "{fits:?} {floor}");

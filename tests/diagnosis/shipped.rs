@@ -113,7 +113,8 @@ fn the_json_has_the_contracts_keys_and_types() {
     for pointer in numbers {
         assert!(at(pointer).is_number(), "{pointer}");
     }
-    for pointer in ["/located/share", "/findings/0/confidence"] {
+    for pointer in ["/located/share", "/located/share_of_time", "/located/intervals/0/share", "/findings/0/confidence"]
+    {
         assert!((0.0..=1.0).contains(&at(pointer).as_f64().unwrap()), "{pointer}");
     }
     let fits = [
@@ -153,6 +154,40 @@ fn every_step_of_the_waterfall_leaves_less_and_a_test_is_named_that_makes_sure()
     let rivals = document["findings"][0]["separation"]["rivals"].as_array().unwrap();
     assert!(rivals.iter().all(|rival| rival["tests"][0]["over_noise"].is_number()), "{rivals:#?}");
     assert!(!rivals.is_empty() && document["findings"][0]["separated_by"] == rivals[0]["advice"], "{rivals:#?}");
+}
+
+#[test]
+fn the_shares_of_the_waterfall_add_up_and_stand_in_the_printed_table() {
+    let document = document();
+    let stages = document["waterfall"]["stages"].as_array().unwrap();
+    let shares: Vec<f64> = stages.iter().map(|stage| stage["share_taken"].as_f64().unwrap()).collect();
+    assert!((shares.iter().sum::<f64>() - 1.0).abs() < 2e-3, "{shares:?}");
+    let printed = &by_two_threads().printed;
+    for (stage, share) in stages.iter().zip(&shares).skip(1) {
+        let (label, cell) = (stage["stage"].as_str().unwrap(), format!("{:.1} %", 100.0 * share.abs()));
+        let row =
+            printed.lines().find(|line| line.trim_start().starts_with(label)).unwrap_or_else(|| panic!("{label}"));
+        assert!(row.contains(&cell), "{row} has no {cell}");
+    }
+}
+
+/// The valve's two lags are told by their sum.
+#[test]
+fn correlated_parameters_are_told_alike_in_all_that_is_written() {
+    let document = document();
+    let pairs = document["correlations"].as_array().unwrap();
+    let lags = ["valve.time_constants_s[0]", "valve.time_constants_s[1]"];
+    let of_lags = pairs.iter().find(|pair| pair["parameters"] == serde_json::json!(lags)).unwrap();
+    assert!((-1.0..-0.9).contains(&of_lags["coefficient"].as_f64().unwrap()), "{of_lags}");
+    for pair in pairs {
+        let coefficient = pair["coefficient"].as_f64().unwrap();
+        assert!(coefficient.abs() > 0.9, "{pair}");
+        let of = |index: usize| pair["parameters"][index].as_str().unwrap();
+        let sign = if coefficient < 0.0 { "−" } else { "" };
+        let told = format!("{} and {}: {sign}0.9", of(0), of(1));
+        let written = by_two_threads();
+        assert!(written.printed.contains(&told) && written.page.contains(&told), "{told}");
+    }
 }
 
 #[test]

@@ -6,6 +6,7 @@ use super::exhibits_json;
 use crate::diagnose::{Diagnosis, Finding};
 use crate::exhibits::Exhibits;
 use crate::hypothesis::short_name;
+use crate::locate::Habit;
 use crate::shape::Shape;
 use crate::unnamed::{Axis, Unnamed};
 
@@ -24,16 +25,18 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
             .intervals
             .iter()
             .map(|interval| {
-                json!({ "recording": interval.recording, "from_s": digits(interval.from_s, 6), "to_s": digits(interval.to_s, 6) })
+                json!({ "recording": interval.recording, "from_s": digits(interval.from_s, 6), "to_s": digits(interval.to_s, 6), "share": digits(interval.share, 3) })
             })
             .collect();
         json!({
             "subsystem": location.subsystem,
             "signal": location.signal.name(),
             "share": digits(location.share, 3),
+            "share_of_time": digits(location.of_time, 3),
             "intervals": intervals,
             "region": location.region,
             "shape": shape(&location.shape),
+            "slider": location.slider.iter().map(slider).collect::<Vec<_>>(),
         })
     });
     json!({
@@ -73,6 +76,29 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
         "residuals": exhibits_json::residuals(&exhibits.whiteness),
         "prepared": exhibits_json::prepared(&exhibits.found),
     })
+}
+
+/// What a recorded slider does: its kind, the sentence, and the numbers behind it.
+fn slider(habit: &Habit) -> Value {
+    let (kind, sentence) = (habit.name(), habit.to_string());
+    match habit {
+        Habit::Hangs { recording, from_s, to_s, at, modelled, recordings, of } => json!({
+            "kind": kind, "sentence": sentence, "recording": recording, "from_s": digits(*from_s, 6), "to_s": digits(*to_s, 6),
+            "at": digits(*at, 3), "modelled": digits(*modelled, 3), "recordings": recordings, "of": of,
+        }),
+        Habit::BreaksAway { recording, at_s, speed_per_s, modelled_per_s } => json!({
+            "kind": kind, "sentence": sentence, "recording": recording, "at_s": digits(*at_s, 6),
+            "speed_per_s": digits(*speed_per_s, 3), "modelled_per_s": digits(*modelled_per_s, 3),
+        }),
+        Habit::RestsApart { command_v, rests, modelled } => {
+            let rests: Vec<Value> =
+                rests.iter().map(|(recording, at)| json!({ "recording": recording, "at": digits(*at, 3) })).collect();
+            json!({
+                "kind": kind, "sentence": sentence, "command_v": digits(*command_v, 3), "rests": rests,
+                "modelled": digits(*modelled, 3),
+            })
+        }
+    }
 }
 
 /// What an error looks like: its kind, the sentence, and the numbers behind it.

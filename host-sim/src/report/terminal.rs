@@ -8,7 +8,7 @@ use crate::diagnose::{Diagnosis, Verdict};
 use crate::exhibits::Exhibits;
 use crate::fit::{CORRELATED, Correlation, Estimate};
 use crate::hypothesis::short_name;
-use crate::locate::Miss;
+use crate::locate::{Interval, Location, Miss};
 use crate::presentation::{TABLE, significant};
 
 /// The whole text.
@@ -17,16 +17,12 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     let mut text = sentence(diagnosis);
     text.push('\n');
     if let Some(location) = &diagnosis.located {
-        let _ = writeln!(
-            text,
-            "\nlocated    {} · {} · {}\n           {} intervals hold {:.0} % of the error\n           {}",
-            location.subsystem,
-            location.signal,
-            location.region,
-            location.intervals.len(),
-            100.0 * location.share,
-            location.shape
-        );
+        let (link, signal, region) = (location.subsystem, location.signal, &location.region);
+        let _ = writeln!(text, "\nlocated    {link} · {signal} · {region}");
+        let _ = writeln!(text, "           {}\n           {}", when(location), location.shape);
+        for habit in &location.slider {
+            let _ = writeln!(text, "           {habit}");
+        }
     }
     if let Some(effect) = diagnosis.suspected {
         let _ = writeln!(text, "suspected  {}: {SUSPECTED}", effect.name);
@@ -93,6 +89,31 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
         let _ = writeln!(text, "not testable with these recordings: {}", names.join(", "));
     }
     text
+}
+
+/// When the error is made and how much of it, with the stretches that hold most.
+#[must_use]
+pub fn when(location: &Location) -> String {
+    /// Stretches that are told one by one.
+    const TOLD: usize = 3;
+    let percent = |share: f64| significant(100.0 * share, 2);
+    let intervals = &location.intervals;
+    if intervals.is_empty() {
+        return "at all times alike: no stretch holds twice the error of the rest".to_owned();
+    }
+    let each = |interval: &Interval| {
+        let (from_s, to_s) = (significant(interval.from_s, 3), significant(interval.to_s, 3));
+        format!("{} from {from_s} to {to_s} s ({} %)", interval.recording, percent(interval.share))
+    };
+    let told = intervals.iter().take(TOLD).map(each).collect::<Vec<_>>().join(", ");
+    let most = if intervals.len() > TOLD { "; most in " } else { ": " };
+    let stretches =
+        if intervals.len() == 1 { "1 stretch holds".to_owned() } else { format!("{} stretches hold", intervals.len()) };
+    format!(
+        "{stretches} {} % of the error in {} % of the time{most}{told}",
+        percent(location.share),
+        percent(location.of_time)
+    )
 }
 
 /// What a suspicion is.

@@ -8,7 +8,7 @@ use crate::diagnose::{Diagnosis, Shown};
 use crate::exhibits::Exhibits;
 use crate::plot::{Figure, Layer, Marks, Style};
 use crate::presentation::{significant, state_unit};
-use crate::report::terminal::SUSPECTED;
+use crate::report::terminal::{SUSPECTED, when};
 use crate::shape::Shape;
 
 pub(super) fn located(diagnosis: &Diagnosis, exhibits: &Exhibits, budget: Budget) -> Markup {
@@ -19,7 +19,9 @@ pub(super) fn located(diagnosis: &Diagnosis, exhibits: &Exhibits, budget: Budget
             div class="fact" {
                 p { "In the " strong { (location.subsystem) } " link, seen most in " strong { (location.signal.name()) } ": " (location.region) "." }
                 @if let Some(effect) = diagnosis.suspected { p { "Suspected: " strong { (effect.name) } ", " (SUSPECTED) "." } }
-                p { (location.intervals.len()) " intervals hold " (significant(100.0 * location.share, 2)) " % of its error, and " (location.shape.to_string()) "." }
+                p { "When: " (when(location)) "." }
+                p { "How it looks: " (location.shape.to_string()) "." }
+                @for habit in &location.slider { p { (habit.to_string()) "." } }
             }
             @if let Some(timeline) = &exhibits.timeline {
                 h3 { "When" }
@@ -42,9 +44,10 @@ pub(super) fn located(diagnosis: &Diagnosis, exhibits: &Exhibits, budget: Budget
             details {
                 summary { "The intervals, and every signal" }
                 table {
-                    tr { th { "recording" } th { "from, s" } th { "to, s" } }
+                    tr { th { "recording" } th { "from, s" } th { "to, s" } th { "of the error, %" } }
                     @for interval in &location.intervals {
-                        tr { td { (interval.recording) } td { (significant(interval.from_s, 4)) } td { (significant(interval.to_s, 4)) } }
+                        tr { td { (interval.recording) } td { (significant(interval.from_s, 4)) } td { (significant(interval.to_s, 4)) }
+                            td { (significant(100.0 * interval.share, 2)) } }
                     }
                 }
                 table {
