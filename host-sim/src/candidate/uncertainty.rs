@@ -41,7 +41,7 @@ impl Candidate {
     }
 
     /// Standard deviation of a strength that no slope leads to: half the interval outside of which the log-likelihood, with all that is free
-    /// settled anew, is lower by more than ½. Rows count as many as are independent, each with the noise that is left. `None` where the
+    /// settled anew, is lower by more than ½, and what the steps of its search leave open. Rows count as many as are independent, each with the noise that is left. `None` where the
     /// likelihood does not fall so far on either side.
     fn by_profile(
         &self,
@@ -76,7 +76,9 @@ impl Candidate {
             }
             sides.extend(end_of_likely(&profile));
         }
-        Ok((!sides.is_empty()).then(|| sides.iter().sum::<f64>() / sides.len() as f64))
+        // Between two steps of its search it may be anywhere.
+        let unsearched = step / 12.0_f64.sqrt();
+        Ok((!sides.is_empty()).then(|| unsearched.hypot(sides.iter().sum::<f64>() / sides.len() as f64)))
     }
 }
 
