@@ -325,8 +325,9 @@ mod tests {
         else {
             panic!("{found:?}")
         };
-        assert!((0.33..0.37).contains(from_s) && (0.46..0.48).contains(to_s), "{found:?}");
-        assert!((at - 0.04).abs() < 0.015 && (modelled - 0.1).abs() < 0.02, "{found:?}");
+        // It went a little before it held: less than a quarter of what the free one went.
+        assert!((0.3..0.37).contains(from_s) && (0.46..0.48).contains(to_s), "{found:?}");
+        assert!(*at < 0.045 && *modelled > 0.09, "{found:?}");
         assert!((0.47..0.5).contains(at_s) && (speed_per_s - 5.8).abs() < 0.1 && (modelled_per_s - 0.8).abs() < 0.01);
     }
 
@@ -345,7 +346,12 @@ mod tests {
             found.iter().find(|habit| matches!(habit, Habit::RestsApart { .. })).unwrap_or_else(|| panic!("{found:?}"));
         let Habit::RestsApart { command_v, rests: [(one, here), (other, there)], .. } = apart else { unreachable!() };
         assert_eq!((one.as_str(), other.as_str()), ("up", "down"));
-        assert!(command_v.abs() < 1e-9 && here.abs() < 1e-9 && (there - 0.05).abs() < 1e-9);
-        assert!(apart.to_string().starts_with("it does not come home: at a command of 0 V it rests at 0 %"), "{apart}");
+        // The command counts as held until it has changed by a hundredth of all that is commanded.
+        assert!(command_v.abs() < 1e-3 && here.abs() < 1e-3 && (there - 0.05).abs() < 1e-9, "{found:?}");
+        let told = apart.to_string();
+        assert!(
+            told.starts_with("it does not come home: at a command of ") && told.contains("at 5.0 % (down)"),
+            "{told}"
+        );
     }
 }
