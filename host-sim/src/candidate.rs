@@ -10,7 +10,8 @@ use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
 use crate::fit::{
-    Fit, FitError, Free, Residuals, StartState, coarse, inflation, loss, set_tolerances, settle, softened,
+    Counts, Fit, FitError, Free, Residuals, StartState, coarse, counts_from, inflation, loss, set_tolerances, settle,
+    softened,
 };
 use crate::hypothesis::{Form, Hypothesis, Kind, Scene, Strength, is_elastic};
 use crate::prepare::Prepared;
@@ -32,6 +33,11 @@ pub struct Question<'a> {
 }
 
 impl Question<'_> {
+    /// How the independent samples of its residuals are counted.
+    pub(crate) fn counts(&self) -> Counts {
+        counts_from(self.scene.entry)
+    }
+
     /// The first form of the effects that has all these strengths.
     pub(crate) fn form_with(&self, strengths: &[Parameter]) -> Option<Chosen> {
         let forms = |effect: &'static Hypothesis| effect.forms_in(self.scene).map(move |form| Chosen { effect, form });
@@ -71,6 +77,8 @@ pub struct Candidate {
     pub is_finished: bool,
     /// Whether the noise that it was fitted with was as correlated: standard deviations hold what neighbouring rows have in common.
     pub is_tempered: bool,
+    /// How the independent samples of its residuals are counted.
+    pub counts: Counts,
 }
 
 impl Candidate {
@@ -91,7 +99,7 @@ impl Candidate {
     /// The machine file's model, as all sets are measured against it.
     fn to_the_end(&self, question: &Question<'_>) -> Result<Self, FitError> {
         // Of residuals that are alike for so many rows, a fall of the loss says so many times less.
-        let precision = (inflation(&self.residuals) * FINELY).min(PRECISION);
+        let precision = (inflation(&self.residuals, self.counts) * FINELY).min(PRECISION);
         Self::ordinary(question, Some(&self.fit), precision)
     }
 

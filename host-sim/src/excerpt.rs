@@ -94,6 +94,7 @@ fn begun(
         channels: whole.channels.iter().map(|channel| first(channel, rows)).collect(),
         failures: whole.failures.iter().map(|(signal, failures)| (*signal, first_failures(failures, rows))).collect(),
         start_sigma_m: whole.start_sigma_m,
+        input_noise: whole.input_noise,
     })
 }
 
@@ -105,6 +106,7 @@ fn first(channel: &Channel, rows: usize) -> Channel {
         failed: channel.failed.iter().take(rows).copied().collect(),
         stretches: first_stretches(&channel.stretches, rows),
         noise: channel.noise,
+        inherited: channel.inherited,
     }
 }
 

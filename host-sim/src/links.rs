@@ -116,7 +116,7 @@ impl Observed {
         let missed_m = position_m.iter().zip(of(Signal::Position)).map(|(measured, simulated)| measured - simulated);
         let time_s = prepared.time_s.clone();
         let velocity_m_per_s = if has_pressures { slopes(&time_s, &position_m) } else { of(Signal::Velocity) };
-        let noise_of = |signal| channel(signal).map_or(0.0, |channel| channel.noise);
+        let noise_of = |signal| channel(signal).map_or(0.0, Channel::own_noise);
         let recorded = |signal| case.recording.signal(signal).map(<[f64]>::to_vec);
         let supply = machine.get(Parameter::SupplyPressure);
         let slider_as_read = slider_as_read.map(|values| Channel::of(Signal::Spool, &time_s, values));
@@ -128,7 +128,7 @@ impl Observed {
                 slider: slider_as_read.as_ref().map_or(0.0, |channel| channel.noise),
                 a_pa: noise_of(Signal::PressureA),
                 b_pa: noise_of(Signal::PressureB),
-                position_m: position.noise,
+                position_m: position.own_noise(),
             },
             slider,
             pressure_a_pa: best(Signal::PressureA),

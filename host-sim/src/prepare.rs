@@ -4,10 +4,11 @@ use model_core::machine::{Machine, Source, Tick};
 
 use crate::compare::{CompareError, judged};
 use crate::failure::{Failures, Mended, Stretch, bridged};
+use crate::inherited::at_most_by_noise_of_input;
 use crate::machine_file::LoadSource;
 use crate::noise::{noise, resolution};
 use crate::recording::{Recording, Signal};
-use crate::simulate::{EntryPoint, Stimulus, first_entry, natural_tick};
+use crate::simulate::{EntryPoint, SimulateError, Stimulus, first_entry, natural_tick};
 
 /// One measured signal that a simulation is held against.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,8 +23,10 @@ pub struct Channel {
     pub failed: Vec<bool>,
     /// Where it failed for longer than a moment.
     pub stretches: Vec<Stretch>,
-    /// Standard deviation of the sensor's noise and quantisation, SI.
+    /// Standard deviation of the sensor's noise and quantisation, and of what is inherited, SI.
     pub noise: f64,
+    /// What of it the noise of the recorded signal makes that drives the chain, SI.
+    pub inherited: f64,
 }
 
 impl Channel {
@@ -41,8 +44,21 @@ impl Channel {
             stretches: failures.stretches,
             tolerance: 1.0,
             noise: noise(recorded, resolution(recorded)),
+            inherited: 0.0,
             recorded: recorded.to_vec(),
         }
+    }
+
+    /// Standard deviation of the sensor's own noise and quantisation, SI.
+    #[must_use]
+    pub fn own_noise(&self) -> f64 {
+        if self.inherited > 0.0 { (self.noise.powi(2) - self.inherited.powi(2)).max(0.0).sqrt() } else { self.noise }
+    }
+
+    /// The same with what a simulation is off by for the noise of what drives it.
+    pub(crate) fn inherit(&mut self, off_by: f64) {
+        self.noise = self.noise.hypot(off_by);
+        self.inherited = self.inherited.hypot(off_by);
     }
 
     /// The NRMSE fit, %, that a perfect model would reach: only the noise is left.
@@ -98,17 +114,27 @@ pub struct Prepared {
     pub failures: Vec<(Signal, Failures)>,
     /// Standard deviation of the position at the start, m: what its sensor leaves open.
     pub start_sigma_m: f64,
+    /// Standard deviation of the noise of the recorded slider, flow or force that the chain is entered at, SI; 0 where it is a command or a pump's
+    /// speed, which are set.
+    pub input_noise: f64,
 }
 
 impl Prepared {
-    /// Prepares a recording, entered as far upstream as it allows.
+    /// Prepares a recording, entered as far upstream as it allows. Where that is a sensor's signal, every judged signal's noise holds what the noise
+    /// of that sensor does to it: a rod that is moved by a measured flow adds up the meter's noise.
     pub fn new(
         recording: &Recording,
         machine: &Machine<f64>,
         load: LoadSource,
         tick: Option<Tick>,
     ) -> Result<Self, CompareError> {
-        Self::entered_at(first_entry(machine.source, recording)?, recording, machine, load, tick)
+        let entry = first_entry(machine.source, recording)?;
+        let mut prepared = Self::entered_at(entry, recording, machine, load, tick)?;
+        let added = at_most_by_noise_of_input(&prepared, machine).map_err(SimulateError::from)?;
+        for (channel, added) in prepared.channels.iter_mut().zip(added) {
+            channel.inherit(added);
+        }
+        Ok(prepared)
     }
 
     /// Prepares a recording, entered at a given signal.
@@ -142,6 +168,14 @@ impl Prepared {
                 })
             })
             .collect::<Result<_, CompareError>>()?;
+        let driving = match entry {
+            EntryPoint::Slider => Some(Signal::Spool),
+            EntryPoint::Flow => Some(Signal::Flow),
+            EntryPoint::Force => Some(Signal::Force),
+            EntryPoint::Command | EntryPoint::Pump => None,
+        };
+        let driving = driving.and_then(|signal| mended.recording.signal(signal));
+        let input_noise = driving.map_or(0.0, |values| noise(values, resolution(values)));
         mended.failures.retain(|(_, failures)| failures.are_any());
         let start_sigma_m = recording.signal(Signal::Position).map_or(0.0, |position| {
             let step = resolution(position);
@@ -154,6 +188,7 @@ impl Prepared {
             channels,
             failures: mended.failures,
             start_sigma_m,
+            input_noise,
         })
     }
 

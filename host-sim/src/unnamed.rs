@@ -10,7 +10,7 @@ use model_core::machine::Machine;
 use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
-use crate::fit::{CHANCE, Estimate, FitError, Free, Freedom, From, Residuals, fit, settle, standardised};
+use crate::fit::{CHANCE, Counts, Estimate, FitError, Free, Freedom, From, Residuals, fit, settle, standardised};
 use crate::hypothesis::{Scene, Subsystem};
 use crate::locate::{Case, Location};
 use crate::machine_file::LoadSource;
@@ -269,7 +269,9 @@ pub fn improved(
     let mut best: Option<(f64, Candidate, Quantity, Vec<Axis>)> = None;
     for (&(quantity, _), over, rough) in tables {
         let candidate = fitted(question, base, Some(&rough), quantity, &over, PRECISION)?;
-        let Some(net) = net(&left_out, &candidate.left_out(question)?, count(&over)) else { continue };
+        let Some(net) = net(&left_out, &candidate.left_out(question)?, count(&over), question.counts()) else {
+            continue;
+        };
         if best.as_ref().is_none_or(|(known, ..)| net > *known) {
             best = Some((net, candidate, quantity, over));
         }
@@ -316,8 +318,8 @@ fn fitted(
 }
 
 /// Log-likelihood gained on left-out recordings less what `values` cost; none where it gains on too few, or nothing.
-fn net(before: &Residuals, after: &Residuals, values: usize) -> Option<f64> {
-    let gained = Gained::of(before, after);
+fn net(before: &Residuals, after: &Residuals, values: usize, counts: Counts) -> Option<f64> {
+    let gained = Gained::of(before, after, counts);
     let net = gained.all - gained.cost(values);
     (net > CHANCE && gained.repeats).then_some(net)
 }

@@ -57,7 +57,7 @@ impl Candidate {
             let missed_there: f64 = fit.information.iter().map(|one| one.square).sum();
             fit.loss += 0.5 * (missed - missed_there);
         }
-        Ok(Self { effects, fit, jumps, residuals, is_finished, is_tempered: false })
+        Ok(Self { effects, fit, jumps, residuals, is_finished, is_tempered: false, counts: question.counts() })
     }
 
     /// A refit of the ordinary parameters alone.

@@ -1,5 +1,5 @@
 use super::*;
-use crate::fit::{Freedom, recorded};
+use crate::fit::{Freedom, effective_samples, recorded};
 use crate::hypothesis::CATALOGUE;
 use crate::machine_file::LoadSource;
 use crate::press::{press, scene};
@@ -14,7 +14,15 @@ fn standing(name: &str, scene: &Scene<'_>, ordinary: &[Free], machine: &Machine<
     let starts = vec![StartState::default()];
     let fit = Fit { machine: *machine, free, coordinates, starts, information: Vec::new(), converged: true, loss: 0.0 };
     let effects = vec![Chosen { effect, form }];
-    Candidate { effects, fit, jumps: Vec::new(), residuals: Vec::new(), is_finished: true, is_tempered: false }
+    Candidate {
+        effects,
+        fit,
+        jumps: Vec::new(),
+        residuals: Vec::new(),
+        is_finished: true,
+        is_tempered: false,
+        counts: effective_samples,
+    }
 }
 
 #[test]

@@ -5,7 +5,7 @@ use model_core::parameter::Parameter;
 
 use super::refit::NARROWEST;
 use super::{Candidate, Question, strengths};
-use crate::fit::{Correlation, Estimate, FitError, Sensitivity, inflation, loss};
+use crate::fit::{Correlation, Estimate, FitError, Sensitivity, Uncertainty, inflation, loss};
 use crate::screen::with;
 
 /// Steps to either side of a strength that no slope leads to, each twice the last: from what it was looked for by to 1.28 of it.
@@ -36,8 +36,14 @@ impl Candidate {
         self.fit.correlations(self.inflation())
     }
 
+    /// What is known of its fitted values together.
+    #[must_use]
+    pub fn uncertainty(&self) -> Uncertainty {
+        self.fit.uncertainty(self.inflation())
+    }
+
     fn inflation(&self) -> f64 {
-        if self.is_tempered { 1.0 } else { inflation(&self.residuals) }
+        if self.is_tempered { 1.0 } else { inflation(&self.residuals, self.counts) }
     }
 
     /// Standard deviation of a strength that no slope leads to: half the interval outside of which the log-likelihood, with all that is free
@@ -59,7 +65,7 @@ impl Candidate {
             .iter()
             .flatten()
             .fold((0.0, 0.0), |sum, series| (sum.0 + loss(series), sum.1 + series.len() as f64));
-        let unit = (square / f64::max(rows, 1.0)).max(1.0) * inflation(&self.residuals);
+        let unit = (square / f64::max(rows, 1.0)).max(1.0) * inflation(&self.residuals, self.counts);
         let description = parameter.description();
         let usual = strengths(&self.effects).into_iter().find(|strength| strength.parameter == parameter);
         // A value next to nothing is moved by the least that is usual.

@@ -45,6 +45,7 @@ fn at_twice_the_tick(case: &Prepared, Coarser { stimulus, kept }: Coarser, fine:
             .collect(),
         failed: kept.iter().map(|&row| channel.failed[row]).collect(),
         noise: channel.noise * weight,
+        inherited: channel.inherited * weight,
         tolerance: channel.tolerance / weight,
         stretches: Vec::new(),
         ..*channel
@@ -56,6 +57,7 @@ fn at_twice_the_tick(case: &Prepared, Coarser { stimulus, kept }: Coarser, fine:
         stimulus,
         failures: Vec::new(),
         start_sigma_m: case.start_sigma_m,
+        input_noise: case.input_noise,
     }
 }
 

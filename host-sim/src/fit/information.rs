@@ -80,18 +80,23 @@ impl Information {
         (own - &across * inverse * across.transpose(), self.gradient.rows(0, count).into_owned())
     }
 
-    /// Covariance of the coordinates, prior included; `None` where the recordings and the priors do not determine them. The residuals
-    /// are correlated in time, so what the recordings tell is divided by their mean square and by how many neighbours tell the same;
-    /// the priors keep theirs.
+    /// Covariance of the coordinates, prior included; `None` where the recordings and the priors do not determine them.
     pub(super) fn covariance(all: &[Information], inflation: f64) -> Option<DMatrix<f64>> {
-        let count = all.first()?.gradient.len() - OF_START;
+        Self::precision(all, inflation).cholesky().map(|factor| factor.inverse())
+    }
+
+    /// Its inverse: what one coordinate's error says of another's is in it. The residuals are correlated in time, so what the recordings tell is
+    /// divided by their mean square and by how many neighbours tell the same; the priors keep theirs.
+    pub(super) fn precision(all: &[Information], inflation: f64) -> DMatrix<f64> {
+        let Some(first) = all.first() else { return DMatrix::zeros(0, 0) };
+        let count = first.gradient.len() - OF_START;
         let (square, rows) = all.iter().fold((0.0, 0.0), |sum, one| (sum.0 + one.square, sum.1 + one.rows));
         let scale = (square / rows.max(1.0)).max(1.0) * inflation.max(1.0);
         let mut matrix = DMatrix::identity(count, count);
         for one in all {
             matrix += one.reduced().0 / scale;
         }
-        matrix.cholesky().map(|factor| factor.inverse())
+        matrix
     }
 
     /// The Newton step from the common solution to that without one recording.

@@ -18,7 +18,7 @@ mod start;
 
 use model_core::machine::{Machine, MachineError};
 use model_core::parameter::Parameter;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use crate::prepare::Prepared;
 pub use coarse::coarse;
@@ -27,13 +27,13 @@ pub use information::Information;
 pub(crate) use information::OF_START;
 pub use problem::Told;
 use problem::{Minimum, Problem};
-pub(crate) use residuals::samples_by_blocks;
 #[cfg(test)]
 pub(crate) use residuals::tests::recorded;
 pub use residuals::{
-    CHANCE, Misfit, Residuals, effective_samples, inflation, loss, misfits, set_tolerances, soft, softened,
+    CHANCE, Counts, Misfit, Residuals, effective_samples, inflation, loss, misfits, set_tolerances, soft, softened,
     softened_all, standardised, standardised_all,
 };
+pub(crate) use residuals::{counts_from, samples_by_blocks};
 pub use sensitivity::{Change, Sensitivity, Settled, Simulated};
 pub use start::{StartState, level_at_rest, settle};
 
@@ -158,6 +158,15 @@ pub struct Estimate {
     pub at_bound: bool,
 }
 
+/// How far fitted values may be off, together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Uncertainty {
+    /// Parameters that recordings determine, each with its standard deviation, SI.
+    pub steps: Vec<(Parameter, f64)>,
+    /// Inverse of their covariance, in steps of one standard deviation towards larger values.
+    pub precision: DMatrix<f64>,
+}
+
 /// The result of a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
@@ -195,6 +204,25 @@ impl Fit {
                 at_bound: free.at_bound(coordinate),
             })
             .collect()
+    }
+
+    /// What is known of the free parameters' values together; see [`Self::estimates`].
+    #[must_use]
+    pub fn uncertainty(&self, inflation: f64) -> Uncertainty {
+        let estimates = self.estimates(inflation);
+        let precision = Information::precision(&self.information, inflation);
+        let slope = |index: usize| self.free[index].slope(self.coordinates[index]).abs();
+        let moves = |index: &usize| estimates[*index].std.is_finite() && estimates[*index].std > 0.0;
+        let moving: Vec<usize> = (0..estimates.len().min(precision.nrows())).filter(moves).collect();
+        let deviation = |index: usize| estimates[index].std / slope(index);
+        let entry = |row: usize, column: usize| {
+            let (row, column) = (moving[row], moving[column]);
+            precision[(row, column)] * deviation(row) * deviation(column)
+        };
+        Uncertainty {
+            steps: moving.iter().map(|&index| (estimates[index].parameter, estimates[index].std)).collect(),
+            precision: DMatrix::from_fn(moving.len(), moving.len(), entry),
+        }
     }
 
     /// Every coordinate: of the free parameters, then of each recording's start.

@@ -5,7 +5,7 @@ use model_core::machine::{Machine, MachineError};
 use super::start::StartState;
 use crate::prepare::{Channel, Prepared};
 use crate::recording::Signal;
-use crate::simulate::{Run, run_abreast};
+use crate::simulate::{EntryPoint, Run, run_abreast};
 
 /// What a log-likelihood has to gain beyond its penalty: less comes by chance once in twenty times.
 pub const CHANCE: f64 = 3.0;
@@ -189,13 +189,25 @@ pub(crate) fn samples_by_blocks(series: &[f64]) -> f64 {
 
 /// How many times more rows there are than independent samples.
 #[must_use]
-pub fn inflation(residuals: &Residuals) -> f64 {
+pub fn inflation(residuals: &Residuals, counts: Counts) -> f64 {
     let (mut rows, mut independent) = (0.0, 0.0);
     for series in residuals.iter().flatten() {
         rows += series.len() as f64;
-        independent += effective_samples(series);
+        independent += counts(series);
     }
     rows / independent
+}
+
+/// How the independent samples of a residual are counted.
+pub type Counts = fn(&[f64]) -> f64;
+
+/// How they are counted of recordings that enter the chain there. What a sensor's signal drives adds up that sensor's noise, smooth beneath the
+/// independent noise of what it is judged by.
+pub(crate) fn counts_from(entry: EntryPoint) -> Counts {
+    match entry {
+        EntryPoint::Command | EntryPoint::Pump => effective_samples,
+        EntryPoint::Slider | EntryPoint::Flow | EntryPoint::Force => samples_by_blocks,
+    }
 }
 
 /// The sum of the squares of a series; of softened residuals, their loss.

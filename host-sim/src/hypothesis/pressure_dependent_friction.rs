@@ -55,5 +55,6 @@ pub(super) const HYPOTHESIS: Hypothesis = Hypothesis {
     separated_by: "strokes at two loads at the same constant speed, both pressures recorded",
     source: "Bonchis, Corke, Rye, IEEE ICRA 1999",
     // With the load taken from the pressures the force balance is an input.
-    shows_in: |scene| scene.load == LoadSource::Constant,
+    // Driven by the force, the chain has no pressures.
+    shows_in: |scene| scene.load == LoadSource::Constant && scene.entry != crate::simulate::EntryPoint::Force,
 };

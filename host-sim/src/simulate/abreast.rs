@@ -12,7 +12,8 @@ use model_core::valve::Slider;
 
 use super::stimulus::value_at;
 use super::{
-    DELAY_LINE, Departure, EntryPoint, Rows, StartOffset, Stimulus, reading, run, true_slider, unbraked, within,
+    DELAY_LINE, Departure, EntryPoint, Rows, StartOffset, Stimulus, reading, run, through_valve, true_slider, unbraked,
+    within,
 };
 use crate::lanes::{LANES, Lanes};
 use crate::recording::Signal;
@@ -101,6 +102,7 @@ impl<'a> Abreast<'a> {
         let entry = match stimuli[0].entry_by(tick, &bases, read) {
             Entry::Slider(slider) => Entry::Slider(self.truly(slider)),
             Entry::Followed { command, slider } => Entry::Followed { command, slider: self.truly(slider) },
+            Entry::Flow { from, to } => through_valve(&self.machine, &bases, &self.state, (from, to), |flow| flow),
             other => other,
         };
         let kept = self.state.oil_temperature.values();

@@ -8,11 +8,14 @@ mod departure;
 mod grid;
 mod live;
 mod onward;
+mod outflow;
 mod rest;
 mod stimulus;
 
+use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState, Entry};
-use model_core::machine::{Machine, MachineError};
+use model_core::flow::Flows;
+use model_core::machine::{Bases, Machine, MachineError};
 use model_core::number::{Field, Number, Real, Scalar};
 use model_core::parameter::Parameter;
 use model_core::valve::Slider;
@@ -22,6 +25,7 @@ pub use departure::StartOffset;
 use departure::{Departure, at_start, within};
 pub use live::{Inputs, Live};
 pub use onward::{Advance, Onward};
+use outflow::{Below, through_both_edges};
 pub use rest::Start;
 pub use stimulus::{Coarser, EntryPoint, SimulateError, Stimulus, first_entry, natural_tick};
 
@@ -232,7 +236,7 @@ fn run_on<N: Scalar>(
     for point in 0..=stimulus.ticks {
         if point > 0 {
             let tick = point - 1;
-            let entry = entered(machine, stimulus.entry_at(tick, &bases));
+            let entry = entered(machine, &bases, state, stimulus.entry_at(tick, &bases));
             if let Some(temperature) = stimulus.oil_at(tick, &bases) {
                 state.oil_temperature = temperature;
             }
@@ -261,12 +265,38 @@ fn behind<R: Real>(machine: &Machine<R>, (factor, offset): SensorError, reading:
 }
 
 /// What the chain is entered with where the recording has the reading of a sensor.
-fn entered<N: Scalar>(machine: &Machine<N::Real>, entry: Entry<N>) -> Entry<N> {
+fn entered<N: Scalar>(
+    machine: &Machine<N::Real>,
+    bases: &Bases,
+    state: &DriveState<N, DELAY_LINE>,
+    entry: Entry<N>,
+) -> Entry<N> {
     let true_slider = |Slider { from, to }| Slider { from: true_slider(machine, from), to: true_slider(machine, to) };
     match entry {
         Entry::Slider(slider) => Entry::Slider(true_slider(slider)),
         Entry::Followed { command, slider } => Entry::Followed { command, slider: true_slider(slider) },
+        Entry::Flow { from, to } => through_valve(machine, bases, state, (from, to), within),
         other => other,
+    }
+}
+
+/// The flow entry with what leaves B through the valve's other edge.
+fn through_valve<N: Number>(
+    machine: &Machine<N::Real>,
+    bases: &Bases,
+    state: &DriveState<N, DELAY_LINE>,
+    (from, to): (Flows<N>, Flows<N>),
+    signal: impl Fn(N::Value) -> N,
+) -> Entry<N> {
+    let below = Below {
+        pressures: ChamberState { a: state.chambers.a.to_real(), b: state.chambers.b.to_real() },
+        velocity: state.motion.velocity.to_real(),
+    };
+    match through_both_edges(machine, bases, (from.a.to_real(), to.a.to_real()), below) {
+        Some((through, until)) => {
+            Entry::Flow { from: Flows { b: signal(through.b), ..from }, to: Flows { b: signal(until.b), ..to } }
+        }
+        None => Entry::Flow { from, to },
     }
 }
 

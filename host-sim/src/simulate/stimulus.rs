@@ -31,7 +31,7 @@ pub enum EntryPoint {
     Slider,
     /// Speed of the pump and direction of its valve.
     Pump,
-    /// Measured flow into A; what leaves B is taken to be the same times the area ratio, as at constant pressures.
+    /// Measured flow into A; what leaves B is what the valve's other edge passes as far open, or of a pump drive the area ratio's share.
     Flow,
     /// Measured force of the oil, or the one that follows from both recorded pressures.
     Force,
@@ -256,21 +256,22 @@ impl Stimulus {
         self.slider.is_some().then(|| Self { follows: true, ..self.clone() })
     }
 
-    /// The same with an error of the recorded slider, drawn for every row and in between along a straight line.
+    /// The same with an error of the sensor that drives what is below it (the recorded slider, beside the valve that the command moves; else
+    /// the slider, flow or force that the chain is entered at), drawn for every row and in between along a straight line.
     #[must_use]
-    pub(crate) fn disturbed(&self, mut error: impl FnMut() -> f64) -> Self {
-        let slider = self.slider.as_ref().map(|slider| {
-            let mut slider = slider.to_vec();
-            let errors: Vec<f64> = self.rows.iter().map(|_| error()).collect();
-            for (rows, errors) in self.rows.windows(2).zip(errors.windows(2)) {
-                let (from, to) = (rows[0].0, rows[1].0);
-                for (index, value) in slider.iter_mut().enumerate().take(to).skip(from) {
-                    *value += errors[0] + (errors[1] - errors[0]) * (index - from) as f64 / (to - from) as f64;
-                }
+    pub(crate) fn disturbed(&self, error: impl FnMut() -> f64) -> Self {
+        let mut disturbed = self.clone();
+        match &mut disturbed.input {
+            Input::Slider(series) | Input::Flow(series, _) | Input::Force(series) => disturb(series, &self.rows, error),
+            Input::Command(_) | Input::Pump(..) => {
+                disturbed.slider = self.slider.as_ref().map(|slider| {
+                    let mut slider = slider.to_vec();
+                    disturb(&mut slider, &self.rows, error);
+                    slider.into()
+                });
             }
-            slider.into()
-        });
-        Self { slider, ..self.clone() }
+        }
+        disturbed
     }
 
     /// The same with every row read half a row's interval earlier: midway between two recorded rows.
@@ -400,6 +401,17 @@ impl Stimulus {
             _ => self.followed(),
         };
         spool.and_then(|spool| spool.get(point)).map(|&value| N::saturated(value))
+    }
+}
+
+/// Puts an error on a series at grid points, drawn for every row and in between along a straight line.
+fn disturb(series: &mut [f64], rows: &[(usize, f64)], mut error: impl FnMut() -> f64) {
+    let errors: Vec<f64> = rows.iter().map(|_| error()).collect();
+    for (rows, errors) in rows.windows(2).zip(errors.windows(2)) {
+        let (from, to) = (rows[0].0, rows[1].0);
+        for (index, value) in series.iter_mut().enumerate().take(to).skip(from) {
+            *value += errors[0] + (errors[1] - errors[0]) * (index - from) as f64 / (to - from) as f64;
+        }
     }
 }
 

@@ -159,9 +159,11 @@ fn entered_at_its_own_flow_the_rest_of_the_chain_is_nearly_the_same() {
         ],
     );
     let below = run(&flow, EntryPoint::Flow, LoadSource::Constant);
-    // What leaves B differs from the area ratio's share while the pressures change.
-    let error = farthest(below.signal(Signal::Position).unwrap(), &series(Signal::Position));
-    assert!(error < 1e-3, "{error}");
+    // The other edge lags by a part of a tick, and below a hundredth of the full flow it is not asked.
+    for (signal, tolerance) in [(Signal::Position, 3e-5), (Signal::PressureA, 1e5), (Signal::PressureB, 1.5e5)] {
+        let error = farthest(below.signal(signal).unwrap(), &series(signal));
+        assert!(error < tolerance, "{signal}: {error}");
+    }
 }
 
 #[test]

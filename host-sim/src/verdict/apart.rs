@@ -17,13 +17,11 @@ use super::{AT_NOISE, Course, FAR, MOST_EFFECTS, Trial, confirm, explains_enough
 use crate::candidate::{Candidate, Chosen, Question};
 use crate::fit::{CHANCE, FitError, Free};
 use crate::hypothesis::{Hypothesis, Subsystem};
-use crate::inherited::off_by;
+use crate::inherited::by_noise_of_input;
 use crate::links::OF_VALVE;
 use crate::prepare::Prepared;
-use crate::random::Noise;
 use crate::recording::Signal;
 use crate::search::open_to;
-use crate::simulate::{StartOffset, Stimulus, simulate};
 
 /// A side of the slider.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -121,18 +119,12 @@ fn followed(cases: &[&Prepared], machine: &Machine<f64>) -> Result<Option<Vec<Pr
 /// A recording driven by its slider, the noise of every other channel with what the slider's adds to it.
 fn with_noise_of_slider(mut case: Prepared, machine: &Machine<f64>) -> Result<Prepared, MachineError> {
     /// Draws that it is the mean of.
-    const DRAWS: usize = 4;
+    const DRAWS: u64 = 4;
     let of_slider = case.channels.iter().find(|channel| channel.signal == Signal::Spool);
     let of_slider = of_slider.map_or(0.0, |slider| slider.noise);
-    let simulated = |stimulus: &Stimulus| simulate::<f64>(machine, stimulus, StartOffset::none());
-    let disturbed = |draw| {
-        let mut noise = Noise::new(1, draw);
-        simulated(&case.stimulus.disturbed(|| noise.gaussian(of_slider)))
-    };
-    let signals: Vec<Signal> = case.channels.iter().map(|channel| channel.signal).collect();
-    let added = off_by(&simulated(&case.stimulus)?, &signals, DRAWS, disturbed)?;
+    let added = by_noise_of_input(&case, machine, of_slider, 0..DRAWS)?;
     for (channel, added) in case.channels.iter_mut().zip(added) {
-        channel.noise = channel.noise.hypot(added);
+        channel.inherit(added);
     }
     Ok(case)
 }

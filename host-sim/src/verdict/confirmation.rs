@@ -6,7 +6,7 @@ use model_core::machine::{Machine, MachineError};
 use super::apart::gains_apart;
 use super::likelihood::{FORM, above_noise, accepts, gained};
 use super::{FAR, Question, Selection, enter};
-use crate::fit::{CHANCE, FitError, settle, softened, standardised};
+use crate::fit::{CHANCE, FitError, counts_from, settle, softened, standardised};
 use crate::hypothesis::Hypothesis;
 use crate::prepare::Prepared;
 use crate::recording::Signal;
@@ -142,7 +142,7 @@ pub fn confirm(
         let (after, missed) = (softened(chosen, case, start)?, standardised(chosen, case, start)?);
         let mut total = 0.0;
         for ((channel, missed), (before, after)) in case.channels.iter().zip(&missed).zip(before.iter().zip(&after)) {
-            let gain = gained(before, after);
+            let gain = gained(before, after, counts_from(case.stimulus.entry));
             total += gain;
             add(&mut signals, channel.signal, gain);
             // A signal that is mostly noise fits no better than its mean, whatever the model.

@@ -2,7 +2,7 @@
 //! independent samples of its residual, less what the strengths cost, plus what the ordinary parameters gain by coming back.
 
 use crate::candidate::{Candidate, Chosen, Question};
-use crate::fit::{CHANCE, FitError, Residuals, effective_samples, loss};
+use crate::fit::{CHANCE, Counts, FitError, Residuals, loss};
 use crate::hypothesis::CATALOGUE;
 
 /// What an effect must take away of what is above the noise.
@@ -15,7 +15,7 @@ const EARNED: f64 = 0.75;
 
 /// Best first by log-likelihood gained over the base less penalty; only the best form of the same effects stays.
 pub(super) fn ranked(question: &Question<'_>, base: &Candidate, found: Vec<Candidate>) -> Vec<(Candidate, f64)> {
-    ranked_by(question, base, found, effective_samples)
+    ranked_by(question, base, found, question.counts())
 }
 
 /// The same by other counts of the independent samples of a series.
@@ -23,11 +23,11 @@ pub(super) fn ranked_by(
     question: &Question<'_>,
     base: &Candidate,
     found: Vec<Candidate>,
-    independent: fn(&[f64]) -> f64,
+    counts: Counts,
 ) -> Vec<(Candidate, f64)> {
     let Some(best) = found.iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss)) else { return Vec::new() };
     // The independent samples of the best residuals, so that all are measured alike.
-    let samples: Vec<f64> = best.residuals.iter().flatten().map(|series| independent(series)).collect();
+    let samples: Vec<f64> = best.residuals.iter().flatten().map(|series| counts(series)).collect();
     let total: f64 = samples.iter().sum();
     let net = |candidate: &Candidate| {
         let series = base.residuals.iter().flatten().zip(candidate.residuals.iter().flatten());
@@ -102,12 +102,8 @@ fn floored(series: &[f64]) -> f64 {
 
 /// Log-likelihood gained on one signal. n are the independent samples of the residual that has fewer, so that a gain one way is
 /// a loss the other.
-pub(super) fn gained(before: &[f64], after: &[f64]) -> f64 {
-    0.5 * independent(before, after) * (floored(before) / floored(after)).ln()
-}
-
-fn independent(before: &[f64], after: &[f64]) -> f64 {
-    effective_samples(before).min(effective_samples(after))
+pub(super) fn gained(before: &[f64], after: &[f64], counts: Counts) -> f64 {
+    0.5 * counts(before).min(counts(after)) * (floored(before) / floored(after)).ln()
 }
 
 /// Log-likelihood gained as the ordinary parameters come back to where they were said to be: a model that lacks an effect bends
@@ -138,17 +134,18 @@ pub(super) fn accepts(
     if after > (1.0 - LEAST_SHARE) * before || (!without.effects.is_empty() && !told) {
         return Ok(false);
     }
+    let counts = question.counts();
     let pays = |gained: &Gained| {
         let penalty = gained.cost(with.strengths().saturating_sub(without.strengths())) + CHANCE;
         // Parameters that come back may pay for the strengths, but the recordings themselves have to tell.
         gained.all > CHANCE && gained.all + straightened(question, without, with) > penalty && gained.repeats
     };
-    if pays(&Gained::of(&without.left_out(question)?, &with.left_out(question)?)) {
+    if pays(&Gained::of(&without.left_out(question)?, &with.left_out(question)?, counts)) {
         return Ok(true);
     }
     // One step says little where much hangs on the recording that was left out.
-    Ok(pays(&Gained::of(&without.residuals, &with.residuals))
-        && pays(&Gained::of(&without.left_out_refitted(question)?, &with.left_out_refitted(question)?)))
+    Ok(pays(&Gained::of(&without.residuals, &with.residuals, counts))
+        && pays(&Gained::of(&without.left_out_refitted(question)?, &with.left_out_refitted(question)?, counts)))
 }
 
 /// What recordings say of residuals `after` over those `before`.
@@ -162,13 +159,13 @@ pub(crate) struct Gained {
 }
 
 impl Gained {
-    pub(crate) fn of(before: &Residuals, after: &Residuals) -> Self {
+    pub(crate) fn of(before: &Residuals, after: &Residuals, counts: Counts) -> Self {
         let mut samples = 0.0;
         let mut on = |before: &[Vec<f64>], after: &[Vec<f64>]| -> f64 {
             let channels = before.iter().zip(after);
             let gains = channels.map(|(before, after)| {
-                samples += independent(before, after);
-                gained(before, after)
+                samples += counts(before).min(counts(after));
+                gained(before, after, counts)
             });
             gains.sum()
         };

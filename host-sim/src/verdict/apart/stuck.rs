@@ -123,7 +123,7 @@ impl Search<'_, '_> {
 
     /// Whether an effect is worth its strengths beside stiction.
     fn accepts(&self, plain: &Beside, with: &Beside) -> bool {
-        let gained = Gained::of(&plain.left_out, &with.left_out);
+        let gained = Gained::of(&plain.left_out, &with.left_out, self.question.counts());
         let straightened = straightened(self.question, &plain.set, &with.set);
         with.set.is_plausible(self.question.scene)
             && excess(&with.set.residuals) < (1.0 - LEAST_SHARE) * excess(&plain.set.residuals)
@@ -172,7 +172,7 @@ pub(super) fn confirms(
         softened_all(&beside.set.fit.machine, cases).map_err(FitError::from)
     };
     let (without, with) = rayon::join(|| refitted(&|one| one.name != effect.name), || refitted(&|_| true));
-    let gained = Gained::of(&without?, &with?);
+    let gained = Gained::of(&without?, &with?, question.counts());
     Ok(Some(gained.all > CHANCE))
 }
 
