@@ -4,6 +4,7 @@
 //! ones are opened after it, and may only take away from it.
 
 mod decision;
+mod finding;
 mod shown;
 
 use std::collections::BTreeMap;
@@ -24,9 +25,10 @@ use crate::prepare::{Channel, Prepared};
 use crate::recording::{Recording, Signal};
 use crate::screen::Lead;
 use crate::unnamed::{Unnamed, improved};
-use crate::verdict::{Candidate, Confirmation, Question, Selection, Told, lengthened, select};
+use crate::verdict::{Candidate, Confirmation, Question, Selection, lengthened, select};
 
 use decision::{Decision, decide};
+pub use finding::Finding;
 use shown::show;
 pub use shown::{Fits, Shown};
 
@@ -40,21 +42,6 @@ pub enum Verdict {
     NothingMissing,
     /// There is a mismatch above the noise that no effect of the catalogue accounts for.
     Unexplained,
-}
-
-/// One claimed effect.
-#[derive(Clone, Debug)]
-pub struct Finding {
-    /// The effect.
-    pub effect: &'static Hypothesis,
-    /// Probability among the sets of its size that were refitted, and none at all.
-    pub confidence: f64,
-    /// Its fitted parameters.
-    pub parameters: Vec<Estimate>,
-    /// Other effects of those sets, with their probability.
-    pub alternatives: Vec<(&'static Hypothesis, f64)>,
-    /// The jumps that the position holds, of a stiction that no free run tells.
-    pub heard: Option<Told>,
 }
 
 /// What was found.

@@ -7,7 +7,9 @@ use super::input;
 use super::target::check_targets;
 use super::{CliError, Console, Outcome};
 use crate::diagnose::{DiagnoseError, ordinary};
-use crate::fit::{From, fit_told, inflation, level_at_rest, most_evaluations, softened_all};
+use crate::fit::{
+    Counts, From, counts_from, effective_samples, fit_told, inflation, level_at_rest, most_evaluations, softened_all,
+};
 use crate::judge;
 use crate::locate::{Miss, misses};
 use crate::machine_file;

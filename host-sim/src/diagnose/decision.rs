@@ -2,12 +2,12 @@
 
 use model_core::parameter::Parameter;
 
-use super::Finding;
-use crate::candidate::{Candidate, Chosen, Question};
+use super::finding::{Finding, finding};
+use crate::candidate::{Candidate, Question};
 use crate::fit::{Estimate, FitError};
 use crate::hypothesis::Hypothesis;
 use crate::prepare::Prepared;
-use crate::verdict::{Confirmation, Selection, Trial, confirm};
+use crate::verdict::{Confirmation, Selection, confirm};
 
 /// What is claimed.
 pub(super) struct Decision {
@@ -69,41 +69,4 @@ fn estimates(question: &Question<'_>, selection: &Selection) -> Result<Vec<Estim
         estimate.std = f64::NAN;
     }
     Ok(estimates)
-}
-
-/// A finding with its probability among the sets that were refitted in the round of the chosen one, but for those with an effect
-/// that was vetoed.
-fn finding(chosen: &Chosen, selection: &Selection, estimates: &[Estimate], vetoed: &[&'static Hypothesis]) -> Finding {
-    let count = selection.chosen.effects.len();
-    let round = selection.rounds.get(count - 1).into_iter().flatten();
-    let sets: Vec<&Trial> = round.filter(|set| !set.has_any(vetoed)).collect();
-    let largest = sets.iter().map(|set| set.net).fold(0.0, f64::max);
-    // No effect at all stands against them with a net gain of 0.
-    let total: f64 = sets.iter().map(|set| (set.net - largest).exp()).sum::<f64>() + (-largest).exp();
-    let probability = |name: &str| {
-        let with = sets.iter().filter(|set| set.effects.iter().any(|effect| effect.name == name));
-        with.map(|set| (set.net - largest).exp()).sum::<f64>() / total
-    };
-    let parameters = chosen
-        .form
-        .iter()
-        .filter_map(|strength| estimates.iter().find(|estimate| estimate.parameter == strength.parameter).copied())
-        .collect();
-    let mut alternatives: Vec<(&'static Hypothesis, f64)> = Vec::new();
-    for effect in sets.iter().flat_map(|set| set.effects.iter().copied()) {
-        let claimed = selection.chosen.has(effect);
-        let probability = probability(effect.name);
-        if !claimed && probability > 1e-3 && alternatives.iter().all(|(known, _)| known.name != effect.name) {
-            alternatives.push((effect, probability));
-        }
-    }
-    alternatives.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let effect = chosen.effect;
-    Finding {
-        effect,
-        confidence: probability(effect.name).min(0.999),
-        parameters,
-        alternatives,
-        heard: selection.heard.as_ref().filter(|_| chosen.has(Parameter::StictionBand)).map(|heard| heard.told),
-    }
 }
