@@ -4,6 +4,8 @@
 //! would move ordinary parameters and strengths within what is known of them, so what such a move can imitate is taken out
 //! first; the rest, in standard deviations of each sensor's noise, is how far apart the two would be.
 
+use std::cmp::Ordering;
+
 use model_core::machine::{Machine, MachineError, Source, Tick};
 use model_core::parameter::Parameter;
 use nalgebra::{DMatrix, DVector};
@@ -17,7 +19,6 @@ use crate::recording::{Recording, Signal};
 use crate::sensor;
 use crate::simulate::{EntryPoint, Run, StartOffset, Stimulus, run_abreast};
 use crate::standard_tests::{StandardTest, standard_tests};
-use crate::verdict::Trial;
 
 /// Most rivals that a finding is held against.
 const MOST_RIVALS: usize = 3;
@@ -45,6 +46,14 @@ pub struct Distance {
     pub per_20_s: f64,
 }
 
+impl Distance {
+    /// Whether it tells the two apart in some signal.
+    #[must_use]
+    pub fn tells(&self) -> bool {
+        self.over_noise >= TELLS
+    }
+}
+
 /// A claimed effect against another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Separation {
@@ -54,7 +63,7 @@ pub struct Separation {
     pub rival: &'static str,
     /// Probability of the other among the sets tried.
     pub confidence: f64,
-    /// Tests with the channels at hand, the one that separates most first.
+    /// Tests with the channels at hand: those that tell the two apart first, and the one that separates most before others.
     pub tests: Vec<Distance>,
     /// The sensor that would add most, and the best test with it.
     pub sensor: Option<(Signal, Distance)>,
@@ -64,7 +73,7 @@ impl Separation {
     /// Whether the best test with the channels at hand tells the two apart.
     #[must_use]
     pub fn is_told(&self) -> bool {
-        self.tests.first().is_some_and(|best| best.over_noise >= TELLS)
+        self.tests.first().is_some_and(Distance::tells)
     }
 
     /// What to do, in a sentence without the effects' names.
@@ -76,7 +85,7 @@ impl Separation {
         };
         match (self.tests.first(), &self.sensor) {
             (Some(best), _) if self.is_told() => apart(best),
-            (_, Some((sensor, best))) if best.over_noise >= TELLS => {
+            (_, Some((sensor, best))) if best.tells() => {
                 format!("{}, with {sensor} recorded too", apart(best))
             }
             (Some(best), _) => format!("no standard test tells them apart at this noise; the best is {}", apart(best)),
@@ -103,10 +112,10 @@ pub fn separations(
     let tests = standard_tests(chosen, largest_v);
     let tick = first.prepared.stimulus.tick;
     let sensors = sensors(diagnosis);
-    let moves = moves(diagnosis);
+    let moves = diagnosis.selection.chosen.uncertainty();
     let rows: Vec<Vec<(usize, Told)>> = tests
         .par_chunks(LANES)
-        .map(|tests| told_by(tests, chosen, &moves, &pairs, &sensors, tick))
+        .map(|tests| told_by(tests, chosen, &moves.steps, &pairs, &sensors, tick))
         .collect::<Result<Vec<_>, _>>()?
         .into_iter()
         .flatten()
@@ -120,7 +129,7 @@ pub fn separations(
                 .zip(&rows)
                 .filter_map(|(test, rows)| Some((test, &rows.iter().find(|(rival, _)| *rival == index)?.1)))
                 .collect();
-            separation(pair, &of_pair, &sensors)
+            separation(pair, &of_pair, &sensors, &moves.precision)
         })
         .collect())
 }
@@ -135,22 +144,17 @@ struct Pair {
 
 /// For each finding the sets that have another effect in its place: the probable ones, then look-alikes.
 fn rivals(diagnosis: &Diagnosis) -> Vec<Pair> {
-    let chosen: Vec<&str> = diagnosis.selection.chosen.effects.iter().map(|chosen| chosen.effect.name).collect();
+    let chosen = &diagnosis.selection.chosen.effects;
     let Some(round) = chosen.len().checked_sub(1).and_then(|round| diagnosis.selection.rounds.get(round)) else {
         return Vec::new();
     };
     let mut pairs = Vec::new();
     for finding in &diagnosis.findings {
-        let instead = |trial: &&Trial| {
-            let others = chosen.iter().filter(|name| **name != finding.effect.name);
-            trial.effects.len() == chosen.len()
-                && trial.effects.iter().all(|effect| effect.name != finding.effect.name)
-                && others.clone().all(|name| trial.effects.iter().any(|effect| effect.name == *name))
-        };
+        let others = round.iter().filter(|trial| !trial.has_any(&diagnosis.not_confirmed));
+        let instead = others.filter_map(|trial| Some((trial, trial.instead_of(finding.effect, chosen)?)));
         let mut found: Vec<(f64, Pair)> = Vec::new();
         let mut nearest: Option<(f64, Pair)> = None;
-        for trial in round.iter().filter(instead).filter(|trial| !trial.has_any(&diagnosis.not_confirmed)) {
-            let Some(rival) = trial.effects.iter().find(|effect| !chosen.contains(&effect.name)) else { continue };
+        for (trial, rival) in instead {
             let confidence = confidence(finding, rival);
             // Without any of these, the one that came nearest.
             let wanted = confidence >= NEGLIGIBLE || looks_alike(finding.effect, rival);
@@ -205,18 +209,6 @@ fn sensors(diagnosis: &Diagnosis) -> Vec<Sensor> {
     found
 }
 
-/// Steps of one standard deviation that a refit may take.
-fn moves(diagnosis: &Diagnosis) -> Vec<(Parameter, f64)> {
-    let effects = diagnosis.findings.iter().flat_map(|finding| &finding.parameters);
-    diagnosis
-        .refitted
-        .iter()
-        .chain(effects)
-        .filter(|estimate| estimate.std.is_finite() && estimate.std > 0.0)
-        .map(|estimate| (estimate.parameter, estimate.std))
-        .collect()
-}
-
 /// Products of what two machines differ by in each sensor, and of what moves of parameters do.
 struct Told {
     rows: usize,
@@ -225,10 +217,11 @@ struct Told {
 }
 
 impl Told {
-    /// What is left in each of these sensors, as a sum of squares, once the best move is taken out.
-    fn left(&self, sensors: &[usize]) -> Vec<f64> {
-        let count = self.of.first().map_or(0, |(_, g, _)| g.len());
-        let (mut normal, mut right) = (DMatrix::identity(count, count), DVector::zeros(count));
+    /// What is left in each of these sensors, as a sum of squares, once the best move is taken out. What is known of the moves, the recordings
+    /// have said: `precision`, where a step of one parameter may need another's beside it.
+    fn left(&self, sensors: &[usize], precision: &DMatrix<f64>) -> Vec<f64> {
+        let count = precision.nrows();
+        let (mut normal, mut right) = (precision.clone(), DVector::zeros(count));
         for &sensor in sensors {
             normal += &self.of[sensor].2;
             right += &self.of[sensor].1;
@@ -265,9 +258,7 @@ fn told_by(
         let description = parameter.description();
         moved.set(*parameter, (chosen.get(*parameter) + step).clamp(description.min, description.max));
         // A move that does not become a drive is none.
-        if let Ok(there) = seen(&moved, &runs, sensors) {
-            columns.push(less(there, &base));
-        }
+        columns.push(less(seen(&moved, &runs, sensors).unwrap_or_else(|_| base.clone()), &base));
     }
     let rivals = pairs.iter().map(|pair| Ok(less(seen(&pair.machine, &runs, sensors)?, &base)));
     let rivals: Vec<Seen> = rivals.collect::<Result<_, MachineError>>()?;
@@ -312,16 +303,28 @@ fn less(mut there: Seen, base: &Seen) -> Seen {
     there
 }
 
-fn separation(pair: &Pair, tests: &[(&StandardTest, &Told)], sensors: &[Sensor]) -> Separation {
+fn separation(
+    pair: &Pair,
+    tests: &[(&StandardTest, &Told)],
+    sensors: &[Sensor],
+    precision: &DMatrix<f64>,
+) -> Separation {
     let present: Vec<usize> = (0..sensors.len()).filter(|index| sensors[*index].present).collect();
-    let at_hand = ranked(tests, sensors, &present);
+    let at_hand = ranked(tests, sensors, &present, precision);
     let with = (0..sensors.len()).filter(|index| !sensors[*index].present).filter_map(|new| {
         let wider: Vec<usize> = present.iter().copied().chain([new]).collect();
-        Some((sensors[new].signal, ranked(tests, sensors, &wider).into_iter().next()?))
+        Some((sensors[new].signal, ranked(tests, sensors, &wider, precision).into_iter().next()?))
     });
-    let sensor = with.max_by(|a, b| a.1.per_20_s.total_cmp(&b.1.per_20_s));
-    let worth =
-        |(_, distance): &(Signal, Distance)| at_hand.first().is_none_or(|best| distance.per_20_s > 2.0 * best.per_20_s);
+    let sensor = with.max_by(|a, b| {
+        let order = |distance: &Distance| (distance.tells(), distance.per_20_s);
+        order(&a.1).partial_cmp(&order(&b.1)).unwrap_or(Ordering::Equal)
+    });
+    // Worth its price is one that doubles the distance, or without which nothing tells.
+    let worth = |(_, distance): &(Signal, Distance)| {
+        at_hand
+            .first()
+            .is_none_or(|best| distance.per_20_s > 2.0 * best.per_20_s || (distance.tells() && !best.tells()))
+    };
     Separation {
         effect: pair.effect,
         rival: pair.rival,
@@ -331,11 +334,17 @@ fn separation(pair: &Pair, tests: &[(&StandardTest, &Told)], sensors: &[Sensor])
     }
 }
 
-fn ranked(tests: &[(&StandardTest, &Told)], sensors: &[Sensor], with: &[usize]) -> Vec<Distance> {
+/// Those that tell first, of them and of the others the one that separates most in the same time.
+fn ranked(
+    tests: &[(&StandardTest, &Told)],
+    sensors: &[Sensor],
+    with: &[usize],
+    precision: &DMatrix<f64>,
+) -> Vec<Distance> {
     let mut found: Vec<Distance> = tests
         .iter()
         .filter_map(|(test, told)| {
-            let left = told.left(with);
+            let left = told.left(with, precision);
             let (square, sensor) = left.iter().zip(with).max_by(|a, b| a.0.total_cmp(b.0))?;
             let duration_s = test.duration_s();
             Some(Distance {
@@ -349,7 +358,7 @@ fn ranked(tests: &[(&StandardTest, &Told)], sensors: &[Sensor], with: &[usize]) 
         })
         .filter(|distance| distance.per_20_s.is_finite())
         .collect();
-    found.sort_by(|a, b| b.per_20_s.total_cmp(&a.per_20_s));
+    found.sort_by(|a, b| b.tells().cmp(&a.tells()).then(b.per_20_s.total_cmp(&a.per_20_s)));
     found
 }
 
