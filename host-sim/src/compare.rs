@@ -144,8 +144,7 @@ struct Plan {
 impl Plan {
     /// Whether signals drive it that a sensor has recorded: a command and a pump's speed are set.
     fn is_driven_by_sensors(&self) -> bool {
-        let is_set = matches!(self.entry, EntryPoint::Command | EntryPoint::Pump);
-        !is_set || self.load == LoadSource::RecordedPressures
+        !self.entry.is_set() || self.load == LoadSource::RecordedPressures
     }
 }
 

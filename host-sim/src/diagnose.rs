@@ -220,9 +220,9 @@ pub fn diagnose(
         Some(location) if verdict == Verdict::Unexplained => improved(&question, &seen, location, &cases, &opened)?,
         _ => None,
     };
-    let (after, estimates, unnamed) = match tabled {
-        Some((tabled, unnamed)) => (tabled.clone(), tabled.estimates(&question)?, Some(unnamed)),
-        None => (after, estimates, None),
+    let (estimates, after, unnamed) = match tabled {
+        Some((tabled, unnamed)) => (tabled.estimates(&question)?, tabled, Some(unnamed)),
+        None => (estimates, after, None),
     };
     let left = above_noise_by(&after, &references)?;
     let level_at_rest = level_at_rest(&after.fit.machine, &references, &after.fit.starts);

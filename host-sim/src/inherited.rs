@@ -4,8 +4,6 @@
 //! The noise is put on the recorded signals once more, and the simulation repeated: what it differs by has the distribution of what
 //! the recorded noise did to it already.
 
-use std::ops::Range;
-
 use model_core::machine::{Machine, MachineError};
 
 use crate::failure::{MEASURED, Mended};
@@ -60,36 +58,49 @@ pub(crate) fn off_by<E>(
 }
 
 /// RMS by which each judged signal of a recording is off through noise of this standard deviation in the recorded slider, flow or force that
-/// drives it, SI, over these draws of the noise; zeros where there is none.
+/// drives it, SI, in the mean of so many draws.
 pub(crate) fn by_noise_of_input(
     case: &Prepared,
     machine: &Machine<f64>,
     deviation: f64,
-    draws: Range<u64>,
+    draws: usize,
 ) -> Result<Vec<f64>, MachineError> {
-    let signals: Vec<Signal> = case.channels.iter().map(|channel| channel.signal).collect();
-    if deviation <= 0.0 {
-        return Ok(vec![0.0; signals.len()]);
-    }
-    let simulated = |stimulus: &Stimulus| simulate::<f64>(machine, stimulus, StartOffset::none());
-    let disturbed = |draw| {
-        let mut noise = Noise::new(1, draws.start + draw);
-        simulated(&case.stimulus.disturbed(|| noise.gaussian(deviation)))
-    };
-    off_by(&simulated(&case.stimulus)?, &signals, draws.clone().count(), disturbed)
+    off_by(&driven(machine, &case.stimulus)?, &signals(case), draws, |seed| {
+        disturbed_input(case, machine, deviation, seed)
+    })
 }
 
-/// The same of the draw that each signal is furthest off in: of a sum of noise the root mean square is anywhere from a third to twice its mean, and
-/// of as many draws as of a short recording the largest is what nineteen of twenty stay below.
+/// The same, through the noise that was found there, of the draw that each signal is furthest off in: of a sum of noise the root mean square is
+/// anywhere from a third to twice its mean, and of as many draws as of a short recording the largest is what nineteen of twenty stay below.
 pub(crate) fn at_most_by_noise_of_input(case: &Prepared, machine: &Machine<f64>) -> Result<Vec<f64>, MachineError> {
-    let mut most = vec![0.0_f64; case.channels.len()];
+    let signals = signals(case);
+    let mut most = vec![0.0_f64; signals.len()];
     if case.input_noise > 0.0 {
-        for draw in 0..realisations(case.rows()) as u64 {
-            let off = by_noise_of_input(case, machine, case.input_noise, draw..draw + 1)?;
+        let quiet = driven(machine, &case.stimulus)?;
+        for seed in 0..realisations(case.rows()) as u64 {
+            let off = off_by(&quiet, &signals, 1, |_| disturbed_input(case, machine, case.input_noise, seed))?;
             most.iter_mut().zip(off).for_each(|(most, off)| *most = most.max(off));
         }
     }
     Ok(most)
+}
+
+fn signals(case: &Prepared) -> Vec<Signal> {
+    case.channels.iter().map(|channel| channel.signal).collect()
+}
+
+fn driven(machine: &Machine<f64>, stimulus: &Stimulus) -> Result<Trajectory, MachineError> {
+    simulate::<f64>(machine, stimulus, StartOffset::none())
+}
+
+fn disturbed_input(
+    case: &Prepared,
+    machine: &Machine<f64>,
+    deviation: f64,
+    seed: u64,
+) -> Result<Trajectory, MachineError> {
+    let mut noise = Noise::new(1, seed);
+    driven(machine, &case.stimulus.disturbed(|| noise.gaussian(deviation)))
 }
 
 /// A signal that a sensor measured, and the standard deviation of its noise, SI.

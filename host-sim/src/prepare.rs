@@ -168,14 +168,8 @@ impl Prepared {
                 })
             })
             .collect::<Result<_, CompareError>>()?;
-        let driving = match entry {
-            EntryPoint::Slider => Some(Signal::Spool),
-            EntryPoint::Flow => Some(Signal::Flow),
-            EntryPoint::Force => Some(Signal::Force),
-            EntryPoint::Command | EntryPoint::Pump => None,
-        };
-        let driving = driving.and_then(|signal| mended.recording.signal(signal));
-        let input_noise = driving.map_or(0.0, |values| noise(values, resolution(values)));
+        let measured = if entry.is_set() { None } else { mended.recording.signal(entry.driving()) };
+        let input_noise = measured.map_or(0.0, |values| noise(values, resolution(values)));
         mended.failures.retain(|(_, failures)| failures.are_any());
         let start_sigma_m = recording.signal(Signal::Position).map_or(0.0, |position| {
             let step = resolution(position);

@@ -69,8 +69,7 @@ impl Trial {
     /// The effect that it has in the place of one of the chosen ones; `None` where it has that one too, or lacks or has another.
     pub(crate) fn instead_of(&self, effect: &Hypothesis, chosen: &[Chosen]) -> Option<&'static Hypothesis> {
         let is_chosen = |own: &Hypothesis| chosen.iter().any(|one| one.effect.name == own.name);
-        let has = |wanted: &Hypothesis| self.effects.iter().any(|own| own.name == wanted.name);
-        let stays = |one: &Chosen| has(one.effect) != (one.effect.name == effect.name);
+        let stays = |one: &Chosen| self.has_any(&[one.effect]) != (one.effect.name == effect.name);
         let mut others = self.effects.iter().copied().filter(|own| !is_chosen(own));
         if self.effects.len() == chosen.len() && chosen.iter().all(stays) { others.next() } else { None }
     }

@@ -204,10 +204,7 @@ pub type Counts = fn(&[f64]) -> f64;
 /// How they are counted of recordings that enter the chain there. What a sensor's signal drives adds up that sensor's noise, smooth beneath the
 /// independent noise of what it is judged by.
 pub(crate) fn counts_from(entry: EntryPoint) -> Counts {
-    match entry {
-        EntryPoint::Command | EntryPoint::Pump => effective_samples,
-        EntryPoint::Slider | EntryPoint::Flow | EntryPoint::Force => samples_by_blocks,
-    }
+    if entry.is_set() { effective_samples } else { samples_by_blocks }
 }
 
 /// The sum of the squares of a series; of softened residuals, their loss.

@@ -84,23 +84,18 @@ struct Rest<'a> {
 
 /// What the sliders of all recordings do; nothing where none is recorded.
 pub(super) fn habits(cases: &[Case<'_>], trajectories: &[Trajectory]) -> Vec<Habit> {
-    let slider = |(case, trajectory): (&'_ Case<'_>, &'_ Trajectory)| {
-        let channel = case.prepared.channels.iter().find(|channel| channel.signal == Signal::Spool)?;
-        Some((channel.bridged(), channel.noise)).zip(trajectory.signal(Signal::Spool).map(<[f64]>::to_vec))
-    };
-    let all: Vec<_> = cases.iter().zip(trajectories).map(slider).collect();
     let sliders: Vec<Slider<'_>> = cases
         .iter()
-        .zip(&all)
-        .filter_map(|(case, found)| {
-            let ((recorded, noise), modelled) = found.as_ref()?;
+        .zip(trajectories)
+        .filter_map(|(case, trajectory)| {
+            let channel = case.prepared.channels.iter().find(|channel| channel.signal == Signal::Spool)?;
             Some(Slider {
                 recording: &case.prepared.name,
                 time_s: &case.prepared.time_s,
                 command_v: case.recording.signal(Signal::Command),
-                recorded: recorded.clone(),
-                modelled,
-                noise: *noise,
+                recorded: channel.bridged(),
+                modelled: trajectory.signal(Signal::Spool)?,
+                noise: channel.noise,
             })
         })
         .collect();

@@ -21,7 +21,7 @@ pub fn panels(recording: &Recording, entry: EntryPoint, simulated: &Trajectory, 
         let unit = if signal == Signal::Spool { "% of travel" } else { unit.symbol() };
         Panel::new(title(signal), unit, time_s.to_vec())
     };
-    let signal = driving(entry);
+    let signal = entry.driving();
     let input = recording.signal(signal).map(|values| {
         empty(signal).trace(Trace::new("recorded, drives the model", readable(signal, values), Style::Input))
     });
@@ -35,16 +35,6 @@ pub fn panels(recording: &Recording, entry: EntryPoint, simulated: &Trajectory, 
         Some(panel.residuals())
     });
     input.into_iter().chain(compared).collect()
-}
-
-fn driving(entry: EntryPoint) -> Signal {
-    match entry {
-        EntryPoint::Command => Signal::Command,
-        EntryPoint::Slider => Signal::Spool,
-        EntryPoint::Pump => Signal::PumpSpeed,
-        EntryPoint::Flow => Signal::Flow,
-        EntryPoint::Force => Signal::Force,
-    }
 }
 
 /// A signal's name within a heading: its first letter is small, a chamber's is not.

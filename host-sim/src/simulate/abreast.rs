@@ -12,8 +12,8 @@ use model_core::valve::Slider;
 
 use super::stimulus::value_at;
 use super::{
-    DELAY_LINE, Departure, EntryPoint, Rows, StartOffset, Stimulus, reading, run, through_valve, true_slider, unbraked,
-    within,
+    DELAY_LINE, Departure, Edges, EntryPoint, Rows, StartOffset, Stimulus, reading, run, through_valve, true_slider,
+    unbraked, within,
 };
 use crate::lanes::{LANES, Lanes};
 use crate::recording::Signal;
@@ -75,6 +75,7 @@ struct Abreast<'a> {
     /// Of each lane; one without a recording of its own repeats the first.
     stimuli: [&'a Stimulus; LANES],
     drive: Drive<Lanes>,
+    edges: Option<Edges<Lanes>>,
     state: DriveState<Lanes, DELAY_LINE>,
 }
 
@@ -90,7 +91,8 @@ impl<'a> Abreast<'a> {
         let packed = |value: fn(&Departure<f64>) -> f64| Lanes::new(departures.each_ref().map(value));
         let pressures = ChamberState { a: packed(|of| within(of.pressures.a)), b: packed(|of| within(of.pressures.b)) };
         let state = drive.at_rest(packed(|of| f64::saturated(of.command)), pressures, packed(|of| of.strokes));
-        Ok(Self { machine, stimuli, drive, state })
+        let edges = Edges::of(&machine, drive.bases());
+        Ok(Self { machine, stimuli, drive, edges, state })
     }
 
     /// One tick.
@@ -102,7 +104,7 @@ impl<'a> Abreast<'a> {
         let entry = match stimuli[0].entry_by(tick, &bases, read) {
             Entry::Slider(slider) => Entry::Slider(self.truly(slider)),
             Entry::Followed { command, slider } => Entry::Followed { command, slider: self.truly(slider) },
-            Entry::Flow { from, to } => through_valve(&self.machine, &bases, &self.state, (from, to), |flow| flow),
+            Entry::Flow { from, to } => through_valve(self.edges.as_ref(), &self.state, (from, to), |flow| flow),
             other => other,
         };
         let kept = self.state.oil_temperature.values();
@@ -120,7 +122,7 @@ impl<'a> Abreast<'a> {
 
     /// A signal at a point of the grid, SI; 0 for what the chain does not compute.
     fn signal(&self, signal: Signal, point: usize) -> [f64; LANES] {
-        let Self { machine, stimuli, drive, state } = self;
+        let Self { machine, stimuli, drive, state, .. } = self;
         let metering = |lane: usize| stimuli[lane].metering_at::<f64>(point);
         let spool = || match stimuli[0].entry {
             EntryPoint::Slider => Lanes::new(from_fn(|lane| metering(lane).unwrap_or_default())),

@@ -15,7 +15,7 @@ mod stimulus;
 use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState, Entry};
 use model_core::flow::Flows;
-use model_core::machine::{Bases, Machine, MachineError};
+use model_core::machine::{Machine, MachineError};
 use model_core::number::{Field, Number, Real, Scalar};
 use model_core::parameter::Parameter;
 use model_core::valve::Slider;
@@ -25,7 +25,7 @@ pub use departure::StartOffset;
 use departure::{Departure, at_start, within};
 pub use live::{Inputs, Live};
 pub use onward::{Advance, Onward};
-use outflow::{Below, through_both_edges};
+use outflow::{Below, Edges};
 pub use rest::Start;
 pub use stimulus::{Coarser, EntryPoint, SimulateError, Stimulus, first_entry, natural_tick};
 
@@ -231,12 +231,13 @@ fn run_on<N: Scalar>(
     mut sink: impl FnMut(usize, &Sample<'_, N>),
 ) {
     let bases = *drive.bases();
+    let edges = Edges::of(machine, &bases);
     let mut rows = Rows { rows: &stimulus.rows, next: 0 };
     let mut before: Vec<(Signal, N::Real)> = Vec::new();
     for point in 0..=stimulus.ticks {
         if point > 0 {
             let tick = point - 1;
-            let entry = entered(machine, &bases, state, stimulus.entry_at(tick, &bases));
+            let entry = entered(machine, edges.as_ref(), state, stimulus.entry_at(tick, &bases));
             if let Some(temperature) = stimulus.oil_at(tick, &bases) {
                 state.oil_temperature = temperature;
             }
@@ -267,7 +268,7 @@ fn behind<R: Real>(machine: &Machine<R>, (factor, offset): SensorError, reading:
 /// What the chain is entered with where the recording has the reading of a sensor.
 fn entered<N: Scalar>(
     machine: &Machine<N::Real>,
-    bases: &Bases,
+    edges: Option<&Edges<N::Value>>,
     state: &DriveState<N, DELAY_LINE>,
     entry: Entry<N>,
 ) -> Entry<N> {
@@ -275,29 +276,25 @@ fn entered<N: Scalar>(
     match entry {
         Entry::Slider(slider) => Entry::Slider(true_slider(slider)),
         Entry::Followed { command, slider } => Entry::Followed { command, slider: true_slider(slider) },
-        Entry::Flow { from, to } => through_valve(machine, bases, state, (from, to), within),
+        Entry::Flow { from, to } => through_valve(edges, state, (from, to), within),
         other => other,
     }
 }
 
 /// The flow entry with what leaves B through the valve's other edge.
 fn through_valve<N: Number>(
-    machine: &Machine<N::Real>,
-    bases: &Bases,
+    edges: Option<&Edges<N::Value>>,
     state: &DriveState<N, DELAY_LINE>,
     (from, to): (Flows<N>, Flows<N>),
     signal: impl Fn(N::Value) -> N,
 ) -> Entry<N> {
+    let Some(edges) = edges else { return Entry::Flow { from, to } };
     let below = Below {
         pressures: ChamberState { a: state.chambers.a.to_real(), b: state.chambers.b.to_real() },
         velocity: state.motion.velocity.to_real(),
     };
-    match through_both_edges(machine, bases, (from.a.to_real(), to.a.to_real()), below) {
-        Some((through, until)) => {
-            Entry::Flow { from: Flows { b: signal(through.b), ..from }, to: Flows { b: signal(until.b), ..to } }
-        }
-        None => Entry::Flow { from, to },
-    }
+    let (begun, ended) = edges.through((from.a.to_real(), to.a.to_real()), below);
+    Entry::Flow { from: Flows { b: signal(begun.b), ..from }, to: Flows { b: signal(ended.b), ..to } }
 }
 
 fn true_slider<N: Scalar>(machine: &Machine<N::Real>, reading: N) -> N {

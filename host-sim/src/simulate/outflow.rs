@@ -32,7 +32,7 @@ pub(super) struct Below<F> {
 
 /// What a flow through both edges of a valve is computed with, per unit.
 #[derive(Clone, Copy, Debug)]
-struct Edges<F> {
+pub(super) struct Edges<F> {
     supply: F,
     tank: F,
     /// Ab/Aa.
@@ -44,7 +44,11 @@ struct Edges<F> {
 }
 
 impl<F: Field> Edges<F> {
-    fn of(machine: &Machine<F::Real>, bases: &Bases) -> Self {
+    /// Of this drive; `None` of a pump drive, whose B is open to tank: its pressure hardly changes.
+    pub(super) fn of(machine: &Machine<F::Real>, bases: &Bases) -> Option<Self> {
+        if machine.source != Source::Valve {
+            return None;
+        }
         let get = |parameter| F::coefficient(machine.get(parameter));
         let per = |value: F, base: f64| value / F::constant(base);
         let value = |parameter| machine.get(parameter).value();
@@ -53,13 +57,29 @@ impl<F: Field> Edges<F> {
         let per_tick = F::constant(bases.tick_s * bases.flow_m3_per_s / bases.pressure_pa);
         let stiffness =
             |volume| per_tick / (get(volume) / get(Parameter::BulkModulus) + get(Parameter::HoseCompliance));
-        Self {
+        Some(Self {
             supply: per(get(Parameter::SupplyPressure), bases.pressure_pa),
             tank: per(get(Parameter::TankPressure), bases.pressure_pa),
             ratio: get(Parameter::AreaB) / get(Parameter::AreaA),
             hardly: F::constant((hardly * hardly).max(f64::MIN_POSITIVE)),
             stiffness: (stiffness(Parameter::VolumeA), stiffness(Parameter::VolumeB)),
-        }
+        })
+    }
+
+    /// Flows at both ends of a tick with what leaves B through the valve's other edge, of such as enter A.
+    pub(super) fn through(&self, entering: (F, F), Below { pressures, velocity }: Below<F>) -> (Flows<F>, Flows<F>) {
+        let begun = self.at(entering.0, pressures);
+        let from = begun.leaving(begun.root(F::ZERO, F::ZERO));
+        let a_ahead = pressures.a + self.stiffness.0 * (entering.0 - velocity);
+        let ended = self.at(entering.1, ChamberState { a: a_ahead, b: pressures.b });
+        let displaced = self.stiffness.1 * (self.ratio * velocity - ended.share);
+        let root = ended.root(F::pick(ended.extends, displaced, -displaced), self.stiffness.1);
+        let to = ended.leaving(root);
+        // The tick takes the mean of both ends. The faster B follows, the more its end has to count.
+        let follows = self.stiffness.1 * ended.opening;
+        let magnitude = F::pick(root.above(F::ZERO), root, -root) + F::constant(STRAIGHT);
+        let from = from + (to - from) * follows / (follows + F::constant(4.0) * magnitude);
+        (Flows { a: entering.0, b: from }, Flows { a: entering.1, b: to })
     }
 
     /// How B is left while this enters A.
@@ -106,33 +126,6 @@ impl<F: Field> Passing<F> {
     }
 }
 
-/// Flows at both ends of a tick with what leaves B through the valve's other edge, of such as enter A. `None` for a pump drive, whose B
-/// is open to tank: its pressure hardly changes.
-pub(super) fn through_both_edges<F: Field>(
-    machine: &Machine<F::Real>,
-    bases: &Bases,
-    entering: (F, F),
-    below: Below<F>,
-) -> Option<(Flows<F>, Flows<F>)> {
-    if machine.source != Source::Valve {
-        return None;
-    }
-    let edges = Edges::of(machine, bases);
-    let Below { pressures, velocity } = below;
-    let begun = edges.at(entering.0, pressures);
-    let from = begun.leaving(begun.root(F::ZERO, F::ZERO));
-    let a_ahead = pressures.a + edges.stiffness.0 * (entering.0 - velocity);
-    let ended = edges.at(entering.1, ChamberState { a: a_ahead, b: pressures.b });
-    let displaced = edges.stiffness.1 * (edges.ratio * velocity - ended.share);
-    let root = ended.root(F::pick(ended.extends, displaced, -displaced), edges.stiffness.1);
-    let to = ended.leaving(root);
-    // The tick takes the mean of both ends. The faster B follows, the more its end has to count.
-    let follows = edges.stiffness.1 * ended.opening;
-    let magnitude = F::pick(root.above(F::ZERO), root, -root) + F::constant(STRAIGHT);
-    let from = from + (to - from) * follows / (follows + F::constant(4.0) * magnitude);
-    Some((Flows { a: entering.0, b: from }, Flows { a: entering.1, b: to }))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -170,12 +163,12 @@ mod tests {
         let machine = press(&[(Parameter::VolumeB, 1e-6)]);
         let bases =
             Bases { pressure_pa: 7e6, flow_m3_per_s: 1e-3, tick_s: 2e-3, velocity_m_per_s: 0.3, ..bases_of_one() };
-        let stiffness = Edges::<f64>::of(&machine, &bases).stiffness.1;
+        let edges = Edges::<f64>::of(&machine, &bases).unwrap();
         let mut b = 0.2;
         for _ in 0..10 {
             let below = Below { pressures: ChamberState { a: 0.3, b }, velocity: 0.0 };
-            let (from, to) = through_both_edges::<f64>(&machine, &bases, (0.1, 0.1), below).unwrap();
-            let end = b - stiffness * 0.5 * (from.b + to.b);
+            let (from, to) = edges.through((0.1, 0.1), below);
+            let end = b - edges.stiffness.1 * 0.5 * (from.b + to.b);
             assert!((-0.01..=b.max(0.0) + 0.01).contains(&end), "{b} {end}");
             b = end;
         }

@@ -37,6 +37,26 @@ pub enum EntryPoint {
     Force,
 }
 
+impl EntryPoint {
+    /// The signal that drives the chain there.
+    #[must_use]
+    pub fn driving(self) -> Signal {
+        match self {
+            EntryPoint::Command => Signal::Command,
+            EntryPoint::Slider => Signal::Spool,
+            EntryPoint::Pump => Signal::PumpSpeed,
+            EntryPoint::Flow => Signal::Flow,
+            EntryPoint::Force => Signal::Force,
+        }
+    }
+
+    /// Whether that is set, as a command and a pump's speed are, and not measured by a sensor.
+    #[must_use]
+    pub fn is_set(self) -> bool {
+        matches!(self, EntryPoint::Command | EntryPoint::Pump)
+    }
+}
+
 /// Why a recording cannot drive a simulation.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SimulateError {

@@ -119,10 +119,10 @@ fn followed(cases: &[&Prepared], machine: &Machine<f64>) -> Result<Option<Vec<Pr
 /// A recording driven by its slider, the noise of every other channel with what the slider's adds to it.
 fn with_noise_of_slider(mut case: Prepared, machine: &Machine<f64>) -> Result<Prepared, MachineError> {
     /// Draws that it is the mean of.
-    const DRAWS: u64 = 4;
+    const DRAWS: usize = 4;
     let of_slider = case.channels.iter().find(|channel| channel.signal == Signal::Spool);
     let of_slider = of_slider.map_or(0.0, |slider| slider.noise);
-    let added = by_noise_of_input(&case, machine, of_slider, 0..DRAWS)?;
+    let added = by_noise_of_input(&case, machine, of_slider, DRAWS)?;
     for (channel, added) in case.channels.iter_mut().zip(added) {
         channel.inherit(added);
     }

@@ -100,10 +100,18 @@ fn floored(series: &[f64]) -> f64 {
     if loss.is_finite() { loss.max(series.len() as f64).max(1.0) } else { f64::INFINITY }
 }
 
-/// Log-likelihood gained on one signal. n are the independent samples of the residual that has fewer, so that a gain one way is
-/// a loss the other.
+/// Log-likelihood gained on one signal.
 pub(super) fn gained(before: &[f64], after: &[f64], counts: Counts) -> f64 {
-    0.5 * counts(before).min(counts(after)) * (floored(before) / floored(after)).ln()
+    gained_by(independent(before, after, counts), before, after)
+}
+
+fn gained_by(samples: f64, before: &[f64], after: &[f64]) -> f64 {
+    0.5 * samples * (floored(before) / floored(after)).ln()
+}
+
+/// The independent samples of the residual that has fewer, so that a gain one way is a loss the other.
+fn independent(before: &[f64], after: &[f64], counts: Counts) -> f64 {
+    counts(before).min(counts(after))
 }
 
 /// Log-likelihood gained as the ordinary parameters come back to where they were said to be: a model that lacks an effect bends
@@ -164,8 +172,9 @@ impl Gained {
         let mut on = |before: &[Vec<f64>], after: &[Vec<f64>]| -> f64 {
             let channels = before.iter().zip(after);
             let gains = channels.map(|(before, after)| {
-                samples += counts(before).min(counts(after));
-                gained(before, after, counts)
+                let independent = independent(before, after, counts);
+                samples += independent;
+                gained_by(independent, before, after)
             });
             gains.sum()
         };
