@@ -127,6 +127,23 @@ pub(crate) fn valve_case_every(
     pressures: bool,
     push: Option<&(usize, LoadProfile)>,
 ) -> Case {
+    valve_case_as(tick_s, seed, effect, push, |mut made, name| {
+        if !pressures {
+            made.pressure_a_pa.clear();
+            made.pressure_b_pa.clear();
+        }
+        made.rounded().to_recording(name).unwrap()
+    })
+}
+
+/// The same as somebody records it.
+pub(crate) fn valve_case_as(
+    tick_s: f64,
+    seed: u64,
+    effect: Option<PlantEffect>,
+    push: Option<&(usize, LoadProfile)>,
+    recorded: impl Fn(SyntheticRecording, &str) -> Recording,
+) -> Case {
     let file = press();
     let mut dice = Dice::new(seed);
     let truth = truth_near(&file.machine, &file.sigma, 1.0, seed);
@@ -153,12 +170,7 @@ pub(crate) fn valve_case_every(
         let mut sensors = Sensors::with_position(&truth, PositionSensor::Linear { resolution_m: 2.5e-5 });
         sensors.spool.noise_std = 5e-4;
         let bench = Bench { tick_s, seed: 1000 * seed + index as u64, ..Bench::new(plant, sensors) };
-        let mut recording = within_stroke(&bench, *excitation, &truth);
-        if !pressures {
-            recording.pressure_a_pa.clear();
-            recording.pressure_b_pa.clear();
-        }
-        recording.rounded().to_recording(name).unwrap()
+        recorded(within_stroke(&bench, *excitation, &truth), name)
     };
     let mut training: Vec<Recording> = excitations.iter().enumerate().map(record).collect();
     let held_out = training.split_off(4);

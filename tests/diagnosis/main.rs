@@ -7,6 +7,7 @@ mod bed;
 mod confusion;
 mod derivatives;
 mod drawn;
+mod entered;
 mod faults;
 mod long;
 mod oil;

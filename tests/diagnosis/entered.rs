@@ -1,0 +1,80 @@
+//! Drives of which neither the command nor the slider was recorded: a flow meter or a force sensor is enough to diagnose what is below it.
+
+use host_sim::diagnose::Verdict;
+use host_sim::recording::{Column, Recording, Signal};
+use host_sim::testbed::{PlantEffect, SyntheticRecording};
+use model_core::parameter::Parameter as P;
+use rayon::prelude::*;
+
+use super::bed::{Case, Dice, claimed, press, valve_case_as};
+
+/// What drives the model, and what it is judged by.
+#[derive(Clone, Copy, Debug)]
+struct Recorded {
+    by: Signal,
+    judged: &'static [Signal],
+}
+
+const FLOW: Recorded = Recorded { by: Signal::Flow, judged: &[Signal::PressureA, Signal::PressureB, Signal::Position] };
+const FLOW_ALONE: Recorded = Recorded { by: Signal::Flow, judged: &[Signal::Position] };
+const FORCE: Recorded = Recorded { by: Signal::Force, judged: &[Signal::Position] };
+
+/// What a meter for the flow into A, or the force of the oil, with usual noise reads of a drive, and the other sensors.
+fn read(made: &SyntheticRecording, name: &str, recorded: Recorded) -> Recording {
+    let machine = press().machine;
+    let noise = host_sim::sensor::Sensor::usual(recorded.by, &machine).noise;
+    let (area_a, area_b) = (machine.get(P::AreaA), machine.get(P::AreaB));
+    let mut dice = Dice::new(name.bytes().map(u64::from).sum::<u64>() + made.len() as u64);
+    // Twelve even ones have a standard deviation of 1.
+    let mut error = || noise * ((0..12).map(|_| dice.between(0.0, 1.0)).sum::<f64>() - 6.0);
+    let driving = made.truth.iter().map(|state| match recorded.by {
+        Signal::Flow => state.flow_a_m3_per_s,
+        _ => area_a * state.pressure_a_pa - area_b * state.pressure_b_pa,
+    });
+    let driving: Vec<f64> = driving.map(|value| value + error()).collect();
+    let column = |signal: &Signal| {
+        let values = match signal {
+            Signal::PressureA => &made.pressure_a_pa,
+            Signal::PressureB => &made.pressure_b_pa,
+            _ => &made.position_m,
+        };
+        Column::si(*signal, values.clone())
+    };
+    let first = [Column::si(Signal::Time, made.time_s.clone()), Column::si(recorded.by, driving)];
+    Recording::new(name, first.into_iter().chain(recorded.judged.iter().map(column)).collect()).unwrap()
+}
+
+fn case(seed: u64, effect: Option<PlantEffect>, recorded: Recorded) -> Case {
+    valve_case_as(1e-3, seed, effect, None, |made, name| read(&made.rounded(), name, recorded))
+}
+
+/// Drives with this put in, by seed, are said to have that and nothing else; a drive with nothing follows its recordings.
+fn are_told(recorded: Recorded, draws: &[(&'static str, f64, u64)]) {
+    let said = |&(name, strength, seed): &(&'static str, f64, u64)| {
+        let diagnosis = case(seed, PlantEffect::named(name, strength), recorded).diagnose();
+        (name, format!("{recorded:?}, {name} {strength}, seed {seed}"), claimed(&diagnosis), diagnosis.verdict)
+    };
+    let all: Vec<_> = draws.par_iter().map(said).collect();
+    for (name, told, claimed, verdict) in all {
+        println!("{told}: {claimed}, {verdict:?}");
+        assert_eq!(claimed, name, "{told}");
+        assert_eq!(verdict == Verdict::NothingMissing, name == "none", "{told}: {verdict:?}");
+    }
+}
+
+#[test]
+fn with_a_flow_meter_and_pressures_the_links_below_are_told_and_nothing_where_nothing_is_missing() {
+    let draws = [("none", 0.0, 1), ("none", 0.0, 2), ("internal-leakage", 3e-12, 3), ("linkage-backlash", 5e-4, 4)];
+    are_told(FLOW, &draws);
+}
+
+#[test]
+fn a_flow_meter_and_the_position_alone_tell_of_leakage_and_of_nothing_where_nothing_is_missing() {
+    are_told(FLOW_ALONE, &[("none", 0.0, 1), ("none", 0.0, 2), ("internal-leakage", 3e-12, 3)]);
+}
+
+#[test]
+fn a_force_sensor_and_the_position_alone_tell_of_the_mechanics_and_of_nothing_where_nothing_is_missing() {
+    let draws = [("none", 0.0, 1), ("none", 0.0, 2), ("coulomb-friction", 600.0, 3), ("linkage-backlash", 5e-4, 4)];
+    are_told(FORCE, &draws);
+}
