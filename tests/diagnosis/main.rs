@@ -18,6 +18,7 @@ mod real_statics;
 mod real_valve;
 mod recover;
 mod shipped;
+mod strengths;
 mod stress;
 mod table;
 mod threads;

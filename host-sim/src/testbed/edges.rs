@@ -29,7 +29,7 @@ pub enum GainCurve {
 impl GainCurve {
     /// The opening of a proportional valve with the same flow; odd.
     #[must_use]
-    pub(super) fn shaped(&self, opening: f64) -> f64 {
+    pub fn shaped(&self, opening: f64) -> f64 {
         let size = opening.abs();
         let shaped = match *self {
             Self::Proportional => return opening,
