@@ -240,7 +240,7 @@ impl fmt::Display for Shape {
                     None => Ok(()),
                 }
             }
-            Shape::Everywhere => write!(f, "it follows no single state and has no time of its own"),
+            Shape::Everywhere => write!(f, "it follows no single state"),
         }
     }
 }

@@ -120,7 +120,8 @@ fn stretches(errors: &[f64], threshold: f64) -> Vec<Stretch> {
             _ => {}
         }
     }
-    found.retain(|stretch| stretch.last > stretch.first);
+    // What is above it for less than half of what was averaged only touches it.
+    found.retain(|stretch| stretch.last - stretch.first >= half.max(1));
     found.sort_by(|a, b| b.square.total_cmp(&a.square));
     found
 }
