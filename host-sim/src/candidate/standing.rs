@@ -91,16 +91,20 @@ impl Candidate {
     /// Whether its stiction only shapes the play beside it. One that keeps most of its band hardly jumps, and is a play itself, of twice the band:
     /// where that is small beside the play that is there, it bends the loop of that one, whose own form is not exact either.
     fn shapes_a_play(&self) -> bool {
-        /// Share of its band that a stiction keeps which hardly jumps. It says nothing alone: free runs, in which a jump that is a row late costs
-        /// more than none, end there as well.
-        const HARDLY_JUMPS: f64 = 2.0 / 3.0;
         /// Share of the play's width that its band is below.
         const SMALL: f64 = 1.0 / 3.0;
-        let is_of = |chosen: &Chosen| chosen.has(Parameter::StictionBand);
         let value = |parameter| self.fit.machine.get(parameter);
-        self.effects.iter().any(is_of)
-            && value(Parameter::StictionKept) > HARDLY_JUMPS
-            && value(Parameter::StictionBand) < SMALL * value(Parameter::HysteresisWidth)
+        self.hardly_jumps() && value(Parameter::StictionBand) < SMALL * value(Parameter::HysteresisWidth)
+    }
+
+    /// Whether it has a stiction that hardly jumps. Some do; and free runs, in which a jump that is a row late costs more than none, end there
+    /// whatever the slider does: strengths from there say little of it.
+    #[must_use]
+    pub fn hardly_jumps(&self) -> bool {
+        /// Share of its band that such a stiction keeps.
+        const KEPT: f64 = 2.0 / 3.0;
+        let is_of = |chosen: &Chosen| chosen.has(Parameter::StictionBand);
+        self.effects.iter().any(is_of) && self.fit.machine.get(Parameter::StictionKept) > KEPT
     }
 
     /// What the ordinary parameters cost by being away from their nominal values: half the sum of squares of their distances, each

@@ -61,6 +61,19 @@ fn a_small_stiction_that_hardly_jumps_is_the_form_of_the_play_beside_it() {
 }
 
 #[test]
+fn what_keeps_more_than_two_thirds_of_its_band_hardly_jumps() {
+    let machine = press(&[]);
+    let scene = scene(&machine, &[Signal::Spool]);
+    let keeping = |kept: f64| {
+        let strengths = [(Parameter::StictionBand, 0.01), (Parameter::StictionKept, kept)];
+        standing("spool-stiction", &scene, &[], &machine.with(&strengths)).hardly_jumps()
+    };
+    assert_eq!([0.1, 0.6, 0.7, 0.95].map(keeping), [false, false, true, true]);
+    let play = [(Parameter::HysteresisWidth, 0.01), (Parameter::StictionKept, 0.9)];
+    assert!(!standing("valve-hysteresis", &scene, &[], &machine.with(&play)).hardly_jumps());
+}
+
+#[test]
 fn without_an_effect_an_ordinary_parameter_has_what_that_had_of_it() {
     // A load of 500 N, said by more force than the supply has one way and nearly as much the other.
     let machine = press(&[(Parameter::ViscousFriction, 4e4), (Parameter::LoadForce, 500.0)]);

@@ -60,12 +60,13 @@ pub(super) fn decide(
     Ok(Decision { findings, not_confirmed: vetoed, confirmation, after: chosen.clone(), estimates })
 }
 
-/// Values of the chosen set. Free runs do not tell when a slider jumps that no sensor sees: its strengths have no standard deviation but
-/// what is said of its jumps.
+/// Values of the chosen set. Free runs do not tell when a slider jumps: the strengths of one that no sensor sees have no standard deviation but
+/// what is said of its jumps, and those of one that hardly jumps none.
 fn estimates(question: &Question<'_>, selection: &Selection) -> Result<Vec<Estimate>, FitError> {
     let mut estimates = selection.chosen.estimates(question)?;
-    let is_unseen = |parameter| matches!(parameter, Parameter::StictionBand | Parameter::StictionKept);
-    for estimate in estimates.iter_mut().filter(|one| selection.heard.is_some() && is_unseen(one.parameter)) {
+    let is_untold = selection.heard.is_some() || selection.chosen.hardly_jumps();
+    let is_of = |parameter| matches!(parameter, Parameter::StictionBand | Parameter::StictionKept);
+    for estimate in estimates.iter_mut().filter(|one| is_untold && is_of(one.parameter)) {
         estimate.std = f64::NAN;
     }
     Ok(estimates)
