@@ -1,6 +1,7 @@
-//! What happens once is a disturbance, not physics.
+//! What happens once is a disturbance, not physics; and what is held out is looked at once, after the choice.
 
-use host_sim::diagnose::Verdict;
+use host_sim::diagnose::{Verdict, diagnose};
+use host_sim::recording::Recording;
 use host_sim::testbed::{LoadProfile, PlantEffect};
 
 use super::bed::{claimed, valve_case};
@@ -29,4 +30,17 @@ fn a_leak_in_all_recordings_beside_a_push_in_one_is_named_alone_or_not_at_all() 
     let diagnosis = valve_case(12, Some(leak), true, Some(&(0, push()))).diagnose();
     let found = claimed(&diagnosis);
     assert!(found == "internal-leakage" || found == "none", "{found}");
+}
+
+#[test]
+fn what_is_held_out_helps_no_choice() {
+    let case = valve_case(14, Some(PlantEffect::internal_leakage(4e-12)), true, None);
+    let chosen = |held_out: &[Recording]| {
+        let diagnosis = diagnose(&case.file, &case.training, held_out, None, &|_| {}).unwrap();
+        (format!("{:?}", diagnosis.selection), diagnosis.confirmation.map(|confirmation| confirmation.recordings))
+    };
+    let (first, second) = case.held_out.split_at(1);
+    let [(none, unconfirmed), (one, confirmed), (other, also_confirmed)] = [&[], first, second].map(chosen);
+    assert_eq!((unconfirmed, confirmed, also_confirmed), (None, Some(1), Some(1)));
+    assert!(none == one && one == other);
 }
