@@ -217,6 +217,29 @@ fn the_saved_machine_is_read_again_and_follows_the_held_out_recordings_at_their_
 }
 
 #[test]
+fn the_readme_shows_what_is_printed_and_how_much_better_the_held_out_recordings_are_followed() {
+    let readme = std::fs::read_to_string(root().join("README.md")).unwrap();
+    let printed = &by_two_threads().printed;
+    let shown = readme.split("```text\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    for line in shown.lines() {
+        assert!(printed.contains(line), "README has `{line}`");
+    }
+    let document = document();
+    let fit = |model: &str, signal: &str| document["fit"]["holdout"][model][signal].as_f64().unwrap();
+    let [position, pressure] = ["position", "pressure_a"]
+        .map(|signal| ["before", "after", "noise_floor"].map(|model| format!("{:.2}", fit(model, signal))));
+    let [before, after, floor] = position;
+    let told = format!("from {before} to {after} % (noise floor {floor} %)");
+    // A line may end between any two words.
+    let words = readme.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(words.contains(&told), "README has not `{told}`");
+    assert!(words.contains(&format!("{before} → {after} %")), "README's table has not `{before} → {after} %`");
+    let [before, after, floor] = pressure;
+    let told = format!("pressure A from {before} to {after} % ({floor} %)");
+    assert!(words.contains(&told), "README has not `{told}`");
+}
+
+#[test]
 fn one_thread_and_two_write_the_same_bytes() {
     let (one, two) = (diagnosed(1), by_two_threads());
     assert_eq!(one.json, two.json);
