@@ -7,6 +7,7 @@ use host_sim::hypothesis::Scene;
 use host_sim::machine_file::{self, MachineFile};
 use host_sim::prepare::Prepared;
 use host_sim::recording::{Column, Recording, Signal};
+use host_sim::testbed::draw::Drawn;
 use host_sim::testbed::sensors::PositionSensor;
 use host_sim::testbed::{
     Bench, Drive, Excitation, InitialState, LoadProfile, Plant, PlantEffect, PumpCommand, Sensors, SyntheticRecording,
@@ -26,6 +27,15 @@ pub(crate) struct Case {
 }
 
 impl Case {
+    /// A drawn case as a diagnosis sees it: without its truth.
+    pub(crate) fn of(drawn: &Drawn) -> Self {
+        let recordings = |prefix: &str| {
+            let wanted = drawn.recordings.iter().filter(|(name, _)| name.starts_with(prefix));
+            wanted.map(|(name, synthetic)| synthetic.to_recording(name).unwrap()).collect()
+        };
+        Self { file: drawn.file.clone(), training: recordings("train"), held_out: recordings("holdout") }
+    }
+
     pub(crate) fn diagnose(&self) -> Diagnosis {
         diagnose(&self.file, &self.training, &self.held_out, None, &|_| {}).unwrap()
     }

@@ -5,10 +5,12 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use host_sim::diagnose::{Diagnosis, Verdict, diagnose};
+use host_sim::diagnose::{Diagnosis, Verdict};
 use host_sim::testbed::draw::{Concealed, Lot, draw};
 use rayon::prelude::*;
 use system_tests::snapshot;
+
+use super::bed::Case;
 
 /// What was drawn and what was said of it.
 struct Said {
@@ -41,11 +43,7 @@ fn lot(seed: u64, concealed: Concealed, hard: bool) -> Lot {
 /// One case of a lot, diagnosed; nothing where none could be drawn.
 fn said(lot: &Lot, index: u64) -> Option<Said> {
     let drawn = draw(lot, index).unwrap()?;
-    let recordings = |prefix: &str| -> Vec<_> {
-        let wanted = drawn.recordings.iter().filter(|(name, _)| name.starts_with(prefix));
-        wanted.map(|(name, synthetic)| synthetic.to_recording(name).unwrap()).collect()
-    };
-    let diagnosis = diagnose(&drawn.file, &recordings("train"), &recordings("holdout"), None, &|_| ()).unwrap();
+    let diagnosis = Case::of(&drawn).diagnose();
     let effects = &drawn.truth.effects;
     let outside = effects.iter().any(|name| name.starts_with('~'));
     let mut claimed: Vec<&str> = diagnosis.findings.iter().map(|finding| finding.effect.name).collect();

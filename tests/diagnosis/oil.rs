@@ -1,12 +1,11 @@
 //! Recordings in oil of a measured temperature, each in warmer oil than the one before.
 
-use host_sim::diagnose::diagnose;
 use host_sim::recording::{Recording, Signal};
 use host_sim::testbed::PlantEffect;
 use host_sim::testbed::draw::{Concealed, Lot, draw};
 use model_core::parameter::Parameter as P;
 
-use super::bed::claimed;
+use super::bed::{Case, claimed};
 
 fn mean_oil_c(recording: &Recording) -> f64 {
     let read = recording.signal(Signal::OilTemperature).unwrap();
@@ -18,12 +17,8 @@ fn oil_that_thins_from_recording_to_recording_is_named_with_its_loss_per_kelvin(
     let only = vec!["oil-temperature".to_owned()];
     let lot = Lot { seed: 11, concealed: Concealed::Single, hard: false, only, thermometer: true };
     let drawn = draw(&lot, 0).unwrap().unwrap();
-    let recordings = |prefix: &str| -> Vec<Recording> {
-        let wanted = drawn.recordings.iter().filter(|(name, _)| name.starts_with(prefix));
-        wanted.map(|(name, synthetic)| synthetic.to_recording(name).unwrap()).collect()
-    };
-    let training = recordings("train");
-    let diagnosis = diagnose(&drawn.file, &training, &recordings("holdout"), None, &|_| {}).unwrap();
+    let case = Case::of(&drawn);
+    let (training, diagnosis) = (&case.training, case.diagnose());
     let [PlantEffect::OilGrade(oil)] = drawn.truth.forms[..] else { panic!("{:?}", drawn.truth.forms) };
     let put_in = oil.mean_loss_per_k(mean_oil_c(&training[0]), mean_oil_c(&training[training.len() - 1]));
     let found = diagnosis.machine_after.get(P::ViscosityLossPerKelvin);

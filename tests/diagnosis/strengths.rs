@@ -8,7 +8,6 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use host_sim::diagnose::{Diagnosis, diagnose};
 use host_sim::hypothesis::Hypothesis;
 use host_sim::testbed::draw::{Concealed, Drawn, Lot, draw};
 use host_sim::testbed::{
@@ -18,6 +17,8 @@ use model_core::machine::Machine;
 use model_core::parameter::Parameter as P;
 use rayon::prelude::*;
 use system_tests::snapshot;
+
+use super::bed::{Case, claimed};
 
 /// Cases drawn of each effect.
 const CASES: u64 = 6;
@@ -260,21 +261,12 @@ const OTHER_FORMS: [(&str, &str); 1] = [(
 fn cases(effect: &str) -> (Vec<Measured>, usize, usize) {
     let lot =
         Lot { seed: 301, concealed: Concealed::Single, hard: false, only: vec![effect.to_owned()], thermometer: false };
-    let of =
-        |index: u64| -> Option<Option<Vec<Measured>>> {
-            let drawn = draw(&lot, index).unwrap()?;
-            let recordings = |prefix: &str| -> Vec<_> {
-                let wanted = drawn.recordings.iter().filter(|(name, _)| name.starts_with(prefix));
-                wanted.map(|(name, synthetic)| synthetic.to_recording(name).unwrap()).collect()
-            };
-            let found: Diagnosis =
-                diagnose(&drawn.file, &recordings("train"), &recordings("holdout"), None, &|_| ()).unwrap();
-            let claimed: Vec<&str> = found.findings.iter().map(|finding| finding.effect.name).collect();
-            let named = claimed == [effect];
-            Some(named.then(|| {
-                drawn.truth.forms.iter().flat_map(|form| measured(form, &drawn, &found.machine_after)).collect()
-            }))
-        };
+    let of = |index: u64| -> Option<Option<Vec<Measured>>> {
+        let drawn = draw(&lot, index).unwrap()?;
+        let found = Case::of(&drawn).diagnose();
+        let all = || drawn.truth.forms.iter().flat_map(|form| measured(form, &drawn, &found.machine_after)).collect();
+        Some((claimed(&found) == effect).then(all))
+    };
     let all: Vec<Option<Vec<Measured>>> = (0..CASES).into_par_iter().filter_map(of).collect();
     let (drawn, named) = (all.len(), all.iter().flatten().count());
     (all.into_iter().flatten().flatten().collect(), named, drawn)
@@ -284,8 +276,9 @@ fn table(effects: &[&'static str]) -> String {
     let mut text = String::from(
         "effect                       named  what                      found over put in: median    worst   within 15 %\n",
     );
-    for effect in effects {
-        let (measured, named, drawn) = cases(effect);
+    // All at once: one case of an effect may take longer than all its others.
+    let all: Vec<_> = effects.par_iter().map(|effect| (effect, cases(effect))).collect();
+    for (effect, (measured, named, drawn)) in all {
         let mut by_what: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
         for one in measured {
             by_what.entry(one.what).or_default().push(one.found / one.put_in);

@@ -1,5 +1,8 @@
-//! What holds for every effect of the valve and the flow link, alone and together.
+//! What holds for every effect of the valve and the flow link, alone and together; and of the whole catalogue, without its amounts.
 
+use host_sim::hypothesis::{CATALOGUE, Kind, Scene};
+use host_sim::machine_file::LoadSource;
+use host_sim::simulate::EntryPoint;
 use host_sim::testbed::{Excitation, InitialState};
 use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, Entry, Interfaces, Load};
@@ -37,6 +40,45 @@ proptest! {
         let neutral = effects.on(&machine, |_| false);
         prop_assert_eq!(run::<PerUnit>(&neutral, tick, volts), run::<PerUnit>(&machine, tick, volts));
         prop_assert_eq!(run::<f64>(&neutral, tick, volts), run::<f64>(&machine, tick, volts));
+    }
+}
+
+/// How an effect acts says nothing where there is nothing of it: every one of the catalogue, in fixed point and in f64.
+#[test]
+fn an_effect_without_its_amounts_is_the_model_without_it() {
+    let volts = &Excitation::random_steps(5).sample(1e-3)[..1000];
+    for drives::NamedDrive { machine, .. } in drives::named() {
+        let in_fixed_point = |machine: &Machine<f64>| run::<PerUnit>(machine, Tick::OneMillisecond, volts);
+        let in_f64 = |machine: &Machine<f64>| run::<f64>(machine, Tick::OneMillisecond, volts);
+        let without = (in_fixed_point(&machine), in_f64(&machine));
+        let scene = Scene {
+            machine: &machine,
+            entry: EntryPoint::Command,
+            load: LoadSource::Constant,
+            judged: &[],
+            travel_m: (0.05, 0.25),
+            duration_s: 4.0,
+        };
+        for effect in CATALOGUE {
+            for form in effect.every_form() {
+                let mut shaped = machine;
+                for strength in form {
+                    match strength.kind {
+                        Kind::Shape(range, _) => {
+                            let (low, high) = range(&scene);
+                            shaped.set(strength.parameter, (low * high).sqrt());
+                        }
+                        Kind::Place(range, _) => {
+                            let (low, high) = range(&scene);
+                            shaped.set(strength.parameter, 0.5 * (low + high));
+                        }
+                        Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) | Kind::Signed(_) => {}
+                    }
+                }
+                assert_eq!(in_fixed_point(&shaped), without.0, "{}", effect.name);
+                assert_eq!(in_f64(&shaped), without.1, "{}", effect.name);
+            }
+        }
     }
 }
 

@@ -1,8 +1,5 @@
 //! The same again is the same, bit for bit: run twice, stored and continued, or with effects of nothing.
 
-use host_sim::hypothesis::{CATALOGUE, Kind, Scene};
-use host_sim::machine_file::LoadSource;
-use host_sim::simulate::EntryPoint;
 use host_sim::testbed::{Excitation, InitialState};
 use model_core::drive::{Drive, Entry, Interfaces, Load};
 use model_core::fixed_point::PerUnit;
@@ -14,7 +11,6 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use system_tests::any_effects::any_side_effects;
 use system_tests::any_machine::{any_machine, any_plain_machine, any_tick};
-use system_tests::drives;
 use system_tests::simulate::{DELAY, State, at_rest, command, drive};
 
 use super::cases;
@@ -87,46 +83,4 @@ proptest! {
         prop_assert_eq!(&with(0.0, 1e-30, 0.0), &without, "hose");
         prop_assert_eq!(&with(0.0, 0.0, 1e-12), &without, "friction");
     }
-}
-
-/// How an effect acts says nothing where there is nothing of it: every one of the catalogue, in fixed point and in f64.
-#[test]
-fn an_effect_without_its_amounts_is_the_model_without_it() {
-    let volts = &Excitation::random_steps(5).sample(1e-3)[..1000];
-    for drives::NamedDrive { machine, .. } in drives::named() {
-        let scene = Scene {
-            machine: &machine,
-            entry: EntryPoint::Command,
-            load: LoadSource::Constant,
-            judged: &[],
-            travel_m: (0.05, 0.25),
-            duration_s: 4.0,
-        };
-        for effect in CATALOGUE {
-            for form in effect.every_form() {
-                let mut shaped = machine;
-                for strength in form {
-                    match strength.kind {
-                        Kind::Shape(range, _) => {
-                            let (low, high) = range(&scene);
-                            shaped.set(strength.parameter, (low * high).sqrt());
-                        }
-                        Kind::Place(range, _) => {
-                            let (low, high) = range(&scene);
-                            shaped.set(strength.parameter, 0.5 * (low + high));
-                        }
-                        Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) | Kind::Signed(_) => {}
-                    }
-                }
-                assert_eq!(all_of::<PerUnit>(&shaped, volts), all_of::<PerUnit>(&machine, volts), "{}", effect.name);
-                assert_eq!(all_of::<f64>(&shaped, volts), all_of::<f64>(&machine, volts), "{}", effect.name);
-            }
-        }
-    }
-}
-
-fn all_of<N: Scalar<Real = f64>>(machine: &Machine<f64>, volts: &[f64]) -> (Vec<Interfaces<N>>, State<N>) {
-    let drive = drive::<N>(machine, Tick::OneMillisecond);
-    let mut state = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.1));
-    (run(&drive, &mut state, volts), state)
 }

@@ -135,6 +135,15 @@ mod tests {
     }
 
     #[test]
+    fn what_only_touches_the_level_is_no_stretch() {
+        // Means are over 41 rows: a large row lifts as many of them, and another one 30 rows later lifts the eleven that hold both twice as far.
+        let errors =
+            |large: &[usize]| (0..4000).map(|row| if large.contains(&row) { 6.0 } else { 0.0 }).collect::<Vec<f64>>();
+        assert_eq!(stretches(&errors(&[1000]), 0.8).len(), 1);
+        assert!(stretches(&errors(&[1000, 1030]), 1.0).is_empty());
+    }
+
+    #[test]
     fn a_bump_is_when_the_error_is_made_with_its_share() {
         let time_s = times(4000);
         let bump: Vec<f64> = time_s.iter().map(|t| if (1.0..1.4).contains(t) { 12.0 } else { 1.0 }).collect();
