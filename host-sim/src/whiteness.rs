@@ -5,12 +5,16 @@
 //! of both are alike.
 
 use crate::diagnose::{Diagnosis, Shown};
+use crate::presentation::significant;
 use crate::recording::{Recording, Signal};
 
 /// Lags on each side, rows.
 const LAGS: usize = 100;
 /// Half width of the 99 % band, in standard deviations.
 const BAND: f64 = 2.576;
+/// Largest of all lags' correlations that chance leaves inside, ninety-nine times of a hundred, over the band of a single lag (Bonferroni: 201
+/// lags, 4.06 standard deviations).
+const SURE: f64 = 4.06 / BAND;
 /// Most rows of a recording that count: more say the same.
 const MOST_ROWS: usize = 30_000;
 
@@ -43,6 +47,45 @@ impl Whiteness {
     pub fn cross_outside(&self) -> f64 {
         outside(&self.cross, self.cross_band)
     }
+
+    /// After how long the residual is most like what it was before, s; `None` where it is white.
+    #[must_use]
+    pub fn lasts(&self) -> Option<f64> {
+        let (index, _) = largest(&self.auto, self.auto_band)?;
+        Some(self.lag_s * (index + 1) as f64)
+    }
+
+    /// How long after the input the residual is most like it, s; `None` where the input does not show in it. Negative where the residual is first.
+    #[must_use]
+    pub fn follows_input(&self) -> Option<f64> {
+        let (index, _) = largest(&self.cross, self.cross_band)?;
+        Some(self.lag_s * (index as f64 - LAGS as f64))
+    }
+}
+
+/// Where a correlation is largest, and how large, if it is no chance among so many.
+fn largest(values: &[f64], band: f64) -> Option<(usize, f64)> {
+    let sizes = values.iter().map(|value| value.abs()).enumerate();
+    sizes.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, size)| *size > SURE * band)
+}
+
+/// Of which signals what is left is not white, in words; `None` where all of it is.
+#[must_use]
+pub fn in_words(signals: &[Whiteness]) -> Option<String> {
+    let said: Vec<String> = signals.iter().filter_map(said).collect();
+    (!said.is_empty()).then(|| said.join("; "))
+}
+
+/// What is left of one signal, in words.
+fn said(of: &Whiteness) -> Option<String> {
+    let at = |lag: f64| match significant(1e3 * lag.abs(), 2) {
+        at_once if lag == 0.0 || at_once == "0" => "at once".to_owned(),
+        ms => format!("{ms} ms {}", if lag > 0.0 { "before" } else { "later" }),
+    };
+    let input = of.follows_input().map(|lag| format!("the input {}", at(lag)));
+    let itself = of.lasts().map(|lag| format!("itself {}", at(lag)));
+    let with: Vec<String> = input.into_iter().chain(itself).collect();
+    (!with.is_empty()).then(|| format!("what is left of {} goes with {}", of.signal, with.join(" and with ")))
 }
 
 fn outside(values: &[f64], band: f64) -> f64 {
@@ -142,12 +185,19 @@ mod tests {
         let input: Vec<f64> = (0..5000).map(|row| if row / 400 % 2 == 0 { 3.0 } else { -3.0 }).collect();
         let clean = correlations(Signal::Position, 1e-3, &[(white(5000), input.clone())]);
         assert!(clean.outside() < 0.05 && clean.cross_outside() < 0.1, "{} {}", clean.outside(), clean.cross_outside());
+        assert_eq!(in_words(std::slice::from_ref(&clean)), None);
         let late: Vec<f64> =
             white(5000).iter().enumerate().map(|(row, noise)| noise + 0.2 * input[row.saturating_sub(30)]).collect();
         let dirty = correlations(Signal::Position, 1e-3, &[(late, input)]);
         assert!(dirty.outside() > 0.8 && dirty.cross_outside() > 0.5, "{} {}", dirty.outside(), dirty.cross_outside());
         let highest = (0..dirty.cross.len()).max_by(|a, b| dirty.cross[*a].total_cmp(&dirty.cross[*b])).unwrap();
         assert_eq!(highest, LAGS + 30, "the input came 30 rows before");
+        assert_eq!(dirty.follows_input(), Some(30e-3));
+        let told = in_words(&[clean, dirty]).unwrap();
+        assert!(
+            told.starts_with("what is left of position goes with the input 30 ms before and with itself "),
+            "{told}"
+        );
     }
 
     #[test]

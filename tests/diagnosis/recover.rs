@@ -11,7 +11,7 @@ use host_sim::verdict::Selection;
 use model_core::machine::Machine;
 use model_core::parameter::Parameter as P;
 
-use super::bed::{Case, press, valve_case};
+use super::bed::{Case, Dice, press, valve_case};
 
 /// The case's recordings with the model's own signals in place of the test bed's, free of noise.
 fn computed(case: &Case, truth: &Machine<f64>) -> Vec<Prepared> {
@@ -59,6 +59,30 @@ fn a_fit_to_the_models_own_signals_recovers_what_they_were_made_with() {
         assert!(off.abs() < 5e-3, "{}: {put_in:e} {:e}", estimate.parameter.description().key, estimate.value);
     }
     assert!(fit.converged);
+}
+
+/// Of the starts that are drawn all over the priors none ends lower than the nominal machine's, whatever is missing.
+#[test]
+fn no_drawn_start_of_the_ordinary_refit_ends_lower_than_the_nominal_one() {
+    const DRAWN: usize = 6;
+    let mut dice = Dice::new(61);
+    for (missing, strength) in
+        [("nothing", 0.0), ("internal-leakage", 3e-12), ("valve-hysteresis", 0.03), ("coulomb-friction", 900.0)]
+    {
+        let case = valve_case(62, PlantEffect::named(missing, strength), true, None);
+        let training = case.prepared(&case.training);
+        let references: Vec<&Prepared> = training.iter().collect();
+        let free = host_sim::diagnose::ordinary(&case.file);
+        let ends = |coordinates: &[(P, f64)]| {
+            let from = From { coordinates, ..From::default() };
+            fit(&case.file.machine, &free, &references, &from, 1e-6).unwrap().loss
+        };
+        let nominal = ends(&[]);
+        let mut drawn = || free.iter().map(|free| (free.parameter, dice.between(-2.0, 2.0))).collect::<Vec<_>>();
+        let losses: Vec<f64> = (0..DRAWN).map(|_| ends(&drawn()) / nominal).collect();
+        println!("{missing} missing, over the nominal start's loss: {losses:.4?}");
+        assert!(losses.iter().all(|loss| *loss > 0.999), "{missing}: {losses:?}");
+    }
 }
 
 /// The search for a friction that is the same both ways may end short of what two forces find, which are then about the same.

@@ -10,6 +10,7 @@ use crate::fit::{CORRELATED, Correlation, Estimate};
 use crate::hypothesis::short_name;
 use crate::locate::{Interval, Location, Miss};
 use crate::presentation::{TABLE, significant};
+use crate::whiteness;
 
 /// The whole text.
 #[must_use]
@@ -66,6 +67,9 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     }
     let _ = write!(text, "\n{}\n", fits(diagnosis));
     let _ = write!(text, "\n{}\n", waterfall(exhibits));
+    if let Some(told) = whiteness::in_words(&exhibits.whiteness) {
+        let _ = writeln!(text, "not white  {told}");
+    }
     let _ = writeln!(text, "{}", prepared(exhibits));
     if !diagnosis.refitted.is_empty() {
         let _ = write!(text, "\n{}\n", parameters(&diagnosis.refitted));

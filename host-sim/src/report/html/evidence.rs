@@ -9,7 +9,7 @@ use crate::found::Found;
 use crate::plot::{Bar, BarGroup, Figure, Layer, Marks, Style, bars, title};
 use crate::presentation::{difference, percent, significant, unit_for_people};
 use crate::waterfall::Waterfall;
-use crate::whiteness::Whiteness;
+use crate::whiteness::{Whiteness, in_words};
 
 pub(super) fn waterfall(waterfall: &Waterfall) -> Markup {
     let which = if waterfall.held_out { "held-out" } else { "training" };
@@ -87,6 +87,10 @@ pub(super) fn whiteness(exhibits: &Exhibits, diagnosis: &Diagnosis) -> Markup {
                     tr { td { (after.signal.name()) } @if changes { (cells(before)) } (cells(after)) }
                 }
             }
+            p { @match in_words(&exhibits.whiteness) {
+                Some(told) => { "Not white: " (told) "." }
+                None => "What is left is white: no lag is further out than chance makes the largest of all, 99 times of a hundred.",
+            } }
             details {
                 summary { "Correlations" }
                 div class="pair" { @for (before, after) in pairs() {
