@@ -11,14 +11,13 @@ use std::collections::BTreeMap;
 
 use model_core::machine::{Machine, MachineError, Tick};
 use model_core::parameter::Parameter;
-use rayon::prelude::*;
 
 use crate::candidate::Reference;
 use crate::compare::CompareError;
 use crate::excerpt::Excerpt;
 use crate::fit::{Correlation, Estimate, FitError, Free, Freedom, StartState, level_at_rest, set_tolerances};
 use crate::hypothesis::{CATALOGUE, Hypothesis, Scene, Subsystem};
-use crate::locate::{Case, Location, Miss, WITHIN_NOISE, locate, misses};
+use crate::locate::{Case, Location, Miss, Sought, WITHIN_NOISE, locate, misses};
 use crate::machine_file::MachineFile;
 use crate::noise::extent;
 use crate::prepare::{Channel, Prepared};
@@ -29,7 +28,7 @@ use crate::verdict::{Candidate, Confirmation, Question, Selection, lengthened, s
 
 use decision::{Decision, decide};
 pub use finding::Finding;
-use shown::show;
+use shown::show_all;
 pub use shown::{Fits, Shown};
 
 /// How it ended.
@@ -214,7 +213,14 @@ pub fn diagnose(
         } else {
             Vec::new()
         };
-        Some(locate(&seen.fit.machine, file.load_source, &cases, &named, &promises)?)
+        let sought = Sought {
+            machine: &seen.fit.machine,
+            load: file.load_source,
+            cases: &cases,
+            named: &named,
+            promises: &promises,
+        };
+        Some(locate(&sought)?)
     };
     let tabled = match &located {
         Some(location) if verdict == Verdict::Unexplained => improved(&question, &seen, location, &cases, &opened)?,
@@ -226,15 +232,7 @@ pub fn diagnose(
     };
     let left = above_noise_by(&after, &references)?;
     let level_at_rest = level_at_rest(&after.fit.machine, &references, &after.fit.starts);
-    let together: Vec<_> = trained
-        .into_iter()
-        .zip(base.starts.iter().zip(&after.fit.starts).map(|(&before, &after)| Some((before, after))))
-        .chain(held.into_iter().map(|prepared| (prepared, None)))
-        .collect();
-    let shown = together
-        .into_par_iter()
-        .map(|(prepared, starts)| show(prepared, starts, &base.machine, &after.fit.machine))
-        .collect::<Result<Vec<_>, MachineError>>()?;
+    let shown = show_all(trained, held, base, &after.fit)?;
     let is_ordinary = |estimate: &Estimate| ordinary.iter().any(|free| free.parameter == estimate.parameter);
     Ok(Diagnosis {
         machine: file.name.clone(),
@@ -300,7 +298,10 @@ impl<'a> Asked<'a> {
             select(&self.of(&references), &near, done)
         };
         let Some(excerpt) = excerpt else { return search(trained) };
-        let found = search(&mut excerpt.cases)?;
+        let mut found = search(&mut excerpt.cases)?;
+        for set in [&mut found.base, &mut found.chosen] {
+            set.fit = excerpt.of_all(set.fit.clone(), trained.len());
+        }
         set_tolerances(&found.base.fit.machine, trained, &found.base.fit.starts)?;
         let references: Vec<&Prepared> = trained.iter().collect();
         lengthened(&self.of(&references), &found, done)

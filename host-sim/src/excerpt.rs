@@ -1,11 +1,12 @@
 //! Recordings cut to what a search can afford: it runs each of them a thousand times, a refit of the whole a dozen times.
 //!
-//! Of long recordings the first part is searched. What is found there is refitted on the whole ones, which have to accept it
-//! ([`crate::verdict::lengthened`]).
+//! Of long recordings the first part is searched, of very many some that are spread evenly over all. What is found there is refitted on all of them,
+//! whole, which have to accept it ([`crate::verdict::lengthened`]).
 
 use model_core::machine::Machine;
 
 use crate::failure::{Failures, Stretch};
+use crate::fit::{Fit, StartState};
 use crate::machine_file::LoadSource;
 use crate::prepare::{Channel, Prepared};
 use crate::recording::Recording;
@@ -21,9 +22,14 @@ pub const MOST_TICKS: usize = 60_000;
 /// But none to less than ten seconds at 1 kHz: of a short one the first second is mostly rest.
 const LEAST_TICKS: usize = 10_000;
 
+/// More recordings than can be searched for that long: so many of them are.
+const MOST_RECORDINGS: usize = AFFORDABLE_TICKS / LEAST_TICKS;
+
 /// The first parts of recordings, each in both of its forms.
 #[derive(Clone, Debug)]
 pub struct Excerpt {
+    /// Which recordings they are of.
+    of: Vec<usize>,
     /// As recorded.
     pub recordings: Vec<Recording>,
     /// As prepared, with the noise that the whole recording shows.
@@ -42,17 +48,34 @@ impl Excerpt {
         if ticks.iter().sum::<usize>() <= AFFORDABLE_TICKS {
             return Ok(None);
         }
-        let Some(most) = fair_share(&ticks, MOST_TICKS) else { return Ok(None) };
-        let most = most.max(LEAST_TICKS);
-        let recordings: Vec<Recording> =
-            recordings.iter().zip(prepared).map(|(recording, case)| recording.first(rows_within(case, most))).collect();
+        let of = spread(ticks.len(), MOST_RECORDINGS);
+        let searched: Vec<usize> = of.iter().map(|&index| ticks[index]).collect();
+        let most = fair_share(&searched, MOST_TICKS).map_or(usize::MAX, |share| share.max(LEAST_TICKS));
+        let first = |&index: &usize| recordings[index].first(rows_within(&prepared[index], most));
+        let recordings: Vec<Recording> = of.iter().map(first).collect();
         let cases = recordings
             .iter()
-            .zip(prepared)
-            .map(|(recording, case)| begun(recording, case, machine, load))
+            .zip(&of)
+            .map(|(recording, &index)| begun(recording, &prepared[index], machine, load))
             .collect::<Result<_, _>>()?;
-        Ok(Some(Self { recordings, cases }))
+        Ok(Some(Self { of, recordings, cases }))
     }
+
+    /// A fit of the excerpt as one of so many recordings: those that are not of it start where machine and recording say.
+    #[must_use]
+    pub fn of_all(&self, fit: Fit, recordings: usize) -> Fit {
+        let mut starts = vec![StartState::default(); recordings];
+        for (&index, start) in self.of.iter().zip(&fit.starts) {
+            starts[index] = *start;
+        }
+        Fit { starts, ..fit }
+    }
+}
+
+/// So many of `count`, spread evenly; all where there are no more.
+fn spread(count: usize, most: usize) -> Vec<usize> {
+    let taken = count.min(most);
+    (0..taken).map(|index| index * count / taken).collect()
 }
 
 /// The most that each may have so that all together have no more than `most`: what short ones leave goes to the long ones. `None`
@@ -152,6 +175,16 @@ mod tests {
         assert_eq!(fair_share(&[10, 20, 30], 60), None);
         assert_eq!(fair_share(&[100, 10, 100], 60), Some(25));
         assert_eq!(fair_share(&[100], 60), Some(60));
+    }
+
+    #[test]
+    fn of_very_many_recordings_some_are_searched_that_are_spread_over_all() {
+        assert_eq!(spread(3, 5), [0, 1, 2]);
+        assert_eq!(spread(10, 4), [0, 2, 5, 7]);
+        let found = excerpt(&[6000; 100]).unwrap();
+        assert_eq!(found.cases.len(), MOST_RECORDINGS);
+        let ticks: usize = found.cases.iter().map(|case| case.stimulus.ticks()).sum();
+        assert!(ticks <= AFFORDABLE_TICKS, "{ticks}");
     }
 
     #[test]

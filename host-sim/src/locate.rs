@@ -78,18 +78,27 @@ pub struct Case<'a> {
     pub start: StartState,
 }
 
-/// Locates what `machine`, already refitted, misses.
+/// What a place is looked for in.
+#[derive(Clone, Copy, Debug)]
+pub struct Sought<'a> {
+    /// Refitted already.
+    pub machine: &'a Machine<f64>,
+    /// Where its load comes from.
+    pub load: LoadSource,
+    /// The recordings that it misses.
+    pub cases: &'a [Case<'a>],
+    /// Subsystems of the effects that are claimed, the one that explains most first.
+    pub named: &'a [Subsystem],
+    /// Log-likelihood that the best hypothesis of each subsystem would gain.
+    pub promises: &'a [(Subsystem, f64)],
+}
+
+/// Locates what a refitted machine misses.
 ///
-/// The subsystem is the first of `named`, those of the effects claimed, the one that explains most first; without any, the one
-/// that the balances of the links speak for. `promises` are the log-likelihoods that the best hypothesis of each subsystem would
-/// gain; they decide with the balances where no pressures were recorded.
-pub fn locate(
-    machine: &Machine<f64>,
-    load: LoadSource,
-    cases: &[Case<'_>],
-    named: &[Subsystem],
-    promises: &[(Subsystem, f64)],
-) -> Result<Location, MachineError> {
+/// The subsystem is the first that is named; without any, the one that the balances of the links speak for. What the hypotheses promise
+/// decides with the balances where no pressures were recorded.
+pub fn locate(sought: &Sought<'_>) -> Result<Location, MachineError> {
+    let Sought { machine, load, cases, named, promises } = *sought;
     let misses = misses(machine, cases.iter().map(|case| (case.prepared, case.start)))?;
     let link = missing_link(machine, load, cases, promises)?;
     let event = once(

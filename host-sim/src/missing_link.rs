@@ -243,7 +243,7 @@ mod tests {
     use model_core::machine::Tick;
 
     use super::*;
-    use crate::locate::locate;
+    use crate::locate::{Sought, locate};
     use crate::recording::Column;
     use crate::shape::Shape;
     use crate::simulate::{StartOffset, Stimulus};
@@ -296,10 +296,14 @@ mod tests {
         Recording::new("made", columns).unwrap()
     }
 
+    fn sought<'a>(machine: &'a Machine<f64>, cases: &'a [Case<'a>], promises: &'a [(Subsystem, f64)]) -> Sought<'a> {
+        Sought { machine, load: LoadSource::Constant, cases, named: &[], promises }
+    }
+
     fn located(recording: &Recording) -> crate::locate::Location {
         let prepared = Prepared::new(recording, &press(), LoadSource::Constant, None).unwrap();
         let case = Case { recording, prepared: &prepared, start: StartState::default() };
-        locate(&press(), LoadSource::Constant, &[case], &[], &[]).unwrap()
+        locate(&sought(&press(), &[case], &[])).unwrap()
     }
 
     #[test]
@@ -350,7 +354,7 @@ mod tests {
             let case = Case { recording: &recording, prepared: &prepared, start: StartState::default() };
             // The hypotheses of the valve promise most.
             let promises = [(Subsystem::Valve, 1000.0), (Subsystem::Flow, 1.0)];
-            locate(&press(), LoadSource::Constant, &[case], &[], &promises).unwrap().subsystem
+            locate(&sought(&press(), &[case], &promises)).unwrap().subsystem
         };
         let command = rung.signal(Signal::Command).unwrap();
         assert_eq!(subsystem(command.to_vec()), Subsystem::Sensing);

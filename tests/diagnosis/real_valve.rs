@@ -52,6 +52,28 @@ fn the_valve_of_a_real_crane_is_located_and_no_other_link_is_blamed() {
     assert!(fits[0] > 70.0 && fits[1] > fits[0] - 0.5 && fits[1] < floor - 1.0, "{fits:?} {floor}");
 }
 
+/// Judged by all that was recorded: counterbalance valves, a swinging jib and ports that trap their oil are in no catalogue, and what they leave is
+/// said, signal by signal.
+#[test]
+fn what_a_cranes_counterbalance_valves_leave_is_owned_up_to() {
+    let Some(folder) = system_tests::at_hand::shared("data/redcrane/dynamic") else { return };
+    let file = machine_file::read(&root().join("tests/diagnosis/redcrane.toml")).unwrap();
+    let read = |name: &str| recording::read(&folder.join(format!("{name}.csv")), &file.channels).unwrap();
+    let (training, held_out) = (["ramp-to-70", "stop-from-70"].map(read), ["ramp-to-40", "stop-from-40"].map(read));
+    let diagnosis = diagnose(&file, &training, &held_out, None, &|_| {}).unwrap();
+    let (before, after) = (diagnosis.mean_fits(true, false), diagnosis.mean_fits(true, true));
+    for (signal, floor) in diagnosis.noise_floor(true) {
+        println!("held-out {signal}: {:.1} % → {:.1} %, noise floor {floor:.1} %", before[signal], after[signal]);
+    }
+    println!("{:?}, still missed: {:?}", diagnosis.verdict, diagnosis.left);
+    let named: Vec<&str> = diagnosis.findings.iter().map(|finding| finding.effect.name).collect();
+    println!("named: {named:?}");
+    assert_ne!(diagnosis.verdict, Verdict::NothingMissing);
+    for signal in [Signal::Spool, Signal::PressureA, Signal::PressureB] {
+        assert!(diagnosis.left.iter().any(|miss| miss.signal == signal), "{signal} is said to be explained");
+    }
+}
+
 #[test]
 fn compare_spares_what_is_not_judged() {
     let Some(folder) = system_tests::at_hand::shared("data/redcrane/dynamic") else { return };

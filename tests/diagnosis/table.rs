@@ -1,7 +1,7 @@
 //! What has no name is still followed better by a table, unless it happened only once.
 
 use host_sim::fit::{Free, settle};
-use host_sim::locate::{Case as Located, Location, locate};
+use host_sim::locate::{Case as Located, Location, Sought, locate};
 use host_sim::prepare::Prepared;
 use host_sim::recording::Signal;
 use host_sim::testbed::PlantEffect;
@@ -29,7 +29,16 @@ fn tabled(case: &Case, with: impl Fn(Location) -> Location) -> Option<(Unnamed, 
         .zip(&base.fit.starts)
         .map(|((recording, prepared), &start)| Located { recording, prepared, start })
         .collect();
-    let location = with(locate(&base.fit.machine, case.file.load_source, &cases, &[], &[]).unwrap());
+    let location = with(
+        locate(&Sought {
+            machine: &base.fit.machine,
+            load: case.file.load_source,
+            cases: &cases,
+            named: &[],
+            promises: &[],
+        })
+        .unwrap(),
+    );
     let (candidate, unnamed) = improved(&question, &base, &location, &cases, &held_refs).unwrap()?;
     assert!((candidate.fit.machine.get(P::TableQuantity) - f64::from(unnamed.quantity as u8)).abs() < 0.5);
     let missed = [&base, &candidate].map(|candidate| {

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use model_core::machine::{Machine, MachineError};
+use rayon::prelude::*;
 
 use super::Diagnosis;
-use crate::fit::{StartState, settle};
+use crate::fit::{Fit, StartState, settle};
 use crate::prepare::Prepared;
 use crate::recording::Signal;
 use crate::residual::SignalFit;
@@ -27,8 +28,20 @@ pub struct Shown {
 /// Mean NRMSE fit of each signal over recordings, %.
 pub type Fits = BTreeMap<&'static str, f64>;
 
+/// All recordings by the models before and after, from the fitted starts; held-out ones have none.
+pub(super) fn show_all(
+    trained: Vec<Prepared>,
+    held: Vec<Prepared>,
+    before: &Fit,
+    after: &Fit,
+) -> Result<Vec<Shown>, MachineError> {
+    let starts = before.starts.iter().zip(&after.starts).map(|(&before, &after)| Some((before, after)));
+    let together: Vec<_> = trained.into_iter().zip(starts).chain(held.into_iter().map(|case| (case, None))).collect();
+    together.into_par_iter().map(|(prepared, starts)| show(prepared, starts, &before.machine, &after.machine)).collect()
+}
+
 /// Simulates before and after, from the fitted starts; a held-out recording has none and starts from what suits each best.
-pub(super) fn show(
+fn show(
     prepared: Prepared,
     starts: Option<(StartState, StartState)>,
     before: &Machine<f64>,

@@ -21,6 +21,7 @@ use model_core::parameter::Parameter;
 use nalgebra::{DMatrix, DVector};
 
 use crate::prepare::Prepared;
+use crate::simulate::DELAY_LINE;
 pub use coarse::coarse;
 pub use correlation::{CORRELATED, Correlation};
 pub use information::Information;
@@ -79,6 +80,9 @@ fn reached(coordinate: f64, vanishes: bool) -> f64 {
     if vanishes && coordinate < 0.0 { coordinate } else { REACH * (coordinate / REACH).tanh() }
 }
 
+/// Longest dead time of a valve that a search comes to, s: two ticks less than the delay line holds at the shortest tick.
+const LONGEST_DELAY_S: f64 = (DELAY_LINE - 2) as f64 * 0.5e-3;
+
 /// A parameter that a fit may move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Free {
@@ -89,10 +93,21 @@ pub struct Free {
 }
 
 impl Free {
+    /// The ends of the value's range: the parameter's own, and of a dead time what the delay line holds at the shortest tick, or what the machine
+    /// file says if that is more. A search at twice the tick would end at one that no drive at the recordings' own tick can have.
+    fn ends(&self) -> (f64, f64) {
+        let description = self.parameter.description();
+        let nominal = if let Freedom::Around { nominal, .. } = self.freedom { nominal } else { 0.0 };
+        let most = match self.parameter {
+            Parameter::TransportDelay => description.max.min(LONGEST_DELAY_S.max(nominal)),
+            _ => description.max,
+        };
+        (description.min, most)
+    }
+
     /// The value at the fit's own coordinate, which is 0 at the middle of the prior.
     #[must_use]
     pub fn value(&self, coordinate: f64) -> f64 {
-        let description = self.parameter.description();
         let value = match self.freedom {
             Freedom::Around { nominal, sigma } => nominal + sigma * coordinate,
             Freedom::Signed { sigma } => sigma * REACH_SIGNED * (coordinate / REACH_SIGNED).tanh(),
@@ -100,7 +115,8 @@ impl Free {
                 centre * (spread * reached(coordinate, vanishes)).max(-40.0).exp()
             }
         };
-        value.clamp(description.min, description.max)
+        let (least, most) = self.ends();
+        value.clamp(least, most)
     }
 
     /// The coordinate of a value.
@@ -123,8 +139,8 @@ impl Free {
 
     /// Whether the value is held at an end of its range.
     pub(crate) fn at_bound(&self, coordinate: f64) -> bool {
-        let (description, value) = (self.parameter.description(), self.value(coordinate));
-        value <= description.min || value >= description.max
+        let ((least, most), value) = (self.ends(), self.value(coordinate));
+        value <= least || value >= most
     }
 
     /// Derivative of the value by the coordinate; 0 where the value is held at an end of its range.
@@ -316,7 +332,7 @@ pub fn fit_told(
     }
     let mut problem = Problem::new(machine, free, cases, from, told);
     // The optimiser has no way to report why residuals fail, so the start is tried first.
-    model_core::drive::Drive::<f64>::new::<{ crate::simulate::DELAY_LINE }>(
+    model_core::drive::Drive::<f64>::new::<DELAY_LINE>(
         &problem.machine(),
         cases.first().map_or(model_core::machine::Tick::OneMillisecond, |case| case.stimulus.tick),
     )?;
@@ -331,4 +347,29 @@ pub fn fit_told(
         // A start that does not become a drive, or whose slopes are none, is no fit.
         loss: if loss.is_finite() { loss } else { f64::INFINITY },
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use model_core::drive::Drive;
+    use model_core::machine::Tick;
+
+    use super::*;
+    use crate::press::press;
+
+    #[test]
+    fn no_dead_time_is_searched_that_a_drive_cannot_have() {
+        let delay = |nominal| Free {
+            parameter: Parameter::TransportDelay,
+            freedom: Freedom::Around { nominal, sigma: 0.1 * nominal },
+        };
+        for tick in [Tick::HalfMillisecond, Tick::OneMillisecond, Tick::TwoMilliseconds] {
+            let mut machine = press(&[]);
+            machine.set(Parameter::TransportDelay, delay(0.01).value(1e6));
+            Drive::<f64>::new::<DELAY_LINE>(&machine, tick).unwrap();
+        }
+        assert!(delay(0.01).at_bound(1e6) && !delay(0.01).at_bound(3.0));
+        // What the machine file says, a drive has.
+        assert!((delay(0.4).value(0.0) - 0.4).abs() < 1e-12);
+    }
 }
