@@ -300,7 +300,7 @@ impl<'a> Asked<'a> {
         let Some(excerpt) = excerpt else { return search(trained) };
         let mut found = search(&mut excerpt.cases)?;
         for set in [&mut found.base, &mut found.chosen] {
-            set.fit = excerpt.of_all(set.fit.clone(), trained.len());
+            set.fit.starts = excerpt.starts_of_all(&set.fit.starts, trained.len());
         }
         set_tolerances(&found.base.fit.machine, trained, &found.base.fit.starts)?;
         let references: Vec<&Prepared> = trained.iter().collect();

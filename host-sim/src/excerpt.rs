@@ -6,7 +6,7 @@
 use model_core::machine::Machine;
 
 use crate::failure::{Failures, Stretch};
-use crate::fit::{Fit, StartState};
+use crate::fit::StartState;
 use crate::machine_file::LoadSource;
 use crate::prepare::{Channel, Prepared};
 use crate::recording::Recording;
@@ -61,14 +61,14 @@ impl Excerpt {
         Ok(Some(Self { of, recordings, cases }))
     }
 
-    /// A fit of the excerpt as one of so many recordings: those that are not of it start where machine and recording say.
+    /// Where so many recordings start, of which the excerpt's start so: those that are not of it where machine and recording say.
     #[must_use]
-    pub fn of_all(&self, fit: Fit, recordings: usize) -> Fit {
-        let mut starts = vec![StartState::default(); recordings];
-        for (&index, start) in self.of.iter().zip(&fit.starts) {
-            starts[index] = *start;
+    pub fn starts_of_all(&self, starts: &[StartState], recordings: usize) -> Vec<StartState> {
+        let mut all = vec![StartState::default(); recordings];
+        for (&index, start) in self.of.iter().zip(starts) {
+            all[index] = *start;
         }
-        Fit { starts, ..fit }
+        all
     }
 }
 

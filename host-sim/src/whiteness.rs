@@ -51,22 +51,23 @@ impl Whiteness {
     /// After how long the residual is most like what it was before, s; `None` where it is white.
     #[must_use]
     pub fn lasts(&self) -> Option<f64> {
-        let (index, _) = largest(&self.auto, self.auto_band)?;
+        let index = largest(&self.auto, self.auto_band)?;
         Some(self.lag_s * (index + 1) as f64)
     }
 
     /// How long after the input the residual is most like it, s; `None` where the input does not show in it. Negative where the residual is first.
     #[must_use]
     pub fn follows_input(&self) -> Option<f64> {
-        let (index, _) = largest(&self.cross, self.cross_band)?;
+        let index = largest(&self.cross, self.cross_band)?;
         Some(self.lag_s * (index as f64 - LAGS as f64))
     }
 }
 
-/// Where a correlation is largest, and how large, if it is no chance among so many.
-fn largest(values: &[f64], band: f64) -> Option<(usize, f64)> {
+/// Where a correlation is largest, if it is no chance among so many.
+fn largest(values: &[f64], band: f64) -> Option<usize> {
     let sizes = values.iter().map(|value| value.abs()).enumerate();
-    sizes.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, size)| *size > SURE * band)
+    let (index, size) = sizes.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (size > SURE * band).then_some(index)
 }
 
 /// Of which signals what is left is not white, in words; `None` where all of it is.
@@ -78,8 +79,8 @@ pub fn in_words(signals: &[Whiteness]) -> Option<String> {
 
 /// What is left of one signal, in words.
 fn said(of: &Whiteness) -> Option<String> {
-    let at = |lag: f64| match significant(1e3 * lag.abs(), 2) {
-        at_once if lag == 0.0 || at_once == "0" => "at once".to_owned(),
+    let at = |lag: f64| match significant(1e3 * lag.abs(), 2).as_str() {
+        "0" => "at once".to_owned(),
         ms => format!("{ms} ms {}", if lag > 0.0 { "before" } else { "later" }),
     };
     let input = of.follows_input().map(|lag| format!("the input {}", at(lag)));

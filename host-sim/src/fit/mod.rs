@@ -16,7 +16,7 @@ mod sensitivity;
 mod slopes;
 mod start;
 
-use model_core::machine::{Machine, MachineError};
+use model_core::machine::{Machine, MachineError, Tick};
 use model_core::parameter::Parameter;
 use nalgebra::{DMatrix, DVector};
 
@@ -81,7 +81,7 @@ fn reached(coordinate: f64, vanishes: bool) -> f64 {
 }
 
 /// Longest dead time of a valve that a search comes to, s: two ticks less than the delay line holds at the shortest tick.
-const LONGEST_DELAY_S: f64 = (DELAY_LINE - 2) as f64 * 0.5e-3;
+const LONGEST_DELAY_S: f64 = (DELAY_LINE - 2) as f64 * Tick::HalfMillisecond.seconds();
 
 /// A parameter that a fit may move.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -334,7 +334,7 @@ pub fn fit_told(
     // The optimiser has no way to report why residuals fail, so the start is tried first.
     model_core::drive::Drive::<f64>::new::<DELAY_LINE>(
         &problem.machine(),
-        cases.first().map_or(model_core::machine::Tick::OneMillisecond, |case| case.stimulus.tick),
+        cases.first().map_or(Tick::OneMillisecond, |case| case.stimulus.tick),
     )?;
     let Minimum { converged, loss } = problem.minimise(precision);
     Ok(Fit {
@@ -352,7 +352,6 @@ pub fn fit_told(
 #[cfg(test)]
 mod tests {
     use model_core::drive::Drive;
-    use model_core::machine::Tick;
 
     use super::*;
     use crate::press::press;
