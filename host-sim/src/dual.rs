@@ -151,6 +151,10 @@ impl<const P: usize> Field for Dual<P> {
         self.chain(root, 0.5 / root)
     }
     #[inline]
+    fn vanishes(self) -> bool {
+        self.is_nil()
+    }
+    #[inline]
     fn noted(self) -> Self {
         let noted = |slope: f32| if slope.abs() < NONE_BELOW { 0.0 } else { slope };
         Self { partials: self.partials.map(noted), ..self }

@@ -10,6 +10,18 @@
 //! zₙ₊₁ = zₙ + 3/2·k1 + 1/2·k2
 //! ```
 //!
+//! It is computed in j = (3/2 − γ)·k1 + 1/2·k2 for k2, which is the smaller the less a tick bends and needs no second look at what is
+//! linear. With f the flow that fills a chamber, or the force on the rod, and as γ² = 2γ − 1/2,
+//!
+//! ```text
+//! (1 − γhJ)·j = (3/2 − γ)·h·f(tₙ, zₙ) + 1/2·h·f(tₙ₊₁, zₙ + k1) − k1
+//! zₙ₊₁ = zₙ + γ·k1 + j
+//! ```
+//!
+//! of which a chamber's share is (2 − γ)·n + 1/2·(change of its flow) − yielding·n − γ·jv, with n the flow that it started to be filled
+//! with and yielding·n what of it stays, and the rod's
+//! jv = mobility·(γ·(force of j) + 1/2·(change of the other forces)) + (1 − γ)/(1 + γ·h·D/m)·v1.
+//!
 //! For an orifice J takes the slope of the chord to Δp = 0, never the flatter tangent: with the tangent a stiff chamber that
 //! empties through its orifice overshoots within a stage to where the root is steep, and the two stages can cancel far from the true
 //! steady state.
@@ -23,22 +35,29 @@
 use crate::chambers::{ChamberEffects, ChamberState, Chambers};
 use crate::drive::{DriveState, Interfaces, Load};
 use crate::feed::Feed;
-use crate::flow::Flows;
+use crate::flow::{Flows, Started};
 use crate::mechanics::{Forces, MechanicalEffects, Mechanics, Surroundings};
-use crate::number::{Mask, Number};
+use crate::number::Number;
+use crate::supply::{ROUNDS_OF_STAGE, ROUNDS_OF_TICK};
 use crate::temperature::{Oil, Viscosity};
 use crate::unnamed::{States, Unnamed};
 use crate::vocabulary::{Keeps, Vocabulary};
+
+/// Weights of a chamber's second stage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct StageWeights<N: Number> {
+    /// 1 − γ, of the flow that the first stage started to fill the chamber with.
+    pub(crate) rest: N::Gain,
+    /// ½, of what that flow changes by.
+    pub(crate) half: N::Gain,
+}
 
 /// The links of a drive below its valve.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Chain<'a, N: Number, C = ChamberEffects<N>, M = MechanicalEffects<N>> {
     pub(crate) chambers: &'a Chambers<N, C>,
     pub(crate) mechanics: &'a Mechanics<N, M>,
-    /// γ
-    pub(crate) gamma: N::Gain,
-    /// γ²·mobility·stiffness of each chamber: the oil springs in the eliminated equation.
-    pub(crate) springs: [N::Steep; 2],
+    pub(crate) weights: StageWeights<N>,
     pub(crate) viscosity: Option<&'a Viscosity<N>>,
     pub(crate) unnamed: Option<&'a Unnamed<N>>,
 }
@@ -58,7 +77,7 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Cha
         let position = N::of_travel(state.motion.position);
         let oil = self.oil::<V, DELAY>(state);
         let filled = self.chambers.at::<V>(pressures, position, oil.map(|oil| oil.thinness));
-        let chambers = filled.as_ref().map_or(self.chambers, |filled| &filled.chambers);
+        let chambers = filled.as_ref().unwrap_or(self.chambers);
         let slider = feed.slider().map_or(N::ZERO, |slider| (slider.from + slider.to).halved());
         let around = self.surroundings::<V, DELAY>(state, slider, oil);
         let added = V::on(self.unnamed).map(|unnamed| unnamed.flows(States::of(state, slider)));
@@ -67,62 +86,55 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Cha
         let constant = mechanics.load;
 
         let motion = &state.motion;
-        let filling = || {
-            let beside = with(chambers.inflow::<V>(Flows { a: N::ZERO, b: N::ZERO }, pressures));
-            chambers.filling(mechanics.making_room::<V>(motion), beside)
-        };
-        let (flows, drawn) = feed.start::<V>(pressures, state.supply.pressure, filling);
+        let beside = with(chambers.inflow::<V>(Flows { a: N::ZERO, b: N::ZERO }, pressures));
+        let filling = chambers.filling(mechanics.making_room::<V>(motion), beside);
+        let Started { flows, drawn, roots } = feed.start::<V>(pressures, state.supply.pressure, filling);
         let yielding = chambers.yielding::<V>(&flows);
         let start = self.pressure_force(pressures) + load.from + constant;
         let contact = equation.contact(velocity, start);
-        // 1/(1 + γ²·mobility·(springs that yield)): the eliminated equation for the velocity.
-        let weights = match filled.as_ref().and_then(|filled| filled.shares) {
-            Some(shares) => [yielding.a.of(shares.a), yielding.b.of(shares.b)],
-            None => [yielding.a, yielding.b],
-        };
-        let give = |share: Option<N>| {
-            N::inverse_one_plus(share.map_or(weights, |share| weights.map(|weight| weight.times(share))), self.springs)
-        };
-        let gives = if contact.sticks.all() { None } else { Some(equation.gives(give)) };
+        let pushing = chambers.pushing(&yielding);
+        let spring = equation.on_spring(contact, pushing.stiffness);
 
-        // First stage.
-        let inflow1 = with(chambers.inflow::<V>(Flows { a: flows.a.flow, b: flows.b.flow }, pressures));
+        // First stage. What flows into a chamber while the rod gains nothing, then what is left to it as it does.
+        let inflow1 = Flows { a: flows.a.flow + beside.a, b: flows.b.flow + beside.b };
         let net = Flows { a: inflow1.a - velocity, b: chambers.displaced_b(velocity) - inflow1.b };
-        let trial = Flows { a: yielding.a.of(net.a), b: yielding.b.of(net.b) };
-        let force = self.force_after(chambers, pressures, start, trial, [load.from, constant]);
         let stage = equation.first_stage(contact, velocity);
-        let guess = equation.first_increment(&stage, force, gives);
-        let ahead = guess.part(self.gamma);
-        let net1 = Flows { a: yielding.a.of(net.a - ahead), b: yielding.b.of(net.b + chambers.displaced_b(ahead)) };
+        let force = |before: N, net: Flows<N>| before + N::dot(pushing.force, [net.a, net.b]);
+        let after = |ahead: N| force(start, chambers.beside_rod(net, ahead));
+        let first = equation.first_force(&stage, force(start, net), &spring, after);
+        let v1 = equation.first(&stage, first);
+        let ahead1 = v1.velocity.small_part(mechanics.gamma);
+        let net = chambers.beside_rod(net, ahead1);
+        let net1 = Flows { a: yielding.a.of(net.a), b: yielding.b.of(net.b) };
         let k1 = chambers.rise(net1);
-        let first = self.force_after(chambers, pressures, start, net1, [load.from, constant]);
-        let v1 = equation.first_increment(&stage, first, None);
 
         // Second stage.
-        let (pressures2, velocity2) = (ChamberState { a: pressures.a + k1.a, b: pressures.b + k1.b }, velocity + v1);
-        let supply2 = feed.supplied::<V>(pressures2, state.supply, drawn);
-        let inflow2 = with(chambers.inflow::<V>(feed.end::<V>(pressures2, supply2.pressure), pressures2));
-        let net = Flows {
-            a: inflow2.a - velocity2 - net1.a - net1.a,
-            b: chambers.displaced_b(velocity2) - inflow2.b - net1.b - net1.b,
-        };
-        let trial = Flows { a: yielding.a.of(net.a), b: yielding.b.of(net.b) };
-        let start2 = self.pressure_force(pressures2) + load.to + constant;
-        let force = self.force_after(chambers, pressures2, start2, trial, [load.to, constant]);
-        let stage = equation.second_stage(contact, velocity, v1);
-        let guess = equation.second_increment(&stage, force, gives);
-        let ahead = guess.part(self.gamma);
-        let net2 = Flows { a: yielding.a.of(net.a - ahead), b: yielding.b.of(net.b + chambers.displaced_b(ahead)) };
-        let second = self.force_after(chambers, pressures2, start2, net2, [load.to, constant]);
-        let v2 = equation.second_increment(&stage, second, None);
+        let pressures2 = ChamberState { a: pressures.a + k1.a, b: pressures.b + k1.b };
+        let supply2 = feed.supplied::<V, ROUNDS_OF_STAGE>(pressures2, state.supply, drawn);
+        let inflow2 = with(chambers.inflow::<V>(feed.end::<V>(pressures2, supply2.pressure, roots), pressures2));
+        let StageWeights { rest, half } = self.weights;
+        // In this order no sum leaves the format before the others do.
+        let left = |net: N, more: N, stays: N| N::dot([rest, half], [net, more]) + (net - stays);
+        let net =
+            Flows { a: left(net.a, inflow2.a - inflow1.a, net1.a), b: left(net.b, inflow1.b - inflow2.b, net1.b) };
+        let stage = equation.second_stage(contact, &stage, v1.velocity);
+        let more = (load.to - load.from).halved();
+        let after = |ahead: N| force(more, chambers.beside_rod(net, ahead));
+        let second = equation.second_force(&stage, &v1, force(more, net), &spring, after);
+        let v2 = equation.second(&stage, &v1, second);
+        let ahead2 = v2.small_part(mechanics.gamma);
+        let net = chambers.beside_rod(net, ahead2);
+        let net2 = Flows { a: yielding.a.of(net.a), b: yielding.b.of(net.b) };
 
         // The links take the step.
-        let moved = equation.finish(contact, &mut state.motion, v1, v2);
+        let gained = [v1.velocity, v2];
+        let moved = equation.finish(contact, &mut state.motion, gained, [ahead1, ahead2]);
         let mean = moved.solved;
-        let kept = Flows { a: net1.a.weighed(net2.a), b: net1.b.weighed(net2.b) };
+        let kept =
+            Flows { a: net1.a.small_part(mechanics.gamma) + net2.a, b: net1.b.small_part(mechanics.gamma) + net2.b };
         // A flow that no pressure moves has the mean of its ends. Taken so, a closed valve passes exactly nothing: the solved
         // flow's rounding would pump the closed chambers up within hours.
-        let solved = |flow: N| if Mechanics::<N>::is_held(v1, v2) { None } else { Some(flow) };
+        let solved = |flow: N| if moved.held { None } else { Some(flow) };
         let flows = Flows {
             a: chambers.mean::<V>(&flows.a, inflow1.a, inflow2.a, solved(kept.a + mean)),
             b: chambers.mean::<V>(&flows.b, inflow1.b, inflow2.b, solved(chambers.displaced_b(mean) - kept.b)),
@@ -132,7 +144,7 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Cha
             Some(beyond) => (chambers.stopped(flows, beyond, &yielding), mean - beyond),
         };
         chambers.fill(&mut state.chambers, &mut state.rest, flows, mean);
-        state.supply = feed.supplied::<V>(state.chambers, state.supply, drawn);
+        state.supply = feed.supplied::<V, ROUNDS_OF_TICK>(state.chambers, state.supply, drawn);
         Interfaces {
             slider: feed.slider(),
             flows,
@@ -168,24 +180,5 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Cha
     #[inline]
     fn pressure_force(&self, pressures: ChamberState<N>) -> N {
         pressures.a - self.chambers.displaced_b(pressures.b)
-    }
-
-    /// Net force with γ of a stage's pressure rise ahead, for the oil `net` that stays in the chambers; `before` is the one at
-    /// these pressures, `beside` what acts with them.
-    #[inline]
-    fn force_after(
-        &self,
-        chambers: &Chambers<N, C>,
-        pressures: ChamberState<N>,
-        before: N,
-        net: Flows<N>,
-        [load, constant]: [N; 2],
-    ) -> N {
-        before.and_more(chambers.ahead, [net.a, net.b], || {
-            let rise = chambers.rise(net);
-            let ahead = |pressure: N, rise: N| pressure + rise.part(self.gamma);
-            let raised = ChamberState { a: ahead(pressures.a, rise.a), b: ahead(pressures.b, rise.b) };
-            self.pressure_force(raised) + load + constant
-        })
     }
 }

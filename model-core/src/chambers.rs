@@ -50,12 +50,13 @@ pub(crate) struct ExternalLeakage<N> {
     pub(crate) tank: N,
 }
 
-/// The chambers in one tick.
+/// What the net oil of each chamber does to the rod within a stage, as far as the chamber yields.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Filled<N: Number, E> {
-    pub(crate) chambers: Chambers<N, E>,
-    /// Stiffness of each chamber over the one of its coefficients.
-    pub(crate) shares: Option<Flows<N>>,
+pub(crate) struct Pushing<N: Number> {
+    /// Force on the rod per flow that would stay in A, and in B.
+    pub(crate) force: [N::Gain; 2],
+    /// Force that the rod meets per velocity.
+    pub(crate) stiffness: N,
 }
 
 /// How a tick fills a chamber.
@@ -137,7 +138,7 @@ impl<N: Number> Chambers<N> {
     ) {
         match &self.effects.capacity {
             None => self.fill(state, rest, flows, velocity),
-            Some(capacity) => self.filled(capacity, *state, position).chambers.fill(state, rest, flows, velocity),
+            Some(capacity) => self.filled(capacity, *state, position).fill(state, rest, flows, velocity),
         }
     }
 }
@@ -151,33 +152,32 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
         pressures: ChamberState<N>,
         position: N,
         thinness: Option<N>,
-    ) -> Option<Filled<N, E>> {
+    ) -> Option<Self> {
         let effects = V::on(self.effects.kept())?;
         if effects.capacity.is_none() && thinness.is_none() {
             return None;
         }
         let mut filled = match &effects.capacity {
             Some(capacity) => self.filled(capacity, pressures, position),
-            None => Filled { chambers: *self, shares: None },
+            None => *self,
         };
         if let Some(thinness) = thinness {
-            filled.chambers.effects = filled.chambers.effects.changed(|effects| effects.thinned(thinness));
+            filled.effects = filled.effects.changed(|effects| effects.thinned(thinness));
         }
         Some(filled)
     }
 
     #[inline]
-    fn filled(&self, capacity: &Capacity<N>, pressures: ChamberState<N>, position: N) -> Filled<N, E> {
+    fn filled(&self, capacity: &Capacity<N>, pressures: ChamberState<N>, position: N) -> Self {
         let shares = capacity.shares(pressures, position);
         let [ahead_a, ahead_b] = self.ahead;
-        let chambers = Chambers {
-            stiffness_a: N::dot([self.stiffness_a], [shares.a]).as_gain(),
-            stiffness_b: N::dot([self.stiffness_b], [shares.b]).as_gain(),
-            implicit: Flows { a: self.implicit.a.times(shares.a), b: self.implicit.b.times(shares.b) },
-            ahead: [N::dot([ahead_a], [shares.a]).as_gain(), N::dot([ahead_b], [shares.b]).as_gain()],
+        Self {
+            stiffness_a: N::scaled(self.stiffness_a, shares.a),
+            stiffness_b: N::scaled(self.stiffness_b, shares.b),
+            implicit: Flows { a: shares.a.of(self.implicit.a), b: shares.b.of(self.implicit.b) },
+            ahead: [N::scaled(ahead_a, shares.a), N::scaled(ahead_b, shares.b)],
             ..*self
-        };
-        Filled { chambers, shares: Some(shares) }
+        }
     }
 
     /// Takes in a tick's mean flows.
@@ -209,6 +209,20 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
             a: Filling { stiffness: self.stiffness_a, room: velocity - beside.a },
             b: Filling { stiffness: self.stiffness_b, room: self.displaced_b(velocity) - beside.b },
         }
+    }
+
+    /// What the oil does to the rod within a stage in chambers that yield so.
+    #[inline]
+    pub(crate) fn pushing(&self, yielding: &Flows<N>) -> Pushing<N> {
+        let [a, b] = self.ahead;
+        let (a, b) = (N::scaled(a, yielding.a), N::scaled(b, yielding.b));
+        Pushing { force: [a, b], stiffness: N::of_gain(a) - self.displaced_b(N::of_gain(b)) }
+    }
+
+    /// What is left of flows that stay in the chambers, as the rod moves at a velocity more.
+    #[inline]
+    pub(crate) fn beside_rod(&self, net: Flows<N>, velocity: N) -> Flows<N> {
+        Flows { a: net.a - velocity, b: net.b + self.displaced_b(velocity) }
     }
 
     /// Flow that the rod side displaces. (6)
@@ -246,14 +260,18 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
     #[inline]
     pub(crate) fn yielding<V: Vocabulary>(&self, flows: &Flows<Linearised<N>>) -> Flows<N> {
         let Some(effects) = V::on(self.effects.kept()) else {
-            let side =
-                |implicit: N, side: &Linearised<N>| N::inverse_one_plus([implicit.times(side.opening)], [side.slope]);
+            let side = |implicit: N, side: &Linearised<N>| {
+                let yields = || N::inverse_one_plus([implicit.times(side.opening)], [side.slope]);
+                N::choose(side.opening.is_nothing(), || N::ONE, yields)
+            };
             return Flows { a: side(self.implicit.a, &flows.a), b: side(self.implicit.b, &flows.b) };
         };
         let twice = effects.leakage + effects.leakage;
         let [out_a, out_b] = effects.external.map_or([twice; 2], |out| [twice + out.a, twice + out.b]);
         let side = |implicit: N, side: &Linearised<N>, leakage: N| {
-            N::inverse_one_plus([implicit.times(side.opening), implicit.times(leakage)], [side.slope, self.unity])
+            let weights = || [implicit.times(side.opening), implicit.times(leakage)];
+            let yields = || N::inverse_one_plus(weights(), [side.slope, self.unity]);
+            N::choose(side.opening.is_nothing() & leakage.is_nothing(), || N::ONE, yields)
         };
         Flows { a: side(self.implicit.a, &flows.a, out_a), b: side(self.implicit.b, &flows.b, out_b) }
     }

@@ -11,12 +11,13 @@ mod unnamed;
 mod valve_effects;
 
 use crate::bases::{COMMAND_V, GAIN_AIM, PUMP_SPEED_REV_PER_S, SPRUNG, bases, inertia, least_drag, smaller_capacity};
+use crate::chain::StageWeights;
 use crate::chambers::Chambers;
 use crate::drive::{Drive, OilSource};
 use crate::flow::{Edges, Lines, Pump};
 use crate::machine::{Bases, Machine, MachineError, Source, Tick};
 use crate::mechanics::GAMMA;
-use crate::number::{Field, Number, Real};
+use crate::number::{Number, Real};
 use crate::parameter::Parameter as P;
 use crate::valve::Valve;
 
@@ -40,17 +41,16 @@ impl<N: Number> Drive<N> {
         let plain = matches!(&source, OilSource::Valve(valve, edges) if valve.effects.are_off() && edges.effects.is_none())
             && chambers.effects.are_off()
             && mechanics.effects.are_off()
+            && !mechanics.hard
             && !sensors.follows()
             && viscosity.is_none()
             && unnamed.is_none();
-        let [spring_a, spring_b] = builder.springs::<N>().map_err(|error| builder.with_cause(error))?;
         Ok(Drive {
             source,
             chambers,
             mechanics,
             unsprung,
-            gamma: builder.gain::<N>("the step's γ", P::Stroke, N::Real::constant(GAMMA))?,
-            springs: [spring_a, spring_b],
+            weights: builder.weights()?,
             sensors,
             viscosity,
             unnamed,
@@ -108,6 +108,11 @@ impl<R: Real> Builder<'_, R> {
 
     fn gain<N: Number<Real = R>>(&self, name: &'static str, of: P, value: R) -> Result<N::Gain, MachineError> {
         N::gain(value).ok_or_else(|| self.misfit(name, of, value, GAIN_LIMIT))
+    }
+
+    fn weights<N: Number<Real = R>>(&self) -> Result<StageWeights<N>, MachineError> {
+        let weight = |value: f64| self.gain::<N>("a weight of the step", P::Stroke, R::constant(value));
+        Ok(StageWeights { rest: weight(1.0 - GAMMA)?, half: weight(0.5)? })
     }
 
     fn steep<N: Number<Real = R>>(&self, name: &'static str, of: P, value: R) -> Result<N::Steep, MachineError> {
@@ -189,10 +194,13 @@ impl<R: Real> Builder<'_, R> {
         })
     }
 
+    /// Per unit.
+    fn transition_pressure(&self) -> R {
+        (self.get(P::LaminarTransition) + self.get(P::LaminarPressure)) / R::constant(self.bases.pressure_pa)
+    }
+
     fn transition<N: Number<Real = R>>(&self) -> Result<N, MachineError> {
-        let pressure = self.get(P::LaminarTransition) + self.get(P::LaminarPressure);
-        let pressure = pressure / R::constant(self.bases.pressure_pa);
-        self.signal("laminar transition", P::LaminarTransition, pressure)
+        self.signal("laminar transition", P::LaminarTransition, self.transition_pressure())
     }
 
     /// `K_Q` per unit.
@@ -207,6 +215,7 @@ impl<R: Real> Builder<'_, R> {
             limit: Self::limit(self.get(P::FlowLimit) / R::constant(self.bases.flow_m3_per_s)),
             unity: self.steep::<N>("one", P::FlowLimit, R::ONE)?,
             transition: self.transition()?,
+            turbulent: Self::limit(R::constant(256.0) * self.transition_pressure()),
             lines: self.lines()?,
             effects: self.edge_effects()?,
         })

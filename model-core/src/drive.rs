@@ -2,7 +2,7 @@
 //!
 //! The valve goes first; how the links below it are solved together is in `chain`.
 
-use crate::chain::Chain;
+use crate::chain::{Chain, StageWeights};
 use crate::chambers::{ChamberState, Chambers};
 use crate::feed::{AnyFeed, Metered};
 use crate::flow::{Edges, Flows, Pump, PumpDrive};
@@ -33,16 +33,13 @@ pub struct Drive<N: Number> {
     pub(crate) mechanics: Mechanics<N>,
     /// The mechanics under a given force: without the oil spring, whose turning the others' mass is matched to.
     pub(crate) unsprung: Mechanics<N>,
-    /// γ
-    pub(crate) gamma: N::Gain,
-    /// γ²·mobility·stiffness of each chamber: the oil springs in the eliminated equation.
-    pub(crate) springs: [N::Steep; 2],
+    pub(crate) weights: StageWeights<N>,
     pub(crate) sensors: Sensors<N>,
     /// Of the oil, where it changes.
     pub(crate) viscosity: Option<Viscosity<N>>,
     /// Flow or slider travel without a name; a force stands in the mechanics.
     pub(crate) unnamed: Option<Unnamed<N>>,
-    /// Whether it is a valve-controlled drive without any effect.
+    /// Whether it is a valve-controlled drive without any effect, and without viscous friction that is too hard for its step.
     pub(crate) plain: bool,
     pub(crate) bases: Bases,
 }
@@ -348,8 +345,7 @@ impl<N: Number> Drive<N> {
         Chain {
             chambers: &self.chambers,
             mechanics: &self.mechanics,
-            gamma: self.gamma,
-            springs: self.springs,
+            weights: self.weights,
             viscosity: self.viscosity.as_ref(),
             unnamed: self.unnamed.as_ref(),
         }
@@ -384,10 +380,11 @@ impl<N: Number> Drive<N> {
     fn step_force<const DELAY: usize>(&self, state: &mut DriveState<N, DELAY>, from: N, to: N) -> Interfaces<N> {
         let (rise, chain) = (to - from, self.chain());
         let constant = self.unsprung.load;
+        let ahead = rise.part(self.unsprung.gamma);
         let forces = Forces {
             start: from + constant,
-            first: from + constant + rise.part(self.gamma),
-            second: to + constant - rise.part(self.gamma),
+            first: from + constant + ahead,
+            second: ahead - ahead.part(self.unsprung.gamma),
             around: chain.surroundings::<Effects, DELAY>(state, N::ZERO, chain.oil::<Effects, DELAY>(state)),
         };
         let position = N::of_travel(state.motion.position);

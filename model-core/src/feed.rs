@@ -2,7 +2,7 @@
 
 use crate::chambers::{ChamberState, Filling};
 use crate::edge_effects::EdgeEffects;
-use crate::flow::{Edges, Flows, Linearised, Opened, Pump, PumpDrive};
+use crate::flow::{Edges, Flows, Linearised, Opened, Pump, PumpDrive, Root, Started};
 use crate::number::Number;
 use crate::supply::SupplyState;
 use crate::valve::Slider;
@@ -13,20 +13,20 @@ pub(crate) trait Feed<N: Number> {
     /// The slider, where there is one.
     fn slider(&self) -> Option<Slider<N>>;
 
-    /// Flows at the start of the tick, with their slopes, and the flow drawn from a supply that droops.
-    fn start<V: Vocabulary>(
+    /// Flows at the start of the tick, with their slopes.
+    fn start<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N, filling: Flows<Filling<N>>) -> Started<N>;
+
+    /// Flows at the end of a tick that started with these roots.
+    fn end<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N, started: Option<Flows<Root<N>>>) -> Flows<N>;
+
+    /// The supply at the end of a tick that ends at these pressures, of which `drawn` was drawn at its start, in so many rounds; it stays
+    /// where nothing feeds from it.
+    fn supplied<V: Vocabulary, const ROUNDS: usize>(
         &self,
         pressures: ChamberState<N>,
-        supply: N,
-        filling: impl Fn() -> Flows<Filling<N>>,
-    ) -> (Flows<Linearised<N>>, N);
-
-    /// Flows at the end of the tick.
-    fn end<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N) -> Flows<N>;
-
-    /// The supply at the end of a tick that ends at these pressures, of which `drawn` was drawn at its start; it stays where nothing
-    /// feeds from it.
-    fn supplied<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: SupplyState<N>, drawn: N) -> SupplyState<N>;
+        supply: SupplyState<N>,
+        drawn: N,
+    ) -> SupplyState<N>;
 }
 
 /// The valve's edges under a slider.
@@ -52,21 +52,21 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Feed<N> for Metered<'_, N, E> {
         Some(self.slider)
     }
     #[inline]
-    fn start<V: Vocabulary>(
-        &self,
-        pressures: ChamberState<N>,
-        supply: N,
-        filling: impl Fn() -> Flows<Filling<N>>,
-    ) -> (Flows<Linearised<N>>, N) {
+    fn start<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N, filling: Flows<Filling<N>>) -> Started<N> {
         self.edges.linearised_with::<V>(self.slider, &self.opened, pressures, supply, filling)
     }
     #[inline]
-    fn end<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N) -> Flows<N> {
-        self.edges.flow_with::<V>(&self.opened, pressures, supply)
+    fn end<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N, started: Option<Flows<Root<N>>>) -> Flows<N> {
+        self.edges.flow_with::<V>(&self.opened, pressures, supply, started)
     }
     #[inline]
-    fn supplied<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: SupplyState<N>, drawn: N) -> SupplyState<N> {
-        self.edges.supplied::<V>(&self.opened, pressures, supply, drawn)
+    fn supplied<V: Vocabulary, const ROUNDS: usize>(
+        &self,
+        pressures: ChamberState<N>,
+        supply: SupplyState<N>,
+        drawn: N,
+    ) -> SupplyState<N> {
+        self.edges.supplied::<V, ROUNDS>(&self.opened, pressures, supply, drawn)
     }
 }
 
@@ -89,25 +89,21 @@ impl<N: Number> Feed<N> for AnyFeed<'_, N> {
         if let AnyFeed::Edges(edges) = self { edges.slider() } else { None }
     }
     #[inline]
-    fn start<V: Vocabulary>(
-        &self,
-        pressures: ChamberState<N>,
-        supply: N,
-        filling: impl Fn() -> Flows<Filling<N>>,
-    ) -> (Flows<Linearised<N>>, N) {
+    fn start<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N, filling: Flows<Filling<N>>) -> Started<N> {
+        let without_roots = |flows: Flows<Linearised<N>>| Started { flows, drawn: N::ZERO, roots: None };
         match self {
             AnyFeed::Edges(edges) => edges.start::<V>(pressures, supply, filling),
-            &AnyFeed::Pump(pump, drive) => (pump.flow(drive, pressures.a, pressures.b), N::ZERO),
+            &AnyFeed::Pump(pump, drive) => without_roots(pump.flow(drive, pressures.a, pressures.b)),
             &AnyFeed::Given { from, unity, .. } => {
                 let given = |flow: N| Linearised { flow, opening: N::ZERO, slope: unity };
-                (Flows { a: given(from.a), b: given(from.b) }, N::ZERO)
+                without_roots(Flows { a: given(from.a), b: given(from.b) })
             }
         }
     }
     #[inline]
-    fn end<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N) -> Flows<N> {
+    fn end<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N, started: Option<Flows<Root<N>>>) -> Flows<N> {
         match self {
-            AnyFeed::Edges(edges) => edges.end::<V>(pressures, supply),
+            AnyFeed::Edges(edges) => edges.end::<V>(pressures, supply, started),
             &AnyFeed::Pump(pump, drive) => {
                 let flows = pump.flow(drive, pressures.a, pressures.b);
                 Flows { a: flows.a.flow, b: flows.b.flow }
@@ -116,7 +112,12 @@ impl<N: Number> Feed<N> for AnyFeed<'_, N> {
         }
     }
     #[inline]
-    fn supplied<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: SupplyState<N>, drawn: N) -> SupplyState<N> {
-        if let AnyFeed::Edges(edges) = self { edges.supplied::<V>(pressures, supply, drawn) } else { supply }
+    fn supplied<V: Vocabulary, const ROUNDS: usize>(
+        &self,
+        pressures: ChamberState<N>,
+        supply: SupplyState<N>,
+        drawn: N,
+    ) -> SupplyState<N> {
+        if let AnyFeed::Edges(edges) = self { edges.supplied::<V, ROUNDS>(pressures, supply, drawn) } else { supply }
     }
 }

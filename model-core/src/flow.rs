@@ -6,7 +6,7 @@
 use crate::chambers::{ChamberState, Filling};
 use crate::edge_effects::EdgeEffects;
 use crate::metering::Four;
-use crate::number::Number;
+use crate::number::{Mask, Number};
 use crate::valve::{AcrossEdges, Slider};
 use crate::vocabulary::{Effects, Keeps, Vocabulary};
 
@@ -20,6 +20,25 @@ pub struct Linearised<N: Number> {
     pub opening: N,
     /// Slope of the orifice's root: of its chord to zero pressure difference.
     pub slope: N::Steep,
+}
+
+/// The flows at the start of a tick.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Started<N: Number> {
+    pub(crate) flows: Flows<Linearised<N>>,
+    /// Drawn from a supply that droops.
+    pub(crate) drawn: N,
+    /// Of an orifice each, from which the roots at the end may be taken.
+    pub(crate) roots: Option<Flows<Root<N>>>,
+}
+
+/// Root of an orifice at the start of a tick.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Root<N: Number> {
+    across: N,
+    value: N,
+    /// Of its chord.
+    slope: N::Steep,
 }
 
 /// Flow into A and out of B.
@@ -76,6 +95,8 @@ pub struct Edges<N: Number, E = Option<EdgeEffects<N>>> {
     pub(crate) unity: N::Steep,
     /// Pressure difference at which the root turns from laminar to turbulent, `laminar-transition` included.
     pub(crate) transition: N,
+    /// 256 times that: from there on the root's slope is half of its chord's to 8e-6 of it.
+    pub(crate) turbulent: N,
     pub(crate) lines: Lines<N>,
     /// What makes the four edges differ; `None` leaves two equal ones at a time.
     pub(crate) effects: E,
@@ -85,8 +106,8 @@ impl<N: Number, E> Edges<N, E> {
     /// The same edges with these effects.
     #[inline]
     pub(crate) fn with<F>(&self, effects: F) -> Edges<N, F> {
-        let &Self { overlap, gain, limit, unity, transition, lines, .. } = self;
-        Edges { overlap, gain, limit, unity, transition, lines, effects }
+        let &Self { overlap, gain, limit, unity, transition, turbulent, lines, .. } = self;
+        Edges { overlap, gain, limit, unity, transition, turbulent, lines, effects }
     }
 
     /// The opening whose chord is that of a limited flow: all of it, or where it would pass more than the limit the share that does not.
@@ -101,14 +122,8 @@ impl<N: Number, E> Edges<N, E> {
     /// Without that one, a chamber that one tick at the limit overfills would rest between the lines, short of both. With it all the time, a
     /// rod on the oil's spring would swing up, as if the step's slope took from the swing what no flow does.
     #[inline]
-    pub(crate) fn sloping(
-        &self,
-        opening: N,
-        [flow, free]: [N; 2],
-        across: N,
-        filling: impl FnOnce() -> Filling<N>,
-    ) -> N {
-        N::choose(flow.equals(free), || opening, || self.sloping_at_limit(opening, [flow, free], across, filling()))
+    pub(crate) fn sloping(&self, opening: N, [flow, free]: [N; 2], across: N, filling: Filling<N>) -> N {
+        N::choose(flow.equals(free), || opening, || self.sloping_at_limit(opening, [flow, free], across, filling))
     }
 
     /// Whether a tick at the limit takes the pressures past where the limit's chord begins: what it fills, with that chord's share of what is
@@ -133,7 +148,7 @@ impl<N: Number> Edges<N> {
     /// Flows at a slider position, two chamber pressures, and that of a supply that droops.
     #[inline]
     pub fn flow(&self, slider: N, pressures: ChamberState<N>, supply: N) -> Flows<N> {
-        self.flow_with::<Effects>(&self.opened::<Effects>(slider), pressures, supply)
+        self.flow_with::<Effects>(&self.opened::<Effects>(slider), pressures, supply, None)
     }
 }
 
@@ -147,20 +162,24 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         }
     }
 
-    /// Flows with the edges opened so.
+    /// Flows with the edges opened so, in a tick that started with these roots.
     #[inline]
     pub(crate) fn flow_with<V: Vocabulary>(
         &self,
         opened: &Opened<N>,
         pressures: ChamberState<N>,
         supply: N,
+        started: Option<Flows<Root<N>>>,
     ) -> Flows<N> {
         if let (Some(effects), Some(four)) = (V::on(self.effects.kept()), &opened.four) {
             return self.flow_of_four(effects, four, pressures, supply);
         }
         let opening = opened.way;
         let across = self.across(opening, pressures);
-        Flows { a: self.passing_edge(opening, across.a), b: self.passing_edge(opening, across.b) }
+        Flows {
+            a: self.passing_edge(opening, across.a, started.map(|roots| roots.a)),
+            b: self.passing_edge(opening, across.b, started.map(|roots| roots.b)),
+        }
     }
 
     /// Flows at the start of a tick at whose end the edges are opened so.
@@ -171,25 +190,59 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         end: &Opened<N>,
         pressures: ChamberState<N>,
         supply: N,
-        filling: impl Fn() -> Flows<Filling<N>>,
-    ) -> (Flows<Linearised<N>>, N) {
+        filling: Flows<Filling<N>>,
+    ) -> Started<N> {
         if let (Some(effects), Some(four)) = (V::on(self.effects.kept()), &end.four) {
-            return self.linearised_of_four(effects, slider, four, pressures, supply, filling);
+            let (flows, drawn) = self.linearised_of_four(effects, slider, four, pressures, supply, filling);
+            return Started { flows, drawn, roots: None };
         }
         let (from, to) = (self.opening(slider.from), end.way);
         // A closed valve that opens within the tick already works between the pressures it opens to.
         let across = self.across(N::pick(from.equals(N::ZERO), to, from), pressures);
         let larger = from.magnitude().max(to.magnitude());
-        let a = self.passing_linearised(from, larger, across.a, || filling().a);
-        let b = self.passing_linearised(from, larger, across.b, || filling().b);
-        (Flows { a, b }, N::ZERO)
+        let closed = from.is_nothing() & to.is_nothing();
+        let a = self.passing_linearised(closed, from, larger, across.a, filling.a);
+        let b = self.passing_linearised(closed, from, larger, across.b, filling.b);
+        Started { flows: Flows { a: a.0, b: b.0 }, drawn: N::ZERO, roots: Some(Flows { a: a.1, b: b.1 }) }
     }
 
-    /// Flow through an edge.
-    #[inline]
-    fn passing_edge(&self, opening: N, across: N) -> N {
-        let (root, _) = across.orifice_root(self.transition);
-        opening.times(root).limited(self.limit)
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "as `root_after`")]
+    fn root(&self, across: N) -> Root<N> {
+        let (value, slope) = across.orifice_root(self.transition);
+        Root { across, value, slope }
+    }
+
+    /// The root at the end of a tick that started with this one.
+    ///
+    /// Where the tick moves what is across by less than 2⁻¹³ of it, half of the chord's slope leads there: to less than a step
+    /// of the format, so that nobody sees which way it was computed.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "a call is half of what the shorter way computes")]
+    fn root_after(&self, started: Root<N>, across: N) -> N {
+        let moved = across - started.across;
+        let near = (started.across.magnitude() - self.turbulent).over_power(13).above(moved.magnitude());
+        let on_tangent = || started.value + moved.amplified_within(started.slope).halved();
+        if near.all() {
+            return on_tangent();
+        }
+        let fresh = self.root(across).value;
+        if near.any() { N::pick(near, on_tangent(), fresh) } else { fresh }
+    }
+
+    /// Flow through an edge at the end of a tick.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "as `root_after`")]
+    fn passing_edge(&self, opening: N, across: N, started: Option<Root<N>>) -> N {
+        let closed = opening.is_nothing();
+        if closed.all() {
+            return N::ZERO;
+        }
+        let root = match started {
+            Some(started) => self.root_after(started, across),
+            None => self.root(across).value,
+        };
+        N::pick(closed, N::ZERO, opening.times(root).limited(self.limit))
     }
 
     /// Flow through an edge with its slope, at the `larger` opening of the tick.
@@ -197,15 +250,21 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
     #[expect(clippy::inline_always, reason = "a call with its result in memory is half of what it computes")]
     fn passing_linearised(
         &self,
+        closed: N::Mask,
         opening: N,
         larger: N,
         across: N,
-        filling: impl FnOnce() -> Filling<N>,
-    ) -> Linearised<N> {
-        let (root, slope) = across.orifice_root(self.transition);
-        let free = opening.times(root);
+        filling: Filling<N>,
+    ) -> (Linearised<N>, Root<N>) {
+        if closed.all() {
+            let closed = Linearised { flow: N::ZERO, opening: N::ZERO, slope: self.unity };
+            return (closed, Root { across, value: N::ZERO, slope: self.unity });
+        }
+        let root = self.root(across);
+        let free = opening.times(root.value);
         let flow = free.limited(self.limit);
-        Linearised { flow, opening: self.sloping(larger, [flow, free], across, filling), slope }
+        let opening = self.sloping(larger, [flow, free], across, filling);
+        (Linearised { flow: N::pick(closed, N::ZERO, flow), opening, slope: root.slope }, root)
     }
 
     /// Pressure over both edges that either way of the slider opens, without sign.

@@ -23,10 +23,12 @@ pub const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
 pub struct Mechanics<N: Number, E = MechanicalEffects<N>> {
     /// With the least viscous friction.
     pub(crate) row: Row<N>,
-    /// ½(1 + γ) and ½γ: weights of the stages in the mean velocity.
-    pub(crate) mean: [N::Gain; 2],
-    /// 1
-    pub(crate) unity: N::Gain,
+    /// That friction: force per velocity. 0 where it does not fit, as it is `hard`.
+    pub(crate) viscous: N::Gain,
+    /// Whether viscous friction holds the rod so hard that full force moves it at a quarter of the velocity base at most.
+    pub(crate) hard: bool,
+    /// γ
+    pub(crate) gamma: N::Gain,
     /// Strokes per tick at velocity 1.
     pub(crate) travel: N::Gain,
     /// Constant external force, positive extends.
@@ -50,9 +52,11 @@ pub struct MechanicalEffects<N: Number> {
 pub(crate) struct Row<N: Number> {
     /// Velocity gained in a tick per force.
     pub(crate) mobility: N::Gain,
+    /// γ of it: the oil's springs in the eliminated equation.
+    pub(crate) pull: N::Gain,
     /// Velocity lost in a tick to viscous friction, per velocity.
     pub(crate) drag: N::Gain,
-    /// −2/(1 + γ·h·D/m): what the second stage takes back of the first.
+    /// (1 − γ)/(1 + γ·h·D/m): what of the first stage the second goes on with.
     pub(crate) back: N::Gain,
     /// The mass's own diagonal over this one, where more is on it.
     pub(crate) share: Option<N>,
@@ -73,8 +77,6 @@ pub(crate) struct Resistance<N: Number> {
     pub(crate) per_gamma: N::Gain,
     /// 1 − 2γ: what of the first stage's travel is left in a spring's second.
     pub(crate) second: N::Gain,
-    /// γ
-    pub(crate) gamma: N::Gain,
     /// 0
     pub(crate) none: N::Steep,
 }
@@ -111,9 +113,10 @@ impl<N: Number> MotionState<N> {
 pub struct Forces<N> {
     /// At the start of the tick: what dry friction has to hold.
     pub start: N,
-    /// First stage.
+    /// First stage: that at the start, with γ of what the stage changes it by; `from` + γ·(`to` − `from`) for one that goes straight
+    /// from one to the other.
     pub first: N,
-    /// Second stage.
+    /// Second stage: what is left to change, γ·(1 − γ)·(`to` − `from`) of one that goes straight; none of a constant one.
     pub second: N,
     /// What else the friction depends on.
     pub around: Surroundings<N>,
@@ -150,8 +153,8 @@ impl<N: Number, E> Mechanics<N, E> {
     /// The same mass with these effects.
     #[inline]
     pub(crate) fn with<F>(&self, effects: F) -> Mechanics<N, F> {
-        let &Self { row, mean, unity, travel, load, .. } = self;
-        Mechanics { row, mean, unity, travel, load, effects }
+        let &Self { row, viscous, hard, gamma, travel, load, .. } = self;
+        Mechanics { row, viscous, hard, gamma, travel, load, effects }
     }
 }
 
@@ -165,21 +168,16 @@ impl<N: Number> MechanicalEffects<N> {
 }
 
 impl<N: Number> Mechanics<N> {
-    /// Whether the increments of a tick are beyond the format.
-    #[inline]
-    pub(crate) fn is_held(first: N, second: N) -> bool {
-        first.is_held() || second.is_held()
-    }
-
     /// One tick under the given forces. Returns the mean velocity of the tick.
     #[inline]
     pub fn step(&self, state: &mut MotionState<N>, forces: Forces<N>) -> N {
         let equation = self.equation::<Effects>(state, forces.around);
         let contact = equation.contact(state.velocity, forces.start);
-        let first = equation.first_increment(&equation.first_stage(contact, state.velocity), forces.first, None);
-        let second = equation.second_stage(contact, state.velocity, first);
-        let second = equation.second_increment(&second, forces.second, None);
-        let moved = equation.finish(contact, state, first, second);
+        let stage = equation.first_stage(contact, state.velocity);
+        let first = equation.first(&stage, forces.first);
+        let stage = equation.second_stage(contact, &stage, first.velocity);
+        let gained = [first.velocity, equation.second(&stage, &first, forces.second)];
+        let moved = equation.finish(contact, state, gained, gained.map(|gained| gained.small_part(self.gamma)));
         moved.beyond.map_or(moved.solved, |beyond| moved.solved - beyond)
     }
 }

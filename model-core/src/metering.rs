@@ -31,6 +31,16 @@ pub(crate) struct Four<T> {
 
 impl<T: Copy> Four<T> {
     #[inline]
+    fn each<U>(&self, of: impl Fn(T) -> U) -> Four<U> {
+        Four {
+            supply_a: of(self.supply_a),
+            tank_a: of(self.tank_a),
+            supply_b: of(self.supply_b),
+            tank_b: of(self.tank_b),
+        }
+    }
+
+    #[inline]
     fn with<U: Copy, V>(&self, other: &Four<U>, each: impl Fn(T, U) -> V) -> Four<V> {
         Four {
             supply_a: each(self.supply_a, other.supply_a),
@@ -81,7 +91,7 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         pressures: ChamberState<N>,
         supply: N,
     ) -> Flows<N> {
-        self.passing(effects, openings, pressures, supply).ports()
+        self.passing(effects, openings, &openings.each(N::is_nothing), pressures, supply).ports()
     }
 
     /// Flows at the start of a tick that ends with the openings `to`, with their slopes, and what is drawn from the supply.
@@ -93,29 +103,35 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         to: &Four<N>,
         pressures: ChamberState<N>,
         supply: N,
-        filling: impl Fn() -> Flows<Filling<N>>,
+        filling: Flows<Filling<N>>,
     ) -> (Flows<Linearised<N>>, N) {
         let from = self.openings(effects, slider.from);
-        let passing = self.passing(effects, &from, pressures, supply);
         let started = self.overlap.beyond(slider.from);
         let way = N::choose(started.equals(N::ZERO), || self.overlap.beyond(slider.to), || started);
         let (across, larger) = (self.across_each(pressures, supply), larger(way, &from, to));
+        let ends = from.with(to, |from, to| from.is_nothing() & to.is_nothing());
+        let closed = ends.with(&larger, |ends, larger| ends & larger.is_nothing());
+        let passing = self.passing(effects, &from, &closed, pressures, supply);
         // An edge fills what the other edge of its port does not empty.
-        let steep = |passing: Passing<N>, opening: N, across: N, filling: &dyn Fn() -> Filling<N>| {
+        let steep = |passing: Passing<N>, opening: N, across: N, filling: Filling<N>| {
             let opening = self.sloping(opening, [passing.flow, passing.free], across, filling);
             Self::steepness(effects, passing.slope, opening)
         };
         let steep = Four {
-            supply_a: steep(passing.supply_a, larger.supply_a, across.supply_a, &|| {
-                filling().a.against(passing.tank_a.flow)
-            }),
-            tank_a: steep(passing.tank_a, larger.tank_a, across.tank_a, &|| {
-                filling().a.reversed().against(passing.supply_a.flow)
-            }),
-            supply_b: steep(passing.supply_b, larger.supply_b, across.supply_b, &|| {
-                filling().b.reversed().against(passing.tank_b.flow)
-            }),
-            tank_b: steep(passing.tank_b, larger.tank_b, across.tank_b, &|| filling().b.against(passing.supply_b.flow)),
+            supply_a: steep(passing.supply_a, larger.supply_a, across.supply_a, filling.a.against(passing.tank_a.flow)),
+            tank_a: steep(
+                passing.tank_a,
+                larger.tank_a,
+                across.tank_a,
+                filling.a.reversed().against(passing.supply_a.flow),
+            ),
+            supply_b: steep(
+                passing.supply_b,
+                larger.supply_b,
+                across.supply_b,
+                filling.b.reversed().against(passing.tank_b.flow),
+            ),
+            tank_b: steep(passing.tank_b, larger.tank_b, across.tank_b, filling.b.against(passing.supply_b.flow)),
         };
         let supplied = steep.supply_a + steep.supply_b;
         let soft = |own: N| match &effects.droop {
@@ -131,9 +147,9 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         (linearised, passing.drawn())
     }
 
-    /// The supply at the end of a tick that ends with these openings and pressures, with `drawn` drawn at its start.
+    /// The supply at the end of a tick that ends with these openings and pressures, with `drawn` drawn at its start; in so many rounds.
     #[inline]
-    pub(crate) fn supplied<V: Vocabulary>(
+    pub(crate) fn supplied<V: Vocabulary, const ROUNDS: usize>(
         &self,
         opened: &Opened<N>,
         pressures: ChamberState<N>,
@@ -143,12 +159,17 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         let Some(effects) = V::on(self.effects.kept()) else { return supply };
         let Some(droop) = &effects.droop else { return supply };
         let Some(Four { supply_a: into_a, supply_b: into_b, .. }) = opened.four else { return supply };
-        droop.after(supply, self.lines.supply, drawn, effects.slope_scale, |supply| {
+        droop.after::<ROUNDS>(supply, self.lines.supply, drawn, effects.slope_scale, |supply| {
             let Lines { supply, .. } = self.lines_at(supply);
             let edge = |opening: N, pressure: N| {
-                let passing = self.through(opening, (supply - pressure).orifice_root(self.transition));
-                let opening = self.within_limit(opening, passing.flow, passing.free);
-                (passing.flow, Self::steepness(effects, passing.slope, opening))
+                let closed = opening.is_nothing();
+                let passing = || {
+                    let passing = self.through(opening, (supply - pressure).orifice_root(self.transition));
+                    let opening = self.within_limit(opening, passing.flow, passing.free);
+                    (passing.flow, Self::steepness(effects, passing.slope, opening))
+                };
+                let each = |_, (flow, steep)| (N::pick(closed, N::ZERO, flow), N::pick(closed, N::ZERO, steep));
+                closed.branch(|| (N::ZERO, N::ZERO), passing, each)
             };
             let ((flow_a, steep_a), (flow_b, steep_b)) = (edge(into_a, pressures.a), edge(into_b, pressures.b));
             Draw { flow: flow_a + flow_b, steepness: steep_a + steep_b }
@@ -206,27 +227,39 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         }
     }
 
+    /// What passes edges of these openings, of which nothing is asked where they are `closed`.
     #[inline]
     fn passing(
         &self,
         effects: &EdgeEffects<N>,
         openings: &Four<N>,
+        closed: &Four<N::Mask>,
         pressures: ChamberState<N>,
         supply: N,
     ) -> Four<Passing<N>> {
         let across = self.across_each(pressures, supply);
-        let supply = |opening: N, across: N| self.through(opening, across.orifice_root(self.transition));
-        let tank = |opening: N, across: N| match effects.half_laminar {
-            Some(half) => {
+        let unless = |closed: N::Mask, passing: &dyn Fn() -> Passing<N>| {
+            let nothing = || Passing { flow: N::ZERO, free: N::ZERO, slope: self.unity };
+            closed.branch(nothing, passing, |_, passing: Passing<N>| Passing {
+                flow: N::pick(closed, N::ZERO, passing.flow),
+                free: N::pick(closed, N::ZERO, passing.free),
+                ..passing
+            })
+        };
+        let supply = |closed: N::Mask, opening: N, across: N| {
+            unless(closed, &|| self.through(opening, across.orifice_root(self.transition)))
+        };
+        let tank = |closed: N::Mask, opening: N, across: N| match effects.half_laminar {
+            Some(half) => unless(closed, &|| {
                 self.through(opening, behind_laminar_line(across, N::dot([half], [opening]), self.transition))
-            }
-            None => self.through(opening, across.orifice_root(self.transition)),
+            }),
+            None => unless(closed, &|| self.through(opening, across.orifice_root(self.transition))),
         };
         Four {
-            supply_a: supply(openings.supply_a, across.supply_a),
-            tank_a: tank(openings.tank_a, across.tank_a),
-            supply_b: supply(openings.supply_b, across.supply_b),
-            tank_b: tank(openings.tank_b, across.tank_b),
+            supply_a: supply(closed.supply_a, openings.supply_a, across.supply_a),
+            tank_a: tank(closed.tank_a, openings.tank_a, across.tank_a),
+            supply_b: supply(closed.supply_b, openings.supply_b, across.supply_b),
+            tank_b: tank(closed.tank_b, openings.tank_b, across.tank_b),
         }
     }
 }

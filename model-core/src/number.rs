@@ -26,7 +26,8 @@ pub trait Mask:
     fn any(self) -> bool;
 
     /// `yes` where it says so, else `no`; where it says so of some only, both of them `merged`.
-    #[inline]
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "as `Number::choose`")]
     fn branch<T>(self, yes: impl FnOnce() -> T, no: impl FnOnce() -> T, merged: impl FnOnce(T, T) -> T) -> T {
         if self.all() {
             yes()
@@ -49,7 +50,8 @@ impl Mask for bool {
     fn any(self) -> bool {
         self
     }
-    #[inline]
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "as `Number::choose`")]
     fn branch<T>(self, yes: impl FnOnce() -> T, no: impl FnOnce() -> T, _: impl FnOnce(T, T) -> T) -> T {
         if self { yes() } else { no() }
     }
@@ -141,7 +143,8 @@ pub trait Number: Compared + Debug + PartialEq + Add<Output = Self> + Sub<Output
 
     /// One of two signals, of which only the one that is needed is computed.
     #[must_use]
-    #[inline]
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "a call with what both capture in memory is half of what they compute")]
     fn choose(of: Self::Mask, yes: impl FnOnce() -> Self, no: impl FnOnce() -> Self) -> Self {
         of.branch(yes, no, |yes, no| Self::pick(of, yes, no))
     }
@@ -164,24 +167,14 @@ pub trait Number: Compared + Debug + PartialEq + Add<Output = Self> + Sub<Output
     #[must_use]
     fn part(self, of: Self::Gain) -> Self;
 
+    /// A signal times a gain of 0..½.
+    #[must_use]
+    fn small_part(self, of: Self::Gain) -> Self {
+        self.part(of)
+    }
+
     /// Sum of up to four signals, each with its gain, rounded once.
     fn dot<const K: usize>(gains: [Self::Gain; K], signals: [Self; K]) -> Self;
-
-    /// This signal and Σ gain·signal more, where `by_steps` is the same sum taken step by step.
-    ///
-    /// In fixed point it is rounded once, and costs one product each. In real arithmetic it is `by_steps`: what is mathematically the
-    /// same is not so in the last bit, and a diagnosis is to give tomorrow what it gives today.
-    #[must_use]
-    fn and_more<const K: usize>(
-        self,
-        gains: [Self::Gain; K],
-        signals: [Self; K],
-        by_steps: impl FnOnce() -> Self,
-    ) -> Self;
-
-    /// 3/2 of this signal and 1/2 of another: the weights of both stages in a tick.
-    #[must_use]
-    fn weighed(self, second: Self) -> Self;
 
     /// This signal after Σ gain·signal more, and what its rounding leaves for the next time, in units of 2⁻²⁸; `rest` is what
     /// was left last time. So nothing is lost of what is added, however little it is.
@@ -192,14 +185,29 @@ pub trait Number: Compared + Debug + PartialEq + Add<Output = Self> + Sub<Output
     #[must_use]
     fn amplified(self, by: Self::Steep) -> Self;
 
-    /// Whether the signal is held at an end of its range, where it says only that the true value lies beyond.
+    /// The same where it cannot leave the range.
+    #[must_use]
+    fn amplified_within(self, by: Self::Steep) -> Self {
+        self.amplified(by)
+    }
+
+    /// Whether the signal is held at an end of its range, or as near it as what is held there may lie, where it says only that the true value lies beyond.
     fn is_held(self) -> bool {
         false
+    }
+
+    /// Whether it is 0, and would be for any parameter.
+    fn is_nothing(self) -> Self::Mask {
+        self.equals(Self::ZERO)
     }
 
     /// Half of the signal.
     #[must_use]
     fn halved(self) -> Self;
+
+    /// The signal over 2^`bits`.
+    #[must_use]
+    fn over_power(self, bits: u8) -> Self;
 
     /// The root characteristic of an orifice that is laminar near Δp = 0,
     /// g(Δ) = Δ / (Δ² + pt²)^¼, and the slope of its chord to Δ = 0, g(Δ)/Δ, for the Jacobian; pt is `transition`.
@@ -208,11 +216,20 @@ pub trait Number: Compared + Debug + PartialEq + Add<Output = Self> + Sub<Output
     /// 1 / (1 + Σ wᵢ·sᵢ) for weights wᵢ that are not negative.
     fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [Self::Steep; K]) -> Self;
 
+    /// 1 / (1 + gain·signal) for a product that is not negative.
+    fn inverse_one_plus_product(gain: Self::Gain, signal: Self) -> Self;
+
     /// part / (part + Σ wᵢ·sᵢ) for a part and weights wᵢ that are not negative; no part of nothing.
     fn share<const K: usize>(part: Self, weights: [Self; K], steep: [Self::Steep; K]) -> Self;
 
     /// This signal as a gain, held at the ends of a gain's range.
     fn as_gain(self) -> Self::Gain;
+
+    /// A gain times a share, 0..1.
+    fn scaled(gain: Self::Gain, share: Self) -> Self::Gain;
+
+    /// A gain as a signal.
+    fn of_gain(gain: Self::Gain) -> Self;
 
     /// The larger of two.
     #[must_use]

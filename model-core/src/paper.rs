@@ -4,7 +4,7 @@
 //! The equations are those of [`Drive`], compiled with every effect known to be off; what such a step does not read is not kept. A
 //! firmware whose machine has no effect uses this type, and the steps of all effects are then not linked.
 
-use crate::chain::Chain;
+use crate::chain::{Chain, StageWeights};
 use crate::chambers::{ChamberState, Chambers};
 use crate::drive::{Drive, DriveState, Interfaces, Load, OilSource};
 use crate::feed::Metered;
@@ -24,15 +24,15 @@ pub struct PaperDrive<N: Number> {
     edges: Edges<N, Nothing>,
     chambers: Chambers<N, Nothing>,
     mechanics: Mechanics<N, Nothing>,
-    gamma: N::Gain,
-    springs: [N::Steep; 2],
+    weights: StageWeights<N>,
     sensors: Sensors<N>,
     bases: Bases,
 }
 
 impl<N: Number> Drive<N> {
-    /// The drive as one of the paper's model; `None` where it has a pump, or an effect that a step asks for. Hose compliance, unequal
-    /// dead zones, the laminar transition and sensors' gain and offset are coefficients only, and stay with it.
+    /// The drive as one of the paper's model; `None` where it has a pump, an effect that a step asks for, or so much viscous friction that
+    /// full force moves it at a quarter of [`Bases::velocity_m_per_s`] at most. Hose compliance, unequal dead zones, the laminar transition
+    /// and sensors' gain and offset are coefficients only, and stay with it.
     #[must_use]
     pub fn without_effects(&self) -> Option<PaperDrive<N>> {
         let OilSource::Valve(valve, edges) = &self.source else { return None };
@@ -41,8 +41,7 @@ impl<N: Number> Drive<N> {
             edges: edges.with(Nothing),
             chambers: self.chambers.with(Nothing),
             mechanics: self.mechanics.with(Nothing),
-            gamma: self.gamma,
-            springs: self.springs,
+            weights: self.weights,
             sensors: self.sensors,
             bases: self.bases,
         })
@@ -69,8 +68,7 @@ impl<N: Number> PaperDrive<N> {
         let chain = Chain {
             chambers: &self.chambers,
             mechanics: &self.mechanics,
-            gamma: self.gamma,
-            springs: self.springs,
+            weights: self.weights,
             viscosity: None,
             unnamed: None,
         };

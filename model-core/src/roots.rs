@@ -1,7 +1,5 @@
 //! Roots and reciprocals in integers: a table's seed and one Newton step each, without division but one of two words.
 
-use core::hint::black_box;
-
 use fixed::types::U16F16;
 
 use crate::fixed_point::{FRACTION, PerUnit};
@@ -41,13 +39,19 @@ pub(crate) struct InverseFourthRoot {
 }
 
 /// μ^-¼ over [½, 1) in 32 intervals: value (F31) at the left end, and drop to the right end (F31).
-const SEEDS: [(u32, u32); 32] = seeds();
+struct Tables {
+    seeds: [(u32, u32); 32],
+    /// 2^(r/4) with 30 fractional bits.
+    quarter_octaves: [u32; 4],
+}
 
-/// 2^(r/4) with 30 fractional bits.
-const QUARTER_OCTAVES: [u32; 4] = [1_073_741_824, 1_276_901_417, 1_518_500_250, 1_805_811_301];
+/// Behind one address.
+static TABLES: Tables =
+    Tables { seeds: seeds(), quarter_octaves: [1_073_741_824, 1_276_901_417, 1_518_500_250, 1_805_811_301] };
 
 impl InverseFourthRoot {
-    #[inline]
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "with it the caller drops what it does not need")]
     pub(crate) fn of(delta: PerUnit, transition: PerUnit) -> Self {
         let (delta, transition) = (delta.to_bits().saturating_abs(), transition.to_bits().max(1));
         // Both moved up as far as their squares' sum stays below 2⁶³; its upper word then holds 28 digits at least.
@@ -60,7 +64,7 @@ impl InverseFourthRoot {
         let more = w.leading_zeros();
         let (mu, zeros) = (w << more, 2 * up + more);
         #[expect(clippy::indexing_slicing, reason = "five bits index 32 seeds")]
-        let (left, drop) = SEEDS[(mu >> 26) as usize & 31];
+        let (left, drop) = TABLES.seeds[(mu >> 26) as usize & 31];
         let z = left - upper(drop, mu << 6);
         // One Newton step for z^-4 = μ: z + z·(1 − μz⁴)/4.
         let square = upper(z, z); // F30
@@ -70,7 +74,7 @@ impl InverseFourthRoot {
         let correction = ((i64::from((z >> 1).cast_signed()) * i64::from(miss)) >> 29) as i32;
         let z = z.wrapping_add_signed(correction);
         #[expect(clippy::indexing_slicing, reason = "two bits index four octaves")]
-        let mantissa = upper(z, QUARTER_OCTAVES[(zeros & 3) as usize]);
+        let mantissa = upper(z, TABLES.quarter_octaves[(zeros & 3) as usize]);
         Self { mantissa, quarters: zeros >> 2, up }
     }
 
@@ -81,7 +85,7 @@ impl InverseFourthRoot {
     }
 }
 
-/// Table of [`SEEDS`], computed by the compiler in integers.
+/// Table of seeds, computed by the compiler in integers.
 #[expect(clippy::indexing_slicing, reason = "evaluated by the compiler")]
 const fn seeds() -> [(u32, u32); 32] {
     let mut table = [(0, 0); 32];
@@ -111,15 +115,26 @@ const fn inverse_fourth_root(n: u128) -> u32 {
 /// 1 / (1 + sum) with 28 fractional bits, from a sum with 44.
 #[inline]
 pub(crate) fn reciprocal_of_one_plus(sum: u64) -> PerUnit {
-    let whole = sum.saturating_add(1 << 44);
+    // 2⁴⁴ at least, so there are 19 zeros at most, all of them in the upper word.
+    inverse::<44>(sum.saturating_add(1 << 44))
+}
+
+/// The same from a sum below 2⁶¹ with 56 fractional bits.
+#[inline]
+pub(crate) fn reciprocal_of_one_plus_fine(sum: u64) -> PerUnit {
+    inverse::<56>(sum + (1 << 56))
+}
+
+/// The inverse, with 28 fractional bits, of 1 or more with so many.
+#[inline]
+fn inverse<const BITS: u32>(whole: u64) -> PerUnit {
     #[expect(clippy::cast_possible_truncation, reason = "the two words of it")]
     let (upper, lower) = ((whole >> 32) as u32, whole as u32);
-    // 2⁴⁴ at least, so there are 19 zeros at most, all of them in the upper word.
     let zeros = upper.leading_zeros();
-    let z = reciprocal(upper << zeros | lower >> 1 >> (31 - zeros));
-    // z has 30 fractional bits: 28 wanted.
-    // Where the compiler knows that a share is not negative, it no longer takes the one instruction for a product with it.
-    PerUnit::from_bits(black_box((z >> (22 - zeros)).cast_signed().min(1 << FRACTION)))
+    // z has 30 fractional bits: 28 wanted. It is below 2, and its shift a signed one: where the compiler knows that a share is not
+    // negative, it no longer takes the one instruction for a product with it.
+    let z = reciprocal(upper << zeros | lower >> 1 >> (31 - zeros)).cast_signed();
+    PerUnit::from_bits(z >> (66 - BITS - zeros))
 }
 
 /// part / (part + sum) with 28 fractional bits, from a part below 2³¹ with 28 and a sum with 44. No part of nothing.

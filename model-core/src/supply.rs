@@ -10,9 +10,10 @@
 //! ```
 //!
 //! Q1 depends on ps' itself, the more the faster the supply is; it is solved for along chords: what is missing, divided by
-//! 1 + R·w1·∂Q1/∂ps, three times. A chord is steeper than its root, by two at most, so each round closes at least half of what the
-//! last one left and never goes beyond: with τ = 0 (w1 = 1) the static droop follows to an eighth of its change within the same tick.
-//! With one round alone a droop of more than the supply pressure could keep a soft drive swinging.
+//! 1 + R·w1·∂Q1/∂ps, three times; twice for the second stage, of which the tick takes half of what it changes. A chord is steeper than
+//! its root, by two at most, so each round closes at least half of what the last one left and never goes beyond: with τ = 0 (w1 = 1) the
+//! static droop follows to an eighth of its change within the same tick. With one round alone a droop of more than the supply pressure
+//! could keep a soft drive swinging.
 
 use crate::number::Number;
 
@@ -40,8 +41,10 @@ pub(crate) struct Draw<N> {
     pub(crate) steepness: N,
 }
 
-/// How often the draw at the end of a tick is taken anew; two would do for stability.
-const ROUNDS: usize = 3;
+/// How often the draw at the end of a tick is taken anew, for the tick's second stage; two would do for stability.
+pub(crate) const ROUNDS_OF_STAGE: usize = 2;
+/// The same for its end.
+pub(crate) const ROUNDS_OF_TICK: usize = 3;
 
 /// Coefficients of the droop at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,9 +58,10 @@ pub(crate) struct Droop<N: Number> {
 }
 
 impl<N: Number> Droop<N> {
-    /// The supply a tick later: `drawn` at its start; `draw` says what a supply pressure at its end would have drawn there.
+    /// The supply a tick later, in so many rounds: `drawn` at its start; `draw` says what a supply pressure at its end would have drawn
+    /// there.
     #[inline]
-    pub(crate) fn after(
+    pub(crate) fn after<const ROUNDS: usize>(
         &self,
         supply: SupplyState<N>,
         unloaded: N,
@@ -151,7 +155,7 @@ mod tests {
         let draw = Draw { flow: PerUnit::ONE, steepness: PerUnit::ZERO };
         let mut supply = SupplyState::at_rest(PerUnit::ONE);
         for _ in 0..100 {
-            supply = droop.after(supply, PerUnit::ONE, PerUnit::ONE, effects.slope_scale, |_| draw);
+            supply = droop.after::<ROUNDS_OF_TICK>(supply, PerUnit::ONE, PerUnit::ONE, effects.slope_scale, |_| draw);
         }
         let fall = 1e10 * drive.bases().flow_m3_per_s / 7e6;
         let exact = 1.0 - fall * (1.0 - libm::exp(-1.0));

@@ -129,3 +129,29 @@ fn each_effect_and_the_pump_drive_follow_the_oracle() {
     }
     table::compare("effects.txt", &lines.into_iter().map(|(line, ..)| line).collect::<Vec<_>>());
 }
+
+/// Random signals on which dry friction is compared in both numbers; none was chosen.
+const SEEDS: u64 = 40;
+
+#[test]
+fn dry_friction_parts_fixed_point_from_f64_only_where_a_rod_breaks_away() {
+    for drive in drives::named() {
+        let machine = drive.machine.with(&[(P::CoulombFriction, FRICTION_N)]);
+        let initial = InitialState::at_rest(&machine, 0.15);
+        let parted = |seed| {
+            let volts = Excitation::random_steps(seed).sample(TICK.seconds());
+            distance(&core::<PerUnit>(&machine, TICK, &volts, &initial), &core::<f64>(&machine, TICK, &volts, &initial))
+        };
+        let mut found: Vec<Distance> = (1..=SEEDS).map(parted).collect();
+        found.sort_by(|one, other| one.pressure.total_cmp(&other.pressure));
+        let (median, worst) = (found[found.len() / 2], found[found.len() - 1]);
+        println!(
+            "{:<8} pressure: median {:.6} %, worst of {SEEDS} {:.6} %",
+            drive.name,
+            100.0 * median.pressure,
+            100.0 * worst.pressure
+        );
+        assert!(of(Case::Rounding).holds(median), "{}: the median parts by {median:?}", drive.name);
+        assert!(found.iter().all(|&found| of(Case::DryFrictionRounding).holds(found)), "{}: {worst:?}", drive.name);
+    }
+}

@@ -50,17 +50,14 @@ impl<R: Real> Builder<'_, R> {
         R::constant(self.tick_s * self.bases.force_n / self.bases.velocity_m_per_s) / (mass * self.own_diagonal(mass))
     }
 
-    pub(super) fn springs<N: Number<Real = R>>(&self) -> Result<[N::Steep; 2], MachineError> {
-        let square = R::constant(GAMMA * GAMMA) * self.mobility(self.sprung_mass());
-        let ratio = self.ratio();
-        Ok([
-            self.steep::<N>("oil spring A", P::MovingMass, square * self.stiffest(P::VolumeA))?,
-            self.steep::<N>("oil spring B", P::MovingMass, square * ratio * ratio * self.stiffest(P::VolumeB))?,
-        ])
+    /// Force per velocity of the viscous friction that is on the mass's own diagonal.
+    fn viscous(&self, mass: R) -> R {
+        self.damping(mass) / (self.own_diagonal(mass) * self.mobility(mass))
     }
 
     pub(super) fn mechanics<N: Number<Real = R>>(&self, mass: R) -> Result<Mechanics<N>, MachineError> {
-        let constant = |value: f64| self.gain::<N>("a weight of the step", P::Stroke, R::constant(value));
+        let viscous = self.viscous(mass);
+        let hard = N::gain(viscous).is_none();
         let travel = R::constant(self.tick_s * self.bases.velocity_m_per_s) / self.get(P::Stroke);
         Ok(Mechanics {
             row: Row {
@@ -68,6 +65,11 @@ impl<R: Real> Builder<'_, R> {
                     "velocity gained per tick at full force",
                     P::MovingMass,
                     self.mobility(mass),
+                )?,
+                pull: self.gain::<N>(
+                    "velocity gained per tick at full force",
+                    P::MovingMass,
+                    R::constant(GAMMA) * self.mobility(mass),
                 )?,
                 drag: self.gain::<N>(
                     "velocity lost per tick",
@@ -77,12 +79,13 @@ impl<R: Real> Builder<'_, R> {
                 back: self.gain::<N>(
                     "second stage",
                     P::ViscousFriction,
-                    -(R::constant(2.0) / self.own_diagonal(mass)),
+                    R::constant(1.0 - GAMMA) / self.own_diagonal(mass),
                 )?,
                 share: None,
             },
-            mean: [constant(f64::midpoint(1.0, GAMMA))?, constant(0.5 * GAMMA)?],
-            unity: constant(1.0)?,
+            viscous: self.gain::<N>("viscous force", P::ViscousFriction, if hard { R::ZERO } else { viscous })?,
+            hard,
+            gamma: self.gain::<N>("the step's γ", P::Stroke, R::constant(GAMMA))?,
             travel: self.gain::<N>("strokes per tick", P::Stroke, travel)?,
             load: self.signal("load over full force", P::LoadForce, self.force(P::LoadForce))?,
             effects: MechanicalEffects {
@@ -202,7 +205,6 @@ impl<R: Real> Builder<'_, R> {
             stops: if stops { Some(self.stops(mass)?) } else { None },
             per_gamma: gain(1.0 / GAMMA)?,
             second: gain(1.0 - 2.0 * GAMMA)?,
-            gamma: gain(GAMMA)?,
             none,
         }))
     }

@@ -14,11 +14,19 @@ use crate::number::{Mask, Number};
 use crate::unnamed::States;
 use crate::vocabulary::{Keeps, Vocabulary};
 
-/// A factor on a stage's velocity, by which a drive's oil springs hold it; for a rod that is free of a stop and one that is held.
+/// The oil that a stage's velocity works against: springs that yield as far as their chambers do.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct OilSpring<N> {
+    /// None of a rod that sticks.
+    gives: Option<Gives<N>>,
+}
+
+/// 1/(1 + γ·mobility·stiffness): what is left under the oil's spring of what would move the rod; for one that is free of a stop and one
+/// that is held.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Gives<N> {
-    pub(crate) free: N,
-    pub(crate) held: N,
+struct Gives<N> {
+    free: N,
+    held: N,
 }
 
 /// The equation of the mass in one tick, from where the rod stands.
@@ -37,29 +45,58 @@ pub(crate) struct Equation<'a, N: Number, V, E> {
     pushed: Option<N>,
 }
 
-/// What acts on the mass at a stage beside the net force and its own diagonal.
+/// What acts on the mass at a stage beside the net force and its own diagonal; at the second, half of what it changes by.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stage<N: Number> {
     sticks: N::Mask,
-    /// Velocity at the stage, and what the first stage gained of it.
+    /// Velocity at the start of the tick.
     velocity: N,
-    gained: N,
-    /// Force of the table.
-    pushed: Option<N>,
-    dry: N,
-    /// Force of the rod's own position.
-    own: Option<N>,
+    /// Force of the mass's own viscous friction at it.
+    slowed: N,
+    /// All but a stop.
+    beside: N,
     /// Force of the stop that the rod touches.
     stop: Option<N>,
 }
 
-impl<N: Number> Stage<N> {
-    /// A net force with all that acts beside it but a stop.
+/// What the first stage gains.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Gained<N> {
+    pub(crate) velocity: N,
+    /// Force that it comes of, friction taken off, where that is one product.
+    effort: N,
+    /// What a rod free of the stop and one that is held would gain, where it touches one.
+    either: [N; 2],
+}
+
+/// One of a rod free of the stop and one that is held.
+#[derive(Clone, Copy, Debug)]
+enum Which {
+    Free,
+    Held,
+}
+
+impl Which {
     #[inline]
-    fn with(&self, force: N) -> N {
-        let force = self.pushed.map_or(force, |pushed| force + pushed) + self.dry;
-        self.own.map_or(force, |own| force + own)
+    fn of<N>(self, [free, held]: [N; 2]) -> N {
+        match self {
+            Which::Free => free,
+            Which::Held => held,
+        }
     }
+}
+
+/// What a spring leaves of a signal.
+#[inline]
+fn yields<N: Number>(give: Option<N>, signal: N) -> N {
+    give.map_or(signal, |give| give.of(signal))
+}
+
+/// Sum of what acts beside the net force.
+#[inline]
+fn together<N: Number>(pushed: Option<N>, dry: N, own: Option<N>) -> N {
+    let dry = pushed.map_or(dry, |pushed| pushed + dry);
+    own.map_or(dry, |own| dry + own)
 }
 
 /// Forces of the rod's own position in one tick.
@@ -80,6 +117,8 @@ pub(crate) struct Moved<N> {
     pub(crate) solved: N,
     /// What of it a stop took that the rod met.
     pub(crate) beyond: Option<N>,
+    /// Whether what a stage gained is beyond the format.
+    pub(crate) held: bool,
 }
 
 /// Where the rod touches a stop.
@@ -108,11 +147,12 @@ impl<N: Number> Row<N> {
     /// With more on the diagonal; `share` is the old one over the new.
     #[inline]
     fn braked(&self, share: N, per_gamma: N::Gain) -> Self {
-        let shrunk = |gain: N::Gain| N::dot([gain], [share]);
+        let shrunk = |gain: N::Gain| N::scaled(gain, share);
         Self {
-            mobility: shrunk(self.mobility).as_gain(),
-            drag: (shrunk(self.drag) + N::dot([per_gamma], [N::ONE - share])).as_gain(),
-            back: shrunk(self.back).as_gain(),
+            mobility: shrunk(self.mobility),
+            pull: shrunk(self.pull),
+            drag: (N::of_gain(shrunk(self.drag)) + N::dot([per_gamma], [N::ONE - share])).as_gain(),
+            back: shrunk(self.back),
             share: Some(share),
         }
     }
@@ -210,103 +250,164 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
         self.level.contact(velocity, force)
     }
 
-    /// What `give` yields for the mass's own diagonal of a rod that is free of a stop, and one that is held.
+    /// Force per velocity of all that brakes the rod, where that is viscous friction which fits a gain. An effort is then the force that
+    /// accelerates it, and needs one product to become what it gains.
     #[inline]
-    pub(crate) fn gives(&self, give: impl Fn(Option<N>) -> N) -> Gives<N> {
-        let free = give(V::on(self.row.share.as_ref()).copied());
-        Gives { free, held: self.held().map_or(free, |held| give(held.row.share)) }
+    fn viscous(&self) -> Option<N::Gain> {
+        let otherwise = !V::PLAIN && (self.mechanics.hard || self.row.share.is_some());
+        if otherwise { None } else { Some(self.mechanics.viscous) }
+    }
+
+    /// The oil's spring of this stiffness under the rod.
+    #[inline]
+    pub(crate) fn on_spring(&self, contact: Contact<N::Mask>, stiffness: N) -> OilSpring<N> {
+        let give = |row: &Row<N>| N::inverse_one_plus_product(row.pull, stiffness);
+        let gives = || {
+            let free = give(&self.row);
+            Gives { free, held: self.held().map_or(free, |held| give(&held.row)) }
+        };
+        OilSpring { gives: if contact.sticks.all() { None } else { Some(gives()) } }
     }
 
     /// What acts at the first stage.
     #[inline]
     pub(crate) fn first_stage(&self, contact: Contact<N::Mask>, velocity: N) -> Stage<N> {
+        let (pushed, own) = (V::on(self.pushed.as_ref()).copied(), self.own().map(|own| own.start));
         Stage {
             sticks: contact.sticks,
             velocity,
-            gained: N::ZERO,
-            pushed: V::on(self.pushed.as_ref()).copied(),
-            dry: self.level.force(contact, velocity),
-            own: self.own().map(|own| own.start),
+            slowed: self.viscous().map_or(N::ZERO, |viscous| N::dot([viscous], [velocity])),
+            beside: together(pushed, self.level.force(contact, velocity), own),
             stop: self.held().map(|held| held.pushes(held.touch.depth)),
         }
     }
 
-    /// What acts at the second stage, after the velocity that the first has gained.
+    /// What acts at the second stage, after the velocity that the first has gained: half of what it changes by.
     #[inline]
-    pub(crate) fn second_stage(&self, contact: Contact<N::Mask>, velocity: N, gained: N) -> Stage<N> {
-        let there = velocity + gained;
-        let plain = Stage {
-            sticks: contact.sticks,
-            velocity: there,
-            gained,
-            pushed: None,
-            dry: N::ZERO,
-            own: None,
-            stop: None,
-        };
+    pub(crate) fn second_stage(&self, contact: Contact<N::Mask>, first: &Stage<N>, gained: N) -> Stage<N> {
+        let plain = Stage { beside: N::ZERO, stop: None, ..*first };
         if V::PLAIN || plain.sticks.all() {
             return plain;
         }
+        let (velocity, there) = (first.velocity, first.velocity + gained);
         let pushed = self
             .effects()
             .and_then(|effects| effects.push.as_ref())
             .map(|push| push.at(States { velocity: there, ..self.states }));
         let dry = self.level.force(contact, there);
-        let Some(own) = self.own() else { return Stage { pushed, dry, ..plain } };
-        let ahead = velocity + N::dot([own.resistance.gamma], [gained]);
+        let changed = |own: Option<N>| (together(pushed, dry, own) - first.beside).halved();
+        let Some(own) = self.own() else { return Stage { beside: changed(None), ..plain } };
+        let ahead = velocity + gained.small_part(self.mechanics.gamma);
         let moved = N::dot([self.mechanics.travel], [ahead]);
-        let stop = self.held().map(|held| {
+        let stop = self.held().zip(first.stop).map(|(held, stop)| {
             // How much deeper a spring's second stage starts, in the direction out of the face.
             let left = N::dot([own.resistance.second], [moved]);
-            held.pushes(held.touch.depth - held.touch.push(left))
+            (held.pushes(held.touch.depth - held.touch.push(left)) - stop).halved()
         });
-        Stage { pushed, dry, own: Some(own.second(there, ahead, moved)), stop, ..plain }
+        Stage { beside: changed(Some(own.second(there, ahead, moved))), stop, ..plain }
     }
 
-    /// Velocity increment of the first stage.
+    /// Net force at the first stage, where it is `trial` with the rod at its velocity and `after` so much more of it.
     #[inline]
-    pub(crate) fn first_increment(&self, stage: &Stage<N>, force: N, gives: Option<Gives<N>>) -> N {
-        self.increment(stage, force, gives, |row, force, give| {
-            let yields = |signal: N| give.map_or(signal, |give| give.of(signal));
-            N::dot([row.mobility, row.drag], [yields(force), yields(-stage.velocity)])
-        })
+    pub(crate) fn first_force(&self, stage: &Stage<N>, trial: N, spring: &OilSpring<N>, after: impl Fn(N) -> N) -> N {
+        let Some(gives) = spring.gives else { return trial };
+        let force = || {
+            if self.viscous().is_none() {
+                let gained = self.first_under(stage, trial, Some(gives)).velocity;
+                return after(gained.small_part(self.mechanics.gamma));
+            }
+            gives.free.of(trial - stage.slowed + stage.beside) - stage.beside + stage.slowed
+        };
+        N::choose(stage.sticks, || trial, force)
     }
 
-    /// Velocity increment of the second stage.
+    /// What the first stage gains under a net force.
     #[inline]
-    pub(crate) fn second_increment(&self, stage: &Stage<N>, force: N, gives: Option<Gives<N>>) -> N {
-        self.increment(stage, force, gives, |row, force, give| {
-            let yields = |signal: N| give.map_or(signal, |give| give.of(signal));
-            let signals = [yields(force), yields(-stage.velocity), yields(stage.gained)];
-            N::dot([row.mobility, row.drag, row.back], signals)
-        })
+    pub(crate) fn first(&self, stage: &Stage<N>, force: N) -> Gained<N> {
+        self.first_under(stage, force, None)
     }
 
-    /// What a stage's equation, `solved` for a row, yields: none of a rod that sticks, and of a rod on a stop what moves it less into it.
+    /// Net force of the second stage likewise, where it is `trial` with no velocity gained.
     #[inline]
-    fn increment(
+    pub(crate) fn second_force(
+        &self,
+        stage: &Stage<N>,
+        first: &Gained<N>,
+        trial: N,
+        spring: &OilSpring<N>,
+        after: impl Fn(N) -> N,
+    ) -> N {
+        let Some(gives) = spring.gives else { return trial };
+        let force = || {
+            if self.viscous().is_none() {
+                let gained = self.second_under(stage, first, trial, Some(gives));
+                return after(gained.small_part(self.mechanics.gamma));
+            }
+            let back = N::dot([self.row.back], [first.effort]);
+            gives.free.of(trial + stage.beside + back) - back - stage.beside
+        };
+        N::choose(stage.sticks, || trial, force)
+    }
+
+    /// What the second stage gains under a net force.
+    #[inline]
+    pub(crate) fn second(&self, stage: &Stage<N>, first: &Gained<N>, force: N) -> N {
+        if self.viscous().is_none() {
+            return self.second_under(stage, first, force, None);
+        }
+        let effort = || force + stage.beside + N::dot([self.row.back], [first.effort]);
+        N::dot([self.row.mobility], [N::choose(stage.sticks, || N::ZERO, effort)])
+    }
+
+    /// [`Self::first`] held back by what an oil's spring gives.
+    #[inline]
+    fn first_under(&self, stage: &Stage<N>, force: N, gives: Option<Gives<N>>) -> Gained<N> {
+        let velocity = -stage.velocity;
+        let either = self.either(stage, force, gives, |row, force, give, _| {
+            N::dot([row.mobility, row.drag], [yields(give, force), yields(give, velocity)])
+        });
+        let effort = force - stage.slowed + stage.beside;
+        Gained { velocity: self.less_into_stop(stage, either), effort, either }
+    }
+
+    /// [`Self::second`] likewise.
+    #[inline]
+    fn second_under(&self, stage: &Stage<N>, first: &Gained<N>, force: N, gives: Option<Gives<N>>) -> N {
+        let either = self.either(stage, force, gives, |row, force, give, which| {
+            let gained = N::dot([row.mobility, row.back], [yields(give, force), yields(give, first.velocity)]);
+            // The one that the rod did not go by in the first stage starts from where it would have been by it.
+            which.map_or(gained, |which| gained + yields(give, (which.of(first.either) - first.velocity).halved()))
+        });
+        self.less_into_stop(stage, either)
+    }
+
+    /// What a stage's equation, `solved` for a row, yields for a rod free of the stop and for one that is held, where it touches one.
+    #[inline]
+    fn either(
         &self,
         stage: &Stage<N>,
         force: N,
         gives: Option<Gives<N>>,
-        solved: impl Fn(&Row<N>, N, Option<N>) -> N,
-    ) -> N {
-        let moves = || {
-            let force = stage.with(force);
-            let free = solved(&self.row, force, gives.map(|gives| gives.free));
-            match (self.held(), stage.stop) {
-                (Some(held), Some(stop)) => {
-                    held.touch.hold(free, solved(&held.row, force + stop, gives.map(|gives| gives.held)))
-                }
-                _ => free,
-            }
+        solved: impl Fn(&Row<N>, N, Option<N>, Option<Which>) -> N,
+    ) -> [N; 2] {
+        let (force, free) = (force + stage.beside, gives.map(|gives| gives.free));
+        let (Some(held), Some(stop)) = (self.held(), stage.stop) else {
+            return [solved(&self.row, force, free, None); 2];
         };
+        let by_stop = solved(&held.row, force + stop, gives.map(|gives| gives.held), Some(Which::Held));
+        [solved(&self.row, force, free, Some(Which::Free)), by_stop]
+    }
+
+    /// Of what a stage yields the one that moves the rod less into a stop that it touches; none of a rod that sticks.
+    #[inline]
+    fn less_into_stop(&self, stage: &Stage<N>, [free, held]: [N; 2]) -> N {
+        let moves = || self.held().map_or(free, |stop| stop.touch.hold(free, held));
         N::choose(stage.sticks, || N::ZERO, moves)
     }
 
-    /// Moves the rod by the two increments and returns how fast.
+    /// Moves the rod by what both stages gain, of which γ is `ahead`, and returns how fast.
     ///
-    /// Where an increment is held at the end of the format the step is no longer the method's, and no longer stable: two
+    /// Where what a stage gains is held at the end of the format the step is no longer the method's, and no longer stable: two
     /// held stages can throw the rod to and fro for ever. It then goes on where it is pushed to, with a velocity of one half at
     /// most, from where the step is linear.
     #[inline]
@@ -314,25 +415,20 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
         &self,
         contact: Contact<N::Mask>,
         state: &mut MotionState<N>,
-        first: N,
-        second: N,
+        [first, second]: [N; 2],
+        ahead: [N; 2],
     ) -> Moved<N> {
         let mechanics = self.mechanics;
-        let [weigh_first, weigh_second] = mechanics.mean;
-        let mean = N::dot([mechanics.unity, weigh_first, weigh_second], [state.velocity, first, second]);
+        let [first_ahead, second_ahead] = ahead;
         let slow = N::ONE.halved();
-        let limit = |velocity: N| {
-            if first.is_held() {
-                first.limited(slow)
-            } else if second.is_held() {
-                velocity.limited(slow)
-            } else {
-                velocity
-            }
-        };
-        let mean = limit(mean);
+        let started = state.velocity + first_ahead;
+        let (mut mean, mut moved) = (started + second_ahead, started + second);
+        let held = first.is_held() || second.is_held();
+        if held {
+            let limit = |velocity: N| if first.is_held() { first.limited(slow) } else { velocity.limited(slow) };
+            (mean, moved) = (limit(mean), limit(moved));
+        }
         state.position = N::travelled(state.position, [mechanics.travel], [mean]);
-        let moved = limit(state.velocity + first.weighed(second));
         // Friction turned with the velocity somewhere within the tick: give back what it took too much, at most to rest.
         let retracts = contact.retracts & moved.above(N::ZERO);
         let back = || N::choose(retracts, || (moved - self.turn()).max(self.turned(moved)), || moved);
@@ -344,10 +440,10 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
             }
             if let Some(stops) = stops {
                 let was_free = !self.held().map_or(N::Mask::NONE, |held| held.touch.any());
-                return Moved { solved: mean, beyond: stops.set_down(&mut state.position, was_free) };
+                return Moved { solved: mean, beyond: stops.set_down(&mut state.position, was_free), held };
             }
         }
-        Moved { solved: mean, beyond: None }
+        Moved { solved: mean, beyond: None, held }
     }
 
     /// What is left of a velocity that has turned within the tick, if friction holds as hard as it can.

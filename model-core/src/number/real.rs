@@ -39,6 +39,12 @@ pub trait Field:
     #[must_use]
     fn sqrt(self) -> Self;
 
+    /// Whether it is 0, and would be for any parameter: a dual number of value 0 that has a derivative is not.
+    #[inline]
+    fn vanishes(self) -> Self::Mask {
+        self.equals(Self::ZERO)
+    }
+
     /// The number without derivatives that are too small to count, if it has any.
     #[must_use]
     #[inline]
@@ -119,14 +125,6 @@ impl<F: Field> Number for F {
         sum(gains, signals)
     }
     #[inline]
-    fn and_more<const K: usize>(self, _: [F; K], _: [Self; K], by_steps: impl FnOnce() -> Self) -> Self {
-        by_steps()
-    }
-    #[inline]
-    fn weighed(self, second: Self) -> Self {
-        sum([F::constant(1.5), F::constant(0.5)], [self, second])
-    }
-    #[inline]
     fn accumulated<const K: usize>(self, rest: Self, gains: [F; K], signals: [Self; K]) -> (Self, Self) {
         (self + sum(gains, signals), rest)
     }
@@ -135,8 +133,16 @@ impl<F: Field> Number for F {
         self * by
     }
     #[inline]
+    fn is_nothing(self) -> Self::Mask {
+        self.vanishes()
+    }
+    #[inline]
     fn halved(self) -> Self {
         self * F::constant(0.5)
+    }
+    #[inline]
+    fn over_power(self, bits: u8) -> Self {
+        self * F::constant(1.0 / (1_u64 << bits) as f64)
     }
     #[inline]
     fn orifice_root(self, transition: Self) -> (Self, F) {
@@ -149,6 +155,10 @@ impl<F: Field> Number for F {
         F::ONE / (F::ONE + sum(weights, steep))
     }
     #[inline]
+    fn inverse_one_plus_product(gain: F, signal: Self) -> Self {
+        F::ONE / (F::ONE + sum([gain], [signal]))
+    }
+    #[inline]
     fn share<const K: usize>(part: Self, weights: [Self; K], steep: [F; K]) -> Self {
         let whole = part + sum(weights, steep);
         Self::choose(whole.above(F::constant(NOTHING)), || part / whole, || F::ZERO)
@@ -156,6 +166,14 @@ impl<F: Field> Number for F {
     #[inline]
     fn as_gain(self) -> F {
         self
+    }
+    #[inline]
+    fn scaled(gain: F, share: Self) -> F {
+        sum([gain], [share])
+    }
+    #[inline]
+    fn of_gain(gain: F) -> Self {
+        gain
     }
     #[inline]
     fn travel(strokes: F::Real) -> F {
