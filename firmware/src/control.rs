@@ -14,7 +14,7 @@ pub trait Control {
     /// command is the neutral one, so nothing bumps.
     fn start(&mut self, measured: &Measured);
 
-    /// What the model says now.
+    /// What the model's sensors show now: what is to be seen of the machine, if the model is right.
     fn predicted(&self) -> Predicted;
 
     /// One period of both loops: the command for the machine, in 10 V; the model is stepped with its own.

@@ -44,20 +44,29 @@ impl<const DELAY: usize> Following<DELAY> {
 impl<const DELAY: usize> Control for Following<DELAY> {
     fn start(&mut self, measured: &Measured) {
         let Predicted { pressure_a: a, pressure_b: b, .. } = self.reference.predicted();
-        let pressures = measured.observed().pressures.unwrap_or(ChamberState { a, b });
+        let shown = measured.observed();
         self.inform(measured);
-        self.reference.start_at(self.follower.neutral(), pressures, measured.position);
-        self.state = self.follower.at_rest(&self.reference.predicted(), &measured.observed());
+        let start_at = |reference: &mut Reference<DELAY>, seen: &Observed| {
+            let pressures = seen.pressures.unwrap_or(ChamberState { a, b });
+            reference.start_at(self.follower.neutral(), pressures, measured.position);
+        };
+        // What a sensor makes of a pressure depends on it.
+        start_at(&mut self.reference, &shown);
+        let seen = self.reference.undistorted(&shown);
+        start_at(&mut self.reference, &seen);
+        let seen = self.reference.undistorted(&shown);
+        self.state = self.follower.at_rest(&self.reference.predicted(), &seen);
     }
 
     fn predicted(&self) -> Predicted {
-        self.reference.predicted()
+        self.reference.sensed()
     }
 
     fn follow(&mut self, set_point: SetPoint, measured: &Measured) -> PerUnit {
         let model = self.reference.predicted();
         let model_command = self.follower.model_command(&mut self.state, set_point, &model);
-        let command = self.follower.command(&mut self.state, model_command, &model, &measured.observed());
+        let seen = self.reference.undistorted(&measured.observed());
+        let command = self.follower.command(&mut self.state, model_command, &model, &seen);
         self.inform(measured);
         self.reference.step(model_command);
         command
@@ -66,5 +75,66 @@ impl<const DELAY: usize> Control for Following<DELAY> {
     fn accompany(&mut self, command: PerUnit, measured: &Measured) {
         self.inform(measured);
         self.reference.step(command);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use model_core::drive::{Drive, Entry, Load};
+    use model_core::follow::Tuning;
+    use model_core::machine::{Machine, Tick};
+    use model_core::number::Number;
+    use model_core::parameter::Parameter as P;
+
+    use super::*;
+    use crate::mock::press;
+
+    const TICK: Tick = Tick::OneMillisecond;
+
+    /// Commands for a machine with these sensors by a model of the same machine, and how far its position was from what was expected of it.
+    fn followed(machine: &Machine<f64>) -> (std::vec::Vec<PerUnit>, PerUnit) {
+        let reference = Reference::<64>::at_rest(machine, TICK, 0.5).unwrap();
+        let tuning = Tuning::by_rule(machine, true);
+        let mut following = Following::new(Follower::new(machine, &tuning, TICK).unwrap(), reference);
+        let plant = Drive::<PerUnit>::new::<64>(machine, TICK).unwrap();
+        let mut state = *following.reference.state();
+        let mut apart = PerUnit::ZERO;
+        let commands = (0..600).map(|tick| {
+            let seen = plant.sensed(&state);
+            let position = PerUnit::of_travel(seen.position);
+            let measured = Measured {
+                position,
+                slider: Some(seen.spool),
+                pressure_a: Some(seen.pressure_a),
+                pressure_b: Some(seen.pressure_b),
+                oil_temperature: None,
+            };
+            if tick == 0 {
+                following.start(&measured);
+                // Both rest now, where the plant's pressures hold it.
+                state = *following.reference.state();
+            }
+            apart = Ord::max(apart, (position - following.predicted().position).magnitude());
+            let way = PerUnit::saturated(0.5 + 2e-4 * f64::from(tick.min(400)));
+            let command = following.follow(SetPoint { position: way, velocity: PerUnit::ZERO }, &measured);
+            plant.step(&mut state, Entry::Command(command), Load::NONE);
+            command
+        });
+        (commands.collect(), apart)
+    }
+
+    #[test]
+    fn what_the_model_knows_of_the_sensors_neither_moves_the_rod_nor_is_amiss() {
+        let plain = press();
+        let late = plain.with(&[(P::PositionLag, 0.005), (P::PositionDelay, 0.0073)]);
+        let loose = plain.with(&[(P::BacklashPlay, 1e-3)]);
+        let (commands, _) = followed(&plain);
+        assert!(commands.iter().any(|command| *command != commands[0]), "it moves");
+        for machine in [late, loose] {
+            let (found, apart) = followed(&machine);
+            let moved = found.iter().zip(&commands).map(|(one, other)| (*one - *other).magnitude()).max().unwrap();
+            // What a command loses on its way through the loops, and no more.
+            assert!(moved.to_f64() < 2e-5 && apart.to_f64() < 1e-7, "{moved:?} {apart:?}");
+        }
     }
 }

@@ -85,15 +85,6 @@ impl<E: core::fmt::Debug> EdgeError for Ls7366rError<E> {
     }
 }
 
-/// Where the count comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Origin {
-    /// The part was set up already and never lost its supply: its count goes on.
-    Kept,
-    /// It was set up now, and counts from 0.
-    Cleared,
-}
-
 /// The part on its bus.
 #[derive(Debug)]
 pub struct Ls7366r<SPI> {
@@ -113,21 +104,6 @@ impl<SPI: SpiDevice> Ls7366r<SPI> {
         part.instruct(&[CLEAR_COUNT])?;
         part.check()?;
         Ok(part)
-    }
-
-    /// Goes on with a part that is as [`Self::begin`] left it, and begins with any other: so a restart of the controller alone
-    /// does not lose the position.
-    ///
-    /// # Errors
-    /// As [`Self::begin`].
-    pub fn resume(spi: SPI, filter: FilterClock) -> Result<(Self, Origin), Ls7366rError<SPI::Error>> {
-        let mut part = Self { spi };
-        let [_, mode_0] = part.read([READ_MODE_0, 0])?;
-        let [_, mode_1] = part.read([READ_MODE_1, 0])?;
-        if mode_0 == FOURFOLD | filter as u8 && mode_1 == FOUR_BYTES && part.check().is_ok() {
-            return Ok((part, Origin::Kept));
-        }
-        Ok((Self::begin(part.release(), filter)?, Origin::Cleared))
     }
 
     /// Gives the bus back.
@@ -216,20 +192,6 @@ mod tests {
         assert_eq!(part.count(), Ok(14_400));
         assert_eq!(part.count(), Ok(-2));
         part.release().done();
-    }
-
-    #[test]
-    fn a_restart_keeps_the_count_of_a_part_that_kept_its_supply() {
-        let modes = |mode_0| [asked(&[0x48, 0], &[0, mode_0]), asked(&[0x50, 0], &[0, 0])].concat();
-        for (frames, origin) in [
-            ([modes(0x83), status(0x0A)].concat(), Origin::Kept),
-            ([modes(0x83), status(0x0C), start()].concat(), Origin::Cleared), // supply lost
-            ([modes(0x00), start()].concat(), Origin::Cleared),               // never set up
-        ] {
-            let (part, found) = Ls7366r::resume(Mock::new(&frames), FilterClock::Halved).unwrap();
-            assert_eq!(found, origin);
-            part.release().done();
-        }
     }
 
     #[test]

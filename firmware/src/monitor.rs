@@ -188,6 +188,11 @@ impl Monitor {
         MonitorState { quarters: [PerUnit::ONE.halved().halved(); SIGNALS], alarmed: false }
     }
 
+    /// Nothing has been seen; an alarm that was given stays given.
+    pub fn forget(&self, state: &mut MonitorState) {
+        state.quarters = self.at_rest().quarters;
+    }
+
     /// Takes the innovation of a tick; the first signal beyond its limit, once until the state is begun anew.
     pub fn watch(&self, state: &mut MonitorState, innovation: &Innovation) -> Option<Miss> {
         let mut missed = None;

@@ -65,6 +65,9 @@ pub enum OperatorError {
     /// The last move has not ended.
     #[error("the last move has not ended")]
     Moving,
+    /// A period takes one command.
+    #[error("the command before it is still to be taken")]
+    Pending,
     /// There is no way there.
     #[error(transparent)]
     SetPoint(#[from] SetPointError),
@@ -123,9 +126,9 @@ impl Operator {
         let position_m = state.typed_mm.take().map(|typed_mm| f64::from(typed_mm) * 1e-3);
         let position_m = position_m.ok_or(OperatorError::NoPosition { letter: character });
         match character {
-            b'f' => state.command = Some(Command::Follow),
+            b'f' => Self::give(state, Command::Follow)?,
             b's' => self.stop(state),
-            b'a' => state.command = Some(Command::Acknowledge),
+            b'a' => Self::give(state, Command::Acknowledge)?,
             b'g' => self.go(state, position_m?)?,
             b'z' => {
                 let position = PerUnit::saturated(position_m? / self.bases.stroke_m);
@@ -146,7 +149,16 @@ impl Operator {
         Ok(None)
     }
 
-    /// Stops in the next period.
+    /// A command for the next period, which takes one; a stop is none that another takes the place of.
+    fn give(state: &mut OperatorState, command: Command) -> Result<(), OperatorError> {
+        if state.command.is_some() {
+            return Err(OperatorError::Pending);
+        }
+        state.command = Some(command);
+        Ok(())
+    }
+
+    /// Stops in the next period, whatever else was wanted in it.
     pub fn stop(&self, state: &mut OperatorState) {
         state.command = Some(Command::Stop);
     }
@@ -226,6 +238,7 @@ mod tests {
             answer: None,
             standing: Standing::NONE,
             watchdog: Watchdog::Feed,
+            energised: mode.is_running(),
         }
     }
 
@@ -299,6 +312,10 @@ mod tests {
         assert_eq!(type_in(&operator, &mut state, "fs"), Ok(None));
         assert_eq!(operator.request(&mut state, Timing::Kept).command, Some(Command::Stop));
         assert_eq!(type_in(&operator, &mut state, "\nz"), Err(OperatorError::NoPosition { letter: b'z' }));
+        for (typed, taken) in [("sf", Command::Stop), ("sa", Command::Stop), ("af", Command::Acknowledge)] {
+            assert_eq!(type_in(&operator, &mut state, typed), Err(OperatorError::Pending), "{typed}");
+            assert_eq!(operator.request(&mut state, Timing::Kept).command, Some(taken), "{typed}");
+        }
         let far = type_in(&operator, &mut state, "99999999999g").unwrap_err();
         assert!(matches!(far, OperatorError::SetPoint(SetPointError::Position { .. })), "{far}");
     }

@@ -12,7 +12,8 @@
 //! | ramping down | towards neutral by the ramp; the model goes along |
 //!
 //! **Watchdog.** It is to be fed after a period that was healthy: the period before kept its time, every device answered and the
-//! output took the command. A restart may cure what is otherwise. It cannot cure a broken sensor, and would lose the recorder: such
+//! output took the command. In one that was not, the valve loses its current as well ([`Report::energised`]), for nobody knows whether
+//! the ramp arrives. A restart may cure what is otherwise. It cannot cure a broken sensor, and would lose the recorder: such
 //! faults have their states, and the watchdog is fed.
 
 use model_core::fixed_point::PerUnit;
@@ -82,7 +83,7 @@ pub enum Answer {
     Taken,
     /// Refused: a fault is there in this very period.
     Faulty,
-    /// Refused: the sensors have not settled yet.
+    /// Refused: sensors, or the valve that went to neutral, have not settled yet.
     Unsettled,
     /// Refused: nobody has said where the rod is since the encoder lost it.
     Lost,
@@ -125,6 +126,9 @@ pub struct Report {
     pub standing: Standing,
     /// What is to be done with the watchdog.
     pub watchdog: Watchdog,
+    /// Whether the valve may have current: from the command to follow until neutral is reached, or until a period that was not
+    /// healthy. Without it its springs close it, whatever the output holds; nothing but a command gives it back.
+    pub energised: bool,
 }
 
 /// State of a period: all that it remembers beside the control's own.
@@ -134,7 +138,8 @@ pub struct PeriodState {
     standing: Standing,
     senses: Senses,
     place: Place,
-    /// Periods without a fault.
+    energised: bool,
+    /// Periods without a fault, the valve being neutral or followed.
     healthy: u16,
     /// Periods in which the voltage at the valve was another.
     away: u16,
@@ -171,8 +176,8 @@ pub struct Period<A, P, O, C> {
 }
 
 impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
-    /// Puts the valve to neutral. `place` is known where the counter counts from the reference: it was cleared there, or kept its count
-    /// over a restart.
+    /// Puts the valve to neutral. `place` is known where the counter says where the rod is by itself: one of an absolute encoder, or one
+    /// that was cleared at the reference.
     ///
     /// # Errors
     /// The limits are none, or counter or output do not answer.
@@ -192,6 +197,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
             standing: Standing::NONE,
             senses: Senses::new(count),
             place,
+            energised: false,
             healthy: 0,
             away: 0,
             accepted: SetPoint { position: PerUnit::ZERO, velocity: PerUnit::ZERO },
@@ -229,6 +235,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         self.put_out(command, &measured, &mut found);
 
         self.state.standing = found.standing;
+        self.state.energised &= self.state.mode.is_running() && !found.own;
         found.tell_mode(before, self.state.mode);
         Report {
             mode: self.state.mode,
@@ -238,6 +245,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
             answer,
             standing: self.state.standing,
             watchdog: if found.own { Watchdog::Withhold } else { Watchdog::Feed },
+            energised: self.state.energised,
         }
     }
 
@@ -379,12 +387,17 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
     /// Hands an event to the state machine and does what it says.
     fn change<L: Log>(&mut self, event: Event, measured: &Measured, found: &mut Findings<'_, L>) {
         let next = self.state.mode.next(event);
+        if self.state.mode.is_running() && !next.mode.is_running() {
+            // The valve has a way to its neutral before it.
+            self.state.healthy = 0;
+        }
         self.state.mode = next.mode;
         match next.action {
             Action::Nothing => {}
             Action::Synchronise => {
                 self.control.start(measured);
                 self.state.senses.rouse();
+                self.state.energised = true;
                 self.state.accepted = SetPoint { position: measured.position, velocity: PerUnit::ZERO };
             }
             Action::Freeze => self.state.accepted.velocity = PerUnit::ZERO,

@@ -36,6 +36,10 @@ pub const SLIDER_AT_10_V: f64 = 1.0;
 /// Pressure at 4.5 V of its sensor, Pa; 0.5 V is none.
 pub const PRESSURE_AT_4_5_V_PA: f64 = 10e6;
 
+/// Largest command, V, and its slew, V/s: of the loops as of the period that watches them, so that nothing winds up between the two.
+const COMMAND_V: f64 = 9.5;
+const SLEW_V_PER_S: f64 = 2000.0;
+
 /// Where the rod may be sent.
 pub const BOUNDS: Bounds = Bounds { from_m: 0.01, to_m: 0.29, velocity_m_per_s: 0.2, acceleration_m_per_s2: 1.0 };
 
@@ -68,7 +72,12 @@ pub fn machine() -> Machine<f64> {
 /// Tuning by rule, with the slider measured and with what the encoder can tell apart.
 #[must_use]
 pub fn tuning(machine: &Machine<f64>) -> Tuning {
-    Tuning { position_resolution_m: 1.0 / COUNTS_PER_M, ..Tuning::by_rule(machine, true) }
+    Tuning {
+        position_resolution_m: 1.0 / COUNTS_PER_M,
+        command_limit_v: COMMAND_V,
+        slew_v_per_s: SLEW_V_PER_S,
+        ..Tuning::by_rule(machine, true)
+    }
 }
 
 /// Wiring and limits, for converters of these spans (µV of 2¹⁶ counts).
@@ -99,8 +108,8 @@ pub fn rig(machine: &Machine<f64>, bases: &Bases, input_uv: u32, output_uv: u32)
         settling_s: 0.1,
         bounds: BOUNDS,
         jump_m: 0.005,
-        command_v: 9.5,
-        slew_v_per_s: 2000.0,
+        command_v: COMMAND_V,
+        slew_v_per_s: SLEW_V_PER_S,
         ramp_v_per_s: 50.0,
         still_position: Some(Delay { by: 0.003, for_s: 0.2 }),
         still_slider: Some(Delay { by: 0.1, for_s: 0.2 }),

@@ -7,6 +7,7 @@ use model_core::machine::{Bases, Machine, MachineError, Tick};
 use model_core::number::Number;
 use model_core::parameter::Parameter;
 
+use model_core::follow::Observed;
 pub use model_core::follow::Predicted;
 
 /// The reference model with a delay line of `DELAY` ticks.
@@ -91,6 +92,34 @@ impl<const DELAY: usize> Reference<DELAY> {
             pressure_b: chambers.b,
             velocity: motion.velocity,
             position: PerUnit::of_travel(motion.position),
+        }
+    }
+
+    /// What the model's sensors show of that.
+    #[must_use]
+    pub fn sensed(&self) -> Predicted {
+        let sensed = self.drive.sensed(&self.state);
+        Predicted {
+            slider: sensed.spool,
+            pressure_a: sensed.pressure_a,
+            pressure_b: sensed.pressure_b,
+            velocity: sensed.velocity,
+            position: PerUnit::of_travel(sensed.position),
+        }
+    }
+
+    /// What the machine's sensors show, less what the model's make of what it says: the difference to the model is then that of the
+    /// machines, not of their sensors.
+    #[must_use]
+    pub fn undistorted(&self, seen: &Observed) -> Observed {
+        let (is, shows) = (self.predicted(), self.sensed());
+        Observed {
+            position: seen.position + (is.position - shows.position),
+            slider: seen.slider.map(|slider| slider + (is.slider - shows.slider)),
+            pressures: seen.pressures.map(|ChamberState { a, b }| ChamberState {
+                a: a + (is.pressure_a - shows.pressure_a),
+                b: b + (is.pressure_b - shows.pressure_b),
+            }),
         }
     }
 

@@ -19,7 +19,7 @@ use crate::edge::{AnalogIn, AnalogOut, Cause, EdgeError, PositionIn};
 use crate::fault::Device;
 use crate::following::Following;
 use crate::log::Log;
-use crate::ls7366r::{FilterClock, Ls7366r, Origin};
+use crate::ls7366r::{FilterClock, Ls7366r};
 use crate::measured::Measured;
 use crate::monitor::{Innovation, Miss, Monitor, MonitorError, MonitorState};
 use crate::period::{BeginError, Devices, Period, Place, Report, Request, Rig};
@@ -132,14 +132,15 @@ impl Assembly {
         memory: &mut Option<Ring>,
     ) -> Result<Station<'_, A, P, O>, StationError> {
         let Self { bases, rig, control, monitor } = self;
-        let channel = |name, unit, base| Channel { name, unit, base, range: Range::One };
+        let channel = |name, unit, base, range| Channel { name, unit, base, range };
         let recorder = memory.insert(Recorder::new(
             [
-                channel("command", "V", bases.command_v),
-                channel("spool", "1", 1.0),
-                channel("pressure_a", "Pa", bases.pressure_pa),
-                channel("pressure_b", "Pa", bases.pressure_pa),
-                channel("position", "m", bases.stroke_m),
+                channel("command", "V", bases.command_v, Range::One),
+                // It may overshoot, and a load that pulls brings a pressure above the supply.
+                channel("spool", "1", 1.0, Range::Two),
+                channel("pressure_a", "Pa", bases.pressure_pa, Range::Two),
+                channel("pressure_b", "Pa", bases.pressure_pa, Range::Two),
+                channel("position", "m", bases.stroke_m, Range::One),
             ],
             BEFORE,
         )?);
@@ -167,17 +168,16 @@ impl Assembly {
         let output = output.map_err(|error| StationError::of(Device::Output)(error.cause()))?;
         let inputs = Ads8688::begin(inputs, press::RANGES);
         let inputs = inputs.map_err(|error| StationError::of(Device::Inputs)(error.cause()))?;
-        let position = Ls7366r::resume(counter, FilterClock::Undivided);
-        let (position, origin) = position.map_err(|error| StationError::of(Device::Position)(error.cause()))?;
-        let place = if origin == Origin::Kept { Place::Known } else { Place::Lost };
-        self.over(Devices { inputs, position, output }, place, memory)
+        let position = Ls7366r::begin(counter, FilterClock::Undivided);
+        let position = position.map_err(|error| StationError::of(Device::Position)(error.cause()))?;
+        self.over(Devices { inputs, position, output }, Place::Lost, memory)
     }
 }
 
 /// The parts of the press's wiring as analogue inputs, counter and output of a station.
 pub type Wired<'a, I, C, D> = Station<'a, Ads8688<I>, Ls7366r<C>, Ad5754<D>>;
 
-/// Sets the parts up on their buses and begins over them, with the valve at neutral. The place is known where the counter kept its count.
+/// Sets the parts up on their buses and begins over them, with the valve at neutral. Somebody must say where the rod is before it follows ([`Station::refer`]).
 ///
 /// # Errors
 /// The exported values do not make a station, or a part does not answer as it must.
@@ -214,6 +214,9 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut> Station<'_, A, P, O> {
     /// One period, called once a tick: control, then the monitor, whose alarm is told and triggers the recorder, then a row of it.
     pub fn step(&mut self, request: &Request, log: &mut impl Log) -> Outcome {
         let report = self.period.step(request, log);
+        if report.predicted.is_none() {
+            self.monitor.forget(&mut self.watched);
+        }
         let innovation = report.predicted.map(|predicted| Innovation::of(&predicted, &report.measured.observed()));
         let alarm = innovation.and_then(|innovation| self.monitor.watch(&mut self.watched, &innovation));
         if let Some(miss) = &alarm {
@@ -253,7 +256,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut> Station<'_, A, P, O> {
         self.recorder
     }
 
-    /// What the model says now.
+    /// What the model's sensors show now.
     #[must_use]
     pub fn predicted(&self) -> Predicted {
         self.period.control().predicted()

@@ -233,7 +233,8 @@ impl Follower {
         let apart = model.position - seen.position;
         let apart = apart - apart.limited(self.unseen);
         let velocity = apart.amplified(self.process_gain) + state.integral - change.amplified(self.damping);
-        let velocity = velocity.limited(self.velocity_limit);
+        let asked = velocity;
+        let velocity = asked.limited(self.velocity_limit);
 
         let fed = self.overlap.coordinate(PerUnit::dot([self.per_command], [model_command - self.neutral]));
         let followed = self.overlap.coordinate(model.slider - self.middle);
@@ -248,9 +249,10 @@ impl Follower {
         };
         let wanted = self.unlimited(hastened);
         state.command = self.limited(state.command, wanted);
-        let held_back = wanted - state.command;
-        let pushes_on = held_back != PerUnit::ZERO && (held_back > PerUnit::ZERO) == (apart > PerUnit::ZERO);
-        if !pushes_on {
+        // What a limit holds back is not integrated any further.
+        let pushes_on =
+            |beyond: PerUnit| beyond != PerUnit::ZERO && (beyond > PerUnit::ZERO) == (apart > PerUnit::ZERO);
+        if !pushes_on(wanted - state.command) && !pushes_on(asked - velocity) {
             let integral = state.integral + apart.amplified(self.integral_gain);
             state.integral = integral.limited(self.velocity_limit);
         }

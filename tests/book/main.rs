@@ -1,5 +1,6 @@
 //! Does the documentation say what the code says, and does every link of it lead somewhere?
 
+mod budget;
 mod built;
 mod effects;
 mod links;

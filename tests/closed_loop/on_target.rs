@@ -19,7 +19,7 @@ use model_core::machine::Machine;
 use model_core::parameter::Parameter as P;
 use system_tests::at_hand::skipped;
 use system_tests::emulator::Processor;
-use system_tests::in_the_loop::{Board, Follows, SETTLING, rig};
+use system_tests::in_the_loop::{Board, Follows, RECORDED_FROM, SETTLING, rig};
 use system_tests::rig::{Rig, TICK, Wanted, course, largest_force_n, rms_mm};
 use system_tests::snapshot;
 
@@ -133,6 +133,8 @@ fn the_firmware_follows_on_the_emulated_target_and_better_once_the_diagnosis_has
     for (run, pi_mm) in [(load, pi_mm[1]), (friction, pi_mm[2])] {
         assert!(run.rms_mm < pi_mm / 3.0 && run.alarm.is_some(), "{} mm, PI {pi_mm} mm", run.rms_mm);
     }
+    let alarm = friction.alarm.map(|(period, _)| SETTLING + period);
+    assert!(alarm.is_some_and(|period| period < RECORDED_FROM), "the record is the alarm's: {alarm:?}");
     assert_eq!((found.verdict, finding.effect.name), (Verdict::MissingPhysics, "coulomb-friction"));
     // A step of the encoder is 0.014 mm: there is not much left to gain.
     assert!(told.rms_mm < 0.9 * friction.rms_mm, "{} mm, then {} mm", friction.rms_mm, told.rms_mm);

@@ -23,7 +23,7 @@ use crate::rig::{Controller, Readings, Rig, Wanted};
 /// Periods before the firmware is told to follow: sensors and valve settle, and are at rest for as long as the recorder looks back.
 pub const SETTLING: usize = 800;
 /// Period in which the recorder is triggered where nothing has triggered it before.
-const RECORDED_FROM: usize = SETTLING + 1000;
+pub const RECORDED_FROM: usize = SETTLING + 1000;
 /// Longest that either side waits for the other.
 const PATIENCE: Duration = Duration::from_secs(30);
 

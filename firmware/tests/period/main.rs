@@ -160,6 +160,44 @@ fn a_stop_ramps_to_neutral_within_its_periods() {
 }
 
 #[test]
+fn a_valve_that_went_to_neutral_settles_before_it_follows_again() {
+    let mut bench = Bench::following();
+    bench.command(Some(Command::Stop));
+    while bench.command(None).mode != Mode::Neutral {}
+    assert_eq!(bench.command(Some(Command::Acknowledge)).mode, Mode::Starting);
+    assert_eq!(bench.command(Some(Command::Follow)).answer, Some(Answer::Unsettled));
+    bench.run(limits().settling);
+    bench.follow();
+}
+
+#[test]
+fn a_period_that_was_not_healthy_takes_the_valves_current_until_a_command_gives_it_back() {
+    let overrun: fn(&mut Bench, bool) = |bench, bad| {
+        bench.request.timing = if bad { Timing::Overrun } else { Timing::Kept };
+    };
+    let silent: fn(&mut Bench, bool) = |bench, bad| bench.world.borrow_mut().output_silent = bad;
+    for fault in [overrun, silent] {
+        let mut bench = Bench::following();
+        assert!(bench.command(None).energised);
+        fault(&mut bench, true);
+        assert!(!bench.command(None).energised);
+        fault(&mut bench, false);
+        let report = bench.run(limits().periods_to_neutral().try_into().unwrap());
+        assert_eq!((report.mode, report.watchdog, report.energised), (Mode::Neutral, Watchdog::Feed, false));
+        assert!(!bench.command(Some(Command::Acknowledge)).energised);
+        bench.run(limits().settling);
+        assert!(bench.command(Some(Command::Follow)).energised);
+    }
+    // A fault of a sensor is none of the controller's: the ramp needs the current.
+    let mut bench = Bench::following();
+    bench.world.borrow_mut().voltages[2] = 5 * VOLT;
+    let ramping = bench.command(None);
+    assert_eq!((ramping.mode, ramping.energised), (Mode::RampingDown, true));
+    let neutral = bench.run(limits().periods_to_neutral().try_into().unwrap());
+    assert_eq!((neutral.mode, neutral.energised), (Mode::Neutral, false));
+}
+
+#[test]
 fn more_severe_faults_overtake_and_less_severe_ones_do_not_soften() {
     let mut bench = Bench::following();
     bench.request.set_point.position = percent(101);

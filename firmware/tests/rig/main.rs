@@ -9,11 +9,10 @@ use firmware::control::Control;
 use firmware::edge::Cause;
 use firmware::fault::{Device, Fault};
 use firmware::log::Log;
-use firmware::ls7366r::Origin;
 use firmware::measured::{Measured, Signal};
 use firmware::mode::{Command, Mode};
 use firmware::monitor::Miss;
-use firmware::period::{Report, Request, Timing, Watchdog};
+use firmware::period::{Answer, Report, Request, Timing, Watchdog};
 use firmware::reference::Predicted;
 use firmware::set_point::SetPoint;
 use model_core::fixed_point::PerUnit;
@@ -72,8 +71,7 @@ impl Bench<Proportional> {
     /// Follows, on its way from 0 to 60 % of the stroke.
     fn on_the_way() -> Self {
         let world = World::new(simple_plant());
-        let (mut period, origin) = world.begin(Proportional::new());
-        assert_eq!(origin, Origin::Cleared);
+        let mut period = world.begin(Proportional::new());
         assert!(period.refer(PerUnit::ZERO));
         let mut bench = Self { world, period, told: Told::default(), wanted: 0.0 };
         bench.run(20);
@@ -183,15 +181,17 @@ fn an_open_wire_is_found_where_a_resistor_pulls_it_out_of_the_range_and_not_wher
 }
 
 #[test]
-fn a_restart_of_the_controller_alone_goes_on_where_the_rod_is() {
+fn after_a_restart_of_the_controller_somebody_says_where_the_rod_is() {
     let mut bench = Bench::on_the_way();
     let before = bench.world.position_m;
-    let (period, origin) = bench.world.begin(Proportional::new());
-    assert_eq!(origin, Origin::Kept);
-    bench.period = period;
+    bench.period = bench.world.begin(Proportional::new());
     bench.world.tick();
     assert!(bench.world.dac.borrow().volts(1).unwrap().abs() < 1.0, "neutral first of all");
     bench.run(20);
+    // The counter has kept its count, but not from where it was last told that it counts.
+    let refused = bench.step(Some(Command::Follow));
+    assert_eq!((refused.answer, refused.mode), (Some(Answer::Lost), Mode::Starting));
+    assert!(bench.period.refer(PerUnit::saturated(before / STROKE_M)));
     let report = bench.step(Some(Command::Follow));
     assert_eq!(report.mode, Mode::Following);
     assert!((report.measured.position.to_f64() * STROKE_M - before).abs() < 1e-3);

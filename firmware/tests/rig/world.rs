@@ -9,7 +9,7 @@ use firmware::control::Control;
 use firmware::dac::{Ad5754, Channel, Reference};
 use firmware::edge::{AnalogIn, AnalogOut};
 use firmware::limits::{Allowed, Delay, Limits};
-use firmware::ls7366r::{FilterClock, Ls7366r, Origin};
+use firmware::ls7366r::{FilterClock, Ls7366r};
 use firmware::measured::Signal;
 use firmware::output::Actuator;
 use firmware::period::{Devices, Period, Place, Rig};
@@ -126,7 +126,7 @@ impl World {
             [volts, slider_v, pressure_a_v, pressure_v(seen.pressure_b_pa), None, None, None, None];
     }
 
-    pub(crate) fn begin<C: Control>(&self, control: C) -> (Wired<C>, Origin) {
+    pub(crate) fn begin<C: Control>(&self, control: C) -> Wired<C> {
         let machine = machine();
         let drive = Drive::<PerUnit>::new::<64>(&machine, Tick::OneMillisecond).unwrap();
         let bases = drive.bases();
@@ -156,10 +156,9 @@ impl World {
         let neutral = calibration.output.count(limits.neutral);
         let output = Ad5754::begin(self.wire(&self.dac, 2), delay, Channel::B, Reference::External, neutral).unwrap();
         let inputs = Ads8688::begin(self.wire(&self.adc, 0), ranges).unwrap();
-        let (position, origin) = Ls7366r::resume(self.wire(&self.counter, 1), FilterClock::Undivided).unwrap();
+        let position = Ls7366r::begin(self.wire(&self.counter, 1), FilterClock::Undivided).unwrap();
         let rig = Rig { calibration, travel, limits };
-        let place = if origin == Origin::Kept { Place::Known } else { Place::Lost };
-        (Period::begin(Devices { inputs, position, output }, rig, control, place).unwrap(), origin)
+        Period::begin(Devices { inputs, position, output }, rig, control, Place::Lost).unwrap()
     }
 }
 

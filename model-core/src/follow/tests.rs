@@ -114,6 +114,21 @@ fn the_integral_stands_still_while_the_output_is_held_and_turns_back_at_once() {
 }
 
 #[test]
+fn the_integral_stands_still_while_the_velocity_is_held() {
+    // The rod is held 20 % behind, while the output, at a tenth of its largest velocity, is far from its own limit.
+    let tuning = Tuning { velocity_limit_m_per_s: 0.1 * tuning().velocity_limit_m_per_s, ..tuning() };
+    let follower = Follower::new(&press(), &tuning, Tick::OneMillisecond).unwrap();
+    let model = resting(0.5);
+    let behind = Observed { position: PerUnit::saturated(0.3), ..seen_as(&model) };
+    let mut state = follower.at_rest(&model, &seen_as(&model));
+    for _ in 0..1000 {
+        let command = follower.command(&mut state, follower.neutral(), &model, &behind);
+        assert!(volts(command).abs() < 0.9 * tuning.command_limit_v);
+    }
+    assert_eq!(state.integral(), PerUnit::ZERO);
+}
+
+#[test]
 fn what_the_sensor_cannot_tell_corrects_nothing() {
     let blunt = Tuning { position_resolution_m: 1e-3, ..tuning() };
     let follower = Follower::new(&press(), &blunt, Tick::OneMillisecond).unwrap();

@@ -55,7 +55,7 @@ impl Tuning {
     ///
     /// With T the valve's lags and τ its delay (with the controller's), the slider is hastened by g = T/3τ, at most 1: to slow signals
     /// it is then late by (T + τ)/(1 + g), which is the lead. A loop around it sees τ + T/(1 + g), and where it turns the time that
-    /// the valve's rate limit takes over the overlap. Two thirds of that sum's inverse is the gain of a loop around an integrator
+    /// the valve's rate limit takes over the overlap; the one around the machine what its position's sensor is late by as well. Two thirds of that sum's inverse is the gain of a loop around an integrator
     /// (damped by 0.6), and ten times its inverse the time in which the integral removes what is left.
     ///
     /// An oil spring of frequency ω and damping ζ = D/(2·√(c·m)) that the valve can follow is damped by the pressures to 0.4, as
@@ -69,7 +69,8 @@ impl Tuning {
         let slider_gain = (lags_s / (3.0 * delay_s)).min(LARGEST_SLIDER_GAIN);
         let lag_s = |hastened: f64| (delay_s + lags_s / hastened + turning_s).max(LEAST_LAG_S);
         let model_s = lag_s(1.0 + slider_gain);
-        let process_s = if slider_is_measured { model_s } else { lag_s(1.0) };
+        let shown_s = machine.get(P::PositionLag) + machine.get(P::PositionDelay);
+        let process_s = shown_s + if slider_is_measured { model_s } else { lag_s(1.0) };
         let spring = Spring::of(machine);
         let damping_m_per_s_n =
             if spring.per_s * model_s < WITHIN_REACH { spring.missing_damping_m_per_s_n() } else { 0.0 };

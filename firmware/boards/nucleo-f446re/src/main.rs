@@ -122,11 +122,10 @@ fn run(board: Peripherals, core: cortex_m::Peripherals, memory: &'static mut Opt
         if let Some(refused) = report.answer.filter(|answer| *answer != Answer::Taken) {
             defmt::warn!("refused: {}", refused);
         }
-        let healthy = report.watchdog == Watchdog::Feed;
-        if healthy {
+        if report.watchdog == Watchdog::Feed {
             watchdog.feed();
         }
-        relay.set_state(PinState::from(healthy && report.mode.is_running()));
+        relay.set_state(PinState::from(report.energised));
         lamp.set_state(PinState::from(report.mode.is_running()));
 
         let took_us = timer.now().ticks();
