@@ -90,7 +90,7 @@ pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
     writeln!(
         part.text,
         "Instructions under QEMU with `-icount shift=0`, the worst tick to 40. Ours is the step of `PaperDrive` for the drive `press` under signals of its own\n\
-         (the count hardly depends on them), with parameters of the run time; fixed point is on the desktop bit for bit what it is here. The peers' rows are for\n\
+         (a row each), with parameters of the run time; fixed point is on the desktop bit for bit what it is here. The peers' rows are for\n\
          `press` under their random steps, with parameters that are constants of the compiler.\n"
     )?;
     if theirs.is_none() {

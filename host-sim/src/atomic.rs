@@ -33,13 +33,16 @@ pub struct Begun {
 impl Begun {
     /// Nothing is in it yet.
     pub fn new(path: &Path) -> io::Result<Self> {
-        let (file, unfinished) = if is_stream(path) {
-            (OpenOptions::new().write(true).open(path)?, None)
+        let path = resolved(path);
+        let (file, unfinished) = if is_standard_output(&path) {
+            (standard_output()?, None)
+        } else if is_stream(&path) {
+            (OpenOptions::new().write(true).open(&path)?, None)
         } else {
-            let unfinished = Unfinished::beside(path)?;
+            let unfinished = Unfinished::beside(&path)?;
             (unfinished.file.as_file().try_clone()?, Some(unfinished))
         };
-        Ok(Self { path: path.to_owned(), out: BufWriter::new(file), unfinished })
+        Ok(Self { path, out: BufWriter::new(file), unfinished })
     }
 
     /// Everything is in it.
@@ -114,7 +117,36 @@ impl Unfinished {
 
 /// Checks that [`write()`] could write this file now, and leaves nothing.
 pub fn check(path: &Path) -> io::Result<()> {
-    if is_stream(path) { Ok(()) } else { Unfinished::beside(path)?.file.close() }
+    if is_stream(path) { Ok(()) } else { Unfinished::beside(&resolved(path))?.file.close() }
+}
+
+/// What a link leads to, so that it stays one; else the file's own name in its folder, by the folder's real one.
+pub(crate) fn resolved(path: &Path) -> PathBuf {
+    if is_standard_output(path) {
+        return path.to_owned();
+    }
+    let folder = |folder: &Path| if folder.as_os_str().is_empty() { Path::new(".") } else { folder }.canonicalize();
+    path.canonicalize().unwrap_or_else(|_| match (path.parent().map(folder), path.file_name()) {
+        (Some(Ok(folder)), Some(name)) => folder.join(name),
+        _ => path.to_owned(),
+    })
+}
+
+/// A name of this process's standard output, whatever that has been led to.
+pub(crate) fn is_standard_output(path: &Path) -> bool {
+    cfg!(unix) && ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| path == Path::new(name))
+}
+
+#[cfg(unix)]
+fn standard_output() -> io::Result<File> {
+    use std::os::fd::AsFd;
+    // Opened by its name, a file would be written from its beginning.
+    Ok(io::stdout().as_fd().try_clone_to_owned()?.into())
+}
+
+#[cfg(not(unix))]
+fn standard_output() -> io::Result<File> {
+    Err(io::ErrorKind::Unsupported.into())
 }
 
 /// What would have been right where [`write()`] or [`check`] has failed; a phrase.
@@ -129,9 +161,9 @@ pub fn expected(error: &io::Error) -> &'static str {
     }
 }
 
-/// A pipe, a terminal: something that is there and neither file nor folder.
-fn is_stream(path: &Path) -> bool {
-    fs::metadata(path).is_ok_and(|meta| !meta.is_file() && !meta.is_dir())
+/// A pipe, a terminal: something that is there and neither file nor folder; standard output, whatever that is.
+pub(crate) fn is_stream(path: &Path) -> bool {
+    is_standard_output(path) || fs::metadata(path).is_ok_and(|meta| !meta.is_file() && !meta.is_dir())
 }
 
 fn temporary(path: &Path) -> io::Result<NamedTempFile> {
@@ -149,7 +181,12 @@ fn temporary(path: &Path) -> io::Result<NamedTempFile> {
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     // The system's own words where the folder is not there; then those of the kind alone, for `tempfile` adds its path.
     fs::metadata(folder)?;
-    builder.tempfile_in(folder).map_err(|error| error.kind().into())
+    let file = builder.tempfile_in(folder).map_err(|error| io::Error::from(error.kind()))?;
+    // What takes the place of a file may be read by whom that could.
+    if let Ok(old) = fs::metadata(path) {
+        file.as_file().set_permissions(old.permissions())?;
+    }
+    Ok(file)
 }
 
 #[cfg(test)]
@@ -184,5 +221,20 @@ mod tests {
         }
         check(&folder.path().join("out.csv")).unwrap();
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_one_and_a_file_keeps_its_permissions() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        let (file, link) = (folder.path().join("file"), folder.path().join("link"));
+        fs::write(&file, "old").unwrap();
+        fs::set_permissions(&file, fs::Permissions::from_mode(0o600)).unwrap();
+        symlink("file", &link).unwrap();
+        write(&link, |out| out.write_all(b"new")).unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&file).unwrap(), b"new");
+        assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
     }
 }

@@ -180,7 +180,8 @@ pub(crate) fn printable(text: &impl fmt::Display) -> String {
 }
 
 fn visible(character: char) -> impl Iterator<Item = char> {
-    let escaped = character.is_control();
+    // The last two are no characters, and XML refuses them.
+    let escaped = character.is_control() || matches!(character, '\u{fffe}' | '\u{ffff}');
     character.escape_debug().filter(move |_| escaped).chain((!escaped).then_some(character))
 }
 

@@ -1,7 +1,7 @@
 //! What holds for every drive, every state and every input.
 //!
-//! The seeds are fixed, so that a run says the same everywhere; a case that once failed is kept in `proptest-regressions`. More of
-//! them, thirty times as many with another seed:
+//! The seeds are fixed, so that a run says the same everywhere; a case that once failed is found again by its seed, or stands as a test of its
+//! own. More of them, thirty times as many with another seed:
 //!
 //! ```text
 //! CASES_TIMES=30 CASES_SEED=1 cargo test -p system-tests --test properties

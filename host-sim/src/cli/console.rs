@@ -81,7 +81,7 @@ impl<'a> Console<'a> {
         Self { out, terminal: false, width: None, beside: None }
     }
 
-    /// Prints a line, or several.
+    /// Prints a line, or several. Where the reader has gone, as `head` does, nobody wants it: what else the command does goes on.
     pub fn print(&mut self, text: impl Display) -> Result<(), CliError> {
         self.write(&printable(&text))
     }
@@ -91,8 +91,17 @@ impl<'a> Console<'a> {
         self.write(&text.to_string())
     }
 
-    fn write(&mut self, text: &str) -> Result<(), CliError> {
+    /// Prints a part of a result that may be long, and says where nobody reads it any more.
+    pub fn stream(&mut self, text: impl Display) -> Result<(), CliError> {
+        let text = printable(&text);
         writeln!(self.out, "{text}").and_then(|()| self.out.flush()).map_err(CliError::Output)
+    }
+
+    fn write(&mut self, text: &str) -> Result<(), CliError> {
+        match writeln!(self.out, "{text}").and_then(|()| self.out.flush()) {
+            Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(CliError::Output(error)),
+            _ => Ok(()),
+        }
     }
 
     /// Prints a line that says how things are, coloured on a terminal.

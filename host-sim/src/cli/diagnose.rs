@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::ending::{DOCUMENT, DRAWING, MACHINE, PAGE};
 use super::input;
-use super::target::{check_targets, write};
+use super::target::{check_apart, check_targets, write};
 use super::{CliError, Console, Outcome, Tone};
 use crate::diagnose::{Diagnosis, Verdict, diagnose, steps};
 use crate::exhibits::Exhibits;
@@ -150,13 +150,15 @@ fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> 
     };
     // A refined machine file may take the place of the one it was made of; nothing else may.
     let recordings = [train.as_slice(), &holdout].concat();
-    check_targets(&[("--save-machine", arguments.save_machine.as_deref(), MACHINE)], &recordings)?;
+    let saved = ("--save-machine", arguments.save_machine.as_deref(), MACHINE);
+    check_targets(&[saved], &recordings)?;
     let others = [
         ("--json", arguments.json.as_deref(), DOCUMENT),
         ("--report", report.as_deref(), PAGE),
         ("--plot", arguments.plot.as_deref(), DRAWING),
     ];
     check_targets(&others, &[recordings.as_slice(), std::slice::from_ref(&machine)].concat())?;
+    check_apart(&[others.as_slice(), &[saved]].concat())?;
     let file = machine_file::read(&machine)?;
     let channels = file.channels.clone().overlaid_with(&maps);
     let read = input::recordings(&recordings, &channels, console)?;

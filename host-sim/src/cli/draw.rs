@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::target::{check_folder, make_folder, write};
+use super::target::{check_folder, make_folder, write, write_together};
 use super::{CliError, Console, Outcome};
 use crate::testbed::draw::{self, Concealed, Lot};
 
@@ -101,14 +101,15 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         .collect::<Result<Vec<_>, CliError>>()?;
     bar.finish_and_clear();
 
+    let cases: Vec<_> = cases.into_iter().flatten().collect();
+    for (id, _, files) in &cases {
+        refuse_others(&arguments.out.join(id), files)?;
+    }
     let mut truths = Vec::new();
-    for (id, truth, files) in cases.into_iter().flatten() {
+    for (id, truth, files) in cases {
         let folder = arguments.out.join(&id);
-        refuse_others(&folder, &files)?;
         make_folder(&folder)?;
-        for (path, text) in &files {
-            write(path, text)?;
-        }
+        write_together(&files)?;
         console.print(folder.display())?;
         truths.push((id, truth));
     }

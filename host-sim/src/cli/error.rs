@@ -1,7 +1,7 @@
 //! Why a command could not be done.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use model_core::machine::{MachineError, Source};
 
@@ -260,6 +260,16 @@ pub enum CliError {
         /// What is read.
         read: PathBuf,
     },
+    /// One file for two results.
+    #[error("{first} and {second} both name {}; expected two files", path.display())]
+    SameTarget {
+        /// An option.
+        first: &'static str,
+        /// Another one.
+        second: &'static str,
+        /// The file.
+        path: PathBuf,
+    },
     /// One recording in two places, of which each should tell something of its own.
     #[error("{first} and {second} hold the same recording; expected {expected}")]
     SameRecording {
@@ -370,10 +380,13 @@ impl CliError {
     #[must_use]
     pub fn is_closed_pipe(&self) -> bool {
         match self {
-            CliError::Output(error)
-            | CliError::Write { cause: error, .. }
-            | CliError::Recording(RecordingError::Write { source: error, .. }) => {
-                error.kind() == io::ErrorKind::BrokenPipe
+            CliError::Output(error) => error.kind() == io::ErrorKind::BrokenPipe,
+            // Another pipe's reader was to have all of it.
+            CliError::Write { path, cause } => {
+                atomic::is_standard_output(path) && cause.kind() == io::ErrorKind::BrokenPipe
+            }
+            CliError::Recording(RecordingError::Write { place, source }) => {
+                atomic::is_standard_output(Path::new(&place.file)) && source.kind() == io::ErrorKind::BrokenPipe
             }
             _ => false,
         }

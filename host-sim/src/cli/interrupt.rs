@@ -13,7 +13,8 @@ pub const INTERRUPTED: u8 = 130;
 /// From here on Ctrl-C, SIGTERM and SIGHUP remove what is being written and exit with [`INTERRUPTED`].
 ///
 /// Files that are whole stay; so does a result that takes the place of an older one only when it is whole. Whoever started the
-/// program with one of these signals ignored, as a shell does in the background and `nohup` for a terminal that closes, is taken at their word.
+/// program with one of these signals ignored, as a shell does in the background and `nohup` for a terminal that closes, is taken at their word
+/// for all three: a temporary file may stay then.
 ///
 /// # Errors
 /// Where the system takes no handler. The program can be interrupted then as well, but a temporary file may stay.

@@ -168,7 +168,7 @@ impl Target {
                 begun.write_all(text).map_err(|cause| CliError::Write { path: path.clone(), cause })
             }
             Target::Standard if text.is_empty() => Ok(()),
-            Target::Standard => console.print(String::from_utf8_lossy(text).trim_end()),
+            Target::Standard => console.stream(String::from_utf8_lossy(text).trim_end()),
         }
     }
 
@@ -233,7 +233,7 @@ fn written(
 ) -> Result<(), CliError> {
     if is_standard_output(out) {
         let text = recording.csv_rows(out, 0..recording.rows(), replaced, added)?;
-        return Target::Standard.write(&text, console);
+        return if text.is_empty() { Ok(()) } else { console.print(String::from_utf8_lossy(&text).trim_end()) };
     }
     Ok(recording.write(out, replaced, added)?)
 }

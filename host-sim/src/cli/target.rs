@@ -1,19 +1,39 @@
 //! The files that a command will write, checked before it begins: a long run must not end without its result.
 
 use std::fs;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::ending::{Kind, check_ending, is_standard_output};
 use super::{CliError, Console};
-use crate::atomic;
+use crate::atomic::{self, Begun};
 
-/// Checks each file that an option names: it could be written now, it is none of those read, and its ending promises what is written.
-pub(super) fn check_targets(targets: &[(&'static str, Option<&Path>, Kind)], read: &[PathBuf]) -> Result<(), CliError> {
+/// A file that an option names, and what is written there.
+pub(super) type Target<'a> = (&'static str, Option<&'a Path>, Kind);
+
+/// Checks each file that an option names: it could be written now, it is none of those read, its ending promises what is written, and no
+/// other option names it.
+pub(super) fn check_targets(targets: &[Target<'_>], read: &[PathBuf]) -> Result<(), CliError> {
+    check_apart(targets)?;
     for &(option, path, kind) in targets {
         let Some(path) = path else { continue };
         check_target(path)?;
         check_not_read(path, read)?;
         check_ending(option, path, kind)?;
+    }
+    Ok(())
+}
+
+/// Checks that no file is to be written by two options, by whatever names. A pipe takes what comes.
+pub(super) fn check_apart(targets: &[Target<'_>]) -> Result<(), CliError> {
+    let mut known: Vec<(&'static str, PathBuf)> = Vec::new();
+    for &(second, path, _) in targets {
+        let Some(path) = path.filter(|path| !atomic::is_stream(path)) else { continue };
+        let place = atomic::resolved(path);
+        if let Some(&(first, _)) = known.iter().find(|(_, other)| *other == place) {
+            return Err(CliError::SameTarget { first, second, path: path.to_owned() });
+        }
+        known.push((second, place));
     }
     Ok(())
 }
@@ -27,6 +47,23 @@ pub(super) fn check_target(path: &Path) -> Result<(), CliError> {
 pub(super) fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
     atomic::write(path, |out| out.write_all(bytes.as_ref()))
         .map_err(|cause| CliError::Write { path: path.to_owned(), cause })
+}
+
+/// Writes files of a folder: the first takes its name when all of them are on disk.
+pub(super) fn write_together(files: &[(PathBuf, String)]) -> Result<(), CliError> {
+    let failed = |path: &Path| {
+        let path = path.to_owned();
+        move |cause| CliError::Write { path, cause }
+    };
+    let begun = files.iter().map(|(path, text)| {
+        let mut begun = Begun::new(path).map_err(failed(path))?;
+        begun.write_all(text.as_bytes()).and_then(|()| begun.flush()).map_err(failed(path))?;
+        Ok((path, begun))
+    });
+    for (path, begun) in begun.collect::<Result<Vec<_>, CliError>>()? {
+        begun.finish().map_err(failed(path))?;
+    }
+    Ok(())
 }
 
 /// Writes text to a file, or prints it where that is `-`.

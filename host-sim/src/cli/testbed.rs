@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::draw;
 use super::input::TickArgument;
-use super::target::{check_folder, make_folder, write};
+use super::target::{check_folder, make_folder, write_together};
 use super::{CliError, Console, Outcome};
 use crate::machine_file::{self, MachineFile};
 use crate::noise::extent;
@@ -119,10 +119,9 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let machine = out.join("machine.toml");
     let toml = plan.file.to_text(&machine.display().to_string())?;
     make_folder(out)?;
-    for (path, text) in made.iter().chain([&(machine, toml)]) {
-        write(path, text)?;
-    }
-    for (path, _) in &made {
+    let names: Vec<PathBuf> = made.iter().map(|(path, _)| path.clone()).collect();
+    write_together(&[made, vec![(machine, toml)]].concat())?;
+    for path in names {
         console.print(path.display())?;
     }
     Ok(Outcome::Done)

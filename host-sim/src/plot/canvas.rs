@@ -10,6 +10,7 @@ use plotters::style::{Color, IntoFont, RGBAColor, RGBColor, ShapeStyle, TextStyl
 use super::axis::{Axis, extent};
 use super::thin::thinned;
 use super::{Panel, Style, Trace};
+use crate::diagnostic::printable;
 
 /// Width of a figure, px.
 pub(super) const WIDTH: i32 = 1000;
@@ -203,7 +204,8 @@ pub(super) fn write_at(area: &Area<'_>, text: &str, at: (i32, i32), place: TextP
     // The SVG backend writes a font size that is smaller by this factor.
     let size = 1.24 * f64::from(place.size * FINE);
     let style: TextStyle<'_> = ("sans-serif", size).into_font().color(&colour).pos(place.anchor);
-    area.draw(&Text::new(text.to_owned(), fine(at), style))
+    // XML has no control characters, not even escaped.
+    area.draw(&Text::new(printable(&text), fine(at), style))
 }
 
 /// About how wide a text is, px: no font is at hand.
@@ -250,5 +252,16 @@ mod tests {
         assert!(text.contains("a &lt; b &amp; c") && text.contains("&lt;title&gt;"), "{text}");
         assert!(!text.contains("NaN") && !text.contains("inf"));
         assert!(svg("nothing", "", &[]).contains("<svg"));
+    }
+
+    #[test]
+    fn a_name_with_what_xml_has_not_is_drawn_without_it() {
+        let panel = Panel::new("a\u{1}b\u{fffe}", "mm", vec![0.0, 1.0]).trace(Trace::new(
+            "re\u{2}corded",
+            vec![0.0, 1.0],
+            Style::Recorded,
+        ));
+        let drawn = svg("na\u{7f}med", "", &[panel]);
+        assert!(!drawn.contains(['\u{1}', '\u{2}', '\u{7f}', '\u{fffe}']) && drawn.contains("\\u{1}"));
     }
 }

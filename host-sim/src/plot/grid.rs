@@ -7,6 +7,7 @@ use plotters::style::{Color, FontTransform, IntoFont, RGBColor, TextStyle};
 use super::canvas::{
     Area, Drawn, FAINT_INK, FINE, FRAME, INK, PAPER, TextPlace, drawn, fine, line, text_width, write, write_at,
 };
+use crate::diagnostic::printable;
 
 const SIDE: i32 = 22;
 const TOP: i32 = 70;
@@ -66,7 +67,7 @@ fn draw(area: &Area<'_>, grid: &Grid, (left, top): (i32, i32), side: i32) -> Dra
         write_at(area, name, (left - 8, top + middle), right, INK)?;
         let upwards = ("sans-serif", SIZE * FINE).into_font().transform(FontTransform::Rotate270).color(&INK);
         let place: TextStyle<'_> = upwards.pos(Pos::new(HPos::Left, VPos::Center));
-        area.draw(&Text::new(name.as_str(), fine((left + middle, top - 8)), place))?;
+        area.draw(&Text::new(printable(name), fine((left + middle, top - 8)), place))?;
     }
     for (row, cells) in (0..).zip(&grid.cells) {
         for (column, cell) in (0..).zip(cells) {

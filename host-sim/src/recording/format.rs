@@ -15,7 +15,8 @@ use std::path::Path;
 
 /// Largest file of a format that is not text, in bytes: such a file is held in memory.
 pub const MAX_BINARY_BYTES: u64 = 4 << 30;
-/// Most bytes that the packed data of such a file may become, for each of its variables or groups that is read.
+/// Most bytes that the packed data of a MAT or MDF file may become, for each of its variables or groups that is read; a page of Parquet may become
+/// what its 31 bits can say.
 pub const MAX_UNPACKED_BYTES: u64 = 1 << 30;
 
 /// Bytes at the start of a file that tell its format.

@@ -17,11 +17,13 @@ use super::init::PRESS;
 use super::{at_hand, done, example, listing, refused, text};
 
 /// Commands that write a file, each with the option for it last; its name goes before it here, and follows there.
-const WRITING: [(&str, &[&str]); 9] = [
+const WRITING: [(&str, &[&str]); 11] = [
     ("simulated.csv", &["simulate", "--machine", "machine.toml", "--recording", "run.csv", "--out"]),
     ("simulated.mat", &["simulate", "--machine", "machine.toml", "--recording", "run.csv", "--out"]),
     ("simulated.parquet", &["simulate", "--machine", "machine.toml", "--recording", "run.csv", "--out"]),
     ("plot.svg", &["compare", "--machine", "machine.toml", "--recording", "run.csv", "--plot"]),
+    ("simulated.svg", &["simulate", "--machine", "machine.toml", "--recording", "run.csv", "--out", "-", "--plot"]),
+    ("statics.json", &["statics", "--recording", "run.csv", "--input", "command", "--output", "position", "--json"]),
     ("held.json", &["inspect", "run.csv", "--machine", "machine.toml", "--json"]),
     ("params.rs", &["export", "--machine", "machine.toml", "--out"]),
     ("drive.h", &["export", "--machine", "machine.toml", "--out"]),
@@ -265,6 +267,61 @@ fn a_reader_that_leaves_takes_nothing_from_the_results() {
         assert!(!message.contains("panicked"), "{message}");
         assert!(fs::metadata(folder.path().join(target)).unwrap().len() > 0);
     }
+}
+
+#[test]
+fn a_lot_is_whole_and_an_exit_code_true_for_a_reader_that_leaves() {
+    let left = |folder: &Path, arguments: &[&str]| {
+        let mut child =
+            super::program(folder, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        (output.status.code(), text(&output.stderr))
+    };
+    let folder = bench();
+    let draw = ["--quiet", "testbed", "draw", "--count", "2", "--effects", "none", "--out", "cases"];
+    assert_eq!(left(folder.path(), &draw), (Some(0), String::new()));
+    assert_eq!(listing(&folder.path().join("cases")).len(), 3, "two cases and their truth");
+
+    let compare =
+        ["compare", "--machine", "machine.toml", "--recording", "run.csv", "--exit-code", "--tolerance", "99.99"];
+    assert_eq!(left(folder.path(), &compare).0, Some(1));
+}
+
+#[test]
+fn a_pipe_whose_reader_leaves_has_not_got_the_result() {
+    let folder = bench();
+    assert!(Command::new("mkfifo").arg(folder.path().join("pipe.csv")).status().unwrap().success());
+    let simulate = ["simulate", "--machine", "machine.toml", "--recording", "run.csv", "--out", "pipe.csv"];
+    let output = behind("head -c 1 pipe.csv >first & \"$0\" \"$@\"", folder.path(), &simulate);
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("pipe.csv: cannot be written"), "{message}");
+}
+
+#[test]
+fn standard_output_that_is_a_file_is_written_after_what_is_there() {
+    let folder = bench();
+    let inspect = ["inspect", "run.csv", "--json", "/dev/stdout"];
+    let output = behind("echo before; exec \"$0\" \"$@\" >>both", folder.path(), &inspect);
+    assert_eq!((output.status.code(), text(&output.stdout)), (Some(0), "before\n".to_owned()));
+    let both = fs::read_to_string(folder.path().join("both")).unwrap();
+    let (json, table) = both.split_at(both.find("\n}\n").unwrap() + 3);
+    assert!(json.starts_with('{') && table.contains("position"), "{both}");
+    assert!(fs::symlink_metadata("/dev/stdout").unwrap().is_symlink());
+}
+
+#[test]
+fn two_results_do_not_get_one_file() {
+    let folder = bench();
+    let simulate =
+        ["simulate", "--machine", "machine.toml", "--recording", "run.csv", "--out", "run", "--plot", "./run"];
+    let message = refused(folder.path(), &simulate);
+    assert!(message.contains("--out and --plot both name ./run; expected two files"), "{message}");
+    let diagnose =
+        ["diagnose", "--machine", "machine.toml", "--train", "run.csv", "--json", "out", "--save-machine", "out"];
+    let message = refused(folder.path(), &diagnose);
+    assert!(message.contains("--json and --save-machine both name out"), "{message}");
 }
 
 /// A pipe in the folder into which that many rows are written at most; how many were, once it is closed.
