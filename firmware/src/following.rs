@@ -46,15 +46,13 @@ impl<const DELAY: usize> Control for Following<DELAY> {
         let Predicted { pressure_a: a, pressure_b: b, .. } = self.reference.predicted();
         let shown = measured.observed();
         self.inform(measured);
-        let start_at = |reference: &mut Reference<DELAY>, seen: &Observed| {
+        let mut seen = shown;
+        // Twice: what a sensor makes of a pressure depends on it.
+        for _ in 0..2 {
             let pressures = seen.pressures.unwrap_or(ChamberState { a, b });
-            reference.start_at(self.follower.neutral(), pressures, measured.position);
-        };
-        // What a sensor makes of a pressure depends on it.
-        start_at(&mut self.reference, &shown);
-        let seen = self.reference.undistorted(&shown);
-        start_at(&mut self.reference, &seen);
-        let seen = self.reference.undistorted(&shown);
+            self.reference.start_at(self.follower.neutral(), pressures, measured.position);
+            seen = self.reference.undistorted(&shown);
+        }
         self.state = self.follower.at_rest(&self.reference.predicted(), &seen);
     }
 

@@ -34,7 +34,7 @@ impl Begun {
     /// Nothing is in it yet.
     pub fn new(path: &Path) -> io::Result<Self> {
         let path = resolved(path);
-        let (file, unfinished) = if is_standard_output(&path) {
+        let (file, unfinished) = if leads_to_standard_output(&path) {
             (standard_output()?, None)
         } else if is_stream(&path) {
             (OpenOptions::new().write(true).open(&path)?, None)
@@ -122,7 +122,7 @@ pub fn check(path: &Path) -> io::Result<()> {
 
 /// What a link leads to, so that it stays one; else the file's own name in its folder, by the folder's real one.
 pub(crate) fn resolved(path: &Path) -> PathBuf {
-    if is_standard_output(path) {
+    if leads_to_standard_output(path) {
         return path.to_owned();
     }
     let folder = |folder: &Path| if folder.as_os_str().is_empty() { Path::new(".") } else { folder }.canonicalize();
@@ -133,7 +133,7 @@ pub(crate) fn resolved(path: &Path) -> PathBuf {
 }
 
 /// A name of this process's standard output, whatever that has been led to.
-pub(crate) fn is_standard_output(path: &Path) -> bool {
+pub(crate) fn leads_to_standard_output(path: &Path) -> bool {
     cfg!(unix) && ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| path == Path::new(name))
 }
 
@@ -163,7 +163,7 @@ pub fn expected(error: &io::Error) -> &'static str {
 
 /// A pipe, a terminal: something that is there and neither file nor folder; standard output, whatever that is.
 pub(crate) fn is_stream(path: &Path) -> bool {
-    is_standard_output(path) || fs::metadata(path).is_ok_and(|meta| !meta.is_file() && !meta.is_dir())
+    leads_to_standard_output(path) || fs::metadata(path).is_ok_and(|meta| !meta.is_file() && !meta.is_dir())
 }
 
 fn temporary(path: &Path) -> io::Result<NamedTempFile> {

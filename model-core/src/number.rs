@@ -191,7 +191,8 @@ pub trait Number: Compared + Debug + PartialEq + Add<Output = Self> + Sub<Output
         self.amplified(by)
     }
 
-    /// Whether the signal is held at an end of its range, or as near it as what is held there may lie, where it says only that the true value lies beyond.
+    /// Whether the signal is held at an end of its range, or as near it as what is held there may lie: it then says only that the true
+    /// value lies beyond.
     fn is_held(self) -> bool {
         false
     }

@@ -38,14 +38,14 @@ pub(crate) struct InverseFourthRoot {
     up: u32,
 }
 
-/// μ^-¼ over [½, 1) in 32 intervals: value (F31) at the left end, and drop to the right end (F31).
+/// Behind one address.
 struct Tables {
+    /// μ^-¼ over [½, 1) in 32 intervals: value (F31) at the left end, and drop to the right end (F31).
     seeds: [(u32, u32); 32],
     /// 2^(r/4) with 30 fractional bits.
     quarter_octaves: [u32; 4],
 }
 
-/// Behind one address.
 static TABLES: Tables =
     Tables { seeds: seeds(), quarter_octaves: [1_073_741_824, 1_276_901_417, 1_518_500_250, 1_805_811_301] };
 
@@ -85,7 +85,7 @@ impl InverseFourthRoot {
     }
 }
 
-/// Table of seeds, computed by the compiler in integers.
+/// [`Tables::seeds`], computed by the compiler in integers.
 #[expect(clippy::indexing_slicing, reason = "evaluated by the compiler")]
 const fn seeds() -> [(u32, u32); 32] {
     let mut table = [(0, 0); 32];

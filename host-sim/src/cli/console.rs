@@ -93,15 +93,18 @@ impl<'a> Console<'a> {
 
     /// Prints a part of a result that may be long, and says where nobody reads it any more.
     pub fn stream(&mut self, text: impl Display) -> Result<(), CliError> {
-        let text = printable(&text);
-        writeln!(self.out, "{text}").and_then(|()| self.out.flush()).map_err(CliError::Output)
+        self.put(&printable(&text)).map_err(CliError::Output)
     }
 
     fn write(&mut self, text: &str) -> Result<(), CliError> {
-        match writeln!(self.out, "{text}").and_then(|()| self.out.flush()) {
+        match self.put(text) {
             Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(CliError::Output(error)),
             _ => Ok(()),
         }
+    }
+
+    fn put(&mut self, text: &str) -> io::Result<()> {
+        writeln!(self.out, "{text}").and_then(|()| self.out.flush())
     }
 
     /// Prints a line that says how things are, coloured on a terminal.

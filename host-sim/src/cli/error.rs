@@ -383,10 +383,10 @@ impl CliError {
             CliError::Output(error) => error.kind() == io::ErrorKind::BrokenPipe,
             // Another pipe's reader was to have all of it.
             CliError::Write { path, cause } => {
-                atomic::is_standard_output(path) && cause.kind() == io::ErrorKind::BrokenPipe
+                atomic::leads_to_standard_output(path) && cause.kind() == io::ErrorKind::BrokenPipe
             }
             CliError::Recording(RecordingError::Write { place, source }) => {
-                atomic::is_standard_output(Path::new(&place.file)) && source.kind() == io::ErrorKind::BrokenPipe
+                atomic::leads_to_standard_output(Path::new(&place.file)) && source.kind() == io::ErrorKind::BrokenPipe
             }
             _ => false,
         }

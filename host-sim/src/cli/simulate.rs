@@ -11,7 +11,7 @@ use model_core::number::Scalar;
 
 use super::ending::{DRAWING, RECORDING, is_standard_output};
 use super::input::{self, MachineArguments};
-use super::target::{check_targets, write};
+use super::target::{check_targets, unwritten, write};
 use super::{CliError, Console, Outcome, Progress};
 use crate::atomic::Begun;
 use crate::compare::{Arithmetic, judged};
@@ -158,15 +158,13 @@ impl Target {
         if is_standard_output(path) {
             return Ok(Target::Standard);
         }
-        let begun = Begun::new(path).map_err(|cause| CliError::Write { path: path.to_owned(), cause })?;
+        let begun = Begun::new(path).map_err(unwritten(path))?;
         Ok(Target::File(begun, path.to_owned()))
     }
 
     fn write(&mut self, text: &[u8], console: &mut Console<'_>) -> Result<(), CliError> {
         match self {
-            Target::File(begun, path) => {
-                begun.write_all(text).map_err(|cause| CliError::Write { path: path.clone(), cause })
-            }
+            Target::File(begun, path) => begun.write_all(text).map_err(unwritten(path)),
             Target::Standard if text.is_empty() => Ok(()),
             Target::Standard => console.stream(String::from_utf8_lossy(text).trim_end()),
         }
@@ -174,7 +172,7 @@ impl Target {
 
     fn finish(self) -> Result<(), CliError> {
         match self {
-            Target::File(begun, path) => begun.finish().map_err(|cause| CliError::Write { path, cause }),
+            Target::File(begun, path) => begun.finish().map_err(unwritten(&path)),
             Target::Standard => Ok(()),
         }
     }
@@ -233,7 +231,7 @@ fn written(
 ) -> Result<(), CliError> {
     if is_standard_output(out) {
         let text = recording.csv_rows(out, 0..recording.rows(), replaced, added)?;
-        return if text.is_empty() { Ok(()) } else { console.print(String::from_utf8_lossy(&text).trim_end()) };
+        return console.print(String::from_utf8_lossy(&text).trim_end());
     }
     Ok(recording.write(out, replaced, added)?)
 }

@@ -1,7 +1,7 @@
 //! The files that a command will write, checked before it begins: a long run must not end without its result.
 
 use std::fs;
-use std::io::Write as _;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::ending::{Kind, check_ending, is_standard_output};
@@ -40,28 +40,28 @@ pub(super) fn check_apart(targets: &[Target<'_>]) -> Result<(), CliError> {
 
 /// Checks that this file could be written now. Nothing is left there.
 pub(super) fn check_target(path: &Path) -> Result<(), CliError> {
-    atomic::check(path).map_err(|cause| CliError::Write { path: path.to_owned(), cause })
+    atomic::check(path).map_err(unwritten(path))
+}
+
+/// What cannot be written there.
+pub(super) fn unwritten(path: &Path) -> impl FnOnce(io::Error) -> CliError {
+    move |cause| CliError::Write { path: path.to_owned(), cause }
 }
 
 /// Writes a file whole or not at all.
 pub(super) fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
-    atomic::write(path, |out| out.write_all(bytes.as_ref()))
-        .map_err(|cause| CliError::Write { path: path.to_owned(), cause })
+    atomic::write(path, |out| out.write_all(bytes.as_ref())).map_err(unwritten(path))
 }
 
 /// Writes files of a folder: the first takes its name when all of them are on disk.
 pub(super) fn write_together(files: &[(PathBuf, String)]) -> Result<(), CliError> {
-    let failed = |path: &Path| {
-        let path = path.to_owned();
-        move |cause| CliError::Write { path, cause }
-    };
     let begun = files.iter().map(|(path, text)| {
-        let mut begun = Begun::new(path).map_err(failed(path))?;
-        begun.write_all(text.as_bytes()).and_then(|()| begun.flush()).map_err(failed(path))?;
+        let mut begun = Begun::new(path).map_err(unwritten(path))?;
+        begun.write_all(text.as_bytes()).and_then(|()| begun.flush()).map_err(unwritten(path))?;
         Ok((path, begun))
     });
     for (path, begun) in begun.collect::<Result<Vec<_>, CliError>>()? {
-        begun.finish().map_err(failed(path))?;
+        begun.finish().map_err(unwritten(path))?;
     }
     Ok(())
 }
@@ -76,12 +76,12 @@ pub(super) fn check_folder(folder: &Path) -> Result<(), CliError> {
     // The empty path stands for where the program runs.
     let is_there = |place: &&Path| place.as_os_str().is_empty() || place.exists();
     let place = folder.ancestors().find(is_there).unwrap_or(folder);
-    atomic::check(&place.join("any")).map_err(|cause| CliError::Write { path: folder.to_owned(), cause })
+    atomic::check(&place.join("any")).map_err(unwritten(folder))
 }
 
 /// Makes a folder and those above it, where they are not there.
 pub(super) fn make_folder(folder: &Path) -> Result<(), CliError> {
-    fs::create_dir_all(folder).map_err(|cause| CliError::Write { path: folder.to_owned(), cause })
+    fs::create_dir_all(folder).map_err(unwritten(folder))
 }
 
 /// Checks that a file to write is none of those that are read, by whatever names.

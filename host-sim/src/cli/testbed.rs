@@ -103,7 +103,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     check_folder(out)?;
     refuse_others(out, &plan)?;
     let bar = console.progress(plan.recordings.len(), "running the test bed");
-    let made = plan
+    let mut files = plan
         .recordings
         .par_iter()
         .enumerate()
@@ -119,9 +119,10 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let machine = out.join("machine.toml");
     let toml = plan.file.to_text(&machine.display().to_string())?;
     make_folder(out)?;
-    let names: Vec<PathBuf> = made.iter().map(|(path, _)| path.clone()).collect();
-    write_together(&[made, vec![(machine, toml)]].concat())?;
-    for path in names {
+    let recordings = files.len();
+    files.push((machine, toml));
+    write_together(&files)?;
+    for (path, _) in files.iter().take(recordings) {
         console.print(path.display())?;
     }
     Ok(Outcome::Done)
