@@ -8,6 +8,7 @@ use host_sim::recording::{self, ChannelMap, Column, Recording, Signal, Unit};
 use model_core::machine::{Machine, Source};
 use model_core::parameter::Parameter;
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 use std::path::PathBuf;
 
 /// Text that comes near to a recording: its words in any order.
@@ -134,7 +135,7 @@ fn rows() -> impl Strategy<Value = Vec<(f64, f64, f64)>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 512, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 512, failure_persistence: None, rng_seed: RngSeed::Fixed(20_200), ..ProptestConfig::default() })]
 
     #[test]
     fn no_bytes_make_the_reader_of_recordings_panic(bytes in prop::collection::vec(any::<u8>(), 0..400)) {

@@ -9,7 +9,7 @@ use model_core::drive::Drive;
 use model_core::machine::{Machine, Source, Tick};
 use model_core::parameter::Parameter as P;
 use proptest::prelude::*;
-use system_tests::any_effects::any_side_effects;
+use system_tests::any_effects::any_effects;
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::drives;
 use system_tests::simulate::DELAY;
@@ -158,18 +158,18 @@ fn recordings_of_a_drive_with_any_effect_are_abreast_as_alone() {
 }
 
 proptest! {
-    #![proptest_config(cases(150))]
+    #![proptest_config(cases(1000))]
 
     #[test]
     fn recordings_abreast_are_each_as_alone(
         machine in any_machine(),
         tick in any_tick(),
-        effects in prop::option::of((any_side_effects(), any::<u16>())),
+        effects in any_effects(),
         entry in prop::sample::select(vec![EntryPoint::Command, EntryPoint::Slider, EntryPoint::Flow, EntryPoint::Force]),
         follows in any::<bool>(),
         drawn in prop::collection::vec((any::<u64>(), 200_usize..900, 0.4e-3..3e-3_f64, 0.0..1.0_f64, -1e-5..1e-5_f64), 1..7),
     ) {
-        let machine = effects.map_or(machine, |(effects, which)| effects.on(&machine, |index| which >> index & 1 == 1));
+        let machine = effects.on(&machine);
         prop_assume!(machine.source == Source::Valve && Drive::<f64>::new::<DELAY>(&machine, tick).is_ok());
         as_alone(&machine, tick, entry, follows, &drawn);
     }

@@ -11,7 +11,7 @@ use model_core::parameter::Parameter as P;
 use model_core::valve::Slider;
 use proptest::prelude::*;
 use serde_json::Value;
-use system_tests::any_effects::any_side_effects;
+use system_tests::any_effects::any_effects;
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::simulate::{DELAY, State, any_word, drive};
 
@@ -82,7 +82,7 @@ proptest! {
         machine in any_machine(),
         tick in any_tick(),
         pump in any::<bool>(),
-        effects in prop::option::of((any_side_effects(), any::<u16>())),
+        effects in prop::option::of(any_effects()),
         seed in any::<u64>(),
         inputs in prop::collection::vec((any_entry(), any_load()), 1..30),
     ) {
@@ -93,8 +93,8 @@ proptest! {
             machine.set(P::PumpSlip, machine.get(P::InternalLeakage));
         }
         let plain = effects.is_none();
-        if let Some((effects, which)) = effects {
-            machine = effects.on(&machine, |index| which >> index & 1 == 1);
+        if let Some(effects) = effects {
+            machine = effects.on(&machine);
         }
         let drive = Drive::<PerUnit>::new::<DELAY>(&machine, tick);
         prop_assume!(!pump && plain || drive.is_ok());

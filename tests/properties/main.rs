@@ -23,7 +23,7 @@ mod symmetry;
 mod ticks;
 mod time;
 
-use proptest::test_runner::{Config, RngSeed};
+use proptest::test_runner::{Config, RngSeed, TestRunner};
 
 /// That many cases from a fixed seed; `CASES_TIMES` as many, and from the seed `CASES_SEED`, where these are set.
 fn cases(cases: u32) -> Config {
@@ -31,9 +31,17 @@ fn cases(cases: u32) -> Config {
         std::env::var(name).ok().map(|text| text.parse::<u32>().unwrap_or_else(|_| panic!("{name}={text}")))
     };
     let seed = set("CASES_SEED").unwrap_or(20_200);
+    let cases = cases * set("CASES_TIMES").unwrap_or(1);
     Config {
-        cases: cases * set("CASES_TIMES").unwrap_or(1),
+        cases,
+        // Of ten machines with any effects, some do not fit the format.
+        max_global_rejects: 10 * cases,
         rng_seed: RngSeed::Fixed(seed.into()),
         ..Config::default()
     }
+}
+
+/// Runs that many cases of a law that is judged by all of them together; what fails alone is kept beside the others of `file`.
+fn runner(number: u32, file: &'static str) -> TestRunner {
+    TestRunner::new(Config { source_file: Some(file), ..cases(number) })
 }

@@ -1,14 +1,15 @@
 //! Pressures stay where supply, load and inertia can bring them; energy is not created.
 
 use host_sim::testbed::{Excitation, InitialState};
-use model_core::drive::{Entry, Load};
+use model_core::drive::{Drive, Entry, Load};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
 use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 use proptest::prelude::*;
+use system_tests::any_effects::{any_effects, overlapped, without};
 use system_tests::any_machine::{any_machine, any_tick};
-use system_tests::simulate::{State, at_rest, command, drive};
+use system_tests::simulate::{DELAY, State, at_rest, command, drive};
 
 use super::cases;
 
@@ -26,6 +27,9 @@ struct Store {
     areas_m2: [f64; 2],
     /// V/E and hose of each chamber, m³/Pa.
     capacities: [f64; 2],
+    /// Where the stops begin, m, and what both push with per depth, N/m.
+    stops_m: [f64; 2],
+    stop_n_per_m: f64,
 }
 
 impl Store {
@@ -36,12 +40,20 @@ impl Store {
             load_n: machine.get(P::LoadForce),
             areas_m2: [machine.get(P::AreaA), machine.get(P::AreaB)],
             capacities: [capacity(P::VolumeA), capacity(P::VolumeB)],
+            stops_m: [machine.get(P::StopRetracted), machine.get(P::StopExtended)],
+            stop_n_per_m: machine.get(P::StopStiffness),
         }
     }
 
     /// Stiffness of both oil columns together, N/m.
     fn spring(&self) -> f64 {
         self.areas_m2.iter().zip(self.capacities).map(|(area, capacity)| area * area / capacity).sum()
+    }
+
+    /// Most that oil and load may push the rod by, N.
+    fn largest_n(&self, state: &Si) -> f64 {
+        let oil = self.areas_m2.iter().zip(state.pressures_pa).map(|(area, pressure)| area * pressure.abs());
+        oil.sum::<f64>() + self.load_n.abs()
     }
 
     /// Largest pressure that the mass, stopped from a velocity, presses into a chamber beyond the static one.
@@ -68,10 +80,14 @@ fn si<N: Scalar<Real = f64>>(state: &State<N>, bases: &model_core::machine::Base
     }
 }
 
-/// Moving, compressed and lifted energy, J.
+/// Energy of the oil, of the load's height, of the stops and of the moving mass, J.
 fn energy(store: &Store, state: &Si) -> f64 {
     let compressed = store.capacities.iter().zip(state.pressures_pa).map(|(c, p)| 0.5 * c * p * p);
-    0.5 * store.mass * state.velocity_m_per_s.powi(2) + compressed.sum::<f64>() - store.load_n * state.position_m
+    let [retracted_m, extended_m] = store.stops_m;
+    let depth_m = (retracted_m - state.position_m).max(state.position_m - extended_m).max(0.0);
+    let moving = 0.5 * store.mass * state.velocity_m_per_s.powi(2);
+    let pressed = 0.5 * store.stop_n_per_m * depth_m * depth_m;
+    moving + compressed.sum::<f64>() + pressed - store.load_n * state.position_m
 }
 
 /// A valve so small that a stop from full speed cannot press more than a supply pressure.
@@ -83,11 +99,40 @@ pub(crate) fn gentle(mut machine: Machine<f64>) -> Machine<f64> {
     machine
 }
 
-/// The valve stands closed at command 0.
-fn closed(mut machine: Machine<f64>) -> Machine<f64> {
-    machine.set(P::ValveOffset, 0.0);
-    machine.set(P::DeadZone, machine.get(P::DeadZone).max(0.01));
-    machine
+/// Without what stores energy, or feeds a chamber, in a way that [`Store`] does not know: air, volumes that follow the piston, springs,
+/// bristles, edges that are open at the centre.
+fn storing_nothing_else(machine: &Machine<f64>) -> Machine<f64> {
+    let none = [
+        P::AirShare,
+        P::VolumeShare,
+        P::LoadSpring,
+        P::LoadSpringForce,
+        P::LoadSpringBow,
+        P::PreslidingForce,
+        P::PreslidingStiffness,
+        P::ValveLeakageOpening,
+    ];
+    without(machine, &none)
+}
+
+/// Without stops either.
+fn free(machine: &Machine<f64>) -> Machine<f64> {
+    without(machine, &[P::StopStiffness, P::StopDamping])
+}
+
+/// The valve stands closed at command 0, and the tank is empty: what leaks goes to nothing.
+fn closed(machine: &Machine<f64>) -> Machine<f64> {
+    overlapped(&without(machine, &[P::ValveOffset, P::NullDriftTravel, P::TankPressure]))
+}
+
+/// The most that dry friction of every kind may be at these pressures in all, N.
+fn dry_n(machine: &Machine<f64>, pressures_pa: [f64; 2]) -> f64 {
+    let get = |parameter| machine.get(parameter);
+    let [extending, retracting] = [P::AsymmetricExtending, P::AsymmetricRetracting].map(get);
+    let along = get(P::PositionFriction) + get(P::PositionFrictionSlope).abs() + get(P::PositionFrictionBow).abs();
+    let pressed = get(P::PressureFriction) * pressures_pa.iter().map(|pressure| pressure.abs()).sum::<f64>();
+    let stribeck = get(P::StribeckForce) + get(P::StribeckExcess);
+    get(P::CoulombFriction) + stribeck + extending.max(retracting) + along + pressed + get(P::PreslidingForce)
 }
 
 /// Largest growth of the energy in any tick with the valve closed, beside what dry friction that turns within the tick may give,
@@ -96,7 +141,8 @@ fn growth<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, start: [f64
     let drive = drive::<N>(machine, tick);
     let (store, bases) = (Store::of(machine), drive.bases());
     let supply_pa = machine.get(P::SupplyPressure);
-    let mut state: State<N> = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.0));
+    let middle_m = 0.5 * machine.get(P::Stroke);
+    let mut state: State<N> = at_rest(&drive, 0.0, &InitialState::at_rest(machine, middle_m));
     state.chambers.a = N::saturated(start[0]);
     state.chambers.b = N::saturated(start[1]);
     // No faster than a stop that presses one supply pressure.
@@ -104,36 +150,49 @@ fn growth<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, start: [f64
     state.motion.velocity = N::saturated(fastest * start[2]);
     let scale = store.capacities.iter().sum::<f64>() * supply_pa * supply_pa;
     let first = energy(&store, &si(&state, bases));
-    let mut growth = (0.0_f64, 0.0_f64);
+    let (mut growth, mut allowed) = ((0.0_f64, 0.0_f64), 0.0);
     for _ in 0..500 {
         let before = si(&state, bases);
-        drive.step(&mut state, Entry::Command(N::ZERO), Load::NONE);
+        let seen = drive.step(&mut state, Entry::Command(N::ZERO), Load::NONE);
         let after = si(&state, bases);
-        let turned = 2.0 * machine.get(P::CoulombFriction) * (after.position_m - before.position_m).abs();
+        let most_n = dry_n(machine, before.pressures_pa).max(dry_n(machine, after.pressures_pa));
+        // Dry friction that turns within the tick may have pushed for a part of its way.
+        let turned = 2.0 * most_n * (after.position_m - before.position_m).abs();
         let sprung = |state: &Si| SPRUNG * 0.5 * store.mass * state.velocity_m_per_s.powi(2);
-        let risen = energy(&store, &after) - energy(&store, &before) - sprung(&before).max(sprung(&after));
+        let more = energy(&store, &after) - energy(&store, &before);
+        let risen = more - sprung(&before).max(sprung(&after));
+        // A rod that is set down on a stop has been pushed all of the way that its velocity says, and keeps what that gave it.
+        let way_m = seen.velocity.to_f64() * bases.velocity_m_per_s * bases.tick_s;
+        let short_m = (way_m - (after.position_m - before.position_m)).abs();
+        let pushed_n = store.largest_n(&before).max(store.largest_n(&after));
+        allowed += more.clamp(0.0, turned + short_m * pushed_n);
         growth.0 = growth.0.max((risen - turned) / scale);
-        growth.1 = growth.1.max((energy(&store, &after) - sprung(&after) - first) / scale);
+        growth.1 = growth.1.max((energy(&store, &after) - sprung(&after) - first - allowed) / scale);
     }
     growth
 }
 
 /// What an open drive holds more than its supply gave and its tank took, largest over a run, in shares of what the supply gave.
-fn created(machine: &Machine<f64>, tick: Tick, seed: u64) -> f64 {
-    let drive = drive::<f64>(machine, tick);
+fn created<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, seed: u64) -> f64 {
+    let drive = drive::<N>(machine, tick);
     let (store, bases) = (Store::of(machine), drive.bases());
-    let mut state = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.0));
+    let mut state: State<N> = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.0));
     let first = energy(&store, &si(&state, bases));
     let (supply_pa, tank_pa) = (machine.get(P::SupplyPressure), machine.get(P::TankPressure));
     let scale = store.capacities.iter().sum::<f64>() * supply_pa * supply_pa;
+    let full_j = 4.0 * machine.get(P::FlowCoefficient) * supply_pa.powf(1.5) * bases.tick_s;
     let (mut given, mut passed, mut created) = (0.0, scale, 0.0_f64);
     for volts in Excitation::random_steps(seed).sample(tick.seconds()) {
         let seen = drive.step(&mut state, Entry::Command(command(volts)), Load::NONE);
         let slider = seen.slider.unwrap();
-        let [into_a, out_of_b] = [seen.flows.a, seen.flows.b].map(|flow| flow * bases.flow_m3_per_s * bases.tick_s);
+        let [into_a, out_of_b] =
+            [seen.flows.a, seen.flows.b].map(|flow| flow.to_f64() * bases.flow_m3_per_s * bases.tick_s);
         let (from_supply, to_tank) =
-            if slider.from + slider.to > 0.0 { (into_a, out_of_b) } else { (-out_of_b, -into_a) };
-        given += supply_pa * from_supply - tank_pa * to_tank;
+            if slider.from.to_f64() + slider.to.to_f64() > 0.0 { (into_a, out_of_b) } else { (-out_of_b, -into_a) };
+        // Through the centre within a tick, a port has been open to both.
+        let crosses = slider.from.to_f64() * slider.to.to_f64() < 0.0;
+        let unknown = if crosses { supply_pa * (into_a.abs() + out_of_b.abs()) + full_j } else { 0.0 };
+        given += supply_pa * from_supply - tank_pa * to_tank + unknown;
         passed += supply_pa * (from_supply.abs() + to_tank.abs());
         created = created.max((energy(&store, &si(&state, bases)) - first - given) / passed);
     }
@@ -156,7 +215,7 @@ fn extremes<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, volts: &[
 }
 
 proptest! {
-    #![proptest_config(cases(200))]
+    #![proptest_config(cases(2000))]
 
     /// Meter-out raises a pressure to the supply's times the area ratio, a load adds its own, and a stop of the mass its shock.
     ///
@@ -166,12 +225,19 @@ proptest! {
     fn pressures_stay_where_supply_load_and_inertia_can_bring_them(
         machine in any_machine().prop_map(gentle),
         tick in any_tick(),
+        effects in any_effects(),
         seed in any::<u64>(),
     ) {
+        let machine = free(&storing_nothing_else(&effects.on(&machine))).with(&[(P::PressureFriction, 0.0)]);
+        prop_assume!(Drive::<PerUnit>::new::<DELAY>(&machine, tick).is_ok());
         let volts = Excitation::random_steps(seed).sample(tick.seconds());
         let store = Store::of(&machine);
         let (supply_pa, area_b) = (machine.get(P::SupplyPressure), machine.get(P::AreaB));
-        let forced = (machine.get(P::LoadForce).abs() + machine.get(P::CoulombFriction)) / area_b;
+        let forced_n = machine.get(P::LoadForce).abs() + dry_n(&machine, [0.0; 2]);
+        // Leakage past the piston makes both pressures one, which then acts on what one area is larger by.
+        let differs_m2 = machine.get(P::AreaA) - area_b;
+        let leaks = machine.get(P::InternalLeakage) > 0.0 && differs_m2 > 1e-9;
+        let forced = forced_n / if leaks { differs_m2 } else { area_b };
         let fixed = extremes::<PerUnit>(&machine, tick, &volts);
         for [lowest, highest, fastest] in [fixed, extremes::<f64>(&machine, tick, &volts)] {
             let shock = store.shock_pa(fastest);
@@ -179,18 +245,23 @@ proptest! {
             let least = -forced - shock - 0.01 * supply_pa;
             prop_assert!(highest <= most, "{highest:e} Pa over {most:e} Pa");
             prop_assert!(lowest >= least, "{lowest:e} Pa under {least:e} Pa");
-            prop_assert!(highest < 7.9 * supply_pa && lowest > -7.9 * supply_pa, "held at the end of the format");
+            prop_assert!(leaks || highest.max(-lowest) < 7.9 * supply_pa, "held at the end of the format");
         }
     }
 
     #[test]
     fn a_closed_drive_gains_no_energy(
-        machine in any_machine().prop_map(closed),
+        machine in any_machine(),
         tick in any_tick(),
+        effects in any_effects(),
         start in prop::array::uniform3(0.0..1.0_f64),
     ) {
+        let machine = closed(&storing_nothing_else(&effects.on(&machine)));
+        prop_assume!(Drive::<PerUnit>::new::<DELAY>(&machine, tick).is_ok());
         let (real, fixed) = (growth::<f64>(&machine, tick, start), growth::<PerUnit>(&machine, tick, start));
-        prop_assert!(real.0 < ROUNDING && fixed.0 < ROUNDING, "in a tick: {real:?} {fixed:?}");
+        // In the tick that sets a rod down on a stop it has not been stopped yet for all of the way that its oil has.
+        let meets = machine.get(P::StopStiffness) > 0.0;
+        prop_assert!(meets || real.0.max(fixed.0) < ROUNDING, "in a tick: {real:?} {fixed:?}");
         prop_assert!(real.1 < ROUNDING && fixed.1 < ROUNDING, "in the run: {real:?} {fixed:?}");
     }
 
@@ -198,11 +269,13 @@ proptest! {
     fn an_open_drive_holds_no_more_than_its_supply_gave(
         machine in any_machine(),
         tick in any_tick(),
+        effects in any_effects(),
         seed in any::<u64>(),
     ) {
-        let mut machine = machine;
-        machine.set(P::InternalLeakage, 0.0);
-        let created = created(&machine, tick, seed);
-        prop_assert!(created < 1e-9, "{created:e}");
+        let leaks = [P::InternalLeakage, P::ExternalLeakageA, P::ExternalLeakageB];
+        let machine = overlapped(&without(&free(&storing_nothing_else(&effects.on(&machine))), &leaks));
+        prop_assume!(Drive::<PerUnit>::new::<DELAY>(&machine, tick).is_ok());
+        let (real, fixed) = (created::<f64>(&machine, tick, seed), created::<PerUnit>(&machine, tick, seed));
+        prop_assert!(real < 1e-9 && fixed < ROUNDING, "{real:e}, in fixed point {fixed:e}");
     }
 }

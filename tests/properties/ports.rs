@@ -5,9 +5,8 @@ use std::cell::RefCell;
 use model_core::machine::{Machine, Tick};
 use model_core::parameter::Parameter as P;
 use proptest::prelude::*;
-use proptest::test_runner::TestRunner;
 
-use super::cases;
+use super::runner;
 use super::smooth::{At, Smooth, TICKS, any_smooth, quantile};
 
 /// Flow into A and out of B by (3), (4), leakage past the piston and out of both chambers: in SI units, without the core.
@@ -66,7 +65,7 @@ fn what_a_chamber_holds_is_what_ports_and_gaps_pass_by_their_equations_to_second
         smooth.machine = machine.with(&[(P::ExternalLeakageA, a * laminar), (P::ExternalLeakageB, b * laminar)]);
         smooth
     });
-    TestRunner::new(cases(500))
+    runner(500, file!())
         .run(&leaking, |smooth| {
             let missed = TICKS.map(|tick| not_come(&smooth, tick));
             prop_assume!(missed.iter().all(Option::is_some));

@@ -9,7 +9,7 @@ use model_core::parameter::Parameter as P;
 use proptest::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use system_tests::any_effects::any_side_effects;
+use system_tests::any_effects::any_effects;
 use system_tests::any_machine::{any_machine, any_plain_machine, any_tick};
 use system_tests::simulate::{DELAY, State, at_rest, command, drive};
 
@@ -25,7 +25,7 @@ where
     N::Travel: Serialize + DeserializeOwned,
 {
     let drive = drive::<N>(machine, tick);
-    let start = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.1));
+    let start = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.5 * machine.get(P::Stroke)));
     let (mut through, mut first) = (start, start);
     let whole = run(&drive, &mut through, volts);
     run(&drive, &mut first, &volts[..at]);
@@ -37,17 +37,17 @@ where
 }
 
 proptest! {
-    #![proptest_config(cases(60))]
+    #![proptest_config(cases(1000))]
 
     #[test]
     fn a_run_that_is_stored_and_continued_is_the_run(
         machine in any_machine(),
         tick in any_tick(),
-        effects in prop::option::of((any_side_effects(), any::<u16>())),
+        effects in any_effects(),
         seed in any::<u64>(),
         at in 0_usize..1000,
     ) {
-        let machine = effects.map_or(machine, |(effects, which)| effects.on(&machine, |index| which >> index & 1 == 1));
+        let machine = effects.on(&machine);
         prop_assume!(Drive::<PerUnit>::new::<DELAY>(&machine, tick).is_ok());
         let volts = Excitation::random_steps(seed).sample(1e-3);
         stored_and_continued::<PerUnit>(&machine, tick, &volts[..1000], at);
@@ -55,12 +55,19 @@ proptest! {
     }
 
     #[test]
-    fn a_run_can_be_repeated(machine in any_machine(), tick in any_tick(), seed in any::<u64>()) {
-        let volts = Excitation::random_steps(seed).sample(1e-3);
+    fn a_run_can_be_repeated(
+        machine in any_machine(),
+        tick in any_tick(),
+        effects in any_effects(),
+        seed in any::<u64>(),
+    ) {
+        let machine = effects.on(&machine);
+        prop_assume!(Drive::<PerUnit>::new::<DELAY>(&machine, tick).is_ok());
+        let volts = &Excitation::random_steps(seed).sample(1e-3)[..1000];
         let once = || {
             let drive = drive::<PerUnit>(&machine, tick);
-            let mut state = at_rest(&drive, 0.0, &InitialState::at_rest(&machine, 0.1));
-            (run(&drive, &mut state, &volts), state)
+            let mut state = at_rest(&drive, 0.0, &InitialState::at_rest(&machine, 0.5 * machine.get(P::Stroke)));
+            (run(&drive, &mut state, volts), state)
         };
         prop_assert_eq!(once(), once());
     }
@@ -68,15 +75,15 @@ proptest! {
     /// Effects too small for the format are the model without them: nothing is added for their mere presence.
     #[test]
     fn an_effect_of_nothing_changes_nothing(machine in any_plain_machine(), tick in any_tick(), seed in any::<u64>()) {
-        let volts = Excitation::random_steps(seed).sample(1e-3);
+        let volts = &Excitation::random_steps(seed).sample(1e-3)[..1000];
         let with = |leakage: f64, hose: f64, friction_n: f64| {
             let mut machine = machine;
             machine.set(P::InternalLeakage, leakage);
             machine.set(P::HoseCompliance, hose);
             machine.set(P::CoulombFriction, friction_n);
             let drive = drive::<PerUnit>(&machine, tick);
-            let mut state = at_rest(&drive, 0.0, &InitialState::at_rest(&machine, 0.1));
-            (run(&drive, &mut state, &volts), state)
+            let mut state = at_rest(&drive, 0.0, &InitialState::at_rest(&machine, 0.5 * machine.get(P::Stroke)));
+            (run(&drive, &mut state, volts), state)
         };
         let without = with(0.0, 0.0, 0.0);
         prop_assert_eq!(&with(1e-30, 0.0, 0.0), &without, "leakage");

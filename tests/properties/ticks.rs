@@ -11,10 +11,9 @@ use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Source};
 use model_core::parameter::Parameter as P;
 use proptest::prelude::*;
-use proptest::test_runner::TestRunner;
 use system_tests::simulate::{Row, core, distance};
 
-use super::cases;
+use super::runner;
 use super::smooth::{Smooth, TICKS, any_smooth, quantile};
 
 /// What halving the tick divides the gap between two ticks by: of position and pressures; `None` near a corner.
@@ -33,7 +32,7 @@ fn divided_by(smooth: &Smooth) -> Option<[f64; 2]> {
 #[test]
 fn halving_the_tick_divides_the_error_by_four_on_any_machine_where_nothing_switches() {
     let found = RefCell::new([Vec::new(), Vec::new()]);
-    TestRunner::new(cases(500))
+    runner(500, file!())
         .run(&any_smooth(), |smooth| {
             let ratios = divided_by(&smooth);
             prop_assume!(ratios.is_some());

@@ -1,4 +1,4 @@
-//! Effects of the valve and the flow link drawn at random, in sizes that suit the machine they come upon.
+//! Effects drawn at random, in sizes that suit the machine they come upon: of the valve and the flow link by number, and of every link.
 
 use model_core::machine::Machine;
 use model_core::parameter::Parameter as P;
@@ -36,14 +36,22 @@ pub fn any_side_effects() -> impl Strategy<Value = SideEffects> {
         .prop_map(|(shares, others)| SideEffects { shares, others })
 }
 
+/// From −size to size.
+fn both(share: f64, size: f64) -> f64 {
+    (2.0 * share - 1.0) * size
+}
+
+/// Evenly over the decades between two values.
+fn decades(share: f64, from: f64, to: f64) -> f64 {
+    from * (to / from).powf(share)
+}
+
 impl SideEffects {
     /// The machine with those of the effects that `on` says; what has no strength is set for all.
     #[must_use]
     pub fn on(&self, machine: &Machine<f64>, on: impl Fn(usize) -> bool) -> Machine<f64> {
         let supply_pa = machine.get(P::SupplyPressure);
         let coefficient = machine.get(P::FlowCoefficient);
-        let both = |share: f64, size: f64| (2.0 * share - 1.0) * size;
-        let decades = |share: f64, from: f64, to: f64| from * (to / from).powf(share);
         let s = |index: usize| if on(index) { self.shares[index] } else { 0.0 };
         let signed = |index: usize, size: f64| if on(index) { both(self.shares[index], size) } else { 0.0 };
         let [spread, drift, onset, bend, memory, reach, pairs, ports, directions] = self.others;
@@ -75,4 +83,132 @@ impl SideEffects {
         }
         machine
     }
+}
+
+/// The effects behind the valve and the flow link that [`AnyEffects`] draws, by their number; leakage past the piston, hoses and Coulomb
+/// friction come with the machines.
+const BEHIND: [&str; 14] = [
+    "external-leakage",
+    "entrained-air",
+    "position-dependent-volume",
+    "stribeck-friction",
+    "friction-asymmetry",
+    "position-dependent-friction",
+    "pressure-dependent-friction",
+    "position-dependent-load",
+    "end-stop",
+    "presliding",
+    "linkage-backlash",
+    "position-sensor-lag",
+    "sensor-offset",
+    "oil-temperature",
+];
+
+/// Shares of the amounts behind the flow link.
+const AMOUNTS: usize = 28;
+
+/// Effects of every link, any of them on; no unnamed table.
+#[derive(Clone, Debug)]
+pub struct AnyEffects {
+    side: SideEffects,
+    which: u32,
+    amounts: Vec<f64>,
+    forms: [f64; 9],
+}
+
+/// None of them, one alone, a few, about half.
+pub fn any_effects() -> impl Strategy<Value = AnyEffects> {
+    let bits = 0..EFFECTS.len() + BEHIND.len();
+    let which = prop_oneof![
+        1 => Just(0_u32),
+        3 => bits.clone().prop_map(|bit| 1 << bit),
+        3 => prop::collection::vec(bits, 2..5).prop_map(|bits| bits.into_iter().fold(0, |which, bit| which | 1 << bit)),
+        2 => any::<u32>(),
+    ];
+    let amounts = prop::collection::vec(0.0..1.0_f64, AMOUNTS);
+    (any_side_effects(), which, amounts, prop::array::uniform9(0.0..1.0_f64))
+        .prop_map(|(side, which, amounts, forms)| AnyEffects { side, which, amounts, forms })
+}
+
+impl AnyEffects {
+    /// The same effects, none of them on.
+    #[must_use]
+    pub fn off(&self) -> Self {
+        Self { which: 0, ..self.clone() }
+    }
+
+    /// The machine with those that are on; what has no strength is set for all.
+    ///
+    /// # Panics
+    /// More amounts are asked for than are drawn.
+    #[must_use]
+    pub fn on(&self, machine: &Machine<f64>) -> Machine<f64> {
+        let is_on = |number: usize| self.which >> number & 1 == 1;
+        let mut left = self.amounts.iter();
+        let mut amount = |behind: usize| {
+            let share = *left.next().expect("a share is drawn for each");
+            if is_on(EFFECTS.len() + behind) { share } else { 0.0 }
+        };
+        let signed = |share: f64, size: f64| if share == 0.0 { 0.0 } else { both(share, size) };
+        let [fall, stiffness, damping, within, warms, lags, bristles, at_c, reach] = self.forms;
+        let (supply_pa, stroke_m) = (machine.get(P::SupplyPressure), machine.get(P::Stroke));
+        let force_n = machine.get(P::AreaB) * supply_pa;
+        let laminar = 0.05 * machine.get(P::FlowCoefficient) / supply_pa.sqrt();
+        // A load that grows with the square of the way runs away where nothing stops the rod.
+        let stops = amount(8) > 0.0 || is_on(EFFECTS.len() + 7);
+        let reach_m = stroke_m * (0.2 + 0.3 * within);
+        // So stiff that the drive's whole force presses it in by a thousandth to a tenth of the stroke.
+        let stop_n_per_m = force_n / stroke_m * decades(stiffness, 10.0, 1000.0);
+        let values = [
+            (P::ExternalLeakageA, amount(0) * laminar),
+            (P::ExternalLeakageB, amount(0) * laminar),
+            (P::AirShare, 0.05 * amount(1)),
+            (P::VolumeShare, amount(2)),
+            (P::StribeckForce, 0.05 * force_n * amount(3)),
+            (P::StribeckExcess, 0.05 * force_n * amount(3)),
+            (P::StribeckVelocity, decades(fall, 1e-3, 0.1)),
+            (P::AsymmetricExtending, 0.05 * force_n * amount(4)),
+            (P::AsymmetricRetracting, 0.05 * force_n * amount(4)),
+            (P::PositionFriction, 0.05 * force_n * amount(5)),
+            (P::PositionFrictionSlope, signed(amount(5), 0.03 * force_n)),
+            (P::PositionFrictionBow, signed(amount(5), 0.03 * force_n)),
+            (P::PositionDragSlope, signed(amount(5), 0.5)),
+            (P::PositionDragBow, signed(amount(5), 0.5)),
+            (P::PressureFriction, 0.02 * machine.get(P::AreaB) * amount(6)),
+            (P::LoadSpring, signed(amount(7), 0.3 * force_n / stroke_m)),
+            (P::LoadSpringForce, signed(amount(7), 0.1 * force_n)),
+            (P::LoadSpringBow, signed(amount(7), 0.3 * force_n / (stroke_m * stroke_m))),
+            (P::StopStiffness, if stops { stop_n_per_m } else { 0.0 }),
+            (P::StopDamping, if stops { decades(damping, 1e2, 1e6) } else { 0.0 }),
+            (P::StopRetracted, 0.5 * stroke_m - reach_m),
+            (P::StopExtended, 0.5 * stroke_m + reach_m),
+            (P::PreslidingForce, 0.05 * force_n * amount(9)),
+            (P::PreslidingStiffness, if amount(9) > 0.0 { decades(bristles, 1e6, 1e9) } else { 0.0 }),
+            (P::BacklashPlay, 1e-3 * amount(10)),
+            (P::PositionLag, 0.05 * amount(11)),
+            (P::PositionDelay, 0.02 * lags * amount(11)),
+            (P::PressureAOffset, signed(amount(12), 0.02 * supply_pa)),
+            (P::SpoolOffset, signed(amount(12), 0.02)),
+            (P::PositionFactor, signed(amount(12), 0.02)),
+            (P::ViscosityLoss, signed(amount(13), 0.8)),
+            (P::WarmingTime, decades(warms, 0.1, 10.0)),
+            (P::ViscosityLossPerKelvin, 0.05 * amount(13)),
+            (P::ReferenceTemperature, 80.0 * at_c),
+            (P::FlowGainNotch, 0.02 + 0.5 * reach),
+        ];
+        self.side.on(machine, is_on).with(&values)
+    }
+}
+
+/// The machine with none of what these say.
+#[must_use]
+pub fn without(machine: &Machine<f64>, none: &[P]) -> Machine<f64> {
+    let none: Vec<(P, f64)> = none.iter().map(|&parameter| (parameter, 0.0)).collect();
+    machine.with(&none)
+}
+
+/// The machine with an overlap, so that none of the valve's edges is open on both sides of the centre, whatever differs between the sides.
+#[must_use]
+pub fn overlapped(machine: &Machine<f64>) -> Machine<f64> {
+    machine.with(&[(P::DeadZone, machine.get(P::DeadZone).max(0.01 + machine.get(P::DeadZoneDifference).abs()))])
 }

@@ -19,6 +19,7 @@ use model_core::fixed_point::PerUnit;
 use model_core::number::Number;
 use parts::Line;
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 use world::{COUNTS_PER_M, GAIN_PER_V, OFFSET, OVERLAP, STROKE_M, Wired, World, simple_plant};
 
 /// Enough to move the rod: proportional, with the overlap jumped.
@@ -198,7 +199,7 @@ fn after_a_restart_of_the_controller_somebody_says_where_the_rod_is() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, rng_seed: RngSeed::Fixed(20_200), ..ProptestConfig::default() })]
     #[test]
     fn whatever_the_parts_say_nothing_panics_and_all_is_well_again_afterwards(
         disturbances in prop::collection::vec((0..3_usize, 1..u32::MAX, any::<bool>(), 1..20_u32), 1..8),
