@@ -1,10 +1,12 @@
 //! Whatever is fed to the readers, the coefficients and the step: what the search of `fuzz/` began with and what it kept, once more,
-//! with no more memory than a small file may take.
+//! with no more memory and time than a small file may take.
 
 use std::alloc::System;
 use std::fs;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::thread;
+use std::time::Duration;
 
 use cap::Cap;
 use model_core::chambers::ChamberState;
@@ -17,9 +19,12 @@ use system_tests::anything::{TARGETS, machine_file, recording};
 use system_tests::drives;
 use system_tests::simulate::DELAY;
 
-/// What cannot be had ends the process: more than this is a failure.
+/// What cannot be had ends the process: more than this is a failure. All threads share it.
 #[global_allocator]
 static MEMORY: Cap<System> = Cap::new(System, 1 << 30);
+
+/// Longest that a file may take: three times what the search (`fuzz/run`) lets one take, because other tests run beside it.
+const LONGEST: Duration = Duration::from_mins(1);
 
 fn corpus(target: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus").join(target)
@@ -36,10 +41,25 @@ fn nothing_that_was_kept_breaks_anything() {
         files.sort();
         assert!(files.len() >= 4, "{target}: {} files", files.len());
         for file in files {
-            let bytes = fs::read(&file).unwrap();
-            let outcome = catch_unwind(AssertUnwindSafe(|| feed(&bytes)));
-            assert!(outcome.is_ok(), "cargo test … -- --nocapture says what is wrong with {}", file.display());
+            feed_file(feed, &file);
         }
+    }
+}
+
+/// Feeds a file in a thread of its own, which is left behind where it does not end; the failed test then ends it with the process.
+fn feed_file(feed: fn(&[u8]), file: &Path) {
+    let bytes = fs::read(file).unwrap();
+    let (done, ended) = mpsc::channel();
+    thread::spawn(move || {
+        feed(&bytes);
+        done.send(())
+    });
+    let name = file.display();
+    match ended.recv_timeout(LONGEST) {
+        Ok(()) => {}
+        Err(RecvTimeoutError::Timeout) => panic!("{name} takes more than {} s", LONGEST.as_secs()),
+        // The thread has panicked and dropped its end.
+        Err(RecvTimeoutError::Disconnected) => panic!("cargo test … -- --nocapture says what is wrong with {name}"),
     }
 }
 

@@ -15,8 +15,8 @@ use std::path::Path;
 
 /// Largest file of a format that is not text, in bytes: such a file is held in memory.
 pub const MAX_BINARY_BYTES: u64 = 4 << 30;
-/// Most bytes that the packed data of a MAT or MDF file may become, for each of its variables or groups that is read; a page of Parquet may become
-/// what its 31 bits can say.
+/// Most bytes that packed data may become: of a MAT-file all together, of an MDF file those of a group that is read, of a Parquet file those of a
+/// column in a group of rows.
 pub const MAX_UNPACKED_BYTES: u64 = 1 << 30;
 
 /// Bytes at the start of a file that tell its format.

@@ -4,43 +4,46 @@
 //! in s from its first one. Nulls are no values. Columns of lists and structures are not read, and whatever pandas or Arrow keep
 //! in the file beside the columns is not needed.
 
+mod pages;
 mod write;
 
 use super::channels::ChannelMap;
 use super::contained::contained;
 use super::error::RecordingError;
-use super::format::Format;
+use super::format::{Format, MAX_UNPACKED_BYTES};
 use super::offered::{self, Contents, Offered};
 use super::unsupported::Unsupported;
 use super::{MAX_ROWS, Recording};
 use crate::diagnostic::Place;
 use ::parquet::basic::{Compression, LogicalType, TimeUnit, Type};
-use ::parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use ::parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
 use ::parquet::data_type::DataType;
 use ::parquet::errors::ParquetError;
-use ::parquet::file::metadata::ColumnChunkMetaData;
-use ::parquet::file::reader::{FileReader, SerializedFileReader};
+use ::parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData, ParquetMetaDataReader};
 use ::parquet::schema::types::ColumnDescPtr;
 use bytes::Bytes;
+use pages::Pages;
+use std::sync::Arc;
 pub(super) use write::write;
 
 /// Reads a file.
 pub(super) fn read(name: &str, bytes: Vec<u8>, map: &ChannelMap) -> Result<Recording, RecordingError> {
     // The library guards against damaged files, but does not promise not to panic.
-    let opened = contained(|| SerializedFileReader::new(Bytes::from(bytes)));
-    let Some(Ok(reader)) = opened else {
+    let bytes = Bytes::from(bytes);
+    let opened = contained(|| ParquetMetaDataReader::new().parse_and_finish(&bytes));
+    let Some(Ok(metadata)) = opened else {
         return Err(damaged(Place::file(name), "an index of its columns that cannot be read"));
     };
-    let rows = reader.metadata().row_groups().iter().try_fold(0_usize, |rows, group| {
+    let rows = metadata.row_groups().iter().try_fold(0_usize, |rows, group| {
         usize::try_from(group.num_rows()).ok().and_then(|more| rows.checked_add(more)).filter(|rows| *rows <= MAX_ROWS)
     });
     let rows = rows.ok_or_else(|| RecordingError::TooManyRows { place: Place::file(name), most: MAX_ROWS })?;
-    let columns = reader.metadata().file_metadata().schema_descr().columns().to_vec();
+    let columns = metadata.file_metadata().schema_descr().columns().to_vec();
     let offered = columns.iter().map(|column| {
         let stamp = stamp_s(column).map(|_| "s".to_owned());
         Offered { name: column.path().parts().join("."), also: Vec::new(), unit: stamp, base: 0, clock: false }
     });
-    let table = Table { name, offered: offered.collect(), reader, columns, rows };
+    let table = Table { name, offered: offered.collect(), bytes: Arc::new(bytes), metadata, columns, rows };
     offered::recording(name, &table, map)
 }
 
@@ -64,7 +67,8 @@ fn stamp_s(column: &ColumnDescPtr) -> Option<f64> {
 struct Table<'a> {
     name: &'a str,
     offered: Vec<Offered>,
-    reader: SerializedFileReader<Bytes>,
+    bytes: Arc<Bytes>,
+    metadata: ParquetMetaData,
     columns: Vec<ColumnDescPtr>,
     rows: usize,
 }
@@ -113,7 +117,7 @@ impl Contents for Table<'_> {
         if !matches!(column.physical_type(), Type::BOOLEAN | Type::INT32 | Type::INT64 | Type::FLOAT | Type::DOUBLE) {
             return Err(not_numbers("text or bytes"));
         }
-        for group in self.reader.metadata().row_groups() {
+        for group in self.metadata.row_groups() {
             let chunk = group.columns().get(index);
             // A summary of several files. None of them is opened: what a recording says is no place to read from.
             if let Some(path) = chunk.and_then(ColumnChunkMetaData::file_path).filter(|path| !path.is_empty()) {
@@ -134,10 +138,17 @@ impl Contents for Table<'_> {
                 }
                 None => return Err(damaged(place(), "a group of rows without this column")),
             }
+            let unpacked = chunk.and_then(|chunk| u64::try_from(chunk.uncompressed_size()).ok());
+            if unpacked.is_some_and(|bytes| bytes > MAX_UNPACKED_BYTES) {
+                return Err(RecordingError::TooLarge { place: place(), most_bytes: MAX_UNPACKED_BYTES });
+            }
         }
         // As above.
         match contained(|| self.column(index, kind)) {
             Some(Ok(values)) => Ok(values),
+            Some(Err(error)) if pages::become_too_much(&error) => {
+                Err(RecordingError::TooLarge { place: place(), most_bytes: MAX_UNPACKED_BYTES })
+            }
             Some(Err(_)) | None => Err(damaged(place(), "values that cannot be read")),
         }
     }
@@ -146,13 +157,14 @@ impl Contents for Table<'_> {
 impl Table<'_> {
     /// The values of a column, group of rows by group of rows; NaN for nulls.
     fn column(&self, index: usize, kind: Kind) -> Result<Vec<f64>, ParquetError> {
-        let full = self.columns[index].max_def_level();
+        let described = &self.columns[index];
+        let full = described.max_def_level();
         let mut values = Vec::new();
         let mut first = None;
-        for group in 0..self.reader.num_row_groups() {
-            let group = self.reader.get_row_group(group)?;
-            let rows = usize::try_from(group.metadata().num_rows())?;
-            let more = match group.get_column_reader(index)? {
+        for group in self.metadata.row_groups() {
+            let rows = usize::try_from(group.num_rows())?;
+            let pages = Pages::new(&self.bytes, group.column(index), rows)?;
+            let more = match get_column_reader(described.clone(), Box::new(pages)) {
                 ColumnReader::BoolColumnReader(reader) => {
                     numbers(reader, rows, full, |value| f64::from(u8::from(*value)))?
                 }
@@ -197,7 +209,7 @@ fn numbers<T: DataType>(
 mod tests {
     use super::*;
     use crate::recording::{Column, Signal};
-    use ::parquet::file::metadata::{ParquetMetaDataReader, ParquetMetaDataWriter};
+    use ::parquet::file::metadata::{ColumnChunkMetaDataBuilder, ParquetMetaDataWriter, RowGroupMetaData};
 
     /// Three rows of position.
     fn written() -> Vec<u8> {
@@ -209,18 +221,17 @@ mod tests {
         std::fs::read(path).unwrap()
     }
 
-    /// The same with an index that says that all values stand in another file.
-    fn said_to_be_in(path: &str) -> Vec<u8> {
+    /// The same with an index that says something else of each column.
+    fn said(change: impl Fn(ColumnChunkMetaDataBuilder) -> ColumnChunkMetaDataBuilder) -> Vec<u8> {
         let mut bytes = written();
         let metadata = ParquetMetaDataReader::new().parse_and_finish(&Bytes::from(bytes.clone())).unwrap();
         let mut metadata = metadata.into_builder();
-        let moved = |group: ::parquet::file::metadata::RowGroupMetaData| {
-            let column =
-                |chunk: &ColumnChunkMetaData| chunk.clone().into_builder().set_file_path(path.to_owned()).build();
-            let columns = group.columns().iter().map(|chunk| column(chunk).unwrap()).collect();
+        let changed = |group: RowGroupMetaData| {
+            let column = |chunk: &ColumnChunkMetaData| change(chunk.clone().into_builder()).build().unwrap();
+            let columns = group.columns().iter().map(column).collect();
             group.into_builder().set_column_metadata(columns).build().unwrap()
         };
-        let groups = metadata.take_row_groups().into_iter().map(moved).collect();
+        let groups = metadata.take_row_groups().into_iter().map(changed).collect();
         let metadata = metadata.set_row_groups(groups).build();
         // The length of the index stands before the mark at the end.
         let end = bytes.len() - 8;
@@ -228,6 +239,33 @@ mod tests {
         bytes.truncate(end - usize::try_from(index).unwrap());
         ParquetMetaDataWriter::new(&mut bytes, &metadata).finish().unwrap();
         bytes
+    }
+
+    fn said_to_be_in(path: &str) -> Vec<u8> {
+        said(|column| column.set_file_path(path.to_owned()))
+    }
+
+    #[test]
+    fn what_says_that_it_becomes_too_much_is_refused_before_it_is_unpacked() {
+        let becomes = |size: u64| {
+            let bytes = said(|column| column.set_total_uncompressed_size(size.cast_signed()));
+            read("run.parquet", bytes, &ChannelMap::default())
+        };
+        assert_eq!(becomes(MAX_UNPACKED_BYTES).unwrap().time_s(), [0.0, 1.0, 2.0]);
+        let refused = becomes(MAX_UNPACKED_BYTES + 1).unwrap_err();
+        assert!(matches!(refused, RecordingError::TooLarge { .. }), "{refused}");
+    }
+
+    #[test]
+    fn what_becomes_too_much_without_saying_so_is_refused_as_well() {
+        let mut bytes = written();
+        // The times as a dictionary: snappy says first how long it is, from now on 2 GiB.
+        let times: Vec<u8> = [0.0_f64, 1.0, 2.0].iter().flat_map(|time| time.to_le_bytes()).collect();
+        let packed = snap::raw::Encoder::new().compress_vec(&times).unwrap();
+        let at = bytes.windows(packed.len()).position(|window| window == packed).unwrap();
+        bytes[at..at + 5].copy_from_slice(&[0x80, 0x80, 0x80, 0x80, 0x08]);
+        let refused = read("run.parquet", bytes, &ChannelMap::default()).unwrap_err();
+        assert!(matches!(refused, RecordingError::TooLarge { .. }), "{refused}");
     }
 
     #[test]
