@@ -2,10 +2,11 @@
 //! process that is killed. What was there stays, nothing is half-written, and the same again works.
 #![cfg(unix)]
 
+use std::collections::BTreeMap;
 use std::fs::{self, Permissions};
 use std::io::Write;
 use std::os::unix::fs::PermissionsExt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
@@ -16,38 +17,39 @@ use super::import::streamed;
 use super::init::PRESS;
 use super::{at_hand, done, example, listing, refused, text};
 
-/// Commands that write a file, each with the option for it last; its name goes before it here, and follows there.
-const WRITING: [(&str, &[&str]); 11] = [
-    ("simulated.csv", &["simulate", "--machine", "machine.toml", "--recording", "run.csv", "--out"]),
-    ("simulated.mat", &["simulate", "--machine", "machine.toml", "--recording", "run.csv", "--out"]),
-    ("simulated.parquet", &["simulate", "--machine", "machine.toml", "--recording", "run.csv", "--out"]),
-    ("plot.svg", &["compare", "--machine", "machine.toml", "--recording", "run.csv", "--plot"]),
-    ("simulated.svg", &["simulate", "--machine", "machine.toml", "--recording", "run.csv", "--out", "-", "--plot"]),
-    ("statics.json", &["statics", "--recording", "run.csv", "--input", "command", "--output", "position", "--json"]),
-    ("held.json", &["inspect", "run.csv", "--machine", "machine.toml", "--json"]),
-    ("params.rs", &["export", "--machine", "machine.toml", "--out"]),
-    ("drive.h", &["export", "--machine", "machine.toml", "--out"]),
-    ("taken.csv", &["import", "--frames", "frames.bin", "--out"]),
-    ("fitted.toml", &["fit", "--machine", "machine.toml", "--train", "run.csv", "--save-machine"]),
+/// Commands that write files or a folder, which stand behind [`RESULTS`].
+const WRITING: [&str; 16] = [
+    "simulate --machine machine.toml --recording run.csv --out simulated.csv",
+    "simulate --machine machine.toml --recording run.csv --out simulated.mat",
+    "simulate --machine machine.toml --recording run.csv --out simulated.parquet",
+    "simulate --machine machine.toml --recording run.csv --out - --plot simulated.svg",
+    "compare --machine machine.toml --recording run.csv --plot compared.svg",
+    "statics --recording run.csv --input command --output position --json statics.json --plot statics.svg",
+    "inspect run.csv --machine machine.toml --json held.json",
+    "export --machine machine.toml --out params.rs",
+    "export --machine machine.toml --out drive.h",
+    "export --machine machine.toml --library library.so --out drive.fmu",
+    "import --frames frames.bin --out taken.csv",
+    "fit --machine machine.toml --train run.csv --save-machine fitted.toml",
+    "diagnose --machine machine.toml --train run.csv --holdout held.csv --json found.json --save-machine found.toml \
+     --report found.html --plot found.svg",
+    "plan --machine machine.toml --sensors position --seconds 6 --out excitation.csv --json plan.json --plot plan.svg",
+    "testbed --machine machine.toml --train step:4V,0.1s --holdout zero:0.1s --out case",
+    "testbed draw --count 1 --effects none --out cases",
 ];
 
-/// Those that take longer: a diagnosis, a plan.
-const LONG: [(&str, &[&str]); 3] = [
-    ("found.json", &["diagnose", "--machine", "machine.toml", "--train", "run.csv", "--holdout", "held.csv", "--json"]),
-    (
-        "found.html",
-        &["diagnose", "--machine", "machine.toml", "--train", "run.csv", "--holdout", "held.csv", "--report"],
-    ),
-    ("plan.json", &["plan", "--machine", "machine.toml", "--recording", "run.csv", "--seconds", "6", "--json"]),
-];
+/// The options that name what is written.
+const RESULTS: [&str; 5] = ["--out", "--json", "--plot", "--report", "--save-machine"];
 
-/// A folder with a machine, two recordings and what a recorder has streamed out.
+/// A folder with a machine, two recordings, what a recorder has streamed out and what passes for an FMU's library.
 fn bench() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
-    for (from, name) in [("machine.toml", "machine.toml"), ("train-1.csv", "run.csv"), ("train-2.csv", "held.csv")] {
+    // The shortest of the example's: a diagnosis takes about a second.
+    for (from, name) in [("machine.toml", "machine.toml"), ("train-3.csv", "run.csv"), ("train-4.csv", "held.csv")] {
         fs::copy(example(from), folder.path().join(name)).unwrap();
     }
     fs::write(folder.path().join("frames.bin"), streamed()).unwrap();
+    fs::write(folder.path().join("library.so"), "fmi3InstantiateCoSimulation").unwrap();
     folder
 }
 
@@ -58,35 +60,53 @@ fn behind(shell: &str, folder: &Path, arguments: &[&str]) -> Output {
     command.output().unwrap()
 }
 
-type Commands = Vec<(&'static str, Vec<&'static str>)>;
-
-/// All of [`WRITING`], and `init`.
-fn writing() -> Commands {
-    let init = [&PRESS[..1], &PRESS[3..], &["--force", "--out"]].concat();
-    WRITING.map(|(target, arguments)| (target, arguments.to_vec())).into_iter().chain([("init.toml", init)]).collect()
+/// The arguments of all of [`WRITING`], and of `init`.
+fn writing() -> Vec<Vec<&'static str>> {
+    let init = [&PRESS[..], &["--force"]].concat();
+    WRITING.iter().map(|command| command.split(' ').collect()).chain([init]).collect()
 }
 
-fn long() -> Commands {
-    LONG.map(|(target, arguments)| (target, arguments.to_vec())).into()
+/// What a command writes that has these arguments, but for standard output.
+fn results<'a>(arguments: &[&'a str]) -> impl Iterator<Item = &'a str> {
+    arguments.windows(2).filter(|pair| RESULTS.contains(&pair[0])).map(|pair| pair[1]).filter(|result| *result != "-")
 }
 
-fn with(arguments: &[&'static str], target: &'static str) -> Vec<&'static str> {
-    [arguments, &[target]].concat()
+type Files = BTreeMap<PathBuf, Vec<u8>>;
+
+/// Every file in a folder and below it, with what is in it.
+fn files(folder: &Path) -> Files {
+    let inside = |path: PathBuf| {
+        if path.is_dir() {
+            return files(&path);
+        }
+        let content = fs::read(&path).unwrap();
+        Files::from([(path, content)])
+    };
+    listing(folder).into_iter().flat_map(inside).collect()
+}
+
+/// Puts an old file in the place of each that was not there before; what is there then.
+fn aged(folder: &Path, before: &Files) -> Files {
+    for path in files(folder).keys().filter(|path| !before.contains_key(*path)) {
+        fs::write(path, "old").unwrap();
+    }
+    files(folder)
 }
 
 #[test]
-fn where_nothing_can_be_written_the_old_file_stays() {
-    for (target, arguments) in writing() {
+fn where_nothing_can_be_written_the_old_files_stay() {
+    for arguments in writing() {
         let folder = bench();
-        fs::write(folder.path().join(target), "old").unwrap();
-        let before = listing(folder.path());
+        let before = files(folder.path());
+        done(folder.path(), &arguments);
+        let old = aged(folder.path(), &before);
         // No file may grow: as on a full disk, writing fails in the middle.
-        let output = behind("trap '' XFSZ; ulimit -f 0; exec \"$0\" \"$@\"", folder.path(), &with(&arguments, target));
+        let output = behind("trap '' XFSZ; ulimit -f 0; exec \"$0\" \"$@\"", folder.path(), &arguments);
         let message = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
-        assert!(message.contains(target) && message.contains("cannot be written"), "{message}");
-        assert_eq!(listing(folder.path()), before, "{arguments:?}");
-        assert_eq!(fs::read_to_string(folder.path().join(target)).unwrap(), "old", "{arguments:?}");
+        let names_one = results(&arguments).any(|result| message.contains(result));
+        assert!(names_one && message.contains("cannot be written"), "{arguments:?}: {message}");
+        assert!(files(folder.path()) == old, "{arguments:?}");
     }
 }
 
@@ -98,7 +118,7 @@ fn a_disk_that_is_full_keeps_what_it_has() {
     fs::create_dir(&disk).unwrap();
     let mounted = "mount -t tmpfs -o size=16k none disk && printf old >disk/simulated.csv || exit 77; \
         \"$0\" \"$@\"; code=$?; [ \"$(ls -A disk)\" = simulated.csv ] && [ \"$(cat disk/simulated.csv)\" = old ] && exit $code; exit 78";
-    let simulate = with(WRITING[0].1, "disk/simulated.csv");
+    let simulate = ["simulate", "--machine", "machine.toml", "--recording", "run.csv", "--out", "disk/simulated.csv"];
     let mut command = Command::new("unshare");
     command.args(["--mount", "sh", "-c", mounted, env!("CARGO_BIN_EXE_host-sim")]).args(simulate);
     let output = command.current_dir(folder.path()).output();
@@ -125,13 +145,23 @@ fn a_full_device_at_the_other_end_of_the_output_is_said() {
 }
 
 #[test]
-fn a_folder_in_the_place_of_a_result_is_refused_before_anything_is_done() {
-    for (target, arguments) in writing().into_iter().chain(long()) {
-        let folder = bench();
-        fs::create_dir(folder.path().join(target)).unwrap();
-        let message = refused(folder.path(), &with(&arguments, target));
-        assert!(message.contains(target) && message.contains("this is a folder"), "{message}");
-        assert_eq!(listing(&folder.path().join(target)), Vec::<std::path::PathBuf>::new());
+fn a_folder_for_a_file_or_a_file_for_a_folder_is_refused_before_anything_is_done() {
+    for arguments in writing() {
+        for result in results(&arguments) {
+            let folder = bench();
+            let place = folder.path().join(result);
+            let expected = if arguments[0] == "testbed" {
+                fs::write(place, "old").unwrap();
+                "a folder that can be written to"
+            } else {
+                fs::create_dir(place).unwrap();
+                "this is a folder"
+            };
+            let before = files(folder.path());
+            let message = refused(folder.path(), &arguments);
+            assert!(message.contains(result) && message.contains(expected), "{arguments:?}: {message}");
+            assert!(files(folder.path()) == before, "{arguments:?}");
+        }
     }
 }
 
@@ -143,32 +173,30 @@ fn without_permission_nothing_is_written_or_read() {
     let folder = bench();
     let path = |name: &str| folder.path().join(name);
     let rights = |name: &str, mode: u32| fs::set_permissions(path(name), Permissions::from_mode(mode)).unwrap();
-    fs::create_dir(path("closed")).unwrap();
     fs::write(path("secret.csv"), "time [s],command [V]\n0,0\n1,1\n").unwrap();
-    rights("closed", 0o555);
     rights("secret.csv", 0);
-    rights("", 0o755);
-    let may = fs::write(path("closed/try"), "").is_ok();
+    rights("", 0o555);
+    let may = fs::write(path("try"), "").is_ok();
     if may {
-        fs::remove_file(path("closed/try")).unwrap();
+        fs::remove_file(path("try")).unwrap();
     }
     let shell = if may { NOBODY } else { "exec \"$0\" \"$@\"" };
     if behind(shell, folder.path(), &["--version"]).status.code() != Some(0) {
-        rights("closed", 0o755);
+        rights("", 0o755);
         return at_hand::skipped("this user may do everything, and nobody cannot run the program");
     }
-    for (target, arguments) in writing().into_iter().chain(long()) {
-        let target = format!("closed/{target}");
-        let output = behind(shell, folder.path(), &[arguments.as_slice(), &[target.as_str()]].concat());
+    let before = listing(folder.path());
+    for arguments in writing() {
+        let output = behind(shell, folder.path(), &arguments);
         let message = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
         assert!(message.contains("Permission denied") || message.contains("permission denied"), "{message}");
-        assert!(listing(&path("closed")).is_empty(), "{arguments:?}");
+        assert_eq!(listing(folder.path()), before, "{arguments:?}");
     }
     let output = behind(shell, folder.path(), &["inspect", "secret.csv"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("secret.csv"), "{}", text(&output.stderr));
-    rights("closed", 0o755);
+    rights("", 0o755);
 }
 
 #[test]
@@ -204,68 +232,66 @@ fn a_recording_that_ends_while_it_is_read_is_what_was_there_or_refused() {
     }
 }
 
-/// Kills commands at several shares of the time they take: what is there afterwards is the old file or the new one.
-fn killed_in_the_middle(commands: &Commands, shares: &[f64]) {
-    for (target, arguments) in commands {
+/// Kills commands at several shares of the time they take: each file is afterwards the old one or the new one.
+fn killed_in_the_middle(shares: &[f64]) {
+    let is_temporary = |path: &Path| path.file_name().unwrap().to_string_lossy().starts_with(".host-sim-");
+    for arguments in writing() {
         let folder = bench();
-        let arguments = with(arguments, target);
-        let read = |name: &str| fs::read(folder.path().join(name)).ok();
+        let before = files(folder.path());
         let started = Instant::now();
         done(folder.path(), &arguments);
         let takes = started.elapsed();
-        let whole = read(target).unwrap();
-        let inputs = ["machine.toml", "run.csv", "held.csv", "frames.bin"].map(read);
+        let whole = files(folder.path());
+        // Of one that was killed while it wrote, a temporary file may be left, and nothing else.
+        let found = || {
+            let mut found = files(folder.path());
+            found.retain(|path, _| !is_temporary(path));
+            found
+        };
         for share in shares {
-            fs::write(folder.path().join(target), "old").unwrap();
+            let old = aged(folder.path(), &before);
             let mut command = super::program(folder.path(), &arguments);
             let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-            std::thread::sleep(takes.mul_f64(*share));
+            thread::sleep(takes.mul_f64(*share));
             // SIGKILL; it may have ended by then.
             let _ = child.kill();
             child.wait().unwrap();
-            let found = read(target).unwrap();
-            assert!(found == b"old" || found == whole, "{arguments:?} at {share}: {} bytes", found.len());
-            assert_eq!(
-                ["machine.toml", "run.csv", "held.csv", "frames.bin"].map(read),
-                inputs,
-                "{arguments:?} at {share}"
-            );
+            let found = found();
+            assert!(found.keys().eq(whole.keys()), "{arguments:?} at {share}: {:?}", found.keys());
+            for (path, content) in &found {
+                let is_old_or_new = *content == old[path] || *content == whole[path];
+                assert!(is_old_or_new, "{arguments:?} at {share}: {}: {} bytes", path.display(), content.len());
+            }
         }
         done(folder.path(), &arguments);
-        assert_eq!(read(target).unwrap(), whole, "{arguments:?}: once more");
-        // Of those that were killed while they wrote, a temporary file may be left, and nothing else.
-        for path in listing(folder.path()) {
-            let name = path.file_name().unwrap().to_string_lossy().into_owned();
-            let ours = [target, "machine.toml", "run.csv", "held.csv", "frames.bin"].contains(&name.as_str());
-            assert!(ours || name.starts_with(".host-sim-"), "{arguments:?}: {name}");
-        }
+        assert!(found() == whole, "{arguments:?}: once more");
     }
 }
 
 #[test]
-fn a_command_that_is_killed_leaves_the_old_file_or_the_new_one() {
-    killed_in_the_middle(&writing(), &[0.3, 0.7, 0.95]);
+fn a_command_that_is_killed_leaves_old_files_or_new_ones() {
+    killed_in_the_middle(&[0.3, 0.7, 0.95]);
 }
 
 #[test]
 #[ignore = "minutes: cargo test -p host-sim --test cli killed -- --ignored"]
-fn a_long_command_that_is_killed_leaves_the_old_file_or_the_new_one() {
-    killed_in_the_middle(&long(), &[0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 0.99, 1.0]);
-    killed_in_the_middle(&writing(), &[0.05, 0.2, 0.4, 0.6, 0.8, 0.9, 0.93, 0.96, 0.98, 0.99, 1.0, 1.01]);
+fn a_command_that_is_killed_at_any_moment_leaves_old_files_or_new_ones() {
+    killed_in_the_middle(&[0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.93, 0.96, 0.98, 0.99, 1.0, 1.01]);
 }
 
 #[test]
 fn a_reader_that_leaves_takes_nothing_from_the_results() {
-    for (target, arguments) in writing() {
+    for arguments in writing() {
         let folder = bench();
-        let mut command = super::program(folder.path(), &with(&arguments, target));
+        let mut command = super::program(folder.path(), &arguments);
         let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         drop(child.stdout.take());
         let output = child.wait_with_output().unwrap();
         let message = text(&output.stderr);
         assert_eq!(output.status.code(), Some(0), "{arguments:?}: {message}");
         assert!(!message.contains("panicked"), "{message}");
-        assert!(fs::metadata(folder.path().join(target)).unwrap().len() > 0);
+        assert!(results(&arguments).all(|result| folder.path().join(result).exists()), "{arguments:?}");
+        assert!(files(folder.path()).values().all(|content| !content.is_empty()), "{arguments:?}");
     }
 }
 

@@ -1,5 +1,5 @@
-//! Names are names: no path in a machine file or a recording is followed, to read or to write, and no result goes anywhere but where
-//! an argument says.
+//! Names are names: no path in a machine file, a recording or a recorder's stream is followed, to read or to write, and no result goes
+//! anywhere but where an argument says.
 //!
 //! Every name that a file may hold is here the path of a named pipe outside the folder. Whoever opens a pipe to read or to write waits
 //! for the other end, and whoever writes a file whole or not at all puts another in its place: a command that ends, and leaves the pipe a
@@ -13,6 +13,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
+use firmware::frame::FrameWriter;
+use firmware::message::{ChannelHeader, Header, RowsWriter};
 use tempfile::TempDir;
 
 use super::{MACHINE, listing, program, text};
@@ -111,9 +113,8 @@ fn machine(name: &str) -> String {
     format!("name = {}\n{MACHINE}\n[channels]\nspool = {}\n", quoted(name), quoted(name))
 }
 
-/// 0.4 s of a step, with a column under this header; a header is a line's part.
+/// 0.4 s of a step, with a column under this header.
 fn recording(header: &str) -> String {
-    let header = header.replace(['\n', '\0'], " ");
     let mut text = format!("time [s],command [V],position [m],\"{header}\"\n");
     for row in 0..200 {
         let (time_s, rising) = (f64::from(row) * 2e-3, (f64::from(row) - 20.0).max(0.0));
@@ -124,34 +125,84 @@ fn recording(header: &str) -> String {
     text
 }
 
-/// Commands that read the two, with what each writes.
-const COMMANDS: [(&[&str], &[&str]); 8] = [
-    (
-        &["simulate", "--machine", "m.toml", "--recording", "r.csv", "--out", "s.csv", "--plot", "s.svg"],
-        &["s.csv", "s.svg"],
-    ),
-    (&["simulate", "--machine", "m.toml", "--recording", "r.csv", "--out", "s.mat"], &["s.mat"]),
-    (&["simulate", "--machine", "m.toml", "--recording", "r.csv", "--out", "s.parquet"], &["s.parquet"]),
-    (&["compare", "--machine", "m.toml", "--recording", "r.csv", "--plot", "c.svg"], &["c.svg"]),
-    (&["inspect", "r.csv", "--machine", "m.toml", "--json", "i.json"], &["i.json"]),
-    (&["export", "--machine", "m.toml", "--out", "p.rs"], &["p.rs"]),
-    (&["export", "--machine", "m.toml", "--out", "p.h"], &["p.h"]),
-    (&["fit", "--machine", "m.toml", "--train", "r.csv", "--save-machine", "f.toml"], &["f.toml"]),
+/// Two rows of a channel of this name, as the recorder of a machine of this name streams them out: of a long name, its beginning.
+fn streamed(name: &str) -> Vec<u8> {
+    let header = Header { channels: 1, tick_ns: 1_000_000, first: 0, rows: 2, trigger: 0, machine: name };
+    let channel = ChannelHeader { number: 0, step: 0.5, name, unit: name };
+    let mut rows = RowsWriter::new(0);
+    assert!(rows.push(&[1]) && rows.push(&[2]));
+    let (mut line, mut frames) = (Vec::new(), FrameWriter::default());
+    for (kind, payload) in [header.written(), channel.written(), rows.written()] {
+        frames.write(&mut line, kind, &payload).unwrap();
+    }
+    line
+}
+
+/// A command, and what it writes.
+type Writing = (&'static str, &'static [&'static str]);
+
+/// Stands in a command for the header that the recording has.
+const HEADER: &str = "HEADER";
+
+/// Commands that read these files.
+const COMMANDS: [Writing; 12] = [
+    ("simulate --machine m.toml --recording r.csv --out s.csv --plot s.svg", &["s.csv", "s.svg"]),
+    ("simulate --machine m.toml --recording r.csv --out s.mat", &["s.mat"]),
+    ("simulate --machine m.toml --recording r.csv --out s.parquet", &["s.parquet"]),
+    ("compare --machine m.toml --recording r.csv --plot c.svg", &["c.svg"]),
+    ("statics --recording r.csv --input command --output HEADER --json t.json --plot t.svg", &["t.json", "t.svg"]),
+    ("inspect r.csv --machine m.toml --json i.json", &["i.json"]),
+    ("export --machine m.toml --out p.rs", &["p.rs"]),
+    ("export --machine m.toml --out p.h", &["p.h"]),
+    ("export --machine m.toml --library l.so --out p.fmu", &["p.fmu"]),
+    ("import --frames f.bin --out i.csv", &["i.csv"]),
+    ("fit --machine m.toml --train r.csv --save-machine f.toml", &["f.toml"]),
+    ("testbed --machine m.toml --train zero:0.1s --out .", &["machine.toml", "train-1.csv"]),
 ];
 
-#[test]
-fn a_path_as_a_name_is_a_name() {
-    let place = Place::new();
-    for name in place.names() {
-        fs::write(place.inner().join("m.toml"), machine(&name)).unwrap();
-        fs::write(place.inner().join("r.csv"), recording(&name)).unwrap();
-        for (arguments, written) in COMMANDS {
-            let output = place.run(arguments, written);
+/// Those that take longer.
+const LONG: [Writing; 2] = [
+    (
+        "diagnose --machine m.toml --train r.csv --json d.json --save-machine d.toml --report d.html --plot d.svg",
+        &["d.json", "d.toml", "d.html", "d.svg"],
+    ),
+    (
+        "plan --machine m.toml --recording r.csv --seconds 6 --out e.csv --json e.json --plot e.svg",
+        &["e.csv", "e.json", "e.svg"],
+    ),
+];
+
+/// Runs commands with each of these names in every place for one in what they read.
+fn names_are_names(place: &Place, names: &[String], commands: &[Writing]) {
+    fs::write(place.inner().join("l.so"), "fmi3InstantiateCoSimulation").unwrap();
+    for name in names {
+        // A header is a line's part.
+        let header = name.replace(['\n', '\0'], " ");
+        fs::write(place.inner().join("m.toml"), machine(name)).unwrap();
+        fs::write(place.inner().join("r.csv"), recording(&header)).unwrap();
+        fs::write(place.inner().join("f.bin"), streamed(name)).unwrap();
+        for (command, written) in commands {
+            let arguments: Vec<&str> =
+                command.split(' ').map(|word| if word == HEADER { header.as_str() } else { word }).collect();
+            let output = place.run(&arguments, written);
             let message = text(&output.stderr);
-            assert_eq!(output.status.code(), Some(0), "{arguments:?} with {}: {message}", quoted(&name));
-            for name in written {
+            assert_eq!(output.status.code(), Some(0), "{arguments:?} with {}: {message}", quoted(name));
+            for name in *written {
                 fs::remove_file(place.inner().join(name)).unwrap();
             }
         }
     }
+}
+
+#[test]
+fn a_path_as_a_name_is_a_name() {
+    let place = Place::new();
+    names_are_names(&place, &place.names(), &COMMANDS);
+}
+
+#[test]
+fn a_path_as_a_name_is_a_name_to_what_takes_longer() {
+    let place = Place::new();
+    // Relative, absolute, and as a browser has it.
+    names_are_names(&place, &place.names()[..3], &LONG);
 }
