@@ -1,22 +1,26 @@
-//! Takes in the drive's values, and links binaries for the emulated boards: the start-up's linker script, with the memory of
+//! Takes in the drive's values and commands that are to be counted, and links binaries for the emulated boards: the start-up's linker script, with the memory of
 //! `memory.x` at the root, and that of the log's texts where there is a log.
 
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
-/// The file with the drive's values, which `host-sim export` wrote.
-const MACHINE: &str = "FIRMWARE_MACHINE";
+/// A file that is compiled in: the variable that names it, its name where that is not set and in the code, what it should be.
+type Taken = (&'static str, &'static str, &'static str);
+
+const TAKEN: [Taken; 2] = [
+    ("FIRMWARE_MACHINE", "machine.rs", "what `host-sim export` writes"),
+    ("FIRMWARE_COMMANDS", "commands.rs", "a list of names and commands, as in firmware/commands.rs"),
+];
 
 fn main() {
-    println!("cargo:rerun-if-env-changed={MACHINE}");
-    let machine = env::var_os(MACHINE).map_or_else(|| "machine.rs".into(), PathBuf::from);
-    println!("cargo:rerun-if-changed={}", machine.display());
-    let taken = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default()).join("machine.rs");
-    if let Err(error) = fs::copy(&machine, &taken) {
-        println!(
-            "cargo:error={}: cannot be taken in: {error}; expected what `host-sim export` writes",
-            machine.display()
-        );
+    let folder = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default());
+    for (variable, name, expected) in TAKEN {
+        println!("cargo:rerun-if-env-changed={variable}");
+        let file = env::var_os(variable).map_or_else(|| name.into(), PathBuf::from);
+        println!("cargo:rerun-if-changed={}", file.display());
+        if let Err(error) = fs::copy(&file, folder.join(name)) {
+            println!("cargo:error={}: cannot be taken in: {error}; expected {expected}", file.display());
+        }
     }
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     println!("cargo:rerun-if-changed={}", root.join("memory.x").display());

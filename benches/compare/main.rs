@@ -3,6 +3,7 @@
 //! The opponents are the peers' own programs, called as they are; for names it is `PySINDy`, as `peers/sindy.py` uses it. What runs
 //! against what is taken in turns, round by round, and the shortest of the rounds counts: the computer has other things to do as well.
 
+mod accurate;
 mod child;
 mod desktop;
 mod diagnose;
@@ -11,6 +12,7 @@ mod machine;
 mod names;
 mod page;
 mod peers;
+mod range;
 mod target;
 
 use std::error::Error;

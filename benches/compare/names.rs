@@ -31,12 +31,13 @@ struct Tool {
     results: PathBuf,
     wall_s: f64,
     computed_s: f64,
+    peak_mb: f64,
 }
 
 impl Tool {
     fn new(name: String, results: PathBuf) -> Result<Self, Box<dyn Error>> {
         std::fs::create_dir_all(&results)?;
-        Ok(Self { name, results, wall_s: 0.0, computed_s: 0.0 })
+        Ok(Self { name, results, wall_s: 0.0, computed_s: 0.0, peak_mb: 0.0 })
     }
 
     /// Where the diagnosis of a case is written.
@@ -45,7 +46,8 @@ impl Tool {
         text_of(&self.results.join(name).with_extension("json"))
     }
 
-    fn took(&mut self, wall_s: f64, computed_s: f64) {
+    fn took(&mut self, wall_s: f64, computed_s: f64, peak_mb: f64) {
+        self.peak_mb = self.peak_mb.max(peak_mb);
         self.wall_s += wall_s;
         self.computed_s += computed_s;
     }
@@ -62,6 +64,7 @@ impl Tool {
         }
         line.push(format!("{:.1}", self.wall_s / count as f64));
         line.push(format!("{:.1}", self.computed_s / count as f64));
+        line.push(format!("{:.0}", self.peak_mb));
         let missed = printed.lines().filter_map(|row| row.strip_prefix("NO ")?.split_whitespace().next());
         line.push(missed.collect::<Vec<_>>().join(" "));
         Ok(line)
@@ -118,10 +121,11 @@ fn diagnosed(
         arguments.push("--holdout");
         arguments.extend(held_out.iter().map(String::as_str));
         let took = child::host_sim(THREADS, &arguments)?;
-        ours.took(took.wall_s, took.computed_s);
+        ours.took(took.wall_s, took.computed_s, took.peak_mb);
         if let Some((tool, peers)) = &mut theirs {
             let found = peers.ask(&format!("{}\t{}", text_of(case)?, tool.result(case)?))?;
-            tool.took(number(&found["seconds"])?, number(&found["computed"])?);
+            let peak_mb = number(&found["peak_kb"])? / 1024.0;
+            tool.took(number(&found["seconds"])?, number(&found["computed"])?, peak_mb);
         }
     }
     Ok(())
@@ -171,7 +175,7 @@ pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
     }
     let mut head = vec!["cases", "tool"];
     head.extend(SCORES.map(|(_, called)| called));
-    head.extend(["s a case", "s, of all threads", "missed"]);
+    head.extend(["s a case", "s, of all threads", "most memory, MB", "missed"]);
     write!(part.text, "{}", table(&head, &lines))?;
     Ok(part)
 }

@@ -5,15 +5,14 @@ import sys
 sys.path.insert(0, sys.argv[1])
 
 import json
+import subprocess
 
 import numba
 import numpy
 import scipy
 
 import bench_desktop as theirs
-from common import DRIVES, SIGNALS, Host, accurate, error, reference, rest, smallest
-
-FRICTION = [2.0, 4.0, 8.0, 16.0, 32.0]
+from common import DRIVES, Host, accurate, error, reference, smallest
 
 
 def peak_kb():
@@ -43,15 +42,16 @@ def opponents(drive):
     return found
 
 
-def judged(run):
-    """Position and both pressures of a run, row by row."""
-    return run[:, [1, 3, 4]].astype(float).tolist()
-
-
-def with_friction(drive, factor):
-    changed = dict(DRIVES[drive], D=DRIVES[drive]["D"] * factor)
-    host = Host(changed, 200, "double")
-    return {signal: judged(host(SIGNALS[signal])) for signal in ("random", "step 10 V")}
+def of_c_kb():
+    """Most memory of a process that imports NumPy and runs C once."""
+    program = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from common import SIGNALS, Host
+Host("press", 2)(SIGNALS["random"])
+print(next(line.split()[1] for line in open("/proc/self/status") if line.startswith("VmHWM")))
+"""
+    return int(subprocess.run([sys.executable, "-c", program, sys.argv[1]], check=True, capture_output=True, text=True).stdout)
 
 
 theirs.nb.simulate(theirs.nb.pack(DRIVES["press"]), theirs.U, theirs.DT, 2)
@@ -64,12 +64,8 @@ for drive, all_of in known.items():
         said[drive].append(dict(name=name, how=how, position=float(y), pressure=float(p), accurate=bool(accurate((y, p)))))
 print(json.dumps(dict(
     versions=f"numpy {numpy.__version__}, scipy {scipy.__version__}, numba {numba.__version__}",
-    signals={signal: volts.tolist() for signal, volts in SIGNALS.items()},
-    start={drive: rest(of) for drive, of in DRIVES.items()},
-    references={drive: {signal: judged(reference(drive, signal)) for signal in SIGNALS} for drive in DRIVES},
-    friction={drive: [dict(factor=f, references=with_friction(drive, f)) for f in FRICTION] for drive in ("printed", "press")},
     opponents=said,
-    peak_kb=dict(numba=with_numba_kb, all=peak_kb()),
+    peak_kb=dict(c=of_c_kb(), numba=with_numba_kb, all=peak_kb()),
 )), flush=True)
 for line in sys.stdin:
     drive, number = line.split()

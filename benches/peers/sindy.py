@@ -1,5 +1,5 @@
 """PySINDy in an expert's hands: names missing physics from the residuals of the refitted ordinary model, in weak form.  Says in a line of JSON what
-it is, then answers each line `CASE<tab>OUT.json` with the seconds it took; OUT.json is a diagnosis in the tool's format.  Of a case it reads the
+it is, then answers each line `CASE<tab>OUT.json` with the seconds it took and the most memory so far; OUT.json is a diagnosis in the tool's format.  Of a case it reads the
 machine file and the training recordings (evenly sampled), and all cases are judged by the same rules:
 
 1. The ordinary model (the tool's equations and conventions, written anew) is entered at every signal that is recorded, and simulates the others.
@@ -371,7 +371,9 @@ def main():
     for line in sys.stdin:
         start, computed = time.perf_counter(), time.process_time()
         diagnose(*line.rstrip("\n").split("\t"))
-        print(json.dumps(dict(seconds=time.perf_counter() - start, computed=time.process_time() - computed)), flush=True)
+        peak_kb = next(int(line.split()[1]) for line in open("/proc/self/status") if line.startswith("VmHWM"))
+        took = dict(seconds=time.perf_counter() - start, computed=time.process_time() - computed, peak_kb=peak_kb)
+        print(json.dumps(took), flush=True)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@
 use std::array::from_fn;
 
 use host_sim::lanes::{LANES, Lanes};
-use host_sim::testbed::InitialState;
+use host_sim::testbed::{Excitation, InitialState};
 use model_core::drive::{Drive, Entry, Load};
 use model_core::machine::{Machine, Tick};
 use model_core::number::{Field, Scalar};
@@ -16,6 +16,25 @@ pub type Row = [f64; 5];
 
 /// The tick of every run here.
 pub const TICK: Tick = Tick::OneMillisecond;
+
+/// Where the rod stands at first, m: mid-stroke of the press.
+pub const START_M: f64 = 0.15;
+
+/// Random steps over so many ticks, V.
+#[must_use]
+pub fn random_commands(ticks: usize) -> Vec<f32> {
+    #[expect(clippy::cast_possible_truncation, reason = "commands in V, as the peers take them")]
+    let random: Vec<f32> =
+        Excitation::random_steps(1).sample(TICK.seconds()).into_iter().map(|volts| volts as f32).collect();
+    random.into_iter().cycle().take(ticks).collect()
+}
+
+/// Commands of drives abreast, of the double of them: each begins a quarter of its own length after the one before.
+#[must_use]
+pub fn staggered(twice: &[f32]) -> [&[f32]; LANES] {
+    let ticks = twice.len() / 2;
+    from_fn(|lane| &twice[lane * ticks / LANES..][..ticks])
+}
 
 /// A drive and where it starts.
 #[derive(Clone, Copy, Debug)]

@@ -10,7 +10,7 @@ use firmware::station::RING_BYTES;
 use system_tests::emulator::Processor;
 use system_tests::snapshot;
 
-use crate::{image, whole};
+use crate::whole;
 
 /// What a figure may be at most.
 struct Budget {
@@ -50,10 +50,8 @@ const COLUMN: usize = 72;
 /// A row for each figure.
 fn figures(processor: Processor) -> Vec<(String, u64)> {
     let of = |model: &str| format!("flash of the step, bytes: {model}");
-    let mut figures = vec![
-        (of("paper's model"), image::flash(processor, "paper_step")),
-        (of("every effect"), image::flash(processor, "step")),
-    ];
+    let mut figures =
+        vec![(of("paper's model"), processor.flash("paper_step")), (of("every effect"), processor.flash("step"))];
     let (mut state, mut coefficients) = (0, Vec::new());
     for line in (processor.run("budget") + &processor.run("budget_whole")).lines() {
         let words: Vec<&str> = line.split_whitespace().collect();
@@ -86,12 +84,9 @@ fn figures(processor: Processor) -> Vec<(String, u64)> {
     for (model, bytes) in coefficients {
         figures.push((format!("RAM beside the delay lines, bytes: {model}"), state + bytes));
     }
-    figures.push((
-        "flash of the control period, every effect included, bytes".to_owned(),
-        image::flash(processor, "period"),
-    ));
-    figures.push(("flash of the whole firmware, bytes".to_owned(), image::flash(processor, "loop")));
-    let (statics, ring, stack) = (image::statics(processor, "loop"), RING_BYTES as u64, whole::stack(processor));
+    figures.push(("flash of the control period, every effect included, bytes".to_owned(), processor.flash("period")));
+    figures.push(("flash of the whole firmware, bytes".to_owned(), processor.flash("loop")));
+    let (statics, ring, stack) = (processor.statics("loop"), RING_BYTES as u64, whole::stack(processor));
     figures.push(("RAM, bytes: whole firmware beside the recorder's rows".to_owned(), statics - ring));
     figures.push(("RAM, bytes: the recorder's rows".to_owned(), ring));
     figures.push(("stack, bytes: whole firmware, from its start to its end".to_owned(), stack));

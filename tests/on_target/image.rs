@@ -1,28 +1,11 @@
 //! Images whose only work is the model's step, or the whole control period: their flash, and that nothing in them can panic.
 
-use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
+use object::{Object, ObjectSymbol, SymbolKind};
 
 use system_tests::emulator::Processor;
 
 /// Images whose only work is a step: of any drive, and of the paper's model by itself.
 const STEPS: [&str; 2] = ["step", "paper_step"];
-
-/// Bytes of these sections.
-fn size(processor: Processor, binary: &str, sections: &[&str]) -> u64 {
-    let image = processor.image(binary);
-    let image = object::File::parse(&*image).expect("cargo links ELF for this target");
-    sections.iter().filter_map(|name| image.section_by_name(name)).map(|section| section.size()).sum()
-}
-
-/// Code and constants of an image, bytes; the processor's start-up, some 200, is part of it.
-pub(crate) fn flash(processor: Processor, binary: &str) -> u64 {
-    size(processor, binary, &[".text", ".rodata"])
-}
-
-/// What an image has in RAM from the start to the end, bytes.
-pub(crate) fn statics(processor: Processor, binary: &str) -> u64 {
-    size(processor, binary, &[".data", ".bss"])
-}
 
 /// Functions of an image, their names mangled.
 fn functions(processor: Processor, binary: &str) -> Vec<String> {
@@ -64,7 +47,7 @@ fn no_panic_and_no_double_can_be_reached_from_a_whole_period_not_even_where_foll
     for processor in Processor::ALL {
         if processor.can_be_built_for() {
             let functions = functions(processor, "period");
-            let more = flash(processor, "period") > flash(processor, "step");
+            let more = processor.flash("period") > processor.flash("step");
             assert!(more, "{processor:?}: there is no more than the model in it");
             assert_eq!(panics(&functions), Vec::<&String>::new(), "{processor:?}");
             assert_eq!(floats(&functions), Vec::<&String>::new(), "{processor:?}");

@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use object::{Object, ObjectSection};
+
 use crate::at_hand::skipped;
 
 /// An emulated processor.
@@ -91,7 +93,16 @@ impl Processor {
     /// It cannot be built, or it fails.
     #[must_use]
     pub fn run(self, binary: &str) -> String {
-        String::from_utf8_lossy(&self.output(binary, "")).into_owned()
+        String::from_utf8_lossy(&self.output(binary, "", None)).into_owned()
+    }
+
+    /// What a binary prints, with commands of this file in the place of none, see `firmware/commands.rs`.
+    ///
+    /// # Panics
+    /// It cannot be built, or it fails.
+    #[must_use]
+    pub fn run_under(self, commands: &Path, binary: &str) -> String {
+        String::from_utf8_lossy(&self.output(binary, "", Some(commands))).into_owned()
     }
 
     /// The image of a binary that logs by defmt, and the bytes of its log.
@@ -100,12 +111,16 @@ impl Processor {
     /// It cannot be built, or it fails.
     #[must_use]
     pub fn log(self, binary: &str) -> (Vec<u8>, Vec<u8>) {
-        let log = self.output(binary, "defmt");
+        let log = self.output(binary, "defmt", None);
         (read(&self.file(binary)), log)
     }
 
-    fn output(self, binary: &str, features: &str) -> Vec<u8> {
-        let output = self.cargo("run", binary, features).output().expect("cargo runs this test, so it is there");
+    fn output(self, binary: &str, features: &str, commands: Option<&Path>) -> Vec<u8> {
+        let mut cargo = self.cargo("run", binary, features);
+        if let Some(commands) = commands {
+            cargo.env("FIRMWARE_COMMANDS", commands);
+        }
+        let output = cargo.output().expect("cargo runs this test, so it is there");
         let (text, errors) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
         assert!(output.status.success(), "{binary} on {self:?}: {}\n{text}\n{errors}", output.status);
         output.stdout
@@ -118,6 +133,30 @@ impl Processor {
     #[must_use]
     pub fn image(self, binary: &str) -> Vec<u8> {
         read(&self.built(binary, None))
+    }
+
+    /// Code and constants of a binary, bytes; the processor's start-up, some 200, is part of it.
+    ///
+    /// # Panics
+    /// It cannot be built.
+    #[must_use]
+    pub fn flash(self, binary: &str) -> u64 {
+        self.size(binary, &[".text", ".rodata"])
+    }
+
+    /// What a binary has in RAM from the start to the end, bytes.
+    ///
+    /// # Panics
+    /// It cannot be built.
+    #[must_use]
+    pub fn statics(self, binary: &str) -> u64 {
+        self.size(binary, &[".data", ".bss"])
+    }
+
+    fn size(self, binary: &str, sections: &[&str]) -> u64 {
+        let image = self.image(binary);
+        let image = object::File::parse(&*image).expect("cargo links ELF for this target");
+        sections.iter().filter_map(|name| image.section_by_name(name)).map(|section| section.size()).sum()
     }
 
     /// The file of a binary, with the values of a drive that `host-sim export` wrote in the place of its own.

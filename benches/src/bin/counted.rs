@@ -2,43 +2,31 @@
 //! `counted refit FOLDER TIMES`.
 //! Times 0 reads what a refit needs and does none: what is left of the difference is the refit.
 
-use std::array::from_fn;
 use std::error::Error;
 use std::path::Path;
 
 use host_sim::lanes::LANES;
-use host_sim::testbed::{Excitation, InitialState};
+use host_sim::testbed::InitialState;
 use model_core::fixed_point::PerUnit;
 use model_core::number::Scalar;
 use system_benches::refit::Refit;
-use system_benches::run::{Abreast, Run, TICK};
+use system_benches::run::{Abreast, Run, START_M, random_commands, staggered};
 use system_tests::drives;
-
-/// Where the rod stands at first, m: mid-stroke.
-const START_M: f64 = 0.15;
-
-/// Random steps over so many ticks.
-fn commands(ticks: usize) -> Vec<f32> {
-    #[expect(clippy::cast_possible_truncation, reason = "commands in V, as the peers take them")]
-    let random = Excitation::random_steps(1).sample(TICK.seconds()).into_iter().map(|volts| volts as f32);
-    random.collect::<Vec<f32>>().into_iter().cycle().take(ticks).collect()
-}
 
 fn step<N: Scalar<Real = f64>>(ticks: usize) -> f64 {
     let machine = drives::press();
     let run = Run::<N>::new(&machine, &InitialState::at_rest(&machine, START_M));
     let mut rows = Vec::new();
-    run.any(&commands(ticks), &mut rows);
+    run.any(&random_commands(ticks), &mut rows);
     rows.last().map_or(f64::NAN, |row| row[1])
 }
 
-/// Each drive a quarter of the commands further on.
 fn step_abreast(ticks: usize) -> f64 {
     let machine = drives::press();
     let four = Abreast::new(&machine, &InitialState::at_rest(&machine, START_M));
-    let volts = commands(2 * ticks);
+    let volts = random_commands(2 * ticks);
     let mut rows = <[Vec<_>; LANES]>::default();
-    four.any(from_fn(|lane| &volts[lane * ticks / LANES..][..ticks]), &mut rows);
+    four.any(staggered(&volts), &mut rows);
     rows[0].last().map_or(f64::NAN, |row| row[1])
 }
 

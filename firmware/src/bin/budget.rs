@@ -20,6 +20,8 @@ mod on_target {
 
     /// Ticks of a random input.
     const RANDOM_TICKS: usize = 4000;
+    /// Commands that are given to the build, in V.
+    const GIVEN: &[(&str, &[f32])] = &include!(concat!(env!("OUT_DIR"), "/commands.rs"));
     /// Ticks counted at once for the mean.
     const BATCH: u32 = 100;
 
@@ -114,6 +116,10 @@ mod on_target {
         (0..BATCH).map(|_| stack::used_by(|| step(drive, &mut state, moment)).1).max().unwrap_or(0)
     }
 
+    fn in_volts(&volts: &f32) -> Moment {
+        Moment::command(PerUnit::saturated(f64::from(volts) / 10.0))
+    }
+
     fn commands_only(moment: Moment) -> Moment {
         Moment { load: Load::NONE, oil_temperature: None, ..moment }
     }
@@ -127,6 +133,10 @@ mod on_target {
         row("paper's model, steps", instructions(counter, paper_step, (&paper, rest), steps))?;
         row("paper's model, random", instructions(counter, paper_step, (&paper, rest), random().map(commands_only)))?;
         row("paper's model, random under load", instructions(counter, paper_step, (&paper, rest), random()))?;
+        for (name, volts) in GIVEN {
+            let moments = volts.iter().map(in_volts);
+            row(name, instructions(counter, paper_step, (&paper, rest), moments))?;
+        }
         row("none of the effects, random under load", instructions(counter, step, (&full, rest), random()))?;
         let (every, all_rest) = at_rest(&every_effect(&press()))?;
         row("every effect, random under load", instructions(counter, step, (&every, all_rest), random()))?;
