@@ -140,15 +140,16 @@ pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
     };
     let load = machine::load()?;
     let scratch = tempfile::tempdir()?;
-    let mut opponent = if peers::can_import("numba, pysindy") { Peers::start("sindy.py")? } else { None };
-    let versions = opponent.as_ref().map(|(_, said)| text(&said["versions"]));
-    let mut lines = Vec::new();
+    let (mut versions, mut lines) = (None, Vec::new());
     for set in SETS {
         let Some(folder) = shared(set) else {
             writeln!(part.text, "Left out: `{set}` is not at hand.\n")?;
             continue;
         };
         let cases = cases(&folder)?;
+        // One process a set: what it ever held does not fall.
+        let mut opponent = if peers::can_import("numba, pysindy") { Peers::start("sindy.py")? } else { None };
+        versions = opponent.as_ref().map(|(_, said)| text(&said["versions"]));
         let results = scratch.path().join(set);
         let mut ours = Tool::new("**`host-sim diagnose`**".to_owned(), results.join("ours"))?;
         let mut theirs = Tool::new("PySINDy, weak form".to_owned(), results.join("theirs"))?;
@@ -166,7 +167,8 @@ pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
         "Each case once, in turns, and judged by the scorer of the cases: the set of effects must be the one that is missing, or one that the noise leaves to be found.\n\
          The tool is a process a case with {THREADS} threads, without its page, and also holds its claims against the held-out recordings. The opponent is `benches/peers/sindy.py`, one\n\
          process and one thread, whose start is not counted: `WeakPDELibrary` and `STLSQ` with what an expert adds (noise that the sensors predict, parameters\n\
-         refitted and projected out, one shape an effect, signs, the likeliest simulated once more). It refits the ordinary model itself, which is counted. Both were\n\
+         refitted and projected out, one shape an effect, signs, the likeliest simulated once more). It refits the ordinary model itself, which is counted, and its memory is that of all cases of a set in one process, imports and compiler\n\
+         included; the tool's is that of its largest case. Both were\n\
          developed with these cases at hand: neither score is one on unknown cases. The load before was {load}.\n"
     )?;
     match versions {

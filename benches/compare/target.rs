@@ -41,9 +41,12 @@ fn wanted(processor: Processor) -> f64 {
 
 /// Mean and worst instructions of a row that `budget` printed.
 fn row(printed: &str, name: &str) -> Option<(f64, f64)> {
-    let line = printed.lines().find(|line| line.starts_with("instructions") && line.ends_with(&format!(" {name}")))?;
-    let mut numbers = line.split_whitespace().skip(1).map(str::parse);
-    Some((numbers.next()?.ok()?, numbers.next()?.ok()?))
+    printed.lines().find_map(|line| {
+        let (mean, rest) = line.strip_prefix("instructions ")?.trim_start().split_once(' ')?;
+        let (worst, rest) = rest.trim_start().split_once(' ')?;
+        (rest == name).then_some(())?;
+        Some((mean.parse().ok()?, worst.parse().ok()?))
+    })
 }
 
 /// The part.
@@ -101,9 +104,10 @@ pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
     writeln!(
         part.text,
         "Instructions under QEMU with `-icount shift=0`, the worst tick to 40. Ours is the step of `PaperDrive` for the drive `{DRIVE}`, with parameters of the run\n\
-         time; what its rows miss the references by is computed on this computer, bit for bit the same (`tests/on_target/parity.rs`). All rows but those with signals of\n\
-         our own are under the peers' signals: mean of the random steps, worst of all of them. The peers' have parameters that are constants of the compiler.\n\
-         RAM is state, delay lines ({DELAY} ticks each, which ours may use) and coefficients, which are constants in flash of the peers'.\n"
+         time; what it misses the references by is computed on this computer, bit for bit what the target computes (`tests/on_target/parity.rs`), the sweep by the project's\n\
+         oracle, see above. All rows but those with signals of our own are under the peers' signals: mean of the random steps, worst of all of them. The peers' have\n\
+         parameters that are constants of the compiler. Flash is the step's: ours with the processor's start-up, some 200 bytes, and without what computes its coefficients\n\
+         (which a host may do, `host-sim export`). RAM is state, delay lines ({DELAY} ticks each, which ours may use) and coefficients; those of the peers' are constants in flash.\n"
     )?;
     if theirs.is_none() {
         writeln!(part.text, "The peers' figures are not at hand: no opponents.\n")?;

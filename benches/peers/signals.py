@@ -6,6 +6,9 @@ import sys
 sys.path.insert(0, sys.argv[1])
 
 import json
+import math
+
+import numpy
 
 from common import DRIVES, SIGNALS, Host, accurate, error, reference, rest
 
@@ -31,8 +34,12 @@ print(json.dumps(dict(
 for line in sys.stdin:
     drive, parameter, factor, substeps = line.rstrip("\n").split("\t")
     changed = DRIVES[drive] | CHANGED[parameter](DRIVES[drive], float(factor))
-    exact = Host(changed, 200, "double")
+    # As many substeps of a time that the change makes shorter; where they do not bear it either, there is no reference.
+    exact = Host(changed, 200 * math.ceil(float(factor)), "double")
     references = {signal: exact(SIGNALS[signal]) for signal in JUDGED}
+    if not all(numpy.all(numpy.isfinite(run)) for run in references.values()):
+        print(json.dumps(dict(references=None, borne=[])), flush=True)
+        continue
     borne = []
     for number in filter(None, substeps.split(",")):
         host = Host(changed, int(number))

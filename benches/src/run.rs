@@ -40,26 +40,30 @@ pub fn staggered(twice: &[f32]) -> [&[f32]; LANES] {
 #[derive(Clone, Copy, Debug)]
 pub struct Run<N: Scalar> {
     drive: Drive<N>,
-    paper: PaperDrive<N>,
+    /// `None` where the machine is not the paper's.
+    paper: Option<PaperDrive<N>>,
     start: State<N>,
 }
 
 impl<N: Scalar<Real = f64>> Run<N> {
-    /// A machine without effects, at rest under 0 V.
+    /// A machine at rest under 0 V.
     ///
     /// # Panics
-    /// The machine is none, does not fit the format, or has effects.
+    /// The machine is none, or does not fit the format.
     #[must_use]
     pub fn new(machine: &Machine<f64>, initial: &InitialState) -> Self {
         let drive = drive::<N>(machine, TICK);
-        let paper = drive.without_effects().expect("the drives that are measured are the paper's");
-        Self { start: at_rest(&drive, 0.0, initial), paper, drive }
+        Self { start: at_rest(&drive, 0.0, initial), paper: drive.without_effects(), drive }
     }
 
     /// The paper's model by itself, under commands in V.
+    ///
+    /// # Panics
+    /// The machine has effects, or friction that the paper's model by itself does not take.
     pub fn paper(&self, volts: &[f32], rows: &mut Vec<Row>) {
+        let paper = self.paper.as_ref().expect("the drives that are measured are the paper's");
         self.each(volts, rows, |state, command| {
-            self.paper.step(state, command, Load::NONE);
+            paper.step(state, command, Load::NONE);
         });
     }
 

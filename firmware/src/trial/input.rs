@@ -53,7 +53,9 @@ pub struct Moment {
 }
 
 impl Moment {
-    fn command(command: PerUnit) -> Self {
+    /// A command alone.
+    #[must_use]
+    pub fn command(command: PerUnit) -> Self {
         Self { entry: Entry::Command(command), load: Load::NONE, oil_temperature: None }
     }
 }
