@@ -6,7 +6,7 @@ use std::mem;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, TempPath};
 
 /// The temporary files of this process that have no name of their own yet.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
@@ -46,11 +46,31 @@ impl Begun {
     }
 
     /// Everything is in it.
-    pub fn finish(mut self) -> io::Result<()> {
+    pub fn finish(self) -> io::Result<()> {
+        self.whole()?.finish()
+    }
+
+    /// Everything is in it and on disk, and it is closed; only its name is still to come.
+    pub fn whole(mut self) -> io::Result<Whole> {
         self.out.flush()?;
-        let Some(unfinished) = self.unfinished else { return Ok(()) };
-        unfinished.file.as_file().sync_all()?;
-        unfinished.finish(&self.path)
+        let Self { path, out, unfinished } = self;
+        drop(out);
+        Ok(Whole { path, unfinished: unfinished.map(Unfinished::closed).transpose()? })
+    }
+}
+
+/// A file that is on disk, and will have its name.
+#[derive(Debug)]
+pub struct Whole {
+    path: PathBuf,
+    /// `None` for what is written directly.
+    unfinished: Option<Closed>,
+}
+
+impl Whole {
+    /// Gives it its name.
+    pub fn finish(self) -> io::Result<()> {
+        self.unfinished.map_or(Ok(()), |closed| closed.finish(&self.path))
     }
 }
 
@@ -82,7 +102,7 @@ fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
 #[derive(Debug)]
 struct Unfinished {
     file: NamedTempFile,
-    _listed: Listed,
+    listed: Listed,
 }
 
 /// A line of [`UNFINISHED`], as long as it lives.
@@ -101,17 +121,34 @@ impl Unfinished {
         let file = temporary(path)?;
         let temporary = file.path().to_owned();
         unfinished.push(temporary.clone());
-        Ok(Self { file, _listed: Listed(temporary) })
+        Ok(Self { file, listed: Listed(temporary) })
     }
 
+    fn closed(self) -> io::Result<Closed> {
+        let Self { file, listed } = self;
+        file.as_file().sync_all()?;
+        Ok(Closed { file: file.into_temp_path(), listed })
+    }
+}
+
+/// An [`Unfinished`] that is on disk.
+#[derive(Debug)]
+struct Closed {
+    file: TempPath,
+    listed: Listed,
+}
+
+impl Closed {
     /// Gives it its name. Not while another thread abandons: it is given whole, or never.
     fn finish(self, path: &Path) -> io::Result<()> {
-        let Self { file, _listed } = self;
+        let Self { file, listed } = self;
         let renamed = {
             let _unfinished = unfinished();
             file.persist(path)
         };
-        renamed.map(drop).map_err(|failed| failed.error)
+        // Which asks for the list as well.
+        drop(listed);
+        renamed.map_err(|failed| failed.error)
     }
 }
 

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use host_sim::diagnose::{Diagnosis, Verdict, diagnose};
+use host_sim::inspect::unit_doubts;
 use host_sim::recording::{Column, Recording, Signal};
 use host_sim::testbed::PlantEffect;
 use rayon::prelude::*;
@@ -55,7 +56,7 @@ const fn at(name: &'static str, hz: u32, stress: Stress) -> Condition {
 
 const AS_IT_IS: Stress = |_, recording, _| recording.clone();
 
-const CONDITIONS: [Condition; 21] = [
+const CONDITIONS: [Condition; 25] = [
     usual("1000 Hz, all channels", AS_IT_IS),
     usual("noise x3", |_, recording, dice| noisy(recording, 3.0, dice)),
     usual("noise x10", |_, recording, dice| noisy(recording, 10.0, dice)),
@@ -81,6 +82,12 @@ const CONDITIONS: [Condition; 21] = [
         if number % 2 == 0 { recording.clone() } else { noisy(&every(recording, 4), 10.0, dice) }
     }),
     Condition { name: "one training recording", hz: 1000, training: 1, stress: AS_IT_IS },
+    usual("position in mm, taken for m", |_, recording, _| times(recording, &[Signal::Position], 1e3)),
+    usual("pressures in bar, taken for Pa", |_, recording, _| {
+        times(recording, &[Signal::PressureA, Signal::PressureB], 1e-5)
+    }),
+    usual("command in %, taken for V", |_, recording, _| times(recording, &[Signal::Command], 10.0)),
+    usual("spool in %, taken for 1", |_, recording, _| times(recording, &[Signal::Spool], 100.0)),
 ];
 
 /// The recording with these columns, every value as `change` makes it of its row's number and its own.
@@ -108,6 +115,14 @@ fn rows(recording: &Recording, kept: &[bool]) -> Recording {
 
 fn without(recording: &Recording, signals: &[Signal]) -> Recording {
     recording.limited_to(|signal| !signals.contains(&signal))
+}
+
+/// What a wrong unit makes of these.
+fn times(recording: &Recording, signals: &[Signal], factor: f64) -> Recording {
+    changed(recording, |signal, values| {
+        let by = if signals.contains(&signal) { factor } else { 1.0 };
+        values.iter().map(|value| by * value).collect()
+    })
 }
 
 /// With so much noise added that there is `times` as much.
@@ -248,11 +263,20 @@ fn stressed(case: &Case, seed: usize, condition: &Condition) -> Case {
     Case { file: case.file.clone(), training, held_out }
 }
 
+/// Whether the commands would say beforehand that the unit of a training recording is doubtful.
+fn is_doubted(case: &Case) -> bool {
+    case.training.iter().any(|recording| !unit_doubts(recording, &case.file.machine).is_empty())
+}
+
 fn answer(truth: Option<&str>, case: &Case) -> (Said, String) {
     match diagnose(&case.file, &case.training, &case.held_out, None, &|_| ()) {
         Ok(diagnosis) => (said(truth, &diagnosis), super::bed::claimed(&diagnosis)),
         Err(error) => (Said::Refused, error.to_string()),
     }
+}
+
+fn shown(count: usize) -> String {
+    if count == 0 { "-".to_owned() } else { count.to_string() }
 }
 
 /// Slow: `cargo test --release -p system-tests --test diagnosis stress -- --ignored --nocapture`.
@@ -263,25 +287,25 @@ fn what_is_still_named_under_stress_is_as_the_table_says() {
     for said in ALL {
         let _ = write!(text, "{:>12}", format!("{said:?}").to_lowercase());
     }
-    text.push('\n');
+    text.push_str("  unit doubted\n");
     let mut wrong = 0;
     let mut known: BTreeMap<u32, Vec<(Option<&str>, Case)>> = BTreeMap::new();
     for condition in &CONDITIONS {
         let cases: &Vec<_> = known.entry(condition.hz).or_insert_with(|| drives(condition.hz));
-        let answers: Vec<(Option<&str>, (Said, String))> = cases
-            .par_iter()
-            .enumerate()
-            .map(|(seed, (truth, case))| (*truth, answer(*truth, &stressed(case, seed, condition))))
-            .collect();
+        let worse: Vec<Case> =
+            cases.iter().enumerate().map(|(seed, (_, case))| stressed(case, seed, condition)).collect();
+        let answers: Vec<(Option<&str>, (Said, String))> =
+            cases.par_iter().zip(&worse).map(|((truth, _), case)| (*truth, answer(*truth, case))).collect();
         for (truth, (said, claimed)) in answers.iter().filter(|(_, (said, _))| *said != Said::Named) {
             println!("{}: {}: {said:?}: {claimed}", condition.name, truth.unwrap_or("nothing"));
         }
         let _ = write!(text, "{:<31}", condition.name);
         for kind in ALL {
             let count = answers.iter().filter(|(_, (said, _))| *said == kind).count();
-            let _ = write!(text, "{:>12}", if count == 0 { "-".to_owned() } else { count.to_string() });
+            let _ = write!(text, "{:>12}", shown(count));
         }
-        text.push('\n');
+        let doubted = worse.iter().filter(|case| is_doubted(case)).count();
+        let _ = writeln!(text, "{:>14}", shown(doubted));
         wrong += answers.iter().filter(|(_, (said, _))| *said == Said::Wrong).count();
     }
     let _ = writeln!(text, "{wrong} false claims in {} diagnoses", CONDITIONS.len() * DRIVES.len());

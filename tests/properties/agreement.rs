@@ -1,5 +1,7 @@
 //! Fixed point and f64 are one model.
 
+use std::cell::RefCell;
+
 use host_sim::testbed::{Excitation, InitialState};
 use model_core::fixed_point::PerUnit;
 use model_core::parameter::Parameter as P;
@@ -7,14 +9,12 @@ use proptest::prelude::*;
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::simulate::{Row, core, distance};
 
-use super::cases;
+use super::runner;
 
 /// Budget of the rounding over 4 s, strokes: a tenth of the position's tolerance.
 const POSITION: f64 = 1e-5;
 /// The same, supply pressures, or both largest pressures where these are more.
 const PRESSURE: f64 = 1e-4;
-/// The same of a drive with a limited flow, which may swing at it (`settling`), and rounding with it.
-const AT_THE_LIMIT: f64 = 0.1;
 /// Share of the travel: the gain from velocity to strokes per tick, 5e-6 in a slow, long drive, is rounded by 2e-9.
 const TRAVEL_SHARE: f64 = 4e-4;
 
@@ -26,26 +26,37 @@ pub(crate) fn largest_pressures(run: &[Row]) -> f64 {
     run.iter().fold(0.0, |largest, row| largest.max(row.pressure_a.abs() + row.pressure_b.abs()))
 }
 
-proptest! {
-    #![proptest_config(cases(1000))]
-
-    #[test]
-    fn fixed_point_and_f64_agree_for_every_drive(machine in any_machine(), tick in any_tick(), seed in any::<u64>()) {
-        let volts = Excitation::random_steps(seed).sample(tick.seconds());
-        let initial = InitialState::at_rest(&machine, 0.0);
-        let real = core::<f64>(&machine, tick, &volts, &initial);
-        let highest = largest_pressures(&real);
-        prop_assume!(highest < HELD);
-        let fixed = core::<PerUnit>(&machine, tick, &volts, &initial);
-        let apart = distance(&real, &fixed);
-        let travel = real.iter().fold(0.0_f64, |travel, row| travel.max(row.position.abs()));
-        // Dry friction decides: the last bit may let the rod go, or catch it, a tick earlier, and its pressures with it.
-        let sticks = machine.get(P::CoulombFriction) > 0.0;
-        let per_tick = real.windows(2).fold(0.0_f64, |most, pair| most.max((pair[1].position - pair[0].position).abs()));
-        let decided = if sticks { 2.0 * per_tick } else { 0.0 };
-        prop_assert!(apart.position <= POSITION + TRAVEL_SHARE * travel + decided, "{apart:?} of {travel}, {per_tick} a tick");
-        let limited = machine.get(P::FlowLimit).is_finite();
-        let most = if limited { AT_THE_LIMIT } else { PRESSURE * highest.max(1.0) };
-        prop_assert!(sticks || apart.pressure <= most, "{apart:?}");
-    }
+#[test]
+fn fixed_point_and_f64_agree_for_every_drive() {
+    let at_the_limit = RefCell::new(Vec::new());
+    runner(1000, file!())
+        .run(&(any_machine(), any_tick(), any::<u64>()), |(machine, tick, seed)| {
+            let volts = Excitation::random_steps(seed).sample(tick.seconds());
+            let initial = InitialState::at_rest(&machine, 0.0);
+            let real = core::<f64>(&machine, tick, &volts, &initial);
+            let highest = largest_pressures(&real);
+            prop_assume!(highest < HELD);
+            let fixed = core::<PerUnit>(&machine, tick, &volts, &initial);
+            let apart = distance(&real, &fixed);
+            let travel = real.iter().fold(0.0_f64, |travel, row| travel.max(row.position.abs()));
+            // Dry friction decides: the last bit may let the rod go, or catch it, a tick earlier, and its pressures with it.
+            let sticks = machine.get(P::CoulombFriction) > 0.0;
+            let ways = real.windows(2).map(|pair| (pair[1].position - pair[0].position).abs());
+            let per_tick = ways.fold(0.0, f64::max);
+            let decided = if sticks { 2.0 * per_tick } else { 0.0 };
+            let most = POSITION + TRAVEL_SHARE * travel + decided;
+            prop_assert!(apart.position <= most, "{apart:?} of {travel}, {per_tick} a tick");
+            let off = apart.pressure / (PRESSURE * highest.max(1.0));
+            if !sticks && machine.get(P::FlowLimit).is_finite() {
+                at_the_limit.borrow_mut().push(off);
+            }
+            prop_assert!(sticks || machine.get(P::FlowLimit).is_finite() || off <= 1.0, "{apart:?}");
+            Ok(())
+        })
+        .unwrap();
+    // A drive with a limited flow may swing at it (`settling`), and rounding with it.
+    let at_the_limit = at_the_limit.into_inner();
+    let far = at_the_limit.iter().filter(|off| **off > 1.0 || off.is_nan()).count();
+    println!("{far} of {} with a limited flow are further off", at_the_limit.len());
+    assert!(at_the_limit.len() > 100 && 20 * far < at_the_limit.len(), "{far} of {}", at_the_limit.len());
 }

@@ -1,5 +1,7 @@
 //! Pressures stay where supply, load and inertia can bring them; energy is not created.
 
+use std::cell::Cell;
+
 use host_sim::testbed::{Excitation, InitialState};
 use model_core::drive::{Drive, Entry, Load};
 use model_core::fixed_point::PerUnit;
@@ -9,9 +11,9 @@ use model_core::parameter::Parameter as P;
 use proptest::prelude::*;
 use system_tests::any_effects::{any_effects, overlapped, without};
 use system_tests::any_machine::{any_machine, any_tick};
-use system_tests::simulate::{DELAY, State, at_rest, command, drive};
+use system_tests::simulate::{DELAY, State, at_rest, command, drive, larger};
 
-use super::cases;
+use super::{cases, runner};
 
 /// Allowance for growing energy, in shares of what the supply would compress: leakage is implicit on the diagonal only, which gives
 /// up to 1e-7; fixed point rounds to 4e-9.
@@ -135,39 +137,73 @@ fn dry_n(machine: &Machine<f64>, pressures_pa: [f64; 2]) -> f64 {
     get(P::CoulombFriction) + stribeck + extending.max(retracting) + along + pressed + get(P::PreslidingForce)
 }
 
-/// Largest growth of the energy in any tick with the valve closed, beside what dry friction that turns within the tick may give,
-/// and over the whole run; in shares of what the supply would compress.
-fn growth<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, start: [f64; 3]) -> (f64, f64) {
+/// Where a drive that is left alone starts: pressures in supply pressures, velocity in the fastest that presses no more than one, share of
+/// the stroke before a stop and which, where it has stops; else in the middle.
+#[derive(Clone, Copy, Debug)]
+struct Start {
+    pressures: [f64; 2],
+    velocity: f64,
+    before_stop: f64,
+    extended: bool,
+}
+
+fn any_start() -> impl Strategy<Value = Start> {
+    (prop::array::uniform2(0.0..1.0_f64), -1.0..1.0_f64, 0.0..0.002_f64, any::<bool>())
+        .prop_map(|(pressures, velocity, before_stop, extended)| Start { pressures, velocity, before_stop, extended })
+}
+
+/// How the energy of a drive grew that was left alone, in shares of what the supply would compress.
+#[derive(Clone, Copy, Debug)]
+struct Growth {
+    /// The most in any tick that ends on no face of a stop, and over the run; both beside what dry friction that turns within a tick may give.
+    tick: f64,
+    run: f64,
+    /// Whether the rod met a stop.
+    met: bool,
+}
+
+fn growth<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, start: Start) -> Growth {
     let drive = drive::<N>(machine, tick);
     let (store, bases) = (Store::of(machine), drive.bases());
-    let supply_pa = machine.get(P::SupplyPressure);
-    let middle_m = 0.5 * machine.get(P::Stroke);
-    let mut state: State<N> = at_rest(&drive, 0.0, &InitialState::at_rest(machine, middle_m));
-    state.chambers.a = N::saturated(start[0]);
-    state.chambers.b = N::saturated(start[1]);
+    let (supply_pa, stroke_m) = (machine.get(P::SupplyPressure), machine.get(P::Stroke));
+    let [retracted_m, extended_m] = store.stops_m;
+    let position_m = match (store.stop_n_per_m > 0.0, start.extended) {
+        (true, true) => extended_m - start.before_stop * stroke_m,
+        (true, false) => retracted_m + start.before_stop * stroke_m,
+        (false, _) => 0.5 * stroke_m,
+    };
+    let mut state: State<N> = at_rest(&drive, 0.0, &InitialState::at_rest(machine, position_m));
+    state.chambers.a = N::saturated(start.pressures[0]);
+    state.chambers.b = N::saturated(start.pressures[1]);
     // No faster than a stop that presses one supply pressure.
     let fastest = (supply_pa / store.shock_pa(1.0) / bases.velocity_m_per_s).min(1.0);
-    state.motion.velocity = N::saturated(fastest * start[2]);
+    state.motion.velocity = N::saturated(fastest * start.velocity);
     let scale = store.capacities.iter().sum::<f64>() * supply_pa * supply_pa;
     let first = energy(&store, &si(&state, bases));
-    let (mut growth, mut allowed) = ((0.0_f64, 0.0_f64), 0.0);
+    let (mut growth, mut allowed) = (Growth { tick: 0.0, run: 0.0, met: false }, 0.0);
     for _ in 0..500 {
         let before = si(&state, bases);
-        let seen = drive.step(&mut state, Entry::Command(N::ZERO), Load::NONE);
+        drive.step(&mut state, Entry::Command(N::ZERO), Load::NONE);
         let after = si(&state, bases);
-        let most_n = dry_n(machine, before.pressures_pa).max(dry_n(machine, after.pressures_pa));
         // Dry friction that turns within the tick may have pushed for a part of its way.
-        let turned = 2.0 * most_n * (after.position_m - before.position_m).abs();
+        let way_m = after.position_m - before.position_m;
+        let (from, to) = (before.velocity_m_per_s, after.velocity_m_per_s);
+        let has_turned = from * to <= 0.0 || from * way_m <= 0.0 || to * way_m <= 0.0;
+        let most_n = dry_n(machine, before.pressures_pa).max(dry_n(machine, after.pressures_pa));
+        let turned = if has_turned { 2.0 * most_n * way_m.abs() } else { 0.0 };
         let sprung = |state: &Si| SPRUNG * 0.5 * store.mass * state.velocity_m_per_s.powi(2);
         let more = energy(&store, &after) - energy(&store, &before);
         let risen = more - sprung(&before).max(sprung(&after));
-        // A rod that is set down on a stop has been pushed all of the way that its velocity says, and keeps what that gave it.
-        let way_m = seen.velocity.to_f64() * bases.velocity_m_per_s * bases.tick_s;
-        let short_m = (way_m - (after.position_m - before.position_m)).abs();
+        // A rod that is set down on a face still has the velocity that it came with, and what pushed it on the way beyond has given it more.
+        let on_a_face = store.stops_m.iter().any(|face| (after.position_m - face).abs() < 1e-7 * stroke_m);
+        growth.met |= on_a_face;
+        let beyond_m = if on_a_face { from.abs().max(to.abs()) * tick.seconds() } else { 0.0 };
         let pushed_n = store.largest_n(&before).max(store.largest_n(&after));
-        allowed += more.clamp(0.0, turned + short_m * pushed_n);
-        growth.0 = growth.0.max((risen - turned) / scale);
-        growth.1 = growth.1.max((energy(&store, &after) - sprung(&after) - first - allowed) / scale);
+        allowed += more.clamp(0.0, turned + pushed_n * beyond_m);
+        if !on_a_face {
+            growth.tick = larger(growth.tick, (risen - turned) / scale);
+        }
+        growth.run = larger(growth.run, (energy(&store, &after) - sprung(&after) - first - allowed) / scale);
     }
     growth
 }
@@ -181,7 +217,7 @@ fn created<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, seed: u64)
     let (supply_pa, tank_pa) = (machine.get(P::SupplyPressure), machine.get(P::TankPressure));
     let scale = store.capacities.iter().sum::<f64>() * supply_pa * supply_pa;
     let full_j = 4.0 * machine.get(P::FlowCoefficient) * supply_pa.powf(1.5) * bases.tick_s;
-    let (mut given, mut passed, mut created) = (0.0, scale, 0.0_f64);
+    let (mut given, mut passed, mut created, mut held) = (0.0, scale, 0.0, first);
     for volts in Excitation::random_steps(seed).sample(tick.seconds()) {
         let seen = drive.step(&mut state, Entry::Command(command(volts)), Load::NONE);
         let slider = seen.slider.unwrap();
@@ -189,12 +225,14 @@ fn created<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, seed: u64)
             [seen.flows.a, seen.flows.b].map(|flow| flow.to_f64() * bases.flow_m3_per_s * bases.tick_s);
         let (from_supply, to_tank) =
             if slider.from.to_f64() + slider.to.to_f64() > 0.0 { (into_a, out_of_b) } else { (-out_of_b, -into_a) };
-        // Through the centre within a tick, a port has been open to both.
+        let holds = energy(&store, &si(&state, bases));
+        // Through the centre within a tick, a port has been open to both: whatever came, but no more than the valve passes.
         let crosses = slider.from.to_f64() * slider.to.to_f64() < 0.0;
-        let unknown = if crosses { supply_pa * (into_a.abs() + out_of_b.abs()) + full_j } else { 0.0 };
-        given += supply_pa * from_supply - tank_pa * to_tank + unknown;
+        let known = supply_pa * from_supply - tank_pa * to_tank;
+        given += if crosses { (holds - held).min(full_j) } else { known };
         passed += supply_pa * (from_supply.abs() + to_tank.abs());
-        created = created.max((energy(&store, &si(&state, bases)) - first - given) / passed);
+        created = larger(created, (holds - first - given) / passed);
+        held = holds;
     }
     created
 }
@@ -207,9 +245,9 @@ fn extremes<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, volts: &[
     for &volts in volts {
         drive.step(&mut state, Entry::Command(command(volts)), Load::NONE);
         let now = si(&state, drive.bases());
-        highest = now.pressures_pa.into_iter().fold(highest, f64::max);
-        lowest = now.pressures_pa.into_iter().fold(lowest, f64::min);
-        fastest = fastest.max(now.velocity_m_per_s.abs());
+        highest = now.pressures_pa.into_iter().fold(highest, larger);
+        lowest = now.pressures_pa.into_iter().fold(lowest, |lowest, found| -larger(-lowest, -found));
+        fastest = larger(fastest, now.velocity_m_per_s.abs());
     }
     [lowest, highest, fastest]
 }
@@ -250,22 +288,6 @@ proptest! {
     }
 
     #[test]
-    fn a_closed_drive_gains_no_energy(
-        machine in any_machine(),
-        tick in any_tick(),
-        effects in any_effects(),
-        start in prop::array::uniform3(0.0..1.0_f64),
-    ) {
-        let machine = closed(&storing_nothing_else(&effects.on(&machine)));
-        prop_assume!(Drive::<PerUnit>::new::<DELAY>(&machine, tick).is_ok());
-        let (real, fixed) = (growth::<f64>(&machine, tick, start), growth::<PerUnit>(&machine, tick, start));
-        // In the tick that sets a rod down on a stop it has not been stopped yet for all of the way that its oil has.
-        let meets = machine.get(P::StopStiffness) > 0.0;
-        prop_assert!(meets || real.0.max(fixed.0) < ROUNDING, "in a tick: {real:?} {fixed:?}");
-        prop_assert!(real.1 < ROUNDING && fixed.1 < ROUNDING, "in the run: {real:?} {fixed:?}");
-    }
-
-    #[test]
     fn an_open_drive_holds_no_more_than_its_supply_gave(
         machine in any_machine(),
         tick in any_tick(),
@@ -278,4 +300,23 @@ proptest! {
         let (real, fixed) = (created::<f64>(&machine, tick, seed), created::<PerUnit>(&machine, tick, seed));
         prop_assert!(real < 1e-9 && fixed < ROUNDING, "{real:e}, in fixed point {fixed:e}");
     }
+}
+
+#[test]
+fn a_closed_drive_gains_no_energy() {
+    let (with_stops, met) = (Cell::new(0), Cell::new(0));
+    runner(2000, file!())
+        .run(&(any_machine(), any_tick(), any_effects(), any_start()), |(machine, tick, effects, start)| {
+            let machine = closed(&storing_nothing_else(&effects.on(&machine)));
+            prop_assume!(Drive::<PerUnit>::new::<DELAY>(&machine, tick).is_ok());
+            let found = [growth::<f64>(&machine, tick, start), growth::<PerUnit>(&machine, tick, start)];
+            with_stops.set(with_stops.get() + u32::from(machine.get(P::StopStiffness) > 0.0));
+            met.set(met.get() + u32::from(found[0].met));
+            prop_assert!(found.iter().all(|growth| growth.tick < ROUNDING && growth.run < ROUNDING), "{found:?}");
+            Ok(())
+        })
+        .unwrap();
+    let (with_stops, met) = (with_stops.get(), met.get());
+    println!("{met} of {with_stops} rods between stops met one");
+    assert!(met > 80, "{met} of {with_stops}");
 }

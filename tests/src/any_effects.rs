@@ -104,6 +104,11 @@ const BEHIND: [&str; 14] = [
     "oil-temperature",
 ];
 
+/// All effects that [`AnyEffects`] draws.
+pub fn any_effect_names() -> impl Iterator<Item = &'static str> {
+    EFFECTS.into_iter().chain(BEHIND)
+}
+
 /// Shares of the amounts behind the flow link.
 const AMOUNTS: usize = 28;
 
@@ -131,6 +136,12 @@ pub fn any_effects() -> impl Strategy<Value = AnyEffects> {
 }
 
 impl AnyEffects {
+    /// Whether the effect of this number is on, in the order of [`any_effect_names`].
+    #[must_use]
+    pub fn has(&self, number: usize) -> bool {
+        self.which >> number & 1 == 1
+    }
+
     /// The same effects, none of them on.
     #[must_use]
     pub fn off(&self) -> Self {
@@ -143,7 +154,7 @@ impl AnyEffects {
     /// More amounts are asked for than are drawn.
     #[must_use]
     pub fn on(&self, machine: &Machine<f64>) -> Machine<f64> {
-        let is_on = |number: usize| self.which >> number & 1 == 1;
+        let is_on = |number: usize| self.has(number);
         let mut left = self.amounts.iter();
         let mut amount = |behind: usize| {
             let share = *left.next().expect("a share is drawn for each");

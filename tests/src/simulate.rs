@@ -45,6 +45,12 @@ impl Distance {
     }
 }
 
+/// The larger of two, and NaN where what is found is none: a run that ends in NaN must not look calm.
+#[must_use]
+pub fn larger(worst: f64, found: f64) -> f64 {
+    if found <= worst { worst } else { found }
+}
+
 /// Largest differences over all ticks; a NaN anywhere makes it NaN.
 ///
 /// # Panics
@@ -52,7 +58,6 @@ impl Distance {
 #[must_use]
 pub fn distance(one: &[Row], other: &[Row]) -> Distance {
     assert_eq!(one.len(), other.len(), "two runs of one signal");
-    let larger = |worst: f64, found: f64| if found <= worst { worst } else { found };
     one.iter().zip(other).fold(Distance::default(), |worst, (a, b)| {
         let pressure = larger((a.pressure_a - b.pressure_a).abs(), (a.pressure_b - b.pressure_b).abs());
         Distance {

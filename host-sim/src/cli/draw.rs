@@ -1,11 +1,11 @@
 //! `host-sim testbed draw`: concealed cases at random, to try a diagnosis on.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use rayon::prelude::*;
 
-use super::target::{check_folder, make_folder, write, write_together};
+use super::target::{check_folder, make_folder, write_together};
+use super::testbed::refuse_others;
 use super::{CliError, Console, Outcome};
 use crate::testbed::draw::{self, Concealed, Lot};
 
@@ -101,28 +101,19 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         .collect::<Result<Vec<_>, CliError>>()?;
     bar.finish_and_clear();
 
-    let cases: Vec<_> = cases.into_iter().flatten().collect();
-    for (id, _, files) in &cases {
-        refuse_others(&arguments.out.join(id), files)?;
-    }
-    let mut truths = Vec::new();
-    for (id, truth, files) in cases {
+    let (mut folders, mut truths, mut all) = (Vec::new(), Vec::new(), Vec::new());
+    for (id, truth, files) in cases.into_iter().flatten() {
         let folder = arguments.out.join(&id);
-        make_folder(&folder)?;
-        write_together(&files)?;
-        console.print(folder.display())?;
+        refuse_others(&folder, |name| files.iter().any(|(own, _)| own.ends_with(name)))?;
+        folders.push(folder);
         truths.push((id, truth));
+        all.extend(files);
     }
-    write(&arguments.out.join("truth.json"), draw::to_json(&truths))?;
+    // The truth is of these cases: all of them are on disk before the first takes its name.
+    all.push((arguments.out.join("truth.json"), draw::to_json(&truths)));
+    make_folder(&arguments.out)?;
+    folders.iter().try_for_each(|folder| make_folder(folder))?;
+    write_together(&all)?;
+    folders.iter().try_for_each(|folder| console.print(folder.display()))?;
     Ok(Outcome::Done)
-}
-
-/// Recordings of another lot in the folder would be taken for recordings of this case.
-fn refuse_others(folder: &Path, files: &[(PathBuf, String)]) -> Result<(), CliError> {
-    let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
-    let other = |path: &PathBuf| path.extension().is_some_and(|e| e == "csv") && files.iter().all(|own| own.0 != *path);
-    match entries.flatten().map(|entry| entry.path()).find(other) {
-        Some(path) => Err(CliError::OtherRecording { path }),
-        None => Ok(()),
-    }
 }

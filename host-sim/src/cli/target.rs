@@ -53,15 +53,18 @@ pub(super) fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError
     atomic::write(path, |out| out.write_all(bytes.as_ref())).map_err(unwritten(path))
 }
 
-/// Writes files of a folder: the first takes its name when all of them are on disk.
+/// Writes files that belong together: the first takes its name when all of them are on disk.
 pub(super) fn write_together(files: &[(PathBuf, String)]) -> Result<(), CliError> {
-    let begun = files.iter().map(|(path, text)| {
-        let mut begun = Begun::new(path).map_err(unwritten(path))?;
-        begun.write_all(text.as_bytes()).and_then(|()| begun.flush()).map_err(unwritten(path))?;
-        Ok((path, begun))
+    let whole = files.iter().map(|(path, text)| {
+        let on_disk = || {
+            let mut begun = Begun::new(path)?;
+            begun.write_all(text.as_bytes())?;
+            begun.whole()
+        };
+        Ok((path, on_disk().map_err(unwritten(path))?))
     });
-    for (path, begun) in begun.collect::<Result<Vec<_>, CliError>>()? {
-        begun.finish().map_err(unwritten(path))?;
+    for (path, whole) in whole.collect::<Result<Vec<_>, CliError>>()? {
+        whole.finish().map_err(unwritten(path))?;
     }
     Ok(())
 }

@@ -101,7 +101,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     };
     let plan = plan(arguments, machine)?;
     check_folder(out)?;
-    refuse_others(out, &plan)?;
+    refuse_others(out, |name| plan.recordings.iter().any(|(own, _)| own == name))?;
     let bar = console.progress(plan.recordings.len(), "running the test bed");
     let mut files = plan
         .recordings
@@ -218,14 +218,13 @@ fn record(plan: &Plan, index: usize, excitation: &Excitation) -> Result<Syntheti
 }
 
 /// Recordings of another run in the folder would be taken for recordings of this one.
-fn refuse_others(folder: &Path, plan: &Plan) -> Result<(), CliError> {
+pub(super) fn refuse_others(folder: &Path, is_own: impl Fn(&str) -> bool) -> Result<(), CliError> {
     // A folder that is not there yet holds nothing.
     let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
     for entry in entries.flatten() {
         let (name, path) = (entry.file_name().to_string_lossy().into_owned(), entry.path());
         let kind = name.starts_with("train-") || name.starts_with("holdout-");
-        let recording = kind && Format::of_extension(&path).is_some();
-        if recording && plan.recordings.iter().all(|(own, _)| *own != name) {
+        if kind && Format::of_extension(&path).is_some() && !is_own(&name) {
             return Err(CliError::OtherRecording { path });
         }
     }

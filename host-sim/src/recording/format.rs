@@ -16,7 +16,7 @@ use std::path::Path;
 /// Largest file of a format that is not text, in bytes: such a file is held in memory.
 pub const MAX_BINARY_BYTES: u64 = 4 << 30;
 /// Most bytes that packed data may become: of a MAT-file all together, of an MDF file those of a group that is read, of a Parquet file those of a
-/// column in a group of rows.
+/// column.
 pub const MAX_UNPACKED_BYTES: u64 = 1 << 30;
 
 /// Bytes at the start of a file that tell its format.

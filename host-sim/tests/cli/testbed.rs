@@ -99,3 +99,19 @@ fn a_name_that_cannot_be_drawn_is_refused_with_those_that_can() {
     assert!(message.contains("expected: one of valve-hysteresis"), "{message}");
     assert!(!folder.path().join("cases").exists());
 }
+
+#[test]
+fn a_lot_is_not_written_over_recordings_of_another() {
+    let folder = folder_with(MACHINE, "");
+    let draw =
+        |seed: &'static str| ["testbed", "draw", "--seed", seed, "--count", "2", "--effects", "none", "--out", "cases"];
+    done(folder.path(), &draw("3"));
+    let cases = folder.path().join("cases");
+    let kept = || ["truth.json", "c000/train-1.csv"].map(|name| std::fs::read(cases.join(name)).unwrap());
+    let before = kept();
+    // In any format that a diagnosis would take.
+    std::fs::write(cases.join("c001/train-99.mat"), "").unwrap();
+    let message = refused(folder.path(), &draw("4"));
+    assert!(message.contains("train-99.mat is there already"), "{message}");
+    assert!(kept() == before, "and nothing of the first lot is another's");
+}

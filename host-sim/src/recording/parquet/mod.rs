@@ -24,6 +24,7 @@ use ::parquet::schema::types::ColumnDescPtr;
 use bytes::Bytes;
 use pages::Pages;
 use std::sync::Arc;
+use std::sync::atomic::AtomicUsize;
 pub(super) use write::write;
 
 /// Reads a file.
@@ -117,6 +118,7 @@ impl Contents for Table<'_> {
         if !matches!(column.physical_type(), Type::BOOLEAN | Type::INT32 | Type::INT64 | Type::FLOAT | Type::DOUBLE) {
             return Err(not_numbers("text or bytes"));
         }
+        let mut unpacked = 0_u64;
         for group in self.metadata.row_groups() {
             let chunk = group.columns().get(index);
             // A summary of several files. None of them is opened: what a recording says is no place to read from.
@@ -138,8 +140,9 @@ impl Contents for Table<'_> {
                 }
                 None => return Err(damaged(place(), "a group of rows without this column")),
             }
-            let unpacked = chunk.and_then(|chunk| u64::try_from(chunk.uncompressed_size()).ok());
-            if unpacked.is_some_and(|bytes| bytes > MAX_UNPACKED_BYTES) {
+            let claimed = chunk.and_then(|chunk| u64::try_from(chunk.uncompressed_size()).ok());
+            unpacked = unpacked.saturating_add(claimed.unwrap_or(0));
+            if unpacked > MAX_UNPACKED_BYTES {
                 return Err(RecordingError::TooLarge { place: place(), most_bytes: MAX_UNPACKED_BYTES });
             }
         }
@@ -161,9 +164,11 @@ impl Table<'_> {
         let full = described.max_def_level();
         let mut values = Vec::new();
         let mut first = None;
+        // Any number of groups may point at the same pages.
+        let left = Arc::new(AtomicUsize::new(usize::try_from(MAX_UNPACKED_BYTES)?));
         for group in self.metadata.row_groups() {
             let rows = usize::try_from(group.num_rows())?;
-            let pages = Pages::new(&self.bytes, group.column(index), rows)?;
+            let pages = Pages::new(&self.bytes, group.column(index), rows, &left)?;
             let more = match get_column_reader(described.clone(), Box::new(pages)) {
                 ColumnReader::BoolColumnReader(reader) => {
                     numbers(reader, rows, full, |value| f64::from(u8::from(*value)))?

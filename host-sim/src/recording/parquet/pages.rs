@@ -3,7 +3,6 @@
 //! The library makes room for what a page says that it becomes, and unpacks gzip without any end. So it is told that nothing is packed: it reads the
 //! heads, and what stands behind them is unpacked here.
 
-use crate::recording::MAX_UNPACKED_BYTES;
 use ::parquet::basic::{Compression, Type};
 use ::parquet::column::page::{Page, PageMetadata, PageReader};
 use ::parquet::errors::ParquetError;
@@ -14,20 +13,27 @@ use flate2::read::MultiGzDecoder;
 use lz4_flex::block::{DecompressError, decompress_into};
 use std::io::Read;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// The pages of a column of numbers in a group of rows, unpacked as far as they may be; and no dictionary of more values than its page has room for:
+/// The pages of a column of numbers in a group of rows, unpacked as far as all of the column may be; and no dictionary of more values than its page has room for:
 /// of the values that one says it has, the library makes room for all before it reads the first, and a file of half a kilobyte may say 16 GiB.
 pub(super) struct Pages {
     packed: SerializedPageReader<Bytes>,
     packing: Compression,
-    /// Bytes that those to come may become.
-    left: usize,
+    /// Bytes that those to come may become, these and those of other groups.
+    left: Arc<AtomicUsize>,
     /// Bytes of a value; nobody writes a dictionary of booleans.
     width: usize,
 }
 
 impl Pages {
-    pub(super) fn new(file: &Arc<Bytes>, chunk: &ColumnChunkMetaData, rows: usize) -> Result<Self, ParquetError> {
+    /// Those of a group, of which no more may be unpacked than is `left` of the column's.
+    pub(super) fn new(
+        file: &Arc<Bytes>,
+        chunk: &ColumnChunkMetaData,
+        rows: usize,
+        left: &Arc<AtomicUsize>,
+    ) -> Result<Self, ParquetError> {
         let as_it_is = chunk.clone().into_builder().set_compression(Compression::UNCOMPRESSED).build()?;
         let width = match chunk.column_type() {
             Type::INT32 | Type::FLOAT => 4,
@@ -37,7 +43,7 @@ impl Pages {
         Ok(Self {
             packed: SerializedPageReader::new(Arc::clone(file), &as_it_is, rows, None)?,
             packing: chunk.compression(),
-            left: usize::try_from(MAX_UNPACKED_BYTES)?,
+            left: Arc::clone(left),
             width,
         })
     }
@@ -51,8 +57,9 @@ impl Pages {
             return Err(ParquetError::General("levels that are longer than their page".to_owned()));
         };
         let mut bytes = plain.to_vec();
-        append(self.packing, packed, self.left, &mut bytes)?;
-        self.left -= bytes.len() - levels;
+        let left = self.left.load(Ordering::Relaxed);
+        append(self.packing, packed, left, &mut bytes)?;
+        self.left.store(left.saturating_sub(bytes.len() - levels), Ordering::Relaxed);
         *page = Bytes::from(bytes);
         Ok(())
     }
@@ -194,8 +201,8 @@ mod tests {
         }
     }
 
-    /// A column of doubles in these pages, each of which says that it becomes 2 GiB.
-    fn column(packing: Compression, pages: &[Page]) -> Pages {
+    /// A column of doubles in these pages, each of which says that it becomes 2 GiB; they may become so many bytes.
+    fn column(packing: Compression, pages: &[Page], most: usize) -> Pages {
         let mut file = TrackedWrite::new(Vec::new());
         for page in pages {
             let page = CompressedPage::new(page.clone(), 0x7fff_ffff);
@@ -206,7 +213,7 @@ mod tests {
         let described = ColumnDescriptor::new(Arc::new(double), 0, 0, ColumnPath::from("x"));
         let chunk = ColumnChunkMetaData::builder(Arc::new(described)).set_compression(packing);
         let chunk = chunk.set_total_compressed_size(i64::try_from(file.len()).unwrap()).build().unwrap();
-        Pages::new(&Arc::new(file), &chunk, 64).unwrap()
+        Pages::new(&Arc::new(file), &chunk, 64, &Arc::new(AtomicUsize::new(most))).unwrap()
     }
 
     #[test]
@@ -262,9 +269,10 @@ mod tests {
                 statistics: None,
             };
             let pages = [dictionary, first, second(&packed, true), second(&plain, false)];
-            let found: Vec<Vec<u8>> = column(packing, &pages).map(|page| page.unwrap().buffer().to_vec()).collect();
+            let found: Vec<Vec<u8>> =
+                column(packing, &pages, usize::MAX).map(|page| page.unwrap().buffer().to_vec()).collect();
             assert_eq!(found, [plain.clone(), plain.clone(), behind_levels(&plain), behind_levels(&plain)]);
-            let mut few = Pages { left: 3 * plain.len() - 1, ..column(packing, &pages) };
+            let mut few = column(packing, &pages, 3 * plain.len() - 1);
             assert!(few.next().unwrap().is_ok() && few.next().unwrap().is_ok());
             let refused = few.next().unwrap().unwrap_err();
             assert!(become_too_much(&refused), "{packing}: {refused}");
