@@ -116,7 +116,7 @@ mod on_target {
         (0..BATCH).map(|_| stack::used_by(|| step(drive, &mut state, moment)).1).max().unwrap_or(0)
     }
 
-    fn in_volts(&volts: &f32) -> Moment {
+    fn in_volts(volts: f32) -> Moment {
         Moment::command(PerUnit::saturated(f64::from(volts) / 10.0))
     }
 
@@ -134,7 +134,7 @@ mod on_target {
         row("paper's model, random", instructions(counter, paper_step, (&paper, rest), random().map(commands_only)))?;
         row("paper's model, random under load", instructions(counter, paper_step, (&paper, rest), random()))?;
         for (name, volts) in GIVEN {
-            let moments = volts.iter().map(in_volts);
+            let moments = volts.iter().copied().map(in_volts);
             row(name, instructions(counter, paper_step, (&paper, rest), moments))?;
         }
         row("none of the effects, random under load", instructions(counter, step, (&full, rest), random()))?;
