@@ -24,6 +24,7 @@ const SWEEP: &str = "sweep";
 
 /// Position (m) and both pressures (Pa) at the end of each tick.
 pub(crate) type Judged = Vec<[f64; 3]>;
+
 /// Rows of a plant at the end of each tick; none where it cannot be solved.
 pub(crate) fn plant_run(plant: &Plant, initial: &InitialState, volts: &[f32], rows: &mut Vec<Row>) {
     // The first row is before the first tick; the last command is held.

@@ -8,7 +8,7 @@ use model_core::mechanics::{Forces, MotionState, Surroundings};
 use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 use proptest::prelude::*;
-use system_tests::any_effects::{any_effects, overlapped, without};
+use system_tests::any_effects::{BRISTLES, LOAD, STOPS, any_effects, overlapped, without};
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::simulate::{DELAY, at_rest, drive};
 
@@ -26,14 +26,8 @@ fn with_friction() -> impl Strategy<Value = Machine<f64>> {
             P::InternalLeakage,
             P::ExternalLeakageA,
             P::ExternalLeakageB,
-            P::LoadSpring,
-            P::LoadSpringForce,
-            P::LoadSpringBow,
-            P::StopStiffness,
-            P::StopDamping,
-            P::PreslidingForce,
-            P::PreslidingStiffness,
         ];
+        let none = [&none[..], &LOAD, &STOPS, &BRISTLES].concat();
         overlapped(&without(&machine, &none))
             .with(&[(P::CoulombFriction, share * machine.get(P::AreaA) * machine.get(P::SupplyPressure))])
     })
@@ -41,7 +35,7 @@ fn with_friction() -> impl Strategy<Value = Machine<f64>> {
 
 /// Its dry friction is nowhere less than Coulomb's.
 fn everywhere_alike(machine: &Machine<f64>) -> Machine<f64> {
-    machine.with(&[(P::PositionFrictionSlope, 0.0), (P::PositionFrictionBow, 0.0)])
+    without(machine, &[P::PositionFrictionSlope, P::PositionFrictionBow])
 }
 
 fn held<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, share: f64, shaking: &[f64]) {

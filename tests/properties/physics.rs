@@ -9,7 +9,7 @@ use model_core::machine::{Machine, Tick};
 use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 use proptest::prelude::*;
-use system_tests::any_effects::{any_effects, overlapped, without};
+use system_tests::any_effects::{BRISTLES, LOAD, STOPS, any_effects, overlapped, without};
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::simulate::{DELAY, State, at_rest, command, drive, larger};
 
@@ -104,22 +104,13 @@ pub(crate) fn gentle(mut machine: Machine<f64>) -> Machine<f64> {
 /// Without what stores energy, or feeds a chamber, in a way that [`Store`] does not know: air, volumes that follow the piston, springs,
 /// bristles, edges that are open at the centre.
 fn storing_nothing_else(machine: &Machine<f64>) -> Machine<f64> {
-    let none = [
-        P::AirShare,
-        P::VolumeShare,
-        P::LoadSpring,
-        P::LoadSpringForce,
-        P::LoadSpringBow,
-        P::PreslidingForce,
-        P::PreslidingStiffness,
-        P::ValveLeakageOpening,
-    ];
-    without(machine, &none)
+    let none = [P::AirShare, P::VolumeShare, P::ValveLeakageOpening];
+    without(machine, &[&none[..], &LOAD, &BRISTLES].concat())
 }
 
 /// Without stops either.
 fn free(machine: &Machine<f64>) -> Machine<f64> {
-    without(machine, &[P::StopStiffness, P::StopDamping])
+    without(machine, &STOPS)
 }
 
 /// The valve stands closed at command 0, and the tank is empty: what leaks goes to nothing.

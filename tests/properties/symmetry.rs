@@ -9,7 +9,7 @@ use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 use model_core::valve::Slider;
 use proptest::prelude::*;
-use system_tests::any_effects::{any_effects, without};
+use system_tests::any_effects::{BRISTLES, STOPS, any_effects, without};
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::simulate::{DELAY, Distance, Row, State, core, distance, drive};
 
@@ -91,13 +91,9 @@ fn without_decisions(machine: &Machine<f64>) -> Machine<f64> {
         P::PositionFrictionSlope,
         P::PositionFrictionBow,
         P::PressureFriction,
-        P::PreslidingForce,
-        P::PreslidingStiffness,
         P::StictionBand,
-        P::StopStiffness,
-        P::StopDamping,
     ];
-    without(machine, &deciding)
+    without(machine, &[&deciding[..], &BRISTLES, &STOPS].concat())
 }
 
 /// Without a limit of the flow, at which some drives swing for ever (`settling`), and rounding with them.
@@ -105,11 +101,9 @@ fn unlimited(machine: &Machine<f64>) -> Machine<f64> {
     machine.with(&[(P::FlowLimit, f64::INFINITY)])
 }
 
-/// What happens at one place of the stroke only, or otherwise at each.
+/// Without what is other at each place of the stroke, of what decides nothing.
 fn without_places(machine: &Machine<f64>) -> Machine<f64> {
-    let places =
-        [P::VolumeShare, P::PositionFrictionBow, P::PositionDragBow, P::LoadSpring, P::StopStiffness, P::StopDamping];
-    without(machine, &places)
+    without(machine, &[P::VolumeShare, P::PositionDragBow, P::LoadSpring])
 }
 
 /// What rounding of f64 grows to where edges keep a drive from settling: strokes, and supply pressures.

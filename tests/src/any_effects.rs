@@ -154,11 +154,11 @@ impl AnyEffects {
     /// More amounts are asked for than are drawn.
     #[must_use]
     pub fn on(&self, machine: &Machine<f64>) -> Machine<f64> {
-        let is_on = |number: usize| self.has(number);
+        let is_on = |name: &str| any_effect_names().zip(0..).any(|(known, number)| known == name && self.has(number));
         let mut left = self.amounts.iter();
-        let mut amount = |behind: usize| {
+        let mut amount = |name: &str| {
             let share = *left.next().expect("a share is drawn for each");
-            if is_on(EFFECTS.len() + behind) { share } else { 0.0 }
+            if is_on(name) { share } else { 0.0 }
         };
         let signed = |share: f64, size: f64| if share == 0.0 { 0.0 } else { both(share, size) };
         let [fall, stiffness, damping, within, warms, lags, bristles, at_c, reach] = self.forms;
@@ -166,50 +166,57 @@ impl AnyEffects {
         let force_n = machine.get(P::AreaB) * supply_pa;
         let laminar = 0.05 * machine.get(P::FlowCoefficient) / supply_pa.sqrt();
         // A load that grows with the square of the way runs away where nothing stops the rod.
-        let stops = amount(8) > 0.0 || is_on(EFFECTS.len() + 7);
+        let stops = amount("end-stop") > 0.0 || is_on("position-dependent-load");
         let reach_m = stroke_m * (0.2 + 0.3 * within);
         // So stiff that the drive's whole force presses it in by a thousandth to a tenth of the stroke.
         let stop_n_per_m = force_n / stroke_m * decades(stiffness, 10.0, 1000.0);
         let values = [
-            (P::ExternalLeakageA, amount(0) * laminar),
-            (P::ExternalLeakageB, amount(0) * laminar),
-            (P::AirShare, 0.05 * amount(1)),
-            (P::VolumeShare, amount(2)),
-            (P::StribeckForce, 0.05 * force_n * amount(3)),
-            (P::StribeckExcess, 0.05 * force_n * amount(3)),
+            (P::ExternalLeakageA, amount("external-leakage") * laminar),
+            (P::ExternalLeakageB, amount("external-leakage") * laminar),
+            (P::AirShare, 0.05 * amount("entrained-air")),
+            (P::VolumeShare, amount("position-dependent-volume")),
+            (P::StribeckForce, 0.05 * force_n * amount("stribeck-friction")),
+            (P::StribeckExcess, 0.05 * force_n * amount("stribeck-friction")),
             (P::StribeckVelocity, decades(fall, 1e-3, 0.1)),
-            (P::AsymmetricExtending, 0.05 * force_n * amount(4)),
-            (P::AsymmetricRetracting, 0.05 * force_n * amount(4)),
-            (P::PositionFriction, 0.05 * force_n * amount(5)),
-            (P::PositionFrictionSlope, signed(amount(5), 0.03 * force_n)),
-            (P::PositionFrictionBow, signed(amount(5), 0.03 * force_n)),
-            (P::PositionDragSlope, signed(amount(5), 0.5)),
-            (P::PositionDragBow, signed(amount(5), 0.5)),
-            (P::PressureFriction, 0.02 * machine.get(P::AreaB) * amount(6)),
-            (P::LoadSpring, signed(amount(7), 0.3 * force_n / stroke_m)),
-            (P::LoadSpringForce, signed(amount(7), 0.1 * force_n)),
-            (P::LoadSpringBow, signed(amount(7), 0.3 * force_n / (stroke_m * stroke_m))),
+            (P::AsymmetricExtending, 0.05 * force_n * amount("friction-asymmetry")),
+            (P::AsymmetricRetracting, 0.05 * force_n * amount("friction-asymmetry")),
+            (P::PositionFriction, 0.05 * force_n * amount("position-dependent-friction")),
+            (P::PositionFrictionSlope, signed(amount("position-dependent-friction"), 0.03 * force_n)),
+            (P::PositionFrictionBow, signed(amount("position-dependent-friction"), 0.03 * force_n)),
+            (P::PositionDragSlope, signed(amount("position-dependent-friction"), 0.5)),
+            (P::PositionDragBow, signed(amount("position-dependent-friction"), 0.5)),
+            (P::PressureFriction, 0.02 * machine.get(P::AreaB) * amount("pressure-dependent-friction")),
+            (P::LoadSpring, signed(amount("position-dependent-load"), 0.3 * force_n / stroke_m)),
+            (P::LoadSpringForce, signed(amount("position-dependent-load"), 0.1 * force_n)),
+            (P::LoadSpringBow, signed(amount("position-dependent-load"), 0.3 * force_n / (stroke_m * stroke_m))),
             (P::StopStiffness, if stops { stop_n_per_m } else { 0.0 }),
             (P::StopDamping, if stops { decades(damping, 1e2, 1e6) } else { 0.0 }),
             (P::StopRetracted, 0.5 * stroke_m - reach_m),
             (P::StopExtended, 0.5 * stroke_m + reach_m),
-            (P::PreslidingForce, 0.05 * force_n * amount(9)),
-            (P::PreslidingStiffness, if amount(9) > 0.0 { decades(bristles, 1e6, 1e9) } else { 0.0 }),
-            (P::BacklashPlay, 1e-3 * amount(10)),
-            (P::PositionLag, 0.05 * amount(11)),
-            (P::PositionDelay, 0.02 * lags * amount(11)),
-            (P::PressureAOffset, signed(amount(12), 0.02 * supply_pa)),
-            (P::SpoolOffset, signed(amount(12), 0.02)),
-            (P::PositionFactor, signed(amount(12), 0.02)),
-            (P::ViscosityLoss, signed(amount(13), 0.8)),
+            (P::PreslidingForce, 0.05 * force_n * amount("presliding")),
+            (P::PreslidingStiffness, if amount("presliding") > 0.0 { decades(bristles, 1e6, 1e9) } else { 0.0 }),
+            (P::BacklashPlay, 1e-3 * amount("linkage-backlash")),
+            (P::PositionLag, 0.05 * amount("position-sensor-lag")),
+            (P::PositionDelay, 0.02 * lags * amount("position-sensor-lag")),
+            (P::PressureAOffset, signed(amount("sensor-offset"), 0.02 * supply_pa)),
+            (P::SpoolOffset, signed(amount("sensor-offset"), 0.02)),
+            (P::PositionFactor, signed(amount("sensor-offset"), 0.02)),
+            (P::ViscosityLoss, signed(amount("oil-temperature"), 0.8)),
             (P::WarmingTime, decades(warms, 0.1, 10.0)),
-            (P::ViscosityLossPerKelvin, 0.05 * amount(13)),
+            (P::ViscosityLossPerKelvin, 0.05 * amount("oil-temperature")),
             (P::ReferenceTemperature, 80.0 * at_c),
             (P::FlowGainNotch, 0.02 + 0.5 * reach),
         ];
-        self.side.on(machine, is_on).with(&values)
+        self.side.on(machine, |number| self.has(number)).with(&values)
     }
 }
+
+/// What makes a load that depends on the position.
+pub const LOAD: [P; 3] = [P::LoadSpring, P::LoadSpringForce, P::LoadSpringBow];
+/// What makes the end stops.
+pub const STOPS: [P; 2] = [P::StopStiffness, P::StopDamping];
+/// What makes presliding.
+pub const BRISTLES: [P; 2] = [P::PreslidingForce, P::PreslidingStiffness];
 
 /// The machine with none of what these say.
 #[must_use]
