@@ -5,13 +5,14 @@ use std::hint::black_box;
 use std::path::Path;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use host_sim::lanes::LANES;
-use host_sim::testbed::InitialState;
-use model_core::fixed_point::PerUnit;
-use model_core::number::Scalar;
 use system_benches::refit::Refit;
 use system_benches::run::{Abreast, Run, START_M, random_commands, staggered};
+
+use model_core::fixed_point::PerUnit;
+use model_core::number::Scalar;
+use simulation::number::simd::LANES;
 use system_tests::drives;
+use virtual_plant::InitialState;
 
 /// Ticks of a run: 4 s.
 const TICKS: usize = 4000;

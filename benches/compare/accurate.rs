@@ -2,15 +2,16 @@
 
 use std::error::Error;
 
-use host_sim::testbed::{Commands, InitialState, Plant};
+use serde_json::Value;
+use system_benches::run::{Row, Run, START_M, TICK};
+
 use model_core::fixed_point::PerUnit;
 use model_core::machine::Machine;
 use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
-use serde_json::Value;
-use system_benches::run::{Row, Run, START_M, TICK};
 use system_tests::drives;
 use system_tests::simulate::ORACLE_TOLERANCE;
+use virtual_plant::{Commands, InitialState, Plant};
 
 use crate::page::table;
 use crate::peers::{Peers, list, number};

@@ -6,6 +6,7 @@ use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
 
 use clap::Parser;
+
 use host_sim::cli::{self, Cli, CommandLine, Console};
 
 use crate::machine;

@@ -6,13 +6,14 @@ use std::fmt::Write;
 use std::hint::black_box;
 use std::time::Instant;
 
-use host_sim::lanes::LANES;
-use host_sim::testbed::{InitialState, Plant};
-use model_core::fixed_point::PerUnit;
-use model_core::machine::Machine;
 use serde_json::Value;
 use system_benches::floor::{Operations, WIDE};
 use system_benches::run::{Abreast, Row, Run, START_M, random_commands, staggered};
+
+use model_core::fixed_point::PerUnit;
+use model_core::machine::Machine;
+use simulation::number::simd::LANES;
+use virtual_plant::{InitialState, Plant};
 
 use crate::accurate::{self, Judged, Off, POSITION_PERCENT, PRESSURE_PERCENT, Signals, machine_of, plant_run};
 use crate::page::{Part, Wanted, table};

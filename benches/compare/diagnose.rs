@@ -4,7 +4,7 @@ use std::error::Error;
 use std::fmt::Write;
 use std::path::Path;
 
-use host_sim::excerpt::AFFORDABLE_TICKS;
+use diagnosis::selection::excerpt::AFFORDABLE_TICKS;
 
 use crate::child::{self, Took};
 use crate::machine;

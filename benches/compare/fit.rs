@@ -4,9 +4,10 @@ use std::error::Error;
 use std::fmt::Write;
 use std::time::Instant;
 
-use model_core::machine::Machine;
 use serde_json::Value;
 use system_benches::refit::{FREE, Refit};
+
+use model_core::machine::Machine;
 use system_tests::at_hand::shared;
 
 use crate::machine;
@@ -102,9 +103,9 @@ pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
     let noise = Refit::read(&case)?;
     let norms = noise.clone().as_the_peers();
     let mut ours = [
-        Ours::new("**`host_sim::fit`, one thread**", &norms, 1)?,
-        Ours::new("**`host_sim::fit`, two threads**", &norms, 2)?,
-        Ours::new("**`host_sim::fit` with the tool's own residuals, two threads**", &noise, 2)?,
+        Ours::new("**`identification::fit`, one thread**", &norms, 1)?,
+        Ours::new("**`identification::fit`, two threads**", &norms, 2)?,
+        Ours::new("**`identification::fit` with the tool's own residuals, two threads**", &noise, 2)?,
     ];
     let mut peers = Peers::start("fit.py")?;
     let theirs = turns(&mut ours, peers.as_mut())?;

@@ -7,10 +7,9 @@ use std::process::Command;
 
 use system_tests::at_hand::shared;
 
-use crate::child;
-use crate::machine;
 use crate::page::{Part, table};
 use crate::peers::{self, Peers, number, text};
+use crate::{child, machine};
 
 /// The sets of cases, of `$HOST_SIM_SHARED`, and what judges them.
 const SETS: [&str; 2] = ["concealed", "concealed-hard"];

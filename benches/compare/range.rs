@@ -2,12 +2,13 @@
 
 use std::error::Error;
 
+use system_benches::run::{Run, TICK};
+
 use model_core::drive::Drive;
 use model_core::fixed_point::PerUnit;
 use model_core::machine::Machine;
 use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
-use system_benches::run::{Run, TICK};
 use system_tests::simulate::DELAY;
 
 use crate::accurate::{Off, Signals, judged, machine_of};

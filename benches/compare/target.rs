@@ -4,11 +4,12 @@ use std::error::Error;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use model_core::fixed_point::PerUnit;
 use serde_json::Value;
+use tempfile::TempDir;
+
+use model_core::fixed_point::PerUnit;
 use system_tests::emulator::Processor;
 use system_tests::simulate::DELAY;
-use tempfile::TempDir;
 
 use crate::accurate::{self, Signals};
 use crate::page::{Part, Wanted, table};

@@ -6,12 +6,12 @@ use std::hint::black_box;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::time::Instant;
 
-use host_sim::lanes::{LANES, Lanes};
-use host_sim::testbed::InitialState;
 use model_core::drive::Load;
 use model_core::machine::Machine;
 use model_core::number::Field;
+use simulation::number::simd::{LANES, Lanes};
 use system_tests::simulate::{at_rest, drive};
+use virtual_plant::InitialState;
 
 use crate::run::TICK;
 

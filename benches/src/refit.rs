@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use host_sim::compare::CompareError;
-use host_sim::fit::{Fit, FitError, Free, Freedom, From, fit_told};
-use host_sim::machine_file::{self, MachineFileError};
-use host_sim::prepare::Prepared;
-use host_sim::recording::{self, ChannelMap, RecordingError, Signal};
+use identification::compare::CompareError;
+use identification::experiment::Prepared;
+use identification::fit::{Fit, FitError, Free, Freedom, From, fit_told};
+use machine_file::MachineFileError;
 use model_core::machine::Machine;
 use model_core::parameter::Parameter as P;
+use recording::{ChannelMap, RecordingError, Signal};
 
 /// What is free, in the peers' order.
 pub const FREE: [P; 10] = [

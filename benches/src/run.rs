@@ -3,13 +3,14 @@
 
 use std::array::from_fn;
 
-use host_sim::lanes::{LANES, Lanes};
-use host_sim::testbed::{Excitation, InitialState};
 use model_core::drive::{Drive, Entry, Load};
 use model_core::machine::{Machine, Tick};
 use model_core::number::{Field, Scalar};
 use model_core::paper::PaperDrive;
+use recording::excitation::signals::Excitation;
+use simulation::number::simd::{LANES, Lanes};
 use system_tests::simulate::{State, at_rest, command, drive};
+use virtual_plant::InitialState;
 
 /// At the end of a tick: slider, position (m), velocity (m/s), pressures in A and B (Pa).
 pub type Row = [f64; 5];

@@ -10,7 +10,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::ptr;
 
-use host_sim::processor;
+use simulation::number::cpu;
 
 use crate::{Instance, Refusal, Snapshot};
 
@@ -121,7 +121,7 @@ unsafe extern "C" fn fmi3InstantiateCoSimulation(
 ) -> *mut c_void {
     let log = Log { environment, message };
     let new = || {
-        processor::check()?;
+        cpu::check()?;
         let resources = unsafe { text(resources, "resourcePath") }?;
         Instance::new(Path::new(resources), unsafe { text(token, "instantiationToken") }?)
     };
@@ -443,7 +443,7 @@ mod tests {
     #[test]
     fn a_tool_gets_values_by_pointers_and_errors_by_its_log() {
         let folder = resources(PRESS, "fixed");
-        let token = CString::new(host_sim::fmu::token(model_core::machine::Source::Valve)).unwrap();
+        let token = CString::new(model_export::fmu::token(model_core::machine::Source::Valve)).unwrap();
         let mut told = Vec::new();
         assert!(instantiate(folder.path(), c"another", &mut told).is_null());
         assert!(
@@ -454,7 +454,7 @@ mod tests {
 
         let instance = instantiate(folder.path(), &token, &mut told);
         assert!(!instance.is_null() && told.is_empty());
-        let position = host_sim::fmu::Variable::Position.reference();
+        let position = model_export::fmu::Variable::Position.reference();
         let (mut value, mut flags, mut reached_s) = (0.0, [true; 3], 0.0);
         let [event, terminate, early] = flags.each_mut().map(ptr::from_mut);
         unsafe {
@@ -476,11 +476,11 @@ mod tests {
     #[test]
     fn a_state_that_was_kept_or_written_down_is_gone_on_from() {
         let folder = resources(PRESS, "float");
-        let token = CString::new(host_sim::fmu::token(model_core::machine::Source::Valve)).unwrap();
+        let token = CString::new(model_export::fmu::token(model_core::machine::Source::Valve)).unwrap();
         let mut told = Vec::new();
         let instance = instantiate(folder.path(), &token, &mut told);
         let (command, position) =
-            (host_sim::fmu::Variable::Command.reference(), host_sim::fmu::Variable::Position.reference());
+            (model_export::fmu::Variable::Command.reference(), model_export::fmu::Variable::Position.reference());
         let mut flags = [true; 3];
         let [event, terminate, early] = flags.each_mut().map(ptr::from_mut);
         let (mut state, mut size, mut reached_s) = (ptr::null_mut(), 0, 0.0);

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use host_sim::fmu::{Contents, Role, Variable, token};
-use host_sim::simulate::Inputs;
+use model_export::fmu::{Contents, Role, Variable, token};
+use simulation::Inputs;
 
 use crate::running::Running;
 use crate::{Refusal, Snapshot};

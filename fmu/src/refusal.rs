@@ -1,8 +1,8 @@
 //! Why a call could not be done; the tool's log shows it.
 
-use host_sim::fmu::{ContentsError, Variable};
-use host_sim::processor::Unsuited;
 use model_core::machine::MachineError;
+use model_export::fmu::{ContentsError, Variable};
+use simulation::number::cpu::Unsuited;
 
 use crate::Mode;
 

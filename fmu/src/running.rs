@@ -1,11 +1,10 @@
 //! The drive in the number type that the FMU was exported with.
 
-use host_sim::compare::Arithmetic;
-use host_sim::fmu::Contents;
-use host_sim::recording::Signal;
-use host_sim::simulate::{Inputs, Live, Start};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::MachineError;
+use model_export::fmu::Contents;
+use recording::Signal;
+use simulation::{Arithmetic, Inputs, Live, Start};
 
 use crate::Refusal;
 use crate::snapshot::Kept;

@@ -1,9 +1,10 @@
 //! All that an instance remembers, to be kept and gone back to, in memory or as bytes.
 
-use host_sim::simulate::{DELAY_LINE, Inputs};
+use serde::{Deserialize, Serialize};
+
 use model_core::drive::DriveState;
 use model_core::fixed_point::PerUnit;
-use serde::{Deserialize, Serialize};
+use simulation::{DELAY_LINE, Inputs};
 
 use crate::{Mode, Refusal};
 

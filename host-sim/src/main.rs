@@ -4,11 +4,12 @@ use std::io;
 use std::process::ExitCode;
 
 use clap::Parser;
+
 use host_sim::cli::{self, Cli, CommandLine, Console};
-use host_sim::processor;
+use simulation::number::cpu;
 
 fn main() -> ExitCode {
-    if let Err(error) = processor::check() {
+    if let Err(error) = cpu::check() {
         eprintln!("error: {error}");
         return ExitCode::from(2);
     }

@@ -4,18 +4,16 @@
 //! LVDT, joint encoder of 3600 impulses, dither on the command). The model is entered at the command and at the measured
 //! slider, as in Figs. 3 and 6, and the static characteristic (15) is found again by regression on the slider after 0.3 s.
 
-use model_core::machine::{Machine, Tick};
-use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
-use crate::compare::Arithmetic;
-use crate::machine_file::{self, LoadSource, MachineFileError};
-use crate::recording::{Recording, RecordingError, Signal};
-use crate::residual::SignalFit;
-use crate::simulate::{EntryPoint, SimulateError, StartOffset, Stimulus};
-use crate::testbed::{
-    Bench, Dither, Drive, Excitation, InitialState, LinkageError, Plant, PlantEffect, PlantError, Sensors,
-};
+use machine_file::{LoadSource, MachineFileError};
+use model_core::machine::{Machine, Tick};
+use model_core::parameter::Parameter;
+use recording::excitation::signals::{Dither, Excitation};
+use recording::{Recording, RecordingError, Signal};
+use simulation::figures_of_merit::SignalFit;
+use simulation::{Arithmetic, EntryPoint, SimulateError, StartOffset, Stimulus};
+use virtual_plant::{Bench, Drive, InitialState, LinkageError, Plant, PlantEffect, PlantError, Sensors};
 
 /// The preset that the experiment is about.
 pub const PRESET: &str = include_str!("../../presets/paper-as-printed.toml");

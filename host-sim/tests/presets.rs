@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use host_sim::machine_file;
 use model_core::parameter::Parameter;
 
-fn preset(name: &str) -> (String, host_sim::machine_file::MachineFile) {
+fn preset(name: &str) -> (String, machine_file::MachineFile) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../presets").join(name);
     let text = std::fs::read_to_string(&path).unwrap();
     let file = machine_file::read(&path).unwrap();

@@ -2,14 +2,16 @@
 
 mod at_hand;
 
-use host_sim::diagnostic::render;
-use host_sim::machine_file::{self, LoadSource, MachineFile};
-use host_sim::recording::{self, ChannelMap, Column, Recording, Signal, Unit};
-use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter;
+use std::path::PathBuf;
+
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use std::path::PathBuf;
+
+use machine_file::{LoadSource, MachineFile};
+use model_core::machine::{Machine, Source};
+use model_core::parameter::Parameter;
+use recording::files::source_error::render;
+use recording::{ChannelMap, Column, Recording, Signal, Unit};
 
 /// Text that comes near to a recording: its words in any order.
 fn nearly_a_recording() -> impl Strategy<Value = String> {

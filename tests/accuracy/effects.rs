@@ -1,11 +1,12 @@
 //! Each effect, and the pump drive, against the oracle's own form of it in its textbook limit.
 
-use host_sim::testbed::{Commands, Excitation, InitialState, LoadEffect, PlantEffect, PumpCommand};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
 use model_core::parameter::Parameter as P;
+use recording::excitation::signals::Excitation;
 use system_tests::drives;
 use system_tests::simulate::{Distance, Row, core, core_pump, distance, oracle_with};
+use virtual_plant::{Commands, InitialState, LoadEffect, PlantEffect, PumpCommand};
 
 use crate::table::{self, Line};
 use crate::tolerances::{Case, of};

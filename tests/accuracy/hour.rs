@@ -2,7 +2,6 @@
 
 use std::thread;
 
-use host_sim::testbed::InitialState;
 use model_core::drive::{Entry, Load};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
@@ -10,6 +9,7 @@ use model_core::number::{Number, Scalar};
 use model_core::parameter::Parameter::{DeadZone, InternalLeakage, LoadForce, SupplyPressure, ValveGain, ValveOffset};
 use system_tests::drives::{self, NamedDrive};
 use system_tests::simulate::{Distance, Row, at_rest, command, core, drive, oracle, row};
+use virtual_plant::InitialState;
 
 use crate::tolerances::{Case, of};
 

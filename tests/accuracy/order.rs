@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use host_sim::testbed::InitialState;
 use model_core::machine::Tick;
 use system_tests::drives;
 use system_tests::simulate::{Row, core, distance, oracle};
+use virtual_plant::InitialState;
 
 /// Least ratio of the errors at a tick and at half of it; 4 is second order.
 const LEAST_RATIO: f64 = 2.5;

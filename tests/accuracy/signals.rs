@@ -1,10 +1,11 @@
 //! Every drive on the paper's signals and on random steps, at 1 kHz.
 
-use host_sim::testbed::{Excitation, InitialState};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
+use recording::excitation::signals::Excitation;
 use system_tests::drives;
 use system_tests::simulate::{Distance, core, distance, oracle};
+use virtual_plant::InitialState;
 
 use crate::table::{self, Line};
 use crate::tolerances::{Case, of};

@@ -1,10 +1,11 @@
 //! The effects of the valve and the flow link have no oracle here: what they do must not depend on the tick.
 
-use host_sim::testbed::{Excitation, InitialState};
 use model_core::machine::{Machine, Tick};
 use model_core::parameter::Parameter as P;
+use recording::excitation::signals::Excitation;
 use system_tests::drives;
 use system_tests::simulate::{Distance, Row, core, distance};
+use virtual_plant::InitialState;
 
 /// What a run at 1 kHz may miss of one at 2 kHz: the position, strokes, and the pressures, supply pressures.
 ///

@@ -2,19 +2,19 @@
 //! with no more memory and time than a small file may take.
 
 use std::alloc::System;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, RecvTimeoutError};
-use std::thread;
 use std::time::Duration;
+use std::{fs, thread};
 
 use cap::Cap;
+use serde::Serialize;
+
 use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::Tick;
 use model_core::number::Scalar;
-use serde::Serialize;
 use system_tests::anything::{TARGETS, machine_file, recording};
 use system_tests::drives;
 use system_tests::simulate::DELAY;

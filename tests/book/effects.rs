@@ -2,11 +2,11 @@
 
 use std::fmt::Write;
 
-use host_sim::hypothesis::{CATALOGUE, Hypothesis, Kind, Scene, Strength};
-use host_sim::machine_file::{self, LoadSource, MachineFile};
-use host_sim::recording::Signal;
-use host_sim::simulate::EntryPoint;
+use diagnosis::catalogue::{CATALOGUE, Hypothesis, Kind, Scene, Strength};
+use machine_file::{LoadSource, MachineFile};
 use model_core::parameter::{Fallback, Parameter};
+use recording::Signal;
+use simulation::EntryPoint;
 use system_tests::snapshot;
 
 use super::root;

@@ -8,7 +8,6 @@ use model_core::fixed_point::PerUnit;
 use model_core::follow::{Follower, Tuning};
 use model_core::machine::Machine;
 use model_core::number::Number;
-
 use system_tests::rig::{Controller, Readings, Rig, TICK, Wanted};
 
 /// Which sensors there are beside the position's.

@@ -7,21 +7,21 @@ use std::fmt::Write;
 use std::path::Path;
 use std::thread;
 
+use diagnosis::{Verdict, diagnose};
 use firmware::press;
 use firmware::set_point::{Bounds, Leg};
-use host_sim::diagnose::{Verdict, diagnose};
-use host_sim::export::Constants;
-use host_sim::import;
-use host_sim::machine_file::MachineFile;
-use host_sim::recording::{self, ChannelMap, Recording};
-use host_sim::testbed::PlantEffect;
+use host_sim::frames;
+use machine_file::MachineFile;
 use model_core::machine::Machine;
 use model_core::parameter::Parameter as P;
+use model_export::rust::Constants;
+use recording::{ChannelMap, Recording};
 use system_tests::at_hand::skipped;
 use system_tests::emulator::Processor;
 use system_tests::in_the_loop::{Board, Follows, RECORDED_FROM, SETTLING, rig};
 use system_tests::rig::{Rig, TICK, Wanted, course, largest_force_n, rms_mm};
 use system_tests::snapshot;
+use virtual_plant::PlantEffect;
 
 use crate::pi::{Pi, tuned};
 
@@ -61,7 +61,7 @@ fn run(image: &Path, rig: &Rig) -> Run {
 }
 
 fn recording(name: &str, record: &[u8], folder: &Path) -> Recording {
-    let stream = import::stream(record).unwrap();
+    let stream = frames::stream(record).unwrap();
     assert_eq!((stream.losses.missing, stream.losses.refused), (0, 0));
     let file = folder.join(name);
     std::fs::write(&file, stream.chosen(None).unwrap().csv().unwrap()).unwrap();

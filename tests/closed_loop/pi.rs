@@ -2,7 +2,6 @@
 
 use model_core::machine::Machine;
 use model_core::parameter::Parameter as P;
-
 use system_tests::rig::{COMMAND_LIMIT_V, Controller, Readings, Rig, SLEW_V_PER_S, TICK, Wanted, rms_mm};
 
 /// Proportional and integral gain, and what is added to step over the overlap.

@@ -1,18 +1,19 @@
 //! Tracking errors under what the tuning did not know.
 
+use rayon::prelude::*;
+
 use firmware::set_point::{Bounds, Leg};
-use host_sim::testbed::sensors::PositionSensor;
-use host_sim::testbed::{LoadProfile, PlantEffect};
 use model_core::follow::Tuning;
 use model_core::machine::Machine;
 use model_core::parameter::Parameter as P;
-use rayon::prelude::*;
 use system_tests::drives;
+use system_tests::rig::{COMMAND_LIMIT_V, Rig, SLEW_V_PER_S, Wanted, course, largest_force_n, rms_mm, worst_mm};
+use virtual_plant::sensor::sensors::PositionSensor;
+use virtual_plant::{LoadProfile, PlantEffect};
 
 use crate::following::{Following, Sight};
 use crate::pi::{Gains, Pi, tuned};
 use crate::table::{self, Line};
-use system_tests::rig::{COMMAND_LIMIT_V, Rig, SLEW_V_PER_S, Wanted, course, largest_force_n, rms_mm, worst_mm};
 
 /// Dry friction that the model does not know, N: 9 % of the largest force.
 const FRICTION_N: f64 = 2000.0;

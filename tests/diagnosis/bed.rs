@@ -2,20 +2,20 @@
 
 use std::collections::BTreeMap;
 
-use host_sim::diagnose::{Diagnosis, diagnose};
-use host_sim::hypothesis::Scene;
-use host_sim::machine_file::{self, MachineFile};
-use host_sim::prepare::Prepared;
-use host_sim::recording::{Column, Recording, Signal};
-use host_sim::testbed::draw::Drawn;
-use host_sim::testbed::sensors::PositionSensor;
-use host_sim::testbed::{
-    Bench, Drive, Excitation, InitialState, LoadProfile, Plant, PlantEffect, PumpCommand, Sensors, SyntheticRecording,
-    truth_near,
-};
+use diagnosis::catalogue::Scene;
+use diagnosis::{Diagnosis, diagnose};
+use identification::experiment::Prepared;
+use machine_file::MachineFile;
 use model_core::machine::Machine;
 use model_core::parameter::Parameter as P;
+use recording::excitation::signals::Excitation;
+use recording::{Column, Recording, Signal};
 use system_tests::drives;
+use virtual_plant::concealed::Drawn;
+use virtual_plant::sensor::sensors::PositionSensor;
+use virtual_plant::{
+    Bench, Drive, InitialState, LoadProfile, Plant, PlantEffect, PumpCommand, Sensors, SyntheticRecording, truth_near,
+};
 
 use super::root;
 

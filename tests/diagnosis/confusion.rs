@@ -5,10 +5,11 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use host_sim::diagnose::{Diagnosis, Verdict};
-use host_sim::testbed::draw::{Concealed, Lot, draw};
 use rayon::prelude::*;
+
+use diagnosis::{Diagnosis, Verdict};
 use system_tests::snapshot;
+use virtual_plant::concealed::{Concealed, Lot, draw};
 
 use super::bed::Case;
 

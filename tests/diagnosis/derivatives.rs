@@ -1,12 +1,12 @@
 //! The derivatives that every fit rests on, against differences of plain runs.
 
-use host_sim::dual::Dual;
-use host_sim::prepare::Prepared;
-use host_sim::recording::Signal;
-use host_sim::simulate::{StartOffset, Stimulus, run};
+use identification::experiment::Prepared;
 use model_core::machine::Machine;
 use model_core::number::Field;
 use model_core::parameter::Parameter as P;
+use recording::Signal;
+use simulation::number::dual::Dual;
+use simulation::{StartOffset, Stimulus, run};
 
 use super::bed::{in_oil, pump_case, valve_case};
 

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use host_sim::diagnose::Verdict;
 use rayon::prelude::*;
+
+use diagnosis::Verdict;
 
 use super::bed::{Dice, claimed, effect, pump_case, valve_case};
 
@@ -32,7 +33,7 @@ fn pump(truth: &'static str, seed: u64) -> Said {
     said(truth, format!("pump, seed {seed}, {put_in:?}"), &diagnosis, start)
 }
 
-fn said(truth: &'static str, case: String, diagnosis: &host_sim::diagnose::Diagnosis, start: Instant) -> Said {
+fn said(truth: &'static str, case: String, diagnosis: &diagnosis::Diagnosis, start: Instant) -> Said {
     let found: Vec<String> = diagnosis
         .findings
         .iter()

@@ -1,10 +1,11 @@
 //! Drives of which no command was recorded: the slider, a flow meter or a force sensor alone is enough to diagnose what is below it.
 
-use host_sim::diagnose::Verdict;
-use host_sim::recording::{Column, Recording, Signal};
-use host_sim::testbed::{PlantEffect, PlantState, SyntheticRecording};
-use model_core::parameter::Parameter as P;
 use rayon::prelude::*;
+
+use diagnosis::Verdict;
+use model_core::parameter::Parameter as P;
+use recording::{Column, Recording, Signal};
+use virtual_plant::{PlantEffect, PlantState, SyntheticRecording};
 
 use super::bed::{Case, Dice, claimed, press, valve_case_as};
 
@@ -24,7 +25,7 @@ const FORCE: Recorded = Recorded { by: Signal::Force, judged: &[Signal::Position
 /// What the slider's sensor, a meter for the flow into A, or one of the oil's force with usual noise reads of a drive, and the other sensors.
 fn read(made: &SyntheticRecording, name: &str, recorded: Recorded) -> Recording {
     let machine = press().machine;
-    let noise = host_sim::sensor::Sensor::usual(recorded.by, &machine).noise;
+    let noise = experiment::sensor::Sensor::usual(recorded.by, &machine).noise;
     let (area_a, area_b) = (machine.get(P::AreaA), machine.get(P::AreaB));
     let mut dice = Dice::new(name.bytes().map(u64::from).sum::<u64>() + made.len() as u64);
     // Twelve even ones have a standard deviation of 1.

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use host_sim::diagnose::Verdict;
-use host_sim::failure::{FailureKind, Failures, MEASURED};
-use host_sim::prepare::Prepared;
-use host_sim::recording::{self, ChannelMap, Column, Recording, Signal};
-use host_sim::testbed::PlantEffect;
+use diagnosis::Verdict;
+use identification::experiment::Prepared;
+use recording::{ChannelMap, Column, Recording, Signal};
+use simulation::sensor_fault::{FailureKind, Failures, MEASURED};
+use virtual_plant::PlantEffect;
 
 use super::bed::{Case, claimed, pump_case, valve_case};
 

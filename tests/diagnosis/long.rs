@@ -2,11 +2,12 @@
 
 use std::time::Instant;
 
-use host_sim::excerpt::{AFFORDABLE_TICKS, Excerpt};
-use host_sim::recording::Recording;
-use host_sim::testbed::sensors::PositionSensor;
-use host_sim::testbed::{Bench, Drive, Excitation, InitialState, Plant, PlantEffect, Sensors, truth_near};
+use diagnosis::selection::excerpt::{AFFORDABLE_TICKS, Excerpt};
 use model_core::parameter::Parameter as P;
+use recording::Recording;
+use recording::excitation::signals::Excitation;
+use virtual_plant::sensor::sensors::PositionSensor;
+use virtual_plant::{Bench, Drive, InitialState, Plant, PlantEffect, Sensors, truth_near};
 
 use super::bed::{Case, claimed, press};
 

@@ -27,6 +27,7 @@ mod tutorial;
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
+
 use host_sim::cli::{self, Cli, Console, Outcome};
 
 /// The top of the repository.

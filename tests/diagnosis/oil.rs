@@ -1,9 +1,9 @@
 //! Recordings in oil of a measured temperature, each in warmer oil than the one before.
 
-use host_sim::recording::{Recording, Signal};
-use host_sim::testbed::PlantEffect;
-use host_sim::testbed::draw::{Concealed, Lot, draw};
 use model_core::parameter::Parameter as P;
+use recording::{Recording, Signal};
+use virtual_plant::PlantEffect;
+use virtual_plant::concealed::{Concealed, Lot, draw};
 
 use super::bed::{Case, claimed};
 

@@ -1,8 +1,8 @@
 //! What happens once is a disturbance, not physics; and what is held out is looked at once, after the choice.
 
-use host_sim::diagnose::{Verdict, diagnose};
-use host_sim::recording::Recording;
-use host_sim::testbed::{LoadProfile, PlantEffect};
+use diagnosis::{Verdict, diagnose};
+use recording::Recording;
+use virtual_plant::{LoadProfile, PlantEffect};
 
 use super::bed::{claimed, valve_case};
 
@@ -17,7 +17,7 @@ fn a_push_in_one_recording_is_located_there_and_not_called_physics() {
     assert_eq!(claimed(&diagnosis), "none");
     assert_eq!(diagnosis.verdict, Verdict::Unexplained);
     let located = diagnosis.located.unwrap();
-    let inside = |interval: &host_sim::locate::Interval| {
+    let inside = |interval: &diagnosis::localisation::Interval| {
         interval.recording == "train-2.csv" && interval.from_s < 1.3 && interval.to_s > 0.8
     };
     assert!(located.intervals.iter().any(inside), "{located:?}");

@@ -3,9 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use host_sim::diagnose::{Diagnosis, Shown, diagnose};
-use host_sim::machine_file;
-use host_sim::recording::{self, ChannelMap, Recording, Signal};
+use diagnosis::{Diagnosis, Shown, diagnose};
+use recording::{ChannelMap, Recording, Signal};
 
 use super::{done, root, text};
 

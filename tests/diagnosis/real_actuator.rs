@@ -2,13 +2,11 @@
 
 use std::fmt::Write;
 
-use host_sim::compare::Arithmetic;
-use host_sim::diagnose::ordinary;
-use host_sim::fit::{From, fit};
-use host_sim::machine_file;
-use host_sim::prepare::Prepared;
-use host_sim::recording::{Recording, Signal, Table, read_from};
-use host_sim::simulate::{EntryPoint, StartOffset, Stimulus, natural_tick};
+use diagnosis::ordinary;
+use identification::experiment::Prepared;
+use identification::fit::{From, fit};
+use recording::{Recording, Signal, Table, read_from};
+use simulation::{Arithmetic, EntryPoint, StartOffset, Stimulus, natural_tick};
 
 use super::root;
 
@@ -18,7 +16,7 @@ const LINEAR: f64 = 0.949;
 const PRESSURE_PA: f64 = 1e6;
 
 /// Rows of the table as a recording; a row counts as 10 ms.
-fn recording(table: &Table, map: &host_sim::recording::ChannelMap, rows: std::ops::Range<usize>) -> Recording {
+fn recording(table: &Table, map: &recording::ChannelMap, rows: std::ops::Range<usize>) -> Recording {
     let (u, p) = (table.column("u_valve").unwrap().1, table.column("p_oil_pressure").unwrap().1);
     let mut text = "time [s],u,p\n".to_owned();
     for row in rows {

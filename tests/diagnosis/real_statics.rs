@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use host_sim::recording::Table;
-use host_sim::statics::{Columns, Statics, VELOCITY, analyse, means};
+use identification::static_curve::{Columns, Statics, VELOCITY, analyse, means};
+use recording::Table;
 
 use super::{done, text};
 
@@ -18,7 +18,7 @@ fn columns(input: &str, output: &str) -> Columns {
 /// The figures, printed.
 fn of(table: &Table, columns: &Columns) -> Statics {
     let found = analyse(table, columns).unwrap();
-    println!("{}\n", host_sim::report::statics::text(&found));
+    println!("{}\n", report::statics::text(&found));
     found
 }
 

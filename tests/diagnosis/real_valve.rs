@@ -1,11 +1,11 @@
 //! The slider of a crane's proportional valve, measured by others while the command moves.
 
-use host_sim::diagnose::{Diagnosis, Verdict, diagnose};
-use host_sim::hypothesis::Subsystem;
-use host_sim::judge::judged_by;
-use host_sim::locate::Habit;
-use host_sim::machine_file::{self, MachineFile};
-use host_sim::recording::{self, Recording, Signal};
+use diagnosis::catalogue::Subsystem;
+use diagnosis::localisation::Habit;
+use diagnosis::{Diagnosis, Verdict, diagnose};
+use identification::compare::judged::judged_by;
+use machine_file::MachineFile;
+use recording::{Recording, Signal};
 
 use super::{done, root, text};
 

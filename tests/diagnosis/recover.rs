@@ -1,15 +1,16 @@
 //! The fit on what the model itself computed: it must find what was put in.
 
-use host_sim::candidate::{Candidate, Chosen, Question, Reference};
-use host_sim::fit::{Free, Freedom, From, fit};
-use host_sim::hypothesis::{CATALOGUE, Hypothesis};
-use host_sim::prepare::{Channel, Prepared};
-use host_sim::recording::Signal;
-use host_sim::simulate::{StartOffset, simulate};
-use host_sim::testbed::PlantEffect;
-use host_sim::verdict::Selection;
+use diagnosis::catalogue::{CATALOGUE, Hypothesis};
+use diagnosis::selection::candidate::Reference;
+use diagnosis::selection::forward::Selection;
+use diagnosis::selection::{Candidate, Chosen, Question};
+use identification::experiment::{Channel, Prepared};
+use identification::fit::{Free, Freedom, From, fit};
 use model_core::machine::Machine;
 use model_core::parameter::Parameter as P;
+use recording::Signal;
+use simulation::{StartOffset, simulate};
+use virtual_plant::PlantEffect;
 
 use super::bed::{Case, Dice, press, valve_case};
 
@@ -73,7 +74,7 @@ fn drawn_starts_of_the_ordinary_refit_end_no_lower_than_the_nominal_one() {
         let case = valve_case(62, PlantEffect::named(missing, strength), true, None);
         let training = case.prepared(&case.training);
         let references: Vec<&Prepared> = training.iter().collect();
-        let free = host_sim::diagnose::ordinary(&case.file);
+        let free = diagnosis::ordinary(&case.file);
         let ends = |coordinates: &[(P, f64)]| {
             let from = From { coordinates, ..From::default() };
             fit(&case.file.machine, &free, &references, &from, 1e-6).unwrap().loss
@@ -95,7 +96,7 @@ fn where_a_richer_friction_ends_the_plainer_one_is_looked_for() {
     let references: Vec<&Prepared> = training.iter().collect();
     let judged: Vec<Signal> = training[0].channels.iter().map(|channel| channel.signal).collect();
     let scene = case.scene(&training[0], &judged);
-    let ordinary: Vec<Free> = host_sim::diagnose::ordinary(&case.file);
+    let ordinary: Vec<Free> = diagnosis::ordinary(&case.file);
     let frictions: Vec<&'static Hypothesis> = CATALOGUE
         .iter()
         .copied()
@@ -126,7 +127,7 @@ fn of_two_effects_held_out_recordings_take_out_the_one_they_gain_nothing_by() {
     let (references, held): (Vec<&Prepared>, Vec<&Prepared>) = (training.iter().collect(), held.iter().collect());
     let judged: Vec<Signal> = training[0].channels.iter().map(|channel| channel.signal).collect();
     let scene = case.scene(&training[0], &judged);
-    let ordinary: Vec<Free> = host_sim::diagnose::ordinary(&case.file);
+    let ordinary: Vec<Free> = diagnosis::ordinary(&case.file);
     let effects = ["coulomb-friction", "valve-hysteresis"];
     let named = |name| CATALOGUE.iter().copied().find(|effect| effect.name == name).unwrap();
     let hypotheses = effects.map(named);

@@ -3,10 +3,10 @@
 use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 use std::sync::OnceLock;
 
-use host_sim::machine_file;
-use host_sim::prepare::Prepared;
-use host_sim::recording::{self, ChannelMap, Signal};
 use serde_json::Value;
+
+use identification::experiment::Prepared;
+use recording::{ChannelMap, Signal};
 
 use super::{done, root, text};
 

@@ -8,15 +8,16 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use host_sim::hypothesis::Hypothesis;
-use host_sim::testbed::draw::{Concealed, Drawn, Lot, draw};
-use host_sim::testbed::{
-    Channel, FlowEffect, FrictionLevel, LoadEffect, PlantEffect, SensingEffect, SyntheticRecording, ValveEffect,
-};
+use rayon::prelude::*;
+
+use diagnosis::catalogue::Hypothesis;
 use model_core::machine::Machine;
 use model_core::parameter::Parameter as P;
-use rayon::prelude::*;
 use system_tests::snapshot;
+use virtual_plant::concealed::{Concealed, Drawn, Lot, draw};
+use virtual_plant::{
+    Channel, FlowEffect, FrictionLevel, LoadEffect, PlantEffect, SensingEffect, SyntheticRecording, ValveEffect,
+};
 
 use super::bed::{Case, claimed};
 
@@ -311,13 +312,13 @@ fn table(effects: &[&'static str]) -> String {
 #[ignore = "some minutes"]
 fn strengths_of_named_effects_are_as_near_as_the_table_says() {
     let effects: Vec<&'static str> =
-        host_sim::testbed::draw::VOCABULARY.iter().chain(&["hose-compliance"]).copied().collect();
+        virtual_plant::concealed::VOCABULARY.iter().chain(&["hose-compliance"]).copied().collect();
     snapshot::compare("diagnosis/strengths.txt", &table(&effects), |found, kept| found == kept);
 }
 
 /// The reasons are for effects that there are.
 #[test]
 fn every_effect_without_a_number_in_common_is_one_of_the_vocabulary() {
-    let known: Vec<&str> = host_sim::hypothesis::CATALOGUE.iter().map(|effect: &&Hypothesis| effect.name).collect();
+    let known: Vec<&str> = diagnosis::catalogue::CATALOGUE.iter().map(|effect: &&Hypothesis| effect.name).collect();
     assert!(OTHER_FORMS.iter().all(|(effect, _)| known.contains(effect)));
 }

@@ -4,12 +4,13 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use host_sim::diagnose::{Diagnosis, Verdict, diagnose};
-use host_sim::inspect::unit_doubts;
-use host_sim::recording::{Column, Recording, Signal};
-use host_sim::testbed::PlantEffect;
 use rayon::prelude::*;
+
+use diagnosis::{Diagnosis, Verdict, diagnose};
+use experiment::inspect::unit_doubts;
+use recording::{Column, Recording, Signal};
 use system_tests::snapshot;
+use virtual_plant::PlantEffect;
 
 use super::bed::{Case, Dice, valve_case_every};
 

@@ -1,13 +1,13 @@
 //! What has no name is still followed better by a table, unless it happened only once.
 
-use host_sim::fit::{Free, settle};
-use host_sim::locate::{Case as Located, Location, Sought, locate};
-use host_sim::prepare::Prepared;
-use host_sim::recording::Signal;
-use host_sim::testbed::PlantEffect;
-use host_sim::unnamed::{Quantity, Unnamed, improved};
-use host_sim::verdict::{Candidate, Question};
+use diagnosis::correction_table::{Quantity, Unnamed, improved};
+use diagnosis::localisation::{Case as Located, Location, Sought, locate};
+use diagnosis::selection::{Candidate, Question};
+use identification::experiment::Prepared;
+use identification::fit::{Free, settle};
 use model_core::parameter::Parameter as P;
+use recording::Signal;
+use virtual_plant::PlantEffect;
 
 use super::bed::{Case, valve_case};
 
@@ -19,7 +19,7 @@ fn tabled(case: &Case, with: impl Fn(Location) -> Location) -> Option<(Unnamed, 
         (training.iter().collect(), held.iter().collect());
     let judged: Vec<Signal> = training[0].channels.iter().map(|channel| channel.signal).collect();
     let scene = case.scene(&training[0], &judged);
-    let ordinary: Vec<Free> = host_sim::diagnose::ordinary(&case.file);
+    let ordinary: Vec<Free> = diagnosis::ordinary(&case.file);
     let question = Question { scene: &scene, ordinary: &ordinary, hypotheses: &[], training: &training_refs };
     let base = Candidate::rough(&question, None).unwrap();
     let cases: Vec<Located<'_>> = case
@@ -45,7 +45,7 @@ fn tabled(case: &Case, with: impl Fn(Location) -> Location) -> Option<(Unnamed, 
         let machine = &candidate.fit.machine;
         let (mut square, mut rows) = (0.0, 0.0);
         for case in &held {
-            let residuals = host_sim::fit::standardised(machine, case, settle(machine, case).unwrap()).unwrap();
+            let residuals = identification::fit::standardised(machine, case, settle(machine, case).unwrap()).unwrap();
             let at = case.channels.iter().position(|channel| channel.signal == Signal::Position).unwrap();
             square += residuals[at].iter().map(|value| value * value).sum::<f64>();
             rows += residuals[at].len() as f64;
@@ -71,6 +71,9 @@ fn a_push_in_one_recording_does_not_become_a_table() {
     let push = super::once::push();
     let case = valve_case(11, None, true, Some(&(1, push)));
     // Even where it is not seen that it happens once.
-    let found = tabled(&case, |location| Location { shape: host_sim::shape::Shape::Everywhere, ..location });
+    let found = tabled(&case, |location| Location {
+        shape: diagnosis::localisation::error_shape::Shape::Everywhere,
+        ..location
+    });
     assert!(found.is_none(), "{found:?}");
 }

@@ -1,7 +1,7 @@
 //! Threads change nothing: a diagnosis in a pool of one thread and in one of two, or of five, is the same, to the last bit of every number.
 
-use host_sim::exhibits::Exhibits;
-use host_sim::report::json;
+use report::evidence::Exhibits;
+use report::json::diagnosis;
 
 use super::bed::{Case, Dice, effect, pump_case, valve_case};
 
@@ -10,7 +10,7 @@ fn found(case: &Case, threads: usize) -> [String; 2] {
     let run = || {
         let diagnosis = case.diagnose();
         let exhibits = Exhibits::of(&case.file, &case.training, &case.held_out, &diagnosis, true).unwrap();
-        [format!("{diagnosis:?}"), json::document(&diagnosis, &exhibits).to_string()]
+        [format!("{diagnosis:?}"), diagnosis::document(&diagnosis, &exhibits).to_string()]
     };
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run)
 }

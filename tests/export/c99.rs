@@ -3,7 +3,6 @@
 use std::fmt::Write;
 use std::process::Command;
 
-use host_sim::machine_file;
 use model_core::parameter::Parameter;
 use system_tests::at_hand::skipped;
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use host_sim::recording::{self, ChannelMap, Signal};
+use recording::{ChannelMap, Signal};
 use system_tests::python::python_with;
 
 use super::{PUMP, done, leaking_press, library, text};

@@ -7,6 +7,7 @@ mod fmpy;
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
+
 use host_sim::cli::{self, Cli, Console, Outcome};
 
 /// A drive with an effect: the shipped example with the leakage that its recordings have.

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
+
 use host_sim::cli::{self, Cli, Console};
 
 use crate::fixture;

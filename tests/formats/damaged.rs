@@ -2,8 +2,8 @@
 
 use std::fs;
 
-use host_sim::diagnostic::render;
-use host_sim::recording::{self, ChannelMap, MAX_UNPACKED_BYTES, Recording, RecordingError};
+use recording::files::source_error::render;
+use recording::{ChannelMap, MAX_UNPACKED_BYTES, Recording, RecordingError};
 
 use crate::fixture;
 

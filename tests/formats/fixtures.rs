@@ -1,6 +1,6 @@
 //! Each file against the CSV of the same rows.
 
-use host_sim::recording::{Note, Recording, RecordingError, Signal, Unsupported};
+use recording::{Note, Recording, RecordingError, Signal, Unsupported};
 
 use crate::{read, read_mapped};
 

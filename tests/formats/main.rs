@@ -9,7 +9,7 @@ mod written;
 
 use std::path::PathBuf;
 
-use host_sim::recording::{self, ChannelMap, Recording, RecordingError};
+use recording::{ChannelMap, Recording, RecordingError};
 
 /// A file of the fixtures.
 fn fixture(name: &str) -> PathBuf {

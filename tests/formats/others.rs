@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use host_sim::recording::{self, ChannelMap};
+use recording::ChannelMap;
 use system_tests::python::python_with;
 
 /// Every column as the tool reads it: its name, and its values; `None` for no value.

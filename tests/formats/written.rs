@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use host_sim::recording::{self, ChannelMap, RecordingError, Signal};
+use recording::{ChannelMap, RecordingError, Signal};
 
 use crate::{fixture, read};
 

@@ -1,15 +1,17 @@
 //! Valve, chambers and mechanics alone, and the drive from its slider on: bit for bit.
 
-use host_sim::testbed::{Excitation, InitialState};
+use proptest::prelude::*;
+use proptest::test_runner::{Config, RngSeed};
+
 use model_core::drive::{Entry, Load};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
 use model_core::number::Scalar;
-use proptest::prelude::*;
-use proptest::test_runner::{Config, RngSeed};
+use recording::excitation::signals::Excitation;
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::drives;
 use system_tests::simulate::{State, at_rest, command, drive};
+use virtual_plant::InitialState;
 
 fn chain_and_links_agree<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, seed: u64) {
     let drive = drive::<N>(machine, tick);

@@ -1,6 +1,5 @@
 //! A drive entered at its flows or at its force, as they were simulated at the ticks, moves as the whole chain did.
 
-use host_sim::testbed::{Commands, Excitation, InitialState, Plant};
 use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, Entry, Load};
 use model_core::fixed_point::PerUnit;
@@ -8,8 +7,10 @@ use model_core::flow::{Flows, PumpDrive};
 use model_core::machine::Tick;
 use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
+use recording::excitation::signals::Excitation;
 use system_tests::drives::{self, NamedDrive};
 use system_tests::simulate::{ORACLE_TOLERANCE, Row, State, at_rest, command, distance, drive, row};
+use virtual_plant::{Commands, InitialState, Plant};
 
 const TICK: Tick = Tick::OneMillisecond;
 

@@ -3,7 +3,6 @@
 use std::collections::BTreeSet;
 
 use firmware::trial::cases;
-
 use system_tests::emulator::Processor;
 
 fn host() -> String {

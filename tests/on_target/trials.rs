@@ -5,9 +5,8 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use firmware::trial::{EFFECTS, RECORDED, press};
-use host_sim::machine_file;
-use host_sim::recording::{ChannelMap, Signal, read};
 use model_core::parameter::Parameter;
+use recording::{ChannelMap, Signal, read};
 
 fn of_repository(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)

@@ -7,9 +7,10 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
-use system_tests::at_hand::skipped;
 use tempfile::TempDir;
 use tungstenite::{Message, WebSocket, client};
+
+use system_tests::at_hand::skipped;
 
 /// Longest that an answer takes, on a machine that is busy with other tests.
 const PATIENCE: Duration = Duration::from_mins(1);

@@ -8,8 +8,9 @@ use std::sync::OnceLock;
 
 use chromium::{Chromium, program};
 use clap::Parser;
-use host_sim::cli::{self, Cli, Console};
 use tempfile::TempDir;
+
+use host_sim::cli::{self, Cli, Console};
 
 /// The page of the shipped example.
 fn page() -> &'static Path {

@@ -1,14 +1,15 @@
 //! Recordings that are simulated abreast are each simulated as alone, bit for bit.
 
-use host_sim::hypothesis::{CATALOGUE, Form, Kind, Scene, Strength};
-use host_sim::machine_file::LoadSource;
-use host_sim::recording::{Column, Recording, Signal};
-use host_sim::simulate::{EntryPoint, Run, StartOffset, Stimulus, computed_below, run, run_abreast};
-use host_sim::testbed::Excitation;
+use proptest::prelude::*;
+
+use diagnosis::catalogue::{CATALOGUE, Form, Kind, Scene, Strength};
+use machine_file::LoadSource;
 use model_core::drive::Drive;
 use model_core::machine::{Machine, Source, Tick};
 use model_core::parameter::Parameter as P;
-use proptest::prelude::*;
+use recording::excitation::signals::Excitation;
+use recording::{Column, Recording, Signal};
+use simulation::{EntryPoint, Run, StartOffset, Stimulus, computed_below, run, run_abreast};
 use system_tests::any_effects::any_effects;
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::drives;

@@ -2,12 +2,14 @@
 
 use std::cell::RefCell;
 
-use host_sim::testbed::{Excitation, InitialState};
+use proptest::prelude::*;
+
 use model_core::fixed_point::PerUnit;
 use model_core::parameter::Parameter as P;
-use proptest::prelude::*;
+use recording::excitation::signals::Excitation;
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::simulate::{Row, core, distance};
+use virtual_plant::InitialState;
 
 use super::runner;
 

@@ -5,7 +5,8 @@
 //! is rounding alone. It is counted tick by tick, from the formats (`fixed_point`): a gain and a product are half a step off, a pressure
 //! carries the rest of its rounding, a steep coefficient is off by half of its own step.
 
-use host_sim::testbed::{Excitation, InitialState};
+use proptest::prelude::*;
+
 use model_core::drive::{Drive, Entry, Interfaces, Load};
 use model_core::fixed_point::PerUnit;
 use model_core::flow::{Flows, PumpDrive};
@@ -13,10 +14,11 @@ use model_core::machine::{Machine, Source, Tick};
 use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 use model_core::valve::Slider;
-use proptest::prelude::*;
+use recording::excitation::signals::Excitation;
 use system_tests::any_effects::any_side_effects;
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::simulate::{DELAY, State, at_rest};
+use virtual_plant::InitialState;
 
 use super::cases;
 use super::physics::gentle;

@@ -1,12 +1,12 @@
 //! The derivative by each strength of the smooth effects, at nil too, is the difference of two runs.
 
-use host_sim::dual::Dual;
-use host_sim::testbed::Excitation;
 use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, Entry, Load};
 use model_core::machine::{Machine, Tick};
 use model_core::number::{Field, Scalar};
 use model_core::parameter::Parameter as P;
+use recording::excitation::signals::Excitation;
+use simulation::number::dual::Dual;
 use system_tests::drives;
 use system_tests::simulate::{DELAY, State};
 

@@ -2,10 +2,10 @@
 
 use std::cell::RefCell;
 
-use host_sim::hypothesis::{CATALOGUE, Kind, Scene};
-use host_sim::machine_file::LoadSource;
-use host_sim::simulate::EntryPoint;
-use host_sim::testbed::{Excitation, InitialState};
+use proptest::prelude::*;
+
+use diagnosis::catalogue::{CATALOGUE, Kind, Scene};
+use machine_file::LoadSource;
 use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, Entry, Interfaces, Load};
 use model_core::fixed_point::PerUnit;
@@ -13,11 +13,13 @@ use model_core::machine::{Machine, Tick};
 use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 use model_core::valve::Slider;
-use proptest::prelude::*;
+use recording::excitation::signals::Excitation;
+use simulation::EntryPoint;
 use system_tests::any_effects::{EFFECTS, STICTION, any_effect_names, any_effects, any_side_effects};
 use system_tests::any_machine::{any_machine, any_plain_machine, any_tick};
 use system_tests::drives;
 use system_tests::simulate::{DELAY, State, at_rest, command, core, distance, drive, larger};
+use virtual_plant::InitialState;
 
 use super::agreement::{HELD, largest_pressures};
 use super::{cases, runner};

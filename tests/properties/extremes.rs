@@ -1,5 +1,8 @@
 //! No input of any size overflows or panics: debug builds check every sum.
 
+use proptest::prelude::*;
+use serde_json::Value;
+
 use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, Entry, Load};
 use model_core::fixed_point::PerUnit;
@@ -9,8 +12,6 @@ use model_core::mechanics::{Forces, MotionState, Surroundings};
 use model_core::number::{Number, Scalar};
 use model_core::parameter::Parameter as P;
 use model_core::valve::Slider;
-use proptest::prelude::*;
-use serde_json::Value;
 use system_tests::any_effects::any_effects;
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::simulate::{DELAY, State, any_word, drive};

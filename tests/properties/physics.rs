@@ -2,16 +2,18 @@
 
 use std::cell::Cell;
 
-use host_sim::testbed::{Excitation, InitialState};
+use proptest::prelude::*;
+
 use model_core::drive::{Drive, Entry, Load};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
 use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
-use proptest::prelude::*;
+use recording::excitation::signals::Excitation;
 use system_tests::any_effects::{BRISTLES, LOAD, STOPS, any_effects, overlapped, without};
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::simulate::{DELAY, State, at_rest, command, drive, larger};
+use virtual_plant::InitialState;
 
 use super::{cases, runner};
 

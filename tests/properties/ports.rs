@@ -2,9 +2,10 @@
 
 use std::cell::RefCell;
 
+use proptest::prelude::*;
+
 use model_core::machine::{Machine, Tick};
 use model_core::parameter::Parameter as P;
-use proptest::prelude::*;
 
 use super::runner;
 use super::smooth::{At, Smooth, TICKS, any_smooth, quantile};

@@ -1,17 +1,19 @@
 //! The same again is the same, bit for bit: run twice, stored and continued, or with effects of nothing.
 
-use host_sim::testbed::{Excitation, InitialState};
+use proptest::prelude::*;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
 use model_core::drive::{Drive, Entry, Interfaces, Load};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
 use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
-use proptest::prelude::*;
-use serde::Serialize;
-use serde::de::DeserializeOwned;
+use recording::excitation::signals::Excitation;
 use system_tests::any_effects::any_effects;
 use system_tests::any_machine::{any_machine, any_plain_machine, any_tick};
 use system_tests::simulate::{DELAY, State, at_rest, command, drive};
+use virtual_plant::InitialState;
 
 use super::cases;
 

@@ -2,7 +2,8 @@
 
 use std::cell::RefCell;
 
-use host_sim::testbed::{Commands, InitialState, LoadEffect, PlantEffect};
+use proptest::prelude::*;
+
 use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState, Entry, Load};
 use model_core::fixed_point::PerUnit;
@@ -11,9 +12,9 @@ use model_core::machine::{Machine, Source, Tick};
 use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 use model_core::valve::Slider;
-use proptest::prelude::*;
 use system_tests::any_machine::any_tick;
 use system_tests::simulate::{Row, core, larger, oracle_with};
+use virtual_plant::{Commands, InitialState, LoadEffect, PlantEffect};
 
 use super::{cases, runner};
 

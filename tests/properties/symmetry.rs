@@ -1,6 +1,7 @@
 //! A drive that is alike on both sides does not know left from right; one that is not is its mirror image's mirror image.
 
-use host_sim::testbed::{Excitation, InitialState};
+use proptest::prelude::*;
+
 use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, Entry, Load};
 use model_core::fixed_point::PerUnit;
@@ -8,10 +9,11 @@ use model_core::machine::{Machine, Tick};
 use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
 use model_core::valve::Slider;
-use proptest::prelude::*;
+use recording::excitation::signals::Excitation;
 use system_tests::any_effects::{BRISTLES, STOPS, any_effects, without};
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::simulate::{DELAY, Distance, Row, State, core, distance, drive};
+use virtual_plant::InitialState;
 
 use super::cases;
 

@@ -6,12 +6,13 @@
 
 use std::cell::RefCell;
 
-use host_sim::testbed::InitialState;
+use proptest::prelude::*;
+
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Source};
 use model_core::parameter::Parameter as P;
-use proptest::prelude::*;
 use system_tests::simulate::{Row, core, distance};
+use virtual_plant::InitialState;
 
 use super::runner;
 use super::smooth::{Smooth, TICKS, any_smooth, quantile};

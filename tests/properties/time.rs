@@ -1,15 +1,17 @@
 //! What happens does not depend on when it happens.
 
-use host_sim::testbed::{Excitation, InitialState};
+use proptest::prelude::*;
+
 use model_core::drive::{Drive, Entry, Interfaces, Load};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
 use model_core::number::Scalar;
 use model_core::parameter::Parameter as P;
-use proptest::prelude::*;
+use recording::excitation::signals::Excitation;
 use system_tests::any_effects::{LOAD, STOPS, any_effects, overlapped, without};
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::simulate::{DELAY, State, at_rest, command, drive};
+use virtual_plant::InitialState;
 
 use super::cases;
 

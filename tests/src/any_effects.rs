@@ -1,8 +1,9 @@
 //! Effects drawn at random, in sizes that suit the machine they come upon: of the valve and the flow link by number, and of every link.
 
+use proptest::prelude::*;
+
 use model_core::machine::Machine;
 use model_core::parameter::Parameter as P;
-use proptest::prelude::*;
 
 /// The effects, by their number.
 pub const EFFECTS: [&str; 12] = [

@@ -2,9 +2,10 @@
 
 use std::f64::consts::PI;
 
+use proptest::prelude::*;
+
 use model_core::machine::{Machine, Source, Tick};
 use model_core::parameter::Parameter as P;
-use proptest::prelude::*;
 
 /// Evenly over the decades between two values.
 fn decades(from: f64, to: f64) -> impl Strategy<Value = f64> {

@@ -3,11 +3,11 @@
 //!
 //! Each panics where something is wrong: where the code it calls panics or overflows, and where what comes out breaks a promise.
 
+use serde::de::DeserializeOwned;
+
 use firmware::frame::{FrameWriter, PAYLOAD};
-use host_sim::diagnostic::{Explained, render};
-use host_sim::import;
-use host_sim::machine_file::{self, MachineFile};
-use host_sim::recording::{self, ChannelMap, Mapping, Recording, RecordingError, Scale, Signal, Table};
+use host_sim::frames;
+use machine_file::MachineFile;
 use model_core::drive::{Drive, DriveState, Entry, Load};
 use model_core::fixed_point::PerUnit;
 use model_core::flow::{Flows, PumpDrive};
@@ -16,7 +16,8 @@ use model_core::machine::{Machine, Source, Tick};
 use model_core::number::{Number, Scalar};
 use model_core::parameter::Parameter;
 use model_core::valve::Slider;
-use serde::de::DeserializeOwned;
+use recording::files::source_error::{Explained, render};
+use recording::{ChannelMap, Mapping, Recording, RecordingError, Scale, Signal, Table};
 
 use crate::drives;
 use crate::simulate::DELAY;
@@ -135,7 +136,7 @@ pub fn frames(bytes: &[u8]) {
 
 /// What is imported is a CSV whose every row reads; only what its names and numbers say may be wrong.
 fn stream(bytes: &[u8]) {
-    let Ok(stream) = import::stream(bytes) else { return };
+    let Ok(stream) = frames::stream(bytes) else { return };
     for imported in stream.recordings {
         let _ = imported.rows_lost();
         let Ok(csv) = imported.csv() else { continue };

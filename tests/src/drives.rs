@@ -1,8 +1,9 @@
 //! The three drives that every accuracy is stated for.
 
-pub use firmware::trial::pump;
 use model_core::machine::{Machine, Source};
 use model_core::parameter::Parameter as P;
+
+pub use firmware::trial::pump;
 
 /// A machine with a name for tables.
 #[derive(Clone, Copy, Debug)]

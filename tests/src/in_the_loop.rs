@@ -6,15 +6,17 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use tempfile::TempDir;
+
 use firmware::lockstep::{Order, REQUEST, START, part};
 use firmware::mode::Mode;
 use firmware::period::Timing;
 use firmware::press;
 use firmware::set_point::SetPoint;
-use host_sim::testbed::sensors::{PositionSensor, Sensors};
 use model_core::fixed_point::PerUnit;
 use model_core::machine::Machine;
-use tempfile::TempDir;
+use virtual_plant::Sensors;
+use virtual_plant::sensor::sensors::PositionSensor;
 
 use crate::emulator::Processor;
 use crate::parts::{Adc, Counter, Dac, Part};

@@ -1,10 +1,10 @@
 //! The machine on the bench: plant, sensors, and a controller at its period.
 
 use firmware::set_point::{Bounds, Course, CourseState, Leg, SetPoint};
-use host_sim::testbed::sensors::{PositionSensor, PressureSensor, Sensors};
-use host_sim::testbed::{Command, InitialState, LoadProfile, Plant, PlantEffect, PlantState};
 use model_core::machine::{Bases, Machine, Tick};
 use model_core::parameter::Parameter as P;
+use virtual_plant::sensor::sensors::{PositionSensor, PressureSensor};
+use virtual_plant::{Command, InitialState, LoadProfile, Plant, PlantEffect, PlantState, Sensors};
 
 /// The control period.
 pub const TICK: Tick = Tick::OneMillisecond;

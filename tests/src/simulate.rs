@@ -1,12 +1,12 @@
 //! The core and the oracle on the same commands, in the same units.
 
-use host_sim::testbed::{Commands, InitialState, Plant, PlantEffect, PumpCommand};
 use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState, Entry, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, Tick};
 use model_core::number::{Number, Scalar};
 use model_core::parameter::Parameter;
+use virtual_plant::{Commands, InitialState, Plant, PlantEffect, PumpCommand};
 
 /// The tolerance the oracle is solved to, per unit.
 pub const ORACLE_TOLERANCE: f64 = 1e-10;
@@ -174,7 +174,7 @@ pub fn oracle_with(
     let states = plant.simulate(commands, initial, &times_s);
     let (supply_pa, stroke_m) = (machine.get(Parameter::SupplyPressure), machine.get(Parameter::Stroke));
     let states = states.unwrap_or_else(|error| panic!("{error}"));
-    let row = |state: &host_sim::testbed::PlantState| Row {
+    let row = |state: &virtual_plant::PlantState| Row {
         pressure_a: state.pressure_a_pa / supply_pa,
         pressure_b: state.pressure_b_pa / supply_pa,
         position: state.position_m / stroke_m,

@@ -5,13 +5,14 @@
 use std::error::Error;
 use std::path::Path;
 
-use host_sim::lanes::LANES;
-use host_sim::testbed::InitialState;
-use model_core::fixed_point::PerUnit;
-use model_core::number::Scalar;
 use system_benches::refit::Refit;
 use system_benches::run::{Abreast, Run, START_M, random_commands, staggered};
+
+use model_core::fixed_point::PerUnit;
+use model_core::number::Scalar;
+use simulation::number::simd::LANES;
 use system_tests::drives;
+use virtual_plant::InitialState;
 
 fn step<N: Scalar<Real = f64>>(ticks: usize) -> f64 {
     let machine = drives::press();

@@ -4,11 +4,12 @@ use std::io;
 
 use dialoguer::{Input, Select};
 
-use super::CliError;
-use crate::data_sheet::{Answers, Item, Need, Quantity};
+use machine_file::data_sheet::{Answers, Item, Need, Quantity};
+
+use super::error::CliError;
 
 /// Asks for every item that is not answered yet and that the drive may have.
-pub(super) fn ask(answers: &mut Answers) -> Result<(), CliError> {
+pub(crate) fn ask(answers: &mut Answers) -> Result<(), CliError> {
     let is_valve = Item::ALL.iter().any(|item| !item.belongs(true) && answers.get(*item).is_some());
     let pump = if answers.is_pump() || is_valve { answers.is_pump() } else { asked_for_pump()? };
     asked(answers, pump, &mut |item| {

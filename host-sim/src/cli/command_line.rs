@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
-use crate::diagnostic::{self, Explained, Place, quoted};
+use recording::files::source_error::{self, Explained, Place, quoted};
 
 /// What messages call it.
 const NAME: &str = "command line";
@@ -22,7 +22,7 @@ pub struct CommandLine {
 
 /// What of an option's value an error is about.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Part<'a> {
+pub(crate) enum Part<'a> {
     /// The option itself.
     Option,
     /// Its first value.
@@ -36,10 +36,10 @@ pub(super) enum Part<'a> {
 /// An error about what was typed.
 #[derive(Debug, thiserror::Error)]
 #[error("{place}: {found}; expected {expected}")]
-pub(super) struct Mistyped {
-    pub(super) place: Place,
-    pub(super) found: String,
-    pub(super) expected: String,
+pub(crate) struct Mistyped {
+    pub(crate) place: Place,
+    pub(crate) found: String,
+    pub(crate) expected: String,
 }
 
 impl Explained for Mistyped {
@@ -80,7 +80,7 @@ impl CommandLine {
     }
 
     /// Where this stands, in a value of this option (with its dashes or without); without one, in any word.
-    pub(super) fn place(&self, option: Option<&str>, part: Part<'_>) -> Option<Place> {
+    pub(crate) fn place(&self, option: Option<&str>, part: Part<'_>) -> Option<Place> {
         let mut ours = option.is_none();
         for (word, span) in &self.words {
             let mut value = span.clone();
@@ -129,7 +129,7 @@ impl CommandLine {
             (_, Some(cause)) => refused(value, cause),
             _ => return None,
         };
-        Some(diagnostic::render(&Mistyped { place, found, expected }))
+        Some(source_error::render(&Mistyped { place, found, expected }))
     }
 }
 
@@ -149,7 +149,7 @@ fn refused(value: &str, cause: &(dyn Error + 'static)) -> (String, String) {
 }
 
 /// What was found and what was expected, of a message that says both.
-pub(super) fn split(message: &str) -> (String, String) {
+pub(crate) fn split(message: &str) -> (String, String) {
     let (found, expected) = message.split_once("; expected ").unwrap_or((message, "another value"));
     (found.to_owned(), expected.to_owned())
 }

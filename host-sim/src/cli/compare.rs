@@ -4,21 +4,24 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use comfy_table::{Attribute, Cell, CellAlignment, Table};
-use model_core::machine::Tick;
 use rayon::prelude::*;
 
+use identification::compare::weakest::{Weakest, missed_by_the_whole, obstacles, weakest};
+use identification::compare::{Comparison, Section, compare_told, judged, rows_simulated};
+use machine_file::{LoadSource, MachineFile};
+use model_core::machine::Tick;
+use recording::display_unit::{TABLE, arrange, difference, percent};
+use recording::files::source_error::printable;
+use recording::{Recording, Signal};
+use report::plot;
+use simulation::Arithmetic;
+
+use super::Outcome;
+use super::console::{Console, Tone};
 use super::ending::{DRAWING, check_ending};
+use super::error::CliError;
 use super::input::{self, MachineArguments};
 use super::target::{check_targets, write};
-use super::{CliError, Console, Outcome, Tone};
-use crate::compare::{Arithmetic, Comparison, Section, compare_told, rows_simulated};
-use crate::diagnostic::printable;
-use crate::judge;
-use crate::machine_file::{LoadSource, MachineFile};
-use crate::plot;
-use crate::presentation::{TABLE, arrange, difference, percent};
-use crate::recording::{Recording, Signal};
-use crate::weakest::{Weakest, missed_by_the_whole, obstacles, weakest};
 
 /// Arguments of `compare`.
 #[derive(Clone, Debug, clap::Args)]
@@ -36,7 +39,7 @@ pub struct Arguments {
     #[arg(long, value_name = "R.csv", required = true, num_args = 1..)]
     recording: Vec<PathBuf>,
     /// Judge by these signals only, as though the model's others had not been measured: `spool,pressure_a`
-    #[arg(long, value_name = "signal,…", value_delimiter = ',', value_parser = judge::named)]
+    #[arg(long, value_name = "signal,…", value_delimiter = ',', value_parser = judged::named)]
     judge: Vec<Signal>,
     /// Draw recorded against simulated, with the residual below; for several recordings a file each, named after it
     #[arg(long, value_name = "P.svg")]
@@ -59,7 +62,7 @@ struct Plan {
     plots: Vec<PathBuf>,
 }
 
-pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     let plan = plan(arguments, console)?;
     let comparisons = compared(&plan, &arguments.machine.machine, console)?;
     for (path, svg) in plan.plots.iter().zip(drawings(&plan, &comparisons)) {
@@ -101,7 +104,13 @@ fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> 
     let read = [arguments.recording.as_slice(), std::slice::from_ref(&arguments.machine.machine)].concat();
     check_targets(&plots.iter().map(|path| ("--plot", Some(path.as_path()), DRAWING)).collect::<Vec<_>>(), &read)?;
     arguments.plot.as_deref().map_or(Ok(()), |path| check_ending("--plot", path, DRAWING))?;
-    Ok(Plan { file, recordings, tick: arguments.machine.tick(), arithmetic: arguments.machine.arithmetic, plots })
+    Ok(Plan {
+        file,
+        recordings,
+        tick: arguments.machine.tick(),
+        arithmetic: arguments.machine.arithmetic.into(),
+        plots,
+    })
 }
 
 /// `out.svg` for one recording; `out-train-1.svg` … for several, numbered when their names repeat.

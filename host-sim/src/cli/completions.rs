@@ -3,7 +3,9 @@
 use clap::CommandFactory;
 use clap_complete::{Shell, generate};
 
-use super::{Cli, CliError, Console, Outcome};
+use super::console::Console;
+use super::error::CliError;
+use super::{Cli, Outcome};
 
 /// Arguments of `completions`.
 #[derive(Clone, Debug, clap::Args)]
@@ -18,7 +20,7 @@ pub struct Arguments {
     shell: Shell,
 }
 
-pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     // Into memory first: a reader that leaves early is no reason to panic.
     let mut script = Vec::new();
     generate(arguments.shell, &mut Cli::command(), "host-sim", &mut script);

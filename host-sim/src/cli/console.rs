@@ -8,8 +8,9 @@ use anstyle::{AnsiColor, Style};
 use dialoguer::console::Term;
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 
-use super::CliError;
-use crate::diagnostic::printable;
+use recording::files::source_error::printable;
+
+use super::error::CliError;
 
 /// How much a command says beside its result, on standard error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -3,16 +3,18 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use diagnosis::{Diagnosis, Verdict, diagnose, steps};
+use identification::compare::judged;
+use machine_file::MachineFile;
+use recording::{ChannelMap, Column, Format, Recording, Signal};
+use report::evidence::Exhibits;
+use report::{html, json, terminal};
+
+use super::console::{Console, Tone};
 use super::ending::{DOCUMENT, DRAWING, MACHINE, PAGE};
-use super::input;
+use super::error::CliError;
 use super::target::{check_apart, check_targets, write};
-use super::{CliError, Console, Outcome, Tone};
-use crate::diagnose::{Diagnosis, Verdict, diagnose, steps};
-use crate::exhibits::Exhibits;
-use crate::judge;
-use crate::machine_file::{self, MachineFile};
-use crate::recording::{ChannelMap, Column, Format, Recording, Signal};
-use crate::report::{html, json, terminal};
+use super::{Outcome, input};
 
 /// Arguments of `diagnose`.
 #[derive(Clone, Debug, clap::Args)]
@@ -42,7 +44,7 @@ pub struct Arguments {
     #[arg(long = "map", value_name = "name=header")]
     maps: Vec<String>,
     /// Judge by these signals only, as though the model's others had not been measured: `spool,pressure_a`
-    #[arg(long, value_name = "signal,…", value_delimiter = ',', value_parser = judge::named)]
+    #[arg(long, value_name = "signal,…", value_delimiter = ',', value_parser = judged::named)]
     judge: Vec<Signal>,
     /// Step of the model in ms; without it 1, or 0.5 for recordings faster than that
     #[arg(long, value_enum, value_name = "ms")]
@@ -73,7 +75,7 @@ struct Plan {
     report: Option<PathBuf>,
 }
 
-pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     let plan = plan(arguments, console)?;
     for note in
         plan.training.iter().chain(&plan.held_out).flat_map(|recording| input::notes(recording, &plan.file.machine))

@@ -4,10 +4,13 @@ use std::path::PathBuf;
 
 use rayon::prelude::*;
 
+use virtual_plant::concealed::{self, Concealed, Lot};
+
+use super::Outcome;
+use super::console::Console;
+use super::error::CliError;
 use super::target::{check_folder, make_folder, write_together};
 use super::testbed::refuse_others;
-use super::{CliError, Console, Outcome};
-use crate::testbed::draw::{self, Concealed, Lot};
 
 /// Arguments of `testbed draw`.
 #[derive(Clone, Debug, clap::Args)]
@@ -68,8 +71,8 @@ impl From<EffectsArgument> for Concealed {
     }
 }
 
-pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
-    let known = || draw::VOCABULARY.iter().chain(&draw::ON_REQUEST).chain(&draw::OUTSIDE);
+pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+    let known = || concealed::VOCABULARY.iter().chain(&concealed::ON_REQUEST).chain(&concealed::OUTSIDE);
     if let Some(found) = arguments.only.iter().find(|name| known().all(|known| known != name)) {
         let known = known().copied().collect::<Vec<_>>().join(", ");
         return Err(CliError::EffectName { found: found.clone(), known });
@@ -86,7 +89,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let cases = (0..arguments.count)
         .into_par_iter()
         .map(|index| {
-            let drawn = draw::draw(&lot, index)
+            let drawn = concealed::draw(&lot, index)
                 .map_err(|cause| CliError::Plant { excitation: format!("case {index}"), cause })?;
             bar.inc(1);
             let Some(drawn) = drawn else { return Ok(None) };
@@ -110,7 +113,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         all.extend(files);
     }
     // The truth is of these cases: all of them are on disk before the first takes its name.
-    all.push((arguments.out.join("truth.json"), draw::to_json(&truths)));
+    all.push((arguments.out.join("truth.json"), concealed::to_json(&truths)));
     make_folder(&arguments.out)?;
     folders.iter().try_for_each(|folder| make_folder(folder))?;
     write_together(&all)?;

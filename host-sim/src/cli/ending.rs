@@ -2,27 +2,27 @@
 
 use std::path::Path;
 
-use super::CliError;
+use super::error::CliError;
 
 /// What is written into a file, and the endings of names that say so.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Kind {
+pub(crate) struct Kind {
     what: &'static str,
     endings: &'static [&'static str],
 }
 
 /// Signals over time, in any format that is written.
-pub(super) const RECORDING: Kind = Kind { what: "signals", endings: &["csv", "txt", "mat", "parquet"] };
+pub(crate) const RECORDING: Kind = Kind { what: "signals", endings: &["csv", "txt", "mat", "parquet"] };
 /// Signals over time as text.
-pub(super) const TEXT: Kind = Kind { what: "CSV", endings: &["csv", "txt"] };
+pub(crate) const TEXT: Kind = Kind { what: "CSV", endings: &["csv", "txt"] };
 /// A drawing.
-pub(super) const DRAWING: Kind = Kind { what: "an SVG drawing", endings: &["svg"] };
+pub(crate) const DRAWING: Kind = Kind { what: "an SVG drawing", endings: &["svg"] };
 /// A page for people.
-pub(super) const PAGE: Kind = Kind { what: "an HTML page", endings: &["html", "htm"] };
+pub(crate) const PAGE: Kind = Kind { what: "an HTML page", endings: &["html", "htm"] };
 /// A document for programs.
-pub(super) const DOCUMENT: Kind = Kind { what: "JSON", endings: &["json"] };
+pub(crate) const DOCUMENT: Kind = Kind { what: "JSON", endings: &["json"] };
 /// A machine file.
-pub(super) const MACHINE: Kind = Kind { what: "a machine file", endings: &["toml"] };
+pub(crate) const MACHINE: Kind = Kind { what: "a machine file", endings: &["toml"] };
 
 /// Endings of what is never written, or by another command.
 const OTHERS: [&str; 17] = [
@@ -31,13 +31,13 @@ const OTHERS: [&str; 17] = [
 ];
 
 /// Whether standard output is meant.
-pub(super) fn is_standard_output(path: &Path) -> bool {
+pub(crate) fn is_standard_output(path: &Path) -> bool {
     path == Path::new("-")
 }
 
 /// Checks that a name promises nothing else than is written. One without ending promises nothing, nor does one with an ending that no
 /// format here has, nor a pipe's: other programs' temporary names are theirs to choose.
-pub(super) fn check_ending(option: &'static str, path: &Path, kind: Kind) -> Result<(), CliError> {
+pub(crate) fn check_ending(option: &'static str, path: &Path, kind: Kind) -> Result<(), CliError> {
     if is_standard_output(path) {
         return Err(CliError::Dash { option });
     }

@@ -3,25 +3,26 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use diagnosis::DiagnoseError;
+use experiment::plan::PlanError;
+use experiment::sensor::SensorError;
+use identification::compare::CompareError;
+use identification::compare::judged::JudgeError;
+use identification::static_curve::StaticsError;
+use machine_file::MachineFileError;
+use machine_file::data_sheet::SheetError;
 use model_core::machine::{MachineError, Source};
+use model_export::fmu::{FmuError, LibraryError};
+use recording::excitation::text::ExcitationError;
+use recording::files::atomic;
+use recording::files::source_error::{self, Explained};
+use recording::{MapError, RecordingError};
+use simulation::SimulateError;
+use virtual_plant::{LinkageError, PlantError};
 
 use super::command_line::{CommandLine, Mistyped, Part, split};
-use crate::atomic;
-use crate::compare::CompareError;
-use crate::data_sheet::SheetError;
-use crate::diagnose::DiagnoseError;
-use crate::diagnostic::{self, Explained};
-use crate::fmu::{FmuError, LibraryError};
-use crate::import::ImportError;
-use crate::judge::JudgeError;
-use crate::machine_file::MachineFileError;
+use crate::frames::ImportError;
 use crate::paper::PaperError;
-use crate::plan::PlanError;
-use crate::recording::{MapError, RecordingError};
-use crate::sensor::SensorError;
-use crate::simulate::SimulateError;
-use crate::statics::StaticsError;
-use crate::testbed::{ExcitationError, LinkageError, PlantError};
 
 /// Why a command could not be done.
 #[derive(Debug, thiserror::Error)]
@@ -305,7 +306,7 @@ impl CliError {
     #[must_use]
     pub fn render(&self) -> String {
         fn shown(error: &impl Explained) -> String {
-            diagnostic::render(error)
+            source_error::render(error)
         }
         // It is the recording's fault, not the machine file's.
         if let Some(too_long @ SimulateError::TooLong { .. }) = self.simulation() {
@@ -334,7 +335,7 @@ impl CliError {
             }
             other => split(&other.to_string()),
         };
-        diagnostic::render(&Mistyped { place, found, expected })
+        source_error::render(&Mistyped { place, found, expected })
     }
 
     /// The option that it is about, and what of it; no option where it may be any.

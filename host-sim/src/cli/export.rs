@@ -2,16 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
+use machine_file::MachineFile;
 use model_core::machine::Tick;
+use model_export::fmu::{self, Contents, Library, Settings};
+use model_export::rust::Constants;
 
+use super::Outcome;
+use super::console::Console;
 use super::ending::is_standard_output;
-use super::input::TickArgument;
+use super::error::CliError;
+use super::input::{ArithmeticArgument, TickArgument};
 use super::target::{check_not_read, check_target, write, write_or_print};
-use super::{CliError, Console, Outcome};
-use crate::compare::Arithmetic;
-use crate::export::Constants;
-use crate::fmu::{self, Contents, Library, Settings};
-use crate::machine_file::{self, MachineFile};
 
 /// Arguments of `export`.
 #[derive(Clone, Debug, clap::Args)]
@@ -39,7 +40,7 @@ pub struct Arguments {
     format: Option<Format>,
     /// Number type of an FMU; fixed is what the controller computes, and the default
     #[arg(long, value_enum)]
-    arithmetic: Option<Arithmetic>,
+    arithmetic: Option<ArithmeticArgument>,
     /// Shared library to put into an FMU, in place of the one beside this program
     #[arg(long, value_name = "library")]
     library: Option<PathBuf>,
@@ -68,7 +69,7 @@ impl Format {
     }
 }
 
-pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     let format = arguments.format.map_or_else(|| Format::of(&arguments.out), Ok)?;
     if format != Format::Fmu {
         let given = [("--arithmetic", arguments.arithmetic.is_some()), ("--library", arguments.library.is_some())];
@@ -100,7 +101,8 @@ fn constants(arguments: &Arguments, file: &MachineFile) -> Result<Constants, Cli
 }
 
 fn packed(arguments: &Arguments, file: &MachineFile) -> Result<Vec<u8>, CliError> {
-    let settings = Settings { tick: Tick::from(arguments.tick), arithmetic: arguments.arithmetic.unwrap_or_default() };
+    let settings =
+        Settings { tick: Tick::from(arguments.tick), arithmetic: arguments.arithmetic.unwrap_or_default().into() };
     let refused = |cause| CliError::Fmu { machine: arguments.machine.clone(), cause: Box::new(cause) };
     let contents = Contents::of(&file.name, &file.machine, settings).map_err(|cause| refused(cause.into()))?;
     let library = if let Some(path) = &arguments.library {

@@ -2,20 +2,22 @@
 
 use std::path::PathBuf;
 
-use super::ending::MACHINE;
-use super::input;
-use super::target::check_targets;
-use super::{CliError, Console, Outcome};
-use crate::diagnose::{DiagnoseError, ordinary};
-use crate::fit::{
-    Counts, From, counts_from, effective_samples, fit_told, inflation, level_at_rest, most_evaluations, softened_all,
+use diagnosis::localisation::{Miss, misses};
+use diagnosis::{DiagnoseError, ordinary};
+use identification::compare::judged;
+use identification::experiment::Prepared;
+use identification::fit::residuals::counts_from;
+use identification::fit::{
+    Counts, From, effective_samples, fit_told, inflation, level_at_rest, most_evaluations, softened_all,
 };
-use crate::judge;
-use crate::locate::{Miss, misses};
-use crate::machine_file;
-use crate::prepare::Prepared;
-use crate::recording::{ChannelMap, Signal};
-use crate::report::terminal;
+use recording::{ChannelMap, Signal};
+use report::terminal;
+
+use super::console::Console;
+use super::ending::MACHINE;
+use super::error::CliError;
+use super::target::check_targets;
+use super::{Outcome, input};
 
 /// Arguments of `fit`.
 #[derive(Clone, Debug, clap::Args)]
@@ -35,7 +37,7 @@ pub struct Arguments {
     #[arg(long = "map", value_name = "name=header")]
     maps: Vec<String>,
     /// Judge by these signals only, as though the model's others had not been measured: `spool,pressure_a`
-    #[arg(long, value_name = "signal,…", value_delimiter = ',', value_parser = judge::named)]
+    #[arg(long, value_name = "signal,…", value_delimiter = ',', value_parser = judged::named)]
     judge: Vec<Signal>,
     /// Step of the model in ms; without it 1, or 0.5 for recordings faster than that
     #[arg(long, value_enum, value_name = "ms")]
@@ -45,7 +47,7 @@ pub struct Arguments {
     save_machine: PathBuf,
 }
 
-pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     check_targets(&[("--save-machine", Some(&arguments.save_machine), MACHINE)], &arguments.train)?;
     let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
     let mut file = machine_file::read(&arguments.machine)?;

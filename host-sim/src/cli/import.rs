@@ -4,10 +4,12 @@ use std::fs::File;
 use std::io::Read;
 use std::path::PathBuf;
 
+use super::Outcome;
+use super::console::Console;
 use super::ending::{TEXT, is_standard_output};
+use super::error::CliError;
 use super::target::{check_targets, write_or_print};
-use super::{CliError, Console, Outcome};
-use crate::import::{self, ImportError, MAX_CAPTURE_BYTES};
+use crate::frames::{self, ImportError, MAX_CAPTURE_BYTES};
 
 /// Arguments of `import`.
 #[derive(Clone, Debug, clap::Args)]
@@ -29,7 +31,7 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     let out = Some(arguments.out.as_path()).filter(|out| !is_standard_output(out));
     check_targets(&[("--out", out, TEXT)], std::slice::from_ref(&arguments.frames))?;
     let mut bytes = Vec::new();
@@ -40,7 +42,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     if bytes.len() as u64 > MAX_CAPTURE_BYTES {
         return Err(failed(ImportError::TooLarge));
     }
-    let stream = import::stream(&bytes).map_err(failed)?;
+    let stream = frames::stream(&bytes).map_err(failed)?;
     let losses = stream.losses;
     let recording = stream.chosen(arguments.which).map_err(failed)?;
     let csv = recording.csv().map_err(failed)?;

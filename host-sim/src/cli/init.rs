@@ -6,12 +6,14 @@ use std::path::{Path, PathBuf};
 
 use clap::{Arg, ArgMatches, Command};
 
+use machine_file::data_sheet::{self, Answers, Edges, Item, Need, Origin};
+
+use super::Outcome;
 use super::ask::ask;
+use super::console::Console;
 use super::ending::MACHINE;
+use super::error::CliError;
 use super::target::{check_targets, write};
-use super::{CliError, Console, Outcome};
-use crate::data_sheet::{self, Answers, Edges, Item, Need, Origin};
-use crate::machine_file;
 
 /// Arguments of `init`.
 #[derive(Clone, Debug, clap::Args)]
@@ -26,10 +28,10 @@ them. Every value of the file says whether it was given, derived by which formul
 assumed and why; [fit.sigma] is narrow for what was given and wide for what was assumed, so that `fit` may move it.")]
 pub struct Arguments {
     #[command(flatten)]
-    answers: Answers,
+    answers: AnswerArguments,
     /// Over what the rated pressure drop of the valve stands
     #[arg(long, value_enum, default_value_t)]
-    rated_drop_over: Edges,
+    rated_drop_over: EdgesArgument,
     /// What the drive is called; without it, as the file
     #[arg(long, value_name = "name")]
     name: Option<String>,
@@ -41,8 +43,31 @@ pub struct Arguments {
     force: bool,
 }
 
+/// Over what the rated pressure drop of a valve stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+enum EdgesArgument {
+    /// One edge, supply to port or port to tank
+    #[default]
+    Edge,
+    /// Both edges in series: half of it is over each
+    Both,
+}
+
+impl From<EdgesArgument> for Edges {
+    fn from(argument: EdgesArgument) -> Self {
+        match argument {
+            EdgesArgument::Edge => Edges::Edge,
+            EdgesArgument::Both => Edges::Both,
+        }
+    }
+}
+
+/// Answers given as flags.
+#[derive(Clone, Debug, Default)]
+struct AnswerArguments(Answers);
+
 /// The flags are the table of items.
-impl clap::Args for Answers {
+impl clap::Args for AnswerArguments {
     fn augment_args(command: Command) -> Command {
         Item::ALL.iter().fold(command, |command, &item| {
             let question = item.question();
@@ -65,7 +90,7 @@ impl clap::Args for Answers {
     }
 }
 
-impl clap::FromArgMatches for Answers {
+impl clap::FromArgMatches for AnswerArguments {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
         let mut answers = Self::default();
         answers.update_from_arg_matches(matches)?;
@@ -75,24 +100,24 @@ impl clap::FromArgMatches for Answers {
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
         for &item in Item::ALL {
             if let Some(quantity) = matches.get_one::<data_sheet::Quantity>(item.question().flag) {
-                self.insert(item, quantity.clone());
+                self.0.insert(item, quantity.clone());
             }
         }
         Ok(())
     }
 }
 
-pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     let target = &arguments.out;
     if target.exists() && !arguments.force {
         return Err(CliError::IsThere { path: target.clone() });
     }
     check_targets(&[("--out", Some(target), MACHINE)], &[])?;
-    let mut answers = arguments.answers.clone();
+    let mut answers = arguments.answers.0.clone();
     if !answers.missing().is_empty() && io::stdin().is_terminal() && io::stderr().is_terminal() {
         ask(&mut answers)?;
     }
-    let made = data_sheet::derived(&answers, arguments.rated_drop_over)?;
+    let made = data_sheet::derived(&answers, arguments.rated_drop_over.into())?;
     let name = arguments.name.clone().unwrap_or_else(|| stem(target));
     let text = data_sheet::toml(&name, &made);
     // What cannot be read is not written: a mass of 1e30 kg.

@@ -2,14 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
+use experiment::inspect::unit_doubts;
+use identification::compare::judged::judged_by;
+use machine_file::MachineFile;
 use model_core::machine::{Machine, Tick};
+use recording::{ChannelMap, Recording, Signal};
+use simulation::Arithmetic;
 
-use super::{CliError, Console, Progress};
-use crate::compare::Arithmetic;
-use crate::inspect::unit_doubts;
-use crate::judge;
-use crate::machine_file::{self, MachineFile};
-use crate::recording::{self, ChannelMap, Recording, Signal};
+use super::console::{Console, Progress};
+use super::error::CliError;
 
 /// The drive, how its recordings are to be read, and how it is computed.
 #[derive(Clone, Debug, clap::Args)]
@@ -22,10 +23,29 @@ pub struct MachineArguments {
     pub maps: Vec<String>,
     /// Number type of the simulation; fixed is what the controller computes
     #[arg(long, value_enum, default_value_t)]
-    pub arithmetic: Arithmetic,
+    pub arithmetic: ArithmeticArgument,
     /// Step of the model in ms; without it 1, or 0.5 for recordings faster than that
     #[arg(long, value_enum, value_name = "ms")]
     pub tick: Option<TickArgument>,
+}
+
+/// The number type of a simulation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, clap::ValueEnum)]
+pub enum ArithmeticArgument {
+    /// What the controller computes
+    #[default]
+    Fixed,
+    /// f64
+    Float,
+}
+
+impl From<ArithmeticArgument> for Arithmetic {
+    fn from(argument: ArithmeticArgument) -> Self {
+        match argument {
+            ArithmeticArgument::Fixed => Arithmetic::Fixed,
+            ArithmeticArgument::Float => Arithmetic::Float,
+        }
+    }
 }
 
 /// Step of the model.
@@ -69,7 +89,7 @@ impl MachineArguments {
 }
 
 /// The recordings of files.
-pub(super) fn recordings(
+pub(crate) fn recordings(
     paths: &[PathBuf],
     channels: &ChannelMap,
     console: &Console<'_>,
@@ -82,30 +102,30 @@ pub(super) fn recordings(
 }
 
 /// A bar over the bytes of files that are read.
-pub(super) fn bar(paths: &[PathBuf], console: &Console<'_>, doing: &'static str) -> Progress {
+pub(crate) fn bar(paths: &[PathBuf], console: &Console<'_>, doing: &'static str) -> Progress {
     let bytes = paths.iter().filter_map(|path| path.metadata().ok()).map(|file| file.len()).sum();
     // A pipe does not say how much comes.
     if bytes > 0 { console.share(bytes, doing) } else { console.working(doing) }
 }
 
 /// The recording of a file.
-pub(super) fn recording(path: &Path, channels: &ChannelMap, console: &Console<'_>) -> Result<Recording, CliError> {
+pub(crate) fn recording(path: &Path, channels: &ChannelMap, console: &Console<'_>) -> Result<Recording, CliError> {
     let mut found = recordings(&[path.to_owned()], channels, console)?;
     Ok(found.swap_remove(0))
 }
 
 /// A recording limited to the signals that `--judge` names; whole where it names none.
-pub(super) fn judged(recording: Recording, file: &MachineFile, wanted: &[Signal]) -> Result<Recording, CliError> {
-    Ok(judge::judged_by(recording, file.machine.source, file.load_source, wanted)?)
+pub(crate) fn judged(recording: Recording, file: &MachineFile, wanted: &[Signal]) -> Result<Recording, CliError> {
+    Ok(judged_by(recording, file.machine.source, file.load_source, wanted)?)
 }
 
 /// The notes of a recording, and what is doubtful about it for this drive, each with its name.
-pub(super) fn notes<'a>(recording: &'a Recording, machine: &Machine<f64>) -> impl Iterator<Item = String> + 'a {
+pub(crate) fn notes<'a>(recording: &'a Recording, machine: &Machine<f64>) -> impl Iterator<Item = String> + 'a {
     let doubts = unit_doubts(recording, machine).into_iter();
     own_notes(recording).chain(doubts.map(|doubt| format!("{}: {doubt}", recording.name())))
 }
 
 /// What reading noted, with the recording's name.
-pub(super) fn own_notes(recording: &Recording) -> impl Iterator<Item = String> + '_ {
+pub(crate) fn own_notes(recording: &Recording) -> impl Iterator<Item = String> + '_ {
     recording.notes().iter().map(|note| format!("{}: {note}", recording.name()))
 }

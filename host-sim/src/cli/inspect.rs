@@ -2,13 +2,14 @@
 
 use std::path::PathBuf;
 
+use experiment::inspect::Inspection;
+use recording::ChannelMap;
+
+use super::console::Console;
 use super::ending::DOCUMENT;
+use super::error::CliError;
 use super::target::{check_targets, write};
-use super::{CliError, Console, Outcome, input};
-use crate::inspect::Inspection;
-use crate::machine_file;
-use crate::recording::ChannelMap;
-use crate::report::inspect as report;
+use super::{Outcome, input};
 
 /// Arguments of `inspect`.
 #[derive(Clone, Debug, clap::Args)]
@@ -38,7 +39,7 @@ pub struct Arguments {
     json: Option<PathBuf>,
 }
 
-pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     let read = [arguments.recordings.as_slice(), arguments.machine.as_slice()].concat();
     check_targets(&[("--json", arguments.json.as_deref(), DOCUMENT)], &read)?;
     let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
@@ -54,9 +55,9 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let found: Vec<Inspection> = recordings.iter().map(inspected).collect();
     bar.finish_and_clear();
     if let Some(path) = &arguments.json {
-        write(path, format!("{:#}\n", report::document(&found)))?;
+        write(path, format!("{:#}\n", report::inspect::document(&found)))?;
     }
-    let texts: Vec<String> = found.iter().map(|found| report::text(found, console.width)).collect();
+    let texts: Vec<String> = found.iter().map(|found| report::inspect::text(found, console.width)).collect();
     console.print(texts.join("\n").trim_end())?;
     Ok(Outcome::Done)
 }

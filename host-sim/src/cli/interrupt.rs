@@ -5,7 +5,7 @@ use std::process;
 
 use dialoguer::console::Term;
 
-use crate::atomic;
+use recording::files::atomic;
 
 /// Exit status of a program that was interrupted, as shells have it: 128 and the number of Ctrl-C's signal, for the other two as well.
 pub const INTERRUPTED: u8 = 130;

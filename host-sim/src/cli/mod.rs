@@ -29,13 +29,13 @@ pub mod testbed;
 use std::io::Write;
 use std::process::ExitCode;
 
+use recording::files::source_error::printable;
+
 pub use command_line::CommandLine;
 pub use console::{Console, Progress, Tone, Volume};
 pub use error::CliError;
-pub use input::{MachineArguments, TickArgument};
+pub use input::{ArithmeticArgument, MachineArguments, TickArgument};
 pub use interrupt::{INTERRUPTED, stop_cleanly};
-
-use crate::diagnostic::printable;
 
 /// Simulates and compares valve-controlled hydraulic drives against recordings.
 #[derive(Debug, clap::Parser)]

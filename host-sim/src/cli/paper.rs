@@ -2,13 +2,16 @@
 
 use comfy_table::{CellAlignment, Table};
 
-use super::{CliError, Console, Outcome};
-use crate::compare::Arithmetic;
+use recording::display_unit::TABLE;
+
+use super::Outcome;
+use super::console::Console;
+use super::error::CliError;
+use super::input::ArithmeticArgument;
 use crate::paper::{
     CHARACTERISTIC, COMMANDS_V, DEVIATIONS, DITHER, Experiment, FRICTION_N, LEAKAGE_M3_PER_S_PA, SETTLED_S,
     TABLE_2_PERCENT, experiment,
 };
-use crate::presentation::TABLE;
 
 /// Arguments of `paper`.
 #[derive(Clone, Debug, clap::Args)]
@@ -19,12 +22,12 @@ The model is presets/paper-as-printed.toml.")]
 pub struct Arguments {
     /// Number type of the simulation; fixed is what the controller computes
     #[arg(long, value_enum, default_value_t)]
-    arithmetic: Arithmetic,
+    arithmetic: ArithmeticArgument,
 }
 
-pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     let bar = console.progress(COMMANDS_V.len(), "running the steps");
-    let found = experiment(arguments.arithmetic, || bar.inc(1))?;
+    let found = experiment(arguments.arithmetic.into(), || bar.inc(1))?;
     bar.finish_and_clear();
     console.print(introduction())?;
     console.print("\nTable 1. Similarity of the slider for step responses: from the command, by static characteristic, rate limit and (16)")?;

@@ -2,22 +2,23 @@
 
 use std::path::PathBuf;
 
-use super::ending::{DOCUMENT, DRAWING, TEXT};
-use super::input;
-use super::target::{check_targets, write};
-use super::{CliError, Console, Outcome};
-use crate::diagnose::ordinary;
-use crate::machine_file::{self, LoadSource, MachineFile};
-use crate::plan::{Planned, plan, steps};
-use crate::plot;
-use crate::prepare::Prepared;
-use crate::recording::{ChannelMap, Recording, Signal};
-use crate::report;
-use crate::sensor::Sensor;
-use crate::simulate::{EntryPoint, Stimulus};
-use crate::standard_tests::StandardTest;
-use crate::testbed::Excitation;
+use diagnosis::ordinary;
+use experiment::plan::{Planned, plan, steps};
+use experiment::sensor::Sensor;
+use experiment::standard_tests::StandardTest;
+use identification::experiment::Prepared;
+use machine_file::{LoadSource, MachineFile};
 use model_core::machine::Tick;
+use recording::excitation::signals::Excitation;
+use recording::{ChannelMap, Recording, Signal};
+use report::plot;
+use simulation::{EntryPoint, Stimulus};
+
+use super::console::Console;
+use super::ending::{DOCUMENT, DRAWING, TEXT};
+use super::error::CliError;
+use super::target::{check_targets, write};
+use super::{Outcome, input};
 
 /// Arguments of `plan`.
 #[derive(Clone, Debug, clap::Args)]
@@ -74,7 +75,7 @@ struct AtHand {
     sensors: Vec<Sensor>,
 }
 
-pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     let read: Vec<PathBuf> = arguments.recording.iter().chain([&arguments.machine]).cloned().collect();
     let targets = [
         ("--out", arguments.out.as_deref(), TEXT),

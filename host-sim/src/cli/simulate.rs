@@ -5,24 +5,26 @@ use std::fs::File;
 use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 
+use experiment::standard_tests::StandardTest;
+use identification::compare::judged;
+use machine_file::LoadSource;
 use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Source, Tick};
 use model_core::number::Scalar;
+use recording::excitation::signals::Excitation;
+use recording::files::atomic::Begun;
+use recording::{Column, Format, Recording, Series, Signal};
+use report::plot;
+use simulation::{
+    Arithmetic, EntryPoint, Onward, SimulateError, StartOffset, Stimulus, Trajectory, first_entry, natural_tick,
+};
 
+use super::Outcome;
+use super::console::{Console, Progress};
 use super::ending::{DRAWING, RECORDING, is_standard_output};
+use super::error::CliError;
 use super::input::{self, MachineArguments};
 use super::target::{check_targets, unwritten, write};
-use super::{CliError, Console, Outcome, Progress};
-use crate::atomic::Begun;
-use crate::compare::{Arithmetic, judged};
-use crate::machine_file::LoadSource;
-use crate::plot;
-use crate::recording::{self, Column, Format, Recording, Series, Signal};
-use crate::simulate::{
-    EntryPoint, Onward, SimulateError, StartOffset, Stimulus, Trajectory, first_entry, natural_tick,
-};
-use crate::standard_tests::StandardTest;
-use crate::testbed::Excitation;
 
 /// Arguments of `simulate`.
 #[derive(Clone, Debug, clap::Args)]
@@ -77,13 +79,13 @@ struct Plan {
     arithmetic: Arithmetic,
 }
 
-pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     let read: Vec<PathBuf> = arguments.recording.iter().chain([&arguments.machine.machine]).cloned().collect();
     let out = Some(arguments.out.as_path()).filter(|out| !is_standard_output(out));
     check_targets(&[("--out", out, RECORDING), ("--plot", arguments.plot.as_deref(), DRAWING)], &read)?;
     let is_text = matches!(Format::of_extension(&arguments.out), Some(Format::Text) | None);
     match &arguments.recording {
-        Some(path) if is_text && arguments.plot.is_none() => match arguments.machine.arithmetic {
+        Some(path) if is_text && arguments.plot.is_none() => match Arithmetic::from(arguments.machine.arithmetic) {
             Arithmetic::Fixed => in_parts::<PerUnit>(arguments, path, console)?,
             Arithmetic::Float => in_parts::<f64>(arguments, path, console)?,
         },
@@ -254,7 +256,7 @@ fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> 
     let entry = first_entry(machine.source, &recording)
         .map_err(|cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause })?;
     let tick = asked.unwrap_or_else(|| natural_tick(&recording));
-    Ok(Plan { name: file.name, machine, load, recording, entry, tick, arithmetic: arguments.machine.arithmetic })
+    Ok(Plan { name: file.name, machine, load, recording, entry, tick, arithmetic: arguments.machine.arithmetic.into() })
 }
 
 /// The command and every signal that follows from it, in SI units.

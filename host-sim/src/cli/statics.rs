@@ -2,12 +2,14 @@
 
 use std::path::PathBuf;
 
+use identification::static_curve::{Columns, StaticsError, analyse, means};
+use recording::Table;
+
+use super::Outcome;
+use super::console::Console;
 use super::ending::{DOCUMENT, DRAWING};
+use super::error::CliError;
 use super::target::{check_targets, write};
-use super::{CliError, Console, Outcome};
-use crate::recording::Table;
-use crate::report::statics as report;
-use crate::statics::{Columns, StaticsError, analyse, means};
 
 /// Arguments of `statics`.
 #[derive(Clone, Debug, clap::Args)]
@@ -49,7 +51,7 @@ pub struct Arguments {
     plot: Option<PathBuf>,
 }
 
-pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     let read: Vec<PathBuf> = arguments.recording.iter().chain(&arguments.runs).cloned().collect();
     let targets = [("--json", arguments.json.as_deref(), DOCUMENT), ("--plot", arguments.plot.as_deref(), DRAWING)];
     check_targets(&targets, &read)?;
@@ -63,13 +65,13 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let table = table(arguments)?;
     let statics = analyse(&table, &columns)?;
     if let Some(path) = &arguments.json {
-        write(path, format!("{:#}\n", report::document(&statics)))?;
+        write(path, format!("{:#}\n", report::statics::document(&statics)))?;
     }
     if let Some(path) = &arguments.plot {
         let values = |header: &str| table.column(header).map(|(_, values)| values);
         let (input, output) = (values(&columns.input), values(&columns.output));
         let (input, output) = (input.map_err(StaticsError::from)?, output.map_err(StaticsError::from)?);
-        write(path, report::drawing(&statics, input, output))?;
+        write(path, report::statics::drawing(&statics, input, output))?;
     }
     for note in &table.notes {
         console.note(format_args!("{}: {note}", table.name()));
@@ -77,7 +79,7 @@ pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     if table.incomplete > 0 {
         console.note(format_args!("{}: {} rows have an empty cell and are left out", table.name(), table.incomplete));
     }
-    console.print(report::text(&statics))?;
+    console.print(report::statics::text(&statics))?;
     Ok(Outcome::Done)
 }
 

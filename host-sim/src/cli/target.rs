@@ -4,16 +4,18 @@ use std::fs;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
+use recording::files::atomic::{self, Begun};
+
+use super::console::Console;
 use super::ending::{Kind, check_ending, is_standard_output};
-use super::{CliError, Console};
-use crate::atomic::{self, Begun};
+use super::error::CliError;
 
 /// A file that an option names, and what is written there.
-pub(super) type Target<'a> = (&'static str, Option<&'a Path>, Kind);
+pub(crate) type Target<'a> = (&'static str, Option<&'a Path>, Kind);
 
 /// Checks each file that an option names: it could be written now, it is none of those read, its ending promises what is written, and no
 /// other option names it.
-pub(super) fn check_targets(targets: &[Target<'_>], read: &[PathBuf]) -> Result<(), CliError> {
+pub(crate) fn check_targets(targets: &[Target<'_>], read: &[PathBuf]) -> Result<(), CliError> {
     check_apart(targets)?;
     for &(option, path, kind) in targets {
         let Some(path) = path else { continue };
@@ -25,7 +27,7 @@ pub(super) fn check_targets(targets: &[Target<'_>], read: &[PathBuf]) -> Result<
 }
 
 /// Checks that no file is to be written by two options, by whatever names. A pipe takes what comes.
-pub(super) fn check_apart(targets: &[Target<'_>]) -> Result<(), CliError> {
+pub(crate) fn check_apart(targets: &[Target<'_>]) -> Result<(), CliError> {
     let mut known: Vec<(&'static str, PathBuf)> = Vec::new();
     for &(second, path, _) in targets {
         let Some(path) = path.filter(|path| !atomic::is_stream(path)) else { continue };
@@ -39,22 +41,22 @@ pub(super) fn check_apart(targets: &[Target<'_>]) -> Result<(), CliError> {
 }
 
 /// Checks that this file could be written now. Nothing is left there.
-pub(super) fn check_target(path: &Path) -> Result<(), CliError> {
+pub(crate) fn check_target(path: &Path) -> Result<(), CliError> {
     atomic::check(path).map_err(unwritten(path))
 }
 
 /// What cannot be written there.
-pub(super) fn unwritten(path: &Path) -> impl FnOnce(io::Error) -> CliError {
+pub(crate) fn unwritten(path: &Path) -> impl FnOnce(io::Error) -> CliError {
     move |cause| CliError::Write { path: path.to_owned(), cause }
 }
 
 /// Writes a file whole or not at all.
-pub(super) fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
+pub(crate) fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
     atomic::write(path, |out| out.write_all(bytes.as_ref())).map_err(unwritten(path))
 }
 
 /// Writes files that belong together: the first takes its name when all of them are on disk.
-pub(super) fn write_together(files: &[(PathBuf, String)]) -> Result<(), CliError> {
+pub(crate) fn write_together(files: &[(PathBuf, String)]) -> Result<(), CliError> {
     let whole = files.iter().map(|(path, text)| {
         let on_disk = || {
             let mut begun = Begun::new(path)?;
@@ -70,12 +72,12 @@ pub(super) fn write_together(files: &[(PathBuf, String)]) -> Result<(), CliError
 }
 
 /// Writes text to a file, or prints it where that is `-`.
-pub(super) fn write_or_print(path: &Path, text: &str, console: &mut Console<'_>) -> Result<(), CliError> {
+pub(crate) fn write_or_print(path: &Path, text: &str, console: &mut Console<'_>) -> Result<(), CliError> {
     if is_standard_output(path) { console.print(text.trim_end()) } else { write(path, text) }
 }
 
 /// Checks that files could be written now into this folder, or into one that is made there. Nothing is left there.
-pub(super) fn check_folder(folder: &Path) -> Result<(), CliError> {
+pub(crate) fn check_folder(folder: &Path) -> Result<(), CliError> {
     // The empty path stands for where the program runs.
     let is_there = |place: &&Path| place.as_os_str().is_empty() || place.exists();
     let place = folder.ancestors().find(is_there).unwrap_or(folder);
@@ -83,12 +85,12 @@ pub(super) fn check_folder(folder: &Path) -> Result<(), CliError> {
 }
 
 /// Makes a folder and those above it, where they are not there.
-pub(super) fn make_folder(folder: &Path) -> Result<(), CliError> {
+pub(crate) fn make_folder(folder: &Path) -> Result<(), CliError> {
     fs::create_dir_all(folder).map_err(unwritten(folder))
 }
 
 /// Checks that a file to write is none of those that are read, by whatever names.
-pub(super) fn check_not_read(target: &Path, read: &[PathBuf]) -> Result<(), CliError> {
+pub(crate) fn check_not_read(target: &Path, read: &[PathBuf]) -> Result<(), CliError> {
     // What is not there yet, or cannot be resolved, is none of them.
     let Ok(resolved) = target.canonicalize() else { return Ok(()) };
     match read.iter().find(|path| path.canonicalize().is_ok_and(|path| path.is_file() && path == resolved)) {

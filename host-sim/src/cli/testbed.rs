@@ -3,21 +3,22 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter;
 use rayon::prelude::*;
 
-use super::draw;
+use machine_file::MachineFile;
+use model_core::machine::{Machine, Source};
+use model_core::parameter::Parameter;
+use recording::Format;
+use recording::excitation::signals::{Dither, Excitation};
+use simulation::signal::noise::extent;
+use virtual_plant::sensor::sensors::PositionSensor;
+use virtual_plant::{Bench, Drive, InitialState, Plant, PlantEffect, Sensors, SyntheticRecording, truth_near};
+
+use super::console::Console;
+use super::error::CliError;
 use super::input::TickArgument;
 use super::target::{check_folder, make_folder, write_together};
-use super::{CliError, Console, Outcome};
-use crate::machine_file::{self, MachineFile};
-use crate::noise::extent;
-use crate::recording::Format;
-use crate::testbed::sensors::PositionSensor;
-use crate::testbed::{
-    Bench, Dither, Drive, Excitation, InitialState, Plant, PlantEffect, Sensors, SyntheticRecording, truth_near,
-};
+use super::{Outcome, draw};
 
 /// Arguments of `testbed`.
 #[derive(Clone, Debug, clap::Args)]
@@ -92,7 +93,7 @@ struct Plan {
 /// Usual noise of the slider's sensor, in parts of its travel.
 const SPOOL_NOISE: f64 = 5e-4;
 
-pub(super) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     if let Some(Other::Draw(arguments)) = &arguments.other {
         return draw::run(arguments, console);
     }
@@ -218,7 +219,7 @@ fn record(plan: &Plan, index: usize, excitation: &Excitation) -> Result<Syntheti
 }
 
 /// Recordings of another run in the folder would be taken for recordings of this one.
-pub(super) fn refuse_others(folder: &Path, is_own: impl Fn(&str) -> bool) -> Result<(), CliError> {
+pub(crate) fn refuse_others(folder: &Path, is_own: impl Fn(&str) -> bool) -> Result<(), CliError> {
     // A folder that is not there yet holds nothing.
     let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
     for entry in entries.flatten() {

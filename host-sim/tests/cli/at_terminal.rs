@@ -4,10 +4,11 @@ use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
 
-use host_sim::data_sheet::Item;
 use rexpect::process::WaitStatus;
 use rexpect::reader::Options;
 use rexpect::session::{PtySession, spawn_with_options};
+
+use machine_file::data_sheet::Item;
 
 use super::init::PRESS;
 use super::{MACHINE, at_hand, done, example, folder_with, listing, root};

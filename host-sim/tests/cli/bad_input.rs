@@ -163,10 +163,11 @@ fn one_bad_recording_among_good_ones_leaves_no_plot() {
 /// Endless input through a pipe, with the program's memory limited: it must give up by itself.
 #[cfg(unix)]
 mod endless {
-    use super::{MACHINE, folder_with};
     use std::fs::OpenOptions;
     use std::io::Write;
     use std::process::Command;
+
+    use super::{MACHINE, folder_with};
 
     /// The message on a recording that repeats `block` for ever; it is given 1 GB of memory.
     fn message_on(block: Vec<u8>) -> String {

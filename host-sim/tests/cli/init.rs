@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use host_sim::compare::{Arithmetic, compare};
-use host_sim::data_sheet::Item;
-use host_sim::machine_file::{self, LoadSource};
-use host_sim::prepare::Prepared;
-use host_sim::recording::{self, ChannelMap};
+use identification::compare::compare;
+use identification::experiment::Prepared;
+use machine_file::LoadSource;
+use machine_file::data_sheet::Item;
+use recording::ChannelMap;
+use simulation::Arithmetic;
 
 use super::{done, refused, root};
 

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::io::Write as _;
 
-use host_sim::recording::Signal;
+use recording::Signal;
 
 use super::{MACHINE, done, example, folder_with, refused, root, run, text};
 

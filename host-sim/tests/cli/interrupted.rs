@@ -71,10 +71,10 @@ fn a_file_that_is_being_written_goes_and_the_one_before_stays() {
     let path = target.clone();
     // The writer never comes back: after this, no file is finished.
     std::thread::spawn(move || {
-        host_sim::atomic::write(&path, |out: &mut dyn Write| {
+        recording::files::atomic::write(&path, |out: &mut dyn Write| {
             out.write_all(&vec![b'x'; 100_000])?;
             let temporary = path.parent().map(|folder| listing(folder).len());
-            host_sim::atomic::abandon();
+            recording::files::atomic::abandon();
             done.send(temporary).unwrap();
             loop {
                 std::thread::park();

@@ -13,9 +13,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
+use tempfile::TempDir;
+
 use firmware::frame::FrameWriter;
 use firmware::message::{ChannelHeader, Header, RowsWriter};
-use tempfile::TempDir;
 
 use super::{MACHINE, listing, program, text};
 

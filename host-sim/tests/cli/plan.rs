@@ -1,6 +1,6 @@
 //! What a recording will be able to show, before it is made.
 
-use host_sim::recording::{self, ChannelMap, Signal};
+use recording::{ChannelMap, Signal};
 
 use super::{done, example, folder_with, refused, run, text};
 

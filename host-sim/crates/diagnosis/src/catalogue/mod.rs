@@ -1,0 +1,403 @@
+//! Effects that a drive may have and the paper's model leaves out: one file an effect, one line in the [`CATALOGUE`].
+//!
+//! Every file has the same headings: What it adds · How it shows · What looks alike · Parameters · Source. An effect's equation
+//! runs in model-core; here stands what the diagnosis needs to try it.
+
+mod coulomb_friction;
+mod dead_zone_asymmetry;
+mod end_stop;
+mod entrained_air;
+mod external_leakage;
+mod flow_force;
+mod flow_gain_nonlinearity;
+mod friction_asymmetry;
+mod hose_compliance;
+mod internal_leakage;
+mod laminar_transition;
+mod linkage_backlash;
+mod metering_asymmetry;
+mod null_drift;
+mod oil_temperature;
+mod position_dependent_friction;
+mod position_dependent_load;
+mod position_dependent_volume;
+mod position_sensor_lag;
+mod presliding;
+mod pressure_dependent_friction;
+mod pump_slip;
+mod sensor_offset;
+mod solenoid_saturation;
+mod spool_stiction;
+mod stribeck_friction;
+mod supply_droop;
+mod tank_back_pressure;
+mod valve_hysteresis;
+mod valve_leakage;
+
+use std::fmt;
+
+use machine_file::LoadSource;
+use model_core::machine::Machine;
+use model_core::parameter::Parameter;
+use recording::Signal;
+use simulation::EntryPoint;
+
+/// A part of the chain, as a finding names it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Subsystem {
+    /// Command → slider.
+    Valve,
+    /// Slider and pressures → flows.
+    Flow,
+    /// Flows and velocity → pressures.
+    Chambers,
+    /// Forces → motion.
+    Mechanics,
+    /// Motion → measured motion.
+    Sensing,
+}
+
+impl Subsystem {
+    /// Whether what happens in this link moves the signal: only the valve moves the slider.
+    #[must_use]
+    pub fn reaches(self, signal: Signal) -> bool {
+        self == Subsystem::Valve || signal != Signal::Spool
+    }
+}
+
+impl fmt::Display for Subsystem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Subsystem::Valve => "valve",
+            Subsystem::Flow => "flow",
+            Subsystem::Chambers => "chambers",
+            Subsystem::Mechanics => "mechanics",
+            Subsystem::Sensing => "sensing",
+        })
+    }
+}
+
+/// An effect whose form takes another's in, so that data may not tell them apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LookAlike {
+    /// Its name in the vocabulary.
+    pub effect: &'static str,
+    /// What tells them apart.
+    pub told_apart_by: &'static str,
+}
+
+/// What a hypothesis may know of a drive before it is fitted: where its strengths usually lie depends on the drive's size.
+#[derive(Clone, Debug)]
+pub struct Scene<'a> {
+    /// The nominal machine.
+    pub machine: &'a Machine<f64>,
+    /// Where the chain is entered.
+    pub entry: EntryPoint,
+    /// Where the load comes from.
+    pub load: LoadSource,
+    /// Signals that are measured and judged.
+    pub judged: &'a [Signal],
+    /// Lowest and highest recorded position, m; the whole stroke where none is recorded.
+    pub travel_m: (f64, f64),
+    /// Longest recording, s.
+    pub duration_s: f64,
+}
+
+impl Scene<'_> {
+    /// The force of the full supply on side A, N.
+    #[must_use]
+    pub fn full_force_n(&self) -> f64 {
+        self.machine.get(Parameter::AreaA) * self.machine.get(Parameter::SupplyPressure)
+    }
+
+    /// The flow at full opening and full supply pressure, m³/s.
+    #[must_use]
+    pub fn full_flow_m3_per_s(&self) -> f64 {
+        let opened = self.machine.get(Parameter::FlowCoefficient) * self.machine.get(Parameter::SupplyPressure).sqrt();
+        opened.min(self.machine.get(Parameter::FlowLimit))
+    }
+
+    /// Whether a signal is measured and judged.
+    #[must_use]
+    pub fn judges(&self, signal: Signal) -> bool {
+        self.judged.contains(&signal)
+    }
+}
+
+/// How a strength moves in a search.
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    /// How much of the effect there is: positive, 0 is neutral. Moves in its logarithm; the range is what is usual.
+    Amount(fn(&Scene<'_>) -> (f64, f64)),
+    /// The same for an amount of which there is never little: far below what is usual it is another effect's.
+    Firm(fn(&Scene<'_>) -> (f64, f64)),
+    /// The same for an amount that the residuals jump with, so that no slope leads to it.
+    Jump(fn(&Scene<'_>) -> (f64, f64)),
+    /// The same as an amount, of either sign; the value is the largest usual magnitude, 0 where a scene cannot show it.
+    Signed(fn(&Scene<'_>) -> f64),
+    /// How the effect acts, not how much: positive, moves in its logarithm; tried first at so many points of the usual range.
+    Shape(fn(&Scene<'_>) -> (f64, f64), usize),
+    /// The same for a place, which may have either sign: moves linearly; tried first at these shares of the usual range.
+    Place(fn(&Scene<'_>) -> (f64, f64), &'static [f64]),
+}
+
+/// One parameter of an effect.
+#[derive(Clone, Copy, Debug)]
+pub struct Strength {
+    /// The machine's parameter.
+    pub parameter: Parameter,
+    /// How it moves, and where it usually lies.
+    pub kind: Kind,
+}
+
+impl Strength {
+    /// The ordinary parameter that it is the negative of, if it is one: what a set without it has to say by that.
+    #[must_use]
+    pub fn negative_of(&self) -> Option<Parameter> {
+        // A constant force against extending is the load's.
+        (self.parameter == Parameter::LoadSpringForce).then_some(Parameter::LoadForce)
+    }
+}
+
+/// The bristles that every law of dry friction acts through before the rod slides: about as stiff as the oil columns, or stiffer. Those
+/// softer than about a third of the oil columns are presliding; stiffer ones are how all dry friction is. Each law has a form that
+/// holds rigidly and one with bristles: recordings without pressures hardly show them.
+const BRISTLES: Strength = Strength {
+    parameter: Parameter::PreslidingStiffness,
+    kind: Kind::Shape(|scene| (scene.machine.oil_spring_n_per_m(), 30.0 * scene.machine.oil_spring_n_per_m()), 1),
+};
+
+/// A set of strengths that an effect is fitted with; the others stay neutral.
+pub type Form = &'static [Strength];
+
+/// Whether dry friction of this form acts through bristles.
+#[must_use]
+pub fn is_elastic(form: Form) -> bool {
+    form.iter().any(|strength| strength.parameter == BRISTLES.parameter)
+}
+
+/// What an effect has in common with a plainer one.
+#[derive(Clone, Copy, Debug)]
+pub struct Extension {
+    /// The plainer effect.
+    pub plain: &'static str,
+    /// Its strength.
+    pub given: Parameter,
+    /// The extension's strengths that take its place.
+    pub taken: &'static [Parameter],
+}
+
+/// An effect that can be switched on in the chain.
+#[derive(Clone, Copy, Debug)]
+pub struct Hypothesis {
+    /// Its name in the vocabulary.
+    pub name: &'static str,
+    /// Where it acts.
+    pub subsystem: Subsystem,
+    /// Its equation, for people.
+    pub equation: &'static str,
+    /// The ways it is fitted in, the plainest first: with more strengths, or with others.
+    pub forms: &'static [Form],
+    /// What may be taken for it.
+    pub look_alikes: &'static [LookAlike],
+    /// What refines these forms, with further strengths: tried where one of them was found, and kept where it takes three quarters of what
+    /// that leaves.
+    pub refined: &'static [Form],
+    /// The effect that it is an extension of, if any: it has to earn what it has more.
+    pub extends: Option<Extension>,
+    /// The test that shows it apart from others.
+    pub separated_by: &'static str,
+    /// Where the physics is described.
+    pub source: &'static str,
+    /// Whether a drive in this scene can show it in the forms that it has there.
+    pub shows_in: fn(&Scene<'_>) -> bool,
+}
+
+/// Every effect that is tried, in the order of the chain.
+pub const CATALOGUE: &[&Hypothesis] = &[
+    &valve_hysteresis::HYPOTHESIS,
+    &spool_stiction::HYPOTHESIS,
+    &null_drift::HYPOTHESIS,
+    &solenoid_saturation::HYPOTHESIS,
+    &flow_force::HYPOTHESIS,
+    &dead_zone_asymmetry::HYPOTHESIS,
+    &flow_gain_nonlinearity::HYPOTHESIS,
+    &metering_asymmetry::HYPOTHESIS,
+    &supply_droop::HYPOTHESIS,
+    &tank_back_pressure::HYPOTHESIS,
+    &valve_leakage::HYPOTHESIS,
+    &laminar_transition::HYPOTHESIS,
+    &pump_slip::HYPOTHESIS,
+    &internal_leakage::HYPOTHESIS,
+    &external_leakage::HYPOTHESIS,
+    &entrained_air::HYPOTHESIS,
+    &hose_compliance::HYPOTHESIS,
+    &position_dependent_volume::HYPOTHESIS,
+    &coulomb_friction::HYPOTHESIS,
+    &stribeck_friction::HYPOTHESIS,
+    &friction_asymmetry::HYPOTHESIS,
+    &position_dependent_friction::HYPOTHESIS,
+    &pressure_dependent_friction::HYPOTHESIS,
+    &position_dependent_load::HYPOTHESIS,
+    &end_stop::HYPOTHESIS,
+    &presliding::HYPOTHESIS,
+    &oil_temperature::HYPOTHESIS,
+    &linkage_backlash::HYPOTHESIS,
+    &position_sensor_lag::HYPOTHESIS,
+    &sensor_offset::HYPOTHESIS,
+];
+
+/// A parameter's name in reports, with its unit: the last part of its key.
+#[must_use]
+pub fn short_name(parameter: Parameter) -> &'static str {
+    let key = parameter.description().key;
+    key.rsplit_once('.').map_or(key, |(_, name)| name)
+}
+
+impl Hypothesis {
+    /// The plain effect that it extends, or itself.
+    #[must_use]
+    pub fn plainest(&self) -> &'static str {
+        self.extends.map_or(self.name, |extension| extension.plain)
+    }
+
+    /// Every parameter of its own table in the machine file. Friction shares its bristles with other laws.
+    pub fn parameters(&self) -> impl Iterator<Item = Parameter> {
+        let table = format!("effects.{}.", self.name);
+        Parameter::ALL.iter().copied().filter(move |parameter| parameter.description().key.starts_with(&table))
+    }
+
+    /// Whether it acts slowly: the usual range of one of its times follows the length of the recordings, so that the beginning
+    /// of a long one does not show it.
+    #[must_use]
+    pub fn is_slow(&self, scene: &Scene<'_>) -> bool {
+        let short = Scene { duration_s: 0.0, ..scene.clone() };
+        self.strengths().any(|strength| match strength.kind {
+            Kind::Shape(range, _) => range(scene) != range(&short),
+            _ => false,
+        })
+    }
+
+    /// All its forms, refined ones included.
+    pub fn every_form(&self) -> impl Iterator<Item = Form> {
+        self.forms.iter().chain(self.refined).copied()
+    }
+
+    /// The strengths of all of them; what forms share comes with each.
+    pub fn strengths(&self) -> impl Iterator<Item = &'static Strength> {
+        self.every_form().flatten()
+    }
+
+    /// The forms that a scene can show.
+    pub fn forms_in<'a>(&'a self, scene: &'a Scene<'_>) -> impl Iterator<Item = Form> + 'a {
+        let hidden = |strength: &Strength| matches!(strength.kind, Kind::Signed(size) if size(scene) == 0.0);
+        self.forms.iter().copied().filter(move |form| !form.iter().any(hidden))
+    }
+
+    /// The forms that refine one of its forms.
+    pub fn refined_from(&self, plain: Form) -> impl Iterator<Item = Form> {
+        let refines = move |form: &Form| {
+            let has = |strength: &Strength| form.iter().any(|other| other.parameter == strength.parameter);
+            form.len() > plain.len() && plain.iter().all(has)
+        };
+        self.refined.iter().copied().filter(refines)
+    }
+
+    /// The forms that a refined one refines.
+    pub fn plain_of(&self, finer: Form) -> impl Iterator<Item = Form> {
+        let refines = move |plain: &Form| self.refined_from(plain).any(|form| std::ptr::eq(form, finer));
+        self.forms.iter().copied().filter(refines)
+    }
+
+    /// Whether a drive in this scene can show it at all, in any form.
+    #[must_use]
+    pub fn is_testable(&self, scene: &Scene<'_>) -> bool {
+        (self.shows_in)(scene) && self.forms_in(scene).next().is_some()
+    }
+
+    /// Whether the machine file already has it.
+    #[must_use]
+    pub fn is_on(&self, machine: &Machine<f64>) -> bool {
+        let mut amounts = self.strengths().filter(|strength| strength.is_amount());
+        amounts.any(|strength| machine.get(strength.parameter) != 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use test_press::press;
+
+    use super::*;
+    use crate::test_scene::scene;
+
+    #[test]
+    fn every_effect_is_in_the_machine_files_vocabulary_and_has_a_typical_strength_in_range() {
+        let machine = press(&[]);
+        let scene = scene(&machine, &[Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Position]);
+        for hypothesis in CATALOGUE {
+            for strength in hypothesis.strengths() {
+                let description = strength.parameter.description();
+                let own = hypothesis.parameters().any(|parameter| parameter == strength.parameter);
+                assert!(own || strength.parameter == BRISTLES.parameter, "{}", description.key);
+                let (low, high) = strength.range(&scene);
+                assert!(
+                    low < high && description.min <= low && high <= description.max,
+                    "{}: {low}..{high}",
+                    description.key
+                );
+                let may_be_negative = matches!(strength.kind, Kind::Signed(_) | Kind::Place(..));
+                assert!(may_be_negative || low > 0.0, "{}: {low}", description.key);
+            }
+            if let Some(extension) = hypothesis.extends {
+                let plain = CATALOGUE.iter().find(|known| known.name == extension.plain).unwrap();
+                assert!(plain.parameters().any(|parameter| parameter == extension.given));
+                assert!(extension.taken.iter().all(|taken| hypothesis.parameters().any(|own| own == *taken)));
+            }
+        }
+    }
+
+    #[test]
+    fn every_refined_form_has_plain_ones_within_it() {
+        let mut refined = 0;
+        for hypothesis in CATALOGUE {
+            for &form in hypothesis.refined {
+                assert!(hypothesis.plain_of(form).next().is_some(), "{}", hypothesis.name);
+                refined += 1;
+            }
+            assert!(hypothesis.forms.iter().all(|form| hypothesis.plain_of(form).next().is_none()));
+        }
+        assert!(refined > 0);
+    }
+
+    #[test]
+    fn what_drifts_and_what_warms_up_act_slowly() {
+        let machine = press(&[]);
+        let scene = Scene { duration_s: 3600.0, ..scene(&machine, &[Signal::Position]) };
+        let slow: Vec<&str> = CATALOGUE
+            .iter()
+            .filter(|hypothesis| hypothesis.is_slow(&scene))
+            .map(|hypothesis| hypothesis.name)
+            .collect();
+        assert_eq!(slow, ["null-drift", "oil-temperature"]);
+    }
+
+    #[test]
+    fn every_effect_of_the_machine_files_vocabulary_is_a_hypothesis() {
+        for parameter in Parameter::ALL {
+            let key = parameter.description().key;
+            let Some(name) = key.strip_prefix("effects.").and_then(|rest| rest.split_once('.')).map(|(name, _)| name)
+            else {
+                continue;
+            };
+            // The table for what has no name is never a hypothesis.
+            if name == "unnamed" {
+                continue;
+            }
+            let hypothesis = CATALOGUE.iter().find(|hypothesis| hypothesis.name == name);
+            let tried = hypothesis
+                .is_some_and(|hypothesis| hypothesis.strengths().any(|strength| strength.parameter == *parameter));
+            assert!(tried, "{key}");
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! # Presliding
+//!
+//! ## What it adds
+//! Coulomb friction on bristles that are soft: before it slides the rod hangs on a spring of stiffness σ up to the force Fc, and
+//! the deflection Fc/σ has to be taken back at each reversal.
+//!
+//! ## How it shows
+//! The rod yields by micrometres while it sticks, and springs back. Force over velocity is a loop at reversals, wider
+//! at higher frequency.
+//!
+//! ## What looks alike
+//! Coulomb friction gives less than the oil does, and steps. Stribeck friction has a hump, but no loop. Play in the linkage hides small
+//! motion from the sensor, while the pressures show none of it.
+//!
+//! ## Parameters
+//! Fc in N, not negative: 1–5 % of full force. σ in N/m: a thousandth to a tenth of the stiffness of the oil columns. Bristles that
+//! are stiffer than about a third of it give way less than the oil does anyway: the pressures then tell of a rod that sticks, which
+//! is Coulomb friction.
+//!
+//! ## Source
+//! C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, *A new model for control of systems with friction*, IEEE
+//! Trans. Automatic Control 40, 1995 (`LuGre`); H. Yanada and Y. Sekikawa, *Modeling of dynamic behaviors of friction*,
+//! Mechatronics 18, 2008 (hydraulic cylinders).
+
+use machine_file::LoadSource;
+use model_core::parameter::Parameter;
+
+use super::{Extension, Hypothesis, Kind, LookAlike, Strength, Subsystem};
+
+pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
+    name: "presliding",
+    subsystem: Subsystem::Mechanics,
+    equation: "F = −σ·z, dz/dt = v − σ·|v|·z/Fc",
+    forms: &[&[
+        Strength {
+            parameter: Parameter::PreslidingForce,
+            kind: Kind::Amount(|scene| (2e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
+        },
+        Strength {
+            parameter: Parameter::PreslidingStiffness,
+            kind: Kind::Shape(
+                |scene| (1e-3 * scene.machine.oil_spring_n_per_m(), 0.1 * scene.machine.oil_spring_n_per_m()),
+                3,
+            ),
+        },
+    ]],
+    look_alikes: &[
+        LookAlike {
+            effect: "coulomb-friction",
+            told_apart_by: "sine sweep of small amplitude, both pressures recorded: Coulomb friction has no loop",
+        },
+        LookAlike {
+            effect: "stribeck-friction",
+            told_apart_by: "sine sweep of small amplitude, both pressures recorded: the loop grows with the frequency",
+        },
+        LookAlike {
+            effect: "linkage-backlash",
+            told_apart_by: "sine sweep of small amplitude, both pressures recorded: play leaves no force",
+        },
+    ],
+    refined: &[],
+    extends: Some(Extension {
+        plain: "coulomb-friction",
+        given: Parameter::CoulombFriction,
+        taken: &[Parameter::PreslidingForce],
+    }),
+    separated_by: "sine sweep of small amplitude, both pressures recorded",
+    source: "Canudas de Wit, Olsson, Åström, Lischinsky, IEEE Trans. Automatic Control 40, 1995",
+    // With the load taken from the pressures the force balance is an input.
+    shows_in: |scene| scene.load == LoadSource::Constant,
+};

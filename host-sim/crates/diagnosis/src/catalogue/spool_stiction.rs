@@ -1,0 +1,51 @@
+//! # Spool stiction
+//!
+//! ## What it adds
+//! The slider sticks in its bore, by lateral forces or dirt, until the command asks for a travel that differs by more
+//! than the band; then it jumps at once, to where kinetic friction stops it: x holds while `|x_set − x| ≤ band`.
+//!
+//! ## How it shows
+//! Flats in the slider while the command moves, then steps: what the valve link misses is a saw-tooth as high as the
+//! band.
+//!
+//! ## What looks alike
+//! Valve hysteresis follows without jumps once its play is taken up. Dither hides both. A rod that sticks and slips
+//! lets the pressures build up before it jumps; a stuck slider leaves them flat. A stiction that keeps most of its
+//! band does not jump either, and is a play: beside a hysteresis three times as wide as its band it only bends the loop of
+//! that, and is never claimed there.
+//!
+//! ## Parameters
+//! Band in parts of full travel, not negative: 0.5–3 %, 6 % in a silted valve; the share of the band that a jump ends short by,
+//! the ratio of kinetic to static friction.
+//!
+//! ## Source
+//! J. F. Blackburn, G. Reethof, J. L. Shearer, *Fluid Power Control*, MIT Press 1960 (lateral forces, hydraulic lock);
+//! M. A. A. S. Choudhury, N. F. Thornhill, S. L. Shah, *Modelling valve stiction*, Control Engineering Practice 13,
+//! 2005.
+
+use model_core::parameter::Parameter;
+use simulation::EntryPoint;
+
+use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+
+const BAND: Strength = Strength { parameter: Parameter::StictionBand, kind: Kind::Jump(|_| (2e-3, 0.06)) };
+const KEPT: Strength = Strength { parameter: Parameter::StictionKept, kind: Kind::Jump(|_| (0.05, 0.8)) };
+
+pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
+    name: "spool-stiction",
+    subsystem: Subsystem::Valve,
+    equation: "x holds while |x_set − x| ≤ band, then x = x_set ∓ kept·band",
+    forms: &[&[BAND], &[BAND, KEPT]],
+    look_alikes: &[
+        LookAlike { effect: "valve-hysteresis", told_apart_by: "slow triangle: play follows without jumps" },
+        LookAlike {
+            effect: "stribeck-friction",
+            told_apart_by: "constant-speed strokes, both pressures recorded: they build up before a rod breaks away",
+        },
+    ],
+    refined: &[],
+    extends: None,
+    separated_by: "slow triangle without dither, slider recorded",
+    source: "Choudhury, Thornhill, Shah, Control Engineering Practice 13, 2005",
+    shows_in: |scene| scene.entry == EntryPoint::Command,
+};

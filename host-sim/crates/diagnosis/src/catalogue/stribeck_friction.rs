@@ -1,0 +1,68 @@
+//! # Stribeck friction
+//!
+//! ## What it adds
+//! Dry friction with a higher force to break away, of which half is gone at the Stribeck velocity vs: the seal's
+//! lubricating film has to form first. F falls from Fc + Fe at rest to Fc at speed; at rest any force up to Fc + Fe is
+//! held. It includes Coulomb friction.
+//!
+//! ## How it shows
+//! A hump of the missing force at low speed: Δp builds up, the rod breaks away, and the pressures fall though it moves
+//! faster. Slow strokes stick and slip.
+//!
+//! ## What looks alike
+//! Coulomb friction has no hump. A dead zone leaves the pressures flat while the rod rests. Bristles open a loop of
+//! force over velocity at reversals. A slider that jumps makes the rod jump without pressure building up.
+//!
+//! ## Parameters
+//! Fc and Fe in N, not negative: Fc 1–5 % of full force, break-away 1.1–2.6 times Fc. vs in m/s: 1–50 mm/s.
+//! Stiffness of the bristles as with Coulomb friction.
+//!
+//! ## Source
+//! R. Stribeck, *Die wesentlichen Eigenschaften der Gleit- und Rollenlager*, Z. VDI 46, 1902; B. Armstrong-Hélouvry, P.
+//! Dupont, C. Canudas de Wit, *A survey of models … for the control of machines with friction*, Automatica 30, 1994.
+
+use machine_file::LoadSource;
+use model_core::parameter::Parameter;
+
+use super::{BRISTLES, Extension, Hypothesis, Kind, LookAlike, Strength, Subsystem};
+
+const FORCE: Strength = Strength {
+    parameter: Parameter::StribeckForce,
+    kind: Kind::Amount(|scene| (2e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
+};
+const EXCESS: Strength = Strength {
+    parameter: Parameter::StribeckExcess,
+    kind: Kind::Amount(|scene| (1e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
+};
+const VELOCITY: Strength = Strength { parameter: Parameter::StribeckVelocity, kind: Kind::Shape(|_| (1e-3, 0.05), 3) };
+
+pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
+    name: "stribeck-friction",
+    subsystem: Subsystem::Mechanics,
+    equation: "F = −(Fc + Fe/(1 + (v/vs)²))·sgn v; at rest |F| ≤ Fc + Fe",
+    forms: &[&[FORCE, EXCESS, VELOCITY], &[FORCE, EXCESS, VELOCITY, BRISTLES]],
+    look_alikes: &[
+        LookAlike {
+            effect: "coulomb-friction",
+            told_apart_by: "constant-speed strokes below 10 mm/s: Coulomb friction has no hump",
+        },
+        LookAlike {
+            effect: "presliding",
+            told_apart_by: "constant-speed strokes below 10 mm/s: bristles alone have no hump",
+        },
+        LookAlike {
+            effect: "spool-stiction",
+            told_apart_by: "constant-speed strokes, pressures recorded: a slider that jumps leaves them flat before",
+        },
+    ],
+    refined: &[],
+    extends: Some(Extension {
+        plain: "coulomb-friction",
+        given: Parameter::CoulombFriction,
+        taken: &[Parameter::StribeckForce],
+    }),
+    separated_by: "constant-speed strokes from 1 to 100 mm/s, both pressures recorded",
+    source: "Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30, 1994",
+    // With the load taken from the pressures the force balance is an input.
+    shows_in: |scene| scene.load == LoadSource::Constant,
+};

@@ -1,0 +1,60 @@
+//! # Supply droop
+//!
+//! ## What it adds
+//! The supply pressure falls with the flow that is taken from it, p = p0 − R·Q, and does so with the time constant T =
+//! R·C that an accumulator or the volume of the line gives it.
+//!
+//! ## How it shows
+//! Only flow through the supply edge is missing, the more the faster the stroke. With an accumulator it has memory: the
+//! first centimetres are fast, the next stroke starts from a supply not yet recovered.
+//!
+//! ## What looks alike
+//! A curved flow gain depends on the opening alone and acts on all edges. Back-pressure shows at the tank edge. A
+//! recorded supply pressure settles it.
+//!
+//! ## Parameters
+//! R in Pa·s/m³, not negative: 1–60 bar at full flow, usually 5–30. T in s: 5 ms (line) to 2 s (accumulator).
+//!
+//! ## Source
+//! H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967, chapter 11 (hydraulic power supplies); J. Watton,
+//! *Fundamentals of Fluid Power Control*, Cambridge University Press 2009 (accumulators).
+
+use model_core::parameter::Parameter;
+use simulation::EntryPoint;
+
+use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+
+pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
+    name: "supply-droop",
+    subsystem: Subsystem::Flow,
+    equation: "T·dp/dt = p0 − R·Q − p",
+    forms: &[&[
+        Strength {
+            parameter: Parameter::DroopResistance,
+            kind: Kind::Amount(|scene| {
+                let full = scene.full_flow_m3_per_s();
+                (1e5 / full, 6e6 / full)
+            }),
+        },
+        Strength { parameter: Parameter::DroopTime, kind: Kind::Shape(|_| (5e-3, 2.0), 3) },
+    ]],
+    look_alikes: &[
+        LookAlike {
+            effect: "flow-gain-nonlinearity",
+            told_apart_by: "steps of several sizes at two loads, or the supply pressure recorded",
+        },
+        LookAlike {
+            effect: "tank-back-pressure",
+            told_apart_by: "steps of several sizes, both pressures recorded: which edge the flow is missing at",
+        },
+        LookAlike {
+            effect: "flow-force",
+            told_apart_by: "steps of several sizes, slider recorded: flow force moves the slider",
+        },
+    ],
+    refined: &[],
+    extends: None,
+    separated_by: "steps of several sizes, supply pressure recorded",
+    source: "Merritt, Hydraulic Control Systems, 1967, ch. 11",
+    shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Slider),
+};

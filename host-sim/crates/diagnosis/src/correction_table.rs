@@ -1,0 +1,395 @@
+//! A table for what no effect of the catalogue accounts for: better than nothing on the controller, and never a finding.
+//!
+//! Tables that suit the located link are refitted with the ordinary parameters, roughly, and the best of them to the end. A table
+//! stays that gains on recordings that were left out, on all but one of them (what happens once is a disturbance), by more than its
+//! values cost, and that follows the held-out recordings better: all together, at least half of them, and no signal clearly worse.
+
+use std::fmt;
+
+use rayon::prelude::*;
+
+use identification::experiment::Prepared;
+use identification::fit::{
+    CHANCE, Counts, Estimate, FitError, Free, Freedom, From, Residuals, fit, settle, standardised,
+};
+use machine_file::LoadSource;
+use model_core::machine::Machine;
+use model_core::parameter::Parameter;
+use recording::Signal;
+use simulation::signal::noise::extent;
+use simulation::{EntryPoint, simulate};
+
+use crate::catalogue::{Scene, Subsystem};
+use crate::localisation::error_shape::Shape;
+use crate::localisation::{Case, Location};
+use crate::selection::{Candidate, Confirmation, Gained, Question, confirm};
+
+/// The search of a first look ends when the loss falls by less than this share in a step.
+const ROUGHLY: f64 = 0.03;
+/// The same for the tables that are fitted to the end.
+const PRECISION: f64 = 1e-4;
+/// Tables that are.
+const FINISHED: usize = 3;
+/// Share of the rows that lie below the first node, and above the last.
+const OUTSIDE: f64 = 0.01;
+/// How large a table usually is, of full force, full flow or full travel.
+const USUAL: f64 = 0.05;
+/// What a signal's mean fit on held-out recordings may lose, in percentage points.
+const CLEARLY: f64 = 0.5;
+/// Nodes over the first state, and over the second.
+const NODES: [usize; 2] = [7, 3];
+
+/// What a table adds to, by the machine file's number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Force on the rod; positive extends.
+    Force = 1,
+    /// Flow into A.
+    FlowA = 2,
+    /// Flow out of B.
+    FlowB = 3,
+    /// Slider travel after the lags.
+    Travel = 4,
+}
+
+impl Quantity {
+    /// In words.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Quantity::Force => "force on the rod",
+            Quantity::FlowA => "flow into A",
+            Quantity::FlowB => "flow out of B",
+            Quantity::Travel => "slider travel",
+        }
+    }
+
+    /// SI unit.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        match self {
+            Quantity::Force => "N",
+            Quantity::FlowA | Quantity::FlowB => "m3/s",
+            Quantity::Travel => "1",
+        }
+    }
+
+    fn usual(self, scene: &Scene<'_>) -> f64 {
+        USUAL
+            * match self {
+                Quantity::Force => scene.full_force_n(),
+                Quantity::FlowA | Quantity::FlowB => scene.full_flow_m3_per_s(),
+                Quantity::Travel => 1.0,
+            }
+    }
+}
+
+/// A state that a table is over, by the machine file's number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TableState {
+    /// Velocity.
+    Velocity = 1,
+    /// Position.
+    Position = 2,
+    /// Slider.
+    Slider = 3,
+    /// Pressure in A.
+    PressureA = 4,
+    /// Pressure in B.
+    PressureB = 5,
+}
+
+impl TableState {
+    /// In words.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            TableState::Velocity => "velocity",
+            TableState::Position => "position",
+            TableState::Slider => "slider",
+            TableState::PressureA => "pressure A",
+            TableState::PressureB => "pressure B",
+        }
+    }
+
+    /// SI unit.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        self.signal().si_unit().symbol()
+    }
+
+    fn signal(self) -> Signal {
+        match self {
+            TableState::Velocity => Signal::Velocity,
+            TableState::Position => Signal::Position,
+            TableState::Slider => Signal::Spool,
+            TableState::PressureA => Signal::PressureA,
+            TableState::PressureB => Signal::PressureB,
+        }
+    }
+}
+
+/// Nodes over one state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axis {
+    /// The state.
+    pub state: TableState,
+    /// At the first node, SI.
+    pub from: f64,
+    /// At the last node, SI.
+    pub to: f64,
+    /// Nodes, equally spaced.
+    pub nodes: usize,
+}
+
+/// A table that follows the recordings better.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unnamed {
+    /// What it adds to.
+    pub quantity: Quantity,
+    /// The states it is over: one or two.
+    pub over: Vec<Axis>,
+    /// Its values, row by row.
+    pub values: Vec<Estimate>,
+    /// Log-likelihood gained on left-out training recordings, less what its values cost.
+    pub net: f64,
+    /// What the held-out recordings said.
+    pub confirmation: Confirmation,
+}
+
+impl fmt::Display for Unnamed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let states: Vec<_> = self.over.iter().map(|axis| axis.state.name()).collect();
+        let (low, high) = extent(self.values.iter().map(|estimate| estimate.value));
+        let unit = if self.quantity.unit() == "1" { String::new() } else { format!(" {}", self.quantity.unit()) };
+        write!(
+            f,
+            "without a name: a table of {} over {}, from {low:.3e} to {high:.3e}{unit}, follows {} of {} held-out recordings better",
+            self.quantity.name(),
+            states.join(" and "),
+            self.confirmation.improved,
+            self.confirmation.recordings
+        )
+    }
+}
+
+/// A quantity with the states that it is tried over.
+type Plan = (Quantity, &'static [TableState]);
+
+/// Tables that suit the link, the likeliest first.
+fn plans(subsystem: Subsystem) -> &'static [Plan] {
+    use Quantity::{FlowA, FlowB, Force, Travel};
+    use TableState::{Position, PressureA, PressureB, Slider, Velocity};
+    match subsystem {
+        Subsystem::Valve => &[
+            (Travel, &[Slider]),
+            (Travel, &[Slider, PressureA]),
+            (Travel, &[Velocity]),
+            (Travel, &[PressureA]),
+            (FlowA, &[Slider]),
+            (Force, &[Velocity]),
+        ],
+        Subsystem::Flow => &[
+            (FlowA, &[Slider]),
+            (FlowB, &[Slider]),
+            (FlowA, &[Slider, PressureA]),
+            (FlowB, &[Slider, PressureB]),
+            (FlowA, &[PressureA]),
+            (FlowB, &[PressureB]),
+            (Travel, &[Slider]),
+            (Force, &[Velocity]),
+        ],
+        Subsystem::Chambers => &[
+            (FlowA, &[PressureA]),
+            (FlowB, &[PressureB]),
+            (FlowA, &[PressureB]),
+            (FlowA, &[PressureA, Position]),
+            (FlowA, &[Velocity]),
+            (FlowB, &[Velocity]),
+            (FlowA, &[Slider]),
+            (Force, &[Velocity]),
+        ],
+        Subsystem::Mechanics | Subsystem::Sensing => &[
+            (Force, &[Velocity]),
+            (Force, &[Position]),
+            (Force, &[Velocity, Position]),
+            (Force, &[PressureA]),
+            (Force, &[PressureB]),
+            (Force, &[Velocity, PressureA]),
+            (FlowA, &[Slider]),
+            (Travel, &[Slider]),
+        ],
+    }
+}
+
+/// Whether a drive that is entered here has the quantity and the states.
+fn applies(scene: &Scene<'_>, (quantity, states): &Plan) -> bool {
+    let slider = matches!(scene.entry, EntryPoint::Command | EntryPoint::Slider);
+    let hydraulic = scene.entry != EntryPoint::Force;
+    let states = states.iter().all(|state| match state {
+        TableState::Velocity | TableState::Position => true,
+        TableState::Slider => slider,
+        TableState::PressureA | TableState::PressureB => hydraulic,
+    });
+    states
+        && match quantity {
+            // A load that balances the recorded pressures holds every force already.
+            Quantity::Force => scene.load != LoadSource::RecordedPressures,
+            Quantity::FlowA | Quantity::FlowB => hydraulic,
+            Quantity::Travel => scene.entry == EntryPoint::Command,
+        }
+}
+
+/// The base with the best table, where that follows the held-out recordings better.
+///
+/// None for what happens once, which is no function of the drive's state; and none where the machine has a
+/// table already, or nothing was held out.
+pub fn improved(
+    question: &Question<'_>,
+    base: &Candidate,
+    location: &Location,
+    cases: &[Case<'_>],
+    held: &[&Prepared],
+) -> Result<Option<(Candidate, Unnamed)>, FitError> {
+    let once = matches!(location.shape, Shape::Once { .. });
+    let has_one = question.scene.machine.get(Parameter::TableQuantity) != 0.0;
+    if once || has_one || held.is_empty() || question.training.len() < 2 {
+        return Ok(None);
+    }
+    let seen = Seen::of(&base.fit.machine, cases)?;
+    let plans: Vec<&Plan> = plans(location.subsystem).iter().filter(|plan| applies(question.scene, plan)).collect();
+    let mut tables: Vec<(&Plan, Vec<Axis>, Candidate)> = plans
+        .into_par_iter()
+        .filter_map(|plan| Some((plan, seen.axes(plan.1)?)))
+        .map(|(plan, axes)| {
+            let candidate = fitted(question, base, None, plan.0, &axes, ROUGHLY)?;
+            Ok((plan, axes, candidate))
+        })
+        .collect::<Result<_, FitError>>()?;
+    tables.sort_by(|a, b| a.2.fit.loss.total_cmp(&b.2.fit.loss));
+    tables.truncate(FINISHED);
+    let left_out = base.left_out(question)?;
+    let mut best: Option<(f64, Candidate, Quantity, Vec<Axis>)> = None;
+    for (&(quantity, _), over, rough) in tables {
+        let candidate = fitted(question, base, Some(&rough), quantity, &over, PRECISION)?;
+        let Some(net) = net(&left_out, &candidate.left_out(question)?, count(&over), question.counts()) else {
+            continue;
+        };
+        if best.as_ref().is_none_or(|(known, ..)| net > *known) {
+            best = Some((net, candidate, quantity, over));
+        }
+    }
+    let Some((net, candidate, quantity, over)) = best else { return Ok(None) };
+    // The held-out recordings take no part in the choice.
+    let confirmation = confirm(&base.fit.machine, &candidate.fit.machine, held)?;
+    if !confirmation.gains() || !fits_better(&base.fit.machine, &candidate.fit.machine, held)? {
+        return Ok(None);
+    }
+    let mut values = candidate.estimates(question)?;
+    values.retain(|estimate| Parameter::TABLE_VALUES.contains(&estimate.parameter));
+    Ok(Some((candidate, Unnamed { quantity, over, values, net, confirmation })))
+}
+
+fn count(over: &[Axis]) -> usize {
+    over.iter().map(|axis| axis.nodes).product()
+}
+
+/// The base with a table, refitted.
+fn fitted(
+    question: &Question<'_>,
+    base: &Candidate,
+    rough: Option<&Candidate>,
+    quantity: Quantity,
+    over: &[Axis],
+    precision: f64,
+) -> Result<Candidate, FitError> {
+    use Parameter as P;
+    let mut machine = *question.scene.machine;
+    machine.set(P::TableQuantity, f64::from(quantity as u8));
+    let places = [(P::TableOver, P::TableFrom, P::TableTo), (P::TableOver2, P::TableFrom2, P::TableTo2)];
+    for (axis, (state, from, to)) in over.iter().zip(places) {
+        machine.set(state, f64::from(axis.state as u8));
+        machine.set(from, axis.from);
+        machine.set(to, axis.to);
+    }
+    let freedom = Freedom::Around { nominal: 0.0, sigma: quantity.usual(question.scene) };
+    let values = P::TABLE_VALUES.into_iter().take(count(over)).map(|parameter| Free { parameter, freedom });
+    let free: Vec<Free> = question.ordinary.iter().copied().chain(values).collect();
+    let from = From { solution: Some(&rough.unwrap_or(base).fit), ..From::default() };
+    let fit = fit(&machine, &free, question.training, &from, precision)?;
+    Candidate::of(question, Vec::new(), fit, Vec::new(), true)
+}
+
+/// Log-likelihood gained on left-out recordings less what `values` cost; none where it gains on too few, or nothing.
+fn net(before: &Residuals, after: &Residuals, values: usize, counts: Counts) -> Option<f64> {
+    let gained = Gained::of(before, after, counts);
+    let net = gained.all - gained.cost(values);
+    (net > CHANCE && gained.repeats).then_some(net)
+}
+
+/// Whether the mean NRMSE fit on the held-out recordings rises, and no signal's falls clearly.
+fn fits_better(before: &Machine<f64>, after: &Machine<f64>, held: &[&Prepared]) -> Result<bool, FitError> {
+    let mut rises: Vec<(Signal, f64)> = Vec::new();
+    for case in held {
+        let from = standardised(before, case, settle(before, case)?)?;
+        let to = standardised(after, case, settle(after, case)?)?;
+        for (channel, (from, to)) in case.channels.iter().zip(from.iter().zip(&to)) {
+            let rise = (channel.fit_percent(to) - channel.fit_percent(from)) / held.len() as f64;
+            match rises.iter_mut().find(|(signal, _)| *signal == channel.signal) {
+                Some((_, sum)) => *sum += rise,
+                None => rises.push((channel.signal, rise)),
+            }
+        }
+    }
+    let sum: f64 = rises.iter().map(|(_, rise)| rise).sum();
+    Ok(sum > 0.0 && rises.iter().all(|(_, rise)| *rise > -CLEARLY))
+}
+
+/// What the states went through on the training recordings.
+struct Seen(Vec<(TableState, Vec<f64>)>);
+
+impl Seen {
+    /// Simulated by the base; the slider as recorded where the chain is entered at it.
+    fn of(machine: &Machine<f64>, cases: &[Case<'_>]) -> Result<Self, FitError> {
+        const STATES: [TableState; 5] = [
+            TableState::Velocity,
+            TableState::Position,
+            TableState::Slider,
+            TableState::PressureA,
+            TableState::PressureB,
+        ];
+        let mut seen: Vec<_> = STATES.map(|state| (state, Vec::new())).into();
+        for case in cases {
+            let trajectory =
+                simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(machine, case.prepared))?;
+            for (state, values) in &mut seen {
+                let signal = state.signal();
+                let series = trajectory.signal(signal).or_else(|| case.recording.signal(signal));
+                values.extend(series.unwrap_or(&[]).iter().copied().filter(|value| value.is_finite()));
+            }
+        }
+        for (_, values) in &mut seen {
+            values.sort_by(f64::total_cmp);
+        }
+        Ok(Self(seen))
+    }
+
+    /// Nodes over the states; none where one of them stays where it is. Velocity and slider have one at 0.
+    fn axes(&self, states: &[TableState]) -> Option<Vec<Axis>> {
+        let axis = |(&state, nodes): (&TableState, usize)| {
+            let (_, values) = self.0.iter().find(|(known, _)| *known == state)?;
+            let last = values.len().checked_sub(1)? as f64;
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index within the values")]
+            let quantile = |share: f64| values.get((share * last).round() as usize).copied();
+            let (low, high) = (quantile(OUTSIDE)?, quantile(1.0 - OUTSIDE)?);
+            let (from, to) = if matches!(state, TableState::Velocity | TableState::Slider) {
+                let most = low.abs().max(high.abs());
+                (-most, most)
+            } else {
+                (low, high)
+            };
+            (to - from > 1e-9 * from.abs().max(to.abs()) && to > from).then_some(Axis { state, from, to, nodes })
+        };
+        states.iter().zip(NODES).map(axis).collect()
+    }
+}

@@ -1,0 +1,73 @@
+//! What is claimed of a selection once the held-out recordings are opened, and how well its values are known.
+
+use identification::experiment::Prepared;
+use identification::fit::{Estimate, FitError};
+use model_core::parameter::Parameter;
+
+use crate::catalogue::Hypothesis;
+use crate::finding::{Finding, finding};
+use crate::selection::forward::Selection;
+use crate::selection::{Candidate, Confirmation, Question, confirm};
+
+/// What is claimed.
+pub(crate) struct Decision {
+    pub(crate) findings: Vec<Finding>,
+    pub(crate) not_confirmed: Vec<&'static Hypothesis>,
+    /// What the held-out recordings said; `None` if there was no choice to confirm.
+    pub(crate) confirmation: Option<Confirmation>,
+    /// The model with what is claimed.
+    pub(crate) after: Candidate,
+    /// Every value that was fitted in it.
+    pub(crate) estimates: Vec<Estimate>,
+}
+
+impl Decision {
+    /// Nothing is.
+    fn without(
+        question: &Question<'_>,
+        selection: &Selection,
+        not_confirmed: Vec<&'static Hypothesis>,
+        confirmation: Option<Confirmation>,
+    ) -> Result<Self, FitError> {
+        let after = selection.base.clone();
+        let estimates = after.estimates(question)?;
+        Ok(Self { findings: Vec::new(), not_confirmed, confirmation, after, estimates })
+    }
+}
+
+/// Opens the held-out recordings for the chosen set: they confirm each of its effects beside the others, and it as a whole, or
+/// veto it.
+pub(crate) fn decide(
+    question: &Question<'_>,
+    selection: &mut Selection,
+    held: &[&Prepared],
+) -> Result<Decision, FitError> {
+    let mut vetoed = selection.refused(question, held)?;
+    let chosen = &selection.chosen;
+    if chosen.effects.is_empty() {
+        return Decision::without(question, selection, vetoed, None);
+    }
+    let confirmation = confirm(&selection.base.fit.machine, &chosen.fit.machine, held)?;
+    if !held.is_empty() && !confirmation.confirms() {
+        vetoed.extend(chosen.effects.iter().map(|chosen| chosen.effect));
+        return Decision::without(question, selection, vetoed, Some(confirmation));
+    }
+    let estimates = estimates(question, selection)?;
+    let mut findings: Vec<Finding> =
+        chosen.effects.iter().map(|chosen| finding(chosen, selection, &estimates, &vetoed)).collect();
+    findings.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
+    let confirmation = (!held.is_empty()).then_some(confirmation);
+    Ok(Decision { findings, not_confirmed: vetoed, confirmation, after: chosen.clone(), estimates })
+}
+
+/// Values of the chosen set. Free runs do not tell when a slider jumps: the strengths of one that no sensor sees have no standard deviation but
+/// what is said of its jumps, and those of one that hardly jumps none.
+fn estimates(question: &Question<'_>, selection: &Selection) -> Result<Vec<Estimate>, FitError> {
+    let mut estimates = selection.chosen.estimates(question)?;
+    let is_untold = selection.heard.is_some() || selection.chosen.hardly_jumps();
+    let is_of = |parameter| matches!(parameter, Parameter::StictionBand | Parameter::StictionKept);
+    for estimate in estimates.iter_mut().filter(|one| is_untold && is_of(one.parameter)) {
+        estimate.std = f64::NAN;
+    }
+    Ok(estimates)
+}

@@ -1,0 +1,381 @@
+//! The whole way: recordings in, diagnosis out.
+//!
+//! recording → prepare → refit → locate → hypothesis → fit → verdict. Training recordings make the choice; the held-out
+//! ones are opened after it, and may only take away from it.
+
+use std::collections::BTreeMap;
+
+use identification::compare::CompareError;
+use identification::experiment::{Channel, Prepared};
+use identification::fit::{Correlation, Estimate, FitError, Free, Freedom, StartState, level_at_rest, set_tolerances};
+use machine_file::MachineFile;
+use model_core::machine::{Machine, MachineError, Tick};
+use model_core::parameter::Parameter;
+use recording::{Recording, Signal};
+use simulation::signal::noise::extent;
+
+use crate::before_after::{Shown, show_all};
+use crate::catalogue::{CATALOGUE, Hypothesis, Scene, Subsystem};
+use crate::correction_table::{Unnamed, improved};
+use crate::decision::{Decision, decide};
+use crate::finding::Finding;
+use crate::localisation::locate::{WITHIN_NOISE, locate};
+use crate::localisation::{Case, Location, Miss, Sought, misses};
+use crate::selection::candidate::Reference;
+use crate::selection::excerpt::Excerpt;
+use crate::selection::forward::{Selection, select};
+use crate::selection::screen::Lead;
+use crate::selection::{Candidate, Confirmation, Question, lengthened};
+
+/// How it ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Named effects account for a mismatch, and recordings that were held out confirm it.
+    MissingPhysics,
+    /// The refitted model follows the recordings within their noise.
+    NothingMissing,
+    /// There is a mismatch above the noise that no effect of the catalogue accounts for.
+    Unexplained,
+}
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct Diagnosis {
+    /// The drive's name.
+    pub machine: String,
+    /// How it ended.
+    pub verdict: Verdict,
+    /// Where; `None` if nothing is missing and nothing was all but named.
+    pub located: Option<Location>,
+    /// While all is within the noise: the effect that the training recordings would make likelier than none by more than chance,
+    /// but not by what a claim takes. Never a finding.
+    pub suspected: Option<&'static Hypothesis>,
+    /// What is claimed, most certain first.
+    pub findings: Vec<Finding>,
+    /// Signals that are still further off than the noise explains with the effects claimed, over training recordings.
+    pub left: Vec<Miss>,
+    /// Effects that training recordings chose and held-out ones did not confirm.
+    pub not_confirmed: Vec<&'static Hypothesis>,
+    /// A table for what no name accounts for, where that follows the held-out recordings better. Never a finding.
+    pub unnamed: Option<Unnamed>,
+    /// What the held-out recordings said; `None` if there was no choice to confirm.
+    pub confirmation: Option<Confirmation>,
+    /// Ordinary parameters that were refitted (with the effects, if any).
+    pub refitted: Vec<Estimate>,
+    /// Pairs of fitted values, ordinary ones and strengths, whose estimates are correlated; the closest first.
+    pub correlated: Vec<Correlation>,
+    /// Every recording with its simulations.
+    pub shown: Vec<Shown>,
+    /// The course of the selection.
+    pub selection: Selection,
+    /// The machine after: refitted, with the effects claimed.
+    pub machine_after: Machine<f64>,
+    /// Share of supply pressure in B at rest that the training recordings start from with that machine, in the mean; `None`
+    /// where they have their pressures. The held-out recordings are shown from the start that suits each best.
+    pub level_at_rest: Option<f64>,
+    /// Effects that these recordings cannot show, whatever the drive.
+    pub not_testable: Vec<&'static Hypothesis>,
+}
+
+/// Why there is no diagnosis.
+#[derive(Debug, thiserror::Error)]
+pub enum DiagnoseError {
+    /// A recording cannot be used.
+    #[error(transparent)]
+    Recording(#[from] CompareError),
+    /// A fit is not possible.
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    /// The machine does not become a drive.
+    #[error(transparent)]
+    Machine(#[from] MachineError),
+    /// There is nothing to train on.
+    #[error("no training recording; expected at least one")]
+    NoTraining,
+    /// The training recordings do not start the chain at the same place.
+    #[error(
+        "{first} enters the chain at {entry}, {other} at {other_entry}; expected all training and held-out recordings to have the same inputs"
+    )]
+    MixedEntries {
+        /// A recording.
+        first: String,
+        /// Its entry.
+        entry: String,
+        /// Another one.
+        other: String,
+        /// Its entry.
+        other_entry: String,
+    },
+}
+
+/// Progress of a diagnosis: `done` of about `of` steps, and what was just finished.
+pub type Progress<'a> = &'a (dyn Fn(&str) + Sync);
+
+/// How many progress steps a diagnosis of this machine takes at least.
+#[must_use]
+pub fn steps(file: &MachineFile) -> u64 {
+    1 + CATALOGUE.iter().filter(|hypothesis| !hypothesis.is_on(&file.machine)).count() as u64
+}
+
+/// Diagnoses a drive from training recordings, and confirms on held-out ones.
+///
+/// ```
+/// use std::path::Path;
+///
+/// use host_sim::diagnose::{Verdict, diagnose};
+/// use host_sim::machine_file;
+/// use host_sim::recording::{self, ChannelMap, Recording};
+///
+/// let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/press-63-40");
+/// let drive = machine_file::read(&example.join("machine.toml"))?;
+/// let read = |names: &[&str]| -> Result<Vec<Recording>, _> {
+///     names.iter().map(|name| recording::read(&example.join(name), &ChannelMap::default())).collect()
+/// };
+/// let training = read(&["train-1.csv", "train-2.csv"])?;
+/// let held_out = read(&["holdout-1.csv"])?;
+///
+/// let diagnosis = diagnose(&drive, &training, &held_out, None, &|_| {})?;
+/// assert_eq!(diagnosis.verdict, Verdict::MissingPhysics);
+/// assert_eq!(diagnosis.findings[0].effect.name, "internal-leakage");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn diagnose(
+    file: &MachineFile,
+    training: &[Recording],
+    held_out: &[Recording],
+    tick: Option<Tick>,
+    progress: Progress<'_>,
+) -> Result<Diagnosis, DiagnoseError> {
+    let prepare = |recording: &Recording| Prepared::new(recording, &file.machine, file.load_source, tick);
+    let mut trained: Vec<Prepared> = training.iter().map(prepare).collect::<Result<_, _>>()?;
+    let held: Vec<Prepared> = held_out.iter().map(prepare).collect::<Result<_, _>>()?;
+    let first = trained.first().ok_or(DiagnoseError::NoTraining)?;
+    check_entries(&trained, &held)?;
+
+    let judged: Vec<Signal> = first.channels.iter().map(|channel| channel.signal).collect();
+    let scene = Scene {
+        machine: &file.machine,
+        entry: first.stimulus.entry,
+        load: file.load_source,
+        judged: &judged,
+        travel_m: travelled(&file.machine, &trained),
+        duration_s: trained.iter().map(Prepared::duration_s).fold(0.0, f64::max),
+    };
+    let ordinary = ordinary(file);
+    let (hypotheses, not_testable): (Vec<_>, Vec<_>) = CATALOGUE
+        .iter()
+        .copied()
+        .filter(|hypothesis| !hypothesis.is_on(&file.machine))
+        .partition(|hypothesis| hypothesis.is_testable(&scene));
+    let mut excerpt = Excerpt::of(training, &trained, &file.machine, file.load_source).map_err(CompareError::from)?;
+    let asked = Asked { scene: &scene, ordinary: &ordinary, hypotheses: &hypotheses };
+    let mut selection = asked.selected(&mut trained, excerpt.as_mut(), progress)?;
+
+    let references: Vec<&Prepared> = trained.iter().collect();
+    let opened: Vec<&Prepared> = held.iter().collect();
+    let Decision { findings, not_confirmed, confirmation, after, estimates } =
+        decide(&asked.of(&references), &mut selection, &opened)?;
+    let base = &selection.base.fit;
+    let above_noise = selection.base.worst_over_noise(&asked.of(&references)) > WITHIN_NOISE;
+    let verdict = if !findings.is_empty() {
+        Verdict::MissingPhysics
+    } else if above_noise {
+        Verdict::Unexplained
+    } else {
+        Verdict::NothingMissing
+    };
+    // Where and how it looks is told by what was searched.
+    let (recordings, searched) = match &excerpt {
+        Some(excerpt) => (excerpt.recordings.as_slice(), excerpt.cases.iter().collect()),
+        None => (training, references.clone()),
+    };
+    let question = asked.of(&searched);
+    let seen = if excerpt.is_some() { selection.base.finished(&question)? } else { selection.base.clone() };
+    let cases = cases(recordings, &searched, &seen.fit.starts);
+    let suspected = if verdict == Verdict::NothingMissing { selection.suspected() } else { None };
+    // What was named tells the link better than what it looks like from outside; within the noise, only what was all but named.
+    let effects: Vec<&Hypothesis> = match verdict {
+        Verdict::MissingPhysics => findings.iter().map(|finding| finding.effect).collect(),
+        Verdict::NothingMissing => suspected.into_iter().chain(not_confirmed.iter().copied()).collect(),
+        Verdict::Unexplained => Vec::new(),
+    };
+    let named: Vec<Subsystem> = effects.iter().map(|effect| effect.subsystem).collect();
+    let located = if verdict == Verdict::NothingMissing && named.is_empty() {
+        None
+    } else {
+        let promises = if named.is_empty() {
+            promises(&Reference::new(&question, &seen)?.leads(&hypotheses)?)
+        } else {
+            Vec::new()
+        };
+        let sought = Sought {
+            machine: &seen.fit.machine,
+            load: file.load_source,
+            cases: &cases,
+            named: &named,
+            promises: &promises,
+        };
+        Some(locate(&sought)?)
+    };
+    let tabled = match &located {
+        Some(location) if verdict == Verdict::Unexplained => improved(&question, &seen, location, &cases, &opened)?,
+        _ => None,
+    };
+    let (estimates, after, unnamed) = match tabled {
+        Some((tabled, unnamed)) => (tabled.estimates(&question)?, tabled, Some(unnamed)),
+        None => (estimates, after, None),
+    };
+    let left = above_noise_by(&after, &references)?;
+    let level_at_rest = level_at_rest(&after.fit.machine, &references, &after.fit.starts);
+    let shown = show_all(trained, held, base, &after.fit)?;
+    let is_ordinary = |estimate: &Estimate| ordinary.iter().any(|free| free.parameter == estimate.parameter);
+    Ok(Diagnosis {
+        machine: file.name.clone(),
+        verdict,
+        located,
+        suspected,
+        findings,
+        left,
+        not_confirmed,
+        unnamed,
+        confirmation,
+        refitted: estimates.into_iter().filter(is_ordinary).collect(),
+        correlated: after.correlations(),
+        shown,
+        machine_after: after.fit.machine,
+        level_at_rest,
+        not_testable,
+        selection,
+    })
+}
+
+/// What is asked of the recordings, whichever part of them is looked at.
+#[derive(Clone, Copy)]
+struct Asked<'a> {
+    scene: &'a Scene<'a>,
+    ordinary: &'a [Free],
+    hypotheses: &'a [&'static Hypothesis],
+}
+
+impl<'a> Asked<'a> {
+    /// Of these training recordings.
+    fn of<'b>(self, training: &'b [&'b Prepared]) -> Question<'b>
+    where
+        'a: 'b,
+    {
+        Question { scene: self.scene, ordinary: self.ordinary, hypotheses: self.hypotheses, training }
+    }
+
+    /// The effects that the training recordings choose: of long ones their excerpt, and then the whole.
+    fn selected(
+        self,
+        trained: &mut [Prepared],
+        excerpt: Option<&mut Excerpt>,
+        progress: Progress<'_>,
+    ) -> Result<Selection, FitError> {
+        let done = |name: &str| progress(name);
+        let mut selection = self.searched(trained, excerpt, &done)?;
+        let references: Vec<&Prepared> = trained.iter().collect();
+        selection.listen(&self.of(&references), &done)?;
+        Ok(selection)
+    }
+
+    /// The same as far as free runs tell.
+    fn searched(
+        self,
+        trained: &mut [Prepared],
+        excerpt: Option<&mut Excerpt>,
+        done: &(impl Fn(&str) + Sync),
+    ) -> Result<Selection, FitError> {
+        let search = |cases: &mut [Prepared]| {
+            let near = Candidate::tolerated(self.scene, self.ordinary, cases)?;
+            let references: Vec<&Prepared> = cases.iter().collect();
+            select(&self.of(&references), &near, done)
+        };
+        let Some(excerpt) = excerpt else { return search(trained) };
+        let mut found = search(&mut excerpt.cases)?;
+        for set in [&mut found.base, &mut found.chosen] {
+            set.fit.starts = excerpt.starts_of_all(&set.fit.starts, trained.len());
+        }
+        set_tolerances(&found.base.fit.machine, trained, &found.base.fit.starts)?;
+        let references: Vec<&Prepared> = trained.iter().collect();
+        lengthened(&self.of(&references), &found, done)
+    }
+}
+
+/// Signals that a set still misses by more than noise.
+fn above_noise_by(set: &Candidate, training: &[&Prepared]) -> Result<Vec<Miss>, MachineError> {
+    let mut left = misses(&set.fit.machine, training.iter().copied().zip(set.fit.starts.iter().copied()))?;
+    left.retain(Miss::is_above_noise);
+    Ok(left)
+}
+
+/// Recordings with how they were prepared and where each starts.
+fn cases<'a>(recordings: &'a [Recording], prepared: &[&'a Prepared], starts: &[StartState]) -> Vec<Case<'a>> {
+    let together = recordings.iter().zip(prepared).zip(starts);
+    together.map(|((recording, prepared), &start)| Case { recording, prepared, start }).collect()
+}
+
+/// What the best hypothesis of each subsystem would gain.
+fn promises(leads: &[Lead]) -> Vec<(Subsystem, f64)> {
+    let mut best: BTreeMap<Subsystem, f64> = BTreeMap::new();
+    for lead in leads {
+        let gain = best.entry(lead.effect.subsystem).or_default();
+        *gain = gain.max(lead.gain);
+    }
+    best.into_iter().collect()
+}
+
+/// Lowest and highest position judged, m; the whole stroke where none is.
+fn travelled(machine: &Machine<f64>, cases: &[Prepared]) -> (f64, f64) {
+    let channels = cases.iter().flat_map(|case| &case.channels);
+    let positions = channels.filter(|channel| channel.signal == Signal::Position).flat_map(Channel::kept);
+    let (low, high) = extent(positions);
+    if low < high { (low, high) } else { (0.0, machine.get(Parameter::Stroke)) }
+}
+
+/// Ordinary parameters that may move: those of `[fit.sigma]`, else every one that the file gives and that is usually
+/// uncertain, by a tenth of its value.
+#[must_use]
+pub fn ordinary(file: &MachineFile) -> Vec<Free> {
+    const USUALLY_UNCERTAIN: &[Parameter] = &[
+        Parameter::ValveGain,
+        Parameter::DeadZone,
+        Parameter::RateLimit,
+        Parameter::TimeConstant1,
+        Parameter::TimeConstant2,
+        Parameter::TransportDelay,
+        Parameter::FlowCoefficient,
+        Parameter::BulkModulus,
+        Parameter::ViscousFriction,
+        Parameter::PumpDisplacement,
+    ];
+    let around = |parameter: Parameter, sigma: f64| Free {
+        parameter,
+        freedom: Freedom::Around { nominal: file.machine.get(parameter), sigma },
+    };
+    if file.has_sigma_table {
+        return file.sigma.iter().map(|(&parameter, &sigma)| around(parameter, sigma)).collect();
+    }
+    USUALLY_UNCERTAIN
+        .iter()
+        .copied()
+        .filter(|parameter| file.given.contains(parameter))
+        .map(|parameter| around(parameter, 0.1 * file.machine.get(parameter).abs()))
+        .filter(|free| matches!(free.freedom, Freedom::Around { sigma, .. } if sigma > 0.0 && sigma.is_finite()))
+        .collect()
+}
+
+fn check_entries(training: &[Prepared], held: &[Prepared]) -> Result<(), DiagnoseError> {
+    let Some(first) = training.first() else { return Err(DiagnoseError::NoTraining) };
+    match training.iter().chain(held).find(|other| other.stimulus.entry != first.stimulus.entry) {
+        None => Ok(()),
+        Some(other) => Err(DiagnoseError::MixedEntries {
+            first: first.name.clone(),
+            entry: format!("{:?}", first.stimulus.entry).to_lowercase(),
+            other: other.name.clone(),
+            other_entry: format!("{:?}", other.stimulus.entry).to_lowercase(),
+        }),
+    }
+}

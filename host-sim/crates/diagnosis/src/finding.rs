@@ -1,0 +1,140 @@
+//! A claimed effect, how sure it is, and what it may be instead.
+
+use identification::fit::Estimate;
+use model_core::parameter::Parameter;
+
+use crate::catalogue::Hypothesis;
+use crate::selection::forward::{Selection, Trial};
+use crate::selection::{Chosen, Told};
+
+/// An effect that is less probable in a claimed one's place is none that it may be instead.
+const NEGLIGIBLE: f64 = 1e-3;
+/// Nothing is more certain.
+const CERTAIN: f64 = 0.999;
+
+/// One claimed effect.
+#[derive(Clone, Debug)]
+pub struct Finding {
+    /// The effect.
+    pub effect: &'static Hypothesis,
+    /// Probability among the sets of its size that were refitted, and none at all.
+    pub confidence: f64,
+    /// Its fitted parameters.
+    pub parameters: Vec<Estimate>,
+    /// What may stand in its place beside the other claimed effects, with the probability of those sets.
+    pub alternatives: Vec<(&'static Hypothesis, f64)>,
+    /// The jumps that the position holds, of a stiction that no free run tells.
+    pub heard: Option<Told>,
+}
+
+/// A finding with its probability among the sets that were refitted in the round of the chosen one, but for those with an effect
+/// that was vetoed.
+pub(crate) fn finding(
+    chosen: &Chosen,
+    selection: &Selection,
+    estimates: &[Estimate],
+    vetoed: &[&'static Hypothesis],
+) -> Finding {
+    let all = &selection.chosen.effects;
+    let round = selection.rounds.get(all.len() - 1).into_iter().flatten();
+    let sets: Vec<&Trial> = round.filter(|set| !set.has_any(vetoed)).collect();
+    let Odds { confidence, alternatives } = odds(chosen.effect, all, &sets);
+    let parameters = chosen
+        .form
+        .iter()
+        .filter_map(|strength| estimates.iter().find(|estimate| estimate.parameter == strength.parameter).copied())
+        .collect();
+    Finding {
+        effect: chosen.effect,
+        confidence: confidence.min(CERTAIN),
+        parameters,
+        alternatives,
+        heard: selection.heard.as_ref().filter(|_| chosen.has(Parameter::StictionBand)).map(|heard| heard.told),
+    }
+}
+
+/// How probable one of the chosen effects is, and each that may stand in its place.
+struct Odds {
+    confidence: f64,
+    alternatives: Vec<(&'static Hypothesis, f64)>,
+}
+
+/// The odds by what sets gain. A set that differs in another effect too says nothing of what stands in the place of this one.
+fn odds(effect: &'static Hypothesis, chosen: &[Chosen], sets: &[&Trial]) -> Odds {
+    let largest = sets.iter().map(|set| set.net).fold(0.0, f64::max);
+    let weight = |set: &Trial| (set.net - largest).exp();
+    // No effect at all stands against them with a net gain of 0.
+    let total: f64 = sets.iter().map(|set| weight(set)).sum::<f64>() + (-largest).exp();
+    let with = sets.iter().filter(|set| set.has_any(&[effect]));
+    let confidence = with.map(|set| weight(set)).sum::<f64>() / total;
+    let mut alternatives: Vec<(&'static Hypothesis, f64)> = Vec::new();
+    for set in sets {
+        let Some(other) = set.instead_of(effect, chosen) else { continue };
+        let probability = weight(set) / total;
+        match alternatives.iter_mut().find(|(known, _)| known.name == other.name) {
+            Some((_, sum)) => *sum += probability,
+            None => alternatives.push((other, probability)),
+        }
+    }
+    alternatives.retain(|(_, probability)| *probability > NEGLIGIBLE);
+    alternatives.sort_by(|a, b| b.1.total_cmp(&a.1));
+    Odds { confidence, alternatives }
+}
+
+#[cfg(test)]
+mod tests {
+    use test_press::press;
+
+    use super::*;
+    use crate::catalogue::CATALOGUE;
+
+    fn effect(name: &str) -> &'static Hypothesis {
+        CATALOGUE.iter().find(|effect| effect.name == name).unwrap()
+    }
+
+    fn set(names: &[&str], net: f64) -> Trial {
+        let effects: Vec<_> = names.iter().map(|name| effect(name)).collect();
+        Trial { effect: effects[effects.len() - 1], effects, net, machine: press(&[]) }
+    }
+
+    fn alternatives(of: &str, chosen: &[&str], sets: &[Trial]) -> Vec<&'static str> {
+        let chosen: Vec<Chosen> =
+            chosen.iter().map(|name| Chosen { effect: effect(name), form: effect(name).forms[0] }).collect();
+        let sets: Vec<&Trial> = sets.iter().collect();
+        odds(effect(of), &chosen, &sets).alternatives.iter().map(|(effect, _)| effect.name).collect()
+    }
+
+    #[test]
+    fn an_alternative_belongs_to_the_effect_in_whose_place_it_may_stand() {
+        let chosen = ["valve-hysteresis", "internal-leakage"];
+        let sets = [
+            set(&chosen, 100.0),
+            set(&["spool-stiction", "internal-leakage"], 98.0),
+            set(&["valve-hysteresis", "external-leakage"], 99.0),
+            set(&["internal-leakage", "null-drift"], 97.0),
+            // Both are others: in whose place, nobody can say.
+            set(&["spool-stiction", "external-leakage"], 99.5),
+        ];
+        assert_eq!(alternatives("valve-hysteresis", &chosen, &sets), ["spool-stiction", "null-drift"]);
+        assert_eq!(alternatives("internal-leakage", &chosen, &sets), ["external-leakage"]);
+    }
+
+    #[test]
+    fn of_a_single_effect_every_other_that_is_likely_is_an_alternative() {
+        let sets = [set(&["coulomb-friction"], 50.0), set(&["stribeck-friction"], 49.0), set(&["end-stop"], 20.0)];
+        assert_eq!(alternatives("coulomb-friction", &["coulomb-friction"], &sets), ["stribeck-friction"]);
+    }
+
+    #[test]
+    fn probabilities_of_an_effect_and_what_stands_in_its_place_make_no_more_than_one() {
+        let chosen = [Chosen { effect: effect("end-stop"), form: effect("end-stop").forms[0] }];
+        let sets = [set(&["end-stop"], 3.0), set(&["coulomb-friction"], 2.0)];
+        let sets: Vec<&Trial> = sets.iter().collect();
+        let Odds { confidence, alternatives } = odds(effect("end-stop"), &chosen, &sets);
+        // e³ and e² against 1.
+        assert!(
+            (confidence - 0.705).abs() < 1e-3 && (alternatives[0].1 - 0.259).abs() < 1e-3,
+            "{confidence} {alternatives:?}"
+        );
+    }
+}

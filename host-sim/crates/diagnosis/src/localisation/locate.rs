@@ -1,0 +1,265 @@
+//! Where a mismatch sits: which link, which signal, when, and in which states of the drive.
+//!
+//! The refitted model is run twice over every recording: entered where the chain begins, and entered at the measured slider,
+//! where there is one. A link that is driven by its measured input and still misses its measured output lacks physics.
+
+use identification::experiment::{Channel, Prepared};
+use identification::fit::{Misfit, StartState, misfits};
+use machine_file::LoadSource;
+use model_core::machine::{Machine, MachineError};
+use recording::{Recording, Signal};
+use simulation::signal::spectrum::strongest_line;
+use simulation::signal::window::{rows_in, running_sums};
+use simulation::{Trajectory, simulate};
+
+use super::error_shape::{Shape, State, once, over, periodic, stands_out};
+use super::intervals::{Interval, Series, When, when};
+use super::missing_link::{MissingLink, missing_link};
+use super::operating_region::{Course, since};
+use super::spool_behaviour::{Habit, habits};
+use crate::catalogue::Subsystem;
+
+/// How far one signal misses, in standard deviations of its noise (root mean square over all recordings).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Miss {
+    /// The signal.
+    pub signal: Signal,
+    /// RMSE over noise; 1 is a perfect model.
+    pub over_noise: f64,
+}
+
+/// How sure the model follows within the noise: no signal further off than half the noise again.
+pub(crate) const WITHIN_NOISE: f64 = 1.5;
+
+impl Miss {
+    /// Whether that is more than noise.
+    #[must_use]
+    pub fn is_above_noise(&self) -> bool {
+        self.over_noise > WITHIN_NOISE
+    }
+}
+
+/// The place of a mismatch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Location {
+    /// The link.
+    pub subsystem: Subsystem,
+    /// The signal that misses most.
+    pub signal: Signal,
+    /// Share of that signal's squared error that lies in the intervals.
+    pub share: f64,
+    /// Share of all recorded time that they take.
+    pub of_time: f64,
+    /// When the error is made, the largest first, five a recording at most; empty where no time is distinguished.
+    pub intervals: Vec<Interval>,
+    /// In which states of the drive, in words.
+    pub region: String,
+    /// What the error looks like.
+    pub shape: Shape,
+    /// What a recorded slider does that the model's does not, where its link misses.
+    pub slider: Vec<Habit>,
+    /// Every judged signal, end to end.
+    pub misses: Vec<Miss>,
+}
+
+/// A training recording with what was prepared from it.
+#[derive(Clone, Copy, Debug)]
+pub struct Case<'a> {
+    /// As read.
+    pub recording: &'a Recording,
+    /// As the fit sees it.
+    pub prepared: &'a Prepared,
+    /// The state it starts from.
+    pub start: StartState,
+}
+
+/// What a place is looked for in.
+#[derive(Clone, Copy, Debug)]
+pub struct Sought<'a> {
+    /// Refitted already.
+    pub machine: &'a Machine<f64>,
+    /// Where its load comes from.
+    pub load: LoadSource,
+    /// The recordings that it misses.
+    pub cases: &'a [Case<'a>],
+    /// Subsystems of the effects that are claimed, the one that explains most first.
+    pub named: &'a [Subsystem],
+    /// Log-likelihood that the best hypothesis of each subsystem would gain.
+    pub promises: &'a [(Subsystem, f64)],
+}
+
+/// Locates what a refitted machine misses.
+///
+/// The subsystem is the first that is named; without any, the one that the balances of the links speak for. What the hypotheses promise
+/// decides with the balances where no pressures were recorded.
+pub fn locate(sought: &Sought<'_>) -> Result<Location, MachineError> {
+    let Sought { machine, load, cases, named, promises } = *sought;
+    let misses = misses(machine, cases.iter().map(|case| (case.prepared, case.start)))?;
+    let link = missing_link(machine, load, cases, promises)?;
+    let event = once(
+        &link
+            .of_rod
+            .iter()
+            .map(|left| (left.recording.as_str(), left.time_s.as_slice(), left.above_noise.as_slice()))
+            .collect::<Vec<_>>(),
+    );
+    let trajectories = cases
+        .iter()
+        .map(|case| simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(machine, case.prepared)))
+        .collect::<Result<Vec<_>, _>>()?;
+    let oscillating = cases.iter().zip(&trajectories).find_map(|(case, trajectory)| oscillation(case, trajectory));
+    let commanded =
+        matches!(&oscillating, Some(Shape::Periodic { hz, .. }) if cases.iter().any(|case| is_driven(case, *hz)));
+    let subsystem = match (named.first(), &event, &oscillating) {
+        (Some(named), ..) => *named,
+        // What happens once and never again is pushed from outside.
+        (None, Some(_), _) if !link.has_pressures => Subsystem::Mechanics,
+        (None, _, Some(Shape::Periodic { signal, .. })) => oscillates(*signal, &link, commanded),
+        _ => link.subsystem,
+    };
+    // What was confirmed on recordings that were held out does not happen once.
+    let event = event.filter(|_| subsystem == Subsystem::Mechanics && named.is_empty());
+    let signal = worst(&misses, subsystem);
+    let slider = if subsystem == Subsystem::Valve { habits(cases, &trajectories) } else { Vec::new() };
+    let mut series = Vec::new();
+    let mut course = Course::default();
+    for (case, trajectory) in cases.iter().zip(trajectories) {
+        let Some(channel) = case.prepared.channels.iter().find(|channel| channel.signal == signal) else { continue };
+        let Some(simulated) = trajectory.signal(signal) else { continue };
+        let time_s = &case.prepared.time_s;
+        let errors = made(signal, time_s, &channel.over_noise(simulated));
+        series.push(Series { recording: &case.prepared.name, time_s, errors });
+        extend(&mut course, case.recording, case.prepared, &trajectory);
+    }
+    let When { intervals, share, of_time } = when(&series);
+    let all: Vec<f64> = series.iter().flat_map(|series| &series.errors).copied().collect();
+    let shape = event.or(oscillating).unwrap_or_else(|| over(&all, &states(&course)));
+    Ok(Location { subsystem, signal, share, of_time, intervals, region: course.region(&all), shape, slider, misses })
+}
+
+/// The link that an oscillation in this signal comes from: the supply's ripple reaches the chambers; a structure that rings
+/// carries the encoder along, and the chambers do not know. A valve's lags have no resonance: it passes on what is commanded.
+fn oscillates(signal: Signal, link: &MissingLink, commanded: bool) -> Subsystem {
+    match signal {
+        Signal::PressureA | Signal::PressureB | Signal::SupplyPressure => Subsystem::Flow,
+        Signal::Position if link.subsystem != Subsystem::Valve || !commanded => Subsystem::Sensing,
+        _ => link.subsystem,
+    }
+}
+
+/// Whether what drives a recording, or the slider in it, oscillates at this frequency itself: a line within a tenth of it.
+fn is_driven(case: &Case<'_>, hz: f64) -> bool {
+    let prepared = case.prepared;
+    let interval_s = prepared.duration_s() / (prepared.time_s.len().max(2) - 1) as f64;
+    [Signal::Command, Signal::Spool].into_iter().filter_map(|signal| case.recording.signal(signal)).any(|values| {
+        let line = strongest_line(values, interval_s, 0.9 * hz);
+        line.is_some_and(|line| line.hz < 1.1 * hz && stands_out(line))
+    })
+}
+
+/// Slowest oscillation that is not the motion itself, Hz.
+const SLOWEST_HZ: f64 = 8.0;
+
+/// The strongest line in what the model misses of any signal, or in the recorded supply.
+fn oscillation(case: &Case<'_>, trajectory: &Trajectory) -> Option<Shape> {
+    let prepared = case.prepared;
+    let interval_s = prepared.duration_s() / (prepared.time_s.len().max(2) - 1) as f64;
+    let missed = prepared.channels.iter().filter_map(|channel| {
+        let simulated = trajectory.signal(channel.signal)?;
+        let errors: Vec<f64> = channel.over_noise(simulated).iter().map(|error| error * channel.noise).collect();
+        Some((channel.signal, errors))
+    });
+    let supply = case.recording.signal(Signal::SupplyPressure).map(|values| (Signal::SupplyPressure, values.to_vec()));
+    let found = missed.chain(supply).filter_map(|(signal, values)| {
+        let line = strongest_line(&values, interval_s, SLOWEST_HZ)?;
+        // Only what is faster than the motion counts: the rest of the power is taken from differences over a window.
+        let fast = high_passed(&values, rows_in(&prepared.time_s, 0.5 / SLOWEST_HZ));
+        let mean_square = fast.iter().map(|value| value * value).sum::<f64>() / fast.len().max(1) as f64;
+        Some((line.above, periodic(line, mean_square, signal)?))
+    });
+    found.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, shape)| shape)
+}
+
+/// A series less its moving mean over `rows`.
+fn high_passed(values: &[f64], rows: usize) -> Vec<f64> {
+    let sums = running_sums(values.iter().copied());
+    let half = rows / 2;
+    (half..values.len().saturating_sub(half))
+        .map(|row| values[row] - (sums[row + half + 1] - sums[row - half]) / (2 * half + 1) as f64)
+        .collect()
+}
+
+/// The states of the drive along one more recording: measured where they are, simulated elsewhere.
+pub fn extend(course: &mut Course, recording: &Recording, prepared: &Prepared, trajectory: &Trajectory) {
+    let time_s = &prepared.time_s;
+    let of = |signal: Signal| {
+        let measured = prepared.channels.iter().find(|channel| channel.signal == signal).map(Channel::bridged);
+        let simulated = || trajectory.signal(signal).map(<[f64]>::to_vec);
+        measured.or_else(simulated).unwrap_or_else(|| vec![0.0; time_s.len()])
+    };
+    let velocity = trajectory.signal(Signal::Velocity).map_or_else(|| vec![0.0; time_s.len()], <[f64]>::to_vec);
+    let slider = recording.signal(Signal::Spool).map_or_else(|| of(Signal::Spool), <[f64]>::to_vec);
+    let fastest = velocity.iter().fold(0.0_f64, |fastest, v| fastest.max(v.abs()));
+    let turned = |row: usize| row > 0 && velocity[row] * velocity[row - 1] < 0.0;
+    course.since_reversal_s.extend(since(time_s, turned));
+    course.since_rest_s.extend(since(time_s, |row| velocity[row].abs() < 0.01 * fastest));
+    course.time_s.extend(time_s.iter().map(|time| time - time_s[0]));
+    course.position_m.extend(of(Signal::Position));
+    course.slider.extend(slider);
+    let command = recording.signal(Signal::Command);
+    course.command_v.extend(command.map_or_else(|| vec![0.0; time_s.len()], <[f64]>::to_vec));
+    course.pressure_a_pa.extend(of(Signal::PressureA));
+    course.pressure_b_pa.extend(of(Signal::PressureB));
+    let below_slider = prepared.channels.iter().any(|channel| channel.signal != Signal::Spool);
+    course.is_below_slider_seen |= below_slider;
+    course.velocity_m_per_s.extend(velocity);
+}
+
+/// The states that an error may be a function of.
+pub fn states(course: &Course) -> Vec<State> {
+    let state = |name, unit, values: &[f64]| State { name, unit, values: values.to_vec() };
+    vec![
+        state("slider", "1", &course.slider),
+        state("velocity", "m/s", &course.velocity_m_per_s),
+        state("position", "m", &course.position_m),
+        state("pressure in A", "Pa", &course.pressure_a_pa),
+        state("pressure in B", "Pa", &course.pressure_b_pa),
+        state("command", "V", &course.command_v),
+        state("time", "s", &course.time_s),
+    ]
+}
+
+/// RMSE over noise of every judged signal.
+pub fn misses<'a>(
+    machine: &Machine<f64>,
+    cases: impl IntoIterator<Item = (&'a Prepared, StartState)>,
+) -> Result<Vec<Miss>, MachineError> {
+    let misfits = misfits(machine, cases)?;
+    let miss = |misfit: &Misfit| Miss { signal: misfit.signal, over_noise: misfit.mean_square().sqrt() };
+    Ok(misfits.iter().map(miss).collect())
+}
+
+/// The signal that misses most of those that the link puts out: the slider for the valve, all others for the rest.
+fn worst(misses: &[Miss], subsystem: Subsystem) -> Signal {
+    let of_link = |miss: &&Miss| (miss.signal == Signal::Spool) == (subsystem == Subsystem::Valve);
+    let worst = misses.iter().filter(of_link).max_by(|a, b| a.over_noise.total_cmp(&b.over_noise));
+    worst
+        .or(misses.iter().max_by(|a, b| a.over_noise.total_cmp(&b.over_noise)))
+        .map_or(Signal::Position, |miss| miss.signal)
+}
+
+/// Where an error is *made*: a position keeps what was lost before, so its change over 50 ms counts.
+pub fn made(signal: Signal, time_s: &[f64], errors: &[f64]) -> Vec<f64> {
+    if signal != Signal::Position || errors.len() < 3 {
+        return errors.to_vec();
+    }
+    let interval = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small positive count")]
+    let half = ((0.025 / interval).round() as usize).clamp(1, errors.len() / 2);
+    (0..errors.len())
+        .map(|row| {
+            let (from, to) = (row.saturating_sub(half), (row + half).min(errors.len() - 1));
+            errors[to] - errors[from]
+        })
+        .collect()
+}

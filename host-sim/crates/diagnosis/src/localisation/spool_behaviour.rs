@@ -1,0 +1,353 @@
+//! What a recorded slider does that the model's does not: it hangs while it is driven, breaks away faster than the model ever goes, and
+//! rests in different places at the same command. These are descriptions, not effects: hysteresis, stiction, dirt and a worn spring share them.
+
+use std::fmt;
+
+use recording::Signal;
+use recording::display_unit::significant;
+use simulation::Trajectory;
+
+use super::locate::Case;
+
+/// What a slider does.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Habit {
+    /// It stays behind while the model's goes on.
+    Hangs {
+        /// The recording that shows most of it.
+        recording: String,
+        /// Start, s.
+        from_s: f64,
+        /// End, s.
+        to_s: f64,
+        /// Where, of full travel.
+        at: f64,
+        /// How far the model's goes meanwhile, of full travel.
+        modelled: f64,
+        /// Recordings in which it hangs.
+        recordings: usize,
+        /// Recordings of a slider.
+        of: usize,
+    },
+    /// It lets go faster than the model's moves there.
+    BreaksAway {
+        /// The recording.
+        recording: String,
+        /// When, s.
+        at_s: f64,
+        /// How fast, of full travel a second.
+        speed_per_s: f64,
+        /// The fastest of the model's meanwhile.
+        modelled_per_s: f64,
+    },
+    /// It rests in two places at one command.
+    RestsApart {
+        /// The command, V.
+        command_v: f64,
+        /// Recording and place, of full travel, of the one rest and of the other.
+        rests: [(String, f64); 2],
+        /// How far the model's rests there are apart.
+        modelled: f64,
+    },
+}
+
+/// A difference of two readings is one beyond six standard deviations of a reading: noise alone differs so far once in fifty thousand pairs.
+const DIFFERS: f64 = 6.0;
+/// A slider hangs while it goes less than this share of what the model's goes.
+const HANGS: f64 = 0.25;
+/// Longest time that it is looked for to hang, s.
+const LONGEST_S: f64 = 0.5;
+/// It breaks away where it is so many times faster than the model's.
+const FASTER: f64 = 1.5;
+/// Shortest time that a command is held for the slider to come to rest, s.
+const HELD_S: f64 = 0.2;
+/// Two commands are the same within this share of all that was commanded.
+const SAME: f64 = 0.01;
+
+/// A recorded slider beside the model's.
+struct Slider<'a> {
+    recording: &'a str,
+    time_s: &'a [f64],
+    command_v: Option<&'a [f64]>,
+    recorded: Vec<f64>,
+    modelled: &'a [f64],
+    noise: f64,
+}
+
+/// A rest of the slider at a held command: the command, and where both sliders are.
+struct Rest<'a> {
+    recording: &'a str,
+    command_v: f64,
+    recorded: f64,
+    modelled: f64,
+    noise: f64,
+}
+
+/// What the sliders of all recordings do; nothing where none is recorded.
+pub(crate) fn habits(cases: &[Case<'_>], trajectories: &[Trajectory]) -> Vec<Habit> {
+    let sliders: Vec<Slider<'_>> = cases
+        .iter()
+        .zip(trajectories)
+        .filter_map(|(case, trajectory)| {
+            let channel = case.prepared.channels.iter().find(|channel| channel.signal == Signal::Spool)?;
+            Some(Slider {
+                recording: &case.prepared.name,
+                time_s: &case.prepared.time_s,
+                command_v: case.recording.signal(Signal::Command),
+                recorded: channel.bridged(),
+                modelled: trajectory.signal(Signal::Spool)?,
+                noise: channel.noise,
+            })
+        })
+        .collect();
+    described(&sliders)
+}
+
+fn described(sliders: &[Slider<'_>]) -> Vec<Habit> {
+    let hangs: Vec<(&Slider<'_>, Hang)> = sliders.iter().filter_map(|slider| Some((slider, slider.hangs()?))).collect();
+    let mut found = Vec::new();
+    if let Some((slider, hang)) = hangs.iter().max_by(|a, b| a.1.behind.total_cmp(&b.1.behind)) {
+        found.push(Habit::Hangs {
+            recording: slider.recording.to_owned(),
+            from_s: slider.time_s[hang.first],
+            to_s: slider.time_s[hang.last],
+            at: slider.recorded[hang.first],
+            modelled: (slider.modelled[hang.last] - slider.modelled[hang.first]).abs(),
+            recordings: hangs.len(),
+            of: sliders.len(),
+        });
+        found.extend(slider.breaks_away(hang));
+    }
+    found.extend(rests_apart(sliders));
+    found
+}
+
+/// A stretch in which the slider hangs.
+struct Hang {
+    first: usize,
+    last: usize,
+    /// How much further the model's goes, in standard deviations of the noise.
+    behind: f64,
+}
+
+impl Slider<'_> {
+    /// The stretch in which it falls furthest behind the model's while hardly moving.
+    fn hangs(&self) -> Option<Hang> {
+        let moved = |series: &[f64], from: usize, to: usize| series[to] - series[from];
+        let mut best: Option<Hang> = None;
+        for first in 0..self.time_s.len() {
+            for last in first + 1..self.time_s.len() {
+                if self.time_s[last] - self.time_s[first] > LONGEST_S {
+                    break;
+                }
+                let (own, modelled) = (moved(&self.recorded, first, last), moved(self.modelled, first, last));
+                let behind = (modelled.abs() - own.abs()) / self.noise;
+                // Noise alone is no motion, nor does it hide one.
+                let is_one = modelled.abs() * HANGS > DIFFERS * self.noise && own.abs() < HANGS * modelled.abs();
+                if is_one && best.as_ref().is_none_or(|known| behind > known.behind) {
+                    best = Some(Hang { first, last, behind });
+                }
+            }
+        }
+        best
+    }
+
+    /// Where it lets go after it hung, if it does so faster than the model's moves from there on for as long again.
+    fn breaks_away(&self, hang: &Hang) -> Option<Habit> {
+        let until_s = self.time_s[hang.last] + LONGEST_S;
+        let rows =
+            || (hang.first..self.time_s.len().saturating_sub(2)).take_while(|row| self.time_s[row + 2] < until_s);
+        // Over two rows: a single step of a noisy reading is no speed.
+        let speed = |series: &[f64], row: usize| {
+            (series[row + 2] - series[row]).abs() / (self.time_s[row + 2] - self.time_s[row])
+        };
+        let fastest = rows()
+            .filter(|row| *row >= hang.last.saturating_sub(2))
+            .max_by(|a, b| speed(&self.recorded, *a).total_cmp(&speed(&self.recorded, *b)))?;
+        let (own, modelled) =
+            (speed(&self.recorded, fastest), rows().map(|row| speed(self.modelled, row)).fold(0.0, f64::max));
+        let is_seen = (self.recorded[fastest + 2] - self.recorded[fastest]).abs() > DIFFERS * self.noise;
+        (is_seen && own > FASTER * modelled).then(|| Habit::BreaksAway {
+            recording: self.recording.to_owned(),
+            at_s: self.time_s[fastest],
+            speed_per_s: own,
+            modelled_per_s: modelled,
+        })
+    }
+
+    /// Its rests at held commands, each by the mean of its last quarter.
+    fn rests(&self, same_v: f64) -> Vec<Rest<'_>> {
+        let Some(command) = self.command_v else { return Vec::new() };
+        let mut rests = Vec::new();
+        let mut first = 0;
+        for end in 1..=command.len() {
+            if end < command.len() && (command[end] - command[first]).abs() <= same_v {
+                continue;
+            }
+            if self.time_s[end - 1] - self.time_s[first] >= HELD_S {
+                let last = end - ((end - first) / 4).max(1)..end;
+                let mean = |series: &[f64]| series[last.clone()].iter().sum::<f64>() / last.len() as f64;
+                rests.push(Rest {
+                    recording: self.recording,
+                    command_v: mean(command),
+                    recorded: mean(&self.recorded),
+                    modelled: mean(self.modelled),
+                    noise: self.noise,
+                });
+            }
+            first = end;
+        }
+        rests
+    }
+}
+
+/// The two rests at one command that are further apart than any others, if the model's are not.
+fn rests_apart(sliders: &[Slider<'_>]) -> Option<Habit> {
+    let commands = || sliders.iter().filter_map(|slider| slider.command_v).flatten().copied();
+    let (low, high) = simulation::signal::noise::extent(commands());
+    let same_v = SAME * (high - low);
+    let rests: Vec<Rest<'_>> = sliders.iter().flat_map(|slider| slider.rests(same_v)).collect();
+    let mut best: Option<(f64, Habit)> = None;
+    for (index, one) in rests.iter().enumerate() {
+        for other in &rests[index + 1..] {
+            let (recorded, modelled) = (other.recorded - one.recorded, other.modelled - one.modelled);
+            let unexplained = (recorded - modelled).abs();
+            let is_apart = (one.command_v - other.command_v).abs() <= same_v
+                && unexplained > DIFFERS * one.noise.max(other.noise)
+                && unexplained > 0.5 * recorded.abs();
+            if is_apart && best.as_ref().is_none_or(|(known, _)| unexplained > *known) {
+                let of = |rest: &Rest<'_>| (rest.recording.to_owned(), rest.recorded);
+                let rests = [of(one), of(other)];
+                let command_v = f64::midpoint(one.command_v, other.command_v);
+                best = Some((unexplained, Habit::RestsApart { command_v, rests, modelled: modelled.abs() }));
+            }
+        }
+    }
+    best.map(|(_, habit)| habit)
+}
+
+impl Habit {
+    /// Its kind in reports.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Habit::Hangs { .. } => "hangs",
+            Habit::BreaksAway { .. } => "breaks-away",
+            Habit::RestsApart { .. } => "rests-apart",
+        }
+    }
+}
+
+impl fmt::Display for Habit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let travel = |share: f64| significant(100.0 * share, 2);
+        match self {
+            Habit::Hangs { recording, from_s, to_s, at, modelled, recordings, of } => write!(
+                f,
+                "the slider hangs at {} % of its travel while the model's goes on by {} % ({recording} from {} to {} s; so in {recordings} of {of} recordings)",
+                travel(*at),
+                travel(*modelled),
+                significant(*from_s, 4),
+                significant(*to_s, 4)
+            ),
+            Habit::BreaksAway { recording, at_s, speed_per_s, modelled_per_s } => write!(
+                f,
+                "then it breaks away at {} % of its travel a second, the model's at {} at most ({recording} at {} s)",
+                travel(*speed_per_s),
+                travel(*modelled_per_s),
+                significant(*at_s, 4)
+            ),
+            Habit::RestsApart { command_v, rests: [(one, here), (other, there)], modelled } => write!(
+                f,
+                "it does not come home: at a command of {} V it rests at {} % of its travel ({one}) and at {} % ({other}), the model's {} % apart",
+                significant(*command_v, 2),
+                travel(*here),
+                travel(*there),
+                travel(*modelled)
+            ),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn times() -> Vec<f64> {
+        (0..1000).map(|row| f64::from(row) * 1e-3).collect()
+    }
+
+    fn slider<'a>(
+        recording: &'a str,
+        time_s: &'a [f64],
+        command_v: &'a [f64],
+        recorded: Vec<f64>,
+        modelled: &'a [f64],
+    ) -> Slider<'a> {
+        Slider { recording, time_s, command_v: Some(command_v), recorded, modelled, noise: 1e-4 }
+    }
+
+    /// A command that rises for half a second and is held, and a slider that follows it.
+    fn followed(time_s: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let command: Vec<f64> = time_s.iter().map(|t| 4.0 * (t - 0.3).clamp(0.0, 0.4)).collect();
+        let free = command.iter().map(|command| 0.2 * command).collect();
+        (command, free)
+    }
+
+    #[test]
+    fn a_slider_that_follows_has_no_habit() {
+        let time_s = times();
+        let (command, free) = followed(&time_s);
+        let noisy = free.iter().enumerate().map(|(row, x)| x + if row % 2 == 0 { 1e-4 } else { -1e-4 }).collect();
+        assert_eq!(described(&[slider("a", &time_s, &command, noisy, &free)]), []);
+    }
+
+    #[test]
+    fn one_that_hangs_and_lets_go_is_told_with_place_and_speed() {
+        let time_s = times();
+        let (command, free) = followed(&time_s);
+        // It holds at 0.04 until the free one is 0.1 ahead, and is back with it 20 ms later.
+        let sticks = time_s.iter().zip(&free).map(|(t, free)| match t {
+            t if *t < 0.35 => *free,
+            t if *t < 0.475 => 0.04,
+            t if *t < 0.495 => 0.04 + (t - 0.475) * (0.156 - 0.04) / 0.02,
+            _ => *free,
+        });
+        let found = described(&[slider("a", &time_s, &command, sticks.collect(), &free)]);
+        let [
+            Habit::Hangs { from_s, to_s, at, modelled, .. },
+            Habit::BreaksAway { at_s, speed_per_s, modelled_per_s, .. },
+        ] = found.as_slice()
+        else {
+            panic!("{found:?}")
+        };
+        // It went a little before it held: less than a quarter of what the free one went.
+        assert!((0.3..0.37).contains(from_s) && (0.46..0.48).contains(to_s), "{found:?}");
+        assert!(*at < 0.045 && *modelled > 0.09, "{found:?}");
+        assert!((0.47..0.5).contains(at_s) && (speed_per_s - 5.8).abs() < 0.1 && (modelled_per_s - 0.8).abs() < 0.01);
+    }
+
+    #[test]
+    fn one_that_comes_to_rest_elsewhere_at_the_same_command_does_not_come_home() {
+        let time_s = times();
+        let (up, free_up) = followed(&time_s);
+        let (down, free_down): (Vec<f64>, Vec<f64>) =
+            (up.iter().rev().copied().collect(), free_up.iter().rev().copied().collect());
+        let late = free_down.iter().map(|free| free.max(0.05)).collect();
+        let found = described(&[
+            slider("up", &time_s, &up, free_up.clone(), &free_up),
+            slider("down", &time_s, &down, late, &free_down),
+        ]);
+        let apart =
+            found.iter().find(|habit| matches!(habit, Habit::RestsApart { .. })).unwrap_or_else(|| panic!("{found:?}"));
+        let Habit::RestsApart { command_v, rests: [(one, here), (other, there)], .. } = apart else { unreachable!() };
+        assert_eq!((one.as_str(), other.as_str()), ("up", "down"));
+        // The command counts as held until it has changed by a hundredth of all that is commanded.
+        assert!(command_v.abs() < 1e-3 && here.abs() < 1e-3 && (there - 0.05).abs() < 1e-9, "{found:?}");
+        let told = apart.to_string();
+        assert!(
+            told.starts_with("it does not come home: at a command of ") && told.contains("at 5.0 % (down)"),
+            "{told}"
+        );
+    }
+}

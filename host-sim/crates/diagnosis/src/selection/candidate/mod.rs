@@ -1,0 +1,308 @@
+//! A set of effects with its refit in the chain.
+
+mod neighbours;
+mod plausibility;
+mod refit;
+mod uncertainty;
+
+use rayon::prelude::*;
+use refit::{Beginning, FINELY, Goes, NEARLY, PRECISION, SETTLED};
+
+use identification::experiment::Prepared;
+use identification::fit::residuals::counts_from;
+use identification::fit::{
+    Counts, Fit, FitError, Free, Residuals, StartState, coarse, inflation, loss, set_tolerances, settle, softened,
+};
+use model_core::machine::Machine;
+use model_core::parameter::Parameter;
+
+use super::screen::Lead;
+use crate::catalogue::{Form, Hypothesis, Kind, Scene, Strength, is_elastic};
+
+pub use neighbours::{Reference, Weighing, noisier};
+
+/// The question put to the training recordings.
+#[derive(Clone, Copy, Debug)]
+pub struct Question<'a> {
+    /// What is known of the drive before.
+    pub scene: &'a Scene<'a>,
+    /// Ordinary parameters that may move.
+    pub ordinary: &'a [Free],
+    /// Effects that these recordings can show.
+    pub hypotheses: &'a [&'static Hypothesis],
+    /// Training recordings.
+    pub training: &'a [&'a Prepared],
+}
+
+impl Question<'_> {
+    /// How the independent samples of its residuals are counted.
+    pub(crate) fn counts(&self) -> Counts {
+        counts_from(self.scene.entry)
+    }
+
+    /// The first form of the effects that has all these strengths.
+    pub(crate) fn form_with(&self, strengths: &[Parameter]) -> Option<Chosen> {
+        let forms = |effect: &'static Hypothesis| effect.forms_in(self.scene).map(move |form| Chosen { effect, form });
+        let has_all = |chosen: &Chosen| strengths.iter().all(|strength| chosen.has(*strength));
+        self.hypotheses.iter().copied().flat_map(forms).find(has_all)
+    }
+}
+
+/// An effect in one of its forms.
+#[derive(Clone, Copy, Debug)]
+pub struct Chosen {
+    /// The effect.
+    pub effect: &'static Hypothesis,
+    /// The form.
+    pub form: Form,
+}
+
+impl Chosen {
+    /// Whether a parameter is one of its strengths.
+    pub(crate) fn has(&self, parameter: Parameter) -> bool {
+        self.form.iter().any(|strength| strength.parameter == parameter)
+    }
+}
+
+/// A set of effects with its fit.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// The effects beyond the machine file's own.
+    pub effects: Vec<Chosen>,
+    /// Fitted on all training recordings.
+    pub fit: Fit,
+    /// Strengths that no slope leads to, as they were found.
+    pub jumps: Vec<(Parameter, f64)>,
+    /// Residuals on the training recordings.
+    pub residuals: Residuals,
+    /// Whether it was refitted to the end.
+    pub is_finished: bool,
+    /// Whether the noise that it was fitted with was as correlated: standard deviations hold what neighbouring rows have in common.
+    pub is_tempered: bool,
+    /// How the independent samples of its residuals are counted.
+    pub counts: Counts,
+}
+
+impl Candidate {
+    /// The machine file's model, refitted from two solutions that are near.
+    pub fn base(question: &Question<'_>, one: &Fit, other: &Fit) -> Result<Self, FitError> {
+        let nearly = |near: &Fit| Self::ordinary(question, Some(near), NEARLY);
+        let (one, other) = rayon::join(|| nearly(one), || nearly(other));
+        let (one, other) = (one?, other?);
+        if other.fit.loss < one.fit.loss { &other } else { &one }.to_the_end(question)
+    }
+
+    /// The machine file's model, refitted from a solution where that ends below a loss: nearly first, to the end only where it does.
+    pub fn below(question: &Question<'_>, solution: &Fit, loss: f64) -> Result<Option<Self>, FitError> {
+        let nearly = Self::ordinary(question, Some(solution), NEARLY)?;
+        if nearly.fit.loss < loss { nearly.to_the_end(question).map(Some) } else { Ok(None) }
+    }
+
+    /// The machine file's model, as all sets are measured against it.
+    fn to_the_end(&self, question: &Question<'_>) -> Result<Self, FitError> {
+        // Of residuals that are alike for so many rows, a fall of the loss says so many times less.
+        let precision = (inflation(&self.residuals, self.counts) * FINELY).min(PRECISION);
+        Self::ordinary(question, Some(&self.fit), precision)
+    }
+
+    /// The machine file's model, roughly refitted.
+    pub fn rough(question: &Question<'_>, from: Option<&Fit>) -> Result<Self, FitError> {
+        Self::ordinary(question, from, SETTLED)
+    }
+
+    /// The machine file's model refitted, after which every channel tolerates what that leaves: residuals far beyond count
+    /// linearly in all that follows.
+    /// That refit is returned.
+    pub fn tolerated(scene: &Scene<'_>, ordinary: &[Free], training: &mut [Prepared]) -> Result<Fit, FitError> {
+        let nominal = vec![StartState::default(); training.len()];
+        set_tolerances(scene.machine, training, &nominal)?;
+        let references: Vec<&Prepared> = training.iter().collect();
+        let question = Question { scene, ordinary, hypotheses: &[], training: &references };
+        let base = Self::rough(&question, None)?.fit;
+        set_tolerances(&base.machine, training, &base.starts)?;
+        Ok(base)
+    }
+
+    /// With the effect that its newest one extends in the place of that, refitted to the end from where that has ended: there the search
+    /// with the plainer one may never have come. `None` where the newest extends none that these recordings can show.
+    pub fn with_plain(&self, question: &Question<'_>) -> Result<Option<Self>, FitError> {
+        let Some((newest, others)) = self.effects.split_last() else { return Ok(None) };
+        let Some(extension) = newest.effect.extends else { return Ok(None) };
+        let plain = question.hypotheses.iter().find(|effect| effect.name == extension.plain);
+        let alike = |form: &Form| is_elastic(form) == is_elastic(newest.form);
+        let form = plain.and_then(|effect| Some((*effect, effect.forms_in(question.scene).find(alike)?)));
+        let Some((effect, form)) = form else { return Ok(None) };
+        let taken = newest.form.iter().filter(|strength| extension.taken.contains(&strength.parameter));
+        let taken: Vec<f64> = taken.map(|strength| self.fit.machine.get(strength.parameter)).collect();
+        if taken.is_empty() {
+            return Ok(None);
+        }
+        let values = [(extension.given, taken.iter().sum::<f64>() / taken.len() as f64)];
+        let effects = others.iter().copied().chain([Chosen { effect, form }]).collect();
+        let from = Beginning { fit: &self.fit, values: &values, settled: &[], goes: Goes::ToTheEnd };
+        Self::refitted(question, effects, self.jumps.clone(), &from).map(Some)
+    }
+
+    /// Refitted to the end.
+    pub fn finished(&self, question: &Question<'_>) -> Result<Self, FitError> {
+        self.again_from(question, &[])?.unstuck(question)
+    }
+
+    /// What was refitted to the end, refitted again where that leaves less. An amount that vanished beside others has left no slope that
+    /// leads back, nor has a strength at the end of what is admissible: the middle of its range is tried.
+    pub fn unstuck(self, question: &Question<'_>) -> Result<Self, FitError> {
+        let lost: Vec<(Parameter, f64)> =
+            self.vanished(question.scene).into_iter().chain(self.stranded(question.scene)).collect();
+        if lost.is_empty() {
+            return Ok(self);
+        }
+        let again = self.again_from(question, &lost)?;
+        Ok(if again.fit.loss < self.fit.loss { again } else { self })
+    }
+
+    /// Refitted to the end from where it is, but from these values.
+    fn again_from(&self, question: &Question<'_>, values: &[(Parameter, f64)]) -> Result<Self, FitError> {
+        let from = Beginning { fit: &self.fit, values, settled: &[], goes: Goes::ToTheEnd };
+        Self::refitted(question, self.effects.clone(), self.jumps.clone(), &from)
+    }
+
+    /// This set and one with other effects and other parameters together, refitted to the end.
+    pub fn beside(&self, question: &Question<'_>, other: &Self) -> Result<Self, FitError> {
+        let effects = other.effects.iter().chain(&self.effects).copied().collect();
+        let jumps = other.jumps.iter().chain(&self.jumps).copied().collect();
+        let fit = self.fit.beside(&other.fit);
+        let from = Beginning { fit: &fit, values: &[], settled: &[], goes: Goes::ToTheEnd };
+        Self::refitted(question, effects, jumps, &from)
+    }
+
+    /// With another effect in the place of one, refitted to the end from these values.
+    pub fn instead(
+        &self,
+        question: &Question<'_>,
+        index: usize,
+        by: Chosen,
+        values: &[(Parameter, f64)],
+    ) -> Result<Self, FitError> {
+        let mut effects = self.effects.clone();
+        let gone = std::mem::replace(&mut effects[index], by);
+        let mut jumps = self.jumps.clone();
+        jumps.retain(|(parameter, _)| !is_jump(gone.form, *parameter));
+        let from = Beginning { fit: &self.fit, values, settled: &[], goes: Goes::ToTheEnd };
+        Self::refitted(question, effects, jumps, &from)
+    }
+
+    /// With only some of its effects, refitted to the end to these recordings, which may judge by other signals.
+    pub fn only(&self, question: &Question<'_>, keeps: impl Fn(&Hypothesis) -> bool) -> Result<Self, FitError> {
+        let (kept, gone): (Vec<_>, Vec<_>) = self.effects.iter().copied().partition(|chosen| keeps(chosen.effect));
+        self.left(question, kept, &gone)
+    }
+
+    /// Without one of its effects, refitted to the end.
+    pub fn without(&self, question: &Question<'_>, index: usize) -> Result<Self, FitError> {
+        let mut effects = self.effects.clone();
+        let gone = effects.remove(index);
+        self.left(question, effects, &[gone])
+    }
+
+    /// What is left without some of its effects. What those had of an ordinary parameter goes to it.
+    fn left(&self, question: &Question<'_>, kept: Vec<Chosen>, gone: &[Chosen]) -> Result<Self, FitError> {
+        let mut jumps = self.jumps.clone();
+        jumps.retain(|(parameter, _)| gone.iter().all(|chosen| !is_jump(chosen.form, *parameter)));
+        let fitted = |parameter| self.fit.machine.get(parameter);
+        let left = |strength: &Strength| {
+            strength.negative_of().map(|ordinary| (ordinary, fitted(ordinary) - fitted(strength.parameter)))
+        };
+        let values: Vec<_> = gone.iter().flat_map(|chosen| chosen.form.iter()).filter_map(left).collect();
+        let from = Beginning { fit: &self.fit, values: &values, settled: &[], goes: Goes::ToTheEnd };
+        Self::refitted(question, kept, jumps, &from)
+    }
+
+    /// Residuals on each training recording by a model that never saw it, one Newton step away, from the start that suits that model.
+    pub fn left_out(&self, question: &Question<'_>) -> Result<Residuals, FitError> {
+        self.left_out_by(question, |index| Ok(self.fit.without(index)))
+    }
+
+    /// The same by models refitted without the recording.
+    pub fn left_out_refitted(&self, question: &Question<'_>) -> Result<Residuals, FitError> {
+        let nearby = coarse(question.training, &self.fit.machine, &self.fit.starts)?;
+        self.left_out_by(question, |index| self.refitted_without(question, &nearby, index))
+    }
+
+    fn left_out_by(
+        &self,
+        question: &Question<'_>,
+        without: impl Fn(usize) -> Result<Machine<f64>, FitError> + Sync,
+    ) -> Result<Residuals, FitError> {
+        let training = question.training;
+        let residuals = |(index, case): (usize, &&Prepared)| {
+            let machine = if training.len() > 1 { without(index)? } else { self.fit.machine };
+            Ok(softened(&machine, case, settle(&machine, case)?)?)
+        };
+        training.par_iter().enumerate().map(residuals).collect()
+    }
+
+    /// Names of its effects, sorted.
+    #[must_use]
+    pub fn names(&self) -> Vec<&'static str> {
+        let mut names: Vec<&str> = self.effects.iter().map(|chosen| chosen.effect.name).collect();
+        names.sort_unstable();
+        names
+    }
+
+    /// Whether an effect is one of its own.
+    pub(crate) fn has(&self, effect: &Hypothesis) -> bool {
+        self.effects.iter().any(|chosen| chosen.effect.name == effect.name)
+    }
+
+    /// The effect that was added last and its form.
+    pub(crate) fn newest(&self) -> Option<(&'static str, *const Strength)> {
+        self.effects.last().map(|newest| (newest.effect.name, newest.form.as_ptr()))
+    }
+
+    /// Whether what was added last is what a lead points to.
+    pub(crate) fn newest_is_like(&self, lead: &Lead) -> bool {
+        self.newest() == Some((lead.effect.name, lead.form.as_ptr()))
+    }
+
+    /// How many strengths it has.
+    #[must_use]
+    pub fn strengths(&self) -> usize {
+        strengths(&self.effects).len()
+    }
+
+    /// RMSE over noise of the worst channel.
+    #[must_use]
+    pub fn worst_over_noise(&self, question: &Question<'_>) -> f64 {
+        let channels = question.training.first().map_or(0, |case| case.channels.len());
+        (0..channels)
+            .map(|channel| {
+                let (square, rows) = self.residuals.iter().fold((0.0, 0.0), |sum, case| {
+                    (
+                        sum.0 + case.get(channel).map_or(0.0, |series| loss(series)),
+                        sum.1 + case.get(channel).map_or(0, Vec::len) as f64,
+                    )
+                });
+                let over_noise = (square / f64::max(rows, 1.0)).sqrt();
+                if over_noise.is_finite() { over_noise } else { f64::INFINITY }
+            })
+            .fold(0.0, f64::max)
+    }
+}
+
+/// The strengths of a set, one that effects share once.
+fn strengths(effects: &[Chosen]) -> Vec<Strength> {
+    let mut found: Vec<Strength> = Vec::new();
+    for strength in effects.iter().flat_map(|chosen| chosen.form.iter()) {
+        if found.iter().all(|known| known.parameter != strength.parameter) {
+            found.push(*strength);
+        }
+    }
+    found
+}
+
+fn is_jump(form: Form, parameter: Parameter) -> bool {
+    form.iter().any(|strength| strength.parameter == parameter && matches!(strength.kind, Kind::Jump(_)))
+}
+
+#[cfg(test)]
+mod tests;

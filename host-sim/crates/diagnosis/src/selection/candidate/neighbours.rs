@@ -1,0 +1,96 @@
+//! What a set leads to: sets with one more effect, looked for and roughly refitted at twice the tick.
+
+use identification::experiment::Prepared;
+use identification::fit::{FitError, Sensitivity, coarse};
+
+use super::refit::{Beginning, Goes};
+use super::{Candidate, Chosen, Question, is_jump};
+use crate::catalogue::{Hypothesis, is_elastic};
+use crate::selection::extended;
+use crate::selection::screen::{Lead, screen};
+
+/// A set that others begin at, with the training recordings at twice the tick around it.
+#[derive(Debug)]
+pub struct Reference<'a> {
+    question: &'a Question<'a>,
+    set: &'a Candidate,
+    nearby: Vec<Prepared>,
+}
+
+/// How many times its own the noise of every channel of each training recording is taken to be.
+pub type Weighing = Vec<Vec<f64>>;
+
+impl<'a> Reference<'a> {
+    /// A set as others begin at it.
+    pub fn new(question: &'a Question<'a>, set: &'a Candidate) -> Result<Self, FitError> {
+        let nearby = coarse(question.training, &set.fit.machine, &set.fit.starts)?;
+        Ok(Self { question, set, nearby })
+    }
+
+    /// What could be added to the set, the most promising first.
+    pub fn leads(&self, hypotheses: &[&'static Hypothesis]) -> Result<Vec<Lead>, FitError> {
+        let nearby: Vec<&Prepared> = self.nearby.iter().collect();
+        let Some(sensitivity) = Sensitivity::at(&self.set.fit, &nearby)? else { return Ok(Vec::new()) };
+        let leads = screen(self.question.scene, &self.set.fit, &[sensitivity], hypotheses)?;
+        Ok(leads.into_iter().flatten().collect())
+    }
+
+    /// The same by each of two weighings.
+    pub fn leads_by(
+        &self,
+        weighings: [&Weighing; 2],
+        hypotheses: &[&'static Hypothesis],
+    ) -> Result<[Vec<Lead>; 2], FitError> {
+        let weighed = weighings.map(|weighing| noisier(self.nearby.clone(), weighing));
+        let [one, other] = weighed.each_ref().map(|cases| cases.iter().collect::<Vec<_>>());
+        let at = |cases| Sensitivity::at(&self.set.fit, cases);
+        let (Some(one), Some(other)) = (at(&one)?, at(&other)?) else { return Ok([Vec::new(), Vec::new()]) };
+        let leads = screen(self.question.scene, &self.set.fit, &[one, other], hypotheses)?;
+        let mut leads = leads.into_iter();
+        Ok(std::array::from_fn(|_| leads.next().unwrap_or_default()))
+    }
+
+    /// Where extensions of one of its effects could start: of friction on bristles those on bristles, of rigid friction the others.
+    pub fn extensions(&self, of: &Chosen, by: &[&'static Hypothesis]) -> Result<Vec<Lead>, FitError> {
+        let nearby: Vec<&Prepared> = self.nearby.iter().collect();
+        let Some(sensitivity) = Sensitivity::at(&self.set.fit, &nearby)? else { return Ok(Vec::new()) };
+        let mut found = Vec::new();
+        for effect in by {
+            found.extend(extended(self.question.scene, &self.set.fit, &sensitivity, effect)?);
+        }
+        found.retain(|lead| is_elastic(lead.form) == is_elastic(of.form));
+        Ok(found)
+    }
+
+    /// The set with one more effect, roughly refitted from where the lead points; [`Candidate::finished`] does the rest.
+    pub fn with(&self, lead: &Lead) -> Result<Candidate, FitError> {
+        self.beside(self.set.effects.clone(), lead)
+    }
+
+    /// The set with an extension in the place of the effect that it extends.
+    pub fn with_extension(&self, lead: &Lead) -> Result<Candidate, FitError> {
+        let plain = lead.effect.extends.map_or("", |extension| extension.plain);
+        let mut effects = self.set.effects.clone();
+        effects.retain(|chosen| chosen.effect.name != plain);
+        self.beside(effects, lead)
+    }
+
+    /// The lead's effect beside others, roughly refitted.
+    fn beside(&self, mut effects: Vec<Chosen>, lead: &Lead) -> Result<Candidate, FitError> {
+        effects.push(Chosen { effect: lead.effect, form: lead.form });
+        let mut jumps = self.set.jumps.clone();
+        jumps.extend(lead.values.iter().filter(|(parameter, _)| is_jump(lead.form, *parameter)));
+        let Lead { values, settled, .. } = lead;
+        let from = Beginning { fit: &self.set.fit, values, settled, goes: Goes::Roughly(&self.nearby) };
+        Candidate::refitted(self.question, effects, jumps, &from)
+    }
+}
+
+/// Recordings with more noise.
+pub fn noisier(mut cases: Vec<Prepared>, by: &Weighing) -> Vec<Prepared> {
+    for (channel, times) in cases.iter_mut().flat_map(|case| &mut case.channels).zip(by.iter().flatten()) {
+        channel.noise *= times;
+        channel.tolerance = 1.0;
+    }
+    cases
+}

@@ -1,0 +1,188 @@
+//! Refits of a set: to the end at the recordings' own tick, short of that at twice the tick.
+
+use identification::experiment::Prepared;
+use identification::fit::{Fit, FitError, Free, From, Sensitivity, StartState, coarse, fit, loss, softened_all};
+use model_core::machine::Machine;
+use model_core::parameter::Parameter;
+
+use super::{Candidate, Chosen, Question, strengths};
+use crate::catalogue::Kind;
+use crate::selection::screen::with;
+
+/// The search ends when the loss falls by less than this share in a step.
+pub(crate) const PRECISION: f64 = 1e-5;
+/// The same for what all sets are measured against: of twenty thousand samples a hundredth of a unit of log-likelihood.
+pub(crate) const FINELY: f64 = 1e-6;
+/// The same for one of several starts, the best of which is gone on with.
+pub(crate) const NEARLY: f64 = 1e-4;
+/// The same for a model that another search begins at.
+pub(crate) const SETTLED: f64 = 1e-3;
+/// The same for a first look.
+const ROUGHLY: f64 = 0.03;
+/// A strength that no slope leads to is looked for down to this share of itself.
+pub(crate) const NARROWEST: f64 = 0.01;
+
+/// How far a refit goes.
+pub(crate) enum Goes<'a> {
+    /// To the end.
+    ToTheEnd,
+    /// Only for a first look, on the training recordings at twice the tick around where it begins.
+    Roughly(&'a [Prepared]),
+}
+
+/// Where a refit begins.
+pub(crate) struct Beginning<'a> {
+    pub(crate) fit: &'a Fit,
+    /// Strengths that are new.
+    pub(crate) values: &'a [(Parameter, f64)],
+    /// Where the former fit's coordinates settle with them.
+    pub(crate) settled: &'a [f64],
+    pub(crate) goes: Goes<'a>,
+}
+
+impl Candidate {
+    /// A fit with its residuals. One that was not searched to the end was searched at twice the tick or more noise: its loss is told
+    /// anew by the recordings as they are.
+    pub(crate) fn of(
+        question: &Question<'_>,
+        effects: Vec<Chosen>,
+        mut fit: Fit,
+        jumps: Vec<(Parameter, f64)>,
+        is_finished: bool,
+    ) -> Result<Self, FitError> {
+        let training = question.training.iter().copied().zip(fit.starts.iter().copied());
+        let residuals = softened_all(&fit.machine, training)?;
+        if !is_finished {
+            let missed: f64 = residuals.iter().flatten().map(|series| loss(series)).sum();
+            let missed_there: f64 = fit.information.iter().map(|one| one.square).sum();
+            fit.loss += 0.5 * (missed - missed_there);
+        }
+        Ok(Self { effects, fit, jumps, residuals, is_finished, is_tempered: false, counts: question.counts() })
+    }
+
+    /// A refit of the ordinary parameters alone.
+    pub(crate) fn ordinary(question: &Question<'_>, solution: Option<&Fit>, precision: f64) -> Result<Self, FitError> {
+        let from = From { solution, ..From::default() };
+        let searched = |training: &[&Prepared]| {
+            let found = fit(question.scene.machine, question.ordinary, training, &from, precision)?;
+            Self::of(question, Vec::new(), found, Vec::new(), precision <= PRECISION)
+        };
+        if precision <= PRECISION {
+            return searched(question.training);
+        }
+        let nominal = vec![StartState::default(); question.training.len()];
+        let (machine, starts) =
+            solution.map_or((question.scene.machine, nominal.as_slice()), |known| (&known.machine, &known.starts));
+        let nearby = coarse(question.training, machine, starts)?;
+        searched(&nearby.iter().collect::<Vec<_>>())
+    }
+
+    /// A refit of a set to the end, from values of what no former solution has; strengths that no slope leads to stay as they are given.
+    pub(crate) fn given(
+        question: &Question<'_>,
+        effects: Vec<Chosen>,
+        jumps: Vec<(Parameter, f64)>,
+        solution: Option<&Fit>,
+        values: &[(Parameter, f64)],
+    ) -> Result<Self, FitError> {
+        let free = free(question, &effects);
+        let from = From { solution, coordinates: &coordinates(&free, values), moved: &[] };
+        let found = fit(&with(question.scene.machine, &jumps), &free, question.training, &from, PRECISION)?;
+        Self::of(question, effects, found, jumps, true)
+    }
+
+    /// A refit of a set with everything that is free in it.
+    pub(crate) fn refitted(
+        question: &Question<'_>,
+        effects: Vec<Chosen>,
+        mut jumps: Vec<(Parameter, f64)>,
+        from: &Beginning<'_>,
+    ) -> Result<Self, FitError> {
+        let free = free(question, &effects);
+        let coordinates = coordinates(&free, from.values);
+        let (training, precision) = match from.goes {
+            Goes::ToTheEnd => (question.training.to_vec(), PRECISION),
+            Goes::Roughly(nearby) => (nearby.iter().collect(), ROUGHLY),
+        };
+        let refit = |jumps: &[(Parameter, f64)], start: &From<'_>| {
+            fit(&with(question.scene.machine, jumps), &free, &training, start, precision)
+        };
+        let mut found =
+            refit(&jumps, &From { solution: Some(from.fit), coordinates: &coordinates, moved: from.settled })?;
+        for _ in 0..if jumps.is_empty() { 0 } else { 2 } {
+            let Some(sensitivity) = Sensitivity::at(&found, &training)? else { break };
+            for (parameter, value) in &mut jumps {
+                *value = better(&found.machine, &sensitivity, *parameter, *value)?;
+            }
+            drop(sensitivity);
+            found = refit(&jumps, &From { solution: Some(&found), ..From::default() })?;
+        }
+        Self::of(question, effects, found, jumps, precision <= PRECISION)
+    }
+
+    /// Refitted to the end to `others`, the same recordings with more noise, from where it is; told by the recordings as they are.
+    pub(crate) fn refitted_to(&self, question: &Question<'_>, others: &Question<'_>) -> Result<Self, FitError> {
+        let found = self.finished(others)?;
+        let told = Self::of(question, found.effects, found.fit, found.jumps, false)?;
+        Ok(Self { is_finished: true, is_tempered: true, ..told })
+    }
+
+    /// The machine refitted without one of the recordings, which are at twice the tick.
+    pub(crate) fn refitted_without(
+        &self,
+        question: &Question<'_>,
+        nearby: &[Prepared],
+        index: usize,
+    ) -> Result<Machine<f64>, FitError> {
+        let mut solution = self.fit.clone();
+        solution.starts.remove(index);
+        let others: Vec<&Prepared> =
+            nearby.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, case)| case).collect();
+        let machine = with(question.scene.machine, &self.jumps);
+        let from = From { solution: Some(&solution), ..From::default() };
+        Ok(fit(&machine, &self.fit.free, &others, &from, SETTLED)?.machine)
+    }
+}
+
+/// What a fit moves: the ordinary parameters, and every strength that a slope leads to.
+fn free(question: &Question<'_>, effects: &[Chosen]) -> Vec<Free> {
+    let smooth = strengths(effects).into_iter().filter(|strength| !matches!(strength.kind, Kind::Jump(_)));
+    question.ordinary.iter().copied().chain(smooth.map(|strength| strength.free(question.scene))).collect()
+}
+
+/// Coordinates of the values that are free.
+fn coordinates(free: &[Free], values: &[(Parameter, f64)]) -> Vec<(Parameter, f64)> {
+    let of = |(parameter, value): &(Parameter, f64)| {
+        let free = free.iter().find(|free| free.parameter == *parameter)?;
+        Some((*parameter, free.coordinate(*value)))
+    };
+    values.iter().filter_map(of).collect()
+}
+
+/// A better value of a strength that no slope leads to, near where it is.
+fn better(
+    machine: &Machine<f64>,
+    sensitivity: &Sensitivity<'_>,
+    parameter: Parameter,
+    value: f64,
+) -> Result<f64, FitError> {
+    let gain = |value: f64| -> Result<f64, FitError> {
+        let there = sensitivity.simulated(&with(machine, &[(parameter, value)]))?;
+        Ok(sensitivity.settle(&sensitivity.change(&there)).gain)
+    };
+    let (mut best, mut width) = ((value, gain(value)?), 0.16);
+    while width > NARROWEST {
+        let (mut moved, around) = (false, best.0);
+        for there in [around * (1.0 - width), (around * (1.0 + width)).min(parameter.description().max)] {
+            let found = gain(there)?;
+            if found > best.1 {
+                best = (there, found);
+                moved = true;
+            }
+        }
+        if !moved {
+            width *= 0.5;
+        }
+    }
+    Ok(best.0)
+}

@@ -1,0 +1,96 @@
+use identification::fit::{Freedom, effective_samples};
+use machine_file::LoadSource;
+use recording::Signal;
+use test_press::{extending, press};
+
+use super::*;
+use crate::catalogue::CATALOGUE;
+use crate::test_scene::scene;
+
+/// A set of one effect in its plainest form, as if a fit had ended at a machine.
+fn standing(name: &str, scene: &Scene<'_>, ordinary: &[Free], machine: &Machine<f64>) -> Candidate {
+    let effect = CATALOGUE.iter().find(|effect| effect.name == name).unwrap();
+    let form = effect.forms[0];
+    let free: Vec<Free> = ordinary.iter().copied().chain(form.iter().map(|strength| strength.free(scene))).collect();
+    let coordinates = free.iter().map(|free| free.coordinate(machine.get(free.parameter))).collect();
+    let starts = vec![StartState::default()];
+    let fit = Fit { machine: *machine, free, coordinates, starts, information: Vec::new(), converged: true, loss: 0.0 };
+    let effects = vec![Chosen { effect, form }];
+    Candidate {
+        effects,
+        fit,
+        jumps: Vec::new(),
+        residuals: Vec::new(),
+        is_finished: true,
+        is_tempered: false,
+        counts: effective_samples,
+    }
+}
+
+#[test]
+fn a_spring_that_begins_inside_the_stroke_is_no_stop_however_damped() {
+    let machine = press(&[]);
+    let scene = scene(&machine, &[Signal::Position]);
+    let stop = |share: f64, damping: f64| -> (bool, bool) {
+        let stiffness = scene.full_force_n() / (share * machine.get(Parameter::Stroke));
+        let values =
+            [(Parameter::StopStiffness, stiffness), (Parameter::StopExtended, 0.24), (Parameter::StopDamping, damping)];
+        let set = standing("end-stop", &scene, &[], &machine.with(&values));
+        (set.is_possible(&scene), set.is_plausible(&scene))
+    };
+    // The full force makes steel give by a ten-thousandth of the stroke, rubber by a hundredth.
+    assert_eq!([1e-4, 1e-3, 1e-2].map(|share| stop(share, 1e3)), [(true, true); 3]);
+    // One that gives by a tenth may be what is likeliest, and is not claimed.
+    assert_eq!([stop(0.1, 1e3), stop(0.3, 1e4)], [(true, false); 2]);
+}
+
+#[test]
+fn a_small_stiction_that_hardly_jumps_is_the_form_of_the_play_beside_it() {
+    let machine = press(&[]);
+    let scene = scene(&machine, &[Signal::Spool]);
+    let beside = |band: f64, kept: f64, width: f64| -> (bool, bool) {
+        let strengths =
+            [(Parameter::StictionBand, band), (Parameter::StictionKept, kept), (Parameter::HysteresisWidth, width)];
+        let mut set = standing("spool-stiction", &scene, &[], &machine.with(&strengths));
+        let play = CATALOGUE.iter().find(|effect| effect.name == "valve-hysteresis").unwrap();
+        set.effects.push(Chosen { effect: play, form: play.forms[0] });
+        (set.is_possible(&scene), set.is_plausible(&scene))
+    };
+    // It may be what is likeliest, and is not claimed.
+    assert_eq!(beside(0.005, 0.9, 0.02), (true, false));
+    // One that jumps is there however small, and one that is as wide as the play shapes no part of it.
+    assert_eq!([beside(0.005, 0.2, 0.02), beside(0.02, 0.9, 0.02)], [(true, true); 2]);
+}
+
+#[test]
+fn what_keeps_more_than_two_thirds_of_its_band_hardly_jumps() {
+    let machine = press(&[]);
+    let scene = scene(&machine, &[Signal::Spool]);
+    let keeping = |kept: f64| {
+        let strengths = [(Parameter::StictionBand, 0.01), (Parameter::StictionKept, kept)];
+        standing("spool-stiction", &scene, &[], &machine.with(&strengths)).hardly_jumps()
+    };
+    assert_eq!([0.1, 0.6, 0.7, 0.95].map(keeping), [false, false, true, true]);
+    let play = [(Parameter::HysteresisWidth, 0.01), (Parameter::StictionKept, 0.9)];
+    assert!(!standing("valve-hysteresis", &scene, &[], &machine.with(&play)).hardly_jumps());
+}
+
+#[test]
+fn without_an_effect_an_ordinary_parameter_has_what_that_had_of_it() {
+    // A load of 500 N, said by more force than the supply has one way and nearly as much the other.
+    let machine = press(&[(Parameter::ViscousFriction, 4e4), (Parameter::LoadForce, 500.0)]);
+    let case = Prepared::new(&extending(&machine), &machine, LoadSource::Constant, None).unwrap();
+    let training = [&case];
+    let scene = scene(&machine, &[Signal::Position]);
+    let load = Free { parameter: Parameter::LoadForce, freedom: Freedom::Around { nominal: 500.0, sigma: 1e5 } };
+    let question = Question { scene: &scene, ordinary: &[load], hypotheses: &[], training: &training };
+
+    let moved = machine.with(&[(Parameter::LoadForce, -59_500.0), (Parameter::LoadSpringForce, -60_000.0)]);
+    let set = standing("position-dependent-load", &scene, &[load], &moved);
+
+    let without = set.without(&question, 0).unwrap();
+    let found = without.fit.machine;
+    assert!((found.get(Parameter::LoadForce) - 500.0).abs() < 50.0, "{} N", found.get(Parameter::LoadForce));
+    assert!(found.get(Parameter::LoadSpringForce) == 0.0 && without.effects.is_empty());
+    assert!(without.worst_over_noise(&question) < 1.05, "{}", without.worst_over_noise(&question));
+}

@@ -1,0 +1,111 @@
+//! How well the values of a set are known: standard deviations from the curvature of what was minimised, or, where there is no slope, from
+//! its profile.
+
+use identification::fit::{Correlation, Estimate, FitError, Sensitivity, Uncertainty, inflation, loss};
+use model_core::parameter::Parameter;
+
+use super::refit::NARROWEST;
+use super::{Candidate, Question, strengths};
+use crate::selection::screen::with;
+
+/// Steps to either side of a strength that no slope leads to, each twice the last: from what it was looked for by to 1.28 of it.
+const STEPS: i32 = 8;
+
+impl Candidate {
+    /// Fitted values of what was free, with the strengths that were found without a slope.
+    pub fn estimates(&self, question: &Question<'_>) -> Result<Vec<Estimate>, FitError> {
+        let mut estimates = self.fit.estimates(self.inflation());
+        if self.jumps.is_empty() {
+            return Ok(estimates);
+        }
+        let sensitivity = Sensitivity::at(&self.fit, question.training)?;
+        for &(parameter, value) in &self.jumps {
+            let std = match &sensitivity {
+                Some(sensitivity) => self.by_profile(question, sensitivity, parameter, value)?,
+                None => None,
+            };
+            let std = std.unwrap_or(f64::NAN);
+            estimates.push(Estimate { parameter, before: 0.0, value, std, at_bound: false });
+        }
+        Ok(estimates)
+    }
+
+    /// Pairs of what was free whose estimates are correlated; of strengths without a slope nothing is known.
+    #[must_use]
+    pub fn correlations(&self) -> Vec<Correlation> {
+        self.fit.correlations(self.inflation())
+    }
+
+    /// What is known of its fitted values together.
+    #[must_use]
+    pub fn uncertainty(&self) -> Uncertainty {
+        self.fit.uncertainty(self.inflation())
+    }
+
+    fn inflation(&self) -> f64 {
+        if self.is_tempered { 1.0 } else { inflation(&self.residuals, self.counts) }
+    }
+
+    /// Standard deviation of a strength that no slope leads to: half the interval outside of which the log-likelihood, with all that is free
+    /// settled anew, is lower by more than ½, and what the steps of its search leave open. Rows count as many as are independent, each with the noise that is left. `None` where the
+    /// likelihood does not fall so far on either side.
+    fn by_profile(
+        &self,
+        question: &Question<'_>,
+        sensitivity: &Sensitivity<'_>,
+        parameter: Parameter,
+        value: f64,
+    ) -> Result<Option<f64>, FitError> {
+        let gain = |value: f64| -> Result<f64, FitError> {
+            let there = sensitivity.simulated(&with(&self.fit.machine, &[(parameter, value)]))?;
+            Ok(sensitivity.settle(&sensitivity.change(&there)).gain)
+        };
+        let (square, rows) = self
+            .residuals
+            .iter()
+            .flatten()
+            .fold((0.0, 0.0), |sum, series| (sum.0 + loss(series), sum.1 + series.len() as f64));
+        let unit = (square / f64::max(rows, 1.0)).max(1.0) * inflation(&self.residuals, self.counts);
+        let description = parameter.description();
+        let usual = strengths(&self.effects).into_iter().find(|strength| strength.parameter == parameter);
+        // A value next to nothing is moved by the least that is usual.
+        let step = NARROWEST * value.max(usual.map_or(0.0, |strength| strength.range(question.scene).0));
+        let here = gain(value)?;
+        let mut sides = Vec::new();
+        for sign in [-1.0, 1.0] {
+            let mut profile = vec![(0.0, 0.0)];
+            for index in 0..STEPS {
+                let there = value + sign * step * 2.0_f64.powi(index);
+                if (description.min..=description.max).contains(&there) {
+                    profile.push(((there - value).abs(), (here - gain(there)?) / unit));
+                }
+            }
+            sides.extend(end_of_likely(&profile));
+        }
+        // Between two steps of its search it may be anywhere.
+        let unsearched = step / 12.0_f64.sqrt();
+        Ok((!sides.is_empty()).then(|| unsearched.hypot(sides.iter().sum::<f64>() / sides.len() as f64)))
+    }
+}
+
+/// How far away a value is last as likely but for ½, by a straight line between the points of a profile: distance, and what is lost there.
+fn end_of_likely(profile: &[(f64, f64)]) -> Option<f64> {
+    let last = profile.iter().rposition(|(_, lost)| *lost <= 0.5)?;
+    let (&(from, less), &(to, more)) = (profile.get(last)?, profile.get(last + 1)?);
+    Some(from + (to - from) * (0.5 - less) / (more - less))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_profile_ends_where_the_likelihood_has_fallen_by_a_half_for_good() {
+        let parabola: Vec<(f64, f64)> = (0..6).map(f64::from).map(|at| (at, 0.5 * (at / 2.5).powi(2))).collect();
+        let end = end_of_likely(&parabola).unwrap();
+        assert!((end - 2.5).abs() < 0.05, "{end}");
+        // Beyond a hill it is likely once more.
+        assert_eq!(end_of_likely(&[(0.0, 0.0), (1.0, 3.0), (2.0, 0.25), (4.0, 0.75)]), Some(3.0));
+        assert_eq!(end_of_likely(&[(0.0, 0.0), (1.0, 0.2), (2.0, 0.3)]), None);
+    }
+}

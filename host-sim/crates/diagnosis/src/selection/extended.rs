@@ -1,0 +1,48 @@
+//! Where an extension of an effect that was found could start.
+
+use rayon::prelude::*;
+
+use identification::fit::{Fit, Sensitivity};
+use model_core::machine::MachineError;
+
+use super::screen::{Lead, Values, combined};
+use crate::catalogue::{Hypothesis, Kind, Scene, Strength};
+
+/// The most promising start of every form of an extension from a solution with the plainer effect: what that had is taken over,
+/// and the rest is tried.
+pub fn extended(
+    scene: &Scene<'_>,
+    fit: &Fit,
+    sensitivity: &Sensitivity<'_>,
+    effect: &'static Hypothesis,
+) -> Result<Vec<Lead>, MachineError> {
+    let Some(extension) = effect.extends else { return Ok(Vec::new()) };
+    let given = fit.machine.get(extension.given);
+    let mut found = Vec::new();
+    let taken = |strength: &&Strength| extension.taken.contains(&strength.parameter);
+    // A form that takes nothing over from the plainer effect is no extension of it.
+    for form in effect.forms_in(scene).filter(|form| form.iter().any(|strength| taken(&strength))) {
+        let start: Values = std::iter::once((extension.given, 0.0))
+            .chain(form.iter().filter(taken).map(|strength| (strength.parameter, given)))
+            .collect();
+        let tries = form.iter().filter(|strength| !taken(strength)).map(|strength| {
+            let (low, high) = strength.range(scene);
+            let known = fit.free.iter().any(|free| free.parameter == strength.parameter);
+            let fitted = fit.machine.get(strength.parameter);
+            let values = match strength.kind {
+                // What both have, the plainer one's refit knows.
+                _ if known && (low..=high).contains(&fitted) => vec![fitted],
+                Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) => vec![0.1 * given, 0.5 * given, given],
+                Kind::Signed(_) => vec![-0.5 * given, 0.05 * given, 0.5 * given],
+                Kind::Shape(..) | Kind::Place(..) => strength.tries(scene),
+            };
+            (strength.parameter, values)
+        });
+        let leads: Vec<Lead> = combined(start, tries)
+            .into_par_iter()
+            .map(|values| Lead::at(sensitivity, fit, effect, form, values))
+            .collect::<Result<_, MachineError>>()?;
+        found.extend(leads.into_iter().min_by(|a, b| a.loss.total_cmp(&b.loss)));
+    }
+    Ok(found)
+}

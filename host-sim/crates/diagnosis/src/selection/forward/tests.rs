@@ -1,0 +1,128 @@
+use identification::fit::{Free, Freedom};
+use model_core::parameter::Parameter as P;
+
+use super::*;
+use crate::selection::misfit_ranking::believed;
+use crate::selection::search::tests::{added, with_press};
+
+/// A set of two effects, refitted, on a press whose machine file lacks what is unknown, and the base of it.
+fn with_two(unknown: &[(P, f64)], effects: [&str; 2], seen: impl FnOnce(&Question<'_>, &Candidate, Candidate)) {
+    with_press(unknown, |question| {
+        let base = Candidate::rough(question, None).unwrap();
+        let first = added(question, &base, effects[0], None);
+        let both = added(question, &first, effects[1], None);
+        seen(question, &base, both);
+    });
+}
+
+#[test]
+fn what_the_other_effect_makes_superfluous_goes_unless_it_was_found_with_the_links_apart() {
+    let unknown = [(P::CoulombFriction, 300.0)];
+    with_two(&unknown, ["internal-leakage", "coulomb-friction"], |question, base, both| {
+        let left = |stay: &[&str]| reduced(question, base, both.clone(), stay).unwrap().unwrap().names();
+        assert_eq!(left(&[]), ["coulomb-friction"]);
+        assert_eq!(left(&["internal-leakage"]), ["coulomb-friction", "internal-leakage"]);
+    });
+}
+
+#[test]
+fn two_effects_that_are_there_stay() {
+    let unknown = [(P::CoulombFriction, 300.0), (P::ReturnResistance, 1.5e13)];
+    with_two(&unknown, ["tank-back-pressure", "coulomb-friction"], |question, base, both| {
+        let left = reduced(question, base, both, &[]).unwrap().unwrap();
+        assert_eq!(left.names(), ["coulomb-friction", "tank-back-pressure"]);
+    });
+}
+
+#[test]
+fn of_effects_that_follow_little_of_what_is_missing_nothing_is_left() {
+    with_two(&[(P::ReturnResistance, 1.5e13)], ["internal-leakage", "coulomb-friction"], |question, base, both| {
+        assert!(both.is_plausible(question.scene) && excess(&both.residuals) < excess(&base.residuals));
+        assert!(reduced(question, base, both, &[]).unwrap().is_none());
+    });
+}
+
+/// Edges of all sizes, refitted beside friction where the machine file lacks both and these sizes.
+fn of_all_sizes(sizes: &[(P, f64)], seen: impl FnOnce(&Question<'_>, Candidate)) {
+    let unknown = [sizes, &[(P::CoulombFriction, 300.0)]].concat();
+    with_press(&unknown, |question| {
+        let base = Candidate::rough(question, None).unwrap();
+        let edges = added(question, &base, "metering-asymmetry", Some(P::MeteringRatio));
+        let both = added(question, &edges, "coulomb-friction", None);
+        let effect = both.effects[0].effect;
+        seen(question, both.instead(question, 0, Chosen { effect, form: effect.refined[0] }, &[]).unwrap());
+    });
+}
+
+#[test]
+fn a_refined_form_goes_back_to_the_plain_one_where_that_does_as_well_beside_a_later_effect() {
+    of_all_sizes(&[(P::MeteringRatio, -0.3)], |question, finer| {
+        let plain = unrefined(question, finer.clone()).unwrap();
+        assert_eq!(plain.strengths() + 2, finer.strengths());
+        assert_eq!(plain.names(), finer.names());
+    });
+    let all = [(P::MeteringRatio, -0.3), (P::MeteringPorts, 0.1), (P::MeteringDirections, -0.1)];
+    of_all_sizes(&all, |question, finer| {
+        assert_eq!(unrefined(question, finer.clone()).unwrap().strengths(), finer.strengths());
+    });
+}
+
+#[test]
+fn a_set_enters_its_round_unless_a_better_fit_of_its_effects_is_there() {
+    with_two(&[(P::CoulombFriction, 300.0)], ["internal-leakage", "coulomb-friction"], |question, base, both| {
+        let [(set, net)] = &ranked(question, base, vec![both.without(question, 0).unwrap()])[..] else { panic!() };
+        for (known, left) in [(net - 1.0, *net), (net + 1.0, net + 1.0)] {
+            let mut rounds = vec![vec![trial(set, known)]];
+            enter(question, base, &mut rounds, set);
+            let nets: Vec<f64> = rounds[0].iter().map(|trial| trial.net).collect();
+            assert_eq!(nets, [left]);
+        }
+        // What gained nothing when its round was ranked is not likely now, unless it is told otherwise.
+        let round = [trial(&both.without(question, 1).unwrap(), 50.0), trial(set, 10.0)];
+        assert!(!is_likeliest(set, None, &round));
+        assert!(!is_likeliest(set, Some(40.0), &round));
+        assert!(is_likeliest(set, Some(49.0), &round));
+    });
+}
+
+/// Sets of one effect each, beside which a bent flow gain is missing, where the flow coefficient and the mass are free.
+fn beside_a_bent_gain(effects: [&str; 2], seen: impl FnOnce(&Question<'_>, &Candidate, Vec<(Candidate, f64)>)) {
+    with_press(&[(P::FlowGainLinear, 0.8), (P::CoulombFriction, 300.0)], |question| {
+        let free = [P::FlowCoefficient, P::MovingMass].map(|parameter| {
+            let nominal = question.scene.machine.get(parameter);
+            Free { parameter, freedom: Freedom::Around { nominal, sigma: 0.05 * nominal } }
+        });
+        let question = &Question { ordinary: &free, ..*question };
+        let base = Candidate::rough(question, None).unwrap();
+        let sets = effects.map(|name| added(question, &base, name, None));
+        seen(question, &base, ranked(question, &base, sets.to_vec()));
+    });
+}
+
+#[test]
+fn sets_that_are_far_off_are_refitted_to_recordings_that_are_believed_less_and_bend_less() {
+    beside_a_bent_gain(["coulomb-friction", "internal-leakage"], |question, base, sets| {
+        let before: Vec<Candidate> = sets.iter().map(|(set, _)| set.clone()).collect();
+        let after = believed(question, base, sets, None).unwrap();
+        assert_eq!(after.len(), before.len());
+        for (set, _) in &after {
+            let was = before.iter().find(|one| one.names() == set.names()).unwrap();
+            assert!(was.worst_over_noise(question) > FAR, "{:?}", was.names());
+            assert!(set.bent(question) < 0.5 * was.bent(question), "{:?} {}", set.names(), set.bent(question));
+        }
+    });
+}
+
+#[test]
+fn where_a_set_is_at_its_noise_recordings_are_believed() {
+    with_press(&[(P::CoulombFriction, 300.0)], |question| {
+        let base = Candidate::rough(question, None).unwrap();
+        let sets = ["coulomb-friction", "internal-leakage"].map(|name| added(question, &base, name, None));
+        let sets = ranked(question, &base, sets.to_vec());
+        let told = |sets: &[(Candidate, f64)]| -> Vec<_> {
+            sets.iter().map(|(set, net)| (set.names(), *net, set.fit.machine)).collect()
+        };
+        let before = told(&sets);
+        assert_eq!(told(&believed(question, &base, sets, None).unwrap()), before);
+    });
+}

@@ -1,0 +1,198 @@
+//! What a set of effects is worth over another: log-likelihoods in which each signal's noise level is unknown, ½·n·ln(loss) with n the
+//! independent samples of its residual, less what the strengths cost, plus what the ordinary parameters gain by coming back.
+
+use identification::fit::{CHANCE, Counts, FitError, Residuals, loss};
+
+use super::candidate::{Candidate, Chosen, Question};
+use crate::catalogue::CATALOGUE;
+
+/// What an effect must take away of what is above the noise.
+pub(crate) const LEAST_SHARE: f64 = 0.5;
+/// How closely a real effect follows its textbook form, as a share of the error that it explains (RMS): a further effect that
+/// explains less than this of what the first ones did cannot be told from their own form's error.
+pub const FORM: f64 = 0.1;
+/// An extension that explains less than that still earns its place by this share of what the plainer effect leaves.
+const EARNED: f64 = 0.75;
+
+/// Most recordings that a set is refitted without, one by one: a fiftieth of them moves no parameter further than a step tells.
+const MOST_REFITTED: usize = 50;
+
+/// Best first by log-likelihood gained over the base less penalty; only the best form of the same effects stays.
+pub(crate) fn ranked(question: &Question<'_>, base: &Candidate, found: Vec<Candidate>) -> Vec<(Candidate, f64)> {
+    ranked_by(question, base, found, question.counts())
+}
+
+/// The same by other counts of the independent samples of a series.
+pub(crate) fn ranked_by(
+    question: &Question<'_>,
+    base: &Candidate,
+    found: Vec<Candidate>,
+    counts: Counts,
+) -> Vec<(Candidate, f64)> {
+    let Some(best) = found.iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss)) else { return Vec::new() };
+    // The independent samples of the best residuals, so that all are measured alike.
+    let samples: Vec<f64> = best.residuals.iter().flatten().map(|series| counts(series)).collect();
+    let total: f64 = samples.iter().sum();
+    let net = |candidate: &Candidate| {
+        let series = base.residuals.iter().flatten().zip(candidate.residuals.iter().flatten());
+        let gain: f64 = series
+            .zip(&samples)
+            .map(|((before, after), samples)| 0.5 * samples * (floored(before) / floored(after)).ln())
+            .sum();
+        gain + straightened(question, base, candidate) - 0.5 * candidate.strengths() as f64 * total.max(2.0).ln()
+    };
+    let valued = |candidate: Candidate| {
+        let net = net(&candidate);
+        (candidate, net)
+    };
+    let mut ranked: Vec<(Candidate, f64)> = found.into_iter().map(valued).collect();
+    // Sets that are as likely as each other stay in the catalogue's order.
+    ranked.sort_by(|a, b| b.1.round().total_cmp(&a.1.round()).then_with(|| order(&a.0).cmp(&order(&b.0))));
+    let mut seen: Vec<Vec<&str>> = Vec::new();
+    ranked.retain(|(candidate, _)| {
+        let names = candidate.names();
+        let new = !seen.contains(&names);
+        seen.push(names);
+        new
+    });
+    ranked
+}
+
+/// Places of a set's effects in the catalogue.
+fn order(candidate: &Candidate) -> Vec<usize> {
+    let place =
+        |chosen: &Chosen| CATALOGUE.iter().position(|known| known.name == chosen.effect.name).unwrap_or(usize::MAX);
+    candidate.effects.iter().map(place).collect()
+}
+
+/// Puts a set with the plainer effect before the one with its extension, where that does not earn what it has more.
+pub(crate) fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>) {
+    let Some((best, best_net)) = ranked.first() else { return };
+    let most = excess(&base.residuals);
+    let plainer = ranked.iter().position(|(candidate, net)| {
+        let extended = best.effects.iter().any(|chosen| {
+            chosen.effect.extends.is_some_and(|extension| {
+                let others = best.effects.iter().filter(|other| other.effect.name != chosen.effect.name);
+                let mut wanted: Vec<&str> = others.map(|other| other.effect.name).chain([extension.plain]).collect();
+                wanted.sort_unstable();
+                wanted == candidate.names()
+            })
+        });
+        let (left, leaves) = (excess(&candidate.residuals), excess(&best.residuals));
+        let earned = best_net - net > CHANCE && (left - leaves > FORM * FORM * most || is_earned(candidate, best));
+        extended && !earned
+    });
+    if let Some(index) = plainer {
+        let plain = ranked.remove(index);
+        // What does not earn its place is less likely than what it extends, whatever its own form fits better.
+        for (_, net) in ranked.iter_mut().take(index) {
+            *net = net.min(plain.1 - CHANCE);
+        }
+        ranked.insert(0, plain);
+    }
+}
+
+/// Whether a finer form takes enough of what the plain one leaves.
+pub(crate) fn is_earned(plain: &Candidate, finer: &Candidate) -> bool {
+    excess(&finer.residuals) < (1.0 - EARNED) * excess(&plain.residuals)
+}
+
+/// The loss of a series, or what pure noise would lose if that is more: nothing below it can be gained.
+fn floored(series: &[f64]) -> f64 {
+    let loss = loss(series);
+    // A sensor that failed in every row tells nothing, one way or the other.
+    if loss.is_finite() { loss.max(series.len() as f64).max(1.0) } else { f64::INFINITY }
+}
+
+/// Log-likelihood gained on one signal.
+pub(crate) fn gained(before: &[f64], after: &[f64], counts: Counts) -> f64 {
+    gained_by(independent(before, after, counts), before, after)
+}
+
+fn gained_by(samples: f64, before: &[f64], after: &[f64]) -> f64 {
+    0.5 * samples * (floored(before) / floored(after)).ln()
+}
+
+/// The independent samples of the residual that has fewer, so that a gain one way is a loss the other.
+fn independent(before: &[f64], after: &[f64], counts: Counts) -> f64 {
+    counts(before).min(counts(after))
+}
+
+/// Log-likelihood gained as the ordinary parameters come back to where they were said to be: a model that lacks an effect bends
+/// them.
+pub(crate) fn straightened(question: &Question<'_>, without: &Candidate, with: &Candidate) -> f64 {
+    without.bent(question) - with.bent(question)
+}
+
+/// What is above the noise.
+pub(crate) fn excess(residuals: &Residuals) -> f64 {
+    residuals.iter().flatten().map(|series| above_noise(series)).sum()
+}
+
+/// What a series has above the noise.
+pub(crate) fn above_noise(series: &[f64]) -> f64 {
+    floored(series) - series.len() as f64
+}
+
+/// Whether `with` is worth its strengths over `without`.
+pub(crate) fn accepts(
+    question: &Question<'_>,
+    base: &Candidate,
+    without: &Candidate,
+    with: &Candidate,
+) -> Result<bool, FitError> {
+    let (most, before, after) = (excess(&base.residuals), excess(&without.residuals), excess(&with.residuals));
+    let told = before - after >= FORM * FORM * most || (without.is_bent(question) && !with.is_bent(question));
+    if after > (1.0 - LEAST_SHARE) * before || (!without.effects.is_empty() && !told) {
+        return Ok(false);
+    }
+    let counts = question.counts();
+    let pays = |gained: &Gained| {
+        let penalty = gained.cost(with.strengths().saturating_sub(without.strengths())) + CHANCE;
+        // Parameters that come back may pay for the strengths, but the recordings themselves have to tell.
+        gained.all > CHANCE && gained.all + straightened(question, without, with) > penalty && gained.repeats
+    };
+    if pays(&Gained::of(&without.left_out(question)?, &with.left_out(question)?, counts)) {
+        return Ok(true);
+    }
+    // One step says little where much hangs on the recording that was left out; of very many not much does.
+    if question.training.len() > MOST_REFITTED {
+        return Ok(false);
+    }
+    Ok(pays(&Gained::of(&without.residuals, &with.residuals, counts))
+        && pays(&Gained::of(&without.left_out_refitted(question)?, &with.left_out_refitted(question)?, counts)))
+}
+
+/// What recordings say of residuals `after` over those `before`.
+pub(crate) struct Gained {
+    /// Log-likelihood gained on all of them.
+    pub(crate) all: f64,
+    /// Whether that is so on all but one of them: what happens once is a disturbance.
+    pub(crate) repeats: bool,
+    /// Independent samples.
+    samples: f64,
+}
+
+impl Gained {
+    pub(crate) fn of(before: &Residuals, after: &Residuals, counts: Counts) -> Self {
+        let mut samples = 0.0;
+        let mut on = |before: &[Vec<f64>], after: &[Vec<f64>]| -> f64 {
+            let channels = before.iter().zip(after);
+            let gains = channels.map(|(before, after)| {
+                let independent = independent(before, after, counts);
+                samples += independent;
+                gained_by(independent, before, after)
+            });
+            gains.sum()
+        };
+        let gains: Vec<f64> = before.iter().zip(after).map(|(before, after)| on(before, after)).collect();
+        let improved = gains.iter().filter(|gain| **gain > 0.0).count();
+        let needed = if gains.len() > 2 { gains.len() - 1 } else { gains.len() };
+        Self { all: gains.iter().sum(), repeats: improved >= needed, samples }
+    }
+
+    /// What so many values that were fitted cost: half the logarithm of the samples each.
+    pub(crate) fn cost(&self, values: usize) -> f64 {
+        0.5 * values as f64 * f64::max(self.samples, 2.0).ln()
+    }
+}

@@ -1,0 +1,356 @@
+//! Which effects are worth a refit: each is tried at a few points of its usual range, and what it would gain once everything
+//! that is free has settled anew is read off the residuals' slopes. One simulation a point instead of a fit.
+
+use rayon::prelude::*;
+
+use identification::fit::{Change, Fit, Free, Freedom, Sensitivity, Settled, Simulated};
+use model_core::machine::{Machine, MachineError};
+use model_core::parameter::Parameter;
+
+use crate::catalogue::{Form, Hypothesis, Kind, Scene, Strength};
+
+/// A form of an effect at the point of its range where it promises most.
+#[derive(Clone, Debug)]
+pub struct Lead {
+    /// The effect.
+    pub effect: &'static Hypothesis,
+    /// The form.
+    pub form: Form,
+    /// Value of every strength, SI.
+    pub values: Values,
+    /// Half the sum of squares that it would gain.
+    pub gain: f64,
+    /// Half the sum of squares that it would leave.
+    pub loss: f64,
+    /// Coordinates that what was free before settles at: parameters, then each recording's start.
+    pub settled: Vec<f64>,
+}
+
+impl Lead {
+    /// A form with these strengths.
+    pub(crate) fn at(
+        sensitivity: &Sensitivity<'_>,
+        fit: &Fit,
+        effect: &'static Hypothesis,
+        form: Form,
+        values: Values,
+    ) -> Result<Self, MachineError> {
+        let there = sensitivity.simulated(&with(&fit.machine, &values))?;
+        let Settled { gain, loss, coordinates } = sensitivity.settle(&sensitivity.change(&there));
+        Ok(Self { effect, form, values, gain, loss, settled: coordinates })
+    }
+
+    /// Whether both are the same form of the same effect.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        self.effect.name == other.effect.name && self.form.as_ptr() == other.form.as_ptr()
+    }
+}
+
+/// Strengths with their values, SI.
+pub type Values = Vec<(Parameter, f64)>;
+
+impl Strength {
+    /// How a fit moves it: a broad prior over its usual range.
+    #[must_use]
+    pub fn free(&self, scene: &Scene<'_>) -> Free {
+        // The usual range, widened threefold, is ±2 standard deviations.
+        let logarithm = |(low, high): (f64, f64), vanishes: bool| Freedom::Logarithm {
+            centre: (low * high).sqrt(),
+            spread: ((high / low).ln() + 2.0 * 3.0_f64.ln()) / 4.0,
+            vanishes,
+        };
+        let freedom = match self.kind {
+            Kind::Amount(range) | Kind::Firm(range) | Kind::Jump(range) => logarithm(range(scene), true),
+            Kind::Shape(range, _) => logarithm(range(scene), false),
+            Kind::Signed(size) => Freedom::Signed { sigma: size(scene) },
+            Kind::Place(range, _) => {
+                let (low, high) = range(scene);
+                Freedom::Around { nominal: f64::midpoint(low, high), sigma: 0.5 * (high - low) }
+            }
+        };
+        Free { parameter: self.parameter, freedom }
+    }
+
+    /// Whether it says how much of the effect there is.
+    pub fn is_amount(&self) -> bool {
+        matches!(self.kind, Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) | Kind::Signed(_))
+    }
+
+    /// The size that directions are taken at.
+    pub fn unit(&self, scene: &Scene<'_>) -> f64 {
+        match self.kind {
+            Kind::Amount(range) | Kind::Firm(range) | Kind::Jump(range) | Kind::Shape(range, _) => {
+                let (low, high) = range(scene);
+                (low * high).sqrt()
+            }
+            Kind::Signed(size) => 0.3 * size(scene),
+            Kind::Place(range, _) => range(scene).1,
+        }
+    }
+
+    /// Its usual range, of a value of either sign about 0, in the unit of its parameter.
+    #[must_use]
+    pub fn range(&self, scene: &Scene<'_>) -> (f64, f64) {
+        match self.kind {
+            Kind::Amount(range)
+            | Kind::Firm(range)
+            | Kind::Jump(range)
+            | Kind::Shape(range, _)
+            | Kind::Place(range, _) => range(scene),
+            Kind::Signed(size) => (-size(scene), size(scene)),
+        }
+    }
+
+    /// Points of the range of a shape or a place to try.
+    pub(crate) fn tries(&self, scene: &Scene<'_>) -> Vec<f64> {
+        match self.kind {
+            Kind::Shape(range, count) => {
+                let (low, high) = range(scene);
+                (0..count).map(|index| low * (high / low).powf((index as f64 + 0.5) / count as f64)).collect()
+            }
+            Kind::Place(range, shares) => {
+                let (low, high) = range(scene);
+                shares.iter().map(|share| low + (high - low) * share).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+}
+
+/// A point that promises less than this share of the most promising one is not looked at again.
+const WORTHWHILE: f64 = 0.02;
+/// Points that are looked at again, at most.
+const MOST_TRIED: usize = 18;
+
+/// What a point of a form's shapes promises along the directions of its amounts.
+#[derive(Debug)]
+struct Promise {
+    /// Which form.
+    form: usize,
+    shape: Values,
+    /// Of each amount, in its unit.
+    shares: Vec<f64>,
+    gain: f64,
+}
+
+/// The strengths that say how much of the effect there is.
+pub fn amounts(form: Form) -> impl Iterator<Item = &'static Strength> {
+    form.iter().filter(|strength| strength.is_amount())
+}
+
+/// What each amount simulates at its unit, the others at nil.
+fn directions(
+    fit: &Fit,
+    sensitivity: &Sensitivity<'_>,
+    form: Form,
+    shape: &[(Parameter, f64)],
+    units: &[f64],
+) -> Result<Vec<Simulated>, MachineError> {
+    let values = amounts(form).zip(units).map(|(strength, unit)| [shape, &[(strength.parameter, *unit)]].concat());
+    values.map(|values| sensitivity.simulated(&with(&fit.machine, &values))).collect()
+}
+
+/// How much of each amount lowers the loss most, in units of each, by the direction that it moves the residuals in; and the gain.
+fn directed(sensitivity: &Sensitivity<'_>, form: Form, directions: &[Simulated]) -> (Vec<f64>, f64) {
+    let positive: Vec<bool> = amounts(form).map(|strength| !matches!(strength.kind, Kind::Signed(_))).collect();
+    let changes: Vec<Change> = directions.iter().map(|direction| sensitivity.change(direction)).collect();
+    sensitivity.amounts(&changes, &positive)
+}
+
+/// The best point of every form, the most promising first, by each of several weighings of the same recordings. Forms that promise
+/// nothing are left out.
+pub fn screen(
+    scene: &Scene<'_>,
+    fit: &Fit,
+    weighings: &[Sensitivity<'_>],
+    hypotheses: &[&'static Hypothesis],
+) -> Result<Vec<Vec<Lead>>, MachineError> {
+    let Some(any) = weighings.first() else { return Ok(Vec::new()) };
+    let forms: Vec<(&'static Hypothesis, Form)> =
+        hypotheses.iter().flat_map(|effect| effect.forms_in(scene).map(move |form| (*effect, form))).collect();
+    let points: Vec<(usize, Values)> = forms
+        .iter()
+        .enumerate()
+        .flat_map(|(index, (_, form))| shapes(scene, form).into_iter().map(move |shape| (index, shape)))
+        .collect();
+    // What each point promises along its directions, by each weighing.
+    let promised: Vec<Vec<Promise>> = points
+        .into_par_iter()
+        .map(|(index, shape)| {
+            let form = forms[index].1;
+            let units: Vec<f64> = amounts(form).map(|strength| strength.unit(scene)).collect();
+            // A point that does not become a drive promises nothing.
+            let directions = directions(fit, any, form, &shape, &units).ok();
+            let promise = |sensitivity| {
+                let promised = directions.as_ref().map(|directions| directed(sensitivity, form, directions));
+                let (shares, gain) = promised.unwrap_or_default();
+                Promise { form: index, shape: shape.clone(), shares, gain }
+            };
+            weighings.iter().map(promise).collect()
+        })
+        .collect();
+    let by = |(which, sensitivity): (usize, &Sensitivity<'_>)| {
+        best(scene, fit, sensitivity, &forms, promised.iter().map(|each| &each[which]).collect())
+    };
+    Ok(weighings.iter().enumerate().map(by).collect())
+}
+
+/// The best of the promising points of every form, for real.
+fn best(
+    scene: &Scene<'_>,
+    fit: &Fit,
+    sensitivity: &Sensitivity<'_>,
+    forms: &[(&'static Hypothesis, Form)],
+    promised: Vec<&Promise>,
+) -> Vec<Lead> {
+    let mut gains: Vec<f64> = promised.iter().map(|promise| promise.gain).collect();
+    gains.sort_by(|a, b| b.total_cmp(a));
+    let least = gains.first().map_or(0.0, |most| WORTHWHILE * most).max(gains.get(MOST_TRIED).copied().unwrap_or(0.0));
+    let leads: Vec<(usize, Option<Lead>)> = promised
+        .into_par_iter()
+        .filter(|promise| promise.gain >= least)
+        .map(|promise| {
+            let (effect, form) = forms[promise.form];
+            // A point that does not become a drive is no lead.
+            (promise.form, lead(scene, fit, sensitivity, effect, form, promise).ok().flatten())
+        })
+        .collect();
+    let mut best: Vec<Option<Lead>> = vec![None; forms.len()];
+    for (index, lead) in leads {
+        if let Some(lead) = lead
+            && best[index].as_ref().is_none_or(|known| known.gain < lead.gain)
+        {
+            best[index] = Some(lead);
+        }
+    }
+    let mut found: Vec<Lead> = best.into_iter().flatten().collect();
+    found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    found
+}
+
+/// Every combination of the shapes' points.
+pub fn shapes(scene: &Scene<'_>, form: Form) -> Vec<Values> {
+    let shapes = form.iter().filter(|strength| !strength.is_amount());
+    combined(Vec::new(), shapes.map(|strength| (strength.parameter, strength.tries(scene))))
+}
+
+/// What is given with every combination of the values to try.
+pub fn combined(given: Values, tries: impl Iterator<Item = (Parameter, Vec<f64>)>) -> Vec<Values> {
+    tries.fold(vec![given], |points, (parameter, values)| {
+        points
+            .iter()
+            .flat_map(|point| values.iter().map(|value| [point.as_slice(), &[(parameter, *value)]].concat()))
+            .collect()
+    })
+}
+
+/// The machine with other values, each held within its range.
+pub fn with(machine: &Machine<f64>, values: &[(Parameter, f64)]) -> Machine<f64> {
+    let mut machine = *machine;
+    for &(parameter, value) in values {
+        let description = parameter.description();
+        machine.set(parameter, value.clamp(description.min, description.max));
+    }
+    machine
+}
+
+fn lead(
+    scene: &Scene<'_>,
+    fit: &Fit,
+    sensitivity: &Sensitivity<'_>,
+    effect: &'static Hypothesis,
+    form: Form,
+    promise: &Promise,
+) -> Result<Option<Lead>, MachineError> {
+    let lead_at = |values: Values| Lead::at(sensitivity, fit, effect, form, values);
+    if form.iter().all(|strength| matches!(strength.kind, Kind::Jump(_))) {
+        return jump(scene, form, lead_at).map(Some);
+    }
+    let mut units: Vec<f64> = amounts(form).map(|strength| strength.unit(scene)).collect();
+    let (mut shares, mut promised) = (promise.shares.clone(), promise.gain);
+    let mut best: Option<Lead> = None;
+    // The second time from where the first arrives: a large amount shows another direction than a small one.
+    for last in [false, true] {
+        if promised <= 0.0 || shares.iter().all(|share| *share == 0.0) {
+            break;
+        }
+        for step in [1.0, 0.4] {
+            let values: Values = amounts(form)
+                .zip(shares.iter().zip(&units))
+                .filter(|(_, (share, _))| **share != 0.0)
+                .map(|(strength, (share, unit))| (strength.parameter, step * share.clamp(-30.0, 30.0) * unit))
+                .collect();
+            let lead = lead_at([promise.shape.as_slice(), &values].concat())?;
+            let enough = lead.gain > 0.5 * promised;
+            if best.as_ref().is_none_or(|known| known.gain < lead.gain) {
+                best = Some(lead);
+            }
+            if enough {
+                break;
+            }
+        }
+        let near = shares.iter().all(|share| *share == 0.0 || (0.6..1.6).contains(&share.abs()));
+        if near || last {
+            break;
+        }
+        for (unit, share) in units.iter_mut().zip(&shares) {
+            if *share != 0.0 {
+                *unit *= share.abs().clamp(0.02, 30.0);
+            }
+        }
+        (shares, promised) = directed(sensitivity, form, &directions(fit, sensitivity, form, &promise.shape, &units)?);
+    }
+    Ok(best.filter(|lead| lead.gain > 0.0).map(|mut lead| {
+        // A strength that this point does without starts small.
+        for (strength, unit) in amounts(form).zip(&units) {
+            if lead.values.iter().all(|(parameter, _)| *parameter != strength.parameter) {
+                lead.values.push((strength.parameter, 0.03 * unit));
+            }
+        }
+        lead
+    }))
+}
+
+/// The best values of strengths that residuals jump with: no slope leads there, so the ranges are tried and then narrowed down,
+/// one strength at a time.
+fn jump(
+    scene: &Scene<'_>,
+    form: Form,
+    lead_at: impl Fn(Values) -> Result<Lead, MachineError> + Sync,
+) -> Result<Lead, MachineError> {
+    /// Points of the first strength's range, and of each further one's.
+    const POINTS: [usize; 2] = [12, 4];
+    let grid = |strength: &Strength, points: usize| -> Vec<f64> {
+        let (low, high) = strength.range(scene);
+        (0..points).map(|index| low * (high / low).powf((index as f64 + 0.5) / points as f64)).collect()
+    };
+    let tries =
+        form.iter().enumerate().map(|(index, strength)| (strength.parameter, grid(strength, POINTS[index.min(1)])));
+    let leads: Vec<Lead> = combined(Vec::new(), tries).into_par_iter().map(&lead_at).collect::<Result<_, _>>()?;
+    let mut best: Option<Lead> = None;
+    for lead in leads {
+        if best.as_ref().is_none_or(|known| known.gain < lead.gain) {
+            best = Some(lead);
+        }
+    }
+    let Some(mut best) = best else { return lead_at(Vec::new()) };
+    let mut width = 0.25;
+    while width > 0.02 {
+        let mut moved = false;
+        for index in 0..form.len() {
+            for factor in [1.0 - width, 1.0 + width] {
+                let mut values = best.values.clone();
+                let (parameter, value) = values[index];
+                values[index].1 = (value * factor).min(parameter.description().max);
+                let lead = lead_at(values)?;
+                if lead.gain > best.gain {
+                    (best, moved) = (lead, true);
+                }
+            }
+        }
+        if !moved {
+            width *= 0.5;
+        }
+    }
+    Ok(best)
+}

@@ -1,0 +1,216 @@
+//! Sets with one more effect: what is worth a refit, refitted roughly.
+
+use rayon::prelude::*;
+
+use identification::fit::{CHANCE, FitError};
+
+use super::candidate::{Candidate, Chosen, Question, Reference};
+use super::inflated_noise::Tempered;
+use super::likelihood::{excess, is_earned};
+use super::screen::Lead;
+use crate::catalogue::Hypothesis;
+
+/// An effect that promises less than this share of what the best does is not refitted.
+const PROMISING: f64 = 0.05;
+
+/// Every set of the beam with one more effect, at most `most` effects from each reference, in their promising forms.
+///
+/// Where nothing is in a set yet and what is missing has bent the ordinary parameters, the tempered model is a reference as
+/// well. Extensions of an effect start from its refit.
+pub(super) fn widened(
+    question: &Question<'_>,
+    tempered: &Tempered,
+    beam: &[Candidate],
+    most: usize,
+    done: &(impl Fn(&str) + Sync),
+) -> Result<Vec<Candidate>, FitError> {
+    let of_set = |from: &Candidate| -> Result<Vec<Candidate>, FitError> {
+        let open = open_to(question, from);
+        let mut found = added(question, tempered, from, &open, most, done)?;
+        found.extend(extensions(question, from, &open, &found, done)?);
+        Ok(found)
+    };
+    of_each(beam, of_set)
+}
+
+/// Refits of a set with one more effect, from where the set stands and, where that is bent, from the tempered model.
+///
+/// The tempered model's leads are those of its correlated residuals, and what only independent ones lead to. From both models a form
+/// mostly ends alike, so what correlated residuals lead to is refitted from the tempered one, and only what comes near the best from the
+/// other too.
+fn added(
+    question: &Question<'_>,
+    tempered: &Tempered,
+    from: &Candidate,
+    open: &[&'static Hypothesis],
+    most: usize,
+    done: &(impl Fn(&str) + Sync),
+) -> Result<Vec<Candidate>, FitError> {
+    let refit = |leads: &[Lead], reference: &Reference<'_>| refit_each(leads, done, |lead| reference.with(lead));
+    let reference = Reference::new(question, from)?;
+    let own = promising(reference.leads(open)?, most, CHANCE);
+    if !from.effects.is_empty() || !from.is_bent(question) {
+        return refit(&own, &reference);
+    }
+    let beside = Reference::new(question, &tempered.base)?;
+    let leads = beside.leads_by([&tempered.correlated, &tempered.independent], open)?;
+    let [mut others, mut bending] = leads.map(|leads| promising(leads, most, 0.0));
+    let (again, own): (Vec<Lead>, Vec<Lead>) =
+        own.into_iter().partition(|lead| others.iter().any(|other| other.is_like(lead)));
+    bending.retain(|lead| others.iter().all(|known| !known.is_like(lead)));
+    others.extend(bending);
+    let (alone, both) = rayon::join(|| refit(&own, &reference), || refit(&others, &beside));
+    let mut found = alone?;
+    found.extend(both?);
+    let least = least_above(found.iter().filter(|candidate| candidate.is_possible(question.scene)));
+    let near = |lead: &Lead| found.iter().any(|known| known.newest_is_like(lead) && is_hopeful(known, least));
+    let again: Vec<Lead> = again.into_iter().filter(near).collect();
+    found.extend(refit(&again, &reference)?);
+    Ok(found)
+}
+
+/// The refits of each, in their order.
+pub(crate) fn of_each<T: Sync>(
+    all: &[T],
+    refits: impl Fn(&T) -> Result<Vec<Candidate>, FitError> + Sync + Send,
+) -> Result<Vec<Candidate>, FitError> {
+    let found: Vec<Vec<Candidate>> = all.par_iter().map(refits).collect::<Result<_, _>>()?;
+    Ok(found.into_iter().flatten().collect())
+}
+
+/// A rough refit from each lead, in their order. `done` is told after each.
+pub(crate) fn refit_each(
+    leads: &[Lead],
+    done: &(impl Fn(&str) + Sync),
+    refit: impl Fn(&Lead) -> Result<Candidate, FitError> + Sync,
+) -> Result<Vec<Candidate>, FitError> {
+    let told = |lead: &Lead| {
+        let candidate = refit(lead);
+        done(lead.effect.name);
+        candidate
+    };
+    leads.par_iter().map(told).collect()
+}
+
+/// Effects that may be added: neither there already, nor an extension of one that is.
+pub(crate) fn open_to(question: &Question<'_>, from: &Candidate) -> Vec<&'static Hypothesis> {
+    let open =
+        |hypothesis: &&Hypothesis| from.effects.iter().all(|chosen| chosen.effect.plainest() != hypothesis.plainest());
+    question.hypotheses.iter().copied().filter(open).collect()
+}
+
+/// The leads of the most promising effects, each of which promises more than the `least`: what chance gives, but beside the
+/// tempered model nothing, for there all that is left counts as noise.
+fn promising(mut leads: Vec<Lead>, most: usize, least: f64) -> Vec<Lead> {
+    leads.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let best = leads.first().map_or(0.0, |lead| lead.gain);
+    let mut kept: Vec<(&str, *const _, f64)> = Vec::new();
+    let mut names: Vec<&str> = Vec::new();
+    leads.retain(|lead| {
+        let (name, form) = (lead.effect.name, lead.form.as_ptr());
+        if !names.contains(&name) {
+            names.push(name);
+        }
+        let rank = names.iter().position(|known| *known == name);
+        let mut same = kept.iter().filter(|(known, ..)| *known == name);
+        // Another form of the same effect has to come near the best one.
+        let another = same.clone().all(|(.., promised)| lead.gain > 0.8 * promised);
+        let keep = same.all(|(_, known, _)| *known != form)
+            && another
+            && lead.gain > least.max(PROMISING * best)
+            && rank.is_some_and(|rank| rank < most);
+        if keep {
+            kept.push((name, form, lead.gain));
+        }
+        keep
+    });
+    leads
+}
+
+/// One that leaves so many times what the best does is not worth another refit.
+const HOPELESS: f64 = 10.0;
+
+/// The least that any leaves above the noise.
+pub(crate) fn least_above<'c>(found: impl IntoIterator<Item = &'c Candidate>) -> f64 {
+    found.into_iter().map(|candidate| excess(&candidate.residuals)).fold(f64::INFINITY, f64::min)
+}
+
+/// Whether a set may come near the best, which leaves the `least` above the noise.
+pub(crate) fn is_hopeful(candidate: &Candidate, least: f64) -> bool {
+    excess(&candidate.residuals) < HOPELESS * least.max(2.0 * candidate.strengths() as f64)
+}
+
+/// Refits of the extensions of effects that were refitted, from the best refit of each form; of what was refitted itself, only
+/// where an extension promises more.
+fn extensions(
+    question: &Question<'_>,
+    from: &Candidate,
+    open: &[&'static Hypothesis],
+    plainer: &[Candidate],
+    done: &(impl Fn(&str) + Sync),
+) -> Result<Vec<Candidate>, FitError> {
+    let of_plain = |plain: &Candidate| -> Result<Vec<Candidate>, FitError> {
+        let Some(newest) = plain.effects.last() else { return Ok(Vec::new()) };
+        let better = |other: &Candidate| other.newest() == plain.newest() && other.fit.loss < plain.fit.loss;
+        if plain.fit.loss >= from.fit.loss || plainer.iter().any(better) {
+            return Ok(Vec::new());
+        }
+        let known = |lead: &Lead| plainer.iter().any(|known| known.newest_is_like(lead) && known.fit.loss <= lead.loss);
+        in_its_place(question, plain, newest, open, &known, done)
+    };
+    of_each(plainer, of_plain)
+}
+
+/// A set with each refinement of one of its effects in the place of the plain form, refitted to the end. That can follow much that is not
+/// its own: it stays where it takes most of what the set leaves.
+pub(super) fn refined(
+    question: &Question<'_>,
+    set: &Candidate,
+    done: &(impl Fn(&str) + Sync),
+) -> Result<Vec<Candidate>, FitError> {
+    let finer = |(index, plain): (usize, &Chosen)| {
+        let (effect, question) = (plain.effect, *question);
+        let forms = effect.refined_from(plain.form);
+        forms.map(move |form| {
+            done(effect.name);
+            set.instead(&question, index, Chosen { effect, form }, &[])?.unstuck(&question)
+        })
+    };
+    let mut found: Vec<Candidate> = set.effects.iter().enumerate().flat_map(finer).collect::<Result<_, _>>()?;
+    found.retain(|finer| is_earned(set, finer));
+    Ok(found)
+}
+
+/// Refits of a set with extensions in the place of an effect that it had before its newest: what they have more shows beside that.
+pub(super) fn enriched(
+    question: &Question<'_>,
+    set: &Candidate,
+    done: &(impl Fn(&str) + Sync),
+) -> Result<Vec<Candidate>, FitError> {
+    let Some((_, older)) = set.effects.split_last() else { return Ok(Vec::new()) };
+    let of_one = |plain: &Chosen| in_its_place(question, set, plain, question.hypotheses, &|_| false, done);
+    of_each(older, of_one)
+}
+
+/// Refits of a set with each extension of one of its effects in the place of that, but from leads that are known.
+fn in_its_place(
+    question: &Question<'_>,
+    set: &Candidate,
+    plain: &Chosen,
+    open: &[&'static Hypothesis],
+    known: &impl Fn(&Lead) -> bool,
+    done: &(impl Fn(&str) + Sync),
+) -> Result<Vec<Candidate>, FitError> {
+    let extends = |effect: &&Hypothesis| effect.extends.is_some_and(|extension| extension.plain == plain.effect.name);
+    let richer: Vec<&'static Hypothesis> = open.iter().copied().filter(extends).collect();
+    if richer.is_empty() {
+        return Ok(Vec::new());
+    }
+    let reference = Reference::new(question, set)?;
+    let mut leads = reference.extensions(plain, &richer)?;
+    leads.retain(|lead| !known(lead));
+    refit_each(&leads, done, |lead| reference.with_extension(lead))
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

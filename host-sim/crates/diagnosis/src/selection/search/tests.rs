@@ -1,0 +1,106 @@
+use identification::experiment::Prepared;
+use machine_file::LoadSource;
+use model_core::parameter::Parameter as P;
+use recording::Signal;
+use test_press::{press, recorded};
+
+use super::*;
+use crate::catalogue::CATALOGUE;
+use crate::test_scene::scene;
+
+/// A press of which pressures and position are recorded, with what its machine file does not know, handed to `seen`.
+pub(crate) fn with_press(unknown: &[(P, f64)], seen: impl FnOnce(&Question<'_>)) {
+    let nominal = press(&[(P::ViscousFriction, 2e4)]);
+    let truth = nominal.with(unknown);
+    let judged = [Signal::PressureA, Signal::PressureB, Signal::Position];
+    let recording = recorded(&truth, &[(Signal::PressureA, 1e4), (Signal::PressureB, 1e4), (Signal::Position, 1e-5)]);
+    let case = Prepared::new(&recording, &nominal, LoadSource::Constant, None).unwrap();
+    let (training, scene) = ([&case], scene(&nominal, &judged));
+    seen(&Question { scene: &scene, ordinary: &[], hypotheses: CATALOGUE, training: &training });
+}
+
+/// A set with one more effect, in the form that begins with a strength, refitted.
+pub(crate) fn added(question: &Question<'_>, set: &Candidate, name: &str, first: Option<P>) -> Candidate {
+    let effect = *CATALOGUE.iter().find(|effect| effect.name == name).unwrap();
+    let reference = Reference::new(question, set).unwrap();
+    let leads = reference.leads(&[effect]).unwrap();
+    let is_asked = |lead: &&Lead| first.is_none_or(|first| lead.form[0].parameter == first);
+    let lead = leads.iter().find(is_asked).unwrap();
+    reference.with(lead).unwrap().finished(question).unwrap()
+}
+
+/// What an effect extends was found before what else is missing: the extension is looked for beside that as well, and found.
+#[test]
+fn an_extension_is_found_beside_what_was_added_later() {
+    let unknown = [
+        (P::StribeckForce, 300.0),
+        (P::StribeckExcess, 300.0),
+        (P::StribeckVelocity, 0.01),
+        (P::ReturnResistance, 1.5e13),
+    ];
+    with_press(&unknown, |question| {
+        let with = |set: &Candidate, name: &str| added(question, set, name, None);
+        let base = Candidate::rough(question, None).unwrap();
+        let friction = with(&base, "coulomb-friction");
+        let both = with(&friction, "tank-back-pressure");
+
+        let found = enriched(question, &both, &|_| ()).unwrap();
+        let names: Vec<_> = found.iter().map(Candidate::names).collect();
+        assert!(
+            found.iter().all(|set| set.names().contains(&"tank-back-pressure") && set.effects.len() == 2),
+            "{names:?}"
+        );
+        let best = found.iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss)).unwrap().finished(question).unwrap();
+        assert_eq!(best.names(), ["stribeck-friction", "tank-back-pressure"]);
+        assert!(best.fit.loss < 0.5 * both.fit.loss, "{} {}", best.fit.loss, both.fit.loss);
+        let sliding = best.fit.machine.get(P::StribeckForce);
+        assert!((sliding / 300.0 - 1.0).abs() < 0.05, "{sliding}");
+
+        // What was added last has been extended in its own round.
+        let alone = with(&base, "tank-back-pressure");
+        assert!(enriched(question, &with(&alone, "coulomb-friction"), &|_| ()).unwrap().is_empty());
+        assert!(enriched(question, &base, &|_| ()).unwrap().is_empty());
+    });
+}
+
+/// Edges of four sizes beside friction, of which the plain form with one strength was found, and what refines it.
+fn refined_edges(sizes: [(P, f64); 3], found: P, seen: impl FnOnce(&Candidate, &[Candidate])) {
+    let unknown = [sizes[0], sizes[1], sizes[2], (P::CoulombFriction, 300.0)];
+    with_press(&unknown, |question| {
+        let base = Candidate::rough(question, None).unwrap();
+        let edges = added(question, &base, "metering-asymmetry", Some(found));
+        let both = added(question, &edges, "coulomb-friction", None);
+        seen(&both, &refined(question, &both, &|_| ()).unwrap());
+    });
+}
+
+#[test]
+fn edges_of_four_sizes_refine_those_of_two_wherever_the_set_has_them() {
+    let little = [(P::MeteringDirections, -0.04), (P::MeteringPorts, 0.03), (P::MeteringRatio, 0.03)];
+    for (plain, size, other) in [(P::MeteringRatio, -0.3, little[1]), (P::MeteringPorts, -0.45, little[2])] {
+        let sizes = [(plain, size), little[0], other];
+        refined_edges(sizes, plain, |both, found| {
+            assert!(sizes[1..].iter().all(|(more, _)| both.fit.machine.get(*more) == 0.0), "the plain form alone");
+            let [best] = found else { panic!("{}", found.len()) };
+            assert_eq!(best.names(), ["coulomb-friction", "metering-asymmetry"]);
+            for (parameter, value) in sizes {
+                let fitted = best.fit.machine.get(parameter);
+                assert!((fitted - value).abs() < 0.01, "{parameter:?} {fitted}");
+            }
+        });
+    }
+}
+
+/// Edges of two sizes beside a return line that nobody looks for: all sizes follow some of that, but not most.
+#[test]
+fn what_takes_less_than_three_quarters_refines_nothing() {
+    with_press(&[(P::MeteringRatio, -0.3), (P::ReturnResistance, 1.5e13)], |question| {
+        let base = Candidate::rough(question, None).unwrap();
+        let edges = added(question, &base, "metering-asymmetry", Some(P::MeteringRatio));
+        let effect = edges.effects[0].effect;
+        let finer = edges.instead(question, 0, Chosen { effect, form: effect.refined[0] }, &[]).unwrap();
+        let share = excess(&finer.residuals) / excess(&edges.residuals);
+        assert!(share < 0.95 && share > 0.3, "{share}");
+        assert!(refined(question, &edges, &|_| ()).unwrap().is_empty());
+    });
+}

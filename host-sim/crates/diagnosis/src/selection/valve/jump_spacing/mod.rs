@@ -1,0 +1,181 @@
+//! What the jumps of a slider that no sensor sees leave in the position.
+//!
+//! A slider that sticks follows the free one, x, as a saw-tooth of its travel: from −½·L to ½·L around it and back at a jump,
+//! L = band·(1 − kept) long, wherever a stroke began. The rod goes k = |v|/(|x| − dead zone) faster for each opening, so a model without jumps
+//! leaves in the position ∫ k·saw(x/L + θ) dt. It repeats with x, and L and its height are one: of a stroke only the phase θ is not known.
+//!
+//! A simulation with jumps does not find that. When one of them comes hangs on the valve's gain to a three-hundredth, which the position does
+//! not tell from the flow gain, and every neighbouring value has other jumps. Here the phase is free instead: the evidence for jumps of a length
+//! is the likelihood of what is left under that saw-tooth, averaged over all courses of the phase, over that of noise alone.
+//!
+//! What is left is made white first, by an autoregression of its own: what is smooth in it, of whatever form's error, has little weight then.
+
+mod track;
+mod whiten;
+
+use std::fmt;
+
+use rayon::prelude::*;
+use track::{Block, Heard, Track, tracks};
+use whiten::{usual, whitened};
+
+use identification::experiment::Prepared;
+use identification::fit::CHANCE;
+use model_core::machine::{Machine, MachineError};
+use recording::display_unit::significant;
+
+/// Shortest and longest jump that is looked for, of full travel. Shorter ones a position hardly holds.
+const LENGTHS: (f64, f64) = (0.003, 0.03);
+/// Lengths between them, each 2 % longer than the last.
+const COUNT: usize = 116;
+/// Phases of a stroke.
+const PHASES: usize = 24;
+/// Times the height that belongs to a length: gain and dead zone are not exact.
+const HEIGHTS: [f64; 5] = [0.5, 0.7, 0.85, 1.0, 1.2];
+/// Speeds of the slider, 1/s, beyond which it no longer jumps: where a jump takes its time, a fast one glides.
+const GLIDES: [f64; 4] = [f64::INFINITY, 1.0, 0.3, 0.1];
+/// Length of a block, s: over so long a phase may be taken as it is.
+const BLOCK_S: f64 = 0.1;
+/// Log-likelihood by which training recordings have to prefer jumps of some length to none: one chance in a hundred.
+const TELLS: f64 = 4.6;
+/// Neighbouring lengths, by their logarithm, say the same within the one, and something else beyond the other.
+const NEAR: f64 = 0.06;
+const FAR: f64 = 0.2;
+
+/// Jumps of a slider that the position holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rhythm {
+    /// How long a jump is, of full travel.
+    pub length: f64,
+    /// Log-likelihood that the recordings gain by jumps of any length over none.
+    pub evidence: f64,
+}
+
+impl fmt::Display for Rhythm {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "no sensor sees the slider, but the position repeats every {} % of its travel, as jumps so long leave it (log-likelihood {} over none)",
+            significant(100.0 * self.length, 2),
+            significant(self.evidence, 2)
+        )
+    }
+}
+
+impl Rhythm {
+    /// What training recordings say, by a machine that follows them without jumps; `None` where they do not tell of any, or
+    /// hold no position of a drive that its command alone drives.
+    pub fn of(machine: &Machine<f64>, training: &[&Prepared]) -> Result<Option<Self>, MachineError> {
+        let Some(by_length) = evidence(machine, training)? else { return Ok(None) };
+        let lengths = lengths();
+        let Some((best, most)) = by_length.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) else {
+            return Ok(None);
+        };
+        let is_far = |length: &f64| (length / lengths[best]).ln().abs() > FAR;
+        let elsewhere = lengths.iter().zip(&by_length).filter(|(length, _)| is_far(length)).map(|(_, value)| *value);
+        let evidence = mean_of_logarithms(&by_length);
+        // What form errors leave is alike at every length; what jumps leave stands out at theirs.
+        let stands_out = most - elsewhere.fold(f64::NEG_INFINITY, f64::max) > CHANCE;
+        Ok((evidence > TELLS && stands_out).then_some(Self { length: lengths[best], evidence }))
+    }
+
+    /// Whether held-out recordings prefer jumps as long as these to none, by more than chance.
+    pub fn is_in(&self, machine: &Machine<f64>, held_out: &[&Prepared]) -> Result<bool, MachineError> {
+        let Some(by_length) = evidence(machine, held_out)? else { return Ok(false) };
+        let is_near = |length: &f64| (length / self.length).ln().abs() < NEAR;
+        let near: Vec<f64> =
+            lengths().iter().zip(by_length).filter(|(length, _)| is_near(length)).map(|(_, value)| value).collect();
+        // Neighbours are alike: about three of them are independent.
+        let most = near.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        Ok(most - 3.0_f64.ln() > CHANCE)
+    }
+}
+
+/// The lengths that are looked for.
+fn lengths() -> Vec<f64> {
+    let (shortest, longest) = LENGTHS;
+    let share = |index: usize| index as f64 / (COUNT - 1) as f64;
+    (0..COUNT).map(|index| shortest * (longest / shortest).powf(share(index))).collect()
+}
+
+/// The logarithm of the mean of numbers of which the logarithms are given.
+fn mean_of_logarithms(values: &[f64]) -> f64 {
+    let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    most + (values.iter().map(|value| (value - most).exp()).sum::<f64>() / values.len() as f64).ln()
+}
+
+/// Log-likelihood that recordings gain by jumps of each length. `None` where they cannot say.
+fn evidence(machine: &Machine<f64>, cases: &[&Prepared]) -> Result<Option<Vec<f64>>, MachineError> {
+    let Some(mut tracks) = tracks(machine, cases)? else { return Ok(None) };
+    let Some(memory) = whitened(&mut tracks) else { return Ok(None) };
+    let squares: Vec<f64> = tracks.iter().flat_map(Track::squares_while_moving).collect();
+    let variance = usual(squares);
+    if variance <= 0.0 {
+        return Ok(None);
+    }
+    let of_length = |length: &f64| {
+        let chains: Vec<Vec<Heard>> = tracks.iter().map(|track| track.heard(*length, &memory, variance)).collect();
+        let under = |(height, glides)| chains.iter().map(|chain| along(chain, *length, height, glides)).sum();
+        let models = (0..HEIGHTS.len()).flat_map(|height| GLIDES.iter().map(move |glides| (height, *glides)));
+        mean_of_logarithms(&models.map(under).collect::<Vec<f64>>())
+    };
+    Ok(Some(lengths().par_iter().map(of_length).collect()))
+}
+
+/// Log-likelihood that a recording gains by jumps of a length and a height, averaged over all courses of their phase.
+///
+/// At a turn and after a rest the phase is open. Along a stroke it strays: a jump goes as far as the free slider has come at the end of a row,
+/// and further the faster that is.
+fn along(chain: &[Heard<'_>], length: f64, height: usize, glides: f64) -> f64 {
+    /// Variance of the phase, in turns², for each length of a jump that the slider goes.
+    const STRAYS: f64 = 0.002;
+    /// What a change of speed adds to a jump, s.
+    const LATE_S: f64 = 1e-3;
+    let open = [1.0 / PHASES as f64; PHASES];
+    let mut phases = open;
+    let mut last: Option<&Block> = None;
+    let mut sum = 0.0;
+    for Heard { block, gains } in chain.iter().filter(|heard| heard.block.speed < glides) {
+        phases = match last {
+            Some(last) if last.end == block.first && last.rises == block.rises => {
+                let travel = 0.5 * (last.travel + block.travel) / length;
+                let late = LATE_S * (block.speed - last.speed) / length;
+                strayed(&phases, STRAYS * travel + late * late)
+            }
+            _ => open,
+        };
+        let gains = &gains[height];
+        let most = gains.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        for (phase, gain) in phases.iter_mut().zip(gains) {
+            *phase *= (gain - most).exp();
+        }
+        let total: f64 = phases.iter().sum();
+        for phase in &mut phases {
+            *phase /= total;
+        }
+        sum += most + total.ln();
+        last = Some(block);
+    }
+    sum
+}
+
+/// Phases after they have strayed with a variance, in turns²: convolved with a normal distribution that is wrapped around.
+fn strayed(phases: &[f64; PHASES], variance: f64) -> [f64; PHASES] {
+    /// Probability that is left where none would be: no number is so small that it cannot come back.
+    const LEAST: f64 = 1e-12;
+    let mut kernel: [f64; PHASES] = std::array::from_fn(|step| {
+        let turns = step as f64 / PHASES as f64;
+        (-2..=2).map(|whole| (-0.5 * (turns + f64::from(whole)).powi(2) / variance.max(1e-6)).exp()).sum()
+    });
+    let total: f64 = kernel.iter().sum();
+    for share in &mut kernel {
+        *share /= total;
+    }
+    std::array::from_fn(|to| {
+        let from = |from: usize| phases[from] * kernel[(to + PHASES - from) % PHASES];
+        (0..PHASES).map(from).sum::<f64>().max(LEAST)
+    })
+}
+
+#[cfg(test)]
+mod tests;

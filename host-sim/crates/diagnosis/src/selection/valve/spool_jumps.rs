@@ -1,0 +1,245 @@
+//! The jumps of a slider that sticks, and what they measure.
+//!
+//! The recorded slider says itself when it jumps, from where and to where. Then the free slider, which its springs would have where nothing
+//! stuck, has just come `band` away from where it rested, and is `kept·band` away from where it lands. Midway between both, it is ahead by
+//! ½·band·(1 + kept), and the jump is band·(1 − kept) long, whatever else the valve does: each jump measures the free slider once, but for how
+//! far it is ahead, which all have in common.
+
+use identification::experiment::{Channel, Prepared};
+use identification::fit::{FitError, Sensitivity};
+use recording::Signal;
+use simulation::signal::noise::{median, resolution};
+
+use crate::selection::candidate::Candidate;
+
+/// Fewest jumps of a recording that tells.
+const FEWEST: usize = 8;
+/// Least noise of a row, of full travel: a slider that rests to the last bit.
+const LEAST_NOISE: f64 = 1e-5;
+/// Two neighbouring rows that differ by more than so many times the noise are a jump, or part of one.
+const JUMPS: f64 = 6.0;
+/// Most rows that a jump takes.
+const LONGEST: usize = 3;
+/// Most rows on either side of a jump that its levels are the means of.
+const MOST_LEVEL: usize = 16;
+/// Jumps of a slider that sticks are as long as each other, but for this share.
+const ALIKE: f64 = 0.15;
+/// So many of all its jumps are, at least. Where nothing sticks, fewer moves between rests are alike: on every drive of `../shared` that does not.
+/// Two jumps between two rows are one of twice the length.
+const OF_ALL: f64 = 0.6;
+
+/// A jump of the slider.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Jump {
+    /// The first row after it.
+    row: usize,
+    /// Where the slider rested before.
+    from: f64,
+    /// Where it rests after it.
+    to: f64,
+    /// Jumps in a row, by the rests before and after.
+    per_row: f64,
+}
+
+impl Jump {
+    fn length(&self) -> f64 {
+        (self.to - self.from).abs()
+    }
+}
+
+/// Every jump of a slider between two rests, where a row at rest has so much noise.
+fn jumps(slider: &Channel, noise: f64) -> Vec<Jump> {
+    let x = &slider.bridged();
+    let is_known = |row: usize| !slider.failed[row] && !slider.failed[row - 1];
+    let is_far = |row: usize| is_known(row) && (x[row] - x[row - 1]).abs() > JUMPS * noise;
+    // First and last row of each stretch in which it goes on moving.
+    let mut moves: Vec<(usize, usize)> = Vec::new();
+    for row in (1..x.len()).filter(|&row| is_far(row)) {
+        match moves.last_mut() {
+            Some((_, last)) if *last + 1 == row => *last = row,
+            _ => moves.push((row, row)),
+        }
+    }
+    let mean = |rows: &[f64]| rows.iter().sum::<f64>() / rows.len() as f64;
+    let ends = moves.iter().skip(1).map(|(first, _)| *first).chain([x.len()]);
+    let starts = std::iter::once(0).chain(moves.iter().map(|(_, last)| *last));
+    starts
+        .zip(&moves)
+        .zip(ends)
+        .filter(|((start, (first, last)), end)| *first >= start + 2 && *end >= last + 2 && last - first < LONGEST)
+        .map(|((start, &(row, last)), end)| Jump {
+            row,
+            from: mean(&x[start.max(row.saturating_sub(MOST_LEVEL))..row]),
+            to: mean(&x[last..end.min(last + MOST_LEVEL)]),
+            per_row: 0.5 * (1.0 / (row - start) as f64 + 1.0 / (end - last) as f64),
+        })
+        .collect()
+}
+
+/// Noise of a row of a slider that mostly rests: at least its sensor's step, for all that such a slider does by one count is as long.
+fn noise_at_rest(slider: &Channel) -> f64 {
+    // Of white noise, a difference's median over its standard deviation, and that over the noise's.
+    const SHARE: f64 = 0.6745 * std::f64::consts::SQRT_2;
+    let readings = slider.bridged();
+    let mut steps: Vec<f64> = readings.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    (median(&mut steps) / SHARE).max(resolution(&readings)).max(LEAST_NOISE)
+}
+
+/// Whether two jumps are as long as each other.
+pub(crate) fn is_alike(one: f64, other: f64) -> bool {
+    (one / other - 1.0).abs() < ALIKE
+}
+
+/// Recordings of a slider that sticks, each with its jumps.
+pub(crate) struct Sticking<'a> {
+    /// Each with the jumps that measure the free slider.
+    recordings: Vec<(&'a Prepared, Vec<Jump>)>,
+    /// How long a jump is.
+    pub(crate) length: f64,
+    /// How well a jump measures the free slider.
+    noise: f64,
+}
+
+impl<'a> Sticking<'a> {
+    /// The recordings in which the slider jumps, at least so many of them; `None` where it does not stick.
+    pub(crate) fn of(cases: &[&'a Prepared], at_least: usize) -> Option<Self> {
+        let with_jumps = |case: &&'a Prepared| {
+            let slider = case.channels.iter().find(|channel| channel.signal == Signal::Spool)?;
+            let noise = noise_at_rest(slider);
+            Some((*case, jumps(slider, noise), noise))
+        };
+        let all: Vec<_> = cases.iter().filter_map(with_jumps).collect();
+        let sensor = median(&mut all.iter().map(|(.., noise)| *noise).collect::<Vec<f64>>());
+        let lengths: Vec<f64> = all.iter().flat_map(|(_, jumps, _)| jumps.iter().map(Jump::length)).collect();
+        let mut sorted = lengths.clone();
+        sorted.sort_by(f64::total_cmp);
+        // How many are as long as one: of an hour there may be a hundred thousand.
+        let with = |length: f64| {
+            let shorter = sorted.partition_point(|one| *one < length && !is_alike(*one, length));
+            sorted[shorter..].partition_point(|one| is_alike(*one, length))
+        };
+        let length = lengths.iter().copied().max_by(|a, b| with(*a).cmp(&with(*b)))?;
+        if (with(length) as f64) < OF_ALL * lengths.len() as f64 {
+            return None;
+        }
+        let length = median(&mut lengths.iter().copied().filter(|one| is_alike(*one, length)).collect::<Vec<f64>>());
+        // From jump to jump the free slider goes a jump's length: so far, about, between two rows.
+        let unseen = |jump: &Jump| length * jump.per_row / 12.0_f64.sqrt();
+        let jumps = || all.iter().flat_map(|(_, jumps, _)| jumps).filter(|jump| is_alike(jump.length(), length));
+        let usual = median(&mut jumps().map(unseen).collect::<Vec<f64>>());
+        // A free slider that goes far between two rows is not measured by a jump there.
+        let is_slow = |jump: &Jump| unseen(jump) <= 2.0 * usual;
+        let slow: Vec<f64> = jumps().filter(|jump| is_slow(jump)).map(|jump| unseen(jump).powi(2)).collect();
+        let unseen = (slow.iter().sum::<f64>() / slow.len() as f64).sqrt();
+        let recordings: Vec<(&Prepared, Vec<Jump>)> = all
+            .iter()
+            .map(|(case, jumps, _)| {
+                let tells = |jump: &&Jump| is_alike(jump.length(), length) && is_slow(jump);
+                (*case, jumps.iter().filter(tells).copied().collect::<Vec<Jump>>())
+            })
+            .filter(|(_, jumps)| jumps.len() >= FEWEST)
+            .collect();
+        // Midway between two levels, each the mean of a few rows.
+        let noise = (0.5 * sensor).hypot(unseen);
+        (recordings.len() >= at_least).then_some(Self { recordings, length, noise })
+    }
+
+    /// The free slider as the jumps measure it, where it is ahead of their middles by so much.
+    pub(crate) fn freed(&self, ahead: f64) -> Vec<Prepared> {
+        let freed = |(case, jumps): &(&Prepared, Vec<Jump>)| {
+            let mut freed = case.judged_by(|signal| signal == Signal::Spool);
+            freed.stimulus = case.stimulus.midway();
+            for channel in &mut freed.channels {
+                channel.noise = self.noise;
+                channel.tolerance = 1.0;
+                channel.failed.fill(true);
+                for jump in jumps {
+                    channel.failed[jump.row] = false;
+                    channel.recorded[jump.row] =
+                        f64::midpoint(jump.from, jump.to) + ahead.copysign(jump.to - jump.from);
+                }
+            }
+            freed
+        };
+        self.recordings.iter().map(freed).collect()
+    }
+
+    /// How much further ahead the free slider is by these residuals, once all that is free in a fit has settled.
+    pub(crate) fn further(&self, set: &Candidate, freed: &[&Prepared]) -> Result<f64, FitError> {
+        let Some(sensitivity) = Sensitivity::at(&set.fit, freed)? else { return Ok(0.0) };
+        let mut there = sensitivity.simulated(&set.fit.machine)?;
+        // What is recorded further ahead is simulated less far. The slider is the only channel.
+        for ((_, jumps), there) in self.recordings.iter().zip(&mut there) {
+            for jump in jumps {
+                if let Some(at) = sensitivity.place_of(jump.row).and_then(|place| there.get_mut(place)) {
+                    *at -= self.noise.copysign(jump.to - jump.from);
+                }
+            }
+        }
+        let (amounts, _) = sensitivity.amounts(&[sensitivity.change(&there)], &[false]);
+        Ok(amounts.first().map_or(0.0, |amount| amount * self.noise))
+    }
+
+    /// Stiction whose free slider is so far ahead of the middle of a jump: its band, and the share of it that a jump ends short by.
+    pub(crate) fn strengths(&self, ahead: f64) -> (f64, f64) {
+        let band = ahead + 0.5 * self.length;
+        (band, (ahead - 0.5 * self.length).max(0.0) / band)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A slider at these rows, with a sensor's noise.
+    fn slider(rows: usize, at: impl Fn(f64) -> f64) -> Channel {
+        let mut generator = recording::seeded_noise::Noise::new(5, 1);
+        let time_s: Vec<f64> = (0..rows).map(|row| row as f64 * 1e-3).collect();
+        let recorded: Vec<f64> = time_s.iter().map(|time_s| at(*time_s) + generator.gaussian(3e-4)).collect();
+        Channel::of(Signal::Spool, &time_s, &recorded)
+    }
+
+    /// Where a slider is that jumps 0.01 at a time, after a free one at 0.1/s up and down.
+    fn staircase(time_s: f64) -> f64 {
+        let free = 0.2 * (0.5 - (time_s - 0.5).abs());
+        (free / 0.01).floor() * 0.01
+    }
+
+    #[test]
+    fn every_jump_of_a_staircase_is_found_with_its_levels() {
+        let slider = slider(1000, staircase);
+        let noise = noise_at_rest(&slider);
+        assert!((noise / 3e-4 - 1.0).abs() < 0.1, "{noise}");
+        let found = jumps(&slider, noise);
+        // 0 to 0.09 and back, in steps; the last two rests are short of an end.
+        assert!((17..=20).contains(&found.len()), "{}", found.len());
+        for jump in &found {
+            assert!(is_alike(jump.length(), 0.01), "{jump:?}");
+            assert!(
+                (slider.recorded[jump.row] - jump.to).abs() < 2e-3 && (jump.per_row * 50.0 - 1.0).abs() < 0.6,
+                "{jump:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_sensor_that_counts_does_not_make_a_slider_jump() {
+        const COUNT: f64 = 1.0 / 2048.0;
+        let time_s: Vec<f64> = (0..4000).map(|row| f64::from(row) * 1e-3).collect();
+        let triangle = |time_s: &f64| 0.05 * (1.0 - (time_s - 2.0).abs());
+        let counted: Vec<f64> = time_s.iter().map(|at| (triangle(at) / COUNT).round() * COUNT).collect();
+        let slider = Channel::of(Signal::Spool, &time_s, &counted);
+        assert!(jumps(&slider, noise_at_rest(&slider)).is_empty());
+    }
+
+    #[test]
+    fn a_slider_that_follows_steps_of_one_size_does_not_jump() {
+        let lagged = |time_s: f64| {
+            let (step, since_s) = ((time_s / 0.1).floor(), time_s.rem_euclid(0.1));
+            let (from, to) = if step.rem_euclid(2.0) < 1.0 { (0.1, 0.0) } else { (0.0, 0.1) };
+            to + (from - to) * (-since_s / 0.01).exp()
+        };
+        let slider = slider(1000, lagged);
+        assert!(jumps(&slider, noise_at_rest(&slider)).len() < FEWEST);
+    }
+}

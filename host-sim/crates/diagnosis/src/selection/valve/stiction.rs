@@ -1,0 +1,219 @@
+//! What a valve lacks beside stiction, by the instants at which its slider jumps.
+//!
+//! Free running, a jump that is a tick late costs more than most effects explain, and a search ends wherever fewest are: at a band that is mostly
+//! kept, with jumps that hardly are. What the jumps measure of the free slider is smooth in all parameters, and
+//! tells stiction from the play that stands beside it.
+
+use rayon::prelude::*;
+
+use identification::experiment::Prepared;
+use identification::fit::{CHANCE, FitError, Residuals, StartState, softened_all};
+use model_core::parameter::Parameter;
+
+use super::spool_jumps::{Sticking, is_alike};
+use crate::catalogue::Hypothesis;
+use crate::selection::candidate::{Candidate, Chosen, Question, Reference};
+use crate::selection::forward::{Trial, trial};
+use crate::selection::likelihood::{Gained, LEAST_SHARE, excess, ranked, straightened};
+use crate::selection::screen::Lead;
+
+/// Fewest recordings in which a slider has to stick.
+const FEWEST: usize = 2;
+/// Forms that are refitted beside stiction.
+const REFITTED: usize = 4;
+/// How far the free slider may be ahead, in lengths of a jump: jumps that end up to seven tenths short.
+const AHEAD: [f64; 5] = [0.5, 0.75, 1.1, 1.6, 2.6];
+
+/// A set of effects beside stiction, refitted to the free slider.
+struct Beside {
+    set: Candidate,
+    /// How far the free slider is ahead.
+    ahead: f64,
+    left_out: Residuals,
+}
+
+/// Where a refit beside stiction may start: how far the free slider is ahead, the ordinary parameters there, and what promises most.
+struct Start {
+    ahead: f64,
+    from: Candidate,
+    lead: Lead,
+}
+
+/// A search in the jumps.
+struct Search<'q, 'a> {
+    question: &'q Question<'q>,
+    sticking: Sticking<'a>,
+    effects: Vec<&'static Hypothesis>,
+}
+
+impl Search<'_, '_> {
+    /// Asks the free slider that is so far ahead.
+    fn at<T>(&self, ahead: f64, ask: impl FnOnce(&Question<'_>) -> Result<T, FitError>) -> Result<T, FitError> {
+        let freed = self.sticking.freed(ahead);
+        let training: Vec<&Prepared> = freed.iter().collect();
+        ask(&Question { hypotheses: &self.effects, training: &training, ..*self.question })
+    }
+
+    /// Least that the free slider can be ahead by: a jump that ends where that is.
+    fn least(&self) -> f64 {
+        0.5 * self.sticking.length
+    }
+
+    /// A set refitted with how far the free slider is ahead.
+    fn settled(&self, mut set: Candidate, mut ahead: f64) -> Result<Beside, FitError> {
+        /// Newton steps, at most.
+        const STEPS: usize = 12;
+        for _ in 0..STEPS {
+            let further;
+            (set, further) = self.at(ahead, |question| {
+                let set = set.finished(question)?;
+                let further = self.sticking.further(&set, question.training)?;
+                Ok((set, further))
+            })?;
+            let next = (ahead + further.clamp(-0.5 * ahead, ahead)).max(self.least());
+            let is_there = (next - ahead).abs() < 2e-3 * ahead;
+            ahead = next;
+            if is_there {
+                break;
+            }
+        }
+        self.at(ahead, |question| {
+            let set = set.finished(question)?;
+            let left_out = set.left_out(question)?;
+            Ok(Beside { set, ahead, left_out })
+        })
+    }
+
+    /// The ordinary parameters alone, roughly, and where each form could start, the most promising first.
+    fn starts(&self) -> Result<(Beginning, Vec<Vec<Start>>), FitError> {
+        let at = |times: &f64| {
+            let ahead = times * self.sticking.length;
+            self.at(ahead, |question| {
+                let base = Candidate::rough(question, None)?;
+                let leads = Reference::new(question, &base)?.leads(question.hypotheses)?;
+                Ok((ahead, base, leads))
+            })
+        };
+        let all: Vec<_> = AHEAD.par_iter().map(at).collect::<Result<_, FitError>>()?;
+        let mut forms: Vec<Vec<Start>> = Vec::new();
+        let mut plain: Vec<Beginning> = Vec::new();
+        for (ahead, from, leads) in all {
+            for lead in leads {
+                let start = Start { ahead, from: from.clone(), lead };
+                match forms.iter_mut().find(|form| form.iter().any(|known| known.lead.is_like(&start.lead))) {
+                    Some(form) => form.push(start),
+                    None => forms.push(vec![start]),
+                }
+            }
+            plain.push((ahead, from));
+        }
+        let least = |form: &[Start]| form.iter().map(|start| start.lead.loss).fold(f64::INFINITY, f64::min);
+        forms.sort_by(|a, b| least(a).total_cmp(&least(b)));
+        Ok((nearest(plain), forms))
+    }
+
+    /// A form refitted from wherever that leaves least.
+    fn refitted(&self, starts: &[Start]) -> Result<Beside, FitError> {
+        let rough = |Start { ahead, from, lead }: &Start| {
+            let set = self.at(*ahead, |question| Reference::new(question, from)?.with(lead))?;
+            Ok((*ahead, set))
+        };
+        let (ahead, set) = nearest(starts.par_iter().map(rough).collect::<Result<_, FitError>>()?);
+        self.settled(set, ahead)
+    }
+
+    /// Whether an effect is worth its strengths beside stiction.
+    fn accepts(&self, plain: &Beside, with: &Beside) -> bool {
+        let gained = Gained::of(&plain.left_out, &with.left_out, self.question.counts());
+        let straightened = straightened(self.question, &plain.set, &with.set);
+        with.set.is_plausible(self.question.scene)
+            && excess(&with.set.residuals) < (1.0 - LEAST_SHARE) * excess(&plain.set.residuals)
+            && gained.all > CHANCE
+            && gained.all + straightened > gained.cost(with.set.strengths()) + CHANCE
+            && gained.repeats
+    }
+}
+
+/// How far the free slider is ahead, with a set that was refitted there.
+type Beginning = (f64, Candidate);
+
+/// The one that leaves least.
+fn nearest(all: Vec<Beginning>) -> Beginning {
+    let best = all.into_iter().min_by(|(_, a), (_, b)| a.fit.loss.total_cmp(&b.fit.loss));
+    best.expect("it was tried somewhere")
+}
+
+/// Whether held-out jumps say that an effect of the valve's is there, in a set with stiction: that the slider jumps as far in them as in
+/// training, or that they measure a free slider which is followed better with the effect. `None` where the set has no stiction, or no jumps
+/// tell.
+pub(crate) fn confirms(
+    question: &Question<'_>,
+    set: &Candidate,
+    effect: &Hypothesis,
+    held_out: &[&Prepared],
+) -> Result<Option<bool>, FitError> {
+    let is_stiction = |chosen: &&Chosen| chosen.has(Parameter::StictionBand);
+    let Some(stiction) = set.effects.iter().find(is_stiction) else { return Ok(None) };
+    let (Some(sticking), Some(held_out)) = (Sticking::of(question.training, FEWEST), Sticking::of(held_out, 1)) else {
+        return Ok(None);
+    };
+    if effect.name == stiction.effect.name {
+        return Ok(Some(is_alike(held_out.length, sticking.length)));
+    }
+    let value = |parameter| set.fit.machine.get(parameter);
+    let ahead = 0.5 * value(Parameter::StictionBand) * (1.0 + value(Parameter::StictionKept));
+    let search = Search { question, sticking, effects: Vec::new() };
+    let refitted = |keeps: &(dyn Fn(&Hypothesis) -> bool + Sync)| {
+        let is_kept = |one: &Hypothesis| {
+            one.subsystem == stiction.effect.subsystem && one.name != stiction.effect.name && keeps(one)
+        };
+        let beside = search.settled(search.at(ahead, |question| set.only(question, is_kept))?, ahead)?;
+        let freed = held_out.freed(beside.ahead);
+        let cases = freed.iter().map(|case| (case, StartState::default()));
+        softened_all(&beside.set.fit.machine, cases).map_err(FitError::from)
+    };
+    let (without, with) = rayon::join(|| refitted(&|one| one.name != effect.name), || refitted(&|_| true));
+    let gained = Gained::of(&without?, &with?, question.counts());
+    Ok(Some(gained.all > CHANCE))
+}
+
+/// What the valve's side chooses where its slider sticks, and the sets of as many effects that were tried if those are two; `None` where it
+/// does not stick, or further ahead than a drive's can be.
+pub(crate) fn stuck(
+    question: &Question<'_>,
+    done: &(impl Fn(&str) + Sync),
+) -> Result<Option<(Candidate, Vec<Trial>)>, FitError> {
+    let stiction = question.form_with(&[Parameter::StictionBand, Parameter::StictionKept]);
+    let (Some(stiction), Some(sticking)) = (stiction, Sticking::of(question.training, FEWEST)) else { return Ok(None) };
+    let effects = question.hypotheses.iter().copied().filter(|effect| effect.name != stiction.effect.name).collect();
+    let search = Search { question, sticking, effects };
+    let ((ahead, base), forms) = search.starts()?;
+    let plain = search.settled(base, ahead)?;
+    let refit = |starts: &Vec<Start>| {
+        let beside = search.refitted(starts);
+        starts.iter().take(1).for_each(|start| done(start.lead.effect.name));
+        beside
+    };
+    let tried: Vec<Beside> = forms.par_iter().take(REFITTED).map(refit).collect::<Result<_, _>>()?;
+    let with_stiction = |beside: &Beside| {
+        let (band, kept) = search.sticking.strengths(beside.ahead);
+        let strengths = [(Parameter::StictionBand, band), (Parameter::StictionKept, kept)];
+        if strengths.iter().any(|(parameter, value)| *value > parameter.description().max) {
+            return None;
+        }
+        let mut set = beside.set.clone();
+        for (parameter, value) in strengths {
+            set.fit.machine.set(parameter, value);
+            set.jumps.push((parameter, value));
+        }
+        set.effects.push(stiction);
+        Some(set)
+    };
+    let ranked = ranked(question, &plain.set, tried.iter().map(|beside| beside.set.clone()).collect());
+    // Of an effect only its best form was ranked.
+    let beside = |set: &Candidate| tried.iter().find(|beside| beside.set.newest() == set.newest());
+    let best = ranked.first().and_then(|(best, _)| beside(best)).filter(|best| search.accepts(&plain, best));
+    let Some(best) = best else { return Ok(with_stiction(&plain).map(|set| (set, Vec::new()))) };
+    let told = |(set, net): &(Candidate, f64)| Some(trial(&with_stiction(beside(set)?)?, *net));
+    Ok(with_stiction(best).map(|set| (set, ranked.iter().filter_map(told).collect())))
+}

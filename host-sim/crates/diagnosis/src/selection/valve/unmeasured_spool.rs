@@ -1,0 +1,254 @@
+//! Valves of which no sensor sees the slider: a play that the search missed, and stiction by what its jumps leave in the position.
+
+use std::fmt;
+
+use rayon::prelude::*;
+
+use identification::experiment::Prepared;
+use identification::fit::residuals::samples_by_blocks;
+use identification::fit::{CHANCE, FitError, loss, softened_all};
+use model_core::machine::Machine;
+use model_core::parameter::Parameter;
+use recording::Signal;
+use recording::display_unit::significant;
+
+use super::jump_spacing::Rhythm;
+use crate::catalogue::Hypothesis;
+use crate::selection::candidate::{Candidate, Chosen, Question};
+use crate::selection::forward::{AT_NOISE, Course, FAR, MOST_EFFECTS, Selection, Trial, candidates, finished, trial};
+use crate::selection::inflated_noise::as_far_as;
+use crate::selection::likelihood::ranked_by;
+use crate::selection::screen::with;
+
+/// Widths of a play that a search for one starts from, of full travel.
+const WIDTHS: [f64; 2] = [0.01, 0.03];
+/// Lengths of a jump that are tried, of that which the position tells: it does so within some fifths.
+const LENGTHS: [f64; 5] = [0.85, 0.92, 1.0, 1.08, 1.18];
+/// Most that a stiction alone keeps of its band: a spool that is locked or silted lets go nearly at once. Which it is, stiction or a play beside
+/// it, free runs do not tell.
+const MOST_KEPT: f64 = 1.0 / 3.0;
+/// Shares of its band that a stiction beside a play may keep.
+const KEPT: [f64; 4] = [0.0, 0.1, 0.2, 0.3];
+/// Widths of the play that a stiction alone lags as, of the one that follows: where it turns, it is late by a jump more or less.
+const LAGS: [f64; 4] = [0.8, 0.9, 1.0, 1.1];
+/// Simulated ones that are refitted.
+const REFITTED: usize = 3;
+
+/// What a position says of the jumps of a slider that no sensor sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Told {
+    /// How long they are, and how surely.
+    pub rhythm: Rhythm,
+    /// Share of its band that a stiction alone would keep, to lag as far as the slider does.
+    pub kept_alone: f64,
+}
+
+impl Told {
+    /// Whether a stiction alone may keep so much.
+    fn is_alone(&self) -> bool {
+        self.kept_alone <= MOST_KEPT
+    }
+}
+
+impl fmt::Display for Told {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let kept = significant(100.0 * self.kept_alone, 2);
+        let whose = if self.is_alone() { "as one does" } else { "more than one does, so a play stands beside it" };
+        write!(f, "{}; a stiction alone would keep {kept} % of its band, {whose}", self.rhythm)
+    }
+}
+
+/// The jumps of a slider that no sensor sees.
+#[derive(Clone, Debug)]
+pub struct Heard {
+    /// What the position says of them.
+    pub told: Told,
+    /// The model without jumps that it is held against.
+    following: Machine<f64>,
+    /// What was chosen before.
+    chosen: Candidate,
+    rounds: Vec<Vec<Trial>>,
+}
+
+/// Whether a sensor sees the slider.
+fn is_seen(question: &Question<'_>) -> bool {
+    question.training.iter().flat_map(|case| &case.channels).any(|channel| channel.signal == Signal::Spool)
+}
+
+/// A set with a play, refitted from several widths, from where the set is and from the nominal machine: a play moves the end of every stroke, so
+/// that slopes at none say little of it. Empty where a sensor sees the slider, or a play is in the set.
+fn played(question: &Question<'_>, set: &Candidate) -> Result<Vec<Candidate>, FitError> {
+    let play = question.form_with(&[Parameter::HysteresisWidth, Parameter::HysteresisSpread]);
+    let Some(play) = play.filter(|play| !is_seen(question) && !set.has(play.effect)) else { return Ok(Vec::new()) };
+    let effects = [set.effects.as_slice(), &[play]].concat();
+    let refitted = |(near, width)| {
+        let values = [(Parameter::HysteresisWidth, width)];
+        Candidate::given(question, effects.clone(), set.jumps.clone(), near, &values)
+    };
+    let starts = [None, Some(&set.fit)].into_iter().flat_map(|near| WIDTHS.map(|width| (near, width)));
+    starts.collect::<Vec<_>>().into_par_iter().map(refitted).collect()
+}
+
+impl Course {
+    /// A first round with the play of a valve of which no sensor sees the slider, where the best set is far off.
+    pub(crate) fn played(
+        &self,
+        question: &Question<'_>,
+        ranked: Vec<(Candidate, f64)>,
+    ) -> Result<Vec<(Candidate, f64)>, FitError> {
+        if ranked.first().is_some_and(|(best, _)| best.worst_over_noise(question) <= FAR) {
+            return Ok(ranked);
+        }
+        let found = played(question, &self.base)?;
+        if found.is_empty() {
+            return Ok(ranked);
+        }
+        finished(question, &self.base, candidates(ranked).into_iter().chain(found).collect())
+    }
+}
+
+/// A stiction beside a play that is so wide.
+#[derive(Clone, Copy)]
+struct Sticks {
+    band: f64,
+    kept: f64,
+    width: f64,
+}
+
+impl Sticks {
+    /// With jumps so long, and so much of its band kept; it lags by ½·band·(1 + kept), as a play does by half its width, and what is left of
+    /// the `width` of one that follows as well is a play's. `None` where nothing is left.
+    fn beside(length: f64, kept: f64, width: f64) -> Option<Self> {
+        let band = length / (1.0 - kept);
+        let width = width - band * (1.0 + kept);
+        (width > 0.0).then_some(Self { band, kept, width })
+    }
+
+    /// With jumps so long that it lags as a play so wide does, and no play left.
+    fn alone(length: f64, width: f64) -> Self {
+        let kept = ((width - length) / (width + length)).max(0.0);
+        Self { band: length / (1.0 - kept), kept, width: 0.0 }
+    }
+
+    fn jumps(&self) -> [(Parameter, f64); 2] {
+        [(Parameter::StictionBand, self.band), (Parameter::StictionKept, self.kept)]
+    }
+}
+
+impl Selection {
+    /// Takes a stiction into the chosen set where no sensor sees the slider and the position holds its jumps.
+    ///
+    /// They are looked for in what a play leaves, for so a slider that sticks looks in a free run, fitted to recordings that are believed as
+    /// far as it follows them. How far that lags, and how long a jump is, say how much of its band a stiction alone would keep; where that is more
+    /// than one keeps, a play stands beside it. How much is kept then, no jump tells: it is taken from where least is left.
+    pub fn listen(&mut self, question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<(), FitError> {
+        let Some(stiction) = question.form_with(&[Parameter::StictionBand, Parameter::StictionKept]) else {
+            return Ok(());
+        };
+        if is_seen(question) {
+            return Ok(());
+        }
+        let is_play = |one: &Chosen| one.has(Parameter::HysteresisWidth);
+        let is_stiction = |one: &Chosen| one.has(Parameter::StictionBand);
+        let has = |is: &dyn Fn(&Chosen) -> bool| self.chosen.effects.iter().any(is);
+        if self.chosen.worst_over_noise(question) < AT_NOISE || (has(&is_play) && has(&is_stiction)) {
+            return Ok(());
+        }
+        let following = if has(&is_play) {
+            Some(self.chosen.clone())
+        } else {
+            let set = if has(&is_stiction) {
+                &self.chosen.only(question, |effect| effect.name != stiction.effect.name)?
+            } else {
+                &self.chosen
+            };
+            played(question, set)?.into_iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss))
+        };
+        let Some(following) = following else { return Ok(()) };
+        // What jumps leave would bend the ordinary parameters without end.
+        let believed = as_far_as(question, &following)?;
+        let believed: Vec<&Prepared> = believed.iter().collect();
+        let less = Question { training: &believed, ..*question };
+        let following = following.refitted_to(question, &less)?;
+        let Some(rhythm) = Rhythm::of(&following.fit.machine, question.training)? else { return Ok(()) };
+        done(stiction.effect.name);
+
+        let width = following.fit.machine.get(Parameter::HysteresisWidth);
+        let told = Told { rhythm, kept_alone: Sticks::alone(rhythm.length, width).kept };
+        let is_alone = told.is_alone();
+        let lengths = LENGTHS.iter().map(|times| times * rhythm.length);
+        let tries: Vec<Sticks> = if is_alone {
+            lengths.flat_map(|length| LAGS.map(|times| Sticks::alone(length, times * width))).collect()
+        } else {
+            lengths.flat_map(|length| KEPT.map(|kept| Sticks::beside(length, kept, width))).flatten().collect()
+        };
+        let others = following.effects.iter().copied().filter(|one| !(is_alone && is_play(one)));
+        let effects: Vec<Chosen> = others.chain([stiction]).collect();
+        let sets = nearest(question, &less, &following, &effects, &tries)?;
+        let ranked = ranked_by(question, &self.base, sets, samples_by_blocks);
+        let may_be = |(set, net): &(Candidate, f64)| {
+            *net > CHANCE && set.effects.len() <= MOST_EFFECTS && set.is_plausible(question.scene)
+        };
+        let Some((best, _)) = ranked.into_iter().find(may_be) else { return Ok(()) };
+        let (chosen, rounds) = (self.chosen.clone(), self.rounds.clone());
+        self.heard = Some(Heard { told, following: following.fit.machine, chosen, rounds });
+        self.rounds.truncate(best.effects.len());
+        self.rounds.resize(best.effects.len(), Vec::new());
+        if let Some(last) = self.rounds.last_mut() {
+            last.retain(|set| !set.is_of(&best));
+            // Over what free runs tell of the same recordings without jumps, they gain by these what the position says of them.
+            let without = last.iter().map(|set| set.net).fold(0.0, f64::max);
+            last.insert(0, trial(&best, without + rhythm.evidence));
+        }
+        self.chosen = best;
+        Ok(())
+    }
+
+    /// Goes back to what was chosen before, where held-out recordings do not tell of jumps as long; the stiction that goes.
+    pub(crate) fn unheard(&mut self, held_out: &[&Prepared]) -> Result<Option<&'static Hypothesis>, FitError> {
+        let Some(heard) = &self.heard else { return Ok(None) };
+        if heard.told.rhythm.is_in(&heard.following, held_out)? {
+            return Ok(None);
+        }
+        let gone = self.chosen.effects.iter().find(|one| one.has(Parameter::StictionBand)).map(|one| one.effect);
+        (self.chosen, self.rounds) = (heard.chosen.clone(), heard.rounds.clone());
+        self.heard = None;
+        Ok(gone.filter(|gone| !self.chosen.has(gone)))
+    }
+
+    /// Whether an effect is the stiction whose jumps the position holds.
+    pub(crate) fn is_heard(&self, effect: &Hypothesis) -> bool {
+        let is_stiction = |one: &Chosen| one.effect.name == effect.name && one.has(Parameter::StictionBand);
+        self.heard.is_some() && self.chosen.effects.iter().any(is_stiction)
+    }
+}
+
+/// Sets with a stiction that leave least, refitted. Which those are is told by simulations alone: which jumps come when is as good as
+/// chance, and what a refit gains is little beside that.
+fn nearest(
+    question: &Question<'_>,
+    less: &Question<'_>,
+    following: &Candidate,
+    effects: &[Chosen],
+    tries: &[Sticks],
+) -> Result<Vec<Candidate>, FitError> {
+    let cases = || question.training.iter().copied().zip(following.fit.starts.iter().copied());
+    let left = |sticks: &Sticks| {
+        let values = [sticks.jumps().as_slice(), &[(Parameter::HysteresisWidth, sticks.width)]].concat();
+        let residuals = softened_all(&with(&following.fit.machine, &values), cases())?;
+        Ok((residuals.iter().flatten().map(|series| loss(series)).sum::<f64>(), *sticks))
+    };
+    let mut all: Vec<(f64, Sticks)> = tries.par_iter().map(left).collect::<Result<_, FitError>>()?;
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let refitted = |(_, sticks): &(f64, Sticks)| {
+        let jumps = [following.jumps.as_slice(), &sticks.jumps()].concat();
+        let values = [(Parameter::HysteresisWidth, sticks.width)];
+        let Candidate { effects, fit, jumps, .. } =
+            Candidate::given(less, effects.to_vec(), jumps, Some(&following.fit), &values)?;
+        Candidate::of(question, effects, fit, jumps, false)
+    };
+    all.par_iter().take(REFITTED).map(refitted).collect()
+}
+
+#[cfg(test)]
+mod tests;

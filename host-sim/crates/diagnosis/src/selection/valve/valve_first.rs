@@ -1,0 +1,316 @@
+//! The links apart: where the slider is recorded, what it does and what it meters are two questions. Its command answers the one; in
+//! the other the recorded slider meters the oil, so that no error of the valve's reaches what is below it.
+//!
+//! Each is searched by itself, with the parameters and the effects of its own link. What both find together the chain as a whole
+//! has to accept.
+
+use rayon::prelude::*;
+
+use identification::experiment::Prepared;
+use identification::fit::{CHANCE, FitError, Free};
+use identification::input_noise::by_noise_of_input;
+use model_core::machine::{Machine, MachineError};
+use model_core::parameter::Parameter;
+use recording::Signal;
+
+use crate::catalogue::{Hypothesis, Subsystem};
+use crate::localisation::balances::OF_VALVE;
+use crate::selection::candidate::{Candidate, Chosen, Question};
+use crate::selection::confirmation::confirm;
+use crate::selection::forward::{
+    AT_NOISE, Course, FAR, MOST_EFFECTS, Trial, explains_enough, finished, reduced, trial,
+};
+use crate::selection::likelihood::accepts;
+use crate::selection::misfit_ranking::believed;
+use crate::selection::search::open_to;
+
+/// A side of the slider.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Side {
+    /// The valve, which moves it.
+    Valve,
+    /// All that it meters the oil for.
+    Below,
+}
+
+impl Side {
+    fn of_signal(signal: Signal) -> Self {
+        if signal == Signal::Spool { Self::Valve } else { Self::Below }
+    }
+
+    fn of_parameter(parameter: Parameter) -> Self {
+        if OF_VALVE.contains(&parameter) { Self::Valve } else { Self::Below }
+    }
+
+    fn of_effect(effect: &Hypothesis) -> Self {
+        if effect.subsystem == Subsystem::Valve { Self::Valve } else { Self::Below }
+    }
+
+    /// Times its noise that its worst signal is searched down to. What the recorded slider did between two rows is not known: below it
+    /// that adds to all.
+    fn near(self) -> f64 {
+        match self {
+            Self::Valve => AT_NOISE,
+            Self::Below => FAR,
+        }
+    }
+
+    /// Its ordinary parameters.
+    fn ordinary(self, question: &Question<'_>) -> Vec<Free> {
+        question.ordinary.iter().copied().filter(|free| Self::of_parameter(free.parameter) == self).collect()
+    }
+
+    /// Recordings judged by its signals alone.
+    fn judging(self, cases: &[Prepared]) -> Vec<Prepared> {
+        cases.iter().map(|case| case.judged_by(|signal| Self::of_signal(signal) == self)).collect()
+    }
+
+    /// What its own signals choose.
+    fn searched(
+        self,
+        question: &Question<'_>,
+        followed: &[Prepared],
+        done: &(impl Fn(&str) + Sync),
+    ) -> Result<Course, FitError> {
+        let ordinary = self.ordinary(question);
+        let effects = question.hypotheses.iter().copied();
+        let hypotheses: Vec<_> = effects.filter(|effect| Self::of_effect(effect) == self).collect();
+        let mut training = self.judging(followed);
+        let near = Candidate::tolerated(question.scene, &ordinary, &mut training)?;
+        let training: Vec<&Prepared> = training.iter().collect();
+        let own = Question { scene: question.scene, ordinary: &ordinary, hypotheses: &hypotheses, training: &training };
+        let mut course = Course::of(&own, &near)?;
+        if !course.is_enough(&own, self.near()) {
+            course.forward(&own, self.near(), done)?;
+        }
+        let base = &course.base;
+        let claimed = |rival: Candidate| -> Result<Option<Candidate>, FitError> {
+            let may_be = rival.is_plausible(own.scene) && accepts(&own, base, base, &rival)?;
+            Ok(may_be.then_some(rival))
+        };
+        let rivals: Vec<_> = course.rivals.into_par_iter().map(claimed).collect::<Result<_, _>>()?;
+        course.rivals = rivals.into_iter().flatten().collect();
+        if explains_enough(&own, &course.base, &course.chosen, AT_NOISE) {
+            course.explained.push(self);
+        }
+        // What jumps is judged by its jumps.
+        if self == Self::Valve
+            && let Some((chosen, round)) = super::stiction::stuck(&own, done)?
+        {
+            course.rounds.resize(chosen.effects.len(), Vec::new());
+            if let [_, last] = course.rounds.as_mut_slice() {
+                *last = round;
+            }
+            course.rivals.clear();
+            course.explained = vec![self];
+            course.chosen = chosen;
+        }
+        Ok(course)
+    }
+}
+
+/// The recordings driven by their sliders; `None` unless each can be and tells of both sides.
+fn followed(cases: &[&Prepared], machine: &Machine<f64>) -> Result<Option<Vec<Prepared>>, MachineError> {
+    let following = |case: &&Prepared| case.following().filter(|case| case.channels.len() > 1);
+    let followed: Option<Vec<Prepared>> = cases.iter().map(following).collect();
+    let with_noise = |case| with_noise_of_slider(case, machine);
+    followed.map(|cases| cases.into_par_iter().map(with_noise).collect()).transpose()
+}
+
+/// A recording driven by its slider, the noise of every other channel with what the slider's adds to it.
+fn with_noise_of_slider(mut case: Prepared, machine: &Machine<f64>) -> Result<Prepared, MachineError> {
+    /// Draws that it is the mean of.
+    const DRAWS: usize = 4;
+    let of_slider = case.channels.iter().find(|channel| channel.signal == Signal::Spool);
+    let of_slider = of_slider.map_or(0.0, |slider| slider.noise);
+    let added = by_noise_of_input(&case, machine, of_slider, DRAWS)?;
+    for (channel, added) in case.channels.iter_mut().zip(added) {
+        channel.inherit(added);
+    }
+    Ok(case)
+}
+
+/// Whether held-out recordings gain by an effect of a set on its own side of their sliders, where that side is refitted to the training
+/// recordings by itself with it and without: that it is there, whatever its strength is in the chain.
+pub(crate) fn gains_apart(
+    question: &Question<'_>,
+    set: &Candidate,
+    effect: &Hypothesis,
+    held_out: &[&Prepared],
+) -> Result<bool, FitError> {
+    let (side, machine) = (Side::of_effect(effect), &set.fit.machine);
+    let (Some(training), Some(held_out)) = (followed(question.training, machine)?, followed(held_out, machine)?) else {
+        return Ok(false);
+    };
+    let (mut training, held_out) = (side.judging(&training), side.judging(&held_out));
+    let ordinary = side.ordinary(question);
+    Candidate::tolerated(question.scene, &ordinary, &mut training)?;
+    let (training, held_out): (Vec<_>, Vec<_>) = (training.iter().collect(), held_out.iter().collect());
+    let own = Question { scene: question.scene, ordinary: &ordinary, hypotheses: &[], training: &training };
+    if side == Side::Valve
+        && let Some(told) = super::stiction::confirms(&own, set, effect, &held_out)?
+    {
+        return Ok(told);
+    }
+    let of_side = |one: &Hypothesis| Side::of_effect(one) == side;
+    let (with, without) =
+        rayon::join(|| set.only(&own, of_side), || set.only(&own, |one| of_side(one) && one.name != effect.name));
+    let (with, without) = (with?, without?);
+    Ok(with.is_plausible(own.scene) && confirm(&without.fit.machine, &with.fit.machine, &held_out)?.gains())
+}
+
+impl Course {
+    /// Looks for effects on each side of the recorded slider, and takes over what the chain as a whole accepts of what is found.
+    pub(crate) fn join(&mut self, question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<(), FitError> {
+        let Some(followed) = followed(question.training, question.scene.machine)? else { return Ok(()) };
+        let searched = |side: Side| side.searched(question, &followed, done);
+        let (valve, below) = rayon::join(|| searched(Side::Valve), || searched(Side::Below));
+        let (valve, below) = (valve?, below?);
+        let start = below.base.fit.beside(&valve.base.fit);
+        if let Some(better) = Candidate::below(question, &start, self.base.fit.loss)? {
+            self.rebase(better);
+        }
+        if valve.chosen.effects.is_empty() && below.chosen.effects.is_empty() {
+            return Ok(());
+        }
+        let ranked = joined(question, &self.base, &valve, &below)?;
+        // What cannot be claimed may still be what it is, and nothing less likely stands in for it.
+        let least = ranked.first().map_or(f64::INFINITY, |(_, net)| net - CHANCE);
+        for (found, net) in ranked.iter().take_while(|(_, net)| *net > least) {
+            if self.claims(question, found)? {
+                self.chosen = found.clone();
+                self.beam = vec![found.clone()];
+                if found.effects.len() > 1 {
+                    self.joined = found.effects.iter().map(|chosen| chosen.effect.plainest()).collect();
+                }
+                // A side has explained itself by what it chose, not by what the chain put in the place of that.
+                let both = [valve.chosen.effects.as_slice(), &below.chosen.effects].concat();
+                if both.len() == found.effects.len() && both.iter().all(|own| found.has(own.effect)) {
+                    self.explained = [valve.explained.as_slice(), &below.explained].concat();
+                }
+                self.rounds = together(question.scene.machine, &valve, &below);
+                told_by_chain(&mut self.rounds, &ranked, (found, *net));
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Effects that may still be added. Where the chain is far off, a side that has explained itself is not asked again: what the
+    /// chain misses there comes from the other, or from the forms of both.
+    pub(crate) fn open(&self, question: &Question<'_>) -> Vec<&'static Hypothesis> {
+        let is_far = !self.explained.is_empty() && self.chosen.worst_over_noise(question) > FAR;
+        let is_open = |effect: &&'static Hypothesis| !(is_far && self.explained.contains(&Side::of_effect(effect)));
+        question.hypotheses.iter().copied().filter(is_open).collect()
+    }
+}
+
+/// What both sides chose, and what was nearly as likely on one of them, refitted in the chain and ranked by it, as far as it is believed.
+fn joined(
+    question: &Question<'_>,
+    base: &Candidate,
+    valve: &Course,
+    below: &Course,
+) -> Result<Vec<(Candidate, f64)>, FitError> {
+    let pairs: Vec<(&Candidate, &Candidate)> = std::iter::once((&valve.chosen, &below.chosen))
+        .chain(below.rivals.iter().map(|rival| (&valve.chosen, rival)))
+        .chain(valve.rivals.iter().map(|rival| (rival, &below.chosen)))
+        .collect();
+    let few = pairs.into_par_iter().filter(|(valve, below)| valve.effects.len() + below.effects.len() <= MOST_EFFECTS);
+    let together = |(valve, below): (&Candidate, &Candidate)| below.beside(question, valve);
+    let mut sets: Vec<Candidate> = few.map(together).collect::<Result<_, _>>()?;
+    let exchanged = sets.first().map(|found| misread(question, found)).transpose()?.flatten();
+    if let Some(other) = exchanged.clone() {
+        // Only the valve may have had an effect for what was misread: the others stay.
+        let stay = other.effects.iter().filter(|chosen| !valve.chosen.has(chosen.effect));
+        let stay: Vec<&str> = stay.map(|chosen| chosen.effect.plainest()).collect();
+        sets.extend(reduced(question, base, other, &stay)?);
+    }
+    believed(question, base, finished(question, base, sets)?, exchanged)
+}
+
+/// In the last round, what the chain says of the sets that were refitted in it; the others stay as far behind the chosen one as apart.
+fn told_by_chain(rounds: &mut Vec<Vec<Trial>>, ranked: &[(Candidate, f64)], (chosen, net): (&Candidate, f64)) {
+    rounds.truncate(chosen.effects.len());
+    let Some(round) = rounds.last_mut() else { return };
+    let ranked: Vec<_> = ranked.iter().filter(|(set, _)| set.effects.len() == chosen.effects.len()).collect();
+    match round.iter().find(|trial| trial.is_of(chosen)).map(|trial| net - trial.net) {
+        Some(shift) => {
+            for set in round.iter_mut() {
+                set.net += shift;
+            }
+        }
+        // One that neither side had has nothing behind it there.
+        None => round.clear(),
+    }
+    round.retain(|trial| !ranked.iter().any(|(set, _)| trial.is_of(set)));
+    round.extend(ranked.iter().map(|(set, net)| trial(set, *net)));
+    round.sort_by(|a, b| b.net.total_cmp(&a.net));
+}
+
+/// The set with a slider that reads o too much in the place of edges that lie 2·o further apart on one side, or the other way round: below
+/// the slider both are the same, and only the valve's own offset tells them apart. `None` where it has neither.
+fn misread(question: &Question<'_>, set: &Candidate) -> Result<Option<Candidate>, FitError> {
+    let value = |parameter| set.fit.machine.get(parameter);
+    let (read, edges) = (Parameter::SpoolOffset, Parameter::DeadZoneDifference);
+    let offset = value(Parameter::ValveOffset);
+    for (index, chosen) in set.effects.iter().enumerate() {
+        let (to, size, offset) = if chosen.has(edges) {
+            (read, 0.5 * value(edges), offset - 0.5 * value(edges))
+        } else if chosen.has(read) {
+            (edges, 2.0 * value(read), offset + value(read))
+        } else {
+            continue;
+        };
+        let other = open_to(question, set).into_iter().find_map(|effect| {
+            let form =
+                effect.forms_in(question.scene).find(|form| form.iter().any(|strength| strength.parameter == to))?;
+            Some(Chosen { effect, form })
+        });
+        let Some(other) = other else { return Ok(None) };
+        return set.instead(question, index, other, &[(to, size), (Parameter::ValveOffset, offset)]).map(Some);
+    }
+    Ok(None)
+}
+
+/// A set of one side: its effects, its net gain and its machine.
+type Part = (Vec<&'static Hypothesis>, f64, Machine<f64>);
+
+/// Rounds of a side as far as it chose, that of no effect at all first.
+fn parts(course: &Course) -> Vec<Vec<Part>> {
+    let rounds = course.rounds.iter().take(course.chosen.effects.len());
+    let part = |trial: &Trial| (trial.effects.clone(), trial.net, trial.machine);
+    let none = vec![(Vec::new(), 0.0, course.base.fit.machine)];
+    std::iter::once(none).chain(rounds.map(|round| round.iter().map(part).collect())).collect()
+}
+
+/// Sets of both sides together, round by round, the valve's effects before those below: what one side gains, the other does not know of.
+fn together(nominal: &Machine<f64>, valve: &Course, below: &Course) -> Vec<Vec<Trial>> {
+    let (valve, below) = (parts(valve), parts(below));
+    let last = valve.len() - 1;
+    let rounds = (1..=last).map(|own| (own, 0)).chain((1..below.len()).map(|other| (last, other)));
+    let joined = |(own, other): (usize, usize)| {
+        let pairs = valve[own].iter().flat_map(|above| below[other].iter().map(move |below| (above, below)));
+        let mut round: Vec<Trial> = pairs.filter_map(|(above, below)| both(nominal, above, below)).collect();
+        round.sort_by(|a, b| b.net.total_cmp(&a.net));
+        round
+    };
+    rounds.map(joined).collect()
+}
+
+/// A set of each side as one; `None` where neither has an effect.
+fn both(nominal: &Machine<f64>, valve: &Part, below: &Part) -> Option<Trial> {
+    let effects: Vec<&'static Hypothesis> = valve.0.iter().chain(&below.0).copied().collect();
+    let effect = *effects.last()?;
+    let mut machine = below.2;
+    for &parameter in Parameter::ALL {
+        let value = valve.2.get(parameter);
+        if value.to_bits() != nominal.get(parameter).to_bits() {
+            machine.set(parameter, value);
+        }
+    }
+    Some(Trial { effect, effects, net: valve.1 + below.1, machine })
+}
+
+#[cfg(test)]
+mod tests;

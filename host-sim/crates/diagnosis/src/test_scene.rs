@@ -1,0 +1,20 @@
+//! What is known of the drive that the unit tests use.
+
+use machine_file::LoadSource;
+use model_core::machine::Machine;
+use recording::Signal;
+use simulation::EntryPoint;
+
+use crate::catalogue::Scene;
+
+/// What is known of a drive where these signals are measured: driven by its command over most of its stroke, for 5 s.
+pub(crate) fn scene<'a>(machine: &'a Machine<f64>, judged: &'a [Signal]) -> Scene<'a> {
+    Scene {
+        machine,
+        entry: EntryPoint::Command,
+        load: LoadSource::Constant,
+        judged,
+        travel_m: (0.05, 0.25),
+        duration_s: 5.0,
+    }
+}

@@ -1,0 +1,59 @@
+//! One column: what it holds, how noisy it is, where its sensor failed.
+
+use recording::display_unit::unit_of;
+use recording::{Column, Signal, Unit};
+use simulation::sensor_fault::Failures;
+use simulation::signal::noise::{extent, noise, resolution};
+
+/// What was found in one column.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FoundColumn {
+    /// What it holds.
+    pub signal: Signal,
+    /// Its header in the file.
+    pub header: String,
+    /// The unit in which people read it.
+    pub unit: Unit,
+    /// Lowest value, SI.
+    pub low: f64,
+    /// Highest value, SI.
+    pub high: f64,
+    /// Standard deviation of noise and quantisation, SI; `None` where nothing changes, and of signals that are set and not measured.
+    pub noise: Option<f64>,
+    /// Step of its sensor, SI, where one shows.
+    pub step: Option<f64>,
+    /// Rows where its sensor failed.
+    pub failed: usize,
+}
+
+impl FoundColumn {
+    pub(crate) fn of(time_s: &[f64], column: &Column) -> Self {
+        let values = &column.values;
+        let (low, high) = extent(values);
+        let is_set =
+            matches!(column.signal, Signal::Command | Signal::Reference | Signal::ValveDirection | Signal::PumpSpeed);
+        let step = resolution(values);
+        let measured = low < high && !is_set;
+        let failed = |row: &bool| *row;
+        Self {
+            signal: column.signal,
+            header: column.header.clone(),
+            unit: unit_of(column),
+            low,
+            high,
+            noise: measured.then(|| noise(values, step)),
+            step: (measured && step > 0.0).then_some(step),
+            failed: if measured {
+                Failures::of(column.signal, time_s, values).rows().into_iter().filter(failed).count()
+            } else {
+                0
+            },
+        }
+    }
+
+    /// Whether it holds one value in every row.
+    #[must_use]
+    pub fn is_constant(&self) -> bool {
+        self.low >= self.high
+    }
+}

@@ -1,0 +1,83 @@
+//! What a recording holds and what it can tell, before any model is fitted: its channels, which links of a drive it can test, and
+//! how well the drive was excited.
+
+mod channels;
+mod command;
+mod excitation;
+mod testable;
+mod units;
+
+use identification::clock::Stamps;
+use machine_file::MachineFile;
+use model_core::machine::Source;
+use recording::{Recording, Signal};
+
+pub use channels::FoundColumn;
+pub use excitation::{Excited, Opened, Travelled};
+pub use testable::{LinkTest, Reach};
+pub use units::unit_doubts;
+
+/// All that is found in one recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Inspection {
+    /// The recording's name.
+    pub recording: String,
+    /// Rows.
+    pub rows: usize,
+    /// From the first row to the last, s.
+    pub duration_s: f64,
+    /// What its time stamps say.
+    pub stamps: Stamps,
+    /// The known columns but time, in the order of the file.
+    pub channels: Vec<FoundColumn>,
+    /// Headers of columns that hold no known signal.
+    pub ignored: Vec<String>,
+    /// What reading had to put right: duplicates, gaps, empty cells.
+    pub notes: Vec<String>,
+    /// Whether a valve or a pump feeds the cylinder: as the machine file says, else as the columns suggest.
+    pub source: Source,
+    /// The links in the chain's order.
+    pub links: Vec<LinkTest>,
+    /// What moved, and how far.
+    pub excited: Excited,
+    /// What is worth a second look, or another recording; sentences without full stop.
+    pub advice: Vec<String>,
+}
+
+impl Inspection {
+    /// Inspects a recording; with a machine file also against its dead zone, stroke and supply pressure.
+    #[must_use]
+    pub fn of(recording: &Recording, file: Option<&MachineFile>) -> Self {
+        let time_s = recording.time_s();
+        let source = file.map_or_else(|| suggested(recording), |file| file.machine.source);
+        let channels: Vec<FoundColumn> = recording
+            .columns()
+            .iter()
+            .filter(|column| column.signal != Signal::Time)
+            .map(|column| FoundColumn::of(time_s, column))
+            .collect();
+        let excited = Excited::of(recording, file.map(|file| &file.machine));
+        let mut advice = excitation::doubts(&channels);
+        advice.extend(file.map(|file| unit_doubts(recording, &file.machine)).unwrap_or_default());
+        advice.extend(excited.advice());
+        Self {
+            recording: recording.name().to_owned(),
+            rows: recording.rows(),
+            duration_s: time_s.last().zip(time_s.first()).map_or(0.0, |(last, first)| last - first),
+            stamps: Stamps::of(time_s),
+            channels,
+            ignored: recording.ignored().to_vec(),
+            notes: recording.notes().iter().map(ToString::to_string).collect(),
+            source,
+            links: testable::links(source, |signal| recording.has(signal)),
+            excited,
+            advice,
+        }
+    }
+}
+
+/// A recording with a pump's speed and no valve is one of a pump-controlled drive.
+fn suggested(recording: &Recording) -> Source {
+    let has = |signal| recording.has(signal);
+    if has(Signal::PumpSpeed) && !has(Signal::Command) && !has(Signal::Spool) { Source::Pump } else { Source::Valve }
+}

@@ -1,0 +1,196 @@
+//! Which links a recording can test: a link is tested where what goes in and what comes out is measured.
+
+use diagnosis::catalogue::Subsystem;
+use model_core::machine::Source;
+use recording::Signal;
+use simulation::{EntryPoint, computed_below};
+
+/// How far a recording reaches a link.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Reach {
+    /// By itself: a miss is made there.
+    Alone {
+        /// Where the chain is entered.
+        entry: EntryPoint,
+        /// What it is judged by.
+        judged: Vec<Signal>,
+    },
+    /// Together with others: a miss may be made in any of them.
+    Together {
+        /// Where the chain is entered.
+        entry: EntryPoint,
+        /// What they are judged by.
+        judged: Vec<Signal>,
+    },
+    /// Not at all.
+    No,
+}
+
+/// One link, and what a recording can say of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LinkTest {
+    /// The link.
+    pub link: Subsystem,
+    /// How far it is reached.
+    pub reach: Reach,
+    /// Signals that would have to be recorded too, to test it by itself; empty where it is.
+    pub missing: Vec<Signal>,
+    /// Signals of which one is enough to test it together with others; empty where it is tested, or where it takes more than one.
+    pub enough: Vec<Signal>,
+}
+
+/// What has to be measured to test a link by itself.
+struct Way {
+    entry: EntryPoint,
+    needs: &'static [Signal],
+    judged: &'static [Signal],
+}
+
+use Signal::{Command, Flow, Force, Position, PressureA, PressureB, PumpSpeed, Spool, Velocity};
+
+/// What may be added to a recording, the usual first.
+const ENOUGH: [Signal; 6] = [Command, Spool, PumpSpeed, Position, PressureA, PressureB];
+
+fn ways(link: Subsystem, source: Source) -> Vec<Way> {
+    const MOTION: &[Signal] = &[Position, Velocity];
+    const PRESSURES: &[Signal] = &[PressureA, PressureB];
+    let way = |entry, needs, judged| Way { entry, needs, judged };
+    // A pump's speed takes the place of the slider.
+    let (feed, with_pressures): (EntryPoint, &'static [Signal]) = match source {
+        Source::Valve => (EntryPoint::Slider, &[Spool, PressureA, PressureB, Position]),
+        Source::Pump => (EntryPoint::Pump, &[PumpSpeed, PressureA, PressureB, Position]),
+    };
+    match link {
+        Subsystem::Valve => vec![way(EntryPoint::Command, &[Command, Spool], &[Spool])],
+        // What two sensors say of one motion has to agree.
+        Subsystem::Flow | Subsystem::Sensing => vec![way(feed, with_pressures, MOTION)],
+        Subsystem::Chambers => vec![
+            way(feed, with_pressures, PRESSURES),
+            way(EntryPoint::Flow, &[Flow, PressureA, PressureB, Position], PRESSURES),
+        ],
+        Subsystem::Mechanics => vec![
+            way(EntryPoint::Force, &[PressureA, PressureB, Position], MOTION),
+            way(EntryPoint::Force, &[Force, Position], MOTION),
+        ],
+    }
+}
+
+/// Every link of a drive with this source of oil, in the chain's order, and how far signals reach it.
+#[must_use]
+pub(crate) fn links(source: Source, has: impl Fn(Signal) -> bool) -> Vec<LinkTest> {
+    let all = [Subsystem::Valve, Subsystem::Flow, Subsystem::Chambers, Subsystem::Mechanics, Subsystem::Sensing];
+    let of_drive = all.into_iter().filter(|link| source == Source::Valve || *link != Subsystem::Valve);
+    of_drive.map(|link| tested(link, source, &has)).collect()
+}
+
+fn tested(link: Subsystem, source: Source, has: &impl Fn(Signal) -> bool) -> LinkTest {
+    // A velocity does where a position is missing.
+    let there = |signal: Signal| has(signal) || (signal == Position && has(Velocity));
+    let lacks = |way: &Way| way.needs.iter().copied().filter(|signal| !there(*signal)).collect::<Vec<_>>();
+    let nearest = ways(link, source).into_iter().min_by_key(|way| lacks(way).len());
+    let Some(way) = nearest else {
+        return LinkTest { link, reach: Reach::No, missing: Vec::new(), enough: Vec::new() };
+    };
+    let missing = lacks(&way);
+    let reach = if missing.is_empty() {
+        let judged = way.judged.iter().copied().filter(|signal| has(*signal)).collect();
+        Reach::Alone { entry: way.entry, judged }
+    } else {
+        together(link, source, has)
+    };
+    let reaches = |one: &Signal| together(link, source, &|signal| signal == *one || has(signal)) != Reach::No;
+    let enough = if reach == Reach::No { ENOUGH.into_iter().filter(reaches).collect() } else { Vec::new() };
+    LinkTest { link, reach, missing, enough }
+}
+
+/// The entry furthest upstream, where it lies above the link and something below the link is measured.
+fn together(link: Subsystem, source: Source, has: &impl Fn(Signal) -> bool) -> Reach {
+    let entries = match source {
+        Source::Valve => &[(EntryPoint::Command, Command), (EntryPoint::Slider, Spool), (EntryPoint::Flow, Flow)][..],
+        Source::Pump => &[(EntryPoint::Pump, PumpSpeed), (EntryPoint::Flow, Flow)],
+    };
+    let Some((entry, _)) = entries.iter().find(|(_, signal)| has(*signal)) else { return Reach::No };
+    let (above, below): (&[EntryPoint], &[Signal]) = match link {
+        Subsystem::Valve => (&[EntryPoint::Command], computed_below(EntryPoint::Command)),
+        Subsystem::Flow => (
+            &[EntryPoint::Command, EntryPoint::Slider, EntryPoint::Pump],
+            &[Flow, PressureA, PressureB, Velocity, Position],
+        ),
+        Subsystem::Chambers => (
+            &[EntryPoint::Command, EntryPoint::Slider, EntryPoint::Pump, EntryPoint::Flow],
+            &[PressureA, PressureB, Velocity, Position],
+        ),
+        Subsystem::Mechanics | Subsystem::Sensing => {
+            (&[EntryPoint::Command, EntryPoint::Slider, EntryPoint::Pump, EntryPoint::Flow], &[Velocity, Position])
+        }
+    };
+    let computed = computed_below(*entry);
+    let judged: Vec<Signal> =
+        below.iter().copied().filter(|signal| has(*signal) && computed.contains(signal)).collect();
+    if above.contains(entry) && !judged.is_empty() { Reach::Together { entry: *entry, judged } } else { Reach::No }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn reached(signals: &[Signal], source: Source) -> Vec<(Subsystem, &'static str, Vec<Signal>)> {
+        let name = |reach: &Reach| match reach {
+            Reach::Alone { .. } => "alone",
+            Reach::Together { .. } => "together",
+            Reach::No => "no",
+        };
+        let found = links(source, |signal| signals.contains(&signal));
+        found.into_iter().map(|test| (test.link, name(&test.reach), test.missing)).collect()
+    }
+
+    #[test]
+    fn with_everything_measured_every_link_is_tested_by_itself() {
+        let found = reached(&[Command, Spool, PressureA, PressureB, Position], Source::Valve);
+        assert_eq!(found.len(), 5);
+        assert!(found.iter().all(|(_, reach, missing)| *reach == "alone" && missing.is_empty()), "{found:?}");
+    }
+
+    #[test]
+    fn without_pressures_all_below_the_slider_is_one() {
+        let found = reached(&[Command, Spool, Position], Source::Valve);
+        assert_eq!(found[0], (Subsystem::Valve, "alone", vec![]));
+        for (link, reach, missing) in &found[1..] {
+            assert_eq!(
+                (*reach, missing.as_slice()),
+                if *link == Subsystem::Mechanics {
+                    ("together", &[Force][..])
+                } else {
+                    ("together", &[PressureA, PressureB][..])
+                }
+            );
+        }
+    }
+
+    #[test]
+    fn one_signal_more_tests_links_together() {
+        let enough = |signals: &[Signal]| {
+            let found = links(Source::Valve, |signal| signals.contains(&signal));
+            found.into_iter().map(|test| test.enough).collect::<Vec<_>>()
+        };
+        let mechanics = vec![Command, Spool];
+        assert_eq!(
+            enough(&[Position]),
+            [vec![Command], vec![Command, Spool], vec![Command, Spool], mechanics.clone(), mechanics]
+        );
+        assert_eq!(enough(&[Command])[0], [Spool, Position, PressureA, PressureB]);
+        assert_eq!(enough(&[]), vec![vec![]; 5]);
+    }
+
+    #[test]
+    fn a_command_alone_tests_nothing() {
+        let found = reached(&[Command], Source::Valve);
+        assert!(found.iter().all(|(_, reach, missing)| *reach == "no" && !missing.is_empty()), "{found:?}");
+    }
+
+    #[test]
+    fn a_pump_drive_has_no_proportional_valve_to_test() {
+        let found = reached(&[PumpSpeed, PressureA, PressureB, Position], Source::Pump);
+        assert!(found.iter().all(|(link, reach, _)| *link != Subsystem::Valve && *reach == "alone"), "{found:?}");
+    }
+}

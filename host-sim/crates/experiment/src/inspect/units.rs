@@ -1,0 +1,184 @@
+//! Whether a recording's values can be in the units that its headers say: against the stroke, the supply pressure, and the speed that
+//! the opened valve gives.
+
+use model_core::machine::{Machine, Source};
+use model_core::parameter::Parameter;
+use recording::display_unit::significant;
+use recording::{Column, Recording, Signal, Unit};
+use simulation::signal::noise::{extent, noise, quantile, resolution};
+use simulation::signal::slope::slopes;
+use simulation::signal::window::rows_in;
+
+use super::command::command_doubt;
+
+/// A position is at most so many strokes: the zero is not always at an end.
+const MOST_STROKES: f64 = 1.02;
+/// A chamber's pressure is at most so many times the supply's: less than a rod of a third of the piston gives, which is thin.
+const MOST_SUPPLIES: f64 = 1.5;
+/// And exceeds this share of it at some time: 0.14 bar of 70.
+const LEAST_SUPPLIES: f64 = 2e-3;
+/// The rod goes at its fastest by so much as the opened valve gives, under any load that it moves, and with any load that helps.
+const SPEED: std::ops::RangeInclusive<f64> = 0.02..=5.0;
+/// The fastest is exceeded in this share of the rows.
+const FASTEST: f64 = 0.99;
+/// Speed is the slope over this time, s, or over two rows where they are further apart.
+const OVER_S: f64 = 0.02;
+/// A rod that goes by less than so many times its sensor's noise does not move.
+const MOVES: f64 = 20.0;
+/// The valve opens by more than this beyond the dead zone, 1; for less, the dead zone is not known well enough.
+const OPENS: f64 = 0.02;
+
+/// What is doubtful about the units of a recording for this drive; sentences without full stop.
+#[must_use]
+pub fn unit_doubts(recording: &Recording, machine: &Machine<f64>) -> Vec<String> {
+    let command = command_doubt(recording, machine);
+    let position = position_doubt(recording, machine);
+    // What stands beyond the stroke is too fast as well, and what is opened too far too slow.
+    let speed = if position.is_none() && command.is_none() { speed_doubt(recording, machine) } else { None };
+    let pressures = [Signal::PressureA, Signal::PressureB, Signal::SupplyPressure];
+    let pressures = pressures.into_iter().filter_map(|signal| pressure_doubt(recording.column(signal)?, machine));
+    command.into_iter().chain(position).chain(pressures).chain(speed).collect()
+}
+
+fn position_doubt(recording: &Recording, machine: &Machine<f64>) -> Option<String> {
+    let column = recording.column(Signal::Position)?;
+    let most = MOST_STROKES * machine.get(Parameter::Stroke);
+    let high = extent(&column.values).1;
+    (high > most).then(|| beyond(column, "beyond the stroke of the machine file", (0.01 * most, most)))
+}
+
+fn pressure_doubt(column: &Column, machine: &Machine<f64>) -> Option<String> {
+    let supply = machine.get(Parameter::SupplyPressure);
+    let (least, most) = (LEAST_SUPPLIES * supply, MOST_SUPPLIES * supply);
+    let high = extent(&column.values).1;
+    // A load may raise the pressures of a pump's cylinder beyond those that it was relieved at.
+    if high > most && machine.source == Source::Valve {
+        return Some(beyond(column, "half above the supply pressure of the machine file", (least, most)));
+    }
+    let low = high < least && high > 0.0;
+    low.then(|| beyond(column, "not even a hundredth of the supply pressure of the machine file", (least, most)))
+}
+
+/// That a column reaches what it cannot, and the unit in which that comes nearest to the middle of what it can.
+fn beyond(column: &Column, which: &str, (least, most): (f64, f64)) -> String {
+    let high = extent(&column.values).1;
+    let shown = |unit: Unit| format!("{} {unit}", significant(column.unit.from_si(high), 3));
+    let off = |unit: &Unit| (unit.to_si(column.unit.from_si(high)) / (0.5 * most)).ln().abs();
+    let possible = |unit: &Unit| (least..=most).contains(&unit.to_si(column.unit.from_si(high)));
+    let fitting = Unit::of(column.unit.dimension()).filter(possible).min_by(|a, b| off(a).total_cmp(&off(b)));
+    let instead = fitting.map_or_else(String::new, |unit| format!(" {} would be possible", shown(unit)));
+    format!("{} reaches {}, {which}: is its unit right?{instead}", column.signal, shown(column.unit))
+}
+
+/// Whether the rod goes about as fast as the opened valve lets it.
+fn speed_doubt(recording: &Recording, machine: &Machine<f64>) -> Option<String> {
+    if machine.source == Source::Pump {
+        return None;
+    }
+    let (time_s, position) = (recording.time_s(), recording.signal(Signal::Position)?);
+    let (low, high) = extent(position);
+    if high - low < MOVES * noise(position, resolution(position)) {
+        return None;
+    }
+    let reach = (rows_in(time_s, OVER_S) / 2).max(1);
+    let fastest = quantile(slopes(time_s, position, reach).into_iter().map(f64::abs).collect(), FASTEST)?;
+    let share = fastest / expected_m_per_s(recording, machine)?;
+    if SPEED.contains(&share) {
+        return None;
+    }
+    let time = recording.column(Signal::Time)?;
+    let slower = |unit: Unit| unit.to_si(1.0) / time.unit.to_si(1.0);
+    let fitting = Unit::of(time.unit.dimension()).find(|unit| SPEED.contains(&(share / slower(*unit))));
+    let instead = fitting.map_or_else(String::new, |unit| {
+        format!(" Were the times in {unit}, it would be {}", significant(share / slower(unit), 2))
+    });
+    Some(format!(
+        "the rod goes {} times as fast as the valve, opened as it was, lets it without load: are the units of time and position \
+         right?{instead}",
+        significant(share, 2)
+    ))
+}
+
+/// The speed without load at the widest opening: each edge takes half of the supply pressure.
+fn expected_m_per_s(recording: &Recording, machine: &Machine<f64>) -> Option<f64> {
+    let get = |parameter| machine.get(parameter);
+    let opening = |command: &f64| get(Parameter::ValveGain) * command + get(Parameter::ValveOffset);
+    let slider = match recording.signal(Signal::Spool) {
+        Some(slider) => slider.to_vec(),
+        None => recording.signal(Signal::Command)?.iter().map(opening).collect(),
+    };
+    let open = slider.into_iter().map(|slider| (slider.abs() - get(Parameter::DeadZone)).min(1.0)).collect();
+    let open = quantile(open, FASTEST).filter(|open| *open > OPENS)?;
+    let flow_m3_per_s = get(Parameter::FlowCoefficient) * open * (0.5 * get(Parameter::SupplyPressure)).sqrt();
+    Some(flow_m3_per_s / get(Parameter::AreaA))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write;
+
+    use recording::{ChannelMap, read_from};
+
+    use super::*;
+
+    /// Two seconds of the press: half open for a second, then closed, with headers and factors of `columns`.
+    fn recording(columns: [(&str, f64); 4]) -> Recording {
+        let machine = test_press::press(&[]);
+        let open = 0.5 - machine.get(Parameter::DeadZone);
+        let speed =
+            machine.get(Parameter::FlowCoefficient) * open * (0.5 * machine.get(Parameter::SupplyPressure)).sqrt()
+                / machine.get(Parameter::AreaA);
+        let header: Vec<String> = columns.iter().map(|(header, _)| (*header).to_owned()).collect();
+        let mut text = format!("{}\n", header.join(","));
+        for row in 0..200 {
+            let time = f64::from(row) * 0.01;
+            let opened = if time < 1.0 { 0.5 } else { 0.0 };
+            let values = [time, opened, 0.1 + speed * time.min(1.0), 3.5e6 + 1e5 * (9.0 * time).sin()];
+            let cells: Vec<String> =
+                values.iter().zip(columns).map(|(value, (_, factor))| (value * factor).to_string()).collect();
+            writeln!(text, "{}", cells.join(",")).unwrap();
+        }
+        read_from("r.csv", text.as_bytes(), &ChannelMap::default()).unwrap()
+    }
+
+    const RIGHT: [(&str, f64); 4] =
+        [("time [s]", 1.0), ("spool", 1.0), ("position [mm]", 1e3), ("pressure_a [bar]", 1e-5)];
+
+    fn doubts(index: usize, header: &'static str, factor: f64) -> Vec<String> {
+        let mut columns = RIGHT;
+        columns[index] = (header, factor);
+        unit_doubts(&recording(columns), &test_press::press(&[]))
+    }
+
+    #[test]
+    fn what_is_in_its_units_is_not_doubted() {
+        assert_eq!(unit_doubts(&recording(RIGHT), &test_press::press(&[])), Vec::<String>::new());
+        assert_eq!(doubts(0, "time [ms]", 1e3), Vec::<String>::new());
+        assert_eq!(doubts(3, "pressure_a [psi]", 1.0 / 6894.757), Vec::<String>::new());
+    }
+
+    #[test]
+    fn every_usual_mistake_is_doubted_with_the_unit_that_would_do() {
+        for (index, header, factor, said, instead) in [
+            (0, "time [s]", 1e3, "the rod goes 0.0010 times as fast", "Were the times in ms, it would be 1.0"),
+            (
+                0,
+                "time [ms]",
+                1.0,
+                "times as fast as the valve, opened as it was, lets it",
+                " Were the times in s, it would be",
+            ),
+            (2, "position [m]", 1e3, "beyond the stroke of the machine file", " mm would be possible"),
+            (2, "position [mm]", 1.0, "the rod goes 0.0010 times as fast", ""),
+            (3, "pressure_a [Pa]", 1e-5, "not even a hundredth of the supply pressure", " bar would be possible"),
+            (3, "pressure_a [bar]", 1.0, "half above the supply pressure", " Pa would be possible"),
+            (3, "pressure_a [bar]", 1.0 / 6894.757, "half above the supply pressure", " psi would be possible"),
+        ] {
+            let told = doubts(index, header, factor);
+            assert!(
+                told.len() == 1 && told[0].contains(said) && told[0].contains(instead),
+                "{header} · {factor}: {told:?}"
+            );
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! What moves when a parameter moves, or an effect is there: machines to be held against the one as it is.
+
+use diagnosis::catalogue::{Form, Hypothesis, Kind, Scene};
+use diagnosis::selection::screen::{Values, amounts, combined, shapes, with};
+use identification::fit::Free;
+use model_core::machine::Machine;
+use model_core::parameter::Parameter;
+use recording::Signal;
+use simulation::StartOffset;
+
+use crate::sensor::Sensor;
+
+/// Ordinary parameters are moved by this share of their standard deviation: far enough to be seen, near enough to be linear.
+const SHARE: f64 = 0.1;
+/// Standard deviation of the logit of the level at rest, where no pressure is recorded.
+const LEVEL: f64 = 0.4;
+/// Rows at rest that tell where the rod starts.
+const ROWS_AT_REST: f64 = 20.0;
+/// Values that are tried of strengths which no slope leads to.
+const TRIED: usize = 8;
+
+/// A machine that differs from the one as it is, and how many times its difference counts.
+#[derive(Clone, Debug)]
+pub(crate) struct Direction {
+    pub(crate) machine: Machine<f64>,
+    pub(crate) offset: StartOffset<f64>,
+    pub(crate) times: f64,
+}
+
+impl Direction {
+    /// The machine with these values, counted once.
+    fn once(machine: &Machine<f64>, values: &[(Parameter, f64)]) -> Self {
+        Self { machine: with(machine, values), offset: StartOffset::none(), times: 1.0 }
+    }
+}
+
+/// One way in which an effect may act: its shapes given, its amounts free.
+#[derive(Clone, Debug)]
+pub(crate) struct Way {
+    /// Which of the effects.
+    pub(crate) effect: usize,
+    /// Directions of its amounts, the first of them and how many.
+    pub(crate) first: usize,
+    pub(crate) count: usize,
+    /// Whether each amount can only be positive.
+    pub(crate) positive: Vec<bool>,
+    /// Values that a refit has to find.
+    pub(crate) strengths: usize,
+    /// Whether it acts as it is, without more or less.
+    pub(crate) jumps: bool,
+}
+
+/// Everything that a drive is held against.
+#[derive(Clone, Debug)]
+pub(crate) struct Directions {
+    pub(crate) effects: Vec<&'static Hypothesis>,
+    /// The ordinary parameters and the start first, then the ways of the effects, then each effect as it usually is.
+    pub(crate) all: Vec<Direction>,
+    /// How many belong to parameters and start.
+    pub(crate) ordinary: usize,
+    pub(crate) ways: Vec<Way>,
+    /// Strengths of each effect as it usually is; its direction is at `usual` and on.
+    pub(crate) strengths: Vec<Values>,
+    pub(crate) usual: usize,
+}
+
+impl Directions {
+    pub(crate) fn of(
+        scene: &Scene<'_>,
+        ordinary: &[Free],
+        effects: &[&'static Hypothesis],
+        sensors: &[Sensor],
+    ) -> Self {
+        let mut all = parameters(scene.machine, ordinary);
+        all.extend(start(scene.machine, sensors));
+        let count = all.len();
+        let mut ways = Vec::new();
+        for (effect, hypothesis) in effects.iter().enumerate() {
+            for form in hypothesis.forms_in(scene) {
+                for (values, free) in points(scene, form) {
+                    let first = all.len();
+                    all.extend(
+                        free.iter()
+                            .map(|(amounts, _)| Direction::once(scene.machine, &[values.as_slice(), amounts].concat())),
+                    );
+                    let positive = free.iter().map(|(_, positive)| *positive).collect();
+                    let jumps = is_jump(form);
+                    ways.push(Way { effect, first, count: free.len(), positive, strengths: form.len(), jumps });
+                }
+            }
+        }
+        let strengths: Vec<Values> = effects.iter().map(|hypothesis| usual(scene, hypothesis)).collect();
+        let usual = all.len();
+        all.extend(strengths.iter().map(|values| Direction::once(scene.machine, values)));
+        Self { effects: effects.to_vec(), all, ordinary: count, ways, strengths, usual }
+    }
+
+    /// Fewest strengths that an effect takes.
+    pub(crate) fn fewest(&self, effect: usize) -> usize {
+        self.ways.iter().filter(|way| way.effect == effect).map(|way| way.strengths).min().unwrap_or(1)
+    }
+}
+
+/// The machine with each ordinary parameter moved; its standard deviation is one.
+fn parameters(machine: &Machine<f64>, ordinary: &[Free]) -> Vec<Direction> {
+    let moved = |free: &Free| {
+        // At an end of its range it moves the other way.
+        [SHARE, -SHARE].into_iter().find_map(|share| {
+            let value = free.value(free.coordinate(machine.get(free.parameter)) + share);
+            let there = (value - machine.get(free.parameter)).abs() > 0.0;
+            there.then(|| Direction { times: 1.0 / share, ..Direction::once(machine, &[(free.parameter, value)]) })
+        })
+    };
+    ordinary.iter().filter_map(moved).collect()
+}
+
+/// What stays open of the start: the level of pressure where none is recorded, and the position below its noise.
+fn start(machine: &Machine<f64>, sensors: &[Sensor]) -> Vec<Direction> {
+    let mut found = Vec::new();
+    let is_pressure = |sensor: &&Sensor| matches!(sensor.signal, Signal::PressureA | Signal::PressureB);
+    if sensors.iter().filter(is_pressure).count() < 2 {
+        let level = machine.get(Parameter::LevelAtRest);
+        let moved = level + SHARE * LEVEL * level * (1.0 - level);
+        let offset = StartOffset { level: Some(moved), shift_m: 0.0 };
+        found.push(Direction { machine: *machine, offset, times: 1.0 / SHARE });
+    }
+    if let Some(sensor) = sensors.iter().find(|sensor| sensor.signal == Signal::Position) {
+        let offset = StartOffset { level: None, shift_m: sensor.noise / ROWS_AT_REST.sqrt() };
+        found.push(Direction { machine: *machine, offset, times: 1.0 });
+    }
+    found
+}
+
+fn is_jump(form: Form) -> bool {
+    form.iter().all(|strength| matches!(strength.kind, Kind::Jump(_)))
+}
+
+/// Every point of a form's shapes, with the amounts that are free there, each at its usual size, and whether they can only be positive.
+fn points(scene: &Scene<'_>, form: Form) -> Vec<(Values, Vec<(Values, bool)>)> {
+    if is_jump(form) {
+        let tries = form.iter().map(|strength| {
+            let (low, high) = strength.range(scene);
+            let share = |index: usize| (index as f64 + 0.5) / TRIED as f64;
+            (strength.parameter, (0..TRIED).map(|index| low * (high / low).powf(share(index))).collect())
+        });
+        return combined(Vec::new(), tries).into_iter().map(|values| (Vec::new(), vec![(values, true)])).collect();
+    }
+    let free: Vec<(Values, bool)> = amounts(form)
+        .map(|strength| {
+            let positive = !matches!(strength.kind, Kind::Signed(_));
+            (vec![(strength.parameter, strength.unit(scene))], positive)
+        })
+        .collect();
+    shapes(scene, form).into_iter().map(|shape| (shape, free.clone())).collect()
+}
+
+/// The plainest form of an effect as it usually is: the middle of every range.
+fn usual(scene: &Scene<'_>, hypothesis: &Hypothesis) -> Values {
+    let Some(form) = hypothesis.forms_in(scene).next() else { return Vec::new() };
+    let all = shapes(scene, form);
+    let middle = all.get(all.len() / 2).cloned().unwrap_or_default();
+    let amounts = amounts(form).map(|strength| (strength.parameter, strength.unit(scene)));
+    middle.into_iter().chain(amounts).collect()
+}

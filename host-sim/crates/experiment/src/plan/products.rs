@@ -1,0 +1,120 @@
+//! What every direction does to every sensor in one excitation, as products of whitened changes: they add up over excitations.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use model_core::machine::{Machine, MachineError};
+use simulation::{StartOffset, Stimulus, run};
+
+use super::directions::Direction;
+use crate::sensor::Sensor;
+
+/// Rows that are kept at most; of longer excitations every so-manieth, which stands for those left out.
+const MOST_ROWS: usize = 20_000;
+
+/// One simulation over the noise of each sensor: a vector a sensor.
+pub(crate) type Seen = Vec<DVector<f64>>;
+
+/// An excitation, ready to be simulated and looked at.
+#[derive(Debug)]
+pub(crate) struct View<'a> {
+    pub(crate) stimulus: &'a Stimulus,
+    pub(crate) sensors: &'a [Sensor],
+}
+
+impl View<'_> {
+    fn stride(&self) -> usize {
+        self.stimulus.rows().div_ceil(MOST_ROWS).max(1)
+    }
+
+    /// A machine's signals over the noise; every kept row stands for those left out.
+    pub(crate) fn of(&self, machine: &Machine<f64>, offset: StartOffset<f64>) -> Result<Seen, MachineError> {
+        let stride = self.stride();
+        let weight = (stride as f64).sqrt();
+        let mut series = vec![Vec::new(); self.sensors.len()];
+        run::<f64>(machine, self.stimulus, offset, |row, sample| {
+            if row.is_multiple_of(stride) {
+                for (sensor, series) in self.sensors.iter().zip(&mut series) {
+                    series.push(sample.signal(sensor.signal).map_or(0.0, |value| weight * value / sensor.noise));
+                }
+            }
+        })?;
+        Ok(series.into_iter().map(DVector::from_vec).collect())
+    }
+
+    /// Simulates the machine as it is and in every direction.
+    pub(crate) fn changes(&self, machine: &Machine<f64>, directions: &[Direction]) -> Result<Changes, MachineError> {
+        let base = self.of(machine, StartOffset::none())?;
+        let each = directions
+            .par_iter()
+            .map(|direction| {
+                let there = self.of(&direction.machine, direction.offset).ok()?;
+                let change = there.into_iter().zip(&base).map(|(there, base)| (there - base) * direction.times);
+                Some(change.collect())
+            })
+            .collect();
+        Ok(Changes { base, each })
+    }
+}
+
+/// What every direction changes.
+#[derive(Debug)]
+pub(crate) struct Changes {
+    /// The machine as it is.
+    pub(crate) base: Seen,
+    /// Each direction beside it; one that does not become a drive changes nothing.
+    each: Vec<Option<Seen>>,
+}
+
+impl Changes {
+    /// Those of some directions in one sensor, a column each.
+    pub(crate) fn columns(&self, directions: std::ops::Range<usize>, sensor: usize) -> DMatrix<f64> {
+        let each = &self.each[directions];
+        let mut columns = DMatrix::zeros(self.base[sensor].len(), each.len());
+        for (mut column, change) in columns.column_iter_mut().zip(each) {
+            if let Some(change) = change {
+                column.copy_from(&change[sensor]);
+            }
+        }
+        columns
+    }
+}
+
+/// Products of all directions, a matrix a sensor.
+#[derive(Clone, Debug)]
+pub(crate) struct Products {
+    pub(crate) by_sensor: Vec<DMatrix<f64>>,
+    /// Samples of one sensor.
+    pub(crate) rows: f64,
+}
+
+impl Products {
+    /// Of what every direction changes in an excitation of so many rows.
+    pub(crate) fn of(changes: &Changes, rows: usize) -> Self {
+        let by_sensor = (0..changes.base.len()).into_par_iter().map(|sensor| {
+            let columns = changes.columns(0..changes.each.len(), sensor);
+            columns.tr_mul(&columns)
+        });
+        Self { by_sensor: by_sensor.collect(), rows: rows as f64 }
+    }
+
+    /// Those of several excitations together.
+    pub(crate) fn sum<'a>(all: impl IntoIterator<Item = &'a Self>) -> Option<Self> {
+        all.into_iter().cloned().reduce(|mut sum, one| {
+            for (sum, one) in sum.by_sensor.iter_mut().zip(&one.by_sensor) {
+                *sum += one;
+            }
+            Self { rows: sum.rows + one.rows, ..sum }
+        })
+    }
+
+    /// Products over some of the sensors, and their samples.
+    pub(crate) fn over(&self, sensors: &[usize]) -> (DMatrix<f64>, f64) {
+        let size = self.by_sensor.first().map_or(0, DMatrix::nrows);
+        let mut sum = DMatrix::zeros(size, size);
+        for &sensor in sensors {
+            sum += &self.by_sensor[sensor];
+        }
+        (sum, self.rows * sensors.len() as f64)
+    }
+}

@@ -1,0 +1,242 @@
+//! Fit of every measured signal, end to end and link by link.
+//!
+//! A link that is driven by its measured input and still misses its measured output is the link that lacks physics.
+
+pub mod judged;
+pub mod weakest;
+
+use std::fmt;
+
+use machine_file::LoadSource;
+use model_core::machine::{Machine, Source, Tick};
+use recording::{Recording, RecordingError, Signal};
+use simulation::figures_of_merit::SignalFit;
+use simulation::sensor_fault::Mended;
+use simulation::{
+    Arithmetic, EntryPoint, SimulateError, StartOffset, Stimulus, Trajectory, computed_below, first_entry, natural_tick,
+};
+
+use crate::input_noise::{inherited, realisations};
+
+/// A part of the chain between measured signals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Section {
+    /// From the furthest measured signal upstream to every measured signal.
+    EndToEnd,
+    /// Command → slider.
+    Valve,
+    /// Slider → pressures and position: flow, chambers and mechanics together.
+    BelowSlider,
+    /// Measured flow → pressures and position.
+    BelowFlow,
+    /// Slider (or pump) and recorded pressures → position: what the flow brings less what the oil gives way.
+    FlowAndChambers,
+    /// Recorded pressures or force → position and velocity.
+    Mechanics,
+}
+
+impl Section {
+    /// Whether the section holds so few links that a miss in it names the place.
+    #[must_use]
+    pub fn is_link(self) -> bool {
+        matches!(self, Section::Valve | Section::FlowAndChambers | Section::Mechanics)
+    }
+}
+
+impl fmt::Display for Section {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Section::EndToEnd => "end to end",
+            Section::Valve => "valve",
+            Section::BelowSlider => "below slider",
+            Section::BelowFlow => "below flow",
+            Section::FlowAndChambers => "flow + chambers",
+            Section::Mechanics => "mechanics",
+        })
+    }
+}
+
+/// One section of the chain simulated from its measured input.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SectionFit {
+    /// Which.
+    pub section: Section,
+    /// Where it was entered.
+    pub entry: EntryPoint,
+    /// The fit of each measured signal that it computes.
+    pub fits: Vec<SignalFit>,
+    /// RMS by which each of these signals is off through the noise of the recorded signals that drive the section, in SI units.
+    pub inherited: Vec<f64>,
+    /// What it computed.
+    pub trajectory: Trajectory,
+}
+
+/// All sections of one recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// The recording's name.
+    pub recording: String,
+    /// Sections in the chain's order; the first is end to end.
+    pub sections: Vec<SectionFit>,
+}
+
+/// Why a comparison is not possible.
+#[derive(Debug, thiserror::Error)]
+pub enum CompareError {
+    /// The simulation is not possible.
+    #[error(transparent)]
+    Simulate(#[from] SimulateError),
+    /// The recording cannot be judged.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// Nothing measured is computed.
+    #[error("{recording}: nothing to compare; expected a measured spool, pressure_a, pressure_b, position or velocity")]
+    NothingMeasured {
+        /// The recording.
+        recording: String,
+    },
+}
+
+/// One planned section: where it is entered, where its load comes from, what it is judged by.
+struct Plan {
+    section: Section,
+    entry: EntryPoint,
+    load: LoadSource,
+    judged: Vec<Signal>,
+}
+
+impl Plan {
+    /// Whether signals drive it that a sensor has recorded: a command and a pump's speed are set.
+    fn is_driven_by_sensors(&self) -> bool {
+        !self.entry.is_set() || self.load == LoadSource::RecordedPressures
+    }
+}
+
+/// Simulates every section that the recording allows and compares.
+///
+/// ```
+/// use std::path::Path;
+///
+/// use host_sim::compare::{Arithmetic, Section, compare};
+/// use host_sim::machine_file;
+/// use host_sim::recording::{self, ChannelMap, Signal};
+///
+/// let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/press-63-40");
+/// let drive = machine_file::read(&example.join("machine.toml"))?;
+/// let recording = recording::read(&example.join("holdout-1.csv"), &ChannelMap::default())?;
+///
+/// let found = compare(&drive.machine, drive.load_source, &recording, Arithmetic::Fixed, None)?;
+/// let fit = |section, signal| {
+///     let section = found.sections.iter().find(|known| known.section == section)?;
+///     section.fits.iter().find(|fit| fit.signal == signal).map(|fit| fit.nrmse_percent)
+/// };
+/// // The valve follows; what is below it misses something.
+/// assert!(fit(Section::Valve, Signal::Spool) > Some(99.0));
+/// assert!(fit(Section::EndToEnd, Signal::Position) < Some(95.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn compare(
+    machine: &Machine<f64>,
+    load: LoadSource,
+    recording: &Recording,
+    arithmetic: Arithmetic,
+    tick: Option<Tick>,
+) -> Result<Comparison, CompareError> {
+    compare_told(machine, load, recording, arithmetic, tick, &|_| ())
+}
+
+/// As [`compare`], and tells how many rows more are simulated, of [`rows_simulated`] in all.
+pub fn compare_told(
+    machine: &Machine<f64>,
+    load: LoadSource,
+    recording: &Recording,
+    arithmetic: Arithmetic,
+    tick: Option<Tick>,
+    told: &dyn Fn(usize),
+) -> Result<Comparison, CompareError> {
+    let tick = tick.unwrap_or_else(|| natural_tick(recording));
+    let mended = Mended::of(recording);
+    let sections = plans(machine.source, load, recording)?
+        .into_iter()
+        .map(|plan| {
+            let simulated = |mended: &Mended<'_>| {
+                let stimulus = Stimulus::of_mended(mended, machine, plan.entry, plan.load, tick)?;
+                arithmetic.simulate_told(machine, &stimulus, StartOffset::none(), told)
+            };
+            let trajectory = simulated(&mended)?;
+            let inherited = if plan.is_driven_by_sensors() {
+                inherited(&mended, &trajectory, &plan.judged, simulated)?
+            } else {
+                vec![0.0; plan.judged.len()]
+            };
+            let fits = plan
+                .judged
+                .iter()
+                .filter_map(|&signal| {
+                    let (recorded, simulated) = (recording.signal(signal)?, trajectory.signal(signal)?);
+                    Some(SignalFit::of(signal, recording.time_s(), recorded, simulated))
+                })
+                .collect();
+            Ok(SectionFit { section: plan.section, entry: plan.entry, fits, inherited, trajectory })
+        })
+        .collect::<Result<Vec<_>, CompareError>>()?;
+    Ok(Comparison { recording: recording.name().to_owned(), sections })
+}
+
+/// How many rows a comparison simulates in all; 0 where it is not possible.
+#[must_use]
+pub fn rows_simulated(source: Source, load: LoadSource, recording: &Recording) -> usize {
+    let times = |plan: &Plan| if plan.is_driven_by_sensors() { 1 + realisations(recording.rows()) } else { 1 };
+    recording.rows() * plans(source, load, recording).map_or(0, |plans| plans.iter().map(times).sum())
+}
+
+/// Measured signals below an entry that can be judged: pressures that are an input cannot, nor yet that of the supply.
+#[must_use]
+pub fn judged(recording: &Recording, entry: EntryPoint, load: LoadSource) -> Vec<Signal> {
+    let given = |signal: Signal| match signal {
+        Signal::SupplyPressure => true,
+        Signal::PressureA | Signal::PressureB | Signal::Force => load == LoadSource::RecordedPressures,
+        _ => false,
+    };
+    computed_below(entry).iter().copied().filter(|&signal| recording.has(signal) && !given(signal)).collect()
+}
+
+fn plans(source: Source, load: LoadSource, recording: &Recording) -> Result<Vec<Plan>, CompareError> {
+    let first = first_entry(source, recording)?;
+    let all = judged(recording, first, load);
+    if all.is_empty() {
+        return Err(CompareError::NothingMeasured { recording: recording.name().to_owned() });
+    }
+    for &signal in &all {
+        recording.check_varies(signal)?;
+    }
+    let has = |signal| recording.has(signal);
+    let pressures = has(Signal::PressureA) && has(Signal::PressureB);
+    let motion: Vec<Signal> = [Signal::Position, Signal::Velocity].into_iter().filter(|&signal| has(signal)).collect();
+    let feed = match source {
+        Source::Valve => has(Signal::Spool).then_some(EntryPoint::Slider),
+        Source::Pump => has(Signal::PumpSpeed).then_some(EntryPoint::Pump),
+    };
+    let mut plans = vec![Plan { section: Section::EndToEnd, entry: first, load, judged: all }];
+    let mut add = |section, entry, load, judged: Vec<Signal>| {
+        if !judged.is_empty() {
+            plans.push(Plan { section, entry, load, judged });
+        }
+    };
+    if first == EntryPoint::Command && has(Signal::Spool) {
+        add(Section::Valve, EntryPoint::Command, load, vec![Signal::Spool]);
+        add(Section::BelowSlider, EntryPoint::Slider, load, judged(recording, EntryPoint::Slider, load));
+    }
+    if has(Signal::Flow) && first != EntryPoint::Flow {
+        add(Section::BelowFlow, EntryPoint::Flow, load, judged(recording, EntryPoint::Flow, load));
+    }
+    if let Some(feed) = feed
+        && pressures
+    {
+        add(Section::FlowAndChambers, feed, LoadSource::RecordedPressures, motion.clone());
+    }
+    if (pressures || has(Signal::Force)) && load == LoadSource::Constant && first != EntryPoint::Force {
+        add(Section::Mechanics, EntryPoint::Force, LoadSource::Constant, motion);
+    }
+    Ok(plans)
+}

@@ -1,0 +1,219 @@
+//! Recording → what a fit and a verdict need to know of it: the stimulus, the judged signals, and the noise in each.
+
+use machine_file::LoadSource;
+use model_core::machine::{Machine, Source, Tick};
+use recording::{Recording, Signal};
+use simulation::sensor_fault::{Failures, Mended, Stretch, bridged};
+use simulation::signal::noise::{noise, resolution};
+use simulation::{EntryPoint, SimulateError, Stimulus, first_entry, natural_tick};
+
+use crate::compare::{CompareError, judged};
+use crate::input_noise::at_most_by_noise_of_input;
+
+/// One measured signal that a simulation is held against.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// The signal.
+    pub signal: Signal,
+    /// What was recorded, SI.
+    pub recorded: Vec<f64>,
+    /// How many times the noise the residual of the refitted model is, 1 at least: residuals far beyond that steer no fit.
+    pub tolerance: f64,
+    /// Rows where the sensor failed. They are not judged.
+    pub failed: Vec<bool>,
+    /// Where it failed for longer than a moment.
+    pub stretches: Vec<Stretch>,
+    /// Standard deviation of the sensor's noise and quantisation, and of what is inherited, SI.
+    pub noise: f64,
+    /// What of it the noise of the recorded signal makes that drives the chain, SI.
+    pub inherited: f64,
+}
+
+impl Channel {
+    /// A signal as recorded, with its noise and the rows where its sensor failed.
+    #[must_use]
+    pub fn of(signal: Signal, time_s: &[f64], recorded: &[f64]) -> Self {
+        Self::with(signal, recorded, Failures::of(signal, time_s, recorded))
+    }
+
+    /// A signal as recorded, with its noise, where it is known how its sensor failed.
+    fn with(signal: Signal, recorded: &[f64], failures: Failures) -> Self {
+        Self {
+            signal,
+            failed: failures.rows(),
+            stretches: failures.stretches,
+            tolerance: 1.0,
+            noise: noise(recorded, resolution(recorded)),
+            inherited: 0.0,
+            recorded: recorded.to_vec(),
+        }
+    }
+
+    /// Standard deviation of the sensor's own noise and quantisation, SI.
+    #[must_use]
+    pub fn own_noise(&self) -> f64 {
+        if self.inherited > 0.0 { (self.noise.powi(2) - self.inherited.powi(2)).max(0.0).sqrt() } else { self.noise }
+    }
+
+    /// The same with what a simulation is off by for the noise of what drives it.
+    pub fn inherit(&mut self, off_by: f64) {
+        self.noise = self.noise.hypot(off_by);
+        self.inherited = self.inherited.hypot(off_by);
+    }
+
+    /// The NRMSE fit, %, that a perfect model would reach: only the noise is left.
+    #[must_use]
+    pub fn noise_floor_percent(&self) -> f64 {
+        self.fit_of_square(self.kept().count() as f64)
+    }
+
+    /// What was recorded, with the failed rows bridged by a straight line.
+    #[must_use]
+    pub fn bridged(&self) -> Vec<f64> {
+        bridged(&self.recorded, &self.failed)
+    }
+
+    /// What was recorded while the sensor worked.
+    pub fn kept(&self) -> impl Iterator<Item = f64> + '_ {
+        self.recorded.iter().zip(&self.failed).filter(|(_, failed)| !**failed).map(|(value, _)| *value)
+    }
+
+    /// Recorded minus simulated over noise, row by row; 0 where the sensor failed.
+    #[must_use]
+    pub fn over_noise(&self, simulated: &[f64]) -> Vec<f64> {
+        let rows = self.recorded.iter().zip(simulated).zip(&self.failed);
+        rows.map(|((recorded, simulated), failed)| if *failed { 0.0 } else { (recorded - simulated) / self.noise })
+            .collect()
+    }
+
+    /// The NRMSE fit, %, of residuals over noise.
+    #[must_use]
+    pub fn fit_percent(&self, over_noise: &[f64]) -> f64 {
+        self.fit_of_square(over_noise.iter().map(|value| value * value).sum())
+    }
+
+    fn fit_of_square(&self, over_noise: f64) -> f64 {
+        let mean = self.kept().sum::<f64>() / self.kept().count() as f64;
+        let spread: f64 = self.kept().map(|value| (value - mean).powi(2)).sum();
+        100.0 * (1.0 - self.noise * (over_noise / spread).sqrt())
+    }
+}
+
+/// A recording, ready to be fitted to and judged by.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prepared {
+    /// The recording's name.
+    pub name: String,
+    /// Times, s.
+    pub time_s: Vec<f64>,
+    /// What drives the chain.
+    pub stimulus: Stimulus,
+    /// The judged signals in the chain's order.
+    pub channels: Vec<Channel>,
+    /// Measured signals whose sensors failed, judged or not.
+    pub failures: Vec<(Signal, Failures)>,
+    /// Standard deviation of the position at the start, m: what its sensor leaves open.
+    pub start_sigma_m: f64,
+    /// Standard deviation of the noise of the recorded slider, flow or force that the chain is entered at, SI; 0 where it is a command or a pump's
+    /// speed, which are set.
+    pub input_noise: f64,
+}
+
+impl Prepared {
+    /// Prepares a recording, entered as far upstream as it allows. Where that is a sensor's signal, every judged signal's noise holds what the noise
+    /// of that sensor does to it: a rod that is moved by a measured flow adds up the meter's noise.
+    pub fn new(
+        recording: &Recording,
+        machine: &Machine<f64>,
+        load: LoadSource,
+        tick: Option<Tick>,
+    ) -> Result<Self, CompareError> {
+        let entry = first_entry(machine.source, recording)?;
+        let mut prepared = Self::entered_at(entry, recording, machine, load, tick)?;
+        let added = at_most_by_noise_of_input(&prepared, machine).map_err(SimulateError::from)?;
+        for (channel, added) in prepared.channels.iter_mut().zip(added) {
+            channel.inherit(added);
+        }
+        Ok(prepared)
+    }
+
+    /// Prepares a recording, entered at a given signal.
+    pub fn entered_at(
+        entry: EntryPoint,
+        recording: &Recording,
+        machine: &Machine<f64>,
+        load: LoadSource,
+        tick: Option<Tick>,
+    ) -> Result<Self, CompareError> {
+        let tick = tick.unwrap_or_else(|| natural_tick(recording));
+        let mut mended = Mended::of(recording);
+        let stimulus = Stimulus::of_mended(&mended, machine, entry, load, tick)?;
+        let mut signals = judged(recording, entry, load);
+        let fed = machine.source == Source::Valve && matches!(entry, EntryPoint::Command | EntryPoint::Slider);
+        if fed && recording.check_varies(Signal::SupplyPressure).is_ok() && recording.has(Signal::SupplyPressure) {
+            signals.push(Signal::SupplyPressure);
+        }
+        if signals.is_empty() {
+            return Err(CompareError::NothingMeasured { recording: recording.name().to_owned() });
+        }
+        let channels = signals
+            .into_iter()
+            .map(|signal| {
+                recording.check_varies(signal)?;
+                let values = recording.require(signal)?;
+                let known = mended.failures.iter().find(|(of, _)| *of == signal).map(|(_, failures)| failures.clone());
+                Ok(match known {
+                    Some(failures) => Channel::with(signal, values, failures),
+                    None => Channel::of(signal, recording.time_s(), values),
+                })
+            })
+            .collect::<Result<_, CompareError>>()?;
+        let measured = if entry.is_set() { None } else { mended.recording.signal(entry.driving()) };
+        let input_noise = measured.map_or(0.0, |values| noise(values, resolution(values)));
+        mended.failures.retain(|(_, failures)| failures.are_any());
+        let start_sigma_m = recording.signal(Signal::Position).map_or(0.0, |position| {
+            let step = resolution(position);
+            (step * step / 12.0 + noise(position, step).powi(2) / ROWS_AT_REST).sqrt()
+        });
+        Ok(Self {
+            name: recording.name().to_owned(),
+            time_s: recording.time_s().to_vec(),
+            stimulus,
+            channels,
+            failures: mended.failures,
+            start_sigma_m,
+            input_noise,
+        })
+    }
+
+    /// The number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// From the first row to the last, s.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        self.time_s.last().zip(self.time_s.first()).map_or(0.0, |(last, first)| last - first)
+    }
+
+    /// The same with the recorded slider metering the oil, where the command drives the valve and the slider is judged: the
+    /// valve is then judged by its slider alone, and all below it by what the real slider let through.
+    #[must_use]
+    pub fn following(&self) -> Option<Self> {
+        let is_judged = self.channels.iter().any(|channel| channel.signal == Signal::Spool);
+        let stimulus = self.stimulus.following().filter(|_| is_judged)?;
+        Some(Self { stimulus, ..self.clone() })
+    }
+
+    /// The same recording judged by some of its signals only.
+    #[must_use]
+    pub fn judged_by(&self, wanted: impl Fn(Signal) -> bool) -> Self {
+        let channels = self.channels.iter().filter(|channel| wanted(channel.signal)).cloned().collect();
+        Self { channels, ..self.clone() }
+    }
+}
+
+/// Rows that the start is averaged over at least.
+const ROWS_AT_REST: f64 = 20.0;

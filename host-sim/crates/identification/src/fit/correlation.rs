@@ -1,0 +1,112 @@
+//! Parameters that the recordings tell only together: pairs whose estimates are correlated.
+
+use std::fmt;
+
+use model_core::parameter::Parameter;
+
+use super::Fit;
+use super::normal_equations::Information;
+
+/// Estimates that are correlated further than this are told of. There each is 1/√(1 − 0.9²) = 2.3 times as uncertain as it would be if
+/// the other were known.
+pub const CORRELATED: f64 = 0.9;
+
+/// Two fitted parameters of which the recordings, and what is known before, leave one combination more open than the other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Correlation {
+    /// The one, as they were fitted.
+    pub one: Parameter,
+    /// The other.
+    pub other: Parameter,
+    /// Correlation coefficient, −1 to 1: below 0 more of the one goes with less of the other.
+    pub coefficient: f64,
+}
+
+impl fmt::Display for Correlation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (one, other) = (self.one.description().key, self.other.description().key);
+        let (size, sign) = (self.coefficient.abs(), if self.coefficient < 0.0 { "−" } else { "" });
+        // What is left to 1 is what counts.
+        let decimals = if size < 0.9995 { 3 } else { 5 };
+        write!(f, "{one} and {other}: {sign}{size:.decimals$}")
+    }
+}
+
+impl Fit {
+    /// Pairs of fitted parameters that are correlated beyond [`CORRELATED`], the closest first. A value at the end of its range is not
+    /// fitted. `inflation` is how many times more rows there are than independent samples.
+    #[must_use]
+    pub fn correlations(&self, inflation: f64) -> Vec<Correlation> {
+        let Some(covariance) = Information::covariance(&self.information, inflation) else { return Vec::new() };
+        let fitted = |slot: &usize| !self.free[*slot].at_bound(self.coordinates[*slot]);
+        let slots: Vec<usize> = (0..self.free.len()).filter(fitted).collect();
+        let pairs =
+            slots.iter().enumerate().flat_map(|(at, &one)| slots[at + 1..].iter().map(move |&other| (one, other)));
+        // A value grows with its coordinate, so that both have the same sign.
+        let of = |(one, other): (usize, usize)| Correlation {
+            one: self.free[one].parameter,
+            other: self.free[other].parameter,
+            coefficient: covariance[(one, other)] / (covariance[(one, one)] * covariance[(other, other)]).sqrt(),
+        };
+        let mut found: Vec<Correlation> = pairs.map(of).filter(|pair| pair.coefficient.abs() > CORRELATED).collect();
+        found.sort_by(|a, b| b.coefficient.abs().total_cmp(&a.coefficient.abs()));
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, DVector};
+
+    use model_core::parameter::Parameter as P;
+    use test_press::press;
+
+    use super::*;
+    use crate::fit::normal_equations::OF_START;
+    use crate::fit::{Free, Freedom};
+
+    /// A fit of three values, of which the recordings tell the first two by their sum and the third by itself.
+    fn fit(gain_at: f64) -> Fit {
+        let machine = press(&[]);
+        let around = |parameter, nominal, sigma| Free { parameter, freedom: Freedom::Around { nominal, sigma } };
+        let free = vec![
+            around(P::ValveGain, 0.05, 0.005),
+            around(P::FlowCoefficient, 2.4e-7, 2.4e-8),
+            around(P::ViscousFriction, 1e4, 1e3),
+        ];
+        let mut matrix = DMatrix::zeros(3 + OF_START, 3 + OF_START);
+        for (one, other, told) in [(0, 0, 99.0), (0, 1, 99.0), (1, 0, 99.0), (1, 1, 99.0), (2, 2, 99.0)] {
+            matrix[(one, other)] = told;
+        }
+        let information = Information { matrix, gradient: DVector::zeros(3 + OF_START), square: 1000.0, rows: 1000.0 };
+        Fit {
+            machine,
+            free,
+            coordinates: vec![gain_at, 0.0, 0.0],
+            starts: Vec::new(),
+            information: vec![information],
+            converged: true,
+            loss: 0.0,
+        }
+    }
+
+    #[test]
+    fn two_values_that_are_told_by_their_sum_are_correlated_and_one_that_is_told_alone_is_not() {
+        let found = fit(0.0).correlations(1.0);
+        // The inverse of [[100, 99], [99, 100]] has the correlation −99/100.
+        let [pair] = found.as_slice() else { panic!("{found:?}") };
+        assert_eq!((pair.one, pair.other), (P::ValveGain, P::FlowCoefficient));
+        assert!((pair.coefficient + 0.99).abs() < 1e-12, "{pair:?}");
+        assert_eq!(pair.to_string(), "valve.gain_per_v and valve.flow_coefficient: −0.990");
+        let close = Correlation { coefficient: 0.999_87, ..*pair };
+        assert!(close.to_string().ends_with(": 0.99987"), "{close}");
+        // Rows that tell the same a hundred times over leave the priors, which know of no correlation.
+        assert!(fit(0.0).correlations(100.0).is_empty());
+    }
+
+    #[test]
+    fn a_value_at_the_end_of_its_range_is_correlated_with_none() {
+        let beyond = (P::ValveGain.description().max - 0.05) / 0.005 + 1.0;
+        assert!(fit(beyond).correlations(1.0).is_empty());
+    }
+}

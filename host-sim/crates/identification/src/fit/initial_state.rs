@@ -1,0 +1,118 @@
+//! The state that a recording starts from, as far as its sensors leave it open.
+
+use model_core::machine::{Machine, MachineError};
+use model_core::number::Real;
+use model_core::parameter::Parameter;
+use recording::Signal;
+use simulation::StartOffset;
+
+use super::residuals::{soft, standardised_all};
+use crate::experiment::Prepared;
+
+/// Standard deviation of the logit of the level at rest: a tenth of supply about its half.
+const LOGIT_SIGMA: f64 = 0.4;
+
+/// Coordinates of a recording's start, each with a unit normal prior; 0 is what machine and recording say.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StartState {
+    /// Level of pressure at rest, where pressures are not recorded.
+    pub level: f64,
+    /// Position below the sensor's step.
+    pub shift: f64,
+}
+
+impl StartState {
+    /// The start of a recording in the simulation's terms, on a machine.
+    #[must_use]
+    pub fn offset(&self, machine: &Machine<f64>, case: &Prepared) -> StartOffset<f64> {
+        StartOffset { level: Some(self.level_on(machine)), shift_m: self.shift * case.start_sigma_m }
+    }
+
+    /// Share of supply pressure in B at rest, around the machine's: its logit moves, for a hard bound would stop the search at it,
+    /// with a slope that is not there.
+    pub(crate) fn level_on<R: Real>(&self, machine: &Machine<R>) -> f64 {
+        let usual = machine.get(Parameter::LevelAtRest).value();
+        at_logit((usual / (1.0 - usual)).ln() + LOGIT_SIGMA * self.level)
+    }
+
+    /// Derivative of the level by its coordinate.
+    pub(crate) fn level_slope<R: Real>(&self, machine: &Machine<R>) -> f64 {
+        let level = self.level_on(machine);
+        LOGIT_SIGMA * level * (1.0 - level)
+    }
+}
+
+/// The share whose logit is given, 0..1.
+fn at_logit(logit: f64) -> f64 {
+    1.0 / (1.0 + (-logit).exp())
+}
+
+/// Whether the level of pressure at rest is not recorded.
+pub(crate) fn needs_level(case: &Prepared) -> bool {
+    case.stimulus.start.pressures_pa.is_none()
+}
+
+/// The level at rest that a machine file should hold after a fit: the mean of its recordings' levels, in their coordinate.
+/// `None` where every recording has its pressures.
+#[must_use]
+pub fn level_at_rest(machine: &Machine<f64>, cases: &[&Prepared], starts: &[StartState]) -> Option<f64> {
+    let levels = cases.iter().zip(starts).filter(|(case, _)| needs_level(case)).map(|(_, start)| start.level);
+    let (sum, count) = levels.fold((0.0, 0.0), |(sum, count), level| (sum + level, count + 1.0));
+    let mean = StartState { level: sum / count, shift: 0.0 };
+    let range = Parameter::LevelAtRest.description();
+    (count > 0.0).then(|| mean.level_on(machine).clamp(range.min, range.max))
+}
+
+/// The start that suits a machine best on a recording that it was not fitted to: Gauss-Newton in the start's two coordinates
+/// alone, the level's slope by a difference.
+pub fn settle(machine: &Machine<f64>, case: &Prepared) -> Result<StartState, MachineError> {
+    const STEP: f64 = 0.05;
+    let mut state = StartState::default();
+    let rounds = if needs_level(case) { 4 } else { 1 };
+    for _ in 0..rounds {
+        let beside = needs_level(case).then_some(StartState { level: state.level + STEP, ..state });
+        let mut both =
+            standardised_all(machine, [state].into_iter().chain(beside).map(|start| (case, start)))?.into_iter();
+        let (here, moved) = (both.next().unwrap_or_default(), both.next());
+        let (mut h, mut g) = ([[1.0, 0.0], [0.0, 1.0]], [state.level, state.shift]);
+        for (index, (channel, residuals)) in case.channels.iter().zip(&here).enumerate() {
+            let shift = if channel.signal == Signal::Position { -case.start_sigma_m / channel.noise } else { 0.0 };
+            for (row, residual) in residuals.iter().enumerate() {
+                let (value, slope) = soft(*residual, channel.tolerance);
+                let by_level = moved.as_ref().map_or(0.0, |moved| slope * (moved[index][row] - residual) / STEP);
+                let by_shift = slope * shift;
+                h[0][0] += by_level * by_level;
+                h[0][1] += by_level * by_shift;
+                h[1][1] += by_shift * by_shift;
+                g[0] += by_level * value;
+                g[1] += by_shift * value;
+            }
+        }
+        let determinant = h[0][0] * h[1][1] - h[0][1] * h[0][1];
+        let step = [(h[1][1] * g[0] - h[0][1] * g[1]) / determinant, (h[0][0] * g[1] - h[0][1] * g[0]) / determinant];
+        state.level -= step[0].clamp(-3.0, 3.0);
+        state.shift -= step[1];
+        if step[0].abs() < 1e-3 && step[1].abs() < 1e-3 {
+            break;
+        }
+    }
+    Ok(state)
+}
+
+#[cfg(test)]
+mod tests {
+    use model_core::machine::Source;
+
+    use super::*;
+
+    #[test]
+    fn the_level_is_the_machines_at_the_middle_of_its_prior_and_stays_within_the_supply() {
+        let mut machine = Machine::with_defaults(Source::Valve);
+        machine.set(Parameter::LevelAtRest, 0.37);
+        let level = |coordinate| StartState { level: coordinate, shift: 0.0 }.level_on(&machine);
+        assert!((level(0.0) - 0.37).abs() < 1e-12);
+        assert!((0.0..0.01).contains(&level(-30.0)) && (0.99..=1.0).contains(&level(30.0)));
+        let slope = StartState { level: 0.7, shift: 0.0 }.level_slope(&machine);
+        assert!(((level(0.701) - level(0.699)) / 2e-3 / slope - 1.0).abs() < 1e-5);
+    }
+}

@@ -1,0 +1,308 @@
+//! The least-squares problem, as the optimiser wants it.
+//!
+//! The optimiser sees the triangle of the normal equations instead of one line a row: the same minimum, the same steps, and a
+//! few dozen numbers instead of a hundred thousand.
+
+use std::cell::Cell;
+use std::sync::Arc;
+
+use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
+use nalgebra::{DMatrix, DVector, Dyn, Owned};
+use rayon::prelude::*;
+
+use model_core::machine::{Machine, MachineError};
+
+use super::initial_state::StartState;
+use super::jacobian::At;
+use super::kept_jacobian::Slopes;
+use super::normal_equations::{Information, OF_START};
+use super::{Free, From};
+use crate::experiment::Prepared;
+
+/// What is told of an evaluated recording.
+pub type Told<'a> = dyn Fn(&Prepared) + Sync + 'a;
+
+/// A model that lacks an effect creeps along a valley: evaluations per coordinate, after which it is far enough.
+const PATIENCE: usize = 3;
+
+/// Slopes hold as long as a step gains what it promised to within this share.
+const FAITHFUL: f64 = 0.15;
+/// A hundredth of a unit of log-likelihood is not worth a step.
+const NEGLIGIBLE: f64 = 0.01;
+/// A search of this precision ends with slopes of its own.
+const FINE: f64 = 1e-5;
+/// Times that it sets out, at most.
+const ROUNDS: usize = 3;
+
+/// Most evaluations of a search over so many coordinates.
+pub(crate) const fn most_evaluations(coordinates: usize) -> usize {
+    PATIENCE * (coordinates + 1)
+}
+
+pub(crate) struct Problem<'a> {
+    base: &'a Machine<f64>,
+    free: &'a [Free],
+    cases: &'a [&'a Prepared],
+    /// Told after each evaluation of a recording with its slopes.
+    told: &'a Told<'a>,
+    /// Free parameters, then level and shift of each recording's start.
+    pub(crate) coordinates: DVector<f64>,
+    /// Of each recording, at the coordinates.
+    pub(crate) information: Vec<Information>,
+}
+
+impl<'a> Problem<'a> {
+    pub(crate) fn new(
+        base: &'a Machine<f64>,
+        free: &'a [Free],
+        cases: &'a [&'a Prepared],
+        from: &From<'_>,
+        told: &'a Told<'a>,
+    ) -> Self {
+        let mut coordinates = DVector::zeros(free.len() + OF_START * cases.len());
+        if let Some(known) = from.solution {
+            let all =
+                if from.moved.is_empty() { known.all_coordinates() } else { DVector::from_column_slice(from.moved) };
+            let known_starts = all.rows(known.free.len(), all.len() - known.free.len());
+            for (free, coordinate) in free.iter().zip(coordinates.iter_mut()) {
+                let mut pairs = known.free.iter().zip(all.iter());
+                let found = pairs.find(|(other, _)| other.parameter == free.parameter);
+                *coordinate = found.map_or(0.0, |(_, coordinate)| *coordinate);
+            }
+            if known.starts.len() == cases.len() {
+                coordinates.rows_mut(free.len(), known_starts.len()).copy_from(&known_starts);
+            }
+        }
+        for (parameter, wanted) in from.coordinates {
+            if let Some(index) = free.iter().position(|free| free.parameter == *parameter) {
+                coordinates[index] = *wanted;
+            }
+        }
+        Self { base, free, cases, told, coordinates, information: Vec::new() }
+    }
+
+    pub(crate) fn starts(&self) -> Vec<StartState> {
+        let of = |index: usize| {
+            let at = self.free.len() + OF_START * index;
+            StartState { level: self.coordinates[at], shift: self.coordinates[at + 1] }
+        };
+        (0..self.cases.len()).map(of).collect()
+    }
+
+    pub(crate) fn machine(&self) -> Machine<f64> {
+        let mut machine = *self.base;
+        for (free, &coordinate) in self.free.iter().zip(self.coordinates.iter()) {
+            machine.set(free.parameter, free.value(coordinate));
+        }
+        machine
+    }
+
+    /// Minimises.
+    pub(crate) fn minimise(&mut self, precision: f64) -> Minimum {
+        let solver = LevenbergMarquardt::new()
+            .with_ftol(precision)
+            .with_xtol(1e-6)
+            .with_gtol(0.0)
+            .with_patience(PATIENCE)
+            // Every coordinate is in standard deviations of its prior already: a first step of several of them is far.
+            .with_scale_diag(false)
+            .with_stepbound(5.0);
+        let mut slots = Slots::new(self, precision);
+        let mut rounds = 0;
+        let converged = loop {
+            let (end, report) = solver.minimize(slots);
+            slots = end;
+            rounds += 1;
+            // Where kept slopes say that it ends, new ones have to say so as well.
+            if precision > FINE || !slots.here.is_nearby {
+                break report.termination.was_successful();
+            }
+            slots.here = slots.evaluated(&slots.here.at);
+            if slots.here.falls() <= precision * slots.here.loss() || rounds == ROUNDS {
+                break report.termination.was_successful();
+            }
+        };
+        let loss = slots.here.loss();
+        self.information = slots.here.information;
+        Minimum { converged, loss }
+    }
+}
+
+/// How a search ended.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Minimum {
+    /// Whether the optimiser met one of its criteria.
+    pub(crate) converged: bool,
+    /// Half the sum of squares that it minimised, priors included.
+    pub(crate) loss: f64,
+}
+
+/// The problem as the optimiser wants it: where it is and where it was.
+struct Slots<'p, 'a> {
+    problem: &'p mut Problem<'a>,
+    precision: f64,
+    /// Here, and where the search was before: a step that is not taken leads back there.
+    here: Point,
+    before: Point,
+    /// Whether the search has taken the step that led here.
+    is_taken: Cell<bool>,
+}
+
+/// The triangle at some coordinates.
+#[derive(Clone, Default)]
+struct Point {
+    at: DVector<f64>,
+    information: Vec<Information>,
+    /// Of each recording, from here or, where it is `nearby`, from where the steps began.
+    slopes: Arc<Vec<Slopes>>,
+    is_nearby: bool,
+    /// Whether every step from here that was looked at gained what it promised.
+    holds: bool,
+    /// Residuals and Jacobian; none where the machine does not become a drive.
+    triangle: Option<(DVector<f64>, DMatrix<f64>)>,
+}
+
+impl Point {
+    fn of(at: &DVector<f64>, information: Vec<Information>, slopes: Arc<Vec<Slopes>>, is_nearby: bool) -> Self {
+        let triangle = if information.is_empty() { None } else { assembled(&information, at) };
+        Self { at: at.clone(), information, slopes, is_nearby, holds: true, triangle }
+    }
+
+    /// What is minimised.
+    fn loss(&self) -> f64 {
+        self.triangle.as_ref().map_or(f64::NAN, |(residuals, _)| 0.5 * residuals.norm_squared())
+    }
+
+    /// How far the loss falls by a step to there, if the residuals are as linear as the triangle says.
+    fn promises(&self, there: &DVector<f64>) -> f64 {
+        self.triangle.as_ref().map_or(f64::NAN, |(residuals, jacobian)| {
+            0.5 * (residuals.norm_squared() - (residuals + jacobian * (there - &self.at)).norm_squared())
+        })
+    }
+
+    /// The same by the best of all steps.
+    fn falls(&self) -> f64 {
+        let reached = |residuals: &DVector<f64>| residuals.rows(0, residuals.len() - 1).norm_squared();
+        self.triangle.as_ref().map_or(f64::NAN, |(residuals, _)| 0.5 * reached(residuals))
+    }
+
+    /// A fall of the loss that is not worth a step: of the log-likelihood of noise as large as what is left here.
+    fn negligible(&self) -> f64 {
+        let rows: f64 = self.information.iter().map(|one| one.rows).sum();
+        NEGLIGIBLE * (2.0 * self.loss() / rows.max(1.0)).max(1.0)
+    }
+}
+
+impl<'p, 'a> Slots<'p, 'a> {
+    fn new(problem: &'p mut Problem<'a>, precision: f64) -> Self {
+        let coordinates = problem.coordinates.clone();
+        let (here, before) = (Point::default(), Point::default());
+        let mut slots = Self { problem, precision, here, before, is_taken: Cell::new(false) };
+        slots.here = slots.evaluated(&coordinates);
+        slots
+    }
+
+    /// A point with slopes of its own.
+    fn evaluated(&self, coordinates: &DVector<f64>) -> Point {
+        let Problem { base, free, cases, told, .. } = *self.problem;
+        let at = At { base, free, coordinates: coordinates.as_slice() };
+        let all: Result<(Vec<_>, Vec<_>), _> = cases
+            .par_iter()
+            .zip(self.problem.starts())
+            .map(|(case, start)| {
+                let mut slopes = Slopes::new(free.len(), case);
+                let information = Information::of(&at, start, case, &mut slopes);
+                told(case);
+                Ok::<_, MachineError>((information?, slopes))
+            })
+            .collect();
+        let (information, slopes) = all.unwrap_or_default();
+        Point::of(coordinates, information, Arc::new(slopes), false)
+    }
+
+    /// A point with the slopes of where the search was before; `None` where those are not kept or there is no drive.
+    fn nearby(&self, coordinates: &DVector<f64>) -> Option<Point> {
+        let cases = self.problem.cases;
+        let machine = self.problem.machine();
+        let known = &self.before;
+        let starts = self.problem.starts();
+        let information = Information::nearby(&known.information, &known.slopes, &machine, cases, &starts);
+        let information = information.ok().flatten()?;
+        let point = Point::of(coordinates, information, Arc::clone(&known.slopes), true);
+        point.triangle.is_some().then_some(point)
+    }
+
+    /// What a step leads to. One that promises too little is not looked at: there the search ends.
+    fn tried(&mut self, coordinates: &DVector<f64>) -> Point {
+        let promised = self.before.promises(coordinates);
+        if promised <= (self.precision * self.before.loss()).min(self.before.negligible()) {
+            return Point { at: coordinates.clone(), ..self.before.clone() };
+        }
+        if let Some(nearby) = self.nearby(coordinates) {
+            let gained = self.before.loss() - nearby.loss();
+            // A step that gains nothing is not taken, and one that gains what it promised says that the slopes hold.
+            let holds = (gained - promised).abs() <= FAITHFUL * promised;
+            if gained <= 0.0 || (holds && self.before.holds) {
+                self.before.holds = holds;
+                return nearby;
+            }
+        }
+        self.evaluated(coordinates)
+    }
+}
+
+/// The normal equations' triangle, as residuals and Jacobian.
+fn assembled(information: &[Information], coordinates: &DVector<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
+    let size = coordinates.len();
+    let (matrix, gradient, square) = Information::assembled(information, coordinates);
+    if !square.is_finite() {
+        return None;
+    }
+    let triangle = matrix.cholesky()?.l();
+    let reached = triangle.solve_lower_triangular(&gradient)?;
+    let mut residuals = DVector::zeros(size + 1);
+    residuals.rows_mut(0, size).copy_from(&reached);
+    residuals[size] = (square - reached.norm_squared()).max(0.0).sqrt();
+    let mut jacobian = DMatrix::zeros(size + 1, size);
+    jacobian.view_mut((0, 0), (size, size)).copy_from(&triangle.transpose());
+    Some((residuals, jacobian))
+}
+
+impl LeastSquaresProblem<f64, Dyn, Dyn> for Slots<'_, '_> {
+    type ResidualStorage = Owned<f64, Dyn>;
+    type JacobianStorage = Owned<f64, Dyn, Dyn>;
+    type ParameterStorage = Owned<f64, Dyn>;
+
+    fn set_params(&mut self, coordinates: &DVector<f64>) {
+        self.problem.coordinates.copy_from(coordinates);
+        if self.here.at == *coordinates {
+            return;
+        }
+        if self.is_taken.replace(false) || self.before.at == *coordinates {
+            std::mem::swap(&mut self.here, &mut self.before);
+        }
+        if self.here.at == *coordinates {
+            return;
+        }
+        self.here = self.tried(coordinates);
+        if self.here.triangle.is_none() {
+            // A step to where there is no drive is one that goes wrong: the search then takes a shorter one.
+            let wrong = |(residuals, jacobian): &(DVector<f64>, DMatrix<f64>)| (residuals * 10.0, jacobian.clone());
+            self.here.triangle = self.before.triangle.as_ref().map(wrong);
+        }
+    }
+
+    fn params(&self) -> DVector<f64> {
+        self.problem.coordinates.clone()
+    }
+
+    fn residuals(&self) -> Option<DVector<f64>> {
+        self.here.triangle.as_ref().map(|(residuals, _)| residuals.clone())
+    }
+
+    fn jacobian(&self) -> Option<DMatrix<f64>> {
+        // It is asked for only where the search goes on from.
+        self.is_taken.set(true);
+        self.here.triangle.as_ref().map(|(_, jacobian)| jacobian.clone())
+    }
+}

@@ -1,0 +1,373 @@
+//! Refit of parameters on all training recordings together.
+//!
+//! Levenberg-Marquardt (crate `levenberg-marquardt`, a port of MINPACK) over residuals divided by each channel's noise, with the
+//! derivatives from the core run on dual numbers. A pseudo-Huber loss keeps single spikes from steering. Every free value has a
+//! prior: a nominal one with a stated standard deviation, or the usual range of an effect's strength, which positive strengths
+//! move in by their logarithm, and which none leaves far. The state that each recording starts from is free as well, within what
+//! its sensors leave open.
+
+pub mod coarse;
+mod correlation;
+mod initial_state;
+mod jacobian;
+mod kept_jacobian;
+mod levenberg_marquardt;
+mod normal_equations;
+pub mod residuals;
+mod sensitivity;
+
+use levenberg_marquardt::{Minimum, Problem};
+use nalgebra::{DMatrix, DVector};
+
+use model_core::machine::{Machine, MachineError, Tick};
+use model_core::parameter::Parameter;
+use simulation::DELAY_LINE;
+
+use crate::experiment::Prepared;
+
+pub use coarse::coarse;
+pub use correlation::{CORRELATED, Correlation};
+pub use initial_state::{StartState, level_at_rest, settle};
+pub use levenberg_marquardt::Told;
+pub use normal_equations::Information;
+pub(crate) use normal_equations::OF_START;
+pub use residuals::{
+    CHANCE, Counts, Misfit, Residuals, effective_samples, inflation, loss, misfits, set_tolerances, soft, softened,
+    softened_all, standardised, standardised_all,
+};
+pub use sensitivity::{Change, Sensitivity, Settled, Simulated};
+
+/// Most parameters of one fit.
+pub const MOST_PARAMETERS: usize = jacobian::MOST_SLOTS - 1;
+
+/// How a free parameter moves; its own coordinate has a unit normal prior in each case.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Freedom {
+    /// Around a nominal value, with a Gaussian prior of this standard deviation, in the parameter's unit.
+    Around {
+        /// Nominal value.
+        nominal: f64,
+        /// Its standard deviation.
+        sigma: f64,
+    },
+    /// Of either sign and of roughly known size: moves ever more stiffly towards one and a half times [`REACH`].
+    Signed {
+        /// Standard deviation.
+        sigma: f64,
+    },
+    /// Positive and of roughly known size: moves in its logarithm, ever more stiffly towards [`REACH`] standard deviations.
+    Logarithm {
+        /// Middle of the usual range.
+        centre: f64,
+        /// Standard deviation of the logarithm.
+        spread: f64,
+        /// Whether it may vanish: then only large values are held back.
+        vanishes: bool,
+    },
+}
+
+/// A positive value comes no further from the middle of its prior than this, in standard deviations: where the recordings cannot
+/// tell a large value from one yet larger (a hard stop from a harder one), the search would run away. A coordinate far beyond
+/// says that they press against it.
+pub const REACH: f64 = 2.2;
+
+/// The same for values and places of either sign.
+pub const REACH_SIGNED: f64 = 1.5 * REACH;
+
+/// Standard deviations from the middle at a coordinate: the coordinate itself near 0, and never more than [`REACH`].
+fn reached(coordinate: f64, vanishes: bool) -> f64 {
+    if vanishes && coordinate < 0.0 { coordinate } else { REACH * (coordinate / REACH).tanh() }
+}
+
+/// Longest dead time of a valve that a search comes to, s: two ticks less than the delay line holds at the shortest tick.
+const LONGEST_DELAY_S: f64 = (DELAY_LINE - 2) as f64 * Tick::HalfMillisecond.seconds();
+
+/// A parameter that a fit may move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Free {
+    /// Which.
+    pub parameter: Parameter,
+    /// How.
+    pub freedom: Freedom,
+}
+
+impl Free {
+    /// The ends of the value's range: the parameter's own, and of a dead time what the delay line holds at the shortest tick, or what the machine
+    /// file says if that is more. A search at twice the tick would end at one that no drive at the recordings' own tick can have.
+    fn ends(&self) -> (f64, f64) {
+        let description = self.parameter.description();
+        let nominal = if let Freedom::Around { nominal, .. } = self.freedom { nominal } else { 0.0 };
+        let most = match self.parameter {
+            Parameter::TransportDelay => description.max.min(LONGEST_DELAY_S.max(nominal)),
+            _ => description.max,
+        };
+        (description.min, most)
+    }
+
+    /// The value at the fit's own coordinate, which is 0 at the middle of the prior.
+    #[must_use]
+    pub fn value(&self, coordinate: f64) -> f64 {
+        let value = match self.freedom {
+            Freedom::Around { nominal, sigma } => nominal + sigma * coordinate,
+            Freedom::Signed { sigma } => sigma * REACH_SIGNED * (coordinate / REACH_SIGNED).tanh(),
+            Freedom::Logarithm { centre, spread, vanishes } => {
+                centre * (spread * reached(coordinate, vanishes)).max(-40.0).exp()
+            }
+        };
+        let (least, most) = self.ends();
+        value.clamp(least, most)
+    }
+
+    /// The coordinate of a value.
+    #[must_use]
+    pub fn coordinate(&self, value: f64) -> f64 {
+        match self.freedom {
+            Freedom::Around { nominal, sigma } => (value - nominal) / sigma,
+            Freedom::Signed { sigma } => REACH_SIGNED * (value / sigma / REACH_SIGNED).clamp(-0.99, 0.99).atanh(),
+            Freedom::Logarithm { centre, spread, vanishes } => {
+                let deviations = (value / centre).max(1e-17).ln() / spread;
+                if vanishes && deviations < 0.0 {
+                    deviations
+                } else {
+                    // Values at the end of the reach and beyond are as far as a coordinate is taken to be.
+                    REACH * (deviations / REACH).clamp(-0.99, 0.99).atanh()
+                }
+            }
+        }
+    }
+
+    /// Whether the value is held at an end of its range.
+    pub fn at_bound(&self, coordinate: f64) -> bool {
+        let ((least, most), value) = (self.ends(), self.value(coordinate));
+        value <= least || value >= most
+    }
+
+    /// Derivative of the value by the coordinate; 0 where the value is held at an end of its range.
+    fn slope(&self, coordinate: f64) -> f64 {
+        match self.freedom {
+            _ if self.at_bound(coordinate) => 0.0,
+            Freedom::Around { sigma, .. } => sigma,
+            Freedom::Signed { sigma } => sigma * (1.0 - (coordinate / REACH_SIGNED).tanh().powi(2)),
+            Freedom::Logarithm { spread, vanishes, .. } => {
+                let share = reached(coordinate, vanishes) / REACH;
+                let held = if vanishes && coordinate < 0.0 { 1.0 } else { 1.0 - share * share };
+                spread * self.value(coordinate) * held
+            }
+        }
+    }
+}
+
+/// A fitted parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// Which.
+    pub parameter: Parameter,
+    /// The value it started from.
+    pub before: f64,
+    /// The fitted value, SI.
+    pub value: f64,
+    /// Its standard deviation, SI, with the correlation of the residuals in time counted in; NaN where the recordings do
+    /// not determine it.
+    pub std: f64,
+    /// Whether it ended at an end of its admissible range, and is no estimate then.
+    pub at_bound: bool,
+}
+
+/// How far fitted values may be off, together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Uncertainty {
+    /// Parameters that recordings determine, each with its standard deviation, SI.
+    pub steps: Vec<(Parameter, f64)>,
+    /// Inverse of their covariance, in steps of one standard deviation towards larger values.
+    pub precision: DMatrix<f64>,
+}
+
+/// The result of a fit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// The machine with fitted values.
+    pub machine: Machine<f64>,
+    /// What was free.
+    pub free: Vec<Free>,
+    /// Coordinates of the solution.
+    pub coordinates: Vec<f64>,
+    /// The state each recording starts from.
+    pub starts: Vec<StartState>,
+    /// What each recording tells of the free parameters, at the solution.
+    pub information: Vec<Information>,
+    /// Whether the optimiser met one of its criteria.
+    pub converged: bool,
+    /// Half the sum of squares that it minimised, priors included.
+    pub loss: f64,
+}
+
+impl Fit {
+    /// Every free parameter with its standard deviation; `inflation` is how many times more rows there are than independent
+    /// samples.
+    #[must_use]
+    pub fn estimates(&self, inflation: f64) -> Vec<Estimate> {
+        let covariance = Information::covariance(&self.information, inflation);
+        let deviation = |slot| covariance.as_ref().map_or(f64::NAN, |covariance| covariance[(slot, slot)].sqrt());
+        self.free
+            .iter()
+            .zip(self.coordinates.iter().zip((0..).map(deviation)))
+            .map(|(free, (&coordinate, deviation))| Estimate {
+                parameter: free.parameter,
+                before: free.value(0.0),
+                value: free.value(coordinate),
+                std: if free.at_bound(coordinate) { f64::NAN } else { free.slope(coordinate).abs() * deviation },
+                at_bound: free.at_bound(coordinate),
+            })
+            .collect()
+    }
+
+    /// What is known of the free parameters' values together; see [`Self::estimates`].
+    #[must_use]
+    pub fn uncertainty(&self, inflation: f64) -> Uncertainty {
+        let estimates = self.estimates(inflation);
+        let precision = Information::precision(&self.information, inflation);
+        let slope = |index: usize| self.free[index].slope(self.coordinates[index]).abs();
+        let moves = |index: &usize| estimates[*index].std.is_finite() && estimates[*index].std > 0.0;
+        let moving: Vec<usize> = (0..estimates.len().min(precision.nrows())).filter(moves).collect();
+        let deviation = |index: usize| estimates[index].std / slope(index);
+        let entry = |row: usize, column: usize| {
+            let (row, column) = (moving[row], moving[column]);
+            precision[(row, column)] * deviation(row) * deviation(column)
+        };
+        Uncertainty {
+            steps: moving.iter().map(|&index| (estimates[index].parameter, estimates[index].std)).collect(),
+            precision: DMatrix::from_fn(moving.len(), moving.len(), entry),
+        }
+    }
+
+    /// Every coordinate: of the free parameters, then of each recording's start.
+    pub(crate) fn all_coordinates(&self) -> DVector<f64> {
+        let starts = self.starts.iter().flat_map(|start| [start.level, start.shift]);
+        DVector::from_iterator(
+            self.coordinates.len() + OF_START * self.starts.len(),
+            self.coordinates.iter().copied().chain(starts),
+        )
+    }
+
+    /// This solution and one of other parameters, as a search of all of them starts: each recording where it does in this.
+    pub fn beside(&self, other: &Self) -> Self {
+        let mut both = self.clone();
+        for (free, &coordinate) in other.free.iter().zip(&other.coordinates) {
+            both.machine.set(free.parameter, free.value(coordinate));
+            both.free.push(*free);
+            both.coordinates.push(coordinate);
+        }
+        both
+    }
+
+    /// The machine that this fit would have ended at without one of its recordings: one Newton step away from the solution.
+    #[must_use]
+    pub fn without(&self, recording: usize) -> Machine<f64> {
+        let step = Information::step_without(&self.information, recording, &self.coordinates);
+        let mut machine = self.machine;
+        for (free, (&coordinate, step)) in self.free.iter().zip(self.coordinates.iter().zip(&step)) {
+            // A step far beyond the prior is not to be trusted as far.
+            machine.set(free.parameter, free.value(coordinate + step.clamp(-2.0, 2.0)));
+        }
+        machine
+    }
+}
+
+/// Why a fit is not possible.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FitError {
+    /// Too many parameters are free.
+    #[error("{count} parameters are free; expected at most {MOST_PARAMETERS}")]
+    TooMany {
+        /// How many.
+        count: usize,
+    },
+    /// The starting values do not become a drive.
+    #[error(transparent)]
+    Machine(#[from] MachineError),
+}
+
+/// Where a search starts.
+#[derive(Clone, Debug, Default)]
+pub struct From<'a> {
+    /// A former solution; parameters that it does not have start at the middle of their prior.
+    pub solution: Option<&'a Fit>,
+    /// Coordinates of single parameters that go before the former solution's.
+    pub coordinates: &'a [(Parameter, f64)],
+    /// Every coordinate of the former solution, moved; empty where they start as they were.
+    pub moved: &'a [f64],
+}
+
+/// Fits `free` parameters of `machine` to the recordings.
+///
+/// The search ends when the loss falls by less than `precision` of itself in a step.
+pub fn fit(
+    machine: &Machine<f64>,
+    free: &[Free],
+    cases: &[&Prepared],
+    from: &From<'_>,
+    precision: f64,
+) -> Result<Fit, FitError> {
+    fit_told(machine, free, cases, from, precision, &|_| ())
+}
+
+/// Most times that [`fit`] evaluates each recording; as a rule it is done much earlier.
+#[must_use]
+pub const fn most_evaluations(free: usize, recordings: usize) -> usize {
+    levenberg_marquardt::most_evaluations(free + OF_START * recordings)
+}
+
+/// As [`fit`], and tells each recording after each of its evaluations.
+pub fn fit_told(
+    machine: &Machine<f64>,
+    free: &[Free],
+    cases: &[&Prepared],
+    from: &From<'_>,
+    precision: f64,
+    told: &Told<'_>,
+) -> Result<Fit, FitError> {
+    if free.len() > MOST_PARAMETERS {
+        return Err(FitError::TooMany { count: free.len() });
+    }
+    let mut problem = Problem::new(machine, free, cases, from, told);
+    // The optimiser has no way to report why residuals fail, so the start is tried first.
+    model_core::drive::Drive::<f64>::new::<DELAY_LINE>(
+        &problem.machine(),
+        cases.first().map_or(Tick::OneMillisecond, |case| case.stimulus.tick),
+    )?;
+    let Minimum { converged, loss } = problem.minimise(precision);
+    Ok(Fit {
+        machine: problem.machine(),
+        free: free.to_vec(),
+        starts: problem.starts(),
+        coordinates: problem.coordinates.iter().take(free.len()).copied().collect(),
+        information: problem.information,
+        converged,
+        // A start that does not become a drive, or whose slopes are none, is no fit.
+        loss: if loss.is_finite() { loss } else { f64::INFINITY },
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use model_core::drive::Drive;
+    use test_press::press;
+
+    use super::*;
+
+    #[test]
+    fn no_dead_time_is_searched_that_a_drive_cannot_have() {
+        let delay = |nominal| Free {
+            parameter: Parameter::TransportDelay,
+            freedom: Freedom::Around { nominal, sigma: 0.1 * nominal },
+        };
+        for tick in [Tick::HalfMillisecond, Tick::OneMillisecond, Tick::TwoMilliseconds] {
+            let mut machine = press(&[]);
+            machine.set(Parameter::TransportDelay, delay(0.01).value(1e6));
+            Drive::<f64>::new::<DELAY_LINE>(&machine, tick).unwrap();
+        }
+        assert!(delay(0.01).at_bound(1e6) && !delay(0.01).at_bound(3.0));
+        // What the machine file says, a drive has.
+        assert!((delay(0.4).value(0.0) - 0.4).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,178 @@
+//! What one recording tells of the free parameters: the normal equations of its residuals, gathered row by row while it is
+//! simulated, so that an hour of recording needs no more memory than a second.
+
+use nalgebra::{DMatrix, DVector};
+
+use model_core::machine::MachineError;
+use simulation::number::dual::single;
+
+use super::initial_state::StartState;
+use super::jacobian::At;
+use super::kept_jacobian::Slopes;
+use super::residuals::{missed, soft};
+use crate::experiment::Prepared;
+
+/// Normal equations of one recording, by the free parameters and then the level and the shift of its start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Information {
+    /// `JᵀJ`
+    pub matrix: DMatrix<f64>,
+    /// `Jᵀr`
+    pub gradient: DVector<f64>,
+    /// `rᵀr`
+    pub square: f64,
+    /// Rows counted.
+    pub rows: f64,
+}
+
+/// Coordinates of a recording's start.
+pub(crate) const OF_START: usize = 2;
+
+impl Information {
+    /// Runs a recording with the slopes of its residuals, which are put aside in the `slopes`.
+    pub(crate) fn of(
+        at: &At<'_>,
+        start: StartState,
+        case: &Prepared,
+        slopes: &mut Slopes,
+    ) -> Result<Self, MachineError> {
+        let mut sums = Sums::new(at.free.len() + OF_START);
+        at.each(start, case, &mut |judged| {
+            let Some(simulated) = judged.simulated else { return };
+            let channel = judged.channel;
+            let (residual, slope) = soft(missed(channel, judged.row, Some(simulated)), channel.tolerance);
+            let of_row = || judged.slopes.iter().copied().chain([single(judged.by_shift)]);
+            slopes.put(of_row(), single(-1.0 / channel.noise));
+            let scale = single(-slope / channel.noise);
+            sums.add(of_row().map(|by| by * scale), residual);
+        })?;
+        Ok(sums.total())
+    }
+
+    /// Normal equations of all recordings together, by the free parameters and then each recording's start; every coordinate
+    /// has a unit normal prior.
+    pub(crate) fn assembled(all: &[Information], coordinates: &DVector<f64>) -> (DMatrix<f64>, DVector<f64>, f64) {
+        let size = coordinates.len();
+        let count = size - OF_START * all.len();
+        let mut matrix = DMatrix::identity(size, size);
+        let mut gradient = coordinates.clone();
+        let mut square = gradient.norm_squared();
+        for (index, one) in all.iter().enumerate() {
+            let at = |slot: usize| if slot < count { slot } else { slot + OF_START * index };
+            for row in 0..count + OF_START {
+                gradient[at(row)] += one.gradient[row];
+                for column in 0..count + OF_START {
+                    matrix[(at(row), at(column))] += one.matrix[(row, column)];
+                }
+            }
+            square += one.square;
+        }
+        (matrix, gradient, square)
+    }
+
+    /// The free parameters' own equations once the start's two coordinates are eliminated; the start's priors are in.
+    fn reduced(&self) -> (DMatrix<f64>, DVector<f64>) {
+        let count = self.gradient.len() - OF_START;
+        let own = self.matrix.view((0, 0), (count, count)).into_owned();
+        let across = self.matrix.view((0, count), (count, OF_START)).into_owned();
+        let start =
+            self.matrix.view((count, count), (OF_START, OF_START)).into_owned() + DMatrix::identity(OF_START, OF_START);
+        let Some(inverse) = start.try_inverse() else { return (own, self.gradient.rows(0, count).into_owned()) };
+        (own - &across * inverse * across.transpose(), self.gradient.rows(0, count).into_owned())
+    }
+
+    /// Covariance of the coordinates, prior included; `None` where the recordings and the priors do not determine them.
+    pub(crate) fn covariance(all: &[Information], inflation: f64) -> Option<DMatrix<f64>> {
+        Self::precision(all, inflation).cholesky().map(|factor| factor.inverse())
+    }
+
+    /// Its inverse: what one coordinate's error says of another's is in it. The residuals are correlated in time, so what the recordings tell is
+    /// divided by their mean square and by how many neighbours tell the same; the priors keep theirs.
+    pub(crate) fn precision(all: &[Information], inflation: f64) -> DMatrix<f64> {
+        let Some(first) = all.first() else { return DMatrix::zeros(0, 0) };
+        let count = first.gradient.len() - OF_START;
+        let (square, rows) = all.iter().fold((0.0, 0.0), |sum, one| (sum.0 + one.square, sum.1 + one.rows));
+        let scale = (square / rows.max(1.0)).max(1.0) * inflation.max(1.0);
+        let mut matrix = DMatrix::identity(count, count);
+        for one in all {
+            matrix += one.reduced().0 / scale;
+        }
+        matrix
+    }
+
+    /// The Newton step from the common solution to that without one recording.
+    pub(crate) fn step_without(all: &[Information], without: usize, coordinates: &[f64]) -> Vec<f64> {
+        let count = coordinates.len();
+        let mut matrix = DMatrix::identity(count, count);
+        let mut gradient = DVector::from_column_slice(coordinates);
+        for (_, one) in all.iter().enumerate().filter(|(index, _)| *index != without) {
+            let (own, by) = one.reduced();
+            matrix += own;
+            gradient += by;
+        }
+        matrix.cholesky().map_or(vec![0.0; count], |factor| (-factor.solve(&gradient)).iter().copied().collect())
+    }
+}
+
+/// Rows that are summed up at a time.
+const ROWS: usize = 4;
+
+/// Sums over rows. In double: what single precision rounds away of two nearly equal columns is more than any prior.
+struct Sums {
+    /// Coordinates, and the residual as one more column.
+    columns: usize,
+    /// Rows that wait, a row after the other.
+    waiting: Vec<f64>,
+    /// Lower triangle of the products of columns, column after column.
+    products: Vec<f64>,
+    rows: f64,
+}
+
+impl Sums {
+    fn new(size: usize) -> Self {
+        let columns = size + 1;
+        Self { columns, waiting: Vec::with_capacity(ROWS * columns), products: vec![0.0; columns * columns], rows: 0.0 }
+    }
+
+    #[inline]
+    fn add(&mut self, slopes: impl Iterator<Item = f32>, residual: f64) {
+        self.waiting.extend(slopes.map(f64::from));
+        self.waiting.push(residual);
+        self.rows += 1.0;
+        if self.waiting.len() == ROWS * self.columns {
+            self.gather();
+        }
+    }
+
+    /// Adds the products of the rows that wait, in their order.
+    fn gather(&mut self) {
+        self.waiting.resize(ROWS * self.columns, 0.0);
+        let mut rows = self.waiting.chunks_exact(self.columns);
+        if let [Some(a), Some(b), Some(c), Some(d)] = std::array::from_fn(|_| rows.next()) {
+            for (index, sums) in self.products.chunks_exact_mut(self.columns).enumerate() {
+                let by = [a[index], b[index], c[index], d[index]];
+                // Most rows know nothing of some parameters.
+                if by.iter().all(|slope| *slope == 0.0) {
+                    continue;
+                }
+                let columns = a.iter().zip(b).zip(c.iter().zip(d));
+                for (sum, ((a, b), (c, d))) in sums[..=index].iter_mut().zip(columns) {
+                    *sum = *sum + by[0] * a + by[1] * b + by[2] * c + by[3] * d;
+                }
+            }
+        }
+        self.waiting.clear();
+    }
+
+    fn total(mut self) -> Information {
+        self.gather();
+        let size = self.columns - 1;
+        let product = |row: usize, column: usize| self.products[row.max(column) * self.columns + row.min(column)];
+        Information {
+            matrix: DMatrix::from_fn(size, size, product),
+            gradient: DVector::from_fn(size, |row, _| product(size, row)),
+            square: product(size, size),
+            rows: self.rows,
+        }
+    }
+}

@@ -1,0 +1,269 @@
+//! How each residual moves with each free parameter at a solution, for many questions about small changes at little cost.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use rayon::prelude::*;
+
+use model_core::machine::{Machine, MachineError};
+use simulation::number::dual::single;
+
+use super::initial_state::StartState;
+use super::jacobian::At;
+use super::normal_equations::{Information, OF_START};
+use super::residuals::{missed, runs, simulated, soft};
+use super::{Fit, MOST_PARAMETERS};
+use crate::experiment::Prepared;
+
+/// Rows that are kept at most; of longer recordings every so-manieth, which stands for those left out: residuals and slopes weigh
+/// as much as all of them.
+const MOST_ROWS: usize = 60_000;
+
+/// Which rows are kept.
+#[derive(Clone, Copy, Debug)]
+struct Kept {
+    /// Every so-manieth.
+    stride: usize,
+    /// Root of the rows that each stands for.
+    weight: f64,
+}
+
+impl Kept {
+    /// The rows to keep of so many.
+    fn of(rows: usize) -> Self {
+        let stride = rows.div_ceil(MOST_ROWS).max(1);
+        Self { stride, weight: (stride as f64).sqrt() }
+    }
+
+    fn has(self, row: usize) -> bool {
+        row.is_multiple_of(self.stride)
+    }
+}
+
+/// Residuals of one recording at a solution, with their slopes.
+#[derive(Debug)]
+struct Block {
+    /// Softened residual, weighted, and the slope of the softening, per kept row and channel.
+    residuals: Vec<(f64, f64)>,
+    /// Weighted slope by each coordinate of the recording (free parameters, level, shift), row by row.
+    slopes: Vec<f32>,
+}
+
+/// Residuals at a solution, linear in its free parameters.
+#[derive(Debug)]
+pub struct Sensitivity<'a> {
+    cases: &'a [&'a Prepared],
+    fit: &'a Fit,
+    blocks: Vec<Block>,
+    kept: Kept,
+    factor: Cholesky<f64, Dyn>,
+    gradient: DVector<f64>,
+}
+
+/// Every channel at the kept rows, row by row, SI; 0 where it is not simulated: one vector a recording.
+pub type Simulated = Vec<Vec<f64>>;
+
+/// A change of all residuals: one vector a recording.
+pub type Change = Vec<Vec<f64>>;
+
+/// The free parameters settled anew after a change of the residuals.
+#[derive(Clone, Debug)]
+pub struct Settled {
+    /// Half the sum of squares that is gained.
+    pub gain: f64,
+    /// Half the sum of squares that is left.
+    pub loss: f64,
+    /// Where the free parameters, and each recording's start, settle.
+    pub coordinates: Vec<f64>,
+}
+
+impl<'a> Sensitivity<'a> {
+    /// Runs every recording once more at the solution.
+    pub fn at(fit: &'a Fit, cases: &'a [&'a Prepared]) -> Result<Option<Self>, MachineError> {
+        let kept = Kept::of(cases.iter().map(|case| case.rows()).sum());
+        let count = fit.free.len();
+        if count > MOST_PARAMETERS {
+            return Ok(None);
+        }
+        let at = At { base: &fit.machine, free: &fit.free, coordinates: &fit.coordinates };
+        let blocks: Vec<Block> = cases
+            .par_iter()
+            .zip(&fit.starts)
+            .map(|(case, start)| Block::at(&at, *start, case, kept))
+            .collect::<Result<_, _>>()?;
+        let information: Vec<Information> = blocks.iter().map(|block| block.information(count)).collect();
+        let (matrix, gradient, _) = Information::assembled(&information, &fit.all_coordinates());
+        Ok(matrix.cholesky().map(|factor| Self { cases, fit, blocks, kept, factor, gradient }))
+    }
+
+    /// What another machine simulates from the solution's starts.
+    pub fn simulated(&self, machine: &Machine<f64>) -> Result<Simulated, MachineError> {
+        let cases = self.cases.iter().copied().zip(self.fit.starts.iter().copied());
+        simulated(machine, &runs(machine, cases), |row| self.kept.has(row))
+    }
+
+    /// Where a row's channels begin in what is simulated, in steps of as many channels; `None` where the row is left out.
+    #[must_use]
+    pub fn place_of(&self, row: usize) -> Option<usize> {
+        self.kept.has(row).then_some(row / self.kept.stride)
+    }
+
+    /// Residuals of what another machine simulates, as they would enter the loss, less those of the solution.
+    #[must_use]
+    pub fn change(&self, simulated: &Simulated) -> Change {
+        self.cases
+            .iter()
+            .zip(simulated.iter().zip(&self.blocks))
+            .map(|(case, (simulated, block))| {
+                let channels = case.channels.len();
+                let each = simulated.iter().zip(&block.residuals).enumerate();
+                each.map(|(index, (there, (here, slope)))| {
+                    if *slope == 0.0 {
+                        return 0.0;
+                    }
+                    let (channel, row) = (&case.channels[index % channels], index / channels * self.kept.stride);
+                    let residual = soft(missed(channel, row, Some(*there)), channel.tolerance).0;
+                    self.kept.weight * residual - here
+                })
+                .collect()
+            })
+            .collect()
+    }
+
+    /// Slopes by every coordinate times a change.
+    fn across(&self, change: &Change) -> DVector<f64> {
+        let count = self.fit.free.len();
+        let mut sum = DVector::zeros(self.gradient.len());
+        for (index, (block, change)) in self.blocks.iter().zip(change).enumerate() {
+            let mut own = vec![0.0_f64; count + OF_START];
+            for (slopes, change) in block.slopes.chunks_exact(count + OF_START).zip(change) {
+                for (sum, slope) in own.iter_mut().zip(slopes) {
+                    *sum += f64::from(*slope) * change;
+                }
+            }
+            for (slot, value) in own.into_iter().enumerate() {
+                sum[if slot < count { slot } else { slot + OF_START * index }] += value;
+            }
+        }
+        sum
+    }
+
+    /// Where the free parameters settle when residuals change so, and what that is worth.
+    #[must_use]
+    pub fn settle(&self, change: &Change) -> Settled {
+        let mut by = 0.0;
+        for (block, change) in self.blocks.iter().zip(change) {
+            by += block
+                .residuals
+                .iter()
+                .zip(change)
+                .map(|((here, _), change)| change * (change + 2.0 * here))
+                .sum::<f64>();
+        }
+        let unchanged = self.gradient.dot(&self.factor.solve(&self.gradient));
+        let gradient = &self.gradient + self.across(change);
+        let step = self.factor.solve(&gradient);
+        let gain = 0.5 * (gradient.dot(&step) - unchanged - by);
+        let here = self.fit.all_coordinates();
+        Settled {
+            gain,
+            loss: self.fit.loss - 0.5 * unchanged - gain,
+            coordinates: here.iter().zip(step.iter()).map(|(here, step)| here - step.clamp(-3.0, 3.0)).collect(),
+        }
+    }
+
+    /// How much of each direction lowers the loss most once the free parameters have settled, each at least 0 where `positive`
+    /// says so; and what that gains.
+    #[must_use]
+    pub fn amounts(&self, directions: &[Change], positive: &[bool]) -> (Vec<f64>, f64) {
+        let across: Vec<DVector<f64>> = directions.iter().map(|direction| self.across(direction)).collect();
+        let settled: Vec<DVector<f64>> = across.iter().map(|across| self.factor.solve(across)).collect();
+        let own = self.factor.solve(&self.gradient);
+        let inner = |a: &Change, b: &dyn Fn(usize, usize) -> f64| -> f64 {
+            a.iter()
+                .enumerate()
+                .map(|(case, a)| a.iter().enumerate().map(|(row, a)| a * b(case, row)).sum::<f64>())
+                .sum()
+        };
+        let count = directions.len();
+        let mut matrix = DMatrix::zeros(count, count);
+        let mut right = DVector::zeros(count);
+        for row in 0..count {
+            right[row] =
+                across[row].dot(&own) - inner(&directions[row], &|case, index| self.blocks[case].residuals[index].0);
+            for column in row..count {
+                let plain = inner(&directions[row], &|case, index| directions[column][case][index]);
+                matrix[(row, column)] = plain - across[row].dot(&settled[column]);
+                matrix[(column, row)] = matrix[(row, column)];
+            }
+        }
+        // A direction that the free parameters can imitate counts for nothing.
+        for index in 0..count {
+            let size: f64 = matrix[(index, index)];
+            matrix[(index, index)] = size * (1.0 + 1e-9) + 1e-6;
+        }
+        let mut active: Vec<usize> = (0..count).collect();
+        loop {
+            let size = active.len();
+            let part = DMatrix::from_fn(size, size, |row, column| matrix[(active[row], active[column])]);
+            let wanted = DVector::from_fn(size, |row, _| right[active[row]]);
+            let Some(solved) = part.cholesky().map(|factor| factor.solve(&wanted)) else {
+                return (vec![0.0; count], 0.0);
+            };
+            let negative = (0..size).filter(|&slot| positive[active[slot]] && solved[slot] <= 0.0);
+            let Some(worst) = negative.min_by(|&a, &b| solved[a].total_cmp(&solved[b])) else {
+                let mut amounts = vec![0.0; count];
+                for (slot, &index) in active.iter().enumerate() {
+                    amounts[index] = solved[slot];
+                }
+                return (amounts, 0.5 * solved.dot(&wanted));
+            };
+            active.remove(worst);
+            if active.is_empty() {
+                return (vec![0.0; count], 0.0);
+            }
+        }
+    }
+}
+
+impl Block {
+    /// Runs a recording with the slopes of its residuals, and keeps every so-manieth row.
+    fn at(at: &At<'_>, start: StartState, case: &Prepared, kept: Kept) -> Result<Self, MachineError> {
+        let mut block = Self { residuals: Vec::new(), slopes: Vec::new() };
+        at.each(start, case, &mut |judged| {
+            if !kept.has(judged.row) {
+                return;
+            }
+            let channel = judged.channel;
+            let (residual, slope) = soft(missed(channel, judged.row, judged.simulated), channel.tolerance);
+            let slope = if judged.simulated.is_some() { slope } else { 0.0 };
+            block.residuals.push((kept.weight * residual, slope));
+            let scale = single(kept.weight * -slope / channel.noise);
+            if judged.simulated.is_some() {
+                block.slopes.extend(judged.slopes.iter().map(|by| by * scale));
+            } else {
+                block.slopes.extend(std::iter::repeat_n(0.0, at.free.len() + 1));
+            }
+            block.slopes.push(single(judged.by_shift) * scale);
+        })?;
+        Ok(block)
+    }
+
+    /// Normal equations of the kept rows.
+    fn information(&self, count: usize) -> Information {
+        let size = count + OF_START;
+        let mut matrix = DMatrix::zeros(size, size);
+        let mut gradient = DVector::zeros(size);
+        let mut square = 0.0;
+        for (slopes, (residual, _)) in self.slopes.chunks_exact(size).zip(&self.residuals) {
+            for row in 0..size {
+                let by = f64::from(slopes[row]);
+                gradient[row] += by * residual;
+                for column in row..size {
+                    matrix[(row, column)] += by * f64::from(slopes[column]);
+                }
+            }
+            square += residual * residual;
+        }
+        matrix.fill_lower_triangle_with_upper_triangle();
+        Information { matrix, gradient, square, rows: self.residuals.len() as f64 }
+    }
+}

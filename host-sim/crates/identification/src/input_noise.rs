@@ -1,0 +1,161 @@
+//! What the noise of recorded signals makes of a simulation that they drive.
+//!
+//! A position that is computed from recorded pressures adds up their noise: it is off by a random walk, however right the model is.
+//! The noise is put on the recorded signals once more, and the simulation repeated: what it differs by has the distribution of what
+//! the recorded noise did to it already.
+
+use model_core::machine::{Machine, MachineError};
+use recording::seeded_noise::Noise;
+use recording::{Recording, Signal};
+use simulation::sensor_fault::{MEASURED, Mended};
+use simulation::signal::noise::{noise, resolution};
+use simulation::{SimulateError, StartOffset, Stimulus, Trajectory, simulate};
+
+use crate::experiment::Prepared;
+
+/// Rows that are simulated again at least, where a recording is short: a single random walk may be anywhere.
+const ROWS_AGAIN: usize = 400_000;
+/// And so many times at most.
+const MOST: usize = 16;
+/// But of a long recording twice.
+const LEAST: usize = 2;
+
+/// How many times the noise is put on a recording of so many rows.
+pub(crate) fn realisations(rows: usize) -> usize {
+    (ROWS_AGAIN / rows.max(1)).clamp(LEAST, MOST)
+}
+
+/// RMS by which each of the `signals` of a simulation is off through the noise of what the recording's sensors measured, SI.
+pub(crate) fn inherited(
+    mended: &Mended<'_>,
+    trajectory: &Trajectory,
+    signals: &[Signal],
+    simulated: impl Fn(&Mended<'_>) -> Result<Trajectory, SimulateError>,
+) -> Result<Vec<f64>, SimulateError> {
+    let noisy = noisy(&mended.recording);
+    let again = |seed| simulated(&disturbed(mended, &noisy, seed));
+    off_by(trajectory, signals, realisations(mended.recording.rows()), again)
+}
+
+/// RMS by which each of the `signals` of a simulation is off in so many others, the seed of whose noise is handed to each, SI.
+pub(crate) fn off_by<E>(
+    trajectory: &Trajectory,
+    signals: &[Signal],
+    times: usize,
+    again: impl Fn(u64) -> Result<Trajectory, E>,
+) -> Result<Vec<f64>, E> {
+    let mut squares = vec![0.0; signals.len()];
+    for seed in 0..times {
+        let again = again(seed as u64)?;
+        for (square, &signal) in squares.iter_mut().zip(signals) {
+            if let Some((quiet, loud)) = trajectory.signal(signal).zip(again.signal(signal)) {
+                let sum: f64 = quiet.iter().zip(loud).map(|(quiet, loud)| (loud - quiet).powi(2)).sum();
+                *square += sum / (quiet.len() * times) as f64;
+            }
+        }
+    }
+    Ok(squares.into_iter().map(f64::sqrt).collect())
+}
+
+/// RMS by which each judged signal of a recording is off through noise of this standard deviation in the recorded slider, flow or force that
+/// drives it, SI, in the mean of so many draws.
+pub fn by_noise_of_input(
+    case: &Prepared,
+    machine: &Machine<f64>,
+    deviation: f64,
+    draws: usize,
+) -> Result<Vec<f64>, MachineError> {
+    off_by(&driven(machine, &case.stimulus)?, &signals(case), draws, |seed| {
+        disturbed_input(case, machine, deviation, seed)
+    })
+}
+
+/// The same, through the noise that was found there, of the draw that each signal is furthest off in: of a sum of noise the root mean square is
+/// anywhere from a third to twice its mean, and of as many draws as of a short recording the largest is what nineteen of twenty stay below.
+pub(crate) fn at_most_by_noise_of_input(case: &Prepared, machine: &Machine<f64>) -> Result<Vec<f64>, MachineError> {
+    let signals = signals(case);
+    let mut most = vec![0.0_f64; signals.len()];
+    if case.input_noise > 0.0 {
+        let quiet = driven(machine, &case.stimulus)?;
+        for seed in 0..realisations(case.rows()) as u64 {
+            let off = off_by(&quiet, &signals, 1, |_| disturbed_input(case, machine, case.input_noise, seed))?;
+            most.iter_mut().zip(off).for_each(|(most, off)| *most = most.max(off));
+        }
+    }
+    Ok(most)
+}
+
+fn signals(case: &Prepared) -> Vec<Signal> {
+    case.channels.iter().map(|channel| channel.signal).collect()
+}
+
+fn driven(machine: &Machine<f64>, stimulus: &Stimulus) -> Result<Trajectory, MachineError> {
+    simulate::<f64>(machine, stimulus, StartOffset::none())
+}
+
+fn disturbed_input(
+    case: &Prepared,
+    machine: &Machine<f64>,
+    deviation: f64,
+    seed: u64,
+) -> Result<Trajectory, MachineError> {
+    let mut noise = Noise::new(1, seed);
+    driven(machine, &case.stimulus.disturbed(|| noise.gaussian(deviation)))
+}
+
+/// A signal that a sensor measured, and the standard deviation of its noise, SI.
+type Noisy<'a> = (Signal, &'a [f64], f64);
+
+fn noisy(recording: &Recording) -> Vec<Noisy<'_>> {
+    let measured = MEASURED.into_iter().filter(|signal| *signal != Signal::OilTemperature);
+    measured
+        .filter_map(|signal| Some((signal, recording.signal(signal)?)))
+        .map(|(signal, values)| (signal, values, noise(values, resolution(values))))
+        .collect()
+}
+
+/// The recording with as much noise again on all that its sensors measured.
+fn disturbed<'a>(mended: &Mended<'a>, noisy: &[Noisy<'_>], seed: u64) -> Mended<'a> {
+    let mut disturbed = mended.clone();
+    for (stream, &(signal, values, deviation)) in (0..).zip(noisy) {
+        let mut source = Noise::new(seed, stream);
+        let values: Vec<f64> = values.iter().map(|value| value + source.gaussian(deviation)).collect();
+        disturbed.recording.to_mut().replace(signal, &values);
+    }
+    disturbed
+}
+
+#[cfg(test)]
+mod tests {
+    use recording::Column;
+
+    use super::*;
+
+    /// A sum of what was recorded, as an integrator has it.
+    fn summed(mended: &Mended<'_>) -> Trajectory {
+        let mut sum = 0.0;
+        let force = mended.recording.signal(Signal::Force).unwrap();
+        let position = force.iter().map(|force| {
+            sum += force;
+            sum
+        });
+        Trajectory { series: vec![(Signal::Position, position.collect())] }
+    }
+
+    #[test]
+    fn a_sum_of_noise_is_off_as_a_random_walk_is() {
+        const ROWS: u32 = 4000;
+        let mut source = Noise::new(7, 0);
+        let force: Vec<f64> = (0..ROWS).map(|row| (f64::from(row) * 0.01).sin() + source.gaussian(0.02)).collect();
+        let columns = vec![
+            Column::si(Signal::Time, (0..ROWS).map(|row| f64::from(row) * 1e-3).collect()),
+            Column::si(Signal::Force, force),
+        ];
+        let recording = Recording::new("r", columns).unwrap();
+        let mended = Mended::of(&recording);
+        let found = inherited(&mended, &summed(&mended), &[Signal::Position], |mended| Ok(summed(mended))).unwrap();
+        // The mean square of a walk over n steps is n/2 of a step's.
+        let expected = 0.02 * (f64::from(ROWS) / 2.0).sqrt();
+        assert!((found[0] / expected - 1.0).abs() < 0.4, "{} {expected}", found[0]);
+    }
+}

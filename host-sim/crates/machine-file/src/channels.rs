@@ -1,0 +1,87 @@
+//! `[channels]`: which columns of a recording hold which signals, and how a sensor's readings become values.
+
+use std::ops::Range;
+
+use toml_edit::{Item, TableLike, Value};
+
+use recording::channel_map::nearest_signal;
+use recording::{Mapping, Scale, Signal};
+
+use crate::error::MachineFileError;
+use crate::keys;
+use crate::reader::{NUMBER, Reader};
+
+const KEYS: [&str; 3] = ["column", "zero", "full"];
+
+impl Reader<'_> {
+    /// Reads the table: a header in quotation marks, or a table of `column`, `zero` and `full`, for each signal.
+    pub(crate) fn channels(&mut self, table: &dyn TableLike) -> Result<(), MachineFileError> {
+        for (key, item) in table.iter() {
+            let Some(signal) = Signal::parse(key) else {
+                let (place, found) = (self.key_place(table, key), key.to_owned());
+                return Err(MachineFileError::UnknownSignal { place, found, nearest: nearest_signal(key) });
+            };
+            let name = format!("channels.{key}");
+            let mapping = match item.as_table_like() {
+                Some(sensor) => self.sensor(signal, &name, sensor, self.key_place(table, key))?,
+                None if item.as_str().is_none() => {
+                    return Err(self.wrong_type(item, &name, "a header in quotation marks, or { column, zero, full }"));
+                }
+                None => Mapping::column(self.header(signal, &name, item)?, false),
+            };
+            self.result.channels.insert(signal, mapping);
+        }
+        Ok(())
+    }
+
+    fn header(&self, signal: Signal, key: &str, item: &Item) -> Result<String, MachineFileError> {
+        let header = self.string(item, key)?.trim();
+        if header.is_empty() {
+            return Err(MachineFileError::EmptyHeader { place: self.place(item.span()), signal: signal.name() });
+        }
+        Ok(header.to_owned())
+    }
+
+    /// `{ column = "spool_sensor [V]", zero = 5.0, full = 5.0 }`.
+    fn sensor(
+        &self,
+        signal: Signal,
+        name: &str,
+        sensor: &dyn TableLike,
+        place: recording::files::source_error::Place,
+    ) -> Result<Mapping, MachineFileError> {
+        if let Some((key, _)) = sensor.iter().find(|(key, _)| !KEYS.contains(key)) {
+            let (place, nearest) = (self.key_place(sensor, key), keys::nearest(key, KEYS));
+            let (table, key, known) = (name.to_owned(), key.to_owned(), KEYS.map(str::to_owned).into());
+            return Err(MachineFileError::UnknownKey { place, table, key, nearest, known });
+        }
+        let Some(column) = sensor.get("column") else {
+            let meaning = "the header of the column, such as \"spool_sensor [V]\"";
+            return Err(MachineFileError::MissingKey { place, key: "column", unit: "1", meaning });
+        };
+        let header = self.header(signal, &format!("{name}.column"), column)?;
+        let zero = self.reading(sensor, name, "zero", 0.0)?;
+        let full = self.reading(sensor, name, "full", 1.0)?;
+        if full == 0.0 {
+            let place = self.place(sensor.get("full").and_then(Item::span));
+            return Err(MachineFileError::NoSpan { place, key: format!("{name}.full") });
+        }
+        Ok(Mapping { header, required: false, scale: Some(Scale { zero, full }) })
+    }
+
+    fn reading(&self, sensor: &dyn TableLike, name: &str, key: &str, default: f64) -> Result<f64, MachineFileError> {
+        let Some(item) = sensor.get(key) else { return Ok(default) };
+        let name = format!("{name}.{key}");
+        let span: Option<Range<usize>> = item.span();
+        let value = match item.as_value() {
+            Some(Value::Float(number)) => *number.value(),
+            Some(Value::Integer(number)) => *number.value() as f64,
+            _ => return Err(self.wrong_type(item, &name, NUMBER)),
+        };
+        if value.is_finite() {
+            return Ok(value);
+        }
+        let (min, max, unit) = (f64::MIN, f64::MAX, "1");
+        Err(MachineFileError::OutOfRange { place: self.place(span), key: name, value, min, max, unit })
+    }
+}

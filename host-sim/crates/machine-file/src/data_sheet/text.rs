@@ -1,0 +1,110 @@
+//! The machine file as text: every value with where it comes from behind it.
+
+use std::fmt::Write;
+
+use recording::files::source_error::rounded;
+
+use super::derive::{Derived, Origin};
+
+/// Comments begin in this column where the line before them is shorter.
+const COMMENTS: usize = 48;
+
+/// The text of a machine file. `name` is the drive's.
+#[must_use]
+pub fn toml(name: &str, made: &Derived) -> String {
+    let mut text = format!(
+        "# Behind every value: given (by data sheet or drawing), derived (from what was given, and how), or assumed (and why).\n\
+         # What is assumed is worth finding out; a fit moves it within [fit.sigma].\n\
+         name = {}\n",
+        toml_edit::Value::from(name)
+    );
+    let mut table = "";
+    for entry in &made.entries {
+        if entry.table != table {
+            table = entry.table;
+            let _ = write!(text, "\n[{table}]\n");
+        }
+        let numbers: Vec<String> = entry.values.iter().map(|value| number(*value, entry.origin)).collect();
+        let value = match numbers.as_slice() {
+            [one] => one.clone(),
+            several => format!("[{}]", several.join(", ")),
+        };
+        line(&mut text, &format!("{} = {value}", entry.key), &format!("{}: {}", entry.origin.name(), entry.why));
+    }
+    text.push_str("\n# Standard deviation of each value that may move, in its own unit. Values not listed are exact.\n[fit.sigma]\n");
+    for sigma in &made.sigma {
+        let value = format!("{:.1e}", sigma.value).parse().unwrap_or(sigma.value);
+        line(&mut text, &format!("\"{}\" = {}", sigma.key, plain(value)), &sigma.why);
+    }
+    text.push_str(
+        "\n# Where the columns of the recordings have other names: position = \"Kolbenweg [mm]\"; `host-sim inspect --help` has the names.\n\
+         [channels]\n",
+    );
+    text
+}
+
+fn line(text: &mut String, value: &str, comment: &str) {
+    let _ = writeln!(text, "{value:<COMMENTS$}# {comment}");
+}
+
+/// What was given keeps every digit; what was computed has six.
+fn number(value: f64, origin: Origin) -> String {
+    plain(if origin == Origin::Given { format!("{value:.14e}").parse().unwrap_or(value) } else { rounded(value) })
+}
+
+/// TOML's own way to write it: with a point or a power of ten.
+fn plain(value: f64) -> String {
+    format!("{value:?}")
+}
+
+#[cfg(test)]
+mod tests {
+    use model_core::machine::Source;
+    use model_core::parameter::Parameter;
+
+    use super::*;
+    use crate::data_sheet::derive::{Edges, derived};
+    use crate::data_sheet::item::{Answers, Item};
+    use crate::reader::read_text;
+
+    /// Every item's example, of a drive with a valve or a pump.
+    fn examples(pump: bool) -> Answers {
+        let mut answers = Answers::default();
+        for item in Item::ALL.iter().filter(|item| item.belongs(pump)) {
+            answers.insert(*item, item.parse(item.question().example).unwrap());
+        }
+        answers
+    }
+
+    #[test]
+    fn what_is_written_is_a_machine_file_and_says_of_every_value_where_it_comes_from() {
+        for pump in [false, true] {
+            let mut needed = Answers::default();
+            for item in Item::ALL.iter().filter(|item| item.is_needed(pump)) {
+                needed.insert(*item, item.parse(item.question().example).unwrap());
+            }
+            for answers in [examples(pump), needed] {
+                let text = toml("a \"drive\"", &derived(&answers, Edges::Edge).unwrap());
+                let file = read_text("machine.toml", &text).unwrap();
+                file.machine.check().unwrap();
+                assert_eq!(file.name, "a \"drive\"");
+                assert_eq!(file.machine.source, if pump { Source::Pump } else { Source::Valve });
+                assert!(file.sigma.contains_key(&Parameter::BulkModulus));
+                let values = text.lines().filter(|line| line.contains(" = ") && !line.starts_with(['#', '"', 'n']));
+                for line in values {
+                    let why = line.split_once("# ").unwrap().1;
+                    let kinds = ["given: ", "derived: ", "assumed: "];
+                    assert!(kinds.iter().any(|kind| why.starts_with(kind) && why.len() > kind.len()), "{line}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_was_given_stands_in_the_file_as_it_was_meant() {
+        let text = toml("press", &derived(&examples(false), Edges::Edge).unwrap());
+        assert!(text.contains("stroke_m = 0.3 ") && text.contains("# given: 300 mm"), "{text}");
+        assert!(text.contains("pressure_pa = 7000000.0 "), "{text}");
+        assert!(text.contains("moving_mass_kg = 18.3 "), "{text}");
+    }
+}

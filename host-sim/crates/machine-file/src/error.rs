@@ -1,0 +1,154 @@
+//! Why a machine file cannot be used.
+
+use std::{fmt, io};
+
+use recording::files::atomic;
+use recording::files::source_error::{Explained, Place, after_number, quoted};
+
+/// Why a machine file cannot be read or written.
+#[expect(missing_docs, reason = "every field is named in the text of its variant; `place` is where it was found")]
+#[derive(Debug, thiserror::Error)]
+pub enum MachineFileError {
+    /// The file cannot be opened or read.
+    Io { place: Place, source: io::Error },
+    /// The file cannot be written.
+    Write { place: Place, source: io::Error },
+    /// The file is larger than any machine file.
+    TooLarge { place: Place, most_bytes: u64 },
+    /// The file is not UTF-8 text.
+    NotUtf8 { place: Place },
+    /// The file is not TOML.
+    Syntax { place: Place, message: String },
+    /// A table that nobody knows.
+    UnknownTable { place: Place, table: String, nearest: Option<String>, known: Box<[String]> },
+    /// A key that its table does not have; `table` is empty at the top of the file.
+    UnknownKey { place: Place, table: String, key: String, nearest: Option<String>, known: Box<[String]> },
+    /// A table that every machine file of this drive must have.
+    MissingTable { place: Place, table: &'static str },
+    /// A key that its table must have.
+    MissingKey { place: Place, key: &'static str, unit: &'static str, meaning: &'static str },
+    /// A value of another type.
+    WrongType { place: Place, key: String, found: String, expected: &'static str },
+    /// A value that the drive cannot have, NaN among them.
+    OutOfRange { place: Place, key: String, value: f64, min: f64, max: f64, unit: &'static str },
+    /// A number of a list that lies between two.
+    NotWhole { place: Place, key: String, value: f64, max: f64 },
+    /// A standard deviation that is not a positive finite number.
+    BadSigma { place: Place, key: String, value: f64 },
+    /// An array with too many entries.
+    TooManyEntries { place: Place, key: String, found: usize, most: usize },
+    /// Both `[valve]` and `[pump]`.
+    TwoSources { place: Place },
+    /// Neither `[valve]` nor `[pump]`.
+    NoSource { place: Place },
+    /// `[directional_valve]` in a drive without pump.
+    DirectionalValveWithoutPump { place: Place },
+    /// A text that is none of the choices of its key.
+    UnknownChoice { place: Place, key: String, found: String, choices: &'static str },
+    /// A key of `[channels]` that is no signal.
+    UnknownSignal { place: Place, found: String, nearest: &'static str },
+    /// A signal is mapped to the empty text.
+    EmptyHeader { place: Place, signal: &'static str },
+    /// A sensor whose reading does not change with the signal.
+    NoSpan { place: Place, key: String },
+}
+
+use MachineFileError as E;
+
+impl Explained for MachineFileError {
+    fn place(&self) -> &Place {
+        match self {
+            E::Io { place, .. }
+            | E::Write { place, .. }
+            | E::TooLarge { place, .. }
+            | E::NotUtf8 { place }
+            | E::Syntax { place, .. }
+            | E::UnknownTable { place, .. }
+            | E::UnknownKey { place, .. }
+            | E::MissingTable { place, .. }
+            | E::MissingKey { place, .. }
+            | E::WrongType { place, .. }
+            | E::OutOfRange { place, .. }
+            | E::NotWhole { place, .. }
+            | E::BadSigma { place, .. }
+            | E::TooManyEntries { place, .. }
+            | E::TwoSources { place }
+            | E::NoSource { place }
+            | E::DirectionalValveWithoutPump { place }
+            | E::UnknownChoice { place, .. }
+            | E::UnknownSignal { place, .. }
+            | E::EmptyHeader { place, .. }
+            | E::NoSpan { place, .. } => place,
+        }
+    }
+
+    fn found(&self) -> String {
+        match self {
+            E::Io { source, .. } => format!("cannot be read: {source}"),
+            E::Write { source, .. } => format!("cannot be written: {source}"),
+            E::TooLarge { most_bytes, .. } => format!("more than {most_bytes} bytes"),
+            E::NotUtf8 { .. } => "bytes that are not UTF-8 text".into(),
+            E::Syntax { message, .. } => format!("not TOML: {message}"),
+            E::UnknownTable { table, .. } => format!("unknown table [{table}]"),
+            E::UnknownKey { table, key, .. } if table.is_empty() => format!("unknown key {}", quoted(key)),
+            E::UnknownKey { table, key, .. } => format!("unknown key {} in [{table}]", quoted(key)),
+            E::MissingTable { table, .. } => format!("there is no table [{table}]"),
+            E::MissingKey { key, .. } => format!("`{key}` is missing"),
+            E::WrongType { key, found, .. } => format!("`{key}` is of type {found}"),
+            E::OutOfRange { key, value, unit, .. } => format!("`{key}` is {value:?}{}", after_number(unit)),
+            E::NotWhole { key, value, .. } => format!("`{key}` is {value:?}"),
+            E::BadSigma { key, value, .. } => format!("the standard deviation of `{key}` is {value:?}"),
+            E::TooManyEntries { key, found, .. } => format!("`{key}` has {found} entries"),
+            E::TwoSources { .. } => "both [valve] and [pump]".into(),
+            E::NoSource { .. } => "neither [valve] nor [pump]".into(),
+            E::DirectionalValveWithoutPump { .. } => "[directional_valve] in a drive without [pump]".into(),
+            E::UnknownChoice { key, found, .. } => format!("`{key}` is {}", quoted(found)),
+            E::UnknownSignal { found, .. } => format!("{} is no known signal", quoted(found)),
+            E::EmptyHeader { signal, .. } => format!("{signal} is mapped to the empty text"),
+            E::NoSpan { key, .. } => format!("`{key}` is 0"),
+        }
+    }
+
+    fn expected(&self) -> String {
+        match self {
+            E::Io { .. } => "a readable machine file".into(),
+            E::Write { source, .. } => atomic::expected(source).into(),
+            E::TooLarge { .. } => "a machine file, which is a page of text".into(),
+            E::NotUtf8 { .. } => "text in UTF-8".into(),
+            E::Syntax { .. } => "tables such as [valve] with lines `key = value`".into(),
+            E::UnknownTable { nearest, known, .. } | E::UnknownKey { nearest, known, .. } => {
+                let known = if known.is_empty() { "no keys".into() } else { known.join(", ") };
+                nearest
+                    .as_ref()
+                    .map_or_else(|| format!("one of: {known}"), |name| format!("perhaps `{name}`; known here: {known}"))
+            }
+            E::MissingTable { table, .. } => format!("a table [{table}]"),
+            E::MissingKey { key, unit, meaning, .. } => match *unit {
+                "1" => format!("`{key}`: {meaning}"),
+                unit => format!("`{key}` in {unit}: {meaning}"),
+            },
+            E::WrongType { expected, .. } => (*expected).to_owned(),
+            E::OutOfRange { min, max, unit, .. } if max.is_infinite() => {
+                format!("at least {min:?}{}", after_number(unit))
+            }
+            E::OutOfRange { min, max, unit, .. } => format!("{min:?} to {max:?}{}", after_number(unit)),
+            E::NotWhole { max, .. } => format!("a whole number from 0 to {max}"),
+            E::BadSigma { .. } => "a positive number; a value that is exact is not listed".into(),
+            E::TooManyEntries { most, .. } => format!("at most {most}"),
+            E::TwoSources { .. } | E::NoSource { .. } => {
+                "[valve] for a valve-controlled drive, or [pump] for a pump-controlled one".into()
+            }
+            E::DirectionalValveWithoutPump { .. } => "[directional_valve] only beside [pump]".into(),
+            E::UnknownChoice { choices, .. } => (*choices).to_owned(),
+            E::UnknownSignal { nearest, .. } => format!("the name of a signal, perhaps `{nearest}`"),
+            E::EmptyHeader { .. } => "the header of a column, such as \"Kolbenweg [mm]\"".into(),
+            E::NoSpan { .. } => "by how much the reading rises when the signal rises by one SI unit".into(),
+        }
+    }
+}
+
+impl fmt::Display for MachineFileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}; expected {}", self.place(), self.found(), self.expected())
+    }
+}

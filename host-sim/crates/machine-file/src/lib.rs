@@ -1,0 +1,112 @@
+//! Machine files: the parameters of one drive in TOML, SI units, the unit in the key.
+//!
+//! Keys, ranges and defaults are those of [`Parameter`]. Beside them stand `name`, `load.source`,
+//! `[channels]` and `[fit.sigma]`. Anything else is an error, and every error names file, line, key
+//! and what was expected there.
+
+mod channels;
+pub mod data_sheet;
+mod error;
+pub mod keys;
+mod reader;
+mod writer;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use model_core::machine::Machine;
+use model_core::parameter::Parameter;
+use recording::ChannelMap;
+
+pub use error::MachineFileError;
+pub use reader::{MAX_FILE_BYTES, read, read_text};
+
+/// Where the external force on the rod comes from in a simulation of a recording.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LoadSource {
+    /// `load.force_n`, always the same.
+    #[default]
+    Constant,
+    /// The force that balances the recorded chamber pressures: F = −(A·pa − aA·pb), with A =
+    /// `cylinder.area_a_m2` and aA = `cylinder.area_b_m2`; positive extends. It holds for slow motion,
+    /// where inertia and friction are small beside the load.
+    RecordedPressures,
+}
+
+impl LoadSource {
+    /// Its name as in the machine file.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            LoadSource::Constant => "constant",
+            LoadSource::RecordedPressures => "recorded-pressures",
+        }
+    }
+
+    fn parse(name: &str) -> Option<Self> {
+        [LoadSource::Constant, LoadSource::RecordedPressures].into_iter().find(|source| source.name() == name)
+    }
+}
+
+/// A drive as its machine file describes it.
+///
+/// Fields may be changed; [`MachineFile::save`] then writes the file with these changes and leaves
+/// the rest of its text as it was.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MachineFile {
+    /// What the drive is called; the file's name when it does not say.
+    pub name: String,
+    /// The parameters, SI; those that the file does not give have their defaults.
+    pub machine: Machine<f64>,
+    /// The parameters that the file gives.
+    pub given: BTreeSet<Parameter>,
+    /// The effects that are switched on, by the names of their tables.
+    pub effects: BTreeSet<&'static str>,
+    /// Standard deviations of nominal values from `[fit.sigma]`, each in its parameter's unit.
+    pub sigma: BTreeMap<Parameter, f64>,
+    /// Whether there is a table `[fit.sigma]`, empty or not: without it a documented default applies.
+    pub has_sigma_table: bool,
+    /// `[channels]`: which columns of a recording hold which signals. Its columns may be absent.
+    pub channels: ChannelMap,
+    /// `load.source`.
+    pub load_source: LoadSource,
+    /// The text that was read; empty for a drive made in the program.
+    text: String,
+}
+
+impl MachineFile {
+    /// A drive made in the program; saving it writes a new file.
+    ///
+    /// Effects whose parameters are not at their defaults are switched on.
+    #[must_use]
+    pub fn from_machine(name: &str, machine: Machine<f64>) -> Self {
+        let changed = |&parameter: &Parameter| {
+            machine.get(parameter).to_bits() != crate::keys::fallback(parameter, &machine).to_bits()
+        };
+        let given: BTreeSet<Parameter> = Parameter::ALL.iter().copied().filter(changed).collect();
+        let effects = given
+            .iter()
+            .filter_map(|&parameter| crate::keys::address(parameter).table.strip_prefix(crate::keys::EFFECTS));
+        Self {
+            name: name.to_owned(),
+            machine,
+            effects: effects.collect(),
+            given,
+            sigma: BTreeMap::new(),
+            has_sigma_table: false,
+            channels: ChannelMap::default(),
+            load_source: LoadSource::default(),
+            text: String::new(),
+        }
+    }
+
+    /// Sets the level at rest that simulations of recordings without pressures start from, where a fit found one.
+    pub fn start_at(&mut self, level_at_rest: Option<f64>) {
+        if let Some(level) = level_at_rest {
+            self.machine.set(Parameter::LevelAtRest, level);
+            self.given.insert(Parameter::LevelAtRest);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,264 @@
+//! What is read, what is refused, and what comes out again.
+
+use model_core::machine::Source;
+use recording::files::source_error::{Explained, render};
+use recording::{Scale, Signal};
+
+use crate::*;
+
+const VALVE: &str = r#"# Data sheet, page 3.
+name = "press-63-40"
+
+[supply]
+pressure_pa = 7.0e6   # at the pump
+
+[valve]
+gain_per_v = 0.0559
+dead_zone = 0.1049                  # in x; both sides
+time_constants_s = [0.018, 0.0279]
+
+[cylinder]
+area_a_m2 = 3.117e-3
+area_b_m2 = 1.861e-3
+moving_mass_kg = 20
+"#;
+
+const PUMP: &str = "[pump]\n[cylinder]\narea_a_m2 = 1e-3\narea_b_m2 = 1e-3\n";
+
+fn parse(text: &str) -> Result<MachineFile, MachineFileError> {
+    read_text("machine.toml", text)
+}
+
+/// The error of the valve drive's text with lines put behind one of its table headers.
+#[track_caller]
+fn refused(table: &str, lines: &str, line: usize) -> MachineFileError {
+    let header = format!("[{table}]\n");
+    let text = VALVE.replace(&header, &format!("{header}{lines}\n"));
+    assert_ne!(text, VALVE);
+    let error = parse(&text).unwrap_err();
+    assert_eq!(error.place().line(), Some(line), "{error}");
+    assert!(error.to_string().starts_with("machine.toml:"), "{error}");
+    assert!(render(&error).contains("= expected: "), "{}", render(&error));
+    error
+}
+
+macro_rules! assert_error {
+    ($error:expr, $pattern:pat) => {{
+        let error = $error;
+        assert!(matches!(error, $pattern), "{error:?}");
+    }};
+}
+
+#[test]
+#[expect(clippy::float_cmp, reason = "values come out as they stand in the text")]
+fn a_valve_drive_is_read_with_defaults() {
+    let file = parse(VALVE).unwrap();
+    assert_eq!(file.name, "press-63-40");
+    assert_eq!(file.machine.source, Source::Valve);
+    assert_eq!(file.machine.get(Parameter::TimeConstant2), 0.0279);
+    assert_eq!(file.machine.get(Parameter::MovingMass), 20.0);
+    assert_eq!(file.machine.get(Parameter::FlowLimit), f64::INFINITY);
+    assert_eq!(file.machine.get(Parameter::VolumeA), 3.117e-3 * 0.3 / 2.0);
+    assert_eq!(file.machine.get(Parameter::VolumeB), 1.861e-3 * 0.3 / 2.0);
+    assert!(file.given.contains(&Parameter::MovingMass) && !file.given.contains(&Parameter::Stroke));
+    assert!(!file.has_sigma_table && file.effects.is_empty());
+    assert_eq!(file.load_source, LoadSource::Constant);
+    let pump = parse(PUMP).unwrap();
+    assert_eq!((pump.machine.source, pump.name.as_str()), (Source::Pump, "machine"));
+}
+
+#[test]
+fn the_other_tables_are_read() {
+    let more = "[load]\nsource = \"recorded-pressures\"\n[effects.coulomb-friction]\nforce_n = 900\n[effects]\npump-slip = {}\n\
+        [channels]\nposition = \"Kolbenweg [mm]\"\n[fit.sigma]\n\"valve.time_constants_s[0]\" = 0.001\n";
+    let file = parse(&format!("{VALVE}{more}")).unwrap();
+    assert_eq!(file.load_source, LoadSource::RecordedPressures);
+    assert_eq!(file.effects.iter().copied().collect::<Vec<_>>(), ["coulomb-friction", "pump-slip"]);
+    assert_eq!(file.channels.get(Signal::Position).unwrap().header, "Kolbenweg [mm]");
+    assert_eq!(file.sigma, BTreeMap::from([(Parameter::TimeConstant1, 0.001)]));
+    assert!(file.has_sigma_table);
+}
+
+#[test]
+fn unknown_tables_and_keys_are_met_with_the_nearest_known_one() {
+    let error = refused("supply", "pressure_bar = 70", 5);
+    assert!(error.to_string().contains("perhaps `supply.pressure_pa`"), "{error}");
+    assert_error!(error, MachineFileError::UnknownKey { .. });
+    assert_error!(refused("supply", "[valves]", 5), MachineFileError::UnknownTable { nearest: Some(_), .. });
+    assert_error!(refused("supply", "[effects.leakage]", 5), MachineFileError::UnknownTable { .. });
+    assert_error!(refused("supply", "[fit]\nsigmas = 1", 6), MachineFileError::UnknownKey { .. });
+    assert_error!(refused("supply", "[fit.sigma]\n\"valve.gain\" = 1", 6), MachineFileError::UnknownKey { .. });
+    assert_error!(
+        refused("supply", "[channels]\npositon = \"x\"", 6),
+        MachineFileError::UnknownSignal { nearest: "position", .. }
+    );
+    let top = parse(&format!("gain_per_v = 1\n{VALVE}")).unwrap_err();
+    assert!(top.to_string().contains("perhaps `valve.gain_per_v`"), "{top}");
+}
+
+#[test]
+fn what_must_be_there_is_asked_for() {
+    for (table, left) in [("supply", "supply"), ("cylinder", "cylinder")] {
+        let text = VALVE
+            .replace(&format!("[{left}]"), "[linkage]")
+            .replace("pressure_pa", "#")
+            .replace("area_", "#")
+            .replace("moving", "#");
+        assert!(matches!(parse(&text).unwrap_err(), MachineFileError::MissingTable { table: t, .. } if t == table));
+    }
+    let error = parse(&VALVE.replace("area_b_m2", "#")).unwrap_err();
+    assert_eq!(error.place().line(), Some(12));
+    assert_error!(error, MachineFileError::MissingKey { key: "cylinder.area_b_m2", .. });
+    assert_error!(parse("[cylinder]\n").unwrap_err(), MachineFileError::NoSource { .. });
+    assert_error!(parse(&format!("{VALVE}[pump]\n")).unwrap_err(), MachineFileError::TwoSources { .. });
+    let lone = parse(&format!("{VALVE}[directional_valve]\n")).unwrap_err();
+    assert_error!(lone, MachineFileError::DirectionalValveWithoutPump { .. });
+}
+
+#[test]
+fn wrong_types_are_refused() {
+    assert_error!(refused("valve", "offset = \"0\"", 8), MachineFileError::WrongType { .. });
+    assert_error!(refused("valve", "offset = [0.1]", 8), MachineFileError::WrongType { .. });
+    assert_error!(refused("supply", "[load]\nsource = 1", 6), MachineFileError::WrongType { .. });
+    assert_error!(refused("supply", "[load]\nsource = \"other\"", 6), MachineFileError::UnknownChoice { .. });
+    assert_error!(refused("supply", "[channels]\ntime = \"\"", 6), MachineFileError::EmptyHeader { .. });
+    assert_error!(refused("supply", "[fit.sigma]\nvalve.gain_per_v = 1", 6), MachineFileError::WrongType { .. });
+    assert_error!(refused("supply", "[fit.sigma]\n\"valve.gain_per_v\" = 0", 6), MachineFileError::BadSigma { .. });
+    assert_error!(parse(&VALVE.replace("[supply]", "[[supply]]")).unwrap_err(), MachineFileError::WrongType { .. });
+    let long = parse(&VALVE.replace("0.0279]", "1, 2]")).unwrap_err();
+    assert_error!(long, MachineFileError::TooManyEntries { found: 3, most: 2, .. });
+    let single = parse(&VALVE.replace("[0.018, 0.0279]", "0.018")).unwrap_err();
+    assert_error!(single, MachineFileError::WrongType { .. });
+}
+
+#[test]
+fn impossible_values_are_refused() {
+    for (line, table, at) in [
+        ("viscous_friction_n_s_per_m = -1", "cylinder", 13),
+        ("stroke_m = nan", "cylinder", 13),
+        ("bulk_modulus_pa = inf", "cylinder", 13),
+        ("offset = 2", "valve", 8),
+        ("transport_delay_s = -0.001", "valve", 8),
+    ] {
+        assert_error!(refused(table, line, at), MachineFileError::OutOfRange { .. });
+    }
+    assert_error!(parse(&VALVE.replace("= 20", "= -20")).unwrap_err(), MachineFileError::OutOfRange { .. });
+    let table = |lines: &str| parse(&format!("{VALVE}[effects.unnamed]\n{lines}\n")).unwrap_err();
+    assert_error!(table("quantity = 5"), MachineFileError::OutOfRange { .. });
+    assert_error!(table("over = 1.5"), MachineFileError::NotWhole { .. });
+    assert_error!(table("values = \"none\""), MachineFileError::WrongType { .. });
+    let error = parse(&VALVE.replace("0.1049 ", "1.0 ")).unwrap_err();
+    assert_eq!(error.to_string(), "machine.toml:9:13: `valve.dead_zone` is 1.0; expected 0.0 to 0.999");
+}
+
+#[test]
+fn text_that_is_not_toml_is_refused_with_its_line() {
+    assert_error!(refused("supply", "pressure = = 1", 5), MachineFileError::Syntax { .. });
+    assert_error!(refused("valve", "offset = 0\noffset = 0", 9), MachineFileError::Syntax { .. });
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("m.toml");
+    std::fs::write(&path, b"name = \"a\"\n\xff").unwrap();
+    let error = read(&path).unwrap_err();
+    assert_eq!(error.place().line(), Some(2));
+    assert_error!(error, MachineFileError::NotUtf8 { .. });
+    std::fs::write(&path, vec![b'#'; (1 << 20) + 1]).unwrap();
+    assert_error!(read(&path).unwrap_err(), MachineFileError::TooLarge { .. });
+    assert_error!(read(folder.path()).unwrap_err(), MachineFileError::Io { .. });
+}
+
+#[test]
+fn an_error_is_drawn_with_its_line() {
+    let error = parse(&VALVE.replace("= 20", "= -20")).unwrap_err();
+    let expected = "\
+error: `cylinder.moving_mass_kg` is -20.0 kg
+  --> machine.toml:15:18
+   |
+15 | moving_mass_kg = -20
+   |                  ^^^
+   |
+   = expected: 0.01 to 10000000.0 kg";
+    assert_eq!(render(&error), expected);
+}
+
+#[test]
+fn a_saved_file_keeps_comments_and_order_and_changes_only_what_changed() {
+    let mut file = parse(VALVE).unwrap();
+    assert_eq!(file.to_text("m").unwrap(), VALVE);
+    file.machine.set(Parameter::DeadZone, 0.11);
+    file.machine.set(Parameter::TimeConstant1, 1e-5);
+    file.machine.set(Parameter::CoulombFriction, 913.0);
+    file.machine.set(Parameter::LoadForce, -2801.76);
+    file.load_source = LoadSource::RecordedPressures;
+    file.effects.insert("hose-compliance");
+    file.sigma.insert(Parameter::ValveGain, 0.003);
+    let expected = VALVE.replace("0.1049 ", "0.11 ").replace("0.018", "1e-5")
+        + "\n[load]\nforce_n = -2801.76\nsource = \"recorded-pressures\"\n\
+           \n[effects.hose-compliance]\ncompliance_m3_per_pa = 0.0\n\
+           \n[effects.coulomb-friction]\nforce_n = 913.0\n\
+           \n[fit.sigma]\n\"valve.gain_per_v\" = 0.003\n";
+    let text = file.to_text("m").unwrap();
+    assert_eq!(text, expected);
+    let mut again = parse(&text).unwrap();
+    assert_eq!(again.machine, file.machine);
+    again.effects.clear();
+    again.machine.set(Parameter::CoulombFriction, 0.0);
+    assert!(!again.to_text("m").unwrap().contains("[effects."));
+}
+
+#[test]
+fn a_level_at_rest_that_was_found_is_saved_and_nothing_is_written_where_none_was() {
+    let mut file = parse(VALVE).unwrap();
+    file.start_at(None);
+    assert_eq!(file.to_text("m").unwrap(), VALVE);
+    file.start_at(Some(0.44));
+    let again = parse(&file.to_text("m").unwrap()).unwrap();
+    assert_eq!(again.machine.get(Parameter::LevelAtRest).to_bits(), 0.44_f64.to_bits());
+    assert!(again.given.contains(&Parameter::LevelAtRest));
+}
+
+#[test]
+fn a_drive_made_in_the_program_is_saved_and_read_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("m.toml");
+    for text in [VALVE, PUMP] {
+        let mut machine = parse(text).unwrap().machine;
+        machine.set(Parameter::InternalLeakage, 2e-12);
+        let file = MachineFile::from_machine("made", machine);
+        file.save(&path).unwrap();
+        let again = read(&path).unwrap();
+        assert_eq!((again.machine, again.name, again.effects), (file.machine, file.name, file.effects));
+    }
+    let before = std::fs::read(&path).unwrap();
+    let mut wrong = read(&path).unwrap();
+    wrong.machine.set(Parameter::MovingMass, f64::NAN);
+    assert_error!(wrong.save(&path).unwrap_err(), MachineFileError::OutOfRange { .. });
+    assert_eq!(std::fs::read(&path).unwrap(), before);
+}
+
+#[test]
+fn a_sensor_that_reads_volts_has_its_zero_and_full_reading_beside_its_column() {
+    let channels = "\n[channels]\nspool = { column = \"spool_sensor [V]\", zero = 5, full = 5.0 }\n\
+        command = { column = \"command_5v_centre [V]\", zero = 5.0 }\nposition = \"Kolbenweg [mm]\"\n";
+    let file = parse(&format!("{VALVE}{channels}")).unwrap();
+    let scale = |signal| file.channels.get(signal).unwrap().scale;
+    assert_eq!(scale(Signal::Spool), Some(Scale { zero: 5.0, full: 5.0 }));
+    assert_eq!(scale(Signal::Command), Some(Scale { zero: 5.0, full: 1.0 }));
+    assert_eq!(scale(Signal::Position), None);
+    // It goes out as it came in, and a new one is written so that it reads back.
+    assert!(file.to_text("machine.toml").unwrap().contains("zero = 5, full = 5.0 }"));
+    let mut made = MachineFile::from_machine("made", file.machine);
+    made.channels = file.channels.clone();
+    assert_eq!(parse(&made.to_text("made.toml").unwrap()).unwrap().channels, file.channels);
+}
+
+#[test]
+fn a_sensor_that_says_too_little_or_too_much_is_refused() {
+    let spool = |sensor: &str| refused("supply", &format!("[channels]\nspool = {sensor}"), 6);
+    assert_error!(spool("{ column = \"s [V]\", zero = 5, ful = 5 }"), MachineFileError::UnknownKey { .. });
+    assert_error!(spool("{ zero = 5 }"), MachineFileError::MissingKey { key: "column", .. });
+    assert_error!(spool("{ column = \"\" }"), MachineFileError::EmptyHeader { .. });
+    assert_error!(spool("{ column = \"s\", full = \"5\" }"), MachineFileError::WrongType { .. });
+    assert_error!(spool("{ column = \"s\", zero = nan }"), MachineFileError::OutOfRange { .. });
+    assert_error!(spool("{ column = \"s\", full = 0.0 }"), MachineFileError::NoSpan { .. });
+    assert_error!(spool("5"), MachineFileError::WrongType { .. });
+}

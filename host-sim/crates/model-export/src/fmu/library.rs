@@ -1,0 +1,105 @@
+//! The shared library that computes an FMU's variables.
+
+use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+/// A function that every library of an FMU has, by whose name it is known.
+const A_FUNCTION: &[u8] = b"fmi3InstantiateCoSimulation";
+
+/// A shared library with the functions of FMI 3.0.
+#[derive(Clone, PartialEq, Eq)]
+pub struct Library {
+    bytes: Vec<u8>,
+}
+
+/// Why there is no library.
+#[derive(Debug, thiserror::Error)]
+pub enum LibraryError {
+    /// Not beside the program.
+    #[error(
+        "no {name} beside this program, in {}; expected the library that computes the model in other tools: \
+         `cargo build --release -p drive-fmu` builds it, or --library names it", folder.display()
+    )]
+    Missing {
+        /// What it is called here.
+        name: String,
+        /// Where it was looked for.
+        folder: PathBuf,
+    },
+    /// It cannot be read.
+    #[error("{}: cannot be read: {cause}; expected the library that `cargo build --release -p drive-fmu` builds", path.display())]
+    Unread {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        cause: io::Error,
+    },
+    /// It is something else.
+    #[error(
+        "{}: no function {}; expected the library that `cargo build --release -p drive-fmu` builds",
+        path.display(), String::from_utf8_lossy(A_FUNCTION)
+    )]
+    Other {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+impl Library {
+    /// The library in a file.
+    ///
+    /// # Errors
+    /// The file cannot be read, or is no such library.
+    pub fn read(path: &Path) -> Result<Self, LibraryError> {
+        let bytes = fs::read(path).map_err(|cause| LibraryError::Unread { path: path.to_owned(), cause })?;
+        if bytes.windows(A_FUNCTION.len()).any(|window| window == A_FUNCTION) {
+            Ok(Self { bytes })
+        } else {
+            Err(LibraryError::Other { path: path.to_owned() })
+        }
+    }
+
+    /// The library that cargo has built beside a program.
+    ///
+    /// # Errors
+    /// There is none, or it cannot be read.
+    pub fn beside(program: &Path) -> Result<Self, LibraryError> {
+        let name = format!("{DLL_PREFIX}drive_fmu{DLL_SUFFIX}");
+        let folder = program.parent().unwrap_or(Path::new("."));
+        let path = folder.join(&name);
+        if path.exists() { Self::read(&path) } else { Err(LibraryError::Missing { name, folder: folder.to_owned() }) }
+    }
+
+    /// What is in the file.
+    #[must_use]
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+}
+
+impl std::fmt::Debug for Library {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Library").field("bytes", &self.bytes.len()).finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_library_is_refused_by_what_it_lacks_and_how_to_get_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = Library::beside(&folder.path().join("host-sim")).unwrap_err().to_string();
+        assert!(missing.contains("cargo build --release -p drive-fmu") && missing.contains("--library"), "{missing}");
+        let other = folder.path().join("other.so");
+        fs::write(&other, b"\x7fELF").unwrap();
+        let refused = Library::read(&other).unwrap_err().to_string();
+        assert!(refused.contains("other.so: no function fmi3InstantiateCoSimulation"), "{refused}");
+        let gone = Library::read(&folder.path().join("gone.so")).unwrap_err().to_string();
+        assert!(gone.contains("gone.so: cannot be read"), "{gone}");
+        fs::write(&other, b"..fmi3InstantiateCoSimulation..").unwrap();
+        assert_eq!(Library::read(&other).unwrap().bytes().len(), 31);
+    }
+}

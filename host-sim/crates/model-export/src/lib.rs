@@ -1,0 +1,5 @@
+//! TODO.
+
+mod c99;
+pub mod fmu;
+pub mod rust;

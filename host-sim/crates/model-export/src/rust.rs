@@ -1,0 +1,131 @@
+//! A drive as constants for the firmware: Rust source that a controller compiles in, or a C99 header.
+//!
+//! SI values and no coefficients: the core turns them into its fixed-point coefficients on the controller as it does here, so
+//! that there is one place that converts. Every effect of the machine file is among them.
+
+use std::fmt::{self, Write};
+
+use model_core::drive::Drive;
+use model_core::fixed_point::PerUnit;
+use model_core::machine::{Machine, MachineError, Source, Tick};
+use model_core::parameter::Parameter;
+use simulation::DELAY_LINE;
+
+/// What a controller has to know of a drive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Constants {
+    /// What the drive is called.
+    pub name: String,
+    /// The drive.
+    pub machine: Machine<f64>,
+    /// Control period.
+    pub tick: Tick,
+    /// Ticks of the shortest delay line that holds the drive's delays: a power of two.
+    pub delay_line: usize,
+}
+
+type Builder = fn(&Machine<f64>, Tick) -> Result<Drive<PerUnit>, MachineError>;
+/// Delay lines that are shorter than the simulation's, shortest first.
+const SHORTER: [(usize, Builder); 6] = [
+    (8, Drive::new::<8>),
+    (16, Drive::new::<16>),
+    (32, Drive::new::<32>),
+    (64, Drive::new::<64>),
+    (128, Drive::new::<128>),
+    (256, Drive::new::<256>),
+];
+
+impl Constants {
+    /// The constants of a drive.
+    ///
+    /// # Errors
+    /// The controller's arithmetic does not hold the drive at this tick; the error names the value that does not fit.
+    pub fn of(name: &str, machine: &Machine<f64>, tick: Tick) -> Result<Self, MachineError> {
+        Drive::<PerUnit>::new::<DELAY_LINE>(machine, tick)?;
+        let fits = SHORTER.iter().find(|(_, drive)| drive(machine, tick).is_ok());
+        let delay_line = fits.map_or(DELAY_LINE, |(ticks, _)| *ticks);
+        Ok(Self { name: name.to_owned(), machine: *machine, tick, delay_line })
+    }
+
+    /// Rust source.
+    #[must_use]
+    pub fn rust(&self) -> String {
+        let mut text = String::new();
+        // Writing to a string cannot fail.
+        let _ = self.write_rust(&mut text);
+        text
+    }
+
+    fn write_rust(&self, out: &mut impl Write) -> fmt::Result {
+        let source = match self.machine.source {
+            Source::Valve => "Valve",
+            Source::Pump => "Pump",
+        };
+        let tick = match self.tick {
+            Tick::HalfMillisecond => "HalfMillisecond",
+            Tick::OneMillisecond => "OneMillisecond",
+            Tick::TwoMilliseconds => "TwoMilliseconds",
+        };
+        writeln!(
+            out,
+            "// Constants of a drive, written by `host-sim export`: change the machine file and export again.\n"
+        )?;
+        writeln!(out, "use model_core::machine::{{Source, Tick}};\nuse model_core::parameter::Parameter;\n")?;
+        writeln!(out, "/// What the drive is called.\npub const NAME: &str = {:?};", self.name)?;
+        writeln!(out, "/// Where its oil comes from.\npub const SOURCE: Source = Source::{source};")?;
+        writeln!(out, "/// Control period that the values were checked for.\npub const TICK: Tick = Tick::{tick};")?;
+        writeln!(
+            out,
+            "/// Ticks of the shortest delay line that holds its delays.\npub const DELAY_LINE: usize = {};",
+            self.delay_line
+        )?;
+        writeln!(out, "/// Every value that is not the default, SI.\n#[rustfmt::skip]")?;
+        writeln!(out, "#[allow(clippy::unreadable_literal, reason = \"every digit of an exported value counts\")]")?;
+        writeln!(out, "pub const VALUES: &[(Parameter, f64)] = &[")?;
+        let default = Machine::with_defaults(self.machine.source);
+        for &parameter in Parameter::ALL {
+            let value = self.machine.get(parameter);
+            if value.to_bits() != default.get(parameter).to_bits() {
+                // Both as Rust reads them back to the last bit.
+                writeln!(out, "    (Parameter::{parameter:?}, {value:?}), // {}", parameter.description().key)?;
+            }
+        }
+        writeln!(out, "];")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_is_not_the_default_is_written_and_reads_back_to_the_last_bit() {
+        let mut machine = test_press::press(&[(Parameter::InternalLeakage, 1.0 / 3e11)]);
+        machine.set(Parameter::TransportDelay, 0.0071);
+        let constants = Constants::of("press \"63-40\"", &machine, Tick::OneMillisecond).unwrap();
+        // 7.1 ticks lie between the seventh and the eighth before, and this one is in the line as well.
+        assert_eq!(constants.delay_line, 16);
+        let text = constants.rust();
+        assert!(text.contains("pub const NAME: &str = \"press \\\"63-40\\\"\";"), "{text}");
+        let values: Vec<(Parameter, f64)> = text
+            .lines()
+            .filter_map(|line| line.trim().strip_prefix("(Parameter::")?.split_once("), // "))
+            .map(|(pair, key)| {
+                let (name, value) = pair.split_once(", ").unwrap();
+                let mut all = Parameter::ALL.iter().copied();
+                let parameter = all.find(|parameter| format!("{parameter:?}") == name).unwrap();
+                assert_eq!(parameter.description().key, key);
+                (parameter, value.parse().unwrap())
+            })
+            .collect();
+        assert_eq!(Machine::with_defaults(Source::Valve).with(&values), machine);
+        assert!(values.iter().all(|(parameter, _)| *parameter != Parameter::StopStiffness));
+    }
+
+    #[test]
+    fn a_drive_that_the_controller_cannot_hold_is_refused_by_name() {
+        let machine = test_press::press(&[(Parameter::TransportDelay, 0.9)]);
+        let refused = Constants::of("late", &machine, Tick::OneMillisecond).unwrap_err();
+        assert!(refused.to_string().starts_with("valve.transport_delay_s = 0.9 s: needs"), "{refused}");
+    }
+}

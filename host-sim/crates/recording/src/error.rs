@@ -1,0 +1,313 @@
+//! Why a recording cannot be used.
+
+use std::{fmt, io};
+
+use crate::files::atomic;
+use crate::files::source_error::{Explained, Place, after_number, counted, engineering, quoted};
+use crate::formats::format::Format;
+use crate::formats::unsupported::Unsupported;
+use crate::signal::Signal;
+use crate::unit_in_name::variable;
+
+/// Why a recording cannot be read, or not be used for what is asked of it.
+#[expect(missing_docs, reason = "every field is named in the text of its variant; `place` is where it was found")]
+#[derive(Debug, thiserror::Error)]
+pub enum RecordingError {
+    /// The file cannot be opened or read.
+    Io { place: Place, source: io::Error },
+    /// The file cannot be written.
+    Write { place: Place, source: io::Error },
+    /// There is nothing in the file but blank lines and comments.
+    Empty { place: Place },
+    /// There are fewer than two rows that can be used; `skipped` rows had an empty cell or a repeated time.
+    TooFewRows { place: Place, rows: usize, skipped: usize },
+    /// More rows than the program takes.
+    TooManyRows { place: Place, most: usize },
+    /// More columns than the program takes.
+    TooManyColumns { place: Place, most: usize },
+    /// A line is longer than a recording's can be.
+    LineTooLong { place: Place, most_bytes: usize },
+    /// More blank lines and comments than a recording can have.
+    TooManySkippedLines { place: Place, most: usize },
+    /// A line is not UTF-8 text.
+    NotUtf8 { place: Place, byte: u8 },
+    /// A line holds a control character, as binary files do.
+    ControlCharacter { place: Place, character: char },
+    /// A quotation mark is not closed on its line.
+    OpenQuote { place: Place },
+    /// The first column is not time.
+    NoTimeColumn { place: Place, header: String },
+    /// Two columns hold the same signal.
+    DuplicateColumn { place: Place, signal: Signal, first: String, second: String },
+    /// Known names without a unit in brackets; `place` is where the first is.
+    MissingUnit { place: Place, columns: Vec<(Signal, String)> },
+    /// A known name with a unit that nobody knows.
+    UnknownUnit { place: Place, signal: Signal, header: String, unit: String },
+    /// A known name with a unit that measures something else.
+    WrongDimension { place: Place, signal: Signal, header: String, unit: String },
+    /// A column that `--map` names is not in the file.
+    MappedColumnAbsent { place: Place, signal: Signal, header: String, present: Vec<String> },
+    /// A column that was asked for by its header is not in the file.
+    ColumnAbsent { place: Place, header: String, present: Vec<String> },
+    /// A row has more or fewer cells than the header.
+    RaggedRow { place: Place, found: usize, expected: usize },
+    /// A cell of a known column is not a number.
+    NotANumber { place: Place, header: String, found: String },
+    /// A cell of a known column is NaN or infinite, as written or after conversion to SI.
+    NotFinite { place: Place, header: String, found: String },
+    /// Time is smaller than in the row before, both in s.
+    TimeBackwards { place: Place, previous_s: f64, found_s: f64 },
+    /// An export without the header rows or columns that its kind needs.
+    ExportLayout { place: Place, missing: &'static str },
+    /// An export whose times are dates and not offsets; they have no room in a double.
+    FullTimestamps { place: Place, found: String },
+    /// The channels of an export have no stretch of time in common.
+    NoCommonTime { place: Place, from_s: f64, to_s: f64 },
+    /// A signal that is needed is not there.
+    MissingSignal { place: Place, signal: Signal, present: Vec<&'static str> },
+    /// A signal that shall be judged never changes; the value is in SI units.
+    ConstantSignal { place: Place, signal: Signal, value: f64 },
+    /// A file of a format that this build of the program does not read or write.
+    FeatureAbsent { place: Place, format: Format },
+    /// A file that is neither text nor what its name says.
+    NotOfFormat { place: Place, format: Format },
+    /// A file of a known format, in a way that is not read.
+    Unsupported { place: Place, what: Unsupported },
+    /// A file that is not whole, or not as its format says; `what` is amiss.
+    Damaged { place: Place, format: Format, what: &'static str },
+    /// More bytes than are held in memory, as they stand in the file or unpacked.
+    TooLarge { place: Place, most_bytes: u64 },
+    /// A known signal without times to its values; `present` is what the file has.
+    NoTimes { place: Place, header: String, present: Vec<String> },
+    /// A file without times, or without anything else that is known; `present` is what it has.
+    NothingKnown { place: Place, present: Vec<String> },
+    /// A known signal that holds no numbers, but something else.
+    NotNumbers { place: Place, header: String, found: String },
+    /// A column has not as many values as there are times.
+    LengthMismatch { place: Place, header: String, found: usize, expected: usize },
+}
+
+use RecordingError as E;
+
+impl Explained for RecordingError {
+    fn place(&self) -> &Place {
+        match self {
+            E::Io { place, .. }
+            | E::Write { place, .. }
+            | E::Empty { place }
+            | E::TooFewRows { place, .. }
+            | E::TooManyRows { place, .. }
+            | E::TooManyColumns { place, .. }
+            | E::LineTooLong { place, .. }
+            | E::TooManySkippedLines { place, .. }
+            | E::NotUtf8 { place, .. }
+            | E::ControlCharacter { place, .. }
+            | E::OpenQuote { place }
+            | E::NoTimeColumn { place, .. }
+            | E::DuplicateColumn { place, .. }
+            | E::MissingUnit { place, .. }
+            | E::UnknownUnit { place, .. }
+            | E::WrongDimension { place, .. }
+            | E::MappedColumnAbsent { place, .. }
+            | E::ColumnAbsent { place, .. }
+            | E::RaggedRow { place, .. }
+            | E::NotANumber { place, .. }
+            | E::NotFinite { place, .. }
+            | E::TimeBackwards { place, .. }
+            | E::ExportLayout { place, .. }
+            | E::FullTimestamps { place, .. }
+            | E::NoCommonTime { place, .. }
+            | E::MissingSignal { place, .. }
+            | E::ConstantSignal { place, .. }
+            | E::FeatureAbsent { place, .. }
+            | E::NotOfFormat { place, .. }
+            | E::Unsupported { place, .. }
+            | E::Damaged { place, .. }
+            | E::TooLarge { place, .. }
+            | E::NoTimes { place, .. }
+            | E::NothingKnown { place, .. }
+            | E::NotNumbers { place, .. }
+            | E::LengthMismatch { place, .. } => place,
+        }
+    }
+
+    fn found(&self) -> String {
+        match self {
+            E::Io { source, .. } => format!("cannot be read: {source}"),
+            E::Write { source, .. } => format!("cannot be written: {source}"),
+            E::Empty { .. } => "there is nothing in the file".into(),
+            E::TooFewRows { rows: 0, skipped: 0, .. } => "a header and no rows".into(),
+            E::TooFewRows { rows, skipped: 0, .. } => counted(*rows, "row"),
+            E::TooFewRows { rows, skipped, .. } => {
+                let verbs = if *skipped == 1 { "has an empty cell or repeats" } else { "have an empty cell or repeat" };
+                format!("{}; {skipped} {verbs} a time", counted(*rows, "usable row"))
+            }
+            E::TooManyRows { most, .. } => format!("more than {most} rows"),
+            E::TooManyColumns { most, .. } => format!("more than {most} columns"),
+            E::LineTooLong { most_bytes, .. } => format!("a line of more than {most_bytes} bytes"),
+            E::TooManySkippedLines { most, .. } => format!("more than {most} blank lines and comments"),
+            E::NotUtf8 { byte, .. } => format!("byte 0x{byte:02X}, which is not UTF-8 text"),
+            E::ControlCharacter { character, .. } => {
+                format!("control character U+{:04X}, which is not text", u32::from(*character))
+            }
+            E::OpenQuote { .. } => "a quotation mark that is not closed on its line".into(),
+            E::NoTimeColumn { header, .. } => format!("the first column is {}", quoted(header)),
+            E::DuplicateColumn { signal, first, second, .. } => {
+                format!("columns {} and {} both hold {signal}", quoted(first), quoted(second))
+            }
+            E::MissingUnit { columns, .. } => {
+                let headers: Vec<String> = columns.iter().map(|(_, header)| quoted(header)).collect();
+                match headers.as_slice() {
+                    [one] => format!("column {one} has no unit"),
+                    several => format!("columns {} have no unit", several.join(", ")),
+                }
+            }
+            E::UnknownUnit { header, unit, .. } => {
+                format!("column {} has the unknown unit {}", quoted(header), quoted(unit))
+            }
+            E::WrongDimension { signal, unit, .. } => format!("{signal} is given in {}", quoted(unit)),
+            E::MappedColumnAbsent { signal, header, .. } => {
+                format!("{signal} is mapped to {}, which is no column of this file", quoted(header))
+            }
+            E::ColumnAbsent { header, .. } => format!("{} is no column of this file", quoted(header)),
+            E::RaggedRow { found, .. } => format!("a row of {found} cells"),
+            E::NotANumber { header, found, .. } | E::NotFinite { header, found, .. } => {
+                format!("column {} holds {}", quoted(header), quoted(found))
+            }
+            E::TimeBackwards { previous_s, found_s, .. } => {
+                format!("time {} s after {} s", engineering(*found_s), engineering(*previous_s))
+            }
+            E::ExportLayout { missing, .. } => format!("a TwinCAT Scope export without {missing}"),
+            E::FullTimestamps { found, .. } => format!("a full timestamp, {}", quoted(found)),
+            E::NoCommonTime { from_s, to_s, .. } => {
+                format!(
+                    "the last channel begins at {} s, the first one ends at {} s",
+                    engineering(*from_s),
+                    engineering(*to_s)
+                )
+            }
+            E::MissingSignal { signal, .. } => format!("there is no {signal}"),
+            E::ConstantSignal { signal, value, .. } => {
+                format!("{signal} is {value}{} in every row", after_number(signal.si_unit().symbol()))
+            }
+            E::FeatureAbsent { format, .. } => format!("{format}, which this build of the program leaves out"),
+            E::NotOfFormat { format, .. } => format!("neither text nor {format}, as its name says"),
+            E::Unsupported { what, .. } => what.found(),
+            E::Damaged { format, what, .. } => format!("{format} with {what}"),
+            E::TooLarge { most_bytes, .. } => format!("more than {} MiB", most_bytes >> 20),
+            E::NoTimes { header, .. } => format!("{} has no times", quoted(header)),
+            E::NothingKnown { .. } => "nothing in the file is a known signal with times".into(),
+            E::NotNumbers { header, found, .. } => format!("{} holds {found}", quoted(header)),
+            E::LengthMismatch { header, found, .. } => format!("column {} has {found} values", quoted(header)),
+        }
+    }
+
+    fn expected(&self) -> String {
+        match self {
+            E::Io { .. } => "a readable file".into(),
+            E::Write { source, .. } => atomic::expected(source).into(),
+            E::Empty { .. } => "a header such as `time [s],command [V],position [mm]` and rows".into(),
+            E::TooFewRows { .. } => "at least two rows at different times with a number in every known column".into(),
+            E::TooManyRows { .. } => "a part of it: what is read is held in memory".into(),
+            E::TooManyColumns { .. } | E::TooLarge { .. } => "a smaller recording".into(),
+            E::LineTooLong { .. } | E::TooManySkippedLines { .. } => {
+                "a text file with a header and one row a line".into()
+            }
+            E::NotUtf8 { byte: 0xFE | 0xFF, .. } => {
+                "text in UTF-8; this looks like UTF-16, which `iconv -f UTF-16 -t UTF-8 in.csv > out.csv` converts"
+                    .into()
+            }
+            E::NotUtf8 { .. } => {
+                "text in UTF-8 or Windows-1252; others are converted by `iconv -f … -t UTF-8 in.csv > out.csv`".into()
+            }
+            E::ControlCharacter { .. } => "a text file in UTF-8 with line ends LF or CRLF".into(),
+            E::OpenQuote { .. } => "a closing quotation mark on the same line".into(),
+            E::NoTimeColumn { header, .. } => {
+                let unit = if header.contains('[') { "" } else { " […]" };
+                format!(
+                    "`time [s]` (or ms, µs) in the first column, or --map \"time={header}{unit}\"; other columns as well, by the names of \
+                     `host-sim inspect --help`. Lines above the header begin with `#`"
+                )
+            }
+            E::DuplicateColumn { signal, .. } => format!("one column for {signal}; choose with --map \"{signal}=…\""),
+            E::MissingUnit { place, columns } => {
+                let [(signal, header), ..] = columns.as_slice() else { return String::new() };
+                let unit = signal.si_unit();
+                let bracketed = format!("{signal} [{unit}]");
+                let how = if place.spot.is_none() {
+                    let plain = variable(&bracketed, unit, &[]);
+                    format!("a unit with the name, as `{bracketed}` or `{plain}`")
+                } else {
+                    format!("a unit in brackets after the name, in the file or as --map \"{signal}={header} […]\"")
+                };
+                if columns.len() == 1 {
+                    return format!("{how}, one of: {}", signal.units());
+                }
+                let each =
+                    columns.iter().map(|(signal, header)| format!("{} one of: {}", quoted(header), signal.units()));
+                format!("{how}: {}", each.collect::<Vec<_>>().join("; "))
+            }
+            E::UnknownUnit { signal, .. } => {
+                format!("a unit in brackets after the name, one of: {}", signal.units())
+            }
+            E::WrongDimension { signal, .. } => format!("a unit of {signal}, one of: {}", signal.units()),
+            E::MappedColumnAbsent { present, .. } | E::ColumnAbsent { present, .. } => {
+                format!("one of its headers: {}", present.join(", "))
+            }
+            E::RaggedRow { expected, .. } => format!("{expected} cells, as many as the header has"),
+            E::NotANumber { .. } => {
+                "a decimal number such as -12.5 or 1.5e-3; units stand in the header, as `position [mm]`".into()
+            }
+            E::NotFinite { .. } => "a finite number".into(),
+            E::TimeBackwards { .. } => "times that rise from row to row".into(),
+            E::ExportLayout { .. } => {
+                "header rows `Name`, `Data-Type`, `SampleTime[ms]` … and a time column before the channels".into()
+            }
+            E::FullTimestamps { .. } => "times in ms since the start: export without full timestamps".into(),
+            E::NoCommonTime { .. } => "channels recorded at the same time".into(),
+            E::MissingSignal { signal, present, .. } => {
+                format!(
+                    "a column `{signal} [{}]`, or a --map for it; the file has: {}",
+                    signal.si_unit(),
+                    present.join(", ")
+                )
+            }
+            E::ConstantSignal { .. } => "a signal that moves; one that never changes cannot be judged".into(),
+            E::FeatureAbsent { format, .. } => {
+                format!("the program built with the feature `{}`, or CSV", format.feature().unwrap_or_default())
+            }
+            E::NotOfFormat { format: Format::Mat, .. } => {
+                "a MAT-file of version 5 or 7: save('run.mat', '-v7', …)".into()
+            }
+            E::NotOfFormat { format, .. } => format!("{format}, or text"),
+            E::Unsupported { what, .. } => what.expected().into(),
+            E::Damaged { .. } => "a whole file: save or copy it again".into(),
+            E::NoTimes { present, .. } => {
+                format!(
+                    "`time [s]` (time_s) with as many values, or a --map \"time=…\"; the file has: {}",
+                    few(present)
+                )
+            }
+            E::NothingKnown { present, .. } => format!(
+                "names and units such as `time [s]`, `position [mm]` (time_s, position_mm), or a --map \"position=… [mm]\"; \
+                 the file has: {}",
+                few(present)
+            ),
+            E::NotNumbers { .. } => "a vector of real numbers".into(),
+            E::LengthMismatch { expected, .. } => format!("{expected}, one for each time"),
+        }
+    }
+}
+
+/// Names for a message, not all where there are many.
+fn few(names: &[String]) -> String {
+    const MOST: usize = 30;
+    let more = if names.len() > MOST { ", …" } else { "" };
+    if names.is_empty() { "nothing".to_owned() } else { names[..names.len().min(MOST)].join(", ") + more }
+}
+
+impl fmt::Display for RecordingError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}; expected {}", self.place(), self.found(), self.expected())
+    }
+}

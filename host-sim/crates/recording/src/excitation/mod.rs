@@ -1,0 +1,4 @@
+//! TODO.
+
+pub mod signals;
+pub mod text;

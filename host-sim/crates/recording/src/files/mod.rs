@@ -1,0 +1,4 @@
+//! TODO.
+
+pub mod atomic;
+pub mod source_error;

@@ -1,0 +1,239 @@
+//! The blocks of an MDF file: a name, a length, links to other blocks, then data; and the groups and channels they describe.
+
+use super::Fault;
+use super::channel::{Channel, Conversion};
+use crate::formats::text::lines::{MAX_COLUMNS, MAX_ROWS};
+use crate::formats::unsupported::Unsupported;
+
+/// Most channel groups that are looked at.
+const MAX_GROUPS: usize = 4096;
+/// Where the header block stands.
+const HEADER: u8 = 64;
+/// Longest name or unit.
+const LONGEST_TEXT: usize = 4096;
+
+/// A block.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Block<'a> {
+    pub(crate) id: [u8; 2],
+    links: &'a [[u8; 8]],
+    pub(crate) data: &'a [u8],
+}
+
+impl<'a> Block<'a> {
+    /// Where a link leads to; 0 where there is none.
+    pub(crate) fn link(&self, index: usize) -> u64 {
+        self.links.get(index).map_or(0, |bytes| u64::from_le_bytes(*bytes))
+    }
+
+    /// All links from this one on.
+    pub(crate) fn links_from(&self, index: usize) -> impl Iterator<Item = u64> + 'a {
+        self.links.iter().skip(index).map(|bytes| u64::from_le_bytes(*bytes))
+    }
+
+    /// Bytes of the data at a place.
+    pub(crate) fn bytes<const N: usize>(&self, at: usize) -> Result<[u8; N], Fault> {
+        let bytes = self.data.get(at..).and_then(|rest| rest.first_chunk::<N>()).copied();
+        bytes.ok_or(Fault::Damaged("a block that is too short"))
+    }
+
+    pub(crate) fn u64(&self, at: usize) -> Result<u64, Fault> {
+        self.bytes(at).map(u64::from_le_bytes)
+    }
+
+    pub(crate) fn u32(&self, at: usize) -> Result<u32, Fault> {
+        self.bytes(at).map(u32::from_le_bytes)
+    }
+
+    pub(crate) fn u16(&self, at: usize) -> Result<u16, Fault> {
+        self.bytes(at).map(u16::from_le_bytes)
+    }
+
+    pub(crate) fn u8(&self, at: usize) -> Result<u8, Fault> {
+        self.bytes::<1>(at).map(|[byte]| byte)
+    }
+}
+
+/// A channel group: records of one kind.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Group {
+    pub(crate) name: Option<String>,
+    /// Where its data group's data are.
+    pub(crate) data: u64,
+    /// Bytes of the number that tells records of several groups apart; 0 where there is one group.
+    pub(crate) id_bytes: usize,
+    pub(crate) id: u64,
+    pub(crate) cycles: u64,
+    /// Bytes of a record's values, and of its marks of invalid ones.
+    pub(crate) value_bytes: usize,
+    pub(crate) mark_bytes: usize,
+    /// Whether its records are of any length, each with its own.
+    pub(crate) variable: bool,
+    pub(crate) first_channel: u64,
+}
+
+impl Group {
+    /// Bytes of a record, without its number.
+    pub(crate) fn record_bytes(&self) -> usize {
+        self.value_bytes + self.mark_bytes
+    }
+}
+
+/// A file.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct File<'a>(&'a [u8]);
+
+impl<'a> File<'a> {
+    /// A file of a version that is read.
+    pub(crate) fn open(bytes: &'a [u8]) -> Result<Self, Fault> {
+        let head = bytes.get(..usize::from(HEADER)).ok_or(Fault::Damaged("a head that is not whole"))?;
+        let version = String::from_utf8_lossy(&head[8..16]).trim_end_matches([' ', '\0']).to_owned();
+        if !version.starts_with("4.") {
+            return Err(Fault::Unsupported(Unsupported::MdfVersion(version)));
+        }
+        Ok(Self(bytes))
+    }
+
+    /// Bytes of the file.
+    pub(crate) fn len(&self) -> u64 {
+        self.0.len() as u64
+    }
+
+    /// The block that stands at a place.
+    pub(crate) fn block(&self, at: u64) -> Result<Block<'a>, Fault> {
+        let damaged = Fault::Damaged("a link to where no block is");
+        let start = usize::try_from(at).ok().and_then(|at| self.0.get(at..));
+        let Some((&[b'#', b'#', a, b, _, _, _, _], rest)) = start.and_then(|start| start.split_first_chunk::<8>())
+        else {
+            return Err(damaged);
+        };
+        let Some((length, rest)) = rest.split_first_chunk::<8>() else { return Err(damaged) };
+        let Some((links, rest)) = rest.split_first_chunk::<8>() else { return Err(damaged) };
+        let cut = || Fault::Damaged("a block that is longer than the file");
+        let length = usize::try_from(u64::from_le_bytes(*length)).map_err(|_| cut())?;
+        let links = usize::try_from(u64::from_le_bytes(*links)).map_err(|_| cut())?;
+        let content = length.checked_sub(24).and_then(|length| rest.get(..length)).ok_or_else(cut)?;
+        let links = links.checked_mul(8).and_then(|bytes| content.split_at_checked(bytes)).ok_or_else(cut)?;
+        Ok(Block { id: [a, b], links: links.0.as_chunks::<8>().0, data: links.1 })
+    }
+
+    /// The block of this kind at a place.
+    pub(crate) fn block_of(&self, at: u64, id: [u8; 2]) -> Result<Block<'a>, Fault> {
+        let block = self.block(at)?;
+        if block.id == id { Ok(block) } else { Err(Fault::Damaged("a link to a block of another kind")) }
+    }
+
+    /// The blocks of a list of which each links to the next by its first link, at most so many.
+    fn list(&self, mut at: u64, id: [u8; 2], most: usize) -> Result<Vec<Block<'a>>, Fault> {
+        let mut blocks = Vec::new();
+        while at != 0 {
+            if blocks.len() == most {
+                return Err(Fault::Damaged("a list of blocks that is too long, or has no end"));
+            }
+            let block = self.block_of(at, id)?;
+            at = block.link(0);
+            blocks.push(block);
+        }
+        Ok(blocks)
+    }
+
+    /// A name, a unit: as plain text or within a comment's `TX`.
+    fn text(&self, at: u64) -> Result<Option<String>, Fault> {
+        if at == 0 {
+            return Ok(None);
+        }
+        let block = self.block(at)?;
+        let short = &block.data[..block.data.len().min(LONGEST_TEXT)];
+        let text = String::from_utf8_lossy(short.split(|byte| *byte == 0).next().unwrap_or_default());
+        let text = match &block.id {
+            b"TX" => text.as_ref(),
+            b"MD" => {
+                text.split_once("<TX>").and_then(|(_, rest)| rest.split_once("</TX>")).map_or("", |(inner, _)| inner)
+            }
+            _ => return Err(Fault::Damaged("a name that is no text")),
+        };
+        Ok(Some(text.trim()).filter(|text| !text.is_empty()).map(str::to_owned))
+    }
+
+    /// All channel groups.
+    pub(crate) fn groups(&self) -> Result<Vec<Group>, Fault> {
+        let header = self.block_of(HEADER.into(), *b"HD")?;
+        let mut groups = Vec::new();
+        for data_group in self.list(header.link(0), *b"DG", MAX_GROUPS)? {
+            for block in self.list(data_group.link(1), *b"CG", MAX_GROUPS)? {
+                if groups.len() == MAX_GROUPS {
+                    return Err(Fault::Damaged("more than 4096 channel groups"));
+                }
+                let flags = block.u16(16)?;
+                groups.push(Group {
+                    name: self.text(block.link(2))?,
+                    data: data_group.link(2),
+                    id_bytes: usize::from(data_group.u8(0)?),
+                    id: block.u64(0)?,
+                    cycles: block.u64(8)?,
+                    value_bytes: block.u32(24)? as usize,
+                    mark_bytes: block.u32(28)? as usize,
+                    variable: flags & 1 != 0,
+                    first_channel: block.link(1),
+                });
+            }
+        }
+        Ok(groups)
+    }
+
+    /// The channels of a group.
+    pub(crate) fn channels(&self, group: &Group) -> Result<Vec<Channel>, Fault> {
+        if group.variable {
+            return Ok(Vec::new());
+        }
+        let mut channels = Vec::new();
+        for block in self.list(group.first_channel, *b"CN", MAX_COLUMNS)? {
+            let conversion = match block.link(4) {
+                0 => None,
+                at => Some(self.block_of(at, *b"CC")?),
+            };
+            let of_conversion = conversion.map_or(0, |conversion| conversion.link(1));
+            let unit = self.text(block.link(6))?;
+            channels.push(Channel {
+                name: self.text(block.link(2))?.unwrap_or_default(),
+                unit: if unit.is_some() { unit } else { self.text(of_conversion)? },
+                kind: block.u8(0)?,
+                sync: block.u8(1)?,
+                data_type: block.u8(2)?,
+                bit_offset: u32::from(block.u8(3)?),
+                byte_offset: block.u32(4)? as usize,
+                bits: block.u32(8)?,
+                flags: block.u32(12)?,
+                mark: block.u32(16)? as usize,
+                conversion: Conversion::None,
+                conversion_at: block.link(4),
+            });
+        }
+        Ok(channels)
+    }
+
+    /// The conversion that stands at a place: read where it is used, for a few blocks can be the long tables of thousands of channels.
+    pub(crate) fn conversion(&self, at: u64) -> Result<Conversion, Fault> {
+        if at == 0 { Ok(Conversion::None) } else { conversion_of(self.block_of(at, *b"CC")?) }
+    }
+}
+
+/// The conversion that a block describes.
+fn conversion_of(block: Block<'_>) -> Result<Conversion, Fault> {
+    let kind = block.u8(0)?;
+    let count = usize::from(block.u16(6)?).min(MAX_ROWS);
+    let value = |index: usize| block.bytes(24 + 8 * index).map(f64::from_le_bytes);
+    let values = (0..count).map(value).collect::<Result<Vec<f64>, Fault>>()?;
+    let short = Fault::Damaged("a conversion with too few numbers");
+    Ok(match (kind, values.as_slice()) {
+        (0, _) => Conversion::None,
+        (1, &[add, factor, ..]) => Conversion::Linear { add, factor },
+        (2, &[a, b, c, d, e, f, ..]) => Conversion::Rational([a, b, c, d, e, f]),
+        (4 | 5, [_, _, ..]) => {
+            let pairs = values.as_chunks::<2>().0.iter().map(|[raw, value]| (*raw, *value)).collect();
+            Conversion::Table { pairs, between: kind == 4 }
+        }
+        (1 | 2 | 4 | 5, _) => return Err(short),
+        (kind, _) => Conversion::Unsupported(kind),
+    })
+}

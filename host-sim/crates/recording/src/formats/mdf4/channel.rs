@@ -1,0 +1,232 @@
+//! A channel's values: the bits of its records, and what they mean.
+
+use super::Fault;
+use super::blocks::Group;
+use crate::formats::unsupported::Unsupported;
+
+/// From raw values to the ones that are meant.
+#[derive(Clone, Debug)]
+pub(crate) enum Conversion {
+    None,
+    Linear {
+        add: f64,
+        factor: f64,
+    },
+    /// (a·x² + b·x + c)/(d·x² + e·x + f).
+    Rational([f64; 6]),
+    /// Raw values and what they mean; linear `between` them, or the nearest.
+    Table {
+        pairs: Vec<(f64, f64)>,
+        between: bool,
+    },
+    /// No formula of numbers; its type in the standard.
+    Unsupported(u8),
+}
+
+/// A channel as its block describes it.
+#[derive(Clone, Debug)]
+pub(crate) struct Channel {
+    pub(crate) name: String,
+    pub(crate) unit: Option<String>,
+    pub(crate) kind: u8,
+    pub(crate) sync: u8,
+    pub(crate) data_type: u8,
+    pub(crate) bit_offset: u32,
+    pub(crate) byte_offset: usize,
+    pub(crate) bits: u32,
+    pub(crate) flags: u32,
+    /// The bit that marks its value invalid.
+    pub(crate) mark: usize,
+    pub(crate) conversion: Conversion,
+    /// Where its conversion stands that is not read yet; 0 where it has none.
+    pub(crate) conversion_at: u64,
+}
+
+const VARIABLE: u8 = 1;
+const MASTER: u8 = 2;
+const VIRTUAL_MASTER: u8 = 3;
+const SYNCHRONISATION: u8 = 4;
+const VIRTUAL_DATA: u8 = 6;
+const SYNC_TIME: u8 = 1;
+const ALL_INVALID: u32 = 1;
+const MARKED: u32 = 2;
+
+impl Channel {
+    /// Whether it holds its group's times.
+    pub(crate) fn is_clock(&self) -> bool {
+        matches!(self.kind, MASTER | VIRTUAL_MASTER) && self.sync == SYNC_TIME
+    }
+
+    /// Whether its raw value is the number of the record.
+    pub(crate) fn is_virtual(&self) -> bool {
+        matches!(self.kind, VIRTUAL_MASTER | VIRTUAL_DATA)
+    }
+
+    /// Checks that it holds numbers that are understood.
+    pub(crate) fn check(&self) -> Result<(), Fault> {
+        if let Conversion::Unsupported(kind) = self.conversion {
+            return Err(Fault::Unsupported(Unsupported::Conversion(kind)));
+        }
+        if self.is_virtual() {
+            return Ok(());
+        }
+        if matches!(self.data_type, 6..=9) {
+            return Err(Fault::NotNumbers("text"));
+        }
+        if matches!(self.kind, VARIABLE | SYNCHRONISATION) {
+            return Err(Fault::NotNumbers("data of any length"));
+        }
+        let bits = self.bits;
+        match self.data_type {
+            0..=3 if bits > 0 && bits <= 64_u32.saturating_sub(self.bit_offset) => Ok(()),
+            0..=3 => Err(Fault::Unsupported(Unsupported::Layout(format!("{bits} bits at bit {}", self.bit_offset)))),
+            4 | 5 if matches!(bits, 32 | 64) && self.bit_offset == 0 => Ok(()),
+            4 | 5 => Err(Fault::Unsupported(Unsupported::Layout(format!("a floating number of {bits} bits")))),
+            _ => Err(Fault::NotNumbers("something else than numbers")),
+        }
+    }
+
+    /// The values of all records, which [`Self::check`] has found good; NaN for those marked invalid.
+    pub(crate) fn values(&self, group: &Group, records: &[u8]) -> Result<Vec<f64>, Fault> {
+        if self.flags & ALL_INVALID != 0 {
+            return Ok(vec![f64::NAN; usize::try_from(group.cycles).unwrap_or(0)]);
+        }
+        if self.is_virtual() {
+            return Ok((0..group.cycles).map(|record| self.conversion.of(record as f64)).collect());
+        }
+        let bytes = (self.bits + self.bit_offset).div_ceil(8) as usize;
+        let outside = || Fault::Damaged("a channel outside its record");
+        let end = self.byte_offset.checked_add(bytes).filter(|end| *end <= group.value_bytes).ok_or_else(outside)?;
+        let marked = self.flags & MARKED != 0;
+        if marked && self.mark / 8 >= group.mark_bytes {
+            return Err(outside());
+        }
+        let value = |record: &[u8]| {
+            if marked && record[group.value_bytes + self.mark / 8] >> (self.mark % 8) & 1 == 1 {
+                return f64::NAN;
+            }
+            self.conversion.of(self.raw(&record[self.byte_offset..end]))
+        };
+        // A record has bytes, for the channel lies in it.
+        Ok(records.chunks_exact(group.record_bytes()).map(value).collect())
+    }
+
+    /// The raw value in at most eight bytes.
+    #[expect(clippy::cast_possible_truncation, reason = "the bits are those of a 32-bit number")]
+    fn raw(&self, bytes: &[u8]) -> f64 {
+        let mut wide = [0; 8];
+        let high_byte_first = self.data_type % 2 == 1;
+        for (at, byte) in bytes.iter().enumerate() {
+            wide[if high_byte_first { bytes.len() - 1 - at } else { at }] = *byte;
+        }
+        let word = u64::from_le_bytes(wide);
+        let unused = 64 - self.bits;
+        let high = (word >> self.bit_offset) << unused;
+        match (self.data_type, self.bits) {
+            (0 | 1, _) => (high >> unused) as f64,
+            (2 | 3, _) => (high.cast_signed() >> unused) as f64,
+            (_, 32) => f64::from(f32::from_bits(word as u32)),
+            _ => f64::from_bits(word),
+        }
+    }
+}
+
+impl Conversion {
+    /// What a raw value means.
+    fn of(&self, raw: f64) -> f64 {
+        match self {
+            Conversion::None => raw,
+            Conversion::Linear { add, factor } => add + factor * raw,
+            Conversion::Rational([a, b, c, d, e, f]) => ((a * raw + b) * raw + c) / ((d * raw + e) * raw + f),
+            Conversion::Table { pairs, between } => {
+                let after = pairs.partition_point(|(own, _)| *own < raw);
+                match (after.checked_sub(1).and_then(|before| pairs.get(before)), pairs.get(after)) {
+                    (Some(&(x0, y0)), Some(&(x1, y1))) => {
+                        let share = (raw - x0) / (x1 - x0);
+                        if *between {
+                            y0 + share * (y1 - y0)
+                        } else if share > 0.5 {
+                            y1
+                        } else {
+                            y0
+                        }
+                    }
+                    (Some(&(_, value)), None) | (None, Some(&(_, value))) => value,
+                    (None, None) => f64::NAN,
+                }
+            }
+            Conversion::Unsupported(_) => f64::NAN,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn channel(data_type: u8, bit_offset: u32, bits: u32, conversion: Conversion) -> Channel {
+        let (name, unit, kind, sync, flags) = ("x".to_owned(), None, 0, 0, MARKED);
+        let (byte_offset, mark, conversion_at) = (1, 3, 0);
+        Channel {
+            name,
+            unit,
+            kind,
+            sync,
+            data_type,
+            bit_offset,
+            byte_offset,
+            bits,
+            flags,
+            mark,
+            conversion,
+            conversion_at,
+        }
+    }
+
+    fn group(value_bytes: usize) -> Group {
+        Group { cycles: 2, value_bytes, mark_bytes: 1, ..Group::default() }
+    }
+
+    fn values(channel: &Channel, value_bytes: usize, records: &[u8]) -> Vec<f64> {
+        channel.check().unwrap();
+        channel.values(&group(value_bytes), records).unwrap()
+    }
+
+    #[test]
+    fn numbers_of_any_width_and_order_are_read() {
+        let of = |data_type, bit_offset, bits| channel(data_type, bit_offset, bits, Conversion::None);
+        assert_eq!(values(&of(0, 0, 8), 2, &[9, 200, 0, 9, 7, 0]), [200.0, 7.0]);
+        assert_eq!(values(&of(2, 0, 8), 2, &[9, 200, 0, 9, 7, 0]), [-56.0, 7.0]);
+        assert_eq!(values(&of(2, 4, 12), 3, &[9, 0xf0, 0xff, 0, 9, 0x10, 0x00, 0]), [-1.0, 1.0]);
+        assert_eq!(values(&of(1, 0, 16), 3, &[9, 1, 2, 0, 9, 2, 1, 0]), [258.0, 513.0]);
+        let single = [[9].as_slice(), &1.5_f32.to_be_bytes(), &[0], &[9], &(-2.0_f32).to_be_bytes(), &[0]].concat();
+        assert_eq!(values(&of(5, 0, 32), 5, &single), [1.5, -2.0]);
+    }
+
+    #[test]
+    fn what_is_marked_invalid_is_no_value() {
+        let read = values(&channel(0, 0, 8, Conversion::None), 2, &[9, 1, 0b1000, 9, 2, 0b0111]);
+        assert!(read[0].is_nan() && read[1..] == [2.0]);
+    }
+
+    #[test]
+    #[expect(clippy::float_cmp, reason = "sums of powers of two are exact")]
+    fn raw_values_are_converted() {
+        assert_eq!([4.0].map(|raw| Conversion::Linear { add: 1.0, factor: 0.5 }.of(raw)), [3.0]);
+        assert_eq!([3.0].map(|raw| Conversion::Rational([0.0, 2.0, 1.0, 0.0, 0.0, 4.0]).of(raw)), [1.75]);
+        let pairs = vec![(0.0, 0.0), (10.0, 1.0)];
+        let table = |between| Conversion::Table { pairs: pairs.clone(), between };
+        assert_eq!([-1.0, 2.5, 99.0].map(|raw| table(true).of(raw)), [0.0, 0.25, 1.0]);
+        assert_eq!([-1.0, 2.5, 99.0].map(|raw| table(false).of(raw)), [0.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn a_channel_outside_its_record_is_refused() {
+        let wide = channel(0, 0, 64, Conversion::None);
+        assert!(matches!(wide.values(&group(2), &[0; 6]), Err(Fault::Damaged(_))));
+        assert!(matches!(channel(0, 60, 8, Conversion::None).check(), Err(Fault::Unsupported(_))));
+        // Their sum is 4, when it is not looked at closely.
+        assert!(matches!(channel(0, 5, u32::MAX, Conversion::None).check(), Err(Fault::Unsupported(_))));
+        assert!(matches!(channel(6, 0, 8, Conversion::None).check(), Err(Fault::NotNumbers(_))));
+    }
+}

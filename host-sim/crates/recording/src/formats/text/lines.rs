@@ -1,0 +1,351 @@
+//! The lines of a text file, read with bounded memory, and their cells.
+//!
+//! The limits stand here: whatever is fed in, at most one line is held, and what is not a recording
+//! is refused at the first line that shows it.
+
+use std::io::{BufRead, BufReader, Read};
+use std::ops::Range;
+
+use crate::error::RecordingError;
+use crate::files::source_error::Place;
+
+/// Longest line, in bytes.
+pub const MAX_LINE_BYTES: usize = 1 << 20;
+/// Most columns of a recording.
+pub const MAX_COLUMNS: usize = 4096;
+/// Most rows of a recording.
+pub const MAX_ROWS: usize = 20_000_000;
+/// Most values of a recording's known columns, all together: 1.6 GB, and as much again while they are read.
+pub const MAX_VALUES: usize = 200_000_000;
+/// Most blank lines and comments.
+pub const MAX_SKIPPED_LINES: usize = 1_000_000;
+
+/// Most rows of a recording with so many known columns.
+pub(crate) fn most_rows(columns: usize) -> usize {
+    MAX_ROWS.min(MAX_VALUES / columns.max(1))
+}
+
+/// The lines of a file that are neither blank nor comments (`#`).
+#[derive(Debug)]
+pub(crate) struct Lines<R> {
+    file: String,
+    input: BufReader<R>,
+    bytes: Vec<u8>,
+    number: usize,
+    skipped: usize,
+    /// The first line that is Windows-1252 and not UTF-8.
+    western: Option<usize>,
+}
+
+/// One line, and where it stands.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Line<'a> {
+    file: &'a str,
+    number: usize,
+    pub(crate) text: &'a str,
+}
+
+impl Line<'_> {
+    pub(crate) fn place(self, span: Range<usize>) -> Place {
+        Place::in_line(self.file, self.number, self.text, span)
+    }
+
+    pub(crate) fn whole(self) -> Place {
+        self.place(0..self.text.len())
+    }
+
+    /// The place of one cell.
+    pub(crate) fn cell(self, separator: u8, index: usize) -> Place {
+        self.place(cell_span(self.text, separator, index))
+    }
+
+    pub(crate) fn number(self) -> usize {
+        self.number
+    }
+}
+
+impl<R: Read> Lines<R> {
+    pub(crate) fn new(file: &str, input: R) -> Self {
+        Self {
+            file: file.to_owned(),
+            input: BufReader::new(input),
+            bytes: Vec::new(),
+            number: 0,
+            skipped: 0,
+            western: None,
+        }
+    }
+
+    pub(crate) fn file(&self) -> Place {
+        Place::file(&self.file)
+    }
+
+    pub(crate) fn file_name(&self) -> &str {
+        &self.file
+    }
+
+    /// The first line that was read as Windows-1252, as Excel writes it in western Europe, because it is not UTF-8.
+    pub(crate) fn western(&self) -> Option<usize> {
+        self.western
+    }
+
+    /// The header: the first line with content, and what splits it and those after it into cells.
+    pub(crate) fn header(&mut self) -> Result<(Line<'_>, Splitter), RecordingError> {
+        let place = self.file();
+        let header = self.next()?.ok_or(RecordingError::Empty { place })?;
+        Ok((header, Splitter::new(detect_separator(header.text))))
+    }
+
+    /// The next line with content, without its end; `None` after the last one.
+    pub(crate) fn next(&mut self) -> Result<Option<Line<'_>>, RecordingError> {
+        loop {
+            self.bytes.clear();
+            let mut limited = (&mut self.input).take(MAX_LINE_BYTES as u64 + 1);
+            let read = limited.read_until(b'\n', &mut self.bytes);
+            let read = read.map_err(|source| RecordingError::Io { place: Place::file(&self.file), source })?;
+            if read == 0 {
+                return Ok(None);
+            }
+            self.number += 1;
+            if read > MAX_LINE_BYTES {
+                let place = Place::in_line(&self.file, self.number, "", 0..0);
+                return Err(RecordingError::LineTooLong { place, most_bytes: MAX_LINE_BYTES });
+            }
+            if self.number == 1 && self.bytes.starts_with("\u{feff}".as_bytes()) {
+                self.bytes.drain(..3);
+            }
+            let kept = self.bytes.trim_ascii_end().len();
+            // Trailing separators count as cells: tabs stay.
+            let kept = kept + self.bytes[kept..].iter().take_while(|&&byte| byte == b'\t' || byte == b' ').count();
+            self.bytes.truncate(kept);
+            let start = self.bytes.trim_ascii_start();
+            if !start.is_empty() && !start.starts_with(b"#") {
+                break;
+            }
+            self.skipped += 1;
+            if self.skipped > MAX_SKIPPED_LINES {
+                let place = Place::in_line(&self.file, self.number, "", 0..0);
+                return Err(RecordingError::TooManySkippedLines { place, most: MAX_SKIPPED_LINES });
+            }
+        }
+        // UTF-16 begins with a byte order mark, which is no text in Windows-1252 either.
+        let is_utf_16 = self.number == 1 && matches!(self.bytes.first(), Some(0xFE | 0xFF));
+        if str::from_utf8(&self.bytes).is_err()
+            && !is_utf_16
+            && let Some(text) = western(&self.bytes)
+        {
+            self.western.get_or_insert(self.number);
+            self.bytes = text.into_bytes();
+        }
+        let text = str::from_utf8(&self.bytes).map_err(|error| {
+            let (good, rest) = self.bytes.split_at(error.valid_up_to());
+            let good = String::from_utf8_lossy(good);
+            let place = Place::in_line(&self.file, self.number, &good, good.len()..good.len());
+            RecordingError::NotUtf8 { place, byte: rest.first().copied().unwrap_or_default() }
+        })?;
+        let line = Line { file: &self.file, number: self.number, text };
+        if let Some((at, character)) = text.char_indices().find(|&(_, c)| c.is_control() && c != '\t') {
+            let place = line.place(at..at + character.len_utf8());
+            return Err(RecordingError::ControlCharacter { place, character });
+        }
+        Ok(Some(line))
+    }
+}
+
+/// The text of a line in Windows-1252; `None` where it has control characters, or bytes that stand for nothing there, as noise and
+/// other files have.
+fn western(bytes: &[u8]) -> Option<String> {
+    let text = encoding_rs::WINDOWS_1252.decode_without_bom_handling(bytes).0;
+    let is_text = |character: char| !character.is_control() || character == '\t';
+    text.chars().all(is_text).then(|| text.into_owned())
+}
+
+/// Splits lines into cells.
+#[derive(Debug)]
+pub(crate) struct Splitter {
+    core: csv_core::Reader,
+    separator: u8,
+    text: Vec<u8>,
+    ends: Vec<usize>,
+}
+
+impl Splitter {
+    fn new(separator: u8) -> Self {
+        let core = csv_core::ReaderBuilder::new().delimiter(separator).build();
+        Self { core, separator, text: Vec::new(), ends: vec![0; MAX_COLUMNS] }
+    }
+
+    pub(crate) fn separator(&self) -> u8 {
+        self.separator
+    }
+
+    /// The cells of a line.
+    pub(crate) fn split(&mut self, line: Line<'_>) -> Result<Cells<'_>, RecordingError> {
+        use csv_core::ReadRecordResult as Outcome;
+        self.core.reset();
+        self.text.resize(line.text.len() + 1, 0);
+        let (outcome, _, text_end, count) = self.core.read_record(line.text.as_bytes(), &mut self.text, &mut self.ends);
+        // The end of the line, as an end of input.
+        let (outcome, text_more, count) = match outcome {
+            Outcome::InputEmpty => {
+                if open_quote(line.text, self.separator) {
+                    return Err(RecordingError::OpenQuote { place: line.whole() });
+                }
+                let (outcome, _, more, ended) =
+                    self.core.read_record(&[], &mut self.text[text_end..], &mut self.ends[count..]);
+                (outcome, more, count + ended)
+            }
+            other => (other, 0, count),
+        };
+        match outcome {
+            Outcome::Record | Outcome::End => {}
+            Outcome::OutputEndsFull | Outcome::OutputFull | Outcome::InputEmpty => {
+                return Err(RecordingError::TooManyColumns { place: line.whole(), most: MAX_COLUMNS });
+            }
+        }
+        let text = str::from_utf8(&self.text[..text_end + text_more])
+            .expect("valid UTF-8 split at ASCII characters is valid UTF-8");
+        Ok(Cells { text, ends: &self.ends[..count] })
+    }
+}
+
+/// The cells of one line.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cells<'a> {
+    text: &'a str,
+    ends: &'a [usize],
+}
+
+impl<'a> Cells<'a> {
+    pub(crate) fn len(self) -> usize {
+        self.ends.len()
+    }
+
+    /// A cell without surrounding blanks; the empty text past the last one.
+    pub(crate) fn get(self, index: usize) -> &'a str {
+        let start = index.checked_sub(1).map_or(Some(0), |before| self.ends.get(before).copied());
+        match (start, self.ends.get(index)) {
+            (Some(start), Some(&end)) => self.text[start..end].trim(),
+            _ => "",
+        }
+    }
+
+    pub(crate) fn iter(self) -> impl Iterator<Item = &'a str> {
+        (0..self.len()).map(move |index| self.get(index))
+    }
+}
+
+/// A decimal number; `decimal_comma` lets a single comma stand for the point.
+pub(crate) fn parse_number(text: &str, decimal_comma: bool) -> Option<f64> {
+    if decimal_comma && text.contains(',') {
+        if text.contains('.') || text.matches(',').count() > 1 {
+            return None;
+        }
+        return text.replacen(',', ".", 1).parse().ok();
+    }
+    text.parse().ok()
+}
+
+/// The separator of a header row: the first tab, semicolon or comma outside quotes and brackets.
+fn detect_separator(header: &str) -> u8 {
+    let mut quoted = false;
+    let mut depth = 0_u32;
+    for byte in header.bytes() {
+        match byte {
+            b'"' => quoted = !quoted,
+            b'[' if !quoted => depth += 1,
+            b']' if !quoted => depth = depth.saturating_sub(1),
+            b'\t' | b';' | b',' if !quoted && depth == 0 => return byte,
+            _ => {}
+        }
+    }
+    b','
+}
+
+/// The bytes of one cell in its line, quotes included.
+fn cell_span(line: &str, separator: u8, index: usize) -> Range<usize> {
+    let mut quoted = false;
+    let mut cell = 0;
+    let mut start = 0;
+    for (at, byte) in line.bytes().enumerate() {
+        match byte {
+            b'"' => quoted = !quoted,
+            _ if byte == separator && !quoted => {
+                if cell == index {
+                    return start..at;
+                }
+                cell += 1;
+                start = at + 1;
+            }
+            _ => {}
+        }
+    }
+    start..line.len()
+}
+
+/// Whether a cell that begins with a quotation mark does not end with one.
+fn open_quote(line: &str, separator: u8) -> bool {
+    let mut quoted = false;
+    let mut cell_start = true;
+    for byte in line.bytes() {
+        match byte {
+            b'"' if quoted || cell_start => quoted = !quoted,
+            _ => {}
+        }
+        cell_start = byte == separator && !quoted;
+    }
+    quoted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cells(text: &str, separator: u8) -> Vec<String> {
+        let line = Line { file: "f", number: 1, text };
+        Splitter::new(separator).split(line).unwrap().iter().map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn lines_split_into_cells() {
+        assert_eq!(cells("a, b ,c", b','), ["a", "b", "c"]);
+        assert_eq!(cells("a;;", b';'), ["a", "", ""]);
+        assert_eq!(cells("\"x, \"\"y\"\"\",2", b','), ["x, \"y\"", "2"]);
+        assert_eq!(cells("°C\tµ", b'\t'), ["°C", "µ"]);
+    }
+
+    #[test]
+    fn the_separator_is_the_first_one_outside_brackets() {
+        assert_eq!(detect_separator("time [s],a;b"), b',');
+        assert_eq!(detect_separator("\"t, rel [s]\";a"), b';');
+        assert_eq!(detect_separator("time [s]\ta"), b'\t');
+        assert_eq!(detect_separator("time [s]"), b',');
+    }
+
+    #[test]
+    fn a_comma_is_a_decimal_point_only_when_it_cannot_be_a_separator() {
+        assert_eq!(parse_number("-0,5", true), Some(-0.5));
+        assert_eq!(parse_number("1.234,5", true), None);
+        assert_eq!(parse_number("1,234,5", true), None);
+        assert_eq!(parse_number("0,5", false), None);
+    }
+
+    #[test]
+    fn a_quotation_mark_left_open_is_an_error_on_its_line() {
+        let line = Line { file: "f", number: 3, text: "1,\"2" };
+        let error = Splitter::new(b',').split(line).unwrap_err();
+        assert!(matches!(error, RecordingError::OpenQuote { .. }), "{error}");
+    }
+
+    #[test]
+    fn place_of_a_cell() {
+        assert_eq!(cell_span("a,\"b,c\",d", b',', 1), 2..7);
+        assert_eq!(cell_span("a,b", b',', 1), 2..3);
+        assert_eq!(cell_span("a,b", b',', 9), 2..3);
+    }
+
+    #[test]
+    fn many_columns_leave_room_for_fewer_rows() {
+        assert_eq!((most_rows(0), most_rows(10), most_rows(20)), (MAX_ROWS, MAX_ROWS, MAX_ROWS / 2));
+    }
+}

@@ -1,0 +1,5 @@
+//! TODO.
+
+pub(crate) mod csv;
+pub(crate) mod lines;
+mod twincat;

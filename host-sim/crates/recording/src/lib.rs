@@ -1,0 +1,27 @@
+//! TODO.
+
+pub mod channel_map;
+pub mod display_unit;
+mod error;
+pub mod excitation;
+pub mod files;
+pub mod formats;
+mod header;
+pub mod recording;
+pub mod seeded_noise;
+mod signal;
+mod static_table;
+mod unit;
+mod unit_in_name;
+
+pub use channel_map::{ChannelMap, MapError, Mapping, Scale};
+pub use error::RecordingError;
+pub use formats::chunks::{PART_ROWS, Part, Parts};
+pub use formats::format::{Format, MAX_BINARY_BYTES, MAX_UNPACKED_BYTES, in_parts, read, read_from, read_through};
+pub use formats::text::lines::{MAX_COLUMNS, MAX_LINE_BYTES, MAX_ROWS, MAX_SKIPPED_LINES, MAX_VALUES};
+pub use formats::unsupported::Unsupported;
+pub use formats::write::Series;
+pub use recording::{At, Column, Note, Recording};
+pub use signal::Signal;
+pub use static_table::Table;
+pub use unit::{Dimension, Unit};

@@ -1,0 +1,344 @@
+//! Recordings of a drive: reading, holding and writing.
+//!
+//! A recording is a table: the first column is time, each further one a [`Signal`]. Inside the
+//! program every value is in SI units (pump speed in rev/s, temperature in °C, a current command in
+//! mA); header and unit of each column are kept, so that a result goes out as the recording came in.
+
+#![cfg_attr(
+    not(all(feature = "mat", feature = "mdf4", feature = "parquet")),
+    allow(dead_code, reason = "what the formats share is not all used without one of them")
+)]
+
+use std::fmt;
+use std::path::Path;
+
+use crate::error::RecordingError;
+use crate::files::source_error::{Place, counted, engineering, rounded};
+use crate::signal::Signal;
+use crate::unit::Unit;
+
+/// One known column of a recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// The header as in the file, with its unit: `Kolbenweg [mm]`.
+    pub header: String,
+    /// What it holds.
+    pub signal: Signal,
+    /// The unit that the file uses.
+    pub unit: Unit,
+    /// The values in SI units, one for each row.
+    pub values: Vec<f64>,
+}
+
+impl Column {
+    /// A column under the signal's own name and in its SI unit.
+    #[must_use]
+    pub fn si(signal: Signal, values: Vec<f64>) -> Self {
+        let unit = signal.si_unit();
+        Self { header: format!("{signal} [{unit}]"), signal, unit, values }
+    }
+}
+
+/// Where a row stands in its file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum At {
+    /// In this line of a text, from 1.
+    Line(usize),
+    /// In this row of a file without lines, from 1.
+    Row(usize),
+}
+
+impl fmt::Display for At {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            At::Line(line) => write!(f, "line {line}"),
+            At::Row(row) => write!(f, "row {row}"),
+        }
+    }
+}
+
+/// Something about a recording that was put right, or that a user should know.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Note {
+    /// Rows with the time of the row before were left out.
+    DuplicateTimes {
+        /// How many.
+        rows: usize,
+        /// Where the first one is.
+        first: At,
+    },
+    /// Rows with an empty cell in a known column were left out.
+    IncompleteRows {
+        /// How many.
+        rows: usize,
+        /// Where the first one is.
+        first: At,
+    },
+    /// There are intervals of more than ten usual ones without rows.
+    Gaps {
+        /// How many.
+        count: usize,
+        /// Length of the longest one, s.
+        longest_s: f64,
+        /// Time of the last row before the longest one, s.
+        at_s: f64,
+    },
+    /// The machine file maps this signal to a column that the recording does not have.
+    MappedColumnAbsent {
+        /// The signal.
+        signal: Signal,
+        /// The header that is not there.
+        header: String,
+    },
+    /// The text is not UTF-8 and was read as Windows-1252.
+    ReadAsWindows1252 {
+        /// Where the first such line is.
+        first: At,
+    },
+    /// Signals with times of their own were interpolated to the times of the first one.
+    Resampled {
+        /// The signals.
+        signals: Vec<Signal>,
+        /// Rows of the first signal that were left out because another signal has no data there.
+        rows_left_out: usize,
+    },
+}
+
+impl fmt::Display for Note {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Note::DuplicateTimes { rows: 1, first } => {
+                write!(f, "1 row repeats the time before it and is left out, in {first}")
+            }
+            Note::DuplicateTimes { rows, first } => {
+                write!(f, "{rows} rows repeat the time before them and are left out, the first in {first}")
+            }
+            Note::IncompleteRows { rows: 1, first } => {
+                write!(f, "1 row has an empty cell and is left out, in {first}")
+            }
+            Note::IncompleteRows { rows, first } => {
+                write!(f, "{rows} rows have an empty cell and are left out, the first in {first}")
+            }
+            Note::Gaps { count, longest_s, at_s } => {
+                let which = if *count == 1 { "" } else { "the longest " };
+                let (longest, at) = (engineering(rounded(*longest_s)), engineering(*at_s));
+                write!(f, "{} in time, {which}of {longest} s at {at} s", counted(*count, "gap"))
+            }
+            Note::MappedColumnAbsent { signal, header } => write!(f, "no column `{header}` for {signal}"),
+            Note::ReadAsWindows1252 { first } => {
+                write!(f, "not UTF-8 from {first} on: read as Windows-1252, as Excel writes it")
+            }
+            Note::Resampled { signals, rows_left_out } => {
+                let names: Vec<_> = signals.iter().map(|signal| signal.name()).collect();
+                write!(f, "{} interpolated to the times of the first channel", names.join(", "))?;
+                let are = if *rows_left_out == 1 { "is" } else { "are" };
+                write!(f, "; {} outside the common time {are} left out", counted(*rows_left_out, "row"))
+            }
+        }
+    }
+}
+
+/// A recording: rising times, and signals at these times.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recording {
+    /// The file as the user named it.
+    pub(crate) path: String,
+    /// Time first; all of one length.
+    pub(crate) columns: Vec<Column>,
+    pub(crate) ignored: Vec<String>,
+    pub(crate) notes: Vec<Note>,
+    pub(crate) left_out: LeftOut,
+}
+
+/// Rows of the file that are not among the values, kept to be written back.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct LeftOut {
+    /// For each, how many kept rows stand before it.
+    pub(crate) after: Vec<usize>,
+    /// For each, the cells of the known columns in SI units; what is blank or cannot be read is `None`.
+    pub(crate) cells: Vec<Option<f64>>,
+}
+
+impl Recording {
+    /// A recording made in the program, such as the input of a simulation.
+    ///
+    /// The first column is time; times rise, every value is finite, every column is as long as the
+    /// first and holds another signal, and there are at least two rows. Anything else is an error.
+    pub fn new(name: &str, columns: Vec<Column>) -> Result<Self, RecordingError> {
+        let place = || Place::file(name);
+        let rows = match columns.first() {
+            Some(first) if first.signal == Signal::Time => first.values.len(),
+            other => {
+                let header = other.map_or_else(String::new, |column| column.header.clone());
+                return Err(RecordingError::NoTimeColumn { place: place(), header });
+            }
+        };
+        if rows < 2 {
+            return Err(RecordingError::TooFewRows { place: place(), rows, skipped: 0 });
+        }
+        for (index, column) in columns.iter().enumerate() {
+            let header = column.header.clone();
+            let found = column.values.len();
+            if found != rows {
+                return Err(RecordingError::LengthMismatch { place: place(), header, found, expected: rows });
+            }
+            if let Some(value) = column.values.iter().find(|value| !value.is_finite()) {
+                return Err(RecordingError::NotFinite { place: place(), header, found: value.to_string() });
+            }
+            if let Some(first) = columns[..index].iter().find(|before| before.signal == column.signal) {
+                let (signal, first) = (column.signal, first.header.clone());
+                return Err(RecordingError::DuplicateColumn { place: place(), signal, first, second: header });
+            }
+        }
+        if let Some(pair) = columns[0].values.windows(2).find(|pair| pair[1] <= pair[0]) {
+            return Err(RecordingError::TimeBackwards { place: place(), previous_s: pair[0], found_s: pair[1] });
+        }
+        Ok(Self::assemble(name, columns, Vec::new(), Vec::new()))
+    }
+
+    /// A recording of columns that are known to be right.
+    pub(crate) fn assemble(path: &str, columns: Vec<Column>, ignored: Vec<String>, mut notes: Vec<Note>) -> Self {
+        notes.extend(gaps(&columns[0].values));
+        Self { path: path.to_owned(), columns, ignored, notes, left_out: LeftOut::default() }
+    }
+
+    /// This recording as though the signals that `kept` refuses had not been measured; their cells are not written back either.
+    #[must_use]
+    pub fn limited_to(&self, kept: impl Fn(Signal) -> bool) -> Self {
+        let stays: Vec<bool> =
+            self.columns.iter().map(|column| column.signal == Signal::Time || kept(column.signal)).collect();
+        let of = |index: usize| stays[index % stays.len()];
+        let mut limited = self.clone();
+        let mut index = 0..;
+        limited.columns.retain(|_| index.next().is_some_and(of));
+        let mut index = 0..;
+        limited.left_out.cells.retain(|_| index.next().is_some_and(of));
+        let set_aside =
+            self.columns.iter().zip(&stays).filter(|(_, stays)| !**stays).map(|(column, _)| column.header.clone());
+        limited.ignored.extend(set_aside);
+        limited
+    }
+
+    /// The first rows of it, as many as it has at most and two at least. Rows that reading left out are not written back.
+    #[must_use]
+    pub fn first(&self, rows: usize) -> Self {
+        let mut columns = self.columns.clone();
+        for column in &mut columns {
+            column.values.truncate(rows.max(2));
+        }
+        Self { columns, left_out: LeftOut::default(), ..self.clone() }
+    }
+
+    /// Puts other values in the place of a signal's, as many of them.
+    pub fn replace(&mut self, signal: Signal, values: &[f64]) {
+        if let Some(column) = self.columns.iter_mut().find(|column| column.signal == signal) {
+            column.values.copy_from_slice(values);
+        }
+    }
+
+    /// The file's name without its folder.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        Path::new(&self.path).file_name().and_then(|name| name.to_str()).unwrap_or(&self.path)
+    }
+
+    /// The file as the user named it.
+    #[must_use]
+    pub fn path(&self) -> &str {
+        &self.path
+    }
+
+    /// The times, s, as recorded: they rise and start anywhere.
+    #[must_use]
+    pub fn time_s(&self) -> &[f64] {
+        &self.columns[0].values
+    }
+
+    /// The known columns in the order of the file; time is the first.
+    #[must_use]
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+
+    /// The values of a signal in SI units, one for each row, where the recording has it.
+    #[must_use]
+    pub fn signal(&self, signal: Signal) -> Option<&[f64]> {
+        self.column(signal).map(|column| column.values.as_slice())
+    }
+
+    /// The column of a signal, with header and unit.
+    #[must_use]
+    pub fn column(&self, signal: Signal) -> Option<&Column> {
+        self.columns.iter().find(|column| column.signal == signal)
+    }
+
+    /// Whether the recording has this signal.
+    #[must_use]
+    pub fn has(&self, signal: Signal) -> bool {
+        self.column(signal).is_some()
+    }
+
+    /// The number of rows, at least two.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.time_s().len()
+    }
+
+    /// The median of the intervals between rows, s.
+    #[must_use]
+    pub fn sample_interval_s(&self) -> f64 {
+        median_interval(self.time_s())
+    }
+
+    /// The headers of columns that hold no known signal. Their cells are not kept.
+    #[must_use]
+    pub fn ignored(&self) -> &[String] {
+        &self.ignored
+    }
+
+    /// What was put right while reading, and what a user should know.
+    #[must_use]
+    pub fn notes(&self) -> &[Note] {
+        &self.notes
+    }
+
+    /// The values of a signal that is needed, in SI units.
+    pub fn require(&self, signal: Signal) -> Result<&[f64], RecordingError> {
+        self.signal(signal).ok_or_else(|| RecordingError::MissingSignal {
+            place: Place::file(&self.path),
+            signal,
+            present: self.columns.iter().map(|column| column.signal.name()).collect(),
+        })
+    }
+
+    /// Checks that a signal is there and changes; one that does not cannot be judged.
+    pub fn check_varies(&self, signal: Signal) -> Result<(), RecordingError> {
+        let values = self.require(signal)?;
+        if values.windows(2).any(|pair| pair[0].to_bits() != pair[1].to_bits()) {
+            return Ok(());
+        }
+        let value = values.first().copied().unwrap_or_default();
+        Err(RecordingError::ConstantSignal { place: Place::file(&self.path), signal, value })
+    }
+}
+
+/// What is to be noted of intervals that are longer than usual.
+pub(crate) fn gaps(time_s: &[f64]) -> Option<Note> {
+    let usual = median_interval(time_s);
+    let gaps = time_s.windows(2).filter(|pair| pair[1] - pair[0] > 10.0 * usual);
+    let longest = gaps.clone().max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))?;
+    Some(Note::Gaps { count: gaps.count(), longest_s: longest[1] - longest[0], at_s: longest[0] })
+}
+
+/// The median difference of neighbours; NaN without any.
+fn median_interval(time_s: &[f64]) -> f64 {
+    let mut intervals: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let middle = intervals.len() / 2;
+    if intervals.is_empty() {
+        return f64::NAN;
+    }
+    *intervals.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests;

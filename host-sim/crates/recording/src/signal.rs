@@ -1,0 +1,119 @@
+//! The signals that a recording may hold.
+
+use std::fmt;
+
+use crate::unit::{Dimension, Unit};
+
+macro_rules! signals {
+    ($($variant:ident $name:literal [$($dimension:ident)+] $meaning:literal;)*) => {
+        /// A measured or commanded quantity of a drive.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum Signal { $(#[doc = $meaning] $variant,)* }
+
+        impl Signal {
+            /// Every signal, in the order in which people list them.
+            pub const ALL: &'static [Signal] = &[$(Signal::$variant,)*];
+
+            /// The name that stands in a recording's header.
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                match self { $(Signal::$variant => $name,)* }
+            }
+
+            /// What its unit must measure; where there are several, the first is usual.
+            #[must_use]
+            pub const fn dimensions(self) -> &'static [Dimension] {
+                match self { $(Signal::$variant => &[$(Dimension::$dimension,)+],)* }
+            }
+        }
+    };
+}
+
+signals! {
+    Time "time" [Time] "Time, s; starts anywhere.";
+    Command "command" [Voltage Current] "Command to the valve, V or mA; positive extends.";
+    Spool "spool" [Ratio] "Slider position as a part of full travel, 1; positive extends.";
+    Flow "flow" [Flow] "Flow into chamber A, m³/s; positive extends.";
+    PumpSpeed "pump_speed" [Rotation] "Speed of the pump, rev/s.";
+    ValveDirection "valve_direction" [Ratio] "Directional valve: 1 leads the pump to A, -1 to B, 0 is closed.";
+    PressureA "pressure_a" [Pressure] "Pressure in chamber A, Pa; it extends.";
+    PressureB "pressure_b" [Pressure] "Pressure in chamber B, Pa; it retracts.";
+    SupplyPressure "supply_pressure" [Pressure] "Supply pressure at the valve, Pa.";
+    TankPressure "tank_pressure" [Pressure] "Pressure of the return line, Pa.";
+    LoadForce "load_force" [Force] "External force on the rod, N; positive extends.";
+    Force "force" [Force] "Force measured at the rod, N; positive extends.";
+    Position "position" [Length] "Position of the rod, m; 0 is fully in, positive is out.";
+    Velocity "velocity" [Speed] "Velocity of the rod, m/s; positive extends.";
+    Angle "angle" [Angle] "Angle of the joint, rad.";
+    OilTemperature "oil_temperature" [Temperature] "Temperature of the oil, °C.";
+    Reference "reference" [Length Angle] "Set value of the position control, m (or rad of the joint).";
+}
+
+impl Signal {
+    /// The signal of this name.
+    #[must_use]
+    pub fn parse(name: &str) -> Option<Self> {
+        Self::ALL.iter().find(|signal| signal.name() == name).copied()
+    }
+
+    /// Its usual unit inside the program.
+    #[must_use]
+    pub fn si_unit(self) -> Unit {
+        Unit::si(self.dimensions()[0])
+    }
+
+    /// Whether a header may leave the unit out: only pure numbers may.
+    #[must_use]
+    pub fn is_dimensionless(self) -> bool {
+        self.dimensions() == [Dimension::Ratio]
+    }
+
+    /// The known units it may stand in, for messages: `V mV mA`.
+    #[must_use]
+    pub fn units(self) -> String {
+        let symbols: Vec<_> = self.dimensions().iter().flat_map(|&d| Unit::of(d)).map(Unit::symbol).collect();
+        symbols.join(" ")
+    }
+}
+
+impl fmt::Display for Signal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A column header, taken apart: `Kolbenweg [mm]` is the name `Kolbenweg` with the unit `mm`.
+///
+/// The unit is the last pair of brackets, where the header ends with it.
+#[must_use]
+pub(crate) fn split_header(header: &str) -> (&str, Option<&str>) {
+    let header = header.trim();
+    match header.strip_suffix(']').and_then(|rest| rest.rsplit_once('[')) {
+        Some((name, unit)) if !unit.trim().is_empty() => (name.trim(), Some(unit.trim())),
+        Some((name, _)) => (name.trim(), None),
+        None => (header, None),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_signal_is_found_by_its_name_and_has_an_si_unit() {
+        for &signal in Signal::ALL {
+            assert_eq!(Signal::parse(signal.name()), Some(signal));
+            assert_eq!(signal.si_unit().dimension(), signal.dimensions()[0]);
+        }
+        assert_eq!(Signal::PumpSpeed.si_unit().symbol(), "rev/s");
+        assert_eq!(Signal::Command.units(), "V mV mA");
+    }
+
+    #[test]
+    fn a_header_is_a_name_and_a_unit_in_brackets() {
+        assert_eq!(split_header(" Kolbenweg [mm] "), ("Kolbenweg", Some("mm")));
+        assert_eq!(split_header("a[1].p [bar]"), ("a[1].p", Some("bar")));
+        assert_eq!(split_header("valve_direction"), ("valve_direction", None));
+        assert_eq!(split_header("position []"), ("position", None));
+    }
+}

@@ -1,0 +1,239 @@
+//! Units of measure of recorded signals, and their way to SI and back.
+
+use std::fmt;
+
+/// What a unit measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Dimension {
+    /// Time, s.
+    Time,
+    /// Voltage, V.
+    Voltage,
+    /// Current of a current-driven valve, mA; it is not converted to volts.
+    Current,
+    /// A pure number, 1.
+    Ratio,
+    /// Length, m.
+    Length,
+    /// Angle, rad.
+    Angle,
+    /// Speed, m/s.
+    Speed,
+    /// Turns per time, rev/s.
+    Rotation,
+    /// Pressure, Pa.
+    Pressure,
+    /// Force, N.
+    Force,
+    /// Volume flow, m³/s.
+    Flow,
+    /// Temperature, °C.
+    Temperature,
+    /// Volume, m³; of data sheets, no signal.
+    Volume,
+    /// Mass, kg; of data sheets, no signal.
+    Mass,
+    /// Oil per turn of a pump, m³/rev; of data sheets, no signal.
+    Displacement,
+}
+
+/// A unit of measure: `si = value · multiply / divide + add`.
+///
+/// Factors are split in two so that every conversion by a power of ten is correctly rounded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unit {
+    symbol: &'static str,
+    dimension: Dimension,
+    multiply: f64,
+    divide: f64,
+    add: f64,
+}
+
+const fn unit(symbol: &'static str, dimension: Dimension, multiply: f64, divide: f64, add: f64) -> Unit {
+    Unit { symbol, dimension, multiply, divide, add }
+}
+
+/// Added to any number, -0.0 among them, it changes nothing; +0.0 would turn -0.0 into 0.0.
+const NO_OFFSET: f64 = -0.0;
+
+const PSI_PA: f64 = 6_894.757_293_168_361;
+
+/// Every known unit; the first of a dimension is the one used inside the program.
+const UNITS: &[Unit] = &[
+    unit("s", Dimension::Time, 1.0, 1.0, NO_OFFSET),
+    unit("ms", Dimension::Time, 1.0, 1e3, NO_OFFSET),
+    unit("µs", Dimension::Time, 1.0, 1e6, NO_OFFSET),
+    unit("V", Dimension::Voltage, 1.0, 1.0, NO_OFFSET),
+    unit("mV", Dimension::Voltage, 1.0, 1e3, NO_OFFSET),
+    unit("mA", Dimension::Current, 1.0, 1.0, NO_OFFSET),
+    unit("1", Dimension::Ratio, 1.0, 1.0, NO_OFFSET),
+    unit("%", Dimension::Ratio, 1.0, 1e2, NO_OFFSET),
+    unit("m", Dimension::Length, 1.0, 1.0, NO_OFFSET),
+    unit("mm", Dimension::Length, 1.0, 1e3, NO_OFFSET),
+    unit("rad", Dimension::Angle, 1.0, 1.0, NO_OFFSET),
+    unit("deg", Dimension::Angle, std::f64::consts::PI, 180.0, NO_OFFSET),
+    unit("m/s", Dimension::Speed, 1.0, 1.0, NO_OFFSET),
+    unit("mm/s", Dimension::Speed, 1.0, 1e3, NO_OFFSET),
+    unit("rev/s", Dimension::Rotation, 1.0, 1.0, NO_OFFSET),
+    unit("rpm", Dimension::Rotation, 1.0, 60.0, NO_OFFSET),
+    unit("rad/s", Dimension::Rotation, 1.0, std::f64::consts::TAU, NO_OFFSET),
+    unit("Pa", Dimension::Pressure, 1.0, 1.0, NO_OFFSET),
+    unit("kPa", Dimension::Pressure, 1e3, 1.0, NO_OFFSET),
+    unit("MPa", Dimension::Pressure, 1e6, 1.0, NO_OFFSET),
+    unit("bar", Dimension::Pressure, 1e5, 1.0, NO_OFFSET),
+    unit("psi", Dimension::Pressure, PSI_PA, 1.0, NO_OFFSET),
+    unit("N", Dimension::Force, 1.0, 1.0, NO_OFFSET),
+    unit("kN", Dimension::Force, 1e3, 1.0, NO_OFFSET),
+    unit("m3/s", Dimension::Flow, 1.0, 1.0, NO_OFFSET),
+    unit("l/min", Dimension::Flow, 1.0, 6e4, NO_OFFSET),
+    unit("°C", Dimension::Temperature, 1.0, 1.0, NO_OFFSET),
+    unit("K", Dimension::Temperature, 1.0, 1.0, -273.15),
+    unit("m3", Dimension::Volume, 1.0, 1.0, NO_OFFSET),
+    unit("l", Dimension::Volume, 1.0, 1e3, NO_OFFSET),
+    unit("cm3", Dimension::Volume, 1.0, 1e6, NO_OFFSET),
+    unit("kg", Dimension::Mass, 1.0, 1.0, NO_OFFSET),
+    unit("t", Dimension::Mass, 1e3, 1.0, NO_OFFSET),
+    unit("m3/rev", Dimension::Displacement, 1.0, 1.0, NO_OFFSET),
+    unit("cm3/rev", Dimension::Displacement, 1.0, 1e6, NO_OFFSET),
+];
+
+impl Unit {
+    /// The unit with this symbol, if it is a known one.
+    ///
+    /// Besides the symbols of the file format it takes other ways to write the same character:
+    /// both Unicode micro signs and `us`, `m³/s`, and `-` for a pure number.
+    #[must_use]
+    pub fn parse(symbol: &str) -> Option<Self> {
+        let plain = match symbol.trim() {
+            "us" | "μs" => "µs",
+            "m³/s" => "m3/s",
+            "-" => "1",
+            other => other,
+        };
+        UNITS.iter().find(|unit| unit.symbol == plain).copied()
+    }
+
+    /// The unit of a dimension that the program computes in.
+    #[must_use]
+    #[expect(clippy::missing_panics_doc, reason = "the table has a unit for every dimension")]
+    pub fn si(dimension: Dimension) -> Self {
+        *UNITS.iter().find(|unit| unit.dimension == dimension).expect("the table has a unit for every dimension")
+    }
+
+    /// The readings of a sensor that measures something else: they become values of `dimension` by (reading − zero)/full.
+    pub(crate) fn of_sensor(readings_in: Option<Self>, dimension: Dimension, zero: f64, full: f64) -> Self {
+        let symbol = readings_in.map_or("reading", Self::symbol);
+        Self { symbol, dimension, multiply: 1.0, divide: full, add: -zero / full }
+    }
+
+    /// Every known unit.
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
+        UNITS.iter().copied()
+    }
+
+    /// Every known unit of a dimension, SI first.
+    pub fn of(dimension: Dimension) -> impl Iterator<Item = Self> {
+        UNITS.iter().filter(move |unit| unit.dimension == dimension).copied()
+    }
+
+    /// The symbol as it stands in a header.
+    #[must_use]
+    pub fn symbol(self) -> &'static str {
+        self.symbol
+    }
+
+    /// What it measures.
+    #[must_use]
+    pub fn dimension(self) -> Dimension {
+        self.dimension
+    }
+
+    /// A value in this unit, turned to SI.
+    #[must_use]
+    pub fn to_si(self, value: f64) -> f64 {
+        value * self.multiply / self.divide + self.add
+    }
+
+    /// An SI value, turned to this unit.
+    #[must_use]
+    pub fn from_si(self, si: f64) -> f64 {
+        (si - self.add) * self.divide / self.multiply
+    }
+
+    /// The decimal text of an SI value in this unit.
+    ///
+    /// An SI unit gives the shortest text that reads back to the same bits; other units give 15
+    /// significant digits, which takes the rounding of the conversion out of sight.
+    #[must_use]
+    pub fn print(self, si: f64) -> String {
+        if self == Self::si(self.dimension) {
+            return shortest(si);
+        }
+        let value = self.from_si(si);
+        // A sensor's zero reading has no sign of its own.
+        let value = if value == 0.0 && si != 0.0 { 0.0 } else { value };
+        shortest(format!("{value:.14e}").parse().unwrap_or(value))
+    }
+}
+
+/// Shortest text that reads back to the same bits; powers of ten only where zeros would be many.
+fn shortest(value: f64) -> String {
+    format!("{value:?}").trim_end_matches(".0").to_owned()
+}
+
+impl fmt::Display for Unit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.symbol)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn si(symbol: &str, value: f64) -> f64 {
+        Unit::parse(symbol).unwrap().to_si(value)
+    }
+
+    #[test]
+    #[expect(clippy::float_cmp, reason = "conversions by powers of ten are correctly rounded")]
+    fn every_unit_converts_as_a_table_of_units_says() {
+        assert_eq!(si("bar", 70.0), 7.0e6);
+        assert_eq!(si("MPa", 7.0), 7.0e6);
+        assert_eq!(si("kPa", 7.0), 7.0e3);
+        assert_eq!(si("mm", 0.1), 1e-4);
+        assert_eq!(si("ms", 1.0), 1e-3);
+        assert_eq!(si("us", 3.0), 3e-6);
+        assert_eq!(si("mV", 4000.0), 4.0);
+        assert_eq!(si("mA", 12.0), 12.0);
+        assert_eq!(si("%", 50.0), 0.5);
+        assert_eq!(si("rpm", 1500.0), 25.0);
+        assert_eq!(si("l/min", 60.0), 1e-3);
+        assert_eq!(si("kN", 2.0), 2e3);
+        assert_eq!(si("mm/s", 250.0), 0.25);
+        assert_eq!(si("deg", 180.0), std::f64::consts::PI);
+        assert_eq!(si("rad/s", std::f64::consts::TAU), 1.0);
+        assert_eq!(si("K", 300.0), 300.0 - 273.15);
+        assert!((si("psi", 14.503_773_773) - 1e5).abs() < 1e-4);
+    }
+
+    #[test]
+    fn what_was_typed_in_any_unit_is_printed_again() {
+        for unit in UNITS {
+            for typed in ["0.1", "123.456", "-7.25", "0.000123", "5.1250"] {
+                let value: f64 = typed.parse().unwrap();
+                let printed: f64 = unit.print(unit.to_si(value)).parse().unwrap();
+                // The sum of a temperature costs an absolute, not a relative rounding.
+                assert!((printed - value).abs() <= 1e-13, "{typed} {unit}: {printed}");
+            }
+        }
+        assert_eq!(Unit::parse("mm").unwrap().print(1e-4), "0.1");
+    }
+
+    #[test]
+    fn unknown_symbols_are_not_guessed() {
+        for symbol in ["", "MM", "Bar", "mbar", "V ]", "inch"] {
+            assert_eq!(Unit::parse(symbol), None, "{symbol}");
+        }
+    }
+}

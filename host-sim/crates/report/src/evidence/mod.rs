@@ -1,0 +1,81 @@
+//! What a report shows beside the diagnosis itself, all as data: where the error went, what is left, what was prepared, and what
+//! would make sure. Pictures are computed only where a page asks for them.
+
+mod effect_picture;
+pub(crate) mod preprocessing;
+mod state_map;
+mod timeline;
+pub(crate) mod waterfall;
+pub(crate) mod whiteness;
+
+use effect_picture::{Picture, pictures};
+use preprocessing::{Found, found};
+use state_map::state_maps;
+use timeline::timeline;
+use waterfall::Waterfall;
+use whiteness::{Whiteness, whiteness};
+
+use diagnosis::{Diagnosis, Finding};
+use experiment::discriminate::{Separation, separations};
+use machine_file::MachineFile;
+use model_core::machine::MachineError;
+use recording::Recording;
+
+use crate::plot::{Cells, Rows};
+
+/// Everything that is shown beside a diagnosis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Exhibits {
+    /// Where the error went.
+    pub waterfall: Waterfall,
+    /// Whether what is left is white, each signal.
+    pub whiteness: Vec<Whiteness>,
+    /// The same of the model before.
+    pub whiteness_before: Vec<Whiteness>,
+    /// Each claimed effect against its rivals.
+    pub separations: Vec<Separation>,
+    /// What was found in each recording.
+    pub found: Vec<Found>,
+    /// The effects' own pictures; empty unless asked for.
+    pub pictures: Vec<Picture>,
+    /// When the error is made, all training recordings together; `None` unless asked for and located.
+    pub timeline: Option<Rows>,
+    /// In which states it is made, before and, with something claimed, after; empty unless asked for and located.
+    pub maps: Vec<Cells>,
+}
+
+impl Exhibits {
+    /// Computes them; `with_pictures` for a page.
+    pub fn of(
+        file: &MachineFile,
+        training: &[Recording],
+        held_out: &[Recording],
+        diagnosis: &Diagnosis,
+        with_pictures: bool,
+    ) -> Result<Self, MachineError> {
+        let recordings: Vec<&Recording> = training.iter().chain(held_out).collect();
+        Ok(Self {
+            waterfall: Waterfall::of(&file.machine, diagnosis)?,
+            whiteness: whiteness(diagnosis, &recordings, true),
+            whiteness_before: whiteness(diagnosis, &recordings, false),
+            separations: separations(diagnosis, file.load_source, &recordings)?,
+            found: diagnosis.shown.iter().zip(&recordings).map(|(shown, recording)| found(recording, shown)).collect(),
+            pictures: if with_pictures { pictures(diagnosis, &recordings)? } else { Vec::new() },
+            timeline: if with_pictures { timeline(diagnosis) } else { None },
+            maps: if with_pictures { state_maps(diagnosis, &recordings) } else { Vec::new() },
+        })
+    }
+
+    /// The rivals of one finding, the most probable first.
+    pub fn rivals<'a>(&'a self, finding: &Finding) -> impl Iterator<Item = &'a Separation> + use<'a> {
+        let effect = finding.effect.name;
+        self.separations.iter().filter(move |separation| separation.effect == effect)
+    }
+
+    /// The test that tells a finding from what it may be taken for: of its most probable rival, or the catalogue's where none
+    /// was simulated.
+    #[must_use]
+    pub fn separated_by(&self, finding: &Finding) -> String {
+        self.rivals(finding).next().map_or_else(|| finding.effect.separated_by.to_owned(), Separation::advice)
+    }
+}

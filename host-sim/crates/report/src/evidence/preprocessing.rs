@@ -1,0 +1,230 @@
+//! What the preparation found in each recording: noise, steps of the sensors, rows that failed, dither, the clock, the state at
+//! the start.
+
+use std::fmt;
+
+use diagnosis::Shown;
+use identification::clock::{Shift, Stamps};
+use identification::experiment::Prepared;
+use recording::display_unit::{significant, unit_for_people};
+use recording::{Recording, Signal};
+use simulation::sensor_fault::{FailureKind, Failures, Stretch};
+use simulation::signal::noise::{extent, resolution};
+use simulation::signal::spectrum::{Line, strongest_line};
+
+/// Slowest dither, Hz: below it a command is motion.
+const SLOWEST_DITHER_HZ: f64 = 30.0;
+/// How far a line is above the spectrum around it at least to be dither and no edge of a step.
+const ABOVE: f64 = 1e3;
+/// Share of the command's span that a dither is at least: less moves no slider, and is how the numbers were written.
+const LEAST_SHARE: f64 = 1e-3;
+
+/// What was found in one channel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FoundChannel {
+    /// The signal.
+    pub signal: Signal,
+    /// Standard deviation of its noise, SI.
+    pub noise: f64,
+    /// Step of its sensor, SI, where one shows.
+    pub step: Option<f64>,
+    /// Rows where it failed for a moment; they are not judged.
+    pub spikes: usize,
+    /// Where it failed for longer; not judged either.
+    pub failures: Vec<FoundFailure>,
+    /// Its value at the start, SI, from the rows around.
+    pub start: f64,
+    /// Fit that a perfect model would reach, %.
+    pub ceiling_percent: f64,
+}
+
+/// A sensor that repeated one value that is none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FoundFailure {
+    /// The signal.
+    pub signal: Signal,
+    /// What it did.
+    pub kind: FailureKind,
+    /// Time of its first row, s.
+    pub from_s: f64,
+    /// Time of its last row, s.
+    pub to_s: f64,
+    /// What it read, SI.
+    pub reading: f64,
+}
+
+impl FoundFailure {
+    fn of(signal: Signal, time_s: &[f64], stretch: &Stretch) -> Self {
+        let Stretch { kind, from, to, reading } = *stretch;
+        Self { signal, kind, from_s: time_s[from], to_s: time_s[to - 1], reading }
+    }
+}
+
+/// In words, without what becomes of it.
+impl fmt::Display for FoundFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let unit = unit_for_people(self.signal);
+        let (reading, kind) = (significant(unit.from_si(self.reading), 4), self.kind.name());
+        write!(f, "{} {kind} at {reading} {unit} from {:.3} to {:.3} s", self.signal, self.from_s, self.to_s)
+    }
+}
+
+/// A measured signal that is not judged and failed in some rows: a straight line drives or starts the model there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bridged {
+    /// The signal.
+    pub signal: Signal,
+    /// Rows where it failed for a moment.
+    pub spikes: usize,
+    /// Where it failed for longer.
+    pub failures: Vec<FoundFailure>,
+}
+
+/// What was found in one recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// The recording.
+    pub recording: String,
+    /// Rows.
+    pub rows: usize,
+    /// Length, s.
+    pub duration_s: f64,
+    /// The judged channels.
+    pub channels: Vec<FoundChannel>,
+    /// Measured signals that drive or start the model and failed.
+    pub bridged: Vec<Bridged>,
+    /// Dither in the command.
+    pub dither: Option<Line>,
+    /// What its time stamps say.
+    pub stamps: Stamps,
+    /// Channels that are late against the model after the diagnosis.
+    pub shifts: Vec<Shift>,
+    /// What reading it had to put right.
+    pub notes: Vec<String>,
+}
+
+impl Found {
+    /// Every failure of more than a moment, each with what became of its rows.
+    pub fn failures(&self) -> impl Iterator<Item = (&FoundFailure, &'static str)> {
+        let judged = self.channels.iter().flat_map(|channel| &channel.failures).map(|failure| (failure, "not judged"));
+        let driving = self.bridged.iter().flat_map(|bridged| &bridged.failures);
+        judged.chain(driving.map(|failure| (failure, "bridged by a straight line")))
+    }
+
+    /// What the clock is worth a word, in sentences.
+    #[must_use]
+    pub fn of_clock(&self) -> Vec<String> {
+        let mut said = Vec::new();
+        if self.stamps.lost > 0 || self.stamps.uneven > 0 {
+            let interval = significant(1e3 * self.stamps.interval_s, 4);
+            let (lost, uneven) = (self.stamps.lost, self.stamps.uneven);
+            said.push(format!("{lost} rows are missing at intervals of {interval} ms, {uneven} intervals are uneven"));
+        }
+        for shift in &self.shifts {
+            let (late, std) = (significant(1e3 * shift.late_s.abs(), 3), significant(1e3 * shift.std_s, 2));
+            let which = if shift.late_s > 0.0 { "late" } else { "early" };
+            said.push(format!("{} is {late} ± {std} ms {which} against the model", shift.signal));
+        }
+        said
+    }
+}
+
+/// Sums up what was prepared of a recording.
+#[must_use]
+pub(crate) fn found(recording: &Recording, shown: &Shown) -> Found {
+    let (prepared, time_s) = (&shown.prepared, recording.time_s());
+    let start = &prepared.stimulus.start;
+    let channels = prepared.channels.iter().map(|channel| {
+        let step = resolution(&channel.recorded);
+        let failures: Vec<_> =
+            channel.stretches.iter().map(|stretch| FoundFailure::of(channel.signal, time_s, stretch)).collect();
+        let longer: usize = channel.stretches.iter().map(|stretch| stretch.to - stretch.from).sum();
+        FoundChannel {
+            signal: channel.signal,
+            noise: channel.noise,
+            step: (step > 0.0).then_some(step),
+            spikes: channel.failed.iter().filter(|failed| **failed).count() - longer,
+            failures,
+            start: match (channel.signal, start.pressures_pa) {
+                (Signal::Position, _) => start.position_m,
+                (Signal::PressureA, Some((a, _))) => a,
+                (Signal::PressureB, Some((_, b))) => b,
+                _ => channel.recorded.first().copied().unwrap_or(0.0),
+            },
+            ceiling_percent: channel.noise_floor_percent(),
+        }
+    });
+    Found {
+        recording: prepared.name.clone(),
+        rows: prepared.time_s.len(),
+        duration_s: prepared.duration_s(),
+        channels: channels.collect(),
+        bridged: bridged(prepared),
+        dither: recording.signal(Signal::Command).and_then(|command| dither(command, recording.sample_interval_s())),
+        stamps: Stamps::of(time_s),
+        shifts: shifts(shown),
+        notes: recording.notes().iter().map(ToString::to_string).collect(),
+    }
+}
+
+/// Measured signals that are not judged, where they failed.
+fn bridged(prepared: &Prepared) -> Vec<Bridged> {
+    let judged = |signal| prepared.channels.iter().any(|channel| channel.signal == signal);
+    prepared
+        .failures
+        .iter()
+        .filter(|(signal, _)| !judged(*signal))
+        .map(|&(signal, Failures { ref spikes, ref stretches })| Bridged {
+            signal,
+            spikes: spikes.iter().filter(|spike| **spike).count(),
+            failures: stretches.iter().map(|stretch| FoundFailure::of(signal, &prepared.time_s, stretch)).collect(),
+        })
+        .collect()
+}
+
+/// Channels that are late against the model after.
+fn shifts(shown: &Shown) -> Vec<Shift> {
+    let prepared = &shown.prepared;
+    prepared
+        .channels
+        .iter()
+        .filter_map(|channel| {
+            let simulated = shown.after.signal(channel.signal)?;
+            let rows = channel.recorded.iter().zip(simulated);
+            let missed: Vec<f64> = rows.map(|(recorded, simulated)| recorded - simulated).collect();
+            Shift::of(channel.signal, &prepared.time_s, &missed, simulated, &channel.failed)
+        })
+        .collect()
+}
+
+/// A line in the command's differences: they hold no level, and the edge of a step is no line.
+fn dither(command: &[f64], interval_s: f64) -> Option<Line> {
+    let changes: Vec<f64> = command.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let line = strongest_line(&changes, interval_s, SLOWEST_DITHER_HZ).filter(|line| line.above > ABOVE)?;
+    let amplitude = line.amplitude / (2.0 * (std::f64::consts::PI * line.hz * interval_s).sin());
+    let (low, high) = extent(command);
+    (amplitude > LEAST_SHARE * (high - low) && amplitude > resolution(command)).then_some(Line { amplitude, ..line })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dither_is_found_with_its_size_and_steps_are_none() {
+        let steps: Vec<f64> = (0..4000).map(|row| [0.0, 4.0, 0.0, -4.0][row / 500 % 4]).collect();
+        assert_eq!(dither(&steps, 1e-3), None);
+        let with: Vec<f64> = steps
+            .iter()
+            .enumerate()
+            .map(|(row, volts)| volts + 0.3 * (std::f64::consts::TAU * 120.0 * row as f64 * 1e-3).sin())
+            .collect();
+        let line = dither(&with, 1e-3).unwrap();
+        assert!((line.hz - 120.0).abs() < 0.5 && (line.amplitude - 0.3).abs() < 0.05, "{line:?}");
+        // A slow sweep written with four decimals: the rounding has lines of its own.
+        let rounded: Vec<f64> = (0..4000)
+            .map(|row| (4.0 * (f64::from(row) * 2e-3).sin() * 1e4).round() / 1e4 + 1e-4 * f64::from(row % 2))
+            .collect();
+        assert_eq!(dither(&rounded, 1e-3), None);
+    }
+}

@@ -1,0 +1,209 @@
+//! Whether what the model after leaves is white: a good model leaves nothing that follows from what was before.
+//!
+//! Autocorrelation of the residual, and its correlation with what drives the model, over the lags of 100 rows. Within the 99 %
+//! band a correlation is chance: ±2.58/√n for a white residual; with the input by Bartlett's formula, since neighbouring samples
+//! of both are alike.
+
+use diagnosis::{Diagnosis, Shown};
+use recording::display_unit::significant;
+use recording::{Recording, Signal};
+
+/// Lags on each side, rows.
+const LAGS: usize = 100;
+/// Half width of the 99 % band, in standard deviations.
+const BAND: f64 = 2.576;
+/// Largest of all lags' correlations that chance leaves inside, ninety-nine times of a hundred, over the band of a single lag (Bonferroni: 201
+/// lags, 4.06 standard deviations).
+const SURE: f64 = 4.06 / BAND;
+/// Most rows of a recording that count: more say the same.
+const MOST_ROWS: usize = 30_000;
+
+/// Correlations of one signal's residual.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Whiteness {
+    /// The signal.
+    pub signal: Signal,
+    /// Length of a lag, s.
+    pub lag_s: f64,
+    /// Autocorrelation at lags 1, 2, …
+    pub auto: Vec<f64>,
+    /// Half width of its 99 % band.
+    pub auto_band: f64,
+    /// Correlation with the input at lags −n … n: positive where the input came before. Empty where no input is recorded.
+    pub cross: Vec<f64>,
+    /// Half width of its 99 % band.
+    pub cross_band: f64,
+}
+
+impl Whiteness {
+    /// Share of the autocorrelation's lags outside the band; 0.01 for a white residual.
+    #[must_use]
+    pub fn outside(&self) -> f64 {
+        outside(&self.auto, self.auto_band)
+    }
+
+    /// Share of the lags of the correlation with the input outside the band.
+    #[must_use]
+    pub fn cross_outside(&self) -> f64 {
+        outside(&self.cross, self.cross_band)
+    }
+
+    /// After how long the residual is most like what it was before, s; `None` where it is white.
+    #[must_use]
+    pub fn lasts(&self) -> Option<f64> {
+        let index = largest(&self.auto, self.auto_band)?;
+        Some(self.lag_s * (index + 1) as f64)
+    }
+
+    /// How long after the input the residual is most like it, s; `None` where the input does not show in it. Negative where the residual is first.
+    #[must_use]
+    pub fn follows_input(&self) -> Option<f64> {
+        let index = largest(&self.cross, self.cross_band)?;
+        Some(self.lag_s * (index as f64 - LAGS as f64))
+    }
+}
+
+/// Where a correlation is largest, if it is no chance among so many.
+fn largest(values: &[f64], band: f64) -> Option<usize> {
+    let sizes = values.iter().map(|value| value.abs()).enumerate();
+    let (index, size) = sizes.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (size > SURE * band).then_some(index)
+}
+
+/// Of which signals what is left is not white, in words; `None` where all of it is.
+#[must_use]
+pub(crate) fn in_words(signals: &[Whiteness]) -> Option<String> {
+    let said: Vec<String> = signals.iter().filter_map(said).collect();
+    (!said.is_empty()).then(|| said.join("; "))
+}
+
+/// What is left of one signal, in words.
+fn said(of: &Whiteness) -> Option<String> {
+    let at = |lag: f64| match significant(1e3 * lag.abs(), 2).as_str() {
+        "0" => "at once".to_owned(),
+        ms => format!("{ms} ms {}", if lag > 0.0 { "before" } else { "later" }),
+    };
+    let input = of.follows_input().map(|lag| format!("the input {}", at(lag)));
+    let itself = of.lasts().map(|lag| format!("itself {}", at(lag)));
+    let with: Vec<String> = input.into_iter().chain(itself).collect();
+    (!with.is_empty()).then(|| format!("what is left of {} goes with {}", of.signal, with.join(" and with ")))
+}
+
+fn outside(values: &[f64], band: f64) -> f64 {
+    values.iter().filter(|value| value.abs() > band).count() as f64 / values.len().max(1) as f64
+}
+
+/// Every judged signal, `after` or before, over the held-out recordings (the training ones where none is held out). `recordings`
+/// are all that the diagnosis shows, in its order.
+#[must_use]
+pub(crate) fn whiteness(diagnosis: &Diagnosis, recordings: &[&Recording], after: bool) -> Vec<Whiteness> {
+    let held_out = diagnosis.shown.iter().any(|shown| shown.held_out);
+    let of: Vec<(&Shown, &Recording)> = diagnosis
+        .shown
+        .iter()
+        .zip(recordings.iter().copied())
+        .filter(|(shown, _)| shown.held_out == held_out)
+        .collect();
+    let Some((first, _)) = of.first() else { return Vec::new() };
+    let lag_s = first.prepared.duration_s() / (first.prepared.time_s.len().max(2) - 1) as f64;
+    first
+        .prepared
+        .channels
+        .iter()
+        .map(|channel| {
+            let series: Vec<(Vec<f64>, Vec<f64>)> =
+                of.iter().filter_map(|(shown, recording)| pair(shown, recording, channel.signal, after)).collect();
+            correlations(channel.signal, lag_s, &series)
+        })
+        .collect()
+}
+
+/// Residual and input of one recording.
+fn pair(shown: &Shown, recording: &Recording, signal: Signal, after: bool) -> Option<(Vec<f64>, Vec<f64>)> {
+    let channel = shown.prepared.channels.iter().find(|channel| channel.signal == signal)?;
+    let simulated = if after { &shown.after } else { &shown.before }.signal(signal)?;
+    let rows = channel.recorded.iter().zip(simulated).zip(&channel.failed).take(MOST_ROWS);
+    let missed = rows.map(|((recorded, simulated), failed)| if *failed { 0.0 } else { recorded - simulated }).collect();
+    let drives = [Signal::Command, Signal::PumpSpeed, Signal::Spool, Signal::Flow, Signal::Force];
+    let input = drives.into_iter().find_map(|drive| recording.signal(drive)).unwrap_or_default();
+    Some((missed, input.iter().copied().take(MOST_ROWS).collect()))
+}
+
+/// Correlations of residuals with themselves and with the input, over pairs of series.
+#[must_use]
+#[expect(clippy::type_complexity, reason = "pairs of series")]
+pub(crate) fn correlations(signal: Signal, lag_s: f64, series: &[(Vec<f64>, Vec<f64>)]) -> Whiteness {
+    let centred = |values: &[f64]| -> Vec<f64> {
+        let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+        values.iter().map(|value| value - mean).collect()
+    };
+    let series: Vec<(Vec<f64>, Vec<f64>)> =
+        series.iter().map(|(missed, input)| (centred(missed), centred(input))).collect();
+    // Σ a(t)·b(t + lag) over all recordings.
+    let product = |of: &dyn Fn(&(Vec<f64>, Vec<f64>)) -> (usize, f64)| {
+        series.iter().map(of).fold((0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1))
+    };
+    let shifted = |a: &[f64], b: &[f64], lag: usize| -> (usize, f64) {
+        let rows = b.len().saturating_sub(lag).min(a.len());
+        (rows, a.iter().zip(b.get(lag..).unwrap_or_default()).map(|(a, b)| a * b).sum())
+    };
+    let (rows, missed_square) = product(&|(missed, _)| shifted(missed, missed, 0));
+    let (_, input_square) = product(&|(_, input)| shifted(input, input, 0));
+    let over = |value: f64, by: f64| if by > 0.0 { value / by } else { 0.0 };
+    let auto: Vec<f64> =
+        (1..=LAGS).map(|lag| over(product(&|(missed, _)| shifted(missed, missed, lag)).1, missed_square)).collect();
+    let of_input: Vec<f64> =
+        (1..=LAGS).map(|lag| over(product(&|(_, input)| shifted(input, input, lag)).1, input_square)).collect();
+    let both = (missed_square * input_square).sqrt();
+    let cross = if input_square > 0.0 {
+        let before = (1..=LAGS).rev().map(|lag| product(&|(missed, input)| shifted(missed, input, lag)).1);
+        let after = (0..=LAGS).map(|lag| product(&|(missed, input)| shifted(input, missed, lag)).1);
+        before.chain(after).map(|value| over(value, both)).collect()
+    } else {
+        Vec::new()
+    };
+    let alike: f64 = 1.0 + 2.0 * auto.iter().zip(&of_input).map(|(missed, input)| missed * input).sum::<f64>();
+    let auto_band = BAND / (rows.max(1) as f64).sqrt();
+    Whiteness { signal, lag_s, auto, auto_band, cross, cross_band: auto_band * alike.max(1.0).sqrt() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn white(rows: usize) -> Vec<f64> {
+        let mut seed = 7_u64;
+        (0..rows)
+            .map(|_| {
+                seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                (seed >> 40) as f64 / f64::from(1_u32 << 24) - 0.5
+            })
+            .collect()
+    }
+
+    #[test]
+    fn white_noise_stays_in_the_band_and_what_follows_the_input_does_not() {
+        let input: Vec<f64> = (0..5000).map(|row| if row / 400 % 2 == 0 { 3.0 } else { -3.0 }).collect();
+        let clean = correlations(Signal::Position, 1e-3, &[(white(5000), input.clone())]);
+        assert!(clean.outside() < 0.05 && clean.cross_outside() < 0.1, "{} {}", clean.outside(), clean.cross_outside());
+        assert_eq!(in_words(std::slice::from_ref(&clean)), None);
+        let late: Vec<f64> =
+            white(5000).iter().enumerate().map(|(row, noise)| noise + 0.2 * input[row.saturating_sub(30)]).collect();
+        let dirty = correlations(Signal::Position, 1e-3, &[(late, input)]);
+        assert!(dirty.outside() > 0.8 && dirty.cross_outside() > 0.5, "{} {}", dirty.outside(), dirty.cross_outside());
+        let highest = (0..dirty.cross.len()).max_by(|a, b| dirty.cross[*a].total_cmp(&dirty.cross[*b])).unwrap();
+        assert_eq!(highest, LAGS + 30, "the input came 30 rows before");
+        assert_eq!(dirty.follows_input(), Some(30e-3));
+        let told = in_words(&[clean, dirty]).unwrap();
+        assert!(
+            told.starts_with("what is left of position goes with the input 30 ms before and with itself "),
+            "{told}"
+        );
+    }
+
+    #[test]
+    fn no_input_and_no_residual_are_no_trouble() {
+        let nothing = correlations(Signal::Position, 1e-3, &[(vec![0.0; 10], vec![])]);
+        assert!(nothing.outside().abs() < 1e-12 && nothing.cross.is_empty());
+    }
+}

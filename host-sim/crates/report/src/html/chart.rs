@@ -1,0 +1,60 @@
+//! A drawing with the numbers behind it: the drawing stays on paper and where no script runs.
+
+use maud::{Markup, PreEscaped, html};
+use serde_json::Value;
+
+use diagnosis::{Diagnosis, Shown};
+use recording::Signal;
+
+use super::budget::Budget;
+use super::data;
+use super::overlay::{named, panels};
+use crate::plot::{Cells, Figure, Rows, cells, rows, scatter, svg};
+
+/// What the page's charts are made with, and its licence, which wants to stay with it.
+const LIBRARY: &str = include_str!("assets/uplot/uPlot.iife.min.js");
+const LICENCE: &str = include_str!("assets/uplot/LICENSE");
+const SCRIPT: &str = include_str!("assets/charts.js");
+pub(crate) const LOOKS: &str = include_str!("assets/uplot/uPlot.min.css");
+
+/// The scripts at the end of the page.
+pub(crate) fn scripts() -> Markup {
+    html! {
+        script { (PreEscaped(format!("/*\nuPlot\n\n{LICENCE}\n*/\n{LIBRARY}"))) }
+        script { (PreEscaped(SCRIPT)) }
+    }
+}
+
+/// A chart as wide as it is readable.
+pub(crate) fn chart(figure: &Figure) -> Markup {
+    with_data("chart", &scatter(figure), &data::figure(figure))
+}
+
+/// One row a recording.
+pub(crate) fn in_rows(figure: &Rows) -> Markup {
+    with_data("overlay", &rows(figure), &data::rows(figure))
+}
+
+/// Cells over two states.
+pub(crate) fn on_map(figure: &Cells) -> Markup {
+    with_data("chart", &cells(figure), &data::cells(figure))
+}
+
+/// Some signals of a recording over time.
+pub(crate) fn over_time(diagnosis: &Diagnosis, shown: &Shown, signals: &[Signal], budget: Budget) -> Markup {
+    let panels = panels(diagnosis, shown, signals, budget.points);
+    let (title, subtitle) = named(shown);
+    html! {
+        p class="recording" { strong { (title) } " · " (subtitle) }
+        (with_data("overlay", &svg("", "", &panels), &data::time(&panels, budget.rows)))
+    }
+}
+
+fn with_data(class: &str, drawing: &str, numbers: &Value) -> Markup {
+    html! {
+        figure class={ (class) " data" } {
+            (PreEscaped(drawing))
+            script type="application/json" { (PreEscaped(data::for_page(numbers))) }
+        }
+    }
+}

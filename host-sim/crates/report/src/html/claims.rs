@@ -1,0 +1,177 @@
+//! What is claimed, how sure it is, and how it gets to the controller.
+
+use std::fmt::Write;
+
+use maud::{Markup, html};
+
+use diagnosis::catalogue::short_name;
+use diagnosis::{Diagnosis, Finding, Verdict};
+use experiment::discriminate::Separation;
+use recording::display_unit::significant;
+
+use super::chart::chart;
+use super::parameters::{deviation, number};
+use crate::evidence::Exhibits;
+use crate::terminal::still_missing;
+
+pub(crate) fn findings(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
+    html! {
+        @if diagnosis.verdict == Verdict::Unexplained {
+            section {
+                h2 { "What" }
+                p { "None of the effects that were tried accounts for it on recordings that were left out. It stays described by its place and shape above." }
+                (not_confirmed(diagnosis))
+                @if let Some(unnamed) = &diagnosis.unnamed {
+                    p class="fact" { (capital(&unnamed.to_string())) ". A controller can carry it; it is no explanation." }
+                }
+            }
+        }
+        @for (index, finding) in diagnosis.findings.iter().enumerate() {
+            section {
+                h2 { "What: " (finding.effect.name) }
+                div class="fact" { p { "In the " (finding.effect.subsystem) " link: " code { (finding.effect.equation) } } }
+                table {
+                    tr { th { "parameter" } th { "value" } th { "±" } th { "unit" } }
+                    @for estimate in &finding.parameters {
+                        tr { td { (short_name(estimate.parameter)) } td { (number(estimate.value, 4)) } td { (deviation(estimate)) }
+                            td { (estimate.parameter.description().unit) } }
+                    }
+                }
+                @for (number, picture) in exhibits.pictures.iter().filter(|picture| picture.effect == finding.effect.name).enumerate() {
+                    // The first of all is at the top of the page.
+                    @if index > 0 || number > 0 { (chart(&picture.figure)) p class="soft" { (picture.caption) } }
+                }
+                @if !finding.effect.look_alikes.is_empty() {
+                    h3 { "What looks alike" }
+                    ul { @for other in finding.effect.look_alikes { li { (other.effect) ": " (other.told_apart_by) "." } } }
+                }
+                p class="soft" { "Source: " (finding.effect.source) "." }
+            }
+        }
+        @if !diagnosis.findings.is_empty() && !diagnosis.left.is_empty() { p class="fact" { (still_missing(diagnosis)) "." } }
+    }
+}
+
+fn not_confirmed(diagnosis: &Diagnosis) -> Markup {
+    html! {
+        @for effect in &diagnosis.not_confirmed {
+            p { (effect.name) " was chosen on the training recordings; the held-out ones do not bear it out." }
+        }
+    }
+}
+
+pub(crate) fn how_sure(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
+    html! {
+        section {
+            h2 { "How sure" }
+            @for finding in &diagnosis.findings { (sureness(finding, exhibits)) }
+            @if let Some(confirmation) = diagnosis.confirmation {
+                p { "Held-out recordings, opened after the choice: better on " (confirmation.improved) " of " (confirmation.recordings) "." }
+            } @else if !diagnosis.findings.is_empty() {
+                p { "No recording was held out to confirm it." }
+            }
+            p { "False alarms are counted on virtual drives from which nothing was taken and on causes outside the catalogue: "
+                code { "docs/diagnosis.md" } "." }
+            details {
+                summary { "Every set of effects that was refitted" }
+                p class="soft" { "In the chain, on all training recordings together. Gain in log-likelihood, less a penalty for its parameters." }
+                table {
+                    tr { th { "refitted with" } th { "gain" } }
+                    @for trial in diagnosis.selection.rounds.iter().flatten() {
+                        tr {
+                            td { (trial.effects.iter().map(|effect| effect.name).collect::<Vec<_>>().join(" + ")) }
+                            td { (format!("{:.1}", trial.net)) }
+                        }
+                    }
+                }
+            }
+            @if !diagnosis.not_testable.is_empty() {
+                p class="soft" { "Not testable with these recordings: "
+                    (diagnosis.not_testable.iter().map(|effect| effect.name).collect::<Vec<_>>().join(", ")) "." }
+            }
+        }
+    }
+}
+
+/// A finding's probability, and what would settle it.
+fn sureness(finding: &Finding, exhibits: &Exhibits) -> Markup {
+    let rivals: Vec<&Separation> = exhibits.rivals(finding).collect();
+    html! {
+        p { strong { (finding.effect.name) } ": confidence " (significant(finding.confidence, 3)) " among the effects tried."
+            @if finding.alternatives.is_empty() { " No other comes near." } @else {
+                " Could also be "
+                @for (index, (effect, confidence)) in finding.alternatives.iter().enumerate() {
+                    @if index > 0 { ", " } (effect.name) " (" (significant(*confidence, 2)) ")"
+                }
+                "."
+            }
+        }
+        @if let Some(told) = finding.heard {
+            p { "Told by: " (told.to_string()) "." }
+        }
+        @if rivals.is_empty() {
+            p { "To be sure: " (finding.effect.separated_by) "." }
+        } @else {
+            table {
+                tr { th { "against" } th class="text" { "test with the channels at hand" } th { "apart" } th class="text" { "with one more sensor" } }
+                @for rival in rivals {
+                    tr {
+                        td { (rival.rival) }
+                        td class="text" { @if let Some(best) = rival.tests.first() { (best.test) ": " (best.how) " (" (significant(best.duration_s, 2)) " s)" } }
+                        td { @if let Some(best) = rival.tests.first() { (significant(best.over_noise, 2)) " × noise in " (best.signal.name()) } }
+                        td class="text" { @match &rival.sensor {
+                            Some((sensor, best)) => { (sensor.name()) ": " (best.test) ", " (significant(best.over_noise, 2)) " × noise in " (best.signal.name()) }
+                            None => "–",
+                        } }
+                    }
+                }
+            }
+            p class="soft" { "Both drives, each as it was fitted, simulated on the standard tests; what a further refit within its uncertainty would take away is not counted. "
+                "Chosen: the test that separates most per 20 s. A sensor is named where it at least doubles that." }
+        }
+    }
+}
+
+pub(crate) fn to_the_controller(diagnosis: &Diagnosis) -> Markup {
+    html! {
+        section {
+            h2 { "To the controller" }
+            ol {
+                li { "The same command with " code { "--save-machine after.toml" } " writes the machine file with everything fitted"
+                    @if !diagnosis.findings.is_empty() { " and what was found switched on" } "." }
+                li { code { "host-sim compare --machine after.toml --recording new.csv" } " holds it against a recording that was made since." }
+                li { code { "host-sim export --machine after.toml --out params.rs" } " makes the constants for the firmware of it: "
+                    code { "FIRMWARE_MACHINE=params.rs" } " when the firmware is built." }
+            }
+            @if !diagnosis.findings.is_empty() {
+                p { "What is new in the machine file:" }
+                @for finding in &diagnosis.findings {
+                    pre { (snippet(finding)) }
+                }
+            }
+        }
+    }
+}
+
+/// With a capital letter.
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// The effect's tables of the machine file: its own, and that of the bristles which frictions share.
+fn snippet(finding: &Finding) -> String {
+    let (mut text, mut table) = (String::new(), "");
+    for estimate in &finding.parameters {
+        let there = estimate.parameter.description().key.rsplit_once('.').map_or("", |(table, _)| table);
+        if there != table {
+            let _ = writeln!(text, "[{there}]");
+            table = there;
+        }
+        let rounded: f64 = format!("{:.5e}", estimate.value).parse().unwrap_or(estimate.value);
+        let value = if (1e-3..1e6).contains(&rounded.abs()) { format!("{rounded:?}") } else { format!("{rounded:e}") };
+        let unit = estimate.parameter.description().unit;
+        let _ = writeln!(text, "{} = {value}  # {unit}", short_name(estimate.parameter));
+    }
+    text
+}

@@ -1,0 +1,199 @@
+//! The diagnosis as one self-contained page: no network, readable on paper and on a phone, with charts that answer where scripts
+//! run and drawings where they do not.
+
+mod budget;
+mod chart;
+mod claims;
+mod data;
+mod evidence;
+mod located;
+mod overlay;
+mod parameters;
+mod style;
+
+use budget::Budget;
+use chart::{chart, over_time};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use overlay::signals;
+
+use diagnosis::{Diagnosis, Fits, Shown, Verdict};
+use identification::experiment::Channel;
+use recording::Signal;
+use recording::display_unit::{difference, percent};
+
+use crate::evidence::Exhibits;
+use crate::terminal::sentence;
+
+pub use overlay::overlay;
+
+const POLICY: &str =
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'";
+
+/// The page.
+#[must_use]
+pub fn page(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
+    let budget = Budget::of(diagnosis);
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                // Whatever a page holds, it loads nothing.
+                meta http-equiv="Content-Security-Policy" content=(POLICY);
+                title { "Diagnosis of " (diagnosis.machine) }
+                style { (PreEscaped(chart::LOOKS)) (PreEscaped(style::STYLE)) }
+            }
+            body {
+                header {
+                    p class="over" { "Diagnosis of " (diagnosis.machine) }
+                    h1 class=(class(diagnosis.verdict)) { (sentence(diagnosis)) "." }
+                    (improvement(diagnosis))
+                }
+                (main_picture(diagnosis, exhibits, budget))
+                (located::located(diagnosis, exhibits, budget))
+                (claims::findings(diagnosis, exhibits))
+                (claims::how_sure(diagnosis, exhibits))
+                (evidence::waterfall(&exhibits.waterfall))
+                (fits(diagnosis))
+                (recordings(diagnosis, budget))
+                (evidence::whiteness(exhibits, diagnosis))
+                (parameters::parameters(diagnosis))
+                (evidence::prepared(&exhibits.found))
+                (claims::to_the_controller(diagnosis))
+                (chart::scripts())
+            }
+        }
+    }
+    .into_string()
+}
+
+fn class(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::MissingPhysics => "missing",
+        Verdict::NothingMissing => "nothing",
+        Verdict::Unexplained => "unexplained",
+    }
+}
+
+/// Fit of each signal before and after, in a line of large numbers.
+fn improvement(diagnosis: &Diagnosis) -> Markup {
+    /// Fit of a perfect model, %, below which a signal is mostly noise: no fit says anything of it.
+    const MOSTLY_NOISE: f64 = 50.0;
+    let held_out = diagnosis.shown.iter().any(|shown| shown.held_out);
+    let (before, after) = (diagnosis.mean_fits(held_out, false), diagnosis.mean_fits(held_out, true));
+    let floor = diagnosis.noise_floor(held_out);
+    let changes = diagnosis.changes();
+    html! {
+        ul class="gains" {
+            @for (signal, before) in before.iter().filter(|(signal, _)| floor.get(*signal).is_none_or(|floor| *floor > MOSTLY_NOISE)) {
+                li {
+                    span class="name" { (signal) }
+                    span class="number" {
+                        (percent(*before)) " %"
+                        @if changes { @if let Some(after) = after.get(signal) { " → " strong { (percent(*after)) " %" } } }
+                    }
+                    @if let Some(floor) = floor.get(signal) { span class="name" { "noise floor " (percent(*floor)) " %" } }
+                }
+            }
+        }
+        p class="soft" {
+            "NRMSE fit in free run" @if held_out { ", recordings that were held out" } @else { ", training recordings" }
+            @if diagnosis.unnamed.is_some() { ": ordinary parameters refitted → with a table that has no name." }
+            @else if changes { ": ordinary parameters refitted → with what was found." } @else { ", ordinary parameters refitted." }
+        }
+    }
+}
+
+/// The effect's own picture, or the recording in which most of the error is made.
+fn main_picture(diagnosis: &Diagnosis, exhibits: &Exhibits, budget: Budget) -> Markup {
+    html! {
+        @if let Some(picture) = exhibits.pictures.first() {
+            (chart(&picture.figure))
+            p class="soft" { (picture.caption) }
+        } @else if let Some(shown) = located::where_it_is(diagnosis).or(diagnosis.example()) {
+            (over_time(diagnosis, shown, &[most_telling(diagnosis, shown)], budget))
+        }
+    }
+}
+
+/// The signal that misses most in its link; where nothing is located, what the drive is for.
+fn most_telling(diagnosis: &Diagnosis, shown: &Shown) -> Signal {
+    let last =
+        || signals(shown).into_iter().find(|signal| *signal == Signal::Position).or(signals(shown).last().copied());
+    let located = diagnosis.located.as_ref().map(|location| location.signal);
+    located.or_else(last).unwrap_or(Signal::Position)
+}
+
+fn fits(diagnosis: &Diagnosis) -> Markup {
+    let changes = diagnosis.changes();
+    let cell = |fits: &Fits, signal: &str| fits.get(signal).map_or_else(String::new, |fit| percent(*fit));
+    html! {
+        section {
+            h2 { "Before and after" }
+            table {
+                tr { th { "NRMSE fit, % (free run)" } @if changes { th { "before" } th { "after" } } @else { th { "refitted" } } th { "noise floor" } }
+                @for (held_out, label) in [(true, "held out"), (false, "training")] {
+                    @let (before, after) = (diagnosis.mean_fits(held_out, false), diagnosis.mean_fits(held_out, true));
+                    @let floor = diagnosis.noise_floor(held_out);
+                    @for signal in before.keys() {
+                        tr { td { (label) " · " (signal) } td { (cell(&before, signal)) } @if changes { td { (cell(&after, signal)) } } td { (cell(&floor, signal)) } }
+                    }
+                }
+            }
+            p class="soft" {
+                @if changes { "Before: ordinary parameters refitted. After: refitted together with what was found"
+                    @if diagnosis.unnamed.is_some() { ", here a table that has no name" } ". " }
+                "Noise floor: what a perfect model would reach." }
+            details {
+                summary { "Each recording by itself" }
+                (each(diagnosis))
+            }
+        }
+    }
+}
+
+/// Fit and largest error of every signal in every recording.
+fn each(diagnosis: &Diagnosis) -> Markup {
+    let changes = diagnosis.changes();
+    html! {
+        table class="wide" {
+            tr { th { "recording" } th class="text" { "signal" } th { "before, %" } @if changes { th { "after, %" } } th { "noise floor, %" } th { "RMSE before" } @if changes { th { "RMSE after" } } }
+            @for shown in &diagnosis.shown {
+                @for (index, (before, after)) in shown.fits(false).zip(shown.fits(true)).enumerate() {
+                    @let floor = shown.prepared.channels.iter().find(|channel| channel.signal == before.signal).map(Channel::noise_floor_percent);
+                    tr {
+                        td { @if index == 0 { (shown.prepared.name) @if shown.held_out { " (held out)" } } }
+                        td class="text" { (before.signal.name()) }
+                        td { (percent(before.nrmse_percent)) }
+                        @if changes { td { (percent(after.nrmse_percent)) } }
+                        td { @if let Some(floor) = floor { (percent(floor)) } }
+                        td { (difference(before.signal, before.rmse)) }
+                        @if changes { td { (difference(after.signal, after.rmse)) } }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn recordings(diagnosis: &Diagnosis, budget: Budget) -> Markup {
+    let drawn = |shown: &Shown| budget.draws(diagnosis, shown);
+    let left_out = diagnosis.shown.iter().filter(|shown| !drawn(shown)).count();
+    html! {
+        section {
+            h2 { "Every recording" }
+            p class="soft" { "Free run of the model from the recorded input. Shaded: where the error before is made."
+                @if left_out > 0 { " " (left_out) " of " (diagnosis.shown.len()) " recordings are not drawn, so that the page stays small." } }
+            @for shown in diagnosis.shown.iter().filter(|shown| drawn(shown)) {
+                details {
+                    summary {
+                        (shown.prepared.name) @if shown.held_out { " (held out)" }
+                        @for fit in shown.fits(true) { span class="soft" { " · " (fit.signal.name()) " " (percent(fit.nrmse_percent)) " %" } }
+                    }
+                    (over_time(diagnosis, shown, &signals(shown), budget))
+                }
+            }
+        }
+    }
+}

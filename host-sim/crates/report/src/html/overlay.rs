@@ -1,0 +1,73 @@
+//! Recorded, before and after over each other, with the located intervals shaded.
+
+use diagnosis::{Diagnosis, Shown};
+use recording::Signal;
+use recording::display_unit::unit_for_people;
+
+use crate::plot::{Panel, Style, Trace, svg, title};
+
+/// About how many bytes of drawing a file may hold.
+const BYTES: usize = 1_600_000;
+/// About how many bytes a point takes.
+const PER_POINT: usize = 11;
+
+/// Recorded, before and after with residuals, as SVG: every judged signal of one recording.
+#[must_use]
+pub fn overlay(diagnosis: &Diagnosis, shown: &Shown) -> String {
+    let panels = panels(diagnosis, shown, &signals(shown), points(diagnosis));
+    let (title, subtitle) = named(shown);
+    svg(title, subtitle, &panels)
+}
+
+/// Every judged signal of a recording.
+pub(crate) fn signals(shown: &Shown) -> Vec<Signal> {
+    shown.prepared.channels.iter().map(|channel| channel.signal).collect()
+}
+
+/// What a recording is called, and what it was for.
+pub(crate) fn named(shown: &Shown) -> (&str, &'static str) {
+    (&shown.prepared.name, if shown.held_out { "held out" } else { "training" })
+}
+
+/// A panel of each of some signals, drawn with at most so many points a trace.
+pub(crate) fn panels(diagnosis: &Diagnosis, shown: &Shown, signals: &[Signal], points: usize) -> Vec<Panel> {
+    let changes = diagnosis.changes();
+    let channels = shown.prepared.channels.iter().filter(|channel| signals.contains(&channel.signal));
+    channels
+        .map(|channel| {
+            let readable = |values: &[f64]| readable(channel.signal, values);
+            let unit = unit_for_people(channel.signal);
+            let unit = if channel.signal == Signal::Spool { "% of travel" } else { unit.symbol() };
+            let mut panel = Panel::new(title(channel.signal), unit, shown.prepared.time_s.clone()).trace(Trace::new(
+                "recorded",
+                readable(&channel.recorded),
+                Style::Recorded,
+            ));
+            if let Some(before) = shown.before.signal(channel.signal) {
+                panel = panel.trace(Trace::new(diagnosis.before_is_called(), readable(before), Style::Before));
+            }
+            if let Some(after) = shown.after.signal(channel.signal).filter(|_| changes) {
+                panel = panel.trace(Trace::new("after", readable(after), Style::After));
+            }
+            let located = diagnosis.located.as_ref().filter(|location| location.signal == channel.signal);
+            for interval in located.into_iter().flat_map(|location| &location.intervals) {
+                if interval.recording == shown.prepared.name && !shown.held_out {
+                    panel = panel.shade(interval.from_s, interval.to_s);
+                }
+            }
+            Panel { points: Some(points), ..panel }.residuals()
+        })
+        .collect()
+}
+
+/// Points a trace may have, so that all recordings would go into one file.
+fn points(diagnosis: &Diagnosis) -> usize {
+    let traces = if diagnosis.changes() { 5 } else { 3 };
+    let all: usize = diagnosis.shown.iter().map(|shown| traces * shown.prepared.channels.len()).sum();
+    (BYTES / PER_POINT / all.max(1)).clamp(200, 2000)
+}
+
+fn readable(signal: Signal, values: &[f64]) -> Vec<f64> {
+    let unit = unit_for_people(signal);
+    values.iter().map(|value| unit.from_si(*value)).collect()
+}

@@ -1,0 +1,144 @@
+//! Ordinary parameters before and after, with what moved and why.
+
+use maud::{Markup, html};
+
+use diagnosis::Diagnosis;
+use identification::fit::{Estimate, Freedom};
+use recording::display_unit::significant;
+
+use crate::terminal::{correlated, uncertainty};
+
+/// A value moved when it is further off than this many of its standard deviations.
+const MOVED: f64 = 3.0;
+/// The recordings tell a value when they leave less than this share of what was allowed.
+const TOLD: f64 = 0.5;
+/// A value stood in for an effect when it moves by so many allowed deviations with the effect in its place.
+const STOOD_IN: f64 = 0.3;
+
+pub(crate) fn parameters(diagnosis: &Diagnosis) -> Markup {
+    if diagnosis.refitted.is_empty() {
+        return html! {};
+    }
+    let changes = diagnosis.changes();
+    let alone = |estimate: &Estimate| diagnosis.selection.base.fit.machine.get(estimate.parameter);
+    html! {
+        section {
+            h2 { "Ordinary parameters" }
+            p class="soft" { "The machine file's value, what it was refitted to"
+                @if changes { " without and with what was found" } ", its standard deviation, and how far it moved." }
+            table class="wide" {
+                tr { th { "parameter" } th { "machine file" } @if changes { th { "before" } th { "after" } } @else { th { "fitted" } } th { "±" } th { "unit" } th { "moved" } th class="text" { "why" } }
+                @for estimate in &diagnosis.refitted {
+                    @let description = estimate.parameter.description();
+                    tr {
+                        td { (description.key) }
+                        td { (number(estimate.before, 4)) }
+                        @if changes { td { (number(alone(estimate), 4)) } }
+                        td { (number(estimate.value, 4)) }
+                        td { (deviation(estimate)) }
+                        td { (description.unit) }
+                        td { (moved(estimate)) }
+                        td class="text" { (why(estimate, sigma(diagnosis, estimate), changes.then(|| alone(estimate)))) }
+                    }
+                }
+            }
+            @if let Some(pairs) = correlated(&diagnosis.correlated) { p { "Estimates " (pairs) "." } }
+        }
+    }
+}
+
+/// What the machine file allows a value to be off, if it does.
+fn sigma(diagnosis: &Diagnosis, estimate: &Estimate) -> Option<f64> {
+    let free = diagnosis.selection.base.fit.free.iter().find(|free| free.parameter == estimate.parameter)?;
+    match free.freedom {
+        Freedom::Around { sigma, .. } if sigma > 0.0 => Some(sigma),
+        _ => None,
+    }
+}
+
+/// By how much, of the value that the machine file gives.
+fn moved(estimate: &Estimate) -> String {
+    let change = estimate.value - estimate.before;
+    if change == 0.0 {
+        return "–".to_owned();
+    }
+    let sign = if change < 0.0 { "−" } else { "+" };
+    if estimate.before == 0.0 {
+        format!("{sign}{}", number(change.abs(), 2))
+    } else {
+        let share = 100.0 * (change / estimate.before).abs();
+        if share < 0.01 { "< 0.01 %".to_owned() } else { format!("{sign}{} %", significant(share, 2)) }
+    }
+}
+
+/// In words: what the recordings say of the value, and whether it stood in for what was missing. `sigma` is what the machine file
+/// allows, `alone` the value that was fitted without what was found.
+fn why(estimate: &Estimate, sigma: Option<f64>, alone: Option<f64>) -> String {
+    if estimate.at_bound {
+        return "at the end of its range: no estimate".to_owned();
+    }
+    if !estimate.std.is_finite() {
+        return "the recordings do not tell it".to_owned();
+    }
+    let change = estimate.value - estimate.before;
+    if let (Some(alone), Some(sigma)) = (alone, sigma) {
+        let (then, now) = ((alone - estimate.before).abs() / sigma, change.abs() / sigma);
+        if then - now > STOOD_IN && (alone - estimate.value).abs() > MOVED * estimate.std {
+            return "before, it stood in for what was missing".to_owned();
+        }
+    }
+    let told = sigma.is_none_or(|sigma| estimate.std < TOLD * sigma);
+    let off = change.abs() > MOVED * estimate.std;
+    match (told, off, sigma) {
+        (false, _, _) => "the recordings tell little of it".to_owned(),
+        (true, false, _) => "the recordings agree with the machine file".to_owned(),
+        (true, true, Some(sigma)) => {
+            let off = significant(change.abs() / sigma, 2);
+            format!("the recordings tell it: {off} times the ± {} allowed", number(sigma, 2))
+        }
+        (true, true, None) => "the recordings tell it".to_owned(),
+    }
+}
+
+pub(crate) fn deviation(estimate: &Estimate) -> String {
+    if estimate.std.is_finite() && !estimate.at_bound { number(estimate.std, 2) } else { uncertainty(estimate) }
+}
+
+/// A number with so many digits, by powers of ten where it is far from one.
+pub(crate) fn number(value: f64, digits: i32) -> String {
+    let size = value.abs();
+    if value == 0.0 || (1e-4..1e6).contains(&size) {
+        significant(value, digits)
+    } else {
+        let precision = usize::try_from(digits - 1).unwrap_or(0);
+        format!("{value:.precision$e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use model_core::parameter::Parameter;
+
+    use super::*;
+
+    fn estimate(value: f64, std: f64) -> Estimate {
+        Estimate { parameter: Parameter::BulkModulus, before: 1.0, value, std, at_bound: false }
+    }
+
+    #[test]
+    fn it_says_what_moved_and_why() {
+        let said = |value, std, alone| why(&estimate(value, std), Some(0.1), alone);
+        assert!(said(1.001, 0.001, None).contains("agree"), "{}", said(1.001, 0.001, None));
+        assert!(
+            said(1.05, 0.001, None).starts_with("the recordings tell it: 0.50 times the ± 0.10"),
+            "{}",
+            said(1.05, 0.001, None)
+        );
+        assert!(said(1.05, 0.09, None).contains("tell little"));
+        assert!(said(1.01, 0.001, Some(1.2)).contains("stood in"));
+        assert!(!said(1.2, 0.001, Some(1.0)).contains("stood in"));
+        assert!(said(1.0, f64::NAN, None).contains("do not tell"));
+        assert!(why(&Estimate { at_bound: true, ..estimate(1.0, 0.1) }, None, None).contains("end of its range"));
+        assert_eq!((moved(&estimate(1.05, 0.1)), moved(&estimate(0.9, 0.1))), ("+5.0 %".into(), "−10 %".into()));
+    }
+}

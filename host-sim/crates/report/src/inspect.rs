@@ -1,0 +1,193 @@
+//! What an inspection found, on the terminal and for programs.
+
+use std::fmt::Write;
+
+use comfy_table::{CellAlignment, Table};
+use serde_json::{Value, json};
+
+use experiment::inspect::{FoundColumn, Inspection, LinkTest, Reach};
+use model_core::machine::Source;
+use recording::display_unit::{TABLE, arrange, difference, significant};
+use recording::{Dimension, Signal, Unit};
+use simulation::EntryPoint;
+
+/// The text of one recording; its table has so many characters a line, or as many as it takes.
+#[must_use]
+pub fn text(found: &Inspection, width: Option<u16>) -> String {
+    let interval = significant(1e3 * found.stamps.interval_s, 3);
+    let rate = significant(1.0 / found.stamps.interval_s, 3);
+    let mut text = format!(
+        "{}: {} rows, {} s at {rate} Hz ({interval} ms); {} rows missing, {} intervals uneven\n",
+        found.recording,
+        found.rows,
+        significant(found.duration_s, 4),
+        found.stamps.lost,
+        found.stamps.uneven
+    );
+    for note in &found.notes {
+        let _ = writeln!(text, "note: {note}");
+    }
+    let _ = writeln!(text, "{}", channels(&found.channels, width));
+    if !found.ignored.is_empty() {
+        let _ = writeln!(
+            text,
+            "ignored    {}: no known signal; --map names them (`host-sim inspect --help`)",
+            found.ignored.join(", ")
+        );
+    }
+    for (index, link) in found.links.iter().enumerate() {
+        let label = if index == 0 { "tests" } else { "" };
+        let _ = writeln!(text, "{label:<10} {:<9} {}", link.link.to_string(), reach(link));
+    }
+    if let Some(opened) = found.excited.opened {
+        let unit = opened.unit;
+        let shown = |value: f64| significant(unit.from_si(value), 3);
+        let puts = if opened.by == Signal::Command && unit.dimension() == Dimension::Ratio {
+            " puts the slider at"
+        } else {
+            ""
+        };
+        let _ = write!(text, "excited    {}{puts} {} … {} {unit}", opened.by, shown(opened.low), shown(opened.high));
+        let _ = match opened.beyond {
+            Some((retracting, extending)) => writeln!(
+                text,
+                ", beyond the dead zone {} % of the time extending, {} % retracting",
+                significant(100.0 * extending, 2),
+                significant(100.0 * retracting, 2)
+            ),
+            None => writeln!(text, "; a machine file says whether that leaves the dead zone"),
+        };
+    }
+    if let Some(rod) = found.excited.travelled {
+        let stroke = rod
+            .of_stroke
+            .map_or_else(String::new, |share| format!(", {} % of the stroke", significant(100.0 * share, 2)));
+        let _ = writeln!(
+            text,
+            "           rod {} … {} mm{stroke}, {} … {} mm/s; moves {} % of the time, holds for {} s at most",
+            significant(1e3 * rod.low_m, 4),
+            significant(1e3 * rod.high_m, 4),
+            significant(1e3 * rod.retracting_m_per_s, 3),
+            significant(1e3 * rod.extending_m_per_s, 3),
+            significant(100.0 * rod.moving, 2),
+            significant(rod.held_s, 2)
+        );
+    }
+    for (index, advice) in found.advice.iter().enumerate() {
+        let _ = writeln!(text, "{:<10} {advice}", if index == 0 { "advice" } else { "" });
+    }
+    text
+}
+
+fn channels(channels: &[FoundColumn], width: Option<u16>) -> Table {
+    let mut table = Table::new();
+    table.load_style(TABLE);
+    arrange(&mut table, width);
+    table.set_header(["signal", "column", "from", "to", "unit", "noise", "step", "failed rows"]);
+    for channel in channels {
+        let unit = channel.unit;
+        let value = |si: f64| significant(unit.from_si(si), 4);
+        let small = |si: Option<f64>| si.map_or_else(String::new, |si| difference(channel.signal, si));
+        table.add_row([
+            channel.signal.to_string(),
+            channel.header.clone(),
+            value(channel.low),
+            value(channel.high),
+            unit.to_string(),
+            small(channel.noise),
+            small(channel.step),
+            if channel.failed == 0 { String::new() } else { channel.failed.to_string() },
+        ]);
+    }
+    for (_, column) in table.column_iter_mut().enumerate().filter(|(index, _)| [2, 3, 5, 6, 7].contains(index)) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
+}
+
+fn names(signals: &[Signal]) -> String {
+    joined(signals, ", ")
+}
+
+fn joined(signals: &[Signal], between: &str) -> String {
+    signals.iter().map(|signal| signal.name()).collect::<Vec<_>>().join(between)
+}
+
+fn entry_name(entry: EntryPoint) -> &'static str {
+    match entry {
+        EntryPoint::Command => "command",
+        EntryPoint::Slider => "slider",
+        EntryPoint::Pump => "pump",
+        EntryPoint::Flow => "flow",
+        EntryPoint::Force => "force",
+    }
+}
+
+fn reach(test: &LinkTest) -> String {
+    let add = names(&test.missing);
+    match &test.reach {
+        Reach::Alone { entry, judged } => {
+            format!("by itself: entered at the {}, judged by {}", entry_name(*entry), names(judged))
+        }
+        Reach::Together { entry, judged } => format!(
+            "together with others: entered at the {}, judged by {}; add {add} to test it by itself",
+            entry_name(*entry),
+            names(judged)
+        ),
+        Reach::No if test.enough.is_empty() || test.missing.iter().all(|signal| test.enough.contains(signal)) => {
+            format!("not: add {add}")
+        }
+        Reach::No => {
+            format!(
+                "not: add {} to test it together with others, {add} to test it by itself",
+                joined(&test.enough, " or ")
+            )
+        }
+    }
+}
+
+/// The document of several recordings: SI units, as in a machine file.
+#[must_use]
+pub fn document(found: &[Inspection]) -> Value {
+    json!({ "schema": "host-sim/inspection/1", "recordings": found.iter().map(recording).collect::<Vec<_>>() })
+}
+
+fn recording(found: &Inspection) -> Value {
+    let channel = |channel: &FoundColumn| {
+        json!({
+            "signal": channel.signal.name(), "header": channel.header, "unit": Unit::si(channel.unit.dimension()).symbol(),
+            "low": channel.low, "high": channel.high, "noise": channel.noise, "step": channel.step,
+            "failed_rows": channel.failed,
+        })
+    };
+    let link = |test: &LinkTest| {
+        let names = |signals: &[Signal]| signals.iter().map(|signal| signal.name()).collect::<Vec<_>>();
+        let (how, entry, judged) = match &test.reach {
+            Reach::Alone { entry, judged } => ("by-itself", Some(entry_name(*entry)), names(judged)),
+            Reach::Together { entry, judged } => ("together", Some(entry_name(*entry)), names(judged)),
+            Reach::No => ("not", None, Vec::new()),
+        };
+        json!({ "link": test.link.to_string(), "tested": how, "entry": entry, "judged_by": judged, "missing": names(&test.missing), "enough": names(&test.enough) })
+    };
+    let opened = found.excited.opened.map(|opened| {
+        let beyond =
+            opened.beyond.map(|(retracting, extending)| json!({ "retracting": retracting, "extending": extending }));
+        json!({ "by": opened.by.name(), "low": opened.low, "high": opened.high, "share_beyond_dead_zone": beyond })
+    });
+    let rod = found.excited.travelled.map(|rod| {
+        json!({
+            "low_m": rod.low_m, "high_m": rod.high_m, "share_of_stroke": rod.of_stroke,
+            "retracting_m_per_s": rod.retracting_m_per_s, "extending_m_per_s": rod.extending_m_per_s,
+            "share_moving": rod.moving, "longest_hold_s": rod.held_s,
+        })
+    });
+    json!({
+        "recording": found.recording, "rows": found.rows, "duration_s": found.duration_s,
+        "interval_s": found.stamps.interval_s, "rows_missing": found.stamps.lost, "intervals_uneven": found.stamps.uneven,
+        "notes": found.notes, "ignored": found.ignored,
+        "source": match found.source { Source::Valve => "valve", Source::Pump => "pump" },
+        "channels": found.channels.iter().map(channel).collect::<Vec<_>>(),
+        "links": found.links.iter().map(link).collect::<Vec<_>>(),
+        "valve_opened": opened, "rod": rod, "advice": found.advice,
+    })
+}

@@ -1,0 +1,211 @@
+//! The diagnosis as JSON, schema `host-sim/diagnosis/1`.
+
+use serde_json::{Value, json};
+
+use diagnosis::catalogue::short_name;
+use diagnosis::correction_table::{Axis, Unnamed};
+use diagnosis::localisation::Habit;
+use diagnosis::localisation::error_shape::Shape;
+use diagnosis::{Diagnosis, Finding};
+
+use super::evidence;
+use crate::evidence::Exhibits;
+
+/// The document.
+#[must_use]
+pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
+    let fits = |held_out: bool| {
+        json!({
+            "before": rounded(&diagnosis.mean_fits(held_out, false)),
+            "after": rounded(&diagnosis.mean_fits(held_out, true)),
+            "noise_floor": rounded(&diagnosis.noise_floor(held_out)),
+        })
+    };
+    let located = diagnosis.located.as_ref().map_or(json!({}), |location| {
+        let intervals: Vec<Value> = location
+            .intervals
+            .iter()
+            .map(|interval| {
+                json!({ "recording": interval.recording, "from_s": digits(interval.from_s, 6), "to_s": digits(interval.to_s, 6), "share": digits(interval.share, 3) })
+            })
+            .collect();
+        json!({
+            "subsystem": location.subsystem,
+            "signal": location.signal.name(),
+            "share": digits(location.share, 3),
+            "share_of_time": digits(location.of_time, 3),
+            "intervals": intervals,
+            "region": location.region,
+            "shape": shape(&location.shape),
+            "slider": location.slider.iter().map(slider).collect::<Vec<_>>(),
+        })
+    });
+    json!({
+        "schema": "host-sim/diagnosis/1",
+        "machine": diagnosis.machine,
+        "verdict": diagnosis.verdict,
+        "located": located,
+        "suspected": diagnosis.suspected.map(|effect| effect.name),
+        "findings": diagnosis.findings.iter().map(|finding| finding_of(diagnosis, exhibits, finding)).collect::<Vec<_>>(),
+        "unnamed": diagnosis.unnamed.as_ref().map(unnamed),
+        "confirmed": diagnosis.confirmation.map(|confirmation| confirmation.confirms()),
+        "still_above_noise": diagnosis.left.iter().map(|miss| {
+            json!({ "signal": miss.signal.name(), "rmse_over_noise": digits(miss.over_noise, 3) })
+        }).collect::<Vec<_>>(),
+        "not_confirmed": diagnosis.not_confirmed.iter().map(|effect| effect.name).collect::<Vec<_>>(),
+        "not_testable": diagnosis.not_testable.iter().map(|effect| effect.name).collect::<Vec<_>>(),
+        "parameters": diagnosis.refitted.iter().map(|estimate| {
+            let description = estimate.parameter.description();
+            json!({
+                "name": description.key,
+                "before": digits(estimate.before, 6),
+                "value": digits(estimate.value, 6),
+                "std": digits(estimate.std, 3),
+                "unit": description.unit,
+                "at_bound": estimate.at_bound,
+            })
+        }).collect::<Vec<_>>(),
+        "correlations": diagnosis.correlated.iter().map(|pair| {
+            json!({
+                "parameters": [pair.one.description().key, pair.other.description().key],
+                "coefficient": digits(pair.coefficient, 5),
+            })
+        }).collect::<Vec<_>>(),
+        "level_at_rest": diagnosis.level_at_rest.map(|level| digits(level, 6)),
+        "fit": { "train": fits(false), "holdout": fits(true) },
+        "waterfall": evidence::waterfall(&exhibits.waterfall),
+        "residuals": evidence::residuals(&exhibits.whiteness),
+        "prepared": evidence::prepared(&exhibits.found),
+    })
+}
+
+/// What a recorded slider does: its kind, the sentence, and the numbers behind it.
+fn slider(habit: &Habit) -> Value {
+    let (kind, sentence) = (habit.name(), habit.to_string());
+    match habit {
+        Habit::Hangs { recording, from_s, to_s, at, modelled, recordings, of } => json!({
+            "kind": kind, "sentence": sentence, "recording": recording, "from_s": digits(*from_s, 6), "to_s": digits(*to_s, 6),
+            "at": digits(*at, 3), "modelled": digits(*modelled, 3), "recordings": recordings, "of": of,
+        }),
+        Habit::BreaksAway { recording, at_s, speed_per_s, modelled_per_s } => json!({
+            "kind": kind, "sentence": sentence, "recording": recording, "at_s": digits(*at_s, 6),
+            "speed_per_s": digits(*speed_per_s, 3), "modelled_per_s": digits(*modelled_per_s, 3),
+        }),
+        Habit::RestsApart { command_v, rests, modelled } => {
+            let rests: Vec<Value> =
+                rests.iter().map(|(recording, at)| json!({ "recording": recording, "at": digits(*at, 3) })).collect();
+            json!({
+                "kind": kind, "sentence": sentence, "command_v": digits(*command_v, 3), "rests": rests,
+                "modelled": digits(*modelled, 3),
+            })
+        }
+    }
+}
+
+/// What an error looks like: its kind, the sentence, and the numbers behind it.
+fn shape(shape: &Shape) -> Value {
+    let sentence = shape.to_string();
+    match shape {
+        Shape::Once { recording, from_s, to_s, share } => json!({
+            "kind": "once", "sentence": sentence, "recording": recording,
+            "from_s": digits(*from_s, 6), "to_s": digits(*to_s, 6), "share": digits(*share, 3),
+        }),
+        Shape::Periodic { hz, amplitude, signal } => json!({
+            "kind": "periodic", "sentence": sentence, "hz": digits(*hz, 4),
+            "amplitude": digits(*amplitude, 3), "unit": signal.si_unit().symbol(), "signal": signal.name(),
+        }),
+        Shape::Over { state, unit, explained, bins, pair } => {
+            let bins: Vec<Value> = bins
+                .iter()
+                .map(|bin| {
+                    json!({
+                        "from": digits(bin.from, 4), "to": digits(bin.to, 4),
+                        "mean_over_noise": digits(bin.mean, 3), "rows": bin.count,
+                    })
+                })
+                .collect();
+            let pair = pair.map(|(one, other, share)| json!({ "states": [one, other], "explained": digits(share, 3) }));
+            json!({
+                "kind": "over", "sentence": sentence, "state": state, "unit": unit,
+                "explained": digits(*explained, 3), "bins": bins, "pair": pair,
+            })
+        }
+        Shape::Everywhere => json!({ "kind": "everywhere", "sentence": sentence }),
+    }
+}
+
+/// A table for what has no name.
+fn unnamed(found: &Unnamed) -> Value {
+    let axis = |axis: &Axis| {
+        json!({
+            "state": axis.state.name(), "unit": axis.state.unit(),
+            "from": digits(axis.from, 6), "to": digits(axis.to, 6), "nodes": axis.nodes,
+        })
+    };
+    json!({
+        "quantity": found.quantity.name(),
+        "unit": found.quantity.unit(),
+        "over": found.over.iter().map(axis).collect::<Vec<_>>(),
+        "values": found.values.iter().map(|estimate| {
+            json!({ "value": digits(estimate.value, 6), "std": digits(estimate.std, 3) })
+        }).collect::<Vec<_>>(),
+        "improved": found.confirmation.improved,
+        "recordings": found.confirmation.recordings,
+        "sentence": found.to_string(),
+    })
+}
+
+fn finding_of(diagnosis: &Diagnosis, exhibits: &Exhibits, finding: &Finding) -> Value {
+    let parameters: Vec<Value> = finding
+        .parameters
+        .iter()
+        .map(|estimate| {
+            json!({
+                "name": short_name(estimate.parameter),
+                "value": digits(estimate.value, 6),
+                "std": digits(estimate.std, 3),
+                "unit": estimate.parameter.description().unit,
+            })
+        })
+        .collect();
+    let alternatives: Vec<Value> = finding
+        .alternatives
+        .iter()
+        .map(|(effect, confidence)| json!({ "effect": effect.name, "confidence": digits(*confidence, 3) }))
+        .collect();
+    let mut found = json!({
+        "effect": finding.effect.name,
+        "subsystem": finding.effect.subsystem,
+        "confidence": digits(finding.confidence, 3),
+        "parameters": parameters,
+        "evidence": {
+            "holdout_fit_before": rounded(&diagnosis.mean_fits(true, false)),
+            "holdout_fit_after": rounded(&diagnosis.mean_fits(true, true)),
+        },
+        "alternatives": alternatives,
+        "separated_by": exhibits.separated_by(finding),
+        "separation": evidence::separation(exhibits, finding),
+    });
+    if let Some(told) = finding.heard {
+        found["jumps"] = json!({
+            "length": digits(told.rhythm.length, 3),
+            "log_likelihood": digits(told.rhythm.evidence, 3),
+            "kept_alone": digits(told.kept_alone, 3),
+            "sentence": told.to_string(),
+        });
+    }
+    found
+}
+
+fn rounded(fits: &diagnosis::Fits) -> Value {
+    fits.iter()
+        .map(|(name, fit)| ((*name).to_owned(), json!(digits(*fit, 6))))
+        .collect::<serde_json::Map<_, _>>()
+        .into()
+}
+
+/// A number with so many significant digits: the rest is noise, and short numbers compare. What is not known is null.
+pub(crate) fn digits(value: f64, significant: usize) -> Option<f64> {
+    let precision = significant.saturating_sub(1);
+    value.is_finite().then(|| format!("{value:.precision$e}").parse().unwrap_or(value))
+}

@@ -1,0 +1,290 @@
+//! The diagnosis on the terminal.
+
+use std::fmt::Write;
+
+use comfy_table::{ContentArrangement, Table};
+
+use diagnosis::catalogue::short_name;
+use diagnosis::localisation::{Interval, Location, Miss};
+use diagnosis::{Diagnosis, Verdict};
+use identification::fit::{CORRELATED, Correlation, Estimate};
+use recording::display_unit::{TABLE, significant};
+
+use crate::evidence::{Exhibits, whiteness};
+
+/// The whole text.
+#[must_use]
+pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
+    let mut text = sentence(diagnosis);
+    text.push('\n');
+    if let Some(location) = &diagnosis.located {
+        let (link, signal, region) = (location.subsystem, location.signal, &location.region);
+        let _ = writeln!(text, "\nlocated    {link} · {signal} · {region}");
+        let _ = writeln!(text, "           {}\n           {}", when(location), location.shape);
+        for habit in &location.slider {
+            let _ = writeln!(text, "           {habit}");
+        }
+    }
+    if let Some(effect) = diagnosis.suspected {
+        let _ = writeln!(text, "suspected  {}: {SUSPECTED}", effect.name);
+    }
+    for finding in &diagnosis.findings {
+        let _ = writeln!(text, "\nfinding    {} (confidence {:.3})", finding.effect.name, finding.confidence);
+        let _ = writeln!(text, "equation   {}", finding.effect.equation);
+        for estimate in &finding.parameters {
+            let unit = estimate.parameter.description().unit;
+            let _ = writeln!(
+                text,
+                "parameter  {} = {:.4e} ± {} {unit}",
+                short_name(estimate.parameter),
+                estimate.value,
+                uncertainty(estimate)
+            );
+        }
+        if let Some(told) = finding.heard {
+            let _ = writeln!(text, "told by    {told}");
+        }
+        for (effect, confidence) in &finding.alternatives {
+            let _ = writeln!(text, "instead    {} ({confidence:.3})", effect.name);
+        }
+        let mut rivals = exhibits.rivals(finding).peekable();
+        if rivals.peek().is_none() {
+            let _ = writeln!(text, "to be sure {}", finding.effect.separated_by);
+        }
+        for rival in rivals {
+            let _ = writeln!(text, "to be sure not {}: {}", rival.rival, rival.advice());
+        }
+    }
+    for effect in &diagnosis.not_confirmed {
+        let _ = writeln!(
+            text,
+            "\nnot confirmed: {} was chosen on training recordings; the held-out ones do not bear it out",
+            effect.name
+        );
+    }
+    if let Some(unnamed) = &diagnosis.unnamed {
+        let _ = writeln!(text, "\n{unnamed}");
+    }
+    let _ = write!(text, "\n{}\n", fits(diagnosis));
+    let _ = write!(text, "\n{}\n", waterfall(exhibits));
+    if let Some(told) = whiteness::in_words(&exhibits.whiteness) {
+        let _ = writeln!(text, "not white  {told}");
+    }
+    let _ = writeln!(text, "{}", prepared(exhibits));
+    if !diagnosis.refitted.is_empty() {
+        let _ = write!(text, "\n{}\n", parameters(&diagnosis.refitted));
+    }
+    if let Some(pairs) = correlated(&diagnosis.correlated) {
+        let _ = writeln!(text, "{pairs}");
+    }
+    if let Some(level) = diagnosis.level_at_rest {
+        let _ = writeln!(
+            text,
+            "start      {} % of supply in B at rest, in the mean of the training recordings; each held-out one from what suits it best",
+            significant(100.0 * level, 3)
+        );
+    }
+    let _ = write!(text, "\n{}\n", trials(diagnosis));
+    if diagnosis.verdict == Verdict::MissingPhysics && !diagnosis.left.is_empty() {
+        let _ = writeln!(text, "{}", still_missing(diagnosis));
+    }
+    if !diagnosis.not_testable.is_empty() {
+        let names: Vec<_> = diagnosis.not_testable.iter().map(|effect| effect.name).collect();
+        let _ = writeln!(text, "not testable with these recordings: {}", names.join(", "));
+    }
+    text
+}
+
+/// When the error is made and how much of it, with the stretches that hold most.
+#[must_use]
+pub fn when(location: &Location) -> String {
+    /// Stretches that are told one by one.
+    const TOLD: usize = 3;
+    let percent = |share: f64| significant(100.0 * share, 2);
+    let intervals = &location.intervals;
+    if intervals.is_empty() {
+        return "at all times alike: no stretch holds twice the error of the rest".to_owned();
+    }
+    let each = |interval: &Interval| {
+        let (from_s, to_s) = (significant(interval.from_s, 3), significant(interval.to_s, 3));
+        format!("{} from {from_s} to {to_s} s ({} %)", interval.recording, percent(interval.share))
+    };
+    let told = intervals.iter().take(TOLD).map(each).collect::<Vec<_>>().join(", ");
+    let most = if intervals.len() > TOLD { "; most in " } else { ": " };
+    let stretches =
+        if intervals.len() == 1 { "1 stretch holds".to_owned() } else { format!("{} stretches hold", intervals.len()) };
+    format!(
+        "{stretches} {} % of the error in {} % of the time{most}{told}",
+        percent(location.share),
+        percent(location.of_time)
+    )
+}
+
+/// What a suspicion is.
+pub const SUSPECTED: &str =
+    "likelier than nothing on the training recordings, but not enough to claim it; all is within the noise";
+
+/// The verdict in a sentence.
+#[must_use]
+pub fn sentence(diagnosis: &Diagnosis) -> String {
+    let name = &diagnosis.machine;
+    match diagnosis.verdict {
+        Verdict::MissingPhysics => {
+            let effects: Vec<_> = diagnosis.findings.iter().map(|finding| finding.effect.name).collect();
+            let confirmed = match diagnosis.confirmation {
+                Some(confirmation) => {
+                    format!("confirmed on {} of {} held-out recordings", confirmation.improved, confirmation.recordings)
+                }
+                None => "not confirmed: no recording was held out".to_owned(),
+            };
+            format!("{name}: missing physics: {}; {confirmed}", effects.join(" and "))
+        }
+        Verdict::NothingMissing => {
+            format!("{name}: nothing missing: the refitted model follows the recordings within their noise")
+        }
+        Verdict::Unexplained => {
+            format!("{name}: unexplained: a mismatch above the noise that no effect of the catalogue accounts for")
+        }
+    }
+}
+
+/// What the effects claimed leave above the noise.
+#[must_use]
+pub fn still_missing(diagnosis: &Diagnosis) -> String {
+    format!("something is still missing: the model with these effects misses {}", missed(&diagnosis.left))
+}
+
+/// How far signals are off.
+#[must_use]
+pub fn missed(misses: &[Miss]) -> String {
+    let signal = |miss: &Miss| format!("{} ({:.1} times its noise)", miss.signal, miss.over_noise);
+    misses.iter().map(signal).collect::<Vec<_>>().join(", ")
+}
+
+/// A standard deviation, or why there is none.
+#[must_use]
+pub fn uncertainty(estimate: &Estimate) -> String {
+    if estimate.at_bound {
+        "at its bound".to_owned()
+    } else if estimate.std.is_finite() {
+        format!("{:.1e}", estimate.std)
+    } else {
+        "not determined".to_owned()
+    }
+}
+
+fn table(header: &[&str]) -> Table {
+    let mut table = Table::new();
+    table.load_style(TABLE).set_content_arrangement(ContentArrangement::Disabled);
+    table.set_header(header.iter().copied());
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(comfy_table::CellAlignment::Right);
+    }
+    table
+}
+
+fn fits(diagnosis: &Diagnosis) -> Table {
+    let mut table = table(&["NRMSE fit, % (free run)", "before", "after", "noise floor"]);
+    for (held_out, label) in [(false, "training"), (true, "held out")] {
+        let (before, after) = (diagnosis.mean_fits(held_out, false), diagnosis.mean_fits(held_out, true));
+        let floor = diagnosis.noise_floor(held_out);
+        for (signal, fit) in &before {
+            let of = |fits: &diagnosis::Fits| fits.get(signal).map_or_else(String::new, |fit| format!("{fit:.2}"));
+            table.add_row([format!("{label} · {signal}"), format!("{fit:.2}"), of(&after), of(&floor)]);
+        }
+    }
+    table
+}
+
+/// What each step leaves of the error, a line each, which share of what was above the noise it took away, and what is left at the end.
+fn waterfall(exhibits: &Exhibits) -> Table {
+    let stages = &exhibits.waterfall.stages;
+    let which = if exhibits.waterfall.held_out { "held out" } else { "training" };
+    let signals: Vec<&str> =
+        stages.iter().take(1).flat_map(|stage| &stage.signals).map(|(signal, _)| signal.name()).collect();
+    let first = format!("square error over noise², {which}");
+    let header: Vec<&str> = std::iter::once(first.as_str()).chain(signals).chain(["all", "share taken"]).collect();
+    let mut table = table(&header);
+    let shares = exhibits.waterfall.shares();
+    for (index, stage) in stages.iter().enumerate() {
+        let left = stage.signals.iter().map(|(_, left)| *left).chain([stage.total]).map(|left| significant(left, 3));
+        let share = match &shares {
+            // The machine file takes nothing: all that is above the noise is above it there. The last took what was left.
+            Some(shares) if index + 1 == stages.len() => format!("{} left", share_taken(shares[index])),
+            Some(shares) if index > 0 => share_taken(shares[index]),
+            _ => String::new(),
+        };
+        table.add_row(std::iter::once(stage.label.clone()).chain(left).chain([share]).collect::<Vec<_>>());
+    }
+    let white = exhibits.whiteness.iter().map(|of| format!("{} %", significant(100.0 * of.outside(), 2)));
+    table
+        .add_row(std::iter::once("lags of the rest outside the 99 % band".to_owned()).chain(white).collect::<Vec<_>>());
+    table
+}
+
+/// A share of what the machine file leaves above the noise; a step that makes it worse takes less than nothing.
+fn share_taken(share: f64) -> String {
+    format!("{}{:.1} %", if share < -5e-4 { "−" } else { "" }, (100.0 * share).abs())
+}
+
+/// What the preparation found, in a line, and a line for each failure and clock that is worth one.
+fn prepared(exhibits: &Exhibits) -> String {
+    let found = &exhibits.found;
+    let failed: usize = found.iter().flat_map(|of| &of.channels).map(|channel| channel.spikes).sum();
+    let noise: Vec<String> = found
+        .iter()
+        .take(1)
+        .flat_map(|of| &of.channels)
+        .map(|channel| {
+            format!("{} {}", channel.signal, recording::display_unit::difference(channel.signal, channel.noise))
+        })
+        .collect();
+    let dither = found.iter().find_map(|of| of.dither);
+    let dither = dither.map_or_else(String::new, |line| {
+        format!("; dither {} V at {} Hz", significant(line.amplitude, 2), significant(line.hz, 3))
+    });
+    let mut text = format!("prepared   noise: {}; {failed} spikes left out{dither}", noise.join(", "));
+    for of in found {
+        for (failure, fate) in of.failures() {
+            let _ = write!(text, "\n           {}: {failure}; {fate}", of.recording);
+        }
+        for said in of.of_clock() {
+            let _ = write!(text, "\n           {}: {said}", of.recording);
+        }
+    }
+    text
+}
+
+/// Fitted parameters with their uncertainty.
+#[must_use]
+pub fn parameters(estimates: &[Estimate]) -> Table {
+    let mut table = table(&["refitted parameter", "nominal", "fitted", "±", "unit"]);
+    for estimate in estimates {
+        let description = estimate.parameter.description();
+        table.add_row([
+            description.key.to_owned(),
+            format!("{:.4e}", estimate.before),
+            format!("{:.4e}", estimate.value),
+            uncertainty(estimate),
+            description.unit.to_owned(),
+        ]);
+    }
+    table
+}
+
+/// Pairs of parameters that the recordings tell only together, in a sentence; `None` where there are none.
+#[must_use]
+pub fn correlated(pairs: &[Correlation]) -> Option<String> {
+    let limit = significant(CORRELATED, 1);
+    let listed = pairs.iter().map(Correlation::to_string).collect::<Vec<_>>().join("; ");
+    (!pairs.is_empty()).then(|| format!("correlated beyond {limit}, told together better than each: {listed}"))
+}
+
+fn trials(diagnosis: &Diagnosis) -> Table {
+    let mut table = table(&["refitted with", "log-likelihood gained less penalty"]);
+    for trial in diagnosis.selection.rounds.iter().flatten() {
+        let names: Vec<_> = trial.effects.iter().map(|effect| effect.name).collect();
+        table.add_row([names.join(" + "), format!("{:.1}", trial.net)]);
+    }
+    table
+}

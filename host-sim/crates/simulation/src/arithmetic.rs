@@ -1,0 +1,45 @@
+//! The number types that a whole simulation is offered in.
+
+use model_core::fixed_point::PerUnit;
+use model_core::machine::Machine;
+
+use crate::initial_state::StartOffset;
+use crate::run::{Trajectory, simulate_told};
+use crate::stimulus::{SimulateError, Stimulus};
+
+/// The number type of a simulation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Arithmetic {
+    /// What the controller computes.
+    #[default]
+    Fixed,
+    /// f64.
+    Float,
+}
+
+impl Arithmetic {
+    /// Simulates in this number type.
+    pub fn simulate(
+        self,
+        machine: &Machine<f64>,
+        stimulus: &Stimulus,
+        offset: StartOffset<f64>,
+    ) -> Result<Trajectory, SimulateError> {
+        self.simulate_told(machine, stimulus, offset, &|_| ())
+    }
+
+    /// The same, and tells how many rows more are done.
+    pub fn simulate_told(
+        self,
+        machine: &Machine<f64>,
+        stimulus: &Stimulus,
+        offset: StartOffset<f64>,
+        told: &dyn Fn(usize),
+    ) -> Result<Trajectory, SimulateError> {
+        Ok(match self {
+            Arithmetic::Fixed => simulate_told::<PerUnit>(machine, stimulus, offset, told)?,
+            Arithmetic::Float => simulate_told::<f64>(machine, stimulus, offset, told)?,
+        })
+    }
+}

@@ -1,0 +1,100 @@
+//! The core's tick grid over a recording.
+
+use model_core::machine::Tick;
+use recording::Recording;
+
+use crate::stimulus::SimulateError;
+
+/// Most ticks of one simulation, or of a part of one: 14 hours at 1 kHz.
+const MAX_TICKS: usize = 50_000_000;
+
+/// Where the grid of a recording begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Origin {
+    /// Time of point 0, s.
+    pub(crate) time_s: f64,
+    /// The point at which a part of a recording is taken up; what is before it was simulated with the part before.
+    pub(crate) point: usize,
+}
+
+impl Origin {
+    /// A recording's own: its first row.
+    pub(crate) fn of(recording: &Recording) -> Self {
+        Self { time_s: recording.time_s()[0], point: 0 }
+    }
+}
+
+/// The core's grid over a recording.
+pub(crate) struct Grid<'a> {
+    time_s: &'a [f64],
+    tick_s: f64,
+    origin: Origin,
+    pub(crate) ticks: usize,
+    /// Of each row, from where the recording is taken up; of one before, that point.
+    pub(crate) rows: Vec<(usize, f64)>,
+}
+
+impl<'a> Grid<'a> {
+    pub(crate) fn new(recording: &'a Recording, tick: Tick, origin: Origin) -> Result<Self, SimulateError> {
+        let time_s = recording.time_s();
+        let tick_s = tick.seconds();
+        let duration_s = time_s[time_s.len() - 1] - origin.time_s - origin.point as f64 * tick_s;
+        if duration_s / tick_s > MAX_TICKS as f64 {
+            let recording = recording.name().to_owned();
+            return Err(SimulateError::TooLong { recording, duration_s, tick_s, limit: MAX_TICKS });
+        }
+        let rows: Vec<(usize, f64)> = time_s
+            .iter()
+            .map(|time| {
+                let at = (time - origin.time_s) / tick_s;
+                // Times are written with a few digits: within a thousandth of a tick they are on the grid.
+                let nearest = at.round();
+                let (point, share) =
+                    if (at - nearest).abs() < 1e-3 { (nearest, 0.0) } else { (at.floor(), at - at.floor()) };
+                let since = point - origin.point as f64;
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "0..MAX_TICKS by the check above"
+                )]
+                if since < 0.0 { (0, 0.0) } else { (since as usize, share) }
+            })
+            .collect();
+        let ticks = rows.last().map_or(0, |(point, share)| point + usize::from(*share > 0.0));
+        Ok(Self { time_s, tick_s, origin, ticks, rows })
+    }
+
+    /// For each tick the last recorded value at or before its start.
+    pub(crate) fn held(&self, values: &[f64]) -> Vec<f64> {
+        let mut row = 0;
+        (0..self.ticks)
+            .map(|tick| {
+                while self
+                    .rows
+                    .get(row + 1)
+                    .is_some_and(|(point, share)| *point < tick || (*point == tick && *share == 0.0))
+                {
+                    row += 1;
+                }
+                values[row]
+            })
+            .collect()
+    }
+
+    /// At each grid point the recorded values, linear in between.
+    pub(crate) fn points(&self, values: &[f64]) -> Vec<f64> {
+        let mut row = 0;
+        (0..=self.ticks)
+            .map(|point| {
+                let time = self.origin.time_s + (self.origin.point + point) as f64 * self.tick_s;
+                while row + 2 < self.time_s.len() && self.time_s[row + 1] <= time {
+                    row += 1;
+                }
+                let share = ((time - self.time_s[row]) / (self.time_s[row + 1] - self.time_s[row])).clamp(0.0, 1.0);
+                // Exactly the recorded value where a row lies on the grid.
+                let share = if (share - share.round()).abs() < 1e-6 { share.round() } else { share };
+                if share >= 1.0 { values[row + 1] } else { values[row] + share * (values[row + 1] - values[row]) }
+            })
+            .collect()
+    }
+}

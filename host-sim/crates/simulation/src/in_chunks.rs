@@ -1,0 +1,243 @@
+//! A recording that is simulated part by part, each from where the one before has led.
+
+use std::ops::Range;
+
+use machine_file::LoadSource;
+use model_core::drive::{Drive, DriveState};
+use model_core::machine::{Machine, Tick};
+use model_core::number::Scalar;
+use recording::Part;
+
+use crate::grid::Origin;
+use crate::initial_state::{StartOffset, at_start};
+use crate::run::{DELAY_LINE, Trajectory, computed_below, run_on, unbraked};
+use crate::sensor_fault::Mended;
+use crate::stimulus::{EntryPoint, SimulateError, Stimulus};
+
+/// Rows that two parts have in common on either side of where one ends and the other is taken up: what is bridged or smoothed there
+/// sees past it.
+const OVERLAP: usize = 1000;
+
+/// A simulation that goes on from part to part of a recording.
+///
+/// Every value is that of a simulation of the whole, to the last bit, but for what is found out about a recording, which is found out about
+/// each part by itself: rows in which a sensor failed, and how noisy pressures are that the load balances. A failure that lasts beyond
+/// what two parts have in common is bridged in each as if it were at an end of the recording.
+#[derive(Debug)]
+pub struct Onward<N: Scalar<Real = f64>> {
+    machine: Machine<f64>,
+    entry: EntryPoint,
+    load: LoadSource,
+    tick: Tick,
+    going: Option<Going<N>>,
+}
+
+/// Where the parts before have led.
+#[derive(Debug)]
+struct Going<N: Scalar<Real = f64>> {
+    state: DriveState<N, DELAY_LINE>,
+    origin: Origin,
+    /// Of the last rows before.
+    tail: Trajectory,
+}
+
+/// What was simulated of a part.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Advance {
+    /// Its rows that no part before had.
+    pub rows: Range<usize>,
+    /// The signals from its first row to the end of those, SI.
+    pub trajectory: Trajectory,
+    /// The row that the next part has to begin with.
+    pub next_from: usize,
+}
+
+impl<N: Scalar<Real = f64>> Onward<N> {
+    /// Nothing is simulated yet.
+    #[must_use]
+    pub fn new(machine: &Machine<f64>, entry: EntryPoint, load: LoadSource, tick: Tick) -> Self {
+        Self { machine: *machine, entry, load, tick, going: None }
+    }
+
+    /// Simulates the next part: all of it where it is the last, else some rows less than it has.
+    pub fn part(&mut self, part: &Part) -> Result<Advance, SimulateError> {
+        let recording = &part.recording;
+        let (origin, mut trajectory) = match &self.going {
+            Some(going) => (going.origin, going.tail.clone()),
+            None => (Origin::of(recording), Trajectory::of(computed_below(self.entry), recording.rows())),
+        };
+        let begun = trajectory.rows();
+        let mended = Mended::of(recording);
+        let mut stimulus = Stimulus::from_origin(&mended, &self.machine, self.entry, self.load, self.tick, origin)?;
+        if !part.is_last {
+            stimulus.end_at(recording.rows().saturating_sub(OVERLAP).max(1));
+        }
+        let end = stimulus.rows().max(begun);
+        let machine = unbraked(&self.machine, &stimulus);
+        let drive = Drive::<N>::new::<DELAY_LINE>(&machine, self.tick)?;
+        let mut state = match self.going.take() {
+            Some(going) => going.state,
+            None => at_start(&drive, &machine, &stimulus.start, StartOffset::none()),
+        };
+        run_on(&drive, &machine, &stimulus, &mut state, |row, sample| {
+            if row >= begun {
+                trajectory.push(|signal| sample.signal(signal));
+            }
+        });
+        let origin = Origin { point: origin.point + stimulus.ticks(), ..origin };
+        let next_from = end.saturating_sub(OVERLAP);
+        self.going = Some(Going { state, origin, tail: trajectory.since(next_from) });
+        Ok(Advance { rows: begun..end, trajectory, next_from })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write;
+    use std::path::Path;
+
+    use model_core::fixed_point::PerUnit;
+    use model_core::machine::Source;
+    use model_core::parameter::Parameter;
+    use recording::formats::format::parts_of;
+    use recording::{At, ChannelMap, Note, Parts, Recording, Signal, read_from};
+    use test_press::press;
+
+    use super::*;
+    use crate::run::simulate;
+
+    /// What a recording has beside its time: the column that drives it, and what acts on it all along.
+    const DRIVEN: [(EntryPoint, &str); 4] = [
+        (EntryPoint::Command, "command [V]"),
+        (EntryPoint::Slider, "spool"),
+        (EntryPoint::Flow, "flow [l/min]"),
+        (EntryPoint::Pump, "pump_speed [rpm]"),
+    ];
+
+    /// A recording of so many rows at such intervals, as a text. Every seventh row stands twice, with another after it that has an empty
+    /// cell: whatever row a part begins or ends with, some do so beside one that is left out.
+    fn text(rows: usize, driven_by: &str, interval_s: impl Fn(usize) -> f64) -> String {
+        let (mut time_s, mut text) =
+            (3.0, format!("time [s],{driven_by},position [mm],oil_temperature [°C],load_force [N]\n"));
+        let largest = if driven_by.starts_with("pump") { 900.0 } else { 0.6 };
+        for row in 0..rows {
+            let (drive, force) = (largest * (0.003 * row as f64).sin(), 2e3 * (0.001 * row as f64).cos());
+            writeln!(text, "{time_s:.7},{drive:.4},150.0,{:.2},{force:.1}", 40.0 + 1e-3 * row as f64).unwrap();
+            if row % 7 == 3 {
+                writeln!(text, "{time_s:.7},1,2,3,4\n{:.7},,2,3,4", time_s + 1e-5).unwrap();
+            }
+            time_s += interval_s(row);
+        }
+        text
+    }
+
+    fn parts(text: &str, usual_rows: usize) -> Parts<impl std::io::Read> {
+        parts_of("run.csv", text.as_bytes(), &ChannelMap::default(), usual_rows).unwrap()
+    }
+
+    /// Rows of a text with every signal in it.
+    fn written(recording: &Recording, rows: Range<usize>, trajectory: &Trajectory) -> String {
+        let series: Vec<_> = trajectory.series.iter().map(|(signal, values)| (*signal, values.as_slice())).collect();
+        String::from_utf8(recording.csv_rows(Path::new("out.csv"), rows, &series, &series).unwrap()).unwrap()
+    }
+
+    /// What is simulated in parts and written is what is simulated and written as a whole.
+    fn as_a_whole<N: Scalar<Real = f64>>(text: &str, entry: EntryPoint, tick: Tick) {
+        let further = [(Parameter::ViscosityLossPerKelvin, 0.03), (Parameter::CoulombFriction, 300.0)];
+        let mut machine = press(&further);
+        if entry == EntryPoint::Pump {
+            machine.source = Source::Pump;
+        }
+        let whole = read_from("run.csv", text.as_bytes(), &ChannelMap::default()).unwrap();
+        let load = LoadSource::Constant;
+        let stimulus = Stimulus::new(&whole, &machine, entry, load, tick).unwrap();
+        let simulated = simulate::<N>(&machine, &stimulus, StartOffset::none()).unwrap();
+        let position = simulated.signal(Signal::Position).unwrap();
+        assert!(position.iter().any(|there| (there - position[0]).abs() > 1e-4), "{entry:?} moves the rod");
+        let expected = written(&whole, 0..whole.rows(), &simulated);
+
+        for usual_rows in [3500, 5003, 100_000] {
+            let (mut parts, mut onward) = (parts(text, usual_rows), Onward::<N>::new(&machine, entry, load, tick));
+            let (mut found, mut count) = (String::new(), 0);
+            while let Some(part) = parts.read_next().unwrap() {
+                let advance = onward.part(&part).unwrap();
+                found += &written(&part.recording, advance.rows, &advance.trajectory);
+                parts.forget_before(advance.next_from);
+                count += 1;
+            }
+            assert_eq!(count > 1, usual_rows < 10_000, "{usual_rows} rows a part");
+            assert!(found == expected, "{entry:?}, {usual_rows} rows a part");
+        }
+    }
+
+    #[test]
+    fn in_parts_a_recording_is_simulated_and_written_as_a_whole() {
+        for (entry, driven_by) in DRIVEN {
+            as_a_whole::<f64>(&text(7_000, driven_by, |_| 1e-3), entry, Tick::OneMillisecond);
+            // Faster than the tick, slower, and uneven with gaps: no row lies on a point but by chance.
+            as_a_whole::<PerUnit>(&text(9_000, driven_by, |_| 2.3e-4), entry, Tick::HalfMillisecond);
+            as_a_whole::<f64>(&text(4_000, driven_by, |_| 7.1e-3), entry, Tick::TwoMilliseconds);
+            let uneven = |row: usize| 1e-4 * (1 + row * 7919 % 23) as f64 + if row % 999 == 500 { 0.25 } else { 0.0 };
+            as_a_whole::<PerUnit>(&text(7_000, driven_by, uneven), entry, Tick::OneMillisecond);
+        }
+    }
+
+    #[test]
+    fn rows_that_are_left_out_take_no_more_memory_than_others() {
+        let mut text = String::from("time [ms],command [V]\n");
+        for row in 0..100_000 {
+            writeln!(text, "{},1", row / 50).unwrap();
+        }
+        let mut parts = parts(&text, 3_000);
+        let mut onward =
+            Onward::<f64>::new(&press(&[]), EntryPoint::Command, LoadSource::Constant, Tick::OneMillisecond);
+        let (mut rows, mut notes) = (0, Vec::new());
+        while let Some(part) = parts.read_next().unwrap() {
+            let advance = onward.part(&part).unwrap();
+            rows += advance.rows.len();
+            parts.forget_before(advance.next_from);
+            notes.extend(part.recording.notes().to_vec());
+        }
+        assert_eq!(rows, 2_000);
+        assert_eq!(notes, [Note::DuplicateTimes { rows: 98_000, first: At::Line(3) }], "said once, of all");
+    }
+
+    #[test]
+    fn a_gap_is_noted_once() {
+        let text = text(9_000, "command [V]", |row| if row == 4_000 { 0.5 } else { 1e-3 });
+        let mut parts = parts(&text, 3_000);
+        let mut gaps = Vec::new();
+        while let Some(part) = parts.read_next().unwrap() {
+            parts.forget_before(part.recording.rows() / 2);
+            let is_gap = |note: &&Note| matches!(note, Note::Gaps { .. });
+            gaps.extend(part.recording.notes().iter().filter(is_gap).cloned());
+        }
+        assert!(matches!(gaps.as_slice(), [Note::Gaps { count: 1, .. }]), "{gaps:?}");
+    }
+
+    #[test]
+    fn a_part_with_fewer_rows_than_two_have_in_common_only_waits_for_more() {
+        let text = text(6_000, "command [V]", |_| 1e-3);
+        let mut parts = parts(&text, 300);
+        let mut onward =
+            Onward::<f64>::new(&press(&[]), EntryPoint::Command, LoadSource::Constant, Tick::OneMillisecond);
+        let mut rows = 0;
+        while let Some(part) = parts.read_next().unwrap() {
+            let advance = onward.part(&part).unwrap();
+            rows += advance.rows.len();
+            parts.forget_before(advance.next_from);
+        }
+        assert_eq!(rows, 6_000);
+    }
+
+    #[test]
+    fn an_error_in_a_later_part_names_its_line() {
+        let text = text(5_000, "command [V]", |_| 1e-3) + "8.0,far,1,2,3\n";
+        let mut parts = parts(&text, 4_000);
+        assert!(!parts.read_next().unwrap().unwrap().is_last);
+        parts.forget_before(usize::MAX);
+        let told = parts.read_next().map(|part| part.map(|part| part.recording.rows())).unwrap_err().to_string();
+        let line = 1 + 5_000 + 2 * 714 + 1;
+        assert!(told.contains(&format!("run.csv:{line}")) && told.contains("far"), "{told}");
+    }
+}

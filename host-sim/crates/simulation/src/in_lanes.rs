@@ -1,0 +1,186 @@
+//! Several recordings simulated abreast: as many as a number has lanes, with what a step asks of the machine asked once for all.
+
+use std::array::from_fn;
+use std::cmp::Reverse;
+
+use model_core::chambers::ChamberState;
+use model_core::drive::{Drive, DriveState, Entry, Load};
+use model_core::flow::PumpDrive;
+use model_core::machine::{Machine, MachineError};
+use model_core::number::{Field, Number};
+use model_core::valve::Slider;
+use recording::Signal;
+
+use crate::initial_state::{Departure, StartOffset, within};
+use crate::number::simd::{LANES, Lanes};
+use crate::outflow::Edges;
+use crate::run::{DELAY_LINE, Rows, reading, run, through_valve, true_slider, unbraked};
+use crate::stimulus::{EntryPoint, Stimulus, value_at};
+
+/// What is simulated of one recording.
+#[derive(Clone, Debug)]
+pub struct Run<'a> {
+    /// The recording on the core's grid.
+    pub stimulus: &'a Stimulus,
+    /// What a fit moved about its start.
+    pub offset: StartOffset<f64>,
+    /// Signals that are wanted at its rows.
+    pub signals: Vec<Signal>,
+}
+
+/// Runs the core over several stimuli, and hands each recorded row's signals to `sink`: which run, which row, and the values in SI
+/// units, 0 for what the chain does not compute. The rows of one run come in order; each value is that of [`run`] to the last bit.
+pub fn run_abreast(
+    machine: &Machine<f64>,
+    runs: &[Run<'_>],
+    mut sink: impl FnMut(usize, usize, &[f64]),
+) -> Result<(), MachineError> {
+    // Lanes run as long as the longest of theirs.
+    let mut left: Vec<usize> = (0..runs.len()).collect();
+    left.sort_by_key(|&index| Reverse(runs[index].stimulus.ticks));
+    while !left.is_empty() {
+        let first = left.remove(0);
+        let mut together = vec![first];
+        left.retain(|other| {
+            let joins = together.len() < LANES && runs[first].stimulus.goes_with(runs[*other].stimulus);
+            if joins {
+                together.push(*other);
+            }
+            !joins
+        });
+        if together.len() > 1 {
+            let chosen: Vec<&Run<'_>> = together.iter().map(|&index| &runs[index]).collect();
+            in_lanes(machine, &chosen, |lane, row, values| sink(together[lane], row, values))?;
+        } else {
+            alone(machine, &runs[first], |row, values| sink(first, row, values))?;
+        }
+    }
+    Ok(())
+}
+
+fn alone(machine: &Machine<f64>, one: &Run<'_>, mut sink: impl FnMut(usize, &[f64])) -> Result<(), MachineError> {
+    let mut values = vec![0.0; one.signals.len()];
+    run::<f64>(machine, one.stimulus, one.offset, |row, sample| {
+        for (value, &signal) in values.iter_mut().zip(&one.signals) {
+            *value = sample.signal(signal).unwrap_or_default();
+        }
+        sink(row, &values);
+    })
+}
+
+/// Several recordings in the lanes of one drive.
+struct Abreast<'a> {
+    machine: Machine<f64>,
+    /// Of each lane; one without a recording of its own repeats the first.
+    stimuli: [&'a Stimulus; LANES],
+    drive: Drive<Lanes>,
+    edges: Option<Edges<Lanes>>,
+    state: DriveState<Lanes, DELAY_LINE>,
+}
+
+impl<'a> Abreast<'a> {
+    /// Runs that go together, `LANES` at most, where each starts.
+    fn at_start(machine: &Machine<f64>, runs: &[&Run<'a>]) -> Result<Self, MachineError> {
+        let of = |lane: usize| *runs.get(lane).unwrap_or(&runs[0]);
+        let stimuli: [&Stimulus; LANES] = from_fn(|lane| of(lane).stimulus);
+        let machine = unbraked(machine, stimuli[0]);
+        let drive = Drive::<Lanes>::new::<DELAY_LINE>(&machine, stimuli[0].tick)?;
+        let departures: [Departure<f64>; LANES] =
+            from_fn(|lane| Departure::of(&machine, drive.bases(), &stimuli[lane].start, of(lane).offset));
+        let packed = |value: fn(&Departure<f64>) -> f64| Lanes::new(departures.each_ref().map(value));
+        let pressures = ChamberState { a: packed(|of| within(of.pressures.a)), b: packed(|of| within(of.pressures.b)) };
+        let state = drive.at_rest(packed(|of| f64::saturated(of.command)), pressures, packed(|of| of.strokes));
+        let edges = Edges::of(&machine, drive.bases());
+        Ok(Self { machine, stimuli, drive, edges, state })
+    }
+
+    /// One tick.
+    fn step(&mut self, tick: usize) {
+        let (stimuli, bases) = (self.stimuli, *self.drive.bases());
+        let read = |series: fn(&Stimulus) -> &[f64], index: usize, base: f64| {
+            Lanes::new(stimuli.map(|stimulus| value_at(series(stimulus), index))) / Lanes::constant(base)
+        };
+        let entry = match stimuli[0].entry_by(tick, &bases, read) {
+            Entry::Slider(slider) => Entry::Slider(self.truly(slider)),
+            Entry::Followed { command, slider } => Entry::Followed { command, slider: self.truly(slider) },
+            Entry::Flow { from, to } => through_valve(self.edges.as_ref(), &self.state, (from, to), |flow| flow),
+            other => other,
+        };
+        let kept = self.state.oil_temperature.values();
+        let oil = |lane: usize| stimuli[lane].oil_at(tick, &bases).unwrap_or(kept[lane]);
+        self.state.oil_temperature = Lanes::new(from_fn(oil));
+        let load = |index: usize| read(Stimulus::load, index, bases.force_n);
+        self.drive.step(&mut self.state, entry, Load { from: load(tick), to: load(tick + 1) });
+    }
+
+    /// The slider behind what its sensors read.
+    fn truly(&self, Slider { from, to }: Slider<Lanes>) -> Slider<Lanes> {
+        let behind = |reading: Lanes| Lanes::new(reading.values().map(|reading| true_slider(&self.machine, reading)));
+        Slider { from: behind(from), to: behind(to) }
+    }
+
+    /// A signal at a point of the grid, SI; 0 for what the chain does not compute.
+    fn signal(&self, signal: Signal, point: usize) -> [f64; LANES] {
+        let Self { machine, stimuli, drive, state, .. } = self;
+        let metering = |lane: usize| stimuli[lane].metering_at::<f64>(point);
+        let spool = || match stimuli[0].entry {
+            EntryPoint::Slider => Lanes::new(from_fn(|lane| metering(lane).unwrap_or_default())),
+            _ => drive.sensed(state).spool,
+        };
+        let flow_a = || {
+            let own = drive.slider(state).values();
+            let slider = |lane: usize| metering(lane).map_or(own[lane], |reading| true_slider(machine, reading));
+            let none = PumpDrive { speed: Lanes::constant(0.0), direction: 0 };
+            drive.flows_from(state.supply.pressure, Lanes::new(from_fn(slider)), none, state.chambers).a
+        };
+        reading(drive, machine, state, signal, spool, flow_a).map_or([0.0; LANES], Lanes::values)
+    }
+}
+
+/// Runs that go together, `LANES` at most.
+fn in_lanes(
+    machine: &Machine<f64>,
+    runs: &[&Run<'_>],
+    mut sink: impl FnMut(usize, usize, &[f64]),
+) -> Result<(), MachineError> {
+    let mut abreast = Abreast::at_start(machine, runs)?;
+    let mut signals: Vec<Signal> = Vec::new();
+    for signal in runs.iter().flat_map(|run| &run.signals) {
+        if !signals.contains(signal) {
+            signals.push(*signal);
+        }
+    }
+    // Rows of each run, and where its signals are among those of all.
+    let place = |signal: &Signal| signals.iter().position(|known| known == signal);
+    let places = |run: &&Run<'_>| run.signals.iter().filter_map(place).collect();
+    let places: Vec<Vec<usize>> = runs.iter().map(places).collect();
+    let mut rows: Vec<Rows<'_>> = runs.iter().map(|run| Rows { rows: &run.stimulus.rows, next: 0 }).collect();
+    let (mut before, mut now) = (vec![[0.0; LANES]; signals.len()], vec![[0.0; LANES]; signals.len()]);
+    let mut values = Vec::with_capacity(signals.len());
+    for point in 0..=runs.iter().map(|run| run.stimulus.ticks).max().unwrap_or(0) {
+        if point > 0 {
+            abreast.step(point - 1);
+        }
+        if !rows.iter().any(|rows| rows.is_wanted(point)) {
+            continue;
+        }
+        for (now, &signal) in now.iter_mut().zip(&signals) {
+            *now = abreast.signal(signal, point);
+        }
+        for (lane, (rows, places)) in rows.iter_mut().zip(&places).enumerate() {
+            while let Some((row, share)) = rows.at(point) {
+                let value = |&place: &usize| {
+                    let (before, now) = (before[place][lane], now[place][lane]);
+                    if share == 0.0 { now } else { before + (now - before) * share }
+                };
+                values.clear();
+                values.extend(places.iter().map(value));
+                sink(lane, row, &values);
+            }
+        }
+        if rows.iter().any(|rows| rows.is_mixed_of(point)) {
+            std::mem::swap(&mut before, &mut now);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,100 @@
+//! Where a run departs from: the state of a recording's start, with what a fit moves about it.
+
+use model_core::chambers::ChamberState;
+use model_core::drive::{Drive, DriveState};
+use model_core::machine::{Bases, Machine};
+use model_core::number::{Real, Scalar};
+use model_core::parameter::Parameter;
+
+use crate::recorded_start::Start;
+use crate::run::{DELAY_LINE, PRESSURE_A, PRESSURE_B, behind};
+
+/// Freedom of a run beyond the recording: what a fit may move about the start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StartOffset<R> {
+    /// Share of supply pressure in chamber B at rest, where pressures are not recorded; the machine's where it is `None`.
+    pub level: Option<R>,
+    /// What the rod stands further out than the recording's start, m: less than its sensor resolves.
+    pub shift_m: R,
+}
+
+impl<R: Real> StartOffset<R> {
+    /// The machine's level, and the position as recorded.
+    #[must_use]
+    pub fn none() -> Self {
+        Self { level: None, shift_m: R::ZERO }
+    }
+}
+
+/// Pressures at the start where the recording has none: the level in B, and the balance of forces.
+fn balanced<R: Real>(machine: &Machine<R>, level: R, position_m: R) -> (R, R) {
+    let get = |parameter| machine.get(parameter);
+    let beyond = position_m - get(Parameter::Stroke) * R::constant(0.5);
+    let spring = get(Parameter::LoadSpringForce)
+        + beyond * (get(Parameter::LoadSpring) + beyond * get(Parameter::LoadSpringBow));
+    let force = get(Parameter::LoadForce) - spring;
+    let supply = get(Parameter::SupplyPressure);
+    let a = (level * supply * get(Parameter::AreaB) - force) / get(Parameter::AreaA);
+    let (low, high) = (supply * R::constant(0.02), supply * R::constant(0.98));
+    let a = if a < low {
+        low
+    } else if a > high {
+        high
+    } else {
+        a
+    };
+    let b = (a * get(Parameter::AreaA) + force) / get(Parameter::AreaB);
+    (
+        a,
+        if b < low {
+            low
+        } else if b > high {
+            high
+        } else {
+            b
+        },
+    )
+}
+
+/// Where a run starts, per unit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Departure<R> {
+    /// Command, in 10 V.
+    pub(crate) command: f64,
+    pub(crate) pressures: ChamberState<R>,
+    pub(crate) strokes: R,
+}
+
+impl<R: Real> Departure<R> {
+    pub(crate) fn of(machine: &Machine<R>, bases: &Bases, start: &Start, offset: StartOffset<R>) -> Self {
+        let constant = R::constant;
+        let position_m = constant(start.position_m) + offset.shift_m;
+        let (a, b) = match start.pressures_pa {
+            Some((a, b)) => (behind(machine, PRESSURE_A, constant(a)), behind(machine, PRESSURE_B, constant(b))),
+            None => balanced(machine, offset.level.unwrap_or(machine.get(Parameter::LevelAtRest)), position_m),
+        };
+        let per_unit = |pressure: R| pressure / constant(bases.pressure_pa);
+        Self {
+            command: start.command_v / bases.command_v,
+            pressures: ChamberState { a: per_unit(a), b: per_unit(b) },
+            strokes: position_m / machine.get(Parameter::Stroke),
+        }
+    }
+}
+
+/// A signal, at the end of its range where the value is beyond.
+pub(crate) fn within<N: Scalar>(value: N::Real) -> N {
+    N::signal(value).unwrap_or_else(|| N::saturated(value.value()))
+}
+
+/// The state that a run starts from.
+pub(crate) fn at_start<N: Scalar>(
+    drive: &Drive<N>,
+    machine: &Machine<N::Real>,
+    start: &Start,
+    offset: StartOffset<N::Real>,
+) -> DriveState<N, DELAY_LINE> {
+    let Departure { command, pressures, strokes } = Departure::of(machine, drive.bases(), start, offset);
+    let pressures = ChamberState { a: within(pressures.a), b: within(pressures.b) };
+    drive.at_rest(N::saturated(command), pressures, N::travel(strokes))
+}

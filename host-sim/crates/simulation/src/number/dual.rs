@@ -1,0 +1,211 @@
+//! Dual numbers: a value and its derivatives with respect to `P` parameters.
+//!
+//! The value is an f64 run to the last bit; the derivatives are single precision, which a search for a minimum never misses and
+//! which halves their cost.
+//!
+//! With them the core's own equations yield the sensitivities that identification needs (forward mode), so these cannot
+//! drift from what the controller computes. Comparisons look at the value only.
+
+use std::cmp::Ordering;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use model_core::number::{Field, Real};
+
+/// A value with `P` partial derivatives.
+#[derive(Clone, Copy, Debug)]
+pub struct Dual<const P: usize> {
+    /// The value.
+    pub value: f64,
+    /// ∂value/∂θᵢ
+    pub partials: [f32; P],
+}
+
+impl<const P: usize> Dual<P> {
+    /// The parameter θᵢ itself.
+    ///
+    /// # Panics
+    /// Never for `index < P`; a larger index yields a constant.
+    #[must_use]
+    pub fn variable(value: f64, index: usize) -> Self {
+        let mut partials = [0.0_f32; P];
+        if let Some(partial) = partials.get_mut(index) {
+            *partial = 1.0;
+        }
+        Self { value, partials }
+    }
+
+    /// A value that no parameter moves.
+    #[must_use]
+    pub const fn constant_of(value: f64) -> Self {
+        Self { value, partials: [0.0; P] }
+    }
+
+    /// f(self) by its value and slope.
+    #[inline]
+    fn chain(self, value: f64, slope: f64) -> Self {
+        let slope = single(slope);
+        Self { value, partials: self.partials.map(|partial| partial * slope) }
+    }
+
+    /// Σ of two duals' partials, each with its weight.
+    #[inline]
+    fn combine(value: f64, a: &Self, weight_a: f64, b: &Self, weight_b: f64) -> Self {
+        let (weight_a, weight_b) = (single(weight_a), single(weight_b));
+        Self { value, partials: std::array::from_fn(|i| a.partials[i] * weight_a + b.partials[i] * weight_b) }
+    }
+}
+
+/// A derivative below this is none.
+///
+/// What a state owes to a parameter fades for ever once nothing moves. Below 1.2e-38 it would be subnormal, and processors take a
+/// hundred cycles for each product of such numbers.
+const NONE_BELOW: f32 = 1e-30;
+
+/// A slope in single precision.
+#[inline]
+#[expect(clippy::cast_possible_truncation, reason = "derivatives are single precision")]
+pub fn single(slope: f64) -> f32 {
+    slope as f32
+}
+
+impl<const P: usize> PartialEq for Dual<P> {
+    #[inline]
+    fn eq(&self, other: &Self) -> bool {
+        self.value == other.value
+    }
+}
+
+impl<const P: usize> PartialOrd for Dual<P> {
+    #[inline]
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        self.value.partial_cmp(&other.value)
+    }
+}
+
+impl<const P: usize> Add for Dual<P> {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Self {
+            value: self.value + other.value,
+            partials: std::array::from_fn(|i| self.partials[i] + other.partials[i]),
+        }
+    }
+}
+
+impl<const P: usize> Sub for Dual<P> {
+    type Output = Self;
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        Self {
+            value: self.value - other.value,
+            partials: std::array::from_fn(|i| self.partials[i] - other.partials[i]),
+        }
+    }
+}
+
+impl<const P: usize> Mul for Dual<P> {
+    type Output = Self;
+    #[inline]
+    fn mul(self, other: Self) -> Self {
+        Self::combine(self.value * other.value, &self, other.value, &other, self.value)
+    }
+}
+
+impl<const P: usize> Div for Dual<P> {
+    type Output = Self;
+    #[inline]
+    fn div(self, other: Self) -> Self {
+        // Not by the inverse: the value must be that of an f64 run to the last bit.
+        let value = self.value / other.value;
+        let inverse = 1.0 / other.value;
+        Self::combine(value, &self, inverse, &other, -value * inverse)
+    }
+}
+
+impl<const P: usize> Neg for Dual<P> {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        self.chain(-self.value, -1.0)
+    }
+}
+
+impl<const P: usize> Field for Dual<P> {
+    type Real = Self;
+
+    const ZERO: Self = Self { value: 0.0, partials: [0.0; P] };
+    const ONE: Self = Self { value: 1.0, partials: [0.0; P] };
+
+    #[inline]
+    fn constant(value: f64) -> Self {
+        Self::constant_of(value)
+    }
+    #[inline]
+    fn coefficient(value: Self) -> Self {
+        value
+    }
+    #[inline]
+    fn sqrt(self) -> Self {
+        let root = self.value.sqrt();
+        self.chain(root, 0.5 / root)
+    }
+    #[inline]
+    fn vanishes(self) -> bool {
+        self.is_nil()
+    }
+    #[inline]
+    fn noted(self) -> Self {
+        let noted = |slope: f32| if slope.abs() < NONE_BELOW { 0.0 } else { slope };
+        Self { partials: self.partials.map(noted), ..self }
+    }
+}
+
+impl<const P: usize> Real for Dual<P> {
+    #[inline]
+    fn value(self) -> f64 {
+        self.value
+    }
+    fn is_nil(self) -> bool {
+        self.value == 0.0 && self.partials.iter().all(|partial| *partial == 0.0)
+    }
+    fn exp(self) -> Self {
+        let value = Real::exp(self.value);
+        self.chain(value, value)
+    }
+    fn cos(self) -> Self {
+        self.chain(Real::cos(self.value), -self.value.sin())
+    }
+    fn acos(self) -> Self {
+        self.chain(Real::acos(self.value), -1.0 / (1.0 - self.value * self.value).sqrt())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use model_core::number::Number;
+
+    use super::*;
+
+    #[test]
+    fn a_derivative_that_fades_is_none_before_it_is_subnormal() {
+        let decay = Dual::<2>::constant_of(0.5);
+        let mut fading = Dual::<2>::variable(1.0, 0);
+        for _ in 0..200 {
+            fading = fading.part(decay);
+            assert!(fading.partials.iter().all(|slope| *slope == 0.0 || slope.is_normal()), "{fading:?}");
+        }
+        assert!(fading.value > 0.0 && fading.partials.iter().all(|slope| *slope == 0.0), "{fading:?}");
+    }
+
+    #[test]
+    fn derivative_of_a_quotient_of_roots_and_exponentials() {
+        let f = |x: Dual<1>| x.sqrt() / (x.exp() + x * x) - x;
+        let (at, h) = (0.7, 1e-6);
+        let plain = |x: f64| x.sqrt() / (x.exp() + x * x) - x;
+        let expected = (plain(at + h) - plain(at - h)) / (2.0 * h);
+        let dual = f(Dual::variable(at, 0));
+        assert!((dual.value - plain(at)).abs() < 1e-15);
+        assert!((f64::from(dual.partials[0]) - expected).abs() < 1e-6, "{} {expected}", dual.partials[0]);
+    }
+}

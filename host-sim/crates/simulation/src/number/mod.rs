@@ -1,0 +1,5 @@
+//! TODO.
+
+pub mod cpu;
+pub mod dual;
+pub mod simd;

@@ -1,0 +1,383 @@
+//! Recording → simulation: the core driven by what was recorded.
+//!
+//! A [`Stimulus`] is a recording laid on the core's tick grid. [`run`] steps the core over it in any number type and hands out the
+//! signals at the recorded rows.
+
+use model_core::chambers::ChamberState;
+use model_core::drive::{Drive, DriveState, Entry};
+use model_core::flow::Flows;
+use model_core::machine::{Machine, MachineError};
+use model_core::number::{Field, Number, Real, Scalar};
+use model_core::parameter::Parameter;
+use model_core::valve::Slider;
+use recording::Signal;
+
+use crate::initial_state::{StartOffset, at_start, within};
+use crate::outflow::{Below, Edges};
+use crate::stimulus::{EntryPoint, Stimulus};
+
+/// Ticks of delay line on the desktop: more than a quarter of a second at any tick.
+pub const DELAY_LINE: usize = 512;
+
+/// The chain at one recorded row; each signal is computed when it is asked for.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample<'a, N: Scalar> {
+    drive: &'a Drive<N>,
+    machine: &'a Machine<N::Real>,
+    stimulus: &'a Stimulus,
+    state: &'a DriveState<N, DELAY_LINE>,
+    point: usize,
+    /// Where the row lies before the point.
+    since: Option<Since<'a, N::Real>>,
+}
+
+/// A row between two points.
+#[derive(Clone, Copy, Debug)]
+struct Since<'a, R> {
+    /// Every signal at the first.
+    before: &'a [(Signal, R)],
+    /// How far on from there the row is, 0..1.
+    share: f64,
+}
+
+impl<N: Scalar> Sample<'_, N> {
+    /// The value of a recorded signal as its sensor reads it, in SI units, if the chain computes it.
+    #[must_use]
+    #[inline]
+    pub fn signal(&self, signal: Signal) -> Option<N::Real> {
+        let now = self.at_point(signal)?;
+        let Some(Since { before, share }) = self.since else { return Some(now) };
+        let (_, before) = before.iter().find(|(known, _)| *known == signal)?;
+        Some(*before + (now - *before) * N::Real::constant(share))
+    }
+
+    #[inline]
+    fn at_point(&self, signal: Signal) -> Option<N::Real> {
+        reading(self.drive, self.machine, self.state, signal, || self.spool(), || self.flow_a())
+    }
+
+    /// The slider as it is read; a drive that is entered at the slider has it from the recording.
+    fn spool(&self) -> N {
+        let recorded = || self.stimulus.metering_at::<N>(self.point);
+        let given = if self.stimulus.entry == EntryPoint::Slider { recorded() } else { None };
+        given.unwrap_or_else(|| self.drive.sensed(self.state).spool)
+    }
+
+    /// Flow into A, from the slider that meters the oil.
+    fn flow_a(&self) -> N {
+        let recorded = self.stimulus.metering_at::<N>(self.point);
+        let slider =
+            recorded.map_or_else(|| self.drive.slider(self.state), |reading| true_slider(self.machine, reading));
+        let pump = self.stimulus.pump_at(self.point, self.drive.bases());
+        self.drive.flows_from(self.state.supply.pressure, slider, pump, self.state.chambers).a
+    }
+}
+
+/// The value of a recorded signal as its sensor reads it, in SI units, if the chain computes it; the slider and the flow into A by
+/// what is known of them.
+#[inline]
+pub(crate) fn reading<N: Number>(
+    drive: &Drive<N>,
+    machine: &Machine<N::Real>,
+    state: &DriveState<N, DELAY_LINE>,
+    signal: Signal,
+    spool: impl FnOnce() -> N,
+    flow_a: impl FnOnce() -> N,
+) -> Option<N::Value> {
+    let bases = drive.bases();
+    let in_si = |reading: N, base: f64| reading.to_real() * N::Value::constant(base);
+    let pressure_a = || in_si(drive.sensed(state).pressure_a, bases.pressure_pa);
+    let pressure_b = || in_si(drive.sensed(state).pressure_b, bases.pressure_pa);
+    let get = |parameter| N::Value::coefficient(machine.get(parameter));
+    Some(match signal {
+        Signal::Spool => spool().to_real(),
+        Signal::SupplyPressure => in_si(state.supply.pressure, bases.pressure_pa),
+        Signal::Flow => in_si(flow_a(), bases.flow_m3_per_s),
+        Signal::PressureA => pressure_a(),
+        Signal::PressureB => pressure_b(),
+        Signal::Force => get(Parameter::AreaA) * pressure_a() - get(Parameter::AreaB) * pressure_b(),
+        Signal::Velocity => in_si(drive.sensed(state).velocity, bases.velocity_m_per_s),
+        Signal::Position => N::strokes(drive.sensed(state).position) * get(Parameter::Stroke),
+        _ => return None,
+    })
+}
+
+/// Signals that the chain computes below an entry, in its order. A supply pressure only where the valve draws from it.
+#[must_use]
+pub fn computed_below(entry: EntryPoint) -> &'static [Signal] {
+    const ALL: &[Signal] = &[
+        Signal::Spool,
+        Signal::SupplyPressure,
+        Signal::Flow,
+        Signal::PressureA,
+        Signal::PressureB,
+        Signal::Force,
+        Signal::Velocity,
+        Signal::Position,
+    ];
+    match entry {
+        EntryPoint::Command => ALL,
+        EntryPoint::Slider => &ALL[1..],
+        EntryPoint::Pump => &ALL[2..],
+        EntryPoint::Flow => &ALL[3..],
+        EntryPoint::Force => &ALL[6..],
+    }
+}
+
+/// The signals of a simulation at the recorded rows, in SI units.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Trajectory {
+    /// One series for each signal computed below the entry.
+    pub series: Vec<(Signal, Vec<f64>)>,
+}
+
+impl Trajectory {
+    /// A computed signal.
+    #[must_use]
+    pub fn signal(&self, signal: Signal) -> Option<&[f64]> {
+        self.series.iter().find(|(found, _)| *found == signal).map(|(_, values)| values.as_slice())
+    }
+
+    /// No rows of these signals yet, and room for so many.
+    pub(crate) fn of(signals: &[Signal], rows: usize) -> Self {
+        Self { series: signals.iter().map(|&signal| (signal, Vec::with_capacity(rows))).collect() }
+    }
+
+    /// How many rows it has.
+    pub(crate) fn rows(&self) -> usize {
+        self.series.first().map_or(0, |(_, values)| values.len())
+    }
+
+    /// One row more.
+    pub(crate) fn push(&mut self, value: impl Fn(Signal) -> Option<f64>) {
+        for (signal, values) in &mut self.series {
+            values.extend(value(*signal));
+        }
+    }
+
+    /// Its rows from this one on.
+    pub(crate) fn since(&self, row: usize) -> Self {
+        Self { series: self.series.iter().map(|(signal, values)| (*signal, values[row..].to_vec())).collect() }
+    }
+}
+
+/// Rows of a recording in their order: each lies on a point of the grid, or in the tick before it and is then mixed of both.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rows<'a> {
+    pub(crate) rows: &'a [(usize, f64)],
+    pub(crate) next: usize,
+}
+
+impl Rows<'_> {
+    /// The next row, if it lies at this point or in the tick before; and how far on from the point before, 0 where it is this one.
+    #[inline]
+    pub(crate) fn at(&mut self, point: usize) -> Option<(usize, f64)> {
+        let &(at, share) = self.rows.get(self.next)?;
+        if at + usize::from(share != 0.0) != point {
+            return None;
+        }
+        self.next += 1;
+        Some((self.next - 1, share))
+    }
+
+    /// Whether the next row lies at this point, or in a tick that it bounds.
+    #[inline]
+    pub(crate) fn is_wanted(&self, point: usize) -> bool {
+        self.rows.get(self.next).is_some_and(|(at, share)| *at == point || (*share != 0.0 && at + 1 == point))
+    }
+
+    /// Whether the next row lies in the tick after this point.
+    #[inline]
+    pub(crate) fn is_mixed_of(&self, point: usize) -> bool {
+        self.rows.get(self.next).is_some_and(|(at, share)| *at == point && *share != 0.0)
+    }
+}
+
+/// Runs the core over a stimulus and hands each recorded row's sample to `sink`, in order.
+pub fn run<N: Scalar>(
+    machine: &Machine<N::Real>,
+    stimulus: &Stimulus,
+    offset: StartOffset<N::Real>,
+    sink: impl FnMut(usize, &Sample<'_, N>),
+) -> Result<(), MachineError> {
+    let machine = &unbraked(machine, stimulus);
+    let drive = Drive::<N>::new::<DELAY_LINE>(machine, stimulus.tick)?;
+    let mut state = at_start(&drive, machine, &stimulus.start, offset);
+    run_on(&drive, machine, stimulus, &mut state, sink);
+    Ok(())
+}
+
+/// The same from a state, which it leaves at the end of the stimulus.
+pub(crate) fn run_on<N: Scalar>(
+    drive: &Drive<N>,
+    machine: &Machine<N::Real>,
+    stimulus: &Stimulus,
+    state: &mut DriveState<N, DELAY_LINE>,
+    mut sink: impl FnMut(usize, &Sample<'_, N>),
+) {
+    let bases = *drive.bases();
+    let edges = Edges::of(machine, &bases);
+    let mut rows = Rows { rows: &stimulus.rows, next: 0 };
+    let mut before: Vec<(Signal, N::Real)> = Vec::new();
+    for point in 0..=stimulus.ticks {
+        if point > 0 {
+            let tick = point - 1;
+            let entry = entered(machine, edges.as_ref(), state, stimulus.entry_at(tick, &bases));
+            if let Some(temperature) = stimulus.oil_at(tick, &bases) {
+                state.oil_temperature = temperature;
+            }
+            drive.step(state, entry, stimulus.load_at(tick, &bases));
+        }
+        let now = Sample { drive, machine, stimulus, state, point, since: None };
+        while let Some((row, share)) = rows.at(point) {
+            sink(row, &Sample { since: (share != 0.0).then_some(Since { before: &before, share }), ..now });
+        }
+        if rows.is_mixed_of(point) {
+            let signals = computed_below(EntryPoint::Command).iter();
+            before = signals.filter_map(|&signal| Some((signal, now.signal(signal)?))).collect();
+        }
+    }
+}
+
+/// Gain error and offset of a sensor.
+type SensorError = (Parameter, Parameter);
+pub(crate) const PRESSURE_A: SensorError = (Parameter::PressureAFactor, Parameter::PressureAOffset);
+pub(crate) const PRESSURE_B: SensorError = (Parameter::PressureBFactor, Parameter::PressureBOffset);
+const SPOOL: SensorError = (Parameter::SpoolFactor, Parameter::SpoolOffset);
+
+/// The true value behind what a sensor read: (reading − offset)/(1 + factor).
+pub(crate) fn behind<R: Real>(machine: &Machine<R>, (factor, offset): SensorError, reading: R) -> R {
+    (reading - machine.get(offset)) / (R::ONE + machine.get(factor))
+}
+
+/// What the chain is entered with where the recording has the reading of a sensor.
+fn entered<N: Scalar>(
+    machine: &Machine<N::Real>,
+    edges: Option<&Edges<N::Value>>,
+    state: &DriveState<N, DELAY_LINE>,
+    entry: Entry<N>,
+) -> Entry<N> {
+    let true_slider = |Slider { from, to }| Slider { from: true_slider(machine, from), to: true_slider(machine, to) };
+    match entry {
+        Entry::Slider(slider) => Entry::Slider(true_slider(slider)),
+        Entry::Followed { command, slider } => Entry::Followed { command, slider: true_slider(slider) },
+        Entry::Flow { from, to } => through_valve(edges, state, (from, to), within),
+        other => other,
+    }
+}
+
+/// The flow entry with what leaves B through the valve's other edge.
+pub(crate) fn through_valve<N: Number>(
+    edges: Option<&Edges<N::Value>>,
+    state: &DriveState<N, DELAY_LINE>,
+    (from, to): (Flows<N>, Flows<N>),
+    signal: impl Fn(N::Value) -> N,
+) -> Entry<N> {
+    let Some(edges) = edges else { return Entry::Flow { from, to } };
+    let below = Below {
+        pressures: ChamberState { a: state.chambers.a.to_real(), b: state.chambers.b.to_real() },
+        velocity: state.motion.velocity.to_real(),
+    };
+    let (begun, ended) = edges.through((from.a.to_real(), to.a.to_real()), below);
+    Entry::Flow { from: Flows { b: signal(begun.b), ..from }, to: Flows { b: signal(ended.b), ..to } }
+}
+
+pub(crate) fn true_slider<N: Scalar>(machine: &Machine<N::Real>, reading: N) -> N {
+    let (factor, offset) = SPOOL;
+    if machine.get(factor).is_nil() && machine.get(offset).is_nil() {
+        return reading;
+    }
+    within(behind(machine, SPOOL, reading.to_real()))
+}
+
+/// What a load that balances the recorded pressures holds already: every force on the rod but viscous friction and the constant load.
+const BALANCED: [Parameter; 17] = [
+    Parameter::CoulombFriction,
+    Parameter::StribeckForce,
+    Parameter::StribeckExcess,
+    Parameter::AsymmetricExtending,
+    Parameter::AsymmetricRetracting,
+    Parameter::PositionFriction,
+    Parameter::PositionFrictionSlope,
+    Parameter::PositionFrictionBow,
+    Parameter::PositionDragSlope,
+    Parameter::PositionDragBow,
+    Parameter::PressureFriction,
+    Parameter::PreslidingForce,
+    Parameter::LoadSpring,
+    Parameter::LoadSpringForce,
+    Parameter::LoadSpringBow,
+    Parameter::StopStiffness,
+    Parameter::StopDamping,
+];
+
+/// The machine with light damping in place of its friction where the load balances the recorded pressures.
+pub(crate) fn unbraked<R: Real>(machine: &Machine<R>, stimulus: &Stimulus) -> Machine<R> {
+    let mut machine = *machine;
+    if let Some(damping) = stimulus.damping {
+        machine.set(Parameter::ViscousFriction, R::constant(damping));
+        for parameter in BALANCED {
+            machine.set(parameter, R::ZERO);
+        }
+        // So is a table of forces.
+        if (machine.get(Parameter::TableQuantity).value() - 1.0).abs() < 0.5 {
+            machine.set(Parameter::TableQuantity, R::ZERO);
+        }
+    }
+    machine
+}
+
+/// A whole simulation in a plain number type: fixed point as the controller computes, or `f64`.
+///
+/// ```
+/// use std::path::Path;
+///
+/// use host_sim::recording::{self, ChannelMap, Signal};
+/// use host_sim::simulate::{StartOffset, Stimulus, first_entry, natural_tick, simulate};
+/// use host_sim::machine_file;
+/// use model_core::fixed_point::PerUnit;
+///
+/// let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/press-63-40");
+/// let drive = machine_file::read(&example.join("machine.toml"))?;
+/// let recording = recording::read(&example.join("holdout-1.csv"), &ChannelMap::default())?;
+///
+/// let entry = first_entry(drive.machine.source, &recording)?; // the command, where it was recorded
+/// let tick = natural_tick(&recording);
+/// let stimulus = Stimulus::new(&recording, &drive.machine, entry, drive.load_source, tick)?;
+/// let simulated = simulate::<PerUnit>(&drive.machine, &stimulus, StartOffset::none())?;
+///
+/// let position_m = simulated.signal(Signal::Position).expect("the chain computes it");
+/// assert_eq!(position_m.len(), recording.rows());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn simulate<N: Scalar<Real = f64>>(
+    machine: &Machine<f64>,
+    stimulus: &Stimulus,
+    offset: StartOffset<f64>,
+) -> Result<Trajectory, MachineError> {
+    simulate_told::<N>(machine, stimulus, offset, &|_| ())
+}
+
+/// Rows between two reports of a simulation: some milliseconds of work.
+const ROWS_TOLD: usize = 4096;
+
+/// As [`simulate`], and tells after every few thousand rows how many more are done.
+pub fn simulate_told<N: Scalar<Real = f64>>(
+    machine: &Machine<f64>,
+    stimulus: &Stimulus,
+    offset: StartOffset<f64>,
+    told: &dyn Fn(usize),
+) -> Result<Trajectory, MachineError> {
+    let mut trajectory = Trajectory::of(computed_below(stimulus.entry), stimulus.rows());
+    run::<N>(machine, stimulus, offset, |row, sample| {
+        trajectory.push(|signal| sample.signal(signal));
+        if (row + 1) % ROWS_TOLD == 0 {
+            told(ROWS_TOLD);
+        }
+    })?;
+    told(stimulus.rows() % ROWS_TOLD);
+    Ok(trajectory)
+}
+
+#[cfg(test)]
+mod tests;

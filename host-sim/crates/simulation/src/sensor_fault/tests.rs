@@ -1,0 +1,151 @@
+use recording::seeded_noise::Noise;
+
+use super::*;
+
+/// A rod that rests, moves at up to 0.2 m/s, and rests again, 1 kHz, read in steps of 20 µm.
+fn rod() -> (Vec<f64>, Vec<f64>) {
+    let time_s: Vec<f64> = (0..4000).map(|row| f64::from(row) * 1e-3).collect();
+    let position = |time: f64| 0.15 + 0.1 * (2.0 * (time.clamp(0.5, 3.5) - 0.5)).sin();
+    let values = time_s.iter().map(|time| (position(*time) / 2e-5).round() * 2e-5).collect();
+    (time_s, values)
+}
+
+/// A signal with noise of six steps of its converter.
+fn noisy() -> (Vec<f64>, Vec<f64>) {
+    let mut seed = 5_u32;
+    let mut uniform = || {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(seed >> 8) / f64::from(1 << 24) - 0.5
+    };
+    let time_s: Vec<f64> = (0..4000).map(|row| f64::from(row) * 1e-3).collect();
+    let values = time_s
+        .iter()
+        .map(|time| 3e6 + 1e6 * (4.0 * time).sin() + 12e3 * (uniform() + uniform() + uniform()))
+        .map(|value| (value / 1e3).round() * 1e3)
+        .collect();
+    (time_s, values)
+}
+
+fn found(signal: Signal, (time_s, values): &(Vec<f64>, Vec<f64>)) -> Vec<(FailureKind, usize, usize)> {
+    Failures::of(signal, time_s, values).stretches.iter().map(|s| (s.kind, s.from, s.to)).collect()
+}
+
+#[test]
+fn a_rod_that_rests_and_a_slider_that_sticks_have_not_failed() {
+    assert_eq!(found(Signal::Position, &rod()), []);
+    // Breaks away from rest by a tenth of its travel, again and again, and reads no noise.
+    let (time_s, _) = rod();
+    let slider = time_s
+        .iter()
+        .map(|time| ((time * 8.0).sin() * 5.0).round() / 5.0 + 1e-3 * (time * 30.0).sin().round())
+        .collect();
+    assert_eq!(found(Signal::Spool, &(time_s, slider)), []);
+}
+
+#[test]
+fn a_position_that_hangs_and_jumps_is_found_with_its_rows() {
+    let mut rod = rod();
+    let held = rod.1[1000];
+    rod.1[1000..1500].fill(held);
+    let first = (rod.1[..1000].iter().rposition(|value| value.to_bits() != held.to_bits())).unwrap() + 1;
+    assert_eq!(found(Signal::Position, &rod), [(FailureKind::Stuck, first, 1500)]);
+}
+
+#[test]
+fn readings_of_nothing_are_drop_outs_in_whatever_signal() {
+    let mut rod = rod();
+    rod.1[700..706].fill(0.0);
+    rod.1[1800..1900].fill(0.3);
+    let expected = [(FailureKind::Dropout, 700, 706), (FailureKind::Dropout, 1800, 1900)];
+    assert_eq!(found(Signal::Position, &rod), expected);
+    let mut pressure = noisy();
+    pressure.1[700..750].fill(0.0);
+    assert_eq!(found(Signal::PressureA, &pressure), [(FailureKind::Dropout, 700, 750)]);
+}
+
+#[test]
+fn the_rests_before_and_after_a_failure_are_none() {
+    // It hangs while the rod moves, and jumps to where the rod rests by then.
+    let mut late = rod();
+    let held = late.1[3300];
+    late.1[3300..3600].fill(held);
+    assert_eq!(found(Signal::Position, &late).last(), Some(&(FailureKind::Stuck, 3300, 3600)));
+    assert_eq!(found(Signal::Position, &late).len(), 1);
+    let mut resting = rod();
+    resting.1[100..150].fill(0.0);
+    resting.1[200..250].fill(0.0);
+    let expected = [(FailureKind::Dropout, 100, 150), (FailureKind::Dropout, 200, 250)];
+    assert_eq!(found(Signal::Position, &resting), expected);
+    // One from which it does not come back.
+    let mut moving = rod();
+    moving.1[2000..].fill(0.0);
+    assert_eq!(found(Signal::Position, &moving), [(FailureKind::Stuck, 2000, 4000)]);
+}
+
+#[test]
+fn a_silent_pressure_has_to_jump_and_a_jumping_one_to_be_silent() {
+    let mut silent = noisy();
+    let held = silent.1[393];
+    // Over a whole period it comes back to where it left.
+    silent.1[393..393 + 1571].fill(held);
+    assert_eq!(found(Signal::PressureA, &silent), []);
+    let mut stuck = noisy();
+    let held = stuck.1[1000];
+    stuck.1[1000..1500].fill(held);
+    assert_eq!(found(Signal::PressureA, &stuck), [(FailureKind::Stuck, 1000, 1500)]);
+    // A rod without noise may drop to another pressure within a row.
+    let (time_s, mut jumping) = rod();
+    jumping[3600..].iter_mut().for_each(|value| *value += 0.05);
+    assert_eq!(found(Signal::PressureA, &(time_s, jumping)), []);
+}
+
+#[test]
+fn a_jump_over_a_gap_in_time_is_none() {
+    let (mut time_s, mut values) = rod();
+    time_s[3700..].iter_mut().for_each(|time| *time += 2.0);
+    values[3700..].iter_mut().for_each(|value| *value -= 0.05);
+    assert_eq!(found(Signal::Position, &(time_s, values)), []);
+}
+
+/// A slider that strokes up and down with sharp corners, jumps and rings, 200 Hz, with noise of half a thousandth.
+fn stroking_slider() -> Vec<f64> {
+    let shape = |row: usize| match row % 100 {
+        phase @ 0..30 => 0.03 * phase as f64 - 0.45,
+        30..60 => 0.45,
+        phase @ 60..80 => 0.45 - 0.09 * (phase - 60) as f64 / 2.0,
+        // A jump, and what rings after it.
+        phase => -0.6 + 0.15 * (0.8 * (phase - 80) as f64).cos() * (-0.2 * (phase - 80) as f64).exp(),
+    };
+    let mut noise = Noise::new(9, 0);
+    (0..1000).map(|row| shape(row) + noise.gaussian(5e-4)).collect()
+}
+
+#[test]
+fn spikes_stand_out_of_a_signal_that_moves_and_its_corners_jumps_and_ringing_do_not() {
+    let spikes = |values: &[f64]| -> Vec<usize> {
+        let found = super::spikes(values, crate::signal::noise::noise(values, 0.0));
+        (0..values.len()).filter(|row| found[*row]).collect()
+    };
+    let clean = stroking_slider();
+    assert!(spikes(&clean).is_empty(), "{:?}", spikes(&clean));
+    let mut values = clean;
+    // Both ways, on the way up and down; the median of seven rows that move so lies as far from them as these do.
+    for (row, off) in [(110, 0.17), (215, -0.17), (470, 0.2), (575, -0.3)] {
+        values[row] += off;
+    }
+    assert_eq!(spikes(&values), [110, 215, 470, 575]);
+}
+
+#[test]
+fn spikes_are_no_stretches_and_failed_rows_are_bridged() {
+    let (time_s, mut values) = rod();
+    values[1200] += 0.05;
+    values[1700..1703].fill(0.0);
+    let failures = Failures::of(Signal::Position, &time_s, &values);
+    assert!(failures.stretches.is_empty());
+    let failed: Vec<usize> = (0..values.len()).filter(|row| failures.rows()[*row]).collect();
+    assert_eq!(failed, [1200, 1700, 1701, 1702]);
+    let bridged = bridged(&values, &failures.rows());
+    assert!(bridged.windows(2).all(|pair| (pair[1] - pair[0]).abs() < 3e-4));
+    assert_eq!(super::bridged(&[5.0, 1.0, 5.0], &[true, false, true]), [1.0, 1.0, 1.0]);
+}

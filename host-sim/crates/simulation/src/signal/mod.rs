@@ -1,0 +1,6 @@
+//! TODO.
+
+pub mod noise;
+pub mod slope;
+pub mod spectrum;
+pub mod window;

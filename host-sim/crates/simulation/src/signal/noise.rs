@@ -1,0 +1,111 @@
+//! The noise of a sensor, estimated from what it recorded.
+
+use std::borrow::Borrow;
+
+/// Rows of one segment that the noise is estimated from: few, so that where a signal moves and rings most of the time some still rest.
+const SEGMENT: usize = 16;
+/// Median of the segments' mean squares of white noise, over its variance.
+const MEDIAN: f64 = 0.9;
+
+/// Standard deviation of white noise in a smooth signal: root mean square of its third differences over √20 (Gasser, Sroka,
+/// Jennen-Steinmetz 1986) in short segments, of which the median counts, so that steps and spikes do not; at least what
+/// rounding to the resolution makes, and at least 1e-5 of the signal's span: no sensor is better, and no tick finer.
+pub fn noise(values: &[f64], resolution: f64) -> f64 {
+    let squares: Vec<f64> = values.windows(4).map(|w| ((w[3] - w[0]) - 3.0 * (w[2] - w[1])).powi(2) / 20.0).collect();
+    let mut segments: Vec<f64> =
+        squares.chunks(SEGMENT).map(|segment| segment.iter().sum::<f64>() / segment.len() as f64).collect();
+    let (low, high) = extent(values);
+    (median(&mut segments) / MEDIAN)
+        .sqrt()
+        .max(resolution / 12.0_f64.sqrt())
+        .max(1e-5 * (high - low))
+        .max(f64::MIN_POSITIVE)
+}
+
+/// The step that most neighbouring values differ by, where a sensor shows one: the smallest difference that is not nil
+/// and occurs more than rarely.
+pub fn resolution(values: &[f64]) -> f64 {
+    let mut steps: Vec<f64> =
+        values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0).collect();
+    if steps.is_empty() {
+        return 0.0;
+    }
+    let rank = steps.len() / 20;
+    let (_, step, _) = steps.select_nth_unstable_by(rank, f64::total_cmp);
+    let step = *step;
+    // A resolution shows in that steps are multiples of it; noise of many digits has none.
+    let multiples = values
+        .windows(2)
+        .map(|pair| (pair[1] - pair[0]).abs() / step)
+        .filter(|ratio| (ratio - ratio.round()).abs() < 0.02)
+        .count();
+    if multiples * 10 >= values.len() * 9 { step } else { 0.0 }
+}
+
+/// Lowest and highest value; of nothing, a lowest above the highest.
+pub fn extent<V: Borrow<f64>>(values: impl IntoIterator<Item = V>) -> (f64, f64) {
+    let widened = |(low, high): (f64, f64), value: V| (low.min(*value.borrow()), high.max(*value.borrow()));
+    values.into_iter().fold((f64::MAX, f64::MIN), widened)
+}
+
+/// The value that this share of all lies below, by rank; of nothing, `None`.
+pub fn quantile(mut values: Vec<f64>, share: f64) -> Option<f64> {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a rank")]
+    let rank = (share * values.len().checked_sub(1)? as f64).round() as usize;
+    Some(*values.select_nth_unstable_by(rank, f64::total_cmp).1)
+}
+
+/// The median; 0 for nothing.
+pub fn median(values: &mut [f64]) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use recording::seeded_noise::Noise;
+
+    use super::*;
+
+    #[test]
+    fn noise_of_a_quantised_ramp_is_that_of_its_rounding() {
+        let ramp: Vec<f64> = (0..4000).map(|k| (f64::from(k) * 0.013).floor() * 0.5).collect();
+        let step = resolution(&ramp);
+        assert!((step - 0.5).abs() < 1e-12);
+        assert!((noise(&ramp, step) - 0.5 / 12.0_f64.sqrt()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn noise_on_a_sine_is_found_within_a_tenth() {
+        let mut seed = 1_u32;
+        let mut uniform = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(seed >> 8) / f64::from(1 << 24) - 0.5
+        };
+        let values: Vec<f64> =
+            (0..5000).map(|k| (f64::from(k) * 0.01).sin() + 0.02 * (uniform() + uniform() + uniform())).collect();
+        let found = noise(&values, resolution(&values));
+        assert!((found / 0.01 - 1.0).abs() < 0.1, "{found}");
+    }
+
+    #[test]
+    fn white_noise_is_found_without_bias() {
+        let mut white = Noise::new(3, 0);
+        let values: Vec<f64> = (0..50_000).map(|_| white.gaussian(0.01)).collect();
+        let found = super::noise(&values, 0.0);
+        assert!((found / 0.01 - 1.0).abs() < 0.02, "{found}");
+    }
+
+    #[test]
+    fn ringing_is_not_taken_for_noise() {
+        // A pressure at 200 Hz that rings after a jump every 0.4 s.
+        let mut noise = Noise::new(7, 0);
+        let ringing = |k: u32| 50.0 * (-0.3 * f64::from(k)).exp() * (0.63 * f64::from(k)).sin();
+        let values: Vec<f64> = (0..4000).map(|k| ringing(k % 80) + noise.gaussian(0.01)).collect();
+        let found = super::noise(&values, resolution(&values));
+        assert!((0.9..1.5).contains(&(found / 0.01)), "{found}");
+    }
+}

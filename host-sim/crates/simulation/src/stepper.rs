@@ -1,0 +1,191 @@
+//! A drive that is stepped by whoever drives it, tick by tick, with inputs that nobody knows beforehand.
+//!
+//! It starts, steps and reads as [`run`](crate::run::run) does for a recording of the same inputs, bit for bit.
+
+use model_core::drive::{Drive, DriveState, Entry, Load};
+use model_core::flow::PumpDrive;
+use model_core::machine::{Machine, MachineError, Source, Tick};
+use model_core::number::Scalar;
+use recording::Signal;
+
+use crate::initial_state::{StartOffset, at_start};
+use crate::recorded_start::Start;
+use crate::run::{DELAY_LINE, reading};
+use crate::stimulus::sign;
+
+/// What acts on a drive over a tick, SI; a drive uses what its source of oil takes.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Inputs {
+    /// Command at the valve, V; positive extends.
+    pub command_v: f64,
+    /// Mean speed of the pump, rev/s.
+    pub pump_speed_rev_per_s: f64,
+    /// Directional valve: positive leads the pump to A, negative to B, 0 is closed.
+    pub valve_direction: f64,
+    /// External force on the rod beside the machine's constant load, N; positive extends.
+    pub load_force_n: f64,
+    /// Temperature of the oil, °C.
+    pub oil_temperature_c: f64,
+}
+
+/// A drive and its state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Live<N: Scalar<Real = f64>> {
+    machine: Machine<f64>,
+    drive: Drive<N>,
+    state: DriveState<N, DELAY_LINE>,
+}
+
+impl<N: Scalar<Real = f64>> Live<N> {
+    /// A drive at rest.
+    ///
+    /// # Errors
+    /// The number type does not hold the drive at this tick; the error names the value that does not fit.
+    pub fn new(machine: &Machine<f64>, tick: Tick, start: &Start) -> Result<Self, MachineError> {
+        let drive = Drive::new::<DELAY_LINE>(machine, tick)?;
+        let state = at_start(&drive, machine, start, StartOffset::none());
+        Ok(Self { machine: *machine, drive, state })
+    }
+
+    /// One tick, over which the inputs are held.
+    pub fn step(&mut self, inputs: &Inputs) {
+        let bases = *self.drive.bases();
+        let load = N::saturated(inputs.load_force_n / bases.force_n);
+        let entry = match self.machine.source {
+            Source::Valve => Entry::Command(N::saturated(inputs.command_v / bases.command_v)),
+            Source::Pump => Entry::Pump(self.pump(inputs)),
+        };
+        self.state.oil_temperature = N::saturated(inputs.oil_temperature_c / bases.temperature_c);
+        self.drive.step(&mut self.state, entry, Load { from: load, to: load });
+    }
+
+    /// The value of a signal as its sensor reads it, SI, if the drive computes it; the flow of a pump under these inputs.
+    #[must_use]
+    pub fn signal(&self, signal: Signal, inputs: &Inputs) -> Option<f64> {
+        let slider = || self.drive.slider(&self.state);
+        let spool = || self.drive.sensed(&self.state).spool;
+        let flow_a = || {
+            let supply = self.state.supply.pressure;
+            self.drive.flows_from(supply, slider(), self.pump(inputs), self.state.chambers).a
+        };
+        if signal == Signal::Spool && self.machine.source == Source::Pump {
+            return None;
+        }
+        reading(&self.drive, &self.machine, &self.state, signal, spool, flow_a)
+    }
+
+    /// The state, to be kept.
+    #[must_use]
+    pub fn state(&self) -> &DriveState<N, DELAY_LINE> {
+        &self.state
+    }
+
+    /// Goes on from a state that was kept.
+    pub fn restore(&mut self, state: &DriveState<N, DELAY_LINE>) {
+        self.state = *state;
+    }
+
+    fn pump(&self, inputs: &Inputs) -> PumpDrive<N> {
+        let full_speed = self.drive.bases().pump_speed_rev_per_s;
+        PumpDrive {
+            speed: N::saturated(inputs.pump_speed_rev_per_s / full_speed),
+            direction: sign(inputs.valve_direction),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use machine_file::LoadSource;
+    use model_core::fixed_point::PerUnit;
+    use model_core::parameter::Parameter;
+    use recording::{Column, Recording};
+    use test_press::press;
+
+    use super::*;
+    use crate::run::simulate;
+    use crate::stimulus::{EntryPoint, Stimulus, first_entry};
+
+    const TICK: Tick = Tick::OneMillisecond;
+    const ROWS: usize = 1500;
+
+    /// Every signal of a drive that is driven live is that of a simulation, at every tick.
+    fn as_simulated<N: Scalar<Real = f64>>(machine: &Machine<f64>, inputs: impl Fn(usize) -> Inputs, given: &[Signal]) {
+        let column = |&signal: &Signal| {
+            let value = |k: usize| match signal {
+                Signal::Command => inputs(k).command_v,
+                Signal::PumpSpeed => inputs(k).pump_speed_rev_per_s,
+                Signal::ValveDirection => inputs(k).valve_direction,
+                Signal::LoadForce => inputs(k).load_force_n,
+                Signal::OilTemperature => inputs(k).oil_temperature_c,
+                Signal::Position => 0.5 * machine.get(Parameter::Stroke),
+                _ => k as f64 * TICK.seconds(),
+            };
+            Column::si(signal, (0..ROWS).map(value).collect())
+        };
+        let always = [Signal::Time, Signal::Position];
+        let recording = Recording::new("inputs", always.iter().chain(given).map(column).collect()).unwrap();
+        let entry = first_entry(machine.source, &recording).unwrap();
+        let stimulus = Stimulus::new(&recording, machine, entry, LoadSource::Constant, TICK).unwrap();
+        let simulated = simulate::<N>(machine, &stimulus, StartOffset::none()).unwrap();
+        let mut live = Live::<N>::new(machine, TICK, &stimulus.start).unwrap();
+        // After the last row of a recording nothing acts any more: a pump's flow there is none.
+        for k in 0..ROWS - 1 {
+            for (signal, values) in &simulated.series {
+                assert_eq!(live.signal(*signal, &inputs(k)), Some(values[k]), "{signal} at {k}");
+            }
+            live.step(&inputs(k));
+        }
+        assert_eq!(entry == EntryPoint::Pump, live.signal(Signal::Spool, &inputs(0)).is_none());
+        assert_eq!(live.signal(Signal::OilTemperature, &inputs(0)), None);
+    }
+
+    const NOTHING: Inputs = Inputs {
+        command_v: 0.0,
+        pump_speed_rev_per_s: 0.0,
+        valve_direction: 0.0,
+        load_force_n: 0.0,
+        oil_temperature_c: 40.0,
+    };
+
+    fn thinning() -> Machine<f64> {
+        press(&[
+            (Parameter::InternalLeakage, 2e-12),
+            (Parameter::CoulombFriction, 300.0),
+            (Parameter::ViscosityLossPerKelvin, 0.03),
+        ])
+    }
+
+    #[test]
+    fn a_valve_drive_does_live_what_it_does_in_a_simulation() {
+        let inputs = |k: usize| Inputs {
+            command_v: if k < 300 { 0.5 } else { -3.0 },
+            load_force_n: -700.0,
+            oil_temperature_c: 55.0,
+            ..NOTHING
+        };
+        let given = [Signal::Command, Signal::LoadForce, Signal::OilTemperature];
+        as_simulated::<f64>(&thinning(), inputs, &given);
+        as_simulated::<PerUnit>(&thinning(), inputs, &given);
+    }
+
+    #[test]
+    fn oil_at_the_machines_reference_is_oil_that_nobody_measures() {
+        let inputs = |k: usize| Inputs { command_v: 1e-3 * k as f64, ..NOTHING };
+        as_simulated::<f64>(&thinning(), inputs, &[Signal::Command]);
+        as_simulated::<PerUnit>(&thinning(), inputs, &[Signal::Command]);
+    }
+
+    #[test]
+    fn a_pump_drive_does_live_what_it_does_in_a_simulation() {
+        let mut machine = Machine::with_defaults(Source::Pump);
+        let press = press(&[]);
+        for parameter in [Parameter::AreaA, Parameter::AreaB, Parameter::VolumeA, Parameter::VolumeB] {
+            machine.set(parameter, press.get(parameter));
+        }
+        let inputs = |_| Inputs { pump_speed_rev_per_s: 20.0, valve_direction: -1.0, ..NOTHING };
+        let given = [Signal::PumpSpeed, Signal::ValveDirection];
+        as_simulated::<f64>(&machine, inputs, &given);
+        as_simulated::<PerUnit>(&machine, inputs, &given);
+    }
+}

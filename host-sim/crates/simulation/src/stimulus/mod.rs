@@ -1,0 +1,452 @@
+//! A recording laid on the core's grid: where the chain is entered, with what, from which state.
+
+pub(crate) mod coarse;
+mod load_balance;
+
+use std::sync::Arc;
+
+use load_balance::{balance, light_damping, pressure_force};
+
+use machine_file::LoadSource;
+use model_core::drive::{Entry, Load};
+use model_core::flow::{Flows, PumpDrive};
+use model_core::machine::{Bases, Machine, MachineError, Source, Tick};
+use model_core::number::{Number, Scalar};
+use model_core::parameter::Parameter;
+use model_core::valve::Slider;
+use recording::files::source_error::{engineering, rounded};
+use recording::{Recording, Signal};
+
+use crate::grid::{Grid, Origin};
+use crate::recorded_start::{Start, start};
+use crate::sensor_fault::Mended;
+
+/// Where the chain is entered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum EntryPoint {
+    /// Command at the valve.
+    Command,
+    /// Measured slider.
+    Slider,
+    /// Speed of the pump and direction of its valve.
+    Pump,
+    /// Measured flow into A; what leaves B is what the valve's other edge passes as far open, or of a pump drive the area ratio's share.
+    Flow,
+    /// Measured force of the oil, or the one that follows from both recorded pressures.
+    Force,
+}
+
+impl EntryPoint {
+    /// The signal that drives the chain there.
+    #[must_use]
+    pub fn driving(self) -> Signal {
+        match self {
+            EntryPoint::Command => Signal::Command,
+            EntryPoint::Slider => Signal::Spool,
+            EntryPoint::Pump => Signal::PumpSpeed,
+            EntryPoint::Flow => Signal::Flow,
+            EntryPoint::Force => Signal::Force,
+        }
+    }
+
+    /// Whether that is set, as a command and a pump's speed are, and not measured by a sensor.
+    #[must_use]
+    pub fn is_set(self) -> bool {
+        matches!(self, EntryPoint::Command | EntryPoint::Pump)
+    }
+}
+
+/// Why a recording cannot drive a simulation.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SimulateError {
+    /// No signal to enter the chain with.
+    #[error("{recording}: nothing drives the model; expected a column {expected}")]
+    NoInput {
+        /// The recording.
+        recording: String,
+        /// Columns that would do.
+        expected: &'static str,
+    },
+    /// A signal that the entry or the load needs is missing.
+    #[error("{recording}: no column `{signal}`; expected it because {reason}")]
+    Missing {
+        /// The recording.
+        recording: String,
+        /// The signal.
+        signal: Signal,
+        /// What needs it.
+        reason: &'static str,
+    },
+    /// The recording is longer than the grid can hold.
+    #[error(
+        "{recording}: {} s, more than the simulation takes at a tick of {} ms; expected at most {} s",
+        engineering(rounded(*.duration_s)), 1e3 * .tick_s, engineering(rounded(*.limit as f64 * .tick_s))
+    )]
+    TooLong {
+        /// The recording.
+        recording: String,
+        /// Its duration.
+        duration_s: f64,
+        /// The tick.
+        tick_s: f64,
+        /// Most ticks.
+        limit: usize,
+    },
+    /// The machine does not become a drive.
+    #[error(transparent)]
+    Machine(#[from] MachineError),
+}
+
+/// What drives the chain, one value a grid point (`ticks + 1` of them) or a tick (`ticks`), in SI units.
+#[derive(Clone, Debug, PartialEq)]
+enum Input {
+    /// Held over each tick, V.
+    Command(Vec<f64>),
+    /// At grid points, 1.
+    Slider(Vec<f64>),
+    /// Mean speed (rev/s) and direction over each tick.
+    Pump(Vec<f64>, Vec<i8>),
+    /// At grid points, m³/s, and Ab/Aa.
+    Flow(Vec<f64>, f64),
+    /// At grid points, N.
+    Force(Vec<f64>),
+}
+
+/// A recording laid on the core's grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stimulus {
+    /// Where the chain is entered.
+    pub entry: EntryPoint,
+    /// The core's tick.
+    pub tick: Tick,
+    /// State at the first row.
+    pub start: Start,
+    pub(crate) ticks: usize,
+    input: Input,
+    /// At grid points, 1: the recorded slider, where the chain is entered at the command and it could meter the oil in the
+    /// valve's place. Copies of a stimulus share it.
+    slider: Option<Arc<[f64]>>,
+    /// Whether it does, while the valve runs beside.
+    follows: bool,
+    /// External force at grid points, N.
+    load_n: Option<Vec<f64>>,
+    /// Temperature of the oil at grid points, °C. An input, with whatever noise its sensor has: so slow a signal needs no smoothing.
+    oil_c: Option<Vec<f64>>,
+    /// Viscous friction, N s/m, in place of all friction of the machine, where that force balances the recorded pressures: these
+    /// hold the machine's friction already.
+    pub(crate) damping: Option<f64>,
+    /// For each recorded row: the grid point at or before it, and how far on to the next, 0..1.
+    pub(crate) rows: Vec<(usize, f64)>,
+}
+
+/// The entry furthest upstream that a recording allows for a machine's oil source.
+pub fn first_entry(source: Source, recording: &Recording) -> Result<EntryPoint, SimulateError> {
+    let has = |signal| recording.has(signal);
+    let candidates: &[(EntryPoint, bool)] = match source {
+        Source::Valve => &[
+            (EntryPoint::Command, has(Signal::Command)),
+            (EntryPoint::Slider, has(Signal::Spool)),
+            (EntryPoint::Flow, has(Signal::Flow)),
+            (EntryPoint::Force, has(Signal::Force)),
+        ],
+        Source::Pump => &[
+            (EntryPoint::Pump, has(Signal::PumpSpeed)),
+            (EntryPoint::Flow, has(Signal::Flow)),
+            (EntryPoint::Force, has(Signal::Force)),
+        ],
+    };
+    let expected = match source {
+        Source::Valve => "command, spool, flow or force",
+        Source::Pump => "pump_speed, flow or force",
+    };
+    let found = candidates.iter().find(|(_, there)| *there).map(|(entry, _)| *entry);
+    found.ok_or_else(|| SimulateError::NoInput { recording: recording.name().to_owned(), expected })
+}
+
+/// The tick that suits a recording: 1 ms, or 0.5 ms where it is sampled faster than 1 kHz.
+#[must_use]
+pub fn natural_tick(recording: &Recording) -> Tick {
+    if recording.sample_interval_s() < 0.75e-3 { Tick::HalfMillisecond } else { Tick::OneMillisecond }
+}
+
+impl Stimulus {
+    /// Lays a recording on the grid of `tick`; where a sensor failed that drives the chain, by a straight line.
+    pub fn new(
+        recording: &Recording,
+        machine: &Machine<f64>,
+        entry: EntryPoint,
+        load: LoadSource,
+        tick: Tick,
+    ) -> Result<Self, SimulateError> {
+        Self::of_mended(&Mended::of(recording), machine, entry, load, tick)
+    }
+
+    /// Lays a recording that is mended on the grid of `tick`.
+    pub fn of_mended(
+        mended: &Mended<'_>,
+        machine: &Machine<f64>,
+        entry: EntryPoint,
+        load: LoadSource,
+        tick: Tick,
+    ) -> Result<Self, SimulateError> {
+        Self::from_origin(mended, machine, entry, load, tick, Origin::of(&mended.recording))
+    }
+
+    /// Lays a part of a recording that is mended on the grid of the whole.
+    pub(crate) fn from_origin(
+        mended: &Mended<'_>,
+        machine: &Machine<f64>,
+        entry: EntryPoint,
+        load: LoadSource,
+        tick: Tick,
+        origin: Origin,
+    ) -> Result<Self, SimulateError> {
+        let recording = &*mended.recording;
+        let grid = Grid::new(recording, tick, origin)?;
+        let need = |signal, reason| {
+            recording.signal(signal).ok_or_else(|| SimulateError::Missing {
+                recording: recording.name().to_owned(),
+                signal,
+                reason,
+            })
+        };
+        let input = match entry {
+            EntryPoint::Command => {
+                Input::Command(grid.held(need(Signal::Command, "the chain is entered at the command")?))
+            }
+            EntryPoint::Slider => {
+                Input::Slider(grid.points(need(Signal::Spool, "the chain is entered at the slider")?))
+            }
+            EntryPoint::Flow => Input::Flow(
+                grid.points(need(Signal::Flow, "the chain is entered at the flow")?),
+                machine.get(Parameter::AreaB) / machine.get(Parameter::AreaA),
+            ),
+            EntryPoint::Pump => {
+                let speed = grid.points(need(Signal::PumpSpeed, "the pump drives the chain")?);
+                let mean: Vec<f64> = speed.windows(2).map(|pair| f64::midpoint(pair[0], pair[1])).collect();
+                let direction = match recording.signal(Signal::ValveDirection) {
+                    Some(direction) => grid.held(direction).iter().map(|&value| sign(value)).collect(),
+                    None => mean.iter().map(|&value| sign(value)).collect(),
+                };
+                Input::Pump(mean, direction)
+            }
+            EntryPoint::Force => Input::Force(match recording.signal(Signal::Force) {
+                Some(force) => grid.points(force),
+                None => grid.points(&pressure_force(recording, machine)?),
+            }),
+        };
+        let slider = recording.signal(Signal::Spool).filter(|_| entry == EntryPoint::Command);
+        let slider = slider.map(|spool| grid.points(spool).into());
+        let balanced = load == LoadSource::RecordedPressures && entry != EntryPoint::Force;
+        let damping = balanced.then(|| light_damping(machine));
+        let load_n = if let Some(damping) = damping {
+            let balance = balance(recording, machine, damping)?;
+            Some(grid.points(&balance))
+        } else {
+            recording.signal(Signal::LoadForce).map(|force| grid.points(force))
+        };
+        Ok(Self {
+            entry,
+            tick,
+            start: start(recording, machine),
+            ticks: grid.ticks,
+            input,
+            slider,
+            follows: false,
+            load_n,
+            oil_c: recording.signal(Signal::OilTemperature).map(|temperature| grid.points(temperature)),
+            damping,
+            rows: grid.rows,
+        })
+    }
+
+    /// Ends it at the last point of the grid at or before the last of so many rows; rows between that and the next are not in it then.
+    pub(crate) fn end_at(&mut self, rows: usize) {
+        let Some(&(last, _)) = self.rows[..rows.min(self.rows.len())].last() else { return };
+        self.ticks = last;
+        let kept = self.rows.partition_point(|(point, share)| point + usize::from(*share > 0.0) <= last);
+        self.rows.truncate(kept.min(rows));
+    }
+
+    /// The same with the recorded slider metering the oil, beside the valve that the command moves: what the valve misses
+    /// reaches nothing below it. `None` where the chain is not entered at the command, or the slider was not recorded.
+    #[must_use]
+    pub fn following(&self) -> Option<Self> {
+        self.slider.is_some().then(|| Self { follows: true, ..self.clone() })
+    }
+
+    /// The same with an error of the sensor that drives what is below it (the recorded slider, beside the valve that the command moves; else
+    /// the slider, flow or force that the chain is entered at), drawn for every row and in between along a straight line.
+    #[must_use]
+    pub fn disturbed(&self, error: impl FnMut() -> f64) -> Self {
+        let mut disturbed = self.clone();
+        match &mut disturbed.input {
+            Input::Slider(series) | Input::Flow(series, _) | Input::Force(series) => disturb(series, &self.rows, error),
+            Input::Command(_) | Input::Pump(..) => {
+                disturbed.slider = self.slider.as_ref().map(|slider| {
+                    let mut slider = slider.to_vec();
+                    disturb(&mut slider, &self.rows, error);
+                    slider.into()
+                });
+            }
+        }
+        disturbed
+    }
+
+    /// The same with every row read half a row's interval earlier: midway between two recorded rows.
+    #[must_use]
+    pub fn midway(&self) -> Self {
+        let place = |&(point, share): &(usize, f64)| point as f64 + share;
+        let mut rows = Vec::with_capacity(self.rows.len());
+        let mut before = self.rows.first().map_or(0.0, place);
+        for row in &self.rows {
+            let at = f64::midpoint(before, place(row));
+            before = place(row);
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "between two points of the grid"
+            )]
+            let point = at as usize;
+            rows.push((point, at - point as f64));
+        }
+        Self { rows, ..self.clone() }
+    }
+
+    /// Whether both enter the chain at the same place, at the same tick, so that they can be run abreast. A pump's valve has a
+    /// direction of its own in each.
+    pub(crate) fn goes_with(&self, other: &Self) -> bool {
+        let ratio = |one: &Self| if let Input::Flow(_, ratio) = &one.input { Some(*ratio) } else { None };
+        let kind = |one: &Self| (one.entry, one.tick, one.follows, one.damping, ratio(one));
+        self.entry != EntryPoint::Pump && kind(self) == kind(other)
+    }
+
+    /// The recorded slider, where it meters the oil beside the valve.
+    fn followed(&self) -> Option<&[f64]> {
+        if self.follows { self.slider.as_deref() } else { None }
+    }
+
+    /// How many rows the recording has.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// How many ticks a run takes.
+    #[must_use]
+    pub fn ticks(&self) -> usize {
+        self.ticks
+    }
+
+    /// Where a tick enters the chain, and with what. `read` gives the value of a series at a grid point over a base.
+    pub(crate) fn entry_by<N: Number>(
+        &self,
+        tick: usize,
+        bases: &Bases,
+        read: impl Fn(fn(&Self) -> &[f64], usize, f64) -> N,
+    ) -> Entry<N> {
+        let at = |base: f64| read(Self::entering, tick, base);
+        let next = |base: f64| read(Self::entering, tick + 1, base);
+        match &self.input {
+            Input::Command(_) if self.follows => {
+                let slider = Slider { from: read(Self::spool, tick, 1.0), to: read(Self::spool, tick + 1, 1.0) };
+                Entry::Followed { command: at(bases.command_v), slider }
+            }
+            Input::Command(_) => Entry::Command(at(bases.command_v)),
+            Input::Slider(_) => Entry::Slider(Slider { from: at(1.0), to: next(1.0) }),
+            Input::Pump(_, direction) => Entry::Pump(PumpDrive {
+                speed: at(bases.pump_speed_rev_per_s),
+                direction: direction.get(tick).copied().unwrap_or(0),
+            }),
+            Input::Flow(_, ratio) => {
+                let base = bases.flow_m3_per_s;
+                Entry::Flow {
+                    from: Flows { a: at(base), b: at(base / ratio) },
+                    to: Flows { a: next(base), b: next(base / ratio) },
+                }
+            }
+            Input::Force(_) => Entry::Force { from: at(bases.force_n), to: next(bases.force_n) },
+        }
+    }
+
+    /// The same for one recording.
+    pub(crate) fn entry_at<N: Scalar>(&self, tick: usize, bases: &Bases) -> Entry<N> {
+        self.entry_by(tick, bases, |series, index, base| N::saturated(value_at(series(self), index) / base))
+    }
+
+    /// The series that drives the chain.
+    fn entering(&self) -> &[f64] {
+        match &self.input {
+            Input::Command(series)
+            | Input::Slider(series)
+            | Input::Pump(series, _)
+            | Input::Flow(series, _)
+            | Input::Force(series) => series,
+        }
+    }
+
+    /// The recorded slider beside a command.
+    fn spool(&self) -> &[f64] {
+        self.slider.as_deref().unwrap_or_default()
+    }
+
+    /// External force, N; empty where there is none.
+    pub(crate) fn load(&self) -> &[f64] {
+        self.load_n.as_deref().unwrap_or_default()
+    }
+
+    pub(crate) fn load_at<N: Scalar>(&self, tick: usize, bases: &Bases) -> Load<N> {
+        let at = |index: usize| N::saturated(value_at(self.load(), index) / bases.force_n);
+        if self.load_n.is_some() { Load { from: at(tick), to: at(tick + 1) } } else { Load::NONE }
+    }
+
+    /// Measured temperature of the oil at the start of a tick, per unit.
+    pub(crate) fn oil_at<N: Scalar>(&self, tick: usize, bases: &Bases) -> Option<N> {
+        let measured = self.oil_c.as_ref().and_then(|oil_c| oil_c.get(tick));
+        measured.map(|temperature_c| N::saturated(temperature_c / bases.temperature_c))
+    }
+
+    pub(crate) fn pump_at<N: Scalar>(&self, tick: usize, bases: &Bases) -> PumpDrive<N> {
+        match self.entry_at(tick, bases) {
+            Entry::Pump(pump) => pump,
+            _ => PumpDrive { speed: N::ZERO, direction: 0 },
+        }
+    }
+
+    /// The recorded slider that meters the oil.
+    pub(crate) fn metering_at<N: Scalar>(&self, point: usize) -> Option<N> {
+        let spool = match &self.input {
+            Input::Slider(spool) => Some(spool.as_slice()),
+            _ => self.followed(),
+        };
+        spool.and_then(|spool| spool.get(point)).map(|&value| N::saturated(value))
+    }
+}
+
+/// Puts an error on a series at grid points, drawn for every row and in between along a straight line.
+fn disturb(series: &mut [f64], rows: &[(usize, f64)], mut error: impl FnMut() -> f64) {
+    let errors: Vec<f64> = rows.iter().map(|_| error()).collect();
+    for (rows, errors) in rows.windows(2).zip(errors.windows(2)) {
+        let (from, to) = (rows[0].0, rows[1].0);
+        for (index, value) in series.iter_mut().enumerate().take(to).skip(from) {
+            *value += errors[0] + (errors[1] - errors[0]) * (index - from) as f64 / (to - from) as f64;
+        }
+    }
+}
+
+/// A series at a grid point; 0 beyond its end.
+#[inline]
+pub(crate) fn value_at(series: &[f64], index: usize) -> f64 {
+    series.get(index).copied().unwrap_or(0.0)
+}
+
+/// The direction of a valve: 1, −1 or 0.
+pub(crate) fn sign(value: f64) -> i8 {
+    if value > 0.5e-9 {
+        1
+    } else if value < -0.5e-9 {
+        -1
+    } else {
+        0
+    }
+}

@@ -1,0 +1,154 @@
+//! What the edges, the supply and the return line do beyond the paper's.
+
+use crate::flow::edges::{Edges, GainCurve, Line};
+use crate::flow::orifice::signed_root;
+use crate::physics::{Conditions, Inputs, State, Terms};
+use crate::tangent::Real;
+
+/// An effect between slider and chambers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FlowEffect {
+    /// One side overlaps more than the machine says.
+    DeadZone {
+        /// Slider travel added to the overlap of the extending side.
+        extending: f64,
+        /// Slider travel added to the overlap of the retracting side.
+        retracting: f64,
+    },
+    /// The flow is not in proportion to the opening.
+    Gain(GainCurve),
+    /// Each edge has a size of its own, in parts of the nominal one: P-A, B-T, P-B, A-T.
+    Metering {
+        /// The four sizes.
+        sizes: [f64; 4],
+    },
+    /// The supply behind a pressure-controlled pump, a gas accumulator and a turbulent line.
+    SupplyDroop {
+        /// Fall of the pump's pressure per delivered flow, Pa·s/m³.
+        resistance_pa_s_per_m3: f64,
+        /// Gas in the accumulator at the nominal pressure, m³.
+        gas_volume_m3: f64,
+        /// Resistance of the line between accumulator and valve, Pa·s²/m⁶.
+        line_pa_s2_per_m6: f64,
+    },
+    /// A return line with a laminar and a turbulent part.
+    BackPressure {
+        /// Pa·s/m³.
+        linear_pa_s_per_m3: f64,
+        /// Pa·s²/m⁶.
+        quadratic_pa_s2_per_m6: f64,
+    },
+    /// All four edges pass oil about the centre: an opening that falls off as a Gaussian, partly laminar.
+    Leakage {
+        /// Opening at the centre, 1.
+        opening: f64,
+        /// Slider travel at which it has fallen to 1/e.
+        reach: f64,
+        /// Pressure difference up to which the gap is laminar, Pa.
+        laminar_pa: f64,
+    },
+    /// Sharp edges are laminar up to a pressure difference: a laminar and a turbulent resistance in series.
+    LaminarTransition {
+        /// Where both take the same share of the flow, Pa.
+        pressure_pa: f64,
+    },
+    /// The pump's pressure pulsates (not in the vocabulary).
+    PumpRipple {
+        /// Amplitude in parts of the supply pressure.
+        share: f64,
+        /// Hz.
+        frequency_hz: f64,
+    },
+}
+
+impl FlowEffect {
+    /// The name in the project's vocabulary; a leading ~ marks what is outside of it.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::DeadZone { .. } => "dead-zone-asymmetry",
+            Self::Gain(_) => "flow-gain-nonlinearity",
+            Self::Metering { .. } => "metering-asymmetry",
+            Self::SupplyDroop { .. } => "supply-droop",
+            Self::BackPressure { .. } => "tank-back-pressure",
+            Self::Leakage { .. } => "valve-leakage",
+            Self::LaminarTransition { .. } => "laminar-transition",
+            Self::PumpRipple { .. } => "~pump-ripple",
+        }
+    }
+
+    /// States of its own: the accumulator's pressure, off the nominal one, in parts of it.
+    pub(crate) const fn states(&self) -> usize {
+        match self {
+            Self::SupplyDroop { .. } => 1,
+            _ => 0,
+        }
+    }
+
+    /// What of it is a property of the edges.
+    pub(crate) fn configure(&self, edges: &mut Edges) {
+        match *self {
+            Self::DeadZone { extending, retracting } => {
+                edges.dead_zone[0] += extending;
+                edges.dead_zone[1] += retracting;
+            }
+            Self::Gain(curve) => edges.gain = curve,
+            Self::Metering { sizes } => edges.sizes = sizes,
+            Self::SupplyDroop { line_pa_s2_per_m6, .. } => edges.supply_line.quadratic = line_pa_s2_per_m6,
+            Self::BackPressure { linear_pa_s_per_m3, quadratic_pa_s2_per_m6 } => {
+                edges.return_line = Line { linear: linear_pa_s_per_m3, quadratic: quadratic_pa_s2_per_m6 };
+            }
+            Self::LaminarTransition { pressure_pa } => edges.laminar_pa = pressure_pa,
+            Self::Leakage { .. } | Self::PumpRipple { .. } => {}
+        }
+    }
+
+    /// What of it changes the supply.
+    pub(crate) fn condition<R: Real>(&self, inputs: &Inputs, own: &[R], conditions: &mut Conditions<R>) {
+        match *self {
+            Self::SupplyDroop { .. } => {
+                if let [fall] = own {
+                    conditions.supply = conditions.supply * (*fall + 1.0);
+                }
+            }
+            Self::PumpRipple { share, frequency_hz } => {
+                let phase = std::f64::consts::TAU * frequency_hz * inputs.time_s;
+                let ripple = share * (libm::sin(phase) + 0.3 * libm::sin(2.0 * phase + 1.0));
+                conditions.supply = conditions.supply * (1.0 + ripple);
+            }
+            _ => {}
+        }
+    }
+
+    /// What of it has to be integrated or added to the flows.
+    pub(crate) fn apply<R: Real>(
+        &self,
+        edges: &Edges,
+        inputs: &Inputs,
+        state: &State<R>,
+        (own, rates): (&[R], &mut [R]),
+        terms: &mut Terms<R>,
+    ) {
+        match *self {
+            Self::SupplyDroop { resistance_pa_s_per_m3, gas_volume_m3, .. } => {
+                if let ([fall], [rate]) = (own, rates) {
+                    // Gas of p·Vⁿ = const, filled through the pump's resistance, emptied by what the valve takes.
+                    const POLYTROPIC: f64 = 1.25;
+                    let relative = (*fall + 1.0).at_least(0.02);
+                    let filled = *fall * (-inputs.supply_pa / resistance_pa_s_per_m3);
+                    let net = filled - terms.delivered;
+                    *rate = relative.powf(1.0 + 1.0 / POLYTROPIC) * net * (POLYTROPIC / gas_volume_m3);
+                }
+            }
+            Self::Leakage { opening, reach, laminar_pa } => {
+                let gap = edges.coefficient * opening * libm::exp(-(inputs.spool / reach).powi(2));
+                let flow = |across: R| signed_root(across, laminar_pa) * gap;
+                let tank = inputs.tank_pressure_pa;
+                let through = |port: R| flow(state.supply - port) - flow(port - tank);
+                terms.into_a = terms.into_a + through(state.pressure_a);
+                terms.into_b = terms.into_b + through(state.pressure_b);
+            }
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Forces on the rod that go by its position: springs, linkages, stops, a bore that narrows.
+
+use crate::physics::{State, Terms};
+use crate::tangent::Real;
+
+/// A force that goes by the position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LoadEffect {
+    /// A spring that is met at a point and stiffens: k·depth^1.5 against extending.
+    ProgressiveSpring {
+        /// Where it is met, m.
+        from_m: f64,
+        /// k, N/m^1.5.
+        stiffness: f64,
+    },
+    /// A weight on a linkage: F·sin((y − y0)/r) against extending.
+    Linkage {
+        /// F, N.
+        force_n: f64,
+        /// y0, where the weight hangs straight, m.
+        neutral_m: f64,
+        /// r, metres of travel per radian.
+        reach_m: f64,
+    },
+    /// A stop (Hunt and Crossley): k·depth^1.5·(1 + c·speed into it), pushing only.
+    EndStop {
+        /// Where it is, m.
+        at_m: f64,
+        /// Whether it stops the extending rod; else the retracting one.
+        extending: bool,
+        /// k, N/m^1.5.
+        stiffness: f64,
+        /// c, s/m.
+        damping_s_per_m: f64,
+    },
+    /// A film of oil that is sheared more away from where bore and rod fit: D·u²/(1 + u²) beside the velocity, u = (y − y0)/w.
+    NarrowBore {
+        /// D, N s/m.
+        most_n_s_per_m: f64,
+        /// y0, m.
+        fits_at_m: f64,
+        /// w, m.
+        width_m: f64,
+    },
+}
+
+/// depth^1.5, and nothing outside.
+fn pressed<R: Real>(depth: R) -> R {
+    if depth.value() > 1e-12 { depth * depth.sqrt() } else { 0.0.into() }
+}
+
+impl LoadEffect {
+    pub(crate) const fn name(&self) -> &'static str {
+        match self {
+            Self::ProgressiveSpring { .. } | Self::Linkage { .. } => "position-dependent-load",
+            Self::EndStop { .. } => "end-stop",
+            Self::NarrowBore { .. } => "position-dependent-friction",
+        }
+    }
+
+    pub(crate) fn apply<R: Real>(&self, state: &State<R>, terms: &mut Terms<R>) {
+        let force: R = match *self {
+            Self::ProgressiveSpring { from_m, stiffness } => pressed(state.position - from_m) * -stiffness,
+            Self::Linkage { force_n, neutral_m, reach_m } => ((state.position - neutral_m) / reach_m).sin() * -force_n,
+            Self::EndStop { at_m, extending, stiffness, damping_s_per_m } => {
+                let sign = if extending { 1.0 } else { -1.0 };
+                let depth = (state.position - at_m) * sign;
+                let push = (state.velocity * (sign * damping_s_per_m) + 1.0).at_least(0.0);
+                pressed(depth) * push * (-sign * stiffness)
+            }
+            Self::NarrowBore { most_n_s_per_m, fits_at_m, width_m } => {
+                let off = (state.position - fits_at_m) / width_m;
+                let square = off * off;
+                state.velocity * (square / (square + 1.0)) * -most_n_s_per_m
+            }
+        };
+        terms.force = terms.force + force;
+    }
+}

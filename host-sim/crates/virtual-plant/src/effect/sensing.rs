@@ -1,0 +1,72 @@
+//! What the sensors do beyond noise and rounding; the motion of what they see is in [`crate::sensor::before_noise`].
+
+/// Which channel reads wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channel {
+    /// Slider position.
+    Spool,
+    /// Rod position.
+    Position,
+    /// Pressure in chamber A.
+    PressureA,
+    /// Pressure in chamber B.
+    PressureB,
+}
+
+/// An effect between the true signals and the sensors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SensingEffect {
+    /// Play between rod and encoder, with a little elastic rounding where it is taken up.
+    Backlash {
+        /// Travel between the two flanks, m.
+        play_m: f64,
+    },
+    /// The position passes a filter of second order.
+    PositionFilter {
+        /// Natural frequency, Hz.
+        frequency_hz: f64,
+        /// Damping ratio.
+        damping: f64,
+    },
+    /// The position comes late.
+    PositionDelay {
+        /// By this time, s.
+        delay_s: f64,
+    },
+    /// A channel reads too much by a constant, in its SI unit.
+    Offset {
+        /// Which one.
+        channel: Channel,
+        /// By how much.
+        offset: f64,
+    },
+    /// A channel has a wrong factor.
+    Factor {
+        /// Which one.
+        channel: Channel,
+        /// Factor less 1.
+        excess: f64,
+    },
+    /// The encoder sits on a structure that rings as the rod accelerates (not in the vocabulary).
+    Flexibility {
+        /// Natural frequency, Hz.
+        frequency_hz: f64,
+        /// Damping ratio.
+        damping: f64,
+        /// Deflection against acceleration, in parts of what the rod's own inertia would give.
+        share: f64,
+    },
+}
+
+impl SensingEffect {
+    /// The name in the project's vocabulary; a leading ~ marks what is outside of it.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Backlash { .. } => "linkage-backlash",
+            Self::PositionFilter { .. } | Self::PositionDelay { .. } => "position-sensor-lag",
+            Self::Offset { .. } | Self::Factor { .. } => "sensor-offset",
+            Self::Flexibility { .. } => "~structural-flexibility",
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! What the slider does beyond the paper's valve; the motion itself is in [`crate::spool::with_effects`].
+
+/// An effect between the command and the slider.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ValveEffect {
+    /// Several plays of unequal width and weight in parallel, behind the rate limit.
+    WeightedPlays {
+        /// Slider travel between settling from above and from below.
+        width: f64,
+    },
+    /// A hysteresis that closes smoothly (Bouc and Wen), behind the rate limit.
+    BoucWen {
+        /// Slider travel between settling from above and from below.
+        width: f64,
+        /// Travel over which it turns from one branch to the other.
+        turning: f64,
+    },
+    /// The spool sticks: static and kinetic friction against the centring spring, in slider travel.
+    Stiction {
+        /// Travel that is asked for before it breaks away.
+        break_away: f64,
+        /// Kinetic in parts of static friction; the jump falls short by it.
+        kinetic_share: f64,
+        /// Time constant of the jump, s; 0: it jumps at once, and sticks again wherever it ends.
+        jump_s: f64,
+    },
+    /// The neutral moves with time: a straight line and a slow sine on it.
+    NullDrift {
+        /// Travel after one period; positive extends.
+        travel: f64,
+        /// Period of the sine, s.
+        period_s: f64,
+    },
+    /// The solenoid's force saturates: set value s·tanh(w/s).
+    Saturation {
+        /// s, the travel that is never passed.
+        ceiling: f64,
+    },
+    /// The oil pushes the slider closed by its momentum, and brakes it.
+    FlowForce {
+        /// Share of the opening per pressure over both open edges, 1/Pa.
+        closing_per_pa: f64,
+        /// Time per root of that pressure with which the flow resists a moving slider, s/√Pa.
+        braking_s_per_root_pa: f64,
+    },
+}
+
+impl ValveEffect {
+    /// The name in the project's vocabulary.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::WeightedPlays { .. } | Self::BoucWen { .. } => "valve-hysteresis",
+            Self::Stiction { .. } => "spool-stiction",
+            Self::NullDrift { .. } => "null-drift",
+            Self::Saturation { .. } => "solenoid-saturation",
+            Self::FlowForce { .. } => "flow-force",
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! TODO.
+
+pub(crate) mod edges;
+pub(crate) mod orifice;

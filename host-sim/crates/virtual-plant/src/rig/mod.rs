@@ -1,0 +1,5 @@
+//! TODO.
+
+pub(crate) mod recorded;
+pub(crate) mod run;
+pub(crate) mod truth;

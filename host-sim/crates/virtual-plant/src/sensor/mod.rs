@@ -1,0 +1,5 @@
+//! TODO.
+
+pub(crate) mod before_noise;
+pub(crate) mod linkage;
+pub mod sensors;

@@ -1,0 +1,239 @@
+//! The valve's slider: command to slider position, in closed form.
+//!
+//! Set value w = gain·U + offset (15), held over each command interval; a rate limiter that is exact
+//! in continuous time (r moves towards w at ± the rate and stays on it); a transport delay; two
+//! first-order lags in series (16). Since r is piecewise linear, the lags have a closed solution on
+//! each piece of r, and x(t) carries no error of integration.
+
+use std::collections::VecDeque;
+
+use model_core::machine::Machine;
+use model_core::parameter::Parameter;
+
+/// The valve's parameters, in SI units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SliderParameters {
+    /// Slider travel per volt. (15)
+    pub(crate) gain_per_v: f64,
+    /// Slider position at zero volts.
+    pub(crate) offset: f64,
+    /// Largest speed of the set value, 1/s; may be infinite.
+    pub(crate) rate_per_s: f64,
+    /// The two lags, s; 0 is no lag. (16)
+    pub(crate) time_constants_s: [f64; 2],
+    /// Dead time, s. (16)
+    pub(crate) delay_s: f64,
+}
+
+impl SliderParameters {
+    /// Reads them from a machine.
+    #[must_use]
+    pub(crate) fn of(machine: &Machine<f64>) -> Self {
+        Self {
+            gain_per_v: machine.get(Parameter::ValveGain),
+            offset: machine.get(Parameter::ValveOffset),
+            rate_per_s: machine.get(Parameter::RateLimit),
+            time_constants_s: [machine.get(Parameter::TimeConstant1), machine.get(Parameter::TimeConstant2)],
+            delay_s: machine.get(Parameter::TransportDelay),
+        }
+    }
+}
+
+/// One linear piece of the rate-limited set value r(t), from its start until the next piece.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Ramp {
+    start_s: f64,
+    value: f64,
+    slope_per_s: f64,
+}
+
+impl Ramp {
+    fn at(&self, time_s: f64) -> f64 {
+        self.value + self.slope_per_s * (time_s - self.start_s)
+    }
+}
+
+/// The slider on one linear piece of its delayed set value: x(t) in closed form, smooth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SliderPiece {
+    start_s: f64,
+    /// Delayed set value at the start, and its slope.
+    value: f64,
+    slope_per_s: f64,
+    /// Lags in the order they are passed; those of 0 stand first.
+    lags_s: [f64; 2],
+    /// What the first lag and the slider are off their particular solution, at the start.
+    transient: [f64; 2],
+}
+
+impl SliderPiece {
+    /// A slider that stays where it is.
+    #[must_use]
+    pub(crate) const fn resting_at(position: f64) -> Self {
+        Self { start_s: 0.0, value: position, slope_per_s: 0.0, lags_s: [0.0; 2], transient: [0.0; 2] }
+    }
+
+    /// `states` are the first lag's output and the slider position at the start of the ramp.
+    fn new(ramp: Ramp, lags_s: [f64; 2], states: [f64; 2]) -> Self {
+        let [first, second] = lags_s;
+        let first_transient = if first > 0.0 { states[0] - ramp.value + ramp.slope_per_s * first } else { 0.0 };
+        let second_transient =
+            if second > 0.0 { states[1] - ramp.value + ramp.slope_per_s * (first + second) } else { 0.0 };
+        Self {
+            start_s: ramp.start_s,
+            value: ramp.value,
+            slope_per_s: ramp.slope_per_s,
+            lags_s,
+            transient: [first_transient, second_transient],
+        }
+    }
+
+    /// Output of the first lag and slider position, at a time not before the piece's start.
+    fn states(&self, time_s: f64) -> [f64; 2] {
+        let t = time_s - self.start_s;
+        let [first, second] = self.lags_s;
+        let set = self.value + self.slope_per_s * t;
+        if second <= 0.0 {
+            return [set, set];
+        }
+        let mut inner = set;
+        let mut x = set - self.slope_per_s * (first + second) + self.transient[1] * (-t / second).exp();
+        if first > 0.0 {
+            inner += self.transient[0] * (-t / first).exp() - self.slope_per_s * first;
+            // The second lag's answer to exp(-t/first), finite and exact for equal lags too.
+            let gap = (t * (1.0 / second - 1.0 / first)).abs();
+            let quotient = if gap > 0.0 { -(-gap).exp_m1() / gap } else { 1.0 };
+            x += self.transient[0] * (t / second) * (-t / first.max(second)).exp() * quotient;
+        }
+        [inner, x]
+    }
+
+    /// Slider position, 1, at a time within the piece.
+    #[must_use]
+    pub(crate) fn position(&self, time_s: f64) -> f64 {
+        self.states(time_s)[1]
+    }
+}
+
+/// The slider with its command history, fed command by command.
+#[derive(Clone, Debug)]
+pub(crate) struct Slider {
+    parameters: SliderParameters,
+    /// Pieces of r, by the time they act on the lags (delay added). The first is in force.
+    ramps: VecDeque<Ramp>,
+    target: f64,
+    piece: SliderPiece,
+}
+
+impl Slider {
+    /// At rest on the set value of `command_v`, as if that command had always been there.
+    #[must_use]
+    pub(crate) fn at_rest(parameters: SliderParameters, start_s: f64, command_v: f64) -> Self {
+        let target = parameters.gain_per_v * command_v + parameters.offset;
+        let [one, two] = parameters.time_constants_s;
+        let lags_s = if two > 0.0 { [one, two] } else { [two, one] };
+        let ramp = Ramp { start_s, value: target, slope_per_s: 0.0 };
+        Self {
+            parameters,
+            ramps: VecDeque::from([ramp]),
+            target,
+            piece: SliderPiece::new(ramp, lags_s, [target, target]),
+        }
+    }
+
+    /// Holds `command_v` from `time_s` on. Commands come in the order of time.
+    pub(crate) fn command(&mut self, time_s: f64, command_v: f64) {
+        let target = self.parameters.gain_per_v * command_v + self.parameters.offset;
+        if target.total_cmp(&self.target).is_eq() {
+            return;
+        }
+        self.target = target;
+        let acts_s = time_s + self.parameters.delay_s;
+        // What the former command would have done from here on does not happen.
+        while self.ramps.len() > 1 && self.ramps.back().is_some_and(|ramp| ramp.start_s >= acts_s) {
+            self.ramps.pop_back();
+        }
+        let value = self.ramps.back().map_or(target, |ramp| ramp.at(acts_s));
+        let duration_s = (target - value).abs() / self.parameters.rate_per_s;
+        if duration_s > 0.0 {
+            let slope_per_s = self.parameters.rate_per_s.copysign(target - value);
+            self.ramps.push_back(Ramp { start_s: acts_s, value, slope_per_s });
+        }
+        self.ramps.push_back(Ramp { start_s: acts_s + duration_s, value: target, slope_per_s: 0.0 });
+    }
+
+    /// The piece in force from `time_s` on, and the time of the next corner of the set value
+    /// (infinite if none is known). Times do not go back.
+    pub(crate) fn piece_from(&mut self, time_s: f64) -> (SliderPiece, f64) {
+        while let Some(&next) = self.ramps.get(1)
+            && next.start_s <= time_s
+        {
+            let states = self.piece.states(next.start_s.max(self.piece.start_s));
+            self.piece = SliderPiece::new(next, self.piece.lags_s, states);
+            self.ramps.pop_front();
+        }
+        (self.piece, self.ramps.get(1).map_or(f64::INFINITY, |next| next.start_s))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn slider(lags: [f64; 2], rate_per_s: f64, delay_s: f64) -> Slider {
+        let parameters =
+            SliderParameters { gain_per_v: 0.05, offset: 0.01, rate_per_s, time_constants_s: lags, delay_s };
+        Slider::at_rest(parameters, 0.0, 0.0)
+    }
+
+    fn position(slider: &mut Slider, time_s: f64) -> f64 {
+        slider.piece_from(time_s).0.position(time_s)
+    }
+
+    #[test]
+    fn a_slider_at_rest_stays() {
+        let mut slider = slider([0.02, 0.03], 12.0, 0.007);
+        slider.command(0.0, 0.0);
+        assert!((position(&mut slider, 5.0) - 0.01).abs() < 1e-16);
+    }
+
+    #[test]
+    fn without_lags_the_ramp_arrives_after_the_delay_and_stops_on_the_target() {
+        let mut slider = slider([0.0, 0.0], 10.0, 0.0035);
+        slider.command(0.0, 4.0); // 0.2 away: 0.02 s
+        assert!((position(&mut slider, 0.003) - 0.01).abs() < 1e-15);
+        assert!((position(&mut slider, 0.0135) - 0.11).abs() < 1e-14);
+        assert!((position(&mut slider, 0.1) - 0.21).abs() < 1e-15);
+    }
+
+    #[test]
+    fn an_unlimited_rate_jumps() {
+        let mut slider = slider([0.0, 0.0], f64::INFINITY, 0.0);
+        slider.command(1.0, 2.0);
+        assert!((position(&mut slider, 1.0) - 0.11).abs() < 1e-15);
+    }
+
+    #[test]
+    fn closed_form_agrees_with_small_euler_steps_for_any_order_of_lags() {
+        for lags in [[0.018, 0.0279], [0.0279, 0.018], [0.02, 0.02], [0.02, 0.02 + 1e-12], [0.03, 0.0], [0.0, 0.03]] {
+            let mut slider = slider(lags, 12.0, 0.0023);
+            let commands = [(0.0, 8.0), (0.012, -6.0), (0.1, 1.0)];
+            let (mut r, mut a, mut x, step) = (0.01, 0.01, 0.01, 1e-6);
+            let mut next = 0;
+            for k in 0..200_000_u32 {
+                let t = f64::from(k) * step;
+                while commands.get(next).is_some_and(|&(at, _)| at <= t) {
+                    slider.command(commands[next].0, commands[next].1);
+                    next += 1;
+                }
+                if k % 1000 == 0 {
+                    assert!((position(&mut slider, t) - x).abs() < 5e-5, "{lags:?} {t}");
+                }
+                let delayed = commands.iter().rev().find(|(at, _)| at + 0.0023 <= t).map_or(0.0, |c| c.1);
+                r += (0.05 * delayed + 0.01 - r).clamp(-12.0 * step, 12.0 * step);
+                a = if lags[0] > 0.0 { a + step * (r - a) / lags[0] } else { r };
+                x = if lags[1] > 0.0 { x + step * (a - x) / lags[1] } else { a };
+            }
+        }
+    }
+}

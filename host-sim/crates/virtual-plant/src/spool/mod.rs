@@ -1,0 +1,4 @@
+//! TODO.
+
+pub(crate) mod linear;
+pub(crate) mod with_effects;
