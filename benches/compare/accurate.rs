@@ -3,10 +3,8 @@
 use std::error::Error;
 
 use host_sim::testbed::{Commands, InitialState, Plant};
-use model_core::fixed_point::PerUnit;
-use model_core::machine::Machine;
-use model_core::number::Scalar;
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P};
+use model_core::number::{PerUnit, Scalar};
 use serde_json::Value;
 use system_benches::run::{Row, Run, START_M, TICK};
 use system_tests::drives;

@@ -8,8 +8,8 @@ use std::time::Instant;
 
 use host_sim::lanes::LANES;
 use host_sim::testbed::{InitialState, Plant};
-use model_core::fixed_point::PerUnit;
 use model_core::machine::Machine;
+use model_core::number::PerUnit;
 use serde_json::Value;
 use system_benches::floor::{Operations, WIDE};
 use system_benches::run::{Abreast, Row, Run, START_M, random_commands, staggered};

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use model_core::fixed_point::PerUnit;
+use model_core::number::PerUnit;
 use serde_json::Value;
 use system_tests::emulator::Processor;
 use system_tests::simulate::DELAY;

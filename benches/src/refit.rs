@@ -8,8 +8,7 @@ use host_sim::fit::{Fit, FitError, Free, Freedom, From, fit_told};
 use host_sim::machine_file::{self, MachineFileError};
 use host_sim::prepare::Prepared;
 use host_sim::recording::{self, ChannelMap, RecordingError, Signal};
-use model_core::machine::Machine;
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P};
 
 /// What is free, in the peers' order.
 pub const FREE: [P; 10] = [

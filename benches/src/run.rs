@@ -5,10 +5,9 @@ use std::array::from_fn;
 
 use host_sim::lanes::{LANES, Lanes};
 use host_sim::testbed::{Excitation, InitialState};
-use model_core::drive::{Drive, Entry, Load};
+use model_core::drive::{Drive, Entry, Load, PaperDrive};
 use model_core::machine::{Machine, Tick};
 use model_core::number::{Field, Scalar};
-use model_core::paper::PaperDrive;
 use system_tests::simulate::{State, at_rest, command, drive};
 
 /// At the end of a tick: slider, position (m), velocity (m/s), pressures in A and B (Pa).

@@ -4,8 +4,8 @@ use host_sim::compare::Arithmetic;
 use host_sim::fmu::Contents;
 use host_sim::recording::Signal;
 use host_sim::simulate::{Inputs, Live, Start};
-use model_core::fixed_point::PerUnit;
 use model_core::machine::MachineError;
+use model_core::number::PerUnit;
 
 use crate::Refusal;
 use crate::snapshot::Kept;

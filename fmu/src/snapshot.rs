@@ -2,7 +2,7 @@
 
 use host_sim::simulate::{DELAY_LINE, Inputs};
 use model_core::drive::DriveState;
-use model_core::fixed_point::PerUnit;
+use model_core::number::PerUnit;
 use serde::{Deserialize, Serialize};
 
 use crate::{Mode, Refusal};

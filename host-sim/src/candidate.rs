@@ -5,8 +5,7 @@ mod refit;
 mod standing;
 mod uncertainty;
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 use rayon::prelude::*;
 
 use crate::fit::{

@@ -4,8 +4,8 @@
 
 use std::fmt;
 
-use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Source, Tick};
+use model_core::number::PerUnit;
 
 use crate::failure::Mended;
 use crate::inherited::{inherited, realisations};

@@ -9,8 +9,7 @@ mod shown;
 
 use std::collections::BTreeMap;
 
-use model_core::machine::{Machine, MachineError, Tick};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, MachineError, Parameter, Tick};
 
 use crate::candidate::Reference;
 use crate::compare::CompareError;

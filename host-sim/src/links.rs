@@ -13,11 +13,10 @@
 //! Each is linear in what was measured, so the standard deviation that sensor noise alone gives it is known, and residuals of
 //! different links compare as multiples of it.
 
-use model_core::chambers::ChamberState;
 use model_core::drive::Drive;
 use model_core::flow::PumpDrive;
-use model_core::machine::{Machine, MachineError, Source};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, MachineError, Parameter, Source};
+use model_core::ports::ChamberState;
 
 use crate::locate::Case;
 use crate::prepare::Channel;

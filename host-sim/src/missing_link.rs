@@ -1,7 +1,6 @@
 //! Which link a mismatch sits in, by the balances of the links alone.
 
-use model_core::machine::{Machine, MachineError};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, MachineError, Parameter};
 use nalgebra::DVector;
 
 use crate::evidence::{Account, Evidence, Lack, Pattern, weigh};

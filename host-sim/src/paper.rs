@@ -4,8 +4,7 @@
 //! LVDT, joint encoder of 3600 impulses, dither on the command). The model is entered at the command and at the measured
 //! slider, as in Figs. 3 and 6, and the static characteristic (15) is found again by regression on the slider after 0.3 s.
 
-use model_core::machine::{Machine, Tick};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter, Tick};
 use rayon::prelude::*;
 
 use crate::compare::Arithmetic;

@@ -1,7 +1,6 @@
 //! The drive that tests use: a valve on a 63/40 × 300 mm cylinder.
 
-use model_core::machine::{Machine, Source, Tick};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter, Source, Tick};
 
 use crate::hypothesis::Scene;
 use crate::machine_file::LoadSource;

@@ -3,8 +3,7 @@
 
 mod extended;
 
-use model_core::machine::{Machine, MachineError};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, MachineError, Parameter};
 use rayon::prelude::*;
 
 use crate::fit::{Change, Fit, Free, Freedom, Sensitivity, Settled, Simulated};

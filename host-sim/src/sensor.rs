@@ -1,7 +1,6 @@
 //! A sensor that records a signal, and how much noise it adds.
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 use strsim::jaro_winkler as alike;
 
 use crate::data_sheet::Quantity;

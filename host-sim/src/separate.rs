@@ -6,8 +6,7 @@
 
 use std::cmp::Ordering;
 
-use model_core::machine::{Machine, MachineError, Source, Tick};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, MachineError, Parameter, Source, Tick};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 

@@ -2,8 +2,7 @@
 //!
 //! They are laid out for the drive: no larger than the commands it was recorded with, and slow enough to stay within its stroke.
 
-use model_core::machine::{Machine, Tick};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter, Tick};
 
 use crate::machine_file::LoadSource;
 use crate::recording::{Column, Recording, RecordingError, Signal};

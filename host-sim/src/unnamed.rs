@@ -6,8 +6,7 @@
 
 use std::fmt;
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 use rayon::prelude::*;
 
 use crate::fit::{CHANCE, Counts, Estimate, FitError, Free, Freedom, From, Residuals, fit, settle, standardised};

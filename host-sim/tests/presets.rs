@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use host_sim::machine_file;
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 fn preset(name: &str) -> (String, host_sim::machine_file::MachineFile) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../presets").join(name);

@@ -1,8 +1,8 @@
 //! Every drive on the paper's signals and on random steps, at 1 kHz.
 
 use host_sim::testbed::{Excitation, InitialState};
-use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
+use model_core::number::PerUnit;
 use system_tests::drives;
 use system_tests::simulate::{Distance, core, distance, oracle};
 

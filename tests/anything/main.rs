@@ -9,11 +9,10 @@ use std::thread;
 use std::time::Duration;
 
 use cap::Cap;
-use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState};
-use model_core::fixed_point::PerUnit;
 use model_core::machine::Tick;
-use model_core::number::Scalar;
+use model_core::number::{PerUnit, Scalar};
+use model_core::ports::ChamberState;
 use serde::Serialize;
 use system_tests::anything::{TARGETS, machine_file, recording};
 use system_tests::drives;

@@ -6,7 +6,7 @@ use host_sim::hypothesis::{CATALOGUE, Hypothesis, Kind, Scene, Strength};
 use host_sim::machine_file::{self, LoadSource, MachineFile};
 use host_sim::recording::Signal;
 use host_sim::simulate::EntryPoint;
-use model_core::parameter::{Fallback, Parameter};
+use model_core::machine::{Fallback, Parameter};
 use system_tests::snapshot;
 
 use super::root;

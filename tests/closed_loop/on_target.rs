@@ -7,7 +7,7 @@ use std::fmt::Write;
 use std::path::Path;
 use std::thread;
 
-use firmware::press;
+use firmware::app::press;
 use firmware::set_point::{Bounds, Leg};
 use host_sim::diagnose::{Verdict, diagnose};
 use host_sim::export::Constants;
@@ -15,8 +15,7 @@ use host_sim::import;
 use host_sim::machine_file::MachineFile;
 use host_sim::recording::{self, ChannelMap, Recording};
 use host_sim::testbed::PlantEffect;
-use model_core::machine::Machine;
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P};
 use system_tests::at_hand::skipped;
 use system_tests::emulator::Processor;
 use system_tests::in_the_loop::{Board, Follows, RECORDED_FROM, SETTLING, rig};

@@ -3,9 +3,8 @@
 use firmware::set_point::{Bounds, Leg};
 use host_sim::testbed::sensors::PositionSensor;
 use host_sim::testbed::{LoadProfile, PlantEffect};
-use model_core::follow::Tuning;
-use model_core::machine::Machine;
-use model_core::parameter::Parameter as P;
+use model_core::control::Tuning;
+use model_core::machine::{Machine, Parameter as P};
 use rayon::prelude::*;
 use system_tests::drives;
 

@@ -13,8 +13,7 @@ use host_sim::testbed::{
     Bench, Drive, Excitation, InitialState, LoadProfile, Plant, PlantEffect, PumpCommand, Sensors, SyntheticRecording,
     truth_near,
 };
-use model_core::machine::Machine;
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P};
 use system_tests::drives;
 
 use super::root;

@@ -4,9 +4,8 @@ use host_sim::dual::Dual;
 use host_sim::prepare::Prepared;
 use host_sim::recording::Signal;
 use host_sim::simulate::{StartOffset, Stimulus, run};
-use model_core::machine::Machine;
+use model_core::machine::{Machine, Parameter as P};
 use model_core::number::Field;
-use model_core::parameter::Parameter as P;
 
 use super::bed::{in_oil, pump_case, valve_case};
 

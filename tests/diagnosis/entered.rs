@@ -3,7 +3,7 @@
 use host_sim::diagnose::Verdict;
 use host_sim::recording::{Column, Recording, Signal};
 use host_sim::testbed::{PlantEffect, PlantState, SyntheticRecording};
-use model_core::parameter::Parameter as P;
+use model_core::machine::Parameter as P;
 use rayon::prelude::*;
 
 use super::bed::{Case, Dice, claimed, press, valve_case_as};

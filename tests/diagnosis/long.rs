@@ -6,7 +6,7 @@ use host_sim::excerpt::{AFFORDABLE_TICKS, Excerpt};
 use host_sim::recording::Recording;
 use host_sim::testbed::sensors::PositionSensor;
 use host_sim::testbed::{Bench, Drive, Excitation, InitialState, Plant, PlantEffect, Sensors, truth_near};
-use model_core::parameter::Parameter as P;
+use model_core::machine::Parameter as P;
 
 use super::bed::{Case, claimed, press};
 

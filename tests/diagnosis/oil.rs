@@ -3,7 +3,7 @@
 use host_sim::recording::{Recording, Signal};
 use host_sim::testbed::PlantEffect;
 use host_sim::testbed::draw::{Concealed, Lot, draw};
-use model_core::parameter::Parameter as P;
+use model_core::machine::Parameter as P;
 
 use super::bed::{Case, claimed};
 

@@ -8,8 +8,7 @@ use host_sim::recording::Signal;
 use host_sim::simulate::{StartOffset, simulate};
 use host_sim::testbed::PlantEffect;
 use host_sim::verdict::Selection;
-use model_core::machine::Machine;
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P};
 
 use super::bed::{Case, Dice, press, valve_case};
 

@@ -13,8 +13,7 @@ use host_sim::testbed::draw::{Concealed, Drawn, Lot, draw};
 use host_sim::testbed::{
     Channel, FlowEffect, FrictionLevel, LoadEffect, PlantEffect, SensingEffect, SyntheticRecording, ValveEffect,
 };
-use model_core::machine::Machine;
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P};
 use rayon::prelude::*;
 use system_tests::snapshot;
 

@@ -7,7 +7,7 @@ use host_sim::recording::Signal;
 use host_sim::testbed::PlantEffect;
 use host_sim::unnamed::{Quantity, Unnamed, improved};
 use host_sim::verdict::{Candidate, Question};
-use model_core::parameter::Parameter as P;
+use model_core::machine::Parameter as P;
 
 use super::bed::{Case, valve_case};
 

@@ -2,9 +2,8 @@
 
 use host_sim::testbed::{Excitation, InitialState};
 use model_core::drive::{Entry, Load};
-use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
-use model_core::number::Scalar;
+use model_core::number::{PerUnit, Scalar};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use system_tests::any_machine::{any_machine, any_tick};

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use firmware::trial::{EFFECTS, RECORDED, press};
 use host_sim::machine_file;
 use host_sim::recording::{ChannelMap, Signal, read};
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 fn of_repository(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)

@@ -2,11 +2,10 @@
 
 use host_sim::dual::Dual;
 use host_sim::testbed::Excitation;
-use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, Entry, Load};
-use model_core::machine::{Machine, Tick};
+use model_core::machine::{Machine, Parameter as P, Tick};
 use model_core::number::{Field, Scalar};
-use model_core::parameter::Parameter as P;
+use model_core::ports::ChamberState;
 use system_tests::drives;
 use system_tests::simulate::{DELAY, State};
 

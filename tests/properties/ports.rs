@@ -2,8 +2,7 @@
 
 use std::cell::RefCell;
 
-use model_core::machine::{Machine, Tick};
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P, Tick};
 use proptest::prelude::*;
 
 use super::runner;

@@ -2,10 +2,8 @@
 
 use host_sim::testbed::{Excitation, InitialState};
 use model_core::drive::{Drive, Entry, Interfaces, Load};
-use model_core::fixed_point::PerUnit;
-use model_core::machine::{Machine, Tick};
-use model_core::number::Scalar;
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P, Tick};
+use model_core::number::{PerUnit, Scalar};
 use proptest::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;

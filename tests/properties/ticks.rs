@@ -7,9 +7,8 @@
 use std::cell::RefCell;
 
 use host_sim::testbed::InitialState;
-use model_core::fixed_point::PerUnit;
-use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P, Source};
+use model_core::number::PerUnit;
 use proptest::prelude::*;
 use system_tests::simulate::{Row, core, distance};
 

@@ -1,7 +1,6 @@
 //! Effects drawn at random, in sizes that suit the machine they come upon: of the valve and the flow link by number, and of every link.
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P};
 use proptest::prelude::*;
 
 /// The effects, by their number.

@@ -2,8 +2,7 @@
 
 use std::f64::consts::PI;
 
-use model_core::machine::{Machine, Source, Tick};
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P, Source, Tick};
 use proptest::prelude::*;
 
 /// Evenly over the decades between two values.

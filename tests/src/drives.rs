@@ -1,8 +1,7 @@
 //! The three drives that every accuracy is stated for.
 
 pub use firmware::trial::pump;
-use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P, Source};
 
 /// A machine with a name for tables.
 #[derive(Clone, Copy, Debug)]

@@ -7,8 +7,7 @@ use std::path::Path;
 
 use host_sim::lanes::LANES;
 use host_sim::testbed::InitialState;
-use model_core::fixed_point::PerUnit;
-use model_core::number::Scalar;
+use model_core::number::{PerUnit, Scalar};
 use system_benches::refit::Refit;
 use system_benches::run::{Abreast, Run, START_M, random_commands, staggered};
 use system_tests::drives;

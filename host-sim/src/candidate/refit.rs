@@ -1,7 +1,6 @@
 //! Refits of a set: to the end at the recordings' own tick, short of that at twice the tick.
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 
 use super::{Candidate, Chosen, Question, strengths};
 use crate::fit::{Fit, FitError, Free, From, Sensitivity, StartState, coarse, fit, loss, softened_all};

@@ -1,7 +1,7 @@
 //! How well the values of a set are known: standard deviations from the curvature of what was minimised, or, where there is no slope, from
 //! its profile.
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::refit::NARROWEST;
 use super::{Candidate, Question, strengths};

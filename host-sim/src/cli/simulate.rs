@@ -5,9 +5,8 @@ use std::fs::File;
 use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 
-use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Source, Tick};
-use model_core::number::Scalar;
+use model_core::number::{PerUnit, Scalar};
 
 use super::ending::{DRAWING, RECORDING, is_standard_output};
 use super::input::{self, MachineArguments};

@@ -61,8 +61,7 @@ mod tests {
     use super::super::{Answers, Edges, Item, derived};
     use super::*;
     use crate::machine_file::read_text;
-    use model_core::machine::Source;
-    use model_core::parameter::Parameter;
+    use model_core::machine::{Parameter, Source};
 
     /// Every item's example, of a drive with a valve or a pump.
     fn examples(pump: bool) -> Answers {

@@ -1,6 +1,6 @@
 //! What is claimed of a selection once the held-out recordings are opened, and how well its values are known.
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::finding::{Finding, finding};
 use crate::candidate::{Candidate, Question};

@@ -1,6 +1,6 @@
 //! A claimed effect, how sure it is, and what it may be instead.
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use crate::fit::Estimate;
 use crate::hypothesis::Hypothesis;

@@ -7,8 +7,7 @@
 
 use std::fmt::{self, Write};
 
-use model_core::machine::Source;
-use model_core::parameter::Parameter;
+use model_core::machine::{Parameter, Source};
 
 use super::Constants;
 use crate::machine_file::{MachineFile, belongs, effect_of, table_of};

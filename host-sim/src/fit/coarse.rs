@@ -63,7 +63,7 @@ fn at_twice_the_tick(case: &Prepared, Coarser { stimulus, kept }: Coarser, fine:
 
 #[cfg(test)]
 mod tests {
-    use model_core::parameter::Parameter;
+    use model_core::machine::Parameter;
 
     use super::*;
     use crate::fit::residuals::tests::recorded;

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::{Fit, Information};
 
@@ -55,7 +55,7 @@ impl Fit {
 
 #[cfg(test)]
 mod tests {
-    use model_core::parameter::Parameter as P;
+    use model_core::machine::Parameter as P;
     use nalgebra::{DMatrix, DVector};
 
     use super::*;

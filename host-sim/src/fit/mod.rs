@@ -16,8 +16,7 @@ mod sensitivity;
 mod slopes;
 mod start;
 
-use model_core::machine::{Machine, MachineError, Tick};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, MachineError, Parameter, Tick};
 use nalgebra::{DMatrix, DVector};
 
 use crate::prepare::Prepared;

@@ -82,7 +82,7 @@ impl Information {
 mod tests {
     use std::slice;
 
-    use model_core::parameter::Parameter;
+    use model_core::machine::Parameter;
 
     use super::*;
     use crate::fit::residuals::tests::recorded;

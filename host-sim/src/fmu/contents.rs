@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use fmi_schema::Error as SchemaError;
 use model_core::drive::Drive;
-use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, MachineError, Tick};
+use model_core::number::PerUnit;
 use zip::result::ZipError;
 
 use crate::compare::Arithmetic;
@@ -137,7 +137,7 @@ impl Contents {
 
 #[cfg(test)]
 mod tests {
-    use model_core::parameter::Parameter;
+    use model_core::machine::Parameter;
 
     use super::*;
     use crate::press::press;

@@ -22,7 +22,7 @@
 //! K. H. Hunt and F. R. E. Crossley, *Coefficient of restitution interpreted as damping in vibroimpact*, J. Applied
 //! Mechanics 42, 1975; M. Jelali and A. Kroll, *Hydraulic Servo-systems*, Springer 2003, chapter 4.
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::{Hypothesis, Kind, LookAlike, Scene, Strength, Subsystem};
 use crate::machine_file::LoadSource;

@@ -20,7 +20,7 @@
 //! cylinders*, IEEE Int. Conf. on Robotics and Automation, 1999; Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica
 //! 30, 1994.
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::{BRISTLES, Extension, Hypothesis, Kind, LookAlike, Scene, Strength, Subsystem};
 use crate::machine_file::LoadSource;

@@ -36,8 +36,7 @@ mod valve_leakage;
 
 use std::fmt;
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 
 use crate::machine_file::LoadSource;
 use crate::recording::Signal;

@@ -24,7 +24,7 @@
 //! ISO 3448 (viscosity grades); ASTM D341 (viscosity over temperature, after Walther); G. E. Totten (ed.), *Handbook of
 //! Hydraulic Fluid Technology*, Marcel Dekker 2000; H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967, chapter 2.
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
 use crate::machine_file::LoadSource;

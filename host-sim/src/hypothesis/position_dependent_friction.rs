@@ -21,7 +21,7 @@
 //! ## Source
 //! B. Armstrong-Hélouvry, *Control of Machines with Friction*, Kluwer 1991 (friction as a function of position).
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::{BRISTLES, Extension, Hypothesis, Kind, LookAlike, Scene, Strength, Subsystem};
 use crate::machine_file::LoadSource;

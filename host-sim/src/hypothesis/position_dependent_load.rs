@@ -19,7 +19,7 @@
 //! M. Jelali and A. Kroll, *Hydraulic Servo-systems*, Springer 2003, chapter 4 (load models); H. E. Merritt, *Hydraulic
 //! Control Systems*, Wiley 1967, chapter 6 (spring load).
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
 use crate::machine_file::LoadSource;

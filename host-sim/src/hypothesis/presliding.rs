@@ -22,7 +22,7 @@
 //! Trans. Automatic Control 40, 1995 (`LuGre`); H. Yanada and Y. Sekikawa, *Modeling of dynamic behaviors of friction*,
 //! Mechatronics 18, 2008 (hydraulic cylinders).
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::{Extension, Hypothesis, Kind, LookAlike, Strength, Subsystem};
 use crate::machine_file::LoadSource;

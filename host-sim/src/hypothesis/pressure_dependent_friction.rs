@@ -18,7 +18,7 @@
 //! A. Bonchis, P. I. Corke, D. C. Rye, *A pressure-based, velocity independent, friction model for asymmetric hydraulic
 //! cylinders*, IEEE Int. Conf. on Robotics and Automation, 1999.
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::{BRISTLES, Hypothesis, Kind, LookAlike, Strength, Subsystem};
 use crate::machine_file::LoadSource;

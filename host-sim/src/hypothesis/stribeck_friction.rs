@@ -21,7 +21,7 @@
 //! R. Stribeck, *Die wesentlichen Eigenschaften der Gleit- und Rollenlager*, Z. VDI 46, 1902; B. Armstrong-Hélouvry, P.
 //! Dupont, C. Canudas de Wit, *A survey of models … for the control of machines with friction*, Automatica 30, 1994.
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::{BRISTLES, Extension, Hypothesis, Kind, LookAlike, Strength, Subsystem};
 use crate::machine_file::LoadSource;

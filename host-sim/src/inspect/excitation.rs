@@ -1,7 +1,6 @@
 //! What moved, how far, and whether it also held: a link that was not excited cannot be judged.
 
-use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter, Source};
 
 use super::channels::FoundColumn;
 use crate::failure::{Failures, bridged};

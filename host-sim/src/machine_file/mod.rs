@@ -15,8 +15,7 @@ pub(crate) use keys::{belongs, effect_of, table_of};
 pub use reader::{MAX_FILE_BYTES, read, read_text};
 
 use crate::recording::ChannelMap;
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Where the external force on the rod comes from in a simulation of a recording.

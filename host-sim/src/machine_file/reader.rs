@@ -4,8 +4,7 @@ use super::keys::{self, EFFECTS};
 use super::{LoadSource, MachineFile, MachineFileError};
 use crate::diagnostic::Place;
 use crate::recording::ChannelMap;
-use model_core::machine::{Machine, Source};
-use model_core::parameter::{Fallback, Parameter};
+use model_core::machine::{Fallback, Machine, Parameter, Source};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::Read;
@@ -45,7 +44,7 @@ pub fn read(path: &Path) -> Result<MachineFile, MachineFileError> {
 ///
 /// ```
 /// use host_sim::machine_file::read_text;
-/// use model_core::parameter::Parameter;
+/// use model_core::machine::Parameter;
 ///
 /// let text = "
 /// [supply]

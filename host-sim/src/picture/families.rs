@@ -1,7 +1,6 @@
 //! What is drawn of each effect: one small measurement a family.
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 
 use super::view::{Law, Moment};
 use crate::hypothesis::{Hypothesis, Subsystem};

@@ -8,8 +8,7 @@
 mod families;
 mod view;
 
-use model_core::machine::{Machine, MachineError};
-use model_core::parameter::Fallback;
+use model_core::machine::{Fallback, Machine, MachineError};
 
 use crate::diagnose::Diagnosis;
 use crate::hypothesis::Hypothesis;

@@ -3,11 +3,10 @@
 
 use std::borrow::Cow;
 
-use model_core::chambers::ChamberState;
 use model_core::drive::Drive;
 use model_core::flow::PumpDrive;
-use model_core::machine::{Machine, MachineError, Source, Tick};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, MachineError, Parameter, Source, Tick};
+use model_core::ports::ChamberState;
 
 use super::Drives;
 use crate::diagnose::{Diagnosis, Shown};

@@ -1,7 +1,6 @@
 //! The excitation that separates most: the best choice of standard tests, one after the other.
 
-use model_core::machine::{Machine, MachineError, Tick};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, MachineError, Parameter, Tick};
 use rayon::prelude::*;
 
 use super::directions::Directions;

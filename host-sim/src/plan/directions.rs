@@ -1,7 +1,6 @@
 //! What moves when a parameter moves, or an effect is there: machines to be held against the one as it is.
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 
 use crate::fit::Free;
 use crate::hypothesis::{Form, Hypothesis, Kind, Scene};

@@ -11,8 +11,7 @@ mod directions;
 mod isolability;
 mod products;
 
-use model_core::machine::{Machine, MachineError, Source, Tick};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, MachineError, Parameter, Source, Tick};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 

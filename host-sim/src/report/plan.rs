@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use comfy_table::Table;
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use serde_json::{Value, json};
 
 use crate::hypothesis::short_name;

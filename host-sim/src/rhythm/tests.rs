@@ -1,4 +1,4 @@
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::*;
 use crate::machine_file::LoadSource;

@@ -1,8 +1,7 @@
 //! A recording of the position with what a machine simulates of it: how much faster the rod is for each opening, the slider's strokes in
 //! blocks, and what each block says of jumps of a length.
 
-use model_core::machine::{Machine, MachineError};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, MachineError, Parameter};
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 

@@ -94,8 +94,8 @@ impl<N: Scalar<Real = f64>> Live<N> {
 
 #[cfg(test)]
 mod tests {
-    use model_core::fixed_point::PerUnit;
-    use model_core::parameter::Parameter;
+    use model_core::machine::Parameter;
+    use model_core::number::PerUnit;
 
     use super::*;
     use crate::machine_file::LoadSource;

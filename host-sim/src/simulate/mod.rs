@@ -12,13 +12,10 @@ mod outflow;
 mod rest;
 mod stimulus;
 
-use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState, Entry};
-use model_core::flow::Flows;
-use model_core::machine::{Machine, MachineError};
+use model_core::machine::{Machine, MachineError, Parameter};
 use model_core::number::{Field, Number, Real, Scalar};
-use model_core::parameter::Parameter;
-use model_core::valve::Slider;
+use model_core::ports::{ChamberState, Flows, Slider};
 
 pub use abreast::{Run, run_abreast};
 pub use departure::StartOffset;
@@ -350,7 +347,7 @@ fn unbraked<R: Real>(machine: &Machine<R>, stimulus: &Stimulus) -> Machine<R> {
 /// use host_sim::recording::{self, ChannelMap, Signal};
 /// use host_sim::simulate::{StartOffset, Stimulus, first_entry, natural_tick, simulate};
 /// use host_sim::machine_file;
-/// use model_core::fixed_point::PerUnit;
+/// use model_core::number::PerUnit;
 ///
 /// let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/press-63-40");
 /// let drive = machine_file::read(&example.join("machine.toml"))?;

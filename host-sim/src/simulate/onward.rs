@@ -97,9 +97,8 @@ mod tests {
     use std::fmt::Write;
     use std::path::Path;
 
-    use model_core::fixed_point::PerUnit;
-    use model_core::machine::Source;
-    use model_core::parameter::Parameter;
+    use model_core::machine::{Parameter, Source};
+    use model_core::number::PerUnit;
 
     use super::*;
     use crate::press::press;

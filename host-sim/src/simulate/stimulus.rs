@@ -6,11 +6,10 @@ mod coarser;
 use std::sync::Arc;
 
 use model_core::drive::{Entry, Load};
-use model_core::flow::{Flows, PumpDrive};
-use model_core::machine::{Bases, Machine, MachineError, Source, Tick};
+use model_core::flow::PumpDrive;
+use model_core::machine::{Bases, Machine, MachineError, Parameter, Source, Tick};
 use model_core::number::{Number, Scalar};
-use model_core::parameter::Parameter;
-use model_core::valve::Slider;
+use model_core::ports::{Flows, Slider};
 
 use super::grid::{Grid, Origin};
 use super::rest::{Start, start};

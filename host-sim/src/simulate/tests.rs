@@ -1,6 +1,5 @@
-use model_core::fixed_point::PerUnit;
-use model_core::machine::{Machine, Tick};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter, Tick};
+use model_core::number::PerUnit;
 
 use super::{EntryPoint, StartOffset, Stimulus, Trajectory, simulate};
 use crate::machine_file::LoadSource;

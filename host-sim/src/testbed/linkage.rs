@@ -4,8 +4,7 @@
 //! the third is the cylinder, `length_retracted + y`; the angle at the joint follows by the law of
 //! cosines and grows as the rod extends.
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 use thiserror::Error;
 
 /// The triangle, with where the encoder counts zero.

@@ -5,8 +5,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use diffsol::DiffsolError;
-use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter, Source};
 use thiserror::Error;
 
 use super::effect::PlantEffect;

@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 
 use crate::random::Noise;
 

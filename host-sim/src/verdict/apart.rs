@@ -7,8 +7,7 @@
 mod jumps;
 mod stuck;
 
-use model_core::machine::{Machine, MachineError};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, MachineError, Parameter};
 use rayon::prelude::*;
 
 use super::believed::believed;

@@ -1,4 +1,4 @@
-use model_core::parameter::Parameter as P;
+use model_core::machine::Parameter as P;
 
 use super::believed::believed;
 use super::*;

@@ -2,8 +2,7 @@
 
 use std::fmt;
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 use rayon::prelude::*;
 
 use super::likelihood::ranked_by;

@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use firmware::frame::FrameWriter;
-use firmware::message::{ChannelHeader, Header, RowsWriter};
+use firmware::recorder::frame::FrameWriter;
+use firmware::recorder::message::{ChannelHeader, Header, RowsWriter};
 use tempfile::TempDir;
 
 use super::{MACHINE, listing, program, text};

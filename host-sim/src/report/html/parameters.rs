@@ -116,7 +116,7 @@ pub(super) fn number(value: f64, digits: i32) -> String {
 
 #[cfg(test)]
 mod tests {
-    use model_core::parameter::Parameter;
+    use model_core::machine::Parameter;
 
     use super::*;
 

@@ -71,7 +71,7 @@ fn every_second(points: &[f64]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use model_core::parameter::Parameter;
+    use model_core::machine::Parameter;
 
     use super::super::EntryPoint;
     use super::*;

@@ -1,7 +1,6 @@
 //! One case: drive, setting, effects, recordings; drawn again until it shows what it conceals.
 
-use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P, Source};
 
 use super::super::effect::{LoadEffect, PlantEffect};
 use super::super::input::LoadProfile;

@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P, Source};
 
 use crate::machine_file::MachineFile;
 use crate::random::Noise;

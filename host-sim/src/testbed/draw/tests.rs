@@ -1,6 +1,6 @@
 //! What a drawn case has to be.
 
-use model_core::parameter::Parameter as P;
+use model_core::machine::Parameter as P;
 use rayon::prelude::*;
 
 use super::super::effect::{LoadEffect, PlantEffect};

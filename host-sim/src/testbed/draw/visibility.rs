@@ -6,8 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 use nalgebra::{DMatrix, DVector};
 
 use super::super::effect::PlantEffect;

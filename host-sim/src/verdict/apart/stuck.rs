@@ -4,7 +4,7 @@
 //! kept, with jumps that hardly are. What the jumps measure of the free slider is smooth in all parameters, and
 //! tells stiction from the play that stands beside it.
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use rayon::prelude::*;
 
 use super::super::likelihood::{Gained, LEAST_SHARE, excess, ranked, straightened};
