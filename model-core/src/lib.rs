@@ -69,3 +69,8 @@ pub mod ports;
 pub mod sensing;
 /// The valve link: command → slider.
 pub mod valve;
+
+/// The README's code.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}
