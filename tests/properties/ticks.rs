@@ -26,7 +26,7 @@ fn divided_by(smooth: &Smooth) -> Option<[f64; 2]> {
     Some([coarse.position / fine.position, coarse.pressure / fine.pressure])
 }
 
-/// (1)–(14), as `chain` solves them: halving the tick divides the error of a step of second order by four, of one of first order by two.
+/// (1)–(14), as `drive::step` solves them: halving the tick divides the error of a step of second order by four, of one of first order by two.
 /// Of single machines two errors of opposite signs may make it more or less.
 #[test]
 fn halving_the_tick_divides_the_error_by_four_on_any_machine_where_nothing_switches() {

@@ -11,7 +11,7 @@ use crate::set_point::SetPoint;
 pub use following::Following;
 pub use reference::{Predicted, Reference};
 
-/// The reference model with the loops around it, such as [`Following`](crate::control::Following).
+/// The reference model with the loops around it, such as [`Following`].
 ///
 /// The period limits size and slope of the command once more, as a backstop: a control whose own limits are wider winds up.
 pub trait Control {

@@ -23,7 +23,7 @@ pub mod ls7366r;
 
 use core::fmt::Debug;
 
-/// Why a device at the edge did not do what it was asked, in a form that a log can carry.
+/// Why a device did not do what it was asked, in a form that a log can carry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Cause {
@@ -44,7 +44,7 @@ pub enum Cause {
     NotInUse,
 }
 
-/// An error of a device at the edge.
+/// An error of a device.
 pub trait IoError: Debug {
     /// What went wrong, without the bus's own types.
     fn cause(&self) -> Cause;

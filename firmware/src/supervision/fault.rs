@@ -1,4 +1,4 @@
-//! Faults: what can go wrong at the edge, and which state each leads to.
+//! Faults: what can go wrong with devices and signals, and which state each leads to.
 //!
 //! The table stands in `docs/firmware.md`; [`Fault::response`] is what happens.
 //!
@@ -10,7 +10,7 @@ use model_core::number::PerUnit;
 use crate::io::Cause;
 use crate::measured::Signal;
 
-/// A device at the edge.
+/// A device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Device {

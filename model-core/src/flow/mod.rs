@@ -3,7 +3,7 @@
 //! x < 0:  Qa = K_Q·√|pa|·x           Qb = K_Q·√(p0 − pb)·x        (4)
 //! ```
 //!
-//! The flow link: slider (or [pump](Pump)) and pressures → flow into A and out of B. As it runs, with the dead zone x0 and the flow limit of §3:
+//! The flow link: slider (or [pump](crate::flow::Pump)) and pressures → flow into A and out of B. As it runs, with the dead zone x0 and the flow limit of §3:
 //!
 //! ```text
 //! o  = max(0, x − x0) + min(0, x + x0)                           opening, signed like x, not renormalised

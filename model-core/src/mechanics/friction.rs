@@ -1,7 +1,7 @@
 //! Dry friction: how hard the rod is held at rest, and braked in motion.
 //!
 //! Set-valued where no bristles are given: at rest any force below the break-away is held exactly, in motion the friction points
-//! against it. Else it acts through `bristles`. All laws add up:
+//! against it. Else it acts through the bristles of `lugre`. All laws add up:
 //!
 //! ```text
 //! constant            coulomb-friction, presliding, the force of stribeck-friction, friction-asymmetry by direction
