@@ -1,7 +1,6 @@
 // Constants of a drive, written by `host-sim export`: change the machine file and export again.
 
-use model_core::machine::{Source, Tick};
-use model_core::parameter::Parameter;
+use model_core::machine::{Parameter, Source, Tick};
 
 /// What the drive is called.
 pub const NAME: &str = "press-63-40";

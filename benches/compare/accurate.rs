@@ -5,10 +5,8 @@ use std::error::Error;
 use serde_json::Value;
 use system_benches::run::{Row, Run, START_M, TICK};
 
-use model_core::fixed_point::PerUnit;
-use model_core::machine::Machine;
-use model_core::number::Scalar;
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P};
+use model_core::number::{PerUnit, Scalar};
 use system_tests::drives;
 use system_tests::simulate::ORACLE_TOLERANCE;
 use virtual_plant::{Commands, InitialState, Plant};

@@ -10,8 +10,8 @@ use serde_json::Value;
 use system_benches::floor::{Operations, WIDE};
 use system_benches::run::{Abreast, Row, Run, START_M, random_commands, staggered};
 
-use model_core::fixed_point::PerUnit;
 use model_core::machine::Machine;
+use model_core::number::PerUnit;
 use simulation::number::simd::LANES;
 use virtual_plant::{InitialState, Plant};
 

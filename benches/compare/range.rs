@@ -5,10 +5,8 @@ use std::error::Error;
 use system_benches::run::{Run, TICK};
 
 use model_core::drive::Drive;
-use model_core::fixed_point::PerUnit;
-use model_core::machine::Machine;
-use model_core::number::Scalar;
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P};
+use model_core::number::{PerUnit, Scalar};
 use system_tests::simulate::DELAY;
 
 use crate::accurate::{Off, Signals, judged, machine_of};

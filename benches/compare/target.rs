@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use model_core::fixed_point::PerUnit;
+use model_core::number::PerUnit;
 use system_tests::emulator::Processor;
 use system_tests::simulate::DELAY;
 

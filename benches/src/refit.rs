@@ -7,8 +7,7 @@ use identification::compare::CompareError;
 use identification::experiment::Prepared;
 use identification::fit::{Fit, FitError, Free, Freedom, From, fit_told};
 use machine_file::MachineFileError;
-use model_core::machine::Machine;
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P};
 use recording::{ChannelMap, RecordingError, Signal};
 
 /// What is free, in the peers' order.

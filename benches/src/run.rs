@@ -3,10 +3,9 @@
 
 use std::array::from_fn;
 
-use model_core::drive::{Drive, Entry, Load};
+use model_core::drive::{Drive, Entry, Load, PaperDrive};
 use model_core::machine::{Machine, Tick};
 use model_core::number::{Field, Scalar};
-use model_core::paper::PaperDrive;
 use recording::excitation::signals::Excitation;
 use simulation::number::simd::{LANES, Lanes};
 use system_tests::simulate::{State, at_rest, command, drive};

@@ -4,17 +4,15 @@
 //! board and is tested on the host; boards and binaries are wiring.
 //!
 //! ```text
-//! edge ─ calibration, travel ─ measured ─ fault, mode ─ control (reference inside) ─ limits ─ calibration ─ edge
-//!   │                                        all of it, once a tick: period
-//!   └ ads8688, ls7366r, dac
+//! io ─ scaling ─ measured ─ supervision ─ control (reference inside) ─ supervision's limits ─ scaling ─ io
+//!  │                            all of it, once a tick: period
+//!  └ ads8688, ls7366r, ad5754
 //! ```
 //!
 //! ```
-//! use firmware::reference::Reference;
-//! use model_core::fixed_point::PerUnit;
-//! use model_core::machine::{Machine, Source, Tick};
-//! use model_core::number::Number;
-//! use model_core::parameter::Parameter;
+//! use firmware::control::Reference;
+//! use model_core::machine::{Machine, Parameter, Source, Tick};
+//! use model_core::number::{Number, PerUnit};
 //!
 //! let mut machine = Machine::with_defaults(Source::Valve);
 //! machine.set(Parameter::AreaA, 3.117e-3);
@@ -32,41 +30,21 @@
 #[cfg(test)]
 extern crate std;
 
-pub mod ads8688;
+pub mod app;
 #[cfg(all(target_arch = "arm", target_os = "none"))]
 pub mod board;
-pub mod calibration;
 pub mod control;
-pub mod dac;
-pub mod desk;
-pub mod edge;
-pub mod fault;
-pub mod following;
-pub mod frame;
-pub mod limits;
-mod line;
-pub mod lockstep;
-pub mod log;
-pub mod ls7366r;
+pub mod in_the_loop;
+pub mod io;
 pub mod measured;
-pub mod message;
 #[cfg(test)]
 mod mock;
-pub mod mode;
 pub mod monitor;
-pub mod operator;
-pub mod outbox;
-pub mod output;
 pub mod period;
-pub mod press;
 pub mod recorder;
-pub mod reference;
-pub mod remote;
-mod sense;
+pub mod scaling;
 pub mod set_point;
-pub mod station;
-pub mod still;
-pub mod travel;
+pub mod supervision;
 pub mod trial;
 
 /// The README's code.

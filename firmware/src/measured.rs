@@ -1,8 +1,8 @@
-//! What the sensors say in one period: the twin of [`Predicted`](crate::reference::Predicted).
+//! What the sensors say in one period: the twin of [`Predicted`](crate::control::Predicted).
 
-use model_core::chambers::ChamberState;
-use model_core::fixed_point::PerUnit;
-use model_core::follow::Observed;
+use model_core::control::Observed;
+use model_core::number::PerUnit;
+use model_core::ports::ChamberState;
 
 /// What the sensors say in this period, per unit of the model's [`Bases`](model_core::machine::Bases), `I4F28`.
 ///

@@ -5,8 +5,7 @@ use std::vec::Vec;
 
 use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
 use embedded_hal_mock::eh1::spi::Transaction;
-use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter, Source};
 
 /// A cylinder of 63/40 mm and 300 mm stroke on 7 MPa.
 pub(crate) fn press() -> Machine<f64> {

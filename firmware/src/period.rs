@@ -16,21 +16,15 @@
 //! the ramp arrives. A restart may cure what is otherwise. It cannot cure a broken sensor, and would lose the recorder: such
 //! faults have their states, and the watchdog is fed.
 
-use model_core::fixed_point::PerUnit;
-use model_core::number::Number;
+use model_core::number::{Number, PerUnit};
 
-use crate::calibration::Calibration;
-use crate::control::Control;
-use crate::edge::{AnalogIn, AnalogOut, EdgeError, PositionIn};
-use crate::fault::{Device, Fault, Standing};
-use crate::limits::{Limits, LimitsError};
-use crate::log::{Findings, Log};
+use crate::control::{Control, Predicted};
+use crate::io::{AnalogIn, AnalogOut, IoError, PositionIn};
 use crate::measured::Measured;
-use crate::mode::{Action, Command, Event, Mode};
-use crate::reference::Predicted;
-use crate::sense::{Expected, Senses, apart, ask, sorted};
+use crate::scaling::{Calibration, Travel};
 use crate::set_point::SetPoint;
-use crate::travel::Travel;
+use crate::supervision::sense::{Expected, Senses, apart, ask, sorted};
+use crate::supervision::{Action, Command, Device, Event, Fault, Findings, Limits, LimitsError, Log, Mode, Standing};
 
 /// The devices of a rig.
 #[derive(Debug)]

@@ -1,7 +1,7 @@
 //! The drive in the number type that the FMU was exported with.
 
-use model_core::fixed_point::PerUnit;
 use model_core::machine::MachineError;
+use model_core::number::PerUnit;
 use model_export::fmu::Contents;
 use recording::Signal;
 use simulation::{Arithmetic, Inputs, Live, Start};

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use model_core::drive::DriveState;
-use model_core::fixed_point::PerUnit;
+use model_core::number::PerUnit;
 use simulation::{DELAY_LINE, Inputs};
 
 use crate::{Mode, Refusal};

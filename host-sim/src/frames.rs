@@ -1,13 +1,13 @@
 //! Recordings that the firmware has streamed out, as recordings of ours.
 //!
-//! The frames are read by the source that wrote them (`firmware::frame`, `firmware::message`). What the line lost or damaged is left out
+//! The frames are read by the source that wrote them (`firmware::recorder::frame`, `firmware::recorder::message`). What the line lost or damaged is left out
 //! and said; nothing that is damaged becomes a value.
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
 
-use firmware::frame::{FrameReader, Losses};
-use firmware::message::{Message, NONE};
+use firmware::recorder::frame::{FrameReader, Losses};
+use firmware::recorder::message::{Message, NONE};
 use recording::formats::write::quoted;
 
 /// One recording as it was streamed out.
@@ -189,11 +189,10 @@ impl Imported {
 
 #[cfg(test)]
 mod tests {
-    use firmware::frame::FrameWriter;
-    use firmware::message::{ChannelHeader, Header, RowsWriter};
+    use firmware::recorder::frame::FrameWriter;
+    use firmware::recorder::message::{ChannelHeader, Header, RowsWriter};
     use firmware::recorder::{Channel, Progress, Range, Recorder, Stream as Out};
-    use model_core::fixed_point::PerUnit;
-    use model_core::number::Number;
+    use model_core::number::{Number, PerUnit};
 
     use super::*;
 

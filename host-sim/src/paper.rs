@@ -7,8 +7,7 @@
 use rayon::prelude::*;
 
 use machine_file::{LoadSource, MachineFileError};
-use model_core::machine::{Machine, Tick};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter, Tick};
 use recording::excitation::signals::{Dither, Excitation};
 use recording::{Recording, RecordingError, Signal};
 use simulation::figures_of_merit::SignalFit;

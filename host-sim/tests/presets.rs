@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 fn preset(name: &str) -> (String, machine_file::MachineFile) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../presets").join(name);

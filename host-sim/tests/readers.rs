@@ -8,8 +8,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 use machine_file::{LoadSource, MachineFile};
-use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter, Source};
 use recording::files::source_error::render;
 use recording::{ChannelMap, Column, Recording, Signal, Unit};
 

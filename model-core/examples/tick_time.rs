@@ -3,12 +3,10 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState, Entry, Load};
-use model_core::fixed_point::PerUnit;
-use model_core::machine::{Machine, MachineError, Source, Tick};
-use model_core::number::Scalar;
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, MachineError, Parameter as P, Source, Tick};
+use model_core::number::{PerUnit, Scalar};
+use model_core::ports::ChamberState;
 
 const TICKS: u32 = 2_000_000;
 

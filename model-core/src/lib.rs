@@ -1,19 +1,31 @@
 //! Reference model of a valve-controlled (or pump-controlled) hydraulic drive, for controllers and desktops.
 //!
 //! command → [`valve`] → slider → [`flow`] → [`chambers`] → [`mechanics`] → [`sensing`]. Each link is a type of its own that can
-//! be stepped alone; [`drive::Drive`] composes them into one fixed-cost implicit step a tick. The equations are written once,
-//! over [`number::Number`]: fixed point on the controller and, bit for bit the same, on the desktop; `f64`, dual numbers and vectors on the
-//! desktop. [`machine::Machine`] holds a drive's SI parameters, [`parameter::Parameter`] names them.
+//! be stepped alone, and its file opens with the equations that it runs; [`drive::Drive`] composes them into one fixed-cost implicit step a tick.
+//! The equations are written once, over [`number::Number`]: fixed point on the controller and, bit for bit the same, on the desktop; `f64`, dual
+//! numbers and vectors on the desktop. [`machine::Machine`] holds a drive's SI parameters, [`machine::Parameter`] names them.
+//!
+//! Modules from the bottom up, each importing only those above it:
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`number`] | arithmetic: formats, rounding and saturation, roots |
+//! | `effects` | which effects a step is compiled for |
+//! | [`machine`] | SI parameters: key, unit, range, default; scales of all per-unit quantities |
+//! | [`ports`] | what the links hand to one another |
+//! | `oil`, `correction_table` | viscosity over temperature; a table for what has no name |
+//! | [`valve`], [`flow`], [`chambers`], [`mechanics`], [`sensing`] | the links, each with its effects |
+//! | [`drive`] | the links together: state, step, the paper's model by itself |
+//! | `coefficients` | SI parameters → per-unit coefficients, for all of the above |
+//! | [`control`] | model-following control around the drive |
 //!
 //! No allocation, no clock, no I/O, no `unsafe`, no floating point in a step.
 //!
 //! ```
-//! use model_core::chambers::ChamberState;
 //! use model_core::drive::{Drive, DriveState, Entry, Load};
-//! use model_core::fixed_point::PerUnit;
-//! use model_core::machine::{Machine, Source, Tick};
-//! use model_core::number::Number;
-//! use model_core::parameter::Parameter;
+//! use model_core::machine::{Machine, Parameter, Source, Tick};
+//! use model_core::number::{Number, PerUnit};
+//! use model_core::ports::ChamberState;
 //!
 //! let mut machine = Machine::with_defaults(Source::Valve);
 //! machine.set(Parameter::AreaA, 3.117e-3);
@@ -39,34 +51,26 @@
 #[cfg(feature = "std")]
 extern crate std;
 
-mod bases;
-mod bristles;
-mod capacity;
-mod chain;
+/// The chambers link: flows and velocity → pressures.
 pub mod chambers;
 mod coefficients;
+pub mod control;
+mod correction_table;
 pub mod drive;
-mod edge_effects;
-mod end_stop;
-mod feed;
-pub mod fixed_point;
+mod effects;
+/// The flow link: slider, or pump, and pressures → flow into A and out of B.
 pub mod flow;
-pub mod follow;
-mod friction;
 pub mod machine;
+/// The mechanics link: forces → velocity and position.
 pub mod mechanics;
-mod metering;
 pub mod number;
-pub mod paper;
-pub mod parameter;
-mod position_load;
-mod relaxation;
-mod roots;
+mod oil;
+pub mod ports;
 pub mod sensing;
-pub mod sensors;
-pub mod supply;
-mod temperature;
-mod unnamed;
+/// The valve link: command → slider.
 pub mod valve;
-mod valve_effects;
-mod vocabulary;
+
+/// The README's code.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

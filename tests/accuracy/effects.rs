@@ -1,8 +1,7 @@
 //! Each effect, and the pump drive, against the oracle's own form of it in its textbook limit.
 
-use model_core::fixed_point::PerUnit;
-use model_core::machine::{Machine, Tick};
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P, Tick};
+use model_core::number::PerUnit;
 use recording::excitation::signals::Excitation;
 use system_tests::drives;
 use system_tests::simulate::{Distance, Row, core, core_pump, distance, oracle_with};

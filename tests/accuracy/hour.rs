@@ -3,10 +3,9 @@
 use std::thread;
 
 use model_core::drive::{Entry, Load};
-use model_core::fixed_point::PerUnit;
+use model_core::machine::Parameter::{DeadZone, InternalLeakage, LoadForce, SupplyPressure, ValveGain, ValveOffset};
 use model_core::machine::{Machine, Tick};
-use model_core::number::{Number, Scalar};
-use model_core::parameter::Parameter::{DeadZone, InternalLeakage, LoadForce, SupplyPressure, ValveGain, ValveOffset};
+use model_core::number::{Number, PerUnit, Scalar};
 use system_tests::drives::{self, NamedDrive};
 use system_tests::simulate::{Distance, Row, at_rest, command, core, drive, oracle, row};
 use virtual_plant::InitialState;

@@ -1,8 +1,8 @@
 //! Loads, and friction far beyond the printed one, at each tick.
 
-use model_core::fixed_point::PerUnit;
+use model_core::machine::Parameter::{LoadForce, ViscousFriction};
 use model_core::machine::{Machine, Tick};
-use model_core::parameter::Parameter::{LoadForce, ViscousFriction};
+use model_core::number::PerUnit;
 use recording::excitation::signals::Excitation;
 use system_tests::drives;
 use system_tests::simulate::{Distance, core, distance, oracle};

@@ -1,7 +1,7 @@
 //! Every drive on the paper's signals and on random steps, at 1 kHz.
 
-use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
+use model_core::number::PerUnit;
 use recording::excitation::signals::Excitation;
 use system_tests::drives;
 use system_tests::simulate::{Distance, core, distance, oracle};

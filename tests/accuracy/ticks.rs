@@ -1,7 +1,6 @@
 //! The effects of the valve and the flow link have no oracle here: what they do must not depend on the tick.
 
-use model_core::machine::{Machine, Tick};
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P, Tick};
 use recording::excitation::signals::Excitation;
 use system_tests::drives;
 use system_tests::simulate::{Distance, Row, core, distance};

@@ -10,11 +10,10 @@ use std::{fs, thread};
 use cap::Cap;
 use serde::Serialize;
 
-use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState};
-use model_core::fixed_point::PerUnit;
 use model_core::machine::Tick;
-use model_core::number::Scalar;
+use model_core::number::{PerUnit, Scalar};
+use model_core::ports::ChamberState;
 use system_tests::anything::{TARGETS, machine_file, recording};
 use system_tests::drives;
 use system_tests::simulate::DELAY;

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use diagnosis::catalogue::{CATALOGUE, Hypothesis, Kind, Scene, Strength};
 use machine_file::{LoadSource, MachineFile};
-use model_core::parameter::{Fallback, Parameter};
+use model_core::machine::{Fallback, Parameter};
 use recording::Signal;
 use simulation::EntryPoint;
 use system_tests::snapshot;

@@ -2,17 +2,15 @@
 
 use std::fmt::Write;
 
-use firmware::edge::Cause;
-use firmware::fault::{Device, Fault};
-use firmware::lockstep::{Order, part};
+use firmware::app::press;
+use firmware::in_the_loop::lockstep::{Order, part};
+use firmware::io::Cause;
 use firmware::measured::Signal;
-use firmware::mode::Mode;
 use firmware::period::Timing;
-use firmware::press;
 use firmware::set_point::SetPoint;
-use model_core::fixed_point::PerUnit;
+use firmware::supervision::{Device, Fault, Mode};
 use model_core::machine::Bases;
-use model_core::number::Number;
+use model_core::number::{Number, PerUnit};
 use system_tests::at_hand::skipped;
 use system_tests::emulator::Processor;
 use system_tests::in_the_loop::{Board, Said, Wrong, rig};

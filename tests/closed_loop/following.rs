@@ -1,13 +1,10 @@
 //! Model-following control as the firmware runs it in a period, with its readings made per unit here.
 
-use firmware::control::Control;
-use firmware::following::Following as Inner;
+use firmware::control::{Control, Following as Inner, Reference};
 use firmware::measured::Measured;
-use firmware::reference::Reference;
-use model_core::fixed_point::PerUnit;
-use model_core::follow::{Follower, Tuning};
+use model_core::control::{Follower, Tuning};
 use model_core::machine::Machine;
-use model_core::number::Number;
+use model_core::number::{Number, PerUnit};
 use system_tests::rig::{Controller, Readings, Rig, TICK, Wanted};
 
 /// Which sensors there are beside the position's.

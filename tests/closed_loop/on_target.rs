@@ -8,12 +8,11 @@ use std::path::Path;
 use std::thread;
 
 use diagnosis::{Verdict, diagnose};
-use firmware::press;
+use firmware::app::press;
 use firmware::set_point::{Bounds, Leg};
 use host_sim::frames;
 use machine_file::MachineFile;
-use model_core::machine::Machine;
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P};
 use model_export::rust::Constants;
 use recording::{ChannelMap, Recording};
 use system_tests::at_hand::skipped;

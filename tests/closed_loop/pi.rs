@@ -1,7 +1,6 @@
 //! What model-following control is held against: a PI controller, tuned on the nominal plant by search.
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P};
 use system_tests::rig::{COMMAND_LIMIT_V, Controller, Readings, Rig, SLEW_V_PER_S, TICK, Wanted, rms_mm};
 
 /// Proportional and integral gain, and what is added to step over the overlap.

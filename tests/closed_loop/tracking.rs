@@ -3,9 +3,8 @@
 use rayon::prelude::*;
 
 use firmware::set_point::{Bounds, Leg};
-use model_core::follow::Tuning;
-use model_core::machine::Machine;
-use model_core::parameter::Parameter as P;
+use model_core::control::Tuning;
+use model_core::machine::{Machine, Parameter as P};
 use system_tests::drives;
 use system_tests::rig::{COMMAND_LIMIT_V, Rig, SLEW_V_PER_S, Wanted, course, largest_force_n, rms_mm, worst_mm};
 use virtual_plant::sensor::sensors::PositionSensor;

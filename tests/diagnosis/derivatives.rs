@@ -1,9 +1,8 @@
 //! The derivatives that every fit rests on, against differences of plain runs.
 
 use identification::experiment::Prepared;
-use model_core::machine::Machine;
+use model_core::machine::{Machine, Parameter as P};
 use model_core::number::Field;
-use model_core::parameter::Parameter as P;
 use recording::Signal;
 use simulation::number::dual::Dual;
 use simulation::{StartOffset, Stimulus, run};

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use diagnosis::Verdict;
-use model_core::parameter::Parameter as P;
+use model_core::machine::Parameter as P;
 use recording::{Column, Recording, Signal};
 use virtual_plant::{PlantEffect, PlantState, SyntheticRecording};
 

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use diagnosis::selection::excerpt::{AFFORDABLE_TICKS, Excerpt};
-use model_core::parameter::Parameter as P;
+use model_core::machine::Parameter as P;
 use recording::Recording;
 use recording::excitation::signals::Excitation;
 use virtual_plant::sensor::sensors::PositionSensor;

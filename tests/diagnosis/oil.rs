@@ -1,6 +1,6 @@
 //! Recordings in oil of a measured temperature, each in warmer oil than the one before.
 
-use model_core::parameter::Parameter as P;
+use model_core::machine::Parameter as P;
 use recording::{Recording, Signal};
 use virtual_plant::PlantEffect;
 use virtual_plant::concealed::{Concealed, Lot, draw};

@@ -11,8 +11,7 @@ use std::fmt::Write as _;
 use rayon::prelude::*;
 
 use diagnosis::catalogue::Hypothesis;
-use model_core::machine::Machine;
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P};
 use system_tests::snapshot;
 use virtual_plant::concealed::{Concealed, Drawn, Lot, draw};
 use virtual_plant::{

@@ -5,7 +5,7 @@ use diagnosis::localisation::{Case as Located, Location, Sought, locate};
 use diagnosis::selection::{Candidate, Question};
 use identification::experiment::Prepared;
 use identification::fit::{Free, settle};
-use model_core::parameter::Parameter as P;
+use model_core::machine::Parameter as P;
 use recording::Signal;
 use virtual_plant::PlantEffect;
 

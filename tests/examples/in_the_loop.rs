@@ -4,7 +4,7 @@
 
 #[cfg(unix)]
 fn main() {
-    use firmware::press;
+    use firmware::app::press;
     use firmware::set_point::{Bounds, Leg};
     use system_tests::emulator::Processor;
     use system_tests::in_the_loop::{Board, Follows, SETTLING, rig};

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::process::Command;
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use system_tests::at_hand::skipped;
 
 use super::{PUMP, done, leaking_press, text};

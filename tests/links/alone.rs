@@ -4,9 +4,8 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 
 use model_core::drive::{Entry, Load};
-use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, Tick};
-use model_core::number::Scalar;
+use model_core::number::{PerUnit, Scalar};
 use recording::excitation::signals::Excitation;
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::drives;

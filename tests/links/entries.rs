@@ -1,12 +1,10 @@
 //! A drive entered at its flows or at its force, as they were simulated at the ticks, moves as the whole chain did.
 
-use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, Entry, Load};
-use model_core::fixed_point::PerUnit;
-use model_core::flow::{Flows, PumpDrive};
-use model_core::machine::Tick;
-use model_core::number::Scalar;
-use model_core::parameter::Parameter as P;
+use model_core::flow::PumpDrive;
+use model_core::machine::{Parameter as P, Tick};
+use model_core::number::{PerUnit, Scalar};
+use model_core::ports::{ChamberState, Flows};
 use recording::excitation::signals::Excitation;
 use system_tests::drives::{self, NamedDrive};
 use system_tests::simulate::{ORACLE_TOLERANCE, Row, State, at_rest, command, distance, drive, row};

@@ -1,9 +1,7 @@
 //! The sensing link: counts become a position and counts again.
 
-use model_core::fixed_point::PerUnit;
-use model_core::machine::{Machine, Source};
-use model_core::number::Scalar;
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P, Source};
+use model_core::number::{PerUnit, Scalar};
 use model_core::sensing::{Linkage, Lvdt};
 
 fn every_count<N: Scalar<Real = f64>>() {

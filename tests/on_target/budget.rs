@@ -6,7 +6,7 @@
 
 use std::fmt::Write;
 
-use firmware::station::RING_BYTES;
+use firmware::app::RING_BYTES;
 use system_tests::emulator::Processor;
 use system_tests::snapshot;
 

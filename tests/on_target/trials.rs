@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use firmware::trial::{EFFECTS, RECORDED, press};
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use recording::{ChannelMap, Signal, read};
 
 fn of_repository(path: &str) -> PathBuf {

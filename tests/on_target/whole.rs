@@ -1,9 +1,8 @@
 //! The whole firmware for a short while, with its machine at the other end of the line.
 
-use firmware::press;
+use firmware::app::press;
 use firmware::set_point::SetPoint;
-use model_core::fixed_point::PerUnit;
-use model_core::number::Number;
+use model_core::number::{Number, PerUnit};
 use system_tests::emulator::Processor;
 use system_tests::in_the_loop::{Board, Follows, SETTLING};
 use system_tests::rig::{Rig, Wanted};
@@ -15,7 +14,7 @@ const PERIODS: usize = 200;
 pub(crate) fn stack(processor: Processor) -> u64 {
     let per_unit = SetPoint { position: PerUnit::saturated(0.5), velocity: PerUnit::ZERO };
     let machine = press::machine();
-    let position_m = 0.5 * machine.get(model_core::parameter::Parameter::Stroke);
+    let position_m = 0.5 * machine.get(model_core::machine::Parameter::Stroke);
     let rig = Rig::new(&machine, vec![Wanted { position_m, per_unit }; SETTLING + PERIODS]);
     let mut follows = Follows::on(Board::start(processor, &processor.built("loop", None), &rig.at_rest()));
     rig.run(&mut follows);

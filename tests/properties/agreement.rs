@@ -4,8 +4,8 @@ use std::cell::RefCell;
 
 use proptest::prelude::*;
 
-use model_core::fixed_point::PerUnit;
-use model_core::parameter::Parameter as P;
+use model_core::machine::Parameter as P;
+use model_core::number::PerUnit;
 use recording::excitation::signals::Excitation;
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::simulate::{Row, core, distance};

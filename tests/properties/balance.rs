@@ -8,12 +8,10 @@
 use proptest::prelude::*;
 
 use model_core::drive::{Drive, Entry, Interfaces, Load};
-use model_core::fixed_point::PerUnit;
-use model_core::flow::{Flows, PumpDrive};
-use model_core::machine::{Machine, Source, Tick};
-use model_core::number::Scalar;
-use model_core::parameter::Parameter as P;
-use model_core::valve::Slider;
+use model_core::flow::PumpDrive;
+use model_core::machine::{Machine, Parameter as P, Source, Tick};
+use model_core::number::{PerUnit, Scalar};
+use model_core::ports::{Flows, Slider};
 use recording::excitation::signals::Excitation;
 use system_tests::any_effects::any_side_effects;
 use system_tests::any_machine::{any_machine, any_tick};

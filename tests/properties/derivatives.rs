@@ -1,10 +1,9 @@
 //! The derivative by each strength of the smooth effects, at nil too, is the difference of two runs.
 
-use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, Entry, Load};
-use model_core::machine::{Machine, Tick};
+use model_core::machine::{Machine, Parameter as P, Tick};
 use model_core::number::{Field, Scalar};
-use model_core::parameter::Parameter as P;
+use model_core::ports::ChamberState;
 use recording::excitation::signals::Excitation;
 use simulation::number::dual::Dual;
 use system_tests::drives;

@@ -6,13 +6,10 @@ use proptest::prelude::*;
 
 use diagnosis::catalogue::{CATALOGUE, Kind, Scene};
 use machine_file::LoadSource;
-use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, Entry, Interfaces, Load};
-use model_core::fixed_point::PerUnit;
-use model_core::machine::{Machine, Tick};
-use model_core::number::Scalar;
-use model_core::parameter::Parameter as P;
-use model_core::valve::Slider;
+use model_core::machine::{Machine, Parameter as P, Tick};
+use model_core::number::{PerUnit, Scalar};
+use model_core::ports::{ChamberState, Slider};
 use recording::excitation::signals::Excitation;
 use simulation::EntryPoint;
 use system_tests::any_effects::{EFFECTS, STICTION, any_effect_names, any_effects, any_side_effects};

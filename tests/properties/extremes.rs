@@ -3,15 +3,11 @@
 use proptest::prelude::*;
 use serde_json::Value;
 
-use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, Entry, Load};
-use model_core::fixed_point::PerUnit;
-use model_core::flow::{Flows, PumpDrive};
-use model_core::machine::{Machine, Source, Tick};
-use model_core::mechanics::{Forces, MotionState, Surroundings};
-use model_core::number::{Number, Scalar};
-use model_core::parameter::Parameter as P;
-use model_core::valve::Slider;
+use model_core::flow::PumpDrive;
+use model_core::machine::{Machine, Parameter as P, Source, Tick};
+use model_core::number::{Number, PerUnit, Scalar};
+use model_core::ports::{ChamberState, Flows, Forces, MotionState, Slider, Surroundings};
 use system_tests::any_effects::any_effects;
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::simulate::{DELAY, State, any_word, drive};

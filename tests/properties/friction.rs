@@ -3,11 +3,9 @@
 use proptest::prelude::*;
 
 use model_core::drive::{Drive, Entry, Load};
-use model_core::fixed_point::PerUnit;
-use model_core::machine::{Machine, Tick};
-use model_core::mechanics::{Forces, MotionState, Surroundings};
-use model_core::number::Scalar;
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P, Tick};
+use model_core::number::{PerUnit, Scalar};
+use model_core::ports::{Forces, MotionState, Surroundings};
 use system_tests::any_effects::{BRISTLES, LOAD, STOPS, any_effects, overlapped, without};
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::simulate::{DELAY, at_rest, drive};

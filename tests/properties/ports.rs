@@ -4,8 +4,7 @@ use std::cell::RefCell;
 
 use proptest::prelude::*;
 
-use model_core::machine::{Machine, Tick};
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P, Tick};
 
 use super::runner;
 use super::smooth::{At, Smooth, TICKS, any_smooth, quantile};

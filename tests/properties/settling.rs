@@ -4,14 +4,11 @@ use std::cell::RefCell;
 
 use proptest::prelude::*;
 
-use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState, Entry, Load};
-use model_core::fixed_point::PerUnit;
 use model_core::flow::PumpDrive;
-use model_core::machine::{Machine, Source, Tick};
-use model_core::number::Scalar;
-use model_core::parameter::Parameter as P;
-use model_core::valve::Slider;
+use model_core::machine::{Machine, Parameter as P, Source, Tick};
+use model_core::number::{PerUnit, Scalar};
+use model_core::ports::{ChamberState, Slider};
 use system_tests::any_machine::any_tick;
 use system_tests::simulate::{Row, core, larger, oracle_with};
 use virtual_plant::{Commands, InitialState, LoadEffect, PlantEffect};

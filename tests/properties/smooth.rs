@@ -9,10 +9,9 @@ use std::f64::consts::TAU;
 use proptest::prelude::*;
 
 use model_core::drive::{Entry, Load};
-use model_core::machine::{Machine, Tick};
+use model_core::machine::{Machine, Parameter as P, Tick};
 use model_core::number::Number;
-use model_core::parameter::Parameter as P;
-use model_core::valve::Slider;
+use model_core::ports::Slider;
 use system_tests::any_machine::any_machine;
 use system_tests::simulate::{Row, State, at_rest, drive, row};
 use virtual_plant::InitialState;

@@ -2,13 +2,10 @@
 
 use proptest::prelude::*;
 
-use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, Entry, Load};
-use model_core::fixed_point::PerUnit;
-use model_core::machine::{Machine, Tick};
-use model_core::number::Scalar;
-use model_core::parameter::Parameter as P;
-use model_core::valve::Slider;
+use model_core::machine::{Machine, Parameter as P, Tick};
+use model_core::number::{PerUnit, Scalar};
+use model_core::ports::{ChamberState, Slider};
 use recording::excitation::signals::Excitation;
 use system_tests::any_effects::{BRISTLES, STOPS, any_effects, without};
 use system_tests::any_machine::{any_machine, any_tick};

@@ -8,9 +8,8 @@ use std::cell::RefCell;
 
 use proptest::prelude::*;
 
-use model_core::fixed_point::PerUnit;
-use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P, Source};
+use model_core::number::PerUnit;
 use system_tests::simulate::{Row, core, distance};
 use virtual_plant::InitialState;
 

@@ -3,10 +3,8 @@
 use proptest::prelude::*;
 
 use model_core::drive::{Drive, Entry, Interfaces, Load};
-use model_core::fixed_point::PerUnit;
-use model_core::machine::{Machine, Tick};
-use model_core::number::Scalar;
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P, Tick};
+use model_core::number::{PerUnit, Scalar};
 use recording::excitation::signals::Excitation;
 use system_tests::any_effects::{LOAD, STOPS, any_effects, overlapped, without};
 use system_tests::any_machine::{any_machine, any_tick};

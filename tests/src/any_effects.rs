@@ -2,8 +2,7 @@
 
 use proptest::prelude::*;
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P};
 
 /// The effects, by their number.
 pub const EFFECTS: [&str; 12] = [

@@ -4,8 +4,7 @@ use std::f64::consts::PI;
 
 use proptest::prelude::*;
 
-use model_core::machine::{Machine, Source, Tick};
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P, Source, Tick};
 
 /// Evenly over the decades between two values.
 fn decades(from: f64, to: f64) -> impl Strategy<Value = f64> {

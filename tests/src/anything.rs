@@ -5,17 +5,15 @@
 
 use serde::de::DeserializeOwned;
 
-use firmware::frame::{FrameWriter, PAYLOAD};
+use firmware::recorder::frame::{FrameWriter, PAYLOAD};
 use host_sim::frames;
 use machine_file::MachineFile;
+use model_core::control::{Follower, Tuning};
 use model_core::drive::{Drive, DriveState, Entry, Load};
-use model_core::fixed_point::PerUnit;
-use model_core::flow::{Flows, PumpDrive};
-use model_core::follow::{Follower, Tuning};
-use model_core::machine::{Machine, Source, Tick};
-use model_core::number::{Number, Scalar};
-use model_core::parameter::Parameter;
-use model_core::valve::Slider;
+use model_core::flow::PumpDrive;
+use model_core::machine::{Machine, Parameter, Source, Tick};
+use model_core::number::{Number, PerUnit, Scalar};
+use model_core::ports::{Flows, Slider};
 use recording::files::source_error::{Explained, render};
 use recording::{ChannelMap, Mapping, Recording, RecordingError, Scale, Signal, Table};
 
@@ -168,7 +166,7 @@ fn drive_of(machine: &Machine<f64>, tick: Tick) {
         let Ok(drive) = Drive::<N>::new::<DELAY>(machine, tick) else { return };
         let mut state: DriveState<N, DELAY> = drive.at_rest(
             N::saturated(0.1),
-            model_core::chambers::ChamberState { a: N::saturated(0.4), b: N::saturated(0.6) },
+            model_core::ports::ChamberState { a: N::saturated(0.4), b: N::saturated(0.6) },
             N::travel(0.5),
         );
         for entry in [

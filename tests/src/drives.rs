@@ -1,7 +1,6 @@
 //! The three drives that every accuracy is stated for.
 
-use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P, Source};
 
 pub use firmware::trial::pump;
 

@@ -8,13 +8,13 @@ use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
-use firmware::lockstep::{Order, REQUEST, START, part};
-use firmware::mode::Mode;
+use firmware::app::press;
+use firmware::in_the_loop::lockstep::{Order, REQUEST, START, part};
 use firmware::period::Timing;
-use firmware::press;
 use firmware::set_point::SetPoint;
-use model_core::fixed_point::PerUnit;
+use firmware::supervision::Mode;
 use model_core::machine::Machine;
+use model_core::number::PerUnit;
 use virtual_plant::Sensors;
 use virtual_plant::sensor::sensors::PositionSensor;
 
@@ -36,7 +36,7 @@ pub fn rig(machine: &Machine<f64>, wanted: Vec<Wanted>) -> Rig {
     Rig { sensors: Sensors::with_position(machine, position), ..Rig::new(machine, wanted) }
 }
 
-/// What the firmware says of a period; [`firmware::lockstep`] has the layout.
+/// What the firmware says of a period; [`firmware::in_the_loop::lockstep`] has the layout.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Said {
     /// Mode after it, as a number.
@@ -47,7 +47,7 @@ pub struct Said {
     pub fed: bool,
     /// Whether the order was refused.
     pub refused: bool,
-    /// Faults told since the start, and the kind of the last: [`firmware::fault::Fault::kind`].
+    /// Faults told since the start, and the kind of the last: [`firmware::supervision::Fault::kind`].
     pub faults: u8,
     /// Kind of the last.
     pub last_fault: u8,

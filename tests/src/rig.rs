@@ -1,8 +1,7 @@
 //! The machine on the bench: plant, sensors, and a controller at its period.
 
 use firmware::set_point::{Bounds, Course, CourseState, Leg, SetPoint};
-use model_core::machine::{Bases, Machine, Tick};
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Bases, Machine, Parameter as P, Tick};
 use virtual_plant::sensor::sensors::{PositionSensor, PressureSensor};
 use virtual_plant::{Command, InitialState, LoadProfile, Plant, PlantEffect, PlantState, Sensors};
 
@@ -70,7 +69,7 @@ pub struct Row {
 /// Scales of a machine's fixed-point signals.
 #[must_use]
 pub fn bases(machine: &Machine<f64>) -> Bases {
-    *crate::simulate::drive::<model_core::fixed_point::PerUnit>(machine, TICK).bases()
+    *crate::simulate::drive::<model_core::number::PerUnit>(machine, TICK).bases()
 }
 
 /// The set points of `legs` from a position.

@@ -1,11 +1,10 @@
 //! The core and the oracle on the same commands, in the same units.
 
-use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState, Entry, Load};
 use model_core::flow::PumpDrive;
-use model_core::machine::{Machine, Tick};
+use model_core::machine::{Machine, Parameter, Tick};
 use model_core::number::{Number, Scalar};
-use model_core::parameter::Parameter;
+use model_core::ports::ChamberState;
 use virtual_plant::{Commands, InitialState, Plant, PlantEffect, PumpCommand};
 
 /// The tolerance the oracle is solved to, per unit.
@@ -183,9 +182,9 @@ pub fn oracle_with(
 }
 
 /// What an entry, a load or a state of any size looks like: every word is possible, small and large ones alike often.
-pub fn any_word() -> impl proptest::strategy::Strategy<Value = model_core::fixed_point::PerUnit> {
+pub fn any_word() -> impl proptest::strategy::Strategy<Value = model_core::number::PerUnit> {
     use proptest::prelude::*;
     let word = (any::<i32>(), 0_u32..31).prop_map(|(bits, small)| bits >> small);
     prop_oneof![3 => word, 1 => prop::sample::select(vec![i32::MIN, i32::MIN + 1, -1, 0, 1, i32::MAX])]
-        .prop_map(model_core::fixed_point::PerUnit::from_bits)
+        .prop_map(model_core::number::PerUnit::from_bits)
 }

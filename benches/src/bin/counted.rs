@@ -8,8 +8,7 @@ use std::path::Path;
 use system_benches::refit::Refit;
 use system_benches::run::{Abreast, Run, START_M, random_commands, staggered};
 
-use model_core::fixed_point::PerUnit;
-use model_core::number::Scalar;
+use model_core::number::{PerUnit, Scalar};
 use simulation::number::simd::LANES;
 use system_tests::drives;
 use virtual_plant::InitialState;

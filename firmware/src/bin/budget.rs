@@ -10,12 +10,10 @@ mod on_target {
     use firmware::board::mps2::{self, Counter, INSTRUCTIONS_PER_COUNT};
     use firmware::board::stack;
     use firmware::trial::{DELAY, EFFECTS, Input, Moment, every_effect, press, steps_of};
-    use model_core::chambers::ChamberState;
-    use model_core::drive::{Drive, DriveState, Entry, Load};
-    use model_core::fixed_point::PerUnit;
+    use model_core::drive::{Drive, DriveState, Entry, Load, PaperDrive};
     use model_core::machine::{Machine, MachineError, Tick};
-    use model_core::number::Number;
-    use model_core::paper::PaperDrive;
+    use model_core::number::{Number, PerUnit};
+    use model_core::ports::ChamberState;
     use panic_semihosting as _;
 
     /// Ticks of a random input.

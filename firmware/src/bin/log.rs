@@ -10,15 +10,13 @@ mod played {
     use core::cell::Cell;
     use core::convert::Infallible;
 
-    use firmware::edge::FromFn;
-    use firmware::log::Defmt;
-    use firmware::mode::Command;
+    use firmware::app::press::COUNTS_PER_M;
+    use firmware::app::{Assembly, Ring, StationError};
+    use firmware::io::FromFn;
     use firmware::period::{Devices, Place, Request, Timing};
-    use firmware::press::COUNTS_PER_M;
     use firmware::set_point::SetPoint;
-    use firmware::station::{Assembly, Ring, StationError};
-    use model_core::fixed_point::PerUnit;
-    use model_core::number::Number;
+    use firmware::supervision::{Command, Defmt};
+    use model_core::number::{Number, PerUnit};
 
     /// Microvolts of 2¹⁶ counts: 78.125 µV a count at the inputs, 305 µV at the output.
     const INPUT_UV: u32 = 5_120_000;
@@ -83,8 +81,8 @@ mod played {
 #[cortex_m_rt::entry]
 fn main() -> ! {
     use defmt_semihosting as _;
+    use firmware::app::Ring;
     use firmware::board::mps2::exit;
-    use firmware::station::Ring;
     use panic_semihosting as _;
 
     let Some(memory) = cortex_m::singleton!(: Option<Ring> = None) else { exit(false) };

@@ -9,11 +9,11 @@ fn main() -> ! {
     use core::fmt::Write;
 
     use cortex_m::delay::Delay;
+    use firmware::app::Ring;
     use firmware::board::mps2::{CLOCK_HZ, Log, console, exit};
     use firmware::board::stack;
     use firmware::board::uart::Uart;
-    use firmware::lockstep::run;
-    use firmware::station::Ring;
+    use firmware::in_the_loop::lockstep::run;
     use panic_semihosting as _;
 
     let mut delay = cortex_m::Peripherals::take().map(|peripherals| Delay::new(peripherals.SYST, CLOCK_HZ));

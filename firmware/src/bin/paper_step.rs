@@ -9,9 +9,8 @@ fn main() -> ! {
     use core::hint::black_box;
 
     use firmware::trial::DELAY;
-    use model_core::drive::{DriveState, Load};
-    use model_core::fixed_point::PerUnit;
-    use model_core::paper::PaperDrive;
+    use model_core::drive::{DriveState, Load, PaperDrive};
+    use model_core::number::PerUnit;
     use panic_semihosting as _;
 
     let mut model: Option<(PaperDrive<PerUnit>, DriveState<PerUnit, DELAY>, PerUnit)> = black_box(None);

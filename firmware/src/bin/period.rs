@@ -8,8 +8,8 @@ mod on_target {
     use core::hint::black_box;
 
     use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
+    use firmware::app::{Outcome, Wired};
     use firmware::period::Request;
-    use firmware::station::{Outcome, Wired};
     use panic_semihosting as _;
 
     /// A bus of which nothing is known, and which is nothing.

@@ -10,7 +10,7 @@ fn main() -> ! {
 
     use firmware::trial::DELAY;
     use model_core::drive::{Drive, DriveState, Entry, Load};
-    use model_core::fixed_point::PerUnit;
+    use model_core::number::PerUnit;
     use panic_semihosting as _;
 
     let mut model: Option<(Drive<PerUnit>, DriveState<PerUnit, DELAY>, PerUnit)> = black_box(None);

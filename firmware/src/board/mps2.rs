@@ -9,7 +9,7 @@ use cortex_m_semihosting::hio::{self, HostStream};
 
 /// What the firmware tells on this board: everything by defmt where there is that feature, else nothing.
 #[cfg(feature = "defmt")]
-pub type Log = crate::log::Defmt;
+pub type Log = crate::supervision::Defmt;
 /// What the firmware tells on this board: everything by defmt where there is that feature, else nothing.
 #[cfg(not(feature = "defmt"))]
 pub type Log = ();

@@ -1,8 +1,7 @@
 //! A leg of a course in the period's words: a set point of it costs a few products.
 
-use model_core::fixed_point::PerUnit;
-use model_core::follow::SetPoint;
-use model_core::number::Number;
+use model_core::control::SetPoint;
+use model_core::number::{Number, PerUnit};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shape {

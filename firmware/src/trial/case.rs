@@ -3,11 +3,10 @@
 use core::fmt::{self, Write};
 use core::hash::{Hash, Hasher};
 
-use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState};
-use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, MachineError, Tick};
-use model_core::number::Number;
+use model_core::number::{Number, PerUnit};
+use model_core::ports::ChamberState;
 
 use super::DELAY;
 use super::effects::{EFFECTS, Effect, every_effect};

@@ -1,7 +1,6 @@
 //! Every effect of the vocabulary at a strength that shows on the press.
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P};
 
 /// An effect with its strength.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,10 +3,9 @@
 use core::str::Lines;
 
 use model_core::drive::{Entry, Load};
-use model_core::fixed_point::PerUnit;
-use model_core::flow::{Flows, PumpDrive};
-use model_core::number::Number;
-use model_core::valve::Slider;
+use model_core::flow::PumpDrive;
+use model_core::number::{Number, PerUnit};
+use model_core::ports::{Flows, Slider};
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
 

@@ -1,7 +1,6 @@
 //! The drives of the trials, in SI units.
 
-use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P, Source};
 
 use super::preset;
 

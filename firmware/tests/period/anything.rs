@@ -3,14 +3,11 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use firmware::fault::{Fault, Response};
-use firmware::limits::Limits;
-use firmware::mode::{Command, Mode};
+use firmware::control::Predicted;
 use firmware::period::{Period, Place, Request, Timing, Watchdog};
-use firmware::reference::Predicted;
 use firmware::set_point::SetPoint;
-use model_core::fixed_point::PerUnit;
-use model_core::number::Number;
+use firmware::supervision::{Command, Fault, Limits, Mode, Response};
+use model_core::number::{Number, PerUnit};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 

@@ -3,25 +3,16 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use firmware::calibration::{Band, Calibration, Point, Sensor};
-use firmware::control::Control;
-use firmware::edge::{AnalogIn, AnalogOut, FromFn, PositionIn};
-use firmware::fault::Fault;
-use firmware::limits::Limits;
-use firmware::log::Log;
+use firmware::control::{Control, Predicted, Reference};
+use firmware::io::{AnalogIn, AnalogOut, FromFn, PositionIn};
 use firmware::measured::{Measured, Signal};
-use firmware::mode::{Command, Mode};
 use firmware::monitor::Miss;
-use firmware::output::Actuator;
 use firmware::period::{Devices, Period, PeriodState, Place, Report, Request, Rig, Timing};
-use firmware::reference::{Predicted, Reference};
+use firmware::scaling::{Actuator, Band, Calibration, Encoder, Point, Rising, Sensor, Travel};
 use firmware::set_point::{Bounds, Envelope, SetPoint};
-use firmware::still::Patience;
-use firmware::travel::{Encoder, Rising, Travel};
-use model_core::fixed_point::PerUnit;
-use model_core::machine::{Bases, Machine, Source, Tick};
-use model_core::number::Number;
-use model_core::parameter::Parameter;
+use firmware::supervision::{Command, Fault, Limits, Log, Mode, Patience};
+use model_core::machine::{Bases, Machine, Parameter, Source, Tick};
+use model_core::number::{Number, PerUnit};
 
 pub(crate) const INPUTS_UV: u32 = 5_120_000;
 pub(crate) const OUTPUT_UV: u32 = 20_000_000;

@@ -1,10 +1,9 @@
 //! Every fault, brought about: its state in time, told once, gone by command only.
 
-use firmware::edge::Cause;
-use firmware::fault::{Device, Fault};
+use firmware::io::Cause;
 use firmware::measured::Signal;
-use firmware::mode::{Command, Mode};
 use firmware::period::{Answer, Report, Request, Timing, Watchdog};
+use firmware::supervision::{Command, Device, Fault, Mode};
 
 use crate::bench::{Bench, VOLT, World, limits, neutral, percent};
 

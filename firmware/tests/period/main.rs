@@ -8,14 +8,11 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use bench::{Bench, STROKE, Told, VOLT, Wanting, World, devices, limits, neutral, percent, rig};
-use firmware::edge::FromFn;
-use firmware::fault::Fault;
-use firmware::limits::{Limits, LimitsError};
-use firmware::mode::{Command, Mode};
+use firmware::io::FromFn;
 use firmware::period::{Answer, BeginError, Devices, Period, Place, Request, Timing, Watchdog};
 use firmware::set_point::SetPoint;
-use model_core::fixed_point::PerUnit;
-use model_core::number::Number;
+use firmware::supervision::{Command, Fault, Limits, LimitsError, Mode};
+use model_core::number::{Number, PerUnit};
 
 #[test]
 fn a_device_that_answers_at_its_last_attempt_is_no_fault() {

@@ -1,15 +1,13 @@
 //! All that a board does but its pins: keys move the rod through every part, and its record comes out.
 
-use firmware::desk::{Desk, DeskError};
-use firmware::edge::{AnalogIn, AnalogOut, PositionIn};
-use firmware::frame::FrameReader;
-use firmware::message::Message;
-use firmware::mode::Mode;
-use firmware::operator::OperatorError;
+use firmware::app::press::{self, BOUNDS};
+use firmware::app::{Desk, DeskError, OperatorError, wired};
+use firmware::io::{AnalogIn, AnalogOut, PositionIn};
 use firmware::period::{Answer, Report, Timing, Watchdog};
-use firmware::press::{self, BOUNDS};
+use firmware::recorder::frame::FrameReader;
+use firmware::recorder::message::Message;
 use firmware::set_point::Bounds;
-use firmware::station::wired;
+use firmware::supervision::Mode;
 
 use crate::Told;
 use crate::following::plant;

@@ -1,18 +1,14 @@
 //! Model-following control through every part, around a machine that is not quite the model.
 
-use firmware::fault::Fault;
-use firmware::following::Following;
-use firmware::mode::{Command, Mode};
+use firmware::control::{Following, Reference};
 use firmware::period::{Report, Watchdog};
-use firmware::reference::Reference;
 use firmware::set_point::{Course, CourseState, Leg, SetPoint};
-use model_core::chambers::ChamberState;
+use firmware::supervision::{Command, Fault, Mode};
+use model_core::control::{Follower, Tuning};
 use model_core::drive::{Drive, DriveState, Entry, Load};
-use model_core::fixed_point::PerUnit;
-use model_core::follow::{Follower, Tuning};
-use model_core::machine::{Machine, Tick};
-use model_core::number::Number;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter, Tick};
+use model_core::number::{Number, PerUnit};
+use model_core::ports::ChamberState;
 
 use crate::world::{BOUNDS, Plant, STROKE_M, Seen, World, machine};
 use crate::{Bench, Told};

@@ -3,22 +3,19 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use firmware::ads8688::{Ads8688, Range};
-use firmware::calibration::{Band, Calibration, Point, Sensor};
 use firmware::control::Control;
-use firmware::dac::{Ad5754, Channel, Reference};
-use firmware::edge::{AnalogIn, AnalogOut};
-use firmware::limits::{Allowed, Delay, Limits};
-use firmware::ls7366r::{FilterClock, Ls7366r};
+use firmware::io::ad5754::{Ad5754, Channel, Reference};
+use firmware::io::ads8688::{Ads8688, Range};
+use firmware::io::ls7366r::{FilterClock, Ls7366r};
+use firmware::io::{AnalogIn, AnalogOut};
 use firmware::measured::Signal;
-use firmware::output::Actuator;
 use firmware::period::{Devices, Period, Place, Rig};
+use firmware::scaling::{Actuator, Band, Calibration, Encoder, Point, Rising, Sensor, Travel};
 use firmware::set_point::Bounds;
-use firmware::travel::{Encoder, Rising, Travel};
+use firmware::supervision::{Allowed, Delay, Limits};
 use model_core::drive::Drive;
-use model_core::fixed_point::PerUnit;
-use model_core::machine::{Machine, Source, Tick};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter, Source, Tick};
+use model_core::number::PerUnit;
 
 use crate::parts::{Adc, Counter, Dac, Line, Wire};
 

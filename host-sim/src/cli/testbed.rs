@@ -6,8 +6,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use machine_file::MachineFile;
-use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter, Source};
 use recording::Format;
 use recording::excitation::signals::{Dither, Excitation};
 use simulation::signal::noise::extent;

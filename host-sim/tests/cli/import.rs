@@ -1,9 +1,8 @@
 //! Recordings that the firmware has streamed out.
 
-use firmware::frame::FrameWriter;
+use firmware::recorder::frame::FrameWriter;
 use firmware::recorder::{Channel, Progress, Range, Recorder, Stream};
-use model_core::fixed_point::PerUnit;
-use model_core::number::Number;
+use model_core::number::{Number, PerUnit};
 
 use super::{MACHINE, done, folder_with, refused, run, text};
 

@@ -50,7 +50,7 @@ fn a_valve_that_is_driven_by_a_current_counts_in_milliamperes() {
     let by_current = PRESS.map(|word| if word == "10V" { "40mA" } else { word });
     done(folder.path(), &by_current);
     let file = machine_file::read(&folder.path().join("press.toml")).unwrap();
-    let gain = file.machine.get(model_core::parameter::Parameter::ValveGain);
+    let gain = file.machine.get(model_core::machine::Parameter::ValveGain);
     assert!((gain - 0.5935 / 40.0).abs() < 1e-9, "{gain}");
 }
 

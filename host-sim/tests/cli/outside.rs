@@ -15,8 +15,8 @@ use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
-use firmware::frame::FrameWriter;
-use firmware::message::{ChannelHeader, Header, RowsWriter};
+use firmware::recorder::frame::FrameWriter;
+use firmware::recorder::message::{ChannelHeader, Header, RowsWriter};
 
 use super::{MACHINE, listing, program, text};
 

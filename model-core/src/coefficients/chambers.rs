@@ -1,14 +1,13 @@
 //! Coefficients of the chambers.
 
 use super::Builder;
-use crate::bases::{GAIN_AIM, thinnest};
-use crate::capacity::{ATMOSPHERE_PA, Capacity, ChamberCapacity, LEAST_VOLUME};
+use crate::chambers::capacity::{ATMOSPHERE_PA, Capacity, ChamberCapacity, LEAST_VOLUME};
 use crate::chambers::{ChamberEffects, Chambers, ExternalLeakage};
-use crate::flow::Flows;
-use crate::machine::MachineError;
+use crate::coefficients::bases::{GAIN_AIM, thinnest};
+use crate::machine::{MachineError, Parameter as P};
 use crate::mechanics::GAMMA;
 use crate::number::{Number, Real};
-use crate::parameter::Parameter as P;
+use crate::ports::Flows;
 
 /// Share of a pressure difference that leakage evens within a tick, from where on it is solved for. Explicit, a share of 2 is
 /// unstable.

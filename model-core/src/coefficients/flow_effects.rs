@@ -1,13 +1,12 @@
 //! Coefficients of the flow link's effects; `None` where the strength is nil.
 
 use super::Builder;
-use crate::edge_effects::{EdgeEffects, EdgeSizes, GainCurve, ReturnLine, SLOPE_SCALE, ValveLeakage};
-use crate::flow::Overlap;
-use crate::machine::MachineError;
+use crate::flow::effects::{EdgeEffects, EdgeSizes, GainCurve, ReturnLine, SLOPE_SCALE, ValveLeakage};
+use crate::flow::supply::Droop;
+use crate::machine::{MachineError, Parameter as P};
+use crate::number::relaxation::fineness;
 use crate::number::{Number, Real};
-use crate::parameter::Parameter as P;
-use crate::relaxation::fineness;
-use crate::supply::Droop;
+use crate::ports::Overlap;
 
 /// A-T, P-B and B-T by the two shares that each is larger by than P-A.
 const OTHER_EDGES: [[P; 2]; 3] = [

@@ -1,15 +1,14 @@
 //! Coefficients of the mechanics.
 
 use super::Builder;
-use crate::bases::{SLIPPERIEST, least_drag, thinnest};
-use crate::bristles::{Bend, Bristles};
-use crate::end_stop::{Face, Stops};
-use crate::friction::{DryFriction, Placed, PlacedDrag, Stribeck};
-use crate::machine::MachineError;
+use crate::coefficients::bases::{SLIPPERIEST, least_drag, thinnest};
+use crate::machine::{MachineError, Parameter as P};
+use crate::mechanics::end_stop::{Face, Stops};
+use crate::mechanics::friction::{DryFriction, Placed, PlacedDrag, Stribeck};
+use crate::mechanics::lugre::{Bend, Bristles};
+use crate::mechanics::position_load::{PositionLoad, Signed};
 use crate::mechanics::{GAMMA, MechanicalEffects, Mechanics, Resistance, Row};
 use crate::number::{Number, Real};
-use crate::parameter::Parameter as P;
-use crate::position_load::{PositionLoad, Signed};
 
 /// Largest steep coefficient of the bristles and of a rod that meets a stop: what the format holds. Steeper ones are as steep as that.
 const STEEPEST: f64 = 6e4;

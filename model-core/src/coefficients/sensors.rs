@@ -1,10 +1,9 @@
 //! Coefficients of the sensors.
 
 use super::Builder;
-use crate::machine::MachineError;
+use crate::machine::{MachineError, Parameter as P};
 use crate::number::{Number, Real};
-use crate::parameter::Parameter as P;
-use crate::sensors::{Delay, Lag, Reading, Sensors};
+use crate::sensing::sensors::{Delay, Lag, Reading, Sensors};
 
 impl<R: Real> Builder<'_, R> {
     pub(super) fn sensors<N: Number<Real = R>>(&self, line: usize) -> Result<Sensors<N>, MachineError> {

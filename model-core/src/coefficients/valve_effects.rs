@@ -1,11 +1,10 @@
 //! Coefficients of the valve link's effects; `None` where the strength is nil.
 
 use super::Builder;
-use crate::machine::MachineError;
+use crate::machine::{MachineError, Parameter as P};
+use crate::number::relaxation::{Relaxation, fineness};
 use crate::number::{Number, Real};
-use crate::parameter::Parameter as P;
-use crate::relaxation::{Relaxation, fineness};
-use crate::valve_effects::{FlowForce, Hysteresis, NullDrift, SolenoidSaturation, Stiction, ValveEffects};
+use crate::valve::effects::{FlowForce, Hysteresis, NullDrift, SolenoidSaturation, Stiction, ValveEffects};
 
 impl<R: Real> Builder<'_, R> {
     /// `share` is how much of a set value the lags let through in a tick.

@@ -6,13 +6,13 @@
 
 use core::marker::PhantomData;
 
-use super::{Contact, MechanicalEffects, Mechanics, MotionState, Resistance, Row, Surroundings};
-use crate::bristles::Gripping;
-use crate::end_stop::Touch;
-use crate::friction::Level;
+use super::{Contact, MechanicalEffects, Mechanics, Resistance, Row};
+use crate::effects::{Keeps, Vocabulary};
+use crate::mechanics::end_stop::Touch;
+use crate::mechanics::friction::Level;
+use crate::mechanics::lugre::Gripping;
 use crate::number::{Mask, Number};
-use crate::unnamed::States;
-use crate::vocabulary::{Keeps, Vocabulary};
+use crate::ports::{MotionState, States, Surroundings};
 
 /// The oil that a stage's velocity works against: springs that yield as far as their chambers do.
 #[derive(Clone, Copy, Debug)]

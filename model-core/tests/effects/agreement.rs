@@ -1,11 +1,9 @@
 //! Fixed point and f64 are one model with each effect on, alone and all together, and no input overflows.
 
-use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, Entry, Load};
-use model_core::fixed_point::PerUnit;
-use model_core::machine::{Machine, Tick};
-use model_core::number::{Number, Scalar};
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P, Tick};
+use model_core::number::{Number, PerUnit, Scalar};
+use model_core::ports::ChamberState;
 use proptest::prelude::*;
 
 use super::bench::{State, at_rest, cases, command, commanded, drive, effects, oil_at, press, with};

@@ -1,10 +1,9 @@
 //! The drive that the effects are tried on.
 
-use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState, Entry, Interfaces, Load};
-use model_core::machine::{Machine, Source, Tick};
+use model_core::machine::{Machine, Parameter as P, Source, Tick};
 use model_core::number::Scalar;
-use model_core::parameter::Parameter as P;
+use model_core::ports::ChamberState;
 use proptest::test_runner::{Config, RngSeed};
 
 pub(crate) type State<N> = DriveState<N, 64>;

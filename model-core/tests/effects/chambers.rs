@@ -1,8 +1,7 @@
 //! Leakage to tank, air in the oil, volumes that follow the piston.
 
-use model_core::fixed_point::PerUnit;
-use model_core::number::Scalar;
-use model_core::parameter::Parameter as P;
+use model_core::machine::Parameter as P;
+use model_core::number::{PerUnit, Scalar};
 
 use super::bench::{State, at_rest, commanded, drive, press, with};
 
@@ -47,7 +46,7 @@ fn rise_pa<N: Scalar<Real = f64>>(changes: &[(P, f64)], pressure_pa: f64, positi
     let drive = drive::<N>(&clamped(changes));
     let flow = N::saturated(1e-5 / drive.bases().flow_m3_per_s);
     let mut state = at_rest(&drive, [pressure_pa / SUPPLY_PA, 0.0], position);
-    let flows = model_core::flow::Flows { a: flow, b: N::ZERO };
+    let flows = model_core::ports::Flows { a: flow, b: N::ZERO };
     let before = state.chambers.a.to_f64();
     drive.step(&mut state, model_core::drive::Entry::Flow { from: flows, to: flows }, model_core::drive::Load::NONE);
     (state.chambers.a.to_f64() - before) * SUPPLY_PA

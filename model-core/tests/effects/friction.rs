@@ -1,10 +1,9 @@
 //! Every law of dry friction holds exactly, brakes only, and is as large as its formula.
 
 use model_core::drive::{Drive, Entry, Load};
-use model_core::fixed_point::PerUnit;
-use model_core::mechanics::{Forces, MotionState, Surroundings};
-use model_core::number::Scalar;
-use model_core::parameter::Parameter as P;
+use model_core::machine::Parameter as P;
+use model_core::number::{PerUnit, Scalar};
+use model_core::ports::{Forces, MotionState, Surroundings};
 use proptest::prelude::*;
 
 use super::bench::{STROKE_M, at_rest, cases, drive, position_m, press, pushed, velocity_m_per_s, with};

@@ -1,10 +1,8 @@
 //! An effect of strength 0 is the model without it, bit for bit, whatever its other parameters are.
 
 use model_core::drive::Entry;
-use model_core::fixed_point::PerUnit;
-use model_core::machine::Machine;
-use model_core::number::Scalar;
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P};
+use model_core::number::{PerUnit, Scalar};
 use proptest::prelude::*;
 
 use super::bench::{State, at_rest, cases, command, commanded, drive, press, with};

@@ -1,10 +1,8 @@
 //! Sensors that do not read the truth.
 
 use model_core::drive::Drive;
-use model_core::fixed_point::PerUnit;
-use model_core::machine::MachineError;
-use model_core::number::Scalar;
-use model_core::parameter::Parameter as P;
+use model_core::machine::{MachineError, Parameter as P};
+use model_core::number::{PerUnit, Scalar};
 
 use super::bench::{STROKE_M, State, TICK, at_rest, drive, position_m, press, pushed, velocity_m_per_s, with};
 

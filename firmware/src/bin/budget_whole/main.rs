@@ -13,8 +13,8 @@ mod period;
 mod on_target {
     use core::fmt::{self, Write};
 
+    use firmware::app::{Ring, StationError};
     use firmware::board::mps2::{self, Counter};
-    use firmware::station::{Ring, StationError};
     use model_core::machine::MachineError;
     use panic_semihosting as _;
 

@@ -5,12 +5,12 @@
 use core::cell::RefCell;
 
 use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
-use firmware::press;
-use firmware::reference::Reference;
+use firmware::app::press;
+use firmware::control::Reference;
 use firmware::trial::DELAY;
 use heapless::Vec;
-use model_core::fixed_point::PerUnit;
 use model_core::machine::{Bases, Machine, MachineError, Tick};
+use model_core::number::PerUnit;
 
 /// Number of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,20 +6,18 @@ use core::hint::black_box;
 
 use cortex_m::asm::delay;
 use embedded_hal::delay::DelayNs;
-use firmware::ads8688::Ads8688;
+use firmware::app::press::BOUNDS;
+use firmware::app::{Assembly, Ring, Wired};
 use firmware::board::mps2::{Counter, INSTRUCTIONS_PER_COUNT};
-use firmware::dac::Ad5754;
-use firmware::edge::{AnalogIn, AnalogOut};
-use firmware::fault::Standing;
-use firmware::mode::{Command, Mode};
+use firmware::io::ad5754::Ad5754;
+use firmware::io::ads8688::Ads8688;
+use firmware::io::{AnalogIn, AnalogOut};
 use firmware::period::{Request, Timing};
-use firmware::press::BOUNDS;
 use firmware::set_point::{Bounds, Course, CourseState, Leg, SetPoint, SetPointError};
-use firmware::station::{Assembly, Ring, Wired};
+use firmware::supervision::{Command, Mode, Standing};
 use firmware::trial::{every_effect, press};
-use model_core::fixed_point::PerUnit;
 use model_core::machine::Machine;
-use model_core::number::Number;
+use model_core::number::{Number, PerUnit};
 
 use crate::on_target::BudgetError;
 use crate::parts::{PLACE, Part, Parts, Plant, Wire, ask_again};

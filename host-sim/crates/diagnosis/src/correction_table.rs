@@ -13,8 +13,7 @@ use identification::fit::{
     CHANCE, Counts, Estimate, FitError, Free, Freedom, From, Residuals, fit, settle, standardised,
 };
 use machine_file::LoadSource;
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 use recording::Signal;
 use simulation::signal::noise::extent;
 use simulation::{EntryPoint, simulate};

@@ -2,7 +2,7 @@
 
 use identification::experiment::Prepared;
 use identification::fit::{Estimate, FitError};
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use crate::catalogue::Hypothesis;
 use crate::finding::{Finding, finding};

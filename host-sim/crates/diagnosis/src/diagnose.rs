@@ -9,8 +9,7 @@ use identification::compare::CompareError;
 use identification::experiment::{Channel, Prepared};
 use identification::fit::{Correlation, Estimate, FitError, Free, Freedom, StartState, level_at_rest, set_tolerances};
 use machine_file::MachineFile;
-use model_core::machine::{Machine, MachineError, Tick};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, MachineError, Parameter, Tick};
 use recording::{Recording, Signal};
 use simulation::signal::noise::extent;
 

@@ -1,7 +1,7 @@
 //! A claimed effect, how sure it is, and what it may be instead.
 
 use identification::fit::Estimate;
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use crate::catalogue::Hypothesis;
 use crate::selection::forward::{Selection, Trial};

@@ -3,8 +3,7 @@
 use strsim::jaro_winkler as alike;
 
 use machine_file::data_sheet::Quantity;
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 use recording::Signal;
 use simulation::{EntryPoint, computed_below};
 

@@ -3,8 +3,7 @@
 //! They are laid out for the drive: no larger than the commands it was recorded with, and slow enough to stay within its stroke.
 
 use machine_file::LoadSource;
-use model_core::machine::{Machine, Tick};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter, Tick};
 use recording::excitation::signals::Excitation;
 use recording::{Column, Recording, RecordingError, Signal};
 use simulation::{EntryPoint, Stimulus};

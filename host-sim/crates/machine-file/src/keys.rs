@@ -1,7 +1,6 @@
 //! The tables and keys of a machine file, taken from the table of parameters.
 
-use model_core::machine::{Machine, Source};
-use model_core::parameter::{Fallback, Parameter};
+use model_core::machine::{Fallback, Machine, Parameter, Source};
 
 /// A parameter's key, taken apart: `valve.time_constants_s[0]` is entry 0 of an array in `[valve]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

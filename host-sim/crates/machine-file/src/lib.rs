@@ -13,8 +13,7 @@ mod writer;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 use recording::ChannelMap;
 
 pub use error::MachineFileError;

@@ -8,8 +8,7 @@ use std::path::Path;
 
 use toml_edit::{Document, Item, TableLike, Value};
 
-use model_core::machine::{Machine, Source};
-use model_core::parameter::{Fallback, Parameter};
+use model_core::machine::{Fallback, Machine, Parameter, Source};
 use recording::ChannelMap;
 use recording::files::source_error::Place;
 
@@ -49,7 +48,7 @@ pub fn read(path: &Path) -> Result<MachineFile, MachineFileError> {
 ///
 /// ```
 /// use host_sim::machine_file::read_text;
-/// use model_core::parameter::Parameter;
+/// use model_core::machine::Parameter;
 ///
 /// let text = "
 /// [supply]

@@ -9,8 +9,7 @@ use std::fmt::{self, Write};
 
 use machine_file::MachineFile;
 use machine_file::keys::{belongs, effect_of, table_of};
-use model_core::machine::Source;
-use model_core::parameter::Parameter;
+use model_core::machine::{Parameter, Source};
 
 use crate::rust::Constants;
 

@@ -6,9 +6,8 @@
 use std::fmt::{self, Write};
 
 use model_core::drive::Drive;
-use model_core::fixed_point::PerUnit;
-use model_core::machine::{Machine, MachineError, Source, Tick};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, MachineError, Parameter, Source, Tick};
+use model_core::number::PerUnit;
 use simulation::DELAY_LINE;
 
 /// What a controller has to know of a drive.
@@ -70,7 +69,7 @@ impl Constants {
             out,
             "// Constants of a drive, written by `host-sim export`: change the machine file and export again.\n"
         )?;
-        writeln!(out, "use model_core::machine::{{Source, Tick}};\nuse model_core::parameter::Parameter;\n")?;
+        writeln!(out, "use model_core::machine::{{Parameter, Source, Tick}};\n")?;
         writeln!(out, "/// What the drive is called.\npub const NAME: &str = {:?};", self.name)?;
         writeln!(out, "/// Where its oil comes from.\npub const SOURCE: Source = Source::{source};")?;
         writeln!(out, "/// Control period that the values were checked for.\npub const TICK: Tick = Tick::{tick};")?;

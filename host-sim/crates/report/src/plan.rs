@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use diagnosis::catalogue::short_name;
 use experiment::plan::{Outlook, Plan, Prospect};
 use experiment::sensor::Sensor;
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use recording::display_unit::{TABLE, arrange, significant};
 
 use crate::plot::{Cell, Grid};

@@ -1,7 +1,7 @@
 //! The number types that a whole simulation is offered in.
 
-use model_core::fixed_point::PerUnit;
 use model_core::machine::Machine;
+use model_core::number::PerUnit;
 
 use crate::initial_state::StartOffset;
 use crate::run::{Trajectory, simulate_told};

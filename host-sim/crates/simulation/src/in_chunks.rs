@@ -96,9 +96,8 @@ mod tests {
     use std::fmt::Write;
     use std::path::Path;
 
-    use model_core::fixed_point::PerUnit;
-    use model_core::machine::Source;
-    use model_core::parameter::Parameter;
+    use model_core::machine::{Parameter, Source};
+    use model_core::number::PerUnit;
     use recording::formats::format::parts_of;
     use recording::{At, ChannelMap, Note, Parts, Recording, Signal, read_from};
     use test_press::press;

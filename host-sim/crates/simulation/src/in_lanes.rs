@@ -3,12 +3,11 @@
 use std::array::from_fn;
 use std::cmp::Reverse;
 
-use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState, Entry, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, MachineError};
 use model_core::number::{Field, Number};
-use model_core::valve::Slider;
+use model_core::ports::{ChamberState, Slider};
 use recording::Signal;
 
 use crate::initial_state::{Departure, StartOffset, within};

@@ -1,10 +1,9 @@
 //! Where a run departs from: the state of a recording's start, with what a fit moves about it.
 
-use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState};
-use model_core::machine::{Bases, Machine};
+use model_core::machine::{Bases, Machine, Parameter};
 use model_core::number::{Real, Scalar};
-use model_core::parameter::Parameter;
+use model_core::ports::ChamberState;
 
 use crate::recorded_start::Start;
 use crate::run::{DELAY_LINE, PRESSURE_A, PRESSURE_B, behind};

@@ -8,11 +8,9 @@
 //! Where hardly anything flows, a meter's noise would be rectified by that, for it differs between both ways. There it is the area
 //! ratio's share.
 
-use model_core::chambers::ChamberState;
-use model_core::flow::Flows;
-use model_core::machine::{Bases, Machine, Source};
+use model_core::machine::{Bases, Machine, Parameter, Source};
 use model_core::number::{Field, Real};
-use model_core::parameter::Parameter;
+use model_core::ports::{ChamberState, Flows};
 
 /// Share of the full flow below which the area ratio's share leaves: twice a usual meter's noise, which is 0.5 %.
 const HARDLY: f64 = 0.01;

@@ -1,7 +1,6 @@
 //! The state that a recording starts from.
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 use recording::{Recording, Signal};
 
 /// State that a simulation starts from.

@@ -3,13 +3,10 @@
 //! A [`Stimulus`] is a recording laid on the core's tick grid. [`run`] steps the core over it in any number type and hands out the
 //! signals at the recorded rows.
 
-use model_core::chambers::ChamberState;
 use model_core::drive::{Drive, DriveState, Entry};
-use model_core::flow::Flows;
-use model_core::machine::{Machine, MachineError};
+use model_core::machine::{Machine, MachineError, Parameter};
 use model_core::number::{Field, Number, Real, Scalar};
-use model_core::parameter::Parameter;
-use model_core::valve::Slider;
+use model_core::ports::{ChamberState, Flows, Slider};
 use recording::Signal;
 
 use crate::initial_state::{StartOffset, at_start, within};
@@ -335,7 +332,7 @@ pub(crate) fn unbraked<R: Real>(machine: &Machine<R>, stimulus: &Stimulus) -> Ma
 /// use host_sim::recording::{self, ChannelMap, Signal};
 /// use host_sim::simulate::{StartOffset, Stimulus, first_entry, natural_tick, simulate};
 /// use host_sim::machine_file;
-/// use model_core::fixed_point::PerUnit;
+/// use model_core::number::PerUnit;
 ///
 /// let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/press-63-40");
 /// let drive = machine_file::read(&example.join("machine.toml"))?;

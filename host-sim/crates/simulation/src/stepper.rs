@@ -97,8 +97,8 @@ impl<N: Scalar<Real = f64>> Live<N> {
 #[cfg(test)]
 mod tests {
     use machine_file::LoadSource;
-    use model_core::fixed_point::PerUnit;
-    use model_core::parameter::Parameter;
+    use model_core::machine::Parameter;
+    use model_core::number::PerUnit;
     use recording::{Column, Recording};
     use test_press::press;
 

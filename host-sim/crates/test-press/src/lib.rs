@@ -1,8 +1,7 @@
 //! The drive that tests use: a valve on a 63/40 × 300 mm cylinder.
 
 use machine_file::LoadSource;
-use model_core::machine::{Machine, Source, Tick};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter, Source, Tick};
 use recording::seeded_noise::Noise;
 use recording::{Column, Recording, Signal};
 use simulation::{EntryPoint, StartOffset, Stimulus, simulate};

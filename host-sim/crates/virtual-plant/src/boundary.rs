@@ -3,8 +3,7 @@
 //! The integrator is stopped at the end of each stretch, so that no corner of the slider's path, of
 //! the load or of the dead zone lies within one of its steps.
 
-use model_core::machine::Source;
-use model_core::parameter::Parameter;
+use model_core::machine::{Parameter, Source};
 
 use crate::effect::PlantEffect;
 use crate::excitation::input::{Command, LoadLine, PumpCommand};

@@ -4,8 +4,7 @@
 //! The states are scaled so that one tolerance fits them all: pressures in parts of the supply
 //! pressure, position in parts of the stroke, velocity in m/s, an effect's own states of order one.
 
-use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter, Source};
 
 use crate::effect::{Fixed, PlantEffect};
 use crate::excitation::input::PumpCommand;

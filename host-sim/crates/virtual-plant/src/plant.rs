@@ -7,8 +7,7 @@ use std::sync::Arc;
 use diffsol::DiffsolError;
 use thiserror::Error;
 
-use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter, Source};
 
 use crate::boundary::Outside;
 use crate::effect::PlantEffect;

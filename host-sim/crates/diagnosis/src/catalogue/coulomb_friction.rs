@@ -20,7 +20,7 @@
 //! B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, *A survey of models … for the control of machines with friction*,
 //! Automatica 30, 1994.
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::{BRISTLES, Hypothesis, Kind, LookAlike, Strength, Subsystem};
 

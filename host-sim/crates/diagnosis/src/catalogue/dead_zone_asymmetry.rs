@@ -20,7 +20,7 @@
 //! H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967, chapter 5 (overlap at the null); G. Tao and P. V. Kokotović,
 //! *Adaptive Control of Systems with Actuator and Sensor Nonlinearities*, Wiley 1996 (unequal break-points).
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};

@@ -23,7 +23,7 @@
 //! Mechanics 42, 1975; M. Jelali and A. Kroll, *Hydraulic Servo-systems*, Springer 2003, chapter 4.
 
 use machine_file::LoadSource;
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use recording::Signal;
 
 use super::{Hypothesis, Kind, LookAlike, Scene, Strength, Subsystem};

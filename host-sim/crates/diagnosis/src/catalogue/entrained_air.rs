@@ -19,7 +19,7 @@
 //! H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967, §2-5; J. Yu, Z. Chen, Y. Lu, *The variation of oil effective
 //! bulk modulus with pressure in hydraulic systems*, J. Dynamic Systems, Measurement, and Control 116, 1994.
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};

@@ -19,7 +19,7 @@
 //! H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967, chapter 6; M. Jelali and A. Kroll, *Hydraulic
 //! Servo-systems*, Springer 2003, chapter 4.
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
 use super::{Hypothesis, Kind, LookAlike, Scene, Strength, Subsystem};

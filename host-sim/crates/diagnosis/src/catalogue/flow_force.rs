@@ -20,7 +20,7 @@
 //! H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967, §5-6; J. F. Blackburn, G. Reethof, J. L. Shearer, *Fluid
 //! Power Control*, MIT Press 1960.
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};

@@ -19,7 +19,7 @@
 //! W. Backé, *Systematik der hydraulischen Widerstandsschaltungen in Ventilen und Regelkreisen*, Krausskopf 1974; N. D.
 //! Manring, *Hydraulic Control Systems*, Wiley 2005 (port shapes).
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};

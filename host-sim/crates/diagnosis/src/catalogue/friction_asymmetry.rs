@@ -21,7 +21,7 @@
 //! 30, 1994.
 
 use machine_file::LoadSource;
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::{BRISTLES, Extension, Hypothesis, Kind, LookAlike, Scene, Strength, Subsystem};
 

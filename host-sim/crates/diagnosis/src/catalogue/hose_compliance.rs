@@ -18,7 +18,7 @@
 //! ## Source
 //! H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967, §2-5 (effective bulk modulus with containers).
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
 

@@ -15,7 +15,7 @@
 //! ## Source
 //! H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967, §6-1; M. Jelali and A. Kroll, *Hydraulic Servo-systems*, Springer 2003, §3.
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
 

@@ -19,7 +19,7 @@
 //! W. Borutzky, B. Barnard, J. Thoma, *An orifice flow model for laminar and turbulent conditions*, Simulation
 //! Modelling Practice and Theory 10, 2002; H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967, chapter 3.
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};

@@ -19,7 +19,7 @@
 //! M. Nordin and P.-O. Gutman, *Controlling mechanical systems with backlash – a survey*, Automatica 38, 2002; M. A.
 //! Krasnosel'skii and A. V. Pokrovskii, *Systems with Hysteresis*, Springer 1989 (the play operator).
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use recording::Signal;
 
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};

@@ -22,7 +22,7 @@
 //! M. Jelali and A. Kroll, *Hydraulic Servo-systems*, Springer 2003, chapter 4 (valves with unequal edges); J. Watton,
 //! *Fundamentals of Fluid Power Control*, Cambridge University Press 2009.
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};

@@ -37,8 +37,7 @@ mod valve_leakage;
 use std::fmt;
 
 use machine_file::LoadSource;
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 use recording::Signal;
 use simulation::EntryPoint;
 

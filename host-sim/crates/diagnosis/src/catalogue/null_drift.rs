@@ -20,7 +20,7 @@
 //! ISO 10770-1 (null shift with temperature and pressure); H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967,
 //! chapter 7.
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};

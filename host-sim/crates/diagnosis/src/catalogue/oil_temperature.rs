@@ -25,7 +25,7 @@
 //! Hydraulic Fluid Technology*, Marcel Dekker 2000; H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967, chapter 2.
 
 use machine_file::LoadSource;
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
 

@@ -22,7 +22,7 @@
 //! B. Armstrong-Hélouvry, *Control of Machines with Friction*, Kluwer 1991 (friction as a function of position).
 
 use machine_file::LoadSource;
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use recording::Signal;
 
 use super::{BRISTLES, Extension, Hypothesis, Kind, LookAlike, Scene, Strength, Subsystem};

@@ -20,7 +20,7 @@
 //! Control Systems*, Wiley 1967, chapter 6 (spring load).
 
 use machine_file::LoadSource;
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use recording::Signal;
 
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};

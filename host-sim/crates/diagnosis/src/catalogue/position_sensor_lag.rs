@@ -18,7 +18,7 @@
 //! ## Source
 //! E. O. Doebelin, *Measurement Systems: Application and Design*, McGraw-Hill (first-order instruments and dead time).
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use recording::Signal;
 
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};

@@ -23,7 +23,7 @@
 //! Mechatronics 18, 2008 (hydraulic cylinders).
 
 use machine_file::LoadSource;
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::{Extension, Hypothesis, Kind, LookAlike, Strength, Subsystem};
 

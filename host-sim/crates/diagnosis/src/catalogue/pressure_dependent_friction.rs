@@ -19,7 +19,7 @@
 //! cylinders*, IEEE Int. Conf. on Robotics and Automation, 1999.
 
 use machine_file::LoadSource;
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::{BRISTLES, Hypothesis, Kind, LookAlike, Strength, Subsystem};
 

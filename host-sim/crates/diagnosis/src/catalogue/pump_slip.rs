@@ -16,7 +16,7 @@
 //! ## Source
 //! W. E. Wilson, *Rotary-pump theory*, Trans. ASME 68, 1946 (laminar slip of positive-displacement pumps).
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
 

@@ -21,7 +21,7 @@
 //! R. Isermann, *Fault-Diagnosis Systems*, Springer 2006 (offset and gain faults of sensors); E. O. Doebelin,
 //! *Measurement Systems: Application and Design*, McGraw-Hill.
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use recording::Signal;
 
 use super::{Hypothesis, Kind, LookAlike, Scene, Strength, Subsystem};

@@ -20,7 +20,7 @@
 //! N. D. Vaughan and J. B. Gamble, *The modeling and simulation of a proportional solenoid valve*, J. Dynamic Systems,
 //! Measurement, and Control 118, 1996.
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};

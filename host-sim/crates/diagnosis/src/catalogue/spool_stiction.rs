@@ -23,7 +23,7 @@
 //! M. A. A. S. Choudhury, N. F. Thornhill, S. L. Shah, *Modelling valve stiction*, Control Engineering Practice 13,
 //! 2005.
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};

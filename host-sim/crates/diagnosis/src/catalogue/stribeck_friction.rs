@@ -22,7 +22,7 @@
 //! Dupont, C. Canudas de Wit, *A survey of models … for the control of machines with friction*, Automatica 30, 1994.
 
 use machine_file::LoadSource;
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::{BRISTLES, Extension, Hypothesis, Kind, LookAlike, Strength, Subsystem};
 

@@ -19,7 +19,7 @@
 //! H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967, chapter 11 (hydraulic power supplies); J. Watton,
 //! *Fundamentals of Fluid Power Control*, Cambridge University Press 2009 (accumulators).
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};

@@ -19,7 +19,7 @@
 //! W. Backé and H. Murrenhoff, *Grundlagen der Ölhydraulik*, RWTH Aachen (line and filter resistances); H. E. Merritt,
 //! *Hydraulic Control Systems*, Wiley 1967, chapter 3 (turbulent losses).
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};

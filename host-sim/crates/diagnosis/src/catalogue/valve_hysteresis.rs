@@ -23,7 +23,7 @@
 //! Y.-K. Wen, *Method for random vibration of hysteretic systems*, J. Eng. Mech. Div. ASCE 102, 1976 (the smooth
 //! alternative); ISO 10770-1 (how a valve's hysteresis is measured).
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};

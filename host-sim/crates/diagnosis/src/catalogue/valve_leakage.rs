@@ -20,7 +20,7 @@
 //! B. Eryilmaz and B. H. Wilson, *Unified modeling and analysis of a proportional valve*, J. Franklin Institute 343,
 //! 2006; H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967, chapter 5 (leakage at the null).
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
 use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};

@@ -14,11 +14,10 @@
 //! different links compare as multiples of it.
 
 use identification::experiment::Channel;
-use model_core::chambers::ChamberState;
 use model_core::drive::Drive;
 use model_core::flow::PumpDrive;
-use model_core::machine::{Machine, MachineError, Source};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, MachineError, Parameter, Source};
+use model_core::ports::ChamberState;
 use recording::Signal;
 use simulation::signal::window::{WINDOW_S, Window, rows_in};
 use simulation::{DELAY_LINE, simulate};

@@ -4,8 +4,7 @@
 use rayon::prelude::*;
 
 use identification::fit::{Change, Fit, Free, Freedom, Sensitivity, Settled, Simulated};
-use model_core::machine::{Machine, MachineError};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, MachineError, Parameter};
 
 use crate::catalogue::{Form, Hypothesis, Kind, Scene, Strength};
 

@@ -1,8 +1,7 @@
 //! Whether a command is counted in the unit that the machine file takes it in: `valve.gain_per_v` is travel per whatever the
 //! recording's command is in, volts or milliamperes, and neither file says which of the two the other means.
 
-use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter, Source};
 use recording::display_unit::significant;
 use recording::{Dimension, Recording, Signal};
 use simulation::signal::noise::extent;

@@ -1,7 +1,6 @@
 //! What moved, how far, and whether it also held: a link that was not excited cannot be judged.
 
-use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter, Source};
 use recording::display_unit::{significant, unit_for_people, unit_of};
 use recording::{Recording, Signal, Unit};
 use simulation::sensor_fault::{Failures, bridged};

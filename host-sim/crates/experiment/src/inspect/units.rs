@@ -1,8 +1,7 @@
 //! Whether a recording's values can be in the units that its headers say: against the stroke, the supply pressure, and the speed that
 //! the opened valve gives.
 
-use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter, Source};
 use recording::display_unit::significant;
 use recording::{Column, Recording, Signal, Unit};
 use simulation::signal::noise::{extent, noise, quantile, resolution};

@@ -3,8 +3,7 @@
 use diagnosis::catalogue::{Form, Hypothesis, Kind, Scene};
 use diagnosis::selection::screen::{Values, amounts, combined, shapes, with};
 use identification::fit::Free;
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 use recording::Signal;
 use simulation::StartOffset;
 

@@ -2,8 +2,7 @@
 
 use rayon::prelude::*;
 
-use model_core::machine::{Machine, MachineError, Tick};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, MachineError, Parameter, Tick};
 use recording::Signal;
 use simulation::{StartOffset, run};
 

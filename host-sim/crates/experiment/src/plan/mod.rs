@@ -22,8 +22,7 @@ use diagnosis::catalogue::{CATALOGUE, Hypothesis, Kind, Scene};
 use diagnosis::selection::screen::with;
 use identification::fit::Free;
 use machine_file::LoadSource;
-use model_core::machine::{Machine, MachineError, Source, Tick};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, MachineError, Parameter, Source, Tick};
 use recording::Signal;
 use simulation::{EntryPoint, StartOffset, Stimulus};
 

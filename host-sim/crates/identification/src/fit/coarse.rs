@@ -64,7 +64,7 @@ fn at_twice_the_tick(case: &Prepared, Coarser { stimulus, kept }: Coarser, fine:
 #[cfg(test)]
 mod tests {
     use machine_file::LoadSource;
-    use model_core::parameter::Parameter;
+    use model_core::machine::Parameter;
     use test_press::{extending, press};
 
     use super::*;

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::Fit;
 use super::normal_equations::Information;
@@ -58,7 +58,7 @@ impl Fit {
 mod tests {
     use nalgebra::{DMatrix, DVector};
 
-    use model_core::parameter::Parameter as P;
+    use model_core::machine::Parameter as P;
     use test_press::press;
 
     use super::*;

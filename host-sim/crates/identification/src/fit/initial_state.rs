@@ -1,8 +1,7 @@
 //! The state that a recording starts from, as far as its sensors leave it open.
 
-use model_core::machine::{Machine, MachineError};
+use model_core::machine::{Machine, MachineError, Parameter};
 use model_core::number::Real;
-use model_core::parameter::Parameter;
 use recording::Signal;
 use simulation::StartOffset;
 

@@ -84,7 +84,7 @@ mod tests {
     use std::slice;
 
     use machine_file::LoadSource;
-    use model_core::parameter::Parameter;
+    use model_core::machine::Parameter;
     use test_press::{extending, press};
 
     use super::*;

@@ -19,8 +19,7 @@ mod sensitivity;
 use levenberg_marquardt::{Minimum, Problem};
 use nalgebra::{DMatrix, DVector};
 
-use model_core::machine::{Machine, MachineError, Tick};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, MachineError, Parameter, Tick};
 use simulation::DELAY_LINE;
 
 use crate::experiment::Prepared;

@@ -59,8 +59,7 @@ fn plain(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use model_core::machine::Source;
-    use model_core::parameter::Parameter;
+    use model_core::machine::{Parameter, Source};
 
     use super::*;
     use crate::data_sheet::derive::{Edges, derived};

@@ -9,8 +9,8 @@ use zip::result::ZipError;
 
 use machine_file::{MachineFile, MachineFileError};
 use model_core::drive::Drive;
-use model_core::fixed_point::PerUnit;
 use model_core::machine::{Machine, MachineError, Tick};
+use model_core::number::PerUnit;
 use simulation::{Arithmetic, DELAY_LINE, Inputs};
 
 /// The drive's machine file among the resources of an FMU.
@@ -136,7 +136,7 @@ impl Contents {
 
 #[cfg(test)]
 mod tests {
-    use model_core::parameter::Parameter;
+    use model_core::machine::Parameter;
     use test_press::press;
 
     use super::*;

@@ -142,8 +142,7 @@ fn printable(name: &str) -> String {
 mod tests {
     use fmi_schema::fmi3::{AbstractVariableTrait, InitializableVariableTrait, TypedVariableTrait};
 
-    use model_core::machine::{Machine, Tick};
-    use model_core::parameter::Parameter;
+    use model_core::machine::{Machine, Parameter, Tick};
     use test_press::press;
 
     use super::*;

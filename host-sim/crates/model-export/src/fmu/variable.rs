@@ -1,7 +1,6 @@
 //! The variables of an FMU: which there are, what they mean, and the number by which a tool asks for them.
 
-use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter, Source};
 use recording::Signal;
 use simulation::Inputs;
 

@@ -117,7 +117,7 @@ pub(crate) fn number(value: f64, digits: i32) -> String {
 
 #[cfg(test)]
 mod tests {
-    use model_core::parameter::Parameter;
+    use model_core::machine::Parameter;
 
     use super::*;
 

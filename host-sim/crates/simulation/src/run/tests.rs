@@ -1,7 +1,6 @@
 use machine_file::LoadSource;
-use model_core::fixed_point::PerUnit;
-use model_core::machine::{Machine, Tick};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter, Tick};
+use model_core::number::PerUnit;
 use recording::{Column, Recording, Signal};
 
 use super::{Trajectory, simulate};

@@ -72,7 +72,7 @@ fn every_second(points: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use machine_file::LoadSource;
-    use model_core::parameter::Parameter;
+    use model_core::machine::Parameter;
     use recording::{Column, Recording, Signal};
     use test_press::press;
 

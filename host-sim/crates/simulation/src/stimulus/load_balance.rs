@@ -1,7 +1,6 @@
 //! The load that balances the recorded pressures.
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 use recording::{Recording, Signal};
 
 use super::SimulateError;

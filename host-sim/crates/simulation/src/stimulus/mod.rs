@@ -9,11 +9,10 @@ use load_balance::{balance, light_damping, pressure_force};
 
 use machine_file::LoadSource;
 use model_core::drive::{Entry, Load};
-use model_core::flow::{Flows, PumpDrive};
-use model_core::machine::{Bases, Machine, MachineError, Source, Tick};
+use model_core::flow::PumpDrive;
+use model_core::machine::{Bases, Machine, MachineError, Parameter, Source, Tick};
 use model_core::number::{Number, Scalar};
-use model_core::parameter::Parameter;
-use model_core::valve::Slider;
+use model_core::ports::{Flows, Slider};
 use recording::files::source_error::{engineering, rounded};
 use recording::{Recording, Signal};
 

@@ -1,7 +1,7 @@
 //! What each effect and the pump drive must do, by head, and the exactness of the Jacobian.
 
+use model_core::machine::Parameter::*;
 use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter::*;
 use recording::seeded_noise::Noise;
 
 use super::validation::{heavy, press};

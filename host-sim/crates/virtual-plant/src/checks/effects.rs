@@ -1,7 +1,7 @@
 //! What each effect of flow, chambers and mechanics must do, by head. (Valve: `shaped_slider_tests`; sensing: `sight`.)
 
 use model_core::machine::Machine;
-use model_core::parameter::Parameter::*;
+use model_core::machine::Parameter::*;
 
 use super::validation::press;
 use crate::*;

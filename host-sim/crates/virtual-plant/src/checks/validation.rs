@@ -1,7 +1,7 @@
 //! The plant against an independent solution, and against itself at another tolerance.
 
+use model_core::machine::Parameter::{self, *};
 use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter::{self, *};
 use recording::excitation::signals::Excitation;
 
 use crate::effect::PlantEffect;

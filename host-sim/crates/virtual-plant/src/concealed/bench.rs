@@ -1,7 +1,6 @@
 //! The drive of a case on its bench: signals that keep it inside its stroke, and what is recorded.
 
-use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P, Source};
 use recording::seeded_noise::Noise;
 
 use super::{Channels, Mode, signals};

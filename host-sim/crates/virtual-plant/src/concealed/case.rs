@@ -1,8 +1,7 @@
 //! One case: drive, setting, effects, recordings; drawn again until it shows what it conceals.
 
 use machine_file::MachineFile;
-use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P, Source};
 use recording::seeded_noise::Noise;
 
 use super::bench::{Setting, Signal, spiked, travel};

@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 
 use machine_file::MachineFile;
-use model_core::machine::{Machine, Source};
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P, Source};
 use recording::seeded_noise::Noise;
 
 /// A drive that could stand in a workshop: pressures of 50 to 160 bar, pistons of 40 to 80 mm, loads of 15 to 200 kg.

@@ -1,7 +1,6 @@
 //! An effect at random: its form, and a strength spread evenly over the decades of its typical range.
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter as P;
+use model_core::machine::{Machine, Parameter as P};
 use recording::seeded_noise::Noise;
 
 use super::Channels;

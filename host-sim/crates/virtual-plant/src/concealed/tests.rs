@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use model_core::parameter::Parameter as P;
+use model_core::machine::Parameter as P;
 
 use super::*;
 use crate::effect::PlantEffect;

@@ -8,8 +8,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 
 use super::bench::{Setting, Signal};
 use crate::effect::PlantEffect;

@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 use recording::seeded_noise::Noise;
 
 /// A drive drawn about its nominal values: each parameter in `sigma` is off by its standard deviation times a Gaussian

@@ -6,8 +6,7 @@
 
 use thiserror::Error;
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 
 /// The triangle, with where the encoder counts zero.
 #[derive(Clone, Copy, Debug, PartialEq)]

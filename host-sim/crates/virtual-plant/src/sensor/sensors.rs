@@ -1,7 +1,6 @@
 //! The sensors: what the control system sees of the true signals.
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 use recording::seeded_noise::Noise;
 
 use super::linkage::{Linkage, LinkageError};

@@ -7,8 +7,7 @@
 
 use std::collections::VecDeque;
 
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 
 /// The valve's parameters, in SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -13,8 +13,7 @@ use identification::fit::residuals::counts_from;
 use identification::fit::{
     Counts, Fit, FitError, Free, Residuals, StartState, coarse, inflation, loss, set_tolerances, settle, softened,
 };
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 
 use super::screen::Lead;
 use crate::catalogue::{Form, Hypothesis, Kind, Scene, Strength, is_elastic};

@@ -1,7 +1,7 @@
 //! Where a set's strengths have ended: what an effect can be, what is next to nothing, and how far the ordinary parameters are bent.
 
 use identification::fit::{REACH, REACH_SIGNED};
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::{Candidate, Chosen, Question, strengths};
 use crate::catalogue::{Form, Kind, Scene, Strength};

@@ -2,8 +2,7 @@
 
 use identification::experiment::Prepared;
 use identification::fit::{Fit, FitError, Free, From, Sensitivity, StartState, coarse, fit, loss, softened_all};
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 
 use super::{Candidate, Chosen, Question, strengths};
 use crate::catalogue::Kind;

@@ -2,7 +2,7 @@
 //! its profile.
 
 use identification::fit::{Correlation, Estimate, FitError, Sensitivity, Uncertainty, inflation, loss};
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::refit::NARROWEST;
 use super::{Candidate, Question, strengths};

@@ -1,5 +1,5 @@
 use identification::fit::{Free, Freedom};
-use model_core::parameter::Parameter as P;
+use model_core::machine::Parameter as P;
 
 use super::*;
 use crate::selection::misfit_ranking::believed;

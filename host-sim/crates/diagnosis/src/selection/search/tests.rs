@@ -1,6 +1,6 @@
 use identification::experiment::Prepared;
 use machine_file::LoadSource;
-use model_core::parameter::Parameter as P;
+use model_core::machine::Parameter as P;
 use recording::Signal;
 use test_press::{press, recorded};
 

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use identification::experiment::Prepared;
 use identification::fit::{CHANCE, FitError, Residuals, StartState, softened_all};
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 
 use super::spool_jumps::{Sticking, is_alike};
 use crate::catalogue::Hypothesis;

@@ -7,8 +7,7 @@ use rayon::prelude::*;
 use identification::experiment::Prepared;
 use identification::fit::residuals::samples_by_blocks;
 use identification::fit::{CHANCE, FitError, loss, softened_all};
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 use recording::Signal;
 use recording::display_unit::significant;
 

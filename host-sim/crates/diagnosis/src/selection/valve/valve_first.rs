@@ -9,8 +9,7 @@ use rayon::prelude::*;
 use identification::experiment::Prepared;
 use identification::fit::{CHANCE, FitError, Free};
 use identification::input_noise::by_noise_of_input;
-use model_core::machine::{Machine, MachineError};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, MachineError, Parameter};
 use recording::Signal;
 
 use crate::catalogue::{Hypothesis, Subsystem};

@@ -21,7 +21,7 @@ fn read_too_far(recording: &Recording, machine: &Machine<f64>, every_fourth: boo
 
 #[test]
 fn rows_in_which_a_sensor_failed_make_no_mean_smaller() {
-    let machine = press(&[(model_core::parameter::Parameter::ViscousFriction, 4e4)]);
+    let machine = press(&[(model_core::machine::Parameter::ViscousFriction, 4e4)]);
     let recording = extending(&machine);
     let start = StartState::default();
     let [all, some] = [false, true].map(|every_fourth| read_too_far(&recording, &machine, every_fourth));
@@ -37,7 +37,7 @@ fn rows_in_which_a_sensor_failed_make_no_mean_smaller() {
 
 #[test]
 fn rows_in_which_the_position_failed_hold_no_start_back() {
-    let machine = press(&[(model_core::parameter::Parameter::ViscousFriction, 4e4)]);
+    let machine = press(&[(model_core::machine::Parameter::ViscousFriction, 4e4)]);
     let recording = extending(&machine);
     let [all, some] = [false, true]
         .map(|every_fourth| settle(&machine, &read_too_far(&recording, &machine, every_fourth)).unwrap().shift);

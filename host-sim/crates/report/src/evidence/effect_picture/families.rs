@@ -1,8 +1,7 @@
 //! What is drawn of each effect: one small measurement a family.
 
 use diagnosis::catalogue::{Hypothesis, Subsystem};
-use model_core::machine::Machine;
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, Parameter};
 use recording::Signal;
 
 use super::view::{Law, Moment};

@@ -13,8 +13,7 @@ use view::{Law, Moment, moments};
 
 use diagnosis::Diagnosis;
 use diagnosis::catalogue::Hypothesis;
-use model_core::machine::{Machine, MachineError};
-use model_core::parameter::Fallback;
+use model_core::machine::{Fallback, Machine, MachineError};
 use recording::Recording;
 use simulation::signal::noise::quantile;
 

@@ -1,5 +1,5 @@
 use machine_file::LoadSource;
-use model_core::parameter::Parameter;
+use model_core::machine::Parameter;
 use recording::Signal;
 use test_press::{press, recorded_for};
 

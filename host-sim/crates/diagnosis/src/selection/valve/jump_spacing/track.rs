@@ -6,8 +6,7 @@ use rustfft::num_complex::Complex;
 
 use identification::experiment::{Channel, Prepared};
 use identification::fit::{StartState, settle};
-use model_core::machine::{Machine, MachineError};
-use model_core::parameter::Parameter;
+use model_core::machine::{Machine, MachineError, Parameter};
 use recording::Signal;
 use simulation::signal::noise::quantile;
 use simulation::{EntryPoint, Run, run_abreast};

@@ -1,0 +1,80 @@
+//! A station with somebody at its desk: keys that come in, periods, and a record that goes out. A board adds the line and the clock.
+//!
+//! ```text
+//! key ─► Operator ─► request ─► Station ─► Outcome          recorder ─► Outbox ─► byte
+//! ```
+
+use thiserror::Error;
+
+use super::operator::{Errand, Operator, OperatorError, OperatorState};
+use super::press::{TICK_NS, values};
+use super::station::{Outcome, Station};
+use crate::io::{AnalogIn, AnalogOut, PositionIn};
+use crate::period::Timing;
+use crate::recorder::Outbox;
+use crate::set_point::Bounds;
+use crate::supervision::Log;
+
+/// Why a key did nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum DeskError {
+    /// It is no command, or none at this time.
+    #[error(transparent)]
+    Operator(#[from] OperatorError),
+    /// Where the rod stands is taken while the valve is neutral only.
+    #[error("where the rod stands is taken while the valve is neutral only")]
+    NotNeutral,
+}
+
+/// A station, who sits at it, and what goes out.
+#[derive(Debug)]
+pub struct Desk<'a, A, P, O> {
+    station: Station<'a, A, P, O>,
+    operator: Operator,
+    state: OperatorState,
+    outbox: Outbox,
+}
+
+impl<'a, A: AnalogIn, P: PositionIn, O: AnalogOut> Desk<'a, A, P, O> {
+    /// At a station, where the rod may be sent within bounds.
+    #[must_use]
+    pub fn new(station: Station<'a, A, P, O>, bounds: Bounds) -> Self {
+        let operator = Operator::new(bounds, *station.bases());
+        Self { station, operator, state: operator.at_rest(), outbox: Outbox::default() }
+    }
+
+    /// Takes a key, between two periods.
+    ///
+    /// # Errors
+    /// It does nothing; the error says why.
+    pub fn key(&mut self, key: u8) -> Result<(), DeskError> {
+        match self.operator.typed(&mut self.state, key)? {
+            None => {}
+            Some(Errand::Refer { position }) => {
+                return self.station.refer(position).then_some(()).ok_or(DeskError::NotNeutral);
+            }
+            Some(Errand::Trigger) => self.station.trigger(),
+            Some(Errand::Send) => self.outbox.send(),
+            Some(Errand::Arm) => self.station.arm(),
+        }
+        Ok(())
+    }
+
+    /// Stops in the next period.
+    pub fn stop(&mut self) {
+        self.operator.stop(&mut self.state);
+    }
+
+    /// One period, called once a tick.
+    pub fn step(&mut self, timing: Timing, log: &mut impl Log) -> Outcome {
+        let outcome = self.station.step(&self.operator.request(&mut self.state, timing), log);
+        self.operator.seen(&mut self.state, &outcome.report);
+        outcome
+    }
+
+    /// The next byte that is to go out, if there is one; asked for between two periods.
+    pub fn byte(&mut self) -> Option<u8> {
+        self.outbox.next(self.station.recorder(), values::NAME, TICK_NS)
+    }
+}

@@ -1,0 +1,10 @@
+//! The press's firmware, put together over any devices: a [`Station`] that is stepped once a tick, an [`Operator`] and a [`Desk`] around it.
+
+mod desk;
+mod operator;
+pub mod press;
+mod station;
+
+pub use desk::{Desk, DeskError};
+pub use operator::{Errand, Operator, OperatorError, OperatorState};
+pub use station::{Assembly, Outcome, Press, RING_BYTES, Ring, Station, StationError, Wired, wired};

@@ -1,0 +1,332 @@
+//! Somebody at a keyboard: characters become commands, places to go to, and with them the set point of each period.
+//!
+//! | typed | does |
+//! |---|---|
+//! | `150z` | says that the rod stands at 150 mm; only while the valve is neutral |
+//! | `f` | follow, from where the rod stands |
+//! | `160g` | go to 160 mm, from rest to rest within the bounds; only while it is followed, and after the last move has ended |
+//! | `s` | stop |
+//! | `a` | acknowledge the faults |
+//! | `t` | trigger the recorder |
+//! | `d` | send what the recorder holds |
+//! | `n` | forget it, and wait for the next alarm |
+//!
+//! Spaces and line ends are nothing. Positions are whole millimetres. After a character that is none of these, or was lost on the line,
+//! nothing counts until the next space or line end but `s`: half a number is another place.
+
+use model_core::machine::Bases;
+use model_core::number::{Number, PerUnit};
+use thiserror::Error;
+
+use crate::period::{Report, Request, Timing};
+use crate::set_point::{Bounds, Course, CourseState, Leg, SetPoint, SetPointError};
+use crate::supervision::{Command, Mode};
+
+/// Most that is typed as a position, mm.
+const MOST_MM: u32 = 100_000;
+
+/// What is to be done beside the control period.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Errand {
+    /// The rod stands here, of the stroke.
+    Refer {
+        /// Where.
+        position: PerUnit,
+    },
+    /// Trigger the recorder.
+    Trigger,
+    /// Send what it holds.
+    Send,
+    /// Let it wait for the next trigger.
+    Arm,
+}
+
+/// Why what was typed is nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum OperatorError {
+    /// No such command.
+    #[error("{found:#04x} is none of f, g, s, a, z, t, d, n")]
+    Unknown {
+        /// What was typed.
+        found: u8,
+    },
+    /// A position is missing before it.
+    #[error("{letter:#04x} needs a position before it, mm")]
+    NoPosition {
+        /// What was typed.
+        letter: u8,
+    },
+    /// It is not followed.
+    #[error("nothing moves while it is not followed: f")]
+    NotFollowing,
+    /// The last move has not ended.
+    #[error("the last move has not ended")]
+    Moving,
+    /// A period takes one command.
+    #[error("the command before it is still to be taken")]
+    Pending,
+    /// There is no way there.
+    #[error(transparent)]
+    SetPoint(#[from] SetPointError),
+}
+
+/// Where and how fast somebody may send the rod: configuration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Operator {
+    bases: Bases,
+    bounds: Bounds,
+}
+
+/// What was typed so far, and where the rod is wanted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OperatorState {
+    typed_mm: Option<u32>,
+    /// Something was typed that is nothing, and no space since.
+    garbled: bool,
+    command: Option<Command>,
+    mode: Mode,
+    course: Option<(Course<1>, CourseState)>,
+    wanted: SetPoint,
+}
+
+impl Operator {
+    /// Within bounds, with these bases.
+    #[must_use]
+    pub fn new(bounds: Bounds, bases: Bases) -> Self {
+        Self { bases, bounds }
+    }
+
+    /// Nothing was typed and nothing is known.
+    #[must_use]
+    pub fn at_rest(&self) -> OperatorState {
+        let wanted = SetPoint { position: PerUnit::ZERO, velocity: PerUnit::ZERO };
+        OperatorState { typed_mm: None, garbled: false, command: None, mode: Mode::Starting, course: None, wanted }
+    }
+
+    /// Takes a character; what is to be done now, if anything.
+    ///
+    /// # Errors
+    /// It is no command, or none at this time; the position before it is forgotten.
+    pub fn typed(&self, state: &mut OperatorState, character: u8) -> Result<Option<Errand>, OperatorError> {
+        if character.is_ascii_whitespace() {
+            state.garbled = false;
+            return Ok(None);
+        }
+        if state.garbled && character != b's' {
+            return Ok(None);
+        }
+        if character.is_ascii_digit() {
+            let typed_mm = state.typed_mm.unwrap_or(0) * 10 + u32::from(character - b'0');
+            state.typed_mm = Some(typed_mm.min(MOST_MM));
+            return Ok(None);
+        }
+        let position_m = state.typed_mm.take().map(|typed_mm| f64::from(typed_mm) * 1e-3);
+        let position_m = position_m.ok_or(OperatorError::NoPosition { letter: character });
+        match character {
+            b'f' => Self::give(state, Command::Follow)?,
+            b's' => self.stop(state),
+            b'a' => Self::give(state, Command::Acknowledge)?,
+            b'g' => self.go(state, position_m?)?,
+            b'z' => {
+                let position = PerUnit::saturated(position_m? / self.bases.stroke_m);
+                if !state.mode.is_running() {
+                    // It may follow before the next period has shown where that is.
+                    state.wanted = SetPoint { position, velocity: PerUnit::ZERO };
+                }
+                return Ok(Some(Errand::Refer { position }));
+            }
+            b't' => return Ok(Some(Errand::Trigger)),
+            b'd' => return Ok(Some(Errand::Send)),
+            b'n' => return Ok(Some(Errand::Arm)),
+            found => {
+                state.garbled = true;
+                return Err(OperatorError::Unknown { found });
+            }
+        }
+        Ok(None)
+    }
+
+    /// A command for the next period, which takes one; a stop is none that another takes the place of.
+    fn give(state: &mut OperatorState, command: Command) -> Result<(), OperatorError> {
+        if state.command.is_some() {
+            return Err(OperatorError::Pending);
+        }
+        state.command = Some(command);
+        Ok(())
+    }
+
+    /// Stops in the next period, whatever else was wanted in it.
+    pub fn stop(&self, state: &mut OperatorState) {
+        state.command = Some(Command::Stop);
+    }
+
+    fn go(&self, state: &mut OperatorState, to_m: f64) -> Result<(), OperatorError> {
+        if state.mode != Mode::Following {
+            return Err(OperatorError::NotFollowing);
+        }
+        if state.course.as_ref().is_some_and(|(course, along)| !course.is_done(along)) {
+            return Err(OperatorError::Moving);
+        }
+        // A bound itself, once rounded, may lie beyond it.
+        let from_m = state.wanted.position.to_f64() * self.bases.stroke_m;
+        let from_m = from_m.max(self.bounds.from_m).min(self.bounds.to_m);
+        let course = Course::new(&self.bases, &self.bounds, from_m, &[Leg::Fastest { to_m }])?;
+        state.course = Some((course, CourseState::default()));
+        Ok(())
+    }
+
+    /// What is wanted in the next period.
+    pub fn request(&self, state: &mut OperatorState, timing: Timing) -> Request {
+        if let Some((course, along)) = &mut state.course {
+            state.wanted = course.step(along);
+        }
+        Request { set_point: state.wanted, command: state.command.take(), timing }
+    }
+
+    /// What became of it: until it is followed, the rod is wanted where it is.
+    pub fn seen(&self, state: &mut OperatorState, report: &Report) {
+        state.mode = report.mode;
+        match report.mode {
+            Mode::Following => {}
+            Mode::Holding => {
+                state.course = None;
+                state.wanted.velocity = PerUnit::ZERO;
+            }
+            Mode::Starting | Mode::RampingDown | Mode::Neutral => {
+                state.course = None;
+                state.wanted = SetPoint { position: report.measured.position, velocity: PerUnit::ZERO };
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::vec::Vec;
+
+    use model_core::machine::Tick;
+
+    use super::*;
+    use crate::control::Reference;
+    use crate::measured::Measured;
+    use crate::mock::press;
+    use crate::period::Watchdog;
+    use crate::supervision::Standing;
+
+    const BOUNDS: Bounds = Bounds { from_m: 0.01, to_m: 0.29, velocity_m_per_s: 0.02, acceleration_m_per_s2: 0.2 };
+
+    fn operator() -> Operator {
+        let reference: Reference<64> = Reference::at_rest(&press(), Tick::OneMillisecond, 0.5).unwrap();
+        Operator::new(BOUNDS, *reference.bases())
+    }
+
+    fn millimetres(operator: &Operator, position: PerUnit) -> f64 {
+        position.to_f64() * operator.bases.stroke_m * 1e3
+    }
+
+    fn report(operator: &Operator, mode: Mode, position_mm: f64) -> Report {
+        let position = PerUnit::saturated(position_mm * 1e-3 / operator.bases.stroke_m);
+        let nothing = Measured { position, slider: None, pressure_a: None, pressure_b: None, oil_temperature: None };
+        Report {
+            mode,
+            measured: nothing,
+            predicted: None,
+            command: PerUnit::ZERO,
+            answer: None,
+            standing: Standing::NONE,
+            watchdog: Watchdog::Feed,
+            energised: mode.is_running(),
+        }
+    }
+
+    fn type_in(operator: &Operator, state: &mut OperatorState, text: &str) -> Result<Option<Errand>, OperatorError> {
+        text.bytes().map(|byte| operator.typed(state, byte)).last().unwrap()
+    }
+
+    #[test]
+    fn a_command_is_given_once_and_the_rod_is_wanted_where_it_stands() {
+        let operator = operator();
+        let mut state = operator.at_rest();
+        operator.seen(&mut state, &report(&operator, Mode::Starting, 150.0));
+        assert_eq!(type_in(&operator, &mut state, "f\r\n"), Ok(None));
+        let request = operator.request(&mut state, Timing::Kept);
+        assert_eq!(request.command, Some(Command::Follow));
+        assert!((millimetres(&operator, request.set_point.position) - 150.0).abs() < 1e-3);
+        assert_eq!(operator.request(&mut state, Timing::Overrun).command, None);
+    }
+
+    #[test]
+    fn the_rod_is_sent_to_a_place_and_stays_there() {
+        let operator = operator();
+        let mut state = operator.at_rest();
+        operator.seen(&mut state, &report(&operator, Mode::Starting, 150.0));
+        let following = report(&operator, Mode::Following, 151.0);
+        operator.seen(&mut state, &following);
+        assert_eq!(type_in(&operator, &mut state, "160g"), Ok(None));
+        let way: Vec<f64> = (0..2000)
+            .map(|_| {
+                operator.seen(&mut state, &following);
+                millimetres(&operator, operator.request(&mut state, Timing::Kept).set_point.position)
+            })
+            .collect();
+        assert!((way[0] - 150.0).abs() < 1e-3 && (way[1999] - 160.0).abs() < 1e-3, "{} {}", way[0], way[1999]);
+        assert!(way.windows(2).all(|pair| (-1e-6..=0.0201).contains(&(pair[1] - pair[0]))), "20 mm/s at most");
+        // From where it has arrived, and to a bound and back.
+        assert_eq!(type_in(&operator, &mut state, "290g"), Ok(None));
+        assert_eq!(type_in(&operator, &mut state, "10g"), Err(OperatorError::Moving));
+        for _ in 0..20_000 {
+            operator.request(&mut state, Timing::Kept);
+        }
+        assert_eq!(type_in(&operator, &mut state, "289g"), Ok(None));
+    }
+
+    #[test]
+    fn a_stop_ends_the_move_and_what_comes_after_starts_where_the_rod_is() {
+        let operator = operator();
+        let mut state = operator.at_rest();
+        operator.seen(&mut state, &report(&operator, Mode::Starting, 100.0));
+        operator.seen(&mut state, &report(&operator, Mode::Following, 100.0));
+        assert_eq!(type_in(&operator, &mut state, "200g"), Ok(None));
+        operator.stop(&mut state);
+        assert_eq!(operator.request(&mut state, Timing::Kept).command, Some(Command::Stop));
+        operator.seen(&mut state, &report(&operator, Mode::RampingDown, 123.0));
+        let request = operator.request(&mut state, Timing::Kept);
+        assert!((millimetres(&operator, request.set_point.position) - 123.0).abs() < 1e-3);
+        assert_eq!(request.set_point.velocity, PerUnit::ZERO);
+        assert_eq!(type_in(&operator, &mut state, "200g"), Err(OperatorError::NotFollowing));
+    }
+
+    #[test]
+    fn a_place_that_is_none_and_a_letter_that_is_none_are_refused() {
+        let operator = operator();
+        let mut state = operator.at_rest();
+        operator.seen(&mut state, &report(&operator, Mode::Following, 100.0));
+        let refused = type_in(&operator, &mut state, "400g").unwrap_err();
+        assert!(matches!(refused, OperatorError::SetPoint(SetPointError::Position { .. })), "{refused}");
+        assert_eq!(type_in(&operator, &mut state, "g"), Err(OperatorError::NoPosition { letter: b'g' }));
+        assert_eq!(type_in(&operator, &mut state, "12x"), Err(OperatorError::Unknown { found: b'x' }));
+        assert_eq!(type_in(&operator, &mut state, "34z"), Ok(None));
+        assert_eq!(type_in(&operator, &mut state, "fs"), Ok(None));
+        assert_eq!(operator.request(&mut state, Timing::Kept).command, Some(Command::Stop));
+        assert_eq!(type_in(&operator, &mut state, "\nz"), Err(OperatorError::NoPosition { letter: b'z' }));
+        for (typed, taken) in [("sf", Command::Stop), ("sa", Command::Stop), ("af", Command::Acknowledge)] {
+            assert_eq!(type_in(&operator, &mut state, typed), Err(OperatorError::Pending), "{typed}");
+            assert_eq!(operator.request(&mut state, Timing::Kept).command, Some(taken), "{typed}");
+        }
+        let far = type_in(&operator, &mut state, "99999999999g").unwrap_err();
+        assert!(matches!(far, OperatorError::SetPoint(SetPointError::Position { .. })), "{far}");
+    }
+
+    #[test]
+    fn errands_are_handed_on() {
+        let operator = operator();
+        let mut state = operator.at_rest();
+        let Ok(Some(Errand::Refer { position })) = type_in(&operator, &mut state, "150z") else { panic!("no errand") };
+        assert!((millimetres(&operator, position) - 150.0).abs() < 1e-3);
+        for (letter, errand) in [("t", Errand::Trigger), ("d", Errand::Send), ("n", Errand::Arm)] {
+            assert_eq!(type_in(&operator, &mut state, letter), Ok(Some(errand)));
+        }
+    }
+}

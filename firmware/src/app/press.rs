@@ -1,0 +1,120 @@
+//! The rig of the shipped drive: its values, its wiring, its limits, its tuning.
+//!
+//! The values are those that `host-sim export` wrote into `machine.rs`, or into the file that the environment variable
+//! `FIRMWARE_MACHINE` names while the firmware is built: so what was identified or diagnosed goes into the controller.
+
+use model_core::control::Tuning;
+use model_core::machine::{Bases, Machine};
+
+use crate::io::ads8688::{CHANNELS, Range};
+use crate::measured::Signal;
+use crate::monitor::{Sensitivity, Spread};
+use crate::period::Rig;
+use crate::scaling::{Actuator, Band, Calibration, CalibrationError, Encoder, Point, Rising, Sensor, Travel};
+use crate::set_point::Bounds;
+use crate::supervision::{Allowed, Delay, Limits, LimitsError};
+
+/// What `host-sim export` wrote.
+pub mod values {
+    include!(concat!(env!("OUT_DIR"), "/machine.rs"));
+}
+
+/// Length of a tick, ns.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "two milliseconds at most")]
+pub const TICK_NS: u32 = (values::TICK.seconds() * 1e9) as u32;
+
+/// Ranges of the converter's channels: 1 slider, 2 and 3 pressures in A and B.
+pub const RANGES: [Option<Range>; CHANNELS] =
+    [None, Some(Range::Bipolar10V), Some(Range::Unipolar5V), Some(Range::Unipolar5V), None, None, None, None];
+
+/// Encoder counts a metre of rod, all edges: a 3600-impulse encoder on a rack of 0.2 m a turn.
+pub const COUNTS_PER_M: f64 = 72_000.0;
+/// Slider travel at 10 V of its LVDT.
+pub const SLIDER_AT_10_V: f64 = 1.0;
+/// Pressure at 4.5 V of its sensor, Pa; 0.5 V is none.
+pub const PRESSURE_AT_4_5_V_PA: f64 = 10e6;
+
+/// Largest command, V, and its slew, V/s: of the loops as of the period that watches them, so that nothing winds up between the two.
+const COMMAND_V: f64 = 9.5;
+const SLEW_V_PER_S: f64 = 2000.0;
+
+/// Where the rod may be sent.
+pub const BOUNDS: Bounds = Bounds { from_m: 0.01, to_m: 0.29, velocity_m_per_s: 0.2, acceleration_m_per_s2: 1.0 };
+
+/// What the monitor takes for chance: the noise of the sensors, and what the model of a press is known not to tell.
+pub const SENSITIVITY: Sensitivity = Sensitivity {
+    slider: Spread { sigma: 5e-3, correlation_s: 0.02 },
+    pressure: Spread { sigma: 1.5e5, correlation_s: 0.02 },
+    position: Spread { sigma: 2e-4, correlation_s: 0.2 },
+    memory_s: 0.5,
+    between_false_alarms_s: 1e5,
+};
+
+/// Why there is no rig.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum PressError {
+    /// The wiring.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
+    /// The limits.
+    #[error(transparent)]
+    Limits(#[from] LimitsError),
+}
+
+/// The drive.
+#[must_use]
+pub fn machine() -> Machine<f64> {
+    Machine::with_defaults(values::SOURCE).with(values::VALUES)
+}
+
+/// Tuning by rule, with the slider measured and with what the encoder can tell apart.
+#[must_use]
+pub fn tuning(machine: &Machine<f64>) -> Tuning {
+    Tuning {
+        position_resolution_m: 1.0 / COUNTS_PER_M,
+        command_limit_v: COMMAND_V,
+        slew_v_per_s: SLEW_V_PER_S,
+        ..Tuning::by_rule(machine, true)
+    }
+}
+
+/// Wiring and limits, for converters of these spans (µV of 2¹⁶ counts).
+///
+/// # Errors
+/// A value of the drive does not fit them.
+pub fn rig(machine: &Machine<f64>, bases: &Bases, input_uv: u32, output_uv: u32) -> Result<Rig, PressError> {
+    let slider = Sensor {
+        channel: 1,
+        low: Point { volts: 0.0, value: 0.0 },
+        high: Point { volts: 10.0, value: SLIDER_AT_10_V },
+        working: Band { from_v: -10.05, to_v: 10.05 },
+        open: Some(Band { from_v: 10.15, to_v: 10.24 }),
+    };
+    let pressure = |channel| Sensor {
+        channel,
+        low: Point { volts: 0.5, value: 0.0 },
+        high: Point { volts: 4.5, value: PRESSURE_AT_4_5_V_PA },
+        working: Band { from_v: 0.4, to_v: 4.6 },
+        open: Some(Band { from_v: 0.0, to_v: 0.3 }),
+    };
+    let sensors = [(Signal::Slider, slider), (Signal::PressureA, pressure(2)), (Signal::PressureB, pressure(3))];
+    let actuator = Actuator { zero_v: 0.0, full_v: 10.0, lowest_v: -10.0, highest_v: 10.0 };
+    let encoder =
+        Encoder { counts_per_m: COUNTS_PER_M, rising: Rising::Extends, reference_m: 0.0, fastest_m_per_s: 0.5 };
+    let allowed = Allowed {
+        attempts: 3,
+        settling_s: 0.1,
+        bounds: BOUNDS,
+        jump_m: 0.005,
+        command_v: COMMAND_V,
+        slew_v_per_s: SLEW_V_PER_S,
+        ramp_v_per_s: 50.0,
+        still_position: Some(Delay { by: 0.003, for_s: 0.2 }),
+        still_slider: Some(Delay { by: 0.1, for_s: 0.2 }),
+        still_pressure: Some(Delay { by: 0.5e6, for_s: 0.5 }),
+        read_back: None,
+    };
+    let limits = Limits::new(&allowed, machine, bases)?;
+    let calibration = Calibration::new(&sensors, input_uv, &actuator, output_uv, bases)?;
+    Ok(Rig { calibration, travel: Travel::straight(&encoder, bases)?, limits })
+}

@@ -1,0 +1,261 @@
+//! The press's firmware, whole: what was exported, over any devices: period, monitor and recorder that go together.
+//!
+//! ```text
+//! Assembly ─ from the exported values, once ─► Station ─ step, once a tick ─► Outcome
+//! ```
+//!
+//! A board has the three parts on its buses ([`wired`]); a program that plays the devices itself brings its own ([`Assembly::over`]).
+
+use embedded_hal::delay::DelayNs;
+use embedded_hal::spi::SpiDevice;
+use model_core::control::{FollowError, Follower};
+use model_core::machine::{Bases, Machine, MachineError};
+use model_core::number::PerUnit;
+
+use super::press::{self, PressError};
+use crate::control::{Control, Following, Predicted, Reference};
+use crate::io::ad5754::{Ad5754, Channel as Output, Reference as Supply};
+use crate::io::ads8688::Ads8688;
+use crate::io::ls7366r::{FilterClock, Ls7366r};
+use crate::io::{AnalogIn, AnalogOut, Cause, IoError, PositionIn};
+use crate::measured::Measured;
+use crate::monitor::{Innovation, Miss, Monitor, MonitorError, MonitorState};
+use crate::period::{BeginError, Devices, Period, Place, Report, Request, Rig};
+use crate::recorder::{Channel, Range, Recorder, RecorderError};
+use crate::supervision::{Device, Log};
+
+/// Channels of the recorder.
+const CHANNELS: usize = 5;
+/// Rows of the recorder: six seconds.
+const ROWS: usize = 6000;
+/// Rows from before the trigger: half a second.
+const BEFORE: usize = 500;
+
+/// The recorder of this rig: command, slider, pressures and position, one row a period; 60 kB.
+pub type Ring = Recorder<CHANNELS, ROWS>;
+
+/// What the recorder's rows take of the RAM, bytes.
+pub const RING_BYTES: usize = CHANNELS * ROWS * size_of::<i16>();
+
+/// The control of this rig.
+pub type Press = Following<{ press::values::DELAY_LINE }>;
+
+/// Why there is no station.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum StationError {
+    /// The exported values are no drive.
+    #[error(transparent)]
+    Machine(#[from] MachineError),
+    /// They are none that can be controlled.
+    #[error(transparent)]
+    Follow(#[from] FollowError),
+    /// They do not fit the wiring.
+    #[error(transparent)]
+    Press(#[from] PressError),
+    /// They do not fit the monitor.
+    #[error(transparent)]
+    Monitor(#[from] MonitorError),
+    /// The recorder.
+    #[error(transparent)]
+    Recorder(#[from] RecorderError),
+    /// A device does not answer as it must.
+    #[error("{device:?} at the start: {cause:?}")]
+    Device {
+        /// Which.
+        device: Device,
+        /// Why.
+        cause: Cause,
+    },
+}
+
+impl StationError {
+    fn of(device: Device) -> impl Fn(Cause) -> Self {
+        move |cause| Self::Device { device, cause }
+    }
+}
+
+/// What the exported values make, before there are devices: configuration, and the model at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Assembly {
+    bases: Bases,
+    rig: Rig,
+    control: Press,
+    monitor: Monitor,
+}
+
+impl Assembly {
+    /// Of converters with these spans, µV of 2¹⁶ counts.
+    ///
+    /// # Errors
+    /// The exported values do not make a drive, or do not fit wiring or monitor.
+    pub fn new(input_uv: u32, output_uv: u32) -> Result<Self, StationError> {
+        Self::of(&press::machine(), input_uv, output_uv)
+    }
+
+    /// The same with another machine in place of the exported one.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of(machine: &Machine<f64>, input_uv: u32, output_uv: u32) -> Result<Self, StationError> {
+        let tick = press::values::TICK;
+        let reference = Reference::at_rest(machine, tick, 0.5)?;
+        let bases = *reference.bases();
+        let control = Following::new(Follower::new(machine, &press::tuning(machine), tick)?, reference);
+        let monitor = Monitor::new(&press::SENSITIVITY, &bases)?;
+        let rig = press::rig(machine, &bases, input_uv, output_uv)?;
+        Ok(Self { bases, rig, control, monitor })
+    }
+
+    /// What 1 means, in SI units.
+    #[must_use]
+    pub fn bases(&self) -> &Bases {
+        &self.bases
+    }
+
+    /// The output's count at which the valve is neutral.
+    #[must_use]
+    pub fn neutral(&self) -> i32 {
+        self.rig.calibration.output.count(self.rig.limits.neutral)
+    }
+
+    /// Over these devices, whose valve it puts to neutral. `memory` holds the recorder, which is too large for a stack.
+    ///
+    /// # Errors
+    /// A device does not answer as it must.
+    pub fn over<A: AnalogIn, P: PositionIn, O: AnalogOut>(
+        self,
+        devices: Devices<A, P, O>,
+        place: Place,
+        memory: &mut Option<Ring>,
+    ) -> Result<Station<'_, A, P, O>, StationError> {
+        let Self { bases, rig, control, monitor } = self;
+        let channel = |name, unit, base, range| Channel { name, unit, base, range };
+        let recorder = memory.insert(Recorder::new(
+            [
+                channel("command", "V", bases.command_v, Range::One),
+                // It may overshoot, and a load that pulls brings a pressure above the supply.
+                channel("spool", "1", 1.0, Range::Two),
+                channel("pressure_a", "Pa", bases.pressure_pa, Range::Two),
+                channel("pressure_b", "Pa", bases.pressure_pa, Range::Two),
+                channel("position", "m", bases.stroke_m, Range::One),
+            ],
+            BEFORE,
+        )?);
+        let period = Period::begin(devices, rig, control, place).map_err(|error| match error {
+            BeginError::Limits(error) => StationError::Press(error.into()),
+            BeginError::Position(error) => StationError::of(Device::Position)(error.cause()),
+            BeginError::Output(error) => StationError::of(Device::Output)(error.cause()),
+        })?;
+        Ok(Station { bases, period, monitor, watched: monitor.at_rest(), recorder })
+    }
+
+    /// Over the press's three parts, which it sets up: see [`wired`].
+    ///
+    /// # Errors
+    /// A part does not answer as it must.
+    pub fn wired<'a, I: SpiDevice, C: SpiDevice, D: SpiDevice>(
+        self,
+        inputs: I,
+        counter: C,
+        output: D,
+        delay: &mut impl DelayNs,
+        memory: &'a mut Option<Ring>,
+    ) -> Result<Wired<'a, I, C, D>, StationError> {
+        let output = Ad5754::begin(output, delay, Output::A, Supply::External, self.neutral());
+        let output = output.map_err(|error| StationError::of(Device::Output)(error.cause()))?;
+        let inputs = Ads8688::begin(inputs, press::RANGES);
+        let inputs = inputs.map_err(|error| StationError::of(Device::Inputs)(error.cause()))?;
+        let position = Ls7366r::begin(counter, FilterClock::Undivided);
+        let position = position.map_err(|error| StationError::of(Device::Position)(error.cause()))?;
+        self.over(Devices { inputs, position, output }, Place::Lost, memory)
+    }
+}
+
+/// The parts of the press's wiring as analogue inputs, counter and output of a station.
+pub type Wired<'a, I, C, D> = Station<'a, Ads8688<I>, Ls7366r<C>, Ad5754<D>>;
+
+/// Sets the parts up on their buses and begins over them, with the valve at neutral. Somebody must say where the rod is before it follows ([`Station::refer`]).
+///
+/// # Errors
+/// The exported values do not make a station, or a part does not answer as it must.
+pub fn wired<'a, I: SpiDevice, C: SpiDevice, D: SpiDevice>(
+    inputs: I,
+    counter: C,
+    output: D,
+    delay: &mut impl DelayNs,
+    memory: &'a mut Option<Ring>,
+) -> Result<Wired<'a, I, C, D>, StationError> {
+    Assembly::new(Ads8688::<I>::SPAN_UV, Ad5754::<D>::SPAN_UV)?.wired(inputs, counter, output, delay, memory)
+}
+
+/// What became of a period.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Outcome {
+    /// Of the control period.
+    pub report: Report,
+    /// The monitor's alarm, in the period that gives it.
+    pub alarm: Option<Miss>,
+}
+
+/// Period, monitor and recorder.
+#[derive(Debug)]
+pub struct Station<'a, A, P, O> {
+    bases: Bases,
+    period: Period<A, P, O, Press>,
+    monitor: Monitor,
+    watched: MonitorState,
+    recorder: &'a mut Ring,
+}
+
+impl<A: AnalogIn, P: PositionIn, O: AnalogOut> Station<'_, A, P, O> {
+    /// One period, called once a tick: control, then the monitor, whose alarm is told and triggers the recorder, then a row of it.
+    pub fn step(&mut self, request: &Request, log: &mut impl Log) -> Outcome {
+        let report = self.period.step(request, log);
+        if report.predicted.is_none() {
+            self.monitor.forget(&mut self.watched);
+        }
+        let innovation = report.predicted.map(|predicted| Innovation::of(&predicted, &report.measured.observed()));
+        let alarm = innovation.and_then(|innovation| self.monitor.watch(&mut self.watched, &innovation));
+        if let Some(miss) = &alarm {
+            log.alarm(miss);
+            self.recorder.trigger();
+        }
+        let Measured { position, slider, pressure_a, pressure_b, .. } = report.measured;
+        self.recorder.record(&[Some(report.command), slider, pressure_a, pressure_b, Some(position)]);
+        Outcome { report, alarm }
+    }
+
+    /// What 1 means, in SI units.
+    #[must_use]
+    pub fn bases(&self) -> &Bases {
+        &self.bases
+    }
+
+    /// Somebody says where the rod is, of the stroke: [`Period::refer`].
+    pub fn refer(&mut self, position: PerUnit) -> bool {
+        self.period.refer(position)
+    }
+
+    /// Triggers the recorder.
+    pub fn trigger(&mut self) {
+        self.recorder.trigger();
+    }
+
+    /// The recorder forgets all and waits for the next trigger; the monitor may give an alarm anew.
+    pub fn arm(&mut self) {
+        self.recorder.arm();
+        self.watched = self.monitor.at_rest();
+    }
+
+    /// The recorder.
+    #[must_use]
+    pub fn recorder(&self) -> &Ring {
+        self.recorder
+    }
+
+    /// What the model's sensors show now.
+    #[must_use]
+    pub fn predicted(&self) -> Predicted {
+        self.period.control().predicted()
+    }
+}

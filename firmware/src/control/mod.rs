@@ -1,0 +1,30 @@
+//! What the control period needs of reference model and controllers.
+
+mod following;
+mod reference;
+
+use model_core::number::PerUnit;
+
+use crate::measured::Measured;
+use crate::set_point::SetPoint;
+
+pub use following::Following;
+pub use reference::{Predicted, Reference};
+
+/// The reference model with the loops around it, such as [`Following`].
+///
+/// The period limits size and slope of the command once more, as a backstop: a control whose own limits are wider winds up.
+pub trait Control {
+    /// Model and loops start anew at rest where the machine is: without a difference between set point, model and machine the next
+    /// command is the neutral one, so nothing bumps.
+    fn start(&mut self, measured: &Measured);
+
+    /// What the model's sensors show now: what is to be seen of the machine, if the model is right.
+    fn predicted(&self) -> Predicted;
+
+    /// One period of both loops: the command for the machine, in 10 V; the model is stepped with its own.
+    fn follow(&mut self, set_point: SetPoint, measured: &Measured) -> PerUnit;
+
+    /// One period in which the machine gets `command`, in 10 V, from elsewhere: the model is stepped with it.
+    fn accompany(&mut self, command: PerUnit, measured: &Measured);
+}

@@ -1,0 +1,261 @@
+//! Position from an encoder's count, which goes round and is followed.
+//!
+//! An incremental encoder knows changes only. Count 0 is at the reference, unless somebody says where the rod is ([`Travel::refer`]). A change
+//! within a period that the rod cannot make is a jump: the count is followed from there, but where the rod is somebody must say anew.
+
+use model_core::machine::Bases;
+use model_core::number::PerUnit;
+use model_core::sensing::Linkage;
+
+use super::line::Line;
+use super::scale::CalibrationError;
+
+/// Which way the rod goes while the count rises.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rising {
+    /// Out.
+    Extends,
+    /// In.
+    Retracts,
+}
+
+impl Rising {
+    fn sign(self) -> i64 {
+        match self {
+            Rising::Extends => 1,
+            Rising::Retracts => -1,
+        }
+    }
+}
+
+/// An encoder that the rod turns in proportion: a rack, a wire, a scale.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Encoder {
+    /// Counts a metre of rod, all edges counted: four an impulse.
+    pub counts_per_m: f64,
+    /// Which way they rise.
+    pub rising: Rising,
+    /// Position at the reference, m; 0 is fully in.
+    pub reference_m: f64,
+    /// Fastest that the rod can go, m/s.
+    pub fastest_m_per_s: f64,
+}
+
+/// Counts since the reference are held here, where a sum with one more change still fits.
+const HELD: i64 = 1 << 62;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Way {
+    /// In proportion.
+    Straight {
+        line: Line,
+        /// Counts over the stroke, and position at count 0, of the stroke: used only when somebody says where the rod is.
+        counts: f64,
+        reference: f64,
+    },
+    /// Through the linkage triangle, with the encoder on its joint.
+    Joint(Linkage<PerUnit>),
+}
+
+/// From counts to position: configuration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Travel {
+    way: Way,
+    sign: i64,
+    /// Largest change of the count in a period.
+    most: u32,
+}
+
+/// Where the count was, and where it started.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TravelState {
+    /// Last count.
+    count: i32,
+    /// Counts since the reference.
+    travelled: i64,
+    /// Periods since the last count.
+    missed: u32,
+}
+
+/// The count changed by more than the rod can travel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Jump {
+    /// By this many.
+    pub counts: i32,
+}
+
+impl Travel {
+    /// With an encoder that the rod turns in proportion.
+    ///
+    /// # Errors
+    /// The scale does not fit.
+    pub fn straight(encoder: &Encoder, bases: &Bases) -> Result<Self, CalibrationError> {
+        let Encoder { counts_per_m: per_m, rising, reference_m, fastest_m_per_s } = *encoder;
+        let refused = CalibrationError::Position { per_m, reference_m };
+        let steps_per_m = f64::from(1_u32 << 28) / bases.stroke_m;
+        let line = Line::new(steps_per_m / per_m, reference_m * steps_per_m).ok_or(refused)?;
+        // One more, as both counts are whole.
+        let most = libm::ceil(fastest_m_per_s * bases.tick_s * per_m) + 1.0;
+        if !(1.0..f64::from(i32::MAX)).contains(&most) {
+            return Err(refused);
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the limits just checked")]
+        let most = most as u32;
+        let (counts, reference) = (per_m * bases.stroke_m, reference_m / bases.stroke_m);
+        Ok(Self { way: Way::Straight { line, counts, reference }, sign: rising.sign(), most })
+    }
+
+    /// With the encoder on the joint of the linkage triangle; `rising` says which way the angle grows with the count, and `most` is what
+    /// the count can change by in a period.
+    #[must_use]
+    pub fn joint(linkage: Linkage<PerUnit>, rising: Rising, most: u32) -> Self {
+        Self { way: Way::Joint(linkage), sign: rising.sign(), most }
+    }
+
+    /// Follows from here on; the reference is at count 0.
+    #[must_use]
+    pub fn start(count: i32) -> TravelState {
+        TravelState { count, travelled: count.into(), missed: 0 }
+    }
+
+    /// The position, of the stroke.
+    #[must_use]
+    pub fn position(&self, state: &TravelState) -> PerUnit {
+        let travelled = self.sign * state.travelled;
+        match &self.way {
+            Way::Straight { line, .. } => PerUnit::from_bits(line.at(travelled)),
+            Way::Joint(linkage) => {
+                #[expect(clippy::cast_possible_truncation, reason = "held within the type")]
+                let counts = travelled.clamp(i32::MIN.into(), i32::MAX.into()) as i32;
+                linkage.position(counts)
+            }
+        }
+    }
+
+    /// The rod is at `position` now, of the stroke. In real numbers: not for a period in which the valve is open.
+    pub fn refer(&self, state: &mut TravelState, position: PerUnit) {
+        let counts = match &self.way {
+            Way::Straight { counts, reference, .. } => (position.to_f64() - reference) * counts,
+            Way::Joint(linkage) => linkage.counts(position),
+        };
+        // A cast from f64 saturates.
+        #[expect(clippy::cast_possible_truncation, reason = "rounded to a whole count")]
+        let travelled = libm::round(counts) as i64;
+        state.travelled = self.sign * travelled.clamp(-HELD, HELD);
+    }
+
+    /// A period without a count.
+    pub fn miss(state: &mut TravelState) {
+        state.missed = state.missed.saturating_add(1);
+    }
+
+    /// A period's count. It is followed whatever it is.
+    ///
+    /// # Errors
+    /// It changed by more than the rod can travel since the last one.
+    pub fn follow(&self, state: &mut TravelState, count: i32) -> Result<(), Jump> {
+        let change = count.wrapping_sub(state.count);
+        let most = u64::from(self.most) * (u64::from(state.missed) + 1);
+        state.travelled = (state.travelled + i64::from(change)).clamp(-HELD, HELD);
+        state.count = count;
+        state.missed = 0;
+        if u64::from(change.unsigned_abs()) <= most { Ok(()) } else { Err(Jump { counts: change }) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use model_core::drive::Drive;
+    use model_core::machine::{Parameter, Tick};
+    use model_core::number::Number;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::mock::press;
+
+    /// 3600 impulses, counted fourfold, on a pinion of 0.2 m circumference.
+    fn encoder() -> Encoder {
+        Encoder { counts_per_m: 72_000.0, rising: Rising::Extends, reference_m: 0.0, fastest_m_per_s: 0.5 }
+    }
+
+    fn travel(encoder: &Encoder) -> Travel {
+        let drive = Drive::<PerUnit>::new::<64>(&press(), Tick::OneMillisecond).unwrap();
+        Travel::straight(encoder, drive.bases()).unwrap()
+    }
+
+    #[test]
+    fn a_turn_is_its_circumference_of_the_stroke() {
+        let travel = travel(&encoder());
+        let mut state = Travel::start(0);
+        travel.follow(&mut state, 14_400).unwrap_err();
+        assert!((travel.position(&state).to_f64() - 0.2 / 0.3).abs() < 4e-9);
+        let retracts = Encoder { rising: Rising::Retracts, reference_m: 0.3, ..encoder() };
+        assert!((self::travel(&retracts).position(&state).to_f64() - 0.1 / 0.3).abs() < 4e-9);
+    }
+
+    #[test]
+    fn more_than_the_rod_can_travel_is_a_jump_that_happens_once() {
+        // 0.5 m/s are 36 counts a period, and one more.
+        let travel = travel(&encoder());
+        let mut state = Travel::start(1000);
+        assert_eq!(travel.follow(&mut state, 1037), Ok(()));
+        assert_eq!(travel.follow(&mut state, 999), Err(Jump { counts: -38 }));
+        assert_eq!(travel.follow(&mut state, 999), Ok(()));
+        Travel::miss(&mut state);
+        assert_eq!(travel.follow(&mut state, 999 + 74), Ok(()));
+    }
+
+    #[test]
+    fn on_the_joint_the_linkage_says_the_position() {
+        let mut machine = press();
+        machine.set(Parameter::EncoderCounts, 14_400.0);
+        let linkage = Linkage::<PerUnit>::new(&machine).unwrap();
+        let travel = Travel::joint(linkage, Rising::Retracts, 40);
+        let mut state = Travel::start(0);
+        let _ = travel.follow(&mut state, -2000);
+        assert_eq!(travel.position(&state), linkage.position(2000));
+    }
+
+    #[test]
+    fn a_rod_is_where_somebody_says_it_is_to_half_a_count() {
+        let linkage = Linkage::<PerUnit>::new(&press()).unwrap();
+        let joint = Travel::joint(linkage, Rising::Retracts, 40);
+        let retracts = Encoder { rising: Rising::Retracts, reference_m: 0.3, ..encoder() };
+        // A count is 0.005 % of the stroke; on the joint, with 3600 a turn, about 0.27 %.
+        for (travel, half_a_count) in [(travel(&retracts), 2.4e-5), (travel(&encoder()), 2.4e-5), (joint, 2.8e-3)] {
+            let mut state = Travel::start(12_345);
+            for percent in [0.0, 25.0, 60.0, 100.0] {
+                travel.refer(&mut state, PerUnit::saturated(percent / 100.0));
+                let found = travel.position(&state).to_f64();
+                assert!((found - percent / 100.0).abs() <= half_a_count, "{found} {percent}");
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_count_that_goes_round_is_followed(from_end in -2000..2000_i32, steps in prop::collection::vec(-37_i32..=37, 1..300)) {
+            let travel = travel(&encoder());
+            let start = i32::MAX.wrapping_add(from_end);
+            let mut state = Travel::start(start);
+            travel.refer(&mut state, PerUnit::ZERO);
+            let (mut count, mut sum) = (start, 0);
+            for step in steps {
+                count = count.wrapping_add(step);
+                sum += step;
+                prop_assert_eq!(travel.follow(&mut state, count), Ok(()));
+                prop_assert!((travel.position(&state).to_f64() - f64::from(sum) / 21_600.0).abs() < 4e-9);
+            }
+        }
+
+        #[test]
+        fn no_count_is_too_far(counts in prop::collection::vec(any::<i32>(), 1..100)) {
+            let travel = travel(&encoder());
+            let mut state = Travel::start(0);
+            for count in counts {
+                let _ = travel.follow(&mut state, count);
+                let _ = travel.position(&state);
+            }
+        }
+    }
+}

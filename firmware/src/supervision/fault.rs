@@ -1,0 +1,248 @@
+//! Faults: what can go wrong with devices and signals, and which state each leads to.
+//!
+//! The table stands in `docs/firmware.md`; [`Fault::response`] is what happens.
+//!
+//! The response begins in the period that finds the fault. What the position loop cannot do without leads to neutral at once; what only blinds
+//! the monitor leaves time for a ramp.
+
+use model_core::number::PerUnit;
+
+use crate::io::Cause;
+use crate::measured::Signal;
+
+/// A device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Device {
+    /// Analogue inputs.
+    Inputs,
+    /// Counter of the position's encoder.
+    Position,
+    /// Analogue output.
+    Output,
+}
+
+/// What went wrong, with its values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Fault {
+    /// A sensor gives what no working one does.
+    OutOfRange {
+        /// Which.
+        signal: Signal,
+        /// What it gives.
+        count: i32,
+    },
+    /// A sensor's wire is open.
+    OpenWire {
+        /// Which.
+        signal: Signal,
+        /// What is read.
+        count: i32,
+    },
+    /// A sensor has not moved by one count while the model moved on.
+    Stuck {
+        /// Which.
+        signal: Signal,
+        /// Its count.
+        count: i32,
+    },
+    /// The encoder has not moved by one count while the model moved on.
+    PositionStuck {
+        /// Where it stands, of the stroke.
+        position: PerUnit,
+    },
+    /// The encoder moved by more than the rod can.
+    EncoderJump {
+        /// By this many counts.
+        counts: i32,
+    },
+    /// A device did not answer as it must, as often as it was asked.
+    Silent {
+        /// Which.
+        device: Device,
+        /// Why, at the last attempt.
+        cause: Cause,
+    },
+    /// The last period took longer than it may.
+    Overrun,
+    /// The set point is not where the rod may go, or wants it faster than it may.
+    SetPointOutside {
+        /// Wanted position, of the stroke.
+        position: PerUnit,
+        /// Wanted velocity, of its base.
+        velocity: PerUnit,
+    },
+    /// The set point jumps by more than it may in a period.
+    SetPointJump {
+        /// From here, of the stroke.
+        from: PerUnit,
+        /// To here.
+        to: PerUnit,
+    },
+    /// The valve does not get the voltage that is put out.
+    OutputAway {
+        /// Put out, in 10 V.
+        command: PerUnit,
+        /// Read back, in 10 V.
+        found: PerUnit,
+    },
+}
+
+/// What a fault leads to. The greater is the more severe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Response {
+    /// The rod is held at the last set point that was none too far.
+    Hold,
+    /// The command goes to neutral at a stated slope.
+    RampDown,
+    /// The command is neutral at once.
+    Neutral,
+}
+
+impl Fault {
+    /// What it leads to.
+    #[must_use]
+    pub const fn response(&self) -> Response {
+        match self {
+            Fault::SetPointOutside { .. } | Fault::SetPointJump { .. } => Response::Hold,
+            Fault::OutOfRange { .. }
+            | Fault::OpenWire { .. }
+            | Fault::Stuck { .. }
+            | Fault::Silent { device: Device::Inputs, .. }
+            | Fault::Overrun => Response::RampDown,
+            Fault::PositionStuck { .. }
+            | Fault::EncoderJump { .. }
+            | Fault::Silent { device: Device::Position | Device::Output, .. }
+            | Fault::OutputAway { .. } => Response::Neutral,
+        }
+    }
+
+    /// Whether a restart of the controller may cure it: then the watchdog is not fed.
+    #[must_use]
+    pub const fn is_own(&self) -> bool {
+        match self {
+            Fault::Silent { .. } | Fault::Overrun => true,
+            Fault::OutOfRange { .. }
+            | Fault::OpenWire { .. }
+            | Fault::Stuck { .. }
+            | Fault::PositionStuck { .. }
+            | Fault::EncoderJump { .. }
+            | Fault::SetPointOutside { .. }
+            | Fault::SetPointJump { .. }
+            | Fault::OutputAway { .. } => false,
+        }
+    }
+
+    /// Whether the encoder's count is no longer known to be the rod's position.
+    #[must_use]
+    pub const fn loses_place(&self) -> bool {
+        matches!(
+            self,
+            Fault::EncoderJump { .. }
+                | Fault::PositionStuck { .. }
+                | Fault::Silent { device: Device::Position, cause: Cause::PowerLost | Cause::WrongAnswer { .. } }
+        )
+    }
+
+    /// Number of its kind, 0 to 31, for whoever has no room for its values. Each sensor is a kind of its own.
+    #[must_use]
+    pub const fn kind(&self) -> u8 {
+        const SIGNALS: u8 = 5;
+        match *self {
+            Fault::OutOfRange { signal, .. } => signal as u8,
+            Fault::OpenWire { signal, .. } => SIGNALS + signal as u8,
+            Fault::Stuck { signal, .. } => 2 * SIGNALS + signal as u8,
+            Fault::PositionStuck { .. } => 15,
+            Fault::EncoderJump { .. } => 16,
+            Fault::Silent { device, .. } => 17 + device as u8,
+            Fault::Overrun => 20,
+            Fault::SetPointOutside { .. } => 21,
+            Fault::SetPointJump { .. } => 22,
+            Fault::OutputAway { .. } => 23,
+        }
+    }
+}
+
+/// Kinds of fault that nobody has acknowledged: each is logged when it enters.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Standing(u32);
+
+impl Standing {
+    /// None.
+    pub const NONE: Self = Self(0);
+
+    /// Enters a fault, and says whether it is the first of its kind.
+    #[must_use]
+    pub const fn enter(&mut self, fault: &Fault) -> bool {
+        let bit = 1 << fault.kind();
+        let first = self.0 & bit == 0;
+        self.0 |= bit;
+        first
+    }
+
+    /// Whether a fault of this kind stands.
+    #[must_use]
+    pub const fn has(self, fault: &Fault) -> bool {
+        self.0 & 1 << fault.kind() != 0
+    }
+
+    /// Whether none stands.
+    #[must_use]
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+    use std::vec::Vec;
+
+    use model_core::number::Number;
+
+    use super::*;
+
+    /// One of each kind.
+    fn all() -> Vec<Fault> {
+        let zero = PerUnit::ZERO;
+        let mut all = Vec::from([
+            Fault::PositionStuck { position: zero },
+            Fault::EncoderJump { counts: 1 },
+            Fault::Overrun,
+            Fault::SetPointOutside { position: zero, velocity: zero },
+            Fault::SetPointJump { from: zero, to: zero },
+            Fault::OutputAway { command: zero, found: zero },
+        ]);
+        for signal in Signal::ALL {
+            all.push(Fault::OutOfRange { signal, count: 1 });
+            all.push(Fault::OpenWire { signal, count: 1 });
+            all.push(Fault::Stuck { signal, count: 1 });
+        }
+        for device in [Device::Inputs, Device::Position, Device::Output] {
+            all.push(Fault::Silent { device, cause: Cause::Bus });
+        }
+        all
+    }
+
+    #[test]
+    fn kinds_do_not_coincide_and_fit_a_word() {
+        let kinds: BTreeSet<u8> = all().iter().map(Fault::kind).collect();
+        assert_eq!(kinds.len(), all().len());
+        assert!(kinds.iter().all(|&kind| u32::from(kind) < u32::BITS));
+    }
+
+    #[test]
+    fn a_fault_enters_once() {
+        for fault in all() {
+            let mut standing = Standing::NONE;
+            assert!(standing.is_empty() && !standing.has(&fault));
+            assert!(standing.enter(&fault));
+            assert!(!standing.enter(&fault));
+            assert!(standing.has(&fault) && !standing.is_empty());
+            assert!(all().iter().filter(|other| standing.has(other)).count() == 1);
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! What a period tells: faults as they enter, changes of the mode, the monitor's alarm.
+
+use super::fault::{Fault, Response, Standing};
+use super::mode::Mode;
+use crate::monitor::Miss;
+
+/// Somebody who is told. `()` hears nothing.
+pub trait Log {
+    /// A fault entered; it is told once until it is acknowledged.
+    fn fault(&mut self, fault: &Fault);
+    /// The mode changed.
+    fn mode(&mut self, from: Mode, to: Mode);
+    /// The model does not tell any more what a sensor shows; told once until the monitor is begun anew.
+    fn alarm(&mut self, miss: &Miss);
+}
+
+impl Log for () {
+    fn fault(&mut self, _: &Fault) {}
+    fn mode(&mut self, _: Mode, _: Mode) {}
+    fn alarm(&mut self, _: &Miss) {}
+}
+
+/// Tells everything by defmt: faults as errors, alarms as warnings, modes as information.
+#[cfg(feature = "defmt")]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Defmt;
+
+#[cfg(feature = "defmt")]
+impl Log for Defmt {
+    fn fault(&mut self, fault: &Fault) {
+        defmt::error!("fault: {}", fault);
+    }
+    fn mode(&mut self, from: Mode, to: Mode) {
+        defmt::info!("mode: {} -> {}", from, to);
+    }
+    fn alarm(&mut self, miss: &Miss) {
+        let Miss { link, signal, innovation, .. } = miss;
+        let off = innovation.to_f64();
+        defmt::warn!(
+            "alarm: {} misses: {} is off by {} of its base, its mean square {}",
+            link,
+            signal,
+            off,
+            miss.square()
+        );
+    }
+}
+
+/// What a period has found so far.
+#[derive(Debug)]
+pub(crate) struct Findings<'a, L> {
+    log: &'a mut L,
+    /// Faults that stand, those of this period among them.
+    pub(crate) standing: Standing,
+    /// Most severe response to a fault of this period.
+    pub(crate) worst: Option<Response>,
+    /// Whether a fault of this period is one that a restart may cure.
+    pub(crate) own: bool,
+    /// Whether a fault of this period means that the encoder lost the rod.
+    pub(crate) lost: bool,
+}
+
+impl<'a, L: Log> Findings<'a, L> {
+    pub(crate) fn new(standing: Standing, log: &'a mut L) -> Self {
+        Self { log, standing, worst: None, own: false, lost: false }
+    }
+
+    /// Notes a fault, and tells it if it is the first of its kind.
+    pub(crate) fn note(&mut self, fault: &Fault) {
+        if self.standing.enter(fault) {
+            self.log.fault(fault);
+        }
+        self.worst = self.worst.max(Some(fault.response()));
+        self.own |= fault.is_own();
+        self.lost |= fault.loses_place();
+    }
+
+    pub(crate) fn tell_mode(&mut self, from: Mode, to: Mode) {
+        if from != to {
+            self.log.mode(from, to);
+        }
+    }
+}

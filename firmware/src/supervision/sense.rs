@@ -1,0 +1,162 @@
+//! From the devices' counts to what is measured, with every check that a sensor can fail.
+
+use model_core::number::{Number, PerUnit};
+
+use super::fault::{Device, Fault};
+use super::limits::Limits;
+use super::log::{Findings, Log};
+use super::stuck_sensor::Stillness;
+use crate::control::Predicted;
+use crate::io::{AnalogIn, IoError, PositionIn};
+use crate::measured::{Measured, Signal};
+use crate::scaling::{Calibration, Reading, Travel, TravelState};
+
+/// Asks up to `attempts` times, at least once, and gives the last error if none of them is answered.
+pub(crate) fn ask<T, E>(attempts: u8, mut question: impl FnMut() -> Result<T, E>) -> Result<T, E> {
+    for _ in 1..attempts {
+        if let Ok(answer) = question() {
+            return Ok(answer);
+        }
+    }
+    question()
+}
+
+/// What the sensors remember from period to period.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Senses {
+    pub(crate) travel: TravelState,
+    still_position: Stillness,
+    still: [Stillness; Signal::COUNT],
+}
+
+/// What the model and the output say that the sensors should.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Expected {
+    /// The model, while it runs.
+    pub(crate) predicted: Option<Predicted>,
+    /// What the output holds, where that is certain.
+    pub(crate) put_out: Option<PerUnit>,
+}
+
+impl Expected {
+    fn of(&self, signal: Signal) -> Option<PerUnit> {
+        let predicted = self.predicted.as_ref()?;
+        match signal {
+            Signal::Command => self.put_out,
+            Signal::Slider => Some(predicted.slider),
+            Signal::PressureA => Some(predicted.pressure_a),
+            Signal::PressureB => Some(predicted.pressure_b),
+            Signal::OilTemperature => None,
+        }
+    }
+}
+
+impl Senses {
+    /// With the rod at the reference, at this count.
+    pub(crate) fn new(count: i32) -> Self {
+        Self { travel: Travel::start(count), still_position: Stillness::NEW, still: [Stillness::NEW; Signal::COUNT] }
+    }
+
+    /// Forgets how long anything stood still.
+    pub(crate) fn rouse(&mut self) {
+        *self = Self { travel: self.travel, still_position: Stillness::NEW, still: [Stillness::NEW; Signal::COUNT] };
+    }
+
+    /// Position in this period, of the stroke.
+    pub(crate) fn position<P: PositionIn, L: Log>(
+        &mut self,
+        device: &mut P,
+        travel: &Travel,
+        limits: &Limits,
+        expected: &Expected,
+        found: &mut Findings<'_, L>,
+    ) -> PerUnit {
+        match ask(limits.attempts, || device.count()) {
+            Ok(count) => {
+                if let Err(jump) = travel.follow(&mut self.travel, count) {
+                    found.note(&Fault::EncoderJump { counts: jump.counts });
+                }
+                if let (Some(patience), Some(model)) = (&limits.still_position, &expected.predicted)
+                    && self.still_position.step(patience, count.into(), model.position)
+                {
+                    found.note(&Fault::PositionStuck { position: travel.position(&self.travel) });
+                }
+            }
+            Err(error) => {
+                Travel::miss(&mut self.travel);
+                found.note(&Fault::Silent { device: Device::Position, cause: error.cause() });
+            }
+        }
+        travel.position(&self.travel)
+    }
+
+    /// All voltages in this period, per unit, in the order of [`Signal::ALL`]; `None` where there is no sensor or it fails.
+    ///
+    /// Once the inputs are silent the rest is not asked any more, so that a period stays bounded.
+    pub(crate) fn voltages<A: AnalogIn, L: Log>(
+        &mut self,
+        device: &mut A,
+        calibration: &Calibration,
+        limits: &Limits,
+        expected: &Expected,
+        found: &mut Findings<'_, L>,
+    ) -> [Option<PerUnit>; Signal::COUNT] {
+        let mut values = [None; Signal::COUNT];
+        let remembered = self.still.iter_mut().zip(&limits.still);
+        for ((value, (signal, row)), (still, patience)) in values.iter_mut().zip(calibration.signals()).zip(remembered)
+        {
+            let Some(row) = row else { continue };
+            let count = match ask(limits.attempts, || device.convert(row.channel())) {
+                Ok(count) => count,
+                Err(error) => {
+                    found.note(&Fault::Silent { device: Device::Inputs, cause: error.cause() });
+                    break;
+                }
+            };
+            match row.read(count) {
+                Reading::Working(working) => {
+                    *value = Some(working);
+                    if let (Some(patience), Some(model)) = (patience, expected.of(signal))
+                        && still.step(patience, count.into(), model)
+                    {
+                        found.note(&Fault::Stuck { signal, count });
+                    }
+                }
+                Reading::OutOfRange => found.note(&Fault::OutOfRange { signal, count }),
+                Reading::Open => found.note(&Fault::OpenWire { signal, count }),
+            }
+        }
+        values
+    }
+}
+
+/// Sorts what was measured; the command that was read back is beside it.
+pub(crate) fn sorted(position: PerUnit, voltages: [Option<PerUnit>; Signal::COUNT]) -> (Measured, Option<PerUnit>) {
+    let [command, slider, pressure_a, pressure_b, oil_temperature] = voltages;
+    (Measured { position, slider, pressure_a, pressure_b, oil_temperature }, command)
+}
+
+/// Whether two are farther apart than that.
+pub(crate) fn apart(one: PerUnit, other: PerUnit, by: PerUnit) -> bool {
+    (one - other).magnitude() > by
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn asking_stops_at_the_first_answer_or_after_all_attempts() {
+        let asked = |attempts, answers_at| {
+            let mut calls = 0;
+            let answer = ask(attempts, || {
+                calls += 1;
+                if calls == answers_at { Ok(calls) } else { Err(calls) }
+            });
+            (answer, calls)
+        };
+        assert_eq!(asked(3, 2), (Ok(2), 2));
+        assert_eq!(asked(3, 9), (Err(3), 3));
+        assert_eq!(asked(0, 9), (Err(1), 1));
+    }
+}

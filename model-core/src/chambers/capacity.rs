@@ -1,0 +1,52 @@
+//! Capacity of the chambers where it is not constant: entrained air, and volumes that follow the piston.
+//!
+//! C = V/E0·(1 + E0·α·p0/p²) + hose with p = max(pressure, 0) + p0, p0 that of the atmosphere (free gas, isothermal), and
+//! V = V0 ± share·A·(y − stroke/2), not below 2 % of V0, nor so small that its pressure rise per tick at flow 1 leaves the format;
+//! in fixed point at most 8·V0. Taken at the tick's start: pressures and flows of a tick see one capacity.
+//! Source: Merritt, *Hydraulic Control Systems*, 1967, 2.3; ISO/TR 10949 for the free gas.
+
+use crate::number::Number;
+use crate::ports::{ChamberState, Flows};
+
+/// Atmospheric pressure, Pa.
+pub(crate) const ATMOSPHERE_PA: f64 = 1.013e5;
+/// Least volume of a chamber, of the one at mid-stroke.
+pub(crate) const LEAST_VOLUME: f64 = 0.02;
+
+/// Coefficients of both capacities.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Capacity<N: Number> {
+    pub(crate) a: ChamberCapacity<N>,
+    pub(crate) b: ChamberCapacity<N>,
+    /// Pressure base over that of the atmosphere.
+    pub(crate) per_atmosphere: N::Steep,
+}
+
+/// Coefficients of one. Capacities are over the least there is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ChamberCapacity<N: Number> {
+    /// share·A·stroke/V0: what a stroke adds to the volume, in V0.
+    pub(crate) reach: N::Steep,
+    /// Least volume, in V0.
+    pub(crate) least: N,
+    /// Capacity of the oil in V0.
+    pub(crate) oil: N::Steep,
+    /// That of the air in V0 at atmospheric pressure.
+    pub(crate) air: N::Steep,
+}
+
+impl<N: Number> Capacity<N> {
+    /// The least capacity over that at these pressures and this position (strokes), 0..1: the share of the stiffness that is left.
+    /// Error 2e-8.
+    #[inline]
+    pub(crate) fn shares(&self, pressures: ChamberState<N>, position: N) -> Flows<N> {
+        let out = position - N::ONE.halved();
+        let share = |side: &ChamberCapacity<N>, pressure: N, out: N| {
+            let volume = (N::ONE + out.amplified(side.reach)).max(side.least);
+            let thinned = N::inverse_one_plus([pressure.max(N::ZERO)], [self.per_atmosphere]);
+            let air = volume.times(thinned.times(thinned));
+            N::inverse_one_plus([volume - side.least, air], [side.oil, side.air])
+        };
+        Flows { a: share(&self.a, pressures.a, out), b: share(&self.b, pressures.b, -out) }
+    }
+}

@@ -1,0 +1,264 @@
+//! ```text
+//! Qa = Qsa + Qha                     Qb = Qsb + Qhb                      (1), (2)
+//! Aa = A                             Ab = α·A                            (5)
+//! Qha = A·dy/dt                      Qhb = α·A·dy/dt                     (6)
+//! Qsa = Va/E0·dpa/dt                 Qsb = −Vb/E0·dpb/dt                 (7)
+//! Qa − Qha = Qsa = Va/E0·dpa/dt                                          (9)
+//! Qa − A·dy/dt = Qsa = Va/E0·dpa/dt                                      (10)
+//! dpa/dt = E0/Va·(Qa − A·dy/dt)      dpb/dt = E0/Vb·(α·A·dy/dt − Qb)     (11)
+//! ```
+//!
+//! The chambers link: flows and velocity → pressures. As it runs, with the mean flows and the mean velocity v of a tick h:
+//!
+//! ```text
+//! pa' = pa + ca·(qa − v)             ca = h·(E0/Va)·Aa·(velocity base)/(pressure base)
+//! pb' = pb + cb·(α·v − qb)           cb = h·(E0/Vb)·Aa·(velocity base)/(pressure base)
+//! ```
+//!
+//! Formats: pressures are signals, 1 being the supply pressure; flows are signals, scaled so that 1 is what the piston's side A displaces at
+//! velocity 1; ca, cb and α are gains (below 4). What rounding leaves of a pressure is carried, so that no flow is lost.
+//!
+//! Signs: flow a > 0 fills A, flow b > 0 empties B; v > 0 extends, which makes room in A and takes it in B.
+//!
+//! With entrained air or volumes that follow the piston, ca and cb are those of the tick's start, see `capacity`.
+
+pub(crate) mod capacity;
+
+use crate::effects::{Keeps, LinkEffects, Vocabulary};
+use crate::number::Number;
+use crate::ports::{ChamberState, Filling, Flows, Linearised};
+use capacity::Capacity;
+
+/// Coefficients of both chambers at one tick, with those of their effects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Chambers<N: Number, E = ChamberEffects<N>> {
+    /// ca: pressure rise in A over a tick at flow 1; where the capacity varies, at the least there is.
+    pub(crate) stiffness_a: N::Gain,
+    /// cb: pressure rise in B over a tick at flow −1.
+    pub(crate) stiffness_b: N::Gain,
+    /// γ·ca and γ·cb as signals, for the diagonal of the implicit step.
+    pub(crate) implicit: Flows<N>,
+    /// γ·ca and −γ·α·cb: force on the rod of the pressures' rise that a stage has ahead, per net oil of each chamber.
+    pub(crate) ahead: [N::Gain; 2],
+    /// α = Ab/Aa. (5)
+    pub(crate) ratio: N::Gain,
+    /// 1, as a slope.
+    pub(crate) unity: N::Steep,
+    pub(crate) effects: E,
+}
+
+/// Coefficients of the chambers' effects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChamberEffects<N: Number> {
+    /// Internal leakage: flow per pressure difference, in the thinnest oil. 0 is neutral.
+    pub(crate) leakage: N,
+    /// Whether leakage evens the pressures within a few ticks, so that its mean flow has to be the solved one.
+    pub(crate) leaks_fast: bool,
+    /// Leakage to tank.
+    pub(crate) external: Option<ExternalLeakage<N>>,
+    /// What makes the chambers softer than they are here.
+    pub(crate) capacity: Option<Capacity<N>>,
+}
+
+/// Laminar leakage out of both chambers: flow per pressure above tank, in the thinnest oil.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ExternalLeakage<N> {
+    pub(crate) a: N,
+    pub(crate) b: N,
+    /// Pressure of the tank.
+    pub(crate) tank: N,
+}
+
+/// What the net oil of each chamber does to the rod within a stage, as far as the chamber yields.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pushing<N: Number> {
+    /// Force on the rod per flow that would stay in A, and in B.
+    pub(crate) force: [N::Gain; 2],
+    /// Force that the rod meets per velocity.
+    pub(crate) stiffness: N,
+}
+
+impl<N: Number, E> Chambers<N, E> {
+    /// The same chambers with these effects.
+    #[inline]
+    pub(crate) fn with<F>(&self, effects: F) -> Chambers<N, F> {
+        let &Self { stiffness_a, stiffness_b, implicit, ahead, ratio, unity, .. } = self;
+        Chambers { stiffness_a, stiffness_b, implicit, ahead, ratio, unity, effects }
+    }
+}
+
+impl<N: Number> LinkEffects for ChamberEffects<N> {}
+
+impl<N: Number> ChamberEffects<N> {
+    /// In oil of this thinness.
+    #[inline]
+    fn thinned(self, thinness: N) -> Self {
+        let external = self.external.map(|out| ExternalLeakage {
+            a: out.a.times(thinness),
+            b: out.b.times(thinness),
+            tank: out.tank,
+        });
+        Self { leakage: self.leakage.times(thinness), external, ..self }
+    }
+
+    /// Whether no effect is on.
+    pub(crate) fn are_off(&self) -> bool {
+        self.leakage == N::ZERO && !self.leaks_fast && self.external.is_none() && self.capacity.is_none()
+    }
+}
+
+impl<N: Number> Chambers<N> {
+    /// One tick with the mean flows (net of leakage), the mean velocity of that tick, and the position at its start in strokes. Exact:
+    /// the volume balance (11), at the capacity of the tick's start.
+    ///
+    /// `rest` is what rounding left of both pressures, for [`Number::accumulated`]: a flow that raises a pressure by less than
+    /// half a step a tick still fills the chamber.
+    #[inline]
+    pub fn step(
+        &self,
+        state: &mut ChamberState<N>,
+        rest: &mut ChamberState<N>,
+        flows: Flows<N>,
+        velocity: N,
+        position: N,
+    ) {
+        match &self.effects.capacity {
+            None => self.fill(state, rest, flows, velocity),
+            Some(capacity) => self.filled(capacity, *state, position).fill(state, rest, flows, velocity),
+        }
+    }
+}
+
+impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
+    /// The chambers at these pressures, with the piston at this position (strokes) and oil of this thinness, where any of
+    /// these makes a difference.
+    #[inline]
+    pub(crate) fn at<V: Vocabulary>(
+        &self,
+        pressures: ChamberState<N>,
+        position: N,
+        thinness: Option<N>,
+    ) -> Option<Self> {
+        let effects = V::on(self.effects.kept())?;
+        if effects.capacity.is_none() && thinness.is_none() {
+            return None;
+        }
+        let mut filled = match &effects.capacity {
+            Some(capacity) => self.filled(capacity, pressures, position),
+            None => *self,
+        };
+        if let Some(thinness) = thinness {
+            filled.effects = filled.effects.changed(|effects| effects.thinned(thinness));
+        }
+        Some(filled)
+    }
+
+    #[inline]
+    fn filled(&self, capacity: &Capacity<N>, pressures: ChamberState<N>, position: N) -> Self {
+        let shares = capacity.shares(pressures, position);
+        let [ahead_a, ahead_b] = self.ahead;
+        Self {
+            stiffness_a: N::scaled(self.stiffness_a, shares.a),
+            stiffness_b: N::scaled(self.stiffness_b, shares.b),
+            implicit: Flows { a: shares.a.of(self.implicit.a), b: shares.b.of(self.implicit.b) },
+            ahead: [N::scaled(ahead_a, shares.a), N::scaled(ahead_b, shares.b)],
+            ..*self
+        }
+    }
+
+    /// Takes in a tick's mean flows.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "a call with everything in memory is half of what it computes")]
+    pub(crate) fn fill(&self, state: &mut ChamberState<N>, rest: &mut ChamberState<N>, flows: Flows<N>, velocity: N) {
+        let net = Flows { a: flows.a - velocity, b: self.displaced_b(velocity) - flows.b };
+        (state.a, rest.a) = state.a.accumulated(rest.a, [self.stiffness_a], [net.a]);
+        (state.b, rest.b) = state.b.accumulated(rest.b, [self.stiffness_b], [net.b]);
+    }
+
+    /// Mean flows of a tick at the ports, of which the rod did not make room for `beyond`: each chamber takes of that what it yields to.
+    #[inline]
+    pub(crate) fn stopped(&self, flows: Flows<N>, beyond: N, yielding: &Flows<N>) -> Flows<N> {
+        let beyond_b = self.displaced_b(beyond);
+        Flows { a: flows.a - (beyond - yielding.a.of(beyond)), b: flows.b - (beyond_b - yielding.b.of(beyond_b)) }
+    }
+
+    /// Pressure rise over a tick for the net oil that stays in each chamber.
+    #[inline]
+    pub(crate) fn rise(&self, net: Flows<N>) -> ChamberState<N> {
+        ChamberState { a: N::dot([self.stiffness_a], [net.a]), b: N::dot([self.stiffness_b], [net.b]) }
+    }
+
+    /// How a tick fills both chambers, in which a rod at this velocity makes room, with these flows into A and out of B beside the feed's.
+    #[inline]
+    pub(crate) fn filling(&self, velocity: N, beside: Flows<N>) -> Flows<Filling<N>> {
+        Flows {
+            a: Filling { stiffness: self.stiffness_a, room: velocity - beside.a },
+            b: Filling { stiffness: self.stiffness_b, room: self.displaced_b(velocity) - beside.b },
+        }
+    }
+
+    /// What the oil does to the rod within a stage in chambers that yield so.
+    #[inline]
+    pub(crate) fn pushing(&self, yielding: &Flows<N>) -> Pushing<N> {
+        let [a, b] = self.ahead;
+        let (a, b) = (N::scaled(a, yielding.a), N::scaled(b, yielding.b));
+        Pushing { force: [a, b], stiffness: N::of_gain(a) - self.displaced_b(N::of_gain(b)) }
+    }
+
+    /// What is left of flows that stay in the chambers, as the rod moves at a velocity more.
+    #[inline]
+    pub(crate) fn beside_rod(&self, net: Flows<N>, velocity: N) -> Flows<N> {
+        Flows { a: net.a - velocity, b: net.b + self.displaced_b(velocity) }
+    }
+
+    /// Flow that the rod side displaces. (6)
+    #[inline]
+    pub(crate) fn displaced_b(&self, velocity: N) -> N {
+        N::dot([self.ratio], [velocity])
+    }
+
+    /// Flow into A and out of B with the leakage past the piston and out of both chambers.
+    #[inline]
+    pub(crate) fn inflow<V: Vocabulary>(&self, flows: Flows<N>, pressures: ChamberState<N>) -> Flows<N> {
+        let Some(effects) = V::on(self.effects.kept()) else { return flows };
+        let leaked = effects.leakage.times(pressures.a - pressures.b);
+        let inner = Flows { a: flows.a - leaked, b: flows.b - leaked };
+        let Some(ExternalLeakage { a, b, tank }) = effects.external else { return inner };
+        Flows { a: inner.a - a.times(pressures.a - tank), b: inner.b + b.times(pressures.b - tank) }
+    }
+
+    /// Mean flow of a tick at one port: as solved, where it depends on the pressure and there is a solution; else that of its ends.
+    ///
+    /// Of its ends, leakage leaves one chamber with the very word that enters the other, and no oil comes from rounding.
+    #[inline]
+    pub(crate) fn mean<V: Vocabulary>(&self, side: &Linearised<N>, from: N, to: N, solved: Option<N>) -> N {
+        let of_its_ends = || (from + to).halved();
+        match solved {
+            None => of_its_ends(),
+            Some(solved) if V::on(self.effects.kept()).is_some_and(|effects| effects.leaks_fast) => solved,
+            Some(solved) => N::choose(side.opening.equals(N::ZERO), of_its_ends, || solved),
+        }
+    }
+
+    /// How far each chamber yields in the implicit step: 1/(1 − γ·h·∂f/∂p).
+    ///
+    /// Leakage couples the chambers; on the diagonal it counts twice, which over-damps that coupling.
+    #[inline]
+    pub(crate) fn yielding<V: Vocabulary>(&self, flows: &Flows<Linearised<N>>) -> Flows<N> {
+        let Some(effects) = V::on(self.effects.kept()) else {
+            let side = |implicit: N, side: &Linearised<N>| {
+                let yields = || N::inverse_one_plus([implicit.times(side.opening)], [side.slope]);
+                N::choose(side.opening.is_nothing(), || N::ONE, yields)
+            };
+            return Flows { a: side(self.implicit.a, &flows.a), b: side(self.implicit.b, &flows.b) };
+        };
+        let twice = effects.leakage + effects.leakage;
+        let [out_a, out_b] = effects.external.map_or([twice; 2], |out| [twice + out.a, twice + out.b]);
+        let side = |implicit: N, side: &Linearised<N>, leakage: N| {
+            let weights = || [implicit.times(side.opening), implicit.times(leakage)];
+            let yields = || N::inverse_one_plus(weights(), [side.slope, self.unity]);
+            N::choose(side.opening.is_nothing() & leakage.is_nothing(), || N::ONE, yields)
+        };
+        Flows { a: side(self.implicit.a, &flows.a, out_a), b: side(self.implicit.b, &flows.b, out_b) }
+    }
+}

@@ -1,0 +1,110 @@
+//! The opening that a velocity takes under a load: the steady flow through both edges, turned round.
+//!
+//! With both edges of a way open alike and the flows of the piston, Qb = α·Qa, both pressure drops follow from the one over the
+//! edge of A, d, and the force of the oil from d. So
+//!
+//! ```text
+//! extending    d = (ps − α·pt − φ)/(1 + α³)       retracting    d = (φ + α·ps − pt)/(1 + α³)
+//! opening = v/(K·√d)                              φ = pa − α·pb
+//! ```
+//!
+//! per unit. Effects that make the edges differ are left to the loops' gains.
+
+use fixed::types::{I4F28, U16F16};
+
+use crate::number::{Number, PerUnit};
+use crate::ports::ChamberState;
+
+/// Coefficients of the edges, turned round.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Orifice {
+    /// α
+    pub(super) ratio: I4F28,
+    /// 1/(1 + α³)
+    pub(super) share: I4F28,
+    /// ps − α·pt
+    pub(super) extending: PerUnit,
+    /// α·ps − pt
+    pub(super) retracting: PerUnit,
+    /// 1/K
+    pub(super) inverse_gain: U16F16,
+    /// Where the root becomes linear.
+    pub(super) transition: PerUnit,
+}
+
+/// √d and 1/√d of one way of the slider.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Drop {
+    pub(super) root: PerUnit,
+    inverse: U16F16,
+}
+
+impl Orifice {
+    /// Less than this share of the supply's pressure is never counted on: the opening would be without bound.
+    const LEAST: PerUnit = PerUnit::from_bits(1 << 23);
+
+    /// φ, the force of the oil per unit.
+    #[inline]
+    pub(super) fn force(&self, pressures: ChamberState<PerUnit>) -> PerUnit {
+        pressures.a - PerUnit::dot([self.ratio], [pressures.b])
+    }
+
+    /// What drops over the edges of the way that extends, or of the one that retracts.
+    #[inline]
+    pub(super) fn drop(&self, extends: bool, force: PerUnit) -> Drop {
+        let both = if extends { self.extending - force } else { self.retracting + force };
+        let (root, inverse) = Ord::max(PerUnit::dot([self.share], [both]), Self::LEAST).orifice_root(self.transition);
+        Drop { root, inverse }
+    }
+
+    /// Opening for a velocity.
+    #[inline]
+    pub(super) fn opening(&self, velocity: PerUnit, drop: Drop) -> PerUnit {
+        velocity.amplified(self.inverse_gain).amplified(drop.inverse)
+    }
+}
+
+impl Drop {
+    /// The opening that passes the same flow here as `opening` does at another drop.
+    #[inline]
+    pub(super) fn instead_of(self, other: Self, opening: PerUnit) -> PerUnit {
+        opening.times(other.root).amplified(self.inverse)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const RATIO: f64 = 0.6;
+    const TANK: f64 = 0.05;
+
+    fn orifice() -> Orifice {
+        Orifice {
+            ratio: PerUnit::gain(RATIO).unwrap(),
+            share: PerUnit::gain(1.0 / (1.0 + RATIO * RATIO * RATIO)).unwrap(),
+            extending: PerUnit::saturated(1.0 - RATIO * TANK),
+            retracting: PerUnit::saturated(RATIO - TANK),
+            inverse_gain: PerUnit::steep(1.25).unwrap(),
+            transition: PerUnit::from_bits(1 << 12),
+        }
+    }
+
+    proptest! {
+        /// Both edges carry the piston's flow at the pressures that the load leaves: the opening found is the one that passes it.
+        #[test]
+        fn the_opening_passes_the_velocity_through_both_edges(velocity in -0.9_f64..0.9, force in -0.25_f64..0.5) {
+            prop_assume!(velocity.abs() > 1e-3);
+            let orifice = orifice();
+            let drop = orifice.drop(velocity > 0.0, PerUnit::saturated(force));
+            let opening = orifice.opening(PerUnit::saturated(velocity), drop).to_f64();
+            // The drop over the edge of A, and from it both pressures.
+            let over_a = (velocity / (0.8 * opening)).powi(2);
+            let over_b = RATIO * RATIO * over_a;
+            let (a, b) = if velocity > 0.0 { (1.0 - over_a, TANK + over_b) } else { (TANK + over_a, 1.0 - over_b) };
+            prop_assert!((a - RATIO * b - force).abs() < 2e-4, "{opening} {a} {b}");
+        }
+    }
+}

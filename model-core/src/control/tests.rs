@@ -1,0 +1,253 @@
+extern crate std;
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::drive::{Drive, DriveState, Entry, Load};
+use crate::machine::{Machine, MachineError, Parameter as P, Source, Tick};
+
+fn press() -> Machine<f64> {
+    let mut machine = Machine::with_defaults(Source::Valve);
+    for (parameter, value) in [
+        (P::AreaA, 3.117e-3),
+        (P::AreaB, 1.861e-3),
+        (P::VolumeA, 5.2e-4),
+        (P::VolumeB, 3.3e-4),
+        (P::FlowLimit, 3.0e-4),
+        (P::ValveGain, 0.0559),
+        (P::ValveOffset, 0.0345),
+        (P::DeadZone, 0.105),
+        (P::DeadZoneDifference, 0.02),
+        (P::RateLimit, 12.0),
+        (P::TimeConstant1, 0.018),
+        (P::TimeConstant2, 0.0279),
+        (P::TransportDelay, 0.007),
+        (P::ViscousFriction, 1e5),
+    ] {
+        machine.set(parameter, value);
+    }
+    machine
+}
+
+fn tuning() -> Tuning {
+    Tuning { slew_v_per_s: 2000.0, pressure_damping_m_per_s_n: 1e-7, ..Tuning::by_rule(&press(), true) }
+}
+
+fn follower() -> Follower {
+    Follower::new(&press(), &tuning(), Tick::OneMillisecond).unwrap()
+}
+
+fn seen_as(model: &Predicted) -> Observed {
+    Observed { position: model.position, slider: Some(model.slider), pressures: Some(pressures(model)) }
+}
+
+fn resting(position: f64) -> Predicted {
+    Predicted {
+        slider: PerUnit::saturated(0.01),
+        pressure_a: PerUnit::saturated(0.3),
+        pressure_b: PerUnit::saturated(0.5),
+        velocity: PerUnit::ZERO,
+        position: PerUnit::saturated(position),
+    }
+}
+
+fn volts(command: PerUnit) -> f64 {
+    10.0 * command.to_f64()
+}
+
+#[test]
+fn neutral_is_the_middle_of_the_overlap() {
+    // Overlaps of 0.115 and 0.095: their middle is at +0.01, where the slider is at (0.01 − 0.0345)/0.0559 V.
+    assert!((volts(follower().neutral()) + 0.438_282).abs() < 1e-5);
+}
+
+#[test]
+fn a_start_bumps_nowhere() {
+    let follower = follower();
+    for (position, found) in [(0.02, 0.3), (0.5, -0.2), (0.97, 1.1)] {
+        let model = resting(position);
+        let pressures = Some(ChamberState { a: PerUnit::saturated(found), b: model.pressure_b });
+        let seen = Observed { pressures, ..seen_as(&model) };
+        let mut state = follower.at_rest(&model, &seen);
+        let wanted = SetPoint { position: model.position, velocity: PerUnit::ZERO };
+        for _ in 0..10 {
+            let model_command = follower.model_command(&mut state, wanted, &model);
+            let command = follower.command(&mut state, model_command, &model, &seen);
+            assert!(volts(model_command - follower.neutral()).abs() < 1e-5);
+            assert!(volts(command - follower.neutral()).abs() < 1e-5);
+        }
+    }
+}
+
+#[test]
+fn a_machine_that_is_where_the_model_is_gets_the_models_command() {
+    let follower = follower();
+    let model = resting(0.4);
+    let mut state = follower.at_rest(&model, &seen_as(&model));
+    for tick in 0..400 {
+        let velocity = PerUnit::saturated(0.3 * f64::sin(f64::from(tick) * 0.03));
+        let wanted = SetPoint { position: model.position, velocity };
+        let model_command = follower.model_command(&mut state, wanted, &model);
+        let command = follower.command(&mut state, model_command, &model, &seen_as(&model));
+        assert!(volts(command - model_command).abs() < 2e-3, "{tick}: {model_command:?} {command:?}");
+    }
+}
+
+#[test]
+fn the_integral_stands_still_while_the_output_is_held_and_turns_back_at_once() {
+    let follower = follower();
+    let model = resting(0.9);
+    let far = Observed { position: PerUnit::ZERO, ..seen_as(&model) };
+    let mut state = follower.at_rest(&model, &seen_as(&model));
+    let mut run = |seen: &Observed, ticks: u32| {
+        for _ in 0..ticks {
+            follower.command(&mut state, follower.neutral(), &model, seen);
+        }
+        (state.integral(), state.command)
+    };
+    let (held, output) = run(&far, 50);
+    assert!((volts(output) - 10.0).abs() < 1e-6);
+    assert_eq!(run(&far, 5000), (held, output));
+    let beyond = Observed { position: PerUnit::ONE, ..far };
+    assert!(run(&beyond, 50).1 < output);
+}
+
+#[test]
+fn the_integral_stands_still_while_the_velocity_is_held() {
+    // The rod is held 20 % behind, while the output, at a tenth of its largest velocity, is far from its own limit.
+    let tuning = Tuning { velocity_limit_m_per_s: 0.1 * tuning().velocity_limit_m_per_s, ..tuning() };
+    let follower = Follower::new(&press(), &tuning, Tick::OneMillisecond).unwrap();
+    let model = resting(0.5);
+    let behind = Observed { position: PerUnit::saturated(0.3), ..seen_as(&model) };
+    let mut state = follower.at_rest(&model, &seen_as(&model));
+    for _ in 0..1000 {
+        let command = follower.command(&mut state, follower.neutral(), &model, &behind);
+        assert!(volts(command).abs() < 0.9 * tuning.command_limit_v);
+    }
+    assert_eq!(state.integral(), PerUnit::ZERO);
+}
+
+#[test]
+fn what_the_sensor_cannot_tell_corrects_nothing() {
+    let blunt = Tuning { position_resolution_m: 1e-3, ..tuning() };
+    let follower = Follower::new(&press(), &blunt, Tick::OneMillisecond).unwrap();
+    let model = resting(0.5);
+    let mut state = follower.at_rest(&model, &seen_as(&model));
+    let apart = |millimetres: f64| Observed {
+        position: model.position - PerUnit::saturated(1e-3 * millimetres / 0.3),
+        ..seen_as(&model)
+    };
+    for _ in 0..100 {
+        let command = follower.command(&mut state, follower.neutral(), &model, &apart(0.49));
+        assert!(volts(command - follower.neutral()).abs() < 1e-4);
+    }
+    let command = follower.command(&mut state, follower.neutral(), &model, &apart(0.7));
+    assert!(volts(command - follower.neutral()) > 0.1);
+}
+
+/// The model on its own, sent far at once: by how much it overshoots, and how far it is off at most in the last second, m.
+fn jump(tuning: &Tuning) -> (f64, f64) {
+    let follower = Follower::new(&press(), tuning, Tick::OneMillisecond).unwrap();
+    let drive = Drive::<PerUnit>::new::<64>(&press(), Tick::OneMillisecond).unwrap();
+    let pressures = ChamberState { a: PerUnit::saturated(0.2985), b: PerUnit::saturated(0.5) };
+    let mut state: DriveState<PerUnit> = drive.at_rest(follower.neutral(), pressures, PerUnit::travel(0.2));
+    let predicted = |state: &DriveState<PerUnit>| Predicted {
+        slider: drive.slider(state),
+        pressure_a: state.chambers.a,
+        pressure_b: state.chambers.b,
+        velocity: state.motion.velocity,
+        position: PerUnit::of_travel(state.motion.position),
+    };
+    let mut loops = follower.at_rest(&predicted(&state), &seen_as(&predicted(&state)));
+    let wanted = SetPoint { position: PerUnit::saturated(0.6), velocity: PerUnit::ZERO };
+    let (mut over_m, mut left_m) = (0.0_f64, 0.0_f64);
+    for tick in 0..4000 {
+        let command = follower.model_command(&mut loops, wanted, &predicted(&state));
+        drive.step(&mut state, Entry::Command(command), Load::NONE);
+        let beyond_m = 0.3 * (predicted(&state).position - wanted.position).to_f64();
+        over_m = over_m.max(beyond_m);
+        if tick >= 3000 {
+            left_m = left_m.max(beyond_m.abs());
+        }
+    }
+    (over_m, left_m)
+}
+
+#[test]
+fn a_model_that_is_sent_far_at_once_arrives_and_hardly_overshoots() {
+    let (over_m, left_m) = jump(&tuning());
+    assert!(over_m < 3e-4 && left_m < 2e-4, "{over_m} {left_m}");
+}
+
+#[test]
+fn half_as_much_gain_again_does_not_make_it_swing() {
+    let gains = tuning();
+    for factor in [0.5, 1.2, 1.5] {
+        let model_gain_per_s = factor * gains.model_gain_per_s;
+        let (over_m, left_m) = jump(&Tuning { model_gain_per_s, ..gains });
+        assert!(over_m < 2e-3 && left_m < 4e-4, "{factor}: {over_m} {left_m}");
+    }
+}
+
+#[test]
+fn what_does_not_fit_is_refused_with_its_value() {
+    let refused =
+        |machine: &Machine<f64>, tuning: &Tuning| Follower::new(machine, tuning, Tick::OneMillisecond).unwrap_err();
+    let mut pump = press();
+    pump.source = Source::Pump;
+    assert_eq!(refused(&pump, &tuning()), FollowError::Source { found: Source::Pump });
+    let mut none = press();
+    none.set(P::AreaA, f64::NAN);
+    let found = refused(&none, &tuning());
+    assert!(matches!(found, FollowError::Machine(MachineError::OutOfRange { .. })), "{found}");
+    let found = refused(&press(), &Tuning { model_gain_per_s: f64::NAN, ..tuning() });
+    assert!(matches!(found, FollowError::Tuning { name: "model_gain_per_s", .. }), "{found}");
+    let found = refused(&press(), &Tuning { kept_overlap: 0.0, ..tuning() });
+    assert!(matches!(found, FollowError::Tuning { name: "kept_overlap", .. }), "{found}");
+    let mut insensitive = press();
+    insensitive.set(P::ValveGain, 0.001);
+    let found = refused(&insensitive, &tuning());
+    assert!(matches!(found, FollowError::DoesNotFit { coefficient: "command per slider travel", .. }), "{found}");
+}
+
+fn any_signal() -> impl Strategy<Value = PerUnit> {
+    prop_oneof![
+        3 => (any::<i32>(), 0_u32..31).prop_map(|(bits, small)| PerUnit::from_bits(bits >> small)),
+        1 => prop::sample::select(std::vec![i32::MIN, -1, 0, 1, i32::MAX]).prop_map(PerUnit::from_bits),
+    ]
+}
+
+fn any_period() -> impl Strategy<Value = (SetPoint, Predicted, Observed)> {
+    let signals = prop::collection::vec(any_signal(), 11);
+    (signals, any::<bool>(), any::<bool>()).prop_map(|(signals, has_slider, has_pressures)| {
+        let [position, velocity, slider, pressure_a, pressure_b, speed, at, seen, x, a, b] = signals[..] else {
+            unreachable!("eleven signals")
+        };
+        let predicted = Predicted { slider, pressure_a, pressure_b, velocity: speed, position: at };
+        let pressures = has_pressures.then_some(ChamberState { a, b });
+        (
+            SetPoint { position, velocity },
+            predicted,
+            Observed { position: seen, slider: has_slider.then_some(x), pressures },
+        )
+    })
+}
+
+proptest! {
+    #[test]
+    fn whatever_arrives_both_commands_keep_to_limit_and_slew(periods in prop::collection::vec(any_period(), 1..20)) {
+        let follower = follower();
+        let model = resting(0.5);
+        let mut state = follower.at_rest(&model, &seen_as(&model));
+        let mut before = (follower.neutral(), follower.neutral());
+        for (wanted, model, seen) in periods {
+            let model_command = follower.model_command(&mut state, wanted, &model);
+            let command = follower.command(&mut state, model_command, &model, &seen);
+            for (now, last) in [(model_command, before.0), (command, before.1)] {
+                prop_assert!(volts(now.magnitude()) <= 10.0 + 1e-6);
+                prop_assert!(volts((now - last).magnitude()) <= 2.0 + 1e-6);
+            }
+            before = (model_command, command);
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! What feeds the chambers in a tick: the valve's edges, the pump, or flows that were measured.
+
+use crate::effects::{Keeps, Vocabulary};
+use crate::flow::effects::EdgeEffects;
+use crate::flow::{Edges, Opened, Pump, PumpDrive, Root, Started, SupplyState};
+use crate::number::Number;
+use crate::ports::{ChamberState, Filling, Flows, Linearised, Slider};
+
+/// A feed over one tick.
+pub(crate) trait Feed<N: Number> {
+    /// The slider, where there is one.
+    fn slider(&self) -> Option<Slider<N>>;
+
+    /// Flows at the start of the tick, with their slopes.
+    fn start<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N, filling: Flows<Filling<N>>) -> Started<N>;
+
+    /// Flows at the end of a tick that started with these roots.
+    fn end<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N, started: Option<Flows<Root<N>>>) -> Flows<N>;
+
+    /// The supply at the end of a tick that ends at these pressures, of which `drawn` was drawn at its start, in so many rounds; it stays
+    /// where nothing feeds from it.
+    fn supplied<V: Vocabulary, const ROUNDS: usize>(
+        &self,
+        pressures: ChamberState<N>,
+        supply: SupplyState<N>,
+        drawn: N,
+    ) -> SupplyState<N>;
+}
+
+/// The valve's edges under a slider.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Metered<'a, N: Number, E = Option<EdgeEffects<N>>> {
+    edges: &'a Edges<N, E>,
+    slider: Slider<N>,
+    /// At the end of the tick.
+    opened: Opened<N>,
+}
+
+impl<'a, N: Number, E: Keeps<EdgeEffects<N>>> Metered<'a, N, E> {
+    /// The edges under a slider over one tick.
+    #[inline]
+    pub(crate) fn new<V: Vocabulary>(edges: &'a Edges<N, E>, slider: Slider<N>) -> Self {
+        Self { edges, slider, opened: edges.opened::<V>(slider.to) }
+    }
+}
+
+impl<N: Number, E: Keeps<EdgeEffects<N>>> Feed<N> for Metered<'_, N, E> {
+    #[inline]
+    fn slider(&self) -> Option<Slider<N>> {
+        Some(self.slider)
+    }
+    #[inline]
+    fn start<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N, filling: Flows<Filling<N>>) -> Started<N> {
+        self.edges.linearised_with::<V>(self.slider, &self.opened, pressures, supply, filling)
+    }
+    #[inline]
+    fn end<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N, started: Option<Flows<Root<N>>>) -> Flows<N> {
+        self.edges.flow_with::<V>(&self.opened, pressures, supply, started)
+    }
+    #[inline]
+    fn supplied<V: Vocabulary, const ROUNDS: usize>(
+        &self,
+        pressures: ChamberState<N>,
+        supply: SupplyState<N>,
+        drawn: N,
+    ) -> SupplyState<N> {
+        self.edges.supplied::<V, ROUNDS>(&self.opened, pressures, supply, drawn)
+    }
+}
+
+/// Any of them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum AnyFeed<'a, N: Number> {
+    Edges(Metered<'a, N>),
+    Pump(&'a Pump<N>, PumpDrive<N>),
+    Given {
+        from: Flows<N>,
+        to: Flows<N>,
+        /// 1, as a slope.
+        unity: N::Steep,
+    },
+}
+
+impl<N: Number> Feed<N> for AnyFeed<'_, N> {
+    #[inline]
+    fn slider(&self) -> Option<Slider<N>> {
+        if let AnyFeed::Edges(edges) = self { edges.slider() } else { None }
+    }
+    #[inline]
+    fn start<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N, filling: Flows<Filling<N>>) -> Started<N> {
+        let without_roots = |flows: Flows<Linearised<N>>| Started { flows, drawn: N::ZERO, roots: None };
+        match self {
+            AnyFeed::Edges(edges) => edges.start::<V>(pressures, supply, filling),
+            &AnyFeed::Pump(pump, drive) => without_roots(pump.flow(drive, pressures.a, pressures.b)),
+            &AnyFeed::Given { from, unity, .. } => {
+                let given = |flow: N| Linearised { flow, opening: N::ZERO, slope: unity };
+                without_roots(Flows { a: given(from.a), b: given(from.b) })
+            }
+        }
+    }
+    #[inline]
+    fn end<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N, started: Option<Flows<Root<N>>>) -> Flows<N> {
+        match self {
+            AnyFeed::Edges(edges) => edges.end::<V>(pressures, supply, started),
+            &AnyFeed::Pump(pump, drive) => {
+                let flows = pump.flow(drive, pressures.a, pressures.b);
+                Flows { a: flows.a.flow, b: flows.b.flow }
+            }
+            &AnyFeed::Given { to, .. } => to,
+        }
+    }
+    #[inline]
+    fn supplied<V: Vocabulary, const ROUNDS: usize>(
+        &self,
+        pressures: ChamberState<N>,
+        supply: SupplyState<N>,
+        drawn: N,
+    ) -> SupplyState<N> {
+        if let AnyFeed::Edges(edges) = self { edges.supplied::<V, ROUNDS>(pressures, supply, drawn) } else { supply }
+    }
+}

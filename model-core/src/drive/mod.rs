@@ -1,0 +1,295 @@
+//! The drive: all links in a chain, stepped together.
+//!
+//! The valve goes first; how the links below it are solved together is in `step`.
+
+mod feed;
+mod paper;
+mod state;
+mod step;
+
+use crate::chambers::Chambers;
+use crate::correction_table::Unnamed;
+use crate::effects::{Effects, Plain};
+use crate::flow::{Edges, Pump, PumpDrive, SupplyState};
+use crate::machine::Bases;
+use crate::mechanics::Mechanics;
+use crate::number::Number;
+use crate::oil::Viscosity;
+use crate::ports::{AcrossEdges, ChamberState, Flows, Forces, Slider, States};
+use crate::sensing::{Sensed, Sensors};
+use crate::valve::{Valve, ValveState};
+use feed::{AnyFeed, Metered};
+use step::Chain;
+
+pub use paper::PaperDrive;
+pub use state::{DriveState, Entry, Interfaces, Load};
+pub(crate) use step::StageWeights;
+
+/// Where the oil comes from, with coefficients.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum OilSource<N: Number> {
+    /// Proportional valve on a constant supply.
+    Valve(Valve<N>, Edges<N>),
+    /// Pump with directional valve.
+    Pump(Pump<N>),
+}
+
+/// Coefficients of a drive at one tick: configuration, never state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive<N: Number> {
+    pub(crate) source: OilSource<N>,
+    pub(crate) chambers: Chambers<N>,
+    pub(crate) mechanics: Mechanics<N>,
+    /// The mechanics under a given force: without the oil spring, whose turning the others' mass is matched to.
+    pub(crate) unsprung: Mechanics<N>,
+    pub(crate) weights: StageWeights<N>,
+    pub(crate) sensors: Sensors<N>,
+    /// Of the oil, where it changes.
+    pub(crate) viscosity: Option<Viscosity<N>>,
+    /// Flow or slider travel without a name; a force stands in the mechanics.
+    pub(crate) unnamed: Option<Unnamed<N>>,
+    /// Whether it is a valve-controlled drive without any effect, and without viscous friction that is too hard for its step.
+    pub(crate) plain: bool,
+    pub(crate) bases: Bases,
+}
+
+impl<N: Number> Drive<N> {
+    /// The scales of all per-unit quantities.
+    #[must_use]
+    pub fn bases(&self) -> &Bases {
+        &self.bases
+    }
+
+    /// The valve link, where the drive has one.
+    #[must_use]
+    pub fn valve(&self) -> Option<&Valve<N>> {
+        match &self.source {
+            OilSource::Valve(valve, _) => Some(valve),
+            OilSource::Pump(_) => None,
+        }
+    }
+
+    /// The chambers link.
+    #[must_use]
+    pub fn chambers(&self) -> &Chambers<N> {
+        &self.chambers
+    }
+
+    /// The mechanics link, with the mass matched to the oil spring it works on; [`Entry::Force`] takes the mass as it is.
+    #[must_use]
+    pub fn mechanics(&self) -> &Mechanics<N> {
+        &self.mechanics
+    }
+
+    /// The flow link at a point: flows into A and out of B without leakage, from a supply of which nothing was drawn.
+    #[must_use]
+    pub fn flows(&self, slider: N, pump: PumpDrive<N>, pressures: ChamberState<N>) -> Flows<N> {
+        self.flows_from(self.unloaded().pressure, slider, pump, pressures)
+    }
+
+    /// The flow link at a point, with the supply at the pressure `supply` where it droops.
+    #[must_use]
+    pub fn flows_from(&self, supply: N, slider: N, pump: PumpDrive<N>, pressures: ChamberState<N>) -> Flows<N> {
+        match &self.source {
+            OilSource::Valve(_, edges) => edges.flow(slider, pressures, supply),
+            OilSource::Pump(source) => {
+                let flows = source.flow(pump, pressures.a, pressures.b);
+                Flows { a: flows.a.flow, b: flows.b.flow }
+            }
+        }
+    }
+
+    /// The supply of which nothing was drawn for long.
+    fn unloaded(&self) -> SupplyState<N> {
+        match &self.source {
+            OilSource::Valve(_, edges) => SupplyState::at_rest(edges.lines.supply),
+            OilSource::Pump(pump) => SupplyState::at_rest(pump.lines.supply),
+        }
+    }
+
+    /// A drive at rest: `command` (in 10 V) held for long, no velocity, nothing drawn from the supply.
+    #[must_use]
+    pub fn at_rest<const DELAY: usize>(
+        &self,
+        command: N,
+        pressures: ChamberState<N>,
+        position: N::Travel,
+    ) -> DriveState<N, DELAY> {
+        let valve = match &self.source {
+            OilSource::Valve(valve, _) => valve.at_rest(command),
+            OilSource::Pump(_) => ValveState::idle(),
+        };
+        let state = DriveState::at_rest(valve, pressures, position, self.unloaded());
+        DriveState { oil_temperature: self.reference_temperature(), ..state }
+    }
+
+    /// The slider that the edges see: the valve's own, with the travel of an unnamed table.
+    #[must_use]
+    #[inline]
+    pub fn slider<const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> N {
+        let slider = state.valve.slider();
+        match &self.unnamed {
+            Some(Unnamed::Travel(table)) => slider + table.at(States::of(state, slider)),
+            _ => slider,
+        }
+    }
+
+    /// What the sensors read. The slider is the valve's own; a drive that is entered at a measured slider has it from there.
+    #[must_use]
+    #[inline]
+    pub fn sensed<const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> Sensed<N> {
+        self.sensors.read(&state.sensed, self.slider(state), state.chambers, &state.motion)
+    }
+
+    /// One tick. Fixed cost; no input of any size overflows or panics.
+    ///
+    /// ```
+    /// # use model_core::ports::ChamberState;
+    /// # use model_core::drive::{Drive, DriveState, Entry, Load};
+    /// # use model_core::number::PerUnit;
+    /// # use model_core::machine::{Machine, Source, Tick};
+    /// # use model_core::number::Number;
+    /// # use model_core::machine::Parameter;
+    /// use model_core::ports::Slider;
+    ///
+    /// let areas = [(Parameter::AreaA, 3.117e-3), (Parameter::AreaB, 1.861e-3)];
+    /// let machine = Machine::with_defaults(Source::Valve).with(&areas).with(&[
+    ///     (Parameter::VolumeA, 5.2e-4),
+    ///     (Parameter::VolumeB, 3.3e-4),
+    /// ]);
+    /// let drive = Drive::<PerUnit>::new::<64>(&machine, Tick::OneMillisecond)?;
+    /// let pressures = ChamberState { a: PerUnit::saturated(0.3), b: PerUnit::saturated(0.5) };
+    /// let mut state: DriveState<PerUnit> = drive.at_rest(PerUnit::ZERO, pressures, PerUnit::travel(0.5));
+    ///
+    /// // Entered at a measured slider: the valve link is left out. A tenth open retracts where it is negative.
+    /// let slider = PerUnit::saturated(-0.1);
+    /// for _ in 0..100 {
+    ///     drive.step(&mut state, Entry::Slider(Slider { from: slider, to: slider }), Load::NONE);
+    /// }
+    /// assert!(PerUnit::strokes(state.motion.position) < 0.5);
+    /// # Ok::<(), model_core::machine::MachineError>(())
+    /// ```
+    ///
+    /// An entry that the drive's source cannot take (a pump's speed on a valve drive, a slider on a pump drive) counts
+    /// as closed ports.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "what the caller does not read of the interfaces is then never computed")]
+    pub fn step<const DELAY: usize>(
+        &self,
+        state: &mut DriveState<N, DELAY>,
+        entry: Entry<N>,
+        load: Load<N>,
+    ) -> Interfaces<N> {
+        if N::LEAN
+            && self.plain
+            && let (Entry::Command(command), OilSource::Valve(valve, edges)) = (entry, &self.source)
+        {
+            let slider = valve.step_with::<Plain, DELAY>(&mut state.valve, command, AcrossEdges::NONE);
+            return self.chain().step::<Plain, DELAY>(state, &Metered::new::<Plain>(edges, slider), load);
+        }
+        self.step_links(state, entry, load)
+    }
+
+    /// One tick of a drive that may have any effect. Out of line, so that it takes no registers from the one without.
+    #[inline(never)]
+    fn step_links<const DELAY: usize>(
+        &self,
+        state: &mut DriveState<N, DELAY>,
+        entry: Entry<N>,
+        load: Load<N>,
+    ) -> Interfaces<N> {
+        if let Entry::Force { from, to } = entry {
+            let seen = self.step_force(state, from + load.from, to + load.to);
+            self.step_beside(state);
+            return seen;
+        }
+        let closed = Flows { a: N::ZERO, b: N::ZERO };
+        let given = |from, to| AnyFeed::Given { from, to, unity: self.chambers.unity };
+        let feed = match (entry, &self.source) {
+            (Entry::Command(command), OilSource::Valve(valve, edges)) => {
+                let slider = Self::step_valve(state, valve, edges, command);
+                AnyFeed::Edges(Metered::new::<Effects>(edges, self.shifted(state, slider)))
+            }
+            (Entry::Followed { command, slider }, OilSource::Valve(valve, edges)) => {
+                Self::step_valve(state, valve, edges, command);
+                AnyFeed::Edges(Metered::new::<Effects>(edges, slider))
+            }
+            (Entry::Slider(slider), OilSource::Valve(_, edges)) => {
+                AnyFeed::Edges(Metered::new::<Effects>(edges, slider))
+            }
+            (Entry::Pump(drive), OilSource::Pump(pump)) => AnyFeed::Pump(pump, drive),
+            (Entry::Flow { from, to }, _) => given(from, to),
+            _ => given(closed, closed),
+        };
+        let seen = self.chain().step::<Effects, DELAY>(state, &feed, load);
+        self.step_beside(state);
+        seen
+    }
+
+    /// What only reads the links: sensors and the oil's warming.
+    #[inline]
+    fn step_beside<const DELAY: usize>(&self, state: &mut DriveState<N, DELAY>) {
+        self.sensors.step(&mut state.sensed, state.motion.position);
+        if let Some(viscosity) = &self.viscosity {
+            viscosity.step(&mut state.warmth);
+        }
+    }
+
+    /// The links below the valve.
+    #[inline]
+    fn chain(&self) -> Chain<'_, N> {
+        Chain {
+            chambers: &self.chambers,
+            mechanics: &self.mechanics,
+            weights: self.weights,
+            viscosity: self.viscosity.as_ref(),
+            unnamed: self.unnamed.as_ref(),
+        }
+    }
+
+    /// Only the valve.
+    #[inline]
+    fn step_valve<const DELAY: usize>(
+        state: &mut DriveState<N, DELAY>,
+        valve: &Valve<N>,
+        edges: &Edges<N>,
+        command: N,
+    ) -> Slider<N> {
+        let across = if valve.feels_flow::<Effects>() {
+            edges.across_open(state.chambers, state.supply.pressure)
+        } else {
+            AcrossEdges::NONE
+        };
+        valve.step_with::<Effects, DELAY>(&mut state.valve, command, across)
+    }
+
+    /// The slider over a tick with the travel of an unnamed table.
+    #[inline]
+    fn shifted<const DELAY: usize>(&self, state: &DriveState<N, DELAY>, slider: Slider<N>) -> Slider<N> {
+        let Some(Unnamed::Travel(table)) = &self.unnamed else { return slider };
+        let shifted = |slider: N| slider + table.at(States::of(state, slider));
+        Slider { from: shifted(slider.from), to: shifted(slider.to) }
+    }
+
+    /// Only the mechanics, under a given force of the oil.
+    #[inline]
+    fn step_force<const DELAY: usize>(&self, state: &mut DriveState<N, DELAY>, from: N, to: N) -> Interfaces<N> {
+        let (rise, chain) = (to - from, self.chain());
+        let constant = self.unsprung.load;
+        let ahead = rise.part(self.unsprung.gamma);
+        let forces = Forces {
+            start: from + constant,
+            first: from + constant + ahead,
+            second: ahead - ahead.part(self.unsprung.gamma),
+            around: chain.surroundings::<Effects, DELAY>(state, N::ZERO, chain.oil::<Effects, DELAY>(state)),
+        };
+        let position = N::of_travel(state.motion.position);
+        let velocity = self.unsprung.step(&mut state.motion, forces);
+        Interfaces { slider: None, flows: Flows { a: N::ZERO, b: N::ZERO }, forces, velocity, position }
+    }
+
+    /// Temperature that the machine's values are for, where the viscosity goes by it.
+    fn reference_temperature(&self) -> N {
+        self.viscosity.and_then(|viscosity| viscosity.thinning).map_or(N::ZERO, |thinning| thinning.reference)
+    }
+}

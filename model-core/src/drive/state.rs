@@ -1,0 +1,134 @@
+//! State of a drive, what enters it in a tick, and what its links handed to each other.
+
+use crate::flow::{PumpDrive, SupplyState};
+use crate::number::Number;
+use crate::ports::{ChamberState, Flows, Forces, MotionState, Slider, States};
+use crate::sensing::SensedState;
+use crate::valve::ValveState;
+
+/// State of a drive whose delay line holds `DELAY` ticks.
+#[derive(Clone, Copy, Debug, PartialEq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "N: serde::Serialize, N::Travel: serde::Serialize",
+        deserialize = "N: serde::Deserialize<'de>, N::Travel: serde::Deserialize<'de>"
+    ))
+)]
+pub struct DriveState<N: Number, const DELAY: usize = 64> {
+    /// Slider and what leads to it; at rest and untouched in a pump-controlled drive.
+    pub valve: ValveState<N, DELAY>,
+    /// Chamber pressures.
+    pub chambers: ChamberState<N>,
+    /// What rounding left of the chamber pressures, below their step.
+    pub rest: ChamberState<N>,
+    /// Velocity and position.
+    pub motion: MotionState<N>,
+    /// Supply pressure; constant but for `supply-droop`.
+    pub supply: SupplyState<N>,
+    /// What the position's sensor has seen.
+    pub sensed: SensedState<N, DELAY>,
+    /// How much of the oil's warming is done, 0..1.
+    pub warmth: N::Travel,
+    /// Temperature of the oil, per unit of [`Bases::temperature_c`](crate::machine::Bases::temperature_c): an input, for whoever measures it to set before a tick. It stays at
+    /// the machine's reference temperature where nobody does (0 where the viscosity does not go by it).
+    pub oil_temperature: N,
+}
+
+/// Where the chain is entered in a tick, and with what.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Entry<N> {
+    /// Command, in 10 V, held over the tick.
+    Command(N),
+    /// Measured slider; the valve link is left out.
+    Slider(Slider<N>),
+    /// Both: the valve runs beside, and the measured slider meters the oil. The valve's
+    /// error reaches nothing below it, and what is below reaches the valve by its flow force only.
+    Followed {
+        /// Command, in 10 V, held over the tick.
+        command: N,
+        /// Measured slider.
+        slider: Slider<N>,
+    },
+    /// Speed of a pump and direction of its valve, held over the tick.
+    Pump(PumpDrive<N>),
+    /// Measured flows into A and out of B at both ends of the tick; valve and flow links are left out.
+    Flow {
+        /// At the start of the tick.
+        from: Flows<N>,
+        /// At its end.
+        to: Flows<N>,
+    },
+    /// Measured force of the oil on the rod at both ends of the tick; only the mechanics are left.
+    Force {
+        /// At the start of the tick.
+        from: N,
+        /// At its end.
+        to: N,
+    },
+}
+
+/// External force on the rod beside the machine's constant load, at both ends of a tick; positive extends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Load<N> {
+    /// At the start of the tick.
+    pub from: N,
+    /// At its end.
+    pub to: N,
+}
+
+impl<N: Number> Load<N> {
+    /// No force beside the constant load.
+    pub const NONE: Self = Self { from: N::ZERO, to: N::ZERO };
+}
+
+/// What the links handed to each other during a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Hash)]
+pub struct Interfaces<N> {
+    /// Slider, where the tick entered above it.
+    pub slider: Option<Slider<N>>,
+    /// Mean net flows of the tick, leakage included.
+    pub flows: Flows<N>,
+    /// Net forces at the start of the tick and at its two stages, friction left out.
+    pub forces: Forces<N>,
+    /// Mean velocity of the tick.
+    pub velocity: N,
+    /// Position at the start of the tick, strokes.
+    pub position: N,
+}
+
+impl<N: Number, const DELAY: usize> DriveState<N, DELAY> {
+    /// No velocity, the oil cold.
+    pub(crate) fn at_rest(
+        valve: ValveState<N, DELAY>,
+        pressures: ChamberState<N>,
+        position: N::Travel,
+        supply: SupplyState<N>,
+    ) -> Self {
+        Self {
+            valve,
+            chambers: pressures,
+            rest: ChamberState { a: N::ZERO, b: N::ZERO },
+            motion: MotionState::at_rest(position),
+            supply,
+            sensed: SensedState::at_rest(position),
+            warmth: N::ZERO.as_travel(),
+            oil_temperature: N::ZERO,
+        }
+    }
+}
+
+impl<N: Number> States<N> {
+    /// Those of a drive with the slider here.
+    #[inline]
+    pub(crate) fn of<const DELAY: usize>(state: &DriveState<N, DELAY>, slider: N) -> Self {
+        Self {
+            velocity: state.motion.velocity,
+            position: N::of_travel(state.motion.position),
+            slider,
+            pressure_a: state.chambers.a,
+            pressure_b: state.chambers.b,
+        }
+    }
+}

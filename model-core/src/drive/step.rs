@@ -1,0 +1,185 @@
+//! One step of the links below the valve, solved together: flow, chambers and mechanics over one tick.
+//!
+//! Pressures and velocity form a stiff, coupled system. One tick solves it with the two-stage, L-stable, linearly implicit
+//! Rosenbrock step ROS2 (Verwer, Spee, Blom, Hundsdorfer: *A second-order Rosenbrock method applied to photochemical dispersion
+//! problems*, SIAM J. Sci. Comput. 20, 1999), γ = 1 − 1/√2:
+//!
+//! ```text
+//! (1 − γhJ)·k1 = h·f(tₙ, zₙ)
+//! (1 − γhJ)·k2 = h·f(tₙ₊₁, zₙ + k1) − 2·k1
+//! zₙ₊₁ = zₙ + 3/2·k1 + 1/2·k2
+//! ```
+//!
+//! It is computed in j = (3/2 − γ)·k1 + 1/2·k2 for k2, which is the smaller the less a tick bends and needs no second look at what is
+//! linear. With f the flow that fills a chamber, or the force on the rod, and as γ² = 2γ − 1/2,
+//!
+//! ```text
+//! (1 − γhJ)·j = (3/2 − γ)·h·f(tₙ, zₙ) + 1/2·h·f(tₙ₊₁, zₙ + k1) − k1
+//! zₙ₊₁ = zₙ + γ·k1 + j
+//! ```
+//!
+//! of which a chamber's share is (2 − γ)·n + 1/2·(change of its flow) − yielding·n − γ·jv, with n the flow that it started to be filled
+//! with and yielding·n what of it stays, and the rod's
+//! jv = mobility·(γ·(force of j) + 1/2·(change of the other forces)) + (1 − γ)/(1 + γ·h·D/m)·v1.
+//!
+//! For an orifice J takes the slope of the chord to Δp = 0, never the flatter tangent: with the tangent a stiff chamber that
+//! empties through its orifice overshoots within a stage to where the root is steep, and the two stages can cancel far from the true
+//! steady state.
+//!
+//! The velocity couples to both pressures and each pressure to the velocity only, so the system is eliminated to one
+//! equation for the velocity by hand. The method keeps its second order with any approximate Jacobian J.
+//!
+//! Both stages are written so that the links do the last step themselves: the solution yields each tick's mean flows and
+//! stage forces, from which [`Chambers`] and [`Mechanics`] alone reproduce the chain bit for bit.
+
+use crate::chambers::{ChamberEffects, Chambers};
+use crate::correction_table::Unnamed;
+use crate::drive::feed::Feed;
+use crate::drive::state::{DriveState, Interfaces, Load};
+use crate::effects::{Keeps, Vocabulary};
+use crate::flow::Started;
+use crate::flow::supply::{ROUNDS_OF_STAGE, ROUNDS_OF_TICK};
+use crate::mechanics::{MechanicalEffects, Mechanics};
+use crate::number::Number;
+use crate::oil::{Oil, Viscosity};
+use crate::ports::{ChamberState, Flows, Forces, States, Surroundings};
+
+/// Weights of a chamber's second stage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct StageWeights<N: Number> {
+    /// 1 − γ, of the flow that the first stage started to fill the chamber with.
+    pub(crate) rest: N::Gain,
+    /// ½, of what that flow changes by.
+    pub(crate) half: N::Gain,
+}
+
+/// The links of a drive below its valve.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Chain<'a, N: Number, C = ChamberEffects<N>, M = MechanicalEffects<N>> {
+    pub(crate) chambers: &'a Chambers<N, C>,
+    pub(crate) mechanics: &'a Mechanics<N, M>,
+    pub(crate) weights: StageWeights<N>,
+    pub(crate) viscosity: Option<&'a Viscosity<N>>,
+    pub(crate) unnamed: Option<&'a Unnamed<N>>,
+}
+
+impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Chain<'_, N, C, M> {
+    /// All links below the valve.
+    #[inline]
+    pub(crate) fn step<V: Vocabulary, const DELAY: usize>(
+        &self,
+        state: &mut DriveState<N, DELAY>,
+        feed: &impl Feed<N>,
+        load: Load<N>,
+    ) -> Interfaces<N> {
+        let mechanics = self.mechanics;
+        let pressures = state.chambers;
+        let velocity = state.motion.velocity;
+        let position = N::of_travel(state.motion.position);
+        let oil = self.oil::<V, DELAY>(state);
+        let filled = self.chambers.at::<V>(pressures, position, oil.map(|oil| oil.thinness));
+        let chambers = filled.as_ref().unwrap_or(self.chambers);
+        let slider = feed.slider().map_or(N::ZERO, |slider| (slider.from + slider.to).halved());
+        let around = self.surroundings::<V, DELAY>(state, slider, oil);
+        let added = V::on(self.unnamed).map(|unnamed| unnamed.flows(States::of(state, slider)));
+        let with = |flows: Flows<N>| added.map_or(flows, |more| Flows { a: flows.a + more.a, b: flows.b + more.b });
+        let equation = mechanics.equation::<V>(&state.motion, around);
+        let constant = mechanics.load;
+
+        let motion = &state.motion;
+        let beside = with(chambers.inflow::<V>(Flows { a: N::ZERO, b: N::ZERO }, pressures));
+        let filling = chambers.filling(mechanics.making_room::<V>(motion), beside);
+        let Started { flows, drawn, roots } = feed.start::<V>(pressures, state.supply.pressure, filling);
+        let yielding = chambers.yielding::<V>(&flows);
+        let start = self.pressure_force(pressures) + load.from + constant;
+        let contact = equation.contact(velocity, start);
+        let pushing = chambers.pushing(&yielding);
+        let spring = equation.on_spring(contact, pushing.stiffness);
+
+        // First stage. What flows into a chamber while the rod gains nothing, then what is left to it as it does.
+        let inflow1 = Flows { a: flows.a.flow + beside.a, b: flows.b.flow + beside.b };
+        let net = Flows { a: inflow1.a - velocity, b: chambers.displaced_b(velocity) - inflow1.b };
+        let stage = equation.first_stage(contact, velocity);
+        let force = |before: N, net: Flows<N>| before + N::dot(pushing.force, [net.a, net.b]);
+        let after = |ahead: N| force(start, chambers.beside_rod(net, ahead));
+        let first = equation.first_force(&stage, force(start, net), &spring, after);
+        let v1 = equation.first(&stage, first);
+        let ahead1 = v1.velocity.small_part(mechanics.gamma);
+        let net = chambers.beside_rod(net, ahead1);
+        let net1 = Flows { a: yielding.a.of(net.a), b: yielding.b.of(net.b) };
+        let k1 = chambers.rise(net1);
+
+        // Second stage.
+        let pressures2 = ChamberState { a: pressures.a + k1.a, b: pressures.b + k1.b };
+        let supply2 = feed.supplied::<V, ROUNDS_OF_STAGE>(pressures2, state.supply, drawn);
+        let inflow2 = with(chambers.inflow::<V>(feed.end::<V>(pressures2, supply2.pressure, roots), pressures2));
+        let StageWeights { rest, half } = self.weights;
+        // In this order no sum leaves the format before the others do.
+        let left = |net: N, more: N, stays: N| N::dot([rest, half], [net, more]) + (net - stays);
+        let net =
+            Flows { a: left(net.a, inflow2.a - inflow1.a, net1.a), b: left(net.b, inflow1.b - inflow2.b, net1.b) };
+        let stage = equation.second_stage(contact, &stage, v1.velocity);
+        let more = (load.to - load.from).halved();
+        let after = |ahead: N| force(more, chambers.beside_rod(net, ahead));
+        let second = equation.second_force(&stage, &v1, force(more, net), &spring, after);
+        let v2 = equation.second(&stage, &v1, second);
+        let ahead2 = v2.small_part(mechanics.gamma);
+        let net = chambers.beside_rod(net, ahead2);
+        let net2 = Flows { a: yielding.a.of(net.a), b: yielding.b.of(net.b) };
+
+        // The links take the step.
+        let gained = [v1.velocity, v2];
+        let moved = equation.finish(contact, &mut state.motion, gained, [ahead1, ahead2]);
+        let mean = moved.solved;
+        let kept =
+            Flows { a: net1.a.small_part(mechanics.gamma) + net2.a, b: net1.b.small_part(mechanics.gamma) + net2.b };
+        // A flow that no pressure moves has the mean of its ends. Taken so, a closed valve passes exactly nothing: the solved
+        // flow's rounding would pump the closed chambers up within hours.
+        let solved = |flow: N| if moved.held { None } else { Some(flow) };
+        let flows = Flows {
+            a: chambers.mean::<V>(&flows.a, inflow1.a, inflow2.a, solved(kept.a + mean)),
+            b: chambers.mean::<V>(&flows.b, inflow1.b, inflow2.b, solved(chambers.displaced_b(mean) - kept.b)),
+        };
+        let (flows, mean) = match moved.beyond {
+            None => (flows, mean),
+            Some(beyond) => (chambers.stopped(flows, beyond, &yielding), mean - beyond),
+        };
+        chambers.fill(&mut state.chambers, &mut state.rest, flows, mean);
+        state.supply = feed.supplied::<V, ROUNDS_OF_TICK>(state.chambers, state.supply, drawn);
+        Interfaces {
+            slider: feed.slider(),
+            flows,
+            forces: Forces { start, first, second, around },
+            velocity: mean,
+            position,
+        }
+    }
+
+    /// The oil at the start of a tick, where it changes.
+    #[inline]
+    pub(crate) fn oil<V: Vocabulary, const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> Option<Oil<N>> {
+        V::on(self.viscosity).map(|viscosity| viscosity.oil(state.warmth, state.oil_temperature))
+    }
+
+    /// What friction depends on beside the motion.
+    #[inline]
+    pub(crate) fn surroundings<V: Vocabulary, const DELAY: usize>(
+        &self,
+        state: &DriveState<N, DELAY>,
+        slider: N,
+        oil: Option<Oil<N>>,
+    ) -> Surroundings<N> {
+        let pushed = V::on(self.mechanics.effects.kept()).is_some_and(|effects| effects.push.is_some());
+        Surroundings {
+            pressed: state.chambers.a.max(N::ZERO) + state.chambers.b.max(N::ZERO),
+            viscosity: oil.map_or(N::ZERO, |oil| oil.excess),
+            states: if pushed { States::of(state, slider) } else { States::NONE },
+        }
+    }
+
+    /// pa − α·pb.
+    #[inline]
+    fn pressure_force(&self, pressures: ChamberState<N>) -> N {
+        pressures.a - self.chambers.displaced_b(pressures.b)
+    }
+}

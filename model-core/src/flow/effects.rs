@@ -1,0 +1,271 @@
+//! Effects of the flow link: what the openings of the four metering edges have beyond the paper's dead zone.
+//!
+//! Everything here is in slider travel, before the flow gain `K_Q`. Each is `None` where its strength is nil; where all are,
+//! and the supply does not droop, the flow link does not come here at all.
+
+use crate::effects::LinkEffects;
+use crate::flow::supply::Droop;
+use crate::number::Number;
+
+/// Coefficients of the edges' effects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EdgeEffects<N: Number> {
+    pub(crate) curve: Option<GainCurve<N>>,
+    pub(crate) sizes: EdgeSizes<N>,
+    pub(crate) return_line: Option<ReturnLine<N>>,
+    /// `tank-back-pressure`, its laminar part: half the return line's pressure drop per flow.
+    pub(crate) half_laminar: Option<N::Gain>,
+    pub(crate) leakage: Option<ValveLeakage<N>>,
+    pub(crate) droop: Option<Droop<N>>,
+    /// 1/`SLOPE_SCALE`: steepnesses are carried that much smaller, so that they fit a signal.
+    pub(crate) slope_fraction: N,
+    /// `SLOPE_SCALE`
+    pub(crate) slope_scale: N::Steep,
+}
+
+/// What an opening times its root's slope is divided by to fit a signal: 8192 at most, where a root has 2600 at Δp = 0 with the
+/// machine's laminar transition at its least. Resolved to 4e-6, finer than the slope itself.
+pub(crate) const SLOPE_SCALE: f64 = 1024.0;
+
+impl<N: Number> LinkEffects for EdgeEffects<N> {}
+
+impl<N: Number> EdgeEffects<N> {
+    /// Metering opening of either side for the travel beyond its dead zone, not negative.
+    #[inline]
+    pub(crate) fn metered(&self, beyond: N) -> N {
+        self.curve.as_ref().map_or(beyond, |curve| curve.opening(beyond))
+    }
+
+    /// What every edge is open beside its metering opening.
+    #[inline]
+    pub(crate) fn leaking(&self, slider: N) -> N {
+        self.leakage.as_ref().map_or(N::ZERO, |leakage| leakage.opening(slider))
+    }
+
+    /// Opening of a tank edge with the return line behind it; `unity` is 1, as a slope.
+    #[inline]
+    pub(crate) fn behind_line(&self, edge: N, unity: N::Steep) -> N {
+        match &self.return_line {
+            Some(line) => line.opening(unity, edge),
+            None => edge,
+        }
+    }
+}
+
+/// `metering-asymmetry`: what the metering openings of the other edges are more than that of P-A, as a share. −1..4.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct EdgeSizes<N: Number> {
+    pub(crate) tank_a: Option<N::Gain>,
+    pub(crate) supply_b: Option<N::Gain>,
+    pub(crate) tank_b: Option<N::Gain>,
+}
+
+impl<N: Number> EdgeSizes<N> {
+    /// Whether no edge is of another size.
+    pub(crate) const fn are_one(&self) -> bool {
+        self.tank_a.is_none() && self.supply_b.is_none() && self.tank_b.is_none()
+    }
+
+    /// A metering opening of the edge with that excess.
+    #[inline]
+    pub(crate) fn sized(excess: Option<N::Gain>, metered: N) -> N {
+        match excess {
+            Some(excess) => metered + N::dot([excess], [metered]),
+            None => metered,
+        }
+    }
+}
+
+/// `flow-gain-nonlinearity`: o becomes o·(1 + linear·o) + beyond·max(0, o − notch), held where it would change its sign.
+///
+/// o is the travel beyond the dead zone: `linear` bends the whole edge, `beyond` is the full edge that follows a notch.
+/// Two steps (7.5e-9) of error. Notched edges: Jelali & Kroll 2003, ch. 4.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct GainCurve<N: Number> {
+    /// A quarter of both coefficients, which reach 10.
+    pub(crate) quarters: [N::Gain; 2],
+    /// Opening at which the notch ends.
+    pub(crate) notch: N,
+}
+
+impl<N: Number> GainCurve<N> {
+    #[inline]
+    fn opening(&self, beyond: N) -> N {
+        let quarter = N::dot(self.quarters, [beyond.times(beyond), (beyond - self.notch).max(N::ZERO)]);
+        let half = quarter + quarter;
+        (beyond + half + half).max(N::ZERO)
+    }
+}
+
+/// `tank-back-pressure`, its turbulent part: the return line, an orifice in series with the tank edge, o becomes o/√(1 + R·o²).
+///
+/// With Q = o·√(p − pr) and pr − pt = R·Q² the pressure pr between them drops out: Q = o/√(1 + R·o²)·√(p − pt). So each chamber
+/// has its own line, which holds as only one of them returns at a time. R per unit, `K_Q`² included; error 4e-8 of the opening.
+/// Two orifices in series: Merritt 1967, ch. 3.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ReturnLine<N: Number> {
+    pub(crate) resistance: N::Gain,
+}
+
+impl<N: Number> ReturnLine<N> {
+    #[inline]
+    fn opening(&self, unity: N::Steep, edge: N) -> N {
+        let drop = N::dot([self.resistance], [edge.times(edge)]);
+        // (1 + z)^-½ as √(1 + z) / (1 + z): smooth in R down to none.
+        let (root, _) = (N::ONE + drop).orifice_root(N::ZERO);
+        edge.times(root).times(N::inverse_one_plus([drop], [unity]))
+    }
+}
+
+/// Flow of an orifice with a laminar line behind it, per opening: with a pressure drop of 2·ℓ·Q in the line,
+/// Q = o·(√(Δp + (ℓ·o)²) − ℓ·o). Taken as a difference of two regular roots it is odd and nothing at Δp = 0. `reduced` is ℓ·o.
+///
+/// The slope is that of the first root, which is steeper than the true chord.
+#[inline]
+pub(crate) fn behind_laminar_line<N: Number>(across: N, reduced: N, transition: N) -> (N, N::Steep) {
+    let square = reduced.times(reduced);
+    let (whole, slope) = (across.magnitude() + square).orifice_root(transition);
+    let (part, _) = square.orifice_root(transition);
+    let root = (whole - part).max(N::ZERO);
+    (across.select_positive(root, -root), slope)
+}
+
+/// `valve-leakage`: beside its metering opening every edge is open by `opening`/(1 + (x/reach)²).
+///
+/// x is the slider's travel from the centre. Turbulent like the edges themselves, and limited with them. Error 2e-8 of the opening,
+/// and 2e-9/reach² of it where x is of the reach's size. The leakage flow of a worn or underlapped spool: Merritt 1967, 5-4.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ValveLeakage<N: Number> {
+    pub(crate) opening: N,
+    /// 1/reach²
+    pub(crate) narrowness: N::Steep,
+}
+
+impl<N: Number> ValveLeakage<N> {
+    #[inline]
+    fn opening(&self, slider: N) -> N {
+        self.opening.times(N::inverse_one_plus([slider.times(slider)], [self.narrowness]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::drive::Drive;
+    use crate::flow::PumpDrive;
+    use crate::machine::{Machine, MachineError, Parameter as P, Source, Tick};
+    use crate::number::{Number, PerUnit};
+    use crate::ports::{ChamberState, Flows};
+
+    fn machine(changes: &[(P, f64)]) -> Machine<f64> {
+        let mut machine = Machine::with_defaults(Source::Valve);
+        let cylinder = [(P::AreaA, 3e-3), (P::AreaB, 2e-3), (P::VolumeA, 5e-4), (P::VolumeB, 3e-4)];
+        for &(parameter, value) in cylinder.iter().chain(changes) {
+            machine.set(parameter, value);
+        }
+        machine
+    }
+
+    /// Flows over `K_Q`·√p0 at a slider, with the chambers at 1/4 (A) and 4/9 (B) of the supply.
+    fn flows(changes: &[(P, f64)], slider: f64) -> Flows<f64> {
+        let machine = machine(changes);
+        let drive = Drive::<PerUnit>::new::<64>(&machine, Tick::OneMillisecond).unwrap();
+        let pressures = ChamberState { a: PerUnit::saturated(0.25), b: PerUnit::saturated(4.0 / 9.0) };
+        let closed = PumpDrive { speed: PerUnit::ZERO, direction: 0 };
+        let found = drive.flows(PerUnit::saturated(slider), closed, pressures);
+        let full = machine.get(P::FlowCoefficient) * libm::sqrt(7e6) / drive.bases().flow_m3_per_s;
+        Flows { a: found.a.to_f64() / full, b: found.b.to_f64() / full }
+    }
+
+    fn assert_near(found: Flows<f64>, [a, b]: [f64; 2]) {
+        // 2 kPa of laminar transition change a root by 1e-6 of itself at the most here.
+        assert!((found.a - a).abs() < 1e-6 && (found.b - b).abs() < 1e-6, "{found:?}, expected {a} {b}");
+    }
+
+    /// √(1 − 1/4) and √(1 − 4/9): roots over the supply edges; those over the tank edges are 1/2 and 2/3.
+    const FROM_SUPPLY: [f64; 2] = [0.866_025_403_8, 0.745_355_992_5];
+
+    #[test]
+    fn the_dead_zones_differ_by_the_difference() {
+        let changes = [(P::DeadZone, 0.2), (P::DeadZoneDifference, 0.1)];
+        assert_near(flows(&changes, 0.25), [0.0, 0.0]);
+        assert_near(flows(&changes, 0.45), [0.2 * FROM_SUPPLY[0], 0.2 * 2.0 / 3.0]);
+        assert_near(flows(&changes, -0.35), [-0.2 * 0.5, -0.2 * FROM_SUPPLY[1]]);
+    }
+
+    #[test]
+    fn a_flow_gain_bends_and_rises_beyond_its_notch_and_never_turns() {
+        let changes = [(P::FlowGainLinear, 0.5), (P::FlowGainBeyond, 1.0), (P::FlowGainNotch, 0.375)];
+        // 0.5·(1 + 0.25) + 0.125
+        assert_near(flows(&changes, 0.5), [0.75 * FROM_SUPPLY[0], 0.75 * 2.0 / 3.0]);
+        assert_near(flows(&changes, -0.5), [-0.75 * 0.5, -0.75 * FROM_SUPPLY[1]]);
+        assert_near(flows(&[(P::FlowGainLinear, -0.9), (P::FlowGainBeyond, -0.9)], 0.9), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn only_the_tank_edges_grow_with_the_metering_ratio() {
+        let changes = [(P::MeteringRatio, 0.5)];
+        assert_near(flows(&changes, 0.5), [0.5 * FROM_SUPPLY[0], 0.75 * 2.0 / 3.0]);
+        assert_near(flows(&changes, -0.5), [-0.75 * 0.5, -0.5 * FROM_SUPPLY[1]]);
+    }
+
+    #[test]
+    fn ports_and_directions_have_edges_of_their_own_size() {
+        let b_half = [(P::MeteringPorts, -0.5)];
+        assert_near(flows(&b_half, 0.5), [0.5 * FROM_SUPPLY[0], 0.25 * 2.0 / 3.0]);
+        assert_near(flows(&b_half, -0.5), [-0.5 * 0.5, -0.25 * FROM_SUPPLY[1]]);
+        let slower_in = [(P::MeteringDirections, -0.5)];
+        assert_near(flows(&slower_in, 0.5), [0.5 * FROM_SUPPLY[0], 0.5 * 2.0 / 3.0]);
+        assert_near(flows(&slower_in, -0.5), [-0.25 * 0.5, -0.25 * FROM_SUPPLY[1]]);
+        // Shares of one edge multiply.
+        let all = [(P::MeteringRatio, 0.5), (P::MeteringPorts, 0.2), (P::MeteringDirections, -0.25)];
+        assert_near(flows(&all, 0.5), [0.5 * FROM_SUPPLY[0], 0.5 * 1.5 * 1.2 * 2.0 / 3.0]);
+        assert_near(flows(&all, -0.5), [-0.5 * 1.5 * 0.75 * 0.5, -0.5 * 1.2 * 0.75 * FROM_SUPPLY[1]]);
+    }
+
+    #[test]
+    fn a_return_line_three_times_as_tight_as_the_edge_halves_what_returns() {
+        // R·K² = 3: with the edge fully open three quarters of the pressure are lost in the line.
+        let changes = [(P::ReturnResistance, 3.0 / (2.4e-7 * 2.4e-7))];
+        assert_near(flows(&changes, 1.0), [FROM_SUPPLY[0], 0.5 * 2.0 / 3.0]);
+        assert_near(flows(&changes, -1.0), [-0.5 * 0.5, -FROM_SUPPLY[1]]);
+    }
+
+    #[test]
+    fn a_laminar_line_takes_pressure_in_proportion_to_the_flow() {
+        // R·K/√p0 = 3/2: Q² + 3/2·Q = 4/9 over the open tank edge gives Q = ¼; Q² + 3/2·Q = 1/4 gives 0.151.
+        let changes = [(P::ReturnLaminar, 1.5 * libm::sqrt(7e6) / 2.4e-7)];
+        assert_near(flows(&changes, 1.0), [FROM_SUPPLY[0], (libm::sqrt(2.25 + 16.0 / 9.0) - 1.5) / 2.0]);
+        assert_near(flows(&changes, -1.0), [-(libm::sqrt(3.25) - 1.5) / 2.0, -FROM_SUPPLY[1]]);
+    }
+
+    #[test]
+    fn near_the_centre_every_edge_leaks() {
+        let changes = [(P::DeadZone, 0.2), (P::ValveLeakageOpening, 0.1), (P::ValveLeakageReach, 0.1)];
+        let leaks = [FROM_SUPPLY[0] - 0.5, 2.0 / 3.0 - FROM_SUPPLY[1]];
+        assert_near(flows(&changes, 0.0), leaks.map(|leak| 0.1 * leak));
+        assert_near(flows(&changes, -0.1), leaks.map(|leak| 0.05 * leak));
+        // 0.1 beyond the dead zone, and a tenth of the leakage.
+        assert_near(flows(&changes, 0.3), [0.1 * FROM_SUPPLY[0] + 0.01 * leaks[0], 0.1 * 2.0 / 3.0 + 0.01 * leaks[1]]);
+    }
+
+    #[test]
+    fn laminar_pressures_add_up() {
+        let apart = flows(&[(P::LaminarTransition, 1e5), (P::LaminarPressure, 3e5)], 0.5);
+        assert_eq!(apart, flows(&[(P::LaminarTransition, 4e5)], 0.5));
+    }
+
+    #[test]
+    fn an_opening_that_does_not_fit_is_refused_by_its_name() {
+        let refused = |changes: &[(P, f64)]| {
+            let drive = Drive::<PerUnit>::new::<64>(&machine(changes), Tick::OneMillisecond);
+            let Err(MachineError::DoesNotFit { parameter, .. }) = drive else { panic!("{drive:?}") };
+            parameter
+        };
+        assert_eq!(refused(&[(P::FlowGainLinear, 10.0), (P::FlowGainBeyond, 10.0)]), P::FlowGainLinear);
+        assert_eq!(refused(&[(P::MeteringRatio, 4.0)]), P::MeteringRatio);
+        assert_eq!(refused(&[(P::MeteringRatio, 0.5), (P::MeteringPorts, 4.0)]), P::MeteringPorts);
+        assert_eq!(refused(&[(P::ReturnResistance, 1e18)]), P::ReturnResistance);
+        assert_eq!(refused(&[(P::DroopResistance, 1e13)]), P::DroopResistance);
+        assert_eq!(refused(&[(P::SupplyPressure, 1e7), (P::FlowForce, 1e-6)]), P::FlowForce);
+    }
+}

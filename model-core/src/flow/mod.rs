@@ -1,0 +1,281 @@
+//! ```text
+//! x > 0:  Qa = K_Q·√(p0 − pa)·x      Qb = K_Q·√|pb|·x             (3)
+//! x < 0:  Qa = K_Q·√|pa|·x           Qb = K_Q·√(p0 − pb)·x        (4)
+//! ```
+//!
+//! The flow link: slider (or [pump](crate::flow::Pump)) and pressures → flow into A and out of B. As it runs, with the dead zone x0 and the flow limit of §3:
+//!
+//! ```text
+//! o  = max(0, x − x0) + min(0, x + x0)                           opening, signed like x, not renormalised
+//! Qa = limited(K_Q·o·g(p0 − pa))   Qb = limited(K_Q·o·g(pb − pt))     o > 0
+//! Qa = limited(K_Q·o·g(pa − pt))   Qb = limited(K_Q·o·g(p0 − pb))     o < 0
+//! g(Δp) = Δp/(Δp² + p_t²)^¼                                      √ with its sign, finite near 0
+//! ```
+//!
+//! Formats: slider, pressures and flows are signals (±8, step 3.7e-9), 1 being full travel, the supply pressure and [`Bases::flow_m3_per_s`]; `K_Q`
+//! is a gain (below 4). Error of a flow: half a step beside that of the root (2 steps + 6e-9 of it).
+//!
+//! Signs: x > 0 opens P-A and B-T, x < 0 opens A-T and P-B. Flow a > 0 goes into chamber A, flow b > 0 comes out of chamber B. (3) and (4)
+//! keep their sign through x. The paper's |p| under the root is no way to sign it: the root here has the sign of what is across, so that a chamber
+//! above the supply pushes oil back.
+//!
+//! [`Bases::flow_m3_per_s`]: crate::machine::Bases::flow_m3_per_s
+
+pub(crate) mod effects;
+mod four_edges;
+mod opened;
+mod pump;
+pub(crate) mod supply;
+
+use crate::effects::{Effects, Keeps, Vocabulary};
+use crate::number::{Mask, Number};
+use crate::ports::{AcrossEdges, ChamberState, Filling, Flows, Linearised, Overlap, Slider};
+use effects::EdgeEffects;
+
+pub(crate) use opened::Opened;
+pub use pump::{Pump, PumpDrive};
+pub use supply::SupplyState;
+
+/// The flows at the start of a tick.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Started<N: Number> {
+    pub(crate) flows: Flows<Linearised<N>>,
+    /// Drawn from a supply that droops.
+    pub(crate) drawn: N,
+    /// Of an orifice each, from which the roots at the end may be taken.
+    pub(crate) roots: Option<Flows<Root<N>>>,
+}
+
+/// Root of an orifice at the start of a tick.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Root<N: Number> {
+    across: N,
+    value: N,
+    /// Of its chord.
+    slope: N::Steep,
+}
+
+/// Pressures that the flow link works between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lines<N> {
+    /// Supply p0.
+    pub supply: N,
+    /// Tank.
+    pub tank: N,
+}
+
+/// The metering edges of a proportional valve: dead zone, square-root orifices, flow saturation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Edges<N: Number, E = Option<EdgeEffects<N>>> {
+    pub(crate) overlap: Overlap<N>,
+    /// `K_Q`·√(pressure base) / flow base.
+    pub(crate) gain: N::Gain,
+    /// Largest flow, both signs.
+    pub(crate) limit: N,
+    /// 1, as a slope.
+    pub(crate) unity: N::Steep,
+    /// Pressure difference at which the root turns from laminar to turbulent, `laminar-transition` included.
+    pub(crate) transition: N,
+    /// 256 times that: from there on the root's slope is half of its chord's to 8e-6 of it.
+    pub(crate) turbulent: N,
+    pub(crate) lines: Lines<N>,
+    /// What makes the four edges differ; `None` leaves two equal ones at a time.
+    pub(crate) effects: E,
+}
+
+impl<N: Number, E> Edges<N, E> {
+    /// The same edges with these effects.
+    #[inline]
+    pub(crate) fn with<F>(&self, effects: F) -> Edges<N, F> {
+        let &Self { overlap, gain, limit, unity, transition, turbulent, lines, .. } = self;
+        Edges { overlap, gain, limit, unity, transition, turbulent, lines, effects }
+    }
+
+    /// The opening whose chord is that of a limited flow: all of it, or where it would pass more than the limit the share that does not.
+    #[inline]
+    pub(crate) fn within_limit(&self, opening: N, flow: N, free: N) -> N {
+        N::choose(flow.equals(free), || opening, || self.share_within_limit(free).of(opening))
+    }
+
+    /// The opening that a tick's slope is of: of a limited flow none, for no pressure moves it, unless the tick brings the pressures to where it
+    /// is not limited; then that of the limit's chord.
+    ///
+    /// Without that one, a chamber that one tick at the limit overfills would rest between the lines, short of both. With it all the time, a
+    /// rod on the oil's spring would swing up, as if the step's slope took from the swing what no flow does.
+    #[inline]
+    pub(crate) fn sloping(&self, opening: N, [flow, free]: [N; 2], across: N, filling: Filling<N>) -> N {
+        N::choose(flow.equals(free), || opening, || self.sloping_at_limit(opening, [flow, free], across, filling))
+    }
+
+    /// Whether a tick at the limit takes the pressures past where the limit's chord begins: what it fills, with that chord's share of what is
+    /// across, is more than what is across.
+    #[cold]
+    #[inline(never)]
+    fn sloping_at_limit(&self, opening: N, [flow, free]: [N; 2], across: N, filling: Filling<N>) -> N {
+        let (share, across) = (self.share_within_limit(free), across.magnitude());
+        let taken = N::dot([filling.stiffness], [flow - filling.room]);
+        let taken = flow.select_positive(taken, -taken);
+        N::pick((taken + share.of(share.of(across))).above(across), share.of(opening), N::ZERO)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn share_within_limit(&self, free: N) -> N {
+        N::share(self.limit, [free.magnitude() - self.limit], [self.unity])
+    }
+}
+
+impl<N: Number> Edges<N> {
+    /// Flows at a slider position, two chamber pressures, and that of a supply that droops.
+    #[inline]
+    pub fn flow(&self, slider: N, pressures: ChamberState<N>, supply: N) -> Flows<N> {
+        self.flow_with::<Effects>(&self.opened::<Effects>(slider), pressures, supply, None)
+    }
+}
+
+impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
+    /// The openings at a slider position.
+    #[inline]
+    pub(crate) fn opened<V: Vocabulary>(&self, slider: N) -> Opened<N> {
+        match V::on(self.effects.kept()) {
+            Some(effects) => Opened { way: N::ZERO, four: Some(self.openings(effects, slider)) },
+            None => Opened { way: self.opening(slider), four: None },
+        }
+    }
+
+    /// Flows with the edges opened so, in a tick that started with these roots.
+    #[inline]
+    pub(crate) fn flow_with<V: Vocabulary>(
+        &self,
+        opened: &Opened<N>,
+        pressures: ChamberState<N>,
+        supply: N,
+        started: Option<Flows<Root<N>>>,
+    ) -> Flows<N> {
+        if let (Some(effects), Some(four)) = (V::on(self.effects.kept()), &opened.four) {
+            return self.flow_of_four(effects, four, pressures, supply);
+        }
+        let opening = opened.way;
+        let across = self.across(opening, pressures);
+        Flows {
+            a: self.passing_edge(opening, across.a, started.map(|roots| roots.a)),
+            b: self.passing_edge(opening, across.b, started.map(|roots| roots.b)),
+        }
+    }
+
+    /// Flows at the start of a tick at whose end the edges are opened so.
+    #[inline]
+    pub(crate) fn linearised_with<V: Vocabulary>(
+        &self,
+        slider: Slider<N>,
+        end: &Opened<N>,
+        pressures: ChamberState<N>,
+        supply: N,
+        filling: Flows<Filling<N>>,
+    ) -> Started<N> {
+        if let (Some(effects), Some(four)) = (V::on(self.effects.kept()), &end.four) {
+            let (flows, drawn) = self.linearised_of_four(effects, slider, four, pressures, supply, filling);
+            return Started { flows, drawn, roots: None };
+        }
+        let (from, to) = (self.opening(slider.from), end.way);
+        // A closed valve that opens within the tick already works between the pressures it opens to.
+        let across = self.across(N::pick(from.equals(N::ZERO), to, from), pressures);
+        let larger = from.magnitude().max(to.magnitude());
+        let closed = from.is_nothing() & to.is_nothing();
+        let a = self.passing_linearised(closed, from, larger, across.a, filling.a);
+        let b = self.passing_linearised(closed, from, larger, across.b, filling.b);
+        Started { flows: Flows { a: a.0, b: b.0 }, drawn: N::ZERO, roots: Some(Flows { a: a.1, b: b.1 }) }
+    }
+
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "as `root_after`")]
+    fn root(&self, across: N) -> Root<N> {
+        let (value, slope) = across.orifice_root(self.transition);
+        Root { across, value, slope }
+    }
+
+    /// The root at the end of a tick that started with this one.
+    ///
+    /// Where the tick moves what is across by less than 2⁻¹³ of it, half of the chord's slope leads there: to less than a step
+    /// of the format, so that nobody sees which way it was computed.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "a call is half of what the shorter way computes")]
+    fn root_after(&self, started: Root<N>, across: N) -> N {
+        let moved = across - started.across;
+        let near = (started.across.magnitude() - self.turbulent).over_power(13).above(moved.magnitude());
+        let on_tangent = || started.value + moved.amplified_within(started.slope).halved();
+        if near.all() {
+            return on_tangent();
+        }
+        let fresh = self.root(across).value;
+        if near.any() { N::pick(near, on_tangent(), fresh) } else { fresh }
+    }
+
+    /// Flow through an edge at the end of a tick.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "as `root_after`")]
+    fn passing_edge(&self, opening: N, across: N, started: Option<Root<N>>) -> N {
+        let closed = opening.is_nothing();
+        if closed.all() {
+            return N::ZERO;
+        }
+        let root = match started {
+            Some(started) => self.root_after(started, across),
+            None => self.root(across).value,
+        };
+        N::pick(closed, N::ZERO, opening.times(root).limited(self.limit))
+    }
+
+    /// Flow through an edge with its slope, at the `larger` opening of the tick.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "a call with its result in memory is half of what it computes")]
+    fn passing_linearised(
+        &self,
+        closed: N::Mask,
+        opening: N,
+        larger: N,
+        across: N,
+        filling: Filling<N>,
+    ) -> (Linearised<N>, Root<N>) {
+        if closed.all() {
+            let closed = Linearised { flow: N::ZERO, opening: N::ZERO, slope: self.unity };
+            return (closed, Root { across, value: N::ZERO, slope: self.unity });
+        }
+        let root = self.root(across);
+        let free = opening.times(root.value);
+        let flow = free.limited(self.limit);
+        let opening = self.sloping(larger, [flow, free], across, filling);
+        (Linearised { flow: N::pick(closed, N::ZERO, flow), opening, slope: root.slope }, root)
+    }
+
+    /// Pressure over both edges that either way of the slider opens, without sign.
+    #[inline]
+    pub(crate) fn across_open(&self, pressures: ChamberState<N>, supply: N) -> AcrossEdges<N> {
+        let Lines { supply, tank } = self.lines_at(supply);
+        let sum = |from: N, to: N| (supply - from).magnitude() + (to - tank).magnitude();
+        AcrossEdges { extending: sum(pressures.a, pressures.b), retracting: sum(pressures.b, pressures.a) }
+    }
+
+    /// The lines, with the supply as it is now where it droops.
+    #[inline]
+    pub(crate) fn lines_at(&self, supply: N) -> Lines<N> {
+        let droops = self.effects.kept().is_some_and(|effects| effects.droop.is_some());
+        if droops { Lines { supply, ..self.lines } } else { self.lines }
+    }
+
+    /// Dead zone, times the flow gain.
+    #[inline]
+    fn opening(&self, slider: N) -> N {
+        N::dot([self.gain], [self.overlap.beyond(slider)])
+    }
+
+    /// Pressure differences over the edges that an opening of this sign connects.
+    #[inline]
+    fn across(&self, opening: N, pressures: ChamberState<N>) -> Flows<N> {
+        let Lines { supply, tank } = self.lines;
+        Flows {
+            a: opening.select_positive(supply - pressures.a, pressures.a - tank),
+            b: opening.select_positive(pressures.b - tank, supply - pressures.b),
+        }
+    }
+}

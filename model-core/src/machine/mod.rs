@@ -1,0 +1,220 @@
+//! A drive's SI parameters.
+
+mod parameter;
+
+use crate::number::Real;
+
+pub use parameter::{Description, Fallback, Parameter};
+
+/// Where the oil comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// A proportional valve on a constant supply: the paper's drive.
+    Valve,
+    /// A pump whose flow a directional valve leads into A or B; the other port returns to tank.
+    Pump,
+}
+
+/// SI parameters of one drive, over a real number type (`f64`, or a dual number for derivatives).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Machine<R> {
+    /// Where the oil comes from.
+    pub source: Source,
+    values: [R; Parameter::COUNT],
+}
+
+impl Machine<f64> {
+    /// A machine with every default; required parameters are NaN until they are set.
+    #[must_use]
+    pub fn with_defaults(source: Source) -> Self {
+        let mut machine = Self { source, values: [f64::NAN; Parameter::COUNT] };
+        for &parameter in Parameter::ALL {
+            if let Fallback::Value(value) = parameter.description().default {
+                machine.set(parameter, value);
+            }
+        }
+        machine
+    }
+
+    /// The machine with these values changed, SI.
+    #[must_use]
+    pub fn with(mut self, values: &[(Parameter, f64)]) -> Self {
+        for &(parameter, value) in values {
+            self.set(parameter, value);
+        }
+        self
+    }
+}
+
+impl<R: Copy> Machine<R> {
+    /// The value of a parameter, in its SI unit.
+    #[must_use]
+    #[expect(clippy::indexing_slicing, reason = "values has one entry for each variant")]
+    pub fn get(&self, parameter: Parameter) -> R {
+        self.values[parameter as usize]
+    }
+
+    /// Sets a parameter, in its SI unit.
+    #[expect(clippy::indexing_slicing, reason = "values has one entry for each variant")]
+    pub fn set(&mut self, parameter: Parameter, value: R) {
+        self.values[parameter as usize] = value;
+    }
+
+    /// The same machine over another number type.
+    #[must_use]
+    pub fn map<S>(&self, convert: impl Fn(R) -> S) -> Machine<S> {
+        Machine { source: self.source, values: self.values.map(convert) }
+    }
+}
+
+impl<R: Real> Machine<R> {
+    /// Stiffness of the oil columns in both chambers that hold the rod, N/m: (A²/Va + (αA)²/Vb)·E0.
+    #[must_use]
+    pub fn oil_spring_n_per_m(&self) -> R {
+        let side = |area, volume| self.get(area) * self.get(area) / self.get(volume);
+        let both = side(Parameter::AreaA, Parameter::VolumeA) + side(Parameter::AreaB, Parameter::VolumeB);
+        both * self.get(Parameter::BulkModulus)
+    }
+}
+
+impl Machine<f64> {
+    /// Checks every parameter that the drive uses against its range.
+    ///
+    /// # Errors
+    /// The first parameter out of range, with its value and what was expected.
+    pub fn check(&self) -> Result<(), MachineError> {
+        for &parameter in Parameter::ALL {
+            let description = parameter.description();
+            let value = self.get(parameter);
+            // NaN is in no range.
+            if !(description.min <= value && value <= description.max) {
+                return Err(MachineError::OutOfRange { parameter, value });
+            }
+            if parameter.is_whole() && value > libm::floor(value) {
+                return Err(MachineError::NotWhole { parameter, value });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Why a machine does not become a drive.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum MachineError {
+    /// A parameter is not in its range.
+    #[error(
+        "{} = {value} {}: expected {} to {}",
+        .parameter.description().key, .parameter.description().unit, .parameter.description().min, .parameter.description().max
+    )]
+    OutOfRange {
+        /// Which.
+        parameter: Parameter,
+        /// Its value in its unit.
+        value: f64,
+    },
+    /// A parameter that is a number of a list lies between two.
+    #[error("{} = {value}: expected a whole number", .parameter.description().key)]
+    NotWhole {
+        /// Which.
+        parameter: Parameter,
+        /// Its value.
+        value: f64,
+    },
+    /// A coefficient computed from the parameter does not fit the fixed-point format.
+    #[error(
+        "{} = {value} {}: {coefficient} becomes {scaled:.6}, which does not fit; expected a magnitude below {limit}",
+        .parameter.description().key, .parameter.description().unit
+    )]
+    DoesNotFit {
+        /// The parameter that moves the coefficient most.
+        parameter: Parameter,
+        /// Its value in its unit.
+        value: f64,
+        /// The coefficient, in words.
+        coefficient: &'static str,
+        /// The coefficient's value.
+        scaled: f64,
+        /// What its magnitude must stay below.
+        limit: f64,
+    },
+    /// The oil spring turns too fast for the tick.
+    #[error(
+        "cylinder.moving_mass_kg = {mass_kg} kg: too little for its oil spring at a tick of {tick_s} s, as (ω·tick)² = {turn:.1}; \
+         expected below {limit:.1}: a shorter tick, at least {least_kg:.6} kg, or a chamber {times:.2} times the volume"
+    )]
+    OilSpringTooFast {
+        /// The moving mass in kg.
+        mass_kg: f64,
+        /// The tick in s.
+        tick_s: f64,
+        /// (ω·tick)² of the mass, viscous friction included, on the stiffer chamber.
+        turn: f64,
+        /// What it must stay below.
+        limit: f64,
+        /// The least mass that fits, in kg.
+        least_kg: f64,
+        /// How many times the stiffer chamber's capacity fits.
+        times: f64,
+    },
+    /// The delay line is shorter than a delay.
+    #[error("{} = {value} s: needs {ticks} ticks of delay line, has {line}", .parameter.description().key)]
+    DelayTooLong {
+        /// Which delay.
+        parameter: Parameter,
+        /// The delay in s.
+        value: f64,
+        /// Ticks needed.
+        ticks: usize,
+        /// Ticks there are.
+        line: usize,
+    },
+}
+
+/// Period of the model's step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Tick {
+    /// 0.5 ms
+    HalfMillisecond,
+    /// 1 ms
+    OneMillisecond,
+    /// 2 ms
+    TwoMilliseconds,
+}
+
+impl Tick {
+    /// Length in s.
+    #[must_use]
+    pub const fn seconds(self) -> f64 {
+        match self {
+            Tick::HalfMillisecond => 5e-4,
+            Tick::OneMillisecond => 1e-3,
+            Tick::TwoMilliseconds => 2e-3,
+        }
+    }
+}
+
+/// What 1 means, per quantity, in SI units. Flow and velocity belong together: flow 1 moves the piston's side A at velocity 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Bases {
+    /// Pressure 1, Pa: the supply pressure.
+    pub pressure_pa: f64,
+    /// Velocity 1, m/s.
+    pub velocity_m_per_s: f64,
+    /// Flow 1, m³/s.
+    pub flow_m3_per_s: f64,
+    /// Force 1, N.
+    pub force_n: f64,
+    /// Position 1, m: the stroke.
+    pub stroke_m: f64,
+    /// Command 1, V.
+    pub command_v: f64,
+    /// Pump speed 1, revolutions per second.
+    pub pump_speed_rev_per_s: f64,
+    /// Temperature 1, °C; 0 is 0 °C.
+    pub temperature_c: f64,
+    /// Tick, s.
+    pub tick_s: f64,
+}

@@ -1,0 +1,148 @@
+//! ```text
+//! m·d²y/dt² + Dw·dy/dt = F + A·(pa − α·pb)                               (8)
+//! d²y/dt² = (F + A·pa − α·A·pb − Dw·dy/dt)/m                             (12)
+//! Fa = A·pa                          Fb = α·A·pb                         (13)
+//! d²y/dt² = (F + Fa − Fb − Dw·dy/dt)/m                                   (14)
+//! ```
+//!
+//! The mechanics link: forces → velocity and position. The tick is the two-stage L-stable linearly implicit step of `drive::step`; alone, this
+//! link takes the forces f1 and f2 of the two stages. As it runs over a tick h, with γ = 1 − 1/√2 and the diagonal d = 1 + γ·h·Dw/m:
+//!
+//! ```text
+//! v1 = h/(m·d)·f1 − h·Dw/(m·d)·v     what the first stage gains
+//! v2 = h/(m·d)·f2 + (1 − γ)/d·v1     what the second adds
+//! v' = v + γ·v1 + v2
+//! y' = y + h·(v + γ·v1 + γ·v2)       the mean velocity of the tick, which makes room for the oil
+//! ```
+//!
+//! Formats: forces are signals, 1 being Aa·(pressure base); the velocity is a signal, 1 being [`Bases::velocity_m_per_s`]; the position has 56
+//! fractional bits of a stroke. Signs: a positive force, velocity or position extends the rod.
+//!
+//! [`Bases::velocity_m_per_s`]: crate::machine::Bases::velocity_m_per_s
+
+pub(crate) mod end_stop;
+mod equation;
+pub(crate) mod friction;
+pub(crate) mod lugre;
+pub(crate) mod position_load;
+
+use crate::correction_table::Push;
+use crate::effects::{Effects, Keeps, LinkEffects, Vocabulary};
+use crate::number::Number;
+use crate::ports::{Forces, MotionState};
+use end_stop::Stops;
+use friction::{DryFriction, PlacedDrag};
+use lugre::Bristles;
+use position_load::PositionLoad;
+
+pub use friction::Contact;
+
+/// γ = 1 − 1/√2, at which the two-stage step is L-stable.
+pub const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
+
+/// Coefficients of the mass at one tick, with those of its effects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mechanics<N: Number, E = MechanicalEffects<N>> {
+    /// With the least viscous friction.
+    pub(crate) row: Row<N>,
+    /// That friction: force per velocity. 0 where it does not fit, as it is `hard`.
+    pub(crate) viscous: N::Gain,
+    /// Whether viscous friction holds the rod so hard that full force moves it at a quarter of the velocity base at most.
+    pub(crate) hard: bool,
+    /// γ
+    pub(crate) gamma: N::Gain,
+    /// Strokes per tick at velocity 1.
+    pub(crate) travel: N::Gain,
+    /// Constant external force, positive extends.
+    pub(crate) load: N,
+    pub(crate) effects: E,
+}
+
+/// Coefficients of the mass's effects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MechanicalEffects<N: Number> {
+    /// Dry friction.
+    pub(crate) dry: DryFriction<N>,
+    /// What adds to the mass's own diagonal.
+    pub(crate) resistance: Option<Resistance<N>>,
+    /// A force without a name.
+    pub(crate) push: Option<Push<N>>,
+}
+
+/// The equation of the velocity. All are divided by 1 + γ·h·D/m, the mass's own diagonal, and what else is on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Row<N: Number> {
+    /// Velocity gained in a tick per force.
+    pub(crate) mobility: N::Gain,
+    /// γ of it: the oil's springs in the eliminated equation.
+    pub(crate) pull: N::Gain,
+    /// Velocity lost in a tick to viscous friction, per velocity.
+    pub(crate) drag: N::Gain,
+    /// (1 − γ)/(1 + γ·h·D/m): what of the first stage the second goes on with.
+    pub(crate) back: N::Gain,
+    /// The mass's own diagonal over this one, where more is on it.
+    pub(crate) share: Option<N>,
+}
+
+/// Effects on the mass's own diagonal. Weights are γ·h/m·s over the diagonal without them; 0 for what is not on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Resistance<N: Number> {
+    /// Weight of the machine's whole viscous friction.
+    pub(crate) viscosity: N::Steep,
+    pub(crate) drag: Option<PlacedDrag<N>>,
+    pub(crate) load: Option<PositionLoad<N>>,
+    /// Weight of the load's stiffness.
+    pub(crate) load_weight: N::Steep,
+    pub(crate) bristles: Option<Bristles<N>>,
+    pub(crate) stops: Option<Stops<N>>,
+    /// 1/γ
+    pub(crate) per_gamma: N::Gain,
+    /// 1 − 2γ: what of the first stage's travel is left in a spring's second.
+    pub(crate) second: N::Gain,
+    /// 0
+    pub(crate) none: N::Steep,
+}
+
+impl<N: Number, E: Keeps<MechanicalEffects<N>>> Mechanics<N, E> {
+    /// Velocity at which the rod makes room for oil over a tick that it begins so: none where a stop has caught it by the end.
+    #[inline]
+    pub(crate) fn making_room<V: Vocabulary>(&self, motion: &MotionState<N>) -> N {
+        let resistance = V::on(self.effects.kept()).and_then(|effects| effects.resistance.as_ref());
+        let Some(stops) = resistance.and_then(|resistance| resistance.stops.as_ref()) else { return motion.velocity };
+        let ahead = N::travelled(motion.position, [self.travel], [motion.velocity]);
+        N::pick(stops.touched(ahead).any(), N::ZERO, motion.velocity)
+    }
+}
+
+impl<N: Number, E> Mechanics<N, E> {
+    /// The same mass with these effects.
+    #[inline]
+    pub(crate) fn with<F>(&self, effects: F) -> Mechanics<N, F> {
+        let &Self { row, viscous, hard, gamma, travel, load, .. } = self;
+        Mechanics { row, viscous, hard, gamma, travel, load, effects }
+    }
+}
+
+impl<N: Number> LinkEffects for MechanicalEffects<N> {}
+
+impl<N: Number> MechanicalEffects<N> {
+    /// Whether no effect is on.
+    pub(crate) fn are_off(&self) -> bool {
+        self.resistance.is_none() && self.push.is_none() && self.dry.is_off()
+    }
+}
+
+impl<N: Number> Mechanics<N> {
+    /// One tick under the given forces. Returns the mean velocity of the tick.
+    #[inline]
+    pub fn step(&self, state: &mut MotionState<N>, forces: Forces<N>) -> N {
+        let equation = self.equation::<Effects>(state, forces.around);
+        let contact = equation.contact(state.velocity, forces.start);
+        let stage = equation.first_stage(contact, state.velocity);
+        let first = equation.first(&stage, forces.first);
+        let stage = equation.second_stage(contact, &stage, first.velocity);
+        let gained = [first.velocity, equation.second(&stage, &first, forces.second)];
+        let moved = equation.finish(contact, state, gained, gained.map(|gained| gained.small_part(self.gamma)));
+        moved.beyond.map_or(moved.solved, |beyond| moved.solved - beyond)
+    }
+}

@@ -1,0 +1,298 @@
+//! The number a model is computed in.
+//!
+//! The equations of this crate are written once, over [`Number`]. Several kinds of number run them:
+//! [`PerUnit`] on the controller; `f64`, dual numbers, and vectors with the signals of several drives on
+//! the desktop. `f64` and dual numbers are [`Real`]s, which are also what coefficients are computed in before a run. A number that
+//! is one signal of one drive is a [`Scalar`].
+
+pub(crate) mod fixed_point;
+mod real;
+pub(crate) mod relaxation;
+mod roots;
+
+use core::fmt::Debug;
+use core::ops::{Add, BitAnd, BitOr, BitXor, Neg, Not, Sub};
+
+pub use fixed_point::PerUnit;
+pub use real::{Field, Real};
+
+/// What a comparison of two numbers says: `bool`, or one for each of several that are computed abreast.
+pub trait Mask:
+    Copy + Debug + PartialEq + BitAnd<Output = Self> + BitOr<Output = Self> + BitXor<Output = Self> + Not<Output = Self>
+{
+    /// Of none.
+    const NONE: Self;
+
+    /// Whether it says so of all.
+    fn all(self) -> bool;
+
+    /// Whether it says so of any.
+    fn any(self) -> bool;
+
+    /// `yes` where it says so, else `no`; where it says so of some only, both of them `merged`.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "as `Number::choose`")]
+    fn branch<T>(self, yes: impl FnOnce() -> T, no: impl FnOnce() -> T, merged: impl FnOnce(T, T) -> T) -> T {
+        if self.all() {
+            yes()
+        } else if self.any() {
+            merged(yes(), no())
+        } else {
+            no()
+        }
+    }
+}
+
+impl Mask for bool {
+    const NONE: Self = false;
+
+    #[inline]
+    fn all(self) -> bool {
+        self
+    }
+    #[inline]
+    fn any(self) -> bool {
+        self
+    }
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "as `Number::choose`")]
+    fn branch<T>(self, yes: impl FnOnce() -> T, no: impl FnOnce() -> T, _: impl FnOnce(T, T) -> T) -> T {
+        if self { yes() } else { no() }
+    }
+}
+
+/// What can be compared: one, or several at once, each with its own.
+pub trait Compared: Copy {
+    /// What a comparison says.
+    type Mask: Mask;
+
+    /// Whether it is above another.
+    fn above(self, other: Self) -> Self::Mask;
+
+    /// Whether it equals another.
+    fn equals(self, other: Self) -> Self::Mask;
+
+    /// One of two.
+    #[must_use]
+    fn pick(of: Self::Mask, yes: Self, no: Self) -> Self;
+
+    /// The larger of two; the first where both are equal.
+    #[must_use]
+    #[inline]
+    fn larger(self, other: Self) -> Self {
+        Self::pick(other.above(self), other, self)
+    }
+
+    /// The smaller of two; the first where both are equal.
+    #[must_use]
+    #[inline]
+    fn smaller(self, other: Self) -> Self {
+        Self::pick(self.above(other), other, self)
+    }
+}
+
+impl<T: Copy + PartialOrd> Compared for T {
+    type Mask = bool;
+
+    #[inline]
+    fn above(self, other: Self) -> bool {
+        self > other
+    }
+    #[inline]
+    fn equals(self, other: Self) -> bool {
+        self == other
+    }
+    #[inline]
+    fn pick(of: bool, yes: Self, no: Self) -> Self {
+        if of { yes } else { no }
+    }
+}
+
+/// A scaled signal, with the few operations the model's step is made of.
+///
+/// Sums and differences saturate where the type has a range. A product rounds to nearest. What the step decides by a signal it
+/// decides by a [`Mask`], so that a type may hold several signals of as many drives; but for [`Number::is_held`], so that such a type has no
+/// range to be held at.
+pub trait Number: Compared + Debug + PartialEq + Add<Output = Self> + Sub<Output = Self> + Neg<Output = Self> {
+    /// What coefficients are computed in before they become gains.
+    type Real: Real;
+    /// What a signal is told in.
+    type Value: Field<Real = Self::Real>;
+    /// A coefficient of magnitude below 4.
+    type Gain: Copy + Debug + PartialEq;
+    /// A positive coefficient or slope that may be large, at lower relative precision.
+    type Steep: Copy + Debug + PartialEq;
+    /// The position: an accumulator that loses nothing of what is added to it.
+    type Travel: Compared<Mask = Self::Mask> + Debug + PartialEq;
+
+    /// Whether steps of drives without effects are worth code of their own: on a controller, where each question after one counts.
+    const LEAN: bool = false;
+
+    /// 0
+    const ZERO: Self;
+    /// 1
+    const ONE: Self;
+
+    /// A signal, or `None` if the value does not fit the format.
+    fn signal(value: Self::Real) -> Option<Self>;
+
+    /// A signal from a plain value, held at the end of the range if it does not fit. NaN becomes 0.
+    fn saturated(value: f64) -> Self;
+
+    /// A sensor's count, in units of 65536 counts, held at the end of the range.
+    fn counted(counts: i32) -> Self;
+
+    /// The value of a signal, with its derivatives if it has any.
+    fn to_real(self) -> Self::Value;
+
+    /// One of two signals, of which only the one that is needed is computed.
+    #[must_use]
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "a call with what both capture in memory is half of what they compute")]
+    fn choose(of: Self::Mask, yes: impl FnOnce() -> Self, no: impl FnOnce() -> Self) -> Self {
+        of.branch(yes, no, |yes, no| Self::pick(of, yes, no))
+    }
+
+    /// A gain, or `None` if its magnitude is 4 or more.
+    fn gain(value: Self::Real) -> Option<Self::Gain>;
+
+    /// A steep coefficient, or `None` if it is negative or 65536 or more.
+    fn steep(value: Self::Real) -> Option<Self::Steep>;
+
+    /// Product of two signals.
+    #[must_use]
+    fn times(self, other: Self) -> Self;
+
+    /// This share, 0..1, of a signal: a product that cannot leave the range.
+    #[must_use]
+    fn of(self, signal: Self) -> Self;
+
+    /// A signal times a gain of 0..1: a product that cannot leave the range.
+    #[must_use]
+    fn part(self, of: Self::Gain) -> Self;
+
+    /// A signal times a gain of 0..½.
+    #[must_use]
+    fn small_part(self, of: Self::Gain) -> Self {
+        self.part(of)
+    }
+
+    /// Sum of up to four signals, each with its gain, rounded once.
+    fn dot<const K: usize>(gains: [Self::Gain; K], signals: [Self; K]) -> Self;
+
+    /// This signal after Σ gain·signal more, and what its rounding leaves for the next time, in units of 2⁻²⁸; `rest` is what
+    /// was left last time. So nothing is lost of what is added, however little it is.
+    #[must_use]
+    fn accumulated<const K: usize>(self, rest: Self, gains: [Self::Gain; K], signals: [Self; K]) -> (Self, Self);
+
+    /// This signal times a steep coefficient.
+    #[must_use]
+    fn amplified(self, by: Self::Steep) -> Self;
+
+    /// The same where it cannot leave the range.
+    #[must_use]
+    fn amplified_within(self, by: Self::Steep) -> Self {
+        self.amplified(by)
+    }
+
+    /// Whether the signal is held at an end of its range, or as near it as what is held there may lie: it then says only that the true
+    /// value lies beyond.
+    fn is_held(self) -> bool {
+        false
+    }
+
+    /// Whether it is 0, and would be for any parameter.
+    fn is_nothing(self) -> Self::Mask {
+        self.equals(Self::ZERO)
+    }
+
+    /// Half of the signal.
+    #[must_use]
+    fn halved(self) -> Self;
+
+    /// The signal over 2^`bits`.
+    #[must_use]
+    fn over_power(self, bits: u8) -> Self;
+
+    /// The root characteristic of an orifice that is laminar near Δp = 0,
+    /// g(Δ) = Δ / (Δ² + pt²)^¼, and the slope of its chord to Δ = 0, g(Δ)/Δ, for the Jacobian; pt is `transition`.
+    fn orifice_root(self, transition: Self) -> (Self, Self::Steep);
+
+    /// 1 / (1 + Σ wᵢ·sᵢ) for weights wᵢ that are not negative.
+    fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [Self::Steep; K]) -> Self;
+
+    /// 1 / (1 + gain·signal) for a product that is not negative.
+    fn inverse_one_plus_product(gain: Self::Gain, signal: Self) -> Self;
+
+    /// part / (part + Σ wᵢ·sᵢ) for a part and weights wᵢ that are not negative; no part of nothing.
+    fn share<const K: usize>(part: Self, weights: [Self; K], steep: [Self::Steep; K]) -> Self;
+
+    /// This signal as a gain, held at the ends of a gain's range.
+    fn as_gain(self) -> Self::Gain;
+
+    /// A gain times a share, 0..1.
+    fn scaled(gain: Self::Gain, share: Self) -> Self::Gain;
+
+    /// A gain as a signal.
+    fn of_gain(gain: Self::Gain) -> Self;
+
+    /// The larger of two.
+    #[must_use]
+    #[inline]
+    fn max(self, other: Self) -> Self {
+        self.larger(other)
+    }
+
+    /// The smaller of two.
+    #[must_use]
+    #[inline]
+    fn min(self, other: Self) -> Self {
+        self.smaller(other)
+    }
+
+    /// Held within ±`limit`.
+    #[must_use]
+    #[inline]
+    fn limited(self, limit: Self) -> Self {
+        self.min(limit).max(-limit)
+    }
+
+    /// `positive` where this signal is above zero, else `otherwise`.
+    #[must_use]
+    #[inline]
+    fn select_positive(self, positive: Self, otherwise: Self) -> Self {
+        Self::pick(self.above(Self::ZERO), positive, otherwise)
+    }
+
+    /// Magnitude.
+    #[must_use]
+    #[inline]
+    fn magnitude(self) -> Self {
+        self.max(-self)
+    }
+
+    /// A position from a plain value in strokes, held at the end of the range.
+    fn travel(strokes: Self::Real) -> Self::Travel;
+
+    /// The position that a signal gives in strokes; nothing is rounded away.
+    fn as_travel(self) -> Self::Travel;
+
+    /// The position after Σ gain·signal strokes more; nothing is rounded away.
+    fn travelled<const K: usize>(from: Self::Travel, gains: [Self::Gain; K], signals: [Self; K]) -> Self::Travel;
+
+    /// The position as a signal, in strokes, rounded down to the signal's step and held at the ends of its range.
+    fn of_travel(travel: Self::Travel) -> Self;
+
+    /// The position in strokes.
+    fn strokes(travel: Self::Travel) -> Self::Value;
+}
+
+/// A number that is one signal of one drive: it has an order and a value.
+pub trait Scalar: Number<Mask = bool, Value = <Self as Number>::Real> + PartialOrd {
+    /// The value of a signal without derivatives.
+    fn to_f64(self) -> f64 {
+        self.to_real().value()
+    }
+}
+
+impl<N: Number<Mask = bool, Value = <N as Number>::Real> + PartialOrd> Scalar for N {}

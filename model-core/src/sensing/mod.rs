@@ -1,0 +1,9 @@
+//! The sensing link: what the sensors make of the rod's position, of the pressures and of the slider. §2, §3 of the paper.
+//!
+//! [`Linkage`] and [`Lvdt`] turn counts into per-unit signals and back; [`Sensors`] have the errors that a real sensor adds.
+
+mod linkage;
+pub(crate) mod sensors;
+
+pub use linkage::{Linkage, LinkageError, Lvdt, SERIES_TOLERANCE};
+pub use sensors::{Sensed, SensedState, Sensors};

@@ -1,0 +1,332 @@
+//! Effects of the valve link: what the slider does beyond Fig. 5.
+//!
+//! In the order of the chain: the neutral drifts, the solenoid saturates, the play lags behind (all before the rate limiter); the
+//! flow force pushes closed (before the lags); the slider sticks (after them). Each is `None` where its strength is nil, and
+//! the valve's step is then the one without it, bit for bit.
+
+use crate::effects::LinkEffects;
+use crate::number::Number;
+use crate::number::relaxation::Relaxation;
+use crate::ports::{AcrossEdges, Overlap};
+
+/// Coefficients of the valve's effects at one tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ValveEffects<N: Number> {
+    pub(crate) drift: Option<NullDrift<N>>,
+    pub(crate) saturation: Option<SolenoidSaturation<N>>,
+    pub(crate) hysteresis: Option<Hysteresis<N>>,
+    pub(crate) flow_force: Option<FlowForce<N>>,
+    pub(crate) stiction: Option<Stiction<N>>,
+}
+
+/// State of the valve's effects. An effect that is off leaves its part untouched.
+#[derive(Clone, Copy, Debug, PartialEq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct ValveEffectState<N> {
+    /// Outputs of the three plays.
+    plays: [N; 3],
+    /// Share of the null drift that has come, 0..1.
+    drifted: N,
+    /// What its rounding left.
+    drifted_rest: N,
+    /// The slider without stiction: output of the second lag.
+    free: N,
+}
+
+impl<N: Number> ValveEffectState<N> {
+    /// At rest for long at `target`: every play has settled there from the middle, nothing has drifted, nothing is stuck.
+    pub(crate) fn at_rest(target: N) -> Self {
+        Self { plays: [target; 3], drifted: N::ZERO, drifted_rest: N::ZERO, free: target }
+    }
+}
+
+impl<N: Number> LinkEffects for ValveEffects<N> {}
+
+impl<N: Number> ValveEffects<N> {
+    /// Whether there is none.
+    pub(crate) fn are_off(&self) -> bool {
+        let Self { drift, saturation, hysteresis, flow_force, stiction } = self;
+        drift.is_none() && saturation.is_none() && hysteresis.is_none() && flow_force.is_none() && stiction.is_none()
+    }
+
+    /// The static characteristic's output with drift, saturation and play, over a tick.
+    #[inline]
+    pub(crate) fn characteristic(&self, target: N, state: &mut ValveEffectState<N>) -> N {
+        let drifted = match &self.drift {
+            Some(drift) => target + drift.step(&mut state.drifted, &mut state.drifted_rest),
+            None => target,
+        };
+        let fed = self.fed(drifted);
+        match &self.hysteresis {
+            Some(hysteresis) => hysteresis.step(&mut state.plays, fed),
+            None => fed,
+        }
+    }
+
+    /// The target that the solenoid feeds.
+    #[inline]
+    pub(crate) fn fed(&self, target: N) -> N {
+        match &self.saturation {
+            Some(saturation) => saturation.fed(target),
+            None => target,
+        }
+    }
+
+    /// Output of the second lag at the start of a tick, where the slider handed on stands at `slider`.
+    #[inline]
+    pub(crate) fn second_lag(&self, state: &ValveEffectState<N>, slider: N) -> N {
+        if self.stiction.is_some() { state.free } else { slider }
+    }
+
+    /// The slider handed on, from where it was to where the second lag's output is at the end of the tick.
+    #[inline]
+    pub(crate) fn handed_on(&self, state: &mut ValveEffectState<N>, slider: N, free: N) -> N {
+        let Some(stiction) = &self.stiction else { return free };
+        state.free = free;
+        stiction.held(slider, free)
+    }
+}
+
+/// `null-drift`: the neutral moves by `travel`·(1 − e^(−t/τ)), t from where the state began; positive extends.
+///
+/// Per unit slider travel. The mean of both ends stands for the tick: off by (h/τ)²/12 of what is left, and by 4e-7 of the
+/// travel in fixed point. The drift stands still while the chain is entered below the command.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct NullDrift<N: Number> {
+    pub(crate) travel: N,
+    pub(crate) relaxation: Relaxation<N>,
+}
+
+impl<N: Number> NullDrift<N> {
+    #[inline]
+    fn step(&self, drifted: &mut N, rest: &mut N) -> N {
+        let before = *drifted;
+        (*drifted, *rest) = self.relaxation.towards(N::ONE, before, *rest);
+        self.travel.times((before + *drifted).halved())
+    }
+}
+
+/// `solenoid-saturation`: beyond the onset the travel d becomes `kept`·d/(1 + `curvature`·d), to both sides.
+///
+/// Per unit slider travel from the centre; smooth to the first derivative where all is kept. In fixed point within 2e-8 and
+/// 8e-6·d² (the curvature's step). After the force characteristic of a proportional solenoid near its stop: Jelali & Kroll, *Hydraulic Servo-systems*, 2003, ch. 4.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SolenoidSaturation<N: Number> {
+    pub(crate) onset: N,
+    pub(crate) curvature: N::Steep,
+    /// Share of the gain.
+    pub(crate) kept: N,
+}
+
+impl<N: Number> SolenoidSaturation<N> {
+    #[inline]
+    fn fed(&self, target: N) -> N {
+        let straight = target.limited(self.onset);
+        let beyond = target - straight;
+        straight + beyond.times(self.kept).times(N::inverse_one_plus([beyond.magnitude()], [self.curvature]))
+    }
+}
+
+/// `valve-hysteresis`: the mean of three plays, a Prandtl-Ishlinskii operator with equal weights.
+///
+/// A play of half-width w keeps its output until the target is w away, then follows at that distance. The half-widths are
+/// ½·width·(1 − spread, 1, 1 + spread), so the mean settles `width` apart from above and from below, at any rate. Per unit slider
+/// travel; exact but for one rounding. Krasnosel'skii & Pokrovskii, *Systems with Hysteresis*, 1989, §2 and §37.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Hysteresis<N: Number> {
+    pub(crate) half_widths: [N; 3],
+    /// ⅓
+    pub(crate) third: N::Gain,
+}
+
+impl<N: Number> Hysteresis<N> {
+    #[inline]
+    fn step(&self, plays: &mut [N; 3], target: N) -> N {
+        for (play, &half) in plays.iter_mut().zip(&self.half_widths) {
+            *play = play.max(target - half).min(target + half);
+        }
+        target + N::dot([self.third; 3], plays.map(|play| play - target))
+    }
+}
+
+/// `flow-force`: the oil that flows through the open edges pushes the slider closed, by c = `closing`·o·Δp of set value.
+///
+/// o is the travel beyond the dead zone: the steady flow force, 2·Cd·w·o·Δp·cos θ (Merritt, *Hydraulic Control Systems*, 1967,
+/// eq. 5-29), is one of the opening. Δp ≥ 0 is the sum of both open edges' differences at the start of the tick. Over the tick
+/// stands the mean of c at both ends, weighed as the slower lag weighs them: ½ each where it is slow, all at the end without lags.
+/// c at the end is solved for, so that no force, however strong, makes the slider swing from tick to tick. A stuck slider's force is
+/// that of where it would be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct FlowForce<N: Number> {
+    /// Share of its opening that the slider closes by, per pressure.
+    pub(crate) closing: N,
+    pub(crate) overlap: Overlap<N>,
+    /// Weights of both ends of the tick.
+    pub(crate) weights: [N::Gain; 2],
+    /// How much of each end's c the lags let through within the tick.
+    pub(crate) shares: [N; 2],
+    /// 1, as a slope.
+    pub(crate) unity: N::Steep,
+}
+
+impl<N: Number> FlowForce<N> {
+    /// What the set value is reduced by, signed like the opening, for the slider at the start of the tick and at its end without
+    /// the force.
+    #[inline]
+    pub(crate) fn closes(&self, from: N, to: N, across: AcrossEdges<N>) -> N {
+        let strength = |beyond: N| self.closing.times(beyond.select_positive(across.extending, across.retracting));
+        let opened = self.overlap.beyond(from);
+        let start = strength(opened).times(opened);
+        let [early, late] = self.shares;
+        let opens = self.overlap.beyond(to - early.times(start));
+        let held = opens.times(N::inverse_one_plus([strength(opens).times(late)], [self.unity]));
+        N::dot(self.weights, [start, strength(opens).times(held)])
+    }
+}
+
+/// `spool-stiction`: the slider stays until it is asked for more than `band` elsewhere, then jumps to within `kept` of there
+/// and stays again: static friction holds it, the smaller kinetic friction stops it short.
+///
+/// Per unit slider travel; exact. The free slider that a jump goes to is that at the end of the tick; see
+/// [`Slider`](crate::ports::Slider) for how it lies within the tick. A stick-slip limit of Armstrong-Hélouvry, Dupont &
+/// Canudas de Wit, *Automatica* 30, 1994.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Stiction<N: Number> {
+    pub(crate) band: N,
+    pub(crate) kept: N,
+}
+
+impl<N: Number> Stiction<N> {
+    #[inline]
+    fn held(&self, slider: N, free: N) -> N {
+        let asked = free - slider;
+        let jumps = asked.magnitude().above(self.band);
+        N::choose(jumps, || free - asked.select_positive(self.kept, -self.kept), || slider)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::drive::Drive;
+    use crate::machine::{Machine, Parameter as P, Source, Tick};
+    use crate::number::{Number, PerUnit};
+    use crate::ports::{AcrossEdges, Slider};
+    use crate::valve::{Valve, ValveState};
+
+    /// A valve of 0.1 travel per volt without any dynamics: its slider is its target.
+    fn valve<N: Number<Real = f64>>(changes: &[(P, f64)]) -> Valve<N> {
+        let mut machine = Machine::with_defaults(Source::Valve);
+        for &(parameter, value) in
+            [(P::AreaA, 3e-3), (P::AreaB, 2e-3), (P::VolumeA, 5e-4), (P::VolumeB, 3e-4)].iter().chain(changes)
+        {
+            machine.set(parameter, value);
+        }
+        *Drive::new::<64>(&machine, Tick::OneMillisecond).unwrap().valve().unwrap()
+    }
+
+    /// The slider after each of a few set values, one a tick.
+    fn sliders<const K: usize>(changes: &[(P, f64)], targets: [f64; K]) -> [f64; K] {
+        let valve = valve::<PerUnit>(changes);
+        let mut state: ValveState<PerUnit, 64> = valve.at_rest(PerUnit::ZERO);
+        targets.map(|target| valve.step(&mut state, PerUnit::saturated(target)).to.to_f64())
+    }
+
+    fn assert_near<const K: usize>(found: [f64; K], expected: [f64; K]) {
+        for (one, other) in found.iter().zip(&expected) {
+            assert!((one - other).abs() < 3e-8, "{found:?}, expected {expected:?}");
+        }
+    }
+
+    #[test]
+    fn hysteresis_settles_its_width_apart_from_below_and_from_above() {
+        let changes = [(P::HysteresisWidth, 0.2)];
+        assert_near(sliders(&changes, [0.5, 0.8, 0.5, 0.2, 0.5]), [0.4, 0.7, 0.6, 0.3, 0.4]);
+        // Half-widths 0.05, 0.1, 0.15. After 0.5 they hold 0.45, 0.4, 0.35; at 0.3 only the first has had to follow, to 0.35.
+        let spread = [(P::HysteresisWidth, 0.2), (P::HysteresisSpread, 0.5)];
+        assert_near(sliders(&spread, [0.5, 0.3]), [0.4, (0.35 + 0.4 + 0.35) / 3.0]);
+    }
+
+    #[test]
+    fn a_stuck_slider_makes_a_staircase_of_a_ramp() {
+        let found = sliders(&[(P::StictionBand, 0.1)], [0.06, 0.11, 0.16, 0.205, 0.22, 0.13, 0.11]);
+        assert_near(found, [0.0, 0.11, 0.11, 0.11, 0.22, 0.22, 0.11]);
+    }
+
+    #[test]
+    fn a_jump_ends_short_by_what_kinetic_friction_keeps() {
+        let found = sliders(&[(P::StictionBand, 0.1), (P::StictionKept, 0.2)], [0.06, 0.11, 0.16, 0.2, -0.02]);
+        assert_near(found, [0.0, 0.09, 0.09, 0.18, 0.0]);
+    }
+
+    #[test]
+    fn a_jump_is_handed_on_as_the_straight_line_over_its_tick() {
+        let valve = valve::<f64>(&[(P::StictionBand, 0.1)]);
+        let mut state: ValveState<f64, 64> = valve.at_rest(0.0);
+        assert_eq!(valve.step(&mut state, 0.5), Slider { from: 0.0, to: 0.5 });
+        assert_eq!(valve.step(&mut state, 0.5), Slider { from: 0.5, to: 0.5 });
+    }
+
+    #[test]
+    fn the_neutral_has_drifted_to_63_percent_after_its_time_constant() {
+        let valve = valve::<PerUnit>(&[(P::NullDriftTravel, -0.1), (P::NullDriftTime, 1.0)]);
+        let mut state: ValveState<PerUnit, 64> = valve.at_rest(PerUnit::ZERO);
+        for _ in 0..1000 {
+            valve.step(&mut state, PerUnit::ZERO);
+        }
+        // The last tick's mean lies half a tick before 1 s.
+        let exact = -0.1 * (1.0 - libm::exp(-0.9995));
+        assert!((state.slider().to_f64() - exact).abs() < 1e-8, "{}", state.slider().to_f64());
+    }
+
+    #[test]
+    fn the_slowest_drift_does_not_stall() {
+        let valve = valve::<PerUnit>(&[(P::NullDriftTravel, 0.5), (P::NullDriftTime, 1e5)]);
+        let mut state: ValveState<PerUnit, 64> = valve.at_rest(PerUnit::ZERO);
+        for _ in 0..100_000 {
+            valve.step(&mut state, PerUnit::ZERO);
+        }
+        // 100 s of 1e5.
+        assert!((state.slider().to_f64() - 0.5 * 9.995e-4).abs() < 1e-7, "{}", state.slider().to_f64());
+    }
+
+    #[test]
+    fn half_a_travel_beyond_the_onset_is_halved_by_a_curvature_of_two() {
+        let changes = [(P::SolenoidOnset, 0.5), (P::SolenoidCurvature, 2.0)];
+        assert_near(sliders(&changes, [0.4, 1.0, -1.0]), [0.4, 0.75, -0.75]);
+    }
+
+    #[test]
+    fn beyond_a_knee_the_gain_is_less() {
+        let changes = [(P::SolenoidOnset, 0.5), (P::SolenoidLoss, 0.2)];
+        assert_near(sliders(&changes, [0.4, 1.0, -1.0]), [0.4, 0.9, -0.9]);
+    }
+
+    #[test]
+    fn a_flow_force_as_strong_as_the_valve_halves_the_opening() {
+        let changes = [(P::SupplyPressure, 5e6), (P::FlowForce, 2e-7), (P::DeadZone, 0.1)];
+        let valve = valve::<PerUnit>(&changes);
+        let across = AcrossEdges { extending: PerUnit::ONE, retracting: PerUnit::saturated(3.0) };
+        let slider = |target: f64| {
+            let mut state: ValveState<PerUnit, 64> = valve.at_rest(PerUnit::ZERO);
+            valve.step_against(&mut state, PerUnit::saturated(target), across).to.to_f64()
+        };
+        // 0.5 beyond the dead zone extending, against 1; 0.4 retracting, against 3.
+        assert_near([slider(0.6), slider(-0.5), slider(0.05)], [0.35, -0.2, 0.05]);
+    }
+
+    #[test]
+    fn no_flow_force_makes_the_slider_swing_for_ever() {
+        for lags in [[0.0, 0.0], [1e-3, 0.0], [0.0, 0.02], [1e-4, 1e-4], [0.018, 0.0279], [0.1, 1e-3]] {
+            let changes = [(P::FlowForce, 1e-6), (P::TimeConstant1, lags[0]), (P::TimeConstant2, lags[1])];
+            let valve = valve::<f64>(&changes);
+            let across = AcrossEdges { extending: 8.0, retracting: 8.0 };
+            let mut state: ValveState<f64, 64> = valve.at_rest(0.0);
+            for _ in 0..5000 {
+                valve.step_against(&mut state, 0.9, across);
+            }
+            let Slider { from, to } = valve.step_against(&mut state, 0.9, across);
+            // 0.9/(1 + 7·8)
+            assert!((from - to).abs() < 1e-9 && (to - 0.9 / 57.0).abs() < 1e-9, "{lags:?}: {from} {to}");
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! ```text
+//! y = 0.0559·U + 0.0345                                                  (15)
+//! G(s) = 1/((1 + 0.018·s)·(1 + 0.0279·s))·e^(−0.007·s)                   (16)
+//! ```
+//!
+//! The valve link: command → slider, Fig. 5: static characteristic → rate limiter → transport delay → two first-order lags. As it runs, over a
+//! tick h with the command U held, every number of (15) and (16) a parameter:
+//!
+//! ```text
+//! y  = gain·U + offset                                                   (15)
+//! r' = r + limited(y − r)                          rate limiter; its mean over the tick goes on
+//! d  = that mean, delay ticks ago                  e^(−delay·s)          (16)
+//! l' = d + e^(−h/T1)·(l − d)                       1/(1 + T1·s)          (16)
+//! x' = d + e^(−h/T2)·(x − d) + cross·(l − d)       1/(1 + T2·s)          (16)
+//! ```
+//!
+//! Within a tick the set value ramps at the limit until it arrives, so its *mean* over the tick is exact in the area
+//! that reaches the slider whatever the tick is; the lags answer that mean exactly (no discretisation error of their own).
+//!
+//! Formats: the command is a signal, 1 being 10 V; the slider is a signal, 1 being full travel (±8, step 3.7e-9); gains and decays are gains
+//! (below 4). Signs: a positive command moves the slider to where it opens P-A and B-T; the sign of the gain may turn that round.
+
+pub(crate) mod effects;
+
+use crate::effects::{Effects, Keeps, Vocabulary};
+use crate::number::Number;
+use crate::ports::{AcrossEdges, Slider};
+use effects::{ValveEffectState, ValveEffects};
+
+/// Coefficients of the valve at one tick, with those of its effects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Valve<N: Number, E = ValveEffects<N>> {
+    /// Slider travel per 10 V. (15)
+    pub(crate) gain: N::Gain,
+    /// Slider travel at 0 V. (15)
+    pub(crate) offset: N,
+    /// Largest change of the set value in a tick.
+    pub(crate) step_limit: N,
+    /// 1 / (2·`step_limit`); 0 where nothing limits.
+    pub(crate) half_per_step: N::Steep,
+    /// Whole ticks of delay.
+    pub(crate) delay_ticks: usize,
+    /// The rest of the delay, in ticks, 0..1.
+    pub(crate) delay_rest: N,
+    /// e^(−h/T1)
+    pub(crate) decay_1: N::Gain,
+    /// e^(−h/T2)
+    pub(crate) decay_2: N::Gain,
+    /// T1·(e^(−h/T1) − e^(−h/T2)) / (T1 − T2)
+    pub(crate) cross: N::Gain,
+    pub(crate) effects: E,
+}
+
+/// State of the valve, with the delay line of `DELAY` ticks (a power of two).
+#[derive(Clone, Copy, Debug, PartialEq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(serialize = "N: serde::Serialize", deserialize = "N: serde::Deserialize<'de>"))
+)]
+pub struct ValveState<N: Number, const DELAY: usize> {
+    /// Set value after the rate limiter.
+    set: N,
+    /// Means of the set value over past ticks, a ring.
+    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
+    line: [N; DELAY],
+    /// Where the next mean is written.
+    head: u32,
+    /// Output of the first lag.
+    lag: N,
+    /// Slider position; 1 is full travel.
+    slider: N,
+    effects: ValveEffectState<N>,
+}
+
+impl<N: Number, E> Valve<N, E> {
+    /// The same valve with these effects.
+    #[inline]
+    pub(crate) fn with<F>(&self, effects: F) -> Valve<N, F> {
+        let &Self { gain, offset, step_limit, half_per_step, delay_ticks, delay_rest, decay_1, decay_2, cross, .. } =
+            self;
+        Valve { gain, offset, step_limit, half_per_step, delay_ticks, delay_rest, decay_1, decay_2, cross, effects }
+    }
+}
+
+impl<N: Number> Valve<N> {
+    /// The valve at rest with `command` (in 10 V) having been held for long, and no oil flowing.
+    ///
+    /// Hysteresis has settled in the middle of its width, the neutral has yet to drift, and the slider is stuck nowhere.
+    #[must_use]
+    pub fn at_rest<const DELAY: usize>(&self, command: N) -> ValveState<N, DELAY> {
+        ValveState::at_rest(self.effects.fed(self.target(command)))
+    }
+
+    /// One tick with `command` (in 10 V, any size) held and no flow force.
+    #[inline]
+    pub fn step<const DELAY: usize>(&self, state: &mut ValveState<N, DELAY>, command: N) -> Slider<N> {
+        self.step_against(state, command, AcrossEdges::NONE)
+    }
+
+    /// One tick with `command` (in 10 V, any size) held, against the force of the oil that flows.
+    #[inline]
+    pub fn step_against<const DELAY: usize>(
+        &self,
+        state: &mut ValveState<N, DELAY>,
+        command: N,
+        across: AcrossEdges<N>,
+    ) -> Slider<N> {
+        self.step_with::<Effects, DELAY>(state, command, across)
+    }
+}
+
+impl<N: Number, E: Keeps<ValveEffects<N>>> Valve<N, E> {
+    #[inline]
+    pub(crate) fn step_with<V: Vocabulary, const DELAY: usize>(
+        &self,
+        state: &mut ValveState<N, DELAY>,
+        command: N,
+        across: AcrossEdges<N>,
+    ) -> Slider<N> {
+        let effects = V::on(self.effects.kept());
+        let target = self.target(command);
+        let target = effects.map_or(target, |effects| effects.characteristic(target, &mut state.effects));
+        let mean = self.limit_rate(&mut state.set, target);
+        let delayed = self.delay(&mut state.line, &mut state.head, mean);
+        let from = state.slider;
+        let second = effects.map_or(from, |effects| effects.second_lag(&state.effects, from));
+        let (mut lag, mut free) = self.lagged(state.lag, second, delayed);
+        if let Some(force) = effects.and_then(|effects| effects.flow_force.as_ref()) {
+            (lag, free) = self.lagged(state.lag, second, delayed - force.closes(second, free, across));
+        }
+        state.lag = lag;
+        state.slider = effects.map_or(free, |effects| effects.handed_on(&mut state.effects, from, free));
+        Slider { from, to: state.slider }
+    }
+
+    /// Whether the slider feels a flow force.
+    #[inline]
+    pub(crate) fn feels_flow<V: Vocabulary>(&self) -> bool {
+        V::on(self.effects.kept()).is_some_and(|effects| effects.flow_force.is_some())
+    }
+}
+
+impl<N: Number, E> Valve<N, E> {
+    /// Both lags a tick later, relaxing towards `set`; `cross` is what the first hands to the second meanwhile.
+    #[inline]
+    fn lagged(&self, first: N, second: N, set: N) -> (N, N) {
+        let (first, second) = (first - set, second - set);
+        (set + first.part(self.decay_1), set + N::dot([self.decay_2, self.cross], [second, first]))
+    }
+
+    /// Static characteristic. (15)
+    #[inline]
+    pub(crate) fn target(&self, command: N) -> N {
+        N::dot([self.gain], [command]) + self.offset
+    }
+
+    /// Moves the set value and returns its mean over the tick: it ramps for the share |d|/limit of it, then rests.
+    #[inline]
+    fn limit_rate(&self, set: &mut N, target: N) -> N {
+        let step = (target - *set).limited(self.step_limit);
+        *set = *set + step;
+        *set - step.magnitude().amplified_within(self.half_per_step).of(step)
+    }
+
+    /// The mean of the set value over a tick that lies `delay_ticks + delay_rest` ticks back.
+    #[inline]
+    #[expect(clippy::indexing_slicing, reason = "the index is masked to the length, a power of two")]
+    fn delay<const DELAY: usize>(&self, line: &mut [N; DELAY], head: &mut u32, mean: N) -> N {
+        const { assert!(DELAY.is_power_of_two() && DELAY <= 1 << 30, "the delay line's length is a power of two") };
+        let newest = *head as usize;
+        line[newest & (DELAY - 1)] = mean;
+        *head = head.wrapping_add(1);
+        let younger = line[newest.wrapping_sub(self.delay_ticks) & (DELAY - 1)];
+        let older = line[newest.wrapping_sub(self.delay_ticks).wrapping_sub(1) & (DELAY - 1)];
+        younger + self.delay_rest.of(older - younger)
+    }
+}
+
+impl<N: Number, const DELAY: usize> ValveState<N, DELAY> {
+    /// The state of a drive without a valve.
+    pub(crate) fn idle() -> Self {
+        Self::at_rest(N::ZERO)
+    }
+
+    /// Everything having settled at this set value.
+    pub(crate) fn at_rest(set: N) -> Self {
+        let effects = ValveEffectState::at_rest(set);
+        Self { set, line: [set; DELAY], head: 0, lag: set, slider: set, effects }
+    }
+
+    /// Slider position; 1 is full travel, positive extends the rod.
+    #[must_use]
+    pub fn slider(&self) -> N {
+        self.slider
+    }
+}
