@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
+use model_core::machine::MachineError;
 use model_export::fmu::{Contents, Role, Variable, token};
-use simulation::Inputs;
+use simulation::{Inputs, Live, Start};
 
-use crate::running::Running;
 use crate::{Refusal, Snapshot};
 
 /// How far a communication step may be from whole ticks, in ticks: what tools lose by adding up times.
@@ -34,7 +34,7 @@ pub struct Instance {
     start_s: f64,
     ticks: u64,
     /// The drive; at rest as the inputs want it until the simulation begins, and not there until somebody asks.
-    running: Option<Running>,
+    running: Option<Live>,
 }
 
 impl Instance {
@@ -179,7 +179,7 @@ impl Instance {
             position_start_m: self.position_start_m,
             start_s: self.start_s,
             ticks: self.ticks,
-            kept: self.running.as_ref().map(Running::kept),
+            kept: self.running.as_ref().map(Live::kept),
         }
     }
 
@@ -187,7 +187,7 @@ impl Instance {
     pub(crate) fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Refusal> {
         let running = match &snapshot.kept {
             Some(kept) => {
-                let mut running = Running::new(&self.contents, &snapshot.inputs, snapshot.position_start_m)?;
+                let mut running = started(&self.contents, &snapshot.inputs, snapshot.position_start_m)?;
                 running.restore(kept)?;
                 Some(running)
             }
@@ -204,10 +204,10 @@ impl Instance {
     }
 
     /// The drive; at rest where it does not run yet.
-    fn at_rest(&mut self) -> Result<&mut Running, Refusal> {
+    fn at_rest(&mut self) -> Result<&mut Live, Refusal> {
         let running = match self.running.take() {
             Some(running) => running,
-            None => Running::new(&self.contents, &self.inputs, self.position_start_m)?,
+            None => started(&self.contents, &self.inputs, self.position_start_m)?,
         };
         Ok(self.running.insert(running))
     }
@@ -224,6 +224,12 @@ impl Instance {
     fn only_in(&self, expected: Mode, call: &'static str) -> Result<(), Refusal> {
         if self.mode == expected { Ok(()) } else { Err(Refusal::Mode { call, mode: self.mode, expected }) }
     }
+}
+
+/// The drive at rest, the command held for long.
+fn started(contents: &Contents, inputs: &Inputs, position_m: f64) -> Result<Live, MachineError> {
+    let start = Start { command_v: inputs.command_v, pressures_pa: None, position_m };
+    Live::new(&contents.machine, contents.settings.tick, &start, contents.settings.arithmetic)
 }
 
 fn same_length(references: &[u32], values: &[f64]) -> Result<(), Refusal> {

@@ -7,7 +7,6 @@
 mod functions;
 mod instance;
 mod refusal;
-mod running;
 mod snapshot;
 
 pub use instance::{Instance, Mode};

@@ -2,6 +2,7 @@
 
 use model_core::machine::MachineError;
 use model_export::fmu::{ContentsError, Variable};
+use simulation::OtherArithmetic;
 use simulation::number::cpu::Unsuited;
 
 use crate::Mode;
@@ -119,7 +120,7 @@ pub enum Refusal {
     },
     /// A state of the other number type.
     #[error("the state is of another number type; expected one of an instance of this FMU")]
-    OtherArithmetic,
+    OtherArithmetic(#[from] OtherArithmetic),
     /// Too few or too many bytes for a state.
     #[error("{found} bytes for a state; expected {expected}")]
     StateSize {

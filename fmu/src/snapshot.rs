@@ -2,9 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use model_core::drive::DriveState;
-use model_core::number::PerUnit;
-use simulation::{DELAY_LINE, Inputs};
+use simulation::{Inputs, Kept};
 
 use crate::{Mode, Refusal};
 
@@ -18,13 +16,6 @@ pub struct Snapshot {
     pub(crate) ticks: u64,
     /// None before the drive is at rest somewhere.
     pub(crate) kept: Option<Kept>,
-}
-
-/// State of the drive.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Kept {
-    Fixed(Box<DriveState<PerUnit, DELAY_LINE>>),
-    Float(Box<DriveState<f64, DELAY_LINE>>),
 }
 
 impl Snapshot {

@@ -2,10 +2,8 @@
 
 use identification::experiment::Prepared;
 use model_core::machine::{Machine, Parameter as P};
-use model_core::number::Field;
 use recording::Signal;
-use simulation::number::dual::Dual;
-use simulation::{StartOffset, Stimulus, run};
+use simulation::{By, Derivatives, StartOffset, Stimulus, rows_f64};
 
 use super::bed::{in_oil, pump_case, valve_case};
 
@@ -13,19 +11,29 @@ const SIGNALS: [Signal; 5] = [Signal::Spool, Signal::PressureA, Signal::Pressure
 
 fn plain(machine: &Machine<f64>, stimulus: &Stimulus) -> Vec<[f64; 5]> {
     let mut rows = Vec::new();
-    run::<f64>(machine, stimulus, StartOffset::none(), |_, sample| {
-        rows.push(SIGNALS.map(|signal| sample.signal(signal).unwrap()));
+    rows_f64(machine, stimulus, StartOffset::none(), &mut |_, value| {
+        rows.push(SIGNALS.map(|signal| value(signal).unwrap()));
     })
     .unwrap();
     rows
 }
 
-fn dual(machine: &Machine<f64>, stimulus: &Stimulus, parameter: P) -> Vec<[Dual<1>; 5]> {
-    let mut lifted = machine.map(Dual::constant);
-    lifted.set(parameter, Dual::variable(machine.get(parameter), 0));
-    let mut rows = Vec::new();
-    run::<Dual<1>>(&lifted, stimulus, StartOffset::none(), |_, sample| {
-        rows.push(SIGNALS.map(|signal| sample.signal(signal).unwrap()));
+/// A value with its derivative.
+#[derive(Clone, Copy, Default)]
+struct Derived {
+    value: f64,
+    slope: f64,
+}
+
+fn derived(machine: &Machine<f64>, stimulus: &Stimulus, parameter: P) -> Vec<[Derived; 5]> {
+    let by = [By { parameter, value: machine.get(parameter), slope: 1.0 }];
+    let offset = StartOffset::none();
+    let run = Derivatives { machine, by: &by, offset, level_slope: 0.0, stimulus, signals: &SIGNALS };
+    let mut rows: Vec<[Derived; 5]> = Vec::new();
+    run.run(&mut |row, place, found| {
+        rows.resize(row + 1, [Derived::default(); 5]);
+        let (value, slopes) = found.unwrap();
+        rows[row][place] = Derived { value, slope: f64::from(slopes[0]) };
     })
     .unwrap();
     rows
@@ -41,15 +49,15 @@ fn check(machine: &Machine<f64>, stimulus: &Stimulus, parameter: P, scale: f64) 
         plain(&moved, stimulus)
     };
     let (at, above, below) = (plain(machine, stimulus), moved(step), moved(-step));
-    let exact = dual(machine, stimulus, parameter);
+    let exact = derived(machine, stimulus, parameter);
     let key = parameter.description().key;
     for (index, signal) in SIGNALS.iter().enumerate() {
-        let largest = exact.iter().fold(0.0_f64, |largest, row| largest.max(f64::from(row[index].partials[0]).abs()));
+        let largest = exact.iter().fold(0.0_f64, |largest, row| largest.max(row[index].slope.abs()));
         let mut worst = 0.0_f64;
         for (row, plain) in at.iter().enumerate() {
             assert_eq!(exact[row][index].value.to_bits(), plain[index].to_bits(), "{key}, {signal}, row {row}");
             let difference = (above[row][index] - below[row][index]) / (2.0 * step);
-            worst = worst.max((f64::from(exact[row][index].partials[0]) - difference).abs());
+            worst = worst.max((exact[row][index].slope - difference).abs());
         }
         assert!(worst <= 1e-4 * largest, "{key}, {signal}: {worst:e} of {largest:e}");
     }
@@ -140,7 +148,7 @@ fn an_effect_of_nothing_has_a_derivative() {
         P::PressureBFactor,
         P::PositionFactor,
     ] {
-        let found = dual(&machine, &prepared.stimulus, parameter);
+        let found = derived(&machine, &prepared.stimulus, parameter);
         let key = parameter.description().key;
         let mut moved = 0.0_f64;
         for (found, without) in found.iter().zip(&without) {
@@ -150,8 +158,8 @@ fn an_effect_of_nothing_has_a_derivative() {
                     "{key}: {} {without}",
                     found.value
                 );
-                assert!(found.partials[0].is_finite(), "{key}");
-                moved = moved.max(f64::from(found.partials[0].abs()));
+                assert!(found.slope.is_finite(), "{key}");
+                moved = moved.max(found.slope.abs());
             }
         }
         // Friction by position may be cut at nothing.

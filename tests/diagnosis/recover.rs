@@ -8,7 +8,7 @@ use identification::experiment::{Channel, Prepared};
 use identification::fit::{Free, Freedom, From, fit};
 use model_core::machine::{Machine, Parameter as P};
 use recording::Signal;
-use simulation::{StartOffset, simulate};
+use simulation::{StartOffset, simulate_f64};
 use virtual_plant::PlantEffect;
 
 use super::bed::{Case, Dice, press, valve_case};
@@ -16,7 +16,7 @@ use super::bed::{Case, Dice, press, valve_case};
 /// The case's recordings with the model's own signals in place of the test bed's, free of noise.
 fn computed(case: &Case, truth: &Machine<f64>) -> Vec<Prepared> {
     let replace = |mut prepared: Prepared| {
-        let computed = simulate::<f64>(truth, &prepared.stimulus, StartOffset::none()).unwrap();
+        let computed = simulate_f64(truth, &prepared.stimulus, StartOffset::none()).unwrap();
         for Channel { signal, recorded, .. } in &mut prepared.channels {
             recorded.clear();
             recorded.extend_from_slice(computed.signal(*signal).unwrap());

@@ -8,7 +8,7 @@ use model_core::drive::Drive;
 use model_core::machine::{Machine, Parameter as P, Source, Tick};
 use recording::excitation::signals::Excitation;
 use recording::{Column, Recording, Signal};
-use simulation::{EntryPoint, Run, StartOffset, Stimulus, computed_below, run, run_abreast};
+use simulation::{EntryPoint, Run, StartOffset, Stimulus, computed_below, rows_f64, run_abreast};
 use system_tests::any_effects::any_effects;
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::drives;
@@ -49,14 +49,14 @@ fn as_alone(machine: &Machine<f64>, tick: Tick, entry: EntryPoint, follows: bool
         let stimulus = if follows { stimulus.following().unwrap_or(stimulus) } else { stimulus };
         (stimulus, StartOffset { level: Some(0.2 + 0.6 * from), shift_m })
     };
-    let stimuli: Vec<(Stimulus, StartOffset<f64>)> = drawn.iter().map(of_drawn).collect();
+    let stimuli: Vec<(Stimulus, StartOffset)> = drawn.iter().map(of_drawn).collect();
     let mut runs: Vec<Run<'_>> = Vec::new();
     let mut expected: Vec<Vec<(usize, Vec<u64>)>> = Vec::new();
     for (index, (stimulus, offset)) in stimuli.iter().enumerate() {
         let signals: Vec<Signal> = computed_below(entry).iter().copied().skip(index % 2).collect();
         let mut series = Vec::new();
-        run::<f64>(machine, stimulus, *offset, |row, sample| {
-            series.push((row, signals.iter().map(|&signal| sample.signal(signal).unwrap().to_bits()).collect()));
+        rows_f64(machine, stimulus, *offset, &mut |row, value| {
+            series.push((row, signals.iter().map(|&signal| value(signal).unwrap().to_bits()).collect()));
         })
         .unwrap();
         runs.push(Run { stimulus, offset: *offset, signals });

@@ -134,7 +134,7 @@ fn a_pump_drives_its_rod_by_speed_and_direction() {
 #[test]
 fn a_state_of_another_number_type_or_version_is_refused() {
     let (fixed, mut float) = (begun(PRESS), Instance::of(Contents::read(resources(PRESS, "float").path()).unwrap()));
-    assert!(matches!(float.restore(&fixed.snapshot()), Err(Refusal::OtherArithmetic)));
+    assert!(matches!(float.restore(&fixed.snapshot()), Err(Refusal::OtherArithmetic(_))));
     let bytes = fixed.snapshot().to_bytes("drive-fmu/0/valve").unwrap();
     let foreign = Snapshot::of_bytes(&fixed.token(), &bytes).unwrap_err().to_string();
     assert!(foreign.starts_with("the serialized state is of \"drive-fmu/0/valve\"; expected"), "{foreign}");

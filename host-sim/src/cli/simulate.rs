@@ -9,7 +9,6 @@ use experiment::standard_tests::StandardTest;
 use identification::compare::judged;
 use machine_file::LoadSource;
 use model_core::machine::{Machine, Source, Tick};
-use model_core::number::{PerUnit, Scalar};
 use recording::excitation::signals::Excitation;
 use recording::files::atomic::Begun;
 use recording::{Column, Format, Recording, Series, Signal};
@@ -84,33 +83,21 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     check_targets(&[("--out", out, RECORDING), ("--plot", arguments.plot.as_deref(), DRAWING)], &read)?;
     let is_text = matches!(Format::of_extension(&arguments.out), Some(Format::Text) | None);
     match &arguments.recording {
-        Some(path) if is_text && arguments.plot.is_none() => match Arithmetic::from(arguments.machine.arithmetic) {
-            Arithmetic::Fixed => in_parts::<PerUnit>(arguments, path, console)?,
-            Arithmetic::Float => in_parts::<f64>(arguments, path, console)?,
-        },
+        Some(path) if is_text && arguments.plot.is_none() => in_parts(arguments, path, console)?,
         _ => at_once(arguments, console)?,
     }
     Ok(Outcome::Done)
 }
 
 /// A recording part by part, each written before the next is read: however long it is, it takes no more memory.
-fn in_parts<N: Scalar<Real = f64>>(
-    arguments: &Arguments,
-    path: &Path,
-    console: &mut Console<'_>,
-) -> Result<(), CliError> {
+fn in_parts(arguments: &Arguments, path: &Path, console: &mut Console<'_>) -> Result<(), CliError> {
     let bar = input::bar(&[path.to_owned()], console, "simulating");
-    let done = each_part::<N>(arguments, path, console, &bar);
+    let done = each_part(arguments, path, console, &bar);
     bar.finish_and_clear();
     done
 }
 
-fn each_part<N: Scalar<Real = f64>>(
-    arguments: &Arguments,
-    path: &Path,
-    console: &mut Console<'_>,
-    bar: &Progress,
-) -> Result<(), CliError> {
+fn each_part(arguments: &Arguments, path: &Path, console: &mut Console<'_>, bar: &Progress) -> Result<(), CliError> {
     let (file, channels) = arguments.machine.read()?;
     // Another handle on the same file tells how far it is read; a pipe does not know.
     let read = OnceCell::new();
@@ -130,7 +117,7 @@ fn each_part<N: Scalar<Real = f64>>(
     let failed = |cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause };
     let entry = first_entry(file.machine.source, &part.recording).map_err(failed)?;
     let tick = arguments.machine.tick().unwrap_or_else(|| natural_tick(&part.recording));
-    let mut onward = Onward::<N>::new(&file.machine, entry, file.load_source, tick);
+    let mut onward = Onward::new(&file.machine, entry, file.load_source, tick, arguments.machine.arithmetic.into());
     let mut out = Target::new(&arguments.out)?;
     loop {
         let advance = onward.part(&part).map_err(failed)?;

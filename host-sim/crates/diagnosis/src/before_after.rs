@@ -9,7 +9,7 @@ use identification::fit::{Fit, StartState, settle};
 use model_core::machine::{Machine, MachineError};
 use recording::Signal;
 use simulation::figures_of_merit::SignalFit;
-use simulation::{Trajectory, simulate};
+use simulation::{Trajectory, simulate_f64};
 
 use crate::diagnose::Diagnosis;
 
@@ -54,8 +54,8 @@ fn show(
     };
     Ok(Shown {
         held_out: starts.is_none(),
-        before: simulate::<f64>(before, &prepared.stimulus, from_before.offset(before, &prepared))?,
-        after: simulate::<f64>(after, &prepared.stimulus, from_after.offset(after, &prepared))?,
+        before: simulate_f64(before, &prepared.stimulus, from_before.offset(before, &prepared))?,
+        after: simulate_f64(after, &prepared.stimulus, from_after.offset(after, &prepared))?,
         prepared,
     })
 }

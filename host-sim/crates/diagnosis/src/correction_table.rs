@@ -16,7 +16,7 @@ use machine_file::LoadSource;
 use model_core::machine::{Machine, Parameter};
 use recording::Signal;
 use simulation::signal::noise::extent;
-use simulation::{EntryPoint, simulate};
+use simulation::{EntryPoint, simulate_f64};
 
 use crate::catalogue::{Scene, Subsystem};
 use crate::localisation::error_shape::Shape;
@@ -359,8 +359,7 @@ impl Seen {
         ];
         let mut seen: Vec<_> = STATES.map(|state| (state, Vec::new())).into();
         for case in cases {
-            let trajectory =
-                simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(machine, case.prepared))?;
+            let trajectory = simulate_f64(machine, &case.prepared.stimulus, case.start.offset(machine, case.prepared))?;
             for (state, values) in &mut seen {
                 let signal = state.signal();
                 let series = trajectory.signal(signal).or_else(|| case.recording.signal(signal));

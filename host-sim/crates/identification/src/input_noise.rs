@@ -9,7 +9,7 @@ use recording::seeded_noise::Noise;
 use recording::{Recording, Signal};
 use simulation::sensor_fault::{MEASURED, Mended};
 use simulation::signal::noise::{noise, resolution};
-use simulation::{SimulateError, StartOffset, Stimulus, Trajectory, simulate};
+use simulation::{SimulateError, StartOffset, Stimulus, Trajectory, simulate_f64};
 
 use crate::experiment::Prepared;
 
@@ -90,7 +90,7 @@ fn signals(case: &Prepared) -> Vec<Signal> {
 }
 
 fn driven(machine: &Machine<f64>, stimulus: &Stimulus) -> Result<Trajectory, MachineError> {
-    simulate::<f64>(machine, stimulus, StartOffset::none())
+    simulate_f64(machine, stimulus, StartOffset::none())
 }
 
 fn disturbed_input(

@@ -1,4 +1,13 @@
-//! TODO.
+//! Recordings of a drive: signals with their units, and the files that they are read from and written to.
+//!
+//! [`Recording`] is what all other crates work on: signals in SI units on one time base. `formats` reads and writes it (text, MAT,
+//! MDF 4, Parquet), [`excitation`] makes input signals, [`files`] writes a file whole or not at all and says where in a source text an
+//! error stands. Nothing here knows a model.
+#![forbid(unsafe_code)]
+#![cfg_attr(
+    not(all(feature = "mat", feature = "mdf4", feature = "parquet")),
+    allow(dead_code, reason = "what the formats share is not all used without one of them")
+)]
 
 pub mod channel_map;
 pub mod display_unit;

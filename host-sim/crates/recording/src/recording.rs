@@ -4,11 +4,6 @@
 //! program every value is in SI units (pump speed in rev/s, temperature in °C, a current command in
 //! mA); header and unit of each column are kept, so that a result goes out as the recording came in.
 
-#![cfg_attr(
-    not(all(feature = "mat", feature = "mdf4", feature = "parquet")),
-    allow(dead_code, reason = "what the formats share is not all used without one of them")
-)]
-
 use std::fmt;
 use std::path::Path;
 

@@ -4,7 +4,7 @@ use model_core::machine::Machine;
 use model_core::number::PerUnit;
 
 use crate::initial_state::StartOffset;
-use crate::run::{Trajectory, simulate_told};
+use crate::run::{Trajectory, simulate};
 use crate::stimulus::{SimulateError, Stimulus};
 
 /// The number type of a simulation.
@@ -24,7 +24,7 @@ impl Arithmetic {
         self,
         machine: &Machine<f64>,
         stimulus: &Stimulus,
-        offset: StartOffset<f64>,
+        offset: StartOffset,
     ) -> Result<Trajectory, SimulateError> {
         self.simulate_told(machine, stimulus, offset, &|_| ())
     }
@@ -34,12 +34,12 @@ impl Arithmetic {
         self,
         machine: &Machine<f64>,
         stimulus: &Stimulus,
-        offset: StartOffset<f64>,
+        offset: StartOffset,
         told: &dyn Fn(usize),
     ) -> Result<Trajectory, SimulateError> {
         Ok(match self {
-            Arithmetic::Fixed => simulate_told::<PerUnit>(machine, stimulus, offset, told)?,
-            Arithmetic::Float => simulate_told::<f64>(machine, stimulus, offset, told)?,
+            Arithmetic::Fixed => simulate::<PerUnit>(machine, stimulus, offset, told)?,
+            Arithmetic::Float => simulate::<f64>(machine, stimulus, offset, told)?,
         })
     }
 }

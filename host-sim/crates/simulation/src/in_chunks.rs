@@ -5,9 +5,10 @@ use std::ops::Range;
 use machine_file::LoadSource;
 use model_core::drive::{Drive, DriveState};
 use model_core::machine::{Machine, Tick};
-use model_core::number::Scalar;
+use model_core::number::{PerUnit, Scalar};
 use recording::Part;
 
+use crate::arithmetic::Arithmetic;
 use crate::grid::Origin;
 use crate::initial_state::{StartOffset, at_start};
 use crate::run::{DELAY_LINE, Trajectory, computed_below, run_on, unbraked};
@@ -24,17 +25,24 @@ const OVERLAP: usize = 1000;
 /// each part by itself: rows in which a sensor failed, and how noisy pressures are that the load balances. A failure that lasts beyond
 /// what two parts have in common is bridged in each as if it were at an end of the recording.
 #[derive(Debug)]
-pub struct Onward<N: Scalar<Real = f64>> {
+pub struct Onward {
     machine: Machine<f64>,
     entry: EntryPoint,
     load: LoadSource,
     tick: Tick,
-    going: Option<Going<N>>,
+    going: Going,
+}
+
+/// Where it has come to, in its number type.
+#[derive(Debug)]
+enum Going {
+    Fixed(Option<Led<PerUnit>>),
+    Float(Option<Led<f64>>),
 }
 
 /// Where the parts before have led.
 #[derive(Debug)]
-struct Going<N: Scalar<Real = f64>> {
+struct Led<N: Scalar<Real = f64>> {
     state: DriveState<N, DELAY_LINE>,
     origin: Origin,
     /// Of the last rows before.
@@ -52,41 +60,71 @@ pub struct Advance {
     pub next_from: usize,
 }
 
-impl<N: Scalar<Real = f64>> Onward<N> {
+impl Onward {
     /// Nothing is simulated yet.
     #[must_use]
-    pub fn new(machine: &Machine<f64>, entry: EntryPoint, load: LoadSource, tick: Tick) -> Self {
-        Self { machine: *machine, entry, load, tick, going: None }
+    pub fn new(
+        machine: &Machine<f64>,
+        entry: EntryPoint,
+        load: LoadSource,
+        tick: Tick,
+        arithmetic: Arithmetic,
+    ) -> Self {
+        let going = match arithmetic {
+            Arithmetic::Fixed => Going::Fixed(None),
+            Arithmetic::Float => Going::Float(None),
+        };
+        Self { machine: *machine, entry, load, tick, going }
     }
 
     /// Simulates the next part: all of it where it is the last, else some rows less than it has.
     pub fn part(&mut self, part: &Part) -> Result<Advance, SimulateError> {
-        let recording = &part.recording;
-        let (origin, mut trajectory) = match &self.going {
-            Some(going) => (going.origin, going.tail.clone()),
+        let Self { machine, entry, load, tick, going } = self;
+        let next = Next { machine, entry: *entry, load: *load, tick: *tick, part };
+        match going {
+            Going::Fixed(led) => next.from(led),
+            Going::Float(led) => next.from(led),
+        }
+    }
+}
+
+/// The part that is simulated next.
+struct Next<'a> {
+    machine: &'a Machine<f64>,
+    entry: EntryPoint,
+    load: LoadSource,
+    tick: Tick,
+    part: &'a Part,
+}
+
+impl Next<'_> {
+    fn from<N: Scalar<Real = f64>>(&self, led: &mut Option<Led<N>>) -> Result<Advance, SimulateError> {
+        let recording = &self.part.recording;
+        let (origin, mut trajectory) = match &led {
+            Some(led) => (led.origin, led.tail.clone()),
             None => (Origin::of(recording), Trajectory::of(computed_below(self.entry), recording.rows())),
         };
         let begun = trajectory.rows();
         let mended = Mended::of(recording);
-        let mut stimulus = Stimulus::from_origin(&mended, &self.machine, self.entry, self.load, self.tick, origin)?;
-        if !part.is_last {
+        let mut stimulus = Stimulus::from_origin(&mended, self.machine, self.entry, self.load, self.tick, origin)?;
+        if !self.part.is_last {
             stimulus.end_at(recording.rows().saturating_sub(OVERLAP).max(1));
         }
         let end = stimulus.rows().max(begun);
-        let machine = unbraked(&self.machine, &stimulus);
+        let machine = unbraked(self.machine, &stimulus);
         let drive = Drive::<N>::new::<DELAY_LINE>(&machine, self.tick)?;
-        let mut state = match self.going.take() {
-            Some(going) => going.state,
-            None => at_start(&drive, &machine, &stimulus.start, StartOffset::none()),
+        let mut state = match led.take() {
+            Some(led) => led.state,
+            None => at_start(&drive, &machine, &stimulus.start, StartOffset::none().lifted()),
         };
-        run_on(&drive, &machine, &stimulus, &mut state, |row, sample| {
+        run_on(&drive, &machine, &stimulus, &mut state, &mut |row, sample| {
             if row >= begun {
                 trajectory.push(|signal| sample.signal(signal));
             }
         });
         let origin = Origin { point: origin.point + stimulus.ticks(), ..origin };
         let next_from = end.saturating_sub(OVERLAP);
-        self.going = Some(Going { state, origin, tail: trajectory.since(next_from) });
+        *led = Some(Led { state, origin, tail: trajectory.since(next_from) });
         Ok(Advance { rows: begun..end, trajectory, next_from })
     }
 }
@@ -97,13 +135,12 @@ mod tests {
     use std::path::Path;
 
     use model_core::machine::{Parameter, Source};
-    use model_core::number::PerUnit;
+
     use recording::formats::format::parts_of;
     use recording::{At, ChannelMap, Note, Parts, Recording, Signal, read_from};
     use test_press::press;
 
     use super::*;
-    use crate::run::simulate;
 
     /// What a recording has beside its time: the column that drives it, and what acts on it all along.
     const DRIVEN: [(EntryPoint, &str); 4] = [
@@ -141,7 +178,7 @@ mod tests {
     }
 
     /// What is simulated in parts and written is what is simulated and written as a whole.
-    fn as_a_whole<N: Scalar<Real = f64>>(text: &str, entry: EntryPoint, tick: Tick) {
+    fn as_a_whole(arithmetic: Arithmetic, text: &str, entry: EntryPoint, tick: Tick) {
         let further = [(Parameter::ViscosityLossPerKelvin, 0.03), (Parameter::CoulombFriction, 300.0)];
         let mut machine = press(&further);
         if entry == EntryPoint::Pump {
@@ -150,13 +187,14 @@ mod tests {
         let whole = read_from("run.csv", text.as_bytes(), &ChannelMap::default()).unwrap();
         let load = LoadSource::Constant;
         let stimulus = Stimulus::new(&whole, &machine, entry, load, tick).unwrap();
-        let simulated = simulate::<N>(&machine, &stimulus, StartOffset::none()).unwrap();
+        let simulated = arithmetic.simulate(&machine, &stimulus, StartOffset::none()).unwrap();
         let position = simulated.signal(Signal::Position).unwrap();
         assert!(position.iter().any(|there| (there - position[0]).abs() > 1e-4), "{entry:?} moves the rod");
         let expected = written(&whole, 0..whole.rows(), &simulated);
 
         for usual_rows in [3500, 5003, 100_000] {
-            let (mut parts, mut onward) = (parts(text, usual_rows), Onward::<N>::new(&machine, entry, load, tick));
+            let (mut parts, mut onward) =
+                (parts(text, usual_rows), Onward::new(&machine, entry, load, tick, arithmetic));
             let (mut found, mut count) = (String::new(), 0);
             while let Some(part) = parts.read_next().unwrap() {
                 let advance = onward.part(&part).unwrap();
@@ -172,12 +210,12 @@ mod tests {
     #[test]
     fn in_parts_a_recording_is_simulated_and_written_as_a_whole() {
         for (entry, driven_by) in DRIVEN {
-            as_a_whole::<f64>(&text(7_000, driven_by, |_| 1e-3), entry, Tick::OneMillisecond);
+            as_a_whole(Arithmetic::Float, &text(7_000, driven_by, |_| 1e-3), entry, Tick::OneMillisecond);
             // Faster than the tick, slower, and uneven with gaps: no row lies on a point but by chance.
-            as_a_whole::<PerUnit>(&text(9_000, driven_by, |_| 2.3e-4), entry, Tick::HalfMillisecond);
-            as_a_whole::<f64>(&text(4_000, driven_by, |_| 7.1e-3), entry, Tick::TwoMilliseconds);
+            as_a_whole(Arithmetic::Fixed, &text(9_000, driven_by, |_| 2.3e-4), entry, Tick::HalfMillisecond);
+            as_a_whole(Arithmetic::Float, &text(4_000, driven_by, |_| 7.1e-3), entry, Tick::TwoMilliseconds);
             let uneven = |row: usize| 1e-4 * (1 + row * 7919 % 23) as f64 + if row % 999 == 500 { 0.25 } else { 0.0 };
-            as_a_whole::<PerUnit>(&text(7_000, driven_by, uneven), entry, Tick::OneMillisecond);
+            as_a_whole(Arithmetic::Fixed, &text(7_000, driven_by, uneven), entry, Tick::OneMillisecond);
         }
     }
 
@@ -188,8 +226,13 @@ mod tests {
             writeln!(text, "{},1", row / 50).unwrap();
         }
         let mut parts = parts(&text, 3_000);
-        let mut onward =
-            Onward::<f64>::new(&press(&[]), EntryPoint::Command, LoadSource::Constant, Tick::OneMillisecond);
+        let mut onward = Onward::new(
+            &press(&[]),
+            EntryPoint::Command,
+            LoadSource::Constant,
+            Tick::OneMillisecond,
+            Arithmetic::Float,
+        );
         let (mut rows, mut notes) = (0, Vec::new());
         while let Some(part) = parts.read_next().unwrap() {
             let advance = onward.part(&part).unwrap();
@@ -218,8 +261,13 @@ mod tests {
     fn a_part_with_fewer_rows_than_two_have_in_common_only_waits_for_more() {
         let text = text(6_000, "command [V]", |_| 1e-3);
         let mut parts = parts(&text, 300);
-        let mut onward =
-            Onward::<f64>::new(&press(&[]), EntryPoint::Command, LoadSource::Constant, Tick::OneMillisecond);
+        let mut onward = Onward::new(
+            &press(&[]),
+            EntryPoint::Command,
+            LoadSource::Constant,
+            Tick::OneMillisecond,
+            Arithmetic::Float,
+        );
         let mut rows = 0;
         while let Some(part) = parts.read_next().unwrap() {
             let advance = onward.part(&part).unwrap();

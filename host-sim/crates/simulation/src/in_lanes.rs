@@ -22,7 +22,7 @@ pub struct Run<'a> {
     /// The recording on the core's grid.
     pub stimulus: &'a Stimulus,
     /// What a fit moved about its start.
-    pub offset: StartOffset<f64>,
+    pub offset: StartOffset,
     /// Signals that are wanted at its rows.
     pub signals: Vec<Signal>,
 }
@@ -59,7 +59,7 @@ pub fn run_abreast(
 
 fn alone(machine: &Machine<f64>, one: &Run<'_>, mut sink: impl FnMut(usize, &[f64])) -> Result<(), MachineError> {
     let mut values = vec![0.0; one.signals.len()];
-    run::<f64>(machine, one.stimulus, one.offset, |row, sample| {
+    run::<f64>(machine, one.stimulus, one.offset.lifted(), &mut |row, sample| {
         for (value, &signal) in values.iter_mut().zip(&one.signals) {
             *value = sample.signal(signal).unwrap_or_default();
         }
@@ -85,7 +85,7 @@ impl<'a> Abreast<'a> {
         let machine = unbraked(machine, stimuli[0]);
         let drive = Drive::<Lanes>::new::<DELAY_LINE>(&machine, stimuli[0].tick)?;
         let departures: [Departure<f64>; LANES] =
-            from_fn(|lane| Departure::of(&machine, drive.bases(), &stimuli[lane].start, of(lane).offset));
+            from_fn(|lane| Departure::of(&machine, drive.bases(), &stimuli[lane].start, of(lane).offset.lifted()));
         let packed = |value: fn(&Departure<f64>) -> f64| Lanes::new(departures.each_ref().map(value));
         let pressures = ChamberState { a: packed(|of| within(of.pressures.a)), b: packed(|of| within(of.pressures.b)) };
         let state = drive.at_rest(packed(|of| f64::saturated(of.command)), pressures, packed(|of| of.strokes));

@@ -10,19 +10,31 @@ use crate::run::{DELAY_LINE, PRESSURE_A, PRESSURE_B, behind};
 
 /// Freedom of a run beyond the recording: what a fit may move about the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StartOffset<R> {
+pub struct StartOffset {
     /// Share of supply pressure in chamber B at rest, where pressures are not recorded; the machine's where it is `None`.
-    pub level: Option<R>,
+    pub level: Option<f64>,
     /// What the rod stands further out than the recording's start, m: less than its sensor resolves.
-    pub shift_m: R,
+    pub shift_m: f64,
 }
 
-impl<R: Real> StartOffset<R> {
+impl StartOffset {
     /// The machine's level, and the position as recorded.
     #[must_use]
-    pub fn none() -> Self {
-        Self { level: None, shift_m: R::ZERO }
+    pub const fn none() -> Self {
+        Self { level: None, shift_m: 0.0 }
     }
+
+    /// The same in the number type of a run.
+    pub(crate) fn lifted<R: Real>(self) -> Offset<R> {
+        Offset { level: self.level.map(R::constant), shift_m: R::constant(self.shift_m) }
+    }
+}
+
+/// A [`StartOffset`] in the number type of a run.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Offset<R> {
+    pub(crate) level: Option<R>,
+    pub(crate) shift_m: R,
 }
 
 /// Pressures at the start where the recording has none: the level in B, and the balance of forces.
@@ -65,7 +77,7 @@ pub(crate) struct Departure<R> {
 }
 
 impl<R: Real> Departure<R> {
-    pub(crate) fn of(machine: &Machine<R>, bases: &Bases, start: &Start, offset: StartOffset<R>) -> Self {
+    pub(crate) fn of(machine: &Machine<R>, bases: &Bases, start: &Start, offset: Offset<R>) -> Self {
         let constant = R::constant;
         let position_m = constant(start.position_m) + offset.shift_m;
         let (a, b) = match start.pressures_pa {
@@ -91,7 +103,7 @@ pub(crate) fn at_start<N: Scalar>(
     drive: &Drive<N>,
     machine: &Machine<N::Real>,
     start: &Start,
-    offset: StartOffset<N::Real>,
+    offset: Offset<N::Real>,
 ) -> DriveState<N, DELAY_LINE> {
     let Departure { command, pressures, strokes } = Departure::of(machine, drive.bases(), start, offset);
     let pressures = ChamberState { a: within(pressures.a), b: within(pressures.b) };

@@ -5,11 +5,11 @@
 
 use model_core::drive::{Drive, DriveState, Entry};
 use model_core::machine::{Machine, MachineError, Parameter};
-use model_core::number::{Field, Number, Real, Scalar};
+use model_core::number::{Field, Number, PerUnit, Real, Scalar};
 use model_core::ports::{ChamberState, Flows, Slider};
 use recording::Signal;
 
-use crate::initial_state::{StartOffset, at_start, within};
+use crate::initial_state::{Offset, StartOffset, at_start, within};
 use crate::outflow::{Below, Edges};
 use crate::stimulus::{EntryPoint, Stimulus};
 
@@ -18,7 +18,7 @@ pub const DELAY_LINE: usize = 512;
 
 /// The chain at one recorded row; each signal is computed when it is asked for.
 #[derive(Clone, Copy, Debug)]
-pub struct Sample<'a, N: Scalar> {
+pub(crate) struct Sample<'a, N: Scalar> {
     drive: &'a Drive<N>,
     machine: &'a Machine<N::Real>,
     stimulus: &'a Stimulus,
@@ -41,7 +41,7 @@ impl<N: Scalar> Sample<'_, N> {
     /// The value of a recorded signal as its sensor reads it, in SI units, if the chain computes it.
     #[must_use]
     #[inline]
-    pub fn signal(&self, signal: Signal) -> Option<N::Real> {
+    pub(crate) fn signal(&self, signal: Signal) -> Option<N::Real> {
         let now = self.at_point(signal)?;
         let Some(Since { before, share }) = self.since else { return Some(now) };
         let (_, before) = before.iter().find(|(known, _)| *known == signal)?;
@@ -191,11 +191,11 @@ impl Rows<'_> {
 }
 
 /// Runs the core over a stimulus and hands each recorded row's sample to `sink`, in order.
-pub fn run<N: Scalar>(
+pub(crate) fn run<N: Scalar>(
     machine: &Machine<N::Real>,
     stimulus: &Stimulus,
-    offset: StartOffset<N::Real>,
-    sink: impl FnMut(usize, &Sample<'_, N>),
+    offset: Offset<N::Real>,
+    sink: &mut dyn FnMut(usize, &Sample<'_, N>),
 ) -> Result<(), MachineError> {
     let machine = &unbraked(machine, stimulus);
     let drive = Drive::<N>::new::<DELAY_LINE>(machine, stimulus.tick)?;
@@ -204,13 +204,24 @@ pub fn run<N: Scalar>(
     Ok(())
 }
 
+/// Simulates in f64 and hands each recorded row to `sink`, in order, with its signals as their sensors read them, SI: each is computed when
+/// it is asked for, and `None` where the chain does not compute it.
+pub fn rows_f64(
+    machine: &Machine<f64>,
+    stimulus: &Stimulus,
+    offset: StartOffset,
+    sink: &mut dyn FnMut(usize, &dyn Fn(Signal) -> Option<f64>),
+) -> Result<(), MachineError> {
+    run::<f64>(machine, stimulus, offset.lifted(), &mut |row, sample| sink(row, &|signal| sample.signal(signal)))
+}
+
 /// The same from a state, which it leaves at the end of the stimulus.
 pub(crate) fn run_on<N: Scalar>(
     drive: &Drive<N>,
     machine: &Machine<N::Real>,
     stimulus: &Stimulus,
     state: &mut DriveState<N, DELAY_LINE>,
-    mut sink: impl FnMut(usize, &Sample<'_, N>),
+    sink: &mut dyn FnMut(usize, &Sample<'_, N>),
 ) {
     let bases = *drive.bases();
     let edges = Edges::of(machine, &bases);
@@ -324,49 +335,56 @@ pub(crate) fn unbraked<R: Real>(machine: &Machine<R>, stimulus: &Stimulus) -> Ma
     machine
 }
 
-/// A whole simulation in a plain number type: fixed point as the controller computes, or `f64`.
+/// A whole simulation in fixed point, as the controller computes.
 ///
 /// ```
 /// use std::path::Path;
 ///
-/// use host_sim::recording::{self, ChannelMap, Signal};
-/// use host_sim::simulate::{StartOffset, Stimulus, first_entry, natural_tick, simulate};
-/// use host_sim::machine_file;
-/// use model_core::number::PerUnit;
+/// use recording::{ChannelMap, Signal};
+/// use simulation::{StartOffset, Stimulus, first_entry, natural_tick, simulate_fixed};
 ///
-/// let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/press-63-40");
+/// let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../examples/press-63-40");
 /// let drive = machine_file::read(&example.join("machine.toml"))?;
 /// let recording = recording::read(&example.join("holdout-1.csv"), &ChannelMap::default())?;
 ///
 /// let entry = first_entry(drive.machine.source, &recording)?; // the command, where it was recorded
 /// let tick = natural_tick(&recording);
 /// let stimulus = Stimulus::new(&recording, &drive.machine, entry, drive.load_source, tick)?;
-/// let simulated = simulate::<PerUnit>(&drive.machine, &stimulus, StartOffset::none())?;
+/// let simulated = simulate_fixed(&drive.machine, &stimulus, StartOffset::none())?;
 ///
 /// let position_m = simulated.signal(Signal::Position).expect("the chain computes it");
 /// assert_eq!(position_m.len(), recording.rows());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn simulate<N: Scalar<Real = f64>>(
+pub fn simulate_fixed(
     machine: &Machine<f64>,
     stimulus: &Stimulus,
-    offset: StartOffset<f64>,
+    offset: StartOffset,
 ) -> Result<Trajectory, MachineError> {
-    simulate_told::<N>(machine, stimulus, offset, &|_| ())
+    simulate::<PerUnit>(machine, stimulus, offset, &|_| ())
+}
+
+/// The same in f64.
+pub fn simulate_f64(
+    machine: &Machine<f64>,
+    stimulus: &Stimulus,
+    offset: StartOffset,
+) -> Result<Trajectory, MachineError> {
+    simulate::<f64>(machine, stimulus, offset, &|_| ())
 }
 
 /// Rows between two reports of a simulation: some milliseconds of work.
 const ROWS_TOLD: usize = 4096;
 
-/// As [`simulate`], and tells after every few thousand rows how many more are done.
-pub fn simulate_told<N: Scalar<Real = f64>>(
+/// A whole simulation; `told` hears after every few thousand rows how many more are done.
+pub(crate) fn simulate<N: Scalar<Real = f64>>(
     machine: &Machine<f64>,
     stimulus: &Stimulus,
-    offset: StartOffset<f64>,
+    offset: StartOffset,
     told: &dyn Fn(usize),
 ) -> Result<Trajectory, MachineError> {
     let mut trajectory = Trajectory::of(computed_below(stimulus.entry), stimulus.rows());
-    run::<N>(machine, stimulus, offset, |row, sample| {
+    run::<N>(machine, stimulus, offset.lifted(), &mut |row, sample| {
         trajectory.push(|signal| sample.signal(signal));
         if (row + 1) % ROWS_TOLD == 0 {
             told(ROWS_TOLD);

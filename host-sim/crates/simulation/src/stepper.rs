@@ -5,9 +5,10 @@
 use model_core::drive::{Drive, DriveState, Entry, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, MachineError, Source, Tick};
-use model_core::number::Scalar;
+use model_core::number::{PerUnit, Scalar};
 use recording::Signal;
 
+use crate::arithmetic::Arithmetic;
 use crate::initial_state::{StartOffset, at_start};
 use crate::recorded_start::Start;
 use crate::run::{DELAY_LINE, reading};
@@ -28,27 +29,101 @@ pub struct Inputs {
     pub oil_temperature_c: f64,
 }
 
-/// A drive and its state.
+/// A drive and its state, in the number type that it was made with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Live(Number);
+
+#[derive(Clone, Debug, PartialEq)]
+enum Number {
+    Fixed(Box<Stepped<PerUnit>>),
+    Float(Box<Stepped<f64>>),
+}
+
+/// A state that is kept, to go on from.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub enum Kept {
+    /// Of a drive in fixed point.
+    Fixed(Box<DriveState<PerUnit, DELAY_LINE>>),
+    /// Of a drive in f64.
+    Float(Box<DriveState<f64, DELAY_LINE>>),
+}
+
+/// A kept state is of another number type than the drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the state is of another number type than the drive")]
+pub struct OtherArithmetic;
+
+impl Live {
+    /// A drive at rest.
+    ///
+    /// # Errors
+    /// The number type does not hold the drive at this tick; the error names the value that does not fit.
+    pub fn new(
+        machine: &Machine<f64>,
+        tick: Tick,
+        start: &Start,
+        arithmetic: Arithmetic,
+    ) -> Result<Self, MachineError> {
+        Ok(Self(match arithmetic {
+            Arithmetic::Fixed => Number::Fixed(Box::new(Stepped::new(machine, tick, start)?)),
+            Arithmetic::Float => Number::Float(Box::new(Stepped::new(machine, tick, start)?)),
+        }))
+    }
+
+    /// One tick, over which the inputs are held.
+    pub fn step(&mut self, inputs: &Inputs) {
+        match &mut self.0 {
+            Number::Fixed(drive) => drive.step(inputs),
+            Number::Float(drive) => drive.step(inputs),
+        }
+    }
+
+    /// The value of a signal as its sensor reads it, SI, if the drive computes it; the flow of a pump under these inputs.
+    #[must_use]
+    pub fn signal(&self, signal: Signal, inputs: &Inputs) -> Option<f64> {
+        match &self.0 {
+            Number::Fixed(drive) => drive.signal(signal, inputs),
+            Number::Float(drive) => drive.signal(signal, inputs),
+        }
+    }
+
+    /// The state, to be kept.
+    #[must_use]
+    pub fn kept(&self) -> Kept {
+        match &self.0 {
+            Number::Fixed(drive) => Kept::Fixed(Box::new(drive.state)),
+            Number::Float(drive) => Kept::Float(Box::new(drive.state)),
+        }
+    }
+
+    /// Goes on from a state that was kept.
+    pub fn restore(&mut self, kept: &Kept) -> Result<(), OtherArithmetic> {
+        match (&mut self.0, kept) {
+            (Number::Fixed(drive), Kept::Fixed(state)) => drive.state = **state,
+            (Number::Float(drive), Kept::Float(state)) => drive.state = **state,
+            _ => return Err(OtherArithmetic),
+        }
+        Ok(())
+    }
+}
+
+/// The same in one number type.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Live<N: Scalar<Real = f64>> {
+struct Stepped<N: Scalar<Real = f64>> {
     machine: Machine<f64>,
     drive: Drive<N>,
     state: DriveState<N, DELAY_LINE>,
 }
 
-impl<N: Scalar<Real = f64>> Live<N> {
-    /// A drive at rest.
-    ///
-    /// # Errors
-    /// The number type does not hold the drive at this tick; the error names the value that does not fit.
-    pub fn new(machine: &Machine<f64>, tick: Tick, start: &Start) -> Result<Self, MachineError> {
+impl<N: Scalar<Real = f64>> Stepped<N> {
+    fn new(machine: &Machine<f64>, tick: Tick, start: &Start) -> Result<Self, MachineError> {
         let drive = Drive::new::<DELAY_LINE>(machine, tick)?;
-        let state = at_start(&drive, machine, start, StartOffset::none());
+        let state = at_start(&drive, machine, start, StartOffset::none().lifted());
         Ok(Self { machine: *machine, drive, state })
     }
 
     /// One tick, over which the inputs are held.
-    pub fn step(&mut self, inputs: &Inputs) {
+    fn step(&mut self, inputs: &Inputs) {
         let bases = *self.drive.bases();
         let load = N::saturated(inputs.load_force_n / bases.force_n);
         let entry = match self.machine.source {
@@ -60,8 +135,7 @@ impl<N: Scalar<Real = f64>> Live<N> {
     }
 
     /// The value of a signal as its sensor reads it, SI, if the drive computes it; the flow of a pump under these inputs.
-    #[must_use]
-    pub fn signal(&self, signal: Signal, inputs: &Inputs) -> Option<f64> {
+    fn signal(&self, signal: Signal, inputs: &Inputs) -> Option<f64> {
         let slider = || self.drive.slider(&self.state);
         let spool = || self.drive.sensed(&self.state).spool;
         let flow_a = || {
@@ -72,17 +146,6 @@ impl<N: Scalar<Real = f64>> Live<N> {
             return None;
         }
         reading(&self.drive, &self.machine, &self.state, signal, spool, flow_a)
-    }
-
-    /// The state, to be kept.
-    #[must_use]
-    pub fn state(&self) -> &DriveState<N, DELAY_LINE> {
-        &self.state
-    }
-
-    /// Goes on from a state that was kept.
-    pub fn restore(&mut self, state: &DriveState<N, DELAY_LINE>) {
-        self.state = *state;
     }
 
     fn pump(&self, inputs: &Inputs) -> PumpDrive<N> {
@@ -98,19 +161,24 @@ impl<N: Scalar<Real = f64>> Live<N> {
 mod tests {
     use machine_file::LoadSource;
     use model_core::machine::Parameter;
-    use model_core::number::PerUnit;
+
     use recording::{Column, Recording};
     use test_press::press;
 
     use super::*;
-    use crate::run::simulate;
+
     use crate::stimulus::{EntryPoint, Stimulus, first_entry};
 
     const TICK: Tick = Tick::OneMillisecond;
     const ROWS: usize = 1500;
 
     /// Every signal of a drive that is driven live is that of a simulation, at every tick.
-    fn as_simulated<N: Scalar<Real = f64>>(machine: &Machine<f64>, inputs: impl Fn(usize) -> Inputs, given: &[Signal]) {
+    fn as_simulated(
+        arithmetic: Arithmetic,
+        machine: &Machine<f64>,
+        inputs: impl Fn(usize) -> Inputs,
+        given: &[Signal],
+    ) {
         let column = |&signal: &Signal| {
             let value = |k: usize| match signal {
                 Signal::Command => inputs(k).command_v,
@@ -127,8 +195,8 @@ mod tests {
         let recording = Recording::new("inputs", always.iter().chain(given).map(column).collect()).unwrap();
         let entry = first_entry(machine.source, &recording).unwrap();
         let stimulus = Stimulus::new(&recording, machine, entry, LoadSource::Constant, TICK).unwrap();
-        let simulated = simulate::<N>(machine, &stimulus, StartOffset::none()).unwrap();
-        let mut live = Live::<N>::new(machine, TICK, &stimulus.start).unwrap();
+        let simulated = arithmetic.simulate(machine, &stimulus, StartOffset::none()).unwrap();
+        let mut live = Live::new(machine, TICK, &stimulus.start, arithmetic).unwrap();
         // After the last row of a recording nothing acts any more: a pump's flow there is none.
         for k in 0..ROWS - 1 {
             for (signal, values) in &simulated.series {
@@ -165,15 +233,15 @@ mod tests {
             ..NOTHING
         };
         let given = [Signal::Command, Signal::LoadForce, Signal::OilTemperature];
-        as_simulated::<f64>(&thinning(), inputs, &given);
-        as_simulated::<PerUnit>(&thinning(), inputs, &given);
+        as_simulated(Arithmetic::Float, &thinning(), inputs, &given);
+        as_simulated(Arithmetic::Fixed, &thinning(), inputs, &given);
     }
 
     #[test]
     fn oil_at_the_machines_reference_is_oil_that_nobody_measures() {
         let inputs = |k: usize| Inputs { command_v: 1e-3 * k as f64, ..NOTHING };
-        as_simulated::<f64>(&thinning(), inputs, &[Signal::Command]);
-        as_simulated::<PerUnit>(&thinning(), inputs, &[Signal::Command]);
+        as_simulated(Arithmetic::Float, &thinning(), inputs, &[Signal::Command]);
+        as_simulated(Arithmetic::Fixed, &thinning(), inputs, &[Signal::Command]);
     }
 
     #[test]
@@ -185,7 +253,7 @@ mod tests {
         }
         let inputs = |_| Inputs { pump_speed_rev_per_s: 20.0, valve_direction: -1.0, ..NOTHING };
         let given = [Signal::PumpSpeed, Signal::ValveDirection];
-        as_simulated::<f64>(&machine, inputs, &given);
-        as_simulated::<PerUnit>(&machine, inputs, &given);
+        as_simulated(Arithmetic::Float, &machine, inputs, &given);
+        as_simulated(Arithmetic::Fixed, &machine, inputs, &given);
     }
 }

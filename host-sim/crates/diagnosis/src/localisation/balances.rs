@@ -20,7 +20,7 @@ use model_core::machine::{Machine, MachineError, Parameter, Source};
 use model_core::ports::ChamberState;
 use recording::Signal;
 use simulation::signal::window::{WINDOW_S, Window, rows_in};
-use simulation::{DELAY_LINE, simulate};
+use simulation::{DELAY_LINE, simulate_f64};
 
 use super::locate::Case;
 
@@ -103,7 +103,7 @@ impl Observed {
     /// Lays a recording out. `case` is entered at the measured slider where there is one; position has to be recorded.
     pub fn of(machine: &Machine<f64>, case: &Case<'_>) -> Result<Option<Self>, MachineError> {
         let prepared = case.prepared;
-        let simulated = simulate::<f64>(machine, &prepared.stimulus, case.start.offset(machine, prepared))?;
+        let simulated = simulate_f64(machine, &prepared.stimulus, case.start.offset(machine, prepared))?;
         let channel = |signal| prepared.channels.iter().find(|channel| channel.signal == signal);
         let Some(position) = channel(Signal::Position) else { return Ok(None) };
         let rows = prepared.time_s.len();

@@ -10,7 +10,7 @@ use model_core::machine::{Machine, MachineError};
 use recording::{Recording, Signal};
 use simulation::signal::spectrum::strongest_line;
 use simulation::signal::window::{rows_in, running_sums};
-use simulation::{Trajectory, simulate};
+use simulation::{Trajectory, simulate_f64};
 
 use super::error_shape::{Shape, State, once, over, periodic, stands_out};
 use super::intervals::{Interval, Series, When, when};
@@ -105,7 +105,7 @@ pub fn locate(sought: &Sought<'_>) -> Result<Location, MachineError> {
     );
     let trajectories = cases
         .iter()
-        .map(|case| simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(machine, case.prepared)))
+        .map(|case| simulate_f64(machine, &case.prepared.stimulus, case.start.offset(machine, case.prepared)))
         .collect::<Result<Vec<_>, _>>()?;
     let oscillating = cases.iter().zip(&trajectories).find_map(|(case, trajectory)| oscillation(case, trajectory));
     let commanded =

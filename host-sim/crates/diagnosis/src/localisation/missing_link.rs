@@ -8,7 +8,7 @@ use machine_file::LoadSource;
 use model_core::machine::{Machine, MachineError, Parameter};
 use recording::{Recording, Signal};
 use simulation::signal::window::{WINDOW_S, Window};
-use simulation::{EntryPoint, simulate};
+use simulation::{EntryPoint, simulate_f64};
 
 use super::balances::{Balance, Coefficients, OF_VALVE, Observed, residuals, slider_residuals};
 use super::lack_patterns::{patterns, wrong_parameters};
@@ -220,7 +220,7 @@ fn valve(machine: &Machine<f64>, cases: &[Case<'_>]) -> Result<Evidence, Machine
         let Some(channel) = case.prepared.channels.iter().find(|channel| channel.signal == Signal::Spool) else {
             continue;
         };
-        let trajectory = simulate::<f64>(machine, &case.prepared.stimulus, case.start.offset(machine, case.prepared))?;
+        let trajectory = simulate_f64(machine, &case.prepared.stimulus, case.start.offset(machine, case.prepared))?;
         let Some(slider) = trajectory.signal(Signal::Spool) else { continue };
         let windows = Window::over(&case.prepared.time_s, WINDOW_S);
         for (window, residual) in windows.iter().zip(slider_residuals(&channel.over_noise(slider), &windows)) {
@@ -272,7 +272,7 @@ mod tests {
         .unwrap();
         let tick = Tick::OneMillisecond;
         let stimulus = Stimulus::new(&driven, &press(), EntryPoint::Command, LoadSource::Constant, tick).unwrap();
-        let trajectory = simulate::<f64>(&press(), &stimulus, StartOffset::none()).unwrap();
+        let trajectory = simulate_f64(&press(), &stimulus, StartOffset::none()).unwrap();
         let mut seed = 5_u32;
         let mut columns = vec![column(Signal::Time, &time_s), column(Signal::Command, &command)];
         for &signal in TRUE {

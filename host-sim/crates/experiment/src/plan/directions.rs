@@ -22,7 +22,7 @@ const TRIED: usize = 8;
 #[derive(Clone, Debug)]
 pub(crate) struct Direction {
     pub(crate) machine: Machine<f64>,
-    pub(crate) offset: StartOffset<f64>,
+    pub(crate) offset: StartOffset,
     pub(crate) times: f64,
 }
 

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use model_core::machine::{Machine, MachineError, Parameter, Tick};
 use recording::Signal;
-use simulation::{StartOffset, run};
+use simulation::{StartOffset, rows_f64};
 
 use super::directions::Directions;
 use super::isolability::Isolability;
@@ -48,8 +48,8 @@ impl Leg {
 fn positions(test: &StandardTest, machine: &Machine<f64>, tick: Tick) -> Result<Vec<f64>, MachineError> {
     let mut found = Vec::new();
     if let Some(stimulus) = test.stimulus(machine, tick) {
-        run::<f64>(machine, &stimulus, StartOffset::none(), |_, sample| {
-            found.extend(sample.signal(Signal::Position));
+        rows_f64(machine, &stimulus, StartOffset::none(), &mut |_, signal| {
+            found.extend(signal(Signal::Position));
         })?;
     }
     Ok(found)

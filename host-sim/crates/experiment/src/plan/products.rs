@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use model_core::machine::{Machine, MachineError};
-use simulation::{StartOffset, Stimulus, run};
+use simulation::{StartOffset, Stimulus, rows_f64};
 
 use super::directions::Direction;
 use crate::sensor::Sensor;
@@ -28,14 +28,14 @@ impl View<'_> {
     }
 
     /// A machine's signals over the noise; every kept row stands for those left out.
-    pub(crate) fn of(&self, machine: &Machine<f64>, offset: StartOffset<f64>) -> Result<Seen, MachineError> {
+    pub(crate) fn of(&self, machine: &Machine<f64>, offset: StartOffset) -> Result<Seen, MachineError> {
         let stride = self.stride();
         let weight = (stride as f64).sqrt();
         let mut series = vec![Vec::new(); self.sensors.len()];
-        run::<f64>(machine, self.stimulus, offset, |row, sample| {
+        rows_f64(machine, self.stimulus, offset, &mut |row, signal| {
             if row.is_multiple_of(stride) {
                 for (sensor, series) in self.sensors.iter().zip(&mut series) {
-                    series.push(sample.signal(sensor.signal).map_or(0.0, |value| weight * value / sensor.noise));
+                    series.push(signal(sensor.signal).map_or(0.0, |value| weight * value / sensor.noise));
                 }
             }
         })?;

@@ -1,7 +1,6 @@
 //! The state that a recording starts from, as far as its sensors leave it open.
 
 use model_core::machine::{Machine, MachineError, Parameter};
-use model_core::number::Real;
 use recording::Signal;
 use simulation::StartOffset;
 
@@ -23,19 +22,19 @@ pub struct StartState {
 impl StartState {
     /// The start of a recording in the simulation's terms, on a machine.
     #[must_use]
-    pub fn offset(&self, machine: &Machine<f64>, case: &Prepared) -> StartOffset<f64> {
+    pub fn offset(&self, machine: &Machine<f64>, case: &Prepared) -> StartOffset {
         StartOffset { level: Some(self.level_on(machine)), shift_m: self.shift * case.start_sigma_m }
     }
 
     /// Share of supply pressure in B at rest, around the machine's: its logit moves, for a hard bound would stop the search at it,
     /// with a slope that is not there.
-    pub(crate) fn level_on<R: Real>(&self, machine: &Machine<R>) -> f64 {
-        let usual = machine.get(Parameter::LevelAtRest).value();
+    pub(crate) fn level_on(&self, machine: &Machine<f64>) -> f64 {
+        let usual = machine.get(Parameter::LevelAtRest);
         at_logit((usual / (1.0 - usual)).ln() + LOGIT_SIGMA * self.level)
     }
 
     /// Derivative of the level by its coordinate.
-    pub(crate) fn level_slope<R: Real>(&self, machine: &Machine<R>) -> f64 {
+    pub(crate) fn level_slope(&self, machine: &Machine<f64>) -> f64 {
         let level = self.level_on(machine);
         LOGIT_SIGMA * level * (1.0 - level)
     }

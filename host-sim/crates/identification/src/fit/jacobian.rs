@@ -2,15 +2,11 @@
 
 use model_core::machine::{Machine, MachineError};
 use recording::Signal;
-use simulation::number::dual::{Dual, single};
-use simulation::{StartOffset, run};
+use simulation::{By, Derivatives};
 
 use super::Free;
 use super::initial_state::{StartState, needs_level};
 use crate::experiment::{Channel, Prepared};
-
-/// Most slots of a dual number here: every free parameter and the level of a start.
-pub(crate) const MOST_SLOTS: usize = 40;
 
 /// The coordinates that slopes are taken at.
 #[derive(Clone, Copy)]
@@ -45,52 +41,36 @@ impl At<'_> {
         case: &Prepared,
         sink: &mut dyn FnMut(&Judged<'_>),
     ) -> Result<(), MachineError> {
-        macro_rules! with_slots {
-            ($($slots:literal)*) => {
-                match self.free.len() + 1 {
-                    $(0..=$slots => self.run::<$slots>(start, case, sink),)*
-                    _ => self.run::<MOST_SLOTS>(start, case, sink),
-                }
-            };
+        let mut machine = *self.base;
+        for (free, &coordinate) in self.free.iter().zip(self.coordinates) {
+            machine.set(free.parameter, free.value(coordinate));
         }
-        with_slots!(4 8 12 16 20 24 28 32)
-    }
-
-    fn run<const P: usize>(
-        &self,
-        start: StartState,
-        case: &Prepared,
-        sink: &mut dyn FnMut(&Judged<'_>),
-    ) -> Result<(), MachineError> {
-        let slots = self.free.len() + 1;
-        let machine = self.machine::<P>();
-        let mut level = Dual::<P>::constant_of(start.level_on(&machine));
-        if needs_level(case) {
-            level.partials[slots - 1] = single(start.level_slope(&machine));
-        }
-        let offset = StartOffset { level: Some(level), shift_m: Dual::constant_of(start.shift * case.start_sigma_m) };
-        run::<Dual<P>>(&machine, &case.stimulus, offset, |row, sample| {
-            for channel in &case.channels {
-                let simulated = if channel.failed[row] { None } else { sample.signal(channel.signal) };
-                sink(&Judged {
-                    row,
-                    channel,
-                    simulated: simulated.map(|simulated| simulated.value),
-                    slopes: simulated.as_ref().map_or(&[], |simulated| &simulated.partials[..slots]),
-                    by_shift: if channel.signal == Signal::Position { case.start_sigma_m } else { 0.0 },
-                });
-            }
+        let by: Vec<By> =
+            self.free.iter().zip(self.coordinates).map(|(free, &coordinate)| by(free, coordinate)).collect();
+        let signals: Vec<Signal> = case.channels.iter().map(|channel| channel.signal).collect();
+        let run = Derivatives {
+            machine: self.base,
+            by: &by,
+            offset: start.offset(&machine, case),
+            level_slope: if needs_level(case) { start.level_slope(&machine) } else { 0.0 },
+            stimulus: &case.stimulus,
+            signals: &signals,
+        };
+        run.run(&mut |row, place, derived| {
+            let channel = &case.channels[place];
+            let derived = derived.filter(|_| !channel.failed[row]);
+            sink(&Judged {
+                row,
+                channel,
+                simulated: derived.map(|(simulated, _)| simulated),
+                slopes: derived.map_or(&[], |(_, slopes)| slopes),
+                by_shift: if channel.signal == Signal::Position { case.start_sigma_m } else { 0.0 },
+            });
         })
     }
+}
 
-    /// The machine whose free parameters carry their slopes.
-    fn machine<const P: usize>(&self) -> Machine<Dual<P>> {
-        let mut machine = self.base.map(Dual::constant_of);
-        for (index, (free, &coordinate)) in self.free.iter().zip(self.coordinates).enumerate() {
-            let mut value = Dual::<P>::constant_of(free.value(coordinate));
-            value.partials[index] = single(free.slope(coordinate));
-            machine.set(free.parameter, value);
-        }
-        machine
-    }
+/// A free parameter at a coordinate.
+fn by(free: &Free, coordinate: f64) -> By {
+    By { parameter: free.parameter, value: free.value(coordinate), slope: free.slope(coordinate) }
 }

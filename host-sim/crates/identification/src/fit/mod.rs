@@ -37,7 +37,7 @@ pub use residuals::{
 pub use sensitivity::{Change, Sensitivity, Settled, Simulated};
 
 /// Most parameters of one fit.
-pub const MOST_PARAMETERS: usize = jacobian::MOST_SLOTS - 1;
+pub const MOST_PARAMETERS: usize = simulation::MOST_PARAMETERS;
 
 /// How a free parameter moves; its own coordinate has a unit normal prior in each case.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,9 +1,8 @@
 use machine_file::LoadSource;
 use model_core::machine::{Machine, Parameter, Tick};
-use model_core::number::PerUnit;
 use recording::{Column, Recording, Signal};
 
-use super::{Trajectory, simulate};
+use super::{Trajectory, simulate_f64, simulate_fixed};
 use crate::initial_state::StartOffset;
 use crate::stimulus::{EntryPoint, Stimulus};
 
@@ -44,7 +43,7 @@ fn run(recording: &Recording, entry: EntryPoint, load: LoadSource) -> Trajectory
 
 fn run_of(machine: &Machine<f64>, recording: &Recording, entry: EntryPoint, load: LoadSource) -> Trajectory {
     let stimulus = Stimulus::new(recording, machine, entry, load, Tick::OneMillisecond).unwrap();
-    simulate::<f64>(machine, &stimulus, StartOffset::none()).unwrap()
+    simulate_f64(machine, &stimulus, StartOffset::none()).unwrap()
 }
 
 /// What sensors without noise would have recorded of a run at 1 kHz, without the command.
@@ -210,8 +209,8 @@ fn fixed_point_follows_float_on_a_recording() {
     let recording = commanded(grid(1e-3, 1200));
     let stimulus =
         Stimulus::new(&recording, &machine, EntryPoint::Command, LoadSource::Constant, Tick::OneMillisecond).unwrap();
-    let fixed = simulate::<PerUnit>(&machine, &stimulus, StartOffset::none()).unwrap();
-    let float = simulate::<f64>(&machine, &stimulus, StartOffset::none()).unwrap();
+    let fixed = simulate_fixed(&machine, &stimulus, StartOffset::none()).unwrap();
+    let float = simulate_f64(&machine, &stimulus, StartOffset::none()).unwrap();
     let of = |trajectory: &Trajectory| trajectory.signal(Signal::Position).unwrap().to_vec();
     assert!(farthest(&of(&fixed), &of(&float)) < 1e-4 * 0.3);
 }
@@ -222,7 +221,7 @@ fn a_supply_that_droops_is_computed_where_the_valve_draws_from_it() {
     machine.set(Parameter::DroopResistance, 1e10);
     let at = |recording: &Recording, entry| {
         let stimulus = Stimulus::new(recording, &machine, entry, LoadSource::Constant, Tick::OneMillisecond).unwrap();
-        simulate::<f64>(&machine, &stimulus, StartOffset::none()).unwrap()
+        simulate_f64(&machine, &stimulus, StartOffset::none()).unwrap()
     };
     let whole = at(&commanded(grid(1e-3, 2000)), EntryPoint::Command);
     let (supply, flow) = (whole.signal(Signal::SupplyPressure).unwrap(), whole.signal(Signal::Flow).unwrap());
@@ -243,7 +242,7 @@ fn a_followed_slider_moves_the_rod_and_the_command_moves_the_valve() {
     let machine = press();
     let stimulus =
         Stimulus::new(&commanded, &machine, EntryPoint::Command, LoadSource::Constant, Tick::OneMillisecond).unwrap();
-    let chain = simulate::<f64>(&machine, &stimulus, StartOffset::none()).unwrap();
+    let chain = simulate_f64(&machine, &stimulus, StartOffset::none()).unwrap();
     assert!(stimulus.following().is_none(), "no slider was recorded");
 
     // Rows in which the sensor fails are bridged.
@@ -259,7 +258,7 @@ fn a_followed_slider_moves_the_rod_and_the_command_moves_the_valve() {
     let following = stimulus.following().unwrap();
     let mut sluggish = machine;
     sluggish.set(Parameter::TimeConstant1, 0.06);
-    let apart = simulate::<f64>(&sluggish, &following, StartOffset::none()).unwrap();
+    let apart = simulate_f64(&sluggish, &following, StartOffset::none()).unwrap();
     let worst = |signal: Signal| {
         let pairs = apart.signal(signal).unwrap().iter().zip(chain.signal(signal).unwrap());
         pairs.map(|(apart, chain)| (apart - chain).abs()).fold(0.0, f64::max)

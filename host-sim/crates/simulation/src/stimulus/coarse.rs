@@ -78,7 +78,7 @@ mod tests {
 
     use super::*;
     use crate::initial_state::StartOffset;
-    use crate::run::{Trajectory, simulate};
+    use crate::run::{Trajectory, simulate_f64};
     use crate::stimulus::EntryPoint;
 
     fn at(times_s: Vec<f64>, tick: Tick, entry: EntryPoint) -> Stimulus {
@@ -98,7 +98,7 @@ mod tests {
 
     fn run(stimulus: &Stimulus) -> Trajectory {
         let machine = press(&[(Parameter::ViscousFriction, 4e4), (Parameter::TimeConstant2, 0.02)]);
-        simulate::<f64>(&machine, stimulus, StartOffset::none()).unwrap()
+        simulate_f64(&machine, stimulus, StartOffset::none()).unwrap()
     }
 
     /// Largest distance of a signal at the kept rows from that at the stimulus' own tick, as a share of its span.

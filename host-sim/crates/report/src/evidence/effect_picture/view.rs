@@ -12,7 +12,7 @@ use model_core::machine::{Machine, MachineError, Parameter, Source, Tick};
 use model_core::ports::ChamberState;
 use recording::{Recording, Signal};
 use simulation::signal::window::Window;
-use simulation::{DELAY_LINE, Trajectory, simulate};
+use simulation::{DELAY_LINE, Trajectory, simulate_f64};
 
 use super::Drives;
 
@@ -99,7 +99,7 @@ pub(crate) fn moments(law: &Law, diagnosis: &Diagnosis, recordings: &[&Recording
         let after = simulated(law, shown, recording, &shown.after);
         let recorded = recorded(shown, &before);
         let start = settle(&law.after, &shown.prepared)?.offset(&law.after, &shown.prepared);
-        let reference = simulate::<f64>(&law.machine, &shown.prepared.stimulus, start)?;
+        let reference = simulate_f64(&law.machine, &shown.prepared.stimulus, start)?;
         let reference = simulated(law, shown, recording, &reference);
         let flows = |view: &View<'_>| ports(law, shown.prepared.stimulus.tick, recording, view);
         let of = |view: &View<'_>| -> Result<Vec<Moment>, MachineError> {

@@ -1,0 +1,89 @@
+//! A simulation with the derivatives of its signals by some parameters, by dual numbers through the core's own equations.
+
+use model_core::machine::{Machine, MachineError, Parameter};
+use recording::Signal;
+
+use crate::initial_state::{Offset, StartOffset};
+use crate::number::dual::{Dual, single};
+use crate::run::run;
+use crate::stimulus::Stimulus;
+
+/// Slots of the largest dual number: every parameter and the level of a start.
+const MOST_SLOTS: usize = 40;
+
+/// Most parameters that one run takes derivatives by.
+pub const MOST_PARAMETERS: usize = MOST_SLOTS - 1;
+
+/// A parameter that derivatives are taken by, through a coordinate of the caller's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct By {
+    /// Which.
+    pub parameter: Parameter,
+    /// Its value, SI.
+    pub value: f64,
+    /// Derivative of the value by the coordinate.
+    pub slope: f64,
+}
+
+/// What is simulated with derivatives.
+#[derive(Clone, Copy, Debug)]
+pub struct Derivatives<'a> {
+    /// Every value that no derivative is taken by.
+    pub machine: &'a Machine<f64>,
+    /// What they are taken by, [`MOST_PARAMETERS`] at most.
+    pub by: &'a [By],
+    /// Where the run starts.
+    pub offset: StartOffset,
+    /// Derivative of the start's level by its coordinate; 0 where the start's pressures are recorded.
+    pub level_slope: f64,
+    /// What drives it.
+    pub stimulus: &'a Stimulus,
+    /// The signals that are wanted.
+    pub signals: &'a [Signal],
+}
+
+/// A signal at one row: its value, SI, and its derivatives by every coordinate and by that of the start's level.
+pub type Derived<'a> = Option<(f64, &'a [f32])>;
+
+impl Derivatives<'_> {
+    /// Runs once and hands every wanted signal to `sink`, row by row, by its place among the wanted; `None` where the chain does not
+    /// compute it. The values are those of an f64 run to the last bit.
+    pub fn run(&self, sink: &mut dyn FnMut(usize, usize, Derived<'_>)) -> Result<(), MachineError> {
+        macro_rules! with_slots {
+            ($($slots:literal)*) => {
+                match self.by.len() + 1 {
+                    $(0..=$slots => self.in_slots::<$slots>(sink),)*
+                    _ => self.in_slots::<MOST_SLOTS>(sink),
+                }
+            };
+        }
+        with_slots!(4 8 12 16 20 24 28 32)
+    }
+
+    fn in_slots<const P: usize>(&self, sink: &mut dyn FnMut(usize, usize, Derived<'_>)) -> Result<(), MachineError> {
+        let slots = self.by.len() + 1;
+        let level = self.offset.level.map(|level| {
+            let mut level = Dual::<P>::constant_of(level);
+            level.partials[slots - 1] = single(self.level_slope);
+            level
+        });
+        let offset = Offset { level, shift_m: Dual::constant_of(self.offset.shift_m) };
+        run::<Dual<P>>(&self.lifted(), self.stimulus, offset, &mut |row, sample| {
+            for (place, &signal) in self.signals.iter().enumerate() {
+                let found = sample.signal(signal);
+                sink(row, place, found.as_ref().map(|found| (found.value, &found.partials[..slots])));
+            }
+        })
+    }
+
+    /// The machine whose parameters carry their derivatives.
+    fn lifted<const P: usize>(&self) -> Machine<Dual<P>> {
+        let mut machine = self.machine.map(Dual::constant_of);
+        for (index, by) in self.by.iter().enumerate() {
+            let mut value = Dual::<P>::constant_of(by.value);
+            value.partials[index] = single(by.slope);
+            machine.set(by.parameter, value);
+        }
+        machine
+    }
+}
