@@ -132,7 +132,8 @@ impl<N: Number> Chambers<N> {
 impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
     /// The chambers at these pressures, with the piston at this position (strokes) and oil of this thinness, where any of
     /// these makes a difference.
-    #[inline]
+    #[cfg_attr(target_os = "none", inline)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn at<V: Vocabulary>(
         &self,
         pressures: ChamberState<N>,
@@ -206,7 +207,8 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
     }
 
     /// What is left of flows that stay in the chambers, as the rod moves at a velocity more.
-    #[inline]
+    #[cfg_attr(target_os = "none", inline)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn beside_rod(&self, net: Flows<N>, velocity: N) -> Flows<N> {
         Flows { a: net.a - velocity, b: net.b + self.displaced_b(velocity) }
     }
@@ -218,7 +220,8 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
     }
 
     /// Flow into A and out of B with the leakage past the piston and out of both chambers.
-    #[inline]
+    #[cfg_attr(target_os = "none", inline)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn inflow<V: Vocabulary>(&self, flows: Flows<N>, pressures: ChamberState<N>) -> Flows<N> {
         let Some(effects) = V::on(self.effects.kept()) else { return flows };
         let leaked = effects.leakage.times(pressures.a - pressures.b);
@@ -243,7 +246,8 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
     /// How far each chamber yields in the implicit step: 1/(1 − γ·h·∂f/∂p).
     ///
     /// Leakage couples the chambers; on the diagonal it counts twice, which over-damps that coupling.
-    #[inline]
+    #[cfg_attr(target_os = "none", inline)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn yielding<V: Vocabulary>(&self, flows: &Flows<Linearised<N>>) -> Flows<N> {
         let Some(effects) = V::on(self.effects.kept()) else {
             let side = |implicit: N, side: &Linearised<N>| {

@@ -38,7 +38,8 @@ pub(crate) struct Metered<'a, N: Number, E = Option<EdgeEffects<N>>> {
 
 impl<'a, N: Number, E: Keeps<EdgeEffects<N>>> Metered<'a, N, E> {
     /// The edges under a slider over one tick.
-    #[inline]
+    #[cfg_attr(target_os = "none", inline)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn new<V: Vocabulary>(edges: &'a Edges<N, E>, slider: Slider<N>) -> Self {
         Self { edges, slider, opened: edges.opened::<V>(slider.to) }
     }

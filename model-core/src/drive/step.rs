@@ -65,7 +65,8 @@ pub(crate) struct Chain<'a, N: Number, C = ChamberEffects<N>, M = MechanicalEffe
 
 impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Chain<'_, N, C, M> {
     /// All links below the valve.
-    #[inline]
+    #[cfg_attr(target_os = "none", inline)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn step<V: Vocabulary, const DELAY: usize>(
         &self,
         state: &mut DriveState<N, DELAY>,
@@ -156,7 +157,8 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Cha
     }
 
     /// The oil at the start of a tick, where it changes.
-    #[inline]
+    #[cfg_attr(target_os = "none", inline)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn oil<V: Vocabulary, const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> Option<Oil<N>> {
         V::on(self.viscosity).map(|viscosity| viscosity.oil(state.warmth, state.oil_temperature))
     }

@@ -135,7 +135,8 @@ impl<N: Number> Edges<N> {
 
 impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
     /// The openings at a slider position.
-    #[inline]
+    #[cfg_attr(target_os = "none", inline)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn opened<V: Vocabulary>(&self, slider: N) -> Opened<N> {
         match V::on(self.effects.kept()) {
             Some(effects) => Opened { way: N::ZERO, four: Some(self.openings(effects, slider)) },
@@ -144,7 +145,8 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
     }
 
     /// Flows with the edges opened so, in a tick that started with these roots.
-    #[inline]
+    #[cfg_attr(target_os = "none", inline)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn flow_with<V: Vocabulary>(
         &self,
         opened: &Opened<N>,

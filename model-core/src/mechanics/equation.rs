@@ -161,7 +161,8 @@ impl<N: Number> Row<N> {
 impl<N: Number> Own<'_, N> {
     /// Of the second stage, at the velocity `there`, after `ahead` of mean velocity in the first, which moved the rod by `moved`
     /// strokes.
-    #[inline]
+    #[cfg_attr(target_os = "none", inline)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn second(&self, there: N, ahead: N, moved: N) -> N {
         let spring = self.resistance.load.map_or(N::ZERO, |load| load.second(self.from_middle, moved));
         spring - self.grip.map_or(N::ZERO, |grip| grip.second(ahead, there))
@@ -170,7 +171,8 @@ impl<N: Number> Own<'_, N> {
 
 impl<N: Number, E: Keeps<MechanicalEffects<N>>> Mechanics<N, E> {
     /// The equation of the mass from where it stands.
-    #[inline]
+    #[cfg_attr(target_os = "none", inline)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn equation<V: Vocabulary>(
         &self,
         state: &MotionState<N>,
@@ -270,7 +272,8 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
     }
 
     /// What acts at the first stage.
-    #[inline]
+    #[cfg_attr(target_os = "none", inline)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn first_stage(&self, contact: Contact<N::Mask>, velocity: N) -> Stage<N> {
         let (pushed, own) = (V::on(self.pushed.as_ref()).copied(), self.own().map(|own| own.start));
         Stage {
@@ -283,7 +286,8 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
     }
 
     /// What acts at the second stage, after the velocity that the first has gained: half of what it changes by.
-    #[inline]
+    #[cfg_attr(target_os = "none", inline)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn second_stage(&self, contact: Contact<N::Mask>, first: &Stage<N>, gained: N) -> Stage<N> {
         let plain = Stage { beside: N::ZERO, stop: None, ..*first };
         if V::PLAIN || plain.sticks.all() {
@@ -322,7 +326,8 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
     }
 
     /// What the first stage gains under a net force.
-    #[inline]
+    #[cfg_attr(target_os = "none", inline)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn first(&self, stage: &Stage<N>, force: N) -> Gained<N> {
         self.first_under(stage, force, None)
     }
@@ -350,7 +355,8 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
     }
 
     /// What the second stage gains under a net force.
-    #[inline]
+    #[cfg_attr(target_os = "none", inline)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn second(&self, stage: &Stage<N>, first: &Gained<N>, force: N) -> N {
         if self.viscous().is_none() {
             return self.second_under(stage, first, force, None);
@@ -360,7 +366,8 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
     }
 
     /// [`Self::first`] held back by what an oil's spring gives.
-    #[inline]
+    #[cfg_attr(target_os = "none", inline)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn first_under(&self, stage: &Stage<N>, force: N, gives: Option<Gives<N>>) -> Gained<N> {
         let velocity = -stage.velocity;
         let either = self.either(stage, force, gives, |row, force, give, _| {
@@ -382,7 +389,8 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
     }
 
     /// What a stage's equation, `solved` for a row, yields for a rod free of the stop and for one that is held, where it touches one.
-    #[inline]
+    #[cfg_attr(target_os = "none", inline)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn either(
         &self,
         stage: &Stage<N>,
@@ -410,7 +418,8 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
     /// Where what a stage gains is held at the end of the format the step is no longer the method's, and no longer stable: two
     /// held stages can throw the rod to and fro for ever. It then goes on where it is pushed to, with a velocity of one half at
     /// most, from where the step is linear.
-    #[inline]
+    #[cfg_attr(target_os = "none", inline)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn finish(
         &self,
         contact: Contact<N::Mask>,

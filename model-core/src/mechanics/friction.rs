@@ -121,7 +121,8 @@ impl<N: Number> Placed<N> {
 
 impl<N: Number> DryFriction<N> {
     /// The levels of a tick, `from_middle` strokes from mid-stroke, with the sum of both pressures on the seals.
-    #[inline]
+    #[cfg_attr(target_os = "none", inline)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn level(&self, from_middle: N, pressed: N) -> Level<N> {
         let mut level = Level { extending: self.extending, retracting: self.retracting, stribeck: self.stribeck };
         if let Some(placed) = &self.placed {

@@ -173,6 +173,8 @@ pub trait Number: Compared + Debug + PartialEq + Add<Output = Self> + Sub<Output
 
     /// A signal times a gain of 0..½.
     #[must_use]
+    #[cfg_attr(target_os = "none", inline)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn small_part(self, of: Self::Gain) -> Self {
         self.part(of)
     }

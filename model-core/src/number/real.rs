@@ -40,14 +40,14 @@ pub trait Field:
     fn sqrt(self) -> Self;
 
     /// Whether it is 0, and would be for any parameter: a dual number of value 0 that has a derivative is not.
-    #[inline]
+    #[inline(always)]
     fn vanishes(self) -> Self::Mask {
         self.equals(Self::ZERO)
     }
 
     /// The number without derivatives that are too small to count, if it has any.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     fn noted(self) -> Self {
         self
     }
@@ -84,38 +84,38 @@ impl<F: Field> Number for F {
     const ZERO: Self = F::ZERO;
     const ONE: Self = F::ONE;
 
-    #[inline]
+    #[inline(always)]
     fn signal(value: F::Real) -> Option<Self> {
         value.value().is_finite().then(|| F::coefficient(value))
     }
-    #[inline]
+    #[inline(always)]
     fn saturated(value: f64) -> Self {
         F::constant(if value.is_nan() { 0.0 } else { value.clamp(f64::MIN, f64::MAX) })
     }
     fn counted(counts: i32) -> Self {
         F::constant(f64::from(counts) / 65536.0)
     }
-    #[inline]
+    #[inline(always)]
     fn to_real(self) -> F {
         self
     }
-    #[inline]
+    #[inline(always)]
     fn gain(value: F::Real) -> Option<F> {
         Self::signal(value)
     }
-    #[inline]
+    #[inline(always)]
     fn steep(value: F::Real) -> Option<F> {
         if value.value() >= 0.0 { Self::signal(value) } else { None }
     }
-    #[inline]
+    #[inline(always)]
     fn times(self, other: Self) -> Self {
         self * other
     }
-    #[inline]
+    #[inline(always)]
     fn of(self, signal: Self) -> Self {
         self * signal
     }
-    #[inline]
+    #[inline(always)]
     fn part(self, of: F) -> Self {
         sum([of], [self])
     }
@@ -124,74 +124,74 @@ impl<F: Field> Number for F {
     fn dot<const K: usize>(gains: [F; K], signals: [Self; K]) -> Self {
         sum(gains, signals)
     }
-    #[inline]
+    #[inline(always)]
     fn accumulated<const K: usize>(self, rest: Self, gains: [F; K], signals: [Self; K]) -> (Self, Self) {
         (self + sum(gains, signals), rest)
     }
-    #[inline]
+    #[inline(always)]
     fn amplified(self, by: F) -> Self {
         self * by
     }
-    #[inline]
+    #[inline(always)]
     fn is_nothing(self) -> Self::Mask {
         self.vanishes()
     }
-    #[inline]
+    #[inline(always)]
     fn halved(self) -> Self {
         self * F::constant(0.5)
     }
-    #[inline]
+    #[inline(always)]
     fn over_power(self, bits: u8) -> Self {
         self * F::constant(1.0 / (1_u64 << bits) as f64)
     }
-    #[inline]
+    #[inline(always)]
     fn orifice_root(self, transition: Self) -> (Self, F) {
         let hypotenuse = (self * self + transition * transition).sqrt();
         let chord = F::ONE / hypotenuse.sqrt();
         (self * chord, chord)
     }
-    #[inline]
+    #[inline(always)]
     fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [F; K]) -> Self {
         F::ONE / (F::ONE + sum(weights, steep))
     }
-    #[inline]
+    #[inline(always)]
     fn inverse_one_plus_product(gain: F, signal: Self) -> Self {
         F::ONE / (F::ONE + sum([gain], [signal]))
     }
-    #[inline]
+    #[inline(always)]
     fn share<const K: usize>(part: Self, weights: [Self; K], steep: [F; K]) -> Self {
         let whole = part + sum(weights, steep);
         Self::choose(whole.above(F::constant(NOTHING)), || part / whole, || F::ZERO)
     }
-    #[inline]
+    #[inline(always)]
     fn as_gain(self) -> F {
         self
     }
-    #[inline]
+    #[inline(always)]
     fn scaled(gain: F, share: Self) -> F {
         sum([gain], [share])
     }
-    #[inline]
+    #[inline(always)]
     fn of_gain(gain: F) -> Self {
         gain
     }
-    #[inline]
+    #[inline(always)]
     fn travel(strokes: F::Real) -> F {
         F::coefficient(strokes)
     }
-    #[inline]
+    #[inline(always)]
     fn as_travel(self) -> F {
         self
     }
-    #[inline]
+    #[inline(always)]
     fn travelled<const K: usize>(from: F, gains: [F; K], signals: [Self; K]) -> F {
         from + sum(gains, signals)
     }
-    #[inline]
+    #[inline(always)]
     fn of_travel(travel: F) -> F {
         travel
     }
-    #[inline]
+    #[inline(always)]
     fn strokes(travel: F) -> F {
         travel
     }
@@ -214,15 +214,15 @@ impl Field for f64 {
     const ZERO: Self = 0.0;
     const ONE: Self = 1.0;
 
-    #[inline]
+    #[inline(always)]
     fn constant(value: f64) -> Self {
         value
     }
-    #[inline]
+    #[inline(always)]
     fn coefficient(value: f64) -> Self {
         value
     }
-    #[inline]
+    #[inline(always)]
     fn sqrt(self) -> Self {
         // Correctly rounded both ways, so the feature does not change a result.
         #[cfg(feature = "std")]
@@ -233,11 +233,11 @@ impl Field for f64 {
 }
 
 impl Real for f64 {
-    #[inline]
+    #[inline(always)]
     fn value(self) -> f64 {
         self
     }
-    #[inline]
+    #[inline(always)]
     fn is_nil(self) -> bool {
         self == 0.0
     }

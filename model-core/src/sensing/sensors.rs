@@ -134,7 +134,8 @@ impl<N: Number> Sensors<N> {
     }
 
     /// What the sensors read.
-    #[inline]
+    #[cfg_attr(target_os = "none", inline)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn read<const DELAY: usize>(
         &self,
         state: &SensedState<N, DELAY>,

@@ -143,7 +143,8 @@ impl<N: Number, E: Keeps<ValveEffects<N>>> Valve<N, E> {
 
 impl<N: Number, E> Valve<N, E> {
     /// Both lags a tick later, relaxing towards `set`; `cross` is what the first hands to the second meanwhile.
-    #[inline]
+    #[cfg_attr(target_os = "none", inline)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn lagged(&self, first: N, second: N, set: N) -> (N, N) {
         let (first, second) = (first - set, second - set);
         (set + first.part(self.decay_1), set + N::dot([self.decay_2, self.cross], [second, first]))

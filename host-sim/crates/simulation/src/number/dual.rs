@@ -41,14 +41,14 @@ impl<const P: usize> Dual<P> {
     }
 
     /// f(self) by its value and slope.
-    #[inline]
+    #[inline(always)]
     fn chain(self, value: f64, slope: f64) -> Self {
         let slope = single(slope);
         Self { value, partials: self.partials.map(|partial| partial * slope) }
     }
 
     /// Σ of two duals' partials, each with its weight.
-    #[inline]
+    #[inline(always)]
     fn combine(value: f64, a: &Self, weight_a: f64, b: &Self, weight_b: f64) -> Self {
         let (weight_a, weight_b) = (single(weight_a), single(weight_b));
         Self { value, partials: std::array::from_fn(|i| a.partials[i] * weight_a + b.partials[i] * weight_b) }
@@ -62,21 +62,21 @@ impl<const P: usize> Dual<P> {
 const NONE_BELOW: f32 = 1e-30;
 
 /// A slope in single precision.
-#[inline]
+#[inline(always)]
 #[expect(clippy::cast_possible_truncation, reason = "derivatives are single precision")]
 pub fn single(slope: f64) -> f32 {
     slope as f32
 }
 
 impl<const P: usize> PartialEq for Dual<P> {
-    #[inline]
+    #[inline(always)]
     fn eq(&self, other: &Self) -> bool {
         self.value == other.value
     }
 }
 
 impl<const P: usize> PartialOrd for Dual<P> {
-    #[inline]
+    #[inline(always)]
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         self.value.partial_cmp(&other.value)
     }
@@ -84,7 +84,7 @@ impl<const P: usize> PartialOrd for Dual<P> {
 
 impl<const P: usize> Add for Dual<P> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn add(self, other: Self) -> Self {
         Self {
             value: self.value + other.value,
@@ -95,7 +95,7 @@ impl<const P: usize> Add for Dual<P> {
 
 impl<const P: usize> Sub for Dual<P> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn sub(self, other: Self) -> Self {
         Self {
             value: self.value - other.value,
@@ -106,7 +106,7 @@ impl<const P: usize> Sub for Dual<P> {
 
 impl<const P: usize> Mul for Dual<P> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn mul(self, other: Self) -> Self {
         Self::combine(self.value * other.value, &self, other.value, &other, self.value)
     }
@@ -114,7 +114,7 @@ impl<const P: usize> Mul for Dual<P> {
 
 impl<const P: usize> Div for Dual<P> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn div(self, other: Self) -> Self {
         // Not by the inverse: the value must be that of an f64 run to the last bit.
         let value = self.value / other.value;
@@ -125,7 +125,7 @@ impl<const P: usize> Div for Dual<P> {
 
 impl<const P: usize> Neg for Dual<P> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn neg(self) -> Self {
         self.chain(-self.value, -1.0)
     }
@@ -137,24 +137,24 @@ impl<const P: usize> Field for Dual<P> {
     const ZERO: Self = Self { value: 0.0, partials: [0.0; P] };
     const ONE: Self = Self { value: 1.0, partials: [0.0; P] };
 
-    #[inline]
+    #[inline(always)]
     fn constant(value: f64) -> Self {
         Self::constant_of(value)
     }
-    #[inline]
+    #[inline(always)]
     fn coefficient(value: Self) -> Self {
         value
     }
-    #[inline]
+    #[inline(always)]
     fn sqrt(self) -> Self {
         let root = self.value.sqrt();
         self.chain(root, 0.5 / root)
     }
-    #[inline]
+    #[inline(always)]
     fn vanishes(self) -> bool {
         self.is_nil()
     }
-    #[inline]
+    #[inline(always)]
     fn noted(self) -> Self {
         let noted = |slope: f32| if slope.abs() < NONE_BELOW { 0.0 } else { slope };
         Self { partials: self.partials.map(noted), ..self }
@@ -162,7 +162,7 @@ impl<const P: usize> Field for Dual<P> {
 }
 
 impl<const P: usize> Real for Dual<P> {
-    #[inline]
+    #[inline(always)]
     fn value(self) -> f64 {
         self.value
     }

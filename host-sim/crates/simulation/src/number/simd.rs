@@ -22,14 +22,14 @@ pub struct LaneMask(f64x4);
 
 impl Lanes {
     /// One signal of each.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn new(values: [f64; LANES]) -> Self {
         Self(f64x4::new(values))
     }
 
     /// Each.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn values(self) -> [f64; LANES] {
         self.0.to_array()
@@ -38,7 +38,7 @@ impl Lanes {
 
 impl Add for Lanes {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn add(self, other: Self) -> Self {
         Self(self.0 + other.0)
     }
@@ -46,7 +46,7 @@ impl Add for Lanes {
 
 impl Sub for Lanes {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn sub(self, other: Self) -> Self {
         Self(self.0 - other.0)
     }
@@ -54,7 +54,7 @@ impl Sub for Lanes {
 
 impl Mul for Lanes {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn mul(self, other: Self) -> Self {
         Self(self.0 * other.0)
     }
@@ -62,7 +62,7 @@ impl Mul for Lanes {
 
 impl Div for Lanes {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn div(self, other: Self) -> Self {
         Self(self.0 / other.0)
     }
@@ -70,7 +70,7 @@ impl Div for Lanes {
 
 impl Neg for Lanes {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn neg(self) -> Self {
         Self(-self.0)
     }
@@ -84,7 +84,7 @@ impl PartialEq for LaneMask {
 
 impl BitAnd for LaneMask {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn bitand(self, other: Self) -> Self {
         Self(self.0 & other.0)
     }
@@ -92,7 +92,7 @@ impl BitAnd for LaneMask {
 
 impl BitOr for LaneMask {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn bitor(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
@@ -100,7 +100,7 @@ impl BitOr for LaneMask {
 
 impl BitXor for LaneMask {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn bitxor(self, other: Self) -> Self {
         Self(self.0 ^ other.0)
     }
@@ -108,7 +108,7 @@ impl BitXor for LaneMask {
 
 impl Not for LaneMask {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn not(self) -> Self {
         Self(!self.0)
     }
@@ -117,11 +117,11 @@ impl Not for LaneMask {
 impl Mask for LaneMask {
     const NONE: Self = Self(f64x4::ZERO);
 
-    #[inline]
+    #[inline(always)]
     fn all(self) -> bool {
         self.0.all()
     }
-    #[inline]
+    #[inline(always)]
     fn any(self) -> bool {
         self.0.any()
     }
@@ -130,26 +130,26 @@ impl Mask for LaneMask {
 impl Compared for Lanes {
     type Mask = LaneMask;
 
-    #[inline]
+    #[inline(always)]
     fn above(self, other: Self) -> LaneMask {
         LaneMask(self.0.simd_gt(other.0))
     }
-    #[inline]
+    #[inline(always)]
     fn equals(self, other: Self) -> LaneMask {
         LaneMask(self.0.simd_eq(other.0))
     }
-    #[inline]
+    #[inline(always)]
     fn pick(of: LaneMask, yes: Self, no: Self) -> Self {
         Self(of.0.select(yes.0, no.0))
     }
     // One instruction each there, to the bit what `pick` gives: of two that are equal or no numbers, the second operand.
     #[cfg(target_arch = "x86_64")]
-    #[inline]
+    #[inline(always)]
     fn larger(self, other: Self) -> Self {
         Self(other.0.fast_max(self.0))
     }
     #[cfg(target_arch = "x86_64")]
-    #[inline]
+    #[inline(always)]
     fn smaller(self, other: Self) -> Self {
         Self(other.0.fast_min(self.0))
     }
@@ -161,15 +161,15 @@ impl Field for Lanes {
     const ZERO: Self = Self(f64x4::ZERO);
     const ONE: Self = Self(f64x4::ONE);
 
-    #[inline]
+    #[inline(always)]
     fn constant(value: f64) -> Self {
         Self(f64x4::splat(value))
     }
-    #[inline]
+    #[inline(always)]
     fn coefficient(value: f64) -> Self {
         Self::constant(value)
     }
-    #[inline]
+    #[inline(always)]
     fn sqrt(self) -> Self {
         Self(self.0.sqrt())
     }
