@@ -5,4 +5,5 @@
 
 pub mod cli;
 pub mod frames;
+#[cfg(feature = "virtual-plant")]
 pub mod paper;

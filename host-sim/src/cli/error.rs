@@ -18,10 +18,12 @@ use recording::files::atomic;
 use recording::files::source_error::{self, Explained};
 use recording::{MapError, RecordingError};
 use simulation::SimulateError;
+#[cfg(feature = "virtual-plant")]
 use virtual_plant::{LinkageError, PlantError};
 
 use super::command_line::{CommandLine, Mistyped, Part, split};
 use crate::frames::ImportError;
+#[cfg(feature = "virtual-plant")]
 use crate::paper::PaperError;
 
 /// Why a command could not be done.
@@ -165,10 +167,21 @@ pub enum CliError {
     /// A sensor given as text.
     #[error("--sensors: {0}")]
     Sensor(#[from] SensorError),
+    /// A command of the virtual plant in a program without it.
+    #[cfg(not(feature = "virtual-plant"))]
+    #[error(
+        "{command}: this program was built without the virtual plant; expected one built by `cargo build --release --features virtual-plant`"
+    )]
+    WithoutPlant {
+        /// The command.
+        command: &'static str,
+    },
     /// The paper's experiment.
+    #[cfg(feature = "virtual-plant")]
     #[error(transparent)]
     Paper(#[from] PaperError),
     /// The virtual drive.
+    #[cfg(feature = "virtual-plant")]
     #[error("{excitation}: {cause}")]
     Plant {
         /// What it was excited with.
@@ -177,6 +190,7 @@ pub enum CliError {
         cause: PlantError,
     },
     /// The encoder's linkage.
+    #[cfg(feature = "virtual-plant")]
     #[error("{machine}: {cause}; --position-step measures at the rod instead")]
     Linkage {
         /// The machine file.

@@ -9,7 +9,8 @@ pub mod compare;
 pub mod completions;
 mod console;
 pub mod diagnose;
-pub mod draw;
+#[cfg(feature = "virtual-plant")]
+mod draw;
 mod ending;
 mod error;
 pub mod export;
@@ -19,11 +20,14 @@ pub mod init;
 mod input;
 pub mod inspect;
 mod interrupt;
+#[cfg(feature = "virtual-plant")]
 pub mod paper;
 pub mod plan;
+mod plant;
 pub mod simulate;
 pub mod statics;
 mod target;
+#[cfg(feature = "virtual-plant")]
 pub mod testbed;
 
 use std::io::Write;
@@ -84,9 +88,9 @@ pub enum Command {
     /// Say before recording which effects could be seen and told apart, and lay out the excitation that separates most.
     Plan(plan::Arguments),
     /// Repeat the paper's experiment on a virtual test bed and print its tables.
-    Paper(paper::Arguments),
+    Paper(plant::PaperArguments),
     /// Make synthetic recordings of a drive, with effects that its machine file knows nothing of.
-    Testbed(testbed::Arguments),
+    Testbed(plant::TestbedArguments),
     /// Write a drive, effects included, as constants for firmware (Rust, C99) or as an FMU for other tools.
     Export(export::Arguments),
     /// Turn what the firmware's recorder streamed out into a recording.
@@ -115,8 +119,8 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<Outcome, CliE
         Command::Diagnose(arguments) => diagnose::run(arguments, console),
         Command::Statics(arguments) => statics::run(arguments, console),
         Command::Plan(arguments) => plan::run(arguments, console),
-        Command::Paper(arguments) => paper::run(arguments, console),
-        Command::Testbed(arguments) => testbed::run(arguments, console),
+        Command::Paper(arguments) => plant::paper(arguments, console),
+        Command::Testbed(arguments) => plant::testbed(arguments, console),
         Command::Export(arguments) => export::run(arguments, console),
         Command::Import(arguments) => import::run(arguments, console),
         Command::Completions(arguments) => completions::run(arguments, console),

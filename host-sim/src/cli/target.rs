@@ -56,6 +56,7 @@ pub(crate) fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError
 }
 
 /// Writes files that belong together: the first takes its name when all of them are on disk.
+#[cfg(feature = "virtual-plant")]
 pub(crate) fn write_together(files: &[(PathBuf, String)]) -> Result<(), CliError> {
     let whole = files.iter().map(|(path, text)| {
         let on_disk = || {
@@ -77,6 +78,7 @@ pub(crate) fn write_or_print(path: &Path, text: &str, console: &mut Console<'_>)
 }
 
 /// Checks that files could be written now into this folder, or into one that is made there. Nothing is left there.
+#[cfg(feature = "virtual-plant")]
 pub(crate) fn check_folder(folder: &Path) -> Result<(), CliError> {
     // The empty path stands for where the program runs.
     let is_there = |place: &&Path| place.as_os_str().is_empty() || place.exists();
@@ -85,6 +87,7 @@ pub(crate) fn check_folder(folder: &Path) -> Result<(), CliError> {
 }
 
 /// Makes a folder and those above it, where they are not there.
+#[cfg(feature = "virtual-plant")]
 pub(crate) fn make_folder(folder: &Path) -> Result<(), CliError> {
     fs::create_dir_all(folder).map_err(unwritten(folder))
 }

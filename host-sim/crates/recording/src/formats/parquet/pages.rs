@@ -15,6 +15,7 @@ use parquet::column::page::{Page, PageMetadata, PageReader};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::ColumnChunkMetaData;
 use parquet::file::serialized_reader::SerializedPageReader;
+use ruzstd::decoding::StreamingDecoder;
 
 /// The pages of a column of numbers in a group of rows, unpacked as far as all of the column may be; and no dictionary of more values than its page has room for:
 /// of the values that one says it has, the library makes room for all before it reads the first, and a file of half a kilobyte may say 16 GiB.
@@ -123,14 +124,24 @@ fn append(packing: Compression, packed: &[u8], most: usize, into: &mut Vec<u8>) 
         // Of a page without values.
         _ if packed.is_empty() => Ok(()),
         Compression::GZIP(_) => append_all(MultiGzDecoder::new(packed), most, into),
-        Compression::ZSTD(_) => append_all(zstd::Decoder::with_buffer(packed)?, most, into),
+        Compression::ZSTD(_) => append_zstd(packed, most, into),
         Compression::SNAPPY => append_snappy(packed, most, into),
         Compression::LZ4_RAW => append_lz4(packed, most, into),
         other => Err(ParquetError::NYI(other.to_string())),
     }
 }
 
-/// All that comes out, piece by piece. zstd keeps up to 128 MiB of it besides: a page that asks for more is refused.
+/// Frame by frame; the decoder keeps up to 100 MiB besides: a frame that asks for more is refused.
+fn append_zstd(packed: &[u8], most: usize, into: &mut Vec<u8>) -> Result<(), ParquetError> {
+    let (mut rest, start) = (packed, into.len());
+    while !rest.is_empty() {
+        let frame = StreamingDecoder::new(&mut rest).map_err(|error| ParquetError::External(Box::new(error)))?;
+        append_all(frame, most - (into.len() - start), into)?;
+    }
+    Ok(())
+}
+
+/// All that comes out, piece by piece.
 fn append_all(source: impl Read, most: usize, into: &mut Vec<u8>) -> Result<(), ParquetError> {
     // A byte more shows that there is more.
     let length = source.take(most as u64 + 1).read_to_end(into)?;
@@ -198,7 +209,9 @@ mod tests {
                 encoder.write_all(plain).unwrap();
                 encoder.finish().unwrap()
             }
-            Compression::ZSTD(_) => zstd::encode_all(plain, 1).unwrap(),
+            Compression::ZSTD(_) => {
+                ruzstd::encoding::compress_to_vec(plain, ruzstd::encoding::CompressionLevel::Fastest)
+            }
             Compression::LZ4_RAW => lz4_flex::block::compress(plain),
             other => panic!("{other}"),
         }
