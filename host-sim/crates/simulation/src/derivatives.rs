@@ -57,7 +57,7 @@ impl Derivatives<'_> {
                 }
             };
         }
-        with_slots!(12 20 28)
+        with_slots!(12 16 24 32)
     }
 
     fn in_slots<const P: usize>(&self, sink: &mut dyn FnMut(usize, usize, Derived<'_>)) -> Result<(), MachineError> {
