@@ -6,9 +6,10 @@
 //! With entrained air or volumes that follow the piston, c is that of the tick's start, see `capacity`.
 
 use crate::capacity::Capacity;
+use crate::cavitation::{Cavitation, Crossing, Voids};
 use crate::flow::{Flows, Linearised};
 use crate::number::Number;
-use crate::vocabulary::{Keeps, LinkEffects, Vocabulary};
+use crate::vocabulary::{Effects, Keeps, LinkEffects, Vocabulary};
 
 /// Coefficients of both chambers at one tick, with those of their effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +40,8 @@ pub struct ChamberEffects<N: Number> {
     pub(crate) external: Option<ExternalLeakage<N>>,
     /// What makes the chambers softer than they are here.
     pub(crate) capacity: Option<Capacity<N>>,
+    /// What keeps their pressures above a floor.
+    pub(crate) cavitation: Option<Cavitation<N>>,
 }
 
 /// Laminar leakage out of both chambers: flow per pressure above tank, in the thinnest oil.
@@ -117,7 +120,7 @@ impl<N: Number> ChamberEffects<N> {
 
     /// Whether no effect is on.
     pub(crate) fn are_off(&self) -> bool {
-        self.leakage == N::ZERO && !self.leaks_fast && self.external.is_none() && self.capacity.is_none()
+        self.leakage == N::ZERO && !self.leaks_fast && self.external.is_none() && self.capacity.is_none() && self.cavitation.is_none()
     }
 }
 
@@ -126,20 +129,23 @@ impl<N: Number> Chambers<N> {
     /// the volume balance (11), at the capacity of the tick's start.
     ///
     /// `rest` is what rounding left of both pressures, for [`Number::accumulated`]: a flow that raises a pressure by less than
-    /// half a step a tick still fills the chamber.
+    /// half a step a tick still fills the chamber. `voids` grow where oil would have to pull, with `cavitation`.
     #[inline]
     pub fn step(
         &self,
         state: &mut ChamberState<N>,
         rest: &mut ChamberState<N>,
+        voids: &mut Voids<N>,
         flows: Flows<N>,
         velocity: N,
         position: N,
     ) {
         match &self.effects.capacity {
-            None => self.fill(state, rest, flows, velocity),
-            Some(capacity) => self.filled(capacity, *state, position).fill(state, rest, flows, velocity),
-        }
+            None => self.fill::<Effects>(state, rest, voids, flows, velocity),
+            Some(capacity) => {
+                self.filled(capacity, *state, position).fill::<Effects>(state, rest, voids, flows, velocity)
+            }
+        };
     }
 }
 
@@ -169,7 +175,12 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
 
     #[inline]
     fn filled(&self, capacity: &Capacity<N>, pressures: ChamberState<N>, position: N) -> Self {
-        let shares = capacity.shares(pressures, position);
+        self.softened(capacity.shares(pressures, position))
+    }
+
+    /// The chambers with shares, 0..1, of their stiffness.
+    #[inline]
+    pub(crate) fn softened(&self, shares: Flows<N>) -> Self {
         let [ahead_a, ahead_b] = self.ahead;
         Self {
             stiffness_a: N::scaled(self.stiffness_a, shares.a),
@@ -180,13 +191,33 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
         }
     }
 
-    /// Takes in a tick's mean flows.
+    /// Takes in a tick's mean flows; of chambers that may cavitate it tells which did, or ceased to.
     #[inline(always)]
     #[expect(clippy::inline_always, reason = "a call with everything in memory is half of what it computes")]
-    pub(crate) fn fill(&self, state: &mut ChamberState<N>, rest: &mut ChamberState<N>, flows: Flows<N>, velocity: N) {
+    pub(crate) fn fill<V: Vocabulary>(
+        &self,
+        state: &mut ChamberState<N>,
+        rest: &mut ChamberState<N>,
+        voids: &mut Voids<N>,
+        flows: Flows<N>,
+        velocity: N,
+    ) -> Option<Flows<Crossing<N>>> {
         let net = Flows { a: flows.a - velocity, b: self.displaced_b(velocity) - flows.b };
+        if let Some(cavitation) = self.cavitation::<V>() {
+            return Some(Flows {
+                a: cavitation.take(self.stiffness_a, &mut state.a, &mut rest.a, &mut voids.a, net.a),
+                b: cavitation.take(self.stiffness_b, &mut state.b, &mut rest.b, &mut voids.b, net.b),
+            });
+        }
         (state.a, rest.a) = state.a.accumulated(rest.a, [self.stiffness_a], [net.a]);
         (state.b, rest.b) = state.b.accumulated(rest.b, [self.stiffness_b], [net.b]);
+        None
+    }
+
+    /// What keeps the pressures above a floor, where anything does.
+    #[inline]
+    pub(crate) fn cavitation<V: Vocabulary>(&self) -> Option<&Cavitation<N>> {
+        V::on(self.effects.kept()).and_then(|effects| effects.cavitation.as_ref())
     }
 
     /// Mean flows of a tick at the ports, of which the rod did not make room for `beyond`: each chamber takes of that what it yields to.

@@ -2,6 +2,7 @@
 //!
 //! The valve goes first; how the links below it are solved together is in `chain`.
 
+use crate::cavitation::Voids;
 use crate::chain::{Chain, StageWeights};
 use crate::chambers::{ChamberState, Chambers};
 use crate::feed::{AnyFeed, Metered};
@@ -61,6 +62,8 @@ pub struct DriveState<N: Number, const DELAY: usize = 64> {
     pub chambers: ChamberState<N>,
     /// What rounding left of the chamber pressures, below their step.
     pub rest: ChamberState<N>,
+    /// What of both chambers is void, with `cavitation`.
+    pub voids: Voids<N>,
     /// Velocity and position.
     pub motion: MotionState<N>,
     /// Supply pressure; constant but for `supply-droop`.
@@ -148,6 +151,7 @@ impl<N: Number, const DELAY: usize> DriveState<N, DELAY> {
             valve,
             chambers: pressures,
             rest: ChamberState { a: N::ZERO, b: N::ZERO },
+            voids: ChamberState { a: N::ZERO.as_travel(), b: N::ZERO.as_travel() },
             motion: MotionState::at_rest(position),
             supply,
             sensed: SensedState::at_rest(position),

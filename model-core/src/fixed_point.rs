@@ -19,7 +19,7 @@ use core::ops::{Add, Neg, Sub};
 
 use fixed::types::{I4F28, I8F56, U16F16};
 
-use crate::number::Number;
+use crate::number::{Number, SUM_BITS};
 use crate::roots::{InverseFourthRoot, reciprocal_of_one_plus, reciprocal_of_one_plus_fine, share_of};
 
 /// A signal on the controller: per unit, `I4F28`, range ±8, step 2⁻²⁸. Sums saturate.
@@ -313,6 +313,19 @@ impl Number for PerUnit {
         let (lower, carry) = lower.overflowing_add(below);
         let upper = upper.saturating_add(more.wrapping_add(i32::from(carry)));
         I8F56::from_bits(i64::from(upper) << 32 | i64::from(lower))
+    }
+    #[inline]
+    fn summed(sum: I8F56, more: Self) -> I8F56 {
+        const LESS: u32 = FRACTION - SUM_BITS as u32;
+        I8F56::from_bits(sum.to_bits().saturating_add(i64::from(more.to_bits()) << LESS))
+    }
+    #[inline]
+    fn of_sum(sum: I8F56) -> Self {
+        const LESS: u32 = FRACTION - SUM_BITS as u32;
+        let (least, most) = (i64::from(i32::MIN), i64::from(i32::MAX));
+        #[expect(clippy::cast_possible_truncation, reason = "it is in the range")]
+        let word = (sum.to_bits() >> LESS).clamp(least, most) as i32;
+        Self::from_bits(word)
     }
     #[inline]
     fn of_travel(travel: I8F56) -> Self {

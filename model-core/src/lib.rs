@@ -42,6 +42,7 @@ extern crate std;
 mod bases;
 mod bristles;
 mod capacity;
+pub mod cavitation;
 mod chain;
 pub mod chambers;
 mod coefficients;

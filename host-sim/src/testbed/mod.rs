@@ -34,7 +34,7 @@ mod validation;
 pub use bench::{Bench, Drive};
 pub use edges::GainCurve;
 pub use effect::{
-    Channel, DryFriction, FlowEffect, FrictionLevel, LoadEffect, OilGrade, OilTemperature, PlantEffect, SensingEffect,
+    Cavitation, Channel, DryFriction, FlowEffect, FrictionLevel, LoadEffect, OilGrade, OilTemperature, PlantEffect, SensingEffect,
     ValveEffect,
 };
 pub use excitation::{Dither, Excitation};
