@@ -54,6 +54,36 @@ impl<N: Number> Flows<Crossing<N>> {
     }
 }
 
+/// What a rod loses of the oil springs that its mass is matched to (`coefficients`), and so of what lightens that mass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Unsprung<N: Number> {
+    /// Share of what a force does that is lost where A is empty.
+    pub(crate) without_a: N::Gain,
+    /// Where B is.
+    pub(crate) without_b: N::Gain,
+    /// Where both are, beside these two.
+    pub(crate) together: N::Gain,
+    /// γ − γ²: how much more of the first stage the second goes on with, per drag that is lost.
+    pub(crate) back: N::Gain,
+    /// 1, as a slope.
+    pub(crate) unity: N::Steep,
+}
+
+impl<N: Number> Unsprung<N> {
+    /// The mass matched to both springs over that matched to chambers full by these shares.
+    #[inline]
+    pub(crate) fn share(&self, full: &Flows<N>) -> N {
+        let (a, b) = (N::ONE - full.a, N::ONE - full.b);
+        (N::ONE - N::dot([self.without_a, self.without_b, self.together], [a, b, a.times(b)])).min(N::ONE)
+    }
+
+    /// The diagonal of a rod over that with brakes, with the mass so much heavier; `share` as it is without.
+    #[inline]
+    pub(crate) fn braked(&self, share: N, sprung: N) -> N {
+        N::share(share, [(N::ONE - share).times(sprung)], [self.unity])
+    }
+}
+
 impl<N: Number> Cavitation<N> {
     /// How far each chamber is full as a tick begins: 0 or 1; `None` where all are.
     #[inline]
@@ -82,9 +112,10 @@ impl<N: Number> Cavitation<N> {
         let surplus = N::pick(empty, (net - gap).max(N::ZERO), net);
         let (mut after, mut after_rest) = start.accumulated(*rest, [stiffness], [surplus]);
         let (mut taken, mut share) = (surplus, N::pick(empty, N::ZERO, N::ONE));
-        let mut crosses = empty & surplus.above(N::ZERO);
-        if crosses.any() {
-            share = N::pick(crosses, N::share(surplus, [gap], [self.unity]), share);
+        let fills = empty & surplus.above(N::ZERO);
+        if fills.any() {
+            let filled = N::share(surplus, [gap], [self.unity]);
+            share = N::pick(fills, filled.of(filled), share);
         }
         let empties = self.floor.above(after);
         if empties.any() {
@@ -95,11 +126,11 @@ impl<N: Number> Cavitation<N> {
             after = N::pick(empties, full, after);
             after_rest = N::pick(empties, full_rest, after_rest);
             taken = N::pick(empties, given, taken);
-            share = N::pick(empties, chord, share);
-            crosses = crosses | empties;
+            let left = N::ONE - chord;
+            share = N::pick(empties, N::ONE - left.of(left), share);
         }
-        let left = N::summed(*void, taken - net);
-        (*pressure, *rest, *void) = (after, after_rest, left.larger(nothing));
-        Crossing { crosses, share }
+        let left = N::Travel::pick(fills, nothing, N::summed(*void, taken - net).larger(nothing));
+        (*pressure, *rest, *void) = (after, after_rest, left);
+        Crossing { crosses: fills | empties, share }
     }
 }

@@ -132,7 +132,10 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Cha
         let softened = V::on(shares.as_ref()).map(|&shares| full.softened(shares));
         let chambers = softened.as_ref().unwrap_or(full);
         let slider = feed.slider().map_or(N::ZERO, |slider| (slider.from + slider.to).halved());
-        let around = self.surroundings::<V, DELAY>(state, slider, oil);
+        let mut around = self.surroundings::<V, DELAY>(state, slider, oil);
+        if let (Some(full), Some(effects)) = (V::on(shares.as_ref()), V::on(mechanics.effects.kept())) {
+            around.sprung = effects.unsprung.as_ref().map_or(N::ONE, |unsprung| unsprung.share(full));
+        }
         let added = V::on(self.unnamed).map(|unnamed| unnamed.flows(States::of(state, slider)));
         let with = |flows: Flows<N>| added.map_or(flows, |more| Flows { a: flows.a + more.a, b: flows.b + more.b });
         let equation = mechanics.equation::<V>(&state.motion, around);
@@ -227,6 +230,7 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Cha
             pressed: state.chambers.a.max(N::ZERO) + state.chambers.b.max(N::ZERO),
             viscosity: oil.map_or(N::ZERO, |oil| oil.excess),
             states: if pushed { States::of(state, slider) } else { States::NONE },
+            sprung: N::ONE,
         }
     }
 

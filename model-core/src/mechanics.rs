@@ -6,6 +6,7 @@
 mod equation;
 
 use crate::bristles::Bristles;
+use crate::cavitation::Unsprung;
 use crate::end_stop::Stops;
 use crate::friction::{DryFriction, PlacedDrag};
 use crate::number::Number;
@@ -45,6 +46,8 @@ pub struct MechanicalEffects<N: Number> {
     pub(crate) resistance: Option<Resistance<N>>,
     /// A force without a name.
     pub(crate) push: Option<Push<N>>,
+    /// What the mass gains where chambers cavitate.
+    pub(crate) unsprung: Option<Unsprung<N>>,
 }
 
 /// The equation of the velocity. All are divided by 1 + γ·h·D/m, the mass's own diagonal, and what else is on it.
@@ -131,11 +134,13 @@ pub struct Surroundings<N> {
     pub viscosity: N,
     /// States that a table of forces is over.
     pub states: States<N>,
+    /// The mass matched to both oil springs over the one matched to what cavitation leaves of them, 0..1.
+    pub sprung: N,
 }
 
 impl<N: Number> Surroundings<N> {
     /// No pressures, and the thinnest oil.
-    pub const NONE: Self = Self { pressed: N::ZERO, viscosity: N::ZERO, states: States::NONE };
+    pub const NONE: Self = Self { pressed: N::ZERO, viscosity: N::ZERO, states: States::NONE, sprung: N::ONE };
 }
 
 impl<N: Number, E: Keeps<MechanicalEffects<N>>> Mechanics<N, E> {
@@ -163,7 +168,7 @@ impl<N: Number> LinkEffects for MechanicalEffects<N> {}
 impl<N: Number> MechanicalEffects<N> {
     /// Whether no effect is on.
     pub(crate) fn are_off(&self) -> bool {
-        self.resistance.is_none() && self.push.is_none() && self.dry.is_off()
+        self.resistance.is_none() && self.push.is_none() && self.unsprung.is_none() && self.dry.is_off()
     }
 }
 
