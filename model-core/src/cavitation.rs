@@ -2,23 +2,33 @@
 //! of its vapour or of the air that comes out of it, while a void grows; the pressure rises again once the void is filled.
 //!
 //! ```text
-//! net oil over a tick, n           dp = c·(n − m)      dw = m − n      0 ≤ w,   p ≥ floor,   w·(p − floor) = 0
+//! net oil n of a tick:   Δw = m − n,   Δp = c·m,   w ≥ 0,   p ≥ floor,   w·(p − floor) = 0
 //! ```
 //!
-//! with w the void, in the ticks of flow 1 that fill it, and m what of n the void takes or gives. Of w nothing is rounded: oil and void
-//! together change by n to the bit.
+//! with w the void, in ticks of flow 1, and m what of the oil raises the pressure. Nothing of w is rounded: with the rest of a pressure's
+//! rounding, oil is conserved to the bit.
 //!
-//! In the implicit step an empty chamber has no stiffness: its pressure stays whatever flows. One that empties or fills within the tick has
-//! the chord's, the rise that its net oil makes over what it would make in a full one. Which of these a tick is shows only at its end, so it is
-//! then taken back and stepped once more with the chord. Flows and forces see that chord; what the chambers hold goes by the law above.
-//! Source: Merritt, *Hydraulic Control Systems*, 1967, 5.5; of the chord: as the slopes of `chain`.
+//! A tick of the chain starts with the chambers full or empty, and an empty one has no stiffness: its pressure stays, whatever flows. Only the
+//! tick's end shows whether one emptied or filled in it. Such a tick is taken back and stepped once more, with the share of the stiffness
+//! by which the chamber pushes the rod as much as it does in truth: its pressure moves over a part τ of the tick only. One that falls to the
+//! floor after τ has the mean (1 − τ/2)·τ of what it would fall by, twice the share of which is 1 − (1 − τ)²; one that rises in the last τ has the
+//! mean τ²/2, and the share τ². A chamber takes in what then flows by the law above, at its whole stiffness.
+//!
+//! The rod's mass is matched to the springs of the oil (`coefficients`), and an empty chamber is none. Whatever else is on the mass's diagonal
+//! (a stop, bristles, thickened oil) grows with it in such a tick, by 5 % at most.
+//!
+//! Source: Merritt, *Hydraulic Control Systems*, 1967, 5.5 (a valve's cavity under an overrunning load).
 
 use crate::capacity::ATMOSPHERE_PA;
+use crate::chain::Chain;
 use crate::chambers::ChamberState;
+use crate::drive::{Drive, DriveState, Interfaces, Load};
+use crate::feed::Feed;
 use crate::flow::Flows;
 use crate::number::{Compared, Mask, Number};
+use crate::vocabulary::Effects;
 
-/// Lowest floor there is, Pa: no oil below the vacuum. What is lower means that there is none.
+/// Lowest floor there is, Pa: the vacuum, where pressures are over the atmosphere's. A floor below means that there is none.
 pub(crate) const LOWEST_FLOOR_PA: f64 = -ATMOSPHERE_PA;
 
 /// Coefficients of cavitation.
@@ -28,109 +38,131 @@ pub(crate) struct Cavitation<N: Number> {
     pub(crate) floor: N,
     /// 1, as a slope.
     pub(crate) unity: N::Steep,
+    pub(crate) unsprung: Unsprung<N>,
+}
+
+/// What a force does less on the mass that is matched to fewer springs of the oil, as a share.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Unsprung<N: Number> {
+    /// Without that of A.
+    pub(crate) a: N::Gain,
+    /// Without that of B.
+    pub(crate) b: N::Gain,
+    /// Without both, beside these two.
+    pub(crate) together: N::Gain,
 }
 
 /// Voids of both chambers, in units of [`Bases::void_m3`](crate::machine::Bases::void_m3).
 pub type Voids<N> = ChamberState<<N as Number>::Travel>;
 
-/// Whether a chamber filled or emptied within a tick, and how far it was full: its pressure's change over that of a full one.
+/// How far a chamber was full in a tick, and whether it emptied or filled in it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Crossing<N: Number> {
     crosses: N::Mask,
+    /// Share of its stiffness.
     share: N,
 }
 
-impl<N: Number> Flows<Crossing<N>> {
-    /// Whether either chamber of any drive did.
-    #[inline]
-    pub(crate) fn any(&self) -> bool {
-        (self.a.crosses | self.b.crosses).any()
-    }
-
-    /// How far each chamber is full in the tick.
-    #[inline]
-    pub(crate) fn shares(&self) -> Flows<N> {
-        Flows { a: self.a.share, b: self.b.share }
-    }
-}
-
-/// What a rod loses of the oil springs that its mass is matched to (`coefficients`), and so of what lightens that mass.
+/// Pressure of a chamber, what rounding left of it, and its void.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Unsprung<N: Number> {
-    /// Share of what a force does that is lost where A is empty.
-    pub(crate) without_a: N::Gain,
-    /// Where B is.
-    pub(crate) without_b: N::Gain,
-    /// Where both are, beside these two.
-    pub(crate) together: N::Gain,
-    /// γ − γ²: how much more of the first stage the second goes on with, per drag that is lost.
-    pub(crate) back: N::Gain,
-    /// 1, as a slope.
-    pub(crate) unity: N::Steep,
+pub(crate) struct Content<N: Number> {
+    pub(crate) pressure: N,
+    pub(crate) rest: N,
+    pub(crate) void: N::Travel,
 }
 
 impl<N: Number> Unsprung<N> {
-    /// The mass matched to both springs over that matched to chambers full by these shares.
-    #[inline]
-    pub(crate) fn share(&self, full: &Flows<N>) -> N {
+    /// What a force does on the mass that is matched to chambers full by these shares, over what it does where both are full.
+    fn share(&self, full: &Flows<N>) -> N {
         let (a, b) = (N::ONE - full.a, N::ONE - full.b);
-        (N::ONE - N::dot([self.without_a, self.without_b, self.together], [a, b, a.times(b)])).min(N::ONE)
-    }
-
-    /// The diagonal of a rod over that with brakes, with the mass so much heavier; `share` as it is without.
-    #[inline]
-    pub(crate) fn braked(&self, share: N, sprung: N) -> N {
-        N::share(share, [(N::ONE - share).times(sprung)], [self.unity])
+        (N::ONE - N::dot([self.a, self.b, self.together], [a, b, a.times(b)])).min(N::ONE)
     }
 }
 
 impl<N: Number> Cavitation<N> {
-    /// How far each chamber is full as a tick begins: 0 or 1; `None` where all are.
-    #[inline]
-    pub(crate) fn full(voids: &Voids<N>) -> Option<Flows<N>> {
+    /// How far both chambers are full as a tick begins, 0 or 1; `None` where they are.
+    fn full(voids: &Voids<N>) -> Option<Flows<N>> {
         let nothing = N::ZERO.as_travel();
         let (a, b) = (voids.a.above(nothing), voids.b.above(nothing));
         let full = |empty| N::pick(empty, N::ZERO, N::ONE);
         (a | b).any().then(|| Flows { a: full(a), b: full(b) })
     }
 
-    /// Lets a chamber that rises by `stiffness` per net oil take in `net`.
-    #[inline]
-    pub(crate) fn take(
-        &self,
-        stiffness: N::Gain,
-        pressure: &mut N,
-        rest: &mut N,
-        void: &mut N::Travel,
-        net: N,
-    ) -> Crossing<N> {
+    /// Takes `net` oil into a chamber whose pressure it raises by `stiffness`.
+    pub(crate) fn take(&self, stiffness: N::Gain, content: &mut Content<N>, net: N) -> Crossing<N> {
         let nothing = N::ZERO.as_travel();
-        let empty = void.above(nothing);
-        let gap = N::pick(empty, N::of_sum(*void), N::ZERO);
-        let start = pressure.max(self.floor);
-        // What is left of the oil once the void is filled; a full chamber may have to give all.
-        let surplus = N::pick(empty, (net - gap).max(N::ZERO), net);
-        let (mut after, mut after_rest) = start.accumulated(*rest, [stiffness], [surplus]);
-        let (mut taken, mut share) = (surplus, N::pick(empty, N::ZERO, N::ONE));
-        let fills = empty & surplus.above(N::ZERO);
+        let empty = content.void.above(nothing);
+        let start = content.pressure.max(self.floor);
+        let raised = |by: N| start.accumulated(content.rest, [stiffness], [by]);
+        let gap = N::pick(empty, N::of_sum(content.void), N::ZERO);
+        let over = (net - gap).max(N::ZERO);
+        let fills = empty & over.above(N::ZERO);
+        let mut raising = N::pick(empty, over, net);
+        let (mut pressure, mut rest) = raised(raising);
+        let mut share = N::pick(empty, N::ZERO, N::ONE);
         if fills.any() {
-            let filled = N::share(surplus, [gap], [self.unity]);
-            share = N::pick(fills, filled.of(filled), share);
+            let part = N::share(over, [gap], [self.unity]);
+            share = N::pick(fills, part.of(part), share);
         }
-        let empties = self.floor.above(after);
+        let empties = self.floor.above(pressure);
         if empties.any() {
-            let chord = N::share(start - self.floor, [self.floor - after], [self.unity]);
-            // Less by the share's own error: what is left stands above the floor by a few steps, not below.
-            let given = (chord - N::ONE.over_power(25)).max(N::ZERO).of(net);
-            let (full, full_rest) = start.accumulated(*rest, [stiffness], [given]);
-            after = N::pick(empties, full, after);
-            after_rest = N::pick(empties, full_rest, after_rest);
-            taken = N::pick(empties, given, taken);
-            let left = N::ONE - chord;
+            let part = N::share(start - self.floor, [self.floor - pressure], [self.unity]);
+            let left = N::ONE - part;
             share = N::pick(empties, N::ONE - left.of(left), share);
+            // Less by the share's error: what rounds stays above the floor.
+            let given = (part - N::ONE.over_power(25)).max(N::ZERO).of(net);
+            let (at_floor, rest_there) = raised(given);
+            pressure = N::pick(empties, at_floor, pressure);
+            rest = N::pick(empties, rest_there, rest);
+            raising = N::pick(empties, given, raising);
         }
-        let left = N::Travel::pick(fills, nothing, N::summed(*void, taken - net).larger(nothing));
-        (*pressure, *rest, *void) = (after, after_rest, left);
+        let void = N::summed(content.void, raising - net).larger(nothing);
+        *content = Content { pressure, rest, void: N::Travel::pick(fills, nothing, void) };
         Crossing { crosses: fills | empties, share }
+    }
+}
+
+impl<N: Number> Drive<N> {
+    /// A tick of the links below the valve where chambers may cavitate.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn step_cavitating<const DELAY: usize>(
+        &self,
+        cavitation: &Cavitation<N>,
+        state: &mut DriveState<N, DELAY>,
+        feed: &impl Feed<N>,
+        load: Load<N>,
+    ) -> Interfaces<N> {
+        let &mut DriveState { chambers, rest, voids, motion, supply, .. } = state;
+        let mut full = Cavitation::<N>::full(&voids);
+        let mut again = true;
+        loop {
+            let left = full.as_ref().map(|full| {
+                let share = cavitation.unsprung.share(full);
+                (self.chambers.softened(*full), self.mechanics.heavier(share), share)
+            });
+            let chain = match &left {
+                Some((chambers, mechanics, _)) => Chain { chambers, mechanics, ..self.chain() },
+                None => self.chain(),
+            };
+            let mut seen = chain.step::<Effects, DELAY>(state, feed, load);
+            seen.forces.around.sprung = left.map_or(N::ONE, |(_, _, share)| share);
+            (state.chambers, state.rest, state.voids) = (chambers, rest, voids);
+            let (pressures, rests) = (&mut state.chambers, &mut state.rest);
+            let crossing = self.chambers.take(
+                cavitation,
+                pressures,
+                rests,
+                &mut state.voids,
+                (seen.flows, seen.velocity, seen.position),
+            );
+            if !again || !(crossing.a.crosses | crossing.b.crosses).any() {
+                return seen;
+            }
+            again = false;
+            full = Some(Flows { a: crossing.a.share, b: crossing.b.share });
+            (state.chambers, state.rest, state.voids) = (chambers, rest, voids);
+            (state.motion, state.supply) = (motion, supply);
+        }
     }
 }

@@ -32,14 +32,13 @@
 //! Both stages are written so that the links do the last step themselves: the solution yields each tick's mean flows and
 //! stage forces, from which [`Chambers`] and [`Mechanics`] alone reproduce the chain bit for bit.
 
-use crate::cavitation::{Cavitation, Crossing, Voids};
 use crate::chambers::{ChamberEffects, ChamberState, Chambers};
 use crate::drive::{DriveState, Interfaces, Load};
 use crate::feed::Feed;
 use crate::flow::{Flows, Started};
-use crate::mechanics::{Forces, MechanicalEffects, Mechanics, MotionState, Surroundings};
+use crate::mechanics::{Forces, MechanicalEffects, Mechanics, Surroundings};
 use crate::number::Number;
-use crate::supply::{ROUNDS_OF_STAGE, ROUNDS_OF_TICK, SupplyState};
+use crate::supply::{ROUNDS_OF_STAGE, ROUNDS_OF_TICK};
 use crate::temperature::{Oil, Viscosity};
 use crate::unnamed::{States, Unnamed};
 use crate::vocabulary::{Keeps, Vocabulary};
@@ -53,31 +52,6 @@ pub(crate) struct StageWeights<N: Number> {
     pub(crate) half: N::Gain,
 }
 
-/// What a tick changes of a state, as it was before.
-#[derive(Clone, Copy, Debug)]
-struct Before<N: Number> {
-    chambers: ChamberState<N>,
-    rest: ChamberState<N>,
-    voids: Voids<N>,
-    motion: MotionState<N>,
-    supply: SupplyState<N>,
-}
-
-impl<N: Number> Before<N> {
-    #[inline]
-    fn of<const DELAY: usize>(state: &DriveState<N, DELAY>) -> Self {
-        let &DriveState { chambers, rest, voids, motion, supply, .. } = state;
-        Self { chambers, rest, voids, motion, supply }
-    }
-
-    #[inline]
-    fn restore<const DELAY: usize>(&self, state: &mut DriveState<N, DELAY>) {
-        let Self { chambers, rest, voids, motion, supply } = *self;
-        (state.chambers, state.rest, state.voids) = (chambers, rest, voids);
-        (state.motion, state.supply) = (motion, supply);
-    }
-}
-
 /// The links of a drive below its valve.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Chain<'a, N: Number, C = ChamberEffects<N>, M = MechanicalEffects<N>> {
@@ -89,7 +63,7 @@ pub(crate) struct Chain<'a, N: Number, C = ChamberEffects<N>, M = MechanicalEffe
 }
 
 impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Chain<'_, N, C, M> {
-    /// All links below the valve. A tick in which a chamber empties or fills is taken back and stepped with what it then turned out to be.
+    /// All links below the valve.
     #[inline]
     pub(crate) fn step<V: Vocabulary, const DELAY: usize>(
         &self,
@@ -97,45 +71,15 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Cha
         feed: &impl Feed<N>,
         load: Load<N>,
     ) -> Interfaces<N> {
-        let before = self.chambers.cavitation::<V>().map(|_| Before::of(state));
-        let mut shares = V::on(before.as_ref()).and_then(|before| Cavitation::<N>::full(&before.voids));
-        let mut tries = 1;
-        loop {
-            let (seen, crossing) = self.step_with::<V, DELAY>(state, feed, load, shares);
-            let (Some(before), Some(crossing)) = (V::on(before.as_ref()), V::on(crossing.as_ref())) else { return seen };
-            if tries == 0 || !crossing.any() {
-                return seen;
-            }
-            tries -= 1;
-            shares = Some(crossing.shares());
-            before.restore(state);
-        }
-    }
-
-    /// The same with the chambers full by these shares.
-    #[inline(always)]
-    #[expect(clippy::inline_always, reason = "there is one call, and it is nearly all of its caller")]
-    fn step_with<V: Vocabulary, const DELAY: usize>(
-        &self,
-        state: &mut DriveState<N, DELAY>,
-        feed: &impl Feed<N>,
-        load: Load<N>,
-        shares: Option<Flows<N>>,
-    ) -> (Interfaces<N>, Option<Flows<Crossing<N>>>) {
         let mechanics = self.mechanics;
         let pressures = state.chambers;
         let velocity = state.motion.velocity;
         let position = N::of_travel(state.motion.position);
         let oil = self.oil::<V, DELAY>(state);
         let filled = self.chambers.at::<V>(pressures, position, oil.map(|oil| oil.thinness));
-        let full = filled.as_ref().unwrap_or(self.chambers);
-        let softened = V::on(shares.as_ref()).map(|&shares| full.softened(shares));
-        let chambers = softened.as_ref().unwrap_or(full);
+        let chambers = filled.as_ref().unwrap_or(self.chambers);
         let slider = feed.slider().map_or(N::ZERO, |slider| (slider.from + slider.to).halved());
-        let mut around = self.surroundings::<V, DELAY>(state, slider, oil);
-        if let (Some(full), Some(effects)) = (V::on(shares.as_ref()), V::on(mechanics.effects.kept())) {
-            around.sprung = effects.unsprung.as_ref().map_or(N::ONE, |unsprung| unsprung.share(full));
-        }
+        let around = self.surroundings::<V, DELAY>(state, slider, oil);
         let added = V::on(self.unnamed).map(|unnamed| unnamed.flows(States::of(state, slider)));
         let with = |flows: Flows<N>| added.map_or(flows, |more| Flows { a: flows.a + more.a, b: flows.b + more.b });
         let equation = mechanics.equation::<V>(&state.motion, around);
@@ -199,16 +143,15 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Cha
             None => (flows, mean),
             Some(beyond) => (chambers.stopped(flows, beyond, &yielding), mean - beyond),
         };
-        let crossing = full.fill::<V>(&mut state.chambers, &mut state.rest, &mut state.voids, flows, mean);
+        chambers.fill(&mut state.chambers, &mut state.rest, flows, mean);
         state.supply = feed.supplied::<V, ROUNDS_OF_TICK>(state.chambers, state.supply, drawn);
-        let seen = Interfaces {
+        Interfaces {
             slider: feed.slider(),
             flows,
             forces: Forces { start, first, second, around },
             velocity: mean,
             position,
-        };
-        (seen, crossing)
+        }
     }
 
     /// The oil at the start of a tick, where it changes.

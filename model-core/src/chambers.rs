@@ -6,10 +6,10 @@
 //! With entrained air or volumes that follow the piston, c is that of the tick's start, see `capacity`.
 
 use crate::capacity::Capacity;
-use crate::cavitation::{Cavitation, Crossing, Voids};
+use crate::cavitation::{Cavitation, Content, Crossing, Voids};
 use crate::flow::{Flows, Linearised};
 use crate::number::Number;
-use crate::vocabulary::{Effects, Keeps, LinkEffects, Vocabulary};
+use crate::vocabulary::{Keeps, LinkEffects, Vocabulary};
 
 /// Coefficients of both chambers at one tick, with those of their effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -140,12 +140,38 @@ impl<N: Number> Chambers<N> {
         velocity: N,
         position: N,
     ) {
+        if let Some(cavitation) = &self.effects.cavitation {
+            self.take(cavitation, state, rest, voids, (flows, velocity, position));
+            return;
+        }
         match &self.effects.capacity {
-            None => self.fill::<Effects>(state, rest, voids, flows, velocity),
-            Some(capacity) => {
-                self.filled(capacity, *state, position).fill::<Effects>(state, rest, voids, flows, velocity)
-            }
+            None => self.fill(state, rest, flows, velocity),
+            Some(capacity) => self.filled(capacity, *state, position).fill(state, rest, flows, velocity),
+        }
+    }
+
+    /// The same of chambers that may cavitate, with how they did.
+    pub(crate) fn take(
+        &self,
+        cavitation: &Cavitation<N>,
+        state: &mut ChamberState<N>,
+        rest: &mut ChamberState<N>,
+        voids: &mut Voids<N>,
+        (flows, velocity, position): (Flows<N>, N, N),
+    ) -> Flows<Crossing<N>> {
+        let filled = self.effects.capacity.as_ref().map(|capacity| self.filled(capacity, *state, position));
+        let Self { stiffness_a, stiffness_b, .. } = *filled.as_ref().unwrap_or(self);
+        let net = self.net(flows, velocity);
+        let take = |stiffness, pressure: &mut N, rest: &mut N, void: &mut N::Travel, net| {
+            let mut content = Content { pressure: *pressure, rest: *rest, void: *void };
+            let crossing = cavitation.take(stiffness, &mut content, net);
+            (*pressure, *rest, *void) = (content.pressure, content.rest, content.void);
+            crossing
         };
+        Flows {
+            a: take(stiffness_a, &mut state.a, &mut rest.a, &mut voids.a, net.a),
+            b: take(stiffness_b, &mut state.b, &mut rest.b, &mut voids.b, net.b),
+        }
     }
 }
 
@@ -191,33 +217,20 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
         }
     }
 
-    /// Takes in a tick's mean flows; of chambers that may cavitate it tells which did, or ceased to.
+    /// Takes in a tick's mean flows.
     #[inline(always)]
     #[expect(clippy::inline_always, reason = "a call with everything in memory is half of what it computes")]
-    pub(crate) fn fill<V: Vocabulary>(
-        &self,
-        state: &mut ChamberState<N>,
-        rest: &mut ChamberState<N>,
-        voids: &mut Voids<N>,
-        flows: Flows<N>,
-        velocity: N,
-    ) -> Option<Flows<Crossing<N>>> {
-        let net = Flows { a: flows.a - velocity, b: self.displaced_b(velocity) - flows.b };
-        if let Some(cavitation) = self.cavitation::<V>() {
-            return Some(Flows {
-                a: cavitation.take(self.stiffness_a, &mut state.a, &mut rest.a, &mut voids.a, net.a),
-                b: cavitation.take(self.stiffness_b, &mut state.b, &mut rest.b, &mut voids.b, net.b),
-            });
-        }
+    pub(crate) fn fill(&self, state: &mut ChamberState<N>, rest: &mut ChamberState<N>, flows: Flows<N>, velocity: N) {
+        let net = self.net(flows, velocity);
         (state.a, rest.a) = state.a.accumulated(rest.a, [self.stiffness_a], [net.a]);
         (state.b, rest.b) = state.b.accumulated(rest.b, [self.stiffness_b], [net.b]);
-        None
     }
 
-    /// What keeps the pressures above a floor, where anything does.
-    #[inline]
-    pub(crate) fn cavitation<V: Vocabulary>(&self) -> Option<&Cavitation<N>> {
-        V::on(self.effects.kept()).and_then(|effects| effects.cavitation.as_ref())
+    /// Oil that stays in each chamber.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "as `fill`")]
+    fn net(&self, flows: Flows<N>, velocity: N) -> Flows<N> {
+        Flows { a: flows.a - velocity, b: self.displaced_b(velocity) - flows.b }
     }
 
     /// Mean flows of a tick at the ports, of which the rod did not make room for `beyond`: each chamber takes of that what it yields to.

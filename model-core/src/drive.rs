@@ -329,7 +329,10 @@ impl<N: Number> Drive<N> {
             (Entry::Flow { from, to }, _) => given(from, to),
             _ => given(closed, closed),
         };
-        let seen = self.chain().step::<Effects, DELAY>(state, &feed, load);
+        let seen = match &self.chambers.effects.cavitation {
+            None => self.chain().step::<Effects, DELAY>(state, &feed, load),
+            Some(cavitation) => self.step_cavitating(cavitation, state, &feed, load),
+        };
         self.step_beside(state);
         seen
     }
@@ -345,7 +348,7 @@ impl<N: Number> Drive<N> {
 
     /// The links below the valve.
     #[inline]
-    fn chain(&self) -> Chain<'_, N> {
+    pub(crate) fn chain(&self) -> Chain<'_, N> {
         Chain {
             chambers: &self.chambers,
             mechanics: &self.mechanics,

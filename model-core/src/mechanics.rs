@@ -6,10 +6,9 @@
 mod equation;
 
 use crate::bristles::Bristles;
-use crate::cavitation::Unsprung;
 use crate::end_stop::Stops;
 use crate::friction::{DryFriction, PlacedDrag};
-use crate::number::Number;
+use crate::number::{Mask, Number};
 use crate::position_load::PositionLoad;
 use crate::unnamed::{Push, States};
 use crate::vocabulary::{Effects, Keeps, LinkEffects, Vocabulary};
@@ -46,8 +45,6 @@ pub struct MechanicalEffects<N: Number> {
     pub(crate) resistance: Option<Resistance<N>>,
     /// A force without a name.
     pub(crate) push: Option<Push<N>>,
-    /// What the mass gains where chambers cavitate.
-    pub(crate) unsprung: Option<Unsprung<N>>,
 }
 
 /// The equation of the velocity. All are divided by 1 + γ·h·D/m, the mass's own diagonal, and what else is on it.
@@ -168,14 +165,35 @@ impl<N: Number> LinkEffects for MechanicalEffects<N> {}
 impl<N: Number> MechanicalEffects<N> {
     /// Whether no effect is on.
     pub(crate) fn are_off(&self) -> bool {
-        self.resistance.is_none() && self.push.is_none() && self.unsprung.is_none() && self.dry.is_off()
+        self.resistance.is_none() && self.push.is_none() && self.dry.is_off()
     }
 }
 
 impl<N: Number> Mechanics<N> {
+    /// The same with a mass on which a force does this share, 0..1, of what it does here. What else is on the mass's diagonal grows with it.
+    pub(crate) fn heavier(&self, share: N) -> Self {
+        let shrunk = |gain: N::Gain| N::scaled(gain, share);
+        // 1 − γ of the mass over its diagonal, as the mass's part of that grows.
+        let lost = N::of_gain(N::scaled(self.row.drag, N::ONE - share)).small_part(self.gamma);
+        let back = N::of_gain(self.row.back) + (lost - lost.small_part(self.gamma));
+        let row = Row {
+            mobility: shrunk(self.row.mobility),
+            pull: shrunk(self.row.pull),
+            drag: shrunk(self.row.drag),
+            back: back.as_gain(),
+            share: self.row.share,
+        };
+        let dry = DryFriction { turn: self.effects.dry.turn.times(share), ..self.effects.dry };
+        Self { row, effects: MechanicalEffects { dry, ..self.effects }, ..*self }
+    }
+
     /// One tick under the given forces. Returns the mean velocity of the tick.
     #[inline]
     pub fn step(&self, state: &mut MotionState<N>, forces: Forces<N>) -> N {
+        if N::ONE.above(forces.around.sprung).any() {
+            let around = Surroundings { sprung: N::ONE, ..forces.around };
+            return self.heavier(forces.around.sprung).step(state, Forces { around, ..forces });
+        }
         let equation = self.equation::<Effects>(state, forces.around);
         let contact = equation.contact(state.velocity, forces.start);
         let stage = equation.first_stage(contact, state.velocity);

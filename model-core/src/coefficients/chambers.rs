@@ -112,19 +112,15 @@ impl<R: Real> Builder<'_, R> {
         R::ONE - self.oil(volume) * (R::ONE - self.least_volume(volume))
     }
 
-    /// Whether oil that is drawn on leaves a void.
-    pub(super) fn cavitates(&self) -> bool {
-        self.get(P::CavitationFloor).value() >= LOWEST_FLOOR_PA
-    }
-
     fn cavitation<N: Number<Real = R>>(&self) -> Result<Option<Cavitation<N>>, MachineError> {
-        if !self.cavitates() {
+        let floor = self.get(P::CavitationFloor);
+        if floor.value() < LOWEST_FLOOR_PA {
             return Ok(None);
         }
-        let floor = self.get(P::CavitationFloor);
         Ok(Some(Cavitation {
             floor: self.signal("least pressure", P::CavitationFloor, floor / R::constant(self.bases.pressure_pa))?,
             unity: self.steep::<N>("one", P::CavitationFloor, R::ONE)?,
+            unsprung: self.unsprung()?,
         }))
     }
 

@@ -43,22 +43,13 @@ impl<R: Real> Builder<'_, R> {
     }
 
     /// What the mass gains where chambers cavitate.
-    fn unsprung<N: Number<Real = R>>(&self) -> Result<Option<Unsprung<N>>, MachineError> {
-        if !self.cavitates() {
-            return Ok(None);
-        }
+    pub(super) fn unsprung<N: Number<Real = R>>(&self) -> Result<Unsprung<N>, MachineError> {
         let (a, b) = (self.spring_of(P::AreaA, P::VolumeA), self.spring_of(P::AreaB, P::VolumeB));
         let both = self.lightening(a + b);
         let without = |left: R| R::ONE - left / both;
         let (no_a, no_b) = (without(self.lightening(b)), without(self.lightening(a)));
         let gain = |value: R| self.gain::<N>("share of the mass without its oil spring", P::MovingMass, value);
-        Ok(Some(Unsprung {
-            without_a: gain(no_a)?,
-            without_b: gain(no_b)?,
-            together: gain(without(R::ONE) - no_a - no_b)?,
-            back: gain(R::constant(GAMMA - GAMMA * GAMMA))?,
-            unity: self.steep::<N>("one", P::MovingMass, R::ONE)?,
-        }))
+        Ok(Unsprung { a: gain(no_a)?, b: gain(no_b)?, together: gain(without(R::ONE) - no_a - no_b)? })
     }
 
     /// h·D/m in the thinnest oil where it brakes least, with what the table of forces is damped by.
@@ -119,7 +110,6 @@ impl<R: Real> Builder<'_, R> {
                 dry: self.dry_friction(mass)?,
                 resistance: self.resistance(mass)?,
                 push: self.push()?,
-                unsprung: self.unsprung()?,
             },
         })
     }

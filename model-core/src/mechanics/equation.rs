@@ -8,7 +8,6 @@ use core::marker::PhantomData;
 
 use super::{Contact, MechanicalEffects, Mechanics, MotionState, Resistance, Row, Surroundings};
 use crate::bristles::Gripping;
-use crate::cavitation::Unsprung;
 use crate::end_stop::Touch;
 use crate::friction::Level;
 use crate::number::{Mask, Number};
@@ -145,20 +144,6 @@ impl<N: Number> Held<N> {
 }
 
 impl<N: Number> Row<N> {
-    /// With a mass on which a force does this share.
-    #[inline]
-    fn heavier(&self, unsprung: &Unsprung<N>, share: N) -> Self {
-        let shrunk = |gain: N::Gain| N::scaled(gain, share);
-        let lost = N::of_gain(N::scaled(self.drag, N::ONE - share));
-        Self {
-            mobility: shrunk(self.mobility),
-            pull: shrunk(self.pull),
-            drag: shrunk(self.drag),
-            back: (N::of_gain(self.back) + N::dot([unsprung.back], [lost])).as_gain(),
-            share: self.share,
-        }
-    }
-
     /// With more on the diagonal; `share` is the old one over the new.
     #[inline]
     fn braked(&self, share: N, per_gamma: N::Gain) -> Self {
@@ -205,13 +190,11 @@ impl<N: Number, E: Keeps<MechanicalEffects<N>>> Mechanics<N, E> {
                 .map(|push| push.at(States { velocity: state.velocity, ..around.states })),
         };
         let Some(effects) = effects else { return equation(self.row, Level::NONE, None, None) };
-        let heavier = effects.unsprung.as_ref();
-        let row = heavier.map_or(self.row, |unsprung| self.row.heavier(unsprung, around.sprung));
         let from_middle = || N::of_travel(state.position) - N::ONE.halved();
         let dry = &effects.dry;
         let level = if dry.varies() { dry.level(from_middle(), around.pressed) } else { dry.level(N::ZERO, N::ZERO) };
         let Some(resistance) = &effects.resistance else {
-            return equation(row, level, None, None);
+            return equation(self.row, level, None, None);
         };
         let from_middle = from_middle();
         let viscosity = resistance.drag.map_or(around.viscosity, |drag| drag.excess(from_middle, around.viscosity));
@@ -225,8 +208,7 @@ impl<N: Number, E: Keeps<MechanicalEffects<N>>> Mechanics<N, E> {
                 [viscosity.max(N::ZERO), N::ONE, q, fading, touches],
                 [resistance.viscosity, resistance.load_weight, stiffness_weight, damping_weight, stop],
             );
-            let share = heavier.map_or(share, |unsprung| unsprung.braked(share, around.sprung));
-            row.braked(share, resistance.per_gamma)
+            self.row.braked(share, resistance.per_gamma)
         };
         let touched = resistance.stops.as_ref().map(|stops| (stops, stops.touched(state.position)));
         let touched = touched.filter(|(_, touch)| touch.any().any());
