@@ -120,7 +120,11 @@ impl<N: Number> ChamberEffects<N> {
 
     /// Whether no effect is on.
     pub(crate) fn are_off(&self) -> bool {
-        self.leakage == N::ZERO && !self.leaks_fast && self.external.is_none() && self.capacity.is_none() && self.cavitation.is_none()
+        self.leakage == N::ZERO
+            && !self.leaks_fast
+            && self.external.is_none()
+            && self.capacity.is_none()
+            && self.cavitation.is_none()
     }
 }
 

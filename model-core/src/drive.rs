@@ -295,13 +295,18 @@ impl<N: Number> Drive<N> {
             let slider = valve.step_with::<Plain, DELAY>(&mut state.valve, command, AcrossEdges::NONE);
             return self.chain().step::<Plain, DELAY>(state, &Metered::new::<Plain>(edges, slider), load);
         }
-        self.step_links(state, entry, load)
+        if let Some(cavitation) = &self.chambers.effects.cavitation {
+            return self.step_cavitating(cavitation, state, entry, load);
+        }
+        self.step_links((&self.chambers, &self.mechanics), state, entry, load)
     }
 
-    /// One tick of a drive that may have any effect. Out of line, so that it takes no registers from the one without.
+    /// One tick of a drive that may have any effect, with these chambers and this mass for its own. Out of line, so that it takes no registers
+    /// from the one without.
     #[inline(never)]
-    fn step_links<const DELAY: usize>(
+    pub(crate) fn step_links<const DELAY: usize>(
         &self,
+        (chambers, mechanics): (&Chambers<N>, &Mechanics<N>),
         state: &mut DriveState<N, DELAY>,
         entry: Entry<N>,
         load: Load<N>,
@@ -329,10 +334,7 @@ impl<N: Number> Drive<N> {
             (Entry::Flow { from, to }, _) => given(from, to),
             _ => given(closed, closed),
         };
-        let seen = match &self.chambers.effects.cavitation {
-            None => self.chain().step::<Effects, DELAY>(state, &feed, load),
-            Some(cavitation) => self.step_cavitating(cavitation, state, &feed, load),
-        };
+        let seen = Chain { chambers, mechanics, ..self.chain() }.step::<Effects, DELAY>(state, &feed, load);
         self.step_beside(state);
         seen
     }
@@ -348,7 +350,7 @@ impl<N: Number> Drive<N> {
 
     /// The links below the valve.
     #[inline]
-    pub(crate) fn chain(&self) -> Chain<'_, N> {
+    fn chain(&self) -> Chain<'_, N> {
         Chain {
             chambers: &self.chambers,
             mechanics: &self.mechanics,

@@ -341,6 +341,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::number::SUM_UNIT;
 
     fn signal(bits: i32) -> (PerUnit, f64) {
         let signal = PerUnit::from_bits(bits);
@@ -466,6 +467,18 @@ mod tests {
                 exact += i64::from(gain) * i64::from(bits);
                 prop_assert_eq!((i64::from(sum.to_bits()) << 28) + i64::from(rest.to_bits()), exact);
                 prop_assert!(rest.to_bits().unsigned_abs() <= 1 << 27);
+            }
+        }
+
+        #[test]
+        fn a_sum_of_signals_loses_nothing(words in prop::collection::vec(any::<i32>(), 1..200)) {
+            let (mut sum, mut exact) = (I8F56::ZERO, 0_i64);
+            for bits in words {
+                sum = PerUnit::summed(sum, PerUnit::from_bits(bits));
+                exact += i64::from(bits);
+                let held = exact.clamp(i64::from(i32::MIN), i64::from(i32::MAX));
+                prop_assert_eq!(i64::from(PerUnit::of_sum(sum).to_bits()), held);
+                prop_assert!((PerUnit::strokes(sum) * SUM_UNIT - exact as f64 * STEP).abs() < 1e-9);
             }
         }
 

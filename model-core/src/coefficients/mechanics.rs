@@ -26,7 +26,8 @@ impl<R: Real> Builder<'_, R> {
     /// slower by (γ − γ² − 1/6)·θ²; a mass smaller by twice that makes up for it. Of second order like the step itself, it
     /// fades where there is no ringing to keep: under strong damping, D² ≫ K·m, and where the step resolves none, θ > 1.
     pub(super) fn sprung_mass(&self) -> R {
-        self.get(P::MovingMass) / self.lightening(self.spring_of(P::AreaA, P::VolumeA) + self.spring_of(P::AreaB, P::VolumeB))
+        self.get(P::MovingMass)
+            / self.lightening(self.spring_of(P::AreaA, P::VolumeA) + self.spring_of(P::AreaB, P::VolumeB))
     }
 
     /// Stiffness of a chamber's oil under the rod, N/m.

@@ -69,7 +69,11 @@ fn links_alone_reproduce_the_chain_with_everything_on() {
         for tick in 0..1200 {
             let seen = commanded(&drive, &mut chain, command(tick));
             drive.chambers().step(&mut chambers, &mut rest, &mut voids, seen.flows, seen.velocity, seen.position);
-            assert_eq!((chambers, rest, voids), (chain.chambers, chain.rest, chain.voids), "the chambers alone, tick {tick}");
+            assert_eq!(
+                (chambers, rest, voids),
+                (chain.chambers, chain.rest, chain.voids),
+                "the chambers alone, tick {tick}"
+            );
             assert_eq!(drive.mechanics().step(&mut motion, seen.forces), seen.velocity, "tick {tick}");
             assert_eq!(motion, chain.motion, "the mechanics alone, tick {tick}");
         }

@@ -86,6 +86,7 @@ pub(crate) fn effects() -> Vec<(&'static str, Vec<(P, f64)>)> {
         ("external-leakage", vec![(P::ExternalLeakageA, 2e-12), (P::ExternalLeakageB, 4e-12)]),
         ("entrained-air", vec![(P::AirShare, 0.01)]),
         ("position-dependent-volume", vec![(P::VolumeShare, 1.0)]),
+        ("cavitation", vec![(P::CavitationFloor, -3e4)]),
         ("coulomb-friction", vec![(P::CoulombFriction, 500.0)]),
         ("stribeck-friction", vec![(P::StribeckForce, 300.0), (P::StribeckExcess, 300.0), (P::StribeckVelocity, 0.02)]),
         ("friction-asymmetry", vec![(P::AsymmetricExtending, 600.0), (P::AsymmetricRetracting, 300.0)]),

@@ -63,7 +63,7 @@ proptest! {
 fn next_to_nothing_of_an_effect_is_next_to_nothing() {
     let plain = run::<f64>(&press());
     for (name, strengths) in super::bench::effects() {
-        if matches!(name, "linkage-backlash" | "position-sensor-lag" | "sensor-offset") {
+        if matches!(name, "cavitation" | "linkage-backlash" | "position-sensor-lag" | "sensor-offset") {
             continue;
         }
         let faint: Vec<(P, f64)> = strengths
