@@ -91,6 +91,13 @@ impl<N: Number> Cavitation<N> {
         let empty = content.void.above(nothing);
         let start = content.pressure.max(self.floor);
         let raised = |by: N| start.accumulated(content.rest, [stiffness], [by]);
+        if !empty.any() {
+            let (pressure, rest) = raised(net);
+            if !self.floor.above(pressure).any() {
+                (content.pressure, content.rest) = (pressure, rest);
+                return Crossing { crosses: N::Mask::NONE, share: N::ONE };
+            }
+        }
         let gap = N::pick(empty, N::of_sum(content.void), N::ZERO);
         let over = (net - gap).max(N::ZERO);
         let fills = empty & over.above(N::ZERO);
@@ -132,8 +139,10 @@ impl<N: Number> Drive<N> {
         entry: Entry<N>,
         load: Load<N>,
     ) -> Interfaces<N> {
-        let before = *state;
-        let (mut full, mut again) = (Cavitation::<N>::full(&before.voids), true);
+        let &mut DriveState { chambers, rest, voids, motion, supply, warmth, .. } = state;
+        let sensed = self.sensors.follows().then_some(state.sensed);
+        let mut full = Cavitation::<N>::full(&voids);
+        let (mut entry, mut again) = (entry, true);
         loop {
             let left = full.as_ref().map(|full| {
                 let share = cavitation.unsprung.share(full);
@@ -145,16 +154,20 @@ impl<N: Number> Drive<N> {
                 return seen;
             }
             seen.forces.around.sprung = left.as_ref().map_or(N::ONE, |&(_, _, share)| share);
-            (state.chambers, state.rest) = (before.chambers, before.rest);
-            let DriveState { chambers, rest, voids, .. } = state;
+            (state.chambers, state.rest) = (chambers, rest);
+            let taken = (seen.flows, seen.velocity, seen.position);
             let crossing =
-                self.chambers.take(cavitation, chambers, rest, voids, (seen.flows, seen.velocity, seen.position));
+                self.chambers.take(cavitation, &mut state.chambers, &mut state.rest, &mut state.voids, taken);
             if !again || !(crossing.a.crosses | crossing.b.crosses).any() {
                 return seen;
             }
             again = false;
             full = Some(Flows { a: crossing.a.share, b: crossing.b.share });
-            *state = before;
+            // The valve has done its tick, and what it did is seen.
+            entry = seen.slider.map_or(entry, Entry::Slider);
+            (state.chambers, state.rest, state.voids) = (chambers, rest, voids);
+            (state.motion, state.supply, state.warmth) = (motion, supply, warmth);
+            state.sensed = sensed.unwrap_or(state.sensed);
         }
     }
 }
