@@ -156,11 +156,13 @@ pub struct Surroundings<N> {
     pub viscosity: N,
     /// States that a table of forces is over.
     pub states: States<N>,
+    /// The mass matched to both oil springs over the one matched to what cavitation leaves of them, 0..1.
+    pub sprung: N,
 }
 
 impl<N: Number> Surroundings<N> {
     /// No pressures, and the thinnest oil.
-    pub const NONE: Self = Self { pressed: N::ZERO, viscosity: N::ZERO, states: States::NONE };
+    pub const NONE: Self = Self { pressed: N::ZERO, viscosity: N::ZERO, states: States::NONE, sprung: N::ONE };
 }
 
 /// States of a drive that a table may be over, per unit.

@@ -17,7 +17,8 @@ fn chain_and_links_agree<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Ti
     let valve = drive.valve().unwrap();
     let mut chain: State<N> = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.1));
     let (mut valve_alone, mut from_slider, mut followed) = (chain.valve, chain, chain);
-    let (mut chambers_alone, mut rest_alone, mut mechanics_alone) = (chain.chambers, chain.rest, chain.motion);
+    let (mut chambers_alone, mut rest_alone, mut voids_alone) = (chain.chambers, chain.rest, chain.voids);
+    let mut mechanics_alone = chain.motion;
     for (tick, volts) in Excitation::random_steps(seed).sample(1e-3).into_iter().enumerate() {
         // A load that comes and goes, so that the chain takes it too.
         let load =
@@ -39,8 +40,10 @@ fn chain_and_links_agree<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Ti
         assert_eq!(drive.step(&mut followed, entry, load), seen, "the valve beside a slider that is its own");
         assert_eq!(followed, chain);
 
-        drive.chambers().step(&mut chambers_alone, &mut rest_alone, seen.flows, seen.velocity, seen.position);
-        assert_eq!((chambers_alone, rest_alone), (chain.chambers, chain.rest), "the chambers alone");
+        let alone = (&mut chambers_alone, &mut rest_alone, &mut voids_alone);
+        drive.chambers().step(alone.0, alone.1, alone.2, seen.flows, seen.velocity, seen.position);
+        let chambers = (chain.chambers, chain.rest, chain.voids);
+        assert_eq!((chambers_alone, rest_alone, voids_alone), chambers, "the chambers alone");
 
         assert_eq!(drive.mechanics().step(&mut mechanics_alone, seen.forces), seen.velocity, "the mechanics alone");
         assert_eq!(mechanics_alone, chain.motion);

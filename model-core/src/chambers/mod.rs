@@ -23,11 +23,14 @@
 //! With entrained air or volumes that follow the piston, ca and cb are those of the tick's start, see `capacity`.
 
 pub(crate) mod capacity;
+pub mod cavitation;
+
+use capacity::Capacity;
+use cavitation::{Cavitation, Content, Crossing, Voids};
 
 use crate::effects::{Keeps, LinkEffects, Vocabulary};
 use crate::number::Number;
 use crate::ports::{ChamberState, Filling, Flows, Linearised};
-use capacity::Capacity;
 
 /// Coefficients of both chambers at one tick, with those of their effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,6 +61,8 @@ pub struct ChamberEffects<N: Number> {
     pub(crate) external: Option<ExternalLeakage<N>>,
     /// What makes the chambers softer than they are here.
     pub(crate) capacity: Option<Capacity<N>>,
+    /// What keeps their pressures above a floor.
+    pub(crate) cavitation: Option<Cavitation<N>>,
 }
 
 /// Laminar leakage out of both chambers: flow per pressure above tank, in the thinnest oil.
@@ -103,7 +108,11 @@ impl<N: Number> ChamberEffects<N> {
 
     /// Whether no effect is on.
     pub(crate) fn are_off(&self) -> bool {
-        self.leakage == N::ZERO && !self.leaks_fast && self.external.is_none() && self.capacity.is_none()
+        self.leakage == N::ZERO
+            && !self.leaks_fast
+            && self.external.is_none()
+            && self.capacity.is_none()
+            && self.cavitation.is_none()
     }
 }
 
@@ -112,19 +121,48 @@ impl<N: Number> Chambers<N> {
     /// the volume balance (11), at the capacity of the tick's start.
     ///
     /// `rest` is what rounding left of both pressures, for [`Number::accumulated`]: a flow that raises a pressure by less than
-    /// half a step a tick still fills the chamber.
+    /// half a step a tick still fills the chamber. `voids` grow where oil would have to pull, with `cavitation`.
     #[inline]
     pub fn step(
         &self,
         state: &mut ChamberState<N>,
         rest: &mut ChamberState<N>,
+        voids: &mut Voids<N>,
         flows: Flows<N>,
         velocity: N,
         position: N,
     ) {
+        if let Some(cavitation) = &self.effects.cavitation {
+            self.take(cavitation, state, rest, voids, (flows, velocity, position));
+            return;
+        }
         match &self.effects.capacity {
             None => self.fill(state, rest, flows, velocity),
             Some(capacity) => self.filled(capacity, *state, position).fill(state, rest, flows, velocity),
+        }
+    }
+
+    /// The same of chambers that may cavitate, with how they did.
+    pub(crate) fn take(
+        &self,
+        cavitation: &Cavitation<N>,
+        state: &mut ChamberState<N>,
+        rest: &mut ChamberState<N>,
+        voids: &mut Voids<N>,
+        (flows, velocity, position): (Flows<N>, N, N),
+    ) -> Flows<Crossing<N>> {
+        let filled = self.effects.capacity.as_ref().map(|capacity| self.filled(capacity, *state, position));
+        let Self { stiffness_a, stiffness_b, .. } = *filled.as_ref().unwrap_or(self);
+        let net = self.net(flows, velocity);
+        let take = |stiffness, pressure: &mut N, rest: &mut N, void: &mut N::Travel, net| {
+            let mut content = Content { pressure: *pressure, rest: *rest, void: *void };
+            let crossing = cavitation.take(stiffness, &mut content, net);
+            (*pressure, *rest, *void) = (content.pressure, content.rest, content.void);
+            crossing
+        };
+        Flows {
+            a: take(stiffness_a, &mut state.a, &mut rest.a, &mut voids.a, net.a),
+            b: take(stiffness_b, &mut state.b, &mut rest.b, &mut voids.b, net.b),
         }
     }
 }
@@ -156,7 +194,12 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
 
     #[inline]
     fn filled(&self, capacity: &Capacity<N>, pressures: ChamberState<N>, position: N) -> Self {
-        let shares = capacity.shares(pressures, position);
+        self.softened(capacity.shares(pressures, position))
+    }
+
+    /// The chambers with shares, 0..1, of their stiffness.
+    #[inline]
+    pub(crate) fn softened(&self, shares: Flows<N>) -> Self {
         let [ahead_a, ahead_b] = self.ahead;
         Self {
             stiffness_a: N::scaled(self.stiffness_a, shares.a),
@@ -171,9 +214,16 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
     #[inline(always)]
     #[expect(clippy::inline_always, reason = "a call with everything in memory is half of what it computes")]
     pub(crate) fn fill(&self, state: &mut ChamberState<N>, rest: &mut ChamberState<N>, flows: Flows<N>, velocity: N) {
-        let net = Flows { a: flows.a - velocity, b: self.displaced_b(velocity) - flows.b };
+        let net = self.net(flows, velocity);
         (state.a, rest.a) = state.a.accumulated(rest.a, [self.stiffness_a], [net.a]);
         (state.b, rest.b) = state.b.accumulated(rest.b, [self.stiffness_b], [net.b]);
+    }
+
+    /// Oil that stays in each chamber.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "as `fill`")]
+    fn net(&self, flows: Flows<N>, velocity: N) -> Flows<N> {
+        Flows { a: flows.a - velocity, b: self.displaced_b(velocity) - flows.b }
     }
 
     /// Mean flows of a tick at the ports, of which the rod did not make room for `beyond`: each chamber takes of that what it yields to.

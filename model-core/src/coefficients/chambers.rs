@@ -2,6 +2,7 @@
 
 use super::Builder;
 use crate::chambers::capacity::{ATMOSPHERE_PA, Capacity, ChamberCapacity, LEAST_VOLUME};
+use crate::chambers::cavitation::{Cavitation, LOWEST_FLOOR_PA};
 use crate::chambers::{ChamberEffects, Chambers, ExternalLeakage};
 use crate::coefficients::bases::{GAIN_AIM, thinnest};
 use crate::machine::{MachineError, Parameter as P};
@@ -69,6 +70,7 @@ impl<R: Real> Builder<'_, R> {
                     })
                 },
                 capacity: self.varying_capacity()?,
+                cavitation: self.cavitation()?,
             },
         })
     }
@@ -107,6 +109,18 @@ impl<R: Real> Builder<'_, R> {
     /// Capacity at the least volume over that at mid-stroke, without air.
     fn least_capacity(&self, volume: P) -> R {
         R::ONE - self.oil(volume) * (R::ONE - self.least_volume(volume))
+    }
+
+    fn cavitation<N: Number<Real = R>>(&self) -> Result<Option<Cavitation<N>>, MachineError> {
+        let floor = self.get(P::CavitationFloor);
+        if floor.value() < LOWEST_FLOOR_PA {
+            return Ok(None);
+        }
+        Ok(Some(Cavitation {
+            floor: self.signal("least pressure", P::CavitationFloor, floor / R::constant(self.bases.pressure_pa))?,
+            unity: self.steep::<N>("one", P::CavitationFloor, R::ONE)?,
+            unsprung: self.unsprung()?,
+        }))
     }
 
     fn varying_capacity<N: Number<Real = R>>(&self) -> Result<Option<Capacity<N>>, MachineError> {

@@ -1,6 +1,7 @@
 //! Coefficients of the mechanics.
 
 use super::Builder;
+use crate::chambers::cavitation::Unsprung;
 use crate::coefficients::bases::{SLIPPERIEST, least_drag, thinnest};
 use crate::machine::{MachineError, Parameter as P};
 use crate::mechanics::end_stop::{Face, Stops};
@@ -24,13 +25,31 @@ impl<R: Real> Builder<'_, R> {
     /// slower by (γ − γ² − 1/6)·θ²; a mass smaller by twice that makes up for it. Of second order like the step itself, it
     /// fades where there is no ringing to keep: under strong damping, D² ≫ K·m, and where the step resolves none, θ > 1.
     pub(super) fn sprung_mass(&self) -> R {
-        let mass = self.get(P::MovingMass);
-        let side = |area: P, volume: P| self.get(area) * self.get(area) / self.capacity(volume);
-        let spring = side(P::AreaA, P::VolumeA) + side(P::AreaB, P::VolumeB);
-        let damping = self.get(P::ViscousFriction);
+        self.get(P::MovingMass)
+            / self.lightening(self.spring_of(P::AreaA, P::VolumeA) + self.spring_of(P::AreaB, P::VolumeB))
+    }
+
+    /// Stiffness of a chamber's oil under the rod, N/m.
+    fn spring_of(&self, area: P, volume: P) -> R {
+        self.get(area) * self.get(area) / self.capacity(volume)
+    }
+
+    /// The moving mass over the one at which the step turns this spring as fast.
+    fn lightening(&self, spring: R) -> R {
+        let (mass, damping) = (self.get(P::MovingMass), self.get(P::ViscousFriction));
         let turn = R::constant(self.tick_s * self.tick_s) * spring / mass;
         let fading = R::ONE + damping * damping / (spring * mass) + turn * turn;
-        mass / (R::ONE + R::constant(2.0 * (GAMMA - GAMMA * GAMMA - 1.0 / 6.0)) * turn / fading)
+        R::ONE + R::constant(2.0 * (GAMMA - GAMMA * GAMMA - 1.0 / 6.0)) * turn / fading
+    }
+
+    /// What the mass gains where chambers cavitate.
+    pub(super) fn unsprung<N: Number<Real = R>>(&self) -> Result<Unsprung<N>, MachineError> {
+        let (a, b) = (self.spring_of(P::AreaA, P::VolumeA), self.spring_of(P::AreaB, P::VolumeB));
+        let both = self.lightening(a + b);
+        let without = |left: R| R::ONE - left / both;
+        let (no_a, no_b) = (without(self.lightening(b)), without(self.lightening(a)));
+        let gain = |value: R| self.gain::<N>("share of the mass without its oil spring", P::MovingMass, value);
+        Ok(Unsprung { a: gain(no_a)?, b: gain(no_b)?, together: gain(without(R::ONE) - no_a - no_b)? })
     }
 
     /// h·D/m in the thinnest oil where it brakes least, with what the table of forces is damped by.

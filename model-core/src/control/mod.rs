@@ -62,13 +62,13 @@ mod tests;
 mod tuning;
 
 use fixed::types::{I4F28, U16F16};
+use orifice::Orifice;
+use overlap::Overlap;
 
 use crate::number::{Number, PerUnit};
 use crate::ports::ChamberState;
 
 pub use build::FollowError;
-use orifice::Orifice;
-use overlap::Overlap;
 pub use tuning::Tuning;
 
 /// Where the rod is wanted, and how fast it is wanted to go there.

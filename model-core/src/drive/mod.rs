@@ -7,6 +7,9 @@ mod paper;
 mod state;
 mod step;
 
+use feed::{AnyFeed, Metered};
+use step::Chain;
+
 use crate::chambers::Chambers;
 use crate::correction_table::Unnamed;
 use crate::effects::{Effects, Plain};
@@ -18,8 +21,6 @@ use crate::oil::Viscosity;
 use crate::ports::{AcrossEdges, ChamberState, Flows, Forces, Slider, States};
 use crate::sensing::{Sensed, Sensors};
 use crate::valve::{Valve, ValveState};
-use feed::{AnyFeed, Metered};
-use step::Chain;
 
 pub use paper::PaperDrive;
 pub use state::{DriveState, Entry, Interfaces, Load};
@@ -187,13 +188,18 @@ impl<N: Number> Drive<N> {
             let slider = valve.step_with::<Plain, DELAY>(&mut state.valve, command, AcrossEdges::NONE);
             return self.chain().step::<Plain, DELAY>(state, &Metered::new::<Plain>(edges, slider), load);
         }
-        self.step_links(state, entry, load)
+        if let Some(cavitation) = &self.chambers.effects.cavitation {
+            return self.step_cavitating(cavitation, state, entry, load);
+        }
+        self.step_links((&self.chambers, &self.mechanics), state, entry, load)
     }
 
-    /// One tick of a drive that may have any effect. Out of line, so that it takes no registers from the one without.
+    /// One tick of a drive that may have any effect, with these chambers and this mass for its own. Out of line, so that it takes no registers
+    /// from the one without.
     #[inline(never)]
-    fn step_links<const DELAY: usize>(
+    pub(crate) fn step_links<const DELAY: usize>(
         &self,
+        (chambers, mechanics): (&Chambers<N>, &Mechanics<N>),
         state: &mut DriveState<N, DELAY>,
         entry: Entry<N>,
         load: Load<N>,
@@ -221,7 +227,7 @@ impl<N: Number> Drive<N> {
             (Entry::Flow { from, to }, _) => given(from, to),
             _ => given(closed, closed),
         };
-        let seen = self.chain().step::<Effects, DELAY>(state, &feed, load);
+        let seen = Chain { chambers, mechanics, ..self.chain() }.step::<Effects, DELAY>(state, &feed, load);
         self.step_beside(state);
         seen
     }

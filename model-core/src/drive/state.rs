@@ -1,5 +1,6 @@
 //! State of a drive, what enters it in a tick, and what its links handed to each other.
 
+use crate::chambers::cavitation::Voids;
 use crate::flow::{PumpDrive, SupplyState};
 use crate::number::Number;
 use crate::ports::{ChamberState, Flows, Forces, MotionState, Slider, States};
@@ -23,6 +24,8 @@ pub struct DriveState<N: Number, const DELAY: usize = 64> {
     pub chambers: ChamberState<N>,
     /// What rounding left of the chamber pressures, below their step.
     pub rest: ChamberState<N>,
+    /// What of both chambers is void, with `cavitation`.
+    pub voids: Voids<N>,
     /// Velocity and position.
     pub motion: MotionState<N>,
     /// Supply pressure; constant but for `supply-droop`.
@@ -110,6 +113,7 @@ impl<N: Number, const DELAY: usize> DriveState<N, DELAY> {
             valve,
             chambers: pressures,
             rest: ChamberState { a: N::ZERO, b: N::ZERO },
+            voids: ChamberState { a: N::ZERO.as_travel(), b: N::ZERO.as_travel() },
             motion: MotionState::at_rest(position),
             supply,
             sensed: SensedState::at_rest(position),

@@ -176,6 +176,7 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Cha
             pressed: state.chambers.a.max(N::ZERO) + state.chambers.b.max(N::ZERO),
             viscosity: oil.map_or(N::ZERO, |oil| oil.excess),
             states: if pushed { States::of(state, slider) } else { States::NONE },
+            sprung: N::ONE,
         }
     }
 

@@ -27,10 +27,11 @@ mod opened;
 mod pump;
 pub(crate) mod supply;
 
+use effects::EdgeEffects;
+
 use crate::effects::{Effects, Keeps, Vocabulary};
 use crate::number::{Mask, Number};
 use crate::ports::{AcrossEdges, ChamberState, Filling, Flows, Linearised, Overlap, Slider};
-use effects::EdgeEffects;
 
 pub(crate) use opened::Opened;
 pub use pump::{Pump, PumpDrive};

@@ -2,7 +2,8 @@
 
 mod parameter;
 
-use crate::number::Real;
+use crate::chambers::cavitation::LOWEST_FLOOR_PA;
+use crate::number::{Real, SUM_UNIT};
 
 pub use parameter::{Description, Fallback, Parameter};
 
@@ -94,6 +95,10 @@ impl Machine<f64> {
                 return Err(MachineError::NotWhole { parameter, value });
             }
         }
+        let (floor_pa, tank_pa) = (self.get(Parameter::CavitationFloor), self.get(Parameter::TankPressure));
+        if floor_pa > Parameter::CavitationFloor.description().min && !(LOWEST_FLOOR_PA..=tank_pa).contains(&floor_pa) {
+            return Err(MachineError::Floor { floor_pa, tank_pa });
+        }
         Ok(())
     }
 }
@@ -119,6 +124,16 @@ pub enum MachineError {
         parameter: Parameter,
         /// Its value.
         value: f64,
+    },
+    /// The pressure that oil cavitates at is none that it can have, or above the tank's.
+    #[error(
+        "effects.cavitation.floor_pa = {floor_pa} Pa: expected {LOWEST_FLOOR_PA} (vacuum) to supply.tank_pressure_pa = {tank_pa} Pa"
+    )]
+    Floor {
+        /// That pressure in Pa.
+        floor_pa: f64,
+        /// The tank's in Pa.
+        tank_pa: f64,
     },
     /// A coefficient computed from the parameter does not fit the fixed-point format.
     #[error(
@@ -217,4 +232,13 @@ pub struct Bases {
     pub temperature_c: f64,
     /// Tick, s.
     pub tick_s: f64,
+}
+
+impl Bases {
+    /// Void 1 ([`DriveState::voids`](crate::drive::DriveState::voids)), m³.
+    #[must_use]
+    #[expect(clippy::float_arithmetic, reason = "what a scale is in SI units")]
+    pub fn void_m3(&self) -> f64 {
+        SUM_UNIT * self.tick_s * self.flow_m3_per_s
+    }
 }

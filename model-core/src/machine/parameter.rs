@@ -125,6 +125,7 @@ parameters! {
     AirShare: "effects.entrained-air.share", "1", 0.0, 0.5, Value(0.0), "Volume of free air in the oil at atmospheric pressure, as a share.";
     HoseCompliance: "effects.hose-compliance.compliance_m3_per_pa", "m3/Pa", 0.0, 1e-6, Value(0.0), "Volume that each chamber's hose takes up per pressure, beside V/E0.";
     VolumeShare: "effects.position-dependent-volume.share", "1", 0.0, 1.5, Value(0.0), "How much of the piston's displacement from mid-stroke the chamber volumes follow; 1 is geometry.";
+    CavitationFloor: "effects.cavitation.floor_pa", "Pa", -1e9, 1e7, Value(-1e9), "Pressure that a chamber does not fall below, that of the oil's vapour or of the air that it gives off, from the same zero as the tank's and at most that; oil pulls without limit where the file does not give it.";
     CoulombFriction: "effects.coulomb-friction.force_n", "N", 0.0, 1e8, Value(0.0), "Dry friction force against motion; the rod sticks while the other forces stay below it.";
     StribeckForce: "effects.stribeck-friction.force_n", "N", 0.0, 1e8, Value(0.0), "Dry friction force at speed.";
     StribeckExcess: "effects.stribeck-friction.excess_n", "N", 0.0, 1e8, Value(0.0), "What the force to break away is more than that.";

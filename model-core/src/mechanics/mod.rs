@@ -26,14 +26,15 @@ pub(crate) mod friction;
 pub(crate) mod lugre;
 pub(crate) mod position_load;
 
-use crate::correction_table::Push;
-use crate::effects::{Effects, Keeps, LinkEffects, Vocabulary};
-use crate::number::Number;
-use crate::ports::{Forces, MotionState};
 use end_stop::Stops;
 use friction::{DryFriction, PlacedDrag};
 use lugre::Bristles;
 use position_load::PositionLoad;
+
+use crate::correction_table::Push;
+use crate::effects::{Effects, Keeps, LinkEffects, Vocabulary};
+use crate::number::{Mask, Number};
+use crate::ports::{Forces, MotionState, Surroundings};
 
 pub use friction::Contact;
 
@@ -133,9 +134,30 @@ impl<N: Number> MechanicalEffects<N> {
 }
 
 impl<N: Number> Mechanics<N> {
+    /// The same with a mass on which a force does this share, 0..1, of what it does here. What else is on the mass's diagonal grows with it.
+    pub(crate) fn heavier(&self, share: N) -> Self {
+        let shrunk = |gain: N::Gain| N::scaled(gain, share);
+        // 1 − γ of the mass over its diagonal, as the mass's part of that grows.
+        let lost = N::of_gain(N::scaled(self.row.drag, N::ONE - share)).small_part(self.gamma);
+        let back = N::of_gain(self.row.back) + (lost - lost.small_part(self.gamma));
+        let row = Row {
+            mobility: shrunk(self.row.mobility),
+            pull: shrunk(self.row.pull),
+            drag: shrunk(self.row.drag),
+            back: back.as_gain(),
+            share: self.row.share,
+        };
+        let dry = DryFriction { turn: self.effects.dry.turn.times(share), ..self.effects.dry };
+        Self { row, effects: MechanicalEffects { dry, ..self.effects }, ..*self }
+    }
+
     /// One tick under the given forces. Returns the mean velocity of the tick.
     #[inline]
     pub fn step(&self, state: &mut MotionState<N>, forces: Forces<N>) -> N {
+        if N::ONE.above(forces.around.sprung).any() {
+            let around = Surroundings { sprung: N::ONE, ..forces.around };
+            return self.heavier(forces.around.sprung).step(state, Forces { around, ..forces });
+        }
         let equation = self.equation::<Effects>(state, forces.around);
         let contact = equation.contact(state.velocity, forces.start);
         let stage = equation.first_stage(contact, state.velocity);

@@ -19,8 +19,8 @@ use core::ops::{Add, Neg, Sub};
 
 use fixed::types::{I4F28, I8F56, U16F16};
 
-use crate::number::Number;
 use crate::number::roots::{InverseFourthRoot, reciprocal_of_one_plus, reciprocal_of_one_plus_fine, share_of};
+use crate::number::{Number, SUM_BITS};
 
 /// A signal on the controller: per unit, `I4F28`, range ±8, step 2⁻²⁸. Sums saturate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -315,6 +315,19 @@ impl Number for PerUnit {
         I8F56::from_bits(i64::from(upper) << 32 | i64::from(lower))
     }
     #[inline]
+    fn summed(sum: I8F56, more: Self) -> I8F56 {
+        const LESS: u32 = FRACTION - SUM_BITS as u32;
+        I8F56::from_bits(sum.to_bits().saturating_add(i64::from(more.to_bits()) << LESS))
+    }
+    #[inline]
+    fn of_sum(sum: I8F56) -> Self {
+        const LESS: u32 = FRACTION - SUM_BITS as u32;
+        let (least, most) = (i64::from(i32::MIN), i64::from(i32::MAX));
+        #[expect(clippy::cast_possible_truncation, reason = "it is in the range")]
+        let word = (sum.to_bits() >> LESS).clamp(least, most) as i32;
+        Self::from_bits(word)
+    }
+    #[inline]
     fn of_travel(travel: I8F56) -> Self {
         Self::of_travel(travel)
     }
@@ -328,6 +341,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::number::SUM_UNIT;
 
     fn signal(bits: i32) -> (PerUnit, f64) {
         let signal = PerUnit::from_bits(bits);
@@ -453,6 +467,18 @@ mod tests {
                 exact += i64::from(gain) * i64::from(bits);
                 prop_assert_eq!((i64::from(sum.to_bits()) << 28) + i64::from(rest.to_bits()), exact);
                 prop_assert!(rest.to_bits().unsigned_abs() <= 1 << 27);
+            }
+        }
+
+        #[test]
+        fn a_sum_of_signals_loses_nothing(words in prop::collection::vec(any::<i32>(), 1..200)) {
+            let (mut sum, mut exact) = (I8F56::ZERO, 0_i64);
+            for bits in words {
+                sum = PerUnit::summed(sum, PerUnit::from_bits(bits));
+                exact += i64::from(bits);
+                let held = exact.clamp(i64::from(i32::MIN), i64::from(i32::MAX));
+                prop_assert_eq!(i64::from(PerUnit::of_sum(sum).to_bits()), held);
+                prop_assert!((PerUnit::strokes(sum) * SUM_UNIT - exact as f64 * STEP).abs() < 1e-9);
             }
         }
 

@@ -61,6 +61,11 @@ impl Mask for bool {
     }
 }
 
+/// What 1 of a sum of signals is ([`Number::summed`]).
+pub const SUM_UNIT: f64 = (1_u64 << SUM_BITS) as f64;
+/// Its power of two.
+pub(crate) const SUM_BITS: u8 = 14;
+
 /// What can be compared: one, or several at once, each with its own.
 pub trait Compared: Copy {
     /// What a comparison says.
@@ -281,6 +286,12 @@ pub trait Number: Compared + Debug + PartialEq + Add<Output = Self> + Sub<Output
 
     /// The position after Σ gain·signal strokes more; nothing is rounded away.
     fn travelled<const K: usize>(from: Self::Travel, gains: [Self::Gain; K], signals: [Self; K]) -> Self::Travel;
+
+    /// A sum of signals after one more, in units of 2¹⁴ ([`SUM_UNIT`]); nothing is rounded away, and beyond 2²¹ it is held.
+    fn summed(sum: Self::Travel, more: Self) -> Self::Travel;
+
+    /// Such a sum as a signal: to the bit, held at the ends of its range.
+    fn of_sum(sum: Self::Travel) -> Self;
 
     /// The position as a signal, in strokes, rounded down to the signal's step and held at the ends of its range.
     fn of_travel(travel: Self::Travel) -> Self;

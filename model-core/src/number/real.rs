@@ -5,7 +5,7 @@
 use core::fmt::Debug;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::{Compared, Number};
+use super::{Compared, Number, SUM_BITS, SUM_UNIT};
 
 /// Less than a fixed-point number can hold is nothing: its share would have slopes without bound.
 const NOTHING: f64 = 1.0 / (1_u64 << 31) as f64;
@@ -186,6 +186,14 @@ impl<F: Field> Number for F {
     #[inline(always)]
     fn travelled<const K: usize>(from: F, gains: [F; K], signals: [Self; K]) -> F {
         from + sum(gains, signals)
+    }
+    #[inline(always)]
+    fn summed(sum: F, more: Self) -> F {
+        sum + more.over_power(SUM_BITS)
+    }
+    #[inline(always)]
+    fn of_sum(sum: F) -> Self {
+        sum * F::constant(SUM_UNIT)
     }
     #[inline(always)]
     fn of_travel(travel: F) -> F {

@@ -22,10 +22,11 @@
 
 pub(crate) mod effects;
 
+use effects::{ValveEffectState, ValveEffects};
+
 use crate::effects::{Effects, Keeps, Vocabulary};
 use crate::number::Number;
 use crate::ports::{AcrossEdges, Slider};
-use effects::{ValveEffectState, ValveEffects};
 
 /// Coefficients of the valve at one tick, with those of its effects.
 #[derive(Clone, Copy, Debug, PartialEq)]

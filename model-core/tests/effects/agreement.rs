@@ -1,10 +1,11 @@
 //! Fixed point and f64 are one model with each effect on, alone and all together, and no input overflows.
 
+use proptest::prelude::*;
+
 use model_core::drive::{Drive, Entry, Load};
 use model_core::machine::{Machine, Parameter as P, Tick};
 use model_core::number::{Number, PerUnit, Scalar};
 use model_core::ports::ChamberState;
-use proptest::prelude::*;
 
 use super::bench::{State, at_rest, cases, command, commanded, drive, effects, oil_at, press, with};
 
@@ -63,11 +64,15 @@ fn links_alone_reproduce_the_chain_with_everything_on() {
     fn check<N: Scalar<Real = f64>>() {
         let drive = drive::<N>(&all_on());
         let mut chain = at_rest(&drive, [0.3, 0.5], 0.4);
-        let (mut chambers, mut rest, mut motion) = (chain.chambers, chain.rest, chain.motion);
+        let (mut chambers, mut rest, mut voids, mut motion) = (chain.chambers, chain.rest, chain.voids, chain.motion);
         for tick in 0..1200 {
             let seen = commanded(&drive, &mut chain, command(tick));
-            drive.chambers().step(&mut chambers, &mut rest, seen.flows, seen.velocity, seen.position);
-            assert_eq!((chambers, rest), (chain.chambers, chain.rest), "the chambers alone, tick {tick}");
+            drive.chambers().step(&mut chambers, &mut rest, &mut voids, seen.flows, seen.velocity, seen.position);
+            assert_eq!(
+                (chambers, rest, voids),
+                (chain.chambers, chain.rest, chain.voids),
+                "the chambers alone, tick {tick}"
+            );
             assert_eq!(drive.mechanics().step(&mut motion, seen.forces), seen.velocity, "tick {tick}");
             assert_eq!(motion, chain.motion, "the mechanics alone, tick {tick}");
         }

@@ -1,10 +1,11 @@
 //! The drive that the effects are tried on.
 
+use proptest::test_runner::{Config, RngSeed};
+
 use model_core::drive::{Drive, DriveState, Entry, Interfaces, Load};
 use model_core::machine::{Machine, Parameter as P, Source, Tick};
 use model_core::number::Scalar;
 use model_core::ports::ChamberState;
-use proptest::test_runner::{Config, RngSeed};
 
 pub(crate) type State<N> = DriveState<N, 64>;
 
@@ -85,6 +86,7 @@ pub(crate) fn effects() -> Vec<(&'static str, Vec<(P, f64)>)> {
         ("external-leakage", vec![(P::ExternalLeakageA, 2e-12), (P::ExternalLeakageB, 4e-12)]),
         ("entrained-air", vec![(P::AirShare, 0.01)]),
         ("position-dependent-volume", vec![(P::VolumeShare, 1.0)]),
+        ("cavitation", vec![(P::CavitationFloor, -3e4)]),
         ("coulomb-friction", vec![(P::CoulombFriction, 500.0)]),
         ("stribeck-friction", vec![(P::StribeckForce, 300.0), (P::StribeckExcess, 300.0), (P::StribeckVelocity, 0.02)]),
         ("friction-asymmetry", vec![(P::AsymmetricExtending, 600.0), (P::AsymmetricRetracting, 300.0)]),

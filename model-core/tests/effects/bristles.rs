@@ -1,8 +1,9 @@
 //! Every law of dry friction acts through bristles as `LuGre` integrated apart from the core.
 
+use proptest::prelude::*;
+
 use model_core::machine::Parameter as P;
 use model_core::number::{PerUnit, Scalar};
-use proptest::prelude::*;
 
 use super::bench::{STROKE_M, at_rest, cases, commanded, drive, position_m, press, pushed, velocity_m_per_s, with};
 

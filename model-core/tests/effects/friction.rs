@@ -1,10 +1,11 @@
 //! Every law of dry friction holds exactly, brakes only, and is as large as its formula.
 
+use proptest::prelude::*;
+
 use model_core::drive::{Drive, Entry, Load};
 use model_core::machine::Parameter as P;
 use model_core::number::{PerUnit, Scalar};
 use model_core::ports::{Forces, MotionState, Surroundings};
-use proptest::prelude::*;
 
 use super::bench::{STROKE_M, at_rest, cases, drive, position_m, press, pushed, velocity_m_per_s, with};
 

@@ -3,6 +3,7 @@
 mod agreement;
 mod bench;
 mod bristles;
+mod cavitation;
 mod chambers;
 mod friction;
 mod neutral;

@@ -1,8 +1,9 @@
 //! Loads by position, end stops, and warming oil.
 
+use proptest::prelude::*;
+
 use model_core::machine::Parameter as P;
 use model_core::number::{PerUnit, Scalar};
-use proptest::prelude::*;
 
 use super::bench::{STROKE_M, at_rest, cases, drive, oil_at, position_m, press, pushed, velocity_m_per_s, with};
 

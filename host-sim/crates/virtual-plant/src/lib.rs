@@ -18,13 +18,13 @@ pub mod sensor;
 mod spool;
 mod tangent;
 
-pub use effect::PlantEffect;
 pub use effect::flow::FlowEffect;
 pub use effect::friction::{DryFriction, FrictionLevel};
 pub use effect::load::LoadEffect;
 pub use effect::oil::{OilGrade, OilTemperature};
 pub use effect::sensing::{Channel, SensingEffect};
 pub use effect::valve::ValveEffect;
+pub use effect::{Cavitation, PlantEffect};
 pub use excitation::input::{Command, Commands, LoadError, LoadProfile, PumpCommand};
 pub use flow::edges::GainCurve;
 pub use plant::{InitialState, Plant, PlantError, PlantState};

@@ -47,6 +47,11 @@ pub(crate) trait Real:
     fn at_least(self, bound: f64) -> Self {
         if self.value() < bound { bound.into() } else { self }
     }
+    /// The smaller of the number and a bound.
+    #[must_use]
+    fn at_most(self, bound: f64) -> Self {
+        if self.value() > bound { bound.into() } else { self }
+    }
 }
 
 impl Real for f64 {

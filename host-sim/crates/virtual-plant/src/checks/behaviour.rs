@@ -30,6 +30,7 @@ fn the_tangent_jacobian_agrees_with_differences_with_every_effect_on() {
         PlantEffect::pump_slip(1e-12),
         PlantEffect::external_leakage([1e-12, 3e-13]),
         PlantEffect::entrained_air(0.01),
+        PlantEffect::named("cavitation", 2.79e6).unwrap(),
         PlantEffect::PositionDependentVolume,
         PlantEffect::named("position-dependent-friction", 400.0).unwrap(),
         PlantEffect::named("stribeck-friction", 400.0).unwrap(),

@@ -5,6 +5,7 @@
 //! itself. To add one: a variant, its name, its function, its line in [`PlantEffect::apply`]; what
 //! has a memory takes an extra state.
 
+pub(crate) mod cavitation;
 mod chambers;
 pub(crate) mod flow;
 pub(crate) mod friction;
@@ -19,6 +20,7 @@ use crate::flow::orifice::signed_root;
 use crate::physics::{Conditions, Inputs, State, Terms};
 use crate::tangent::Real;
 
+pub use cavitation::Cavitation;
 pub(crate) use flow::FlowEffect;
 pub(crate) use friction::{DryFriction, FrictionLevel};
 pub(crate) use load::LoadEffect;
@@ -81,6 +83,8 @@ pub enum PlantEffect {
         /// Absolute pressure at which half of it is in solution, Pa.
         dissolving_pa: f64,
     },
+    /// Oil that is drawn on boils, or gives off its air: the void grows steeply below a pressure.
+    Cavitation(Cavitation),
     /// The chambers' volumes follow the piston.
     PositionDependentVolume,
     /// Between command and slider.
@@ -143,6 +147,7 @@ impl PlantEffect {
             Self::CoulombFriction { .. } => "coulomb-friction",
             Self::ExternalLeakage { .. } => "external-leakage",
             Self::EntrainedAir { .. } => "entrained-air",
+            Self::Cavitation(_) => "cavitation",
             Self::PositionDependentVolume => "position-dependent-volume",
             Self::Valve(effect) => effect.name(),
             Self::Flow(effect) => effect.name(),
@@ -206,6 +211,9 @@ impl PlantEffect {
                 chambers::external_leakage(conductances_m3_per_s_pa, turbulent_share, transition_pa, state, terms);
             }
             Self::EntrainedAir { share, dissolving_pa } => chambers::entrained_air(share, dissolving_pa, state, terms),
+            Self::Cavitation(cavitation) => {
+                cavitation.apply(plant.areas_m2.map(|area_m2| area_m2 * plant.stroke_m), state, terms);
+            }
             Self::PositionDependentVolume => chambers::moving_volumes(plant.areas_m2, plant.stroke_m, state, terms),
             Self::CoulombFriction { force_n, stiffness_n_per_m, damping_n_s_per_m } => {
                 let level = FrictionLevel::Constant(force_n);

@@ -1,24 +1,25 @@
 //! Effects by name and one number, for the command line.
 
-use super::PlantEffect;
 use super::flow::FlowEffect;
 use super::friction::{DryFriction, FrictionLevel};
 use super::load::LoadEffect;
 use super::oil::OilTemperature;
 use super::sensing::{Channel, SensingEffect};
 use super::valve::ValveEffect;
+use super::{Cavitation, PlantEffect};
 use crate::flow::edges::GainCurve;
 
 type Make = fn(f64) -> PlantEffect;
 
 /// Name, unit of the number, and the effect with its other parameters as usual.
 #[rustfmt::skip]
-const EFFECTS: [(&str, &str, Make); 32] = [
+const EFFECTS: [(&str, &str, Make); 33] = [
     ("hose-compliance", "m3/Pa", PlantEffect::hose_compliance),
     ("pump-slip", "m3/s/Pa", PlantEffect::pump_slip),
     ("internal-leakage", "m3/s/Pa", PlantEffect::internal_leakage),
     ("external-leakage", "m3/s/Pa", |conductance| PlantEffect::external_leakage([conductance, 0.0])),
     ("entrained-air", "1", PlantEffect::entrained_air),
+    ("cavitation", "Pa", |floor_pa| PlantEffect::Cavitation(Cavitation::of_vapour(floor_pa))),
     ("position-dependent-volume", "1", |_| PlantEffect::PositionDependentVolume),
     ("coulomb-friction", "N", PlantEffect::coulomb_friction),
     ("stribeck-friction", "N", |sliding_n| friction(FrictionLevel::Stribeck { sliding_n, break_away_n: 1.8 * sliding_n, velocity_m_per_s: 0.012 })),

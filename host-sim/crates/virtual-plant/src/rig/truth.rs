@@ -20,7 +20,7 @@ pub fn truth_near(nominal: &Machine<f64>, sigma: &BTreeMap<Parameter, f64>, spre
 }
 
 /// Parameters that came into the table later, between others.
-const LATER: [Parameter; 8] = [
+const LATER: [Parameter; 9] = [
     Parameter::LevelAtRest,
     Parameter::ViscosityLossPerKelvin,
     Parameter::ReferenceTemperature,
@@ -29,6 +29,7 @@ const LATER: [Parameter; 8] = [
     Parameter::SolenoidLoss,
     Parameter::MeteringPorts,
     Parameter::MeteringDirections,
+    Parameter::CavitationFloor,
 ];
 
 /// A stream for each parameter; the first ones are the sensors'. The others keep their streams beside those that came later, so that a

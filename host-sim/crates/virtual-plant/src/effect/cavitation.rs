@@ -1,0 +1,50 @@
+//! Oil that is drawn on: it boils, and gives off the air that is dissolved in it.
+
+use crate::physics::{State, Terms};
+use crate::tangent::Real;
+
+/// Bubbles as a function of the pressure, with no switch anywhere. In parts of what the piston sweeps of a chamber they take up
+///
+/// ```text
+/// e^((pv − p)/δ)  +  β·pv'/p'·1/(1 + e^((p − pv)/δ))
+/// ```
+///
+/// with p' and pv' absolute: vapour, which doubles with each 0.7 δ that the pressure falls, and air, a share β of the oil's volume, which
+/// comes out of solution at the same pressure and then expands at constant temperature.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cavitation {
+    /// pv, Pa, from the same zero as the tank's pressure.
+    pub floor_pa: f64,
+    /// δ, Pa.
+    pub steepness_pa: f64,
+    /// β: air that is dissolved, as a share at pv.
+    pub released: f64,
+}
+
+impl Cavitation {
+    /// Oil that boils, δ 1.5 kPa, without air.
+    #[must_use]
+    pub const fn of_vapour(floor_pa: f64) -> Self {
+        Self { floor_pa, steepness_pa: 1.5e3, released: 0.0 }
+    }
+
+    /// −d/dp of the bubbles in both chambers, of which the piston sweeps `swept_m3`.
+    pub(super) fn apply<R: Real>(&self, swept_m3: [f64; 2], state: &State<R>, terms: &mut Terms<R>) {
+        let [a, b] = swept_m3;
+        terms.capacity_a = terms.capacity_a + self.compressibility(state.pressure_a) * a;
+        terms.capacity_b = terms.capacity_b + self.compressibility(state.pressure_b) * b;
+    }
+
+    /// Per pascal.
+    fn compressibility<R: Real>(&self, pressure: R) -> R {
+        const ATMOSPHERE_PA: f64 = 1.013e5;
+        /// No pressure of the integrator's trials is as low.
+        const LOWEST: f64 = 60.0;
+        let below = (-(pressure - self.floor_pa) / self.steepness_pa).at_most(LOWEST);
+        let vapour = below.exp();
+        let free = vapour / (vapour + 1.0);
+        let absolute = (pressure + ATMOSPHERE_PA).at_least(100.0);
+        let air = R::from(self.released * (self.floor_pa + ATMOSPHERE_PA)) / absolute;
+        (vapour + air * free * (R::from(1.0) - free)) / self.steepness_pa + air * free / absolute
+    }
+}
