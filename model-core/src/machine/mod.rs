@@ -1,9 +1,11 @@
 //! A drive's SI parameters.
 
+mod forms;
 mod parameter;
 
 use crate::number::Real;
 
+pub use forms::Form;
 pub use parameter::{Description, Fallback, Parameter};
 
 /// Where the oil comes from.

@@ -27,7 +27,7 @@ pub(crate) mod lugre;
 pub(crate) mod position_load;
 
 use crate::correction_table::Push;
-use crate::effects::{Effects, Keeps, LinkEffects, Vocabulary};
+use crate::effects::{AnyEffect, Keeps, LinkEffects, Vocabulary};
 use crate::number::Number;
 use crate::ports::{Forces, MotionState};
 use end_stop::Stops;
@@ -136,7 +136,7 @@ impl<N: Number> Mechanics<N> {
     /// One tick under the given forces. Returns the mean velocity of the tick.
     #[inline]
     pub fn step(&self, state: &mut MotionState<N>, forces: Forces<N>) -> N {
-        let equation = self.equation::<Effects>(state, forces.around);
+        let equation = self.equation::<AnyEffect>(state, forces.around);
         let contact = equation.contact(state.velocity, forces.start);
         let stage = equation.first_stage(contact, state.velocity);
         let first = equation.first(&stage, forces.first);

@@ -22,7 +22,7 @@
 
 pub(crate) mod effects;
 
-use crate::effects::{Effects, Keeps, Vocabulary};
+use crate::effects::{AnyEffect, Keeps, Vocabulary};
 use crate::number::Number;
 use crate::ports::{AcrossEdges, Slider};
 use effects::{ValveEffectState, ValveEffects};
@@ -106,7 +106,7 @@ impl<N: Number> Valve<N> {
         command: N,
         across: AcrossEdges<N>,
     ) -> Slider<N> {
-        self.step_with::<Effects, DELAY>(state, command, across)
+        self.step_with::<AnyEffect, DELAY>(state, command, across)
     }
 }
 
