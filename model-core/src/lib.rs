@@ -10,7 +10,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`number`] | arithmetic: formats, rounding and saturation, roots |
-//! | `effects` | which effects a step is compiled for |
+//! | [`effects`] | the table of all effects; which of them a step is compiled for |
 //! | [`machine`] | SI parameters: key, unit, range, default; scales of all per-unit quantities |
 //! | [`ports`] | what the links hand to one another |
 //! | `oil`, `correction_table` | viscosity over temperature; a table for what has no name |
@@ -57,7 +57,7 @@ mod coefficients;
 pub mod control;
 mod correction_table;
 pub mod drive;
-mod effects;
+pub mod effects;
 /// The flow link: slider, or pump, and pressures → flow into A and out of B.
 pub mod flow;
 pub mod machine;

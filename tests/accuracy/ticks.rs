@@ -1,6 +1,7 @@
 //! The effects of the valve and the flow link have no oracle here: what they do must not depend on the tick.
 
-use model_core::machine::{Machine, Parameter as P, Tick};
+use model_core::effects::{Effect, Link};
+use model_core::machine::{Form, Machine, Tick};
 use recording::excitation::signals::Excitation;
 use system_tests::drives;
 use system_tests::simulate::{Distance, Row, core, distance};
@@ -13,21 +14,13 @@ use virtual_plant::InitialState;
 const POSITION: f64 = 1e-5;
 const PRESSURE: f64 = 1e-3;
 
-/// An effect with all that it needs, in a strong form.
-const EFFECTS: [(&str, &[(P, f64)]); 12] = [
-    ("none", &[]),
-    ("valve-hysteresis", &[(P::HysteresisWidth, 0.05), (P::HysteresisSpread, 0.5)]),
-    ("null-drift", &[(P::NullDriftTravel, 0.03), (P::NullDriftTime, 0.3)]),
-    ("solenoid-saturation", &[(P::SolenoidOnset, 0.2), (P::SolenoidCurvature, 2.0)]),
-    ("flow-force", &[(P::FlowForce, 4e-8)]),
-    ("dead-zone-asymmetry", &[(P::DeadZoneDifference, 0.1)]),
-    ("flow-gain-nonlinearity", &[(P::FlowGainLinear, 0.5), (P::FlowGainBeyond, -0.5)]),
-    ("metering-asymmetry", &[(P::MeteringRatio, 0.4), (P::MeteringPorts, -0.3), (P::MeteringDirections, 0.2)]),
-    ("supply-droop, static", &[(P::DroopResistance, 8e9)]),
-    ("supply-droop, 20 ms", &[(P::DroopResistance, 8e9), (P::DroopTime, 0.02)]),
-    ("tank-back-pressure", &[(P::ReturnResistance, 2e13)]),
-    ("valve-leakage", &[(P::ValveLeakageOpening, 0.02), (P::ValveLeakageReach, 0.05)]),
-];
+/// No effect, then the strong forms of every effect of the valve and the flow link but stiction; a valve-controlled drive has no pump.
+fn forms() -> impl Iterator<Item = Form> {
+    let without = Form { name: "none", values: &[] };
+    let effects = Effect::ALL.iter().filter(|effect| matches!(effect.link(), Link::Valve | Link::Flow));
+    let effects = effects.filter(|effect| !matches!(effect, Effect::SpoolStiction | Effect::PumpSlip));
+    std::iter::once(without).chain(effects.flat_map(|effect| effect.strong().iter().copied()))
+}
 
 fn at_two_ticks(machine: &Machine<f64>, excitation: &Excitation) -> Distance {
     let initial = InitialState::at_rest(machine, 0.15);
@@ -43,8 +36,8 @@ fn at_two_ticks(machine: &Machine<f64>, excitation: &Excitation) -> Distance {
 fn what_an_effect_does_hardly_depends_on_the_tick() {
     let mut missed = Vec::new();
     for drive in drives::named() {
-        for (name, changes) in EFFECTS {
-            let machine = drive.machine.with(changes);
+        for Form { name, values } in forms() {
+            let machine = drive.machine.with(values);
             let signals = [Excitation::paper_steps(10.0), Excitation::paper_sweep(), Excitation::random_steps(1)];
             let found =
                 signals.iter().map(|signal| at_two_ticks(&machine, signal)).fold(Distance::default(), Distance::or);

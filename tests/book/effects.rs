@@ -20,7 +20,7 @@ const HEAD: &str = "\
 What a drive may have and the paper's model leaves out: every effect that `diagnose` tries, in the order of the chain. An effect is
 switched on by its table in the machine file, for a simulation and for the controller alike; `diagnose --save-machine` writes the table of what it has found.
 
-*Written from the hypothesis files, `host-sim/src/hypothesis/`, by `RENEW=1 cargo test -p system-tests --test book catalogue`.*
+*Written from the hypothesis files, `host-sim/crates/diagnosis/src/catalogue/`, by `RENEW=1 cargo test -p system-tests --test book catalogue`.*
 
 Each section has the effect's table with values of a usual strength on [the press](../presets/press-63-40.toml), and its parameters: what the machine
 file accepts, what a value is that is not given, and where values usually lie on that press. A search may go three times beyond what is usual, more
@@ -45,7 +45,8 @@ fn scene(file: &MachineFile) -> Scene<'_> {
 
 /// Title and sections of a hypothesis file, in order.
 fn sections(effect: &Hypothesis) -> (String, Vec<(String, String)>) {
-    let file = root().join("host-sim/src/hypothesis").join(format!("{}.rs", effect.name.replace('-', "_")));
+    let file =
+        root().join("host-sim/crates/diagnosis/src/catalogue").join(format!("{}.rs", effect.name.replace('-', "_")));
     let text = std::fs::read_to_string(&file).unwrap();
     let mut title = String::new();
     let mut sections: Vec<(String, String)> = Vec::new();

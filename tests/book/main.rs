@@ -4,6 +4,7 @@ mod budget;
 mod built;
 mod effects;
 mod links;
+mod table;
 
 use std::path::PathBuf;
 

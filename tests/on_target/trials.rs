@@ -1,10 +1,9 @@
 //! The trials are of what they say: the shipped drive, its recordings, every effect that there is.
 
-use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use firmware::trial::{EFFECTS, RECORDED, press};
+use firmware::trial::{RECORDED, press};
 use model_core::machine::Parameter;
 use recording::{ChannelMap, Signal, read};
 
@@ -46,16 +45,4 @@ fn the_recorded_input_is_the_command_of_the_shipped_case() {
         return;
     }
     assert!(RECORDED == text, "RENEW=1 writes it anew");
-}
-
-#[test]
-fn every_effect_of_the_vocabulary_is_tried() {
-    let named = |key: &'static str| Some(key.strip_prefix("effects.")?.split_once('.')?.0);
-    let known: BTreeSet<&str> = Parameter::ALL.iter().filter_map(|each| named(each.description().key)).collect();
-    let tried: BTreeSet<&str> = EFFECTS.iter().filter_map(|each| each.name.split(',').next()).collect();
-    assert_eq!(tried, known);
-    for effect in EFFECTS {
-        let own = effect.name.split(',').next();
-        assert!(effect.values.iter().all(|(parameter, _)| named(parameter.description().key) == own), "{effect:?}");
-    }
 }

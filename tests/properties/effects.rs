@@ -1,18 +1,20 @@
 //! What holds for every effect of the valve and the flow link, alone and together; and of the whole catalogue, without its amounts.
 
 use std::cell::RefCell;
+use std::collections::BTreeSet;
 
 use proptest::prelude::*;
 
 use diagnosis::catalogue::{CATALOGUE, Kind, Scene};
 use machine_file::LoadSource;
 use model_core::drive::{Drive, Entry, Interfaces, Load};
+use model_core::effects::Effect;
 use model_core::machine::{Machine, Parameter as P, Tick};
 use model_core::number::{PerUnit, Scalar};
 use model_core::ports::{ChamberState, Slider};
 use recording::excitation::signals::Excitation;
 use simulation::EntryPoint;
-use system_tests::any_effects::{EFFECTS, STICTION, any_effect_names, any_effects, any_side_effects};
+use system_tests::any_effects::{EFFECTS, NOT_DRAWN, STICTION, any_effects, any_side_effects, every_drawn};
 use system_tests::any_machine::{any_machine, any_plain_machine, any_tick};
 use system_tests::drives;
 use system_tests::simulate::{DELAY, State, at_rest, command, core, distance, drive, larger};
@@ -187,8 +189,13 @@ fn no_effect_of_the_edges_keeps_the_pressures_swinging() {
 /// A law that holds for any effects says something of each of them.
 #[test]
 fn each_effect_is_on_in_many_of_the_drives_that_the_laws_are_asked_on() {
-    let names: Vec<&str> = any_effect_names().collect();
-    let on = RefCell::new(vec![0; names.len()]);
+    let drawn: Vec<Effect> = every_drawn().collect();
+    let listed: BTreeSet<Effect> = drawn.iter().copied().chain(NOT_DRAWN).collect();
+    assert!(
+        Effect::ALL.iter().all(|effect| listed.contains(effect)),
+        "an effect is missing in tests/src/any_effects.rs"
+    );
+    let on = RefCell::new(vec![0; drawn.len()]);
     runner(2000, file!())
         .run(&(any_machine(), any_tick(), any_effects()), |(machine, tick, effects)| {
             let machine = effects.on(&machine);
@@ -199,8 +206,8 @@ fn each_effect_is_on_in_many_of_the_drives_that_the_laws_are_asked_on() {
             Ok(())
         })
         .unwrap();
-    for (name, on) in names.iter().zip(on.into_inner()) {
-        println!("{on:>5} {name}");
-        assert!(on > 200, "{name}: {on}");
+    for (effect, on) in drawn.iter().zip(on.into_inner()) {
+        println!("{on:>5} {}", effect.name());
+        assert!(on > 200, "{}: {on}", effect.name());
     }
 }

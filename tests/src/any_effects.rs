@@ -2,22 +2,23 @@
 
 use proptest::prelude::*;
 
+use model_core::effects::Effect;
 use model_core::machine::{Machine, Parameter as P};
 
 /// The effects, by their number.
-pub const EFFECTS: [&str; 12] = [
-    "valve-hysteresis",
-    "null-drift",
-    "solenoid-saturation",
-    "flow-force",
-    "dead-zone-asymmetry",
-    "flow-gain-nonlinearity",
-    "metering-asymmetry",
-    "supply-droop",
-    "tank-back-pressure",
-    "valve-leakage",
-    "laminar-transition",
-    "spool-stiction",
+pub const EFFECTS: [Effect; 12] = [
+    Effect::ValveHysteresis,
+    Effect::NullDrift,
+    Effect::SolenoidSaturation,
+    Effect::FlowForce,
+    Effect::DeadZoneAsymmetry,
+    Effect::FlowGainNonlinearity,
+    Effect::MeteringAsymmetry,
+    Effect::SupplyDroop,
+    Effect::TankBackPressure,
+    Effect::ValveLeakage,
+    Effect::LaminarTransition,
+    Effect::SpoolStiction,
 ];
 
 /// The number of `spool-stiction`: the only effect whose last bit may decide.
@@ -85,27 +86,31 @@ impl SideEffects {
     }
 }
 
-/// The effects behind the valve and the flow link that [`AnyEffects`] draws, by their number; leakage past the piston, hoses and Coulomb
-/// friction come with the machines.
-const BEHIND: [&str; 14] = [
-    "external-leakage",
-    "entrained-air",
-    "position-dependent-volume",
-    "stribeck-friction",
-    "friction-asymmetry",
-    "position-dependent-friction",
-    "pressure-dependent-friction",
-    "position-dependent-load",
-    "end-stop",
-    "presliding",
-    "linkage-backlash",
-    "position-sensor-lag",
-    "sensor-offset",
-    "oil-temperature",
+/// Those that are not drawn here: leakage past the piston, hoses and Coulomb friction come with the machines, and a valve-controlled
+/// drive has no pump. A new effect belongs in one of the three lists.
+pub const NOT_DRAWN: [Effect; 4] =
+    [Effect::InternalLeakage, Effect::HoseCompliance, Effect::CoulombFriction, Effect::PumpSlip];
+
+/// The effects behind the valve and the flow link that [`AnyEffects`] draws, by their number.
+const BEHIND: [Effect; 14] = [
+    Effect::ExternalLeakage,
+    Effect::EntrainedAir,
+    Effect::PositionDependentVolume,
+    Effect::StribeckFriction,
+    Effect::FrictionAsymmetry,
+    Effect::PositionDependentFriction,
+    Effect::PressureDependentFriction,
+    Effect::PositionDependentLoad,
+    Effect::EndStop,
+    Effect::Presliding,
+    Effect::LinkageBacklash,
+    Effect::PositionSensorLag,
+    Effect::SensorOffset,
+    Effect::OilTemperature,
 ];
 
-/// All effects that [`AnyEffects`] draws.
-pub fn any_effect_names() -> impl Iterator<Item = &'static str> {
+/// All effects that [`AnyEffects`] draws, by their number.
+pub fn every_drawn() -> impl Iterator<Item = Effect> {
     EFFECTS.into_iter().chain(BEHIND)
 }
 
@@ -136,7 +141,7 @@ pub fn any_effects() -> impl Strategy<Value = AnyEffects> {
 }
 
 impl AnyEffects {
-    /// Whether the effect of this number is on, in the order of [`any_effect_names`].
+    /// Whether the effect of this number is on, in the order of [`every_drawn`].
     #[must_use]
     pub fn has(&self, number: usize) -> bool {
         self.which >> number & 1 == 1
@@ -154,11 +159,11 @@ impl AnyEffects {
     /// More amounts are asked for than are drawn.
     #[must_use]
     pub fn on(&self, machine: &Machine<f64>) -> Machine<f64> {
-        let is_on = |name: &str| any_effect_names().zip(0..).any(|(known, number)| known == name && self.has(number));
+        let is_on = |effect: Effect| every_drawn().zip(0..).any(|(known, number)| known == effect && self.has(number));
         let mut left = self.amounts.iter();
-        let mut amount = |name: &str| {
+        let mut amount = |effect: Effect| {
             let share = *left.next().expect("a share is drawn for each");
-            if is_on(name) { share } else { 0.0 }
+            if is_on(effect) { share } else { 0.0 }
         };
         let signed = |share: f64, size: f64| if share == 0.0 { 0.0 } else { both(share, size) };
         let [fall, stiffness, damping, within, warms, lags, bristles, at_c, reach] = self.forms;
@@ -166,44 +171,44 @@ impl AnyEffects {
         let force_n = machine.get(P::AreaB) * supply_pa;
         let laminar = 0.05 * machine.get(P::FlowCoefficient) / supply_pa.sqrt();
         // A load that grows with the square of the way runs away where nothing stops the rod.
-        let stops = amount("end-stop") > 0.0 || is_on("position-dependent-load");
+        let stops = amount(Effect::EndStop) > 0.0 || is_on(Effect::PositionDependentLoad);
         let reach_m = stroke_m * (0.2 + 0.3 * within);
         // So stiff that the drive's whole force presses it in by a thousandth to a tenth of the stroke.
         let stop_n_per_m = force_n / stroke_m * decades(stiffness, 10.0, 1000.0);
         let values = [
-            (P::ExternalLeakageA, amount("external-leakage") * laminar),
-            (P::ExternalLeakageB, amount("external-leakage") * laminar),
-            (P::AirShare, 0.05 * amount("entrained-air")),
-            (P::VolumeShare, amount("position-dependent-volume")),
-            (P::StribeckForce, 0.05 * force_n * amount("stribeck-friction")),
-            (P::StribeckExcess, 0.05 * force_n * amount("stribeck-friction")),
+            (P::ExternalLeakageA, amount(Effect::ExternalLeakage) * laminar),
+            (P::ExternalLeakageB, amount(Effect::ExternalLeakage) * laminar),
+            (P::AirShare, 0.05 * amount(Effect::EntrainedAir)),
+            (P::VolumeShare, amount(Effect::PositionDependentVolume)),
+            (P::StribeckForce, 0.05 * force_n * amount(Effect::StribeckFriction)),
+            (P::StribeckExcess, 0.05 * force_n * amount(Effect::StribeckFriction)),
             (P::StribeckVelocity, decades(fall, 1e-3, 0.1)),
-            (P::AsymmetricExtending, 0.05 * force_n * amount("friction-asymmetry")),
-            (P::AsymmetricRetracting, 0.05 * force_n * amount("friction-asymmetry")),
-            (P::PositionFriction, 0.05 * force_n * amount("position-dependent-friction")),
-            (P::PositionFrictionSlope, signed(amount("position-dependent-friction"), 0.03 * force_n)),
-            (P::PositionFrictionBow, signed(amount("position-dependent-friction"), 0.03 * force_n)),
-            (P::PositionDragSlope, signed(amount("position-dependent-friction"), 0.5)),
-            (P::PositionDragBow, signed(amount("position-dependent-friction"), 0.5)),
-            (P::PressureFriction, 0.02 * machine.get(P::AreaB) * amount("pressure-dependent-friction")),
-            (P::LoadSpring, signed(amount("position-dependent-load"), 0.3 * force_n / stroke_m)),
-            (P::LoadSpringForce, signed(amount("position-dependent-load"), 0.1 * force_n)),
-            (P::LoadSpringBow, signed(amount("position-dependent-load"), 0.3 * force_n / (stroke_m * stroke_m))),
+            (P::AsymmetricExtending, 0.05 * force_n * amount(Effect::FrictionAsymmetry)),
+            (P::AsymmetricRetracting, 0.05 * force_n * amount(Effect::FrictionAsymmetry)),
+            (P::PositionFriction, 0.05 * force_n * amount(Effect::PositionDependentFriction)),
+            (P::PositionFrictionSlope, signed(amount(Effect::PositionDependentFriction), 0.03 * force_n)),
+            (P::PositionFrictionBow, signed(amount(Effect::PositionDependentFriction), 0.03 * force_n)),
+            (P::PositionDragSlope, signed(amount(Effect::PositionDependentFriction), 0.5)),
+            (P::PositionDragBow, signed(amount(Effect::PositionDependentFriction), 0.5)),
+            (P::PressureFriction, 0.02 * machine.get(P::AreaB) * amount(Effect::PressureDependentFriction)),
+            (P::LoadSpring, signed(amount(Effect::PositionDependentLoad), 0.3 * force_n / stroke_m)),
+            (P::LoadSpringForce, signed(amount(Effect::PositionDependentLoad), 0.1 * force_n)),
+            (P::LoadSpringBow, signed(amount(Effect::PositionDependentLoad), 0.3 * force_n / (stroke_m * stroke_m))),
             (P::StopStiffness, if stops { stop_n_per_m } else { 0.0 }),
             (P::StopDamping, if stops { decades(damping, 1e2, 1e6) } else { 0.0 }),
             (P::StopRetracted, 0.5 * stroke_m - reach_m),
             (P::StopExtended, 0.5 * stroke_m + reach_m),
-            (P::PreslidingForce, 0.05 * force_n * amount("presliding")),
-            (P::PreslidingStiffness, if amount("presliding") > 0.0 { decades(bristles, 1e6, 1e9) } else { 0.0 }),
-            (P::BacklashPlay, 1e-3 * amount("linkage-backlash")),
-            (P::PositionLag, 0.05 * amount("position-sensor-lag")),
-            (P::PositionDelay, 0.02 * lags * amount("position-sensor-lag")),
-            (P::PressureAOffset, signed(amount("sensor-offset"), 0.02 * supply_pa)),
-            (P::SpoolOffset, signed(amount("sensor-offset"), 0.02)),
-            (P::PositionFactor, signed(amount("sensor-offset"), 0.02)),
-            (P::ViscosityLoss, signed(amount("oil-temperature"), 0.8)),
+            (P::PreslidingForce, 0.05 * force_n * amount(Effect::Presliding)),
+            (P::PreslidingStiffness, if amount(Effect::Presliding) > 0.0 { decades(bristles, 1e6, 1e9) } else { 0.0 }),
+            (P::BacklashPlay, 1e-3 * amount(Effect::LinkageBacklash)),
+            (P::PositionLag, 0.05 * amount(Effect::PositionSensorLag)),
+            (P::PositionDelay, 0.02 * lags * amount(Effect::PositionSensorLag)),
+            (P::PressureAOffset, signed(amount(Effect::SensorOffset), 0.02 * supply_pa)),
+            (P::SpoolOffset, signed(amount(Effect::SensorOffset), 0.02)),
+            (P::PositionFactor, signed(amount(Effect::SensorOffset), 0.02)),
+            (P::ViscosityLoss, signed(amount(Effect::OilTemperature), 0.8)),
             (P::WarmingTime, decades(warms, 0.1, 10.0)),
-            (P::ViscosityLossPerKelvin, 0.05 * amount("oil-temperature")),
+            (P::ViscosityLossPerKelvin, 0.05 * amount(Effect::OilTemperature)),
             (P::ReferenceTemperature, 80.0 * at_c),
             (P::FlowGainNotch, 0.02 + 0.5 * reach),
         ];

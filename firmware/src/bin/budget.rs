@@ -9,7 +9,7 @@ mod on_target {
 
     use firmware::board::mps2::{self, Counter, INSTRUCTIONS_PER_COUNT};
     use firmware::board::stack;
-    use firmware::trial::{DELAY, EFFECTS, Input, Moment, every_effect, press, steps_of};
+    use firmware::trial::{DELAY, Input, Moment, every_effect, forms, press, steps_of};
     use model_core::drive::{Drive, DriveState, Entry, Load, PaperDrive};
     use model_core::machine::{Machine, MachineError, Tick};
     use model_core::number::{Number, PerUnit};
@@ -138,9 +138,9 @@ mod on_target {
         row("none of the effects, random under load", instructions(counter, step, (&full, rest), random()))?;
         let (every, all_rest) = at_rest(&every_effect(&press()))?;
         row("every effect, random under load", instructions(counter, step, (&every, all_rest), random()))?;
-        for effect in EFFECTS {
-            let (drive, state) = at_rest(&press().with(effect.values))?;
-            row(effect.name, instructions(counter, step, (&drive, state), random()))?;
+        for form in forms() {
+            let (drive, state) = at_rest(&press().with(form.values))?;
+            row(form.name, instructions(counter, step, (&drive, state), random()))?;
         }
 
         let moment = Moment { entry: Entry::Command(PerUnit::ONE), load: Load::NONE, oil_temperature: None };

@@ -4,12 +4,12 @@ use core::fmt::{self, Write};
 use core::hash::{Hash, Hasher};
 
 use model_core::drive::{Drive, DriveState};
-use model_core::machine::{Machine, MachineError, Tick};
+use model_core::machine::{Form, Machine, MachineError, Tick};
 use model_core::number::{Number, PerUnit};
 use model_core::ports::ChamberState;
 
 use super::DELAY;
-use super::effects::{EFFECTS, Effect, every_effect};
+use super::effects::{every_effect, forms};
 use super::fingerprint::Fingerprint;
 use super::input::Input;
 use super::machines::{press, pump};
@@ -23,7 +23,7 @@ const SAMPLED: usize = 1000;
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum On {
     Nothing,
-    One(&'static Effect),
+    One(&'static Form),
     Everything,
 }
 
@@ -76,7 +76,7 @@ impl From<fmt::Error> for CaseError {
 
 /// All trials: no effect, each alone and all together; under the recorded and the random input, and entered anywhere; and the pump.
 pub fn cases() -> impl Iterator<Item = Case> {
-    let sets = || [On::Nothing, On::Everything].into_iter().chain(EFFECTS.iter().map(On::One));
+    let sets = || [On::Nothing, On::Everything].into_iter().chain(forms().map(On::One));
     let under = |input: Input| sets().map(move |on| Case { on, input });
     let recorded = [On::Nothing, On::Everything].map(|on| Case { on, input: Input::Recorded });
     recorded.into_iter().chain(under(Input::Random)).chain(under(Input::Anywhere)).chain(under(Input::Pump))
@@ -89,7 +89,7 @@ impl Case {
         let plain = if self.input == Input::Pump { pump() } else { press() };
         match self.on {
             On::Nothing => plain,
-            On::One(effect) => plain.with(effect.values),
+            On::One(form) => plain.with(form.values),
             On::Everything => every_effect(&plain),
         }
     }
@@ -144,7 +144,7 @@ impl fmt::Display for Case {
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
         let on = match self.on {
             On::Nothing => "no effect",
-            On::One(effect) => effect.name,
+            On::One(form) => form.name,
             On::Everything => "every effect",
         };
         write!(formatter, "{}: {on}", self.input.name())

@@ -1,114 +1,25 @@
-//! Every effect of the vocabulary at a strength that shows on the press.
+//! The effects of a trial: those of the table, in its trial forms, and the correction table.
 
-use model_core::machine::{Machine, Parameter as P};
+use model_core::effects::Effect;
+use model_core::machine::{Form, Machine, Parameter as P};
 
-/// An effect with its strength.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Effect {
-    /// Name as in the machine file, with what distinguishes it where one effect has several forms.
-    pub name: &'static str,
-    /// What is set, SI units.
-    pub values: &'static [(P, f64)],
-    /// Whether it is part of [`every_effect`]; of several forms of one effect the costlier is.
-    pub together: bool,
+/// Every form of every effect, in the order of the chain, then those of the correction table.
+pub fn forms() -> impl Iterator<Item = &'static Form> {
+    Effect::ALL.iter().flat_map(|effect| effect.trial()).chain(CORRECTION_TABLE)
 }
 
-impl Effect {
-    const fn new(name: &'static str, values: &'static [(P, f64)]) -> Self {
-        Self { name, values, together: true }
-    }
-
-    const fn other_form(name: &'static str, values: &'static [(P, f64)]) -> Self {
-        Self { name, values, together: false }
-    }
-}
-
-/// The machine with all effects at once.
+/// The machine with all effects at once, each in its first form.
 #[must_use]
 pub fn every_effect(machine: &Machine<f64>) -> Machine<f64> {
-    EFFECTS.iter().filter(|effect| effect.together).fold(*machine, |machine, effect| machine.with(effect.values))
+    let first = Effect::ALL.iter().filter_map(|effect| effect.trial().first()).chain(CORRECTION_TABLE.first());
+    first.fold(*machine, |machine, form| machine.with(form.values))
 }
 
-/// All effects, in the order of the chain.
-pub const EFFECTS: &[Effect] = &[
-    Effect::new("valve-hysteresis", &[(P::HysteresisWidth, 0.02), (P::HysteresisSpread, 0.5)]),
-    Effect::new("spool-stiction", &[(P::StictionBand, 0.01), (P::StictionKept, 0.2)]),
-    Effect::new("null-drift", &[(P::NullDriftTravel, 0.02), (P::NullDriftTime, 2.0)]),
-    Effect::new("solenoid-saturation", &[(P::SolenoidOnset, 0.3), (P::SolenoidCurvature, 0.8), (P::SolenoidLoss, 0.1)]),
-    Effect::new("flow-force", &[(P::FlowForce, 3e-8)]),
-    Effect::new("dead-zone-asymmetry", &[(P::DeadZoneDifference, 0.02)]),
-    Effect::new(
-        "flow-gain-nonlinearity",
-        &[(P::FlowGainLinear, 0.3), (P::FlowGainBeyond, 0.2), (P::FlowGainNotch, 0.1)],
-    ),
-    Effect::new(
-        "metering-asymmetry",
-        &[(P::MeteringRatio, 0.2), (P::MeteringPorts, -0.1), (P::MeteringDirections, 0.05)],
-    ),
-    Effect::other_form("metering-asymmetry, tank edges alone", &[(P::MeteringRatio, 0.2)]),
-    Effect::new("supply-droop", &[(P::DroopResistance, 3e9), (P::DroopTime, 0.05)]),
-    Effect::other_form("supply-droop, without memory", &[(P::DroopResistance, 3e9)]),
-    Effect::new("tank-back-pressure", &[(P::ReturnResistance, 3e12), (P::ReturnLaminar, 1e9)]),
-    Effect::new("valve-leakage", &[(P::ValveLeakageOpening, 0.01)]),
-    Effect::new("laminar-transition", &[(P::LaminarPressure, 5e4)]),
-    Effect::new("pump-slip", &[(P::PumpSlip, 1e-12)]),
-    Effect::new("internal-leakage", &[(P::InternalLeakage, 2e-12)]),
-    Effect::new("external-leakage", &[(P::ExternalLeakageA, 2e-12), (P::ExternalLeakageB, 4e-12)]),
-    Effect::new("entrained-air", &[(P::AirShare, 0.01)]),
-    Effect::new("hose-compliance", &[(P::HoseCompliance, 1e-13)]),
-    Effect::new("position-dependent-volume", &[(P::VolumeShare, 1.0)]),
-    Effect::new("coulomb-friction", &[(P::CoulombFriction, 500.0)]),
-    Effect::new(
-        "stribeck-friction",
-        &[(P::StribeckForce, 300.0), (P::StribeckExcess, 300.0), (P::StribeckVelocity, 0.02)],
-    ),
-    Effect::new("friction-asymmetry", &[(P::AsymmetricExtending, 200.0), (P::AsymmetricRetracting, 100.0)]),
-    Effect::new(
-        "position-dependent-friction",
-        &[
-            (P::PositionFriction, 200.0),
-            (P::PositionFrictionSlope, 100.0),
-            (P::PositionFrictionBow, 50.0),
-            (P::PositionDragSlope, 0.5),
-            (P::PositionDragBow, -0.2),
-        ],
-    ),
-    Effect::new("pressure-dependent-friction", &[(P::PressureFriction, 3e-5)]),
-    Effect::new(
-        "position-dependent-load",
-        &[(P::LoadSpring, 5e3), (P::LoadSpringForce, 500.0), (P::LoadSpringBow, 1e4)],
-    ),
-    Effect::new(
-        "end-stop",
-        &[(P::StopRetracted, 0.12), (P::StopExtended, 0.18), (P::StopStiffness, 1e8), (P::StopDamping, 1e4)],
-    ),
-    Effect::new("presliding", &[(P::PreslidingForce, 300.0), (P::PreslidingStiffness, 1e8)]),
-    Effect::new("linkage-backlash", &[(P::BacklashPlay, 1e-3)]),
-    Effect::new("position-sensor-lag", &[(P::PositionLag, 5e-3), (P::PositionDelay, 7.3e-3)]),
-    Effect::new(
-        "sensor-offset",
-        &[
-            (P::PressureAOffset, 1e5),
-            (P::PressureBOffset, -5e4),
-            (P::SpoolOffset, 0.01),
-            (P::PressureAFactor, 0.01),
-            (P::PressureBFactor, 0.02),
-            (P::SpoolFactor, -0.01),
-            (P::PositionFactor, 0.01),
-        ],
-    ),
-    Effect::new(
-        "oil-temperature",
-        &[
-            (P::ViscosityLoss, 0.3),
-            (P::WarmingTime, 5.0),
-            (P::ViscosityLossPerKelvin, 0.04),
-            (P::ReferenceTemperature, 40.0),
-        ],
-    ),
-    Effect::new(
-        "unnamed",
-        &[
+/// The table for what has no name, over each quantity that it may add to.
+const CORRECTION_TABLE: &[Form] = &[
+    Form {
+        name: "unnamed",
+        values: &[
             (P::TableQuantity, 1.0),
             (P::TableOver, 1.0),
             (P::TableOver2, 2.0),
@@ -124,10 +35,10 @@ pub const EFFECTS: &[Effect] = &[
             (P::TableValue17, -250.0),
             (P::TableValue20, -300.0),
         ],
-    ),
-    Effect::other_form(
-        "unnamed, flow into A",
-        &[
+    },
+    Form {
+        name: "unnamed, flow into A",
+        values: &[
             (P::TableQuantity, 2.0),
             (P::TableOver, 4.0),
             (P::TableFrom, 1e6),
@@ -136,10 +47,10 @@ pub const EFFECTS: &[Effect] = &[
             (P::TableValue3, -1e-6),
             (P::TableValue6, 2e-6),
         ],
-    ),
-    Effect::other_form(
-        "unnamed, flow out of B",
-        &[
+    },
+    Form {
+        name: "unnamed, flow out of B",
+        values: &[
             (P::TableQuantity, 3.0),
             (P::TableOver, 5.0),
             (P::TableFrom, 1e6),
@@ -148,10 +59,10 @@ pub const EFFECTS: &[Effect] = &[
             (P::TableValue3, -1e-6),
             (P::TableValue6, 2e-6),
         ],
-    ),
-    Effect::other_form(
-        "unnamed, slider travel",
-        &[
+    },
+    Form {
+        name: "unnamed, slider travel",
+        values: &[
             (P::TableQuantity, 4.0),
             (P::TableOver, 3.0),
             (P::TableFrom, -0.5),
@@ -159,5 +70,25 @@ pub const EFFECTS: &[Effect] = &[
             (P::TableValue1, 0.01),
             (P::TableValue5, -0.02),
         ],
-    ),
+    },
 ];
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn every_table_of_effects_in_a_machine_file_is_tried_and_sets_nothing_else() {
+        let of = |parameter: P| Some(parameter.description().key.strip_prefix("effects.")?.split_once('.')?.0);
+        let known: BTreeSet<&str> = P::ALL.iter().filter_map(|&parameter| of(parameter)).collect();
+        let mut tried = BTreeSet::new();
+        for form in forms() {
+            let own = form.name.split(',').next();
+            assert!(form.values.iter().all(|&(parameter, _)| of(parameter) == own), "{form:?}");
+            tried.extend(own);
+        }
+        assert_eq!(tried, known);
+    }
+}

@@ -15,7 +15,7 @@ pub mod preset {
 }
 
 pub use case::{Case, CaseError, Sample, cases};
-pub use effects::{EFFECTS, Effect, every_effect};
+pub use effects::{every_effect, forms};
 pub use fingerprint::Fingerprint;
 pub use input::{Input, Moment, RECORDED, steps_of};
 pub use machines::{press, pump};

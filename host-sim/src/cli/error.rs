@@ -18,13 +18,14 @@ use recording::files::atomic;
 use recording::files::source_error::{self, Explained};
 use recording::{MapError, RecordingError};
 use simulation::SimulateError;
-#[cfg(feature = "virtual-plant")]
-use virtual_plant::{LinkageError, PlantError};
 
 use super::command_line::{CommandLine, Mistyped, Part, split};
 use crate::frames::ImportError;
+
 #[cfg(feature = "virtual-plant")]
 use crate::paper::PaperError;
+#[cfg(feature = "virtual-plant")]
+use virtual_plant::{LinkageError, PlantError};
 
 /// Why a command could not be done.
 #[derive(Debug, thiserror::Error)]

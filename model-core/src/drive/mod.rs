@@ -12,7 +12,7 @@ use step::Chain;
 
 use crate::chambers::Chambers;
 use crate::correction_table::Unnamed;
-use crate::effects::{Effects, Plain};
+use crate::effects::{AnyEffect, Plain};
 use crate::flow::{Edges, Pump, PumpDrive, SupplyState};
 use crate::machine::Bases;
 use crate::mechanics::Mechanics;
@@ -214,20 +214,20 @@ impl<N: Number> Drive<N> {
         let feed = match (entry, &self.source) {
             (Entry::Command(command), OilSource::Valve(valve, edges)) => {
                 let slider = Self::step_valve(state, valve, edges, command);
-                AnyFeed::Edges(Metered::new::<Effects>(edges, self.shifted(state, slider)))
+                AnyFeed::Edges(Metered::new::<AnyEffect>(edges, self.shifted(state, slider)))
             }
             (Entry::Followed { command, slider }, OilSource::Valve(valve, edges)) => {
                 Self::step_valve(state, valve, edges, command);
-                AnyFeed::Edges(Metered::new::<Effects>(edges, slider))
+                AnyFeed::Edges(Metered::new::<AnyEffect>(edges, slider))
             }
             (Entry::Slider(slider), OilSource::Valve(_, edges)) => {
-                AnyFeed::Edges(Metered::new::<Effects>(edges, slider))
+                AnyFeed::Edges(Metered::new::<AnyEffect>(edges, slider))
             }
             (Entry::Pump(drive), OilSource::Pump(pump)) => AnyFeed::Pump(pump, drive),
             (Entry::Flow { from, to }, _) => given(from, to),
             _ => given(closed, closed),
         };
-        let seen = Chain { chambers, mechanics, ..self.chain() }.step::<Effects, DELAY>(state, &feed, load);
+        let seen = Chain { chambers, mechanics, ..self.chain() }.step::<AnyEffect, DELAY>(state, &feed, load);
         self.step_beside(state);
         seen
     }
@@ -261,12 +261,12 @@ impl<N: Number> Drive<N> {
         edges: &Edges<N>,
         command: N,
     ) -> Slider<N> {
-        let across = if valve.feels_flow::<Effects>() {
+        let across = if valve.feels_flow::<AnyEffect>() {
             edges.across_open(state.chambers, state.supply.pressure)
         } else {
             AcrossEdges::NONE
         };
-        valve.step_with::<Effects, DELAY>(&mut state.valve, command, across)
+        valve.step_with::<AnyEffect, DELAY>(&mut state.valve, command, across)
     }
 
     /// The slider over a tick with the travel of an unnamed table.
@@ -287,7 +287,7 @@ impl<N: Number> Drive<N> {
             start: from + constant,
             first: from + constant + ahead,
             second: ahead - ahead.part(self.unsprung.gamma),
-            around: chain.surroundings::<Effects, DELAY>(state, N::ZERO, chain.oil::<Effects, DELAY>(state)),
+            around: chain.surroundings::<AnyEffect, DELAY>(state, N::ZERO, chain.oil::<AnyEffect, DELAY>(state)),
         };
         let position = N::of_travel(state.motion.position);
         let velocity = self.unsprung.step(&mut state.motion, forces);

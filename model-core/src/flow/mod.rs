@@ -29,7 +29,7 @@ pub(crate) mod supply;
 
 use effects::EdgeEffects;
 
-use crate::effects::{Effects, Keeps, Vocabulary};
+use crate::effects::{AnyEffect, Keeps, Vocabulary};
 use crate::number::{Mask, Number};
 use crate::ports::{AcrossEdges, ChamberState, Filling, Flows, Linearised, Overlap, Slider};
 
@@ -130,7 +130,7 @@ impl<N: Number> Edges<N> {
     /// Flows at a slider position, two chamber pressures, and that of a supply that droops.
     #[inline]
     pub fn flow(&self, slider: N, pressures: ChamberState<N>, supply: N) -> Flows<N> {
-        self.flow_with::<Effects>(&self.opened::<Effects>(slider), pressures, supply, None)
+        self.flow_with::<AnyEffect>(&self.opened::<AnyEffect>(slider), pressures, supply, None)
     }
 }
 

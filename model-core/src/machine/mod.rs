@@ -1,10 +1,12 @@
 //! A drive's SI parameters.
 
+mod forms;
 mod parameter;
 
 use crate::chambers::cavitation::LOWEST_FLOOR_PA;
 use crate::number::{Real, SUM_UNIT};
 
+pub use forms::Form;
 pub use parameter::{Description, Fallback, Parameter};
 
 /// Where the oil comes from.

@@ -1,7 +1,9 @@
-//! The vocabulary of the machine file: every SI parameter of a drive, in one table.
+//! The vocabulary of the machine file: every SI parameter of a drive.
 //!
 //! Reader, coefficient builder, fit and report all speak of parameters by [`Parameter`]; key, unit,
-//! admissible range and default stand here and nowhere else.
+//! admissible range and default stand here and, of the effects, in [their table](crate::effects), and nowhere else.
+
+use crate::effects::{Effect, effects};
 
 /// What a parameter is when the machine file does not give it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +34,23 @@ pub struct Description {
 }
 
 macro_rules! parameters {
-    ($($name:ident: $key:literal, $unit:literal, $min:expr, $max:expr, $default:expr, $meaning:literal;)*) => {
+    ([
+        { $($first:ident: $first_key:literal, $first_unit:literal, $first_min:expr, $first_max:expr, $first_default:expr, $first_meaning:literal;)* }
+        { $($last:ident: $last_key:literal, $last_unit:literal, $last_min:expr, $last_max:expr, $last_default:expr, $last_meaning:literal;)* }
+    ]
+    $($effect:ident $effect_name:literal in $link:ident {
+        $($name:ident: $key:literal, $unit:literal, $min:expr, $max:expr, $default:expr, $meaning:literal;)*
+    } trial { $($trial:tt)* } strong { $($strong:tt)* })*) => {
+        rows! {
+            $($first: $first_key, $first_unit, $first_min, $first_max, $first_default, None, $first_meaning;)*
+            $($($name: concat!("effects.", $effect_name, ".", $key), $unit, $min, $max, Value($default), Some(Effect::$effect), $meaning;)*)*
+            $($last: $last_key, $last_unit, $last_min, $last_max, $last_default, None, $last_meaning;)*
+        }
+    };
+}
+
+macro_rules! rows {
+    ($($name:ident: $key:expr, $unit:literal, $min:expr, $max:expr, $default:expr, $effect:expr, $meaning:literal;)*) => {
         /// A parameter of the drive, in SI units.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -55,6 +73,12 @@ macro_rules! parameters {
                     },)*
                 }
             }
+
+            /// The effect that it is of; none of a base parameter, and of the correction table.
+            #[must_use]
+            pub const fn effect(self) -> Option<Effect> {
+                match self { $(Parameter::$name => $effect,)* }
+            }
         }
     };
 }
@@ -62,133 +86,71 @@ macro_rules! parameters {
 use Fallback::{HalfStrokeVolume, Required, Value};
 const NONE: f64 = f64::INFINITY;
 
-parameters! {
-    SupplyPressure: "supply.pressure_pa", "Pa", 1e5, 1e8, Value(7.0e6), "Supply pressure p0, constant; with a pump drive the pressure all others are scaled by. (3), (4)";
-    TankPressure: "supply.tank_pressure_pa", "Pa", -1e5, 1e7, Value(0.0), "Pressure of the return line.";
-    FlowLimit: "supply.flow_limit_m3_per_s", "m3/s", 1e-7, NONE, Value(NONE), "Largest flow through either valve edge, both signs.";
-    LevelAtRest: "supply.level_at_rest", "1", 0.02, 0.98, Value(0.5), "Share of supply pressure in chamber B at rest, where a simulation of a recording without pressures starts; no step uses it.";
-    ValveGain: "valve.gain_per_v", "1/V", -10.0, 10.0, Value(0.1), "Slope of the static characteristic: slider travel per volt. (15)";
-    ValveOffset: "valve.offset", "1", -1.0, 1.0, Value(0.0), "Slider position at zero volts; positive extends. (15)";
-    DeadZone: "valve.dead_zone", "1", 0.0, 0.999, Value(0.0), "Overlap: slider travel from centre, to both sides, that passes no oil.";
-    RateLimit: "valve.rate_limit_per_s", "1/s", 1e-3, NONE, Value(NONE), "Largest speed of the slider's set value, both signs. Fig. 5";
-    TimeConstant1: "valve.time_constants_s[0]", "s", 0.0, 10.0, Value(0.0), "First lag of the slider. (16)";
-    TimeConstant2: "valve.time_constants_s[1]", "s", 0.0, 10.0, Value(0.0), "Second lag of the slider. (16)";
-    TransportDelay: "valve.transport_delay_s", "s", 0.0, 1.0, Value(0.0), "Dead time between command and slider. (16)";
-    FlowCoefficient: "valve.flow_coefficient", "m3/s/sqrt(Pa)", 1e-12, 1.0, Value(2.4e-7), "K_Q: flow per slider travel beyond the dead zone and root of pressure. (3), (4)";
-    LaminarTransition: "valve.laminar_transition_pa", "Pa", 1.0, 1e6, Value(2e3), "Pressure difference p_t below which the root becomes linear.";
-    AreaA: "cylinder.area_a_m2", "m2", 1e-6, 10.0, Required, "Piston area on side A; its pressure extends. (5)";
-    AreaB: "cylinder.area_b_m2", "m2", 1e-6, 10.0, Required, "Piston area on side B, the rod side; its pressure retracts. (5)";
-    Stroke: "cylinder.stroke_m", "m", 1e-3, 100.0, Value(0.3), "Length of travel.";
-    VolumeA: "cylinder.volume_a_m3", "m3", 1e-9, 10.0, HalfStrokeVolume, "Oil in chamber A and its hose at mid-stroke. (7)";
-    VolumeB: "cylinder.volume_b_m3", "m3", 1e-9, 10.0, HalfStrokeVolume, "Oil in chamber B and its hose at mid-stroke. (7)";
-    BulkModulus: "cylinder.bulk_modulus_pa", "Pa", 1e6, 1e11, Value(1.2e9), "Bulk modulus E0 of the oil. (7)";
-    MovingMass: "cylinder.moving_mass_kg", "kg", 1e-2, 1e7, Value(20.0), "Moving mass m, load reduced to the rod included. (8)";
-    ViscousFriction: "cylinder.viscous_friction_n_s_per_m", "N s/m", 0.0, 1e9, Value(1.0e4), "Viscous friction D. (8)";
-    LoadForce: "load.force_n", "N", -1e8, 1e8, Value(0.0), "External force F on the rod; positive extends. (8)";
-    PumpDisplacement: "pump.displacement_m3_per_rev", "m3/rev", 1e-9, 1.0, Value(1.6e-6), "Oil delivered per turn by the pump of a pump-controlled drive.";
-    PumpReverseRatio: "pump.reverse_ratio", "1", 0.2, 5.0, Value(1.0), "Oil delivered per turn into B over that into A: pumps built for one sense deliver differently in the other.";
-    ReturnCoefficient: "directional_valve.flow_coefficient", "m3/s/sqrt(Pa)", 1e-12, 1.0, Value(1.0e-6), "Flow per root of pressure from the returning chamber to tank, with the directional valve open.";
-    LvdtCounts: "sensing.lvdt_counts_per_unit", "1", 1.0, 1e9, Value(32768.0), "Counts of the slider's LVDT per full slider travel (16 bit, both signs).";
-    EncoderCounts: "sensing.encoder_counts_per_rev", "1", 1.0, 1e9, Value(3600.0), "Counts of the joint's encoder per turn.";
-    LinkageBase: "linkage.base_m", "m", 1e-3, 100.0, Value(0.6), "Side of the linkage triangle from joint to the cylinder's foot.";
-    LinkageArm: "linkage.arm_m", "m", 1e-3, 100.0, Value(0.5), "Side of the linkage triangle from joint to the rod's eye.";
-    LinkageLengthRetracted: "linkage.length_retracted_m", "m", 1e-3, 100.0, Value(0.45), "Third side, foot to rod eye, with the rod fully in (position 0).";
-    LinkageAngleAtZero: "linkage.angle_at_zero_rad", "rad", -7.0, 7.0, Value(0.0), "Angle of the triangle at the joint where the encoder counts 0.";
-    HysteresisWidth: "effects.valve-hysteresis.width", "1", 0.0, 0.5, Value(0.0), "Slider travel between settling from above and from below.";
-    HysteresisSpread: "effects.valve-hysteresis.spread", "1", 0.0, 1.0, Value(0.0), "How far the widths of the three play elements lie apart: 0 all alike (backlash), 1 from nil to twice the mean.";
-    StictionBand: "effects.spool-stiction.band", "1", 0.0, 0.5, Value(0.0), "Slider travel that must be asked for before the stuck slider jumps.";
-    StictionKept: "effects.spool-stiction.kept", "1", 0.0, 0.95, Value(0.0), "Share of the band that a jump ends short by: kinetic over static friction.";
-    NullDriftTravel: "effects.null-drift.travel", "1", -0.5, 0.5, Value(0.0), "Slider travel that the neutral drifts by in the end; positive extends.";
-    NullDriftTime: "effects.null-drift.time_constant_s", "s", 1e-2, 1e5, Value(10.0), "Time constant with which the neutral drifts.";
-    SolenoidOnset: "effects.solenoid-saturation.onset", "1", 0.0, 2.0, Value(0.5), "Slider travel from centre where the solenoid's gain starts to fall.";
-    SolenoidCurvature: "effects.solenoid-saturation.curvature", "1", 0.0, 1e3, Value(0.0), "How fast it falls: beyond the onset travel t becomes t/(1 + curvature·t).";
-    SolenoidLoss: "effects.solenoid-saturation.gain_loss", "1", 0.0, 0.95, Value(0.0), "Share of the gain that is gone at once beyond the onset.";
-    FlowForce: "effects.flow-force.closing_per_pa", "1/Pa", 0.0, 1e-6, Value(0.0), "Share of its travel that the slider is pushed closed by, per pressure difference over both open edges.";
-    DeadZoneDifference: "effects.dead-zone-asymmetry.difference", "1", -1.0, 1.0, Value(0.0), "Overlap on the extending side less that on the retracting side; half of it is added to one and taken from the other.";
-    FlowGainLinear: "effects.flow-gain-nonlinearity.linear", "1", -0.95, 10.0, Value(0.0), "Relative change of the flow gain per opening.";
-    FlowGainBeyond: "effects.flow-gain-nonlinearity.beyond", "1", -0.95, 10.0, Value(0.0), "Relative change of the flow gain beyond the notch.";
-    FlowGainNotch: "effects.flow-gain-nonlinearity.notch", "1", 0.0, 2.0, Value(0.2), "Opening at which the notch ends.";
-    MeteringRatio: "effects.metering-asymmetry.ratio", "1", -0.95, 4.0, Value(0.0), "Size of the tank edges over that of the supply edges, less 1.";
-    MeteringPorts: "effects.metering-asymmetry.ports", "1", -0.95, 4.0, Value(0.0), "Size of B's edges over that of A's, less 1.";
-    MeteringDirections: "effects.metering-asymmetry.directions", "1", -0.95, 4.0, Value(0.0), "Size of the edges that are open while retracting over that of those open while extending, less 1.";
-    DroopResistance: "effects.supply-droop.resistance_pa_s_per_m3", "Pa s/m3", 0.0, 1e13, Value(0.0), "Fall of the supply pressure per delivered flow.";
-    DroopTime: "effects.supply-droop.time_constant_s", "s", 0.0, 1e3, Value(0.0), "Time constant of that fall: the resistance times the accumulator's capacity.";
-    ReturnResistance: "effects.tank-back-pressure.resistance_pa_s2_per_m6", "Pa s2/m6", 0.0, 1e18, Value(0.0), "Pressure drop of the return line per flow squared.";
-    ReturnLaminar: "effects.tank-back-pressure.laminar_pa_s_per_m3", "Pa s/m3", 0.0, 1e13, Value(0.0), "Pressure drop of the return line per flow.";
-    ValveLeakageOpening: "effects.valve-leakage.opening", "1", 0.0, 0.5, Value(0.0), "Opening that supply and tank edges of both ports have at the centre.";
-    ValveLeakageReach: "effects.valve-leakage.reach", "1", 4e-3, 1.0, Value(0.05), "Slider travel from centre over which that opening falls to half.";
-    LaminarPressure: "effects.laminar-transition.pressure_pa", "Pa", 0.0, 1e7, Value(0.0), "What the pressure difference of transition is more than the valve's own.";
-    PumpSlip: "effects.pump-slip.conductance_m3_per_s_pa", "m3/s/Pa", 0.0, 1e-6, Value(0.0), "Flow lost inside the turning pump per pressure difference across it.";
-    InternalLeakage: "effects.internal-leakage.conductance_m3_per_s_pa", "m3/s/Pa", 0.0, 1e-6, Value(0.0), "Laminar leakage past the piston per (pa - pb); positive from A to B.";
-    ExternalLeakageA: "effects.external-leakage.conductance_a_m3_per_s_pa", "m3/s/Pa", 0.0, 1e-6, Value(0.0), "Laminar leakage out of chamber A per pressure above tank.";
-    ExternalLeakageB: "effects.external-leakage.conductance_b_m3_per_s_pa", "m3/s/Pa", 0.0, 1e-6, Value(0.0), "Laminar leakage out of chamber B per pressure above tank.";
-    AirShare: "effects.entrained-air.share", "1", 0.0, 0.5, Value(0.0), "Volume of free air in the oil at atmospheric pressure, as a share.";
-    HoseCompliance: "effects.hose-compliance.compliance_m3_per_pa", "m3/Pa", 0.0, 1e-6, Value(0.0), "Volume that each chamber's hose takes up per pressure, beside V/E0.";
-    VolumeShare: "effects.position-dependent-volume.share", "1", 0.0, 1.5, Value(0.0), "How much of the piston's displacement from mid-stroke the chamber volumes follow; 1 is geometry.";
-    CavitationFloor: "effects.cavitation.floor_pa", "Pa", -1e9, 1e7, Value(-1e9), "Pressure that a chamber does not fall below, that of the oil's vapour or of the air that it gives off, from the same zero as the tank's and at most that; oil pulls without limit where the file does not give it.";
-    CoulombFriction: "effects.coulomb-friction.force_n", "N", 0.0, 1e8, Value(0.0), "Dry friction force against motion; the rod sticks while the other forces stay below it.";
-    StribeckForce: "effects.stribeck-friction.force_n", "N", 0.0, 1e8, Value(0.0), "Dry friction force at speed.";
-    StribeckExcess: "effects.stribeck-friction.excess_n", "N", 0.0, 1e8, Value(0.0), "What the force to break away is more than that.";
-    StribeckVelocity: "effects.stribeck-friction.velocity_m_per_s", "m/s", 1e-5, 10.0, Value(0.01), "Velocity at which half of the excess is gone.";
-    AsymmetricExtending: "effects.friction-asymmetry.extending_n", "N", 0.0, 1e8, Value(0.0), "Dry friction force while extending.";
-    AsymmetricRetracting: "effects.friction-asymmetry.retracting_n", "N", 0.0, 1e8, Value(0.0), "Dry friction force while retracting.";
-    PositionFriction: "effects.position-dependent-friction.force_n", "N", 0.0, 1e8, Value(0.0), "Dry friction force at mid-stroke.";
-    PositionFrictionSlope: "effects.position-dependent-friction.slope_n", "N", -1e8, 1e8, Value(0.0), "What it is more with the rod fully out, and less with it fully in.";
-    PositionFrictionBow: "effects.position-dependent-friction.bow_n", "N", -1e8, 1e8, Value(0.0), "What it is more at both ends of the stroke.";
-    PositionDragSlope: "effects.position-dependent-friction.viscous_slope", "1", -7.9, 7.9, Value(0.0), "Share of the viscous friction that it is more with the rod fully out, and less with it fully in.";
-    PositionDragBow: "effects.position-dependent-friction.viscous_bow", "1", -7.9, 7.9, Value(0.0), "Share of the viscous friction that it is more at both ends of the stroke.";
-    PressureFriction: "effects.pressure-dependent-friction.area_m2", "m2", 0.0, 1.0, Value(0.0), "Dry friction force per sum of both chamber pressures.";
-    LoadSpring: "effects.position-dependent-load.stiffness_n_per_m", "N/m", -1e9, 1e9, Value(0.0), "Force against extending per position from mid-stroke.";
-    LoadSpringForce: "effects.position-dependent-load.force_n", "N", -1e8, 1e8, Value(0.0), "Force against extending at mid-stroke.";
-    LoadSpringBow: "effects.position-dependent-load.bow_n_per_m2", "N/m2", -1e10, 1e10, Value(0.0), "Force against extending per square of the position from mid-stroke.";
-    StopRetracted: "effects.end-stop.retracted_at_m", "m", -100.0, 100.0, Value(-100.0), "Position below which the retracted stop pushes back.";
-    StopExtended: "effects.end-stop.extended_at_m", "m", -100.0, 100.0, Value(100.0), "Position above which the extended stop pushes back.";
-    StopStiffness: "effects.end-stop.stiffness_n_per_m", "N/m", 0.0, 1e11, Value(0.0), "Force of a stop per depth.";
-    StopDamping: "effects.end-stop.damping_n_s_per_m", "N s/m", 0.0, 1e9, Value(0.0), "Force of a stop per velocity into it.";
-    PreslidingForce: "effects.presliding.force_n", "N", 0.0, 1e8, Value(0.0), "Dry friction force while sliding.";
-    PreslidingStiffness: "effects.presliding.stiffness_n_per_m", "N/m", 0.0, 1e12, Value(0.0), "Stiffness of the bristles that all dry friction acts through before the rod slides; 0 holds rigidly.";
-    BacklashPlay: "effects.linkage-backlash.play_m", "m", 0.0, 0.1, Value(0.0), "Travel of the rod that the position's sensor does not notice after a reversal.";
-    PositionLag: "effects.position-sensor-lag.time_constant_s", "s", 0.0, 1.0, Value(0.0), "Time constant of the position's sensor.";
-    PositionDelay: "effects.position-sensor-lag.delay_s", "s", 0.0, 0.05, Value(0.0), "Dead time of the position's sensor.";
-    PressureAOffset: "effects.sensor-offset.pressure_a_pa", "Pa", -1e7, 1e7, Value(0.0), "What the pressure sensor of chamber A reads too much.";
-    PressureBOffset: "effects.sensor-offset.pressure_b_pa", "Pa", -1e7, 1e7, Value(0.0), "What the pressure sensor of chamber B reads too much.";
-    SpoolOffset: "effects.sensor-offset.spool", "1", -0.5, 0.5, Value(0.0), "What the slider's sensor reads too much.";
-    PressureAFactor: "effects.sensor-offset.pressure_a_factor", "1", -0.9, 1.0, Value(0.0), "Gain error of the pressure sensor of chamber A.";
-    PressureBFactor: "effects.sensor-offset.pressure_b_factor", "1", -0.9, 1.0, Value(0.0), "Gain error of the pressure sensor of chamber B.";
-    SpoolFactor: "effects.sensor-offset.spool_factor", "1", -0.9, 1.0, Value(0.0), "Gain error of the slider's sensor.";
-    PositionFactor: "effects.sensor-offset.position_factor", "1", -0.9, 1.0, Value(0.0), "Gain error of the position's sensor, from where the recording starts.";
-    ViscosityLoss: "effects.oil-temperature.viscosity_loss", "1", -3.0, 0.95, Value(0.0), "Share of the oil's viscosity that is lost in the end as it warms; viscous friction falls with it, leakage rises.";
-    WarmingTime: "effects.oil-temperature.time_constant_s", "s", 1e-2, 1e5, Value(10.0), "Time constant with which the oil warms.";
-    ViscosityLossPerKelvin: "effects.oil-temperature.viscosity_loss_per_k", "1/K", 0.0, 0.1, Value(0.0), "Relative loss of viscosity per kelvin of measured temperature: viscosity is e^(-loss (T - reference)) of that at the reference, within 1/8 to 8.";
-    ReferenceTemperature: "effects.oil-temperature.reference_temperature_c", "°C", -20.0, 120.0, Value(40.0), "Temperature of the oil that the file's values are for, and where nobody measures it.";
-    TableQuantity: "effects.unnamed.quantity", "1", 0.0, 4.0, Value(0.0), "What the table adds to: 0 nothing, 1 force on the rod in N (positive extends), 2 flow into A and 3 flow out of B in m3/s, 4 slider travel after the lags.";
-    TableOver: "effects.unnamed.over", "1", 0.0, 5.0, Value(0.0), "State that its seven nodes are over: 0 none, 1 velocity in m/s, 2 position in m, 3 slider, 4 pressure A and 5 pressure B in Pa.";
-    TableOver2: "effects.unnamed.over_2", "1", 0.0, 5.0, Value(0.0), "State that each node's three values are over, by the same numbers; 0: one value a node.";
-    TableFrom: "effects.unnamed.from", "1", -1e9, 1e9, Value(0.0), "State at the first node, SI; below it the table holds its first value.";
-    TableTo: "effects.unnamed.to", "1", -1e9, 1e9, Value(1.0), "State at the seventh node, SI; above it the table holds its last value.";
-    TableFrom2: "effects.unnamed.from_2", "1", -1e9, 1e9, Value(0.0), "Second state at the first of three values.";
-    TableTo2: "effects.unnamed.to_2", "1", -1e9, 1e9, Value(1.0), "Second state at the third of three values.";
-    TableValue0: "effects.unnamed.values[0]", "1", -1e9, 1e9, Value(0.0), "Value 0 of the table, in the unit of its quantity.";
-    TableValue1: "effects.unnamed.values[1]", "1", -1e9, 1e9, Value(0.0), "Value 1 of the table, in the unit of its quantity.";
-    TableValue2: "effects.unnamed.values[2]", "1", -1e9, 1e9, Value(0.0), "Value 2 of the table, in the unit of its quantity.";
-    TableValue3: "effects.unnamed.values[3]", "1", -1e9, 1e9, Value(0.0), "Value 3 of the table, in the unit of its quantity.";
-    TableValue4: "effects.unnamed.values[4]", "1", -1e9, 1e9, Value(0.0), "Value 4 of the table, in the unit of its quantity.";
-    TableValue5: "effects.unnamed.values[5]", "1", -1e9, 1e9, Value(0.0), "Value 5 of the table, in the unit of its quantity.";
-    TableValue6: "effects.unnamed.values[6]", "1", -1e9, 1e9, Value(0.0), "Value 6 of the table, in the unit of its quantity.";
-    TableValue7: "effects.unnamed.values[7]", "1", -1e9, 1e9, Value(0.0), "Value 7 of the table, in the unit of its quantity.";
-    TableValue8: "effects.unnamed.values[8]", "1", -1e9, 1e9, Value(0.0), "Value 8 of the table, in the unit of its quantity.";
-    TableValue9: "effects.unnamed.values[9]", "1", -1e9, 1e9, Value(0.0), "Value 9 of the table, in the unit of its quantity.";
-    TableValue10: "effects.unnamed.values[10]", "1", -1e9, 1e9, Value(0.0), "Value 10 of the table, in the unit of its quantity.";
-    TableValue11: "effects.unnamed.values[11]", "1", -1e9, 1e9, Value(0.0), "Value 11 of the table, in the unit of its quantity.";
-    TableValue12: "effects.unnamed.values[12]", "1", -1e9, 1e9, Value(0.0), "Value 12 of the table, in the unit of its quantity.";
-    TableValue13: "effects.unnamed.values[13]", "1", -1e9, 1e9, Value(0.0), "Value 13 of the table, in the unit of its quantity.";
-    TableValue14: "effects.unnamed.values[14]", "1", -1e9, 1e9, Value(0.0), "Value 14 of the table, in the unit of its quantity.";
-    TableValue15: "effects.unnamed.values[15]", "1", -1e9, 1e9, Value(0.0), "Value 15 of the table, in the unit of its quantity.";
-    TableValue16: "effects.unnamed.values[16]", "1", -1e9, 1e9, Value(0.0), "Value 16 of the table, in the unit of its quantity.";
-    TableValue17: "effects.unnamed.values[17]", "1", -1e9, 1e9, Value(0.0), "Value 17 of the table, in the unit of its quantity.";
-    TableValue18: "effects.unnamed.values[18]", "1", -1e9, 1e9, Value(0.0), "Value 18 of the table, in the unit of its quantity.";
-    TableValue19: "effects.unnamed.values[19]", "1", -1e9, 1e9, Value(0.0), "Value 19 of the table, in the unit of its quantity.";
-    TableValue20: "effects.unnamed.values[20]", "1", -1e9, 1e9, Value(0.0), "Value 20 of the table, in the unit of its quantity.";
+effects! { parameters =>
+    {
+        SupplyPressure: "supply.pressure_pa", "Pa", 1e5, 1e8, Value(7.0e6), "Supply pressure p0, constant; with a pump drive the pressure all others are scaled by. (3), (4)";
+        TankPressure: "supply.tank_pressure_pa", "Pa", -1e5, 1e7, Value(0.0), "Pressure of the return line.";
+        FlowLimit: "supply.flow_limit_m3_per_s", "m3/s", 1e-7, NONE, Value(NONE), "Largest flow through either valve edge, both signs.";
+        LevelAtRest: "supply.level_at_rest", "1", 0.02, 0.98, Value(0.5), "Share of supply pressure in chamber B at rest, where a simulation of a recording without pressures starts; no step uses it.";
+        ValveGain: "valve.gain_per_v", "1/V", -10.0, 10.0, Value(0.1), "Slope of the static characteristic: slider travel per volt. (15)";
+        ValveOffset: "valve.offset", "1", -1.0, 1.0, Value(0.0), "Slider position at zero volts; positive extends. (15)";
+        DeadZone: "valve.dead_zone", "1", 0.0, 0.999, Value(0.0), "Overlap: slider travel from centre, to both sides, that passes no oil.";
+        RateLimit: "valve.rate_limit_per_s", "1/s", 1e-3, NONE, Value(NONE), "Largest speed of the slider's set value, both signs. Fig. 5";
+        TimeConstant1: "valve.time_constants_s[0]", "s", 0.0, 10.0, Value(0.0), "First lag of the slider. (16)";
+        TimeConstant2: "valve.time_constants_s[1]", "s", 0.0, 10.0, Value(0.0), "Second lag of the slider. (16)";
+        TransportDelay: "valve.transport_delay_s", "s", 0.0, 1.0, Value(0.0), "Dead time between command and slider. (16)";
+        FlowCoefficient: "valve.flow_coefficient", "m3/s/sqrt(Pa)", 1e-12, 1.0, Value(2.4e-7), "K_Q: flow per slider travel beyond the dead zone and root of pressure. (3), (4)";
+        LaminarTransition: "valve.laminar_transition_pa", "Pa", 1.0, 1e6, Value(2e3), "Pressure difference p_t below which the root becomes linear.";
+        AreaA: "cylinder.area_a_m2", "m2", 1e-6, 10.0, Required, "Piston area on side A; its pressure extends. (5)";
+        AreaB: "cylinder.area_b_m2", "m2", 1e-6, 10.0, Required, "Piston area on side B, the rod side; its pressure retracts. (5)";
+        Stroke: "cylinder.stroke_m", "m", 1e-3, 100.0, Value(0.3), "Length of travel.";
+        VolumeA: "cylinder.volume_a_m3", "m3", 1e-9, 10.0, HalfStrokeVolume, "Oil in chamber A and its hose at mid-stroke. (7)";
+        VolumeB: "cylinder.volume_b_m3", "m3", 1e-9, 10.0, HalfStrokeVolume, "Oil in chamber B and its hose at mid-stroke. (7)";
+        BulkModulus: "cylinder.bulk_modulus_pa", "Pa", 1e6, 1e11, Value(1.2e9), "Bulk modulus E0 of the oil. (7)";
+        MovingMass: "cylinder.moving_mass_kg", "kg", 1e-2, 1e7, Value(20.0), "Moving mass m, load reduced to the rod included. (8)";
+        ViscousFriction: "cylinder.viscous_friction_n_s_per_m", "N s/m", 0.0, 1e9, Value(1.0e4), "Viscous friction D. (8)";
+        LoadForce: "load.force_n", "N", -1e8, 1e8, Value(0.0), "External force F on the rod; positive extends. (8)";
+        PumpDisplacement: "pump.displacement_m3_per_rev", "m3/rev", 1e-9, 1.0, Value(1.6e-6), "Oil delivered per turn by the pump of a pump-controlled drive.";
+        PumpReverseRatio: "pump.reverse_ratio", "1", 0.2, 5.0, Value(1.0), "Oil delivered per turn into B over that into A: pumps built for one sense deliver differently in the other.";
+        ReturnCoefficient: "directional_valve.flow_coefficient", "m3/s/sqrt(Pa)", 1e-12, 1.0, Value(1.0e-6), "Flow per root of pressure from the returning chamber to tank, with the directional valve open.";
+        LvdtCounts: "sensing.lvdt_counts_per_unit", "1", 1.0, 1e9, Value(32768.0), "Counts of the slider's LVDT per full slider travel (16 bit, both signs).";
+        EncoderCounts: "sensing.encoder_counts_per_rev", "1", 1.0, 1e9, Value(3600.0), "Counts of the joint's encoder per turn.";
+        LinkageBase: "linkage.base_m", "m", 1e-3, 100.0, Value(0.6), "Side of the linkage triangle from joint to the cylinder's foot.";
+        LinkageArm: "linkage.arm_m", "m", 1e-3, 100.0, Value(0.5), "Side of the linkage triangle from joint to the rod's eye.";
+        LinkageLengthRetracted: "linkage.length_retracted_m", "m", 1e-3, 100.0, Value(0.45), "Third side, foot to rod eye, with the rod fully in (position 0).";
+        LinkageAngleAtZero: "linkage.angle_at_zero_rad", "rad", -7.0, 7.0, Value(0.0), "Angle of the triangle at the joint where the encoder counts 0.";
+    }
+    // The effects stand between these two. The last ones are the correction table's.
+    {
+        TableQuantity: "effects.unnamed.quantity", "1", 0.0, 4.0, Value(0.0), "What the table adds to: 0 nothing, 1 force on the rod in N (positive extends), 2 flow into A and 3 flow out of B in m3/s, 4 slider travel after the lags.";
+        TableOver: "effects.unnamed.over", "1", 0.0, 5.0, Value(0.0), "State that its seven nodes are over: 0 none, 1 velocity in m/s, 2 position in m, 3 slider, 4 pressure A and 5 pressure B in Pa.";
+        TableOver2: "effects.unnamed.over_2", "1", 0.0, 5.0, Value(0.0), "State that each node's three values are over, by the same numbers; 0: one value a node.";
+        TableFrom: "effects.unnamed.from", "1", -1e9, 1e9, Value(0.0), "State at the first node, SI; below it the table holds its first value.";
+        TableTo: "effects.unnamed.to", "1", -1e9, 1e9, Value(1.0), "State at the seventh node, SI; above it the table holds its last value.";
+        TableFrom2: "effects.unnamed.from_2", "1", -1e9, 1e9, Value(0.0), "Second state at the first of three values.";
+        TableTo2: "effects.unnamed.to_2", "1", -1e9, 1e9, Value(1.0), "Second state at the third of three values.";
+        TableValue0: "effects.unnamed.values[0]", "1", -1e9, 1e9, Value(0.0), "Value 0 of the table, in the unit of its quantity.";
+        TableValue1: "effects.unnamed.values[1]", "1", -1e9, 1e9, Value(0.0), "Value 1 of the table, in the unit of its quantity.";
+        TableValue2: "effects.unnamed.values[2]", "1", -1e9, 1e9, Value(0.0), "Value 2 of the table, in the unit of its quantity.";
+        TableValue3: "effects.unnamed.values[3]", "1", -1e9, 1e9, Value(0.0), "Value 3 of the table, in the unit of its quantity.";
+        TableValue4: "effects.unnamed.values[4]", "1", -1e9, 1e9, Value(0.0), "Value 4 of the table, in the unit of its quantity.";
+        TableValue5: "effects.unnamed.values[5]", "1", -1e9, 1e9, Value(0.0), "Value 5 of the table, in the unit of its quantity.";
+        TableValue6: "effects.unnamed.values[6]", "1", -1e9, 1e9, Value(0.0), "Value 6 of the table, in the unit of its quantity.";
+        TableValue7: "effects.unnamed.values[7]", "1", -1e9, 1e9, Value(0.0), "Value 7 of the table, in the unit of its quantity.";
+        TableValue8: "effects.unnamed.values[8]", "1", -1e9, 1e9, Value(0.0), "Value 8 of the table, in the unit of its quantity.";
+        TableValue9: "effects.unnamed.values[9]", "1", -1e9, 1e9, Value(0.0), "Value 9 of the table, in the unit of its quantity.";
+        TableValue10: "effects.unnamed.values[10]", "1", -1e9, 1e9, Value(0.0), "Value 10 of the table, in the unit of its quantity.";
+        TableValue11: "effects.unnamed.values[11]", "1", -1e9, 1e9, Value(0.0), "Value 11 of the table, in the unit of its quantity.";
+        TableValue12: "effects.unnamed.values[12]", "1", -1e9, 1e9, Value(0.0), "Value 12 of the table, in the unit of its quantity.";
+        TableValue13: "effects.unnamed.values[13]", "1", -1e9, 1e9, Value(0.0), "Value 13 of the table, in the unit of its quantity.";
+        TableValue14: "effects.unnamed.values[14]", "1", -1e9, 1e9, Value(0.0), "Value 14 of the table, in the unit of its quantity.";
+        TableValue15: "effects.unnamed.values[15]", "1", -1e9, 1e9, Value(0.0), "Value 15 of the table, in the unit of its quantity.";
+        TableValue16: "effects.unnamed.values[16]", "1", -1e9, 1e9, Value(0.0), "Value 16 of the table, in the unit of its quantity.";
+        TableValue17: "effects.unnamed.values[17]", "1", -1e9, 1e9, Value(0.0), "Value 17 of the table, in the unit of its quantity.";
+        TableValue18: "effects.unnamed.values[18]", "1", -1e9, 1e9, Value(0.0), "Value 18 of the table, in the unit of its quantity.";
+        TableValue19: "effects.unnamed.values[19]", "1", -1e9, 1e9, Value(0.0), "Value 19 of the table, in the unit of its quantity.";
+        TableValue20: "effects.unnamed.values[20]", "1", -1e9, 1e9, Value(0.0), "Value 20 of the table, in the unit of its quantity.";
+    }
 }
 
 impl Parameter {

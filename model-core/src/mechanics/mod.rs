@@ -32,7 +32,7 @@ use lugre::Bristles;
 use position_load::PositionLoad;
 
 use crate::correction_table::Push;
-use crate::effects::{Effects, Keeps, LinkEffects, Vocabulary};
+use crate::effects::{AnyEffect, Keeps, LinkEffects, Vocabulary};
 use crate::number::{Mask, Number};
 use crate::ports::{Forces, MotionState, Surroundings};
 
@@ -158,7 +158,7 @@ impl<N: Number> Mechanics<N> {
             let around = Surroundings { sprung: N::ONE, ..forces.around };
             return self.heavier(forces.around.sprung).step(state, Forces { around, ..forces });
         }
-        let equation = self.equation::<Effects>(state, forces.around);
+        let equation = self.equation::<AnyEffect>(state, forces.around);
         let contact = equation.contact(state.velocity, forces.start);
         let stage = equation.first_stage(contact, state.velocity);
         let first = equation.first(&stage, forces.first);

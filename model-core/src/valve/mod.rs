@@ -24,7 +24,7 @@ pub(crate) mod effects;
 
 use effects::{ValveEffectState, ValveEffects};
 
-use crate::effects::{Effects, Keeps, Vocabulary};
+use crate::effects::{AnyEffect, Keeps, Vocabulary};
 use crate::number::Number;
 use crate::ports::{AcrossEdges, Slider};
 
@@ -107,7 +107,7 @@ impl<N: Number> Valve<N> {
         command: N,
         across: AcrossEdges<N>,
     ) -> Slider<N> {
-        self.step_with::<Effects, DELAY>(state, command, across)
+        self.step_with::<AnyEffect, DELAY>(state, command, across)
     }
 }
 

@@ -3,11 +3,11 @@
 use proptest::prelude::*;
 
 use model_core::drive::{Drive, Entry, Load};
-use model_core::machine::{Machine, Parameter as P, Tick};
+use model_core::machine::{Form, Machine, Parameter as P, Tick};
 use model_core::number::{Number, PerUnit, Scalar};
 use model_core::ports::ChamberState;
 
-use super::bench::{State, at_rest, cases, command, commanded, drive, effects, oil_at, press, with};
+use super::bench::{State, at_rest, cases, command, commanded, drive, effects, every_effect, oil_at, press, with};
 
 /// Of the sensed position over 1.2 s, strokes. Dry friction decides: the last bit may let the rod go a tick earlier.
 const POSITION: f64 = 2e-6;
@@ -45,18 +45,20 @@ fn travelled(machine: &Machine<f64>) -> f64 {
 #[test]
 fn fixed_point_and_f64_agree_with_each_effect() {
     let mut failed = false;
-    for (name, strengths) in effects() {
-        let (position, pressure) = apart(&with(&press(), &strengths));
-        let ends = travelled(&with(&press(), &strengths));
-        assert!(ends > if name == "end-stop" { 0.03 } else { 0.05 }, "{name}: the drive moves, {ends}");
-        println!("{name:<28} {position:.1e} strokes, {pressure:.1e} supplies");
+    let plain = run::<f64>(&press());
+    for (_, Form { name, values }) in every_effect() {
+        assert_ne!(run::<f64>(&with(&press(), values)), plain, "{name} changes nothing: no equation has it");
+        let (position, pressure) = apart(&with(&press(), values));
+        let ends = travelled(&with(&press(), values));
+        assert!(ends > 0.03, "{name}: the drive moves, {ends}");
+        println!("{name:<36} {position:.1e} strokes, {pressure:.1e} supplies");
         failed |= !(position < POSITION && pressure < PRESSURE);
     }
     assert!(!failed);
 }
 
 fn all_on() -> Machine<f64> {
-    effects().into_iter().fold(press(), |machine, (_, strengths)| with(&machine, &strengths))
+    effects().fold(press(), |machine, (_, form)| with(&machine, form.values))
 }
 
 #[test]
@@ -100,9 +102,9 @@ proptest! {
         inputs in prop::collection::vec((any_word(), any_word(), any_word(), any::<bool>()), 1..20),
     ) {
         let mut machine = press();
-        for (index, (_, strengths)) in effects().into_iter().enumerate() {
+        for (index, (_, form)) in effects().enumerate() {
             if on >> index & 1 == 1 {
-                for (parameter, value) in strengths {
+                for &(parameter, value) in form.values {
                     let description = parameter.description();
                     machine.set(parameter, (strength * value).clamp(description.min, description.max.min(0.9 * description.max)));
                 }

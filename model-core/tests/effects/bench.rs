@@ -3,7 +3,8 @@
 use proptest::test_runner::{Config, RngSeed};
 
 use model_core::drive::{Drive, DriveState, Entry, Interfaces, Load};
-use model_core::machine::{Machine, Parameter as P, Source, Tick};
+use model_core::effects::{Effect, Link};
+use model_core::machine::{Form, Machine, Parameter as P, Source, Tick};
 use model_core::number::Scalar;
 use model_core::ports::ChamberState;
 
@@ -80,43 +81,13 @@ pub(crate) fn cases(cases: u32) -> Config {
     Config { cases, rng_seed: RngSeed::Fixed(20_200), failure_persistence: None, ..Config::default() }
 }
 
-/// Each effect at a strength that shows, by name.
-pub(crate) fn effects() -> Vec<(&'static str, Vec<(P, f64)>)> {
-    vec![
-        ("external-leakage", vec![(P::ExternalLeakageA, 2e-12), (P::ExternalLeakageB, 4e-12)]),
-        ("entrained-air", vec![(P::AirShare, 0.01)]),
-        ("position-dependent-volume", vec![(P::VolumeShare, 1.0)]),
-        ("cavitation", vec![(P::CavitationFloor, -3e4)]),
-        ("coulomb-friction", vec![(P::CoulombFriction, 500.0)]),
-        ("stribeck-friction", vec![(P::StribeckForce, 300.0), (P::StribeckExcess, 300.0), (P::StribeckVelocity, 0.02)]),
-        ("friction-asymmetry", vec![(P::AsymmetricExtending, 600.0), (P::AsymmetricRetracting, 300.0)]),
-        (
-            "position-dependent-friction",
-            vec![(P::PositionFriction, 400.0), (P::PositionFrictionSlope, 200.0), (P::PositionFrictionBow, 100.0)],
-        ),
-        ("position-dependent-friction", vec![(P::PositionDragSlope, 0.8), (P::PositionDragBow, -0.4)]),
-        ("pressure-dependent-friction", vec![(P::PressureFriction, 5e-5)]),
-        ("position-dependent-load", vec![(P::LoadSpring, 2e4), (P::LoadSpringForce, 500.0), (P::LoadSpringBow, 1e4)]),
-        (
-            "end-stop",
-            vec![(P::StopRetracted, 0.115), (P::StopExtended, 0.125), (P::StopStiffness, 1e8), (P::StopDamping, 1e4)],
-        ),
-        ("presliding", vec![(P::PreslidingForce, 500.0), (P::PreslidingStiffness, 1e8)]),
-        ("oil-temperature", vec![(P::ViscosityLoss, 0.6), (P::WarmingTime, 0.5), (P::InternalLeakage, 2e-12)]),
-        (
-            "oil-temperature, measured",
-            vec![(P::ViscosityLossPerKelvin, 0.04), (P::ReferenceTemperature, 30.0), (P::InternalLeakage, 2e-12)],
-        ),
-        ("linkage-backlash", vec![(P::BacklashPlay, 1e-3)]),
-        ("position-sensor-lag", vec![(P::PositionLag, 5e-3), (P::PositionDelay, 7.3e-3)]),
-        (
-            "sensor-offset",
-            vec![
-                (P::PressureAOffset, 1e5),
-                (P::PressureBFactor, 0.02),
-                (P::SpoolOffset, 0.01),
-                (P::PositionFactor, 0.01),
-            ],
-        ),
-    ]
+/// The strong forms of every effect in the table that acts on a valve-controlled drive.
+pub(crate) fn every_effect() -> impl Iterator<Item = (Effect, &'static Form)> {
+    let on_a_valve = Effect::ALL.iter().filter(|effect| **effect != Effect::PumpSlip);
+    on_a_valve.flat_map(|effect| effect.strong().iter().map(|form| (*effect, form)))
+}
+
+/// Those of chambers, mechanics and sensors.
+pub(crate) fn effects() -> impl Iterator<Item = (Effect, &'static Form)> {
+    every_effect().filter(|(effect, _)| matches!(effect.link(), Link::Chambers | Link::Mechanics | Link::Sensing))
 }

@@ -1,4 +1,4 @@
-//! What the effects of chambers, mechanics and sensors do: neutral is nothing, examples by hand, fixed point as f64.
+//! What effects do: neutral is nothing, examples by hand, fixed point as f64 for every effect of the table.
 
 mod agreement;
 mod bench;

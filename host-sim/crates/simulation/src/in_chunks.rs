@@ -135,7 +135,6 @@ mod tests {
     use std::path::Path;
 
     use model_core::machine::{Parameter, Source};
-
     use recording::formats::format::parts_of;
     use recording::{At, ChannelMap, Note, Parts, Recording, Signal, read_from};
     use test_press::press;

@@ -161,12 +161,10 @@ impl<N: Scalar<Real = f64>> Stepped<N> {
 mod tests {
     use machine_file::LoadSource;
     use model_core::machine::Parameter;
-
     use recording::{Column, Recording};
     use test_press::press;
 
     use super::*;
-
     use crate::stimulus::{EntryPoint, Stimulus, first_entry};
 
     const TICK: Tick = Tick::OneMillisecond;

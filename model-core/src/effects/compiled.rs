@@ -65,7 +65,7 @@ pub(crate) struct Plain;
 
 /// Any effect may be on.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Effects;
+pub(crate) struct AnyEffect;
 
 impl Vocabulary for Plain {
     const PLAIN: bool = true;
@@ -76,7 +76,7 @@ impl Vocabulary for Plain {
     }
 }
 
-impl Vocabulary for Effects {
+impl Vocabulary for AnyEffect {
     const PLAIN: bool = false;
 
     #[inline]

@@ -1,0 +1,97 @@
+//! An effect's parameters, and the forms in which tests switch it on.
+
+use super::parameter::Parameter;
+use crate::effects::{Effect, effects};
+
+/// An effect, or something else, switched on: a name, and what is set, in SI units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Form {
+    /// The effect's name, with what distinguishes the form where one effect has several.
+    pub name: &'static str,
+    /// What is set.
+    pub values: &'static [(Parameter, f64)],
+}
+
+macro_rules! forms {
+    ([] $($effect:ident $name:literal in $link:ident {
+        $($parameter:ident: $key:literal, $unit:literal, $min:expr, $max:expr, $default:expr, $meaning:literal;)*
+    } trial {
+        $($trial:literal: $($tried:ident = $size:expr),*;)*
+    } strong {
+        $($strong:literal: $($strained:ident = $strength:expr),*;)*
+    })*) => {
+        impl Effect {
+            /// Its parameters, in the order of the machine file.
+            #[must_use]
+            pub const fn parameters(self) -> &'static [Parameter] {
+                match self { $(Effect::$effect => &[$(Parameter::$parameter),*],)* }
+            }
+
+            /// Forms of a moderate size, on a 63/40 × 300 mm press: host and target run them alike, and what they cost is counted. The first, which
+            /// costs most, is part of all effects at once.
+            #[must_use]
+            pub const fn trial(self) -> &'static [Form] {
+                match self {
+                    $(Effect::$effect => &[$(Form {
+                        name: concat!($name, $trial), values: &[$((Parameter::$tried, $size)),*],
+                    }),*],)*
+                }
+            }
+
+            /// Forms in which an error of the effect's equations would show, on the same press: fixed point is held against `f64`, and one tick
+            /// against another.
+            #[must_use]
+            pub const fn strong(self) -> &'static [Form] {
+                match self {
+                    $(Effect::$effect => &[$(Form {
+                        name: concat!($name, $strong), values: &[$((Parameter::$strained, $strength)),*],
+                    }),*],)*
+                }
+            }
+        }
+    };
+}
+effects! { forms => }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every form of an effect.
+    fn forms(effect: Effect) -> impl Iterator<Item = &'static Form> {
+        effect.trial().iter().chain(effect.strong())
+    }
+
+    #[test]
+    fn every_effect_has_a_trial_and_a_strong_form_and_each_sets_something_of_its_own() {
+        for &effect in Effect::ALL {
+            assert!(!effect.trial().is_empty() && !effect.strong().is_empty(), "{}", effect.name());
+            for form in forms(effect) {
+                assert!(form.values.iter().any(|(parameter, _)| parameter.effect() == Some(effect)), "{}", form.name);
+            }
+        }
+    }
+
+    #[test]
+    fn every_parameter_of_an_effect_is_set_in_one_of_its_forms_within_its_range() {
+        for &effect in Effect::ALL {
+            for parameter in effect.parameters() {
+                let set = forms(effect).any(|form| form.values.iter().any(|(set, _)| set == parameter));
+                assert!(set, "{}", parameter.description().key);
+            }
+            for &(parameter, value) in forms(effect).flat_map(|form| form.values) {
+                let description = parameter.description();
+                assert!((description.min..=description.max).contains(&value), "{} = {value}", description.key);
+            }
+        }
+    }
+
+    #[test]
+    fn an_effect_is_found_by_its_name_and_no_other() {
+        for &effect in Effect::ALL {
+            assert_eq!(Effect::named(effect.name()), Some(effect));
+            assert!(effect.parameters().iter().all(|parameter| parameter.effect() == Some(effect)));
+        }
+        assert_eq!(Effect::named("unnamed"), None);
+    }
+}
