@@ -164,7 +164,7 @@ proptest! {
                         let off = voids[side] - (room[side] - given[side]);
                         // Of a coefficient's rounding, and of the velocity's on its way to B.
                         let allowed = 1e-5 * (room[side].abs() + given[side].abs()) + 1e-12;
-                        assert!(held || off.abs() < allowed, "{side}: {off} of {:?}", voids);
+                        assert!(held || off.abs() < allowed, "{side}: {off} of {voids:?}");
                     }
                     rows.push([a, b, out_m]);
                 }

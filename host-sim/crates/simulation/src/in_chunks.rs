@@ -36,8 +36,8 @@ pub struct Onward {
 /// Where it has come to, in its number type.
 #[derive(Debug)]
 enum Going {
-    Fixed(Option<Led<PerUnit>>),
-    Float(Option<Led<f64>>),
+    Fixed(Option<Box<Led<PerUnit>>>),
+    Float(Option<Box<Led<f64>>>),
 }
 
 /// Where the parts before have led.
@@ -98,7 +98,7 @@ struct Next<'a> {
 }
 
 impl Next<'_> {
-    fn from<N: Scalar<Real = f64>>(&self, led: &mut Option<Led<N>>) -> Result<Advance, SimulateError> {
+    fn from<N: Scalar<Real = f64>>(&self, led: &mut Option<Box<Led<N>>>) -> Result<Advance, SimulateError> {
         let recording = &self.part.recording;
         let (origin, mut trajectory) = match &led {
             Some(led) => (led.origin, led.tail.clone()),
@@ -124,7 +124,7 @@ impl Next<'_> {
         });
         let origin = Origin { point: origin.point + stimulus.ticks(), ..origin };
         let next_from = end.saturating_sub(OVERLAP);
-        *led = Some(Led { state, origin, tail: trajectory.since(next_from) });
+        *led = Some(Box::new(Led { state, origin, tail: trajectory.since(next_from) }));
         Ok(Advance { rows: begun..end, trajectory, next_from })
     }
 }

@@ -22,7 +22,7 @@ pub use in_chunks::{Advance, Onward};
 pub use in_lanes::{Run, run_abreast};
 pub use initial_state::StartOffset;
 pub use recorded_start::Start;
-pub use run::{DELAY_LINE, Trajectory, computed_below, rows_f64, simulate_f64, simulate_fixed};
+pub use run::{DELAY_LINE, SignalsOfRow, Trajectory, computed_below, rows_f64, simulate_f64, simulate_fixed};
 pub use stepper::{Inputs, Kept, Live, OtherArithmetic};
 pub use stimulus::coarse::Coarser;
 pub use stimulus::{EntryPoint, SimulateError, Stimulus, first_entry, natural_tick};

@@ -204,13 +204,16 @@ pub(crate) fn run<N: Scalar>(
     Ok(())
 }
 
+/// A signal at a row as its sensor reads it, SI; `None` where the chain does not compute it.
+pub type SignalsOfRow<'a> = dyn Fn(Signal) -> Option<f64> + 'a;
+
 /// Simulates in f64 and hands each recorded row to `sink`, in order, with its signals as their sensors read them, SI: each is computed when
 /// it is asked for, and `None` where the chain does not compute it.
 pub fn rows_f64(
     machine: &Machine<f64>,
     stimulus: &Stimulus,
     offset: StartOffset,
-    sink: &mut dyn FnMut(usize, &dyn Fn(Signal) -> Option<f64>),
+    sink: &mut dyn FnMut(usize, &SignalsOfRow<'_>),
 ) -> Result<(), MachineError> {
     run::<f64>(machine, stimulus, offset.lifted(), &mut |row, sample| sink(row, &|signal| sample.signal(signal)))
 }

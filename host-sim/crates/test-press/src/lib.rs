@@ -38,11 +38,17 @@ pub fn with_papers_valve() -> Machine<f64> {
 }
 
 /// Two seconds of a machine driven to and fro from 0.12 m, as sensors of these noises record it; the same noise for the same sensors.
+///
+/// # Panics
+/// Never: the press and these signals can be simulated.
 pub fn recorded(machine: &Machine<f64>, sensors: &[(Signal, f64)]) -> Recording {
     recorded_for(machine, sensors, 2000)
 }
 
 /// So many milliseconds of it.
+///
+/// # Panics
+/// Never: the press and these signals can be simulated.
 pub fn recorded_for(machine: &Machine<f64>, sensors: &[(Signal, f64)], rows: u32) -> Recording {
     let time_s: Vec<f64> = (0..rows).map(|row| f64::from(row) * 1e-3).collect();
     let command = time_s.iter().map(|t| 2.5 * (5.0 * t).sin() + 1.5 * (13.0 * t).sin()).collect();
@@ -65,6 +71,9 @@ pub fn recorded_for(machine: &Machine<f64>, sensors: &[(Signal, f64)], rows: u32
 }
 
 /// The press extending for 1.2 s, its position with noise.
+///
+/// # Panics
+/// Never: the press and these signals can be simulated.
 pub fn extending(machine: &Machine<f64>) -> Recording {
     let time_s: Vec<f64> = (0..1200).map(|row| f64::from(row) * 1e-3).collect();
     let command = time_s.iter().map(|time| if *time < 0.1 { 0.0 } else { 4.0 }).collect();

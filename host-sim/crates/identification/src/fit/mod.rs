@@ -249,6 +249,7 @@ impl Fit {
     }
 
     /// This solution and one of other parameters, as a search of all of them starts: each recording where it does in this.
+    #[must_use]
     pub fn beside(&self, other: &Self) -> Self {
         let mut both = self.clone();
         for (free, &coordinate) in other.free.iter().zip(&other.coordinates) {
