@@ -131,7 +131,7 @@ fn start(machine: &Machine<f64>, sensors: &[Sensor]) -> Vec<Direction> {
 }
 
 fn is_jump(form: Form) -> bool {
-    form.iter().all(|strength| matches!(strength.kind, Kind::Jump(_)))
+    form.iter().all(|strength| strength.is_jump())
 }
 
 /// Every point of a form's shapes, with the amounts that are free there, each at its usual size, and whether they can only be positive.

@@ -300,7 +300,7 @@ fn strengths(effects: &[Chosen]) -> Vec<Strength> {
 }
 
 fn is_jump(form: Form, parameter: Parameter) -> bool {
-    form.iter().any(|strength| strength.parameter == parameter && matches!(strength.kind, Kind::Jump(_)))
+    form.iter().any(|strength| strength.parameter == parameter && strength.is_jump())
 }
 
 #[cfg(test)]
