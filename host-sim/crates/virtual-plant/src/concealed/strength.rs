@@ -4,13 +4,13 @@ use model_core::machine::{Machine, Parameter as P};
 use recording::seeded_noise::Noise;
 
 use super::Channels;
-use crate::effect::{Cavitation, PlantEffect};
 use crate::effect::flow::FlowEffect;
 use crate::effect::friction::{DryFriction, FrictionLevel};
 use crate::effect::load::LoadEffect;
 use crate::effect::oil::{OilGrade, OilTemperature};
 use crate::effect::sensing::{Channel, SensingEffect};
 use crate::effect::valve::ValveEffect;
+use crate::effect::{Cavitation, PlantEffect};
 use crate::flow::edges::GainCurve;
 
 /// What a strength is measured by.
