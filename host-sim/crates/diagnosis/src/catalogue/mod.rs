@@ -400,6 +400,21 @@ mod tests {
     }
 
     #[test]
+    fn a_floor_of_the_pressures_is_asked_for_only_where_one_falls_below_it_and_is_on_at_zero() {
+        let machine = press(&[]);
+        let reached = |lowest_pa: f64| {
+            let scene = Scene { lowest_pa, ..scene(&machine, &[Signal::Position]) };
+            let names = CATALOGUE.iter().filter(|hypothesis| !hypothesis.is_reached(&scene));
+            names.map(|hypothesis| hypothesis.name).collect::<Vec<_>>()
+        };
+        assert_eq!(reached(1e5), ["cavitation"]);
+        assert_eq!(reached(f64::INFINITY), ["cavitation"]);
+        assert_eq!(reached(-1e5), [""; 0]);
+        let on = |machine: &Machine<f64>| cavitation::HYPOTHESIS.is_on(machine);
+        assert!(!on(&machine) && on(&press(&[(Parameter::CavitationFloor, 0.0)])));
+    }
+
+    #[test]
     fn every_effect_of_the_machine_files_vocabulary_is_a_hypothesis() {
         for parameter in Parameter::ALL {
             let key = parameter.description().key;

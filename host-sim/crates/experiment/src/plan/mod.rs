@@ -18,7 +18,7 @@ use nalgebra::{DMatrix, DVector};
 use products::{Changes, Products, View};
 use rayon::prelude::*;
 
-use diagnosis::catalogue::{CATALOGUE, Hypothesis, Kind, Scene};
+use diagnosis::catalogue::{CATALOGUE, Hypothesis, Scene};
 use diagnosis::selection::screen::with;
 use identification::fit::Free;
 use machine_file::LoadSource;

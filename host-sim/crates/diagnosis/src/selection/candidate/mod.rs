@@ -16,7 +16,7 @@ use identification::fit::{
 use model_core::machine::{Machine, Parameter};
 
 use super::screen::Lead;
-use crate::catalogue::{Form, Hypothesis, Kind, Scene, Strength, is_elastic};
+use crate::catalogue::{Form, Hypothesis, Scene, Strength, is_elastic};
 
 pub use neighbours::{Reference, Weighing, noisier};
 

@@ -5,7 +5,6 @@ use identification::fit::{Fit, FitError, Free, From, Sensitivity, StartState, co
 use model_core::machine::{Machine, Parameter};
 
 use super::{Candidate, Chosen, Question, strengths};
-use crate::catalogue::Kind;
 use crate::selection::screen::with;
 
 /// The search ends when the loss falls by less than this share in a step.
