@@ -157,7 +157,10 @@ impl Books {
     fn open<N: Rounded>(machine: &Machine<f64>, drive: &Drive<N>, state: &State<N>) -> Self {
         let bases = drive.bases();
         // A chamber that starts below its floor is lifted to it.
-        let account = |start: N| Account { should: start.to_f64().max(floor(machine, drive)), allowed: if N::TO_FORMAT { HALF } else { 1e-15 } };
+        let account = |start: N| Account {
+            should: start.to_f64().max(floor(machine, drive)),
+            allowed: if N::TO_FORMAT { HALF } else { 1e-15 },
+        };
         let position = N::strokes(state.motion.position);
         Self {
             chambers: [(P::AreaA, P::VolumeA, 1.0), (P::AreaB, P::VolumeB, -1.0)]
@@ -172,11 +175,18 @@ impl Books {
     }
 
     /// Enters a tick from the state `before` to that `after`; a rod that `met` a stop in it was that fast at both its ends together.
-    fn enter<N: Rounded>(&mut self, [before, after]: [&State<N>; 2], seen: &Interfaces<N>, pressure_pa: f64, met: Option<f64>) {
+    fn enter<N: Rounded>(
+        &mut self,
+        [before, after]: [&State<N>; 2],
+        seen: &Interfaces<N>,
+        pressure_pa: f64,
+        met: Option<f64>,
+    ) {
         let (qa, qb, v) = (seen.flows.a.to_f64(), seen.flows.b.to_f64(), seen.velocity.to_f64());
         let strokes = N::strokes(before.motion.position);
         // What a void takes up does not raise the pressure.
-        let [then, now] = [before, after].map(|state| [state.voids.a, state.voids.b].map(|void| self.voids * N::strokes(void)));
+        let [then, now] =
+            [before, after].map(|state| [state.voids.a, state.voids.b].map(|void| self.voids * N::strokes(void)));
         let nets = [qa - v + now[0] - then[0], self.ratio * v - qb + now[1] - then[1]];
         let pressures = [before.chambers.a, before.chambers.b].map(Scalar::to_f64);
         // α is a gain, and what B displaces is rounded before anything is taken from it.
@@ -191,7 +201,8 @@ impl Books {
             } else {
                 0.0
             };
-            self.pressures[side].add(rise, allowed + 1e-15 * (pressures[side].abs() + rise.abs() + per_net * (then[side] + now[side])));
+            self.pressures[side]
+                .add(rise, allowed + 1e-15 * (pressures[side].abs() + rise.abs() + per_net * (then[side] + now[side])));
         }
         // A rod that meets a stop is set down on its face: its depth is two signals, the velocity that it was too much a steep coefficient
         // times that. Of a very slow rod the coefficient ends at the largest one, and takes less than the depth.

@@ -218,7 +218,10 @@ impl AnyEffects {
             (P::ReferenceTemperature, 80.0 * at_c),
             (P::FlowGainNotch, 0.02 + 0.5 * reach),
             // At most 0, which no tank is below.
-            (P::CavitationFloor, if is_on(Effect::Cavitation) { VACUUM_PA * amount(Effect::Cavitation) } else { NO_FLOOR.1 }),
+            (
+                P::CavitationFloor,
+                if is_on(Effect::Cavitation) { VACUUM_PA * amount(Effect::Cavitation) } else { NO_FLOOR.1 },
+            ),
         ];
         self.side.on(machine, |number| self.has(number)).with(&values)
     }
