@@ -40,6 +40,7 @@ fn scene(file: &MachineFile) -> Scene<'_> {
         judged: &[Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Position],
         travel_m: (0.05, 0.25),
         duration_s: 10.0,
+        lowest_pa: -1e6,
     }
 }
 
@@ -68,7 +69,7 @@ fn example(strength: &Strength, scene: &Scene<'_>) -> f64 {
     let (low, high) = strength.range(scene);
     match strength.kind {
         Kind::Signed(_) => high / 2.0,
-        Kind::Place(..) => f64::midpoint(low, high),
+        Kind::Place(..) | Kind::Floor(..) => f64::midpoint(low, high),
         _ => (low * high).sqrt(),
     }
 }

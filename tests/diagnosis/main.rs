@@ -4,6 +4,7 @@
 //! than the hypotheses; what happens once; and the parts that all of it rests on: derivatives and the fit.
 
 mod bed;
+mod cavitation;
 mod confusion;
 mod derivatives;
 mod drawn;

@@ -94,6 +94,7 @@ fn with_each_effect() -> Vec<(&'static str, Machine<f64>)> {
         judged: computed_below(EntryPoint::Command),
         travel_m: (0.05, 0.25),
         duration_s: 2.0,
+        lowest_pa: -1e6,
     };
     let strong = |strength: &Strength| {
         let (low, high) = strength.range(&scene);

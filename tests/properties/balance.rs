@@ -13,7 +13,7 @@ use model_core::machine::{Machine, Parameter as P, Source, Tick};
 use model_core::number::{PerUnit, Scalar};
 use model_core::ports::{Flows, Slider};
 use recording::excitation::signals::Excitation;
-use system_tests::any_effects::any_side_effects;
+use system_tests::any_effects::{NO_FLOOR, any_side_effects};
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::simulate::{DELAY, State, at_rest};
 use virtual_plant::InitialState;
@@ -149,12 +149,18 @@ struct Books {
     per_capacity: f64,
     ratio: f64,
     travel: f64,
+    /// A void of 1, in ticks of flow 1.
+    voids: f64,
 }
 
 impl Books {
     fn open<N: Rounded>(machine: &Machine<f64>, drive: &Drive<N>, state: &State<N>) -> Self {
         let bases = drive.bases();
-        let account = |start: N| Account { should: start.to_f64(), allowed: if N::TO_FORMAT { HALF } else { 1e-15 } };
+        // A chamber that starts below its floor is lifted to it.
+        let account = |start: N| Account {
+            should: start.to_f64().max(floor(machine, drive)),
+            allowed: if N::TO_FORMAT { HALF } else { 1e-15 },
+        };
         let position = N::strokes(state.motion.position);
         Self {
             chambers: [(P::AreaA, P::VolumeA, 1.0), (P::AreaB, P::VolumeB, -1.0)]
@@ -164,14 +170,24 @@ impl Books {
             per_capacity: bases.tick_s * bases.flow_m3_per_s / bases.pressure_pa,
             ratio: machine.get(P::AreaB) / machine.get(P::AreaA),
             travel: bases.tick_s * bases.velocity_m_per_s / bases.stroke_m,
+            voids: bases.void_m3() / (bases.tick_s * bases.flow_m3_per_s),
         }
     }
 
-    /// Enters a tick that began in the state `before`; a rod that `met` a stop in it was that fast at both its ends together.
-    fn enter<N: Rounded>(&mut self, before: &State<N>, seen: &Interfaces<N>, pressure_pa: f64, met: Option<f64>) {
+    /// Enters a tick from the state `before` to that `after`; a rod that `met` a stop in it was that fast at both its ends together.
+    fn enter<N: Rounded>(
+        &mut self,
+        [before, after]: [&State<N>; 2],
+        seen: &Interfaces<N>,
+        pressure_pa: f64,
+        met: Option<f64>,
+    ) {
         let (qa, qb, v) = (seen.flows.a.to_f64(), seen.flows.b.to_f64(), seen.velocity.to_f64());
         let strokes = N::strokes(before.motion.position);
-        let nets = [qa - v, self.ratio * v - qb];
+        // What a void takes up does not raise the pressure.
+        let [then, now] =
+            [before, after].map(|state| [state.voids.a, state.voids.b].map(|void| self.voids * N::strokes(void)));
+        let nets = [qa - v + now[0] - then[0], self.ratio * v - qb + now[1] - then[1]];
         let pressures = [before.chambers.a, before.chambers.b].map(Scalar::to_f64);
         // α is a gain, and what B displaces is rounded before anything is taken from it.
         let nets_off = [0.0, HALF * (v.abs() + 1.0)];
@@ -185,7 +201,8 @@ impl Books {
             } else {
                 0.0
             };
-            self.pressures[side].add(rise, allowed + 1e-15 * (pressures[side].abs() + rise.abs()));
+            self.pressures[side]
+                .add(rise, allowed + 1e-15 * (pressures[side].abs() + rise.abs() + per_net * (then[side] + now[side])));
         }
         // A rod that meets a stop is set down on its face: its depth is two signals, the velocity that it was too much a steep coefficient
         // times that. Of a very slow rod the coefficient ends at the largest one, and takes less than the depth.
@@ -224,6 +241,12 @@ fn entry<N: Scalar>(way: Way, ratio: f64, volts: [f64; 2]) -> Entry<N> {
     }
 }
 
+/// What no pressure falls below, in supply pressures.
+fn floor(machine: &Machine<f64>, drive: &Drive<impl Scalar<Real = f64>>) -> f64 {
+    let floor_pa = machine.get(P::CavitationFloor);
+    if floor_pa < -ATMOSPHERE_PA { f64::NEG_INFINITY } else { floor_pa / drive.bases().pressure_pa }
+}
+
 /// Largest miss of both balances and of the rod's way, in what rounding may do, over a run or until it comes near the ends of the
 /// formats, ±8 of signals and ±128 strokes, where sums are held and nothing can balance.
 fn missed<N: Rounded>(machine: &Machine<f64>, tick: Tick, way: Way, volts: &[f64]) -> [f64; 3] {
@@ -245,7 +268,11 @@ fn missed<N: Rounded>(machine: &Machine<f64>, tick: Tick, way: Way, volts: &[f64
         }
         let fast = [before, state].iter().map(|state| state.motion.velocity.to_f64().abs()).sum();
         let met = stops.iter().any(|stop| (at - stop).abs() < 1e-7);
-        books.enter(&before, &seen, drive.bases().pressure_pa, met.then_some(fast));
+        books.enter([&before, &state], &seen, drive.bases().pressure_pa, met.then_some(fast));
+        let lowest = state.chambers.a.to_f64().min(state.chambers.b.to_f64());
+        if lowest < floor(machine, &drive) - HALF {
+            return [f64::INFINITY; 3];
+        }
         for (missed, off) in missed.iter_mut().zip(books.off(&state)) {
             *missed = if off <= *missed { *missed } else { off };
         }
@@ -254,22 +281,22 @@ fn missed<N: Rounded>(machine: &Machine<f64>, tick: Tick, way: Way, volts: &[f64
 }
 
 /// What makes a chamber other than (7), in sizes that suit a machine: external leakage, air, volumes that follow the piston, stops, oil
-/// that thins.
+/// that thins, a floor of the pressures.
 #[derive(Clone, Copy, Debug)]
 struct ChamberEffects {
-    shares: [f64; 9],
+    shares: [f64; 10],
     which: u8,
 }
 
 fn any_chamber_effects() -> impl Strategy<Value = ChamberEffects> {
-    (prop::array::uniform9(0.0..1.0_f64), any::<u8>()).prop_map(|(shares, which)| ChamberEffects { shares, which })
+    (prop::array::uniform10(0.0..1.0_f64), any::<u8>()).prop_map(|(shares, which)| ChamberEffects { shares, which })
 }
 
 impl ChamberEffects {
     fn on(&self, machine: &Machine<f64>) -> Machine<f64> {
         let decades = |share: f64, from: f64, to: f64| from * (to / from).powf(share);
         let on = |bit: u8, value: f64| if self.which >> bit & 1 == 1 { value } else { 0.0 };
-        let [out_a, out_b, air, follows, within, stiffness, damping, thins, time] = self.shares;
+        let [out_a, out_b, air, follows, within, stiffness, damping, thins, time, deep] = self.shares;
         let laminar = 0.05 * machine.get(P::FlowCoefficient) / machine.get(P::SupplyPressure).sqrt();
         let stroke_m = machine.get(P::Stroke);
         let (stiffness, damping) = (decades(stiffness, 1e6, 1e9), decades(damping, 1e2, 1e6));
@@ -285,6 +312,7 @@ impl ChamberEffects {
             (P::StopExtended, 0.5 * stroke_m + reach_m),
             (P::ViscosityLoss, on(5, 0.8 - 1.6 * thins)),
             (P::WarmingTime, decades(time, 0.1, 10.0)),
+            (P::CavitationFloor, if self.which >> 6 & 1 == 1 { -ATMOSPHERE_PA * deep } else { NO_FLOOR.1 }),
         ])
     }
 }

@@ -62,6 +62,7 @@ fn an_effect_without_its_amounts_is_the_model_without_it() {
             judged: &[],
             travel_m: (0.05, 0.25),
             duration_s: 4.0,
+            lowest_pa: -1e6,
         };
         for effect in CATALOGUE {
             for form in effect.every_form() {
@@ -76,7 +77,7 @@ fn an_effect_without_its_amounts_is_the_model_without_it() {
                             let (low, high) = range(&scene);
                             shaped.set(strength.parameter, 0.5 * (low + high));
                         }
-                        Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) | Kind::Signed(_) => {}
+                        Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) | Kind::Signed(_) | Kind::Floor(..) => {}
                     }
                 }
                 assert_eq!(in_fixed_point(&shaped), without.0, "{}", effect.name);

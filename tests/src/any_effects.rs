@@ -42,6 +42,11 @@ fn both(share: f64, size: f64) -> f64 {
     (2.0 * share - 1.0) * size
 }
 
+/// Lowest floor of the pressures there is, Pa.
+const VACUUM_PA: f64 = -1.013e5;
+/// What makes that there is none: of this effect 0 is a floor as well.
+pub const NO_FLOOR: (P, f64) = (P::CavitationFloor, -1e9);
+
 /// Evenly over the decades between two values.
 fn decades(share: f64, from: f64, to: f64) -> f64 {
     from * (to / from).powf(share)
@@ -92,7 +97,7 @@ pub const NOT_DRAWN: [Effect; 4] =
     [Effect::InternalLeakage, Effect::HoseCompliance, Effect::CoulombFriction, Effect::PumpSlip];
 
 /// The effects behind the valve and the flow link that [`AnyEffects`] draws, by their number.
-const BEHIND: [Effect; 14] = [
+const BEHIND: [Effect; 15] = [
     Effect::ExternalLeakage,
     Effect::EntrainedAir,
     Effect::PositionDependentVolume,
@@ -107,6 +112,7 @@ const BEHIND: [Effect; 14] = [
     Effect::PositionSensorLag,
     Effect::SensorOffset,
     Effect::OilTemperature,
+    Effect::Cavitation,
 ];
 
 /// All effects that [`AnyEffects`] draws, by their number.
@@ -115,7 +121,7 @@ pub fn every_drawn() -> impl Iterator<Item = Effect> {
 }
 
 /// Shares of the amounts behind the flow link.
-const AMOUNTS: usize = 28;
+const AMOUNTS: usize = 29;
 
 /// Effects of every link, any of them on; no unnamed table.
 #[derive(Clone, Debug)]
@@ -211,6 +217,11 @@ impl AnyEffects {
             (P::ViscosityLossPerKelvin, 0.05 * amount(Effect::OilTemperature)),
             (P::ReferenceTemperature, 80.0 * at_c),
             (P::FlowGainNotch, 0.02 + 0.5 * reach),
+            // At most 0, which no tank is below.
+            (
+                P::CavitationFloor,
+                if is_on(Effect::Cavitation) { VACUUM_PA * amount(Effect::Cavitation) } else { NO_FLOOR.1 },
+            ),
         ];
         self.side.on(machine, |number| self.has(number)).with(&values)
     }

@@ -12,6 +12,7 @@ use machine_file::MachineFile;
 use model_core::machine::{Machine, MachineError, Parameter, Tick};
 use recording::{Recording, Signal};
 use simulation::signal::noise::extent;
+use simulation::simulate_f64;
 
 use crate::before_after::{Shown, show_all};
 use crate::catalogue::{CATALOGUE, Hypothesis, Scene, Subsystem};
@@ -160,12 +161,13 @@ pub fn diagnose(
         judged: &judged,
         travel_m: travelled(&file.machine, &trained),
         duration_s: trained.iter().map(Prepared::duration_s).fold(0.0, f64::max),
+        lowest_pa: lowest_pressure(&file.machine, &trained)?,
     };
     let ordinary = ordinary(file);
     let (hypotheses, not_testable): (Vec<_>, Vec<_>) = CATALOGUE
         .iter()
         .copied()
-        .filter(|hypothesis| !hypothesis.is_on(&file.machine))
+        .filter(|hypothesis| !hypothesis.is_on(&file.machine) && hypothesis.is_reached(&scene))
         .partition(|hypothesis| hypothesis.is_testable(&scene));
     let mut excerpt = Excerpt::of(training, &trained, &file.machine, file.load_source).map_err(CompareError::from)?;
     let asked = Asked { scene: &scene, ordinary: &ordinary, hypotheses: &hypotheses };
@@ -332,6 +334,33 @@ fn travelled(machine: &Machine<f64>, cases: &[Prepared]) -> (f64, f64) {
     let positions = channels.filter(|channel| channel.signal == Signal::Position).flat_map(Channel::kept);
     let (low, high) = extent(positions);
     if low < high { (low, high) } else { (0.0, machine.get(Parameter::Stroke)) }
+}
+
+/// Lowest pressure that a chamber of the nominal model reaches in these recordings, Pa. Infinite where both pressures are measured and stay away from
+/// the tank's, or where a sensor shows less than a vacuum: in that drive oil does pull.
+fn lowest_pressure(machine: &Machine<f64>, cases: &[Prepared]) -> Result<f64, MachineError> {
+    /// A chamber whose sensor never shows less than this above the tank's pressure does not cavitate, Pa.
+    const NEAR_PA: f64 = 2e5;
+    /// A vacuum, with what a sensor may be off, Pa.
+    const VACUUM_PA: f64 = -1.5e5;
+    let mut lowest_pa = f64::INFINITY;
+    for case in cases {
+        let start = StartState::default().offset(machine, case);
+        let simulated = simulate_f64(machine, &case.stimulus, start)?;
+        for signal in [Signal::PressureA, Signal::PressureB] {
+            let measured = case.channels.iter().find(|channel| channel.signal == signal);
+            let shown = measured.map(|channel| extent(channel.kept()).0);
+            if shown.is_some_and(|pa| pa < VACUUM_PA) {
+                return Ok(f64::INFINITY);
+            }
+            if shown.is_some_and(|pa| pa > machine.get(Parameter::TankPressure) + NEAR_PA) {
+                continue;
+            }
+            let fallen = simulated.signal(signal).unwrap_or_default().iter().copied().fold(f64::INFINITY, f64::min);
+            lowest_pa = lowest_pa.min(fallen);
+        }
+    }
+    Ok(lowest_pa)
 }
 
 /// Ordinary parameters that may move: those of `[fit.sigma]`, else every one that the file gives and that is usually

@@ -31,6 +31,8 @@ pub enum MachineFileError {
     WrongType { place: Place, key: String, found: String, expected: &'static str },
     /// A value that the drive cannot have, NaN among them.
     OutOfRange { place: Place, key: String, value: f64, min: f64, max: f64, unit: &'static str },
+    /// A floor of the pressures that is below vacuum or above the tank's pressure.
+    Floor { place: Place, key: &'static str, floor_pa: f64, tank_key: &'static str, tank_pa: f64, vacuum_pa: f64 },
     /// A number of a list that lies between two.
     NotWhole { place: Place, key: String, value: f64, max: f64 },
     /// A standard deviation that is not a positive finite number.
@@ -69,6 +71,7 @@ impl Explained for MachineFileError {
             | E::MissingKey { place, .. }
             | E::WrongType { place, .. }
             | E::OutOfRange { place, .. }
+            | E::Floor { place, .. }
             | E::NotWhole { place, .. }
             | E::BadSigma { place, .. }
             | E::TooManyEntries { place, .. }
@@ -96,6 +99,7 @@ impl Explained for MachineFileError {
             E::MissingKey { key, .. } => format!("`{key}` is missing"),
             E::WrongType { key, found, .. } => format!("`{key}` is of type {found}"),
             E::OutOfRange { key, value, unit, .. } => format!("`{key}` is {value:?}{}", after_number(unit)),
+            E::Floor { key, floor_pa, .. } => format!("`{key}` is {floor_pa:?} Pa"),
             E::NotWhole { key, value, .. } => format!("`{key}` is {value:?}"),
             E::BadSigma { key, value, .. } => format!("the standard deviation of `{key}` is {value:?}"),
             E::TooManyEntries { key, found, .. } => format!("`{key}` has {found} entries"),
@@ -132,6 +136,9 @@ impl Explained for MachineFileError {
                 format!("at least {min:?}{}", after_number(unit))
             }
             E::OutOfRange { min, max, unit, .. } => format!("{min:?} to {max:?}{}", after_number(unit)),
+            E::Floor { tank_key, tank_pa, vacuum_pa, .. } => {
+                format!("{vacuum_pa:?} Pa (vacuum) to `{tank_key}`, which is {tank_pa:?} Pa")
+            }
             E::NotWhole { max, .. } => format!("a whole number from 0 to {max}"),
             E::BadSigma { .. } => "a positive number; a value that is exact is not listed".into(),
             E::TooManyEntries { most, .. } => format!("at most {most}"),

@@ -325,6 +325,30 @@ impl<'a> Reader<'a> {
                 self.result.machine.set(parameter, value);
             }
         }
+        self.floor(root)?;
         Ok(self.result)
+    }
+
+    /// A table for cavitation has to say where the pressures end: above vacuum, and not above the tank's.
+    fn floor(&self, root: &dyn TableLike) -> Result<(), MachineFileError> {
+        const VACUUM_PA: f64 = -1.013e5;
+        let what = Parameter::CavitationFloor.description();
+        let address = keys::address(Parameter::CavitationFloor);
+        let Some(effect) = address.table.strip_prefix(EFFECTS) else { return Ok(()) };
+        let Some(effects) = root.get("effects").and_then(Item::as_table_like) else { return Ok(()) };
+        let Some(table) = effects.get(effect).and_then(Item::as_table_like) else { return Ok(()) };
+        let Some(given) = table.get(address.key) else {
+            let (place, key) = (self.key_place(effects, effect), what.key);
+            return Err(MachineFileError::MissingKey { place, key, unit: what.unit, meaning: what.meaning });
+        };
+        let value = |parameter| self.result.machine.get(parameter);
+        let (floor_pa, tank_pa) = (value(Parameter::CavitationFloor), value(Parameter::TankPressure));
+        // The default stands for no floor; a file that was saved with it is read again.
+        if floor_pa <= what.min || (VACUUM_PA..=tank_pa).contains(&floor_pa) {
+            return Ok(());
+        }
+        let tank_key = Parameter::TankPressure.description().key;
+        let place = self.place(given.span());
+        Err(MachineFileError::Floor { place, key: what.key, floor_pa, tank_key, tank_pa, vacuum_pa: VACUUM_PA })
     }
 }

@@ -167,6 +167,28 @@ fn text_that_is_not_toml_is_refused_with_its_line() {
 }
 
 #[test]
+#[expect(clippy::float_cmp, reason = "the value comes out as it stands in the text")]
+fn a_floor_of_the_pressures_lies_between_vacuum_and_the_tank() {
+    let with = |line: &str| parse(&format!("{VALVE}[effects.cavitation]\n{line}\n"));
+    let file = with("floor_pa = -8e4").unwrap();
+    assert!(file.effects.contains("cavitation"));
+    assert_eq!(file.machine.get(Parameter::CavitationFloor), -8e4);
+    let expected = "\
+error: `effects.cavitation.floor_pa` is 20000.0 Pa
+  --> machine.toml:17:12
+   |
+17 | floor_pa = 2e4
+   |            ^^^
+   |
+   = expected: -101300.0 Pa (vacuum) to `supply.tank_pressure_pa`, which is 0.0 Pa";
+    assert_eq!(render(&with("floor_pa = 2e4").unwrap_err()), expected);
+    assert_error!(with("floor_pa = -2e5").unwrap_err(), MachineFileError::Floor { .. });
+    let error = with("").unwrap_err();
+    assert_eq!(error.place().line(), Some(16));
+    assert_error!(error, MachineFileError::MissingKey { .. });
+}
+
+#[test]
 fn an_error_is_drawn_with_its_line() {
     let error = parse(&VALVE.replace("= 20", "= -20")).unwrap_err();
     let expected = "\

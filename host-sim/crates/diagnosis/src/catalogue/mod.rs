@@ -3,6 +3,7 @@
 //! Every file has the same headings: What it adds · How it shows · What looks alike · Parameters · Source. An effect's equation
 //! runs in model-core; here stands what the diagnosis needs to try it.
 
+mod cavitation;
 mod coulomb_friction;
 mod dead_zone_asymmetry;
 mod end_stop;
@@ -101,6 +102,8 @@ pub struct Scene<'a> {
     pub travel_m: (f64, f64),
     /// Longest recording, s.
     pub duration_s: f64,
+    /// Lowest pressure of a chamber in the recordings, by the sensors and by the model without effects, Pa; infinite where nothing tells.
+    pub lowest_pa: f64,
 }
 
 impl Scene<'_> {
@@ -139,6 +142,9 @@ pub enum Kind {
     Shape(fn(&Scene<'_>) -> (f64, f64), usize),
     /// The same for a place, which may have either sign: moves linearly; tried first at these shares of the usual range.
     Place(fn(&Scene<'_>) -> (f64, f64), &'static [f64]),
+    /// What a pressure does not fall below; the parameter's default is neutral, and every other value acts. The value that does best of those at
+    /// these shares of the usual range is refined without slopes. Where it lies says nothing for or against the effect.
+    Floor(fn(&Scene<'_>) -> (f64, f64), &'static [f64]),
 }
 
 /// One parameter of an effect.
@@ -231,6 +237,7 @@ pub const CATALOGUE: &[&Hypothesis] = &[
     &internal_leakage::HYPOTHESIS,
     &external_leakage::HYPOTHESIS,
     &entrained_air::HYPOTHESIS,
+    &cavitation::HYPOTHESIS,
     &hose_compliance::HYPOTHESIS,
     &position_dependent_volume::HYPOTHESIS,
     &coulomb_friction::HYPOTHESIS,
@@ -315,11 +322,22 @@ impl Hypothesis {
         (self.shows_in)(scene) && self.forms_in(scene).next().is_some()
     }
 
+    /// Whether the recordings come near where it acts: a floor that no pressure falls to changes nothing.
+    #[must_use]
+    pub fn is_reached(&self, scene: &Scene<'_>) -> bool {
+        self.strengths().all(|strength| match strength.kind {
+            Kind::Floor(range, _) => scene.lowest_pa < range(scene).1,
+            _ => true,
+        })
+    }
+
     /// Whether the machine file already has it.
     #[must_use]
     pub fn is_on(&self, machine: &Machine<f64>) -> bool {
-        let mut amounts = self.strengths().filter(|strength| strength.is_amount());
-        amounts.any(|strength| machine.get(strength.parameter) != 0.0)
+        self.strengths().any(|strength| match strength.neutral() {
+            Some(neutral) => (machine.get(strength.parameter) - neutral).abs() > 0.0,
+            None => false,
+        })
     }
 }
 
@@ -345,7 +363,7 @@ mod tests {
                     "{}: {low}..{high}",
                     description.key
                 );
-                let may_be_negative = matches!(strength.kind, Kind::Signed(_) | Kind::Place(..));
+                let may_be_negative = matches!(strength.kind, Kind::Signed(_) | Kind::Place(..) | Kind::Floor(..));
                 assert!(may_be_negative || low > 0.0, "{}: {low}", description.key);
             }
             if let Some(extension) = hypothesis.extends {
@@ -379,6 +397,21 @@ mod tests {
             .map(|hypothesis| hypothesis.name)
             .collect();
         assert_eq!(slow, ["null-drift", "oil-temperature"]);
+    }
+
+    #[test]
+    fn a_floor_of_the_pressures_is_asked_for_only_where_one_falls_below_it_and_is_on_at_zero() {
+        let machine = press(&[]);
+        let reached = |lowest_pa: f64| {
+            let scene = Scene { lowest_pa, ..scene(&machine, &[Signal::Position]) };
+            let names = CATALOGUE.iter().filter(|hypothesis| !hypothesis.is_reached(&scene));
+            names.map(|hypothesis| hypothesis.name).collect::<Vec<_>>()
+        };
+        assert_eq!(reached(1e5), ["cavitation"]);
+        assert_eq!(reached(f64::INFINITY), ["cavitation"]);
+        assert_eq!(reached(-1e5), [""; 0]);
+        let on = |machine: &Machine<f64>| cavitation::HYPOTHESIS.is_on(machine);
+        assert!(!on(&machine) && on(&press(&[(Parameter::CavitationFloor, 0.0)])));
     }
 
     #[test]

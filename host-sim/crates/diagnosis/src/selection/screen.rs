@@ -62,7 +62,7 @@ impl Strength {
             Kind::Amount(range) | Kind::Firm(range) | Kind::Jump(range) => logarithm(range(scene), true),
             Kind::Shape(range, _) => logarithm(range(scene), false),
             Kind::Signed(size) => Freedom::Signed { sigma: size(scene) },
-            Kind::Place(range, _) => {
+            Kind::Place(range, _) | Kind::Floor(range, _) => {
                 let (low, high) = range(scene);
                 Freedom::Around { nominal: f64::midpoint(low, high), sigma: 0.5 * (high - low) }
             }
@@ -75,6 +75,22 @@ impl Strength {
         matches!(self.kind, Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) | Kind::Signed(_))
     }
 
+    /// The value at which there is nothing of the effect; `None` of what says only how it acts.
+    #[must_use]
+    pub fn neutral(&self) -> Option<f64> {
+        match self.kind {
+            Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) | Kind::Signed(_) => Some(0.0),
+            Kind::Floor(..) => Some(self.parameter.description().min),
+            Kind::Shape(..) | Kind::Place(..) => None,
+        }
+    }
+
+    /// Whether no slope leads to it: it is not among what a fit moves.
+    #[must_use]
+    pub fn is_jump(&self) -> bool {
+        matches!(self.kind, Kind::Jump(_) | Kind::Floor(..))
+    }
+
     /// The size that directions are taken at.
     pub fn unit(&self, scene: &Scene<'_>) -> f64 {
         match self.kind {
@@ -84,6 +100,7 @@ impl Strength {
             }
             Kind::Signed(size) => 0.3 * size(scene),
             Kind::Place(range, _) => range(scene).1,
+            Kind::Floor(range, _) => range(scene).0.abs(),
         }
     }
 
@@ -95,7 +112,8 @@ impl Strength {
             | Kind::Firm(range)
             | Kind::Jump(range)
             | Kind::Shape(range, _)
-            | Kind::Place(range, _) => range(scene),
+            | Kind::Place(range, _)
+            | Kind::Floor(range, _) => range(scene),
             Kind::Signed(size) => (-size(scene), size(scene)),
         }
     }
@@ -107,7 +125,7 @@ impl Strength {
                 let (low, high) = range(scene);
                 (0..count).map(|index| low * (high / low).powf((index as f64 + 0.5) / count as f64)).collect()
             }
-            Kind::Place(range, shares) => {
+            Kind::Place(range, shares) | Kind::Floor(range, shares) => {
                 let (low, high) = range(scene);
                 shares.iter().map(|share| low + (high - low) * share).collect()
             }
@@ -181,6 +199,12 @@ pub fn screen(
             // A point that does not become a drive promises nothing.
             let directions = directions(fit, any, form, &shape, &units).ok();
             let promise = |sensitivity| {
+                // Without an amount there is no direction: what the point itself gains.
+                if units.is_empty() {
+                    let lead = Lead::at(sensitivity, fit, forms[index].0, form, shape.clone());
+                    let gain = lead.map_or(0.0, |lead| lead.gain);
+                    return Promise { form: index, shape: shape.clone(), shares: Vec::new(), gain };
+                }
                 let promised = directions.as_ref().map(|directions| directed(sensitivity, form, directions));
                 let (shares, gain) = promised.unwrap_or_default();
                 Promise { form: index, shape: shape.clone(), shares, gain }
@@ -266,6 +290,9 @@ fn lead(
         return jump(scene, form, lead_at).map(Some);
     }
     let mut units: Vec<f64> = amounts(form).map(|strength| strength.unit(scene)).collect();
+    if units.is_empty() {
+        return lead_at(promise.shape.clone()).map(|lead| (lead.gain > 0.0).then_some(lead));
+    }
     let (mut shares, mut promised) = (promise.shares.clone(), promise.gain);
     let mut best: Option<Lead> = None;
     // The second time from where the first arrives: a large amount shows another direction than a small one.

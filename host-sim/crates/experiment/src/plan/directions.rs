@@ -1,6 +1,6 @@
 //! What moves when a parameter moves, or an effect is there: machines to be held against the one as it is.
 
-use diagnosis::catalogue::{Form, Hypothesis, Kind, Scene};
+use diagnosis::catalogue::{Form, Hypothesis, Kind, Scene, Strength};
 use diagnosis::selection::screen::{Values, amounts, combined, shapes, with};
 use identification::fit::Free;
 use model_core::machine::{Machine, Parameter};
@@ -131,7 +131,7 @@ fn start(machine: &Machine<f64>, sensors: &[Sensor]) -> Vec<Direction> {
 }
 
 fn is_jump(form: Form) -> bool {
-    form.iter().all(|strength| matches!(strength.kind, Kind::Jump(_)))
+    form.iter().all(Strength::is_jump)
 }
 
 /// Every point of a form's shapes, with the amounts that are free there, each at its usual size, and whether they can only be positive.

@@ -9,7 +9,7 @@ use super::signals::{self, HELD_OUT, Kind, TRAINING};
 use super::strength::{self, About};
 use super::truth::{CaseTruth, noise_floor};
 use super::visibility::{Shown, Visible};
-use super::{Channels, Concealed, Drawn, Lot, Mode, OUTSIDE, PUMP_SLIP, VOCABULARY, drive};
+use super::{CAVITATION, Channels, Concealed, Drawn, Lot, Mode, OUTSIDE, PUMP_SLIP, VOCABULARY, drive};
 use crate::effect::PlantEffect;
 use crate::effect::load::LoadEffect;
 use crate::excitation::input::LoadProfile;
@@ -84,6 +84,8 @@ fn attempt_at(lot: &Lot, index: u64, names: &[String], dice: &mut Noise) -> Resu
     let id = format!("c{index:03}");
     let pump = names.iter().any(|name| name == PUMP_SLIP);
     let machine = if pump { drive::draw_pump(dice) } else { drive::draw(dice) };
+    let is_drawn_on = names.iter().any(|name| name == CAVITATION);
+    let machine = if is_drawn_on { drive::heavy(&machine, dice) } else { machine };
     let file = drive::file(&id, &machine, lot.hard, dice);
     let setting = setting(lot, &machine, names, dice);
     let training = if lot.hard { [2, 3, 4][dice.below(3)] } else { 4 };
@@ -149,6 +151,8 @@ fn setting(lot: &Lot, machine: &Machine<f64>, names: &[String], dice: &mut Noise
     // Stiction under dither is no stiction.
     let mode =
         if mode == Mode::Dither && names.iter().any(|name| name == "spool-stiction") { Mode::Open } else { mode };
+    // In closed loop the heavy load would swing, and no valve would close at once.
+    let mode = if names.iter().any(|name| name == CAVITATION) { Mode::Open } else { mode };
     let pump = machine.source == Source::Pump;
     let (mode, channels) = if pump { (Mode::Pump, Channels::Pump) } else { (mode, channels) };
     let noise = if lot.hard { [1.0, 1.0, 2.0, 3.0][dice.below(4)] } else { [1.0, 1.0, 1.0, 2.0][dice.below(4)] };

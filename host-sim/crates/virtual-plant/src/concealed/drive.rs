@@ -46,6 +46,17 @@ pub(crate) fn draw(dice: &mut Noise) -> Machine<f64> {
     machine
 }
 
+/// The same drive with a load so heavy that the valve closes before it has stopped, and draws the rod on.
+pub(crate) fn heavy(machine: &Machine<f64>, dice: &mut Noise) -> Machine<f64> {
+    let get = |parameter| machine.get(parameter);
+    let (area_b, supply_pa) = (get(P::AreaB), get(P::SupplyPressure));
+    let speed = 0.4 * get(P::FlowCoefficient) * (0.5 * supply_pa).sqrt() / (0.5 * (get(P::AreaA) + area_b));
+    let closes_s = get(P::TimeConstant1) + get(P::TimeConstant2);
+    // What it takes to stop it within that time, in parts of the drive's force.
+    let mass_kg = dice.decades(0.5, 1.5) * supply_pa * area_b * closes_s / speed;
+    machine.with(&[(P::MovingMass, rounded(mass_kg, 6))])
+}
+
 /// A small drive behind a pump of its own: the valve only gives the direction.
 pub(crate) fn draw_pump(dice: &mut Noise) -> Machine<f64> {
     let mut machine = Machine::with_defaults(Source::Pump);

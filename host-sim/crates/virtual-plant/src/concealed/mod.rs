@@ -51,7 +51,7 @@ pub struct Lot {
 }
 
 /// The effects that are drawn without being asked for: those that differ in more than name from another one.
-/// (`hose-compliance` is a softer oil and a larger volume, `pump-slip` makes another kind of drive; both and
+/// (`hose-compliance` is a softer oil and a larger volume, `pump-slip` makes another kind of drive, `cavitation` a heavier one; these and
 /// `laminar-transition` can be asked for.)
 pub const VOCABULARY: [&str; 27] = [
     "valve-hysteresis",
@@ -84,10 +84,12 @@ pub const VOCABULARY: [&str; 27] = [
 ];
 
 /// What can be asked for beside [`VOCABULARY`].
-pub const ON_REQUEST: [&str; 3] = ["hose-compliance", "laminar-transition", PUMP_SLIP];
+pub const ON_REQUEST: [&str; 4] = ["hose-compliance", "laminar-transition", PUMP_SLIP, CAVITATION];
 
 /// The one that makes a pump-controlled drive of the case.
 const PUMP_SLIP: &str = "pump-slip";
+/// The one that needs a load heavy enough to draw the rod on.
+const CAVITATION: &str = "cavitation";
 
 /// What is drawn from outside the vocabulary.
 pub const OUTSIDE: [&str; 3] = ["~external-disturbance", "~pump-ripple", "~structural-flexibility"];

@@ -4,13 +4,13 @@ use model_core::machine::{Machine, Parameter as P};
 use recording::seeded_noise::Noise;
 
 use super::Channels;
-use crate::effect::PlantEffect;
 use crate::effect::flow::FlowEffect;
 use crate::effect::friction::{DryFriction, FrictionLevel};
 use crate::effect::load::LoadEffect;
 use crate::effect::oil::{OilGrade, OilTemperature};
 use crate::effect::sensing::{Channel, SensingEffect};
 use crate::effect::valve::ValveEffect;
+use crate::effect::{Cavitation, PlantEffect};
 use crate::flow::edges::GainCurve;
 
 /// What a strength is measured by.
@@ -157,6 +157,12 @@ fn chambers(name: &str, about: &About<'_>, dice: &mut Noise) -> Option<PlantEffe
         "entrained-air" => {
             PlantEffect::EntrainedAir { share: dice.decades(0.003, 0.05), dissolving_pa: dice.decades(4.0e6, 1.5e7) }
         }
+        // Half of them vapour alone, half of them air that the oil gives off as well.
+        "cavitation" => PlantEffect::Cavitation(Cavitation {
+            floor_pa: -dice.uniform(3e4, 1e5),
+            steepness_pa: dice.decades(5e2, 3e3),
+            released: if dice.happens(0.5) { 0.0 } else { dice.decades(1e-3, 2e-2) },
+        }),
         "position-dependent-volume" => PlantEffect::PositionDependentVolume,
         // 3 to 20 % of what the pump delivers at 20 turns a second and 3·10⁶ Pa
         "pump-slip" => PlantEffect::PumpSlip {

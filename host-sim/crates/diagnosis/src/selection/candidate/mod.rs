@@ -16,7 +16,7 @@ use identification::fit::{
 use model_core::machine::{Machine, Parameter};
 
 use super::screen::Lead;
-use crate::catalogue::{Form, Hypothesis, Kind, Scene, Strength, is_elastic};
+use crate::catalogue::{Form, Hypothesis, Scene, Strength, is_elastic};
 
 pub use neighbours::{Reference, Weighing, noisier};
 
@@ -300,7 +300,7 @@ fn strengths(effects: &[Chosen]) -> Vec<Strength> {
 }
 
 fn is_jump(form: Form, parameter: Parameter) -> bool {
-    form.iter().any(|strength| strength.parameter == parameter && matches!(strength.kind, Kind::Jump(_)))
+    form.iter().any(|strength| strength.parameter == parameter && strength.is_jump())
 }
 
 #[cfg(test)]

@@ -62,13 +62,15 @@ impl Candidate {
                 let possible = chosen.form.iter().map(at).all(|(kind, coordinate)| match kind {
                     Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) => coordinate < PRESSED,
                     // A shape stays where shapes are; where it runs to the end, the recordings leave it open.
-                    Kind::Shape(..) => true,
+                    Kind::Shape(..) | Kind::Floor(..) => true,
                     Kind::Signed(_) => coordinate.abs() < 2.0 * REACH_SIGNED,
                     Kind::Place(..) => coordinate.abs() < REACH_SIGNED,
                 });
                 let notable = chosen.form.iter().map(at).any(|(kind, coordinate)| match kind {
                     Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) => coordinate > -REACH,
                     Kind::Signed(_) => coordinate.abs() > NEGLIGIBLE,
+                    // It acts wherever it lies.
+                    Kind::Floor(..) => true,
                     Kind::Shape(..) | Kind::Place(..) => false,
                 });
                 possible && notable

@@ -5,7 +5,6 @@ use identification::fit::{Fit, FitError, Free, From, Sensitivity, StartState, co
 use model_core::machine::{Machine, Parameter};
 
 use super::{Candidate, Chosen, Question, strengths};
-use crate::catalogue::Kind;
 use crate::selection::screen::with;
 
 /// The search ends when the loss falls by less than this share in a step.
@@ -145,7 +144,7 @@ impl Candidate {
 
 /// What a fit moves: the ordinary parameters, and every strength that a slope leads to.
 fn free(question: &Question<'_>, effects: &[Chosen]) -> Vec<Free> {
-    let smooth = strengths(effects).into_iter().filter(|strength| !matches!(strength.kind, Kind::Jump(_)));
+    let smooth = strengths(effects).into_iter().filter(|strength| !strength.is_jump());
     question.ordinary.iter().copied().chain(smooth.map(|strength| strength.free(question.scene))).collect()
 }
 
@@ -173,7 +172,8 @@ fn better(
     while width > NARROWEST {
         let (mut moved, around) = (false, best.0);
         for there in [around * (1.0 - width), (around * (1.0 + width)).min(parameter.description().max)] {
-            let found = gain(there)?;
+            // A value that does not become a drive, such as a floor below vacuum, is no better one.
+            let found = gain(there).unwrap_or(f64::NEG_INFINITY);
             if found > best.1 {
                 best = (there, found);
                 moved = true;

@@ -76,8 +76,11 @@ impl Candidate {
             let mut profile = vec![(0.0, 0.0)];
             for index in 0..STEPS {
                 let there = value + sign * step * 2.0_f64.powi(index);
-                if (description.min..=description.max).contains(&there) {
-                    profile.push(((there - value).abs(), (here - gain(there)?) / unit));
+                // A value that does not become a drive, such as a floor below vacuum, says nothing.
+                if (description.min..=description.max).contains(&there)
+                    && let Ok(found) = gain(there)
+                {
+                    profile.push(((there - value).abs(), (here - found) / unit));
                 }
             }
             sides.extend(end_of_likely(&profile));

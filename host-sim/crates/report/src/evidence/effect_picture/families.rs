@@ -27,6 +27,8 @@ const MM: f64 = 1e3;
 const L_PER_MIN: f64 = 6e4;
 /// Slower than this the rod rests, m/s.
 const RESTS: f64 = 5e-4;
+/// Highest pressure above the tank's at which a chamber may be near its floor, Pa.
+const LOW_PA: f64 = 1e6;
 /// Opening below which an edge's law cannot be measured.
 const OPEN: f64 = 0.02;
 
@@ -188,6 +190,21 @@ pub(crate) fn of(effect: &Hypothesis, after: &Machine<f64>) -> Family {
                 let fast = m.a_rate.abs() > law.supply_pa && compressed * m.a_rate > 0.0;
                 let sensible = modulus < 4.0 * law.machine.get(Parameter::BulkModulus);
                 (fast && sensible).then_some((BAR * m.a_pa, 1e-6 * modulus, 0))
+            },
+        },
+        "cavitation" => Family {
+            title: "Pressure in the emptier chamber, over the flow that is drawn from it",
+            caption: "What the piston makes room for less what the port passes in. At the floor the pressure no longer falls, whatever is drawn.",
+            x: ("flow drawn from the chamber", "l/min"),
+            y: ("pressure", "bar"),
+            needs: PRESSURES,
+            point: |law, m| {
+                let (pressure, drawn) = if m.a_pa < m.b_pa {
+                    (m.a_pa, law.by.area.0 * m.velocity - m.port_a)
+                } else {
+                    (m.b_pa, m.port_b - law.by.area.1 * m.velocity)
+                };
+                (pressure < law.tank_pa + LOW_PA).then_some((L_PER_MIN * drawn, BAR * pressure, 0))
             },
         },
         "position-dependent-volume" => Family {
