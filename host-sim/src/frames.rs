@@ -8,7 +8,7 @@ use std::fmt::{self, Write as _};
 
 use firmware::recorder::frame::{FrameReader, Losses};
 use firmware::recorder::message::{Message, NONE};
-use recording::formats::write::quoted;
+use recording::formats::sheet::quoted;
 
 /// One recording as it was streamed out.
 #[derive(Clone, Debug, PartialEq)]

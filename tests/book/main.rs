@@ -2,6 +2,7 @@
 
 mod budget;
 mod built;
+mod crates;
 mod effects;
 mod links;
 mod table;

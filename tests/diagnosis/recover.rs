@@ -1,8 +1,8 @@
 //! The fit on what the model itself computed: it must find what was put in.
 
 use diagnosis::catalogue::{CATALOGUE, Hypothesis};
+use diagnosis::selection::Selection;
 use diagnosis::selection::candidate::Reference;
-use diagnosis::selection::forward::Selection;
 use diagnosis::selection::{Candidate, Chosen, Question};
 use identification::experiment::{Channel, Prepared};
 use identification::fit::{Free, Freedom, From, fit};

@@ -1,10 +1,15 @@
 //! The files that a command will write, checked before it begins: a long run must not end without its result.
 
+#[cfg(feature = "virtual-plant")]
 use std::fs;
-use std::io::{self, Write as _};
+use std::io;
+#[cfg(feature = "virtual-plant")]
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use recording::files::atomic::{self, Begun};
+use recording::files::atomic;
+#[cfg(feature = "virtual-plant")]
+use recording::files::atomic::Begun;
 
 use super::console::Console;
 use super::ending::{Kind, check_ending, is_standard_output};

@@ -9,9 +9,7 @@ use std::fmt;
 use rayon::prelude::*;
 
 use identification::experiment::Prepared;
-use identification::fit::{
-    CHANCE, Counts, Estimate, FitError, Free, Freedom, From, Residuals, fit, settle, standardised,
-};
+use identification::fit::{Counts, Estimate, FitError, Free, Freedom, From, Residuals, fit, settle, standardised};
 use machine_file::LoadSource;
 use model_core::machine::{Machine, Parameter};
 use recording::Signal;
@@ -21,6 +19,7 @@ use simulation::{EntryPoint, simulate_f64};
 use crate::catalogue::{Scene, Subsystem};
 use crate::localisation::error_shape::Shape;
 use crate::localisation::{Case, Location};
+use crate::selection::decision_rule::{TABLE_GAINS, TABLE_MAY_LOSE_POINTS};
 use crate::selection::{Candidate, Confirmation, Gained, Question, confirm};
 
 /// The search of a first look ends when the loss falls by less than this share in a step.
@@ -33,8 +32,6 @@ const FINISHED: usize = 3;
 const OUTSIDE: f64 = 0.01;
 /// How large a table usually is, of full force, full flow or full travel.
 const USUAL: f64 = 0.05;
-/// What a signal's mean fit on held-out recordings may lose, in percentage points.
-const CLEARLY: f64 = 0.5;
 /// Nodes over the first state, and over the second.
 const NODES: [usize; 2] = [7, 3];
 
@@ -323,7 +320,7 @@ fn fitted(
 fn net(before: &Residuals, after: &Residuals, values: usize, counts: Counts) -> Option<f64> {
     let gained = Gained::of(before, after, counts);
     let net = gained.all - gained.cost(values);
-    (net > CHANCE && gained.repeats).then_some(net)
+    (net > TABLE_GAINS && gained.repeats).then_some(net)
 }
 
 /// Whether the mean NRMSE fit on the held-out recordings rises, and no signal's falls clearly.
@@ -341,7 +338,7 @@ fn fits_better(before: &Machine<f64>, after: &Machine<f64>, held: &[&Prepared]) 
         }
     }
     let sum: f64 = rises.iter().map(|(_, rise)| rise).sum();
-    Ok(sum > 0.0 && rises.iter().all(|(_, rise)| *rise > -CLEARLY))
+    Ok(sum > 0.0 && rises.iter().all(|(_, rise)| *rise > -TABLE_MAY_LOSE_POINTS))
 }
 
 /// What the states went through on the training recordings.

@@ -6,8 +6,7 @@ use model_core::machine::Parameter;
 
 use crate::catalogue::Hypothesis;
 use crate::finding::{Finding, finding};
-use crate::selection::forward::Selection;
-use crate::selection::{Candidate, Confirmation, Question, confirm};
+use crate::selection::{Candidate, Confirmation, Question, Selection, confirm};
 
 /// What is claimed.
 pub(crate) struct Decision {

@@ -7,76 +7,26 @@ use std::collections::BTreeMap;
 
 use identification::compare::CompareError;
 use identification::experiment::{Channel, Prepared};
-use identification::fit::{Correlation, Estimate, FitError, Free, Freedom, StartState, level_at_rest, set_tolerances};
+use identification::fit::{Estimate, FitError, Free, Freedom, StartState, level_at_rest, set_tolerances};
 use machine_file::MachineFile;
 use model_core::machine::{Machine, MachineError, Parameter, Tick};
 use recording::{Recording, Signal};
 use simulation::signal::noise::extent;
 use simulation::simulate_f64;
 
-use crate::before_after::{Shown, show_all};
+use crate::before_after::show_all;
 use crate::catalogue::{CATALOGUE, Hypothesis, Scene, Subsystem};
-use crate::correction_table::{Unnamed, improved};
+use crate::correction_table::improved;
 use crate::decision::{Decision, decide};
-use crate::finding::Finding;
-use crate::localisation::locate::{WITHIN_NOISE, locate};
-use crate::localisation::{Case, Location, Miss, Sought, misses};
+use crate::localisation::locate::locate;
+use crate::localisation::{Case, Miss, Sought, misses};
+use crate::outcome::{Diagnosis, Verdict};
 use crate::selection::candidate::Reference;
+use crate::selection::decision_rule::UNEXPLAINED_FROM;
 use crate::selection::excerpt::Excerpt;
-use crate::selection::forward::{Selection, select};
+use crate::selection::forward::select;
 use crate::selection::screen::Lead;
-use crate::selection::{Candidate, Confirmation, Question, lengthened};
-
-/// How it ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Verdict {
-    /// Named effects account for a mismatch, and recordings that were held out confirm it.
-    MissingPhysics,
-    /// The refitted model follows the recordings within their noise.
-    NothingMissing,
-    /// There is a mismatch above the noise that no effect of the catalogue accounts for.
-    Unexplained,
-}
-
-/// What was found.
-#[derive(Clone, Debug)]
-pub struct Diagnosis {
-    /// The drive's name.
-    pub machine: String,
-    /// How it ended.
-    pub verdict: Verdict,
-    /// Where; `None` if nothing is missing and nothing was all but named.
-    pub located: Option<Location>,
-    /// While all is within the noise: the effect that the training recordings would make likelier than none by more than chance,
-    /// but not by what a claim takes. Never a finding.
-    pub suspected: Option<&'static Hypothesis>,
-    /// What is claimed, most certain first.
-    pub findings: Vec<Finding>,
-    /// Signals that are still further off than the noise explains with the effects claimed, over training recordings.
-    pub left: Vec<Miss>,
-    /// Effects that training recordings chose and held-out ones did not confirm.
-    pub not_confirmed: Vec<&'static Hypothesis>,
-    /// A table for what no name accounts for, where that follows the held-out recordings better. Never a finding.
-    pub unnamed: Option<Unnamed>,
-    /// What the held-out recordings said; `None` if there was no choice to confirm.
-    pub confirmation: Option<Confirmation>,
-    /// Ordinary parameters that were refitted (with the effects, if any).
-    pub refitted: Vec<Estimate>,
-    /// Pairs of fitted values, ordinary ones and strengths, whose estimates are correlated; the closest first.
-    pub correlated: Vec<Correlation>,
-    /// Every recording with its simulations.
-    pub shown: Vec<Shown>,
-    /// The course of the selection.
-    pub selection: Selection,
-    /// The machine after: refitted, with the effects claimed.
-    pub machine_after: Machine<f64>,
-    /// Share of supply pressure in B at rest that the training recordings start from with that machine, in the mean; `None`
-    /// where they have their pressures. The held-out recordings are shown from the start that suits each best.
-    pub level_at_rest: Option<f64>,
-    /// Effects that these recordings cannot show, whatever the drive.
-    pub not_testable: Vec<&'static Hypothesis>,
-}
+use crate::selection::{Candidate, Question, Selection, lengthened};
 
 /// Why there is no diagnosis.
 #[derive(Debug, thiserror::Error)]
@@ -123,11 +73,10 @@ pub fn steps(file: &MachineFile) -> u64 {
 /// ```
 /// use std::path::Path;
 ///
-/// use host_sim::diagnose::{Verdict, diagnose};
-/// use host_sim::machine_file;
-/// use host_sim::recording::{self, ChannelMap, Recording};
+/// use diagnosis::{Verdict, diagnose};
+/// use recording::{ChannelMap, Recording};
 ///
-/// let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/press-63-40");
+/// let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../examples/press-63-40");
 /// let drive = machine_file::read(&example.join("machine.toml"))?;
 /// let read = |names: &[&str]| -> Result<Vec<Recording>, _> {
 ///     names.iter().map(|name| recording::read(&example.join(name), &ChannelMap::default())).collect()
@@ -178,7 +127,7 @@ pub fn diagnose(
     let Decision { findings, not_confirmed, confirmation, after, estimates } =
         decide(&asked.of(&references), &mut selection, &opened)?;
     let base = &selection.base.fit;
-    let above_noise = selection.base.worst_over_noise(&asked.of(&references)) > WITHIN_NOISE;
+    let above_noise = selection.base.worst_over_noise(&asked.of(&references)) > UNEXPLAINED_FROM;
     let verdict = if !findings.is_empty() {
         Verdict::MissingPhysics
     } else if above_noise {

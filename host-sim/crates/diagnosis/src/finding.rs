@@ -4,8 +4,7 @@ use identification::fit::Estimate;
 use model_core::machine::Parameter;
 
 use crate::catalogue::Hypothesis;
-use crate::selection::forward::{Selection, Trial};
-use crate::selection::{Chosen, Told};
+use crate::selection::{Chosen, Selection, Told, Trial};
 
 /// An effect that is less probable in a claimed one's place is none that it may be instead.
 const NEGLIGIBLE: f64 = 1e-3;

@@ -7,7 +7,8 @@ use simulation::sensor_fault::{Failures, Mended, Stretch, bridged};
 use simulation::signal::noise::{noise, resolution};
 use simulation::{EntryPoint, SimulateError, Stimulus, first_entry, natural_tick};
 
-use crate::compare::{CompareError, judged};
+use crate::compare::judged;
+use crate::error::CompareError;
 use crate::input_noise::at_most_by_noise_of_input;
 
 /// One measured signal that a simulation is held against.

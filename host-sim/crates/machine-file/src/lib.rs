@@ -3,6 +3,12 @@
 //! Keys, ranges and defaults are those of [`Parameter`]. Beside them stand `name`, `load.source`,
 //! `[channels]` and `[fit.sigma]`. Anything else is an error, and every error names file, line, key
 //! and what was expected there.
+//!
+//! Start at [`read`], which makes a [`MachineFile`] of a file; [`data_sheet`] makes one of data-sheet values. Nothing here simulates: a machine
+//! is checked and kept, no more.
+#![forbid(unsafe_code)]
+// What there is to say is returned: nothing but the program prints.
+#![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
 
 mod channels;
 pub mod data_sheet;

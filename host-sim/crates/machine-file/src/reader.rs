@@ -47,7 +47,7 @@ pub fn read(path: &Path) -> Result<MachineFile, MachineFileError> {
 /// Reads the text of a machine file; `file` stands for it in messages and gives the drive its name.
 ///
 /// ```
-/// use host_sim::machine_file::read_text;
+/// use machine_file::read_text;
 /// use model_core::machine::Parameter;
 ///
 /// let text = "
@@ -67,7 +67,7 @@ pub fn read(path: &Path) -> Result<MachineFile, MachineFileError> {
 ///
 /// let error = read_text("press.toml", &text.replace("gain_per_v", "gain")).unwrap_err();
 /// println!("{error}"); // file, line, key, and what was expected there
-/// # Ok::<(), host_sim::machine_file::MachineFileError>(())
+/// # Ok::<(), machine_file::MachineFileError>(())
 /// ```
 pub fn read_text(file: &str, text: &str) -> Result<MachineFile, MachineFileError> {
     let document = Document::parse(text).map_err(|error| MachineFileError::Syntax {

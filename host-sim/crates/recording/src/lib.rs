@@ -2,8 +2,10 @@
 //!
 //! [`Recording`] is what all other crates work on: signals in SI units on one time base. `formats` reads and writes it (text, MAT,
 //! MDF 4, Parquet), [`excitation`] makes input signals, [`files`] writes a file whole or not at all and says where in a source text an
-//! error stands. Nothing here knows a model.
+//! error stands. Start at [`read`]. Nothing here knows a model.
 #![forbid(unsafe_code)]
+// What there is to say is returned: nothing but the program prints.
+#![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
 #![cfg_attr(
     not(all(feature = "mat", feature = "mdf4", feature = "parquet")),
     allow(dead_code, reason = "what the formats share is not all used without one of them")
@@ -26,10 +28,11 @@ mod unit_in_name;
 pub use channel_map::{ChannelMap, MapError, Mapping, Scale};
 pub use error::RecordingError;
 pub use formats::chunks::{PART_ROWS, Part, Parts};
-pub use formats::format::{Format, MAX_BINARY_BYTES, MAX_UNPACKED_BYTES, in_parts, read, read_from, read_through};
+pub use formats::format::{Format, MAX_BINARY_BYTES, MAX_UNPACKED_BYTES};
+pub use formats::read::{in_parts, read, read_from, read_through};
+pub use formats::sheet::Series;
 pub use formats::text::lines::{MAX_COLUMNS, MAX_LINE_BYTES, MAX_ROWS, MAX_SKIPPED_LINES, MAX_VALUES};
 pub use formats::unsupported::Unsupported;
-pub use formats::write::Series;
 pub use recording::{At, Column, Note, Recording};
 pub use signal::Signal;
 pub use static_table::Table;

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
-use crate::formats::format::open;
+use crate::formats::read::open;
 use crate::formats::text::lines::{Lines, most_rows, parse_number};
 use crate::recording::{At, Note};
 use crate::signal::{Signal, split_header};

@@ -3,9 +3,10 @@
 use model_core::machine::Machine;
 use model_core::number::PerUnit;
 
+use crate::error::SimulateError;
 use crate::initial_state::StartOffset;
 use crate::run::{Trajectory, simulate};
-use crate::stimulus::{SimulateError, Stimulus};
+use crate::stimulus::Stimulus;
 
 /// The number type of a simulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]

@@ -3,7 +3,7 @@
 use model_core::machine::Tick;
 use recording::Recording;
 
-use crate::stimulus::SimulateError;
+use crate::error::SimulateError;
 
 /// Most ticks of one simulation, or of a part of one: 14 hours at 1 kHz.
 const MAX_TICKS: usize = 50_000_000;

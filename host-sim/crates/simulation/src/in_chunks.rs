@@ -9,11 +9,12 @@ use model_core::number::{PerUnit, Scalar};
 use recording::Part;
 
 use crate::arithmetic::Arithmetic;
+use crate::error::SimulateError;
 use crate::grid::Origin;
-use crate::initial_state::{StartOffset, at_start};
-use crate::run::{DELAY_LINE, Trajectory, computed_below, run_on, unbraked};
+use crate::initial_state::{DELAY_LINE, StartOffset, at_start};
+use crate::run::{Trajectory, computed_below, run_on, unbraked};
 use crate::sensor_fault::Mended;
-use crate::stimulus::{EntryPoint, SimulateError, Stimulus};
+use crate::stimulus::{EntryPoint, Stimulus};
 
 /// Rows that two parts have in common on either side of where one ends and the other is taken up: what is bridged or smoothed there
 /// sees past it.
@@ -135,7 +136,7 @@ mod tests {
     use std::path::Path;
 
     use model_core::machine::{Parameter, Source};
-    use recording::formats::format::parts_of;
+    use recording::formats::read::parts_of;
     use recording::{At, ChannelMap, Note, Parts, Recording, Signal, read_from};
     use test_press::press;
 

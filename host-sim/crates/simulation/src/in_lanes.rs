@@ -10,10 +10,11 @@ use model_core::number::{Field, Number};
 use model_core::ports::{ChamberState, Slider};
 use recording::Signal;
 
-use crate::initial_state::{Departure, StartOffset, within};
+use crate::initial_state::{DELAY_LINE, Departure, StartOffset};
 use crate::number::simd::{LANES, Lanes};
 use crate::outflow::Edges;
-use crate::run::{DELAY_LINE, Rows, reading, run, through_valve, true_slider, unbraked};
+use crate::run::{Rows, reading, run, through_valve, unbraked};
+use crate::sensor_bias::{true_slider, within};
 use crate::stimulus::{EntryPoint, Stimulus, value_at};
 
 /// What is simulated of one recording.

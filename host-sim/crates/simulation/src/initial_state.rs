@@ -6,7 +6,10 @@ use model_core::number::{Real, Scalar};
 use model_core::ports::ChamberState;
 
 use crate::recorded_start::Start;
-use crate::run::{DELAY_LINE, PRESSURE_A, PRESSURE_B, behind};
+use crate::sensor_bias::{PRESSURE_A, PRESSURE_B, behind, within};
+
+/// Ticks of delay line on the desktop: more than a quarter of a second at any tick.
+pub const DELAY_LINE: usize = 512;
 
 /// Freedom of a run beyond the recording: what a fit may move about the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,11 +94,6 @@ impl<R: Real> Departure<R> {
             strokes: position_m / machine.get(Parameter::Stroke),
         }
     }
-}
-
-/// A signal, at the end of its range where the value is beyond.
-pub(crate) fn within<N: Scalar>(value: N::Real) -> N {
-    N::signal(value).unwrap_or_else(|| N::saturated(value.value()))
 }
 
 /// The state that a run starts from.

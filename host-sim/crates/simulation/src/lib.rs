@@ -1,7 +1,16 @@
-//! TODO.
+//! The reference model run along a recording: in fixed point as on the target, in `f64`, with derivatives, or several drives at once.
+//!
+//! A recording and a machine become a [`Stimulus`] (what drives the model, tick by tick); a stimulus and a machine become a [`Trajectory`]. Start at
+//! [`simulate_fixed`] or [`simulate_f64`]; [`run_abreast`] runs up to four recordings in SIMD lanes, [`Derivatives`] adds the slopes by parameters,
+//! [`Live`] steps a drive that somebody else drives. The equations are those of `model-core`, run on other number types that stay inside this
+//! crate. It judges nothing: noise levels are in [`signal`], fits in `identification`.
+#![forbid(unsafe_code)]
+// What there is to say is returned: nothing but the program prints.
+#![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
 
 mod arithmetic;
 mod derivatives;
+mod error;
 pub mod figures_of_merit;
 mod grid;
 mod in_chunks;
@@ -11,6 +20,7 @@ pub mod number;
 mod outflow;
 mod recorded_start;
 mod run;
+mod sensor_bias;
 pub mod sensor_fault;
 pub mod signal;
 mod stepper;
@@ -18,11 +28,12 @@ mod stimulus;
 
 pub use arithmetic::Arithmetic;
 pub use derivatives::{By, Derivatives, Derived, MOST_PARAMETERS};
+pub use error::SimulateError;
 pub use in_chunks::{Advance, Onward};
 pub use in_lanes::{Run, run_abreast};
-pub use initial_state::StartOffset;
+pub use initial_state::{DELAY_LINE, StartOffset};
 pub use recorded_start::Start;
-pub use run::{DELAY_LINE, SignalsOfRow, Trajectory, computed_below, rows_f64, simulate_f64, simulate_fixed};
+pub use run::{SignalsOfRow, Trajectory, computed_below, rows_f64, simulate_f64, simulate_fixed};
 pub use stepper::{Inputs, Kept, Live, OtherArithmetic};
 pub use stimulus::coarse::Coarser;
-pub use stimulus::{EntryPoint, SimulateError, Stimulus, first_entry, natural_tick};
+pub use stimulus::{EntryPoint, Stimulus, first_entry, natural_tick};

@@ -9,12 +9,10 @@ use model_core::number::{Field, Number, PerUnit, Real, Scalar};
 use model_core::ports::{ChamberState, Flows, Slider};
 use recording::Signal;
 
-use crate::initial_state::{Offset, StartOffset, at_start, within};
+use crate::initial_state::{DELAY_LINE, Offset, StartOffset, at_start};
 use crate::outflow::{Below, Edges};
+use crate::sensor_bias::{true_slider, within};
 use crate::stimulus::{EntryPoint, Stimulus};
-
-/// Ticks of delay line on the desktop: more than a quarter of a second at any tick.
-pub const DELAY_LINE: usize = 512;
 
 /// The chain at one recorded row; each signal is computed when it is asked for.
 #[derive(Clone, Copy, Debug)]
@@ -250,17 +248,6 @@ pub(crate) fn run_on<N: Scalar>(
     }
 }
 
-/// Gain error and offset of a sensor.
-type SensorError = (Parameter, Parameter);
-pub(crate) const PRESSURE_A: SensorError = (Parameter::PressureAFactor, Parameter::PressureAOffset);
-pub(crate) const PRESSURE_B: SensorError = (Parameter::PressureBFactor, Parameter::PressureBOffset);
-const SPOOL: SensorError = (Parameter::SpoolFactor, Parameter::SpoolOffset);
-
-/// The true value behind what a sensor read: (reading − offset)/(1 + factor).
-pub(crate) fn behind<R: Real>(machine: &Machine<R>, (factor, offset): SensorError, reading: R) -> R {
-    (reading - machine.get(offset)) / (R::ONE + machine.get(factor))
-}
-
 /// What the chain is entered with where the recording has the reading of a sensor.
 fn entered<N: Scalar>(
     machine: &Machine<N::Real>,
@@ -291,14 +278,6 @@ pub(crate) fn through_valve<N: Number>(
     };
     let (begun, ended) = edges.through((from.a.to_real(), to.a.to_real()), below);
     Entry::Flow { from: Flows { b: signal(begun.b), ..from }, to: Flows { b: signal(ended.b), ..to } }
-}
-
-pub(crate) fn true_slider<N: Scalar>(machine: &Machine<N::Real>, reading: N) -> N {
-    let (factor, offset) = SPOOL;
-    if machine.get(factor).is_nil() && machine.get(offset).is_nil() {
-        return reading;
-    }
-    within(behind(machine, SPOOL, reading.to_real()))
 }
 
 /// What a load that balances the recorded pressures holds already: every force on the rod but viscous friction and the constant load.

@@ -9,9 +9,9 @@ use model_core::number::{PerUnit, Scalar};
 use recording::Signal;
 
 use crate::arithmetic::Arithmetic;
-use crate::initial_state::{StartOffset, at_start};
+use crate::initial_state::{DELAY_LINE, StartOffset, at_start};
 use crate::recorded_start::Start;
-use crate::run::{DELAY_LINE, reading};
+use crate::run::reading;
 use crate::stimulus::sign;
 
 /// What acts on a drive over a tick, SI; a drive uses what its source of oil takes.

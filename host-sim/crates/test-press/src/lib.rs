@@ -1,4 +1,7 @@
 //! The drive that tests use: a valve on a 63/40 × 300 mm cylinder.
+#![forbid(unsafe_code)]
+// What there is to say is returned: nothing but the program prints.
+#![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
 
 use machine_file::LoadSource;
 use model_core::machine::{Machine, Parameter, Source, Tick};

@@ -22,7 +22,7 @@ use recording::Signal;
 use simulation::signal::window::{WINDOW_S, Window, rows_in};
 use simulation::{DELAY_LINE, simulate_f64};
 
-use super::locate::Case;
+use super::case::Case;
 
 /// Parameters of the valve alone.
 pub(crate) const OF_VALVE: &[Parameter] = &[

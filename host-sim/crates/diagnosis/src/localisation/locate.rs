@@ -12,12 +12,14 @@ use simulation::signal::spectrum::strongest_line;
 use simulation::signal::window::{rows_in, running_sums};
 use simulation::{Trajectory, simulate_f64};
 
+use super::case::Case;
 use super::error_shape::{Shape, State, once, over, periodic, stands_out};
 use super::intervals::{Interval, Series, When, when};
 use super::missing_link::{MissingLink, missing_link};
 use super::operating_region::{Course, since};
 use super::spool_behaviour::{Habit, habits};
 use crate::catalogue::Subsystem;
+use crate::selection::decision_rule::MISSED_FROM;
 
 /// How far one signal misses, in standard deviations of its noise (root mean square over all recordings).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,14 +30,11 @@ pub struct Miss {
     pub over_noise: f64,
 }
 
-/// How sure the model follows within the noise: no signal further off than half the noise again.
-pub(crate) const WITHIN_NOISE: f64 = 1.5;
-
 impl Miss {
     /// Whether that is more than noise.
     #[must_use]
     pub fn is_above_noise(&self) -> bool {
-        self.over_noise > WITHIN_NOISE
+        self.over_noise > MISSED_FROM
     }
 }
 
@@ -60,17 +59,6 @@ pub struct Location {
     pub slider: Vec<Habit>,
     /// Every judged signal, end to end.
     pub misses: Vec<Miss>,
-}
-
-/// A training recording with what was prepared from it.
-#[derive(Clone, Copy, Debug)]
-pub struct Case<'a> {
-    /// As read.
-    pub recording: &'a Recording,
-    /// As the fit sees it.
-    pub prepared: &'a Prepared,
-    /// The state it starts from.
-    pub start: StartState,
 }
 
 /// What a place is looked for in.

@@ -11,9 +11,9 @@ use simulation::signal::window::{WINDOW_S, Window};
 use simulation::{EntryPoint, simulate_f64};
 
 use super::balances::{Balance, Coefficients, OF_VALVE, Observed, residuals, slider_residuals};
+use super::case::Case;
 use super::lack_patterns::{patterns, wrong_parameters};
 use super::link_evidence::{Account, Evidence, Lack, Pattern, weigh};
-use super::locate::Case;
 use crate::catalogue::Subsystem;
 
 /// What is left over in one recording's balances of one link.

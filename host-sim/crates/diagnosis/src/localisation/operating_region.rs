@@ -1,9 +1,9 @@
 //! In which states of the drive an error is made, in words, with thresholds that the data give.
 
-use identification::fit::CHANCE;
 use recording::display_unit::significant;
 
 use super::error_shape::independent_samples;
+use crate::selection::decision_rule::REGION_TOLD;
 
 /// The drive along all recordings, a value a row, SI.
 #[derive(Clone, Debug, Default)]
@@ -185,7 +185,7 @@ impl Course {
             })
             .collect();
         let tries = families.iter().map(|(_, thresholds)| thresholds.len()).sum::<usize>().max(1);
-        let least_told = (CHANCE + (tries as f64).ln()) / independent_samples(errors);
+        let least_told = (REGION_TOLD + (tries as f64).ln()) / independent_samples(errors);
         let mut best: Option<(f64, String)> = None;
         for (family, thresholds) in families {
             for (threshold, words) in thresholds {

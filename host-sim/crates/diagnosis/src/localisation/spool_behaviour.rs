@@ -7,7 +7,7 @@ use recording::Signal;
 use recording::display_unit::significant;
 use simulation::Trajectory;
 
-use super::locate::Case;
+use super::case::Case;
 
 /// What a slider does.
 #[derive(Clone, Debug, PartialEq)]

@@ -9,91 +9,23 @@
 //! noise: an effect that does less is a stand-in for something else. So is a set that another of its size is likelier than, by more
 //! than chance, even if that one cannot be claimed.
 
-use rayon::prelude::*;
+use identification::fit::{Fit, FitError};
 
-use identification::fit::{CHANCE, Fit, FitError};
-use model_core::machine::Machine;
-
-use super::candidate::{Candidate, Chosen, Question};
+use super::candidate::{Candidate, Question};
+use super::decision_rule::{MOST_EFFECTS, SEARCHED_TO, VALVE_FIRST_FROM};
 use super::inflated_noise::Tempered;
-use super::likelihood::{FORM, accepts, excess, is_earned, prefer_plain, ranked};
-use super::search::{enriched, is_hopeful, least_above, of_each, refined, widened};
-use crate::catalogue::Hypothesis;
-use crate::selection::valve::unmeasured_spool::Heard;
-use crate::selection::valve::valve_first::Side;
+use super::likelihood::{accepts, ranked};
+use super::outcome::{Selection, Trial};
+use super::round::{
+    BEAM, candidates, enter, explains_enough, finished, is_likeliest, reduced, rivals, to_the_end, trials,
+};
+use super::search::{enriched, of_each, refined, widened};
+use crate::selection::valve::side::Side;
 
-/// Most effects claimed at once.
-pub(crate) const MOST_EFFECTS: usize = 3;
 /// Effects that are refitted in a round, the most promising by the screening.
 const REFITTED: usize = 7;
-/// Sets of a round that are refitted to the end.
-const FINISHED: usize = 4;
-/// Sets that the next round starts from.
-const BEAM: usize = 2;
 /// Effects that are refitted beside each of those.
 const BESIDE: usize = 4;
-/// A set whose worst signal is this close to its noise is not searched further.
-pub(crate) const AT_NOISE: f64 = 1.03;
-/// A model is far off where the worst signal is this many times its noise: then the links are looked at apart, and below a recorded
-/// slider searched down to that.
-pub(crate) const FAR: f64 = 2.0;
-
-/// What one set gained over the one before it.
-#[derive(Clone, Debug)]
-pub struct Trial {
-    /// The effect that is new in it.
-    pub effect: &'static Hypothesis,
-    /// All its effects.
-    pub effects: Vec<&'static Hypothesis>,
-    /// Log-likelihood gained over the base, less the penalty.
-    pub net: f64,
-    /// The machine as refitted with them.
-    pub machine: Machine<f64>,
-}
-
-impl Trial {
-    /// Whether its effects are those of a set.
-    pub(crate) fn is_of(&self, set: &Candidate) -> bool {
-        self.effects.len() == set.effects.len() && self.effects.iter().all(|own| set.has(own))
-    }
-
-    /// The effect that it has in the place of one of the chosen ones; `None` where it has that one too, or lacks or has another.
-    pub fn instead_of(&self, effect: &Hypothesis, chosen: &[Chosen]) -> Option<&'static Hypothesis> {
-        let is_chosen = |own: &Hypothesis| chosen.iter().any(|one| one.effect.name == own.name);
-        let stays = |one: &Chosen| self.has_any(&[one.effect]) != (one.effect.name == effect.name);
-        let mut others = self.effects.iter().copied().filter(|own| !is_chosen(own));
-        if self.effects.len() == chosen.len() && chosen.iter().all(stays) { others.next() } else { None }
-    }
-
-    /// Whether any of these effects is in it.
-    pub fn has_any(&self, effects: &[&Hypothesis]) -> bool {
-        self.effects.iter().any(|own| effects.iter().any(|effect| effect.name == own.name))
-    }
-}
-
-/// The outcome of the selection: on training recordings, and what held-out ones left of it.
-#[derive(Clone, Debug)]
-pub struct Selection {
-    /// The machine file's model, refitted.
-    pub base: Candidate,
-    /// The chosen set; the base again if nothing is claimed.
-    pub chosen: Candidate,
-    /// Every set that was refitted, round by round, the best first.
-    pub rounds: Vec<Vec<Trial>>,
-    /// The plainest of several effects that were found with the links apart: the chain only had to accept them all together.
-    pub joined: Vec<&'static str>,
-    /// The jumps of a slider that no sensor sees, where the chosen set has them from the position.
-    pub heard: Option<Heard>,
-}
-
-impl Selection {
-    /// The effect alone that the training recordings make likelier than none by more than chance does, where nothing is claimed.
-    #[must_use]
-    pub fn suspected(&self) -> Option<&'static Hypothesis> {
-        let best = self.rounds.first()?.first()?;
-        (self.chosen.effects.is_empty() && best.net > CHANCE).then_some(best.effect)
-    }
-}
 
 /// How far a selection has come.
 pub(crate) struct Course {
@@ -121,11 +53,11 @@ pub(crate) struct Course {
 /// then has to accept what was found, and is searched on.
 pub fn select(question: &Question<'_>, near: &Fit, done: &(impl Fn(&str) + Sync)) -> Result<Selection, FitError> {
     let mut course = Course::of(question, near)?;
-    if course.base.worst_over_noise(question) > FAR {
+    if course.base.worst_over_noise(question) > VALVE_FIRST_FROM {
         course.join(question, done)?;
     }
     done("refit");
-    course.forward(question, AT_NOISE, done)?;
+    course.forward(question, SEARCHED_TO, done)?;
     let Course { base, chosen, rounds, joined, .. } = course;
     Ok(Selection { base, chosen, rounds, joined, heard: None })
 }
@@ -303,162 +235,3 @@ impl Course {
         self.beam.first().is_none_or(|best| explains_enough(question, &self.base, best, near))
     }
 }
-
-/// Whether no other set of a round is likelier by more than chance than one that gains so much `now`, or what it gained in that round.
-pub(crate) fn is_likeliest(set: &Candidate, now: Option<f64>, round: &[Trial]) -> bool {
-    let plainest = |effects: &mut dyn Iterator<Item = &'static Hypothesis>| {
-        let mut names: Vec<&str> = effects.map(Hypothesis::plainest).collect();
-        names.sort_unstable();
-        names
-    };
-    let of_set = plainest(&mut set.effects.iter().map(|chosen| chosen.effect));
-    let (same, others): (Vec<&Trial>, Vec<&Trial>) =
-        round.iter().partition(|trial| plainest(&mut trial.effects.iter().copied()) == of_set);
-    let nets = |trials: Vec<&Trial>| trials.into_iter().map(|trial| trial.net).fold(f64::NEG_INFINITY, f64::max);
-    now.into_iter().fold(nets(same), f64::max) > nets(others) - CHANCE
-}
-
-/// Enters a set into the round of its size, unless a better fit of the same effects is there.
-pub(crate) fn enter(question: &Question<'_>, base: &Candidate, rounds: &mut [Vec<Trial>], candidate: &Candidate) {
-    let Some(round) = rounds.get_mut(candidate.effects.len() - 1) else { return };
-    for (candidate, net) in ranked(question, base, vec![candidate.clone()]) {
-        let is_better = |trial: &Trial| trial.is_of(&candidate) && trial.net >= net;
-        if !round.iter().any(is_better) {
-            round.retain(|trial| !trial.is_of(&candidate));
-            round.push(trial(&candidate, net));
-        }
-    }
-    round.sort_by(|a, b| b.net.total_cmp(&a.net));
-}
-
-/// A set without every effect that the others make superfluous, but for those of these plainest names. `None` where what is left is not worth
-/// its strengths over nothing.
-pub(crate) fn reduced(
-    question: &Question<'_>,
-    base: &Candidate,
-    full: Candidate,
-    stay: &[&str],
-) -> Result<Option<Candidate>, FitError> {
-    let (mut rest, mut is_claim) = (unrefined(question, full)?, true);
-    while rest.effects.len() > 1 {
-        let without = |index: usize| -> Result<Option<(bool, Candidate)>, FitError> {
-            let without = rest.without(question, index)?;
-            if !without.is_plausible(question.scene) || accepts(question, base, &without, &rest)? {
-                return Ok(None);
-            }
-            Ok(Some((accepts(question, base, base, &without)?, without)))
-        };
-        let may_go = |&index: &usize| !stay.contains(&rest.effects[index].effect.plainest());
-        let indices: Vec<usize> = (0..rest.effects.len()).filter(may_go).collect();
-        let fewer: Vec<Option<(bool, Candidate)>> = indices.into_par_iter().map(without).collect::<Result<_, _>>()?;
-        // Of two that each make the other superfluous, the one that is a claim stays, or the one that leaves less.
-        let best = fewer
-            .into_iter()
-            .flatten()
-            .min_by(|(one, a), (other, b)| other.cmp(one).then_with(|| a.fit.loss.total_cmp(&b.fit.loss)));
-        let Some(best) = best else { break };
-        (is_claim, rest) = best;
-    }
-    Ok(is_claim.then_some(rest))
-}
-
-/// A set with the plain form of each refined one that no longer takes most of what that leaves, now that other effects are beside it.
-fn unrefined(question: &Question<'_>, mut set: Candidate) -> Result<Candidate, FitError> {
-    if set.effects.len() < 2 {
-        return Ok(set);
-    }
-    for index in 0..set.effects.len() {
-        let Chosen { effect, form } = set.effects[index];
-        for form in effect.plain_of(form) {
-            let plain = set.instead(question, index, Chosen { effect, form }, &[])?;
-            if plain.is_possible(question.scene) && !is_earned(&plain, &set) {
-                set = plain;
-                break;
-            }
-        }
-    }
-    Ok(set)
-}
-
-/// Whether nothing is left that a further effect could explain: the ordinary parameters of the best set are where they were
-/// said to be, and it is `near` its noise, or what it leaves would not be told from its own form's error.
-pub(crate) fn explains_enough(question: &Question<'_>, base: &Candidate, best: &Candidate, near: f64) -> bool {
-    let fits =
-        || best.worst_over_noise(question) < near || excess(&best.residuals) < FORM * FORM * excess(&base.residuals);
-    !best.is_bent(question) && fits()
-}
-
-/// Sets of a round that are nearly as likely as one of it: less so by no more than chance, or than its form's own error may gain.
-/// `None` where it is not of the round.
-fn rivals(set: &Candidate, ranked: Vec<(Candidate, f64)>) -> Option<Vec<Candidate>> {
-    let names = set.names();
-    let net = ranked.iter().find(|(other, _)| other.names() == names).map(|(_, net)| *net)?;
-    let is_near = |other: &(Candidate, f64)| other.1 >= net - CHANCE.max(FORM * FORM * net) && other.0.names() != names;
-    Some(candidates(ranked.into_iter().filter(is_near).take(FINISHED - 1).collect()))
-}
-
-/// Possible sets ranked, the best of them refitted to the end.
-pub(crate) fn finished(
-    question: &Question<'_>,
-    base: &Candidate,
-    found: Vec<Candidate>,
-) -> Result<Vec<(Candidate, f64)>, FitError> {
-    let can_be = |candidate: &Candidate| candidate.is_possible(question.scene);
-    let only_possible = |found: Vec<Candidate>| -> Vec<Candidate> { found.into_iter().filter(can_be).collect() };
-    let (possible, astray): (Vec<Candidate>, Vec<Candidate>) = found.into_iter().partition(can_be);
-    let mut rough = candidates(ranked(question, base, possible));
-    let least = least_above(&rough);
-    let leading = rough.iter().take_while(|candidate| is_hopeful(candidate, least)).count();
-    let rest = rough.split_off(leading.min(FINISHED).max(BEAM.min(rough.len())));
-    // One that has gone beyond what can be, and beside which all that can be is hopeless, may come back from there.
-    let astray = astray.into_iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss));
-    let beside_it = |least: f64| rough.iter().all(|candidate| !is_hopeful(candidate, least));
-    let astray = astray.filter(|one| beside_it(excess(&one.residuals)));
-    rough.extend(astray);
-    let mut all = only_possible(to_the_end(question, rough)?);
-    all.extend(rest);
-    let mut simplified: Vec<Vec<&str>> = Vec::new();
-    loop {
-        let mut ranked = ranked(question, base, all);
-        prefer_plain(base, &mut ranked);
-        // A set that comes up only now is refitted to the end before it may be chosen.
-        if !ranked.iter().take(BEAM).all(|(candidate, _)| candidate.is_finished) {
-            let mut first = candidates(ranked);
-            let rest = first.split_off(BEAM.min(first.len()));
-            all = only_possible(to_the_end(question, first)?);
-            all.extend(rest);
-            continue;
-        }
-        // Nor is an extension, before what it extends was looked for where it has ended.
-        let Some((best, _)) = ranked.first().filter(|(best, _)| !simplified.contains(&best.names())) else {
-            return Ok(ranked);
-        };
-        simplified.push(best.names());
-        let Some(plain) = best.with_plain(question)? else { return Ok(ranked) };
-        all = candidates(ranked).into_iter().chain(only_possible(vec![plain])).collect();
-    }
-}
-
-/// Ranked sets in their order.
-pub(crate) fn candidates(ranked: Vec<(Candidate, f64)>) -> Vec<Candidate> {
-    ranked.into_iter().map(|(candidate, _)| candidate).collect()
-}
-
-/// The sets in their order, each refitted to the end.
-fn to_the_end(question: &Question<'_>, sets: Vec<Candidate>) -> Result<Vec<Candidate>, FitError> {
-    let finished =
-        |candidate: Candidate| if candidate.is_finished { Ok(candidate) } else { candidate.finished(question) };
-    sets.into_par_iter().map(finished).collect()
-}
-
-pub(crate) fn trials(ranked: &[(Candidate, f64)]) -> Vec<Trial> {
-    ranked.iter().map(|(candidate, net)| trial(candidate, *net)).collect()
-}
-
-pub(crate) fn trial(candidate: &Candidate, net: f64) -> Trial {
-    let effects: Vec<_> = candidate.effects.iter().map(|chosen| chosen.effect).collect();
-    Trial { effect: effects[effects.len() - 1], effects, net, machine: candidate.fit.machine }
-}
-
-#[cfg(test)]
-mod tests;

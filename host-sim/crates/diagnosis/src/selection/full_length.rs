@@ -7,8 +7,10 @@
 use identification::fit::FitError;
 
 use super::candidate::{Candidate, Question, Reference};
-use super::forward::{AT_NOISE, FAR, MOST_EFFECTS, Selection, explains_enough, is_likeliest, reduced, trials};
+use super::decision_rule::{MOST_EFFECTS, SLOW_EFFECTS_FROM, WHOLE_REFITTED_BELOW};
 use super::likelihood::{accepts, ranked};
+use super::outcome::Selection;
+use super::round::{explains_enough, is_likeliest, reduced, trials};
 use super::screen::Lead;
 use super::search::{open_to, refit_each};
 
@@ -41,7 +43,7 @@ pub fn lengthened(
         selection.chosen = claim;
     }
     if selection.chosen.effects.len() < MOST_EFFECTS
-        && !explains_enough(question, &selection.base, &selection.chosen, AT_NOISE)
+        && !explains_enough(question, &selection.base, &selection.chosen, SLOW_EFFECTS_FROM)
         && let Some((slow, others)) = slow(question, &selection.chosen, done)?
         && accepts(question, &selection.base, &selection.chosen, &slow)?
         && let Some(claim) = reduced(question, &selection.base, slow.clone(), &found.joined)?
@@ -69,7 +71,7 @@ impl Selection {
 /// The machine file's model on the whole: to the end only where that is near, for what lacks an effect never quite arrives.
 fn base(question: &Question<'_>, from: &Candidate) -> Result<Candidate, FitError> {
     let rough = Candidate::rough(question, Some(&from.fit))?;
-    if rough.worst_over_noise(question) < FAR { rough.finished(question) } else { Ok(rough) }
+    if rough.worst_over_noise(question) < WHOLE_REFITTED_BELOW { rough.finished(question) } else { Ok(rough) }
 }
 
 /// A set with the effect beside it that acts slowly and follows the whole recordings best, refitted, and those with each of the others.

@@ -1,21 +1,14 @@
 //! What a set of effects is worth over another: log-likelihoods in which each signal's noise level is unknown, ½·n·ln(loss) with n the
 //! independent samples of its residual, less what the strengths cost, plus what the ordinary parameters gain by coming back.
 
-use identification::fit::{CHANCE, Counts, FitError, Residuals, loss};
+use identification::fit::{Counts, FitError, Residuals, loss};
 
 use super::candidate::{Candidate, Chosen, Question};
+use super::decision_rule::{
+    BEYOND_PENALTY, EXTENSION_EXPLAINS, EXTENSION_GAINS, FEW_RECORDINGS, FINER_FORM_TAKES, FURTHER_EXPLAINS,
+    LEAST_EXPLAINED, MOST_REFITTED_WITHOUT, RECORDINGS_EXCUSED, RECORDINGS_GAIN, UNEARNED_BEHIND,
+};
 use crate::catalogue::CATALOGUE;
-
-/// What an effect must take away of what is above the noise.
-pub(crate) const LEAST_SHARE: f64 = 0.5;
-/// How closely a real effect follows its textbook form, as a share of the error that it explains (RMS): a further effect that
-/// explains less than this of what the first ones did cannot be told from their own form's error.
-pub const FORM: f64 = 0.1;
-/// An extension that explains less than that still earns its place by this share of what the plainer effect leaves.
-const EARNED: f64 = 0.75;
-
-/// Most recordings that a set is refitted without, one by one: a fiftieth of them moves no parameter further than a step tells.
-const MOST_REFITTED: usize = 50;
 
 /// Best first by log-likelihood gained over the base less penalty; only the best form of the same effects stays.
 pub(crate) fn ranked(question: &Question<'_>, base: &Candidate, found: Vec<Candidate>) -> Vec<(Candidate, f64)> {
@@ -79,14 +72,15 @@ pub(crate) fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>)
             })
         });
         let (left, leaves) = (excess(&candidate.residuals), excess(&best.residuals));
-        let earned = best_net - net > CHANCE && (left - leaves > FORM * FORM * most || is_earned(candidate, best));
+        let earned = best_net - net > EXTENSION_GAINS
+            && (left - leaves > EXTENSION_EXPLAINS * most || is_earned(candidate, best));
         extended && !earned
     });
     if let Some(index) = plainer {
         let plain = ranked.remove(index);
         // What does not earn its place is less likely than what it extends, whatever its own form fits better.
         for (_, net) in ranked.iter_mut().take(index) {
-            *net = net.min(plain.1 - CHANCE);
+            *net = net.min(plain.1 - UNEARNED_BEHIND);
         }
         ranked.insert(0, plain);
     }
@@ -94,7 +88,7 @@ pub(crate) fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>)
 
 /// Whether a finer form takes enough of what the plain one leaves.
 pub(crate) fn is_earned(plain: &Candidate, finer: &Candidate) -> bool {
-    excess(&finer.residuals) < (1.0 - EARNED) * excess(&plain.residuals)
+    excess(&finer.residuals) < (1.0 - FINER_FORM_TAKES) * excess(&plain.residuals)
 }
 
 /// The loss of a series, or what pure noise would lose if that is more: nothing below it can be gained.
@@ -142,21 +136,21 @@ pub(crate) fn accepts(
     with: &Candidate,
 ) -> Result<bool, FitError> {
     let (most, before, after) = (excess(&base.residuals), excess(&without.residuals), excess(&with.residuals));
-    let told = before - after >= FORM * FORM * most || (without.is_bent(question) && !with.is_bent(question));
-    if after > (1.0 - LEAST_SHARE) * before || (!without.effects.is_empty() && !told) {
+    let told = before - after >= FURTHER_EXPLAINS * most || (without.is_bent(question) && !with.is_bent(question));
+    if after > (1.0 - LEAST_EXPLAINED) * before || (!without.effects.is_empty() && !told) {
         return Ok(false);
     }
     let counts = question.counts();
     let pays = |gained: &Gained| {
-        let penalty = gained.cost(with.strengths().saturating_sub(without.strengths())) + CHANCE;
+        let penalty = gained.cost(with.strengths().saturating_sub(without.strengths())) + BEYOND_PENALTY;
         // Parameters that come back may pay for the strengths, but the recordings themselves have to tell.
-        gained.all > CHANCE && gained.all + straightened(question, without, with) > penalty && gained.repeats
+        gained.all > RECORDINGS_GAIN && gained.all + straightened(question, without, with) > penalty && gained.repeats
     };
     if pays(&Gained::of(&without.left_out(question)?, &with.left_out(question)?, counts)) {
         return Ok(true);
     }
     // One step says little where much hangs on the recording that was left out; of very many not much does.
-    if question.training.len() > MOST_REFITTED {
+    if question.training.len() > MOST_REFITTED_WITHOUT {
         return Ok(false);
     }
     Ok(pays(&Gained::of(&without.residuals, &with.residuals, counts))
@@ -187,7 +181,7 @@ impl Gained {
         };
         let gains: Vec<f64> = before.iter().zip(after).map(|(before, after)| on(before, after)).collect();
         let improved = gains.iter().filter(|gain| **gain > 0.0).count();
-        let needed = if gains.len() > 2 { gains.len() - 1 } else { gains.len() };
+        let needed = if gains.len() > FEW_RECORDINGS { gains.len() - RECORDINGS_EXCUSED } else { gains.len() };
         Self { all: gains.iter().sum(), repeats: improved >= needed, samples }
     }
 

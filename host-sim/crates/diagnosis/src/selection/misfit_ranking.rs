@@ -12,7 +12,7 @@ use identification::fit::FitError;
 use identification::fit::residuals::samples_by_blocks;
 
 use super::candidate::{Candidate, Question};
-use super::forward::{AT_NOISE, FAR};
+use super::decision_rule::{MISFIT_RANKING_FROM, MISFIT_REFIT_STAYS};
 use super::inflated_noise::as_far_as;
 use super::likelihood::{excess, prefer_plain, ranked_by};
 
@@ -27,11 +27,13 @@ pub(crate) fn believed(
 ) -> Result<Vec<(Candidate, f64)>, FitError> {
     let sets = finished.iter().map(|(set, _)| set);
     let best = sets.min_by(|a, b| excess(&a.residuals).total_cmp(&excess(&b.residuals)));
-    let Some(best) = best.filter(|best| best.worst_over_noise(question) > AT_NOISE) else { return Ok(finished) };
+    let Some(best) = best.filter(|best| best.worst_over_noise(question) > MISFIT_RANKING_FROM) else {
+        return Ok(finished);
+    };
     let possible = |set: &Candidate| set.is_possible(question.scene);
     let beside = beside.filter(|one| possible(one) && finished.iter().all(|(set, _)| set.names() != one.names()));
     let before: Vec<Candidate> = finished.iter().map(|(set, _)| set.clone()).chain(beside).collect();
-    let stays = |set: &Candidate| !set.is_bent(question) && set.worst_over_noise(question) <= FAR;
+    let stays = |set: &Candidate| !set.is_bent(question) && set.worst_over_noise(question) <= MISFIT_REFIT_STAYS;
     if matches!(before.as_slice(), [only] if stays(only)) {
         return Ok(finished);
     }

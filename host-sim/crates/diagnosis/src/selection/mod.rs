@@ -1,7 +1,9 @@
-//! TODO.
+//! The choice of effects: screening, refits of candidate models, forward selection on the training recordings, and the veto of the held-out ones. Start
+//! at [`forward`]; every threshold stands in [`decision_rule`].
 
 pub mod candidate;
 mod confirmation;
+pub mod decision_rule;
 pub mod excerpt;
 mod extended;
 pub mod forward;
@@ -9,13 +11,16 @@ mod full_length;
 mod inflated_noise;
 pub mod likelihood;
 mod misfit_ranking;
+mod outcome;
+mod round;
 pub mod screen;
 mod search;
 mod valve;
+mod veto;
 
 pub use candidate::{Candidate, Chosen, Question};
 pub use confirmation::{Confirmation, confirm};
 pub use extended::extended;
 pub use full_length::lengthened;
 pub(crate) use likelihood::Gained;
-pub use valve::unmeasured_spool::{Heard, Told};
+pub use outcome::{Heard, Selection, Told, Trial};

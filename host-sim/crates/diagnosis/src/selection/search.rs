@@ -2,9 +2,10 @@
 
 use rayon::prelude::*;
 
-use identification::fit::{CHANCE, FitError};
+use identification::fit::FitError;
 
 use super::candidate::{Candidate, Chosen, Question, Reference};
+use super::decision_rule::PREDICTED_GAIN;
 use super::inflated_noise::Tempered;
 use super::likelihood::{excess, is_earned};
 use super::screen::Lead;
@@ -48,7 +49,7 @@ fn added(
 ) -> Result<Vec<Candidate>, FitError> {
     let refit = |leads: &[Lead], reference: &Reference<'_>| refit_each(leads, done, |lead| reference.with(lead));
     let reference = Reference::new(question, from)?;
-    let own = promising(reference.leads(open)?, most, CHANCE);
+    let own = promising(reference.leads(open)?, most, PREDICTED_GAIN);
     if !from.effects.is_empty() || !from.is_bent(question) {
         return refit(&own, &reference);
     }

@@ -2,8 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use diagnosis::selection::likelihood::FORM;
-use identification::fit::CHANCE;
+use diagnosis::selection::decision_rule::{BEYOND_PENALTY, PLAN_RIVAL_LEAVES, PLAN_TELLS_BY};
 
 use super::directions::{Directions, Way};
 
@@ -35,7 +34,7 @@ pub(crate) fn settled(products: &DMatrix<f64>, ordinary: usize) -> DMatrix<f64> 
 
 /// Half a sum of squares that an effect with so many strengths has to gain of so many samples: its penalty, and what comes by chance.
 pub(crate) fn needed(strengths: usize, samples: f64) -> f64 {
-    0.5 * strengths as f64 * samples.max(2.0).ln() + CHANCE
+    0.5 * strengths as f64 * samples.max(2.0).ln() + BEYOND_PENALTY
 }
 
 impl Isolability {
@@ -59,7 +58,9 @@ impl Isolability {
             let more = directions.fewest(rival) as f64 - directions.fewest(truth) as f64;
             let net = 0.5 * left + 0.5 * more * samples.max(2.0).ln();
             // One with more strengths that follows as well is the less likely for them; among equals, the form decides.
-            truth == rival || takes_in || (net > CHANCE && (more > 0.0 || left > FORM * FORM * square(truth)))
+            truth == rival
+                || takes_in
+                || (net > PLAN_TELLS_BY && (more > 0.0 || left > PLAN_RIVAL_LEAVES * square(truth)))
         };
         let left: Vec<Vec<f64>> =
             (0..effects).map(|truth| (0..effects).map(|rival| left_by(truth, rival)).collect()).collect();

@@ -9,13 +9,14 @@ use std::fmt;
 
 use machine_file::LoadSource;
 use model_core::machine::{Machine, Source, Tick};
-use recording::{Recording, RecordingError, Signal};
+use recording::{Recording, Signal};
 use simulation::figures_of_merit::SignalFit;
 use simulation::sensor_fault::Mended;
 use simulation::{
-    Arithmetic, EntryPoint, SimulateError, StartOffset, Stimulus, Trajectory, computed_below, first_entry, natural_tick,
+    Arithmetic, EntryPoint, StartOffset, Stimulus, Trajectory, computed_below, first_entry, natural_tick,
 };
 
+pub use crate::error::CompareError;
 use crate::input_noise::{inherited, realisations};
 
 /// A part of the chain between measured signals.
@@ -80,23 +81,6 @@ pub struct Comparison {
     pub sections: Vec<SectionFit>,
 }
 
-/// Why a comparison is not possible.
-#[derive(Debug, thiserror::Error)]
-pub enum CompareError {
-    /// The simulation is not possible.
-    #[error(transparent)]
-    Simulate(#[from] SimulateError),
-    /// The recording cannot be judged.
-    #[error(transparent)]
-    Recording(#[from] RecordingError),
-    /// Nothing measured is computed.
-    #[error("{recording}: nothing to compare; expected a measured spool, pressure_a, pressure_b, position or velocity")]
-    NothingMeasured {
-        /// The recording.
-        recording: String,
-    },
-}
-
 /// One planned section: where it is entered, where its load comes from, what it is judged by.
 struct Plan {
     section: Section,
@@ -117,11 +101,11 @@ impl Plan {
 /// ```
 /// use std::path::Path;
 ///
-/// use host_sim::compare::{Arithmetic, Section, compare};
-/// use host_sim::machine_file;
-/// use host_sim::recording::{self, ChannelMap, Signal};
+/// use identification::compare::{Section, compare};
+/// use recording::{ChannelMap, Signal};
+/// use simulation::Arithmetic;
 ///
-/// let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/press-63-40");
+/// let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../examples/press-63-40");
 /// let drive = machine_file::read(&example.join("machine.toml"))?;
 /// let recording = recording::read(&example.join("holdout-1.csv"), &ChannelMap::default())?;
 ///

@@ -31,7 +31,7 @@ pub use levenberg_marquardt::Told;
 pub use normal_equations::Information;
 pub(crate) use normal_equations::OF_START;
 pub use residuals::{
-    CHANCE, Counts, Misfit, Residuals, effective_samples, inflation, loss, misfits, set_tolerances, soft, softened,
+    Counts, Misfit, Residuals, effective_samples, inflation, loss, misfits, set_tolerances, soft, softened,
     softened_all, standardised, standardised_all,
 };
 pub use sensitivity::{Change, Sensitivity, Settled, Simulated};

@@ -7,9 +7,6 @@ use simulation::{EntryPoint, Run, run_abreast};
 use super::initial_state::StartState;
 use crate::experiment::{Channel, Prepared};
 
-/// What a log-likelihood has to gain beyond its penalty: less comes by chance once in twenty times.
-pub const CHANCE: f64 = 3.0;
-
 /// Residuals beyond this many times a channel's tolerance count linearly, not by their square.
 const HUBER: f64 = 5.0;
 

@@ -2,7 +2,7 @@
 
 use std::io::Read;
 
-use super::format::of_its_name;
+use super::read::of_its_name;
 use crate::error::RecordingError;
 use crate::formats::text::csv::Opened;
 use crate::recording::Recording;
@@ -37,7 +37,7 @@ impl<R: Read> Parts<R> {
     /// part.
     ///
     /// # Errors
-    /// A row that is none, as in [`read`](super::format::read); or [`RecordingError::TooFewRows`] where the whole has fewer than two.
+    /// A row that is none, as in [`read`](super::read::read); or [`RecordingError::TooFewRows`] where the whole has fewer than two.
     pub fn read_next(&mut self) -> Result<Option<Part>, RecordingError> {
         let mut reader = match self.left.take() {
             None => return Ok(None),

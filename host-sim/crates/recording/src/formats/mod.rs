@@ -1,4 +1,5 @@
-//! TODO.
+//! The file formats that recordings come in, one file or folder each. Start at [`read`], which tells them apart ([`format`](mod@format)); `columns` turns what any of
+//! them holds into a recording.
 
 #[cfg(feature = "parquet")]
 mod catch_panic;
@@ -11,7 +12,9 @@ mod mat;
 mod mdf4;
 #[cfg(feature = "parquet")]
 mod parquet;
+pub mod read;
 mod resample;
+pub mod sheet;
 pub(crate) mod text;
 pub(crate) mod unsupported;
 pub mod write;

@@ -4,7 +4,7 @@
 //! error in multiples of the noise's variance is 1 where nothing is left to explain.
 
 use diagnosis::catalogue::Hypothesis;
-use diagnosis::selection::forward::Selection;
+use diagnosis::selection::Selection;
 use diagnosis::{Diagnosis, Shown};
 use identification::experiment::Prepared;
 use identification::fit::{misfits, settle};

@@ -4,7 +4,7 @@
 //! chart of them below. The result is text that depends on nothing but its input: no clock, no fonts of the machine.
 //!
 //! ```
-//! use host_sim::plot::{Panel, Style, Trace, svg};
+//! use report::plot::{Panel, Style, Trace, svg};
 //!
 //! let time_s = vec![0.0, 0.1, 0.2];
 //! let panel = Panel::new("Position", "mm", time_s)

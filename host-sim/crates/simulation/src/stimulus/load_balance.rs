@@ -3,8 +3,8 @@
 use model_core::machine::{Machine, Parameter};
 use recording::{Recording, Signal};
 
-use super::SimulateError;
-use crate::run::{PRESSURE_A, PRESSURE_B, behind};
+use crate::error::SimulateError;
+use crate::sensor_bias::{PRESSURE_A, PRESSURE_B, behind};
 use crate::signal::noise::{extent, noise, resolution};
 use crate::signal::slope::slopes;
 

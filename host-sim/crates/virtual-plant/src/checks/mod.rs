@@ -1,4 +1,4 @@
-//! TODO.
+//! The plant held against independent solutions, and each of its effects against what it must do by head. Tests only.
 
 #[cfg(test)]
 mod behaviour;

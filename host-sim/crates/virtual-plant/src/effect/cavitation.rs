@@ -1,7 +1,7 @@
 //! Oil that is drawn on: it boils, and gives off the air that is dissolved in it.
 
-use crate::physics::{State, Terms};
 use crate::tangent::Real;
+use crate::terms::{State, Terms};
 
 /// Bubbles as a function of the pressure, with no switch anywhere. In parts of what the piston sweeps of a chamber they take up
 ///

@@ -1,7 +1,7 @@
 //! What happens to the oil in the chambers: leakage, air, hoses, volumes.
 
-use crate::physics::{State, Terms};
 use crate::tangent::Real;
+use crate::terms::{State, Terms};
 
 /// dV/dp of C·p/(1 + p/ps) is C/(1 + p/ps)².
 pub(crate) fn hose_compliance<R: Real>(compliance: f64, stiffening_pa: f64, state: &State<R>, terms: &mut Terms<R>) {

@@ -2,8 +2,8 @@
 
 use crate::flow::edges::{Edges, GainCurve, Line};
 use crate::flow::orifice::signed_root;
-use crate::physics::{Conditions, Inputs, State, Terms};
 use crate::tangent::Real;
+use crate::terms::{Conditions, Inputs, State, Terms};
 
 /// An effect between slider and chambers.
 #[derive(Clone, Copy, Debug, PartialEq)]

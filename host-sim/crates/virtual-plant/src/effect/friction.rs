@@ -1,7 +1,7 @@
 //! Dry friction on elastic bristles (`LuGre`), with the level of sliding friction in several forms.
 
-use crate::physics::{State, Terms};
 use crate::tangent::Real;
+use crate::terms::{State, Terms};
 
 /// By how much plain dry friction gives before it slides, m.
 const PLAIN_GIVES_M: f64 = 2e-6;

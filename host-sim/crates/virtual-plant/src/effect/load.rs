@@ -1,7 +1,7 @@
 //! Forces on the rod that go by its position: springs, linkages, stops, a bore that narrows.
 
-use crate::physics::{State, Terms};
 use crate::tangent::Real;
+use crate::terms::{State, Terms};
 
 /// A force that goes by the position.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -17,8 +17,8 @@ pub(crate) mod valve;
 
 use crate::flow::edges::Edges;
 use crate::flow::orifice::signed_root;
-use crate::physics::{Conditions, Inputs, State, Terms};
 use crate::tangent::Real;
+use crate::terms::{Conditions, Inputs, State, Terms};
 
 pub use cavitation::Cavitation;
 pub(crate) use flow::FlowEffect;

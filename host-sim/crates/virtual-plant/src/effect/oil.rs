@@ -1,7 +1,7 @@
 //! Oil that warms up over a recording, and oil that a thermometer finds at another temperature in each.
 
-use crate::physics::{Conditions, Terms};
 use crate::tangent::Real;
+use crate::terms::{Conditions, Terms};
 
 /// Temperature rises with time and with the hydraulic power that is dissipated; viscosity falls by Vogel's law.
 #[derive(Clone, Copy, Debug, PartialEq)]

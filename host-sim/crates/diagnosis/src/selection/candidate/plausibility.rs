@@ -1,14 +1,13 @@
 //! Where a set's strengths have ended: what an effect can be, what is next to nothing, and how far the ordinary parameters are bent.
 
-use identification::fit::{REACH, REACH_SIGNED};
 use model_core::machine::Parameter;
 
 use super::{Candidate, Chosen, Question, strengths};
 use crate::catalogue::{Form, Kind, Scene, Strength};
-
-/// A coordinate beyond this is pressed against the end of its range: the recordings pull there with more than four standard
-/// deviations' weight, where an undecided value only drifts.
-const PRESSED: f64 = 2.0 * REACH;
+use crate::selection::decision_rule::{
+    AMOUNT_NEGLIGIBLE, FIRM_FROM, HARDLY_JUMPS_FROM, PLACE_WITHIN, PRESSED, PRESSED_SIGNED, PULLED_TOO_FAR_QUANTILE,
+    SHAPES_A_PLAY_BELOW, SIGNED_NEGLIGIBLE,
+};
 
 impl Candidate {
     /// Where a strength is: as it was fitted, or else by its value.
@@ -21,7 +20,7 @@ impl Candidate {
     /// Amounts that have become negligible in effects that have not, with the middle of their ranges.
     pub(crate) fn vanished(&self, scene: &Scene<'_>) -> Vec<(Parameter, f64)> {
         let is_amount = |strength: &&Strength| matches!(strength.kind, Kind::Amount(_) | Kind::Firm(_));
-        let gone = |strength: &&Strength| self.coordinate(scene, strength) < -REACH;
+        let gone = |strength: &&Strength| self.coordinate(scene, strength) < AMOUNT_NEGLIGIBLE;
         let partly = |form: Form| !form.iter().filter(is_amount).all(|strength| gone(&strength));
         self.effects
             .iter()
@@ -54,8 +53,6 @@ impl Candidate {
     /// range widened threefold, and of each effect at least one amount that is not negligible.
     #[must_use]
     pub(crate) fn is_possible(&self, scene: &Scene<'_>) -> bool {
-        /// Share of the largest usual magnitude below which a signed amount is negligible.
-        const NEGLIGIBLE: f64 = 0.02;
         self.fit.loss.is_finite()
             && self.effects.iter().all(|chosen| {
                 let at = |strength: &Strength| (strength.kind, self.coordinate(scene, strength));
@@ -63,12 +60,12 @@ impl Candidate {
                     Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) => coordinate < PRESSED,
                     // A shape stays where shapes are; where it runs to the end, the recordings leave it open.
                     Kind::Shape(..) | Kind::Floor(..) => true,
-                    Kind::Signed(_) => coordinate.abs() < 2.0 * REACH_SIGNED,
-                    Kind::Place(..) => coordinate.abs() < REACH_SIGNED,
+                    Kind::Signed(_) => coordinate.abs() < PRESSED_SIGNED,
+                    Kind::Place(..) => coordinate.abs() < PLACE_WITHIN,
                 });
                 let notable = chosen.form.iter().map(at).any(|(kind, coordinate)| match kind {
-                    Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) => coordinate > -REACH,
-                    Kind::Signed(_) => coordinate.abs() > NEGLIGIBLE,
+                    Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) => coordinate > AMOUNT_NEGLIGIBLE,
+                    Kind::Signed(_) => coordinate.abs() > SIGNED_NEGLIGIBLE,
                     // It acts wherever it lies.
                     Kind::Floor(..) => true,
                     Kind::Shape(..) | Kind::Place(..) => false,
@@ -81,10 +78,8 @@ impl Candidate {
     /// name says; nor is a stiction that only shapes a play. Both are ranked all the same, for nothing less likely may be claimed in their place.
     #[must_use]
     pub fn is_plausible(&self, scene: &Scene<'_>) -> bool {
-        /// Below the usual range widened threefold.
-        const LITTLE: f64 = -2.0;
         let firm = |strength: &Strength| match strength.kind {
-            Kind::Firm(_) => self.coordinate(scene, strength) > LITTLE,
+            Kind::Firm(_) => self.coordinate(scene, strength) > FIRM_FROM,
             _ => true,
         };
         self.is_possible(scene) && !self.shapes_a_play() && self.effects.iter().flat_map(|chosen| chosen.form).all(firm)
@@ -93,20 +88,16 @@ impl Candidate {
     /// Whether its stiction only shapes the play beside it. One that keeps most of its band hardly jumps, and is a play itself, of twice the band:
     /// where that is small beside the play that is there, it bends the loop of that one, whose own form is not exact either.
     fn shapes_a_play(&self) -> bool {
-        /// Share of the play's width that its band is below.
-        const SMALL: f64 = 1.0 / 3.0;
         let value = |parameter| self.fit.machine.get(parameter);
-        self.hardly_jumps() && value(Parameter::StictionBand) < SMALL * value(Parameter::HysteresisWidth)
+        self.hardly_jumps() && value(Parameter::StictionBand) < SHAPES_A_PLAY_BELOW * value(Parameter::HysteresisWidth)
     }
 
     /// Whether it has a stiction that hardly jumps. Some do; and free runs, in which a jump that is a row late costs more than none, end there
     /// whatever the slider does: strengths from there say little of it.
     #[must_use]
     pub fn hardly_jumps(&self) -> bool {
-        /// Share of its band that such a stiction keeps.
-        const KEPT: f64 = 2.0 / 3.0;
         let is_of = |chosen: &Chosen| chosen.has(Parameter::StictionBand);
-        self.effects.iter().any(is_of) && self.fit.machine.get(Parameter::StictionKept) > KEPT
+        self.effects.iter().any(is_of) && self.fit.machine.get(Parameter::StictionKept) > HARDLY_JUMPS_FROM
     }
 
     /// What the ordinary parameters cost by being away from their nominal values: half the sum of squares of their distances, each
@@ -121,9 +112,9 @@ impl Candidate {
     /// and Hilferty 1931.
     #[must_use]
     pub fn is_bent(&self, question: &Question<'_>) -> bool {
-        const QUANTILE: f64 = 3.09;
         let count = question.ordinary.len() as f64;
         let share = 2.0 / (9.0 * count);
-        count > 0.0 && 2.0 * self.bent(question) > count * (1.0 - share + QUANTILE * share.sqrt()).powi(3)
+        count > 0.0
+            && 2.0 * self.bent(question) > count * (1.0 - share + PULLED_TOO_FAR_QUANTILE * share.sqrt()).powi(3)
     }
 }

@@ -11,9 +11,8 @@ use recording::Signal;
 use simulation::signal::noise::{median, resolution};
 
 use crate::selection::candidate::Candidate;
+use crate::selection::decision_rule::{FEWEST_JUMPS, JUMPS_ALIKE, JUMPS_ALIKE_SHARE};
 
-/// Fewest jumps of a recording that tells.
-const FEWEST: usize = 8;
 /// Least noise of a row, of full travel: a slider that rests to the last bit.
 const LEAST_NOISE: f64 = 1e-5;
 /// Two neighbouring rows that differ by more than so many times the noise are a jump, or part of one.
@@ -22,11 +21,6 @@ const JUMPS: f64 = 6.0;
 const LONGEST: usize = 3;
 /// Most rows on either side of a jump that its levels are the means of.
 const MOST_LEVEL: usize = 16;
-/// Jumps of a slider that sticks are as long as each other, but for this share.
-const ALIKE: f64 = 0.15;
-/// So many of all its jumps are, at least. Where nothing sticks, fewer moves between rests are alike: on every drive of `../shared` that does not.
-/// Two jumps between two rows are one of twice the length.
-const OF_ALL: f64 = 0.6;
 
 /// A jump of the slider.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,7 +81,7 @@ fn noise_at_rest(slider: &Channel) -> f64 {
 
 /// Whether two jumps are as long as each other.
 pub(crate) fn is_alike(one: f64, other: f64) -> bool {
-    (one / other - 1.0).abs() < ALIKE
+    (one / other - 1.0).abs() < JUMPS_ALIKE
 }
 
 /// Recordings of a slider that sticks, each with its jumps.
@@ -119,7 +113,7 @@ impl<'a> Sticking<'a> {
             sorted[shorter..].partition_point(|one| is_alike(*one, length))
         };
         let length = lengths.iter().copied().max_by(|a, b| with(*a).cmp(&with(*b)))?;
-        if (with(length) as f64) < OF_ALL * lengths.len() as f64 {
+        if (with(length) as f64) < JUMPS_ALIKE_SHARE * lengths.len() as f64 {
             return None;
         }
         let length = median(&mut lengths.iter().copied().filter(|one| is_alike(*one, length)).collect::<Vec<f64>>());
@@ -137,7 +131,7 @@ impl<'a> Sticking<'a> {
                 let tells = |jump: &&Jump| is_alike(jump.length(), length) && is_slow(jump);
                 (*case, jumps.iter().filter(tells).copied().collect::<Vec<Jump>>())
             })
-            .filter(|(_, jumps)| jumps.len() >= FEWEST)
+            .filter(|(_, jumps)| jumps.len() >= FEWEST_JUMPS)
             .collect();
         // Midway between two levels, each the mean of a few rows.
         let noise = (0.5 * sensor).hypot(unseen);
@@ -240,6 +234,6 @@ mod tests {
             to + (from - to) * (-since_s / 0.01).exp()
         };
         let slider = slider(1000, lagged);
-        assert!(jumps(&slider, noise_at_rest(&slider)).len() < FEWEST);
+        assert!(jumps(&slider, noise_at_rest(&slider)).len() < FEWEST_JUMPS);
     }
 }

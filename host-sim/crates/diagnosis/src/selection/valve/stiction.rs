@@ -7,18 +7,21 @@
 use rayon::prelude::*;
 
 use identification::experiment::Prepared;
-use identification::fit::{CHANCE, FitError, Residuals, StartState, softened_all};
+use identification::fit::{FitError, Residuals, StartState, softened_all};
 use model_core::machine::Parameter;
 
 use super::spool_jumps::{Sticking, is_alike};
 use crate::catalogue::Hypothesis;
 use crate::selection::candidate::{Candidate, Chosen, Question, Reference};
-use crate::selection::forward::{Trial, trial};
-use crate::selection::likelihood::{Gained, LEAST_SHARE, excess, ranked, straightened};
+use crate::selection::decision_rule::{
+    BESIDE_STICTION_BEYOND_PENALTY, BESIDE_STICTION_EXPLAINS, BESIDE_STICTION_GAINS, FEWEST_STICKING,
+    HELD_OUT_JUMPS_GAIN,
+};
+use crate::selection::likelihood::{Gained, excess, ranked, straightened};
+use crate::selection::outcome::Trial;
+use crate::selection::round::trial;
 use crate::selection::screen::Lead;
 
-/// Fewest recordings in which a slider has to stick.
-const FEWEST: usize = 2;
 /// Forms that are refitted beside stiction.
 const REFITTED: usize = 4;
 /// How far the free slider may be ahead, in lengths of a jump: jumps that end up to seven tenths short.
@@ -127,9 +130,9 @@ impl Search<'_, '_> {
         let gained = Gained::of(&plain.left_out, &with.left_out, self.question.counts());
         let straightened = straightened(self.question, &plain.set, &with.set);
         with.set.is_plausible(self.question.scene)
-            && excess(&with.set.residuals) < (1.0 - LEAST_SHARE) * excess(&plain.set.residuals)
-            && gained.all > CHANCE
-            && gained.all + straightened > gained.cost(with.set.strengths()) + CHANCE
+            && excess(&with.set.residuals) < (1.0 - BESIDE_STICTION_EXPLAINS) * excess(&plain.set.residuals)
+            && gained.all > BESIDE_STICTION_GAINS
+            && gained.all + straightened > gained.cost(with.set.strengths()) + BESIDE_STICTION_BEYOND_PENALTY
             && gained.repeats
     }
 }
@@ -154,7 +157,9 @@ pub(crate) fn confirms(
 ) -> Result<Option<bool>, FitError> {
     let is_stiction = |chosen: &&Chosen| chosen.has(Parameter::StictionBand);
     let Some(stiction) = set.effects.iter().find(is_stiction) else { return Ok(None) };
-    let (Some(sticking), Some(held_out)) = (Sticking::of(question.training, FEWEST), Sticking::of(held_out, 1)) else {
+    let (Some(sticking), Some(held_out)) =
+        (Sticking::of(question.training, FEWEST_STICKING), Sticking::of(held_out, 1))
+    else {
         return Ok(None);
     };
     if effect.name == stiction.effect.name {
@@ -174,7 +179,7 @@ pub(crate) fn confirms(
     };
     let (without, with) = rayon::join(|| refitted(&|one| one.name != effect.name), || refitted(&|_| true));
     let gained = Gained::of(&without?, &with?, question.counts());
-    Ok(Some(gained.all > CHANCE))
+    Ok(Some(gained.all > HELD_OUT_JUMPS_GAIN))
 }
 
 /// What the valve's side chooses where its slider sticks, and the sets of as many effects that were tried if those are two; `None` where it
@@ -184,7 +189,9 @@ pub(crate) fn stuck(
     done: &(impl Fn(&str) + Sync),
 ) -> Result<Option<(Candidate, Vec<Trial>)>, FitError> {
     let stiction = question.form_with(&[Parameter::StictionBand, Parameter::StictionKept]);
-    let (Some(stiction), Some(sticking)) = (stiction, Sticking::of(question.training, FEWEST)) else { return Ok(None) };
+    let (Some(stiction), Some(sticking)) = (stiction, Sticking::of(question.training, FEWEST_STICKING)) else {
+        return Ok(None);
+    };
     let effects = question.hypotheses.iter().copied().filter(|effect| effect.name != stiction.effect.name).collect();
     let search = Search { question, sticking, effects };
     let ((ahead, base), forms) = search.starts()?;

@@ -1,73 +1,34 @@
 //! Valves of which no sensor sees the slider: a play that the search missed, and stiction by what its jumps leave in the position.
 
-use std::fmt;
-
 use rayon::prelude::*;
 
 use identification::experiment::Prepared;
 use identification::fit::residuals::samples_by_blocks;
-use identification::fit::{CHANCE, FitError, loss, softened_all};
-use model_core::machine::{Machine, Parameter};
+use identification::fit::{FitError, loss, softened_all};
+use model_core::machine::Parameter;
 use recording::Signal;
-use recording::display_unit::significant;
 
 use super::jump_spacing::Rhythm;
 use crate::catalogue::Hypothesis;
 use crate::selection::candidate::{Candidate, Chosen, Question};
-use crate::selection::forward::{AT_NOISE, Course, FAR, MOST_EFFECTS, Selection, Trial, candidates, finished, trial};
+use crate::selection::decision_rule::{MOST_EFFECTS, PLAY_SOUGHT_FROM, SPACING_SOUGHT_FROM, UNMEASURED_SPOOL_GAINS};
+use crate::selection::forward::Course;
 use crate::selection::inflated_noise::as_far_as;
 use crate::selection::likelihood::ranked_by;
+use crate::selection::outcome::{Heard, Selection, Told};
+use crate::selection::round::{candidates, finished, trial};
 use crate::selection::screen::with;
 
 /// Widths of a play that a search for one starts from, of full travel.
 const WIDTHS: [f64; 2] = [0.01, 0.03];
 /// Lengths of a jump that are tried, of that which the position tells: it does so within some fifths.
 const LENGTHS: [f64; 5] = [0.85, 0.92, 1.0, 1.08, 1.18];
-/// Most that a stiction alone keeps of its band: a spool that is locked or silted lets go nearly at once. Which it is, stiction or a play beside
-/// it, free runs do not tell.
-const MOST_KEPT: f64 = 1.0 / 3.0;
 /// Shares of its band that a stiction beside a play may keep.
 const KEPT: [f64; 4] = [0.0, 0.1, 0.2, 0.3];
 /// Widths of the play that a stiction alone lags as, of the one that follows: where it turns, it is late by a jump more or less.
 const LAGS: [f64; 4] = [0.8, 0.9, 1.0, 1.1];
 /// Simulated ones that are refitted.
 const REFITTED: usize = 3;
-
-/// What a position says of the jumps of a slider that no sensor sees.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Told {
-    /// How long they are, and how surely.
-    pub rhythm: Rhythm,
-    /// Share of its band that a stiction alone would keep, to lag as far as the slider does.
-    pub kept_alone: f64,
-}
-
-impl Told {
-    /// Whether a stiction alone may keep so much.
-    fn is_alone(&self) -> bool {
-        self.kept_alone <= MOST_KEPT
-    }
-}
-
-impl fmt::Display for Told {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let kept = significant(100.0 * self.kept_alone, 2);
-        let whose = if self.is_alone() { "as one does" } else { "more than one does, so a play stands beside it" };
-        write!(f, "{}; a stiction alone would keep {kept} % of its band, {whose}", self.rhythm)
-    }
-}
-
-/// The jumps of a slider that no sensor sees.
-#[derive(Clone, Debug)]
-pub struct Heard {
-    /// What the position says of them.
-    pub told: Told,
-    /// The model without jumps that it is held against.
-    following: Machine<f64>,
-    /// What was chosen before.
-    chosen: Candidate,
-    rounds: Vec<Vec<Trial>>,
-}
 
 /// Whether a sensor sees the slider.
 fn is_seen(question: &Question<'_>) -> bool {
@@ -95,7 +56,7 @@ impl Course {
         question: &Question<'_>,
         ranked: Vec<(Candidate, f64)>,
     ) -> Result<Vec<(Candidate, f64)>, FitError> {
-        if ranked.first().is_some_and(|(best, _)| best.worst_over_noise(question) <= FAR) {
+        if ranked.first().is_some_and(|(best, _)| best.worst_over_noise(question) <= PLAY_SOUGHT_FROM) {
             return Ok(ranked);
         }
         let found = played(question, &self.base)?;
@@ -150,7 +111,7 @@ impl Selection {
         let is_play = |one: &Chosen| one.has(Parameter::HysteresisWidth);
         let is_stiction = |one: &Chosen| one.has(Parameter::StictionBand);
         let has = |is: &dyn Fn(&Chosen) -> bool| self.chosen.effects.iter().any(is);
-        if self.chosen.worst_over_noise(question) < AT_NOISE || (has(&is_play) && has(&is_stiction)) {
+        if self.chosen.worst_over_noise(question) < SPACING_SOUGHT_FROM || (has(&is_play) && has(&is_stiction)) {
             return Ok(());
         }
         let following = if has(&is_play) {
@@ -186,7 +147,7 @@ impl Selection {
         let sets = nearest(question, &less, &following, &effects, &tries)?;
         let ranked = ranked_by(question, &self.base, sets, samples_by_blocks);
         let may_be = |(set, net): &(Candidate, f64)| {
-            *net > CHANCE && set.effects.len() <= MOST_EFFECTS && set.is_plausible(question.scene)
+            *net > UNMEASURED_SPOOL_GAINS && set.effects.len() <= MOST_EFFECTS && set.is_plausible(question.scene)
         };
         let Some((best, _)) = ranked.into_iter().find(may_be) else { return Ok(()) };
         let (chosen, rounds) = (self.chosen.clone(), self.rounds.clone());

@@ -7,63 +7,24 @@
 use rayon::prelude::*;
 
 use identification::experiment::Prepared;
-use identification::fit::{CHANCE, FitError, Free};
+use identification::fit::FitError;
 use identification::input_noise::by_noise_of_input;
 use model_core::machine::{Machine, MachineError, Parameter};
 use recording::Signal;
 
-use crate::catalogue::{Hypothesis, Subsystem};
-use crate::localisation::balances::OF_VALVE;
+use super::side::Side;
+use crate::catalogue::Hypothesis;
 use crate::selection::candidate::{Candidate, Chosen, Question};
 use crate::selection::confirmation::confirm;
-use crate::selection::forward::{
-    AT_NOISE, Course, FAR, MOST_EFFECTS, Trial, explains_enough, finished, reduced, trial,
-};
+use crate::selection::decision_rule::{EXPLAINED_SIDE_REST_FROM, MOST_EFFECTS, SIDE_EXPLAINED_TO, TOGETHER_WITHIN};
+use crate::selection::forward::Course;
 use crate::selection::likelihood::accepts;
 use crate::selection::misfit_ranking::believed;
+use crate::selection::outcome::Trial;
+use crate::selection::round::{explains_enough, finished, reduced, trial};
 use crate::selection::search::open_to;
 
-/// A side of the slider.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Side {
-    /// The valve, which moves it.
-    Valve,
-    /// All that it meters the oil for.
-    Below,
-}
-
 impl Side {
-    fn of_signal(signal: Signal) -> Self {
-        if signal == Signal::Spool { Self::Valve } else { Self::Below }
-    }
-
-    fn of_parameter(parameter: Parameter) -> Self {
-        if OF_VALVE.contains(&parameter) { Self::Valve } else { Self::Below }
-    }
-
-    fn of_effect(effect: &Hypothesis) -> Self {
-        if effect.subsystem == Subsystem::Valve { Self::Valve } else { Self::Below }
-    }
-
-    /// Times its noise that its worst signal is searched down to. What the recorded slider did between two rows is not known: below it
-    /// that adds to all.
-    fn near(self) -> f64 {
-        match self {
-            Self::Valve => AT_NOISE,
-            Self::Below => FAR,
-        }
-    }
-
-    /// Its ordinary parameters.
-    fn ordinary(self, question: &Question<'_>) -> Vec<Free> {
-        question.ordinary.iter().copied().filter(|free| Self::of_parameter(free.parameter) == self).collect()
-    }
-
-    /// Recordings judged by its signals alone.
-    fn judging(self, cases: &[Prepared]) -> Vec<Prepared> {
-        cases.iter().map(|case| case.judged_by(|signal| Self::of_signal(signal) == self)).collect()
-    }
-
     /// What its own signals choose.
     fn searched(
         self,
@@ -89,7 +50,7 @@ impl Side {
         };
         let rivals: Vec<_> = course.rivals.into_par_iter().map(claimed).collect::<Result<_, _>>()?;
         course.rivals = rivals.into_iter().flatten().collect();
-        if explains_enough(&own, &course.base, &course.chosen, AT_NOISE) {
+        if explains_enough(&own, &course.base, &course.chosen, SIDE_EXPLAINED_TO) {
             course.explained.push(self);
         }
         // What jumps is judged by its jumps.
@@ -174,7 +135,7 @@ impl Course {
         }
         let ranked = joined(question, &self.base, &valve, &below)?;
         // What cannot be claimed may still be what it is, and nothing less likely stands in for it.
-        let least = ranked.first().map_or(f64::INFINITY, |(_, net)| net - CHANCE);
+        let least = ranked.first().map_or(f64::INFINITY, |(_, net)| net - TOGETHER_WITHIN);
         for (found, net) in ranked.iter().take_while(|(_, net)| *net > least) {
             if self.claims(question, found)? {
                 self.chosen = found.clone();
@@ -198,7 +159,7 @@ impl Course {
     /// Effects that may still be added. Where the chain is far off, a side that has explained itself is not asked again: what the
     /// chain misses there comes from the other, or from the forms of both.
     pub(crate) fn open(&self, question: &Question<'_>) -> Vec<&'static Hypothesis> {
-        let is_far = !self.explained.is_empty() && self.chosen.worst_over_noise(question) > FAR;
+        let is_far = !self.explained.is_empty() && self.chosen.worst_over_noise(question) > EXPLAINED_SIDE_REST_FROM;
         let is_open = |effect: &&'static Hypothesis| !(is_far && self.explained.contains(&Side::of_effect(effect)));
         question.hypotheses.iter().copied().filter(is_open).collect()
     }

@@ -2,7 +2,7 @@
 
 use std::io;
 
-use crate::formats::write::Sheet;
+use crate::formats::sheet::Sheet;
 use crate::unit_in_name::variable;
 
 const INT8: u32 = 1;

@@ -10,7 +10,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-use crate::formats::write::Sheet;
+use crate::formats::sheet::Sheet;
 
 /// The bytes of a file; null stands for a value that is not there.
 pub(crate) fn write(sheet: &Sheet<'_>) -> io::Result<Vec<u8>> {

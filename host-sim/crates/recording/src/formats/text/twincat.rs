@@ -224,7 +224,7 @@ fn offer(name: &str, symbol: Option<&str>, unit: Option<&str>) -> Offer {
 mod tests {
     use crate::channel_map::ChannelMap;
     use crate::error::RecordingError;
-    use crate::formats::format::read_from;
+    use crate::formats::read::read_from;
     use crate::recording::{At, Note};
     use crate::signal::Signal;
 

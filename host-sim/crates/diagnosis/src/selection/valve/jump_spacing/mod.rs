@@ -20,9 +20,12 @@ use track::{Block, Heard, Track, tracks};
 use whiten::{usual, whitened};
 
 use identification::experiment::Prepared;
-use identification::fit::CHANCE;
 use model_core::machine::{Machine, MachineError};
 use recording::display_unit::significant;
+
+use crate::selection::decision_rule::{
+    HELD_OUT_SPACING, INDEPENDENT_SPACINGS, OTHER_SPACING_FROM, SAME_SPACING_WITHIN, SPACING_STANDS_OUT, SPACING_TOLD,
+};
 
 /// Shortest and longest jump that is looked for, of full travel. Shorter ones a position hardly holds.
 const LENGTHS: (f64, f64) = (0.003, 0.03);
@@ -36,11 +39,6 @@ const HEIGHTS: [f64; 5] = [0.5, 0.7, 0.85, 1.0, 1.2];
 const GLIDES: [f64; 4] = [f64::INFINITY, 1.0, 0.3, 0.1];
 /// Length of a block, s: over so long a phase may be taken as it is.
 const BLOCK_S: f64 = 0.1;
-/// Log-likelihood by which training recordings have to prefer jumps of some length to none: one chance in a hundred.
-const TELLS: f64 = 4.6;
-/// Neighbouring lengths, by their logarithm, say the same within the one, and something else beyond the other.
-const NEAR: f64 = 0.06;
-const FAR: f64 = 0.2;
 
 /// Jumps of a slider that the position holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,23 +69,22 @@ impl Rhythm {
         let Some((best, most)) = by_length.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) else {
             return Ok(None);
         };
-        let is_far = |length: &f64| (length / lengths[best]).ln().abs() > FAR;
+        let is_far = |length: &f64| (length / lengths[best]).ln().abs() > OTHER_SPACING_FROM;
         let elsewhere = lengths.iter().zip(&by_length).filter(|(length, _)| is_far(length)).map(|(_, value)| *value);
         let evidence = mean_of_logarithms(&by_length);
         // What form errors leave is alike at every length; what jumps leave stands out at theirs.
-        let stands_out = most - elsewhere.fold(f64::NEG_INFINITY, f64::max) > CHANCE;
-        Ok((evidence > TELLS && stands_out).then_some(Self { length: lengths[best], evidence }))
+        let stands_out = most - elsewhere.fold(f64::NEG_INFINITY, f64::max) > SPACING_STANDS_OUT;
+        Ok((evidence > SPACING_TOLD && stands_out).then_some(Self { length: lengths[best], evidence }))
     }
 
     /// Whether held-out recordings prefer jumps as long as these to none, by more than chance.
     pub fn is_in(&self, machine: &Machine<f64>, held_out: &[&Prepared]) -> Result<bool, MachineError> {
         let Some(by_length) = evidence(machine, held_out)? else { return Ok(false) };
-        let is_near = |length: &f64| (length / self.length).ln().abs() < NEAR;
+        let is_near = |length: &f64| (length / self.length).ln().abs() < SAME_SPACING_WITHIN;
         let near: Vec<f64> =
             lengths().iter().zip(by_length).filter(|(length, _)| is_near(length)).map(|(_, value)| value).collect();
-        // Neighbours are alike: about three of them are independent.
         let most = near.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        Ok(most - 3.0_f64.ln() > CHANCE)
+        Ok(most - INDEPENDENT_SPACINGS.ln() > HELD_OUT_SPACING)
     }
 }
 

@@ -30,7 +30,7 @@ fn jumps_that_no_sensor_sees_are_heard_in_the_position_with_their_length() {
     let rhythm = Rhythm::of(&play().1, &[&case]).unwrap().expect("it sticks");
     let length = BAND * (1.0 - KEPT);
     assert!((rhythm.length / length - 1.0).abs() < 0.2, "{rhythm:?} of {length}");
-    assert!(rhythm.evidence > 2.0 * TELLS, "{rhythm:?}");
+    assert!(rhythm.evidence > 2.0 * SPACING_TOLD, "{rhythm:?}");
     let held_out = prepared(&sticking(), &[POSITION], 3000);
     assert!(rhythm.is_in(&play().1, &[&held_out]).unwrap());
     // Jumps of another length are not these.

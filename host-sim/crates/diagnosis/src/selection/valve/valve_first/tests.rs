@@ -5,6 +5,7 @@ use test_press::{press, recorded, recorded_for};
 use super::*;
 use crate::catalogue::CATALOGUE;
 use crate::selection::candidate::Reference;
+use crate::selection::decision_rule::VALVE_FIRST_FROM;
 use crate::test_scene::scene;
 
 /// Noise of the slider's sensor, of full travel.
@@ -110,7 +111,7 @@ fn an_effect_gains_on_its_own_side_whatever_the_valve_lacks() {
         let base = Candidate::rough(&question, None).unwrap();
         let chosen = Chosen { effect: coulomb, form: coulomb.forms[0] };
         let with = Candidate { effects: vec![chosen], ..base };
-        assert!(with.worst_over_noise(&question) > FAR);
+        assert!(with.worst_over_noise(&question) > VALVE_FIRST_FROM);
         assert_eq!(gains_apart(&question, &with, coulomb, &[&held_out]).unwrap(), expected, "{force} N");
     }
 }

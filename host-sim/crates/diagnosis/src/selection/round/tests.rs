@@ -2,6 +2,7 @@ use identification::fit::{Free, Freedom};
 use model_core::machine::Parameter as P;
 
 use super::*;
+use crate::selection::decision_rule::VALVE_FIRST_FROM;
 use crate::selection::misfit_ranking::believed;
 use crate::selection::search::tests::{added, with_press};
 
@@ -107,7 +108,7 @@ fn sets_that_are_far_off_are_refitted_to_recordings_that_are_believed_less_and_b
         assert_eq!(after.len(), before.len());
         for (set, _) in &after {
             let was = before.iter().find(|one| one.names() == set.names()).unwrap();
-            assert!(was.worst_over_noise(question) > FAR, "{:?}", was.names());
+            assert!(was.worst_over_noise(question) > VALVE_FIRST_FROM, "{:?}", was.names());
             assert!(set.bent(question) < 0.5 * was.bent(question), "{:?} {}", set.names(), set.bent(question));
         }
     });

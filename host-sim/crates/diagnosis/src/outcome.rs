@@ -1,0 +1,145 @@
+//! What a diagnosis says: verdict, findings, place, and every recording with its simulations.
+
+use std::collections::BTreeMap;
+
+use identification::experiment::Prepared;
+use identification::fit::{Correlation, Estimate};
+use model_core::machine::Machine;
+use recording::Signal;
+use simulation::Trajectory;
+use simulation::figures_of_merit::SignalFit;
+
+use crate::catalogue::Hypothesis;
+use crate::correction_table::Unnamed;
+use crate::finding::Finding;
+use crate::localisation::{Location, Miss};
+use crate::selection::{Confirmation, Selection};
+
+/// How it ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Named effects account for a mismatch, and recordings that were held out confirm it.
+    MissingPhysics,
+    /// The refitted model follows the recordings within their noise.
+    NothingMissing,
+    /// There is a mismatch above the noise that no effect of the catalogue accounts for.
+    Unexplained,
+}
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct Diagnosis {
+    /// The drive's name.
+    pub machine: String,
+    /// How it ended.
+    pub verdict: Verdict,
+    /// Where; `None` if nothing is missing and nothing was all but named.
+    pub located: Option<Location>,
+    /// While all is within the noise: the effect that the training recordings would make likelier than none by more than chance,
+    /// but not by what a claim takes. Never a finding.
+    pub suspected: Option<&'static Hypothesis>,
+    /// What is claimed, most certain first.
+    pub findings: Vec<Finding>,
+    /// Signals that are still further off than the noise explains with the effects claimed, over training recordings.
+    pub left: Vec<Miss>,
+    /// Effects that training recordings chose and held-out ones did not confirm.
+    pub not_confirmed: Vec<&'static Hypothesis>,
+    /// A table for what no name accounts for, where that follows the held-out recordings better. Never a finding.
+    pub unnamed: Option<Unnamed>,
+    /// What the held-out recordings said; `None` if there was no choice to confirm.
+    pub confirmation: Option<Confirmation>,
+    /// Ordinary parameters that were refitted (with the effects, if any).
+    pub refitted: Vec<Estimate>,
+    /// Pairs of fitted values, ordinary ones and strengths, whose estimates are correlated; the closest first.
+    pub correlated: Vec<Correlation>,
+    /// Every recording with its simulations.
+    pub shown: Vec<Shown>,
+    /// The course of the selection.
+    pub selection: Selection,
+    /// The machine after: refitted, with the effects claimed.
+    pub machine_after: Machine<f64>,
+    /// Share of supply pressure in B at rest that the training recordings start from with that machine, in the mean; `None`
+    /// where they have their pressures. The held-out recordings are shown from the start that suits each best.
+    pub level_at_rest: Option<f64>,
+    /// Effects that these recordings cannot show, whatever the drive.
+    pub not_testable: Vec<&'static Hypothesis>,
+}
+
+/// Signals of one recording: recorded, and simulated before and after.
+#[derive(Clone, Debug)]
+pub struct Shown {
+    /// The recording, prepared.
+    pub prepared: Prepared,
+    /// Whether it was held out.
+    pub held_out: bool,
+    /// Simulated with refitted ordinary parameters.
+    pub before: Trajectory,
+    /// Simulated with the effects as well; the same as before if nothing is claimed.
+    pub after: Trajectory,
+}
+
+/// Mean NRMSE fit of each signal over recordings, %.
+pub type Fits = BTreeMap<&'static str, f64>;
+
+impl Shown {
+    /// Fit of each judged signal before or after, but for the rows where its sensor failed.
+    pub fn fits(&self, after: bool) -> impl Iterator<Item = SignalFit> + '_ {
+        let trajectory = if after { &self.after } else { &self.before };
+        self.prepared.channels.iter().filter_map(move |channel| {
+            let simulated = trajectory.signal(channel.signal)?;
+            let kept = |series: &[f64]| -> Vec<f64> {
+                series.iter().zip(&channel.failed).filter(|(_, failed)| !**failed).map(|(value, _)| *value).collect()
+            };
+            let (time_s, recorded) = (kept(&self.prepared.time_s), kept(&channel.recorded));
+            Some(SignalFit::of(channel.signal, &time_s, &recorded, &kept(simulated)))
+        })
+    }
+}
+
+impl Diagnosis {
+    /// Mean NRMSE fit of each signal, before or after, on training or held-out recordings.
+    #[must_use]
+    pub fn mean_fits(&self, held_out: bool, after: bool) -> Fits {
+        let fits = self.of(held_out).flat_map(|shown| shown.fits(after)).map(|fit| (fit.signal, fit.nrmse_percent));
+        mean(fits)
+    }
+
+    /// Mean NRMSE fit that a perfect model would reach on held-out recordings.
+    #[must_use]
+    pub fn noise_floor(&self, held_out: bool) -> Fits {
+        let channels = self.of(held_out).flat_map(|shown| &shown.prepared.channels);
+        mean(channels.map(|channel| (channel.signal, channel.noise_floor_percent())))
+    }
+
+    fn of(&self, held_out: bool) -> impl Iterator<Item = &Shown> {
+        self.shown.iter().filter(move |shown| shown.held_out == held_out)
+    }
+
+    /// Whether the model after is another one than before: with effects that are claimed, or with a table without a name.
+    #[must_use]
+    pub fn changes(&self) -> bool {
+        !self.findings.is_empty() || self.unnamed.is_some()
+    }
+
+    /// What the model before is called: where none comes after, it is the model.
+    pub fn before_is_called(&self) -> &'static str {
+        if self.changes() { "before" } else { "refitted" }
+    }
+
+    /// The recording to show first: a held-out one where there is one.
+    #[must_use]
+    pub fn example(&self) -> Option<&Shown> {
+        self.shown.iter().find(|shown| shown.held_out).or(self.shown.first())
+    }
+}
+
+/// Mean of each signal's values.
+fn mean(values: impl Iterator<Item = (Signal, f64)>) -> Fits {
+    let mut sums: BTreeMap<&'static str, (f64, f64)> = BTreeMap::new();
+    for (signal, value) in values {
+        let entry = sums.entry(signal.name()).or_default();
+        *entry = (entry.0 + value, entry.1 + 1.0);
+    }
+    sums.into_iter().map(|(name, (sum, count))| (name, sum / count)).collect()
+}

@@ -1,0 +1,278 @@
+//! What it takes to accept an effect: every threshold of acceptance, each with its reason and its source.
+//!
+//! One constant has one purpose, so that each can be changed by itself. How much is searched (how many effects are refitted, how many candidate
+//! models are kept) is no threshold and stands with the search.
+//!
+//! *Source* says where a value comes from. "Chosen" means that nothing derives it: it was set by hand and is kept because of what the drives with
+//! known truth in `tests/diagnosis` (`eighty`, `false_alarms`, `strengths_of`, `stress`) say. Change one only after these were run before and
+//! after. No threshold is changed for one case.
+
+use identification::fit::{REACH, REACH_SIGNED};
+
+// What several of them come from.
+
+/// A log-likelihood ratio that chance exceeds once in twenty times: exp(−3) = 0.0498. Source: of a ratio whose mean under the plainer
+/// model is one, no more than the share 1/r is beyond r (Markov's inequality), whatever the distribution.
+const ONCE_IN_TWENTY: f64 = 3.0;
+
+/// How closely a real effect follows its textbook equation, as a share of the error that it explains (RMS). Source:
+/// chosen.
+const EQUATION_ERROR: f64 = 0.1;
+
+/// The same of squared errors, in which misfits are counted.
+const EQUATION_ERROR_SQUARED: f64 = EQUATION_ERROR * EQUATION_ERROR;
+
+/// Times its noise up to which the worst signal counts as followed. Source: chosen.
+const AT_NOISE: f64 = 1.03;
+
+/// Times its noise beyond which the worst signal counts as far off: more of it is misfit than noise (in square three quarters). Source:
+/// chosen.
+const FAR_OFF: f64 = 2.0;
+
+// One candidate model over another.
+
+/// Most effects that are accepted at once. Source: chosen.
+pub(crate) const MOST_EFFECTS: usize = 3;
+
+/// What the left-out recordings alone have to gain, in log-likelihood: base parameters that come back may pay for the effect's parameters, but
+/// may not be all that speaks for it. Source: once in twenty.
+pub(crate) const RECORDINGS_GAIN: f64 = ONCE_IN_TWENTY;
+
+/// What the gain, with base parameters that come back, has to exceed beyond the penalty of ½·ln n for each effect parameter. Source: once in twenty.
+pub const BEYOND_PENALTY: f64 = ONCE_IN_TWENTY;
+
+/// Recordings on which it need not gain: what happens once is a disturbance. Source: chosen.
+pub(crate) const RECORDINGS_EXCUSED: usize = 1;
+
+/// Of so few recordings it has to gain on each. Source: of two, one is half of all.
+pub(crate) const FEW_RECORDINGS: usize = 2;
+
+/// Share of the misfit above noise that a set has to take away. Source: what does less leaves more than it explains, and is a stand-in
+/// for something else.
+pub(crate) const LEAST_EXPLAINED: f64 = 0.5;
+
+/// Share of the first misfit above noise that a further effect has to take away beside accepted ones: less cannot be told from the error of
+/// their own equations. Source: the equation error, squared.
+pub(crate) const FURTHER_EXPLAINS: f64 = EQUATION_ERROR_SQUARED;
+
+/// Most recordings with which a set is refitted without each of them, where one step from the common solution says no. Source: a
+/// fiftieth of the recordings moves no parameter further than such a step tells.
+pub(crate) const MOST_REFITTED_WITHOUT: usize = 50;
+
+/// By so much another set of as many effects has to be likelier to forbid a claim. Source: once in twenty.
+pub(crate) const LIKELIER_BY: f64 = ONCE_IN_TWENTY;
+
+/// Sets that are less likely than the accepted one by no more than this are kept as its rivals. Source: once in twenty.
+pub(crate) const RIVAL_WITHIN: f64 = ONCE_IN_TWENTY;
+
+/// Or by no more than this share of its gain. Source: the equation error, squared: its own form's error may gain so much.
+pub(crate) const RIVAL_WITHIN_SHARE: f64 = EQUATION_ERROR_SQUARED;
+
+/// The likeliest effect alone is suspected, where nothing is accepted, if it is likelier than none by more than this. Source: once in twenty.
+pub(crate) const SUSPECTED_FROM: f64 = ONCE_IN_TWENTY;
+
+// An extension or a refinement over the plainer form.
+
+/// By so much an extension has to be likelier than the plain effect. Source: once in twenty.
+pub(crate) const EXTENSION_GAINS: f64 = ONCE_IN_TWENTY;
+
+/// Share of the first misfit above noise that it has to take away beyond the plain effect. Source: the equation error, squared.
+pub(crate) const EXTENSION_EXPLAINS: f64 = EQUATION_ERROR_SQUARED;
+
+/// Or the share of what the plain form leaves: then it earns its place even where that is little. Source: chosen; it leaves half of the plain
+/// form's error in amplitude.
+pub(crate) const FINER_FORM_TAKES: f64 = 0.75;
+
+/// By so much an extension that does not earn its place is ranked below the plain effect. Source: once in twenty, so that it counts as less
+/// likely than chance allows.
+pub(crate) const UNEARNED_BEHIND: f64 = ONCE_IN_TWENTY;
+
+// When the search has found enough. A search that stops too early accepts too little, one that stops too late too much.
+
+/// Times its noise that the worst signal is searched down to. Source: at noise.
+pub(crate) const SEARCHED_TO: f64 = AT_NOISE;
+
+/// Share of the base model's misfit above noise below which nothing more is looked for: it would not be told from the equation error of what was
+/// found. Source: the equation error, squared.
+pub(crate) const LEFT_BY_EQUATIONS: f64 = EQUATION_ERROR_SQUARED;
+
+/// What an effect's predicted gain has to exceed to be refitted at all. Source: once in twenty.
+pub(crate) const PREDICTED_GAIN: f64 = ONCE_IN_TWENTY;
+
+/// Times its noise from which a chosen set is asked on the whole recordings for effects that act slowly. Source: at noise.
+pub(crate) const SLOW_EFFECTS_FROM: f64 = AT_NOISE;
+
+/// Times its noise below which the base model is refitted to the end on the whole recordings: what lacks an effect never quite arrives.
+/// Source: far off.
+pub(crate) const WHOLE_REFITTED_BELOW: f64 = FAR_OFF;
+
+// Sets that even the best of them does not bring to the noise: the misfit ranking.
+
+/// Times its noise of the best set's worst signal from which sets are ranked by inflated noise. Source: at noise.
+pub(crate) const MISFIT_RANKING_FROM: f64 = AT_NOISE;
+
+/// Times its noise beyond which a set goes on from its refit to inflated noise; nearer, it stays as it was. Source: far off.
+pub(crate) const MISFIT_REFIT_STAYS: f64 = FAR_OFF;
+
+// Valve first: both sides of a recorded spool.
+
+/// Times its noise from which the two sides of a recorded spool are searched by themselves. Source: far off.
+pub(crate) const VALVE_FIRST_FROM: f64 = FAR_OFF;
+
+/// Times its noise that the valve's side is searched down to. Source: at noise.
+pub(crate) const VALVE_SEARCHED_TO: f64 = AT_NOISE;
+
+/// The same for what is below the spool. Source: far off, since what the recorded spool did between two rows is not known and adds to every signal.
+pub(crate) const BELOW_SPOOL_SEARCHED_TO: f64 = FAR_OFF;
+
+/// Times its noise up to which a side is explained by what it chose. Source: at noise.
+pub(crate) const SIDE_EXPLAINED_TO: f64 = AT_NOISE;
+
+/// Times its noise of the whole model beyond which an explained side is not asked again: what is missed there comes from the other side.
+/// Source: far off.
+pub(crate) const EXPLAINED_SIDE_REST_FROM: f64 = FAR_OFF;
+
+/// Sets of both sides together may be accepted if they are less likely than the best by less than this. Source: once in twenty.
+pub(crate) const TOGETHER_WITHIN: f64 = ONCE_IN_TWENTY;
+
+// Where an effect's parameters may end.
+
+/// Coordinate beyond which a positive value is pressed against the end of its usual range, widened threefold. Source: at twice the prior's reach the
+/// recordings pull with more than four standard deviations' weight, where an undecided value only drifts.
+pub(crate) const PRESSED: f64 = 2.0 * REACH;
+
+/// The same for values of either sign. Source: as above.
+pub(crate) const PRESSED_SIGNED: f64 = 2.0 * REACH_SIGNED;
+
+/// Coordinate that a place stays within. Source: the prior's reach; beyond it no row tells of the place.
+pub(crate) const PLACE_WITHIN: f64 = REACH_SIGNED;
+
+/// Coordinate below which an amount is negligible. Source: the prior's reach, downwards.
+pub(crate) const AMOUNT_NEGLIGIBLE: f64 = -REACH;
+
+/// Share of the largest usual magnitude below which an amount of either sign is negligible. Source: chosen.
+pub(crate) const SIGNED_NEGLIGIBLE: f64 = 0.02;
+
+/// Coordinate that a firm amount, of which there is never little, stays above: below the usual range widened threefold an end stop is as soft as a
+/// spring. Source: two standard deviations of its prior below its middle.
+pub(crate) const FIRM_FROM: f64 = -2.0;
+
+/// Share of its band that a stiction keeps beyond which it hardly jumps. Source: chosen; its jumps are a third of the band.
+pub(crate) const HARDLY_JUMPS_FROM: f64 = 2.0 / 3.0;
+
+/// Share of a play's width below which the band of a stiction that hardly jumps only shapes the play. Source: chosen; twice the band is the play that it
+/// would be itself.
+pub(crate) const SHAPES_A_PLAY_BELOW: f64 = 1.0 / 3.0;
+
+/// Base parameters are pulled too far from their nominal values where χ² says so in all but one of a thousand drives: its quantile as a standard
+/// normal one. Source: Wilson and Hilferty 1931.
+pub(crate) const PULLED_TOO_FAR_QUANTILE: f64 = 3.09;
+
+// Stiction, by the jumps of a recorded spool.
+
+/// Fewest recordings in which the spool has to stick. Source: what happens in one is a disturbance.
+pub(crate) const FEWEST_STICKING: usize = 2;
+
+/// Fewest jumps of a recording that tells. Source: chosen.
+pub(crate) const FEWEST_JUMPS: usize = 8;
+
+/// Jumps of a spool that sticks are as long as each other, but for this share. Source: chosen.
+pub(crate) const JUMPS_ALIKE: f64 = 0.15;
+
+/// So many of all its jumps are, at least. Source: where nothing sticks, fewer moves between rests are alike: on every recorded drive that does not.
+pub(crate) const JUMPS_ALIKE_SHARE: f64 = 0.6;
+
+/// Share of the misfit above noise that an effect beside stiction has to take away from the free spool. Source: as [`LEAST_EXPLAINED`].
+pub(crate) const BESIDE_STICTION_EXPLAINS: f64 = 0.5;
+
+/// What the jumps alone have to gain by it, in log-likelihood. Source: once in twenty.
+pub(crate) const BESIDE_STICTION_GAINS: f64 = ONCE_IN_TWENTY;
+
+/// What the gain has to exceed beyond the penalty. Source: once in twenty.
+pub(crate) const BESIDE_STICTION_BEYOND_PENALTY: f64 = ONCE_IN_TWENTY;
+
+/// What held-out jumps have to gain by it. Source: once in twenty.
+pub(crate) const HELD_OUT_JUMPS_GAIN: f64 = ONCE_IN_TWENTY;
+
+// A play, and stiction by the jump spacing, of a spool that no sensor sees.
+
+/// Times its noise from which a play of the valve is looked for. Source: far off.
+pub(crate) const PLAY_SOUGHT_FROM: f64 = FAR_OFF;
+
+/// Times its noise from which the position is asked for jumps. Source: at noise; below it nothing is left for them.
+pub(crate) const SPACING_SOUGHT_FROM: f64 = AT_NOISE;
+
+/// Log-likelihood by which training recordings have to prefer jumps of any length to none. Source: one chance in a hundred, ln 100 = 4.605.
+pub(crate) const SPACING_TOLD: f64 = 4.6;
+
+/// By so much the best length has to stand out from other lengths: what form errors leave is alike at every length. Source: once in twenty.
+pub(crate) const SPACING_STANDS_OUT: f64 = ONCE_IN_TWENTY;
+
+/// Lengths further from the best than this, by their logarithm, are other lengths. Source: chosen; ten of the lengths that are looked for.
+pub(crate) const OTHER_SPACING_FROM: f64 = 0.2;
+
+/// What held-out recordings have to prefer jumps as long by, the best of the neighbouring lengths less the logarithm of how many are
+/// independent. Source: once in twenty.
+pub(crate) const HELD_OUT_SPACING: f64 = ONCE_IN_TWENTY;
+
+/// Lengths nearer than this, by their logarithm, are as long. Source: chosen; three of the lengths that are looked for on each side.
+pub(crate) const SAME_SPACING_WITHIN: f64 = 0.06;
+
+/// Independent ones among those. Source: neighbours are alike; about three of them are not.
+pub(crate) const INDEPENDENT_SPACINGS: f64 = 3.0;
+
+/// Most of its band that a stiction alone keeps; beyond it, a play stands beside it. Source: a spool that is locked or silted lets go nearly at once.
+pub(crate) const KEPT_ALONE: f64 = 1.0 / 3.0;
+
+/// By so much a set with jumps has to be likelier than the base. Source: once in twenty.
+pub(crate) const UNMEASURED_SPOOL_GAINS: f64 = ONCE_IN_TWENTY;
+
+// Held-out recordings, which only veto.
+
+/// Of so many held-out recordings at least one has to gain. Source: half of them: chosen.
+pub(crate) const ONE_GAINS_OF: usize = 2;
+
+/// What one signal may lose over all held-out recordings, in log-likelihood. Source: once in twenty.
+pub(crate) const SIGNAL_MAY_LOSE: f64 = ONCE_IN_TWENTY;
+
+/// Or this share of what all signals gain. Source: chosen; the equation error, of a log-likelihood.
+pub(crate) const SIGNAL_MAY_LOSE_SHARE: f64 = 0.1;
+
+/// A signal may get worse by this share of what the other effects explain of it: that is not the fault of the one in question. Source: the equation
+/// error, squared.
+pub(crate) const WORSE_BY_EQUATIONS: f64 = EQUATION_ERROR_SQUARED;
+
+/// NRMSE fit, %, that every signal has to exceed. Source: at 0 the model follows it no better than its mean.
+pub(crate) const FIT_ABOVE_PERCENT: f64 = 0.0;
+
+/// A signal on which a perfect model would not exceed this NRMSE fit, %, is mostly noise and not judged so. Source: at 50 % noise is half of its
+/// spread.
+pub(crate) const MOSTLY_NOISE_PERCENT: f64 = 50.0;
+
+/// Times its noise beyond which held-out recordings may confirm an effect on its own side of the spool. Source: far off: what the chain misses hides it.
+pub(crate) const OWN_SIDE_FROM: f64 = FAR_OFF;
+
+// What is said where nothing is accepted.
+
+/// Times its noise from which a model that no accepted effect mends is unexplained. Source: chosen; half the noise again.
+pub(crate) const UNEXPLAINED_FROM: f64 = 1.5;
+
+/// Times its noise from which a signal is told as missed. Source: chosen; half the noise again.
+pub(crate) const MISSED_FROM: f64 = 1.5;
+
+/// What a region has to tell of the error, in log-likelihood, beyond the logarithm of the regions that were tried. Source: once in twenty.
+pub(crate) const REGION_TOLD: f64 = ONCE_IN_TWENTY;
+
+/// What a correction table has to gain beyond its penalty. Source: once in twenty.
+pub(crate) const TABLE_GAINS: f64 = ONCE_IN_TWENTY;
+
+/// What a signal's mean fit on held-out recordings may lose by it, in percentage points. Source: chosen.
+pub(crate) const TABLE_MAY_LOSE_POINTS: f64 = 0.5;
+
+// What an experiment that is still to be made will tell.
+
+/// By so much an effect has to be likelier than a rival for the plan to say that they are told apart. Source: as [`LIKELIER_BY`].
+pub const PLAN_TELLS_BY: f64 = ONCE_IN_TWENTY;
+
+/// Share of an effect's square that a rival with as many parameters has to leave. Source: the equation error, squared.
+pub const PLAN_RIVAL_LEAVES: f64 = EQUATION_ERROR_SQUARED;

@@ -1,0 +1,104 @@
+//! What a selection came to: the sets that were tried, and the one that is chosen.
+
+use std::fmt;
+
+use model_core::machine::Machine;
+use recording::display_unit::significant;
+
+use super::candidate::{Candidate, Chosen};
+use super::decision_rule::{KEPT_ALONE, SUSPECTED_FROM};
+use crate::catalogue::Hypothesis;
+use crate::selection::valve::jump_spacing::Rhythm;
+
+/// What one set gained over the one before it.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// The effect that is new in it.
+    pub effect: &'static Hypothesis,
+    /// All its effects.
+    pub effects: Vec<&'static Hypothesis>,
+    /// Log-likelihood gained over the base, less the penalty.
+    pub net: f64,
+    /// The machine as refitted with them.
+    pub machine: Machine<f64>,
+}
+
+impl Trial {
+    /// Whether its effects are those of a set.
+    pub(crate) fn is_of(&self, set: &Candidate) -> bool {
+        self.effects.len() == set.effects.len() && self.effects.iter().all(|own| set.has(own))
+    }
+
+    /// The effect that it has in the place of one of the chosen ones; `None` where it has that one too, or lacks or has another.
+    pub fn instead_of(&self, effect: &Hypothesis, chosen: &[Chosen]) -> Option<&'static Hypothesis> {
+        let is_chosen = |own: &Hypothesis| chosen.iter().any(|one| one.effect.name == own.name);
+        let stays = |one: &Chosen| self.has_any(&[one.effect]) != (one.effect.name == effect.name);
+        let mut others = self.effects.iter().copied().filter(|own| !is_chosen(own));
+        if self.effects.len() == chosen.len() && chosen.iter().all(stays) { others.next() } else { None }
+    }
+
+    /// Whether any of these effects is in it.
+    pub fn has_any(&self, effects: &[&Hypothesis]) -> bool {
+        self.effects.iter().any(|own| effects.iter().any(|effect| effect.name == own.name))
+    }
+}
+
+/// The outcome of the selection: on training recordings, and what held-out ones left of it.
+#[derive(Clone, Debug)]
+pub struct Selection {
+    /// The machine file's model, refitted.
+    pub base: Candidate,
+    /// The chosen set; the base again if nothing is claimed.
+    pub chosen: Candidate,
+    /// Every set that was refitted, round by round, the best first.
+    pub rounds: Vec<Vec<Trial>>,
+    /// The plainest of several effects that were found with the links apart: the chain only had to accept them all together.
+    pub joined: Vec<&'static str>,
+    /// The jumps of a slider that no sensor sees, where the chosen set has them from the position.
+    pub heard: Option<Heard>,
+}
+
+impl Selection {
+    /// The effect alone that the training recordings make likelier than none by more than chance does, where nothing is claimed.
+    #[must_use]
+    pub fn suspected(&self) -> Option<&'static Hypothesis> {
+        let best = self.rounds.first()?.first()?;
+        (self.chosen.effects.is_empty() && best.net > SUSPECTED_FROM).then_some(best.effect)
+    }
+}
+
+/// What a position says of the jumps of a slider that no sensor sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Told {
+    /// How long they are, and how surely.
+    pub rhythm: Rhythm,
+    /// Share of its band that a stiction alone would keep, to lag as far as the slider does.
+    pub kept_alone: f64,
+}
+
+impl Told {
+    /// Whether a stiction alone may keep so much.
+    pub(super) fn is_alone(&self) -> bool {
+        self.kept_alone <= KEPT_ALONE
+    }
+}
+
+impl fmt::Display for Told {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let kept = significant(100.0 * self.kept_alone, 2);
+        let whose = if self.is_alone() { "as one does" } else { "more than one does, so a play stands beside it" };
+        write!(f, "{}; a stiction alone would keep {kept} % of its band, {whose}", self.rhythm)
+    }
+}
+
+/// The jumps of a slider that no sensor sees.
+#[derive(Clone, Debug)]
+pub struct Heard {
+    /// What the position says of them.
+    pub told: Told,
+    /// The model without jumps that it is held against.
+    pub(super) following: Machine<f64>,
+    /// What was chosen before.
+    pub(super) chosen: Candidate,
+    pub(super) rounds: Vec<Vec<Trial>>,
+}

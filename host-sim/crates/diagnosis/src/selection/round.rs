@@ -1,0 +1,179 @@
+//! One round of the search: candidate models ranked, the best refitted to the end, and what of one stays when superfluous effects go.
+
+use rayon::prelude::*;
+
+use identification::fit::FitError;
+
+use super::candidate::{Candidate, Chosen, Question};
+use super::decision_rule::{LEFT_BY_EQUATIONS, LIKELIER_BY, RIVAL_WITHIN, RIVAL_WITHIN_SHARE};
+use super::likelihood::{accepts, excess, is_earned, prefer_plain, ranked};
+use super::outcome::Trial;
+use super::search::{is_hopeful, least_above};
+use crate::catalogue::Hypothesis;
+
+/// Sets of a round that are refitted to the end.
+const FINISHED: usize = 4;
+/// Sets that the next round starts from.
+pub(super) const BEAM: usize = 2;
+
+/// Whether no other set of a round is likelier by more than chance than one that gains so much `now`, or what it gained in that round.
+pub(crate) fn is_likeliest(set: &Candidate, now: Option<f64>, round: &[Trial]) -> bool {
+    let plainest = |effects: &mut dyn Iterator<Item = &'static Hypothesis>| {
+        let mut names: Vec<&str> = effects.map(Hypothesis::plainest).collect();
+        names.sort_unstable();
+        names
+    };
+    let of_set = plainest(&mut set.effects.iter().map(|chosen| chosen.effect));
+    let (same, others): (Vec<&Trial>, Vec<&Trial>) =
+        round.iter().partition(|trial| plainest(&mut trial.effects.iter().copied()) == of_set);
+    let nets = |trials: Vec<&Trial>| trials.into_iter().map(|trial| trial.net).fold(f64::NEG_INFINITY, f64::max);
+    now.into_iter().fold(nets(same), f64::max) > nets(others) - LIKELIER_BY
+}
+
+/// Enters a set into the round of its size, unless a better fit of the same effects is there.
+pub(crate) fn enter(question: &Question<'_>, base: &Candidate, rounds: &mut [Vec<Trial>], candidate: &Candidate) {
+    let Some(round) = rounds.get_mut(candidate.effects.len() - 1) else { return };
+    for (candidate, net) in ranked(question, base, vec![candidate.clone()]) {
+        let is_better = |trial: &Trial| trial.is_of(&candidate) && trial.net >= net;
+        if !round.iter().any(is_better) {
+            round.retain(|trial| !trial.is_of(&candidate));
+            round.push(trial(&candidate, net));
+        }
+    }
+    round.sort_by(|a, b| b.net.total_cmp(&a.net));
+}
+
+/// A set without every effect that the others make superfluous, but for those of these plainest names. `None` where what is left is not worth
+/// its strengths over nothing.
+pub(crate) fn reduced(
+    question: &Question<'_>,
+    base: &Candidate,
+    full: Candidate,
+    stay: &[&str],
+) -> Result<Option<Candidate>, FitError> {
+    let (mut rest, mut is_claim) = (unrefined(question, full)?, true);
+    while rest.effects.len() > 1 {
+        let without = |index: usize| -> Result<Option<(bool, Candidate)>, FitError> {
+            let without = rest.without(question, index)?;
+            if !without.is_plausible(question.scene) || accepts(question, base, &without, &rest)? {
+                return Ok(None);
+            }
+            Ok(Some((accepts(question, base, base, &without)?, without)))
+        };
+        let may_go = |&index: &usize| !stay.contains(&rest.effects[index].effect.plainest());
+        let indices: Vec<usize> = (0..rest.effects.len()).filter(may_go).collect();
+        let fewer: Vec<Option<(bool, Candidate)>> = indices.into_par_iter().map(without).collect::<Result<_, _>>()?;
+        // Of two that each make the other superfluous, the one that is a claim stays, or the one that leaves less.
+        let best = fewer
+            .into_iter()
+            .flatten()
+            .min_by(|(one, a), (other, b)| other.cmp(one).then_with(|| a.fit.loss.total_cmp(&b.fit.loss)));
+        let Some(best) = best else { break };
+        (is_claim, rest) = best;
+    }
+    Ok(is_claim.then_some(rest))
+}
+
+/// A set with the plain form of each refined one that no longer takes most of what that leaves, now that other effects are beside it.
+fn unrefined(question: &Question<'_>, mut set: Candidate) -> Result<Candidate, FitError> {
+    if set.effects.len() < 2 {
+        return Ok(set);
+    }
+    for index in 0..set.effects.len() {
+        let Chosen { effect, form } = set.effects[index];
+        for form in effect.plain_of(form) {
+            let plain = set.instead(question, index, Chosen { effect, form }, &[])?;
+            if plain.is_possible(question.scene) && !is_earned(&plain, &set) {
+                set = plain;
+                break;
+            }
+        }
+    }
+    Ok(set)
+}
+
+/// Whether nothing is left that a further effect could explain: the ordinary parameters of the best set are where they were
+/// said to be, and it is `near` its noise, or what it leaves would not be told from its own form's error.
+pub(crate) fn explains_enough(question: &Question<'_>, base: &Candidate, best: &Candidate, near: f64) -> bool {
+    let fits = || {
+        best.worst_over_noise(question) < near || excess(&best.residuals) < LEFT_BY_EQUATIONS * excess(&base.residuals)
+    };
+    !best.is_bent(question) && fits()
+}
+
+/// Sets of a round that are nearly as likely as one of it: less so by no more than chance, or than its form's own error may gain.
+/// `None` where it is not of the round.
+pub(super) fn rivals(set: &Candidate, ranked: Vec<(Candidate, f64)>) -> Option<Vec<Candidate>> {
+    let names = set.names();
+    let net = ranked.iter().find(|(other, _)| other.names() == names).map(|(_, net)| *net)?;
+    let is_near = |other: &(Candidate, f64)| {
+        other.1 >= net - RIVAL_WITHIN.max(RIVAL_WITHIN_SHARE * net) && other.0.names() != names
+    };
+    Some(candidates(ranked.into_iter().filter(is_near).take(FINISHED - 1).collect()))
+}
+
+/// Possible sets ranked, the best of them refitted to the end.
+pub(crate) fn finished(
+    question: &Question<'_>,
+    base: &Candidate,
+    found: Vec<Candidate>,
+) -> Result<Vec<(Candidate, f64)>, FitError> {
+    let can_be = |candidate: &Candidate| candidate.is_possible(question.scene);
+    let only_possible = |found: Vec<Candidate>| -> Vec<Candidate> { found.into_iter().filter(can_be).collect() };
+    let (possible, astray): (Vec<Candidate>, Vec<Candidate>) = found.into_iter().partition(can_be);
+    let mut rough = candidates(ranked(question, base, possible));
+    let least = least_above(&rough);
+    let leading = rough.iter().take_while(|candidate| is_hopeful(candidate, least)).count();
+    let rest = rough.split_off(leading.min(FINISHED).max(BEAM.min(rough.len())));
+    // One that has gone beyond what can be, and beside which all that can be is hopeless, may come back from there.
+    let astray = astray.into_iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss));
+    let beside_it = |least: f64| rough.iter().all(|candidate| !is_hopeful(candidate, least));
+    let astray = astray.filter(|one| beside_it(excess(&one.residuals)));
+    rough.extend(astray);
+    let mut all = only_possible(to_the_end(question, rough)?);
+    all.extend(rest);
+    let mut simplified: Vec<Vec<&str>> = Vec::new();
+    loop {
+        let mut ranked = ranked(question, base, all);
+        prefer_plain(base, &mut ranked);
+        // A set that comes up only now is refitted to the end before it may be chosen.
+        if !ranked.iter().take(BEAM).all(|(candidate, _)| candidate.is_finished) {
+            let mut first = candidates(ranked);
+            let rest = first.split_off(BEAM.min(first.len()));
+            all = only_possible(to_the_end(question, first)?);
+            all.extend(rest);
+            continue;
+        }
+        // Nor is an extension, before what it extends was looked for where it has ended.
+        let Some((best, _)) = ranked.first().filter(|(best, _)| !simplified.contains(&best.names())) else {
+            return Ok(ranked);
+        };
+        simplified.push(best.names());
+        let Some(plain) = best.with_plain(question)? else { return Ok(ranked) };
+        all = candidates(ranked).into_iter().chain(only_possible(vec![plain])).collect();
+    }
+}
+
+/// Ranked sets in their order.
+pub(crate) fn candidates(ranked: Vec<(Candidate, f64)>) -> Vec<Candidate> {
+    ranked.into_iter().map(|(candidate, _)| candidate).collect()
+}
+
+/// The sets in their order, each refitted to the end.
+pub(super) fn to_the_end(question: &Question<'_>, sets: Vec<Candidate>) -> Result<Vec<Candidate>, FitError> {
+    let finished =
+        |candidate: Candidate| if candidate.is_finished { Ok(candidate) } else { candidate.finished(question) };
+    sets.into_par_iter().map(finished).collect()
+}
+
+pub(crate) fn trials(ranked: &[(Candidate, f64)]) -> Vec<Trial> {
+    ranked.iter().map(|(candidate, net)| trial(candidate, *net)).collect()
+}
+
+pub(crate) fn trial(candidate: &Candidate, net: f64) -> Trial {
+    let effects: Vec<_> = candidate.effects.iter().map(|chosen| chosen.effect).collect();
+    Trial { effect: effects[effects.len() - 1], effects, net, machine: candidate.fit.machine }
+}
+
+#[cfg(test)]
+mod tests;

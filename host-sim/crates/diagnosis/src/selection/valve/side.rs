@@ -1,0 +1,53 @@
+//! The two sides of a recorded spool, and what belongs to each.
+
+use identification::experiment::Prepared;
+use identification::fit::Free;
+use model_core::machine::Parameter;
+use recording::Signal;
+
+use crate::catalogue::{Hypothesis, Subsystem};
+use crate::localisation::balances::OF_VALVE;
+use crate::selection::candidate::Question;
+use crate::selection::decision_rule::{BELOW_SPOOL_SEARCHED_TO, VALVE_SEARCHED_TO};
+
+/// A side of the slider.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Side {
+    /// The valve, which moves it.
+    Valve,
+    /// All that it meters the oil for.
+    Below,
+}
+
+impl Side {
+    pub(super) fn of_signal(signal: Signal) -> Self {
+        if signal == Signal::Spool { Self::Valve } else { Self::Below }
+    }
+
+    fn of_parameter(parameter: Parameter) -> Self {
+        if OF_VALVE.contains(&parameter) { Self::Valve } else { Self::Below }
+    }
+
+    pub(super) fn of_effect(effect: &Hypothesis) -> Self {
+        if effect.subsystem == Subsystem::Valve { Self::Valve } else { Self::Below }
+    }
+
+    /// Times its noise that its worst signal is searched down to. What the recorded slider did between two rows is not known: below it
+    /// that adds to all.
+    pub(super) fn near(self) -> f64 {
+        match self {
+            Self::Valve => VALVE_SEARCHED_TO,
+            Self::Below => BELOW_SPOOL_SEARCHED_TO,
+        }
+    }
+
+    /// Its ordinary parameters.
+    pub(super) fn ordinary(self, question: &Question<'_>) -> Vec<Free> {
+        question.ordinary.iter().copied().filter(|free| Self::of_parameter(free.parameter) == self).collect()
+    }
+
+    /// Recordings judged by its signals alone.
+    pub(super) fn judging(self, cases: &[Prepared]) -> Vec<Prepared> {
+        cases.iter().map(|case| case.judged_by(|signal| Self::of_signal(signal) == self)).collect()
+    }
+}

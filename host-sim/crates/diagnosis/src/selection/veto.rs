@@ -1,0 +1,102 @@
+//! The held-out recordings, opened once the training recordings have chosen: they may take an effect out of the choice, or veto it,
+//! and never put one in.
+
+use identification::experiment::Prepared;
+use identification::fit::{FitError, settle, softened};
+use model_core::machine::{Machine, MachineError};
+use recording::Signal;
+
+use super::candidate::Question;
+use super::confirmation::{add, confirm};
+use super::decision_rule::{OWN_SIDE_FROM, WORSE_BY_EQUATIONS};
+use super::likelihood::{above_noise, accepts};
+use super::outcome::Selection;
+use super::round::enter;
+use crate::catalogue::Hypothesis;
+use crate::selection::valve::valve_first::gains_apart;
+
+impl Selection {
+    /// Takes out of a set of several every effect that held-out recordings gain nothing by beside the others, refitted without it
+    /// to the training recordings; the last added first. A signal may get worse by as little as the forms of the others may be off:
+    /// that is not the fault of the one in question. While the chain is far off, one may also gain on its own side of the slider.
+    /// What is left has to be a claim by itself, else it goes as well: a pair may have been claimed because neither was enough
+    /// alone. Those that were taken out.
+    pub fn refused(
+        &mut self,
+        question: &Question<'_>,
+        held_out: &[&Prepared],
+    ) -> Result<Vec<&'static Hypothesis>, FitError> {
+        let mut refused = Vec::new();
+        if held_out.is_empty() {
+            return Ok(refused);
+        }
+        refused.extend(self.unheard(held_out)?);
+        for index in (0..self.chosen.effects.len()).rev() {
+            if self.chosen.effects.len() == 1 {
+                break;
+            }
+            let (fewer, effect) = (self.chosen.without(question, index)?, self.chosen.effects[index].effect);
+            let (without, with) = (&fewer.fit.machine, &self.chosen.fit.machine);
+            let is_hidden = self.chosen.worst_over_noise(question) > OWN_SIDE_FROM;
+            let told = confirm(without, with, held_out)?;
+            let gains = told.gains()
+                || (told.gains_in_all() && {
+                    let left = |machine: &Machine<f64>| left(machine, held_out);
+                    is_by_form(&left(&self.base.fit.machine)?, &left(without)?, &left(with)?)
+                });
+            let gains = gains || (is_hidden && gains_apart(question, &self.chosen, effect, held_out)?);
+            if !(gains || self.is_heard(effect)) {
+                refused.push(effect);
+                self.chosen = fewer;
+            }
+        }
+        if refused.is_empty() {
+            return Ok(refused);
+        }
+        let is_heard = self.chosen.effects.iter().any(|one| self.is_heard(one.effect));
+        let stands = || Ok::<_, FitError>(is_heard || accepts(question, &self.base, &self.base, &self.chosen)?);
+        if self.chosen.is_plausible(question.scene) && stands()? {
+            enter(question, &self.base, &mut self.rounds, &self.chosen);
+        } else {
+            refused.extend(self.chosen.effects.iter().map(|chosen| chosen.effect));
+            self.chosen = self.base.clone();
+        }
+        Ok(refused)
+    }
+}
+
+/// What a machine leaves above the noise on held-out recordings, by signal.
+fn left(machine: &Machine<f64>, held_out: &[&Prepared]) -> Result<Vec<(Signal, f64)>, MachineError> {
+    let mut signals = Vec::new();
+    for case in held_out {
+        let residuals = softened(machine, case, settle(machine, case)?)?;
+        for (channel, series) in case.channels.iter().zip(&residuals) {
+            add(&mut signals, channel.signal, above_noise(series));
+        }
+    }
+    Ok(signals)
+}
+
+/// Whether no signal is worse with an effect than without it by more than the form of the others is off by, of what those explain of it over
+/// the base.
+fn is_by_form(base: &[(Signal, f64)], without: &[(Signal, f64)], with: &[(Signal, f64)]) -> bool {
+    let signals = base.iter().zip(without).zip(with);
+    signals
+        .into_iter()
+        .all(|(((_, base), (_, without)), (_, with))| with - without <= WORSE_BY_EQUATIONS * (base - without).max(0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_signal_may_get_worse_by_a_hundredth_of_what_the_other_effects_explain_of_it() {
+        let sums = |supply, position| [(Signal::SupplyPressure, supply), (Signal::Position, position)];
+        let (base, without) = (sums(540_000.0, 520_000.0), sums(8_000.0, 280_000.0));
+        assert!(is_by_form(&base, &without, &sums(13_300.0, 107_000.0)));
+        assert!(!is_by_form(&base, &without, &sums(13_400.0, 107_000.0)));
+        // Where the others explain nothing, nothing may get worse.
+        assert!(!is_by_form(&sums(8_000.0, 520_000.0), &without, &sums(8_001.0, 107_000.0)));
+    }
+}

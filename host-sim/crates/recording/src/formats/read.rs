@@ -1,0 +1,166 @@
+//! Reading: a file or anything else that can be read, in the format that its first bytes show, whole or in parts.
+
+use std::fs::File;
+use std::io::{self, Chain, Cursor, Read};
+use std::path::Path;
+
+use super::chunks::{PART_ROWS, Parts};
+use super::format::{Format, HEAD, MAX_BINARY_BYTES};
+use crate::channel_map::ChannelMap;
+use crate::error::RecordingError;
+use crate::files::source_error::Place;
+use crate::formats::text::csv::Opened;
+use crate::recording::Recording;
+
+/// Reads a recording; `map` says which columns hold which signals where their headers do not.
+pub fn read(path: &Path, map: &ChannelMap) -> Result<Recording, RecordingError> {
+    read_through(path, map, |file| file)
+}
+
+/// As [`read`], through a reader that is laid around the file, such as one that counts.
+pub fn read_through<R: Read>(
+    path: &Path,
+    map: &ChannelMap,
+    around: impl FnOnce(File) -> R,
+) -> Result<Recording, RecordingError> {
+    let (name, file) = open(path)?;
+    read_from(&name, around(file), map)
+}
+
+/// Reads a recording from anywhere, in the format that its first bytes show; `name` stands for the file in messages.
+///
+/// ```
+/// use recording::{ChannelMap, Signal, read_from};
+///
+/// let text = "time [ms];command [V];Kolbenweg [mm]\n0;0;125,0\n1;2,5;125,5\n2;2,5;126,0\n";
+/// let map = ChannelMap::from_arguments(["position=Kolbenweg [mm]"])?;
+/// let recording = read_from("press.csv", text.as_bytes(), &map)?;
+/// assert_eq!(recording.rows(), 3);
+/// let position_m = recording.signal(Signal::Position).expect("it is mapped"); // SI inside
+/// assert!((position_m[1] - 0.1255).abs() < 1e-9);
+///
+/// let error = read_from("press.csv", "time [s],command [furlong]\n0,1\n".as_bytes(), &map);
+/// assert!(error.is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read_from(name: &str, input: impl Read, map: &ChannelMap) -> Result<Recording, RecordingError> {
+    opened(name, input, map)?.whole().map_err(|error| of_its_name(name, error))
+}
+
+/// Reads a recording in parts of some [`PART_ROWS`] rows, through a reader that is laid around the file.
+///
+/// # Errors
+/// As in [`read`], as far as the header of a text; what is no text is read here.
+pub fn in_parts<R: Read, A: FnOnce(File) -> R>(
+    path: &Path,
+    map: &ChannelMap,
+    around: A,
+) -> Result<Parts<impl Read + use<R, A>>, RecordingError> {
+    let (name, file) = open(path)?;
+    parts_of(&name, around(file), map, PART_ROWS)
+}
+
+/// The same from anywhere, in parts of some `usual_rows`.
+pub fn parts_of<R: Read>(
+    name: &str,
+    input: R,
+    map: &ChannelMap,
+    usual_rows: usize,
+) -> Result<Parts<impl Read + use<R>>, RecordingError> {
+    Ok(Parts::of(opened(name, input, map)?, usual_rows))
+}
+
+/// A file that is there, and what messages call it.
+pub(crate) fn open(path: &Path) -> Result<(String, File), RecordingError> {
+    let name = path.display().to_string();
+    match File::open(path) {
+        Ok(file) => Ok((name, file)),
+        Err(source) => Err(unreadable(&name, source)),
+    }
+}
+
+fn unreadable(name: &str, source: io::Error) -> RecordingError {
+    RecordingError::Io { place: Place::file(name), source }
+}
+
+/// What was read of a file to tell its format, and the rest of it.
+type FromItsStart<R> = Chain<Cursor<Vec<u8>>, R>;
+
+/// A recording in the format that its first bytes show: of a text the header is read, anything else whole.
+fn opened<R: Read>(name: &str, mut input: R, map: &ChannelMap) -> Result<Opened<FromItsStart<R>>, RecordingError> {
+    let mut head = Vec::new();
+    (&mut input).take(HEAD as u64).read_to_end(&mut head).map_err(|source| unreadable(name, source))?;
+    let format =
+        Format::of_content(&head).map_err(|what| RecordingError::Unsupported { place: Place::file(name), what })?;
+    let all = Cursor::new(head).chain(input);
+    if format == Format::Text {
+        return Opened::text(name, all, map).map_err(|error| of_its_name(name, error));
+    }
+    unpacked(name, format, all, map).map(Opened::Whole)
+}
+
+/// Reads what is no text.
+fn unpacked(
+    name: &str,
+    format: Format,
+    packed: impl Read,
+    #[cfg_attr(
+        not(any(feature = "mat", feature = "mdf4", feature = "parquet")),
+        expect(unused_variables, reason = "no format that has columns is built in")
+    )]
+    map: &ChannelMap,
+) -> Result<Recording, RecordingError> {
+    let mut bytes = Vec::new();
+    packed.take(MAX_BINARY_BYTES + 1).read_to_end(&mut bytes).map_err(|source| unreadable(name, source))?;
+    if bytes.len() as u64 > MAX_BINARY_BYTES {
+        return Err(RecordingError::TooLarge { place: Place::file(name), most_bytes: MAX_BINARY_BYTES });
+    }
+    match format {
+        #[cfg(feature = "mat")]
+        Format::Mat => super::mat::read(name, &bytes, map),
+        #[cfg(feature = "mdf4")]
+        Format::Mdf4 => super::mdf4::read(name, &bytes, map),
+        #[cfg(feature = "parquet")]
+        Format::Parquet => super::parquet::read(name, bytes, map),
+        #[allow(unreachable_patterns, reason = "reached where the program was built without a feature")]
+        other => Err(RecordingError::FeatureAbsent { place: Place::file(name), format: other }),
+    }
+}
+
+/// What is no text, in a file whose name promises another format, is a file of that format that is none.
+pub(crate) fn of_its_name(name: &str, error: RecordingError) -> RecordingError {
+    let no_text = matches!(
+        error,
+        RecordingError::NotUtf8 { .. } | RecordingError::ControlCharacter { .. } | RecordingError::LineTooLong { .. }
+    );
+    match Format::of_extension(Path::new(name)) {
+        Some(format) if no_text && format != Format::Text => {
+            RecordingError::NotOfFormat { place: Place::file(name), format }
+        }
+        _ => error,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_is_read_whatever_its_name_says() {
+        let text = "time [s],spool\n0,0\n1,1\n";
+        assert_eq!(read_from("run.mat", text.as_bytes(), &ChannelMap::default()).map(|read| read.rows()).ok(), Some(2));
+    }
+
+    #[test]
+    fn a_format_that_is_left_out_names_its_feature() {
+        let told = RecordingError::FeatureAbsent { place: Place::file("run.mf4"), format: Format::Mdf4 }.to_string();
+        let expected = "run.mf4: an MDF file, which this build of the program leaves out; expected the program built with the \
+                        feature `mdf4`, or CSV";
+        assert_eq!(told, expected);
+        #[cfg(not(feature = "mdf4"))]
+        assert_eq!(
+            read_from("run.mf4", b"MDF     4.10".as_slice(), &ChannelMap::default()).unwrap_err().to_string(),
+            expected
+        );
+    }
+}

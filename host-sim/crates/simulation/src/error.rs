@@ -1,0 +1,46 @@
+//! Why a recording cannot drive a simulation.
+
+use model_core::machine::MachineError;
+use recording::Signal;
+use recording::files::source_error::{engineering, rounded};
+
+/// Why a recording cannot drive a simulation.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SimulateError {
+    /// No signal to enter the chain with.
+    #[error("{recording}: nothing drives the model; expected a column {expected}")]
+    NoInput {
+        /// The recording.
+        recording: String,
+        /// Columns that would do.
+        expected: &'static str,
+    },
+    /// A signal that the entry or the load needs is missing.
+    #[error("{recording}: no column `{signal}`; expected it because {reason}")]
+    Missing {
+        /// The recording.
+        recording: String,
+        /// The signal.
+        signal: Signal,
+        /// What needs it.
+        reason: &'static str,
+    },
+    /// The recording is longer than the grid can hold.
+    #[error(
+        "{recording}: {} s, more than the simulation takes at a tick of {} ms; expected at most {} s",
+        engineering(rounded(*.duration_s)), 1e3 * .tick_s, engineering(rounded(*.limit as f64 * .tick_s))
+    )]
+    TooLong {
+        /// The recording.
+        recording: String,
+        /// Its duration.
+        duration_s: f64,
+        /// The tick.
+        tick_s: f64,
+        /// Most ticks.
+        limit: usize,
+    },
+    /// The machine does not become a drive.
+    #[error(transparent)]
+    Machine(#[from] MachineError),
+}

@@ -1,0 +1,170 @@
+//! Which crate may see which: the edges of ARCHITECTURE.md, held against what the manifests say.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+
+use super::root;
+
+/// The libraries, lowest first, with those of the workspace that each may depend on. One that is not here may be seen by nobody below it.
+const ALLOWED: [(&str, &[&str]); 13] = [
+    ("model-core", &[]),
+    ("firmware", &["model-core"]),
+    ("recording", &[]),
+    ("machine-file", &["model-core", "recording"]),
+    ("virtual-plant", &["model-core", "recording", "machine-file"]),
+    ("simulation", &["model-core", "recording", "machine-file"]),
+    ("test-press", &["model-core", "recording", "machine-file", "simulation"]),
+    ("model-export", &["model-core", "recording", "machine-file", "simulation"]),
+    ("drive-fmu", &["model-core", "recording", "machine-file", "simulation", "model-export"]),
+    ("identification", &["model-core", "recording", "machine-file", "simulation"]),
+    ("diagnosis", &["model-core", "recording", "machine-file", "simulation", "identification"]),
+    ("experiment", &["model-core", "recording", "machine-file", "simulation", "identification", "diagnosis"]),
+    ("report", &["model-core", "recording", "machine-file", "simulation", "identification", "diagnosis", "experiment"]),
+];
+
+/// What only the program depends on: its command line.
+const OF_THE_PROGRAM: [&str; 2] = ["clap", "clap_complete"];
+
+/// What the library of an FMU does without, in itself and in every crate that it links.
+const NOT_IN_AN_FMU: [&str; 4] = ["clap", "clap_complete", "plotters", "parquet"];
+
+/// A dependency as a manifest has it.
+struct Dependency {
+    name: String,
+    is_optional: bool,
+    is_for_tests: bool,
+}
+
+/// The packages of the workspace with their dependencies.
+fn packages() -> BTreeMap<String, Vec<Dependency>> {
+    let asked = Command::new(env!("CARGO"))
+        .args(["metadata", "--no-deps", "--offline", "--format-version", "1", "--manifest-path"])
+        .arg(root().join("Cargo.toml"))
+        .output()
+        .unwrap();
+    assert!(asked.status.success(), "{}", String::from_utf8_lossy(&asked.stderr));
+    let metadata: Value = serde_json::from_slice(&asked.stdout).unwrap();
+    let text = |value: &Value| value.as_str().unwrap().to_owned();
+    let dependency = |value: &Value| Dependency {
+        name: text(&value["name"]),
+        is_optional: value["optional"].as_bool().unwrap(),
+        is_for_tests: value["kind"].as_str() == Some("dev"),
+    };
+    let package = |value: &Value| {
+        let dependencies = value["dependencies"].as_array().unwrap().iter().map(dependency).collect();
+        (text(&value["name"]), dependencies)
+    };
+    metadata["packages"].as_array().unwrap().iter().map(package).collect()
+}
+
+/// Every Rust source below a folder, with its text.
+fn sources(folder: &Path) -> Vec<(PathBuf, String)> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(sources(&path));
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            let text = std::fs::read_to_string(&path).unwrap();
+            found.push((path, text));
+        }
+    }
+    found
+}
+
+#[test]
+fn every_crate_depends_only_on_those_that_it_may_see() {
+    let packages = packages();
+    for (name, allowed) in ALLOWED {
+        for dependency in packages[name].iter().filter(|dependency| packages.contains_key(&dependency.name)) {
+            let is_test_drive = dependency.is_for_tests && dependency.name == "test-press";
+            assert!(
+                is_test_drive || allowed.contains(&dependency.name.as_str()),
+                "{name} depends on {}; expected of this workspace at most {allowed:?}",
+                dependency.name
+            );
+        }
+    }
+}
+
+#[test]
+fn every_crate_of_host_sim_has_its_place() {
+    for entry in std::fs::read_dir(root().join("host-sim/crates")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        assert!(ALLOWED.iter().any(|(known, _)| *known == name), "{name} is not in the list of what it may see");
+    }
+}
+
+#[test]
+fn only_the_program_has_a_command_line() {
+    let packages = packages();
+    for (name, _) in ALLOWED {
+        let has = |forbidden: &&str| packages[name].iter().any(|dependency| dependency.name == **forbidden);
+        assert_eq!(OF_THE_PROGRAM.iter().find(|forbidden| has(forbidden)), None, "a dependency of {name}");
+    }
+}
+
+#[test]
+fn the_library_of_an_fmu_links_no_command_line_no_plots_and_no_parquet() {
+    let packages = packages();
+    let linked = |dependency: &&Dependency| !dependency.is_for_tests && !dependency.is_optional;
+    let mut to_see = vec!["drive-fmu".to_owned()];
+    let mut seen: Vec<String> = Vec::new();
+    while let Some(name) = to_see.pop() {
+        for dependency in packages[&name].iter().filter(linked) {
+            assert!(!NOT_IN_AN_FMU.contains(&dependency.name.as_str()), "{name} links {}", dependency.name);
+            if packages.contains_key(&dependency.name) && !seen.contains(&dependency.name) {
+                to_see.push(dependency.name.clone());
+            }
+        }
+        seen.push(name);
+    }
+    assert!(seen.iter().any(|name| name == "simulation"), "{seen:?}");
+}
+
+#[test]
+fn the_virtual_plant_takes_parameters_of_the_core_and_no_equation() {
+    for (path, text) in sources(&root().join("host-sim/crates/virtual-plant/src")) {
+        for (number, line) in text.lines().enumerate() {
+            let (code, _) = line.split_once("//").unwrap_or((line, ""));
+            for rest in code.split("model_core").skip(1) {
+                assert!(
+                    rest.starts_with("::machine::"),
+                    "{}:{}: {}; expected of model-core `machine` alone",
+                    path.display(),
+                    number + 1,
+                    line.trim()
+                );
+            }
+        }
+    }
+}
+
+/// A public function over any number would be compiled once more in every crate that calls it.
+#[test]
+fn no_public_function_of_simulation_is_generic_in_its_number() {
+    for (path, text) in sources(&root().join("host-sim/crates/simulation/src")) {
+        let public = text.lines().map(str::trim_start).filter(|line| line.starts_with("pub fn "));
+        for line in public {
+            let generic = ["Number", "Scalar", "Real", "Field"].iter().any(|of| line.contains(&format!(": {of}")));
+            assert!(!generic, "{}: {line}", path.display());
+        }
+    }
+}
+
+/// Of the numbers that simulation runs on, its users take how many lanes there are, a slope in single precision, and whether the processor does.
+#[test]
+fn the_numbers_of_simulation_stay_in_it() {
+    let above = ["identification", "diagnosis", "experiment", "model-export", "report"];
+    for folder in above.iter().map(|name| root().join("host-sim/crates").join(name).join("src")) {
+        for (path, text) in sources(&folder) {
+            for rest in text.split("simulation::number::").skip(1) {
+                let taken = ["cpu", "simd::LANES", "dual::single"].iter().any(|taken| rest.starts_with(taken));
+                assert!(taken, "{}: {}", path.display(), rest.lines().next().unwrap_or_default());
+            }
+        }
+    }
+}
