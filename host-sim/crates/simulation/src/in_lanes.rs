@@ -29,7 +29,7 @@ pub struct Run<'a> {
 }
 
 /// Runs the core over several stimuli, and hands each recorded row's signals to `sink`: which run, which row, and the values in SI
-/// units, 0 for what the chain does not compute. The rows of one run come in order; each value is that of [`run`] to the last bit.
+/// units, 0 for what the chain does not compute. The rows of one run come in order; each value is that of `run` to the last bit.
 pub fn run_abreast(
     machine: &Machine<f64>,
     runs: &[Run<'_>],

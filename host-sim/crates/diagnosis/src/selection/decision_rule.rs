@@ -271,7 +271,7 @@ pub(crate) const TABLE_MAY_LOSE_POINTS: f64 = 0.5;
 
 // What an experiment that is still to be made will tell.
 
-/// By so much an effect has to be likelier than a rival for the plan to say that they are told apart. Source: as [`LIKELIER_BY`].
+/// By so much an effect has to be likelier than a rival for the plan to say that they are told apart. Source: as `LIKELIER_BY`.
 pub const PLAN_TELLS_BY: f64 = ONCE_IN_TWENTY;
 
 /// Share of an effect's square that a rival with as many parameters has to leave. Source: the equation error, squared.
