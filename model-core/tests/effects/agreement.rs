@@ -3,6 +3,7 @@
 use proptest::prelude::*;
 
 use model_core::drive::{Drive, Entry, Load};
+use model_core::effects::Effect;
 use model_core::machine::{Form, Machine, Parameter as P, Tick};
 use model_core::number::{Number, PerUnit, Scalar};
 use model_core::ports::ChamberState;
@@ -46,7 +47,8 @@ fn travelled(machine: &Machine<f64>) -> f64 {
 fn fixed_point_and_f64_agree_with_each_effect() {
     let mut failed = false;
     let plain = run::<f64>(&press());
-    for (_, Form { name, values }) in every_effect() {
+    // No chamber of this drive comes near a floor: cavitation has a file of its own.
+    for (_, Form { name, values }) in every_effect().filter(|(effect, _)| *effect != Effect::Cavitation) {
         assert_ne!(run::<f64>(&with(&press(), values)), plain, "{name} changes nothing: no equation has it");
         let (position, pressure) = apart(&with(&press(), values));
         let ends = travelled(&with(&press(), values));

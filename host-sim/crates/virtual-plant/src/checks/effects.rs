@@ -245,15 +245,6 @@ fn oil_that_boils_stays_at_its_pressure_until_the_rod_is_back() {
 }
 
 #[test]
-fn air_that_oil_gives_off_lets_its_pressure_fall_on() {
-    let floor_pa = -4e4;
-    let with =
-        |released| drawn_on(&[PlantEffect::Cavitation(Cavitation { released, ..Cavitation::of_vapour(floor_pa) })]);
-    let [vapour, air] = [0.0, 0.01].map(|released| with(released)[400].pressure_a_pa);
-    assert!(air > vapour + 1e3 && air < 0.0, "{vapour} {air}");
-}
-
-#[test]
 fn moving_volumes_make_the_oil_spring_softest_in_the_middle() {
     let stiffness = |position_m: f64| {
         let machine = press();
