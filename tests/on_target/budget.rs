@@ -33,7 +33,7 @@ const BUDGETS: [Budget; 14] = [
     Budget { row: "instructions a period, worst: following", limit: 6250, met: true },
     Budget { row: "instructions a period, worst: begins to follow", limit: 6250, met: true },
     Budget { row: "instructions a period, worst: faults and the way back", limit: 6250, met: true },
-    Budget { row: "instructions a period, worst: following, every effect", limit: 28_000, met: true },
+    Budget { row: "instructions a period, worst: following, every effect", limit: 25_000, met: false },
     // Half of the part's: the other half is for what a board has beside.
     Budget { row: "flash of the control period, every effect included, bytes", limit: 128 * 1024, met: true },
     Budget { row: "flash of the whole firmware, bytes", limit: 256 * 1024, met: true },
