@@ -122,6 +122,13 @@ fn machine() -> impl Strategy<Value = Machine<f64>> {
                 machine.set(parameter, value);
             }
         }
+        // Of any floor a file may hold those from vacuum to the tank's pressure.
+        let (floor, tank) = (Parameter::CavitationFloor, machine.get(Parameter::TankPressure));
+        let what = floor.description();
+        let part = (machine.get(floor) - what.min) / (what.max - what.min);
+        if part > 0.0 {
+            machine.set(floor, -1.01e5 + (tank + 1.01e5) * part);
+        }
         machine
     })
 }

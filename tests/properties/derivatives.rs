@@ -30,20 +30,20 @@ fn check(machine: &Machine<f64>, parameter: P, step: f64, one_sided: bool, toler
     let below = if one_sided { moved(1e-3 * step) } else { moved(-step) };
     let span = if one_sided { step - 1e-3 * step } else { 2.0 * step };
     let mut lifted = machine.map(Dual::<1>::constant);
-    lifted.set(parameter, Dual::variable(machine.get(parameter), 0));
+    lifted.set(parameter, Dual::variable(machine.get(parameter), 0, 1.0));
     let exact = signals::<Dual<1>>(&lifted);
     let plain = signals::<f64>(machine);
     let key = parameter.description().key;
     let mut moves = false;
     for signal in 0..5 {
-        let largest = exact.iter().fold(0.0_f64, |largest, row| largest.max(f64::from(row[signal].partials[0]).abs()));
+        let largest = exact.iter().fold(0.0_f64, |largest, row| largest.max(f64::from(row[signal].partials()[0]).abs()));
         moves |= largest > 0.0;
         for (row, exact) in exact.iter().enumerate() {
             let plain = plain[row][signal];
             assert!((exact[signal].value - plain).abs() <= 1e-9, "{key}, {signal}, row {row}: the value");
             assert!(one_sided || exact[signal].value.to_bits() == plain.to_bits(), "{key}, {signal}, row {row}: bits");
             let difference = (above[row][signal] - below[row][signal]) / span;
-            let miss = (f64::from(exact[signal].partials[0]) - difference).abs();
+            let miss = (f64::from(exact[signal].partials()[0]) - difference).abs();
             assert!(miss <= tolerance * largest + 1e-12, "{key}, {signal}, row {row}: {miss:e} of {largest:e}");
         }
     }

@@ -4,7 +4,7 @@ use model_core::machine::{Machine, MachineError, Parameter};
 use recording::Signal;
 
 use crate::initial_state::{Offset, StartOffset};
-use crate::number::dual::{Dual, single};
+use crate::number::dual::{BLOCK, Dual};
 use crate::run::run;
 use crate::stimulus::Stimulus;
 
@@ -49,40 +49,31 @@ impl Derivatives<'_> {
     /// Runs once and hands every wanted signal to `sink`, row by row, by its place among the wanted; `None` where the chain does not
     /// compute it. The values are those of an f64 run to the last bit.
     pub fn run(&self, sink: &mut dyn FnMut(usize, usize, Derived<'_>)) -> Result<(), MachineError> {
-        macro_rules! with_slots {
-            ($($slots:literal)*) => {
-                match self.by.len() + 1 {
-                    $(0..=$slots => self.in_slots::<$slots>(sink),)*
-                    _ => self.in_slots::<MOST_SLOTS>(sink),
-                }
-            };
+        match self.by.len() {
+            0..8 => self.in_vectors::<1>(sink),
+            8..16 => self.in_vectors::<2>(sink),
+            16..24 => self.in_vectors::<3>(sink),
+            _ => self.in_vectors::<{ MOST_SLOTS / BLOCK }>(sink),
         }
-        with_slots!(12 16 24 32)
     }
 
-    fn in_slots<const P: usize>(&self, sink: &mut dyn FnMut(usize, usize, Derived<'_>)) -> Result<(), MachineError> {
+    fn in_vectors<const B: usize>(&self, sink: &mut dyn FnMut(usize, usize, Derived<'_>)) -> Result<(), MachineError> {
         let slots = self.by.len() + 1;
-        let level = self.offset.level.map(|level| {
-            let mut level = Dual::<P>::constant_of(level);
-            level.partials[slots - 1] = single(self.level_slope);
-            level
-        });
+        let level = self.offset.level.map(|level| Dual::<B>::variable(level, slots - 1, self.level_slope));
         let offset = Offset { level, shift_m: Dual::constant_of(self.offset.shift_m) };
-        run::<Dual<P>>(&self.lifted(), self.stimulus, offset, &mut |row, sample| {
+        run::<Dual<B>>(&self.lifted(), self.stimulus, offset, &mut |row, sample| {
             for (place, &signal) in self.signals.iter().enumerate() {
                 let found = sample.signal(signal);
-                sink(row, place, found.as_ref().map(|found| (found.value, &found.partials[..slots])));
+                sink(row, place, found.as_ref().map(|found| (found.value, &found.partials()[..slots])));
             }
         })
     }
 
     /// The machine whose parameters carry their derivatives.
-    fn lifted<const P: usize>(&self) -> Machine<Dual<P>> {
+    fn lifted<const B: usize>(&self) -> Machine<Dual<B>> {
         let mut machine = self.machine.map(Dual::constant_of);
         for (index, by) in self.by.iter().enumerate() {
-            let mut value = Dual::<P>::constant_of(by.value);
-            value.partials[index] = single(by.slope);
-            machine.set(by.parameter, value);
+            machine.set(by.parameter, Dual::<B>::variable(by.value, index, by.slope));
         }
         machine
     }

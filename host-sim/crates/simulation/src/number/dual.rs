@@ -1,4 +1,4 @@
-//! Dual numbers: a value and its derivatives with respect to `P` parameters.
+//! Dual numbers: a value and its derivatives with respect to as many parameters as `B` vectors of the processor hold.
 //!
 //! The value is an f64 run to the last bit; the derivatives are single precision, which a search for a minimum never misses and
 //! which halves their cost.
@@ -10,47 +10,54 @@ use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use model_core::number::{Field, Real};
+use wide::f32x8;
 
-/// A value with `P` partial derivatives.
+/// Derivatives in one vector.
+pub const BLOCK: usize = 8;
+
+/// A value with `B` vectors of partial derivatives.
 #[derive(Clone, Copy, Debug)]
-pub struct Dual<const P: usize> {
+pub struct Dual<const B: usize> {
     /// The value.
     pub value: f64,
-    /// ∂value/∂θᵢ
-    pub partials: [f32; P],
+    partials: [f32x8; B],
 }
 
-impl<const P: usize> Dual<P> {
-    /// The parameter θᵢ itself.
+impl<const B: usize> Dual<B> {
+    /// A parameter's value, whose coordinate `index` is: `slope` = ∂value/∂θᵢ.
     ///
     /// # Panics
-    /// Never for `index < P`; a larger index yields a constant.
+    /// Without a slot for it.
     #[must_use]
-    pub fn variable(value: f64, index: usize) -> Self {
-        let mut partials = [0.0_f32; P];
-        if let Some(partial) = partials.get_mut(index) {
-            *partial = 1.0;
-        }
+    pub fn variable(value: f64, index: usize, slope: f64) -> Self {
+        let mut partials = [f32x8::ZERO; B];
+        partials[index / BLOCK].as_mut_array()[index % BLOCK] = single(slope);
         Self { value, partials }
+    }
+
+    /// ∂value/∂θᵢ, each.
+    #[must_use]
+    pub fn partials(&self) -> &[f32] {
+        bytemuck::must_cast_slice(&self.partials)
     }
 
     /// A value that no parameter moves.
     #[must_use]
     pub const fn constant_of(value: f64) -> Self {
-        Self { value, partials: [0.0; P] }
+        Self { value, partials: [f32x8::ZERO; B] }
     }
 
     /// f(self) by its value and slope.
     #[inline(always)]
     fn chain(self, value: f64, slope: f64) -> Self {
-        let slope = single(slope);
+        let slope = f32x8::splat(single(slope));
         Self { value, partials: self.partials.map(|partial| partial * slope) }
     }
 
     /// Σ of two duals' partials, each with its weight.
     #[inline(always)]
     fn combine(value: f64, a: &Self, weight_a: f64, b: &Self, weight_b: f64) -> Self {
-        let (weight_a, weight_b) = (single(weight_a), single(weight_b));
+        let (weight_a, weight_b) = (f32x8::splat(single(weight_a)), f32x8::splat(single(weight_b)));
         Self { value, partials: std::array::from_fn(|i| a.partials[i] * weight_a + b.partials[i] * weight_b) }
     }
 }
@@ -68,21 +75,21 @@ pub fn single(slope: f64) -> f32 {
     slope as f32
 }
 
-impl<const P: usize> PartialEq for Dual<P> {
+impl<const B: usize> PartialEq for Dual<B> {
     #[inline(always)]
     fn eq(&self, other: &Self) -> bool {
         self.value == other.value
     }
 }
 
-impl<const P: usize> PartialOrd for Dual<P> {
+impl<const B: usize> PartialOrd for Dual<B> {
     #[inline(always)]
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         self.value.partial_cmp(&other.value)
     }
 }
 
-impl<const P: usize> Add for Dual<P> {
+impl<const B: usize> Add for Dual<B> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -93,7 +100,7 @@ impl<const P: usize> Add for Dual<P> {
     }
 }
 
-impl<const P: usize> Sub for Dual<P> {
+impl<const B: usize> Sub for Dual<B> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
@@ -104,7 +111,7 @@ impl<const P: usize> Sub for Dual<P> {
     }
 }
 
-impl<const P: usize> Mul for Dual<P> {
+impl<const B: usize> Mul for Dual<B> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
@@ -112,7 +119,7 @@ impl<const P: usize> Mul for Dual<P> {
     }
 }
 
-impl<const P: usize> Div for Dual<P> {
+impl<const B: usize> Div for Dual<B> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
@@ -123,7 +130,7 @@ impl<const P: usize> Div for Dual<P> {
     }
 }
 
-impl<const P: usize> Neg for Dual<P> {
+impl<const B: usize> Neg for Dual<B> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -131,11 +138,11 @@ impl<const P: usize> Neg for Dual<P> {
     }
 }
 
-impl<const P: usize> Field for Dual<P> {
+impl<const B: usize> Field for Dual<B> {
     type Real = Self;
 
-    const ZERO: Self = Self { value: 0.0, partials: [0.0; P] };
-    const ONE: Self = Self { value: 1.0, partials: [0.0; P] };
+    const ZERO: Self = Self::constant_of(0.0);
+    const ONE: Self = Self::constant_of(1.0);
 
     #[inline(always)]
     fn constant(value: f64) -> Self {
@@ -156,18 +163,18 @@ impl<const P: usize> Field for Dual<P> {
     }
     #[inline(always)]
     fn noted(self) -> Self {
-        let noted = |slope: f32| if slope.abs() < NONE_BELOW { 0.0 } else { slope };
+        let noted = |slope: f32x8| !slope.abs().simd_lt(f32x8::splat(NONE_BELOW)) & slope;
         Self { partials: self.partials.map(noted), ..self }
     }
 }
 
-impl<const P: usize> Real for Dual<P> {
+impl<const B: usize> Real for Dual<B> {
     #[inline(always)]
     fn value(self) -> f64 {
         self.value
     }
     fn is_nil(self) -> bool {
-        self.value == 0.0 && self.partials.iter().all(|partial| *partial == 0.0)
+        self.value == 0.0 && self.partials.iter().all(|partials| partials.simd_eq(f32x8::ZERO).all())
     }
     fn exp(self) -> Self {
         let value = Real::exp(self.value);
@@ -189,13 +196,13 @@ mod tests {
 
     #[test]
     fn a_derivative_that_fades_is_none_before_it_is_subnormal() {
-        let decay = Dual::<2>::constant_of(0.5);
-        let mut fading = Dual::<2>::variable(1.0, 0);
+        let decay = Dual::<1>::constant_of(0.5);
+        let mut fading = Dual::<1>::variable(1.0, 0, 1.0);
         for _ in 0..200 {
             fading = fading.part(decay);
-            assert!(fading.partials.iter().all(|slope| *slope == 0.0 || slope.is_normal()), "{fading:?}");
+            assert!(fading.partials().iter().all(|slope| *slope == 0.0 || slope.is_normal()), "{fading:?}");
         }
-        assert!(fading.value > 0.0 && fading.partials.iter().all(|slope| *slope == 0.0), "{fading:?}");
+        assert!(fading.value > 0.0 && fading.partials().iter().all(|slope| *slope == 0.0), "{fading:?}");
     }
 
     #[test]
@@ -204,8 +211,8 @@ mod tests {
         let (at, h) = (0.7, 1e-6);
         let plain = |x: f64| x.sqrt() / (x.exp() + x * x) - x;
         let expected = (plain(at + h) - plain(at - h)) / (2.0 * h);
-        let dual = f(Dual::variable(at, 0));
+        let dual = f(Dual::variable(at, 0, 1.0));
         assert!((dual.value - plain(at)).abs() < 1e-15);
-        assert!((f64::from(dual.partials[0]) - expected).abs() < 1e-6, "{} {expected}", dual.partials[0]);
+        assert!((f64::from(dual.partials()[0]) - expected).abs() < 1e-6, "{} {expected}", dual.partials()[0]);
     }
 }
