@@ -63,7 +63,7 @@ fn as_alone(machine: &Machine<f64>, tick: Tick, entry: EntryPoint, follows: bool
         expected.push(series);
     }
     let mut abreast = vec![Vec::new(); runs.len()];
-    run_abreast(machine, &runs, |run, row, values| {
+    run_abreast(machine, &runs, &mut |run, row, values| {
         abreast[run].push((row, values.iter().map(|value| value.to_bits()).collect::<Vec<u64>>()));
     })
     .unwrap();

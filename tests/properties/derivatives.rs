@@ -36,7 +36,8 @@ fn check(machine: &Machine<f64>, parameter: P, step: f64, one_sided: bool, toler
     let key = parameter.description().key;
     let mut moves = false;
     for signal in 0..5 {
-        let largest = exact.iter().fold(0.0_f64, |largest, row| largest.max(f64::from(row[signal].partials()[0]).abs()));
+        let largest =
+            exact.iter().fold(0.0_f64, |largest, row| largest.max(f64::from(row[signal].partials()[0]).abs()));
         moves |= largest > 0.0;
         for (row, exact) in exact.iter().enumerate() {
             let plain = plain[row][signal];

@@ -1,6 +1,6 @@
 //! Every recording simulated before and after, for whoever shows the diagnosis.
 
-use rayon::prelude::*;
+use identification::parallel;
 
 use identification::experiment::Prepared;
 use identification::fit::{Fit, StartState, settle};
@@ -18,7 +18,7 @@ pub(crate) fn show_all(
 ) -> Result<Vec<Shown>, MachineError> {
     let starts = before.starts.iter().zip(&after.starts).map(|(&before, &after)| Some((before, after)));
     let together: Vec<_> = trained.into_iter().zip(starts).chain(held.into_iter().map(|case| (case, None))).collect();
-    together.into_par_iter().map(|(prepared, starts)| show(prepared, starts, &before.machine, &after.machine)).collect()
+    parallel::try_each(together, |(prepared, starts)| show(prepared, starts, &before.machine, &after.machine))
 }
 
 /// Simulates before and after, from the fitted starts; a held-out recording has none and starts from what suits each best.

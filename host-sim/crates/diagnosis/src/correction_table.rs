@@ -6,7 +6,7 @@
 
 use std::fmt;
 
-use rayon::prelude::*;
+use identification::parallel;
 
 use identification::experiment::Prepared;
 use identification::fit::{Counts, Estimate, FitError, Free, Freedom, From, Residuals, fit, settle, standardised};
@@ -254,14 +254,11 @@ pub fn improved(
     }
     let seen = Seen::of(&base.fit.machine, cases)?;
     let plans: Vec<&Plan> = plans(location.subsystem).iter().filter(|plan| applies(question.scene, plan)).collect();
-    let mut tables: Vec<(&Plan, Vec<Axis>, Candidate)> = plans
-        .into_par_iter()
-        .filter_map(|plan| Some((plan, seen.axes(plan.1)?)))
-        .map(|(plan, axes)| {
-            let candidate = fitted(question, base, None, plan.0, &axes, ROUGHLY)?;
-            Ok((plan, axes, candidate))
-        })
-        .collect::<Result<_, FitError>>()?;
+    let with_axes = plans.into_iter().filter_map(|plan| Some((plan, seen.axes(plan.1)?)));
+    let mut tables: Vec<(&Plan, Vec<Axis>, Candidate)> = parallel::try_each(with_axes, |(plan, axes)| {
+        let candidate = fitted(question, base, None, plan.0, &axes, ROUGHLY)?;
+        Ok::<_, FitError>((plan, axes, candidate))
+    })?;
     tables.sort_by(|a, b| a.2.fit.loss.total_cmp(&b.2.fit.loss));
     tables.truncate(FINISHED);
     let left_out = base.left_out(question)?;

@@ -6,8 +6,8 @@
 
 use std::cmp::Ordering;
 
+use identification::parallel;
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 
 use diagnosis::catalogue::Hypothesis;
 use diagnosis::{Diagnosis, Finding};
@@ -113,13 +113,9 @@ pub fn separations(
     let tick = first.prepared.stimulus.tick;
     let sensors = sensors(diagnosis);
     let moves = diagnosis.selection.chosen.uncertainty();
-    let rows: Vec<Vec<(usize, Told)>> = tests
-        .par_chunks(LANES)
-        .map(|tests| told_by(tests, chosen, &moves.steps, &pairs, &sensors, tick))
-        .collect::<Result<Vec<_>, _>>()?
-        .into_iter()
-        .flatten()
-        .collect();
+    let told = |tests| told_by(tests, chosen, &moves.steps, &pairs, &sensors, tick);
+    let rows = parallel::try_each(tests.chunks(LANES), told)?;
+    let rows: Vec<Vec<(usize, Told)>> = rows.into_iter().flatten().collect();
     Ok(pairs
         .iter()
         .enumerate()
@@ -287,7 +283,7 @@ type Seen = Vec<Vec<DVector<f64>>>;
 fn seen(machine: &Machine<f64>, runs: &[Run<'_>], sensors: &[Sensor]) -> Result<Seen, MachineError> {
     let mut series: Vec<Vec<Vec<f64>>> =
         runs.iter().map(|run| vec![Vec::with_capacity(run.stimulus.rows()); sensors.len()]).collect();
-    run_abreast(machine, runs, |run, _, values| {
+    run_abreast(machine, runs, &mut |run, _, values| {
         for ((value, sensor), series) in values.iter().zip(sensors).zip(&mut series[run]) {
             series.push(value / sensor.noise);
         }

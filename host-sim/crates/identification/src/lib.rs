@@ -14,4 +14,5 @@ mod error;
 pub mod experiment;
 pub mod fit;
 pub mod input_noise;
+pub mod parallel;
 pub mod static_curve;

@@ -50,8 +50,7 @@ impl Derivatives<'_> {
     /// compute it. The values are those of an f64 run to the last bit.
     pub fn run(&self, sink: &mut dyn FnMut(usize, usize, Derived<'_>)) -> Result<(), MachineError> {
         match self.by.len() {
-            0..8 => self.in_vectors::<1>(sink),
-            8..16 => self.in_vectors::<2>(sink),
+            0..16 => self.in_vectors::<2>(sink),
             16..24 => self.in_vectors::<3>(sink),
             _ => self.in_vectors::<{ MOST_SLOTS / BLOCK }>(sink),
         }

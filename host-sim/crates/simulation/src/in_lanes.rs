@@ -33,7 +33,7 @@ pub struct Run<'a> {
 pub fn run_abreast(
     machine: &Machine<f64>,
     runs: &[Run<'_>],
-    mut sink: impl FnMut(usize, usize, &[f64]),
+    sink: &mut dyn FnMut(usize, usize, &[f64]),
 ) -> Result<(), MachineError> {
     // Lanes run as long as the longest of theirs.
     let mut left: Vec<usize> = (0..runs.len()).collect();
@@ -50,15 +50,15 @@ pub fn run_abreast(
         });
         if together.len() > 1 {
             let chosen: Vec<&Run<'_>> = together.iter().map(|&index| &runs[index]).collect();
-            in_lanes(machine, &chosen, |lane, row, values| sink(together[lane], row, values))?;
+            in_lanes(machine, &chosen, &mut |lane, row, values| sink(together[lane], row, values))?;
         } else {
-            alone(machine, &runs[first], |row, values| sink(first, row, values))?;
+            alone(machine, &runs[first], &mut |row, values| sink(first, row, values))?;
         }
     }
     Ok(())
 }
 
-fn alone(machine: &Machine<f64>, one: &Run<'_>, mut sink: impl FnMut(usize, &[f64])) -> Result<(), MachineError> {
+fn alone(machine: &Machine<f64>, one: &Run<'_>, sink: &mut dyn FnMut(usize, &[f64])) -> Result<(), MachineError> {
     let mut values = vec![0.0; one.signals.len()];
     run::<f64>(machine, one.stimulus, one.offset.lifted(), &mut |row, sample| {
         for (value, &signal) in values.iter_mut().zip(&one.signals) {
@@ -141,7 +141,7 @@ impl<'a> Abreast<'a> {
 fn in_lanes(
     machine: &Machine<f64>,
     runs: &[&Run<'_>],
-    mut sink: impl FnMut(usize, usize, &[f64]),
+    sink: &mut dyn FnMut(usize, usize, &[f64]),
 ) -> Result<(), MachineError> {
     let mut abreast = Abreast::at_start(machine, runs)?;
     let mut signals: Vec<Signal> = Vec::new();

@@ -1,6 +1,6 @@
 //! Where an extension of an effect that was found could start.
 
-use rayon::prelude::*;
+use identification::parallel;
 
 use identification::fit::{Fit, Sensitivity};
 use model_core::machine::MachineError;
@@ -38,10 +38,8 @@ pub fn extended(
             };
             (strength.parameter, values)
         });
-        let leads: Vec<Lead> = combined(start, tries)
-            .into_par_iter()
-            .map(|values| Lead::at(sensitivity, fit, effect, form, values))
-            .collect::<Result<_, MachineError>>()?;
+        let at = |values| Lead::at(sensitivity, fit, effect, form, values);
+        let leads: Vec<Lead> = parallel::try_each(combined(start, tries), at)?;
         found.extend(leads.into_iter().min_by(|a, b| a.loss.total_cmp(&b.loss)));
     }
     Ok(found)

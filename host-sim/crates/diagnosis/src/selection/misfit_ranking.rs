@@ -5,7 +5,7 @@
 //! then judge the sets by what was bent. With the noise of every channel what the best set leaves, and as correlated, the parameters
 //! stay where they can be, and what the sets differ in decides.
 
-use rayon::prelude::*;
+use identification::parallel;
 
 use identification::experiment::Prepared;
 use identification::fit::FitError;
@@ -40,8 +40,7 @@ pub(crate) fn believed(
     let training = as_far_as(question, best)?;
     let training: Vec<&Prepared> = training.iter().collect();
     let less = Question { training: &training, ..*question };
-    let refits: Vec<Candidate> =
-        before.par_iter().map(|set| set.refitted_to(question, &less)).collect::<Result<_, _>>()?;
+    let refits: Vec<Candidate> = parallel::try_each(&before, |set| set.refitted_to(question, &less))?;
     let refits: Vec<Candidate> = refits.into_iter().filter(possible).collect();
     if refits.is_empty() {
         return Ok(finished);

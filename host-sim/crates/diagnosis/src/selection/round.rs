@@ -1,6 +1,6 @@
 //! One round of the search: candidate models ranked, the best refitted to the end, and what of one stays when superfluous effects go.
 
-use rayon::prelude::*;
+use identification::parallel;
 
 use identification::fit::FitError;
 
@@ -62,7 +62,7 @@ pub(crate) fn reduced(
         };
         let may_go = |&index: &usize| !stay.contains(&rest.effects[index].effect.plainest());
         let indices: Vec<usize> = (0..rest.effects.len()).filter(may_go).collect();
-        let fewer: Vec<Option<(bool, Candidate)>> = indices.into_par_iter().map(without).collect::<Result<_, _>>()?;
+        let fewer: Vec<Option<(bool, Candidate)>> = parallel::try_each(indices, without)?;
         // Of two that each make the other superfluous, the one that is a claim stays, or the one that leaves less.
         let best = fewer
             .into_iter()
@@ -163,7 +163,7 @@ pub(crate) fn candidates(ranked: Vec<(Candidate, f64)>) -> Vec<Candidate> {
 pub(super) fn to_the_end(question: &Question<'_>, sets: Vec<Candidate>) -> Result<Vec<Candidate>, FitError> {
     let finished =
         |candidate: Candidate| if candidate.is_finished { Ok(candidate) } else { candidate.finished(question) };
-    sets.into_par_iter().map(finished).collect()
+    parallel::try_each(sets, finished)
 }
 
 pub(crate) fn trials(ranked: &[(Candidate, f64)]) -> Vec<Trial> {

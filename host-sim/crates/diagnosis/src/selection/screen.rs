@@ -1,7 +1,7 @@
 //! Which effects are worth a refit: each is tried at a few points of its usual range, and what it would gain once everything
 //! that is free has settled anew is read off the residuals' slopes. One simulation a point instead of a fit.
 
-use rayon::prelude::*;
+use identification::parallel;
 
 use identification::fit::{Change, Fit, Free, Freedom, Sensitivity, Settled, Simulated};
 use model_core::machine::{Machine, MachineError, Parameter};
@@ -191,27 +191,24 @@ pub fn screen(
         .flat_map(|(index, (_, form))| shapes(scene, form).into_iter().map(move |shape| (index, shape)))
         .collect();
     // What each point promises along its directions, by each weighing.
-    let promised: Vec<Vec<Promise>> = points
-        .into_par_iter()
-        .map(|(index, shape)| {
-            let form = forms[index].1;
-            let units: Vec<f64> = amounts(form).map(|strength| strength.unit(scene)).collect();
-            // A point that does not become a drive promises nothing.
-            let directions = directions(fit, any, form, &shape, &units).ok();
-            let promise = |sensitivity| {
-                // Without an amount there is no direction: what the point itself gains.
-                if units.is_empty() {
-                    let lead = Lead::at(sensitivity, fit, forms[index].0, form, shape.clone());
-                    let gain = lead.map_or(0.0, |lead| lead.gain);
-                    return Promise { form: index, shape: shape.clone(), shares: Vec::new(), gain };
-                }
-                let promised = directions.as_ref().map(|directions| directed(sensitivity, form, directions));
-                let (shares, gain) = promised.unwrap_or_default();
-                Promise { form: index, shape: shape.clone(), shares, gain }
-            };
-            weighings.iter().map(promise).collect()
-        })
-        .collect();
+    let promised: Vec<Vec<Promise>> = parallel::each(points, |(index, shape)| {
+        let form = forms[index].1;
+        let units: Vec<f64> = amounts(form).map(|strength| strength.unit(scene)).collect();
+        // A point that does not become a drive promises nothing.
+        let directions = directions(fit, any, form, &shape, &units).ok();
+        let promise = |sensitivity| {
+            // Without an amount there is no direction: what the point itself gains.
+            if units.is_empty() {
+                let lead = Lead::at(sensitivity, fit, forms[index].0, form, shape.clone());
+                let gain = lead.map_or(0.0, |lead| lead.gain);
+                return Promise { form: index, shape: shape.clone(), shares: Vec::new(), gain };
+            }
+            let promised = directions.as_ref().map(|directions| directed(sensitivity, form, directions));
+            let (shares, gain) = promised.unwrap_or_default();
+            Promise { form: index, shape: shape.clone(), shares, gain }
+        };
+        weighings.iter().map(promise).collect()
+    });
     let by = |(which, sensitivity): (usize, &Sensitivity<'_>)| {
         best(scene, fit, sensitivity, &forms, promised.iter().map(|each| &each[which]).collect())
     };
@@ -229,15 +226,12 @@ fn best(
     let mut gains: Vec<f64> = promised.iter().map(|promise| promise.gain).collect();
     gains.sort_by(|a, b| b.total_cmp(a));
     let least = gains.first().map_or(0.0, |most| WORTHWHILE * most).max(gains.get(MOST_TRIED).copied().unwrap_or(0.0));
-    let leads: Vec<(usize, Option<Lead>)> = promised
-        .into_par_iter()
-        .filter(|promise| promise.gain >= least)
-        .map(|promise| {
-            let (effect, form) = forms[promise.form];
-            // A point that does not become a drive is no lead.
-            (promise.form, lead(scene, fit, sensitivity, effect, form, promise).ok().flatten())
-        })
-        .collect();
+    let worthwhile = promised.into_iter().filter(|promise| promise.gain >= least);
+    let leads: Vec<(usize, Option<Lead>)> = parallel::each(worthwhile, |promise| {
+        let (effect, form) = forms[promise.form];
+        // A point that does not become a drive is no lead.
+        (promise.form, lead(scene, fit, sensitivity, effect, form, promise).ok().flatten())
+    });
     let mut best: Vec<Option<Lead>> = vec![None; forms.len()];
     for (index, lead) in leads {
         if let Some(lead) = lead
@@ -352,7 +346,7 @@ fn jump(
     };
     let tries =
         form.iter().enumerate().map(|(index, strength)| (strength.parameter, grid(strength, POINTS[index.min(1)])));
-    let leads: Vec<Lead> = combined(Vec::new(), tries).into_par_iter().map(&lead_at).collect::<Result<_, _>>()?;
+    let leads: Vec<Lead> = parallel::try_each(combined(Vec::new(), tries), &lead_at)?;
     let mut best: Option<Lead> = None;
     for lead in leads {
         if best.as_ref().is_none_or(|known| known.gain < lead.gain) {

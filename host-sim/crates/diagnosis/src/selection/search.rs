@@ -1,6 +1,6 @@
 //! Sets with one more effect: what is worth a refit, refitted roughly.
 
-use rayon::prelude::*;
+use identification::parallel;
 
 use identification::fit::FitError;
 
@@ -75,7 +75,7 @@ pub(crate) fn of_each<T: Sync>(
     all: &[T],
     refits: impl Fn(&T) -> Result<Vec<Candidate>, FitError> + Sync + Send,
 ) -> Result<Vec<Candidate>, FitError> {
-    let found: Vec<Vec<Candidate>> = all.par_iter().map(refits).collect::<Result<_, _>>()?;
+    let found: Vec<Vec<Candidate>> = parallel::try_each(all, refits)?;
     Ok(found.into_iter().flatten().collect())
 }
 
@@ -90,7 +90,7 @@ pub(crate) fn refit_each(
         done(lead.effect.name);
         candidate
     };
-    leads.par_iter().map(told).collect()
+    parallel::try_each(leads, told)
 }
 
 /// Effects that may be added: neither there already, nor an extension of one that is.

@@ -1,6 +1,6 @@
 //! The excitation that separates most: the best choice of standard tests, one after the other.
 
-use rayon::prelude::*;
+use identification::parallel;
 
 use model_core::machine::{Machine, MachineError, Parameter, Tick};
 use recording::Signal;
@@ -99,19 +99,17 @@ pub(crate) fn best(legs: &[Leg], directions: &Directions, at_hand: &[usize], lon
         })
         .filter(|(_, duration)| *duration <= longest_s)
         .collect();
-    let valued: Vec<((usize, f64), f64, Vec<usize>)> = choices
-        .into_par_iter()
-        .filter_map(|(chosen, duration)| {
-            let sum = Products::sum(chosen.iter().map(|&leg| &legs[leg].products))?;
-            let (products, samples) = sum.over(at_hand);
-            Some((Isolability::of(directions, &products, samples).worth(), duration, chosen))
-        })
-        .collect();
+    let valued = parallel::each(choices, |(chosen, duration)| {
+        let sum = Products::sum(chosen.iter().map(|&leg| &legs[leg].products))?;
+        let (products, samples) = sum.over(at_hand);
+        Some((Isolability::of(directions, &products, samples).worth(), duration, chosen))
+    });
     let better = |a: &((usize, f64), f64, Vec<usize>), b: &((usize, f64), f64, Vec<usize>)| {
         (a.0.0.cmp(&b.0.0)).then(a.0.1.total_cmp(&b.0.1)).then(b.1.total_cmp(&a.1))
     };
     valued
         .into_iter()
+        .flatten()
         .reduce(|best, next| if better(&next, &best).is_gt() { next } else { best })
         .map_or(Vec::new(), |best| best.2)
 }

@@ -13,10 +13,10 @@ mod products;
 
 use directions::Directions;
 use excitation::{Leg, best, joined};
+use identification::parallel;
 use isolability::needed;
 use nalgebra::{DMatrix, DVector};
 use products::{Changes, Products, View};
-use rayon::prelude::*;
 
 use diagnosis::catalogue::{CATALOGUE, Hypothesis, Scene};
 use diagnosis::selection::screen::with;
@@ -172,17 +172,12 @@ pub fn plan(planned: &Planned<'_>, given: Option<&Stimulus>, done: &(dyn Fn() + 
         .partition(|hypothesis| hypothesis.is_testable(&scene));
     let directions = Directions::of(&scene, planned.ordinary, &effects, planned.sensors);
     let (sensors, at_hand) = with_further(planned);
-    let legs: Vec<Leg> = tests(planned)
-        .par_iter()
-        .map(|test| {
-            let leg = Leg::of(test, machine, planned.largest_v, &directions, &sensors, TICK);
-            done();
-            leg
-        })
-        .collect::<Result<Vec<_>, _>>()?
-        .into_iter()
-        .flatten()
-        .collect();
+    let legs = parallel::try_each(&tests(planned), |test| {
+        let leg = Leg::of(test, machine, planned.largest_v, &directions, &sensors, TICK);
+        done();
+        leg
+    })?;
+    let legs: Vec<Leg> = legs.into_iter().flatten().collect();
     let chosen = best(&legs, &directions, &at_hand, planned.longest_s);
     done();
     let chosen: Vec<&StandardTest> = chosen.iter().map(|&leg| &legs[leg].test).collect();
@@ -240,17 +235,11 @@ impl Judge<'_> {
         let isolability = Isolability::of(self.directions, &over, samples);
         let near = View { stimulus, sensors: &self.sensors[..at_hand.len()] };
         let scale = Scale::of(&near, &changes, self.directions.ordinary);
-        let effects = self
-            .directions
-            .effects
-            .par_iter()
-            .enumerate()
-            .map(|(index, &effect)| Prospect {
-                effect,
-                usual: self.directions.strengths[index].clone(),
-                smallest: self.smallest(index, isolability.seen[index], &scale, samples),
-            })
-            .collect();
+        let effects = parallel::each(self.directions.effects.iter().enumerate(), |(index, &effect)| Prospect {
+            effect,
+            usual: self.directions.strengths[index].clone(),
+            smallest: self.smallest(index, isolability.seen[index], &scale, samples),
+        });
         let duration_s = stimulus.ticks() as f64 * stimulus.tick.seconds();
         Ok((Outlook { duration_s, effects, isolability }, products))
     }

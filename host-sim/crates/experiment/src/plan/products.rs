@@ -1,7 +1,7 @@
 //! What every direction does to every sensor in one excitation, as products of whitened changes: they add up over excitations.
 
+use identification::parallel;
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 
 use model_core::machine::{Machine, MachineError};
 use simulation::{StartOffset, Stimulus, rows_f64};
@@ -45,14 +45,11 @@ impl View<'_> {
     /// Simulates the machine as it is and in every direction.
     pub(crate) fn changes(&self, machine: &Machine<f64>, directions: &[Direction]) -> Result<Changes, MachineError> {
         let base = self.of(machine, StartOffset::none())?;
-        let each = directions
-            .par_iter()
-            .map(|direction| {
-                let there = self.of(&direction.machine, direction.offset).ok()?;
-                let change = there.into_iter().zip(&base).map(|(there, base)| (there - base) * direction.times);
-                Some(change.collect())
-            })
-            .collect();
+        let each = parallel::each(directions, |direction| {
+            let there = self.of(&direction.machine, direction.offset).ok()?;
+            let change = there.into_iter().zip(&base).map(|(there, base)| (there - base) * direction.times);
+            Some(change.collect())
+        });
         Ok(Changes { base, each })
     }
 }
@@ -91,11 +88,11 @@ pub(crate) struct Products {
 impl Products {
     /// Of what every direction changes in an excitation of so many rows.
     pub(crate) fn of(changes: &Changes, rows: usize) -> Self {
-        let by_sensor = (0..changes.base.len()).into_par_iter().map(|sensor| {
+        let by_sensor = parallel::each(0..changes.base.len(), |sensor| {
             let columns = changes.columns(0..changes.each.len(), sensor);
             columns.tr_mul(&columns)
         });
-        Self { by_sensor: by_sensor.collect(), rows: rows as f64 }
+        Self { by_sensor, rows: rows as f64 }
     }
 
     /// Those of several excitations together.

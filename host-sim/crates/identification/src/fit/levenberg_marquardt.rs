@@ -6,9 +6,9 @@
 use std::cell::Cell;
 use std::sync::Arc;
 
+use crate::parallel;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
-use rayon::prelude::*;
 
 use model_core::machine::{Machine, MachineError};
 
@@ -206,17 +206,13 @@ impl<'p, 'a> Slots<'p, 'a> {
     fn evaluated(&self, coordinates: &DVector<f64>) -> Point {
         let Problem { base, free, cases, told, .. } = *self.problem;
         let at = At { base, free, coordinates: coordinates.as_slice() };
-        let all: Result<(Vec<_>, Vec<_>), _> = cases
-            .par_iter()
-            .zip(self.problem.starts())
-            .map(|(case, start)| {
-                let mut slopes = Slopes::new(free.len(), case);
-                let information = Information::of(&at, start, case, &mut slopes);
-                told(case);
-                Ok::<_, MachineError>((information?, slopes))
-            })
-            .collect();
-        let (information, slopes) = all.unwrap_or_default();
+        let all = parallel::try_each(cases.iter().zip(self.problem.starts()), |(case, start)| {
+            let mut slopes = Slopes::new(free.len(), case);
+            let information = Information::of(&at, start, case, &mut slopes);
+            told(case);
+            Ok::<_, MachineError>((information?, slopes))
+        });
+        let (information, slopes): (Vec<_>, Vec<_>) = all.unwrap_or_default().into_iter().unzip();
         Point::of(coordinates, information, Arc::new(slopes), false)
     }
 

@@ -1,7 +1,7 @@
 //! How each residual moves with each free parameter at a solution, for many questions about small changes at little cost.
 
+use crate::parallel;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
-use rayon::prelude::*;
 
 use model_core::machine::{Machine, MachineError};
 use simulation::number::dual::single;
@@ -84,11 +84,8 @@ impl<'a> Sensitivity<'a> {
             return Ok(None);
         }
         let at = At { base: &fit.machine, free: &fit.free, coordinates: &fit.coordinates };
-        let blocks: Vec<Block> = cases
-            .par_iter()
-            .zip(&fit.starts)
-            .map(|(case, start)| Block::at(&at, *start, case, kept))
-            .collect::<Result<_, _>>()?;
+        let with_starts = cases.iter().zip(&fit.starts);
+        let blocks = parallel::try_each(with_starts, |(case, start)| Block::at(&at, *start, case, kept))?;
         let information: Vec<Information> = blocks.iter().map(|block| block.information(count)).collect();
         let (matrix, gradient, _) = Information::assembled(&information, &fit.all_coordinates());
         Ok(matrix.cholesky().map(|factor| Self { cases, fit, blocks, kept, factor, gradient }))

@@ -30,9 +30,9 @@ impl<const B: usize> Dual<B> {
     /// Without a slot for it.
     #[must_use]
     pub fn variable(value: f64, index: usize, slope: f64) -> Self {
-        let mut partials = [f32x8::ZERO; B];
-        partials[index / BLOCK].as_mut_array()[index % BLOCK] = single(slope);
-        Self { value, partials }
+        let mut variable = Self::constant_of(value);
+        bytemuck::must_cast_slice_mut(&mut variable.partials)[index] = single(slope);
+        variable
     }
 
     /// ∂value/∂θᵢ, each.

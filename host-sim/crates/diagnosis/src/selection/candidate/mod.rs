@@ -5,7 +5,7 @@ mod plausibility;
 mod refit;
 mod uncertainty;
 
-use rayon::prelude::*;
+use identification::parallel;
 use refit::{Beginning, FINELY, Goes, NEARLY, PRECISION, SETTLED};
 
 use identification::experiment::Prepared;
@@ -237,7 +237,7 @@ impl Candidate {
             let machine = if training.len() > 1 { without(index)? } else { self.fit.machine };
             Ok(softened(&machine, case, settle(&machine, case)?)?)
         };
-        training.par_iter().enumerate().map(residuals).collect()
+        parallel::try_each(training.iter().enumerate(), residuals)
     }
 
     /// Names of its effects, sorted.

@@ -4,7 +4,7 @@
 //! kept, with jumps that hardly are. What the jumps measure of the free slider is smooth in all parameters, and
 //! tells stiction from the play that stands beside it.
 
-use rayon::prelude::*;
+use identification::parallel;
 
 use identification::experiment::Prepared;
 use identification::fit::{FitError, Residuals, StartState, softened_all};
@@ -97,7 +97,7 @@ impl Search<'_, '_> {
                 Ok((ahead, base, leads))
             })
         };
-        let all: Vec<_> = AHEAD.par_iter().map(at).collect::<Result<_, FitError>>()?;
+        let all: Vec<_> = parallel::try_each(&AHEAD, at)?;
         let mut forms: Vec<Vec<Start>> = Vec::new();
         let mut plain: Vec<Beginning> = Vec::new();
         for (ahead, from, leads) in all {
@@ -119,9 +119,9 @@ impl Search<'_, '_> {
     fn refitted(&self, starts: &[Start]) -> Result<Beside, FitError> {
         let rough = |Start { ahead, from, lead }: &Start| {
             let set = self.at(*ahead, |question| Reference::new(question, from)?.with(lead))?;
-            Ok((*ahead, set))
+            Ok::<_, FitError>((*ahead, set))
         };
-        let (ahead, set) = nearest(starts.par_iter().map(rough).collect::<Result<_, FitError>>()?);
+        let (ahead, set) = nearest(parallel::try_each(starts, rough)?);
         self.settled(set, ahead)
     }
 
@@ -201,7 +201,7 @@ pub(crate) fn stuck(
         starts.iter().take(1).for_each(|start| done(start.lead.effect.name));
         beside
     };
-    let tried: Vec<Beside> = forms.par_iter().take(REFITTED).map(refit).collect::<Result<_, _>>()?;
+    let tried: Vec<Beside> = parallel::try_each(forms.iter().take(REFITTED), refit)?;
     let with_stiction = |beside: &Beside| {
         let (band, kept) = search.sticking.strengths(beside.ahead);
         let strengths = [(Parameter::StictionBand, band), (Parameter::StictionKept, kept)];

@@ -1,6 +1,6 @@
 //! Valves of which no sensor sees the slider: a play that the search missed, and stiction by what its jumps leave in the position.
 
-use rayon::prelude::*;
+use identification::parallel;
 
 use identification::experiment::Prepared;
 use identification::fit::residuals::samples_by_blocks;
@@ -46,7 +46,7 @@ fn played(question: &Question<'_>, set: &Candidate) -> Result<Vec<Candidate>, Fi
         Candidate::given(question, effects.clone(), set.jumps.clone(), near, &values)
     };
     let starts = [None, Some(&set.fit)].into_iter().flat_map(|near| WIDTHS.map(|width| (near, width)));
-    starts.collect::<Vec<_>>().into_par_iter().map(refitted).collect()
+    parallel::try_each(starts, refitted)
 }
 
 impl Course {
@@ -196,9 +196,9 @@ fn nearest(
     let left = |sticks: &Sticks| {
         let values = [sticks.jumps().as_slice(), &[(Parameter::HysteresisWidth, sticks.width)]].concat();
         let residuals = softened_all(&with(&following.fit.machine, &values), cases())?;
-        Ok((residuals.iter().flatten().map(|series| loss(series)).sum::<f64>(), *sticks))
+        Ok::<_, FitError>((residuals.iter().flatten().map(|series| loss(series)).sum::<f64>(), *sticks))
     };
-    let mut all: Vec<(f64, Sticks)> = tries.par_iter().map(left).collect::<Result<_, FitError>>()?;
+    let mut all: Vec<(f64, Sticks)> = parallel::try_each(tries, left)?;
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     let refitted = |(_, sticks): &(f64, Sticks)| {
         let jumps = [following.jumps.as_slice(), &sticks.jumps()].concat();
@@ -207,7 +207,7 @@ fn nearest(
             Candidate::given(less, effects.to_vec(), jumps, Some(&following.fit), &values)?;
         Candidate::of(question, effects, fit, jumps, false)
     };
-    all.par_iter().take(REFITTED).map(refitted).collect()
+    parallel::try_each(all.iter().take(REFITTED), refitted)
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 //! Each is searched by itself, with the parameters and the effects of its own link. What both find together the chain as a whole
 //! has to accept.
 
-use rayon::prelude::*;
+use identification::parallel;
 
 use identification::experiment::Prepared;
 use identification::fit::FitError;
@@ -48,7 +48,7 @@ impl Side {
             let may_be = rival.is_plausible(own.scene) && accepts(&own, base, base, &rival)?;
             Ok(may_be.then_some(rival))
         };
-        let rivals: Vec<_> = course.rivals.into_par_iter().map(claimed).collect::<Result<_, _>>()?;
+        let rivals: Vec<_> = parallel::try_each(course.rivals, claimed)?;
         course.rivals = rivals.into_iter().flatten().collect();
         if explains_enough(&own, &course.base, &course.chosen, SIDE_EXPLAINED_TO) {
             course.explained.push(self);
@@ -74,7 +74,7 @@ fn followed(cases: &[&Prepared], machine: &Machine<f64>) -> Result<Option<Vec<Pr
     let following = |case: &&Prepared| case.following().filter(|case| case.channels.len() > 1);
     let followed: Option<Vec<Prepared>> = cases.iter().map(following).collect();
     let with_noise = |case| with_noise_of_slider(case, machine);
-    followed.map(|cases| cases.into_par_iter().map(with_noise).collect()).transpose()
+    followed.map(|cases| parallel::try_each(cases, with_noise)).transpose()
 }
 
 /// A recording driven by its slider, the noise of every other channel with what the slider's adds to it.
@@ -176,9 +176,9 @@ fn joined(
         .chain(below.rivals.iter().map(|rival| (&valve.chosen, rival)))
         .chain(valve.rivals.iter().map(|rival| (rival, &below.chosen)))
         .collect();
-    let few = pairs.into_par_iter().filter(|(valve, below)| valve.effects.len() + below.effects.len() <= MOST_EFFECTS);
+    let few = pairs.into_iter().filter(|(valve, below)| valve.effects.len() + below.effects.len() <= MOST_EFFECTS);
     let together = |(valve, below): (&Candidate, &Candidate)| below.beside(question, valve);
-    let mut sets: Vec<Candidate> = few.map(together).collect::<Result<_, _>>()?;
+    let mut sets: Vec<Candidate> = parallel::try_each(few, together)?;
     let exchanged = sets.first().map(|found| misread(question, found)).transpose()?.flatten();
     if let Some(other) = exchanged.clone() {
         // Only the valve may have had an effect for what was misread: the others stay.

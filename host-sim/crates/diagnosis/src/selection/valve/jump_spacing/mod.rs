@@ -15,7 +15,7 @@ mod whiten;
 
 use std::fmt;
 
-use rayon::prelude::*;
+use identification::parallel;
 use track::{Block, Heard, Track, tracks};
 use whiten::{usual, whitened};
 
@@ -116,7 +116,7 @@ fn evidence(machine: &Machine<f64>, cases: &[&Prepared]) -> Result<Option<Vec<f6
         let models = (0..HEIGHTS.len()).flat_map(|height| GLIDES.iter().map(move |glides| (height, *glides)));
         mean_of_logarithms(&models.map(under).collect::<Vec<f64>>())
     };
-    Ok(Some(lengths().par_iter().map(of_length).collect()))
+    Ok(Some(parallel::each(&lengths(), of_length)))
 }
 
 /// Log-likelihood that a recording gains by jumps of a length and a height, averaged over all courses of their phase.

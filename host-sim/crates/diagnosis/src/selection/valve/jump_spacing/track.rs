@@ -1,7 +1,7 @@
 //! A recording of the position with what a machine simulates of it: how much faster the rod is for each opening, the slider's strokes in
 //! blocks, and what each block says of jumps of a length.
 
-use rayon::prelude::*;
+use identification::parallel;
 use rustfft::num_complex::Complex;
 
 use identification::experiment::{Channel, Prepared};
@@ -62,7 +62,7 @@ pub(crate) fn tracks(machine: &Machine<f64>, cases: &[&Prepared]) -> Result<Opti
     };
     let positions: Option<Vec<usize>> = cases.iter().map(position).collect();
     let Some(positions) = positions.filter(|positions| !positions.is_empty()) else { return Ok(None) };
-    let starts: Vec<StartState> = cases.par_iter().map(|case| settle(machine, case)).collect::<Result<_, _>>()?;
+    let starts: Vec<StartState> = parallel::try_each(cases, |case| settle(machine, case))?;
     let signals = vec![Signal::Position, Signal::Spool, Signal::Velocity];
     let runs: Vec<Run<'_>> = cases
         .iter()
@@ -75,7 +75,7 @@ pub(crate) fn tracks(machine: &Machine<f64>, cases: &[&Prepared]) -> Result<Opti
         .collect();
     let most = MOST_ROWS / cases.len();
     let mut simulated: Vec<[Vec<f64>; 3]> = cases.iter().map(|_| std::array::from_fn(|_| Vec::new())).collect();
-    run_abreast(machine, &runs, |run, row, values| {
+    run_abreast(machine, &runs, &mut |run, row, values| {
         if row < most {
             simulated[run].iter_mut().zip(values).for_each(|(series, value)| series.push(*value));
         }
