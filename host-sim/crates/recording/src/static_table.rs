@@ -9,7 +9,7 @@ use std::path::Path;
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
 use crate::formats::read::open;
-use crate::formats::text::lines::{Lines, most_rows, parse_number};
+use crate::formats::text::lines::{Input, Lines, most_rows, parse_number};
 use crate::recording::{At, Note};
 use crate::signal::{Signal, split_header};
 use crate::unit::{Dimension, Unit};
@@ -41,6 +41,10 @@ impl Table {
 
     /// Reads from anywhere; `name` stands for the file in messages.
     pub fn read_from(name: &str, input: impl Read) -> Result<Self, RecordingError> {
+        Self::of_text(name, Box::new(input))
+    }
+
+    fn of_text(name: &str, input: Input<'_>) -> Result<Self, RecordingError> {
         let mut lines = Lines::new(name, input);
         let file = lines.file();
         let (header, mut splitter) = lines.header()?;

@@ -167,8 +167,8 @@ mod tests {
         text
     }
 
-    fn parts(text: &str, usual_rows: usize) -> Parts<impl std::io::Read> {
-        parts_of("run.csv", text.as_bytes(), &ChannelMap::default(), usual_rows).unwrap()
+    fn parts(text: &str, usual_rows: usize) -> Parts<'_> {
+        parts_of("run.csv", Box::new(text.as_bytes()), &ChannelMap::default(), usual_rows).unwrap()
     }
 
     /// Rows of a text with every signal in it.

@@ -1,6 +1,6 @@
 //! A recording that is read from front to back in parts, so that its length takes no memory.
 
-use std::io::Read;
+use std::fmt;
 
 use super::read::of_its_name;
 use crate::error::RecordingError;
@@ -11,11 +11,16 @@ use crate::recording::Recording;
 pub const PART_ROWS: usize = 500_000;
 
 /// A recording that is read in parts. What is no text of rows, and so is held in memory anyway, comes as one.
-#[derive(Debug)]
-pub struct Parts<R> {
+pub struct Parts<'a> {
     /// `None` after the last part, or an error.
-    left: Option<Opened<R>>,
+    left: Option<Opened<'a>>,
     usual_rows: usize,
+}
+
+impl fmt::Debug for Parts<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Parts").field("usual_rows", &self.usual_rows).finish_non_exhaustive()
+    }
 }
 
 /// A part of a recording.
@@ -27,9 +32,9 @@ pub struct Part {
     pub is_last: bool,
 }
 
-impl<R: Read> Parts<R> {
+impl<'a> Parts<'a> {
     /// Parts of some `usual_rows` each.
-    pub(crate) fn of(opened: Opened<R>, usual_rows: usize) -> Self {
+    pub(crate) fn of(opened: Opened<'a>, usual_rows: usize) -> Self {
         Self { left: Some(opened), usual_rows }
     }
 

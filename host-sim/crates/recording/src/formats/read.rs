@@ -1,7 +1,7 @@
 //! Reading: a file or anything else that can be read, in the format that its first bytes show, whole or in parts.
 
 use std::fs::File;
-use std::io::{self, Chain, Cursor, Read};
+use std::io::{self, Cursor, Read};
 use std::path::Path;
 
 use super::chunks::{PART_ROWS, Parts};
@@ -10,6 +10,7 @@ use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
 use crate::formats::text::csv::Opened;
+use crate::formats::text::lines::Input;
 use crate::recording::Recording;
 
 /// Reads a recording; `map` says which columns hold which signals where their headers do not.
@@ -44,6 +45,10 @@ pub fn read_through<R: Read>(
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read_from(name: &str, input: impl Read, map: &ChannelMap) -> Result<Recording, RecordingError> {
+    whole(name, Box::new(input), map)
+}
+
+fn whole(name: &str, input: Input<'_>, map: &ChannelMap) -> Result<Recording, RecordingError> {
     opened(name, input, map)?.whole().map_err(|error| of_its_name(name, error))
 }
 
@@ -51,22 +56,22 @@ pub fn read_from(name: &str, input: impl Read, map: &ChannelMap) -> Result<Recor
 ///
 /// # Errors
 /// As in [`read`], as far as the header of a text; what is no text is read here.
-pub fn in_parts<R: Read, A: FnOnce(File) -> R>(
+pub fn in_parts<'a, R: Read + 'a>(
     path: &Path,
     map: &ChannelMap,
-    around: A,
-) -> Result<Parts<impl Read + use<R, A>>, RecordingError> {
+    around: impl FnOnce(File) -> R,
+) -> Result<Parts<'a>, RecordingError> {
     let (name, file) = open(path)?;
-    parts_of(&name, around(file), map, PART_ROWS)
+    parts_of(&name, Box::new(around(file)), map, PART_ROWS)
 }
 
 /// The same from anywhere, in parts of some `usual_rows`.
-pub fn parts_of<R: Read>(
+pub fn parts_of<'a>(
     name: &str,
-    input: R,
+    input: Box<dyn Read + 'a>,
     map: &ChannelMap,
     usual_rows: usize,
-) -> Result<Parts<impl Read + use<R>>, RecordingError> {
+) -> Result<Parts<'a>, RecordingError> {
     Ok(Parts::of(opened(name, input, map)?, usual_rows))
 }
 
@@ -83,18 +88,15 @@ fn unreadable(name: &str, source: io::Error) -> RecordingError {
     RecordingError::Io { place: Place::file(name), source }
 }
 
-/// What was read of a file to tell its format, and the rest of it.
-type FromItsStart<R> = Chain<Cursor<Vec<u8>>, R>;
-
 /// A recording in the format that its first bytes show: of a text the header is read, anything else whole.
-fn opened<R: Read>(name: &str, mut input: R, map: &ChannelMap) -> Result<Opened<FromItsStart<R>>, RecordingError> {
+fn opened<'a>(name: &str, mut input: Input<'a>, map: &ChannelMap) -> Result<Opened<'a>, RecordingError> {
     let mut head = Vec::new();
     (&mut input).take(HEAD as u64).read_to_end(&mut head).map_err(|source| unreadable(name, source))?;
     let format =
         Format::of_content(&head).map_err(|what| RecordingError::Unsupported { place: Place::file(name), what })?;
     let all = Cursor::new(head).chain(input);
     if format == Format::Text {
-        return Opened::text(name, all, map).map_err(|error| of_its_name(name, error));
+        return Opened::text(name, Box::new(all), map).map_err(|error| of_its_name(name, error));
     }
     unpacked(name, format, all, map).map(Opened::Whole)
 }

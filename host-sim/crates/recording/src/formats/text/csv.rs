@@ -8,9 +8,7 @@
 //!
 //! Memory: one line and the values of known columns, whatever the file holds.
 
-use std::io::Read;
-
-use super::lines::{Cells, Line, Lines, Splitter, most_rows, parse_number};
+use super::lines::{Cells, Input, Line, Lines, Splitter, most_rows, parse_number};
 use super::twincat;
 use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
@@ -19,17 +17,16 @@ use crate::recording::{At, Column, LeftOut, Note, Recording, gaps};
 use crate::signal::Signal;
 
 /// A recording whose header has been read.
-#[derive(Debug)]
-pub(crate) enum Opened<R> {
+pub(crate) enum Opened<'a> {
     /// Its rows are read one after the other.
-    Rows(Box<Reader<R>>),
+    Rows(Box<Reader<'a>>),
     /// All of it: an export whose channels have clocks of their own, and what is no text, is read as a whole.
     Whole(Recording),
 }
 
-impl<R: Read> Opened<R> {
+impl<'a> Opened<'a> {
     /// A text from anywhere; `name` stands for the file in messages.
-    pub(crate) fn text(name: &str, input: R, map: &ChannelMap) -> Result<Self, RecordingError> {
+    pub(crate) fn text(name: &str, input: Input<'a>, map: &ChannelMap) -> Result<Self, RecordingError> {
         let mut lines = Lines::new(name, input);
         let file = lines.file();
         let (header, mut splitter) = lines.header()?;
@@ -84,9 +81,8 @@ impl<R: Read> Opened<R> {
 }
 
 /// A text that is read row by row.
-#[derive(Debug)]
-pub(crate) struct Reader<R> {
-    lines: Lines<R>,
+pub(crate) struct Reader<'a> {
+    lines: Lines<'a>,
     splitter: Splitter,
     table: Table,
     ignored: Vec<String>,
@@ -99,7 +95,7 @@ pub(crate) struct Reader<R> {
     is_at_end: bool,
 }
 
-impl<R: Read> Reader<R> {
+impl Reader<'_> {
     /// Reads on until so many rows are held, two of them to be used at least, or to the end.
     pub(crate) fn read_on(&mut self, rows: usize) -> Result<(), RecordingError> {
         while self.table.held() < rows || self.table.kept() < 2 {

@@ -25,11 +25,13 @@ pub(crate) fn most_rows(columns: usize) -> usize {
     MAX_ROWS.min(MAX_VALUES / columns.max(1))
 }
 
+/// What a text is read from. Of one type, so that the readers are compiled here and once, and not by whoever reads.
+pub(crate) type Input<'a> = Box<dyn Read + 'a>;
+
 /// The lines of a file that are neither blank nor comments (`#`).
-#[derive(Debug)]
-pub(crate) struct Lines<R> {
+pub(crate) struct Lines<'a> {
     file: String,
-    input: BufReader<R>,
+    input: BufReader<Input<'a>>,
     bytes: Vec<u8>,
     number: usize,
     skipped: usize,
@@ -64,8 +66,8 @@ impl Line<'_> {
     }
 }
 
-impl<R: Read> Lines<R> {
-    pub(crate) fn new(file: &str, input: R) -> Self {
+impl<'a> Lines<'a> {
+    pub(crate) fn new(file: &str, input: Input<'a>) -> Self {
         Self {
             file: file.to_owned(),
             input: BufReader::new(input),

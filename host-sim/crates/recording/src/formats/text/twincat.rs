@@ -21,8 +21,6 @@
 //! left out, as are repeated ones, and written back where the recording is. Time goes out as `time [s]`. Full timestamps
 //! instead of ms are refused.
 
-use std::io::Read;
-
 use super::csv::number;
 use super::lines::{Line, Lines, Splitter, most_rows, parse_number};
 use crate::channel_map::ChannelMap;
@@ -54,8 +52,8 @@ struct Channel {
 }
 
 /// Reads an export whose first line has the cells `first`.
-pub(crate) fn read<R: Read>(
-    mut lines: Lines<R>,
+pub(crate) fn read(
+    mut lines: Lines<'_>,
     mut splitter: Splitter,
     first: Vec<String>,
     map: &ChannelMap,
