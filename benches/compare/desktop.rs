@@ -134,7 +134,7 @@ fn alone(part: &mut Part) -> Result<(), Box<dyn Error>> {
 fn against(part: &mut Part, signals: &mut Signals, peers: &mut Peers, said: &Value) -> Result<(), Box<dyn Error>> {
     writeln!(
         part.text,
-        "4 s of random steps at 1 kHz, every tick's slider, position, velocity and pressures written out. Accurate is what misses the peers' reference\n\
+        "4 s of random steps at 1 kHz, every tick's spool, position, velocity and pressures written out. Accurate is what misses the peers' reference\n\
          (RK4 in double, 200 substeps) by at most {POSITION_PERCENT} % of the stroke and {PRESSURE_PERCENT} % of the supply pressure on every tick. Shortest of {ROUNDS} rounds; \
          a ratio is that of the\n\
          shortest. C is `-O3 -march=native -fno-math-errno` with parameters that are constants of the compiler and the fewest accurate substeps S; ours has\n\

@@ -143,7 +143,7 @@ pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
     }
     writeln!(
         part.text,
-        "Ten parameters on the {} rows of the four training recordings of `{CASE}`, slider and position; all start from the nominal values and none comes near its\n\
+        "Ten parameters on the {} rows of the four training recordings of `{CASE}`, spool and position; all start from the nominal values and none comes near its\n\
          bounds (theirs 0.3 to 3 times the nominal value, ours those of each parameter). The residuals are the peers': plain squares, each channel by its norm; both start\n\
          each recording from the same state. Their derivatives are differences of the Numba model, RK4 with one substep, one BLAS thread; ours are exact. The cost is\n\
          that of the peers' residuals, once with the model that was fitted, once with the peers' at the parameters that were found: the models differ within a tick. The\n\

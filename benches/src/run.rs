@@ -11,7 +11,7 @@ use simulation::number::simd::{LANES, Lanes};
 use system_tests::simulate::{State, at_rest, command, drive};
 use virtual_plant::InitialState;
 
-/// At the end of a tick: slider, position (m), velocity (m/s), pressures in A and B (Pa).
+/// At the end of a tick: spool, position (m), velocity (m/s), pressures in A and B (Pa).
 pub type Row = [f64; 5];
 
 /// The tick of every run here.
@@ -83,7 +83,7 @@ impl<N: Scalar<Real = f64>> Run<N> {
         rows.extend(volts.iter().map(|&volts| {
             step(&mut state, command(f64::from(volts)));
             [
-                state.valve.slider().to_f64(),
+                state.valve.spool().to_f64(),
                 N::strokes(state.motion.position) * bases.stroke_m,
                 state.motion.velocity.to_f64() * bases.velocity_m_per_s,
                 state.chambers.a.to_f64() * bases.pressure_pa,
@@ -138,7 +138,7 @@ impl Abreast {
             let held = [a, b, c, d].map(|&volts| f64::from(volts));
             step(&mut state, Lanes::new(held) / Lanes::constant(bases.command_v));
             let told = [
-                state.valve.slider(),
+                state.valve.spool(),
                 state.motion.position * Lanes::constant(bases.stroke_m),
                 state.motion.velocity * Lanes::constant(bases.velocity_m_per_s),
                 state.chambers.a * Lanes::constant(bases.pressure_pa),

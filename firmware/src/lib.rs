@@ -21,7 +21,7 @@
 //! machine.set(Parameter::VolumeB, 3.3e-4);
 //! let mut reference: Reference<64> = Reference::at_rest(&machine, Tick::OneMillisecond, 0.5)?;
 //! let predicted = reference.step(PerUnit::saturated(0.5));
-//! assert!(predicted.slider >= PerUnit::ZERO);
+//! assert!(predicted.spool >= PerUnit::ZERO);
 //! # Ok::<(), model_core::machine::MachineError>(())
 //! ```
 #![no_std]

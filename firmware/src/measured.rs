@@ -12,8 +12,8 @@ use model_core::ports::ChamberState;
 pub struct Measured {
     /// Position, of the stroke; 0 is fully in. Where the counter does not answer, the last one that it gave.
     pub position: PerUnit,
-    /// Slider position; 1 is full travel, positive extends.
-    pub slider: Option<PerUnit>,
+    /// Spool position; 1 is full travel, positive extends.
+    pub spool: Option<PerUnit>,
     /// Pressure in A, of supply.
     pub pressure_a: Option<PerUnit>,
     /// Pressure in B, of supply.
@@ -27,7 +27,7 @@ impl Measured {
     #[must_use]
     pub fn observed(&self) -> Observed {
         let pressures = self.pressure_a.zip(self.pressure_b).map(|(a, b)| ChamberState { a, b });
-        Observed { position: self.position, slider: self.slider, pressures }
+        Observed { position: self.position, spool: self.spool, pressures }
     }
 }
 
@@ -37,8 +37,8 @@ impl Measured {
 pub enum Signal {
     /// The output's own voltage, read back at the valve's end of its wire.
     Command,
-    /// Slider position.
-    Slider,
+    /// Spool position.
+    Spool,
     /// Pressure in A.
     PressureA,
     /// Pressure in B.
@@ -50,7 +50,7 @@ pub enum Signal {
 impl Signal {
     /// Every signal, in the order of the calibration table.
     pub const ALL: [Signal; 5] =
-        [Signal::Command, Signal::Slider, Signal::PressureA, Signal::PressureB, Signal::OilTemperature];
+        [Signal::Command, Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::OilTemperature];
 
     /// How many there are.
     pub const COUNT: usize = Self::ALL.len();

@@ -2,7 +2,7 @@
 //!
 //! Steps of 2, 4, 6, 8 and 10 V on a drive that is not quite the reference model, seen through the paper's sensors (16-bit
 //! LVDT, joint encoder of 3600 impulses, dither on the command). The model is entered at the command and at the measured
-//! slider, as in Figs. 3 and 6, and the static characteristic (15) is found again by regression on the slider after 0.3 s.
+//! spool, as in Figs. 3 and 6, and the static characteristic (15) is found again by regression on the spool after 0.3 s.
 
 use rayon::prelude::*;
 
@@ -32,7 +32,7 @@ const STEP_S: (f64, f64) = (0.1, 2.5);
 /// Where the rod starts, in parts of the stroke: low, since every step extends it.
 const START: f64 = 0.1;
 
-/// The slider is settled so long after a step, s.
+/// The spool is settled so long after a step, s.
 pub const SETTLED_S: f64 = 0.3;
 
 /// How the drive on the test bed differs from the model: parameter, factor.
@@ -59,14 +59,14 @@ pub const DITHER: Dither = Dither { amplitude_v: 0.5, frequency_hz: 50.0 };
 pub struct Step {
     /// Height, V.
     pub command_v: f64,
-    /// Slider, simulated from the command (Table 1).
-    pub slider: SignalFit,
+    /// Spool, simulated from the command (Table 1).
+    pub spool: SignalFit,
     /// Position, simulated from the command (Table 2).
     pub position: SignalFit,
-    /// Position, simulated from the measured slider (Fig. 3).
-    pub position_from_slider: SignalFit,
-    /// Mean of the measured slider from [`SETTLED_S`] after the step to its end, 1.
-    pub settled_slider: f64,
+    /// Position, simulated from the measured spool (Fig. 3).
+    pub position_from_spool: SignalFit,
+    /// Mean of the measured spool from [`SETTLED_S`] after the step to its end, 1.
+    pub settled_spool: f64,
 }
 
 /// The experiment's result.
@@ -118,12 +118,12 @@ pub fn experiment(arithmetic: Arithmetic, done: impl Fn() + Sync) -> Result<Expe
             Ok(step)
         })
         .collect::<Result<Vec<_>, PaperError>>()?;
-    let points: Vec<(f64, f64)> = steps.iter().map(|step| (step.command_v, step.settled_slider)).collect();
+    let points: Vec<(f64, f64)> = steps.iter().map(|step| (step.command_v, step.settled_spool)).collect();
     let (slope_per_v, offset) = regression(&points);
     Ok(Experiment { steps, slope_per_v, offset })
 }
 
-/// A step on the test bed: command, slider and position, as the paper measured them.
+/// A step on the test bed: command, spool and position, as the paper measured them.
 fn record(model: &Machine<f64>, command_v: f64, seed: u64) -> Result<Recording, PaperError> {
     let mut truth = *model;
     for (parameter, factor) in DEVIATIONS {
@@ -156,22 +156,22 @@ fn judge(
         let stimulus = Stimulus::new(recording, model, entry, LoadSource::Constant, Tick::OneMillisecond)?;
         arithmetic.simulate(model, &stimulus, StartOffset::none())
     };
-    let (from_command, from_slider) = (run(EntryPoint::Command)?, run(EntryPoint::Slider)?);
+    let (from_command, from_spool) = (run(EntryPoint::Command)?, run(EntryPoint::Spool)?);
     let time_s = recording.time_s();
-    let slider = recording.require(Signal::Spool)?;
+    let spool = recording.require(Signal::Spool)?;
     let position = recording.require(Signal::Position)?;
     let fit = |signal, recorded, simulated: Option<&[f64]>| {
         SignalFit::of(signal, time_s, recorded, simulated.unwrap_or_default())
     };
     let held = STEP_S.0 + SETTLED_S..STEP_S.0 + STEP_S.1;
     let settled: Vec<f64> =
-        time_s.iter().zip(slider).filter(|(time, _)| held.contains(*time)).map(|(_, slider)| *slider).collect();
+        time_s.iter().zip(spool).filter(|(time, _)| held.contains(*time)).map(|(_, spool)| *spool).collect();
     Ok(Step {
         command_v,
-        slider: fit(Signal::Spool, slider, from_command.signal(Signal::Spool)),
+        spool: fit(Signal::Spool, spool, from_command.signal(Signal::Spool)),
         position: fit(Signal::Position, position, from_command.signal(Signal::Position)),
-        position_from_slider: fit(Signal::Position, position, from_slider.signal(Signal::Position)),
-        settled_slider: settled.iter().sum::<f64>() / settled.len() as f64,
+        position_from_spool: fit(Signal::Position, position, from_spool.signal(Signal::Position)),
+        settled_spool: settled.iter().sum::<f64>() / settled.len() as f64,
     })
 }
 
@@ -203,7 +203,7 @@ mod tests {
         assert!((found.slope_per_v - true_slope).abs() < 2e-5, "{}", found.slope_per_v);
         assert!((found.offset - CHARACTERISTIC.1).abs() < 2e-4, "{}", found.offset);
         for step in &found.steps {
-            for fit in [step.slider, step.position, step.position_from_slider] {
+            for fit in [step.spool, step.position, step.position_from_spool] {
                 assert!((88.0..99.9).contains(&fit.nrmse_percent), "{} V: {fit:?}", step.command_v);
             }
         }

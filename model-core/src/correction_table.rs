@@ -6,7 +6,7 @@
 //! T = T₀ + Σ (Tᵢ₊₁ − Tᵢ)·clamp(u − i, 0, 1)    linear, or bilinear; held at the ends
 //! ```
 //!
-//! A flow or a slider travel takes the states at the start of the tick (of the slider its mean over the tick, for a travel each of its
+//! A flow or a spool travel takes the states at the start of the tick (of the spool its mean over the tick, for a travel each of its
 //! ends), explicitly. So a flow that falls with its own chamber's pressure must not empty the chamber within a tick, or it swings; what
 //! it swings by is bounded by the table. A force over position is a spring taken at the tick's start: one of stiffness k is damped by
 //! k·h/2 too little.
@@ -27,7 +27,7 @@ use crate::ports::{Flows, States};
 pub(crate) enum State {
     Velocity,
     Position,
-    Slider,
+    Spool,
     PressureA,
     PressureB,
 }
@@ -38,7 +38,7 @@ impl State {
         match self {
             State::Velocity => states.velocity,
             State::Position => states.position,
-            State::Slider => states.slider,
+            State::Spool => states.spool,
             State::PressureA => states.pressure_a,
             State::PressureB => states.pressure_b,
         }
@@ -117,7 +117,7 @@ pub(crate) enum Unnamed<N: Number> {
     IntoA(Table<N>),
     /// Flow out of B.
     OutOfB(Table<N>),
-    /// Slider travel, after the lags.
+    /// Spool travel, after the lags.
     Travel(Table<N>),
 }
 
@@ -213,10 +213,10 @@ mod tests {
             }
         }
         let table = Table { first: axis(State::Velocity, 10.0), second: None, values };
-        let two = Table { second: axis(State::Slider, 5.0), ..table };
-        let at = |table: &Table<PerUnit>, velocity: f64, slider: f64| {
-            let [velocity, slider] = [velocity, slider].map(PerUnit::saturated);
-            table.at(States { velocity, slider, ..States::NONE }).to_f64()
+        let two = Table { second: axis(State::Spool, 5.0), ..table };
+        let at = |table: &Table<PerUnit>, velocity: f64, spool: f64| {
+            let [velocity, spool] = [velocity, spool].map(PerUnit::saturated);
+            table.at(States { velocity, spool, ..States::NONE }).to_f64()
         };
         for (velocity, expected) in [(-1.0, 0.0), (-0.25, 0.05), (0.0, 0.9), (0.05, 1.25), (0.3, 3.6), (7.0, 3.6)] {
             assert!((at(&table, velocity, 0.0) - expected).abs() < 1e-6, "{velocity}");

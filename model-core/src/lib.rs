@@ -1,6 +1,6 @@
 //! Reference model of a valve-controlled (or pump-controlled) hydraulic drive, for controllers and desktops.
 //!
-//! command → [`valve`] → slider → [`flow`] → [`chambers`] → [`mechanics`] → [`sensing`]. Each link is a type of its own that can
+//! command → [`valve`] → spool → [`flow`] → [`chambers`] → [`mechanics`] → [`sensing`]. Each link is a type of its own that can
 //! be stepped alone, and its file opens with the equations that it runs; [`drive::Drive`] composes them into one fixed-cost implicit step a tick.
 //! The equations are written once, over [`number::Number`]: fixed point on the controller and, bit for bit the same, on the desktop; `f64`, dual
 //! numbers and vectors on the desktop. [`machine::Machine`] holds a drive's SI parameters, [`machine::Parameter`] names them.
@@ -58,7 +58,7 @@ pub mod control;
 mod correction_table;
 pub mod drive;
 pub mod effects;
-/// The flow link: slider, or pump, and pressures → flow into A and out of B.
+/// The flow link: spool, or pump, and pressures → flow into A and out of B.
 pub mod flow;
 pub mod machine;
 /// The mechanics link: forces → velocity and position.
@@ -67,7 +67,7 @@ pub mod number;
 mod oil;
 pub mod ports;
 pub mod sensing;
-/// The valve link: command → slider.
+/// The valve link: command → spool.
 pub mod valve;
 
 /// The README's code.

@@ -1,39 +1,39 @@
 //! What the links hand to one another within a tick.
 //!
 //! ```text
-//! valve ─ Slider ─ flow ─ Flows ─ chambers ─ Forces ─ mechanics ─ MotionState ─ sensing
+//! valve ─ Spool ─ flow ─ Flows ─ chambers ─ Forces ─ mechanics ─ MotionState ─ sensing
 //!   ▲ AcrossEdges ─┘  ▲ Filling, ChamberState ─┘  ▲ Surroundings, States of the drive
 //! ```
 //!
-//! Every `N` is per unit ([`Bases`](crate::machine::Bases)): in fixed point ±8 in steps of 2⁻²⁸. Signs: slider > 0 opens P-A and B-T and extends
+//! Every `N` is per unit ([`Bases`](crate::machine::Bases)): in fixed point ±8 in steps of 2⁻²⁸. Signs: spool > 0 opens P-A and B-T and extends
 //! the rod; flow a > 0 goes into chamber A, flow b > 0 comes out of chamber B; a positive force, velocity or position extends.
 
 use crate::number::Number;
 
-/// The slider over one tick; between the two it moves linearly.
+/// The spool over one tick; between the two it moves linearly.
 ///
-/// A slider that sticks and jumps within the tick is handed on so too: the jump comes at any time within the tick alike, and the
+/// A spool that sticks and jumps within the tick is handed on so too: the jump comes at any time within the tick alike, and the
 /// straight line has the mean opening of a jump in the middle. Taken at the start or the end of the tick, every jump would be
 /// half a tick early or late.
 #[derive(Clone, Copy, Debug, PartialEq, Hash)]
-pub struct Slider<N> {
+pub struct Spool<N> {
     /// At the start of the tick.
     pub from: N,
     /// At its end.
     pub to: N,
 }
 
-/// Sum of the pressure differences over the two edges that the slider opens, without sign: what a flow force works with.
+/// Sum of the pressure differences over the two edges that the spool opens, without sign: what a flow force works with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AcrossEdges<N> {
-    /// P-A and B-T, open where the slider extends.
+    /// P-A and B-T, open where the spool extends.
     pub extending: N,
     /// A-T and P-B, open where it retracts.
     pub retracting: N,
 }
 
 impl<N: Number> AcrossEdges<N> {
-    /// No pressure: the slider moves as if no oil flowed.
+    /// No pressure: the spool moves as if no oil flowed.
     pub const NONE: Self = Self { extending: N::ZERO, retracting: N::ZERO };
 }
 
@@ -58,7 +58,7 @@ pub struct Linearised<N: Number> {
     pub slope: N::Steep,
 }
 
-/// Slider travel from the centre that passes no oil, to either side; `dead-zone-asymmetry` lets the sides differ.
+/// Spool travel from the centre that passes no oil, to either side; `dead-zone-asymmetry` lets the sides differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Overlap<N> {
     pub(crate) extending: N,
@@ -66,10 +66,10 @@ pub(crate) struct Overlap<N> {
 }
 
 impl<N: Number> Overlap<N> {
-    /// Travel beyond the overlap, signed like the slider; not renormalised.
+    /// Travel beyond the overlap, signed like the spool; not renormalised.
     #[inline]
-    pub(crate) fn beyond(&self, slider: N) -> N {
-        (slider - self.extending).max(N::ZERO) + (slider + self.retracting).min(N::ZERO)
+    pub(crate) fn beyond(&self, spool: N) -> N {
+        (spool - self.extending).max(N::ZERO) + (spool + self.retracting).min(N::ZERO)
     }
 }
 
@@ -172,8 +172,8 @@ pub struct States<N> {
     pub velocity: N,
     /// Position, strokes.
     pub position: N,
-    /// Slider; 0 where the chain is entered below it.
-    pub slider: N,
+    /// Spool; 0 where the chain is entered below it.
+    pub spool: N,
     /// Pressure in A.
     pub pressure_a: N,
     /// Pressure in B.
@@ -183,5 +183,5 @@ pub struct States<N> {
 impl<N: Number> States<N> {
     /// All 0.
     pub const NONE: Self =
-        Self { velocity: N::ZERO, position: N::ZERO, slider: N::ZERO, pressure_a: N::ZERO, pressure_b: N::ZERO };
+        Self { velocity: N::ZERO, position: N::ZERO, spool: N::ZERO, pressure_a: N::ZERO, pressure_b: N::ZERO };
 }

@@ -170,7 +170,7 @@ fn a_closed_valve_with_leakage_past_the_piston_ends_where_f64_does() {
     });
 }
 
-/// Travel in the second half of a run with the slider held `opening` beyond its dead zone.
+/// Travel in the second half of a run with the spool held `opening` beyond its dead zone.
 fn crept(rows: &[Row]) -> f64 {
     rows[rows.len() - 1].position - rows[rows.len() / 2].position
 }
@@ -180,8 +180,8 @@ fn a_small_opening_is_not_swallowed() {
     for named in drives::named() {
         let machine = &named.machine;
         let held = |opening: f64, side: f64, ticks: usize| {
-            let slider = side * (machine.get(DeadZone) + opening);
-            vec![(slider - machine.get(ValveOffset)) / machine.get(ValveGain); ticks]
+            let spool = side * (machine.get(DeadZone) + opening);
+            vec![(spool - machine.get(ValveOffset)) / machine.get(ValveGain); ticks]
         };
         for (opening, ticks) in [(1e-2, 4_000), (1e-4, 20_000), (1e-5, 20_000), (1e-6, 20_000), (1e-7, 60_000)] {
             for side in [1.0, -1.0] {

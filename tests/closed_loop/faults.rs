@@ -83,18 +83,18 @@ impl Provoked {
 
 fn all() -> Vec<Provoked> {
     let silent = |device| Fault::Silent { device, cause: Cause::Bus };
-    let slider = Signal::Slider;
+    let spool = Signal::Spool;
     vec![
         Provoked::at_once(
-            "open wire of the slider",
-            |board, _, _, _| board.wrong.slider_v = Some(10.24),
-            Fault::OpenWire { signal: slider, count: 0 },
+            "open wire of the spool",
+            |board, _, _, _| board.wrong.spool_v = Some(10.24),
+            Fault::OpenWire { signal: spool, count: 0 },
             Mode::RampingDown,
         ),
         Provoked::at_once(
-            "slider out of range",
-            |board, _, _, _| board.wrong.slider_v = Some(-10.1),
-            Fault::OutOfRange { signal: slider, count: 0 },
+            "spool out of range",
+            |board, _, _, _| board.wrong.spool_v = Some(-10.1),
+            Fault::OutOfRange { signal: spool, count: 0 },
             Mode::RampingDown,
         ),
         Provoked::at_once(
@@ -104,13 +104,13 @@ fn all() -> Vec<Provoked> {
             Mode::RampingDown,
         ),
         Provoked::stuck(
-            "slider stuck",
+            "spool stuck",
             |board, _, period, seen| {
                 if period == 0 {
-                    board.wrong.slider_v = Some(10.0 * seen.slider / press::SLIDER_AT_10_V);
+                    board.wrong.spool_v = Some(10.0 * seen.spool / press::SPOOL_AT_10_V);
                 }
             },
-            Fault::Stuck { signal: slider, count: 0 },
+            Fault::Stuck { signal: spool, count: 0 },
             Mode::RampingDown,
         ),
         Provoked::stuck(

@@ -10,7 +10,7 @@ use system_tests::rig::{Controller, Readings, Rig, TICK, Wanted};
 /// Which sensors there are beside the position's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sight {
-    /// Slider and both pressures.
+    /// Spool and both pressures.
     Full,
     /// None.
     PositionOnly,
@@ -42,7 +42,7 @@ impl Following {
         let beside = |value: f64| (self.sight == Sight::Full).then(|| PerUnit::saturated(value));
         Measured {
             position: PerUnit::saturated(seen.position_m / bases.stroke_m),
-            slider: beside(seen.slider),
+            spool: beside(seen.spool),
             pressure_a: beside(seen.pressure_a_pa / bases.pressure_pa),
             pressure_b: beside(seen.pressure_b_pa / bases.pressure_pa),
             oil_temperature: None,

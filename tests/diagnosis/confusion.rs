@@ -135,8 +135,8 @@ fn kinds(cases: &[Said]) -> String {
         ("dither", |said| said.recorded.mode == "dither"),
         ("closed loop", |said| said.recorded.mode == "closed"),
         ("position alone measured", |said| said.recorded.channels == "uy"),
-        ("slider and position", |said| said.recorded.channels == "uxy"),
-        ("slider, pressures and position", |said| matches!(said.recorded.channels, "uxpy" | "full")),
+        ("spool and position", |said| said.recorded.channels == "uxy"),
+        ("spool, pressures and position", |said| matches!(said.recorded.channels, "uxpy" | "full")),
     ];
     let mut text = String::from("of which                                     cases  right\n");
     for (name, is) in KINDS {
@@ -190,26 +190,26 @@ fn a_late_position_does_not_hide_a_neutral_that_drifts() {
     is_named(9102, 14, "null-drift + position-sensor-lag");
 }
 
-/// What a saturated valve leaves of its own form's error reaches every signal below; the air there is told by the recorded slider.
+/// What a saturated valve leaves of its own form's error reaches every signal below; the air there is told by the recorded spool.
 #[test]
 fn a_saturated_valve_does_not_hide_the_air_below_it() {
     is_named(9204, 3, "solenoid-saturation + entrained-air");
 }
 
-/// A slider that reads too much and edges that lie apart look alike below it; what is told of the rod's side stays with either.
+/// A spool that reads too much and edges that lie apart look alike below it; what is told of the rod's side stays with either.
 #[test]
-fn a_misread_slider_is_not_taken_for_unequal_edges_beside_a_leak() {
+fn a_misread_spool_is_not_taken_for_unequal_edges_beside_a_leak() {
     is_named(9204, 27, "external-leakage + sensor-offset");
 }
 
-/// What a slider with flow force does is followed to three times its noise; no ordinary parameter is bent by that, nor edges that lie apart
-/// taken for a misread slider.
+/// What a spool with flow force does is followed to three times its noise; no ordinary parameter is bent by that, nor edges that lie apart
+/// taken for a misread spool.
 #[test]
-fn unequal_edges_are_told_below_a_slider_with_flow_force() {
+fn unequal_edges_are_told_below_a_spool_with_flow_force() {
     is_named(9204, 9, "flow-force + dead-zone-asymmetry");
 }
 
-/// The rod adds up what a bent flow gain leaves beneath the noise: it does not make a slider that reads too much out of unequal edges.
+/// The rod adds up what a bent flow gain leaves beneath the noise: it does not make a spool that reads too much out of unequal edges.
 #[test]
 fn unequal_edges_are_told_beside_a_bent_flow_gain() {
     is_named(9102, 10, "flow-gain-nonlinearity + dead-zone-asymmetry");

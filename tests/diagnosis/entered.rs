@@ -1,4 +1,4 @@
-//! Drives of which no command was recorded: the slider, a flow meter or a force sensor alone is enough to diagnose what is below it.
+//! Drives of which no command was recorded: the spool, a flow meter or a force sensor alone is enough to diagnose what is below it.
 
 use rayon::prelude::*;
 
@@ -16,13 +16,13 @@ struct Recorded {
     judged: &'static [Signal],
 }
 
-const SLIDER: Recorded =
+const SPOOL: Recorded =
     Recorded { by: Signal::Spool, judged: &[Signal::PressureA, Signal::PressureB, Signal::Position] };
 const FLOW: Recorded = Recorded { by: Signal::Flow, judged: &[Signal::PressureA, Signal::PressureB, Signal::Position] };
 const FLOW_ALONE: Recorded = Recorded { by: Signal::Flow, judged: &[Signal::Position] };
 const FORCE: Recorded = Recorded { by: Signal::Force, judged: &[Signal::Position] };
 
-/// What the slider's sensor, a meter for the flow into A, or one of the oil's force with usual noise reads of a drive, and the other sensors.
+/// What the spool's sensor, a meter for the flow into A, or one of the oil's force with usual noise reads of a drive, and the other sensors.
 fn read(made: &SyntheticRecording, name: &str, recorded: Recorded) -> Recording {
     let machine = press().machine;
     let noise = experiment::sensor::Sensor::usual(recorded.by, &machine).noise;
@@ -67,7 +67,7 @@ fn are_told(recorded: Recorded, draws: &[(&'static str, f64, u64)]) {
 }
 
 #[test]
-fn with_the_slider_alone_the_links_below_are_told_and_nothing_where_nothing_is_missing() {
+fn with_the_spool_alone_the_links_below_are_told_and_nothing_where_nothing_is_missing() {
     let draws = [
         ("none", 0.0, 1),
         ("none", 0.0, 2),
@@ -75,7 +75,7 @@ fn with_the_slider_alone_the_links_below_are_told_and_nothing_where_nothing_is_m
         ("coulomb-friction", 600.0, 4),
         ("linkage-backlash", 5e-4, 5),
     ];
-    are_told(SLIDER, &draws);
+    are_told(SPOOL, &draws);
 }
 
 #[test]

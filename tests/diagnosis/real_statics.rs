@@ -56,7 +56,7 @@ fn a_crane_valves_table_shows_dead_zone_saturation_droop_and_return_pressure() {
     let Some(folder) = folder("redcrane") else { return };
     let table = Table::read(&folder.join("jib_up_150bar.csv")).unwrap();
     let asked = Columns {
-        slider: Some("uV_sensor".to_owned()),
+        spool: Some("uV_sensor".to_owned()),
         supply: Some("ps_bar".to_owned()),
         returning: Some("pb_bar".to_owned()),
         ..columns("u_percent", "xdot_mps")
@@ -72,7 +72,7 @@ fn a_crane_valves_table_shows_dead_zone_saturation_droop_and_return_pressure() {
     near(supply.at_full, 138.4, 1.0);
     near(returning.at_full, 13.5, 1.0);
     assert_eq!(names(&found), ["solenoid-saturation", "flow-gain-nonlinearity", "supply-droop", "tank-back-pressure"]);
-    of(&table, &Columns { slider: asked.slider.clone(), ..columns("u_percent", "Kv_Lmin_sqrtbar") });
+    of(&table, &Columns { spool: asked.spool.clone(), ..columns("u_percent", "Kv_Lmin_sqrtbar") });
 }
 
 #[test]

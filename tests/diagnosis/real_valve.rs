@@ -1,4 +1,4 @@
-//! The slider of a crane's proportional valve, measured by others while the command moves.
+//! The spool of a crane's proportional valve, measured by others while the command moves.
 
 use diagnosis::catalogue::Subsystem;
 use diagnosis::localisation::Habit;
@@ -18,7 +18,7 @@ fn diagnosed(judged: impl Fn(&MachineFile, Recording) -> Recording) -> Option<Di
     Some(diagnose(&file, &training, &held_out, None, &|_| {}).unwrap())
 }
 
-/// The slider hangs, breaks away and does not come home; no effect of the catalogue does all of
+/// The spool hangs, breaks away and does not come home; no effect of the catalogue does all of
 /// that, and two recordings to train on settle little: the link is what must be found.
 #[test]
 fn the_valve_of_a_real_crane_is_located_and_no_other_link_is_blamed() {
@@ -27,7 +27,7 @@ fn the_valve_of_a_real_crane_is_located_and_no_other_link_is_blamed() {
     let Some(diagnosis) = diagnosed(spool) else { return };
     let fits = [false, true].map(|after| diagnosis.mean_fits(true, after)["spool"]);
     let floor = diagnosis.noise_floor(true)["spool"];
-    println!("held-out slider: {:.2} % → {:.2} %, noise floor {floor:.2} %", fits[0], fits[1]);
+    println!("held-out spool: {:.2} % → {:.2} %, noise floor {floor:.2} %", fits[0], fits[1]);
     for shown in diagnosis.shown.iter().filter(|shown| shown.held_out) {
         for (when, after) in [("before", false), ("after", true)] {
             println!("{} {when}: {:.2} %", shown.prepared.name, shown.fits(after).next().unwrap().nrmse_percent);
@@ -39,13 +39,13 @@ fn the_valve_of_a_real_crane_is_located_and_no_other_link_is_blamed() {
     println!("verdict: {:?}", diagnosis.verdict);
     assert_ne!(diagnosis.verdict, Verdict::NothingMissing);
     let located = diagnosis.located.unwrap();
-    for habit in &located.slider {
+    for habit in &located.spool {
         println!("{habit}");
     }
     let [Habit::Hangs { at, .. }, Habit::BreaksAway { speed_per_s, .. }, Habit::RestsApart { rests, .. }] =
-        located.slider.as_slice()
+        located.spool.as_slice()
     else {
-        panic!("{:?}", located.slider)
+        panic!("{:?}", located.spool)
     };
     // As the recordings' own page says: it hangs at 5.25 V of 5 to 10, breaks away at 8 to 10 V/s, and rests at 5.24 V where it rested at 4.965 V.
     assert!((0.03..0.07).contains(at) && (1.6..2.0).contains(speed_per_s), "{at} {speed_per_s}");
@@ -81,5 +81,5 @@ fn compare_spares_what_is_not_judged() {
     let arguments = ["compare", "--machine", text(&machine), "--recording", text(&ramp), "--judge", "spool"];
     let printed = done(&arguments);
     println!("{printed}");
-    assert!(printed.contains("weakest is valve, spool") && !printed.contains("below slider"), "{printed}");
+    assert!(printed.contains("weakest is valve, spool") && !printed.contains("below spool"), "{printed}");
 }

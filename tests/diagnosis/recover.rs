@@ -153,7 +153,7 @@ fn of_two_effects_held_out_recordings_take_out_the_one_they_gain_nothing_by() {
     let entered: Vec<&str> = selection.rounds[0].iter().map(|trial| trial.effect.name).collect();
     assert_eq!(entered, [effects[0]], "what is left stands in the round of its size");
 
-    // Where the friction is left out, play stands in for it below the slider, but explains next to nothing in the chain, and goes with the bad one.
+    // Where the friction is left out, play stands in for it below the spool, but explains next to nothing in the chain, and goes with the bad one.
     let mut both = beside(&beside(&selection.base, hypotheses[1]), named("linkage-backlash"));
     both.fit.machine.set(P::BacklashPlay, 0.01);
     let mut selection = Selection { chosen: both, ..selection };

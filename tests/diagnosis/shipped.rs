@@ -75,7 +75,7 @@ fn what_was_held_out_is_followed_better_with_the_effect() {
         let (before, after, floor) =
             (number(before), number(&fit["after"][signal]), number(&fit["noise_floor"][signal]));
         println!("held out, {signal}: {before} % before, {after} % after, {floor} % at the noise");
-        // The slider knows nothing of leakage.
+        // The spool knows nothing of leakage.
         if signal != "spool" {
             assert!(after > before, "{signal}: {before} {after}");
             assert!(floor - after < 0.5 * (floor - before), "{signal}: {before} {after} {floor}");

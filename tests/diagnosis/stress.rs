@@ -30,7 +30,7 @@ const DRIVES: [Option<(&str, f64)>; 12] = [
     None,
 ];
 
-/// Of the test bed's sensors, in the units of their signals: steps of the scale, the slider's and the transmitters' noise.
+/// Of the test bed's sensors, in the units of their signals: steps of the scale, the spool's and the transmitters' noise.
 const NOISE: [(Signal, f64); 4] =
     [(Signal::Position, 2.5e-5 / 3.46), (Signal::Spool, 5e-4), (Signal::PressureA, 3e4), (Signal::PressureB, 3e4)];
 

@@ -1,4 +1,4 @@
-//! Valve, chambers and mechanics alone, and the drive from its slider on: bit for bit.
+//! Valve, chambers and mechanics alone, and the drive from its spool on: bit for bit.
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
@@ -16,7 +16,7 @@ fn chain_and_links_agree<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Ti
     let drive = drive::<N>(machine, tick);
     let valve = drive.valve().unwrap();
     let mut chain: State<N> = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.1));
-    let (mut valve_alone, mut from_slider, mut followed) = (chain.valve, chain, chain);
+    let (mut valve_alone, mut from_spool, mut followed) = (chain.valve, chain, chain);
     let (mut chambers_alone, mut rest_alone, mut voids_alone) = (chain.chambers, chain.rest, chain.voids);
     let mut mechanics_alone = chain.motion;
     for (tick, volts) in Excitation::random_steps(seed).sample(1e-3).into_iter().enumerate() {
@@ -24,20 +24,20 @@ fn chain_and_links_agree<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Ti
         let load =
             if tick % 700 < 300 { Load::NONE } else { Load { from: N::saturated(0.05), to: N::saturated(0.05) } };
         let seen = drive.step(&mut chain, Entry::Command(command(volts)), load);
-        let slider = seen.slider.unwrap();
+        let spool = seen.spool.unwrap();
 
-        assert_eq!(valve.step(&mut valve_alone, command(volts)), slider, "the valve alone");
+        assert_eq!(valve.step(&mut valve_alone, command(volts)), spool, "the valve alone");
         assert_eq!(valve_alone, chain.valve);
-        assert_eq!(slider.to, chain.valve.slider());
+        assert_eq!(spool.to, chain.valve.spool());
 
-        assert_eq!(drive.step(&mut from_slider, Entry::Slider(slider), load), seen, "the drive from its slider on");
+        assert_eq!(drive.step(&mut from_spool, Entry::Spool(spool), load), seen, "the drive from its spool on");
         assert_eq!(
-            (from_slider.chambers, from_slider.rest, from_slider.motion),
+            (from_spool.chambers, from_spool.rest, from_spool.motion),
             (chain.chambers, chain.rest, chain.motion)
         );
 
-        let entry = Entry::Followed { command: command(volts), slider };
-        assert_eq!(drive.step(&mut followed, entry, load), seen, "the valve beside a slider that is its own");
+        let entry = Entry::Followed { command: command(volts), spool };
+        assert_eq!(drive.step(&mut followed, entry, load), seen, "the valve beside a spool that is its own");
         assert_eq!(followed, chain);
 
         let alone = (&mut chambers_alone, &mut rest_alone, &mut voids_alone);
@@ -51,23 +51,18 @@ fn chain_and_links_agree<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Ti
 }
 
 #[test]
-fn a_followed_slider_keeps_what_the_valve_misses_from_the_rod() {
+fn a_followed_spool_keeps_what_the_valve_misses_from_the_rod() {
     let named = &drives::named()[0];
     let drive = drive::<f64>(&named.machine, Tick::OneMillisecond);
     let mut chain: State<f64> = at_rest(&drive, 0.0, &InitialState::at_rest(&named.machine, 0.1));
     let mut followed = chain;
     for _ in 0..300 {
         let seen = drive.step(&mut chain, Entry::Command(command(5.0)), Load::NONE);
-        let entry = Entry::Followed { command: command(4.0), slider: seen.slider.unwrap() };
+        let entry = Entry::Followed { command: command(4.0), spool: seen.spool.unwrap() };
         drive.step(&mut followed, entry, Load::NONE);
     }
     assert_eq!((followed.motion, followed.chambers), (chain.motion, chain.chambers));
-    assert!(
-        followed.valve.slider() < 0.9 * chain.valve.slider(),
-        "{} {}",
-        followed.valve.slider(),
-        chain.valve.slider()
-    );
+    assert!(followed.valve.spool() < 0.9 * chain.valve.spool(), "{} {}", followed.valve.spool(), chain.valve.spool());
 }
 
 #[test]

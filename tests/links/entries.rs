@@ -12,7 +12,7 @@ use virtual_plant::{Commands, InitialState, Plant};
 
 const TICK: Tick = Tick::OneMillisecond;
 
-/// What the flow link alone may miss of the oracle's flow at the oracle's own slider and pressures, of the flow base.
+/// What the flow link alone may miss of the oracle's flow at the oracle's own spool and pressures, of the flow base.
 const FLOW: f64 = 3e-8;
 
 /// Of the motion of a drive that is entered at flows sampled at the ticks, strokes.
@@ -24,7 +24,7 @@ const FROM_FORCE: f64 = 3e-4;
 const NO_PUMP: f64 = 0.0;
 
 fn port_flows<N: Scalar<Real = f64>>(drive: &Drive<N>, state: &State<N>) -> Flows<N> {
-    drive.flows(state.valve.slider(), PumpDrive { speed: N::saturated(NO_PUMP), direction: 0 }, state.chambers)
+    drive.flows(state.valve.spool(), PumpDrive { speed: N::saturated(NO_PUMP), direction: 0 }, state.chambers)
 }
 
 /// pa − α·pb: what a force sensor between the piston and the rod would show without friction.

@@ -29,14 +29,14 @@ fn every_count_of_the_encoder_becomes_a_position_and_that_count_again() {
 }
 
 #[test]
-fn every_count_of_the_lvdt_becomes_its_own_slider_position() {
+fn every_count_of_the_lvdt_becomes_its_own_spool_position() {
     let machine = Machine::with_defaults(Source::Valve);
     let (fixed, real) = (Lvdt::<PerUnit>::new(&machine).unwrap(), Lvdt::<f64>::new(&machine).unwrap());
     let per_unit = machine.get(P::LvdtCounts);
     for count in -32768..32768 {
         let exact = f64::from(count) / per_unit;
-        assert!((real.slider(count) - exact).abs() < 1e-15, "{count}");
-        assert!((fixed.slider(count).to_f64() - exact).abs() < 4e-9, "{count}");
+        assert!((real.spool(count) - exact).abs() < 1e-15, "{count}");
+        assert!((fixed.spool(count).to_f64() - exact).abs() < 4e-9, "{count}");
     }
 }
 

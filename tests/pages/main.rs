@@ -115,7 +115,7 @@ fn the_page_tells_where_what_how_sure_and_how_to_take_it_to_the_controller_in_th
     let correlations = "[...document.querySelectorAll('figure.data script')].map(one => JSON.parse(one.textContent)) \
         .filter(one => one.y === 'correlation (shaded: 99 % band)' && one.band > 0 && one.layers.length === 2).map(one => one.title)";
     let correlations = browser.value(correlations);
-    for signal in ["Position", "Pressure A", "Pressure B", "Slider"] {
+    for signal in ["Position", "Pressure A", "Pressure B", "Spool"] {
         for with in ["with itself", "with the input"] {
             let titles = correlations.as_array().unwrap().iter().filter_map(|title| title.as_str());
             let there = titles.filter(|title| title.starts_with(&format!("{signal}: {with}"))).count();

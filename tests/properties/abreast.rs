@@ -150,7 +150,7 @@ fn recordings_of_a_drive_with_any_effect_are_abreast_as_alone() {
         (4, 1900, 1e-3, 0.97, 0.0),
     ];
     for (name, machine) in with_each_effect() {
-        for (entry, follows) in [(EntryPoint::Command, false), (EntryPoint::Command, true), (EntryPoint::Slider, false)]
+        for (entry, follows) in [(EntryPoint::Command, false), (EntryPoint::Command, true), (EntryPoint::Spool, false)]
         {
             println!("{name}, {entry:?}, {follows}");
             as_alone(&machine, Tick::OneMillisecond, entry, follows, &drawn);
@@ -166,7 +166,7 @@ proptest! {
         machine in any_machine(),
         tick in any_tick(),
         effects in any_effects(),
-        entry in prop::sample::select(vec![EntryPoint::Command, EntryPoint::Slider, EntryPoint::Flow, EntryPoint::Force]),
+        entry in prop::sample::select(vec![EntryPoint::Command, EntryPoint::Spool, EntryPoint::Flow, EntryPoint::Force]),
         follows in any::<bool>(),
         drawn in prop::collection::vec((any::<u64>(), 200_usize..900, 0.4e-3..3e-3_f64, 0.0..1.0_f64, -1e-5..1e-5_f64), 1..7),
     ) {

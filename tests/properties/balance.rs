@@ -11,7 +11,7 @@ use model_core::drive::{Drive, Entry, Interfaces, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, Parameter as P, Source, Tick};
 use model_core::number::{PerUnit, Scalar};
-use model_core::ports::{Flows, Slider};
+use model_core::ports::{Flows, Spool};
 use recording::excitation::signals::Excitation;
 use system_tests::any_effects::{NO_FLOOR, any_side_effects};
 use system_tests::any_machine::{any_machine, any_tick};
@@ -352,9 +352,9 @@ fn passed<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, start: [f64
     let mut state: State<N> = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.0));
     (state.chambers.a, state.chambers.b) = (N::saturated(start[0]), N::saturated(start[1]));
     state.motion.velocity = N::saturated(start[2]);
-    let closed = Slider { from: N::ZERO, to: N::ZERO };
+    let closed = Spool { from: N::ZERO, to: N::ZERO };
     (0..200).all(|_| {
-        let seen = drive.step(&mut state, Entry::Slider(closed), Load::NONE);
+        let seen = drive.step(&mut state, Entry::Spool(closed), Load::NONE);
         seen.flows.a == seen.flows.b
     })
 }

@@ -9,7 +9,7 @@ use simulation::number::dual::Dual;
 use system_tests::drives;
 use system_tests::simulate::{DELAY, State};
 
-/// Slider, both pressures, the supply's and the position, per unit, at every tick.
+/// Spool, both pressures, the supply's and the position, per unit, at every tick.
 fn signals<N: Scalar>(machine: &Machine<N::Real>) -> Vec<[N::Real; 5]> {
     let drive = Drive::<N>::new::<DELAY>(machine, Tick::OneMillisecond).unwrap();
     let pressures = ChamberState { a: N::saturated(0.4), b: N::saturated(0.67) };
@@ -18,7 +18,7 @@ fn signals<N: Scalar>(machine: &Machine<N::Real>) -> Vec<[N::Real; 5]> {
         drive.step(&mut state, Entry::Command(N::saturated(volts / 10.0)), Load::NONE);
         let of = |signal: N| signal.to_real();
         let (chambers, supply) = (state.chambers, state.supply.pressure);
-        [of(state.valve.slider()), of(chambers.a), of(chambers.b), of(supply), N::strokes(state.motion.position)]
+        [of(state.valve.spool()), of(chambers.a), of(chambers.b), of(supply), N::strokes(state.motion.position)]
     };
     Excitation::random_steps(3).sample(1e-3)[..1500].iter().map(step).collect()
 }

@@ -11,7 +11,7 @@ use model_core::drive::{Drive, Entry, Interfaces, Load};
 use model_core::effects::Effect;
 use model_core::machine::{Machine, Parameter as P, Tick};
 use model_core::number::{PerUnit, Scalar};
-use model_core::ports::{ChamberState, Slider};
+use model_core::ports::{ChamberState, Spool};
 use recording::excitation::signals::Excitation;
 use simulation::EntryPoint;
 use system_tests::any_effects::{EFFECTS, NOT_DRAWN, STICTION, any_effects, any_side_effects, every_drawn};
@@ -119,29 +119,28 @@ proptest! {
 }
 
 #[test]
-fn a_stuck_slider_jumps_in_the_same_ticks_in_fixed_point_and_f64() {
+fn a_stuck_spool_jumps_in_the_same_ticks_in_fixed_point_and_f64() {
     let machine = drives::press().with(&[(P::StictionBand, 0.02)]);
     let volts = Excitation::paper_sweep().sample(1e-3);
     let (real, _) = run::<f64>(&machine, Tick::OneMillisecond, &volts);
     let (fixed, _) = run::<PerUnit>(&machine, Tick::OneMillisecond, &volts);
-    let jumps =
-        real.iter().filter(|seen| seen.slider.is_some_and(|slider| (slider.from - slider.to).abs() > 1e-3)).count();
+    let jumps = real.iter().filter(|seen| seen.spool.is_some_and(|spool| (spool.from - spool.to).abs() > 1e-3)).count();
     assert!(jumps > 50 && jumps < real.len() / 2, "{jumps} of {}", real.len());
     for (real, fixed) in real.iter().zip(&fixed) {
-        let (real, fixed) = (real.slider.unwrap().to, fixed.slider.unwrap().to.to_f64());
+        let (real, fixed) = (real.spool.unwrap().to, fixed.spool.unwrap().to.to_f64());
         assert!((real - fixed).abs() < 1e-6, "{real} {fixed}");
     }
 }
 
-/// Largest change of a pressure or the supply's from tick to tick, late with the slider held open.
-fn restlessness<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, slider: f64, start: [f64; 2]) -> f64 {
+/// Largest change of a pressure or the supply's from tick to tick, late with the spool held open.
+fn restlessness<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, spool: f64, start: [f64; 2]) -> f64 {
     let drive = drive::<N>(machine, tick);
     let pressures = ChamberState { a: N::saturated(start[0]), b: N::saturated(start[1]) };
     let mut state: State<N> = drive.at_rest(N::ZERO, pressures, N::travel(0.0));
-    let slider = Slider { from: N::saturated(slider), to: N::saturated(slider) };
+    let spool = Spool { from: N::saturated(spool), to: N::saturated(spool) };
     let mut change = || {
         let before = state;
-        drive.step(&mut state, Entry::Slider(slider), Load::NONE);
+        drive.step(&mut state, Entry::Spool(spool), Load::NONE);
         let of = |now: N, then: N| (now.to_f64() - then.to_f64()).abs();
         of(state.chambers.a, before.chambers.a)
             .max(of(state.chambers.b, before.chambers.b))
@@ -164,7 +163,7 @@ fn no_effect_of_the_edges_keeps_the_pressures_swinging() {
     );
     let found = RefCell::new(Vec::new());
     runner(1000, file!())
-        .run(&drawn, |(machine, tick, effects, droop, slider, start)| {
+        .run(&drawn, |(machine, tick, effects, droop, spool, start)| {
             // The flow limit is none of these loops, and what meets it swings without any effect.
             let machine = machine.with(&[(P::FlowLimit, f64::INFINITY)]);
             let mut machine = effects.on(&machine, |index| (5..10).contains(&index));
@@ -173,9 +172,9 @@ fn no_effect_of_the_edges_keeps_the_pressures_swinging() {
             machine.set(P::DroopTime, 0.0);
             prop_assume!(Drive::<PerUnit>::new::<DELAY>(&machine, tick).is_ok());
             let plain = effects.on(&machine, |_| false);
-            let without = restlessness::<f64>(&plain, tick, slider, start);
-            let real = restlessness::<f64>(&machine, tick, slider, start);
-            let fixed = restlessness::<PerUnit>(&machine, tick, slider, start);
+            let without = restlessness::<f64>(&plain, tick, spool, start);
+            let real = restlessness::<f64>(&machine, tick, spool, start);
+            let fixed = restlessness::<PerUnit>(&machine, tick, spool, start);
             found.borrow_mut().push((real - 2.0 * without, fixed - 2.0 * without));
             Ok(())
         })

@@ -7,7 +7,7 @@ use model_core::drive::{Drive, Entry, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, Parameter as P, Source, Tick};
 use model_core::number::{Number, PerUnit, Scalar};
-use model_core::ports::{ChamberState, Flows, Forces, MotionState, Slider, Surroundings};
+use model_core::ports::{ChamberState, Flows, Forces, MotionState, Spool, Surroundings};
 use system_tests::any_effects::any_effects;
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::simulate::{DELAY, State, any_word, drive};
@@ -17,9 +17,9 @@ use super::cases;
 fn any_entry() -> impl Strategy<Value = Entry<PerUnit>> {
     prop_oneof![
         any_word().prop_map(Entry::Command),
-        (any_word(), any_word()).prop_map(|(from, to)| Entry::Slider(Slider { from, to })),
+        (any_word(), any_word()).prop_map(|(from, to)| Entry::Spool(Spool { from, to })),
         (any_word(), any_word(), any_word())
-            .prop_map(|(command, from, to)| Entry::Followed { command, slider: Slider { from, to } }),
+            .prop_map(|(command, from, to)| Entry::Followed { command, spool: Spool { from, to } }),
         (any_word(), any::<i8>()).prop_map(|(speed, direction)| Entry::Pump(PumpDrive { speed, direction })),
         (any_word(), any_word(), any_word(), any_word())
             .prop_map(|(a, b, c, d)| Entry::Flow { from: Flows { a, b }, to: Flows { a: c, b: d } }),
@@ -112,10 +112,10 @@ proptest! {
         position in any::<i64>(),
     ) {
         let drive = Drive::<PerUnit>::new::<DELAY>(&machine, tick).unwrap();
-        let [command, slider, a, b, flow_a, flow_b, velocity, speed, first, second] = words;
+        let [command, spool, a, b, flow_a, flow_b, velocity, speed, first, second] = words;
         let mut state = any_state(&drive, seed);
         drive.valve().unwrap().step(&mut state.valve, command);
-        let _ = drive.flows(slider, PumpDrive { speed: command, direction: 1 }, ChamberState { a, b });
+        let _ = drive.flows(spool, PumpDrive { speed: command, direction: 1 }, ChamberState { a, b });
         drive.chambers().step(&mut state.chambers, &mut state.rest, &mut state.voids, Flows { a: flow_a, b: flow_b }, speed, b);
         let position = <PerUnit as Number>::Travel::from_bits(position);
         let [bristles, pressed, viscosity, _] = others;

@@ -211,14 +211,14 @@ fn created<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, seed: u64)
     let (mut given, mut passed, mut created, mut held) = (0.0, scale, 0.0, first);
     for volts in Excitation::random_steps(seed).sample(tick.seconds()) {
         let seen = drive.step(&mut state, Entry::Command(command(volts)), Load::NONE);
-        let slider = seen.slider.unwrap();
+        let spool = seen.spool.unwrap();
         let [into_a, out_of_b] =
             [seen.flows.a, seen.flows.b].map(|flow| flow.to_f64() * bases.flow_m3_per_s * bases.tick_s);
         let (from_supply, to_tank) =
-            if slider.from.to_f64() + slider.to.to_f64() > 0.0 { (into_a, out_of_b) } else { (-out_of_b, -into_a) };
+            if spool.from.to_f64() + spool.to.to_f64() > 0.0 { (into_a, out_of_b) } else { (-out_of_b, -into_a) };
         let holds = energy(&store, &si(&state, bases));
         // Through the centre within a tick, a port has been open to both: whatever came, but no more than the valve passes.
-        let crosses = slider.from.to_f64() * slider.to.to_f64() < 0.0;
+        let crosses = spool.from.to_f64() * spool.to.to_f64() < 0.0;
         let known = supply_pa * from_supply - tank_pa * to_tank;
         given += if crosses { (holds - held).min(full_j) } else { known };
         passed += supply_pa * (from_supply.abs() + to_tank.abs());

@@ -16,9 +16,9 @@ fn flows(machine: &Machine<f64>, at: &At) -> [f64; 2] {
     let [a, b] = [at.row.pressure_a, at.row.pressure_b].map(|pressure| pressure * supply);
     let edge = |over: f64| {
         let transition = get(P::LaminarTransition);
-        get(P::FlowCoefficient) * at.slider * over / (over * over + transition * transition).powf(0.25)
+        get(P::FlowCoefficient) * at.spool * over / (over * over + transition * transition).powf(0.25)
     };
-    let (a_over, b_over) = if at.slider > 0.0 { (supply - a, b - tank) } else { (a - tank, supply - b) };
+    let (a_over, b_over) = if at.spool > 0.0 { (supply - a, b - tank) } else { (a - tank, supply - b) };
     let past = get(P::InternalLeakage) * (a - b);
     [
         edge(a_over) - past - get(P::ExternalLeakageA) * (a - tank),

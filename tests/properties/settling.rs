@@ -8,7 +8,7 @@ use model_core::drive::{Drive, DriveState, Entry, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, Parameter as P, Source, Tick};
 use model_core::number::{PerUnit, Scalar};
-use model_core::ports::{ChamberState, Slider};
+use model_core::ports::{ChamberState, Spool};
 use system_tests::any_machine::any_tick;
 use system_tests::simulate::{Row, core, larger, oracle_with};
 use virtual_plant::{Commands, InitialState, LoadEffect, PlantEffect};
@@ -93,7 +93,7 @@ fn sprung_drive(tick: Tick, turn: f64, ratio: f64, fill: f64) -> Machine<f64> {
     ])
 }
 
-/// What else passes oil beside the edges that the slider opens.
+/// What else passes oil beside the edges that the spool opens.
 #[derive(Clone, Copy, Debug, Default)]
 struct Passing {
     /// Opening of all four edges at the centre.
@@ -115,7 +115,7 @@ impl Passing {
     }
 }
 
-/// Which way the slider goes.
+/// Which way the spool goes.
 fn any_way() -> impl Strategy<Value = f64> {
     prop_oneof![Just(1.0), Just(-1.0)]
 }
@@ -126,7 +126,7 @@ fn any_passing() -> impl Strategy<Value = Passing> {
     prop_oneof![Just(Passing::default()), valve, piston]
 }
 
-/// How much the pressure in A still swings over the last of 3000 ticks with the slider held at `open`, in parts of the supply.
+/// How much the pressure in A still swings over the last of 3000 ticks with the spool held at `open`, in parts of the supply.
 fn swing<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, open: f64) -> f64 {
     let drive = Drive::<N>::new::<64>(machine, tick).expect("the drive fits");
     let rest = N::saturated(0.5);
@@ -134,7 +134,7 @@ fn swing<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, open: f64) -
     let open = N::saturated(open);
     let mut ends = (f64::INFINITY, f64::NEG_INFINITY);
     for tick in 0..3000 {
-        drive.step(&mut state, Entry::Slider(Slider { from: open, to: open }), Load::NONE);
+        drive.step(&mut state, Entry::Spool(Spool { from: open, to: open }), Load::NONE);
         if tick >= 2900 {
             let pressure = state.chambers.a.to_f64();
             ends = (ends.0.min(pressure), ends.1.max(pressure));
@@ -226,9 +226,9 @@ fn a_rod_that_a_stop_catches_behind_a_limited_flow_drives_no_pressure_beyond_the
     hardly_any_above_a_supply(&errors.into_inner());
 }
 
-/// A slider that leaves the limit and comes back within some ticks.
+/// A spool that leaves the limit and comes back within some ticks.
 #[test]
-fn a_slider_that_goes_back_through_its_dead_centre_drives_no_pressure_beyond_the_true_one() {
+fn a_spool_that_goes_back_through_its_dead_centre_drives_no_pressure_beyond_the_true_one() {
     let any = (0.3..1.6_f64, 0.5..6.0_f64, 0.2..6.0_f64, any_tick(), 0.0..1.0_f64, 1.0..4.0_f64);
     let errors = RefCell::new(Vec::new());
     runner(300, file!())

@@ -1,6 +1,6 @@
 //! Runs in which nothing switches: where the step is of second order, it shows on any machine.
 //!
-//! The slider moves along a sine to one side and is given at both ends of each tick; no dead zone, no limit, no dry friction; the pressures
+//! The spool moves along a sine to one side and is given at both ends of each tick; no dead zone, no limit, no dry friction; the pressures
 //! stay away from the corner of the root at Δp = 0; and the oil spring is damped, so that nothing rings: of ringing with ω·h near 1 no tick
 //! here is short enough to be of any order. The drive has run in at the shortest tick before.
 
@@ -11,7 +11,7 @@ use proptest::prelude::*;
 use model_core::drive::{Entry, Load};
 use model_core::machine::{Machine, Parameter as P, Tick};
 use model_core::number::Number;
-use model_core::ports::Slider;
+use model_core::ports::Spool;
 use system_tests::any_machine::any_machine;
 use system_tests::simulate::{Row, State, at_rest, drive, row};
 use virtual_plant::InitialState;
@@ -20,14 +20,14 @@ use virtual_plant::InitialState;
 pub(crate) const TICKS: [Tick; 3] = [Tick::TwoMilliseconds, Tick::OneMillisecond, Tick::HalfMillisecond];
 /// Length of a run, s.
 const LENGTH_S: f64 = 0.4;
-/// Time to run in, s; over three quarters of it the slider opens to its sine.
+/// Time to run in, s; over three quarters of it the spool opens to its sine.
 const RUN_IN_S: f64 = 2.0;
 /// Least damping of the oil spring, of the critical.
 const DAMPING: f64 = 0.25;
 /// Least pressure over an open edge, supply pressures.
 const CORNER: f64 = 0.02;
 
-/// A drive and what its slider does.
+/// A drive and what its spool does.
 #[derive(Clone, Debug)]
 pub(crate) struct Smooth {
     pub(crate) machine: Machine<f64>,
@@ -39,7 +39,7 @@ pub(crate) struct Smooth {
 /// The state at a time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct At {
-    pub(crate) slider: f64,
+    pub(crate) spool: f64,
     pub(crate) row: Row,
 }
 
@@ -61,15 +61,15 @@ pub(crate) fn any_smooth() -> impl Strategy<Value = Smooth> {
 }
 
 impl Smooth {
-    fn slider(&self, time_s: f64) -> f64 {
+    fn spool(&self, time_s: f64) -> f64 {
         let opened = ((time_s + RUN_IN_S) / (0.75 * RUN_IN_S)).min(1.0);
         let opened = 0.2 + 0.8 * opened * opened * (3.0 - 2.0 * opened);
         self.travel * opened * (1.0 + 0.4 * (TAU * self.frequency_hz * time_s).sin())
     }
 
     fn entry(&self, row: usize, tick_s: f64, from_s: f64) -> Entry<f64> {
-        let at = |row: usize| self.slider(from_s + row as f64 * tick_s);
-        Entry::Slider(Slider { from: at(row), to: at(row + 1) })
+        let at = |row: usize| self.spool(from_s + row as f64 * tick_s);
+        Entry::Spool(Spool { from: at(row), to: at(row + 1) })
     }
 
     /// The run at a tick, a state a tick; `None` where it comes near a corner.
@@ -87,7 +87,7 @@ impl Smooth {
         let count = ticks(LENGTH_S, tick);
         let mut seen = Vec::with_capacity(count);
         for index in 0..count {
-            seen.push(At { slider: self.slider(index as f64 * tick.seconds()), row: row(&state) });
+            seen.push(At { spool: self.spool(index as f64 * tick.seconds()), row: row(&state) });
             drive.step(&mut state, self.entry(index, tick.seconds(), 0.0), Load::NONE);
         }
         let tank = self.machine.get(P::TankPressure) / self.machine.get(P::SupplyPressure);

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use model_core::drive::{Drive, Entry, Load};
 use model_core::machine::{Machine, Parameter as P, Tick};
 use model_core::number::{PerUnit, Scalar};
-use model_core::ports::{ChamberState, Slider};
+use model_core::ports::{ChamberState, Spool};
 use recording::excitation::signals::Excitation;
 use system_tests::any_effects::{BRISTLES, STOPS, any_effects, without};
 use system_tests::any_machine::{any_machine, any_tick};
@@ -78,7 +78,7 @@ fn mirror_image(machine: &Machine<f64>) -> Machine<f64> {
     image
 }
 
-/// Without what lets the last bit decide: whether a rod sticks, or a slider, or in which tick a rod meets a stop.
+/// Without what lets the last bit decide: whether a rod sticks, or a spool, or in which tick a rod meets a stop.
 fn without_decisions(machine: &Machine<f64>) -> Machine<f64> {
     let deciding = [
         P::CoulombFriction,
@@ -171,7 +171,7 @@ proptest! {
     }
 }
 
-/// Any state of a drive: slider before and after the tick, pressures, velocity (per unit) and position (strokes).
+/// Any state of a drive: spool before and after the tick, pressures, velocity (per unit) and position (strokes).
 type Moment = [f64; 6];
 
 /// Both pressures, velocity and position after a tick from there.
@@ -179,7 +179,7 @@ fn after_a_tick(machine: &Machine<f64>, tick: Tick, [from, to, a, b, velocity, p
     let drive = drive::<f64>(machine, tick);
     let mut state: State<f64> = drive.at_rest(0.0, ChamberState { a, b }, position);
     state.motion.velocity = velocity;
-    drive.step(&mut state, Entry::Slider(Slider { from, to }), Load::NONE);
+    drive.step(&mut state, Entry::Spool(Spool { from, to }), Load::NONE);
     [state.chambers.a, state.chambers.b, state.motion.velocity, state.motion.position]
 }
 

@@ -1,7 +1,7 @@
 //! Ticks of 0.5, 1 and 2 ms agree to second order where nothing switches.
 //!
 //! What switches, switches at the end of a tick, up to a tick late or early, and is of no order: a command that is held before a valve
-//! without lags, the edge of a dead zone, a rate limit. What such a moment decides may last: a slider that has jumped and one that has not
+//! without lags, the edge of a dead zone, a rate limit. What such a moment decides may last: a spool that has jumped and one that has not
 //! stay where they are, and so does a rod that dry friction holds. So no bound holds for every machine there.
 
 use std::cell::RefCell;

@@ -13,7 +13,7 @@ use model_core::drive::{Drive, DriveState, Entry, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, Parameter, Source, Tick};
 use model_core::number::{Number, PerUnit, Scalar};
-use model_core::ports::{Flows, Slider};
+use model_core::ports::{Flows, Spool};
 use recording::files::source_error::{Explained, render};
 use recording::{ChannelMap, Mapping, Recording, RecordingError, Scale, Signal, Table};
 
@@ -171,7 +171,7 @@ fn drive_of(machine: &Machine<f64>, tick: Tick) {
         );
         for entry in [
             Entry::Command(N::saturated(0.5)),
-            Entry::Slider(Slider { from: N::ZERO, to: N::saturated(-1.0) }),
+            Entry::Spool(Spool { from: N::ZERO, to: N::saturated(-1.0) }),
             Entry::Pump(PumpDrive { speed: N::saturated(0.7), direction: -1 }),
         ] {
             drive.step(&mut state, entry, Load::NONE);
@@ -275,8 +275,8 @@ impl Words<'_> {
         }
         Some(match self.byte() % 6 {
             0 => Entry::Command(self.word()),
-            1 => Entry::Slider(Slider { from: self.word(), to: self.word() }),
-            2 => Entry::Followed { command: self.word(), slider: Slider { from: self.word(), to: self.word() } },
+            1 => Entry::Spool(Spool { from: self.word(), to: self.word() }),
+            2 => Entry::Followed { command: self.word(), spool: Spool { from: self.word(), to: self.word() } },
             3 => Entry::Pump(PumpDrive { direction: self.byte().cast_signed(), speed: self.word() }),
             4 => Entry::Flow {
                 from: Flows { a: self.word(), b: self.word() },

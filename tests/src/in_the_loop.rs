@@ -85,8 +85,8 @@ impl Said {
 /// What is wrong with parts and wires; nothing by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wrong {
-    /// Voltage at the slider's input in place of its sensor's.
-    pub slider_v: Option<f64>,
+    /// Voltage at the spool's input in place of its sensor's.
+    pub spool_v: Option<f64>,
     /// The same of pressure A.
     pub pressure_a_v: Option<f64>,
     /// The rod does not turn the encoder.
@@ -207,8 +207,8 @@ impl Board {
     /// The sensors show these readings from now on, where nothing is wrong with them.
     fn show(&mut self, seen: &Readings) {
         let pressure_v = |pressure_pa: f64| 0.5 + 4.0 * pressure_pa / press::PRESSURE_AT_4_5_V_PA;
-        let Wrong { slider_v, pressure_a_v, uncoupled, shorted, .. } = self.wrong;
-        self.inputs.inputs_v[1] = Some(slider_v.unwrap_or(10.0 * seen.slider / press::SLIDER_AT_10_V));
+        let Wrong { spool_v, pressure_a_v, uncoupled, shorted, .. } = self.wrong;
+        self.inputs.inputs_v[1] = Some(spool_v.unwrap_or(10.0 * seen.spool / press::SPOOL_AT_10_V));
         self.inputs.inputs_v[2] = Some(pressure_a_v.unwrap_or(pressure_v(seen.pressure_a_pa)));
         self.inputs.inputs_v[3] = Some(pressure_v(seen.pressure_b_pa));
         self.output.shorted = shorted.then_some(0);

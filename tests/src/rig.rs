@@ -19,8 +19,8 @@ const TOLERANCE: f64 = 1e-6;
 pub struct Readings {
     /// Position of the rod, m.
     pub position_m: f64,
-    /// Slider, of full travel.
-    pub slider: f64,
+    /// Spool, of full travel.
+    pub spool: f64,
     /// Pressure in A, Pa.
     pub pressure_a_pa: f64,
     /// Pressure in B, Pa.
@@ -185,7 +185,7 @@ impl Eyes {
         let position: &PositionSensor = &self.sensors.position;
         Readings {
             position_m: position.measure(state.position_m),
-            slider: (state.spool * counts).round() / counts,
+            spool: (state.spool * counts).round() / counts,
             pressure_a_pa,
             pressure_b_pa,
         }

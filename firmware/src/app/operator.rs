@@ -228,7 +228,7 @@ mod tests {
 
     fn report(operator: &Operator, mode: Mode, position_mm: f64) -> Report {
         let position = PerUnit::saturated(position_mm * 1e-3 / operator.bases.stroke_m);
-        let nothing = Measured { position, slider: None, pressure_a: None, pressure_b: None, oil_temperature: None };
+        let nothing = Measured { position, spool: None, pressure_a: None, pressure_b: None, oil_temperature: None };
         Report {
             mode,
             measured: nothing,

@@ -23,14 +23,14 @@ pub mod values {
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "two milliseconds at most")]
 pub const TICK_NS: u32 = (values::TICK.seconds() * 1e9) as u32;
 
-/// Ranges of the converter's channels: 1 slider, 2 and 3 pressures in A and B.
+/// Ranges of the converter's channels: 1 spool, 2 and 3 pressures in A and B.
 pub const RANGES: [Option<Range>; CHANNELS] =
     [None, Some(Range::Bipolar10V), Some(Range::Unipolar5V), Some(Range::Unipolar5V), None, None, None, None];
 
 /// Encoder counts a metre of rod, all edges: a 3600-impulse encoder on a rack of 0.2 m a turn.
 pub const COUNTS_PER_M: f64 = 72_000.0;
-/// Slider travel at 10 V of its LVDT.
-pub const SLIDER_AT_10_V: f64 = 1.0;
+/// Spool travel at 10 V of its LVDT.
+pub const SPOOL_AT_10_V: f64 = 1.0;
 /// Pressure at 4.5 V of its sensor, Pa; 0.5 V is none.
 pub const PRESSURE_AT_4_5_V_PA: f64 = 10e6;
 
@@ -43,7 +43,7 @@ pub const BOUNDS: Bounds = Bounds { from_m: 0.01, to_m: 0.29, velocity_m_per_s: 
 
 /// What the monitor takes for chance: the noise of the sensors, and what the model of a press is known not to tell.
 pub const SENSITIVITY: Sensitivity = Sensitivity {
-    slider: Spread { sigma: 5e-3, correlation_s: 0.02 },
+    spool: Spread { sigma: 5e-3, correlation_s: 0.02 },
     pressure: Spread { sigma: 1.5e5, correlation_s: 0.02 },
     position: Spread { sigma: 2e-4, correlation_s: 0.2 },
     memory_s: 0.5,
@@ -67,7 +67,7 @@ pub fn machine() -> Machine<f64> {
     Machine::with_defaults(values::SOURCE).with(values::VALUES)
 }
 
-/// Tuning by rule, with the slider measured and with what the encoder can tell apart.
+/// Tuning by rule, with the spool measured and with what the encoder can tell apart.
 #[must_use]
 pub fn tuning(machine: &Machine<f64>) -> Tuning {
     Tuning {
@@ -83,10 +83,10 @@ pub fn tuning(machine: &Machine<f64>) -> Tuning {
 /// # Errors
 /// A value of the drive does not fit them.
 pub fn rig(machine: &Machine<f64>, bases: &Bases, input_uv: u32, output_uv: u32) -> Result<Rig, PressError> {
-    let slider = Sensor {
+    let spool = Sensor {
         channel: 1,
         low: Point { volts: 0.0, value: 0.0 },
-        high: Point { volts: 10.0, value: SLIDER_AT_10_V },
+        high: Point { volts: 10.0, value: SPOOL_AT_10_V },
         working: Band { from_v: -10.05, to_v: 10.05 },
         open: Some(Band { from_v: 10.15, to_v: 10.24 }),
     };
@@ -97,7 +97,7 @@ pub fn rig(machine: &Machine<f64>, bases: &Bases, input_uv: u32, output_uv: u32)
         working: Band { from_v: 0.4, to_v: 4.6 },
         open: Some(Band { from_v: 0.0, to_v: 0.3 }),
     };
-    let sensors = [(Signal::Slider, slider), (Signal::PressureA, pressure(2)), (Signal::PressureB, pressure(3))];
+    let sensors = [(Signal::Spool, spool), (Signal::PressureA, pressure(2)), (Signal::PressureB, pressure(3))];
     let actuator = Actuator { zero_v: 0.0, full_v: 10.0, lowest_v: -10.0, highest_v: 10.0 };
     let encoder =
         Encoder { counts_per_m: COUNTS_PER_M, rising: Rising::Extends, reference_m: 0.0, fastest_m_per_s: 0.5 };
@@ -110,7 +110,7 @@ pub fn rig(machine: &Machine<f64>, bases: &Bases, input_uv: u32, output_uv: u32)
         slew_v_per_s: SLEW_V_PER_S,
         ramp_v_per_s: 50.0,
         still_position: Some(Delay { by: 0.003, for_s: 0.2 }),
-        still_slider: Some(Delay { by: 0.1, for_s: 0.2 }),
+        still_spool: Some(Delay { by: 0.1, for_s: 0.2 }),
         still_pressure: Some(Delay { by: 0.5e6, for_s: 0.5 }),
         read_back: None,
     };

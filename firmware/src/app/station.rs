@@ -31,7 +31,7 @@ const ROWS: usize = 6000;
 /// Rows from before the trigger: half a second.
 const BEFORE: usize = 500;
 
-/// The recorder of this rig: command, slider, pressures and position, one row a period; 60 kB.
+/// The recorder of this rig: command, spool, pressures and position, one row a period; 60 kB.
 pub type Ring = Recorder<CHANNELS, ROWS>;
 
 /// What the recorder's rows take of the RAM, bytes.
@@ -220,8 +220,8 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut> Station<'_, A, P, O> {
             log.alarm(miss);
             self.recorder.trigger();
         }
-        let Measured { position, slider, pressure_a, pressure_b, .. } = report.measured;
-        self.recorder.record(&[Some(report.command), slider, pressure_a, pressure_b, Some(position)]);
+        let Measured { position, spool, pressure_a, pressure_b, .. } = report.measured;
+        self.recorder.record(&[Some(report.command), spool, pressure_a, pressure_b, Some(position)]);
         Outcome { report, alarm }
     }
 

@@ -23,7 +23,7 @@ impl<const DELAY: usize> Following<DELAY> {
     pub fn new(follower: Follower, reference: Reference<DELAY>) -> Self {
         let model = reference.predicted();
         let position = model.position;
-        let state = follower.at_rest(&model, &Observed { position, slider: None, pressures: None });
+        let state = follower.at_rest(&model, &Observed { position, spool: None, pressures: None });
         Self { follower, state, reference }
     }
 
@@ -101,7 +101,7 @@ mod tests {
             let position = PerUnit::of_travel(seen.position);
             let measured = Measured {
                 position,
-                slider: Some(seen.spool),
+                spool: Some(seen.spool),
                 pressure_a: Some(seen.pressure_a),
                 pressure_b: Some(seen.pressure_b),
                 oil_temperature: None,

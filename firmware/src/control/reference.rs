@@ -85,7 +85,7 @@ impl<const DELAY: usize> Reference<DELAY> {
     pub fn predicted(&self) -> Predicted {
         let DriveState { chambers, motion, .. } = &self.state;
         Predicted {
-            slider: self.drive.slider(&self.state),
+            spool: self.drive.spool(&self.state),
             pressure_a: chambers.a,
             pressure_b: chambers.b,
             velocity: motion.velocity,
@@ -98,7 +98,7 @@ impl<const DELAY: usize> Reference<DELAY> {
     pub fn sensed(&self) -> Predicted {
         let sensed = self.drive.sensed(&self.state);
         Predicted {
-            slider: sensed.spool,
+            spool: sensed.spool,
             pressure_a: sensed.pressure_a,
             pressure_b: sensed.pressure_b,
             velocity: sensed.velocity,
@@ -113,7 +113,7 @@ impl<const DELAY: usize> Reference<DELAY> {
         let (is, shows) = (self.predicted(), self.sensed());
         Observed {
             position: seen.position + (is.position - shows.position),
-            slider: seen.slider.map(|slider| slider + (is.slider - shows.slider)),
+            spool: seen.spool.map(|spool| spool + (is.spool - shows.spool)),
             pressures: seen.pressures.map(|ChamberState { a, b }| ChamberState {
                 a: a + (is.pressure_a - shows.pressure_a),
                 b: b + (is.pressure_b - shows.pressure_b),

@@ -10,7 +10,7 @@
 //! stands in this file's test.
 //!
 //! The first signal beyond its limit names the link that misses; in one tick the one that stands first in the chain, as what it misses
-//! reaches all below it: slider → valve, pressures → flow and chambers, position → mechanics. A load that the model lacks shows in the
+//! reaches all below it: spool → valve, pressures → flow and chambers, position → mechanics. A load that the model lacks shows in the
 //! pressures as well: a name is where to look, what it is the diagnosis finds from the recording.
 
 mod limit;
@@ -29,8 +29,8 @@ pub use sensitivity::{MonitorError, Sensitivity, Spread};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Signal {
-    /// Slider position.
-    Slider,
+    /// Spool position.
+    Spool,
     /// Pressure in A.
     PressureA,
     /// Pressure in B.
@@ -43,9 +43,9 @@ pub enum Signal {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Link {
-    /// Command to slider.
+    /// Command to spool.
     Valve,
-    /// Slider to pressures.
+    /// Spool to pressures.
     FlowAndChambers,
     /// Pressures to position.
     Mechanics,
@@ -53,13 +53,13 @@ pub enum Link {
 
 impl Signal {
     /// All of them, in the order of the chain.
-    pub const ALL: [Signal; SIGNALS] = [Signal::Slider, Signal::PressureA, Signal::PressureB, Signal::Position];
+    pub const ALL: [Signal; SIGNALS] = [Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Position];
 
     /// The link whose output it is.
     #[must_use]
     pub const fn link(self) -> Link {
         match self {
-            Signal::Slider => Link::Valve,
+            Signal::Spool => Link::Valve,
             Signal::PressureA | Signal::PressureB => Link::FlowAndChambers,
             Signal::Position => Link::Mechanics,
         }
@@ -79,10 +79,10 @@ impl Innovation {
     /// Of what the model said and the sensors show of the same instant.
     #[must_use]
     pub fn of(predicted: &Predicted, seen: &Observed) -> Self {
-        let slider = seen.slider.map(|slider| slider - predicted.slider);
+        let spool = seen.spool.map(|spool| spool - predicted.spool);
         let a = seen.pressures.map(|pressures| pressures.a - predicted.pressure_a);
         let b = seen.pressures.map(|pressures| pressures.b - predicted.pressure_b);
-        Self { values: [slider, a, b, Some(seen.position - predicted.position)] }
+        Self { values: [spool, a, b, Some(seen.position - predicted.position)] }
     }
 }
 
@@ -144,7 +144,7 @@ impl Monitor {
     /// # Errors
     /// A spread or a time is out of its range, or no limit tells what is wanted from chance.
     pub fn new(sensitivity: &Sensitivity, bases: &Bases) -> Result<Self, MonitorError> {
-        let Sensitivity { slider, pressure, position, memory_s, between_false_alarms_s } = *sensitivity;
+        let Sensitivity { spool, pressure, position, memory_s, between_false_alarms_s } = *sensitivity;
         let time = |name, found_s: f64, least_s: f64, most_s: f64| {
             // NaN is in no range.
             if least_s <= found_s && found_s <= most_s {
@@ -173,7 +173,7 @@ impl Monitor {
         Ok(Self {
             share: PerUnit::saturated(share).as_gain(),
             watches: [
-                watch(Signal::Slider, slider, 1.0)?,
+                watch(Signal::Spool, spool, 1.0)?,
                 watch(Signal::PressureA, pressure, bases.pressure_pa)?,
                 watch(Signal::PressureB, pressure, bases.pressure_pa)?,
                 watch(Signal::Position, position, bases.stroke_m)?,
@@ -259,7 +259,7 @@ mod tests {
     fn sensitivity(correlation_s: f64, memory_s: f64, between_false_alarms_s: f64) -> Sensitivity {
         let spread = |sigma| Spread { sigma, correlation_s };
         Sensitivity {
-            slider: spread(2e-3),
+            spool: spread(2e-3),
             pressure: spread(4e4),
             position: spread(2e-4),
             memory_s,
@@ -322,7 +322,7 @@ mod tests {
             let (predicted, shown) = (model.step(command), machine.step(command));
             let mut seen = |value: PerUnit, k: usize| value + PerUnit::saturated((normal.next() + bias[k]) * SIGMAS[k]);
             let observed = Observed {
-                slider: Some(seen(shown.slider, 0)),
+                spool: Some(seen(shown.spool, 0)),
                 pressures: Some(model_core::ports::ChamberState {
                     a: seen(shown.pressure_a, 1),
                     b: seen(shown.pressure_b, 2),
@@ -371,8 +371,8 @@ mod tests {
         let refused = |sensitivity: Sensitivity| Monitor::new(&sensitivity, &bases).unwrap_err();
         let nothing = Spread { sigma: 0.0, correlation_s: 0.0 };
         let right = sensitivity(0.0, 0.1, 1e4);
-        let found = refused(Sensitivity { slider: nothing, ..right });
-        assert!(matches!(found, MonitorError::Sigma { signal: Signal::Slider, .. }), "{found}");
+        let found = refused(Sensitivity { spool: nothing, ..right });
+        assert!(matches!(found, MonitorError::Sigma { signal: Signal::Spool, .. }), "{found}");
         let found = refused(Sensitivity { memory_s: f64::NAN, ..right });
         assert!(matches!(found, MonitorError::Time { name: "memory", .. }), "{found}");
         let found = refused(Sensitivity { memory_s: 0.002, between_false_alarms_s: 1e10, ..right });

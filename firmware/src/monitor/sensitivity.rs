@@ -16,8 +16,8 @@ pub struct Spread {
 /// What the monitor is to tell from chance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensitivity {
-    /// Slider, 1.
-    pub slider: Spread,
+    /// Spool, 1.
+    pub spool: Spread,
     /// Either pressure, Pa.
     pub pressure: Spread,
     /// Position, m.

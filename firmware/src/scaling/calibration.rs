@@ -25,7 +25,7 @@ use crate::measured::Signal;
 pub struct Point {
     /// Voltage at the input, V.
     pub volts: f64,
-    /// What it stands for, in the signal's SI unit: V of command, 1 of slider travel, Pa, °C.
+    /// What it stands for, in the signal's SI unit: V of command, 1 of spool travel, Pa, °C.
     pub value: f64,
 }
 
@@ -48,7 +48,7 @@ pub struct Sensor {
 fn base(signal: Signal, bases: &Bases) -> f64 {
     match signal {
         Signal::Command => bases.command_v,
-        Signal::Slider => 1.0,
+        Signal::Spool => 1.0,
         Signal::PressureA | Signal::PressureB => bases.pressure_pa,
         Signal::OilTemperature => bases.temperature_c,
     }
@@ -220,8 +220,8 @@ mod tests {
     #[test]
     fn the_table_has_a_row_for_each_sensor() {
         let actuator = Actuator { zero_v: 0.0, full_v: 10.0, lowest_v: -10.0, highest_v: 10.0 };
-        let slider = Sensor { channel: 1, high: Point { volts: 4.5, value: 1.0 }, ..pressure() };
-        let sensors = [(Signal::PressureB, pressure()), (Signal::Slider, slider)];
+        let spool = Sensor { channel: 1, high: Point { volts: 4.5, value: 1.0 }, ..pressure() };
+        let sensors = [(Signal::PressureB, pressure()), (Signal::Spool, spool)];
         let table = Calibration::new(&sensors, SPAN_UV, &actuator, 20_000_000, &bases()).unwrap();
         let channels = table.signals().map(|(signal, row)| (signal, row.map(Row::channel)));
         let expected = Signal::ALL.into_iter().zip([None, Some(1), None, Some(2), None]);

@@ -37,8 +37,8 @@ pub struct Allowed {
     pub ramp_v_per_s: f64,
     /// How long the encoder may stand still while the model's rod moves on by so many m.
     pub still_position: Option<Delay>,
-    /// How long the slider's sensor may stand still while the model's slider moves on, of full travel.
-    pub still_slider: Option<Delay>,
+    /// How long the spool's sensor may stand still while the model's spool moves on, of full travel.
+    pub still_spool: Option<Delay>,
     /// How long a pressure sensor may stand still while the model's pressure moves on by so many Pa.
     pub still_pressure: Option<Delay>,
     /// How long the voltage at the valve may be farther than so many V from the one put out, where it is read back.
@@ -137,7 +137,7 @@ impl Limits {
         let middle = 0.5 * machine.get(Parameter::DeadZoneDifference);
         let neutral_v = (middle - machine.get(Parameter::ValveOffset)) / machine.get(Parameter::ValveGain);
         let still_pressure = patience("still_pressure", allowed.still_pressure, pressure_pa, tick_s)?;
-        let still_slider = patience("still_slider", allowed.still_slider, 1.0, tick_s)?;
+        let still_spool = patience("still_slider", allowed.still_spool, 1.0, tick_s)?;
         let limits = Self {
             attempts: allowed.attempts,
             settling: periods("settling_s", allowed.settling_s, tick_s)?,
@@ -148,7 +148,7 @@ impl Limits {
             slew: signal("slew_v_per_s", allowed.slew_v_per_s, command_v / tick_s)?,
             ramp: signal("ramp_v_per_s", allowed.ramp_v_per_s, command_v / tick_s)?,
             still_position: patience("still_position", allowed.still_position, stroke_m, tick_s)?,
-            still: [None, still_slider, still_pressure, still_pressure, None],
+            still: [None, still_spool, still_pressure, still_pressure, None],
             read_back: patience("read_back", allowed.read_back, command_v, tick_s)?,
         };
         limits.check()?;
@@ -199,7 +199,7 @@ mod tests {
             slew_v_per_s: 400.0,
             ramp_v_per_s: 20.0,
             still_position: Some(Delay { by: 0.003, for_s: 0.05 }),
-            still_slider: None,
+            still_spool: None,
             still_pressure: Some(Delay { by: 7e5, for_s: 0.1 }),
             read_back: Some(Delay { by: 0.1, for_s: 0.003 }),
         }

@@ -43,7 +43,7 @@ impl Expected {
         let predicted = self.predicted.as_ref()?;
         match signal {
             Signal::Command => self.put_out,
-            Signal::Slider => Some(predicted.slider),
+            Signal::Spool => Some(predicted.spool),
             Signal::PressureA => Some(predicted.pressure_a),
             Signal::PressureB => Some(predicted.pressure_b),
             Signal::OilTemperature => None,
@@ -132,8 +132,8 @@ impl Senses {
 
 /// Sorts what was measured; the command that was read back is beside it.
 pub(crate) fn sorted(position: PerUnit, voltages: [Option<PerUnit>; Signal::COUNT]) -> (Measured, Option<PerUnit>) {
-    let [command, slider, pressure_a, pressure_b, oil_temperature] = voltages;
-    (Measured { position, slider, pressure_a, pressure_b, oil_temperature }, command)
+    let [command, spool, pressure_a, pressure_b, oil_temperature] = voltages;
+    (Measured { position, spool, pressure_a, pressure_b, oil_temperature }, command)
 }
 
 /// Whether two are farther apart than that.

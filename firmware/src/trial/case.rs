@@ -39,8 +39,8 @@ pub struct Case {
 pub struct Sample {
     /// Ticks since the start.
     pub tick: usize,
-    /// Slider.
-    pub slider: i32,
+    /// Spool.
+    pub spool: i32,
     /// Pressure in A.
     pub pressure_a: i32,
     /// Pressure in B.
@@ -118,7 +118,7 @@ impl Case {
             if tick % SAMPLED == 0 {
                 take(Sample {
                     tick,
-                    slider: state.valve.slider().to_bits(),
+                    spool: state.valve.spool().to_bits(),
                     pressure_a: state.chambers.a.to_bits(),
                     pressure_b: state.chambers.b.to_bits(),
                     velocity: state.motion.velocity.to_bits(),
@@ -153,10 +153,10 @@ impl fmt::Display for Case {
 
 impl fmt::Display for Sample {
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
-        let Self { tick, slider, pressure_a, pressure_b, velocity, position, fingerprint } = self;
+        let Self { tick, spool, pressure_a, pressure_b, velocity, position, fingerprint } = self;
         write!(
             formatter,
-            "{tick:>6} {slider:>11} {pressure_a:>11} {pressure_b:>11} {velocity:>11} {position:>18} {fingerprint:016x}"
+            "{tick:>6} {spool:>11} {pressure_a:>11} {pressure_b:>11} {velocity:>11} {position:>18} {fingerprint:016x}"
         )
     }
 }

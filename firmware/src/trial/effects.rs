@@ -61,7 +61,7 @@ const CORRECTION_TABLE: &[Form] = &[
         ],
     },
     Form {
-        name: "unnamed, slider travel",
+        name: "unnamed, spool travel",
         values: &[
             (P::TableQuantity, 4.0),
             (P::TableOver, 3.0),

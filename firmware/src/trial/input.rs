@@ -5,7 +5,7 @@ use core::str::Lines;
 use model_core::drive::{Entry, Load};
 use model_core::flow::PumpDrive;
 use model_core::number::{Number, PerUnit};
-use model_core::ports::{Flows, Slider};
+use model_core::ports::{Flows, Spool};
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
 
@@ -138,11 +138,11 @@ impl Moments {
     }
 
     fn anywhere(&mut self) -> Entry<PerUnit> {
-        let slider = Slider { from: self.within_one(), to: self.within_one() };
+        let spool = Spool { from: self.within_one(), to: self.within_one() };
         match self.generator.next_u32() % 6 {
             0 => Entry::Command(PerUnit::from_bits(self.bits())),
-            1 => Entry::Slider(slider),
-            2 => Entry::Followed { command: self.within_one(), slider },
+            1 => Entry::Spool(spool),
+            2 => Entry::Followed { command: self.within_one(), spool },
             3 => Entry::Flow {
                 from: Flows { a: self.within_one(), b: self.within_one() },
                 to: Flows { a: self.within_one(), b: self.within_one() },

@@ -76,14 +76,14 @@ proptest! {
             {
                 let mut world = world.borrow_mut();
                 let [position_silent, inputs_silent, output_silent] = step.silent;
-                let [slider, pressure_a, pressure_b, position] = step.predicted.map(PerUnit::from_bits);
+                let [spool, pressure_a, pressure_b, position] = step.predicted.map(PerUnit::from_bits);
                 *world = World {
                     count: world.count.wrapping_add(step.count),
                     voltages: step.voltages,
                     position_silent,
                     inputs_silent,
                     output_silent,
-                    predicted: Predicted { slider, pressure_a, pressure_b, velocity: PerUnit::ZERO, position },
+                    predicted: Predicted { spool, pressure_a, pressure_b, velocity: PerUnit::ZERO, position },
                     wanted: PerUnit::from_bits(step.wanted),
                     ..*world
                 };

@@ -41,14 +41,14 @@ impl World {
         let zero = PerUnit::ZERO;
         Self {
             count: 0,
-            // The output writes the first.  Slider in the middle; pressures of 2.5 and 3 V.
+            // The output writes the first.  Spool in the middle; pressures of 2.5 and 3 V.
             voltages: [0, 0, 5 * VOLT / 2, 3 * VOLT],
             position_silent: false,
             inputs_silent: false,
             output_silent: false,
             asked: 0,
             written: 0,
-            predicted: Predicted { slider: zero, pressure_a: zero, pressure_b: zero, velocity: zero, position: zero },
+            predicted: Predicted { spool: zero, pressure_a: zero, pressure_b: zero, velocity: zero, position: zero },
             wanted: neutral(),
             started: 0,
         }
@@ -152,7 +152,7 @@ pub(crate) fn rig(limits: Limits) -> Rig {
     };
     let sensors = [
         (Signal::Command, ten_volts(0, 10.0)),
-        (Signal::Slider, ten_volts(1, 1.0)),
+        (Signal::Spool, ten_volts(1, 1.0)),
         (Signal::PressureA, pressure(2)),
         (Signal::PressureB, pressure(3)),
     ];

@@ -58,7 +58,7 @@ fn silent_inputs_cost_their_attempts_once_a_period() {
     // One count, three attempts at the first voltage, one write.
     assert_eq!(bench.world.borrow().asked, 5);
     let measured = report.measured;
-    assert_eq!((measured.slider, measured.pressure_a, measured.pressure_b), (None, None, None));
+    assert_eq!((measured.spool, measured.pressure_a, measured.pressure_b), (None, None, None));
 }
 
 #[test]

@@ -30,7 +30,7 @@ pub(crate) fn plant(machine: &Machine<f64>) -> Plant {
     Box::new(move |volts| {
         drive.step(&mut state, Entry::Command(volts.unwrap_or(0.0) / bases.command_v), Load::NONE);
         Seen {
-            slider: drive.slider(&state),
+            spool: drive.spool(&state),
             position_m: state.motion.position * bases.stroke_m,
             pressure_a_pa: state.chambers.a * bases.pressure_pa,
             pressure_b_pa: state.chambers.b * bases.pressure_pa,

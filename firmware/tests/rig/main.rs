@@ -33,7 +33,7 @@ impl Control for Proportional {
     fn start(&mut self, _: &Measured) {}
     fn predicted(&self) -> Predicted {
         let zero = PerUnit::ZERO;
-        Predicted { slider: zero, pressure_a: zero, pressure_b: zero, velocity: zero, position: zero }
+        Predicted { spool: zero, pressure_a: zero, pressure_b: zero, velocity: zero, position: zero }
     }
     fn follow(&mut self, set_point: SetPoint, measured: &Measured) -> PerUnit {
         let apart = set_point.position - measured.position;

@@ -31,7 +31,7 @@ pub(crate) const SPEED_M_PER_S: f64 = 0.2;
 /// What the machine's sensors see.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Seen {
-    pub(crate) slider: f64,
+    pub(crate) spool: f64,
     pub(crate) position_m: f64,
     pub(crate) pressure_a_pa: f64,
     pub(crate) pressure_b_pa: f64,
@@ -45,10 +45,10 @@ pub(crate) fn simple_plant() -> Plant {
     let mut position_m: f64 = 0.0;
     Box::new(move |volts| {
         // A valve whose wire carries nothing is held by its spring.
-        let slider = volts.map_or(0.0, |volts| GAIN_PER_V * volts + OFFSET);
-        let opening = slider.signum() * (slider.abs() - OVERLAP).max(0.0);
+        let spool = volts.map_or(0.0, |volts| GAIN_PER_V * volts + OFFSET);
+        let opening = spool.signum() * (spool.abs() - OVERLAP).max(0.0);
         position_m = (position_m + opening * SPEED_M_PER_S * 1e-3).clamp(0.0, STROKE_M);
-        Seen { slider, position_m, pressure_a_pa: 5.0e6, pressure_b_pa: 6.25e6 }
+        Seen { spool, position_m, pressure_a_pa: 5.0e6, pressure_b_pa: 6.25e6 }
     })
 }
 
@@ -118,9 +118,9 @@ impl World {
         let pressure_v = |pressure_pa: f64| Some(0.5 + pressure_pa * 4e-7 + noise_v);
         let open_v = if self.pulled { Some(0.2) } else { None };
         let pressure_a_v = if self.wired { pressure_v(seen.pressure_a_pa) } else { open_v };
-        let slider_v = Some(seen.slider * 10.0 + noise_v);
+        let spool_v = Some(seen.spool * 10.0 + noise_v);
         self.adc.borrow_mut().inputs_v =
-            [volts, slider_v, pressure_a_v, pressure_v(seen.pressure_b_pa), None, None, None, None];
+            [volts, spool_v, pressure_a_v, pressure_v(seen.pressure_b_pa), None, None, None, None];
     }
 
     pub(crate) fn begin<C: Control>(&self, control: C) -> Wired<C> {
@@ -186,7 +186,7 @@ pub(crate) fn allowed() -> Allowed {
         slew_v_per_s: 1000.0,
         ramp_v_per_s: 100.0,
         still_position: Some(Delay { by: 0.002, for_s: 0.02 }),
-        still_slider: Some(Delay { by: 0.05, for_s: 0.1 }),
+        still_spool: Some(Delay { by: 0.05, for_s: 0.1 }),
         still_pressure: Some(Delay { by: 7e5, for_s: 0.1 }),
         read_back: Some(Delay { by: 0.05, for_s: 0.005 }),
     }
@@ -210,7 +210,7 @@ pub(crate) fn sensors() -> [(Signal, Sensor); 4] {
     };
     [
         (Signal::Command, ten_volts(0, 10.0)),
-        (Signal::Slider, ten_volts(1, 1.0)),
+        (Signal::Spool, ten_volts(1, 1.0)),
         (Signal::PressureA, pressure(2)),
         (Signal::PressureB, pressure(3)),
     ]

@@ -242,8 +242,8 @@ fn meaning(found: Weakest, whole: Option<(Signal, f64)>) -> String {
             return "This is the whole chain: whatever it misses may be missed anywhere in it.".to_owned();
         }
         Section::Valve => format!("Driven by the recorded command, the valve alone misses the recorded {signal}"),
-        Section::BelowSlider => {
-            format!("Driven by the recorded slider, flow, chambers and mechanics together miss the recorded {signal}")
+        Section::BelowSpool => {
+            format!("Driven by the recorded spool, flow, chambers and mechanics together miss the recorded {signal}")
         }
         Section::BelowFlow => format!("Driven by the recorded flow, chambers and mechanics together miss the {signal}"),
         Section::FlowAndChambers => format!(

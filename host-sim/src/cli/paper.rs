@@ -30,12 +30,12 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let found = experiment(arguments.arithmetic.into(), || bar.inc(1))?;
     bar.finish_and_clear();
     console.print(introduction())?;
-    console.print("\nTable 1. Similarity of the slider for step responses: from the command, by static characteristic, rate limit and (16)")?;
+    console.print("\nTable 1. Similarity of the spool for step responses: from the command, by static characteristic, rate limit and (16)")?;
     console.print(table_1(&found))?;
     console.print(
         "The paper's Table 1 is lost from its text, which says of it: worst at 2 and 4 V; at 6, 8 and 10 V \"97%\".",
     )?;
-    console.print("\nTable 2. Similarity of the position for step responses: from the command (Fig. 6b), and from the measured slider (Fig. 3)")?;
+    console.print("\nTable 2. Similarity of the position for step responses: from the command (Fig. 6b), and from the measured spool (Fig. 3)")?;
     console.print(table_2(&found))?;
     console.print(characteristic(&found))?;
     Ok(Outcome::Done)
@@ -71,7 +71,7 @@ fn table(header: &[&str], rows: Vec<Vec<String>>) -> Table {
 
 fn table_1(found: &Experiment) -> Table {
     let rows = found.steps.iter().map(|step| {
-        let fit = step.slider;
+        let fit = step.spool;
         let paper = if step.command_v < 5.0 { "lost" } else { "lost (97)" };
         vec![
             format!("{}", step.command_v),
@@ -94,24 +94,18 @@ fn table_2(found: &Experiment) -> Table {
             format!("{:.2}", step.position.nrmse_percent),
             format!("{paper:.2}"),
             format!("{:.3}", 1e3 * step.position.rmse),
-            format!("{:.2}", step.position_from_slider.nrmse_percent),
-            format!("{:.3}", 1e3 * step.position_from_slider.rmse),
+            format!("{:.2}", step.position_from_spool.nrmse_percent),
+            format!("{:.3}", 1e3 * step.position_from_spool.rmse),
         ]
     });
-    let header = [
-        "input [V]",
-        "from command [%]",
-        "paper [%]",
-        "RMSE [mm]",
-        "from measured slider [%]",
-        "RMSE from slider [mm]",
-    ];
+    let header =
+        ["input [V]", "from command [%]", "paper [%]", "RMSE [mm]", "from measured spool [%]", "RMSE from spool [mm]"];
     table(&header, rows.collect())
 }
 
 fn characteristic(found: &Experiment) -> String {
     format!(
-        "\nStatic characteristic by linear regression on the slider later than {SETTLED_S} s after the step\n\
+        "\nStatic characteristic by linear regression on the spool later than {SETTLED_S} s after the step\n\
          \x20 here          y = {:.4} U + {:.4}\n\
          \x20 paper's (15)  y = {:.4} U + {:.4}",
         found.slope_per_v, found.offset, CHARACTERISTIC.0, CHARACTERISTIC.1

@@ -28,7 +28,7 @@ use super::{Outcome, draw};
 
 The machine file holds the nominal values. The drive on the test bed is drawn about them by [fit.sigma] and the seed
 (--spread 0 leaves it exact), starts at mid-stroke, at rest, and has the effects given. The folder gets the machine file as it
-is, train-1.csv …, holdout-1.csv …: command, slider, position and both pressures as the sensors show them.
+is, train-1.csv …, holdout-1.csv …: command, spool, position and both pressures as the sensors show them.
 The same arguments make the same files.")]
 pub struct Arguments {
     /// What else it can do
@@ -49,7 +49,7 @@ pub struct Arguments {
     /// How far the drive is from its nominal values, in standard deviations of [fit.sigma]
     #[arg(long, value_name = "factor", default_value_t = 1.0)]
     spread: f64,
-    /// Noise of slider and pressures, in parts of the usual: 5e-4 of travel, 0.3 bar
+    /// Noise of spool and pressures, in parts of the usual: 5e-4 of travel, 0.3 bar
     #[arg(long, value_name = "factor", default_value_t = 1.0)]
     noise: f64,
     /// Step of a linear scale on the rod, mm; without it the encoder on the joint measures the position
@@ -89,7 +89,7 @@ struct Plan {
     recordings: Vec<(String, Excitation)>,
 }
 
-/// Usual noise of the slider's sensor, in parts of its travel.
+/// Usual noise of the spool's sensor, in parts of its travel.
 const SPOOL_NOISE: f64 = 5e-4;
 
 pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {

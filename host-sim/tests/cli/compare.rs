@@ -37,5 +37,5 @@ fn parts_that_follow_do_not_speak_for_those_that_could_not_be_judged() {
     let folder = tempfile::tempdir().unwrap();
     let leaking = told(folder.path(), &["--effect", "internal-leakage=3e-12"], false);
     assert!(leaking.contains("weakest is mechanics") && !leaking.contains("Every part follows"), "{leaking}");
-    assert!(leaking.contains("But end to end ") && leaking.contains("that takes a recorded slider"), "{leaking}");
+    assert!(leaking.contains("But end to end ") && leaking.contains("that takes a recorded spool"), "{leaking}");
 }

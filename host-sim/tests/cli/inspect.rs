@@ -34,7 +34,7 @@ fn what_is_missing_to_test_a_link_is_named() {
 }
 
 #[test]
-fn a_command_has_its_own_unit_until_a_machine_file_says_where_it_puts_the_slider() {
+fn a_command_has_its_own_unit_until_a_machine_file_says_where_it_puts_the_spool() {
     let recording = "time [s],command [mA],position [mm]\n0,4,0\n0.1,-8,1\n0.2,2,3\n0.3,0,3\n";
     let folder = folder_with(MACHINE, recording);
     let printed = done(folder.path(), &["inspect", "run.csv"]);
@@ -43,7 +43,7 @@ fn a_command_has_its_own_unit_until_a_machine_file_says_where_it_puts_the_slider
     assert!(row.contains(" mA "), "{row}");
     let folder = folder_with(MACHINE, &recording.replace("mA", "V"));
     let printed = done(folder.path(), &["inspect", "run.csv", "--machine", "machine.toml"]);
-    assert!(printed.contains("command puts the slider at -44.7 … 22.4 %"), "{printed}");
+    assert!(printed.contains("command puts the spool at -44.7 … 22.4 %"), "{printed}");
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn a_current_for_a_drive_in_volts_is_doubted_by_inspect_and_diagnose() {
     let doubt = "by the machine file's gain_per_v it opens the valve to 200 % and never closes it";
     let printed = done(folder.path(), &["inspect", "run.csv", "--machine", "machine.toml"]);
     assert!(printed.contains(doubt), "{printed}");
-    assert!(printed.contains("command puts the slider at 40.0 … 200 %"), "{printed}");
+    assert!(printed.contains("command puts the spool at 40.0 … 200 %"), "{printed}");
     for command in [
         "diagnose --machine machine.toml --train run.csv",
         "fit --machine machine.toml --save-machine f.toml --train run.csv",

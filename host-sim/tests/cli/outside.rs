@@ -109,7 +109,7 @@ fn quoted(name: &str) -> String {
     format!("\"{escaped}\"")
 }
 
-/// A drive of this name, whose slider stands in a column of this name.
+/// A drive of this name, whose spool stands in a column of this name.
 fn machine(name: &str) -> String {
     format!("name = {}\n{MACHINE}\n[channels]\nspool = {}\n", quoted(name), quoted(name))
 }

@@ -25,7 +25,7 @@ fn one_row_for_each_recorded_row_in_the_recordings_columns_and_units() {
     let inputs: Vec<(f64, f64)> = rows.iter().map(|row| (row[0], row[1])).collect();
     assert_eq!(inputs, [(0.0, 0.0), (10.5, 4000.0), (20.0, 4000.0), (300.0, 4000.0)]);
     assert!((rows[0][3] - 150.0).abs() < 1e-6, "it starts where the recording starts");
-    assert!((rows[3][2] - 22.36).abs() < 0.1, "the slider is in %: {}", rows[3][2]);
+    assert!((rows[3][2] - 22.36).abs() < 0.1, "the spool is in %: {}", rows[3][2]);
     assert!(rows[3][3] > 150.5 && rows[3][3] < 170.0, "the position is in mm: {}", rows[3][3]);
     let svg = std::fs::read_to_string(folder.path().join("out.svg")).unwrap();
     assert!(svg.contains("viewBox") && svg.contains("sans-serif") && svg.contains("Position [mm]"));

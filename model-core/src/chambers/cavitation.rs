@@ -163,7 +163,7 @@ impl<N: Number> Drive<N> {
             again = false;
             full = Some(Flows { a: crossing.a.share, b: crossing.b.share });
             // The valve has done its tick, and what it did is seen.
-            entry = seen.slider.map_or(entry, Entry::Slider);
+            entry = seen.spool.map_or(entry, Entry::Spool);
             (state.chambers, state.rest, state.voids) = (chambers, rest, voids);
             (state.motion, state.supply, state.warmth) = (motion, supply, warmth);
             state.sensed = sensed.unwrap_or(state.sensed);

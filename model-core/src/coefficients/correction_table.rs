@@ -12,7 +12,7 @@ const FLOW_OUT_OF_B: f64 = 3.0;
 const TRAVEL: f64 = 4.0;
 
 impl<R: Real> Builder<'_, R> {
-    /// Flow or slider travel.
+    /// Flow or spool travel.
     pub(super) fn unnamed<N: Number<Real = R>>(&self) -> Result<Option<Unnamed<N>>, MachineError> {
         let flow = self.bases.flow_m3_per_s;
         Ok(match self.table_of() {
@@ -77,7 +77,7 @@ impl<R: Real> Builder<'_, R> {
     }
 
     fn state(&self, of: P) -> Option<State> {
-        let states = [State::Velocity, State::Position, State::Slider, State::PressureA, State::PressureB];
+        let states = [State::Velocity, State::Position, State::Spool, State::PressureA, State::PressureB];
         let number = self.get(of).value();
         let is = |known: i32| (f64::from(known) - number).abs() < 0.5;
         states.into_iter().zip(1..).find(|(_, known)| is(*known)).map(|(state, _)| state)
@@ -121,7 +121,7 @@ impl<R: Real> Builder<'_, R> {
         let base = R::constant(match state {
             State::Velocity => self.bases.velocity_m_per_s,
             State::Position => self.bases.stroke_m,
-            State::Slider => 1.0,
+            State::Spool => 1.0,
             State::PressureA | State::PressureB => self.bases.pressure_pa,
         });
         let per_state = R::constant(spaces) * base / (self.get(to) - self.get(from));

@@ -146,11 +146,11 @@ impl<R: Real> Builder<'_, R> {
         };
         Ok(Valve {
             gain: self.gain::<N>(
-                "slider travel per 10 V",
+                "spool travel per 10 V",
                 P::ValveGain,
                 self.get(P::ValveGain) * R::constant(COMMAND_V),
             )?,
-            offset: self.signal("slider offset", P::ValveOffset, self.get(P::ValveOffset))?,
+            offset: self.signal("spool offset", P::ValveOffset, self.get(P::ValveOffset))?,
             step_limit: Self::limit(step_limit),
             half_per_step: self.steep::<N>("inverse of the rate limit per tick", P::RateLimit, half_per_step)?,
             delay_ticks,

@@ -16,7 +16,7 @@ impl<R: Real> Builder<'_, R> {
             flow_force: self.unless_nil(P::FlowForce, |closing| self.flow_force(closing, share))?,
             stiction: self.unless_nil(P::StictionBand, |band| {
                 Ok(Stiction {
-                    band: self.signal("band of the stuck slider", P::StictionBand, band)?,
+                    band: self.signal("band of the stuck spool", P::StictionBand, band)?,
                     kept: self.signal(
                         "what a jump ends short by",
                         P::StictionKept,

@@ -11,7 +11,7 @@
 //!                x = X(w) + g·(X(w) − x_model)                 u_model = (x + middle − offset)/gain
 //! process loop   v = P·e + I·∫e − damping·(fast part of ΔF)    e = y_model − y, without what the sensor cannot tell
 //!                w = what is kept + (opening of u_model + opening of v), each under the measured load
-//!                x = X(w) + g·(X(w of the model's slider) − x_measured)
+//!                x = X(w) + g·(X(w of the model's spool) − x_measured)
 //! ```
 //!
 //! X steps over the valve's overlap (`overlap`), the opening knows area ratio and √Δp (`orifice`). ΔF is the difference of the
@@ -42,8 +42,8 @@
 //! // Model and machine rest in mid-stroke; the set point is a little further out.
 //! let half = PerUnit::saturated(0.5);
 //! let (a, b) = (PerUnit::saturated(0.3), half);
-//! let model = Predicted { slider: PerUnit::ZERO, pressure_a: a, pressure_b: b, velocity: PerUnit::ZERO, position: half };
-//! let seen = Observed { position: half, slider: Some(PerUnit::ZERO), pressures: Some(ChamberState { a, b }) };
+//! let model = Predicted { spool: PerUnit::ZERO, pressure_a: a, pressure_b: b, velocity: PerUnit::ZERO, position: half };
+//! let seen = Observed { position: half, spool: Some(PerUnit::ZERO), pressures: Some(ChamberState { a, b }) };
 //! let mut state = follower.at_rest(&model, &seen);
 //! let wanted = SetPoint { position: PerUnit::saturated(0.51), velocity: PerUnit::ZERO };
 //! let for_the_model = follower.model_command(&mut state, wanted, &model);
@@ -83,8 +83,8 @@ pub struct SetPoint {
 /// What the model says the machine does now, per unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Predicted {
-    /// Slider position; 1 is full travel, positive extends.
-    pub slider: PerUnit,
+    /// Spool position; 1 is full travel, positive extends.
+    pub spool: PerUnit,
     /// Pressure in A, of supply.
     pub pressure_a: PerUnit,
     /// Pressure in B, of supply.
@@ -100,8 +100,8 @@ pub struct Predicted {
 pub struct Observed {
     /// Of the stroke.
     pub position: PerUnit,
-    /// Slider position.
-    pub slider: Option<PerUnit>,
+    /// Spool position.
+    pub spool: Option<PerUnit>,
     /// Both pressures, of supply.
     pub pressures: Option<ChamberState<PerUnit>>,
 }
@@ -111,13 +111,13 @@ pub struct Observed {
 pub struct Follower {
     orifice: Orifice,
     overlap: Overlap,
-    /// Slider travel at the middle of the overlap.
+    /// Spool travel at the middle of the overlap.
     middle: PerUnit,
-    /// Command per slider travel.
-    per_slider: I4F28,
-    /// Slider travel per command.
+    /// Command per spool travel.
+    per_spool: I4F28,
+    /// Spool travel per command.
     per_command: I4F28,
-    /// Command that holds the slider at the middle of the overlap.
+    /// Command that holds the spool at the middle of the overlap.
     neutral: PerUnit,
     command_limit: PerUnit,
     /// Largest change of a command in a tick.
@@ -126,7 +126,7 @@ pub struct Follower {
     /// Lead over its filter's time constant.
     lead: U16F16,
     lead_share: I4F28,
-    slider_gain: U16F16,
+    spool_gain: U16F16,
     model_gain: U16F16,
     process_gain: U16F16,
     integral_gain: U16F16,
@@ -170,7 +170,7 @@ impl FollowState {
 }
 
 impl Follower {
-    /// At rest with the slider in the middle of its overlap: the first commands are the neutral one, wherever the rod is.
+    /// At rest with the spool in the middle of its overlap: the first commands are the neutral one, wherever the rod is.
     ///
     /// `model` is at rest where the machine is; what the machine bears beyond it is taken for load from the start.
     #[must_use]
@@ -187,7 +187,7 @@ impl Follower {
         }
     }
 
-    /// The command, in 10 V, that holds the slider in the middle of its overlap.
+    /// The command, in 10 V, that holds the spool in the middle of its overlap.
     #[must_use]
     pub fn neutral(&self) -> PerUnit {
         self.neutral
@@ -205,8 +205,8 @@ impl Follower {
         state.model_force = state.model_force + PerUnit::dot([self.load_share], [change]);
         let velocity = (led + pulled - change.amplified(self.damping)).limited(self.velocity_limit);
         let drop = self.orifice.drop(velocity > PerUnit::ZERO, force);
-        let slider = self.overlap.slider(self.overlap.opened(self.orifice.opening(velocity, drop)));
-        let hastened = slider + (slider - (model.slider - self.middle)).amplified(self.slider_gain);
+        let spool = self.overlap.spool(self.overlap.opened(self.orifice.opening(velocity, drop)));
+        let hastened = spool + (spool - (model.spool - self.middle)).amplified(self.spool_gain);
         state.model_command = self.delivered(state.model_command, hastened);
         state.model_command
     }
@@ -234,15 +234,15 @@ impl Follower {
         let velocity = asked.limited(self.velocity_limit);
 
         let fed = self.overlap.coordinate(PerUnit::dot([self.per_command], [model_command - self.neutral]));
-        let followed = self.overlap.coordinate(model.slider - self.middle);
+        let followed = self.overlap.coordinate(model.spool - self.middle);
         let correction = Correction { velocity, assumed, found: assumed + state.load };
-        let slider = self.overlap.slider(self.corrected(fed, &correction));
-        let hastened = match seen.slider {
+        let spool = self.overlap.spool(self.corrected(fed, &correction));
+        let hastened = match seen.spool {
             Some(found) => {
-                let target = self.overlap.slider(self.corrected(followed, &correction));
-                slider + (target - (found - self.middle)).amplified(self.slider_gain)
+                let target = self.overlap.spool(self.corrected(followed, &correction));
+                spool + (target - (found - self.middle)).amplified(self.spool_gain)
             }
-            None => slider,
+            None => spool,
         };
         let wanted = self.unlimited(hastened);
         state.command = self.limited(state.command, wanted);
@@ -267,10 +267,10 @@ impl Follower {
         w - opening + found.instead_of(assumed, opening) + self.orifice.opening(correction.velocity, found)
     }
 
-    /// The command, in 10 V, that holds the slider at a travel from the middle of the overlap.
+    /// The command, in 10 V, that holds the spool at a travel from the middle of the overlap.
     #[inline]
-    fn unlimited(&self, slider: PerUnit) -> PerUnit {
-        self.neutral + PerUnit::dot([self.per_slider], [slider])
+    fn unlimited(&self, spool: PerUnit) -> PerUnit {
+        self.neutral + PerUnit::dot([self.per_spool], [spool])
     }
 
     /// Within the slew from the last command, and within the limit.
@@ -280,8 +280,8 @@ impl Follower {
     }
 
     #[inline]
-    fn delivered(&self, last: PerUnit, slider: PerUnit) -> PerUnit {
-        self.limited(last, self.unlimited(slider))
+    fn delivered(&self, last: PerUnit, spool: PerUnit) -> PerUnit {
+        self.limited(last, self.unlimited(spool))
     }
 }
 

@@ -32,7 +32,7 @@ pub(super) struct Orifice {
     pub(super) transition: PerUnit,
 }
 
-/// √d and 1/√d of one way of the slider.
+/// √d and 1/√d of one way of the spool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Drop {
     pub(super) root: PerUnit,

@@ -1,6 +1,6 @@
 //! The valve's overlap and how a loop steps over it.
 //!
-//! A loop speaks of the slider in a coordinate w in which the overlap is only `kept` wide. The map to the slider is monotone,
+//! A loop speaks of the spool in a coordinate w in which the overlap is only `kept` wide. The map to the spool is monotone,
 //! piecewise linear, and is undone exactly but for rounding:
 //!
 //! ```text
@@ -8,7 +8,7 @@
 //! x = w ± (overlap − kept)      beyond          open: one for one
 //! ```
 //!
-//! So the slider jumps over nearly all of its overlap, as in I. Lee, D. Oh, S. Ji, S. Yun: *Control of an overlap-type proportional
+//! So the spool jumps over nearly all of its overlap, as in I. Lee, D. Oh, S. Ji, S. Yun: *Control of an overlap-type proportional
 //! directional control valve using input shaping filter*, Mechatronics 29 (2015), and what is kept lets small corrections of
 //! either sign pass none at all instead of chattering from edge to edge.
 
@@ -16,7 +16,7 @@ use fixed::types::U16F16;
 
 use crate::number::{Number, PerUnit};
 
-/// Half of the overlap, to either side of its middle, and what is kept of it; slider travel.
+/// Half of the overlap, to either side of its middle, and what is kept of it; spool travel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Overlap {
     pub(super) whole: PerUnit,
@@ -28,18 +28,18 @@ pub(super) struct Overlap {
 }
 
 impl Overlap {
-    /// From the loop's coordinate to the slider, from the overlap's middle.
+    /// From the loop's coordinate to the spool, from the overlap's middle.
     #[inline]
-    pub(super) fn slider(&self, w: PerUnit) -> PerUnit {
+    pub(super) fn spool(&self, w: PerUnit) -> PerUnit {
         let inside = w.limited(self.kept);
         if inside == w { w.amplified(self.spread).limited(self.whole) } else { w - inside + signed(self.whole, w) }
     }
 
-    /// From the slider to the loop's coordinate.
+    /// From the spool to the loop's coordinate.
     #[inline]
-    pub(super) fn coordinate(&self, slider: PerUnit) -> PerUnit {
-        let inside = slider.limited(self.whole);
-        if inside == slider { slider.amplified(self.shrunk) } else { slider - inside + signed(self.kept, slider) }
+    pub(super) fn coordinate(&self, spool: PerUnit) -> PerUnit {
+        let inside = spool.limited(self.whole);
+        if inside == spool { spool.amplified(self.shrunk) } else { spool - inside + signed(self.kept, spool) }
     }
 
     /// Opening at a coordinate.
@@ -78,24 +78,24 @@ mod tests {
 
     #[test]
     fn the_edge_of_what_is_kept_is_the_edge_of_the_overlap() {
-        let found = overlap().slider(PerUnit::saturated(0.01)).to_f64();
+        let found = overlap().spool(PerUnit::saturated(0.01)).to_f64();
         assert!((found - 0.1).abs() < 1e-6);
-        assert!((overlap().slider(PerUnit::saturated(-0.03)).to_f64() + 0.12).abs() < 1e-6);
+        assert!((overlap().spool(PerUnit::saturated(-0.03)).to_f64() + 0.12).abs() < 1e-6);
     }
 
     proptest! {
         #[test]
         fn the_way_back_leads_where_it_came_from(bits in -(1_i32 << 29)..1 << 29, small in 0_u32..20) {
             let w = PerUnit::from_bits(bits >> small);
-            let back = overlap().coordinate(overlap().slider(w));
+            let back = overlap().coordinate(overlap().spool(w));
             // A step of 1.5e-5 in the ratio, of a coordinate of at most 0.01.
             prop_assert!((back - w).magnitude().to_f64() < 3e-6, "{w:?} {back:?}");
         }
 
         #[test]
-        fn the_slider_never_falls_as_the_coordinate_rises(bits in -(1_i32 << 27)..1 << 27, more in 0_i32..1 << 20) {
+        fn the_spool_never_falls_as_the_coordinate_rises(bits in -(1_i32 << 27)..1 << 27, more in 0_i32..1 << 20) {
             let (w, beyond) = (PerUnit::from_bits(bits), PerUnit::from_bits(bits + more));
-            prop_assert!(overlap().slider(beyond) >= overlap().slider(w));
+            prop_assert!(overlap().spool(beyond) >= overlap().spool(w));
         }
     }
 }

@@ -38,12 +38,12 @@ fn follower() -> Follower {
 }
 
 fn seen_as(model: &Predicted) -> Observed {
-    Observed { position: model.position, slider: Some(model.slider), pressures: Some(pressures(model)) }
+    Observed { position: model.position, spool: Some(model.spool), pressures: Some(pressures(model)) }
 }
 
 fn resting(position: f64) -> Predicted {
     Predicted {
-        slider: PerUnit::saturated(0.01),
+        spool: PerUnit::saturated(0.01),
         pressure_a: PerUnit::saturated(0.3),
         pressure_b: PerUnit::saturated(0.5),
         velocity: PerUnit::ZERO,
@@ -57,7 +57,7 @@ fn volts(command: PerUnit) -> f64 {
 
 #[test]
 fn neutral_is_the_middle_of_the_overlap() {
-    // Overlaps of 0.115 and 0.095: their middle is at +0.01, where the slider is at (0.01 − 0.0345)/0.0559 V.
+    // Overlaps of 0.115 and 0.095: their middle is at +0.01, where the spool is at (0.01 − 0.0345)/0.0559 V.
     assert!((volts(follower().neutral()) + 0.438_282).abs() < 1e-5);
 }
 
@@ -152,7 +152,7 @@ fn jump(tuning: &Tuning) -> (f64, f64) {
     let pressures = ChamberState { a: PerUnit::saturated(0.2985), b: PerUnit::saturated(0.5) };
     let mut state: DriveState<PerUnit> = drive.at_rest(follower.neutral(), pressures, PerUnit::travel(0.2));
     let predicted = |state: &DriveState<PerUnit>| Predicted {
-        slider: drive.slider(state),
+        spool: drive.spool(state),
         pressure_a: state.chambers.a,
         pressure_b: state.chambers.b,
         velocity: state.motion.velocity,
@@ -207,7 +207,7 @@ fn what_does_not_fit_is_refused_with_its_value() {
     let mut insensitive = press();
     insensitive.set(P::ValveGain, 0.001);
     let found = refused(&insensitive, &tuning());
-    assert!(matches!(found, FollowError::DoesNotFit { coefficient: "command per slider travel", .. }), "{found}");
+    assert!(matches!(found, FollowError::DoesNotFit { coefficient: "command per spool travel", .. }), "{found}");
 }
 
 fn any_signal() -> impl Strategy<Value = PerUnit> {
@@ -219,16 +219,16 @@ fn any_signal() -> impl Strategy<Value = PerUnit> {
 
 fn any_period() -> impl Strategy<Value = (SetPoint, Predicted, Observed)> {
     let signals = prop::collection::vec(any_signal(), 11);
-    (signals, any::<bool>(), any::<bool>()).prop_map(|(signals, has_slider, has_pressures)| {
-        let [position, velocity, slider, pressure_a, pressure_b, speed, at, seen, x, a, b] = signals[..] else {
+    (signals, any::<bool>(), any::<bool>()).prop_map(|(signals, has_spool, has_pressures)| {
+        let [position, velocity, spool, pressure_a, pressure_b, speed, at, seen, x, a, b] = signals[..] else {
             unreachable!("eleven signals")
         };
-        let predicted = Predicted { slider, pressure_a, pressure_b, velocity: speed, position: at };
+        let predicted = Predicted { spool, pressure_a, pressure_b, velocity: speed, position: at };
         let pressures = has_pressures.then_some(ChamberState { a, b });
         (
             SetPoint { position, velocity },
             predicted,
-            Observed { position: seen, slider: has_slider.then_some(x), pressures },
+            Observed { position: seen, spool: has_spool.then_some(x), pressures },
         )
     })
 }

@@ -12,15 +12,15 @@ pub struct Tuning {
     pub slew_v_per_s: f64,
     /// Fastest that either loop asks of the rod, m/s.
     pub velocity_limit_m_per_s: f64,
-    /// Slider travel to either side, in the loops' own coordinate, that is left of the valve's overlap: within it a correction
-    /// moves the slider and passes no oil. It covers what is not known of the overlap; below that the valve chatters.
+    /// Spool travel to either side, in the loops' own coordinate, that is left of the valve's overlap: within it a correction
+    /// moves the spool and passes no oil. It covers what is not known of the overlap; below that the valve chatters.
     pub kept_overlap: f64,
-    /// How far ahead in time the model loop drives the valve: what is left of its lags and delay as `slider_gain` hastens it, s.
+    /// How far ahead in time the model loop drives the valve: what is left of its lags and delay as `spool_gain` hastens it, s.
     pub lead_s: f64,
     /// Time over which the set point's acceleration is taken for that, s.
     pub lead_filter_s: f64,
-    /// What a slider's distance from its target is answered with, 1: it hastens the slider over its overlap.
-    pub slider_gain: f64,
+    /// What a spool's distance from its target is answered with, 1: it hastens the spool over its overlap.
+    pub spool_gain: f64,
     /// Model loop, velocity per distance between set point and model, 1/s.
     pub model_gain_per_s: f64,
     /// Process loop, velocity per distance between model and machine, 1/s.
@@ -47,12 +47,12 @@ const WITHIN_REACH: f64 = 0.8;
 /// Turns of the spring, rad, over which the load's difference is taken for real.
 const LOAD_TURN: f64 = 6.0;
 /// With more than this a loop that has to turn over the overlap at full command swings on.
-const LARGEST_SLIDER_GAIN: f64 = 1.0;
+const LARGEST_SPOOL_GAIN: f64 = 1.0;
 
 impl Tuning {
-    /// A tuning by rule, from the machine's lags; `slider_is_measured` tells whether the process loop has the slider.
+    /// A tuning by rule, from the machine's lags; `spool_is_measured` tells whether the process loop has the spool.
     ///
-    /// With T the valve's lags and τ its delay (with the controller's), the slider is hastened by g = T/3τ, at most 1: to slow signals
+    /// With T the valve's lags and τ its delay (with the controller's), the spool is hastened by g = T/3τ, at most 1: to slow signals
     /// it is then late by (T + τ)/(1 + g), which is the lead. A loop around it sees τ + T/(1 + g), and where it turns the time that
     /// the valve's rate limit takes over the overlap; the one around the machine what its position's sensor is late by as well. Two thirds of that sum's inverse is the gain of a loop around an integrator
     /// (damped by 0.6), and ten times its inverse the time in which the integral removes what is left.
@@ -61,15 +61,15 @@ impl Tuning {
     /// dF/dt = c·(v* − k·F − v) gives it k·√(c·m)/2. No gain is above ζ·ω, half of what swings. The position's resolution stays 0:
     /// the sensor is not the machine's.
     #[must_use]
-    pub fn by_rule(machine: &Machine<f64>, slider_is_measured: bool) -> Self {
+    pub fn by_rule(machine: &Machine<f64>, spool_is_measured: bool) -> Self {
         let lags_s = machine.get(P::TimeConstant1) + machine.get(P::TimeConstant2);
         let delay_s = machine.get(P::TransportDelay) + CONTROLLER_DELAY_S;
         let turning_s = 2.0 * machine.get(P::DeadZone) / machine.get(P::RateLimit);
-        let slider_gain = (lags_s / (3.0 * delay_s)).min(LARGEST_SLIDER_GAIN);
+        let spool_gain = (lags_s / (3.0 * delay_s)).min(LARGEST_SPOOL_GAIN);
         let lag_s = |hastened: f64| (delay_s + lags_s / hastened + turning_s).max(LEAST_LAG_S);
-        let model_s = lag_s(1.0 + slider_gain);
+        let model_s = lag_s(1.0 + spool_gain);
         let shown_s = machine.get(P::PositionLag) + machine.get(P::PositionDelay);
-        let process_s = shown_s + if slider_is_measured { model_s } else { lag_s(1.0) };
+        let process_s = shown_s + if spool_is_measured { model_s } else { lag_s(1.0) };
         let spring = Spring::of(machine);
         let damping_m_per_s_n =
             if spring.per_s * model_s < WITHIN_REACH { spring.missing_damping_m_per_s_n() } else { 0.0 };
@@ -82,9 +82,9 @@ impl Tuning {
             slew_v_per_s: 1e3 * crate::coefficients::bases::COMMAND_V,
             velocity_limit_m_per_s: machine.get(P::FlowLimit).min(opened) / larger_area,
             kept_overlap: (0.1 * machine.get(P::DeadZone)).min(0.01),
-            lead_s: (lags_s + delay_s) / (1.0 + slider_gain),
+            lead_s: (lags_s + delay_s) / (1.0 + spool_gain),
             lead_filter_s: 0.2 * (lags_s + delay_s),
-            slider_gain,
+            spool_gain,
             model_gain_per_s: gain(model_s),
             process_gain_per_s: gain(process_s),
             process_integral_per_s2: gain(process_s) * gain(process_s) / 6.7,

@@ -4,12 +4,12 @@ use crate::effects::{Keeps, Vocabulary};
 use crate::flow::effects::EdgeEffects;
 use crate::flow::{Edges, Opened, Pump, PumpDrive, Root, Started, SupplyState};
 use crate::number::Number;
-use crate::ports::{ChamberState, Filling, Flows, Linearised, Slider};
+use crate::ports::{ChamberState, Filling, Flows, Linearised, Spool};
 
 /// A feed over one tick.
 pub(crate) trait Feed<N: Number> {
-    /// The slider, where there is one.
-    fn slider(&self) -> Option<Slider<N>>;
+    /// The spool, where there is one.
+    fn spool(&self) -> Option<Spool<N>>;
 
     /// Flows at the start of the tick, with their slopes.
     fn start<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N, filling: Flows<Filling<N>>) -> Started<N>;
@@ -27,32 +27,32 @@ pub(crate) trait Feed<N: Number> {
     ) -> SupplyState<N>;
 }
 
-/// The valve's edges under a slider.
+/// The valve's edges under a spool.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Metered<'a, N: Number, E = Option<EdgeEffects<N>>> {
     edges: &'a Edges<N, E>,
-    slider: Slider<N>,
+    spool: Spool<N>,
     /// At the end of the tick.
     opened: Opened<N>,
 }
 
 impl<'a, N: Number, E: Keeps<EdgeEffects<N>>> Metered<'a, N, E> {
-    /// The edges under a slider over one tick.
+    /// The edges under a spool over one tick.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
-    pub(crate) fn new<V: Vocabulary>(edges: &'a Edges<N, E>, slider: Slider<N>) -> Self {
-        Self { edges, slider, opened: edges.opened::<V>(slider.to) }
+    pub(crate) fn new<V: Vocabulary>(edges: &'a Edges<N, E>, spool: Spool<N>) -> Self {
+        Self { edges, spool, opened: edges.opened::<V>(spool.to) }
     }
 }
 
 impl<N: Number, E: Keeps<EdgeEffects<N>>> Feed<N> for Metered<'_, N, E> {
     #[inline]
-    fn slider(&self) -> Option<Slider<N>> {
-        Some(self.slider)
+    fn spool(&self) -> Option<Spool<N>> {
+        Some(self.spool)
     }
     #[inline]
     fn start<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N, filling: Flows<Filling<N>>) -> Started<N> {
-        self.edges.linearised_with::<V>(self.slider, &self.opened, pressures, supply, filling)
+        self.edges.linearised_with::<V>(self.spool, &self.opened, pressures, supply, filling)
     }
     #[inline]
     fn end<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N, started: Option<Flows<Root<N>>>) -> Flows<N> {
@@ -84,8 +84,8 @@ pub(crate) enum AnyFeed<'a, N: Number> {
 
 impl<N: Number> Feed<N> for AnyFeed<'_, N> {
     #[inline]
-    fn slider(&self) -> Option<Slider<N>> {
-        if let AnyFeed::Edges(edges) = self { edges.slider() } else { None }
+    fn spool(&self) -> Option<Spool<N>> {
+        if let AnyFeed::Edges(edges) = self { edges.spool() } else { None }
     }
     #[inline]
     fn start<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N, filling: Flows<Filling<N>>) -> Started<N> {

@@ -18,7 +18,7 @@ use crate::machine::Bases;
 use crate::mechanics::Mechanics;
 use crate::number::Number;
 use crate::oil::Viscosity;
-use crate::ports::{AcrossEdges, ChamberState, Flows, Forces, Slider, States};
+use crate::ports::{AcrossEdges, ChamberState, Flows, Forces, Spool, States};
 use crate::sensing::{Sensed, Sensors};
 use crate::valve::{Valve, ValveState};
 
@@ -47,7 +47,7 @@ pub struct Drive<N: Number> {
     pub(crate) sensors: Sensors<N>,
     /// Of the oil, where it changes.
     pub(crate) viscosity: Option<Viscosity<N>>,
-    /// Flow or slider travel without a name; a force stands in the mechanics.
+    /// Flow or spool travel without a name; a force stands in the mechanics.
     pub(crate) unnamed: Option<Unnamed<N>>,
     /// Whether it is a valve-controlled drive without any effect, and without viscous friction that is too hard for its step.
     pub(crate) plain: bool,
@@ -84,15 +84,15 @@ impl<N: Number> Drive<N> {
 
     /// The flow link at a point: flows into A and out of B without leakage, from a supply of which nothing was drawn.
     #[must_use]
-    pub fn flows(&self, slider: N, pump: PumpDrive<N>, pressures: ChamberState<N>) -> Flows<N> {
-        self.flows_from(self.unloaded().pressure, slider, pump, pressures)
+    pub fn flows(&self, spool: N, pump: PumpDrive<N>, pressures: ChamberState<N>) -> Flows<N> {
+        self.flows_from(self.unloaded().pressure, spool, pump, pressures)
     }
 
     /// The flow link at a point, with the supply at the pressure `supply` where it droops.
     #[must_use]
-    pub fn flows_from(&self, supply: N, slider: N, pump: PumpDrive<N>, pressures: ChamberState<N>) -> Flows<N> {
+    pub fn flows_from(&self, supply: N, spool: N, pump: PumpDrive<N>, pressures: ChamberState<N>) -> Flows<N> {
         match &self.source {
-            OilSource::Valve(_, edges) => edges.flow(slider, pressures, supply),
+            OilSource::Valve(_, edges) => edges.flow(spool, pressures, supply),
             OilSource::Pump(source) => {
                 let flows = source.flow(pump, pressures.a, pressures.b);
                 Flows { a: flows.a.flow, b: flows.b.flow }
@@ -124,22 +124,22 @@ impl<N: Number> Drive<N> {
         DriveState { oil_temperature: self.reference_temperature(), ..state }
     }
 
-    /// The slider that the edges see: the valve's own, with the travel of an unnamed table.
+    /// The spool that the edges see: the valve's own, with the travel of an unnamed table.
     #[must_use]
     #[inline]
-    pub fn slider<const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> N {
-        let slider = state.valve.slider();
+    pub fn spool<const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> N {
+        let spool = state.valve.spool();
         match &self.unnamed {
-            Some(Unnamed::Travel(table)) => slider + table.at(States::of(state, slider)),
-            _ => slider,
+            Some(Unnamed::Travel(table)) => spool + table.at(States::of(state, spool)),
+            _ => spool,
         }
     }
 
-    /// What the sensors read. The slider is the valve's own; a drive that is entered at a measured slider has it from there.
+    /// What the sensors read. The spool is the valve's own; a drive that is entered at a measured spool has it from there.
     #[must_use]
     #[inline]
     pub fn sensed<const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> Sensed<N> {
-        self.sensors.read(&state.sensed, self.slider(state), state.chambers, &state.motion)
+        self.sensors.read(&state.sensed, self.spool(state), state.chambers, &state.motion)
     }
 
     /// One tick. Fixed cost; no input of any size overflows or panics.
@@ -151,7 +151,7 @@ impl<N: Number> Drive<N> {
     /// # use model_core::machine::{Machine, Source, Tick};
     /// # use model_core::number::Number;
     /// # use model_core::machine::Parameter;
-    /// use model_core::ports::Slider;
+    /// use model_core::ports::Spool;
     ///
     /// let areas = [(Parameter::AreaA, 3.117e-3), (Parameter::AreaB, 1.861e-3)];
     /// let machine = Machine::with_defaults(Source::Valve).with(&areas).with(&[
@@ -162,16 +162,16 @@ impl<N: Number> Drive<N> {
     /// let pressures = ChamberState { a: PerUnit::saturated(0.3), b: PerUnit::saturated(0.5) };
     /// let mut state: DriveState<PerUnit> = drive.at_rest(PerUnit::ZERO, pressures, PerUnit::travel(0.5));
     ///
-    /// // Entered at a measured slider: the valve link is left out. A tenth open retracts where it is negative.
-    /// let slider = PerUnit::saturated(-0.1);
+    /// // Entered at a measured spool: the valve link is left out. A tenth open retracts where it is negative.
+    /// let spool = PerUnit::saturated(-0.1);
     /// for _ in 0..100 {
-    ///     drive.step(&mut state, Entry::Slider(Slider { from: slider, to: slider }), Load::NONE);
+    ///     drive.step(&mut state, Entry::Spool(Spool { from: spool, to: spool }), Load::NONE);
     /// }
     /// assert!(PerUnit::strokes(state.motion.position) < 0.5);
     /// # Ok::<(), model_core::machine::MachineError>(())
     /// ```
     ///
-    /// An entry that the drive's source cannot take (a pump's speed on a valve drive, a slider on a pump drive) counts
+    /// An entry that the drive's source cannot take (a pump's speed on a valve drive, a spool on a pump drive) counts
     /// as closed ports.
     #[inline(always)]
     #[expect(clippy::inline_always, reason = "what the caller does not read of the interfaces is then never computed")]
@@ -185,8 +185,8 @@ impl<N: Number> Drive<N> {
             && self.plain
             && let (Entry::Command(command), OilSource::Valve(valve, edges)) = (entry, &self.source)
         {
-            let slider = valve.step_with::<Plain, DELAY>(&mut state.valve, command, AcrossEdges::NONE);
-            return self.chain().step::<Plain, DELAY>(state, &Metered::new::<Plain>(edges, slider), load);
+            let spool = valve.step_with::<Plain, DELAY>(&mut state.valve, command, AcrossEdges::NONE);
+            return self.chain().step::<Plain, DELAY>(state, &Metered::new::<Plain>(edges, spool), load);
         }
         if let Some(cavitation) = &self.chambers.effects.cavitation {
             return self.step_cavitating(cavitation, state, entry, load);
@@ -213,15 +213,15 @@ impl<N: Number> Drive<N> {
         let given = |from, to| AnyFeed::Given { from, to, unity: self.chambers.unity };
         let feed = match (entry, &self.source) {
             (Entry::Command(command), OilSource::Valve(valve, edges)) => {
-                let slider = Self::step_valve(state, valve, edges, command);
-                AnyFeed::Edges(Metered::new::<AnyEffect>(edges, self.shifted(state, slider)))
+                let spool = Self::step_valve(state, valve, edges, command);
+                AnyFeed::Edges(Metered::new::<AnyEffect>(edges, self.shifted(state, spool)))
             }
-            (Entry::Followed { command, slider }, OilSource::Valve(valve, edges)) => {
+            (Entry::Followed { command, spool }, OilSource::Valve(valve, edges)) => {
                 Self::step_valve(state, valve, edges, command);
-                AnyFeed::Edges(Metered::new::<AnyEffect>(edges, slider))
+                AnyFeed::Edges(Metered::new::<AnyEffect>(edges, spool))
             }
-            (Entry::Slider(slider), OilSource::Valve(_, edges)) => {
-                AnyFeed::Edges(Metered::new::<AnyEffect>(edges, slider))
+            (Entry::Spool(spool), OilSource::Valve(_, edges)) => {
+                AnyFeed::Edges(Metered::new::<AnyEffect>(edges, spool))
             }
             (Entry::Pump(drive), OilSource::Pump(pump)) => AnyFeed::Pump(pump, drive),
             (Entry::Flow { from, to }, _) => given(from, to),
@@ -260,7 +260,7 @@ impl<N: Number> Drive<N> {
         valve: &Valve<N>,
         edges: &Edges<N>,
         command: N,
-    ) -> Slider<N> {
+    ) -> Spool<N> {
         let across = if valve.feels_flow::<AnyEffect>() {
             edges.across_open(state.chambers, state.supply.pressure)
         } else {
@@ -269,12 +269,12 @@ impl<N: Number> Drive<N> {
         valve.step_with::<AnyEffect, DELAY>(&mut state.valve, command, across)
     }
 
-    /// The slider over a tick with the travel of an unnamed table.
+    /// The spool over a tick with the travel of an unnamed table.
     #[inline]
-    fn shifted<const DELAY: usize>(&self, state: &DriveState<N, DELAY>, slider: Slider<N>) -> Slider<N> {
-        let Some(Unnamed::Travel(table)) = &self.unnamed else { return slider };
-        let shifted = |slider: N| slider + table.at(States::of(state, slider));
-        Slider { from: shifted(slider.from), to: shifted(slider.to) }
+    fn shifted<const DELAY: usize>(&self, state: &DriveState<N, DELAY>, spool: Spool<N>) -> Spool<N> {
+        let Some(Unnamed::Travel(table)) = &self.unnamed else { return spool };
+        let shifted = |spool: N| spool + table.at(States::of(state, spool));
+        Spool { from: shifted(spool.from), to: shifted(spool.to) }
     }
 
     /// Only the mechanics, under a given force of the oil.
@@ -291,7 +291,7 @@ impl<N: Number> Drive<N> {
         };
         let position = N::of_travel(state.motion.position);
         let velocity = self.unsprung.step(&mut state.motion, forces);
-        Interfaces { slider: None, flows: Flows { a: N::ZERO, b: N::ZERO }, forces, velocity, position }
+        Interfaces { spool: None, flows: Flows { a: N::ZERO, b: N::ZERO }, forces, velocity, position }
     }
 
     /// Temperature that the machine's values are for, where the viscosity goes by it.

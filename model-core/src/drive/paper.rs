@@ -65,7 +65,7 @@ impl<N: Number> PaperDrive<N> {
         command: N,
         load: Load<N>,
     ) -> Interfaces<N> {
-        let slider = self.valve.step_with::<Plain, DELAY>(&mut state.valve, command, AcrossEdges::NONE);
+        let spool = self.valve.step_with::<Plain, DELAY>(&mut state.valve, command, AcrossEdges::NONE);
         let chain = Chain {
             chambers: &self.chambers,
             mechanics: &self.mechanics,
@@ -73,7 +73,7 @@ impl<N: Number> PaperDrive<N> {
             viscosity: None,
             unnamed: None,
         };
-        chain.step::<Plain, DELAY>(state, &Metered::new::<Plain>(&self.edges, slider), load)
+        chain.step::<Plain, DELAY>(state, &Metered::new::<Plain>(&self.edges, spool), load)
     }
 
     /// A drive at rest: `command` (in 10 V) held for long, no velocity.
@@ -91,6 +91,6 @@ impl<N: Number> PaperDrive<N> {
     /// What the sensors read.
     #[must_use]
     pub fn sensed<const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> Sensed<N> {
-        self.sensors.read(&state.sensed, state.valve.slider(), state.chambers, &state.motion)
+        self.sensors.read(&state.sensed, state.valve.spool(), state.chambers, &state.motion)
     }
 }

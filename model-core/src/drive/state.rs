@@ -3,7 +3,7 @@
 use crate::chambers::cavitation::Voids;
 use crate::flow::{PumpDrive, SupplyState};
 use crate::number::Number;
-use crate::ports::{ChamberState, Flows, Forces, MotionState, Slider, States};
+use crate::ports::{ChamberState, Flows, Forces, MotionState, Spool, States};
 use crate::sensing::SensedState;
 use crate::valve::ValveState;
 
@@ -18,7 +18,7 @@ use crate::valve::ValveState;
     ))
 )]
 pub struct DriveState<N: Number, const DELAY: usize = 64> {
-    /// Slider and what leads to it; at rest and untouched in a pump-controlled drive.
+    /// Spool and what leads to it; at rest and untouched in a pump-controlled drive.
     pub valve: ValveState<N, DELAY>,
     /// Chamber pressures.
     pub chambers: ChamberState<N>,
@@ -44,15 +44,15 @@ pub struct DriveState<N: Number, const DELAY: usize = 64> {
 pub enum Entry<N> {
     /// Command, in 10 V, held over the tick.
     Command(N),
-    /// Measured slider; the valve link is left out.
-    Slider(Slider<N>),
-    /// Both: the valve runs beside, and the measured slider meters the oil. The valve's
+    /// Measured spool; the valve link is left out.
+    Spool(Spool<N>),
+    /// Both: the valve runs beside, and the measured spool meters the oil. The valve's
     /// error reaches nothing below it, and what is below reaches the valve by its flow force only.
     Followed {
         /// Command, in 10 V, held over the tick.
         command: N,
-        /// Measured slider.
-        slider: Slider<N>,
+        /// Measured spool.
+        spool: Spool<N>,
     },
     /// Speed of a pump and direction of its valve, held over the tick.
     Pump(PumpDrive<N>),
@@ -89,8 +89,8 @@ impl<N: Number> Load<N> {
 /// What the links handed to each other during a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Hash)]
 pub struct Interfaces<N> {
-    /// Slider, where the tick entered above it.
-    pub slider: Option<Slider<N>>,
+    /// Spool, where the tick entered above it.
+    pub spool: Option<Spool<N>>,
     /// Mean net flows of the tick, leakage included.
     pub flows: Flows<N>,
     /// Net forces at the start of the tick and at its two stages, friction left out.
@@ -124,13 +124,13 @@ impl<N: Number, const DELAY: usize> DriveState<N, DELAY> {
 }
 
 impl<N: Number> States<N> {
-    /// Those of a drive with the slider here.
+    /// Those of a drive with the spool here.
     #[inline]
-    pub(crate) fn of<const DELAY: usize>(state: &DriveState<N, DELAY>, slider: N) -> Self {
+    pub(crate) fn of<const DELAY: usize>(state: &DriveState<N, DELAY>, spool: N) -> Self {
         Self {
             velocity: state.motion.velocity,
             position: N::of_travel(state.motion.position),
-            slider,
+            spool,
             pressure_a: state.chambers.a,
             pressure_b: state.chambers.b,
         }

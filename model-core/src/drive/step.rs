@@ -80,9 +80,9 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Cha
         let oil = self.oil::<V, DELAY>(state);
         let filled = self.chambers.at::<V>(pressures, position, oil.map(|oil| oil.thinness));
         let chambers = filled.as_ref().unwrap_or(self.chambers);
-        let slider = feed.slider().map_or(N::ZERO, |slider| (slider.from + slider.to).halved());
-        let around = self.surroundings::<V, DELAY>(state, slider, oil);
-        let added = V::on(self.unnamed).map(|unnamed| unnamed.flows(States::of(state, slider)));
+        let spool = feed.spool().map_or(N::ZERO, |spool| (spool.from + spool.to).halved());
+        let around = self.surroundings::<V, DELAY>(state, spool, oil);
+        let added = V::on(self.unnamed).map(|unnamed| unnamed.flows(States::of(state, spool)));
         let with = |flows: Flows<N>| added.map_or(flows, |more| Flows { a: flows.a + more.a, b: flows.b + more.b });
         let equation = mechanics.equation::<V>(&state.motion, around);
         let constant = mechanics.load;
@@ -148,7 +148,7 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Cha
         chambers.fill(&mut state.chambers, &mut state.rest, flows, mean);
         state.supply = feed.supplied::<V, ROUNDS_OF_TICK>(state.chambers, state.supply, drawn);
         Interfaces {
-            slider: feed.slider(),
+            spool: feed.spool(),
             flows,
             forces: Forces { start, first, second, around },
             velocity: mean,
@@ -168,14 +168,14 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Cha
     pub(crate) fn surroundings<V: Vocabulary, const DELAY: usize>(
         &self,
         state: &DriveState<N, DELAY>,
-        slider: N,
+        spool: N,
         oil: Option<Oil<N>>,
     ) -> Surroundings<N> {
         let pushed = V::on(self.mechanics.effects.kept()).is_some_and(|effects| effects.push.is_some());
         Surroundings {
             pressed: state.chambers.a.max(N::ZERO) + state.chambers.b.max(N::ZERO),
             viscosity: oil.map_or(N::ZERO, |oil| oil.excess),
-            states: if pushed { States::of(state, slider) } else { States::NONE },
+            states: if pushed { States::of(state, spool) } else { States::NONE },
             sprung: N::ONE,
         }
     }

@@ -29,7 +29,7 @@ macro_rules! effects {
             [$($with)*]
 
             ValveHysteresis "valve-hysteresis" in Valve {
-                HysteresisWidth: "width", "1", 0.0, 0.5, 0.0, "Slider travel between settling from above and from below.";
+                HysteresisWidth: "width", "1", 0.0, 0.5, 0.0, "Spool travel between settling from above and from below.";
                 HysteresisSpread: "spread", "1", 0.0, 1.0, 0.0, "How far the widths of the three play elements lie apart: 0 all alike (backlash), 1 from nil to twice the mean.";
             } trial {
                 "": HysteresisWidth = 0.02, HysteresisSpread = 0.5;
@@ -38,7 +38,7 @@ macro_rules! effects {
             }
 
             SpoolStiction "spool-stiction" in Valve {
-                StictionBand: "band", "1", 0.0, 0.5, 0.0, "Slider travel that must be asked for before the stuck slider jumps.";
+                StictionBand: "band", "1", 0.0, 0.5, 0.0, "Spool travel that must be asked for before the stuck spool jumps.";
                 StictionKept: "kept", "1", 0.0, 0.95, 0.0, "Share of the band that a jump ends short by: kinetic over static friction.";
             } trial {
                 "": StictionBand = 0.01, StictionKept = 0.2;
@@ -47,7 +47,7 @@ macro_rules! effects {
             }
 
             NullDrift "null-drift" in Valve {
-                NullDriftTravel: "travel", "1", -0.5, 0.5, 0.0, "Slider travel that the neutral drifts by in the end; positive extends.";
+                NullDriftTravel: "travel", "1", -0.5, 0.5, 0.0, "Spool travel that the neutral drifts by in the end; positive extends.";
                 NullDriftTime: "time_constant_s", "s", 1e-2, 1e5, 10.0, "Time constant with which the neutral drifts.";
             } trial {
                 "": NullDriftTravel = 0.02, NullDriftTime = 2.0;
@@ -56,7 +56,7 @@ macro_rules! effects {
             }
 
             SolenoidSaturation "solenoid-saturation" in Valve {
-                SolenoidOnset: "onset", "1", 0.0, 2.0, 0.5, "Slider travel from centre where the solenoid's gain starts to fall.";
+                SolenoidOnset: "onset", "1", 0.0, 2.0, 0.5, "Spool travel from centre where the solenoid's gain starts to fall.";
                 SolenoidCurvature: "curvature", "1", 0.0, 1e3, 0.0, "How fast it falls: beyond the onset travel t becomes t/(1 + curvature·t).";
                 SolenoidLoss: "gain_loss", "1", 0.0, 0.95, 0.0, "Share of the gain that is gone at once beyond the onset.";
             } trial {
@@ -66,7 +66,7 @@ macro_rules! effects {
             }
 
             FlowForce "flow-force" in Valve {
-                FlowForce: "closing_per_pa", "1/Pa", 0.0, 1e-6, 0.0, "Share of its travel that the slider is pushed closed by, per pressure difference over both open edges.";
+                FlowForce: "closing_per_pa", "1/Pa", 0.0, 1e-6, 0.0, "Share of its travel that the spool is pushed closed by, per pressure difference over both open edges.";
             } trial {
                 "": FlowForce = 3e-8;
             } strong {
@@ -124,7 +124,7 @@ macro_rules! effects {
 
             ValveLeakage "valve-leakage" in Flow {
                 ValveLeakageOpening: "opening", "1", 0.0, 0.5, 0.0, "Opening that supply and tank edges of both ports have at the centre.";
-                ValveLeakageReach: "reach", "1", 4e-3, 1.0, 0.05, "Slider travel from centre over which that opening falls to half.";
+                ValveLeakageReach: "reach", "1", 4e-3, 1.0, 0.05, "Spool travel from centre over which that opening falls to half.";
             } trial {
                 "": ValveLeakageOpening = 0.01;
             } strong {
@@ -294,10 +294,10 @@ macro_rules! effects {
             SensorOffset "sensor-offset" in Sensing {
                 PressureAOffset: "pressure_a_pa", "Pa", -1e7, 1e7, 0.0, "What the pressure sensor of chamber A reads too much.";
                 PressureBOffset: "pressure_b_pa", "Pa", -1e7, 1e7, 0.0, "What the pressure sensor of chamber B reads too much.";
-                SpoolOffset: "spool", "1", -0.5, 0.5, 0.0, "What the slider's sensor reads too much.";
+                SpoolOffset: "slider", "1", -0.5, 0.5, 0.0, "What the spool's sensor reads too much.";
                 PressureAFactor: "pressure_a_factor", "1", -0.9, 1.0, 0.0, "Gain error of the pressure sensor of chamber A.";
                 PressureBFactor: "pressure_b_factor", "1", -0.9, 1.0, 0.0, "Gain error of the pressure sensor of chamber B.";
-                SpoolFactor: "spool_factor", "1", -0.9, 1.0, 0.0, "Gain error of the slider's sensor.";
+                SpoolFactor: "spool_factor", "1", -0.9, 1.0, 0.0, "Gain error of the spool's sensor.";
                 PositionFactor: "position_factor", "1", -0.9, 1.0, 0.0, "Gain error of the position's sensor, from where the recording starts.";
             } trial {
                 "": PressureAOffset = 1e5, PressureBOffset = -5e4, SpoolOffset = 0.01, PressureAFactor = 0.01, PressureBFactor = 0.02, SpoolFactor = -0.01, PositionFactor = 0.01;
@@ -324,9 +324,9 @@ pub(crate) use effects;
 /// A link of the chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Link {
-    /// Command → slider.
+    /// Command → spool.
     Valve,
-    /// Slider and pressures → flows.
+    /// Spool and pressures → flows.
     Flow,
     /// Flows and velocity → pressures.
     Chambers,

@@ -1,6 +1,6 @@
 //! Effects of the flow link: what the openings of the four metering edges have beyond the paper's dead zone.
 //!
-//! Everything here is in slider travel, before the flow gain `K_Q`. Each is `None` where its strength is nil; where all are,
+//! Everything here is in spool travel, before the flow gain `K_Q`. Each is `None` where its strength is nil; where all are,
 //! and the supply does not droop, the flow link does not come here at all.
 
 use crate::effects::LinkEffects;
@@ -38,8 +38,8 @@ impl<N: Number> EdgeEffects<N> {
 
     /// What every edge is open beside its metering opening.
     #[inline]
-    pub(crate) fn leaking(&self, slider: N) -> N {
-        self.leakage.as_ref().map_or(N::ZERO, |leakage| leakage.opening(slider))
+    pub(crate) fn leaking(&self, spool: N) -> N {
+        self.leakage.as_ref().map_or(N::ZERO, |leakage| leakage.opening(spool))
     }
 
     /// Opening of a tank edge with the return line behind it; `unity` is 1, as a slope.
@@ -132,7 +132,7 @@ pub(crate) fn behind_laminar_line<N: Number>(across: N, reduced: N, transition: 
 
 /// `valve-leakage`: beside its metering opening every edge is open by `opening`/(1 + (x/reach)²).
 ///
-/// x is the slider's travel from the centre. Turbulent like the edges themselves, and limited with them. Error 2e-8 of the opening,
+/// x is the spool's travel from the centre. Turbulent like the edges themselves, and limited with them. Error 2e-8 of the opening,
 /// and 2e-9/reach² of it where x is of the reach's size. The leakage flow of a worn or underlapped spool: Merritt 1967, 5-4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ValveLeakage<N: Number> {
@@ -143,8 +143,8 @@ pub(crate) struct ValveLeakage<N: Number> {
 
 impl<N: Number> ValveLeakage<N> {
     #[inline]
-    fn opening(&self, slider: N) -> N {
-        self.opening.times(N::inverse_one_plus([slider.times(slider)], [self.narrowness]))
+    fn opening(&self, spool: N) -> N {
+        self.opening.times(N::inverse_one_plus([spool.times(spool)], [self.narrowness]))
     }
 }
 
@@ -165,13 +165,13 @@ mod tests {
         machine
     }
 
-    /// Flows over `K_Q`·√p0 at a slider, with the chambers at 1/4 (A) and 4/9 (B) of the supply.
-    fn flows(changes: &[(P, f64)], slider: f64) -> Flows<f64> {
+    /// Flows over `K_Q`·√p0 at a spool, with the chambers at 1/4 (A) and 4/9 (B) of the supply.
+    fn flows(changes: &[(P, f64)], spool: f64) -> Flows<f64> {
         let machine = machine(changes);
         let drive = Drive::<PerUnit>::new::<64>(&machine, Tick::OneMillisecond).unwrap();
         let pressures = ChamberState { a: PerUnit::saturated(0.25), b: PerUnit::saturated(4.0 / 9.0) };
         let closed = PumpDrive { speed: PerUnit::ZERO, direction: 0 };
-        let found = drive.flows(PerUnit::saturated(slider), closed, pressures);
+        let found = drive.flows(PerUnit::saturated(spool), closed, pressures);
         let full = machine.get(P::FlowCoefficient) * libm::sqrt(7e6) / drive.bases().flow_m3_per_s;
         Flows { a: found.a.to_f64() / full, b: found.b.to_f64() / full }
     }

@@ -14,7 +14,7 @@ use crate::flow::opened::{Four, Opened};
 use crate::flow::supply::{Draw, SupplyState};
 use crate::flow::{Edges, Lines};
 use crate::number::{Mask, Number};
-use crate::ports::{ChamberState, Filling, Flows, Linearised, Slider};
+use crate::ports::{ChamberState, Filling, Flows, Linearised, Spool};
 
 /// What passes an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,15 +64,15 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
     pub(crate) fn linearised_of_four(
         &self,
         effects: &EdgeEffects<N>,
-        slider: Slider<N>,
+        spool: Spool<N>,
         to: &Four<N>,
         pressures: ChamberState<N>,
         supply: N,
         filling: Flows<Filling<N>>,
     ) -> (Flows<Linearised<N>>, N) {
-        let from = self.openings(effects, slider.from);
-        let started = self.overlap.beyond(slider.from);
-        let way = N::choose(started.equals(N::ZERO), || self.overlap.beyond(slider.to), || started);
+        let from = self.openings(effects, spool.from);
+        let started = self.overlap.beyond(spool.from);
+        let way = N::choose(started.equals(N::ZERO), || self.overlap.beyond(spool.to), || started);
         let (across, larger) = (self.across_each(pressures, supply), larger(way, &from, to));
         let ends = from.with(to, |from, to| from.is_nothing() & to.is_nothing());
         let closed = ends.with(&larger, |ends, larger| ends & larger.is_nothing());
@@ -142,19 +142,19 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
     }
 
     #[inline]
-    fn metered(&self, effects: &EdgeEffects<N>, slider: N) -> Metered<N> {
-        let beyond = self.overlap.beyond(slider);
+    fn metered(&self, effects: &EdgeEffects<N>, spool: N) -> Metered<N> {
+        let beyond = self.overlap.beyond(spool);
         Metered {
             extending: effects.metered(beyond.max(N::ZERO)),
             retracting: effects.metered((-beyond).max(N::ZERO)),
-            leaking: effects.leaking(slider),
+            leaking: effects.leaking(spool),
         }
     }
 
     /// Openings of the edges, flow gain included, none negative.
     #[inline]
-    pub(crate) fn openings(&self, effects: &EdgeEffects<N>, slider: N) -> Four<N> {
-        let Metered { extending, retracting, leaking } = self.metered(effects, slider);
+    pub(crate) fn openings(&self, effects: &EdgeEffects<N>, spool: N) -> Four<N> {
+        let Metered { extending, retracting, leaking } = self.metered(effects, spool);
         let opening = |beyond: N| N::dot([self.gain], [beyond]);
         let tank = |opened: N| opening(effects.behind_line(opened + leaking, self.unity));
         let sizes = &effects.sizes;
@@ -231,7 +231,7 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
 
 /// The larger openings of a tick, for its slopes; `way` is the sign of the opening that the tick works over.
 ///
-/// A slider that crosses the centre within the tick has its end's larger opening counted where it started, as without effects.
+/// A spool that crosses the centre within the tick has its end's larger opening counted where it started, as without effects.
 #[inline]
 fn larger<N: Number>(way: N, from: &Four<N>, to: &Four<N>) -> Four<N> {
     // (working, other) edge of a port at both ends.

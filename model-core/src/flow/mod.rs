@@ -3,7 +3,7 @@
 //! x < 0:  Qa = K_Q·√|pa|·x           Qb = K_Q·√(p0 − pb)·x        (4)
 //! ```
 //!
-//! The flow link: slider (or [pump](crate::flow::Pump)) and pressures → flow into A and out of B. As it runs, with the dead zone x0 and the flow limit of §3:
+//! The flow link: spool (or [pump](crate::flow::Pump)) and pressures → flow into A and out of B. As it runs, with the dead zone x0 and the flow limit of §3:
 //!
 //! ```text
 //! o  = max(0, x − x0) + min(0, x + x0)                           opening, signed like x, not renormalised
@@ -12,7 +12,7 @@
 //! g(Δp) = Δp/(Δp² + p_t²)^¼                                      √ with its sign, finite near 0
 //! ```
 //!
-//! Formats: slider, pressures and flows are signals (±8, step 3.7e-9), 1 being full travel, the supply pressure and [`Bases::flow_m3_per_s`]; `K_Q`
+//! Formats: spool, pressures and flows are signals (±8, step 3.7e-9), 1 being full travel, the supply pressure and [`Bases::flow_m3_per_s`]; `K_Q`
 //! is a gain (below 4). Error of a flow: half a step beside that of the root (2 steps + 6e-9 of it).
 //!
 //! Signs: x > 0 opens P-A and B-T, x < 0 opens A-T and P-B. Flow a > 0 goes into chamber A, flow b > 0 comes out of chamber B. (3) and (4)
@@ -31,7 +31,7 @@ use effects::EdgeEffects;
 
 use crate::effects::{AnyEffect, Keeps, Vocabulary};
 use crate::number::{Mask, Number};
-use crate::ports::{AcrossEdges, ChamberState, Filling, Flows, Linearised, Overlap, Slider};
+use crate::ports::{AcrossEdges, ChamberState, Filling, Flows, Linearised, Overlap, Spool};
 
 pub(crate) use opened::Opened;
 pub use pump::{Pump, PumpDrive};
@@ -127,21 +127,21 @@ impl<N: Number, E> Edges<N, E> {
 }
 
 impl<N: Number> Edges<N> {
-    /// Flows at a slider position, two chamber pressures, and that of a supply that droops.
+    /// Flows at a spool position, two chamber pressures, and that of a supply that droops.
     #[inline]
-    pub fn flow(&self, slider: N, pressures: ChamberState<N>, supply: N) -> Flows<N> {
-        self.flow_with::<AnyEffect>(&self.opened::<AnyEffect>(slider), pressures, supply, None)
+    pub fn flow(&self, spool: N, pressures: ChamberState<N>, supply: N) -> Flows<N> {
+        self.flow_with::<AnyEffect>(&self.opened::<AnyEffect>(spool), pressures, supply, None)
     }
 }
 
 impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
-    /// The openings at a slider position.
+    /// The openings at a spool position.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
-    pub(crate) fn opened<V: Vocabulary>(&self, slider: N) -> Opened<N> {
+    pub(crate) fn opened<V: Vocabulary>(&self, spool: N) -> Opened<N> {
         match V::on(self.effects.kept()) {
-            Some(effects) => Opened { way: N::ZERO, four: Some(self.openings(effects, slider)) },
-            None => Opened { way: self.opening(slider), four: None },
+            Some(effects) => Opened { way: N::ZERO, four: Some(self.openings(effects, spool)) },
+            None => Opened { way: self.opening(spool), four: None },
         }
     }
 
@@ -170,17 +170,17 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
     #[inline]
     pub(crate) fn linearised_with<V: Vocabulary>(
         &self,
-        slider: Slider<N>,
+        spool: Spool<N>,
         end: &Opened<N>,
         pressures: ChamberState<N>,
         supply: N,
         filling: Flows<Filling<N>>,
     ) -> Started<N> {
         if let (Some(effects), Some(four)) = (V::on(self.effects.kept()), &end.four) {
-            let (flows, drawn) = self.linearised_of_four(effects, slider, four, pressures, supply, filling);
+            let (flows, drawn) = self.linearised_of_four(effects, spool, four, pressures, supply, filling);
             return Started { flows, drawn, roots: None };
         }
-        let (from, to) = (self.opening(slider.from), end.way);
+        let (from, to) = (self.opening(spool.from), end.way);
         // A closed valve that opens within the tick already works between the pressures it opens to.
         let across = self.across(N::pick(from.equals(N::ZERO), to, from), pressures);
         let larger = from.magnitude().max(to.magnitude());
@@ -251,7 +251,7 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         (Linearised { flow: N::pick(closed, N::ZERO, flow), opening, slope: root.slope }, root)
     }
 
-    /// Pressure over both edges that either way of the slider opens, without sign.
+    /// Pressure over both edges that either way of the spool opens, without sign.
     #[inline]
     pub(crate) fn across_open(&self, pressures: ChamberState<N>, supply: N) -> AcrossEdges<N> {
         let Lines { supply, tank } = self.lines_at(supply);
@@ -268,8 +268,8 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
 
     /// Dead zone, times the flow gain.
     #[inline]
-    fn opening(&self, slider: N) -> N {
-        N::dot([self.gain], [self.overlap.beyond(slider)])
+    fn opening(&self, spool: N) -> N {
+        N::dot([self.gain], [self.overlap.beyond(spool)])
     }
 
     /// Pressure differences over the edges that an opening of this sign connects.

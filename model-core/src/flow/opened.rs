@@ -1,9 +1,9 @@
 //! How far the metering edges are open: two equal ones at a time, or each of the four by itself.
 
-/// How far the edges are open at a slider position, flow gain included.
+/// How far the edges are open at a spool position, flow gain included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Opened<N> {
-    /// Of two equal edges, signed like the slider.
+    /// Of two equal edges, signed like the spool.
     pub(super) way: N,
     /// Of each, where an effect makes them differ.
     pub(super) four: Option<Four<N>>,

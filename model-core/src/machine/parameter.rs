@@ -92,14 +92,14 @@ effects! { parameters =>
         TankPressure: "supply.tank_pressure_pa", "Pa", -1e5, 1e7, Value(0.0), "Pressure of the return line.";
         FlowLimit: "supply.flow_limit_m3_per_s", "m3/s", 1e-7, NONE, Value(NONE), "Largest flow through either valve edge, both signs.";
         LevelAtRest: "supply.level_at_rest", "1", 0.02, 0.98, Value(0.5), "Share of supply pressure in chamber B at rest, where a simulation of a recording without pressures starts; no step uses it.";
-        ValveGain: "valve.gain_per_v", "1/V", -10.0, 10.0, Value(0.1), "Slope of the static characteristic: slider travel per volt. (15)";
-        ValveOffset: "valve.offset", "1", -1.0, 1.0, Value(0.0), "Slider position at zero volts; positive extends. (15)";
-        DeadZone: "valve.dead_zone", "1", 0.0, 0.999, Value(0.0), "Overlap: slider travel from centre, to both sides, that passes no oil.";
-        RateLimit: "valve.rate_limit_per_s", "1/s", 1e-3, NONE, Value(NONE), "Largest speed of the slider's set value, both signs. Fig. 5";
-        TimeConstant1: "valve.time_constants_s[0]", "s", 0.0, 10.0, Value(0.0), "First lag of the slider. (16)";
-        TimeConstant2: "valve.time_constants_s[1]", "s", 0.0, 10.0, Value(0.0), "Second lag of the slider. (16)";
-        TransportDelay: "valve.transport_delay_s", "s", 0.0, 1.0, Value(0.0), "Dead time between command and slider. (16)";
-        FlowCoefficient: "valve.flow_coefficient", "m3/s/sqrt(Pa)", 1e-12, 1.0, Value(2.4e-7), "K_Q: flow per slider travel beyond the dead zone and root of pressure. (3), (4)";
+        ValveGain: "valve.gain_per_v", "1/V", -10.0, 10.0, Value(0.1), "Slope of the static characteristic: spool travel per volt. (15)";
+        ValveOffset: "valve.offset", "1", -1.0, 1.0, Value(0.0), "Spool position at zero volts; positive extends. (15)";
+        DeadZone: "valve.dead_zone", "1", 0.0, 0.999, Value(0.0), "Overlap: spool travel from centre, to both sides, that passes no oil.";
+        RateLimit: "valve.rate_limit_per_s", "1/s", 1e-3, NONE, Value(NONE), "Largest speed of the spool's set value, both signs. Fig. 5";
+        TimeConstant1: "valve.time_constants_s[0]", "s", 0.0, 10.0, Value(0.0), "First lag of the spool. (16)";
+        TimeConstant2: "valve.time_constants_s[1]", "s", 0.0, 10.0, Value(0.0), "Second lag of the spool. (16)";
+        TransportDelay: "valve.transport_delay_s", "s", 0.0, 1.0, Value(0.0), "Dead time between command and spool. (16)";
+        FlowCoefficient: "valve.flow_coefficient", "m3/s/sqrt(Pa)", 1e-12, 1.0, Value(2.4e-7), "K_Q: flow per spool travel beyond the dead zone and root of pressure. (3), (4)";
         LaminarTransition: "valve.laminar_transition_pa", "Pa", 1.0, 1e6, Value(2e3), "Pressure difference p_t below which the root becomes linear.";
         AreaA: "cylinder.area_a_m2", "m2", 1e-6, 10.0, Required, "Piston area on side A; its pressure extends. (5)";
         AreaB: "cylinder.area_b_m2", "m2", 1e-6, 10.0, Required, "Piston area on side B, the rod side; its pressure retracts. (5)";
@@ -113,7 +113,7 @@ effects! { parameters =>
         PumpDisplacement: "pump.displacement_m3_per_rev", "m3/rev", 1e-9, 1.0, Value(1.6e-6), "Oil delivered per turn by the pump of a pump-controlled drive.";
         PumpReverseRatio: "pump.reverse_ratio", "1", 0.2, 5.0, Value(1.0), "Oil delivered per turn into B over that into A: pumps built for one sense deliver differently in the other.";
         ReturnCoefficient: "directional_valve.flow_coefficient", "m3/s/sqrt(Pa)", 1e-12, 1.0, Value(1.0e-6), "Flow per root of pressure from the returning chamber to tank, with the directional valve open.";
-        LvdtCounts: "sensing.lvdt_counts_per_unit", "1", 1.0, 1e9, Value(32768.0), "Counts of the slider's LVDT per full slider travel (16 bit, both signs).";
+        LvdtCounts: "sensing.lvdt_counts_per_unit", "1", 1.0, 1e9, Value(32768.0), "Counts of the spool's LVDT per full spool travel (16 bit, both signs).";
         EncoderCounts: "sensing.encoder_counts_per_rev", "1", 1.0, 1e9, Value(3600.0), "Counts of the joint's encoder per turn.";
         LinkageBase: "linkage.base_m", "m", 1e-3, 100.0, Value(0.6), "Side of the linkage triangle from joint to the cylinder's foot.";
         LinkageArm: "linkage.arm_m", "m", 1e-3, 100.0, Value(0.5), "Side of the linkage triangle from joint to the rod's eye.";
@@ -122,8 +122,8 @@ effects! { parameters =>
     }
     // The effects stand between these two. The last ones are the correction table's.
     {
-        TableQuantity: "effects.unnamed.quantity", "1", 0.0, 4.0, Value(0.0), "What the table adds to: 0 nothing, 1 force on the rod in N (positive extends), 2 flow into A and 3 flow out of B in m3/s, 4 slider travel after the lags.";
-        TableOver: "effects.unnamed.over", "1", 0.0, 5.0, Value(0.0), "State that its seven nodes are over: 0 none, 1 velocity in m/s, 2 position in m, 3 slider, 4 pressure A and 5 pressure B in Pa.";
+        TableQuantity: "effects.unnamed.quantity", "1", 0.0, 4.0, Value(0.0), "What the table adds to: 0 nothing, 1 force on the rod in N (positive extends), 2 flow into A and 3 flow out of B in m3/s, 4 spool travel after the lags.";
+        TableOver: "effects.unnamed.over", "1", 0.0, 5.0, Value(0.0), "State that its seven nodes are over: 0 none, 1 velocity in m/s, 2 position in m, 3 spool, 4 pressure A and 5 pressure B in Pa.";
         TableOver2: "effects.unnamed.over_2", "1", 0.0, 5.0, Value(0.0), "State that each node's three values are over, by the same numbers; 0: one value a node.";
         TableFrom: "effects.unnamed.from", "1", -1e9, 1e9, Value(0.0), "State at the first node, SI; below it the table holds its first value.";
         TableTo: "effects.unnamed.to", "1", -1e9, 1e9, Value(1.0), "State at the seventh node, SI; above it the table holds its last value.";

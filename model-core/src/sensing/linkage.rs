@@ -1,4 +1,4 @@
-//! The sensing link: counts → slider, and encoder counts ↔ cylinder length through the linkage triangle. §2, §3 of the paper.
+//! The sensing link: counts → spool, and encoder counts ↔ cylinder length through the linkage triangle. §2, §3 of the paper.
 //!
 //! The cylinder is the third side of a triangle with the joint at one corner: L² = a² + b² − 2ab·cos θ. Cosine and its
 //! inverse are evaluated once, when the linkage is built, at Chebyshev nodes over the stroke; a step sums the series by
@@ -20,7 +20,7 @@ const TERMS: usize = 10;
 /// Largest error of the series over the stroke, in strokes (position) or turns (angle).
 pub const SERIES_TOLERANCE: f64 = 1e-5;
 
-/// The slider's LVDT.
+/// The spool's LVDT.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lvdt<N: Number> {
     scale: N::Steep,
@@ -36,9 +36,9 @@ impl<N: Number<Real = f64>> Lvdt<N> {
         Ok(Self { scale: count_scale::<N>(P::LvdtCounts, counts, 1.0 / counts)? })
     }
 
-    /// Slider position from counts; 1 is full travel.
+    /// Spool position from counts; 1 is full travel.
     #[must_use]
-    pub fn slider(&self, counts: i32) -> N {
+    pub fn spool(&self, counts: i32) -> N {
         N::counted(counts).amplified(self.scale)
     }
 }
@@ -237,8 +237,8 @@ mod tests {
     #[test]
     fn lvdt_at_half_its_counts_reads_a_half() {
         let lvdt = Lvdt::<PerUnit>::new(&machine()).unwrap();
-        assert_eq!(lvdt.slider(16384), PerUnit::saturated(0.5));
-        assert_eq!(lvdt.slider(-16384), PerUnit::saturated(-0.5));
+        assert_eq!(lvdt.spool(16384), PerUnit::saturated(0.5));
+        assert_eq!(lvdt.spool(-16384), PerUnit::saturated(-0.5));
     }
 
     #[test]

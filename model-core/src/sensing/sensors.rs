@@ -83,7 +83,7 @@ pub struct SensedState<N: Number, const DELAY: usize> {
 /// What the sensors read.
 #[derive(Clone, Copy, Debug, PartialEq, Hash)]
 pub struct Sensed<N: Number> {
-    /// Slider; 1 is full travel.
+    /// Spool; 1 is full travel.
     pub spool: N,
     /// Pressure in A, per unit of supply pressure.
     pub pressure_a: N,

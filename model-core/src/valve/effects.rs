@@ -1,7 +1,7 @@
-//! Effects of the valve link: what the slider does beyond Fig. 5.
+//! Effects of the valve link: what the spool does beyond Fig. 5.
 //!
 //! In the order of the chain: the neutral drifts, the solenoid saturates, the play lags behind (all before the rate limiter); the
-//! flow force pushes closed (before the lags); the slider sticks (after them). Each is `None` where its strength is nil, and
+//! flow force pushes closed (before the lags); the spool sticks (after them). Each is `None` where its strength is nil, and
 //! the valve's step is then the one without it, bit for bit.
 
 use crate::effects::LinkEffects;
@@ -29,7 +29,7 @@ pub(crate) struct ValveEffectState<N> {
     drifted: N,
     /// What its rounding left.
     drifted_rest: N,
-    /// The slider without stiction: output of the second lag.
+    /// The spool without stiction: output of the second lag.
     free: N,
 }
 
@@ -72,24 +72,24 @@ impl<N: Number> ValveEffects<N> {
         }
     }
 
-    /// Output of the second lag at the start of a tick, where the slider handed on stands at `slider`.
+    /// Output of the second lag at the start of a tick, where the spool handed on stands at `spool`.
     #[inline]
-    pub(crate) fn second_lag(&self, state: &ValveEffectState<N>, slider: N) -> N {
-        if self.stiction.is_some() { state.free } else { slider }
+    pub(crate) fn second_lag(&self, state: &ValveEffectState<N>, spool: N) -> N {
+        if self.stiction.is_some() { state.free } else { spool }
     }
 
-    /// The slider handed on, from where it was to where the second lag's output is at the end of the tick.
+    /// The spool handed on, from where it was to where the second lag's output is at the end of the tick.
     #[inline]
-    pub(crate) fn handed_on(&self, state: &mut ValveEffectState<N>, slider: N, free: N) -> N {
+    pub(crate) fn handed_on(&self, state: &mut ValveEffectState<N>, spool: N, free: N) -> N {
         let Some(stiction) = &self.stiction else { return free };
         state.free = free;
-        stiction.held(slider, free)
+        stiction.held(spool, free)
     }
 }
 
 /// `null-drift`: the neutral moves by `travel`·(1 − e^(−t/τ)), t from where the state began; positive extends.
 ///
-/// Per unit slider travel. The mean of both ends stands for the tick: off by (h/τ)²/12 of what is left, and by 4e-7 of the
+/// Per unit spool travel. The mean of both ends stands for the tick: off by (h/τ)²/12 of what is left, and by 4e-7 of the
 /// travel in fixed point. The drift stands still while the chain is entered below the command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct NullDrift<N: Number> {
@@ -108,7 +108,7 @@ impl<N: Number> NullDrift<N> {
 
 /// `solenoid-saturation`: beyond the onset the travel d becomes `kept`·d/(1 + `curvature`·d), to both sides.
 ///
-/// Per unit slider travel from the centre; smooth to the first derivative where all is kept. In fixed point within 2e-8 and
+/// Per unit spool travel from the centre; smooth to the first derivative where all is kept. In fixed point within 2e-8 and
 /// 8e-6·d² (the curvature's step). After the force characteristic of a proportional solenoid near its stop: Jelali & Kroll, *Hydraulic Servo-systems*, 2003, ch. 4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SolenoidSaturation<N: Number> {
@@ -130,7 +130,7 @@ impl<N: Number> SolenoidSaturation<N> {
 /// `valve-hysteresis`: the mean of three plays, a Prandtl-Ishlinskii operator with equal weights.
 ///
 /// A play of half-width w keeps its output until the target is w away, then follows at that distance. The half-widths are
-/// ½·width·(1 − spread, 1, 1 + spread), so the mean settles `width` apart from above and from below, at any rate. Per unit slider
+/// ½·width·(1 − spread, 1, 1 + spread), so the mean settles `width` apart from above and from below, at any rate. Per unit spool
 /// travel; exact but for one rounding. Krasnosel'skii & Pokrovskii, *Systems with Hysteresis*, 1989, §2 and §37.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Hysteresis<N: Number> {
@@ -149,16 +149,16 @@ impl<N: Number> Hysteresis<N> {
     }
 }
 
-/// `flow-force`: the oil that flows through the open edges pushes the slider closed, by c = `closing`·o·Δp of set value.
+/// `flow-force`: the oil that flows through the open edges pushes the spool closed, by c = `closing`·o·Δp of set value.
 ///
 /// o is the travel beyond the dead zone: the steady flow force, 2·Cd·w·o·Δp·cos θ (Merritt, *Hydraulic Control Systems*, 1967,
 /// eq. 5-29), is one of the opening. Δp ≥ 0 is the sum of both open edges' differences at the start of the tick. Over the tick
 /// stands the mean of c at both ends, weighed as the slower lag weighs them: ½ each where it is slow, all at the end without lags.
-/// c at the end is solved for, so that no force, however strong, makes the slider swing from tick to tick. A stuck slider's force is
+/// c at the end is solved for, so that no force, however strong, makes the spool swing from tick to tick. A stuck spool's force is
 /// that of where it would be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FlowForce<N: Number> {
-    /// Share of its opening that the slider closes by, per pressure.
+    /// Share of its opening that the spool closes by, per pressure.
     pub(crate) closing: N,
     pub(crate) overlap: Overlap<N>,
     /// Weights of both ends of the tick.
@@ -170,7 +170,7 @@ pub(crate) struct FlowForce<N: Number> {
 }
 
 impl<N: Number> FlowForce<N> {
-    /// What the set value is reduced by, signed like the opening, for the slider at the start of the tick and at its end without
+    /// What the set value is reduced by, signed like the opening, for the spool at the start of the tick and at its end without
     /// the force.
     #[inline]
     pub(crate) fn closes(&self, from: N, to: N, across: AcrossEdges<N>) -> N {
@@ -184,11 +184,11 @@ impl<N: Number> FlowForce<N> {
     }
 }
 
-/// `spool-stiction`: the slider stays until it is asked for more than `band` elsewhere, then jumps to within `kept` of there
+/// `spool-stiction`: the spool stays until it is asked for more than `band` elsewhere, then jumps to within `kept` of there
 /// and stays again: static friction holds it, the smaller kinetic friction stops it short.
 ///
-/// Per unit slider travel; exact. The free slider that a jump goes to is that at the end of the tick; see
-/// [`Slider`](crate::ports::Slider) for how it lies within the tick. A stick-slip limit of Armstrong-Hélouvry, Dupont &
+/// Per unit spool travel; exact. The free spool that a jump goes to is that at the end of the tick; see
+/// [`Spool`](crate::ports::Spool) for how it lies within the tick. A stick-slip limit of Armstrong-Hélouvry, Dupont &
 /// Canudas de Wit, *Automatica* 30, 1994.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stiction<N: Number> {
@@ -198,10 +198,10 @@ pub(crate) struct Stiction<N: Number> {
 
 impl<N: Number> Stiction<N> {
     #[inline]
-    fn held(&self, slider: N, free: N) -> N {
-        let asked = free - slider;
+    fn held(&self, spool: N, free: N) -> N {
+        let asked = free - spool;
         let jumps = asked.magnitude().above(self.band);
-        N::choose(jumps, || free - asked.select_positive(self.kept, -self.kept), || slider)
+        N::choose(jumps, || free - asked.select_positive(self.kept, -self.kept), || spool)
     }
 }
 
@@ -210,10 +210,10 @@ mod tests {
     use crate::drive::Drive;
     use crate::machine::{Machine, Parameter as P, Source, Tick};
     use crate::number::{Number, PerUnit};
-    use crate::ports::{AcrossEdges, Slider};
+    use crate::ports::{AcrossEdges, Spool};
     use crate::valve::{Valve, ValveState};
 
-    /// A valve of 0.1 travel per volt without any dynamics: its slider is its target.
+    /// A valve of 0.1 travel per volt without any dynamics: its spool is its target.
     fn valve<N: Number<Real = f64>>(changes: &[(P, f64)]) -> Valve<N> {
         let mut machine = Machine::with_defaults(Source::Valve);
         for &(parameter, value) in
@@ -224,8 +224,8 @@ mod tests {
         *Drive::new::<64>(&machine, Tick::OneMillisecond).unwrap().valve().unwrap()
     }
 
-    /// The slider after each of a few set values, one a tick.
-    fn sliders<const K: usize>(changes: &[(P, f64)], targets: [f64; K]) -> [f64; K] {
+    /// The spool after each of a few set values, one a tick.
+    fn spools<const K: usize>(changes: &[(P, f64)], targets: [f64; K]) -> [f64; K] {
         let valve = valve::<PerUnit>(changes);
         let mut state: ValveState<PerUnit, 64> = valve.at_rest(PerUnit::ZERO);
         targets.map(|target| valve.step(&mut state, PerUnit::saturated(target)).to.to_f64())
@@ -240,21 +240,21 @@ mod tests {
     #[test]
     fn hysteresis_settles_its_width_apart_from_below_and_from_above() {
         let changes = [(P::HysteresisWidth, 0.2)];
-        assert_near(sliders(&changes, [0.5, 0.8, 0.5, 0.2, 0.5]), [0.4, 0.7, 0.6, 0.3, 0.4]);
+        assert_near(spools(&changes, [0.5, 0.8, 0.5, 0.2, 0.5]), [0.4, 0.7, 0.6, 0.3, 0.4]);
         // Half-widths 0.05, 0.1, 0.15. After 0.5 they hold 0.45, 0.4, 0.35; at 0.3 only the first has had to follow, to 0.35.
         let spread = [(P::HysteresisWidth, 0.2), (P::HysteresisSpread, 0.5)];
-        assert_near(sliders(&spread, [0.5, 0.3]), [0.4, (0.35 + 0.4 + 0.35) / 3.0]);
+        assert_near(spools(&spread, [0.5, 0.3]), [0.4, (0.35 + 0.4 + 0.35) / 3.0]);
     }
 
     #[test]
-    fn a_stuck_slider_makes_a_staircase_of_a_ramp() {
-        let found = sliders(&[(P::StictionBand, 0.1)], [0.06, 0.11, 0.16, 0.205, 0.22, 0.13, 0.11]);
+    fn a_stuck_spool_makes_a_staircase_of_a_ramp() {
+        let found = spools(&[(P::StictionBand, 0.1)], [0.06, 0.11, 0.16, 0.205, 0.22, 0.13, 0.11]);
         assert_near(found, [0.0, 0.11, 0.11, 0.11, 0.22, 0.22, 0.11]);
     }
 
     #[test]
     fn a_jump_ends_short_by_what_kinetic_friction_keeps() {
-        let found = sliders(&[(P::StictionBand, 0.1), (P::StictionKept, 0.2)], [0.06, 0.11, 0.16, 0.2, -0.02]);
+        let found = spools(&[(P::StictionBand, 0.1), (P::StictionKept, 0.2)], [0.06, 0.11, 0.16, 0.2, -0.02]);
         assert_near(found, [0.0, 0.09, 0.09, 0.18, 0.0]);
     }
 
@@ -262,8 +262,8 @@ mod tests {
     fn a_jump_is_handed_on_as_the_straight_line_over_its_tick() {
         let valve = valve::<f64>(&[(P::StictionBand, 0.1)]);
         let mut state: ValveState<f64, 64> = valve.at_rest(0.0);
-        assert_eq!(valve.step(&mut state, 0.5), Slider { from: 0.0, to: 0.5 });
-        assert_eq!(valve.step(&mut state, 0.5), Slider { from: 0.5, to: 0.5 });
+        assert_eq!(valve.step(&mut state, 0.5), Spool { from: 0.0, to: 0.5 });
+        assert_eq!(valve.step(&mut state, 0.5), Spool { from: 0.5, to: 0.5 });
     }
 
     #[test]
@@ -275,7 +275,7 @@ mod tests {
         }
         // The last tick's mean lies half a tick before 1 s.
         let exact = -0.1 * (1.0 - libm::exp(-0.9995));
-        assert!((state.slider().to_f64() - exact).abs() < 1e-8, "{}", state.slider().to_f64());
+        assert!((state.spool().to_f64() - exact).abs() < 1e-8, "{}", state.spool().to_f64());
     }
 
     #[test]
@@ -286,19 +286,19 @@ mod tests {
             valve.step(&mut state, PerUnit::ZERO);
         }
         // 100 s of 1e5.
-        assert!((state.slider().to_f64() - 0.5 * 9.995e-4).abs() < 1e-7, "{}", state.slider().to_f64());
+        assert!((state.spool().to_f64() - 0.5 * 9.995e-4).abs() < 1e-7, "{}", state.spool().to_f64());
     }
 
     #[test]
     fn half_a_travel_beyond_the_onset_is_halved_by_a_curvature_of_two() {
         let changes = [(P::SolenoidOnset, 0.5), (P::SolenoidCurvature, 2.0)];
-        assert_near(sliders(&changes, [0.4, 1.0, -1.0]), [0.4, 0.75, -0.75]);
+        assert_near(spools(&changes, [0.4, 1.0, -1.0]), [0.4, 0.75, -0.75]);
     }
 
     #[test]
     fn beyond_a_knee_the_gain_is_less() {
         let changes = [(P::SolenoidOnset, 0.5), (P::SolenoidLoss, 0.2)];
-        assert_near(sliders(&changes, [0.4, 1.0, -1.0]), [0.4, 0.9, -0.9]);
+        assert_near(spools(&changes, [0.4, 1.0, -1.0]), [0.4, 0.9, -0.9]);
     }
 
     #[test]
@@ -306,16 +306,16 @@ mod tests {
         let changes = [(P::SupplyPressure, 5e6), (P::FlowForce, 2e-7), (P::DeadZone, 0.1)];
         let valve = valve::<PerUnit>(&changes);
         let across = AcrossEdges { extending: PerUnit::ONE, retracting: PerUnit::saturated(3.0) };
-        let slider = |target: f64| {
+        let spool = |target: f64| {
             let mut state: ValveState<PerUnit, 64> = valve.at_rest(PerUnit::ZERO);
             valve.step_against(&mut state, PerUnit::saturated(target), across).to.to_f64()
         };
         // 0.5 beyond the dead zone extending, against 1; 0.4 retracting, against 3.
-        assert_near([slider(0.6), slider(-0.5), slider(0.05)], [0.35, -0.2, 0.05]);
+        assert_near([spool(0.6), spool(-0.5), spool(0.05)], [0.35, -0.2, 0.05]);
     }
 
     #[test]
-    fn no_flow_force_makes_the_slider_swing_for_ever() {
+    fn no_flow_force_makes_the_spool_swing_for_ever() {
         for lags in [[0.0, 0.0], [1e-3, 0.0], [0.0, 0.02], [1e-4, 1e-4], [0.018, 0.0279], [0.1, 1e-3]] {
             let changes = [(P::FlowForce, 1e-6), (P::TimeConstant1, lags[0]), (P::TimeConstant2, lags[1])];
             let valve = valve::<f64>(&changes);
@@ -324,7 +324,7 @@ mod tests {
             for _ in 0..5000 {
                 valve.step_against(&mut state, 0.9, across);
             }
-            let Slider { from, to } = valve.step_against(&mut state, 0.9, across);
+            let Spool { from, to } = valve.step_against(&mut state, 0.9, across);
             // 0.9/(1 + 7·8)
             assert!((from - to).abs() < 1e-9 && (to - 0.9 / 57.0).abs() < 1e-9, "{lags:?}: {from} {to}");
         }

@@ -3,7 +3,7 @@
 //! G(s) = 1/((1 + 0.018·s)·(1 + 0.0279·s))·e^(−0.007·s)                   (16)
 //! ```
 //!
-//! The valve link: command → slider, Fig. 5: static characteristic → rate limiter → transport delay → two first-order lags. As it runs, over a
+//! The valve link: command → spool, Fig. 5: static characteristic → rate limiter → transport delay → two first-order lags. As it runs, over a
 //! tick h with the command U held, every number of (15) and (16) a parameter:
 //!
 //! ```text
@@ -15,10 +15,10 @@
 //! ```
 //!
 //! Within a tick the set value ramps at the limit until it arrives, so its *mean* over the tick is exact in the area
-//! that reaches the slider whatever the tick is; the lags answer that mean exactly (no discretisation error of their own).
+//! that reaches the spool whatever the tick is; the lags answer that mean exactly (no discretisation error of their own).
 //!
-//! Formats: the command is a signal, 1 being 10 V; the slider is a signal, 1 being full travel (±8, step 3.7e-9); gains and decays are gains
-//! (below 4). Signs: a positive command moves the slider to where it opens P-A and B-T; the sign of the gain may turn that round.
+//! Formats: the command is a signal, 1 being 10 V; the spool is a signal, 1 being full travel (±8, step 3.7e-9); gains and decays are gains
+//! (below 4). Signs: a positive command moves the spool to where it opens P-A and B-T; the sign of the gain may turn that round.
 
 pub(crate) mod effects;
 
@@ -26,14 +26,14 @@ use effects::{ValveEffectState, ValveEffects};
 
 use crate::effects::{AnyEffect, Keeps, Vocabulary};
 use crate::number::Number;
-use crate::ports::{AcrossEdges, Slider};
+use crate::ports::{AcrossEdges, Spool};
 
 /// Coefficients of the valve at one tick, with those of its effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Valve<N: Number, E = ValveEffects<N>> {
-    /// Slider travel per 10 V. (15)
+    /// Spool travel per 10 V. (15)
     pub(crate) gain: N::Gain,
-    /// Slider travel at 0 V. (15)
+    /// Spool travel at 0 V. (15)
     pub(crate) offset: N,
     /// Largest change of the set value in a tick.
     pub(crate) step_limit: N,
@@ -69,8 +69,8 @@ pub struct ValveState<N: Number, const DELAY: usize> {
     head: u32,
     /// Output of the first lag.
     lag: N,
-    /// Slider position; 1 is full travel.
-    slider: N,
+    /// Spool position; 1 is full travel.
+    spool: N,
     effects: ValveEffectState<N>,
 }
 
@@ -87,7 +87,7 @@ impl<N: Number, E> Valve<N, E> {
 impl<N: Number> Valve<N> {
     /// The valve at rest with `command` (in 10 V) having been held for long, and no oil flowing.
     ///
-    /// Hysteresis has settled in the middle of its width, the neutral has yet to drift, and the slider is stuck nowhere.
+    /// Hysteresis has settled in the middle of its width, the neutral has yet to drift, and the spool is stuck nowhere.
     #[must_use]
     pub fn at_rest<const DELAY: usize>(&self, command: N) -> ValveState<N, DELAY> {
         ValveState::at_rest(self.effects.fed(self.target(command)))
@@ -95,7 +95,7 @@ impl<N: Number> Valve<N> {
 
     /// One tick with `command` (in 10 V, any size) held and no flow force.
     #[inline]
-    pub fn step<const DELAY: usize>(&self, state: &mut ValveState<N, DELAY>, command: N) -> Slider<N> {
+    pub fn step<const DELAY: usize>(&self, state: &mut ValveState<N, DELAY>, command: N) -> Spool<N> {
         self.step_against(state, command, AcrossEdges::NONE)
     }
 
@@ -106,7 +106,7 @@ impl<N: Number> Valve<N> {
         state: &mut ValveState<N, DELAY>,
         command: N,
         across: AcrossEdges<N>,
-    ) -> Slider<N> {
+    ) -> Spool<N> {
         self.step_with::<AnyEffect, DELAY>(state, command, across)
     }
 }
@@ -118,24 +118,24 @@ impl<N: Number, E: Keeps<ValveEffects<N>>> Valve<N, E> {
         state: &mut ValveState<N, DELAY>,
         command: N,
         across: AcrossEdges<N>,
-    ) -> Slider<N> {
+    ) -> Spool<N> {
         let effects = V::on(self.effects.kept());
         let target = self.target(command);
         let target = effects.map_or(target, |effects| effects.characteristic(target, &mut state.effects));
         let mean = self.limit_rate(&mut state.set, target);
         let delayed = self.delay(&mut state.line, &mut state.head, mean);
-        let from = state.slider;
+        let from = state.spool;
         let second = effects.map_or(from, |effects| effects.second_lag(&state.effects, from));
         let (mut lag, mut free) = self.lagged(state.lag, second, delayed);
         if let Some(force) = effects.and_then(|effects| effects.flow_force.as_ref()) {
             (lag, free) = self.lagged(state.lag, second, delayed - force.closes(second, free, across));
         }
         state.lag = lag;
-        state.slider = effects.map_or(free, |effects| effects.handed_on(&mut state.effects, from, free));
-        Slider { from, to: state.slider }
+        state.spool = effects.map_or(free, |effects| effects.handed_on(&mut state.effects, from, free));
+        Spool { from, to: state.spool }
     }
 
-    /// Whether the slider feels a flow force.
+    /// Whether the spool feels a flow force.
     #[inline]
     pub(crate) fn feels_flow<V: Vocabulary>(&self) -> bool {
         V::on(self.effects.kept()).is_some_and(|effects| effects.flow_force.is_some())
@@ -188,12 +188,12 @@ impl<N: Number, const DELAY: usize> ValveState<N, DELAY> {
     /// Everything having settled at this set value.
     pub(crate) fn at_rest(set: N) -> Self {
         let effects = ValveEffectState::at_rest(set);
-        Self { set, line: [set; DELAY], head: 0, lag: set, slider: set, effects }
+        Self { set, line: [set; DELAY], head: 0, lag: set, spool: set, effects }
     }
 
-    /// Slider position; 1 is full travel, positive extends the rod.
+    /// Spool position; 1 is full travel, positive extends the rod.
     #[must_use]
-    pub fn slider(&self) -> N {
-        self.slider
+    pub fn spool(&self) -> N {
+        self.spool
     }
 }

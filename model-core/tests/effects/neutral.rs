@@ -22,7 +22,7 @@ fn run<N: Scalar<Real = f64>>(machine: &Machine<f64>) -> Vec<State<N>> {
         let sensed = drive.sensed(&state);
         assert_eq!(sensed.position, state.motion.position, "the exact position is sensed");
         assert_eq!((sensed.pressure_a, sensed.pressure_b), (state.chambers.a, state.chambers.b));
-        assert_eq!((sensed.spool, sensed.velocity), (state.valve.slider(), state.motion.velocity));
+        assert_eq!((sensed.spool, sensed.velocity), (state.valve.spool(), state.motion.velocity));
         state
     };
     (0..1200).map(step).collect()

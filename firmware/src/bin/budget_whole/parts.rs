@@ -216,7 +216,7 @@ impl Plant {
         let seen = self.model.step(PerUnit::from_bits(i32::from(parts.output) << 13));
         let pressure_pa = |pressure: PerUnit| pressure.to_f64() * self.model.bases().pressure_pa;
         let pressure_v = |pressure| 0.5 + 4.0 * pressure_pa(pressure) / press::PRESSURE_AT_4_5_V_PA;
-        parts.codes[1] = code((10.0 * seen.slider.to_f64() / press::SLIDER_AT_10_V + 10.24) / 20.48);
+        parts.codes[1] = code((10.0 * seen.spool.to_f64() / press::SPOOL_AT_10_V + 10.24) / 20.48);
         parts.codes[2] = code(pressure_v(seen.pressure_a) / 5.12);
         parts.codes[3] = code(pressure_v(seen.pressure_b) / 5.12);
         let counts = counts(&self.model);

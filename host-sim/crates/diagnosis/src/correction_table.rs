@@ -44,7 +44,7 @@ pub enum Quantity {
     FlowA = 2,
     /// Flow out of B.
     FlowB = 3,
-    /// Slider travel after the lags.
+    /// Spool travel after the lags.
     Travel = 4,
 }
 
@@ -56,7 +56,7 @@ impl Quantity {
             Quantity::Force => "force on the rod",
             Quantity::FlowA => "flow into A",
             Quantity::FlowB => "flow out of B",
-            Quantity::Travel => "slider travel",
+            Quantity::Travel => "spool travel",
         }
     }
 
@@ -87,8 +87,8 @@ pub enum TableState {
     Velocity = 1,
     /// Position.
     Position = 2,
-    /// Slider.
-    Slider = 3,
+    /// Spool.
+    Spool = 3,
     /// Pressure in A.
     PressureA = 4,
     /// Pressure in B.
@@ -102,7 +102,7 @@ impl TableState {
         match self {
             TableState::Velocity => "velocity",
             TableState::Position => "position",
-            TableState::Slider => "slider",
+            TableState::Spool => "spool",
             TableState::PressureA => "pressure A",
             TableState::PressureB => "pressure B",
         }
@@ -118,7 +118,7 @@ impl TableState {
         match self {
             TableState::Velocity => Signal::Velocity,
             TableState::Position => Signal::Position,
-            TableState::Slider => Signal::Spool,
+            TableState::Spool => Signal::Spool,
             TableState::PressureA => Signal::PressureA,
             TableState::PressureB => Signal::PressureB,
         }
@@ -175,24 +175,24 @@ type Plan = (Quantity, &'static [TableState]);
 /// Tables that suit the link, the likeliest first.
 fn plans(subsystem: Subsystem) -> &'static [Plan] {
     use Quantity::{FlowA, FlowB, Force, Travel};
-    use TableState::{Position, PressureA, PressureB, Slider, Velocity};
+    use TableState::{Position, PressureA, PressureB, Spool, Velocity};
     match subsystem {
         Subsystem::Valve => &[
-            (Travel, &[Slider]),
-            (Travel, &[Slider, PressureA]),
+            (Travel, &[Spool]),
+            (Travel, &[Spool, PressureA]),
             (Travel, &[Velocity]),
             (Travel, &[PressureA]),
-            (FlowA, &[Slider]),
+            (FlowA, &[Spool]),
             (Force, &[Velocity]),
         ],
         Subsystem::Flow => &[
-            (FlowA, &[Slider]),
-            (FlowB, &[Slider]),
-            (FlowA, &[Slider, PressureA]),
-            (FlowB, &[Slider, PressureB]),
+            (FlowA, &[Spool]),
+            (FlowB, &[Spool]),
+            (FlowA, &[Spool, PressureA]),
+            (FlowB, &[Spool, PressureB]),
             (FlowA, &[PressureA]),
             (FlowB, &[PressureB]),
-            (Travel, &[Slider]),
+            (Travel, &[Spool]),
             (Force, &[Velocity]),
         ],
         Subsystem::Chambers => &[
@@ -202,7 +202,7 @@ fn plans(subsystem: Subsystem) -> &'static [Plan] {
             (FlowA, &[PressureA, Position]),
             (FlowA, &[Velocity]),
             (FlowB, &[Velocity]),
-            (FlowA, &[Slider]),
+            (FlowA, &[Spool]),
             (Force, &[Velocity]),
         ],
         Subsystem::Mechanics | Subsystem::Sensing => &[
@@ -212,19 +212,19 @@ fn plans(subsystem: Subsystem) -> &'static [Plan] {
             (Force, &[PressureA]),
             (Force, &[PressureB]),
             (Force, &[Velocity, PressureA]),
-            (FlowA, &[Slider]),
-            (Travel, &[Slider]),
+            (FlowA, &[Spool]),
+            (Travel, &[Spool]),
         ],
     }
 }
 
 /// Whether a drive that is entered here has the quantity and the states.
 fn applies(scene: &Scene<'_>, (quantity, states): &Plan) -> bool {
-    let slider = matches!(scene.entry, EntryPoint::Command | EntryPoint::Slider);
+    let spool = matches!(scene.entry, EntryPoint::Command | EntryPoint::Spool);
     let hydraulic = scene.entry != EntryPoint::Force;
     let states = states.iter().all(|state| match state {
         TableState::Velocity | TableState::Position => true,
-        TableState::Slider => slider,
+        TableState::Spool => spool,
         TableState::PressureA | TableState::PressureB => hydraulic,
     });
     states
@@ -342,12 +342,12 @@ fn fits_better(before: &Machine<f64>, after: &Machine<f64>, held: &[&Prepared]) 
 struct Seen(Vec<(TableState, Vec<f64>)>);
 
 impl Seen {
-    /// Simulated by the base; the slider as recorded where the chain is entered at it.
+    /// Simulated by the base; the spool as recorded where the chain is entered at it.
     fn of(machine: &Machine<f64>, cases: &[Case<'_>]) -> Result<Self, FitError> {
         const STATES: [TableState; 5] = [
             TableState::Velocity,
             TableState::Position,
-            TableState::Slider,
+            TableState::Spool,
             TableState::PressureA,
             TableState::PressureB,
         ];
@@ -366,7 +366,7 @@ impl Seen {
         Ok(Self(seen))
     }
 
-    /// Nodes over the states; none where one of them stays where it is. Velocity and slider have one at 0.
+    /// Nodes over the states; none where one of them stays where it is. Velocity and spool have one at 0.
     fn axes(&self, states: &[TableState]) -> Option<Vec<Axis>> {
         let axis = |(&state, nodes): (&TableState, usize)| {
             let (_, values) = self.0.iter().find(|(known, _)| *known == state)?;
@@ -374,7 +374,7 @@ impl Seen {
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index within the values")]
             let quantile = |share: f64| values.get((share * last).round() as usize).copied();
             let (low, high) = (quantile(OUTSIDE)?, quantile(1.0 - OUTSIDE)?);
-            let (from, to) = if matches!(state, TableState::Velocity | TableState::Slider) {
+            let (from, to) = if matches!(state, TableState::Velocity | TableState::Spool) {
                 let most = low.abs().max(high.abs());
                 (-most, most)
             } else {

@@ -48,7 +48,7 @@ fn sensed() -> impl Iterator<Item = Signal> {
 }
 
 impl Sensor {
-    /// A usual sensor of this signal: slider 0.1 % of its travel, pressures and force 0.2 % of the supply's, flow and speed 0.5 % of full
+    /// A usual sensor of this signal: spool 0.1 % of its travel, pressures and force 0.2 % of the supply's, flow and speed 0.5 % of full
     /// opening's, position 0.01 % of the stroke.
     #[must_use]
     pub fn usual(signal: Signal, machine: &Machine<f64>) -> Self {

@@ -115,7 +115,7 @@ pub struct Prepared {
     pub failures: Vec<(Signal, Failures)>,
     /// Standard deviation of the position at the start, m: what its sensor leaves open.
     pub start_sigma_m: f64,
-    /// Standard deviation of the noise of the recorded slider, flow or force that the chain is entered at, SI; 0 where it is a command or a pump's
+    /// Standard deviation of the noise of the recorded spool, flow or force that the chain is entered at, SI; 0 where it is a command or a pump's
     /// speed, which are set.
     pub input_noise: f64,
 }
@@ -150,7 +150,7 @@ impl Prepared {
         let mut mended = Mended::of(recording);
         let stimulus = Stimulus::of_mended(&mended, machine, entry, load, tick)?;
         let mut signals = judged(recording, entry, load);
-        let fed = machine.source == Source::Valve && matches!(entry, EntryPoint::Command | EntryPoint::Slider);
+        let fed = machine.source == Source::Valve && matches!(entry, EntryPoint::Command | EntryPoint::Spool);
         if fed && recording.check_varies(Signal::SupplyPressure).is_ok() && recording.has(Signal::SupplyPressure) {
             signals.push(Signal::SupplyPressure);
         }
@@ -199,8 +199,8 @@ impl Prepared {
         self.time_s.last().zip(self.time_s.first()).map_or(0.0, |(last, first)| last - first)
     }
 
-    /// The same with the recorded slider metering the oil, where the command drives the valve and the slider is judged: the
-    /// valve is then judged by its slider alone, and all below it by what the real slider let through.
+    /// The same with the recorded spool metering the oil, where the command drives the valve and the spool is judged: the
+    /// valve is then judged by its spool alone, and all below it by what the real spool let through.
     #[must_use]
     pub fn following(&self) -> Option<Self> {
         let is_judged = self.channels.iter().any(|channel| channel.signal == Signal::Spool);

@@ -57,7 +57,7 @@ pub(crate) fn off_by<E>(
     Ok(squares.into_iter().map(f64::sqrt).collect())
 }
 
-/// RMS by which each judged signal of a recording is off through noise of this standard deviation in the recorded slider, flow or force that
+/// RMS by which each judged signal of a recording is off through noise of this standard deviation in the recorded spool, flow or force that
 /// drives it, SI, in the mean of so many draws.
 pub fn by_noise_of_input(
     case: &Prepared,

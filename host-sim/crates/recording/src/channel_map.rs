@@ -7,7 +7,7 @@ use crate::signal::Signal;
 /// How the readings of a sensor become the signal's value in SI units: (reading − zero)/full.
 ///
 /// Readings are taken as they stand in the file, in whatever unit, so that `zero` and `full` can be read off a sensor's data
-/// sheet: a slider that is centred at 5 V and fully open at 10 V has zero 5 and full 5.
+/// sheet: a spool that is centred at 5 V and fully open at 10 V has zero 5 and full 5.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
     /// The reading where the signal is 0.

@@ -1,4 +1,4 @@
-//! Numbers as people read them: mm, bar, per cent of slider travel, and as many digits as say something.
+//! Numbers as people read them: mm, bar, per cent of spool travel, and as many digits as say something.
 
 use comfy_table::{ContentArrangement, LineStyle, Table, TableStyle};
 
@@ -57,7 +57,7 @@ pub fn state_unit(si: &'static str) -> (&'static str, f64) {
     }
 }
 
-/// A difference of two values of `signal` with its unit: `0.0312 mm`; of the slider `0.41 % of travel`.
+/// A difference of two values of `signal` with its unit: `0.0312 mm`; of the spool `0.41 % of travel`.
 #[must_use]
 pub fn difference(signal: Signal, si: f64) -> String {
     let unit = unit_for_people(signal);

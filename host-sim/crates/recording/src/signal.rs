@@ -32,7 +32,7 @@ macro_rules! signals {
 signals! {
     Time "time" [Time] "Time, s; starts anywhere.";
     Command "command" [Voltage Current] "Command to the valve, V or mA; positive extends.";
-    Spool "spool" [Ratio] "Slider position as a part of full travel, 1; positive extends.";
+    Spool "spool" [Ratio] "Spool position as a part of full travel, 1; positive extends.";
     Flow "flow" [Flow] "Flow into chamber A, m³/s; positive extends.";
     PumpSpeed "pump_speed" [Rotation] "Speed of the pump, rev/s.";
     ValveDirection "valve_direction" [Ratio] "Directional valve: 1 leads the pump to A, -1 to B, 0 is closed.";

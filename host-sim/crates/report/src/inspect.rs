@@ -43,7 +43,7 @@ pub fn text(found: &Inspection, width: Option<u16>) -> String {
         let unit = opened.unit;
         let shown = |value: f64| significant(unit.from_si(value), 3);
         let puts = if opened.by == Signal::Command && unit.dimension() == Dimension::Ratio {
-            " puts the slider at"
+            " puts the spool at"
         } else {
             ""
         };
@@ -116,7 +116,7 @@ fn joined(signals: &[Signal], between: &str) -> String {
 fn entry_name(entry: EntryPoint) -> &'static str {
     match entry {
         EntryPoint::Command => "command",
-        EntryPoint::Slider => "slider",
+        EntryPoint::Spool => "slider",
         EntryPoint::Pump => "pump",
         EntryPoint::Flow => "flow",
         EntryPoint::Force => "force",

@@ -55,7 +55,7 @@ pub fn text(statics: &Statics) -> String {
             line(name, format!("{} extrapolated, gain {}{seen}", short(extrapolated), short(gain)));
         }
     }
-    for (what, all) in [("gain falls", &statics.saturation), ("slider stops", &statics.slider_saturation)] {
+    for (what, all) in [("gain falls", &statics.saturation), ("spool stops", &statics.spool_saturation)] {
         for fallen in all {
             let end = if fallen.upper { "up" } else { "down" };
             line(what, format!("below {} of it from {} {end}", fallen.share, short(fallen.from)));

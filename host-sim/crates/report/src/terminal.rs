@@ -21,7 +21,7 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
         let (link, signal, region) = (location.subsystem, location.signal, &location.region);
         let _ = writeln!(text, "\nlocated    {link} · {signal} · {region}");
         let _ = writeln!(text, "           {}\n           {}", when(location), location.shape);
-        for habit in &location.slider {
+        for habit in &location.spool {
             let _ = writeln!(text, "           {habit}");
         }
     }

@@ -145,7 +145,7 @@ mod tests {
     /// What a recording has beside its time: the column that drives it, and what acts on it all along.
     const DRIVEN: [(EntryPoint, &str); 4] = [
         (EntryPoint::Command, "command [V]"),
-        (EntryPoint::Slider, "spool"),
+        (EntryPoint::Spool, "spool"),
         (EntryPoint::Flow, "flow [l/min]"),
         (EntryPoint::Pump, "pump_speed [rpm]"),
     ];

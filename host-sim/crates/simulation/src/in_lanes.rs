@@ -7,14 +7,14 @@ use model_core::drive::{Drive, DriveState, Entry, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, MachineError};
 use model_core::number::{Field, Number};
-use model_core::ports::{ChamberState, Slider};
+use model_core::ports::{ChamberState, Spool};
 use recording::Signal;
 
 use crate::initial_state::{DELAY_LINE, Departure, StartOffset};
 use crate::number::simd::{LANES, Lanes};
 use crate::outflow::Edges;
 use crate::run::{Rows, reading, run, through_valve, unbraked};
-use crate::sensor_bias::{true_slider, within};
+use crate::sensor_bias::{true_spool, within};
 use crate::stimulus::{EntryPoint, Stimulus, value_at};
 
 /// What is simulated of one recording.
@@ -101,8 +101,8 @@ impl<'a> Abreast<'a> {
             Lanes::new(stimuli.map(|stimulus| value_at(series(stimulus), index))) / Lanes::constant(base)
         };
         let entry = match stimuli[0].entry_by(tick, &bases, read) {
-            Entry::Slider(slider) => Entry::Slider(self.truly(slider)),
-            Entry::Followed { command, slider } => Entry::Followed { command, slider: self.truly(slider) },
+            Entry::Spool(spool) => Entry::Spool(self.truly(spool)),
+            Entry::Followed { command, spool } => Entry::Followed { command, spool: self.truly(spool) },
             Entry::Flow { from, to } => through_valve(self.edges.as_ref(), &self.state, (from, to), |flow| flow),
             other => other,
         };
@@ -113,10 +113,10 @@ impl<'a> Abreast<'a> {
         self.drive.step(&mut self.state, entry, Load { from: load(tick), to: load(tick + 1) });
     }
 
-    /// The slider behind what its sensors read.
-    fn truly(&self, Slider { from, to }: Slider<Lanes>) -> Slider<Lanes> {
-        let behind = |reading: Lanes| Lanes::new(reading.values().map(|reading| true_slider(&self.machine, reading)));
-        Slider { from: behind(from), to: behind(to) }
+    /// The spool behind what its sensors read.
+    fn truly(&self, Spool { from, to }: Spool<Lanes>) -> Spool<Lanes> {
+        let behind = |reading: Lanes| Lanes::new(reading.values().map(|reading| true_spool(&self.machine, reading)));
+        Spool { from: behind(from), to: behind(to) }
     }
 
     /// A signal at a point of the grid, SI; 0 for what the chain does not compute.
@@ -124,14 +124,14 @@ impl<'a> Abreast<'a> {
         let Self { machine, stimuli, drive, state, .. } = self;
         let metering = |lane: usize| stimuli[lane].metering_at::<f64>(point);
         let spool = || match stimuli[0].entry {
-            EntryPoint::Slider => Lanes::new(from_fn(|lane| metering(lane).unwrap_or_default())),
+            EntryPoint::Spool => Lanes::new(from_fn(|lane| metering(lane).unwrap_or_default())),
             _ => drive.sensed(state).spool,
         };
         let flow_a = || {
-            let own = drive.slider(state).values();
-            let slider = |lane: usize| metering(lane).map_or(own[lane], |reading| true_slider(machine, reading));
+            let own = drive.spool(state).values();
+            let spool = |lane: usize| metering(lane).map_or(own[lane], |reading| true_spool(machine, reading));
             let none = PumpDrive { speed: Lanes::constant(0.0), direction: 0 };
-            drive.flows_from(state.supply.pressure, Lanes::new(from_fn(slider)), none, state.chambers).a
+            drive.flows_from(state.supply.pressure, Lanes::new(from_fn(spool)), none, state.chambers).a
         };
         reading(drive, machine, state, signal, spool, flow_a).map_or([0.0; LANES], Lanes::values)
     }

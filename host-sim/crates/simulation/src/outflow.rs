@@ -1,7 +1,7 @@
 //! What leaves B where only the flow into A is recorded.
 //!
 //! At constant pressures it is the area ratio's share. But a rod that turns takes both chambers of a differential cylinder to other
-//! pressures, and what they hold of oil with them. Both edges of a valve are one slider's, so that they are equally open, and each
+//! pressures, and what they hold of oil with them. Both edges of a valve are one spool's, so that they are equally open, and each
 //! passes the root of the pressure across it, (3) and (4): of what enters A, √(Δpb/Δpa) leaves B. So much as both edges know of each
 //! other, the pressures stay where a valve holds them.
 //!

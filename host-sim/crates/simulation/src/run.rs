@@ -6,12 +6,12 @@
 use model_core::drive::{Drive, DriveState, Entry};
 use model_core::machine::{Machine, MachineError, Parameter};
 use model_core::number::{Field, Number, PerUnit, Real, Scalar};
-use model_core::ports::{ChamberState, Flows, Slider};
+use model_core::ports::{ChamberState, Flows, Spool};
 use recording::Signal;
 
 use crate::initial_state::{DELAY_LINE, Offset, StartOffset, at_start};
 use crate::outflow::{Below, Edges};
-use crate::sensor_bias::{true_slider, within};
+use crate::sensor_bias::{true_spool, within};
 use crate::stimulus::{EntryPoint, Stimulus};
 
 /// The chain at one recorded row; each signal is computed when it is asked for.
@@ -51,24 +51,23 @@ impl<N: Scalar> Sample<'_, N> {
         reading(self.drive, self.machine, self.state, signal, || self.spool(), || self.flow_a())
     }
 
-    /// The slider as it is read; a drive that is entered at the slider has it from the recording.
+    /// The spool as it is read; a drive that is entered at the spool has it from the recording.
     fn spool(&self) -> N {
         let recorded = || self.stimulus.metering_at::<N>(self.point);
-        let given = if self.stimulus.entry == EntryPoint::Slider { recorded() } else { None };
+        let given = if self.stimulus.entry == EntryPoint::Spool { recorded() } else { None };
         given.unwrap_or_else(|| self.drive.sensed(self.state).spool)
     }
 
-    /// Flow into A, from the slider that meters the oil.
+    /// Flow into A, from the spool that meters the oil.
     fn flow_a(&self) -> N {
         let recorded = self.stimulus.metering_at::<N>(self.point);
-        let slider =
-            recorded.map_or_else(|| self.drive.slider(self.state), |reading| true_slider(self.machine, reading));
+        let spool = recorded.map_or_else(|| self.drive.spool(self.state), |reading| true_spool(self.machine, reading));
         let pump = self.stimulus.pump_at(self.point, self.drive.bases());
-        self.drive.flows_from(self.state.supply.pressure, slider, pump, self.state.chambers).a
+        self.drive.flows_from(self.state.supply.pressure, spool, pump, self.state.chambers).a
     }
 }
 
-/// The value of a recorded signal as its sensor reads it, in SI units, if the chain computes it; the slider and the flow into A by
+/// The value of a recorded signal as its sensor reads it, in SI units, if the chain computes it; the spool and the flow into A by
 /// what is known of them.
 #[inline]
 pub(crate) fn reading<N: Number>(
@@ -112,7 +111,7 @@ pub fn computed_below(entry: EntryPoint) -> &'static [Signal] {
     ];
     match entry {
         EntryPoint::Command => ALL,
-        EntryPoint::Slider => &ALL[1..],
+        EntryPoint::Spool => &ALL[1..],
         EntryPoint::Pump => &ALL[2..],
         EntryPoint::Flow => &ALL[3..],
         EntryPoint::Force => &ALL[6..],
@@ -255,10 +254,10 @@ fn entered<N: Scalar>(
     state: &DriveState<N, DELAY_LINE>,
     entry: Entry<N>,
 ) -> Entry<N> {
-    let true_slider = |Slider { from, to }| Slider { from: true_slider(machine, from), to: true_slider(machine, to) };
+    let true_spool = |Spool { from, to }| Spool { from: true_spool(machine, from), to: true_spool(machine, to) };
     match entry {
-        Entry::Slider(slider) => Entry::Slider(true_slider(slider)),
-        Entry::Followed { command, slider } => Entry::Followed { command, slider: true_slider(slider) },
+        Entry::Spool(spool) => Entry::Spool(true_spool(spool)),
+        Entry::Followed { command, spool } => Entry::Followed { command, spool: true_spool(spool) },
         Entry::Flow { from, to } => through_valve(edges, state, (from, to), within),
         other => other,
     }

@@ -15,7 +15,7 @@ pub(crate) fn behind<R: Real>(machine: &Machine<R>, (factor, offset): SensorErro
 }
 
 /// The spool behind a reading.
-pub(crate) fn true_slider<N: Scalar>(machine: &Machine<N::Real>, reading: N) -> N {
+pub(crate) fn true_spool<N: Scalar>(machine: &Machine<N::Real>, reading: N) -> N {
     let (factor, offset) = SPOOL;
     if machine.get(factor).is_nil() && machine.get(offset).is_nil() {
         return reading;

@@ -136,16 +136,16 @@ impl<N: Scalar<Real = f64>> Stepped<N> {
 
     /// The value of a signal as its sensor reads it, SI, if the drive computes it; the flow of a pump under these inputs.
     fn signal(&self, signal: Signal, inputs: &Inputs) -> Option<f64> {
-        let slider = || self.drive.slider(&self.state);
-        let spool = || self.drive.sensed(&self.state).spool;
+        let spool = || self.drive.spool(&self.state);
+        let sensed = || self.drive.sensed(&self.state).spool;
         let flow_a = || {
             let supply = self.state.supply.pressure;
-            self.drive.flows_from(supply, slider(), self.pump(inputs), self.state.chambers).a
+            self.drive.flows_from(supply, spool(), self.pump(inputs), self.state.chambers).a
         };
         if signal == Signal::Spool && self.machine.source == Source::Pump {
             return None;
         }
-        reading(&self.drive, &self.machine, &self.state, signal, spool, flow_a)
+        reading(&self.drive, &self.machine, &self.state, signal, sensed, flow_a)
     }
 
     fn pump(&self, inputs: &Inputs) -> PumpDrive<N> {

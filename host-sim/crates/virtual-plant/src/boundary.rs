@@ -1,6 +1,6 @@
 //! What acts on the hydraulics from outside, cut into stretches on which it is smooth.
 //!
-//! The integrator is stopped at the end of each stretch, so that no corner of the slider's path, of
+//! The integrator is stopped at the end of each stretch, so that no corner of the spool's path, of
 //! the load or of the dead zone lies within one of its steps.
 
 use model_core::machine::{Parameter, Source};
@@ -9,14 +9,14 @@ use crate::effect::PlantEffect;
 use crate::excitation::input::{Command, LoadLine, PumpCommand};
 use crate::physics::{Inputs, Physics};
 use crate::plant::{Plant, PlantError, PlantState};
-use crate::spool::linear::{Slider, SliderParameters, SliderPiece};
-use crate::spool::with_effects::{Curve, ShapedSlider};
+use crate::spool::linear::{Spool, SpoolParameters, SpoolPiece};
+use crate::spool::with_effects::{Curve, ShapedSpool};
 
-/// The slider on a stretch of time.
+/// The spool on a stretch of time.
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::large_enum_variant, reason = "one at a time, copied from a cell; a box could not be copied")]
 enum Path {
-    Piece(SliderPiece),
+    Piece(SpoolPiece),
     Curve(Curve),
 }
 
@@ -29,24 +29,24 @@ impl Path {
     }
 }
 
-/// The slider with its history: in closed form, or in small steps where effects shape it.
-enum AnySlider {
-    Plain(Slider),
-    Shaped(Box<ShapedSlider>),
+/// The spool with its history: in closed form, or in small steps where effects shape it.
+enum AnySpool {
+    Plain(Spool),
+    Shaped(Box<ShapedSpool>),
 }
 
-impl AnySlider {
+impl AnySpool {
     fn command(&mut self, time_s: f64, volts: f64) {
         match self {
-            Self::Plain(slider) => slider.command(time_s, volts),
-            Self::Shaped(slider) => slider.command(time_s, volts),
+            Self::Plain(spool) => spool.command(time_s, volts),
+            Self::Shaped(spool) => spool.command(time_s, volts),
         }
     }
 
     fn position(&mut self, time_s: f64) -> f64 {
         match self {
-            Self::Plain(slider) => slider.piece_from(time_s).0.position(time_s),
-            Self::Shaped(slider) => slider.position(),
+            Self::Plain(spool) => spool.piece_from(time_s).0.position(time_s),
+            Self::Shaped(spool) => spool.position(),
         }
     }
 }
@@ -54,10 +54,10 @@ impl AnySlider {
 /// A stretch of time on which everything that acts from outside is smooth.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Segment {
-    slider: Path,
+    spool: Path,
     pump: Option<PumpCommand>,
     load: LoadLine,
-    /// Which side of the dead zone the slider is on: decided once, so that no rounding at the edge
+    /// Which side of the dead zone the spool is on: decided once, so that no rounding at the edge
     /// of the stretch puts a kink inside it.
     side: i8,
     /// Overlap on the extending and on the retracting side.
@@ -66,7 +66,7 @@ pub(crate) struct Segment {
 
 impl Segment {
     pub(crate) fn inputs(&self, physics: &Physics, time_s: f64) -> Inputs {
-        let spool = self.slider.position(time_s);
+        let spool = self.spool.position(time_s);
         let [extending, retracting] = self.dead_zone;
         let spool = match self.side {
             1.. => spool.max(extending),
@@ -80,14 +80,14 @@ impl Segment {
 /// Everything that acts on the hydraulics from outside, in the order of time.
 pub(crate) struct Outside<'a> {
     plant: &'a Plant,
-    slider: Option<AnySlider>,
+    spool: Option<AnySpool>,
     pump: Option<PumpCommand>,
 }
 
 impl<'a> Outside<'a> {
     /// Nothing has been commanded yet.
     pub(crate) fn new(plant: &'a Plant) -> Self {
-        Self { plant, slider: None, pump: None }
+        Self { plant, spool: None, pump: None }
     }
 
     /// Holds a command from `time_s` on. The first one has always been there.
@@ -101,8 +101,8 @@ impl<'a> Outside<'a> {
         }
         match (self.plant.physics.source(), command) {
             (Source::Valve, Command::Valve(volts)) => {
-                let slider = self.slider.get_or_insert_with(|| slider_at_rest(self.plant, time_s, volts));
-                slider.command(time_s, volts);
+                let spool = self.spool.get_or_insert_with(|| spool_at_rest(self.plant, time_s, volts));
+                spool.command(time_s, volts);
             }
             (Source::Pump, Command::Pump(pump)) => self.pump = Some(pump),
             (source_of_drive, _) => return Err(PlantError::CommandKind { source_of_drive }),
@@ -115,27 +115,27 @@ impl<'a> Outside<'a> {
         let (load, load_end_s) = self.plant.load.line_from(from_s);
         let physics = &self.plant.physics;
         let dead_zone = physics.edges().dead_zone;
-        let (slider, corner_s) = match &mut self.slider {
-            None => (Path::Piece(SliderPiece::resting_at(0.0)), f64::INFINITY),
-            Some(AnySlider::Plain(slider)) => {
-                let (piece, corner_s) = slider.piece_from(from_s);
+        let (spool, corner_s) = match &mut self.spool {
+            None => (Path::Piece(SpoolPiece::resting_at(0.0)), f64::INFINITY),
+            Some(AnySpool::Plain(spool)) => {
+                let (piece, corner_s) = spool.piece_from(from_s);
                 (Path::Piece(piece), corner_s)
             }
-            Some(AnySlider::Shaped(slider)) => {
-                let state = physics.state(&physics.inputs(from_s, slider.position(), self.pump, 0.0), scaled);
-                let (curve, end_s) = slider.curve_from(from_s, to_s.min(load_end_s), physics.edges(), &state);
+            Some(AnySpool::Shaped(spool)) => {
+                let state = physics.state(&physics.inputs(from_s, spool.position(), self.pump, 0.0), scaled);
+                let (curve, end_s) = spool.curve_from(from_s, to_s.min(load_end_s), physics.edges(), &state);
                 (Path::Curve(curve), end_s)
             }
         };
         let end_s = to_s.min(load_end_s).min(corner_s);
-        let (side, end_s) = dead_zone_side(&slider, dead_zone, from_s, end_s);
-        (Segment { slider, pump: self.pump, load, side, dead_zone }, end_s)
+        let (side, end_s) = dead_zone_side(&spool, dead_zone, from_s, end_s);
+        (Segment { spool, pump: self.pump, load, side, dead_zone }, end_s)
     }
 
     pub(crate) fn observe(&mut self, scaled: &[f64], time_s: f64) -> PlantState {
         let physics = &self.plant.physics;
         let offset = self.plant.machine.get(Parameter::ValveOffset);
-        let spool = self.slider.as_mut().map_or(offset, |slider| slider.position(time_s));
+        let spool = self.spool.as_mut().map_or(offset, |spool| spool.position(time_s));
         let inputs = physics.inputs(time_s, spool, self.pump, 0.0);
         let state = physics.state(&inputs, scaled);
         let (flow_a_m3_per_s, flow_b_m3_per_s) = physics.flows(&inputs, &state);
@@ -152,25 +152,25 @@ impl<'a> Outside<'a> {
     }
 }
 
-fn slider_at_rest(plant: &Plant, time_s: f64, volts: f64) -> AnySlider {
-    let parameters = SliderParameters::of(&plant.machine);
+fn spool_at_rest(plant: &Plant, time_s: f64, volts: f64) -> AnySpool {
+    let parameters = SpoolParameters::of(&plant.machine);
     let valve = |effect: &PlantEffect| if let PlantEffect::Valve(effect) = effect { Some(*effect) } else { None };
     let shapes: Vec<_> = plant.physics.effects().iter().filter_map(valve).collect();
     if shapes.is_empty() {
-        AnySlider::Plain(Slider::at_rest(parameters, time_s, volts))
+        AnySpool::Plain(Spool::at_rest(parameters, time_s, volts))
     } else {
-        AnySlider::Shaped(Box::new(ShapedSlider::at_rest(parameters, &shapes, time_s, volts)))
+        AnySpool::Shaped(Box::new(ShapedSpool::at_rest(parameters, &shapes, time_s, volts)))
     }
 }
 
-/// The side of the dead zone (+1 beyond it, 0 inside, −1) right after `from_s`, and when the slider
+/// The side of the dead zone (+1 beyond it, 0 inside, −1) right after `from_s`, and when the spool
 /// leaves that side, at most `to_s`.
 ///
-/// A slider that touches an edge and turns back between two ticks is not noticed here: the error
+/// A spool that touches an edge and turns back between two ticks is not noticed here: the error
 /// control of the integrator has to see that one.
-fn dead_zone_side(slider: &Path, [extending, retracting]: [f64; 2], from_s: f64, to_s: f64) -> (i8, f64) {
+fn dead_zone_side(spool: &Path, [extending, retracting]: [f64; 2], from_s: f64, to_s: f64) -> (i8, f64) {
     let side = |time_s: f64| {
-        let x = slider.position(time_s);
+        let x = spool.position(time_s);
         if x > extending {
             1_i8
         } else if x < -retracting {
@@ -179,7 +179,7 @@ fn dead_zone_side(slider: &Path, [extending, retracting]: [f64; 2], from_s: f64,
             0
         }
     };
-    // A hair inside the stretch, since at its start the slider may stand exactly on an edge.
+    // A hair inside the stretch, since at its start the spool may stand exactly on an edge.
     let inside_s = from_s + (to_s - from_s) * 1e-6;
     let start = side(inside_s);
     if side(to_s) == start {
@@ -202,17 +202,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_instant_at_which_the_slider_leaves_its_dead_zone_is_found() {
-        let parameters = SliderParameters {
+    fn the_instant_at_which_the_spool_leaves_its_dead_zone_is_found() {
+        let parameters = SpoolParameters {
             gain_per_v: 0.1,
             offset: 0.0,
             rate_per_s: 10.0,
             time_constants_s: [0.0, 0.0],
             delay_s: 0.0,
         };
-        let mut slider = Slider::at_rest(parameters, 0.0, 0.0);
-        slider.command(0.0, 5.0);
-        let (piece, corner_s) = slider.piece_from(0.0);
+        let mut spool = Spool::at_rest(parameters, 0.0, 0.0);
+        spool.command(0.0, 5.0);
+        let (piece, corner_s) = spool.piece_from(0.0);
         assert!((corner_s - 0.05).abs() < 1e-15);
         let piece = Path::Piece(piece);
         let (side, end_s) = dead_zone_side(&piece, [0.2, 0.2], 0.0, corner_s);

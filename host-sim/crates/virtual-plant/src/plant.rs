@@ -48,7 +48,7 @@ impl InitialState {
 /// The true signals at one tick, in SI units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlantState {
-    /// Slider position x, 1; positive extends.
+    /// Spool position x, 1; positive extends.
     pub spool: f64,
     /// Flow Qa into chamber A, m³/s.
     pub flow_a_m3_per_s: f64,
@@ -197,7 +197,7 @@ impl Plant {
 
     /// The true signals at `times_s`, with a command chosen at each tick from the state at that tick:
     /// a controller in the loop. Before the first tick the first command has always been there; the
-    /// state shown at that tick, before the command is known, has the slider at its offset.
+    /// state shown at that tick, before the command is known, has the spool at its offset.
     pub fn run(
         &self,
         initial: &InitialState,

@@ -6,7 +6,7 @@ use crate::excitation::input::PumpCommand;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Inputs {
     pub(crate) time_s: f64,
-    /// Slider position, 1 (valve drives).
+    /// Spool position, 1 (valve drives).
     pub(crate) spool: f64,
     /// The pump and its directional valve (pump drives).
     pub(crate) pump: Option<PumpCommand>,

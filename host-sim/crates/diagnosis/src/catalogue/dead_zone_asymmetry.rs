@@ -1,7 +1,7 @@
 //! # Dead-zone asymmetry
 //!
 //! ## What it adds
-//! The overlap differs between the two sides of the slider: it opens at x = d + Δ/2 to extend and at x = −(d − Δ/2) to
+//! The overlap differs between the two sides of the spool: it opens at x = d + Δ/2 to extend and at x = −(d − Δ/2) to
 //! retract.
 //!
 //! ## How it shows
@@ -9,7 +9,7 @@
 //! symmetric command drift away to one side.
 //!
 //! ## What looks alike
-//! A wrong offset of the slider does exactly the same as long as the slider is not recorded: then the two cannot be
+//! A wrong offset of the spool does exactly the same as long as the spool is not recorded: then the two cannot be
 //! told apart. Drift of the null changes in the course of time. Unequal metering edges scale with the opening.
 //!
 //! ## Parameters
@@ -33,7 +33,7 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     look_alikes: &[
         LookAlike {
             effect: "sensor-offset",
-            told_apart_by: "slow triangle, slider recorded: a wrong reading shows at zero command, too",
+            told_apart_by: "slow triangle, spool recorded: a wrong reading shows at zero command, too",
         },
         LookAlike {
             effect: "null-drift",
@@ -46,7 +46,7 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     ],
     refined: &[],
     extends: None,
-    separated_by: "slow triangle through the centre, slider recorded",
+    separated_by: "slow triangle through the centre, spool recorded",
     source: "Tao & Kokotović, Adaptive Control of Systems with Actuator and Sensor Nonlinearities, 1996",
-    shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Slider),
+    shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Spool),
 };

@@ -5,7 +5,7 @@
 //! `Q = G·(p − p_T)`, from A, from B or from both.
 //!
 //! ## How it shows
-//! One chamber lacks oil in proportion to its pressure, at every slider position and at rest; the other does not gain
+//! One chamber lacks oil in proportion to its pressure, at every spool position and at rest; the other does not gain
 //! it.
 //!
 //! ## What looks alike

@@ -1,16 +1,16 @@
 //! # Flow force
 //!
 //! ## What it adds
-//! The jet through the edges pushes the slider closed, in proportion to opening and pressure difference; magnet and
+//! The jet through the edges pushes the spool closed, in proportion to opening and pressure difference; magnet and
 //! spring give way: `x = x_set·(1 − k·Δp)`, Δp the sum over both open edges.
 //!
 //! ## How it shows
-//! The slider misses travel as the hydraulic power grows: at large openings and small loads. Under a load that takes
+//! The spool misses travel as the hydraulic power grows: at large openings and small loads. Under a load that takes
 //! the whole supply nothing is missing.
 //!
 //! ## What looks alike
 //! Hysteresis depends on the direction of the command, saturation on the command alone. A supply that droops takes flow
-//! with the slider in place.
+//! with the spool in place.
 //!
 //! ## Parameters
 //! k in 1/Pa, not negative: 0.5–40 % of the travel at full supply pressure. A valve with a position loop shows next to
@@ -47,12 +47,12 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
         },
         LookAlike {
             effect: "supply-droop",
-            told_apart_by: "steps of several sizes, slider recorded: droop leaves the slider in its place",
+            told_apart_by: "steps of several sizes, spool recorded: droop leaves the spool in its place",
         },
     ],
     refined: &[],
     extends: None,
-    separated_by: "strokes at two loads and steps of several sizes, slider recorded",
+    separated_by: "strokes at two loads and steps of several sizes, spool recorded",
     source: "Merritt, Hydraulic Control Systems, 1967, §5-6",
     shows_in: |scene| scene.entry == EntryPoint::Command,
 };

@@ -5,11 +5,11 @@
 //! opening, and where a notch ends the full edge follows with a gain of its own.
 //!
 //! ## How it shows
-//! The flow that the model lacks is a function of the slider alone, on all four edges alike: small steps fit and large
+//! The flow that the model lacks is a function of the spool alone, on all four edges alike: small steps fit and large
 //! ones do not, or the other way round, at every load.
 //!
 //! ## What looks alike
-//! A drooping supply depends on the flow that all take together, and on time. A saturated magnet leaves the slider
+//! A drooping supply depends on the flow that all take together, and on time. A saturated magnet leaves the spool
 //! short of its travel. A flow limit is sharp.
 //!
 //! ## Parameters
@@ -40,7 +40,7 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
         },
         LookAlike {
             effect: "solenoid-saturation",
-            told_apart_by: "steps of several sizes, slider recorded: on a saturated magnet it does not arrive",
+            told_apart_by: "steps of several sizes, spool recorded: on a saturated magnet it does not arrive",
         },
         LookAlike {
             effect: "metering-asymmetry",
@@ -51,5 +51,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "steps of several sizes at two loads",
     source: "Backé, Systematik der hydraulischen Widerstandsschaltungen, 1974",
-    shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Slider),
+    shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Spool),
 };

@@ -4,7 +4,7 @@
 //! Oil passes the piston from the chamber at higher pressure to the other, laminar: Q = G·(pa − pb), into B and out of A.
 //!
 //! ## How it shows
-//! What A lacks B has too much of, at every slider position, also at rest: a loaded rod drifts with the valve closed.
+//! What A lacks B has too much of, at every spool position, also at rest: a loaded rod drifts with the valve closed.
 //!
 //! ## What looks alike
 //! External leakage concerns one chamber. Valve leakage acts near the valve's centre only. Pump slip rests with the pump.

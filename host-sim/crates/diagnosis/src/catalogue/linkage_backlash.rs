@@ -9,7 +9,7 @@
 //! pressures and flow show motion.
 //!
 //! ## What looks alike
-//! A rod held by friction rests in truth, and the pressures build up. Valve hysteresis delays the slider. A slow sensor
+//! A rod held by friction rests in truth, and the pressures build up. Valve hysteresis delays the spool. A slow sensor
 //! is off by an amount that grows with the velocity.
 //!
 //! ## Parameters
@@ -40,7 +40,7 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
         },
         LookAlike {
             effect: "valve-hysteresis",
-            told_apart_by: "slow triangle with slider or pressures recorded: a valve's hysteresis delays them",
+            told_apart_by: "slow triangle with spool or pressures recorded: a valve's hysteresis delays them",
         },
         LookAlike {
             effect: "position-sensor-lag",

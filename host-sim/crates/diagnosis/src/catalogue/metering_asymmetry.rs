@@ -58,5 +58,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "steps of several sizes both ways, both pressures recorded",
     source: "Jelali & Kroll, Hydraulic Servo-systems, 2003, ch. 4",
-    shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Slider),
+    shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Spool),
 };

@@ -46,9 +46,9 @@ use simulation::EntryPoint;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Subsystem {
-    /// Command → slider.
+    /// Command → spool.
     Valve,
-    /// Slider and pressures → flows.
+    /// Spool and pressures → flows.
     Flow,
     /// Flows and velocity → pressures.
     Chambers,
@@ -59,7 +59,7 @@ pub enum Subsystem {
 }
 
 impl Subsystem {
-    /// Whether what happens in this link moves the signal: only the valve moves the slider.
+    /// Whether what happens in this link moves the signal: only the valve moves the spool.
     #[must_use]
     pub fn reaches(self, signal: Signal) -> bool {
         self == Subsystem::Valve || signal != Signal::Spool

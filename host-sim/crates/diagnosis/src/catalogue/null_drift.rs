@@ -5,7 +5,7 @@
 //! pressure: x = g·U + x0 + Δx·(1 − e^(−t/T)), t from the start of the recording.
 //!
 //! ## How it shows
-//! What the valve link misses in the slider is slow and of the same sign at every command; the command that holds the
+//! What the valve link misses in the spool is slow and of the same sign at every command; the command that holds the
 //! rod still changes in the course of the recording.
 //!
 //! ## What looks alike
@@ -52,7 +52,7 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     ],
     refined: &[],
     extends: None,
-    separated_by: "long run for warming up, with the slow triangle repeated, slider recorded",
+    separated_by: "long run for warming up, with the slow triangle repeated, spool recorded",
     source: "ISO 10770-1 (null shift); Merritt, Hydraulic Control Systems, 1967, ch. 7",
     shows_in: |scene| scene.entry == EntryPoint::Command,
 };

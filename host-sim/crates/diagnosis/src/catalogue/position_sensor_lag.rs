@@ -5,11 +5,11 @@
 //! both.
 //!
 //! ## How it shows
-//! The measured position trails by (T + τ)·v: behind in both directions, right at rest. Pressures and slider are on
+//! The measured position trails by (T + τ)·v: behind in both directions, right at rest. Pressures and spool are on
 //! time.
 //!
 //! ## What looks alike
-//! A slower valve delays everything behind it; the slider, where it is recorded, or the pressures tell. Soft hoses let
+//! A slower valve delays everything behind it; the spool, where it is recorded, or the pressures tell. Soft hoses let
 //! the rod itself lag while pressure builds, and only then. Play does not grow with the speed.
 //!
 //! ## Parameters

@@ -1,21 +1,21 @@
 //! # Sensor offset
 //!
 //! ## What it adds
-//! One channel reads wrong by a constant or by a factor: a pressure, the slider's LVDT, or the position's scale. One
+//! One channel reads wrong by a constant or by a factor: a pressure, the spool's LVDT, or the position's scale. One
 //! error of one channel at a time.
 //!
 //! ## How it shows
-//! The same in every recording and at every instant: a constant pressure that is there without supply, a slider off its
+//! The same in every recording and at every instant: a constant pressure that is there without supply, a spool off its
 //! centre at rest, strokes that are all too long by the same share. What the channel says disagrees with all others,
-//! which agree among themselves. With slider and position alone no other tells of the motion, and its scale is not tried.
+//! which agree among themselves. With spool and position alone no other tells of the motion, and its scale is not tried.
 //!
 //! ## What looks alike
-//! Physics varies with time, load or position, a wrong reading does not: test it first. Without the slider's sensor, an
-//! offset of the slider and unequal overlap are one and the same.
+//! Physics varies with time, load or position, a wrong reading does not: test it first. Without the spool's sensor, an
+//! offset of the spool and unequal overlap are one and the same.
 //!
 //! ## Parameters
-//! Pressure in Pa, either sign, up to 10 % of the supply; slider in parts of full travel, up to 5 %; gain errors of
-//! pressure and slider up to 10 %, of the position up to 5 %, positive reads too much.
+//! Pressure in Pa, either sign, up to 10 % of the supply; spool in parts of full travel, up to 5 %; gain errors of
+//! pressure and spool up to 10 %, of the position up to 5 %, positive reads too much.
 //!
 //! ## Source
 //! R. Isermann, *Fault-Diagnosis Systems*, Springer 2006 (offset and gain faults of sensors); E. O. Doebelin,
@@ -39,7 +39,7 @@ fn pressure_b_pa(scene: &Scene<'_>) -> f64 {
     of(scene, Signal::PressureB, 0.1 * scene.machine.get(Parameter::SupplyPressure))
 }
 
-/// A scale of all motion that no other channel contradicts is nobody's error: flow, areas or the sensor. A slider tells how wide
+/// A scale of all motion that no other channel contradicts is nobody's error: flow, areas or the sensor. A spool tells how wide
 /// the valve opens, not what comes of it.
 fn position_factor(scene: &Scene<'_>) -> f64 {
     const OF_MOTION: [Signal; 5] =
@@ -74,7 +74,7 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
         },
         LookAlike {
             effect: "dead-zone-asymmetry",
-            told_apart_by: "slow triangle, slider recorded: a wrong reading shows at zero command, too",
+            told_apart_by: "slow triangle, spool recorded: a wrong reading shows at zero command, too",
         },
         LookAlike {
             effect: "external-leakage",

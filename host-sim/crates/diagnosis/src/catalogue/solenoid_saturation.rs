@@ -1,15 +1,15 @@
 //! # Solenoid saturation
 //!
 //! ## What it adds
-//! At a large command the magnet's iron saturates or its amplifier limits the current, and the slider falls behind the
+//! At a large command the magnet's iron saturates or its amplifier limits the current, and the spool falls behind the
 //! straight characteristic: beyond the onset `x_s` its travel `t = |x| − x_s` becomes `t/(1 + c·t)`, or `(1 − d)·t` where
 //! the characteristic has a knee.
 //!
 //! ## How it shows
-//! The slider misses travel at large |U| only, the same at rest and in motion and on both sides; small strokes fit.
+//! The spool misses travel at large |U| only, the same at rest and in motion and on both sides; small strokes fit.
 //!
 //! ## What looks alike
-//! A rate limit acts only while the slider moves. A curved flow gain has the same effect on the rod, but the slider
+//! A rate limit acts only while the spool moves. A curved flow gain has the same effect on the rod, but the spool
 //! arrives. Flow force grows with the pressure difference as well.
 //!
 //! ## Parameters
@@ -38,7 +38,7 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     look_alikes: &[
         LookAlike {
             effect: "flow-gain-nonlinearity",
-            told_apart_by: "steps of several sizes, slider recorded: with a curved flow gain the slider arrives",
+            told_apart_by: "steps of several sizes, spool recorded: with a curved flow gain the spool arrives",
         },
         LookAlike {
             effect: "flow-force",
@@ -47,7 +47,7 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     ],
     refined: &[],
     extends: None,
-    separated_by: "steps of several sizes up to full command, slider recorded",
+    separated_by: "steps of several sizes up to full command, spool recorded",
     source: "Vaughan & Gamble, J. Dyn. Syst. Meas. Control 118, 1996",
     shows_in: |scene| scene.entry == EntryPoint::Command,
 };

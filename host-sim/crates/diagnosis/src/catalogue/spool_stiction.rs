@@ -1,16 +1,16 @@
 //! # Spool stiction
 //!
 //! ## What it adds
-//! The slider sticks in its bore, by lateral forces or dirt, until the command asks for a travel that differs by more
+//! The spool sticks in its bore, by lateral forces or dirt, until the command asks for a travel that differs by more
 //! than the band; then it jumps at once, to where kinetic friction stops it: x holds while `|x_set − x| ≤ band`.
 //!
 //! ## How it shows
-//! Flats in the slider while the command moves, then steps: what the valve link misses is a saw-tooth as high as the
+//! Flats in the spool while the command moves, then steps: what the valve link misses is a saw-tooth as high as the
 //! band.
 //!
 //! ## What looks alike
 //! Valve hysteresis follows without jumps once its play is taken up. Dither hides both. A rod that sticks and slips
-//! lets the pressures build up before it jumps; a stuck slider leaves them flat. A stiction that keeps most of its
+//! lets the pressures build up before it jumps; a stuck spool leaves them flat. A stiction that keeps most of its
 //! band does not jump either, and is a play: beside a hysteresis three times as wide as its band it only bends the loop of
 //! that, and is never claimed there.
 //!
@@ -45,7 +45,7 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     ],
     refined: &[],
     extends: None,
-    separated_by: "slow triangle without dither, slider recorded",
+    separated_by: "slow triangle without dither, spool recorded",
     source: "Choudhury, Thornhill, Shah, Control Engineering Practice 13, 2005",
     shows_in: |scene| scene.entry == EntryPoint::Command,
 };

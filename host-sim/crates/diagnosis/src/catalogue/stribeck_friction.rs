@@ -11,7 +11,7 @@
 //!
 //! ## What looks alike
 //! Coulomb friction has no hump. A dead zone leaves the pressures flat while the rod rests. Bristles open a loop of
-//! force over velocity at reversals. A slider that jumps makes the rod jump without pressure building up.
+//! force over velocity at reversals. A spool that jumps makes the rod jump without pressure building up.
 //!
 //! ## Parameters
 //! Fc and Fe in N, not negative: Fc 1–5 % of full force, break-away 1.1–2.6 times Fc. vs in m/s: 1–50 mm/s.
@@ -52,7 +52,7 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
         },
         LookAlike {
             effect: "spool-stiction",
-            told_apart_by: "constant-speed strokes, pressures recorded: a slider that jumps leaves them flat before",
+            told_apart_by: "constant-speed strokes, pressures recorded: a spool that jumps leaves them flat before",
         },
     ],
     refined: &[],

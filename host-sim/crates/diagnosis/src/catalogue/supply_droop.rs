@@ -49,12 +49,12 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
         },
         LookAlike {
             effect: "flow-force",
-            told_apart_by: "steps of several sizes, slider recorded: flow force moves the slider",
+            told_apart_by: "steps of several sizes, spool recorded: flow force moves the spool",
         },
     ],
     refined: &[],
     extends: None,
     separated_by: "steps of several sizes, supply pressure recorded",
     source: "Merritt, Hydraulic Control Systems, 1967, ch. 11",
-    shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Slider),
+    shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Spool),
 };

@@ -58,5 +58,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "steps of several sizes, both pressures and the tank pressure recorded",
     source: "Backé & Murrenhoff, Grundlagen der Ölhydraulik, RWTH Aachen",
-    shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Slider),
+    shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Spool),
 };

@@ -1,18 +1,18 @@
 //! # Valve hysteresis
 //!
 //! ## What it adds
-//! The slider settles at different places when the command comes from above and from below: magnetisation of the
+//! The spool settles at different places when the command comes from above and from below: magnetisation of the
 //! solenoid, play and friction of the pilot. A play of the given width in the set value, x = play(g·U + x0); with a
 //! spread, the mean of three plays of different width, which rounds the corners of the loop.
 //!
 //! ## How it shows
-//! What the valve link misses in the slider has the sign of −dU/dt. The width of the loop of x over U does not depend
+//! What the valve link misses in the spool has the sign of −dU/dt. The width of the loop of x over U does not depend
 //! on how fast the command changes, and it is there at every opening.
 //!
 //! ## What looks alike
 //! A delay or a lag also opens a loop, but one that grows with the rate. A dead zone acts near the centre only. Spool
 //! stiction jumps. Flow force pushes with the hydraulic power, whichever way the command goes. Play in the linkage
-//! leaves slider and pressures as they should be.
+//! leaves spool and pressures as they should be.
 //!
 //! ## Parameters
 //! Width in parts of full travel, not negative: 0.1 % (servo valve with position loop) to 7–10 % (open-loop
@@ -39,19 +39,19 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
         &[WIDTH, Strength { parameter: Parameter::HysteresisSpread, kind: Kind::Shape(|_| (0.1, 1.0), 2) }],
     ],
     look_alikes: &[
-        LookAlike { effect: "spool-stiction", told_apart_by: "slow triangle: a stuck slider rests and then jumps" },
+        LookAlike { effect: "spool-stiction", told_apart_by: "slow triangle: a stuck spool rests and then jumps" },
         LookAlike {
             effect: "flow-force",
             told_apart_by: "slow triangle with the supply pressure lowered: hysteresis stays as wide",
         },
         LookAlike {
             effect: "linkage-backlash",
-            told_apart_by: "slow triangle with slider or pressures recorded: they know nothing of play in the linkage",
+            told_apart_by: "slow triangle with spool or pressures recorded: they know nothing of play in the linkage",
         },
     ],
     refined: &[],
     extends: None,
-    separated_by: "slow triangle at two rates, slider recorded",
+    separated_by: "slow triangle at two rates, spool recorded",
     source: "Krasnosel'skii & Pokrovskii, Systems with Hysteresis, 1989",
     shows_in: |scene| scene.entry == EntryPoint::Command,
 };

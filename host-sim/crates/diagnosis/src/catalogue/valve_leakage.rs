@@ -9,7 +9,7 @@
 //! load; flow that the model lacks is there near x = 0 only.
 //!
 //! ## What looks alike
-//! Leakage past the piston goes on at every slider position, and the level of both pressures is free. A wide laminar
+//! Leakage past the piston goes on at every spool position, and the level of both pressures is free. A wide laminar
 //! transition acts at small pressure differences, at every opening.
 //!
 //! ## Parameters
@@ -47,5 +47,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "closed-valve hold under load, both pressures recorded",
     source: "Eryilmaz & Wilson, J. Franklin Institute 343, 2006",
-    shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Slider),
+    shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Spool),
 };

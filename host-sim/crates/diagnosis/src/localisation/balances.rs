@@ -7,7 +7,7 @@
 //! r_a = Ca·Δpa +  A·Δy − ∫φ·Qa dt          m³
 //! r_b = Cb·Δpb − aA·Δy + ∫φ·Qb dt          m³
 //! r_F = m·Δv + D·Δy − ∫φ·(A·pa − aA·pb + F) dt    N s
-//! r_v = Δ(y − ŷ)                            m, where no pressures are recorded; ŷ is simulated from the slider
+//! r_v = Δ(y − ŷ)                            m, where no pressures are recorded; ŷ is simulated from the spool
 //! ```
 //!
 //! Each is linear in what was measured, so the standard deviation that sensor noise alone gives it is known, and residuals of
@@ -41,8 +41,8 @@ pub struct RowFlow {
     pub a: f64,
     /// Out of B, m³/s, internal leakage taken off.
     pub b: f64,
-    /// Slopes of both by the slider, m³/s.
-    pub by_slider: (f64, f64),
+    /// Slopes of both by the spool, m³/s.
+    pub by_spool: (f64, f64),
     /// Slopes of both by the supply pressure, m³/s/Pa.
     pub by_supply: (f64, f64),
     /// Slopes of both by the tank pressure, m³/s/Pa.
@@ -60,8 +60,8 @@ pub struct Observed {
     pub time_s: Vec<f64>,
     /// Command, V; zeros where none is recorded.
     pub command: Vec<f64>,
-    /// Slider, measured where it is.
-    pub slider: Vec<f64>,
+    /// Spool, measured where it is.
+    pub spool: Vec<f64>,
     /// Pressure in A, Pa, measured where it is.
     pub pressure_a_pa: Vec<f64>,
     /// Pressure in B, Pa, measured where it is.
@@ -80,17 +80,17 @@ pub struct Observed {
     pub flows: Vec<RowFlow>,
     /// Whether both pressures are measured.
     pub has_pressures: bool,
-    /// Whether the slider is measured.
-    pub has_slider: bool,
-    /// Standard deviation of the slider's, both pressures' and the position's noise.
+    /// Whether the spool is measured.
+    pub has_spool: bool,
+    /// Standard deviation of the spool's, both pressures' and the position's noise.
     pub noise: Noise,
 }
 
 /// Standard deviations of the sensors' noise, SI.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Noise {
-    /// Slider.
-    pub slider: f64,
+    /// Spool.
+    pub spool: f64,
     /// Pressure in A, Pa.
     pub a_pa: f64,
     /// Pressure in B, Pa.
@@ -100,7 +100,7 @@ pub struct Noise {
 }
 
 impl Observed {
-    /// Lays a recording out. `case` is entered at the measured slider where there is one; position has to be recorded.
+    /// Lays a recording out. `case` is entered at the measured spool where there is one; position has to be recorded.
     pub fn of(machine: &Machine<f64>, case: &Case<'_>) -> Result<Option<Self>, MachineError> {
         let prepared = case.prepared;
         let simulated = simulate_f64(machine, &prepared.stimulus, case.start.offset(machine, prepared))?;
@@ -110,7 +110,7 @@ impl Observed {
         let of = |signal| simulated.signal(signal).map_or_else(|| vec![0.0; rows], <[f64]>::to_vec);
         let best = |signal| channel(signal).map_or_else(|| of(signal), Channel::bridged);
         let has_pressures = channel(Signal::PressureA).is_some() && channel(Signal::PressureB).is_some();
-        let slider_as_read = case.recording.signal(Signal::Spool);
+        let spool_as_read = case.recording.signal(Signal::Spool);
         let position_m = position.bridged();
         let missed_m = position_m.iter().zip(of(Signal::Position)).map(|(measured, simulated)| measured - simulated);
         let time_s = prepared.time_s.clone();
@@ -118,18 +118,18 @@ impl Observed {
         let noise_of = |signal| channel(signal).map_or(0.0, Channel::own_noise);
         let recorded = |signal| case.recording.signal(signal).map(<[f64]>::to_vec);
         let supply = machine.get(Parameter::SupplyPressure);
-        let slider_as_read = slider_as_read.map(|values| Channel::of(Signal::Spool, &time_s, values));
-        let slider = slider_as_read.as_ref().map_or_else(|| of(Signal::Spool), Channel::bridged);
+        let spool_as_read = spool_as_read.map(|values| Channel::of(Signal::Spool, &time_s, values));
+        let spool = spool_as_read.as_ref().map_or_else(|| of(Signal::Spool), Channel::bridged);
         let mut observed = Self {
             name: prepared.name.clone(),
             command: recorded(Signal::Command).unwrap_or_else(|| vec![0.0; rows]),
             noise: Noise {
-                slider: slider_as_read.as_ref().map_or(0.0, |channel| channel.noise),
+                spool: spool_as_read.as_ref().map_or(0.0, |channel| channel.noise),
                 a_pa: noise_of(Signal::PressureA),
                 b_pa: noise_of(Signal::PressureB),
                 position_m: position.own_noise(),
             },
-            slider,
+            spool,
             pressure_a_pa: best(Signal::PressureA),
             pressure_b_pa: best(Signal::PressureB),
             missed_m: missed_m.collect(),
@@ -140,7 +140,7 @@ impl Observed {
             load_n: recorded(Signal::LoadForce).unwrap_or_else(|| vec![0.0; rows]),
             flows: Vec::new(),
             has_pressures,
-            has_slider: slider_as_read.is_some(),
+            has_spool: spool_as_read.is_some(),
             time_s,
         };
         observed.flows = observed.flow_link(machine, case)?;
@@ -161,7 +161,7 @@ impl Observed {
     fn flow_link(&self, machine: &Machine<f64>, case: &Case<'_>) -> Result<Vec<RowFlow>, MachineError> {
         const SUPPLY_STEP: f64 = 1.01;
         const TANK_STEP_PA: f64 = 1e4;
-        const SLIDER_STEP: f64 = 1e-3;
+        const SPOOL_STEP: f64 = 1e-3;
         const PRESSURE_STEP: f64 = 1e-3;
         let (supply, leakage) = (machine.get(Parameter::SupplyPressure), machine.get(Parameter::InternalLeakage));
         let tick = case.prepared.stimulus.tick;
@@ -183,26 +183,26 @@ impl Observed {
                 } else {
                     -1
                 };
-                let at = |drive: &Drive<f64>, slider: f64, a: f64, b: f64| {
+                let at = |drive: &Drive<f64>, spool: f64, a: f64, b: f64| {
                     let bases = drive.bases();
                     let pump = PumpDrive { speed: pump_rev_per_s / bases.pump_speed_rev_per_s, direction: sense };
                     let state = ChamberState { a: a / bases.pressure_pa, b: b / bases.pressure_pa };
-                    let flows = drive.flows(slider, pump, state);
+                    let flows = drive.flows(spool, pump, state);
                     (flows.a * bases.flow_m3_per_s, flows.b * bases.flow_m3_per_s)
                 };
-                let (x, a, b) = (self.slider[row], self.pressure_a_pa[row], self.pressure_b_pa[row]);
+                let (x, a, b) = (self.spool[row], self.pressure_a_pa[row], self.pressure_b_pa[row]);
                 let here = at(&drive, x, a, b);
                 let per = |there: (f64, f64), step: f64| ((there.0 - here.0) / step, (there.1 - here.1) / step);
-                let (above, below) = (at(&drive, x + SLIDER_STEP, a, b), at(&drive, x - SLIDER_STEP, a, b));
+                let (above, below) = (at(&drive, x + SPOOL_STEP, a, b), at(&drive, x - SPOOL_STEP, a, b));
                 let step = PRESSURE_STEP * supply;
                 let (by_a, by_b) = (per(at(&drive, x, a + step, b), step), per(at(&drive, x, a, b + step), step));
                 let leaked = leakage * (a - b);
-                let by_slider = |above: f64, below: f64| (above - below) / (2.0 * SLIDER_STEP);
+                let by_spool = |above: f64, below: f64| (above - below) / (2.0 * SPOOL_STEP);
                 RowFlow {
                     a: here.0 - leaked,
                     b: here.1 - leaked,
-                    by_slider: if machine.source == Source::Valve {
-                        (by_slider(above.0, below.0), by_slider(above.1, below.1))
+                    by_spool: if machine.source == Source::Valve {
+                        (by_spool(above.0, below.0), by_spool(above.1, below.1))
                     } else {
                         (0.0, 0.0)
                     },
@@ -241,8 +241,8 @@ pub enum Balance {
     ChamberA,
     /// Oil of chamber B, `r_b`.
     ChamberB,
-    /// Slider against the one that the valve makes of the command, `r_x`.
-    Slider,
+    /// Spool against the one that the valve makes of the command, `r_x`.
+    Spool,
     /// Momentum of the rod, `r_F`.
     Force,
     /// Motion against the simulated one, `r_v`.
@@ -317,15 +317,15 @@ pub fn residuals(observed: &Observed, by: &Coefficients, windows: &[Window], for
     let mut found = Vec::with_capacity(3 * windows.len());
     for window in windows {
         let (moved, of_motion) = (window.change(&observed.position_m), of_motion(window));
-        let of_slider =
-            |of: fn(&RowFlow) -> f64| noise.slider.powi(2) * window.variance(|row| [of(&flows[row]), 0.0, 0.0]);
+        let of_spool =
+            |of: fn(&RowFlow) -> f64| noise.spool.powi(2) * window.variance(|row| [of(&flows[row]), 0.0, 0.0]);
         let a = capacity_a * window.change(&observed.pressure_a_pa) + area_a * moved - window.sum(&flow_a);
         let of_a = noise.a_pa.powi(2) * window.variance(|row| [flows[row].yield_per_pa.0, capacity_a, 0.0])
-            + of_slider(|flow| flow.by_slider.0)
+            + of_spool(|flow| flow.by_spool.0)
             + area_a.powi(2) * of_motion;
         let b = capacity_b * window.change(&observed.pressure_b_pa) - area_b * moved + window.sum(&flow_b);
         let of_b = noise.b_pa.powi(2) * window.variance(|row| [flows[row].yield_per_pa.1, capacity_b, 0.0])
-            + of_slider(|flow| flow.by_slider.1)
+            + of_spool(|flow| flow.by_spool.1)
             + area_b.powi(2) * of_motion;
         found.push(Residual { balance: Balance::ChamberA, value: a, sigma: of_a.sqrt() });
         found.push(Residual { balance: Balance::ChamberB, value: b, sigma: of_b.sqrt() });
@@ -340,15 +340,15 @@ pub fn residuals(observed: &Observed, by: &Coefficients, windows: &[Window], for
     found
 }
 
-/// The slider's balance over every window: recorded less simulated from the command, each row's `missed` in standard deviations
-/// of the noise. Its noise is taken from what is left over too, should the slider itself have hidden some.
+/// The spool's balance over every window: recorded less simulated from the command, each row's `missed` in standard deviations
+/// of the noise. Its noise is taken from what is left over too, should the spool itself have hidden some.
 #[must_use]
-pub fn slider_residuals(missed: &[f64], windows: &[Window]) -> Vec<Residual> {
+pub fn spool_residuals(missed: &[f64], windows: &[Window]) -> Vec<Residual> {
     let noise = simulation::signal::noise::noise(missed, 0.0).max(1.0);
     windows
         .iter()
         .map(|window| Residual {
-            balance: Balance::Slider,
+            balance: Balance::Spool,
             value: window.sum(missed),
             sigma: noise * window.variance(|_| [1.0, 0.0, 0.0]).sqrt(),
         })

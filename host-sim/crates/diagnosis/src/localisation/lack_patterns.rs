@@ -22,28 +22,28 @@ pub(super) fn wrong_parameters(observed: &Observed, by: &Coefficients, supply_pa
     let mut wrong = vec![
         // Flow coefficient, dead zone.
         Lack::Flow(each(&|row| WRONG * flows[row].a), each(&|row| WRONG * flows[row].b)),
-        along_slider(observed, |row| -0.01 * observed.slider[row].signum()),
+        along_spool(observed, |row| -0.01 * observed.spool[row].signum()),
         // Capacities, the load, and what viscous friction there is.
         Lack::Stored(each(&|row| WRONG * by.capacity.0 * observed.pressure_a_pa[row]), zeros()),
         Lack::Stored(zeros(), each(&|row| WRONG * by.capacity.1 * observed.pressure_b_pa[row])),
         Lack::Force(vec![0.01 * supply_pa * by.area.0; observed.rows()]),
         Lack::Force(each(&|row| -WRONG * by.damping * observed.velocity_m_per_s[row])),
     ];
-    if !observed.has_slider {
-        wrong.push(along_slider(observed, |row| WRONG * observed.slider[row]));
-        wrong.push(along_slider(observed, |_| 0.01));
-        let slopes = rates(observed, &observed.slider);
-        wrong.push(along_slider(observed, |row| -0.002 * slopes[row]));
+    if !observed.has_spool {
+        wrong.push(along_spool(observed, |row| WRONG * observed.spool[row]));
+        wrong.push(along_spool(observed, |_| 0.01));
+        let slopes = rates(observed, &observed.spool);
+        wrong.push(along_spool(observed, |row| -0.002 * slopes[row]));
     }
     wrong
 }
 
-/// The flows that another slider travel would pass.
-fn along_slider(observed: &Observed, travel: impl Fn(usize) -> f64) -> Lack {
+/// The flows that another spool travel would pass.
+fn along_spool(observed: &Observed, travel: impl Fn(usize) -> f64) -> Lack {
     let flows = &observed.flows;
     Lack::Flow(
-        observed.each(|row| flows[row].by_slider.0 * travel(row)),
-        observed.each(|row| flows[row].by_slider.1 * travel(row)),
+        observed.each(|row| flows[row].by_spool.0 * travel(row)),
+        observed.each(|row| flows[row].by_spool.1 * travel(row)),
     )
 }
 
@@ -64,28 +64,28 @@ pub(super) fn patterns(observed: &Observed, by: &Coefficients, stroke_m: f64) ->
     found.extend(chambers(observed, by, stroke_m));
     found.extend(mechanics(observed, stroke_m));
     found.extend(sensing(observed));
-    if !observed.has_slider {
+    if !observed.has_spool {
         found.extend(valve(observed));
     }
     found
 }
 
 fn flow(observed: &Observed) -> Vec<(Subsystem, Lack)> {
-    let (flows, slider) = (&observed.flows, &observed.slider);
+    let (flows, spool) = (&observed.flows, &observed.spool);
     let scaled = |by: &dyn Fn(usize) -> (f64, f64)| {
         Lack::Flow(observed.each(|row| flows[row].a * by(row).0), observed.each(|row| flows[row].b * by(row).1))
     };
-    let extends = |row: usize| if slider[row] > 0.0 { 1.0 } else { 0.0 };
+    let extends = |row: usize| if spool[row] > 0.0 { 1.0 } else { 0.0 };
     let mut found = vec![
         // One side opens earlier; one edge of the two in series is larger; gain over opening.
-        along_slider(observed, |_| 1.0),
+        along_spool(observed, |_| 1.0),
         scaled(&|row| (1.0 - extends(row), extends(row))),
-        scaled(&|row| (slider[row].abs(), slider[row].abs())),
-        scaled(&|row| (slider[row].powi(2), slider[row].powi(2))),
+        scaled(&|row| (spool[row].abs(), spool[row].abs())),
+        scaled(&|row| (spool[row].powi(2), spool[row].powi(2))),
     ];
     // Supply that sags with what it delivers, at once or late, or as recorded; a return line that backs up.
-    let delivered = observed.each(|row| if slider[row] > 0.0 { flows[row].a } else { -flows[row].b });
-    let returned = observed.each(|row| if slider[row] > 0.0 { flows[row].b } else { -flows[row].a });
+    let delivered = observed.each(|row| if spool[row] > 0.0 { flows[row].a } else { -flows[row].b });
+    let returned = observed.each(|row| if spool[row] > 0.0 { flows[row].b } else { -flows[row].a });
     let by_supply = |off: &[f64]| {
         Lack::Flow(
             observed.each(|row| flows[row].by_supply.0 * off[row]),
@@ -108,7 +108,7 @@ fn flow(observed: &Observed) -> Vec<(Subsystem, Lack)> {
     let supply = largest(a).max(largest(b));
     let port = |pressure: f64| (supply - pressure).max(0.0).sqrt() - pressure.max(0.0).sqrt();
     for reach in [0.02, 0.05, 0.12] {
-        let open = |row: usize| (-(slider[row] / reach).powi(2)).exp();
+        let open = |row: usize| (-(spool[row] / reach).powi(2)).exp();
         found.push(Lack::Flow(
             observed.each(|row| open(row) * port(a[row])),
             observed.each(|row| -open(row) * port(b[row])),
@@ -220,7 +220,7 @@ fn sensing(observed: &Observed) -> Vec<(Subsystem, Lack)> {
 }
 
 fn valve(observed: &Observed) -> Vec<(Subsystem, Lack)> {
-    let (x, flows) = (&observed.slider, &observed.flows);
+    let (x, flows) = (&observed.spool, &observed.flows);
     let turning = rates(observed, x);
     let fastest = largest(&turning);
     let (mut high, mut low) = (Vec::new(), Vec::new());
@@ -238,13 +238,13 @@ fn valve(observed: &Observed) -> Vec<(Subsystem, Lack)> {
     let began = observed.time_s[0];
     let across = |row: usize| flows[row].a.abs() + flows[row].b.abs();
     vec![
-        along_slider(observed, |row| high[row]),
-        along_slider(observed, |row| low[row]),
-        along_slider(observed, |row| -(turning[row] / (0.05 * fastest)).tanh()),
-        along_slider(observed, |row| observed.time_s[row] - began),
-        along_slider(observed, |row| -x[row].powi(3)),
-        along_slider(observed, |row| -(x[row].abs() - 0.5 * largest(x)).max(0.0) * x[row].signum()),
-        along_slider(observed, |row| -x[row].signum() * across(row)),
+        along_spool(observed, |row| high[row]),
+        along_spool(observed, |row| low[row]),
+        along_spool(observed, |row| -(turning[row] / (0.05 * fastest)).tanh()),
+        along_spool(observed, |row| observed.time_s[row] - began),
+        along_spool(observed, |row| -x[row].powi(3)),
+        along_spool(observed, |row| -(x[row].abs() - 0.5 * largest(x)).max(0.0) * x[row].signum()),
+        along_spool(observed, |row| -x[row].signum() * across(row)),
     ]
     .into_iter()
     .map(|lack| (Subsystem::Valve, lack))

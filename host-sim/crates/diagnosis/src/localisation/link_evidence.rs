@@ -1,6 +1,6 @@
 //! Which link the balances speak for: what is left over is compared with simple shapes that a lack in each link would give it.
 //!
-//! A lack is a flow that the ports pass beyond the model's, oil that a chamber takes up, a force on the rod, a travel of the slider
+//! A lack is a flow that the ports pass beyond the model's, oil that a chamber takes up, a force on the rod, a travel of the spool
 //! that was not measured, or an error of the position. Each goes into every balance by physics: a position's error into all of
 //! them, a force only into the momentum's. Where no pressures are recorded, flows and forces move the rod as they do at rest of
 //! the pressures: δv·(D + A²/Ga + aA²/Gb) = δF + A·δQa/Ga + aA·δQb/Gb, with Ga, Gb what the open ports yield per pressure.

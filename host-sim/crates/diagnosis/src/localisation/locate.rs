@@ -1,6 +1,6 @@
 //! Where a mismatch sits: which link, which signal, when, and in which states of the drive.
 //!
-//! The refitted model is run twice over every recording: entered where the chain begins, and entered at the measured slider,
+//! The refitted model is run twice over every recording: entered where the chain begins, and entered at the measured spool,
 //! where there is one. A link that is driven by its measured input and still misses its measured output lacks physics.
 
 use identification::experiment::{Channel, Prepared};
@@ -55,8 +55,8 @@ pub struct Location {
     pub region: String,
     /// What the error looks like.
     pub shape: Shape,
-    /// What a recorded slider does that the model's does not, where its link misses.
-    pub slider: Vec<Habit>,
+    /// What a recorded spool does that the model's does not, where its link misses.
+    pub spool: Vec<Habit>,
     /// Every judged signal, end to end.
     pub misses: Vec<Miss>,
 }
@@ -108,7 +108,7 @@ pub fn locate(sought: &Sought<'_>) -> Result<Location, MachineError> {
     // What was confirmed on recordings that were held out does not happen once.
     let event = event.filter(|_| subsystem == Subsystem::Mechanics && named.is_empty());
     let signal = worst(&misses, subsystem);
-    let slider = if subsystem == Subsystem::Valve { habits(cases, &trajectories) } else { Vec::new() };
+    let spool = if subsystem == Subsystem::Valve { habits(cases, &trajectories) } else { Vec::new() };
     let mut series = Vec::new();
     let mut course = Course::default();
     for (case, trajectory) in cases.iter().zip(trajectories) {
@@ -122,7 +122,7 @@ pub fn locate(sought: &Sought<'_>) -> Result<Location, MachineError> {
     let When { intervals, share, of_time } = when(&series);
     let all: Vec<f64> = series.iter().flat_map(|series| &series.errors).copied().collect();
     let shape = event.or(oscillating).unwrap_or_else(|| over(&all, &states(&course)));
-    Ok(Location { subsystem, signal, share, of_time, intervals, region: course.region(&all), shape, slider, misses })
+    Ok(Location { subsystem, signal, share, of_time, intervals, region: course.region(&all), shape, spool, misses })
 }
 
 /// The link that an oscillation in this signal comes from: the supply's ripple reaches the chambers; a structure that rings
@@ -135,7 +135,7 @@ fn oscillates(signal: Signal, link: &MissingLink, commanded: bool) -> Subsystem 
     }
 }
 
-/// Whether what drives a recording, or the slider in it, oscillates at this frequency itself: a line within a tenth of it.
+/// Whether what drives a recording, or the spool in it, oscillates at this frequency itself: a line within a tenth of it.
 fn is_driven(case: &Case<'_>, hz: f64) -> bool {
     let prepared = case.prepared;
     let interval_s = prepared.duration_s() / (prepared.time_s.len().max(2) - 1) as f64;
@@ -186,20 +186,20 @@ pub fn extend(course: &mut Course, recording: &Recording, prepared: &Prepared, t
         measured.or_else(simulated).unwrap_or_else(|| vec![0.0; time_s.len()])
     };
     let velocity = trajectory.signal(Signal::Velocity).map_or_else(|| vec![0.0; time_s.len()], <[f64]>::to_vec);
-    let slider = recording.signal(Signal::Spool).map_or_else(|| of(Signal::Spool), <[f64]>::to_vec);
+    let spool = recording.signal(Signal::Spool).map_or_else(|| of(Signal::Spool), <[f64]>::to_vec);
     let fastest = velocity.iter().fold(0.0_f64, |fastest, v| fastest.max(v.abs()));
     let turned = |row: usize| row > 0 && velocity[row] * velocity[row - 1] < 0.0;
     course.since_reversal_s.extend(since(time_s, turned));
     course.since_rest_s.extend(since(time_s, |row| velocity[row].abs() < 0.01 * fastest));
     course.time_s.extend(time_s.iter().map(|time| time - time_s[0]));
     course.position_m.extend(of(Signal::Position));
-    course.slider.extend(slider);
+    course.spool.extend(spool);
     let command = recording.signal(Signal::Command);
     course.command_v.extend(command.map_or_else(|| vec![0.0; time_s.len()], <[f64]>::to_vec));
     course.pressure_a_pa.extend(of(Signal::PressureA));
     course.pressure_b_pa.extend(of(Signal::PressureB));
-    let below_slider = prepared.channels.iter().any(|channel| channel.signal != Signal::Spool);
-    course.is_below_slider_seen |= below_slider;
+    let below_spool = prepared.channels.iter().any(|channel| channel.signal != Signal::Spool);
+    course.is_below_spool_seen |= below_spool;
     course.velocity_m_per_s.extend(velocity);
 }
 
@@ -207,7 +207,7 @@ pub fn extend(course: &mut Course, recording: &Recording, prepared: &Prepared, t
 pub fn states(course: &Course) -> Vec<State> {
     let state = |name, unit, values: &[f64]| State { name, unit, values: values.to_vec() };
     vec![
-        state("slider", "1", &course.slider),
+        state("spool", "1", &course.spool),
         state("velocity", "m/s", &course.velocity_m_per_s),
         state("position", "m", &course.position_m),
         state("pressure in A", "Pa", &course.pressure_a_pa),
@@ -227,7 +227,7 @@ pub fn misses<'a>(
     Ok(misfits.iter().map(miss).collect())
 }
 
-/// The signal that misses most of those that the link puts out: the slider for the valve, all others for the rest.
+/// The signal that misses most of those that the link puts out: the spool for the valve, all others for the rest.
 fn worst(misses: &[Miss], subsystem: Subsystem) -> Signal {
     let of_link = |miss: &&Miss| (miss.signal == Signal::Spool) == (subsystem == Subsystem::Valve);
     let worst = misses.iter().filter(of_link).max_by(|a, b| a.over_noise.total_cmp(&b.over_noise));

@@ -10,7 +10,7 @@ use recording::{Recording, Signal};
 use simulation::signal::window::{WINDOW_S, Window};
 use simulation::{EntryPoint, simulate_f64};
 
-use super::balances::{Balance, Coefficients, OF_VALVE, Observed, residuals, slider_residuals};
+use super::balances::{Balance, Coefficients, OF_VALVE, Observed, residuals, spool_residuals};
 use super::case::Case;
 use super::lack_patterns::{patterns, wrong_parameters};
 use super::link_evidence::{Account, Evidence, Lack, Pattern, weigh};
@@ -48,7 +48,7 @@ pub(super) fn missing_link(
     cases: &[Case<'_>],
     promises: &[(Subsystem, f64)],
 ) -> Result<MissingLink, MachineError> {
-    let (accounts, evidence) = evidence(machine, load, entered_at_slider(machine, load, cases))?;
+    let (accounts, evidence) = evidence(machine, load, entered_at_spool(machine, load, cases))?;
     let subsystem = judged(machine, cases, &accounts, &evidence, promises)?;
     let of_rod = accounts
         .iter()
@@ -68,15 +68,15 @@ pub(super) fn missing_link(
     Ok(MissingLink { subsystem, of_rod, has_pressures: accounts.iter().any(|account| account.observed.has_pressures) })
 }
 
-/// The recordings entered at the measured slider, where it was left out above.
-fn entered_at_slider<'a>(machine: &Machine<f64>, load: LoadSource, cases: &[Case<'a>]) -> Vec<Below<'a>> {
+/// The recordings entered at the measured spool, where it was left out above.
+fn entered_at_spool<'a>(machine: &Machine<f64>, load: LoadSource, cases: &[Case<'a>]) -> Vec<Below<'a>> {
     cases
         .iter()
         .map(|case| {
             let tick = Some(case.prepared.stimulus.tick);
             let enters = case.prepared.stimulus.entry == EntryPoint::Command && case.recording.has(Signal::Spool);
             let prepared =
-                enters.then(|| Prepared::entered_at(EntryPoint::Slider, case.recording, machine, load, tick).ok());
+                enters.then(|| Prepared::entered_at(EntryPoint::Spool, case.recording, machine, load, tick).ok());
             Below {
                 recording: case.recording,
                 start: case.start,
@@ -86,7 +86,7 @@ fn entered_at_slider<'a>(machine: &Machine<f64>, load: LoadSource, cases: &[Case
         .collect()
 }
 
-/// A recording entered as far down the chain as its slider allows.
+/// A recording entered as far down the chain as its spool allows.
 struct Below<'a> {
     recording: &'a Recording,
     prepared: Prepared,
@@ -113,7 +113,7 @@ fn evidence(
     } else {
         let cases: Vec<Prepared> =
             below.iter().map(|case| case.prepared.judged_by(|signal| signal != Signal::Spool)).collect();
-        refitted(machine, &cases, BELOW_SLIDER)
+        refitted(machine, &cases, BELOW_SPOOL)
     };
     let machine = alone.as_ref().map_or(machine, |fit| {
         for (case, start) in below.iter_mut().zip(&fit.starts) {
@@ -168,9 +168,9 @@ fn judged(
     evidence: &Evidence,
     promises: &[(Subsystem, f64)],
 ) -> Result<Subsystem, MachineError> {
-    let slider = valve(machine, cases)?;
+    let spool = valve(machine, cases)?;
     let worst = |evidence: &Evidence| evidence.over_noise.iter().map(|(_, value)| *value).fold(0.0, f64::max);
-    if worst(&slider) > GATE && worst(&slider) > worst(evidence) {
+    if worst(&spool) > GATE && worst(&spool) > worst(evidence) {
         return Ok(Subsystem::Valve);
     }
     let share = |values: &[(Subsystem, f64)], subsystem: Subsystem| {
@@ -187,7 +187,7 @@ fn judged(
 const GATE: f64 = 1.5;
 
 /// Parameters of the links below it that are never known well.
-const BELOW_SLIDER: &[Parameter] =
+const BELOW_SPOOL: &[Parameter] =
     &[Parameter::FlowCoefficient, Parameter::DeadZone, Parameter::BulkModulus, Parameter::ViscousFriction];
 
 /// A link's own parameters refitted to its own output, so that what other links lack does not bend it.
@@ -208,7 +208,7 @@ fn refitted(machine: &Machine<f64>, cases: &[Prepared], parameters: &[Parameter]
     fit(machine, &free, &references, &From::default(), 1e-5).ok()
 }
 
-/// What the valve leaves over between the command and the measured slider.
+/// What the valve leaves over between the command and the measured spool.
 fn valve(machine: &Machine<f64>, cases: &[Case<'_>]) -> Result<Evidence, MachineError> {
     let alone: Vec<Prepared> =
         cases.iter().map(|case| case.prepared.judged_by(|signal| signal == Signal::Spool)).collect();
@@ -221,19 +221,19 @@ fn valve(machine: &Machine<f64>, cases: &[Case<'_>]) -> Result<Evidence, Machine
             continue;
         };
         let trajectory = simulate_f64(machine, &case.prepared.stimulus, case.start.offset(machine, case.prepared))?;
-        let Some(slider) = trajectory.signal(Signal::Spool) else { continue };
+        let Some(spool) = trajectory.signal(Signal::Spool) else { continue };
         let windows = Window::over(&case.prepared.time_s, WINDOW_S);
-        for (window, residual) in windows.iter().zip(slider_residuals(&channel.over_noise(slider), &windows)) {
+        for (window, residual) in windows.iter().zip(spool_residuals(&channel.over_noise(spool), &windows)) {
             let per = 1.0 / (channel.noise * residual.sigma);
             left.push(residual.value / residual.sigma);
             // Gain, offset, lags and delay.
-            wrong[0].push(0.05 * per * window.sum(slider));
-            wrong[1].push(0.01 * per * window.sum(&vec![1.0; slider.len()]));
-            wrong[2].push(0.003 * per * window.change(slider));
-            wrong[3].push(1e-5 * per * window.curvature(slider));
+            wrong[0].push(0.05 * per * window.sum(spool));
+            wrong[1].push(0.01 * per * window.sum(&vec![1.0; spool.len()]));
+            wrong[2].push(0.003 * per * window.change(spool));
+            wrong[3].push(1e-5 * per * window.curvature(spool));
         }
     }
-    let balances = vec![Balance::Slider; left.len()];
+    let balances = vec![Balance::Spool; left.len()];
     let wrong: Vec<DVector<f64>> = wrong.into_iter().map(DVector::from_vec).collect();
     Ok(weigh(&DVector::from_vec(left), &balances, &wrong, &[]))
 }
@@ -311,7 +311,7 @@ mod tests {
         let recording = recorded(|_| 0.0, |_, _| 0.0);
         let prepared = Prepared::new(&recording, &press(), LoadSource::Constant, None).unwrap();
         let case = Case { recording: &recording, prepared: &prepared, start: StartState::default() };
-        let below = entered_at_slider(&press(), LoadSource::Constant, &[case]);
+        let below = entered_at_spool(&press(), LoadSource::Constant, &[case]);
         let (_, evidence) = evidence(&press(), LoadSource::Constant, below).unwrap();
         for (balance, over_noise) in evidence.over_noise {
             assert!((0.7..1.3).contains(&over_noise), "{balance:?} {over_noise}");

@@ -14,8 +14,8 @@ pub struct Course {
     pub velocity_m_per_s: Vec<f64>,
     /// Position, m.
     pub position_m: Vec<f64>,
-    /// Slider.
-    pub slider: Vec<f64>,
+    /// Spool.
+    pub spool: Vec<f64>,
     /// Command, V.
     pub command_v: Vec<f64>,
     /// Pressure in A, Pa.
@@ -26,8 +26,8 @@ pub struct Course {
     pub since_reversal_s: Vec<f64>,
     /// Time since the rod last rested, s.
     pub since_rest_s: Vec<f64>,
-    /// Whether anything below the slider is measured; else pressures and motion are only a model's.
-    pub is_below_slider_seen: bool,
+    /// Whether anything below the spool is measured; else pressures and motion are only a model's.
+    pub is_below_spool_seen: bool,
 }
 
 /// A family of regions: all rows of a group whose value is on one side of a threshold.
@@ -90,13 +90,13 @@ impl Course {
         let happened = |since: &[f64], row: usize| since[row] < NEVER_S && !rests(row);
         let (a, b) = (&self.pressure_a_pa, &self.pressure_b_pa);
         let family = |values, below, least, scale, words| Family { values, below, least, scale, digits: 2, words };
-        let (slow, ajar) = (OF_LARGEST * fastest, OF_LARGEST * largest(&self.slider));
+        let (slow, ajar) = (OF_LARGEST * fastest, OF_LARGEST * largest(&self.spool));
         let any = f64::NEG_INFINITY;
         let of_valve = vec![
-            family(self.each(|row| self.slider[row].abs(), everywhere), false, ajar, 100.0, |t| {
+            family(self.each(|row| self.spool[row].abs(), everywhere), false, ajar, 100.0, |t| {
                 format!("beyond {t} % opening")
             }),
-            family(self.each(|row| self.slider[row].abs(), everywhere), true, ajar, 100.0, |t| {
+            family(self.each(|row| self.spool[row].abs(), everywhere), true, ajar, 100.0, |t| {
                 format!("below {t} % opening")
             }),
             family(
@@ -108,7 +108,7 @@ impl Course {
             ),
             family(self.each(|row| self.time_s[row], everywhere), false, 0.0, 1.0, |t| format!("after {t} s")),
         ];
-        if !self.is_below_slider_seen {
+        if !self.is_below_spool_seen {
             return of_valve;
         }
         let mut all = vec![
@@ -129,7 +129,7 @@ impl Course {
             family(self.each(|row| -v[row], everywhere), false, slow, MM, |t| {
                 format!("retracting faster than {t} mm/s")
             }),
-            family(self.each(|row| self.slider[row].abs(), |row| !rests(row)), true, ajar, 100.0, |t| {
+            family(self.each(|row| self.spool[row].abs(), |row| !rests(row)), true, ajar, 100.0, |t| {
                 format!("below {t} % opening, while moving")
             }),
             Family {
@@ -244,13 +244,13 @@ mod tests {
         Course {
             velocity_m_per_s: time_s.iter().map(|t| 0.1 * (2.0 * t).sin()).collect(),
             position_m: zeros.clone(),
-            slider: zeros.clone(),
+            spool: zeros.clone(),
             command_v: zeros.clone(),
             pressure_a_pa: zeros.clone(),
             pressure_b_pa: zeros.clone(),
             since_reversal_s: zeros.clone(),
             since_rest_s: zeros,
-            is_below_slider_seen: true,
+            is_below_spool_seen: true,
             time_s,
         }
     }
@@ -296,10 +296,10 @@ mod tests {
 
     #[test]
     fn next_to_nothing_is_no_threshold() {
-        // A slider that is off its centre by a thousandth of its travel half of the time, and the error with it.
+        // A spool that is off its centre by a thousandth of its travel half of the time, and the error with it.
         let mut course = swinging();
         let is_off = |row: usize| row % 100 < 45;
-        course.slider = (0..6000)
+        course.spool = (0..6000)
             .map(|row| {
                 if row == 3000 {
                     0.5
@@ -317,9 +317,9 @@ mod tests {
     #[test]
     fn a_motion_that_no_sensor_sees_is_no_place() {
         let mut course = swinging();
-        course.is_below_slider_seen = false;
-        course.slider = course.velocity_m_per_s.iter().map(|v| 5.0 * v).collect();
-        let errors: Vec<f64> = course.slider.iter().map(|x| if x.abs() > 0.4 { 9.0 } else { 1.0 }).collect();
+        course.is_below_spool_seen = false;
+        course.spool = course.velocity_m_per_s.iter().map(|v| 5.0 * v).collect();
+        let errors: Vec<f64> = course.spool.iter().map(|x| if x.abs() > 0.4 { 9.0 } else { 1.0 }).collect();
         let words = course.region(&errors);
         assert!(told(&words, "beyond ") > 20.0 && words.contains("% opening"), "{words}");
     }

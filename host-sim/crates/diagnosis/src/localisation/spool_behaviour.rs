@@ -1,4 +1,4 @@
-//! What a recorded slider does that the model's does not: it hangs while it is driven, breaks away faster than the model ever goes, and
+//! What a recorded spool does that the model's does not: it hangs while it is driven, breaks away faster than the model ever goes, and
 //! rests in different places at the same command. These are descriptions, not effects: hysteresis, stiction, dirt and a worn spring share them.
 
 use std::fmt;
@@ -9,7 +9,7 @@ use simulation::Trajectory;
 
 use super::case::Case;
 
-/// What a slider does.
+/// What a spool does.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Habit {
     /// It stays behind while the model's goes on.
@@ -26,7 +26,7 @@ pub enum Habit {
         modelled: f64,
         /// Recordings in which it hangs.
         recordings: usize,
-        /// Recordings of a slider.
+        /// Recordings of a spool.
         of: usize,
     },
     /// It lets go faster than the model's moves there.
@@ -53,19 +53,19 @@ pub enum Habit {
 
 /// A difference of two readings is one beyond six standard deviations of a reading: noise alone differs so far once in fifty thousand pairs.
 const DIFFERS: f64 = 6.0;
-/// A slider hangs while it goes less than this share of what the model's goes.
+/// A spool hangs while it goes less than this share of what the model's goes.
 const HANGS: f64 = 0.25;
 /// Longest time that it is looked for to hang, s.
 const LONGEST_S: f64 = 0.5;
 /// It breaks away where it is so many times faster than the model's.
 const FASTER: f64 = 1.5;
-/// Shortest time that a command is held for the slider to come to rest, s.
+/// Shortest time that a command is held for the spool to come to rest, s.
 const HELD_S: f64 = 0.2;
 /// Two commands are the same within this share of all that was commanded.
 const SAME: f64 = 0.01;
 
-/// A recorded slider beside the model's.
-struct Slider<'a> {
+/// A recorded spool beside the model's.
+struct Spool<'a> {
     recording: &'a str,
     time_s: &'a [f64],
     command_v: Option<&'a [f64]>,
@@ -74,7 +74,7 @@ struct Slider<'a> {
     noise: f64,
 }
 
-/// A rest of the slider at a held command: the command, and where both sliders are.
+/// A rest of the spool at a held command: the command, and where both spools are.
 struct Rest<'a> {
     recording: &'a str,
     command_v: f64,
@@ -83,14 +83,14 @@ struct Rest<'a> {
     noise: f64,
 }
 
-/// What the sliders of all recordings do; nothing where none is recorded.
+/// What the spools of all recordings do; nothing where none is recorded.
 pub(crate) fn habits(cases: &[Case<'_>], trajectories: &[Trajectory]) -> Vec<Habit> {
-    let sliders: Vec<Slider<'_>> = cases
+    let spools: Vec<Spool<'_>> = cases
         .iter()
         .zip(trajectories)
         .filter_map(|(case, trajectory)| {
             let channel = case.prepared.channels.iter().find(|channel| channel.signal == Signal::Spool)?;
-            Some(Slider {
+            Some(Spool {
                 recording: &case.prepared.name,
                 time_s: &case.prepared.time_s,
                 command_v: case.recording.signal(Signal::Command),
@@ -100,29 +100,29 @@ pub(crate) fn habits(cases: &[Case<'_>], trajectories: &[Trajectory]) -> Vec<Hab
             })
         })
         .collect();
-    described(&sliders)
+    described(&spools)
 }
 
-fn described(sliders: &[Slider<'_>]) -> Vec<Habit> {
-    let hangs: Vec<(&Slider<'_>, Hang)> = sliders.iter().filter_map(|slider| Some((slider, slider.hangs()?))).collect();
+fn described(spools: &[Spool<'_>]) -> Vec<Habit> {
+    let hangs: Vec<(&Spool<'_>, Hang)> = spools.iter().filter_map(|spool| Some((spool, spool.hangs()?))).collect();
     let mut found = Vec::new();
-    if let Some((slider, hang)) = hangs.iter().max_by(|a, b| a.1.behind.total_cmp(&b.1.behind)) {
+    if let Some((spool, hang)) = hangs.iter().max_by(|a, b| a.1.behind.total_cmp(&b.1.behind)) {
         found.push(Habit::Hangs {
-            recording: slider.recording.to_owned(),
-            from_s: slider.time_s[hang.first],
-            to_s: slider.time_s[hang.last],
-            at: slider.recorded[hang.first],
-            modelled: (slider.modelled[hang.last] - slider.modelled[hang.first]).abs(),
+            recording: spool.recording.to_owned(),
+            from_s: spool.time_s[hang.first],
+            to_s: spool.time_s[hang.last],
+            at: spool.recorded[hang.first],
+            modelled: (spool.modelled[hang.last] - spool.modelled[hang.first]).abs(),
             recordings: hangs.len(),
-            of: sliders.len(),
+            of: spools.len(),
         });
-        found.extend(slider.breaks_away(hang));
+        found.extend(spool.breaks_away(hang));
     }
-    found.extend(rests_apart(sliders));
+    found.extend(rests_apart(spools));
     found
 }
 
-/// A stretch in which the slider hangs.
+/// A stretch in which the spool hangs.
 struct Hang {
     first: usize,
     last: usize,
@@ -130,7 +130,7 @@ struct Hang {
     behind: f64,
 }
 
-impl Slider<'_> {
+impl Spool<'_> {
     /// The stretch in which it falls furthest behind the model's while hardly moving.
     fn hangs(&self) -> Option<Hang> {
         let moved = |series: &[f64], from: usize, to: usize| series[to] - series[from];
@@ -202,11 +202,11 @@ impl Slider<'_> {
 }
 
 /// The two rests at one command that are further apart than any others, if the model's are not.
-fn rests_apart(sliders: &[Slider<'_>]) -> Option<Habit> {
-    let commands = || sliders.iter().filter_map(|slider| slider.command_v).flatten().copied();
+fn rests_apart(spools: &[Spool<'_>]) -> Option<Habit> {
+    let commands = || spools.iter().filter_map(|spool| spool.command_v).flatten().copied();
     let (low, high) = simulation::signal::noise::extent(commands());
     let same_v = SAME * (high - low);
-    let rests: Vec<Rest<'_>> = sliders.iter().flat_map(|slider| slider.rests(same_v)).collect();
+    let rests: Vec<Rest<'_>> = spools.iter().flat_map(|spool| spool.rests(same_v)).collect();
     let mut best: Option<(f64, Habit)> = None;
     for (index, one) in rests.iter().enumerate() {
         for other in &rests[index + 1..] {
@@ -244,7 +244,7 @@ impl fmt::Display for Habit {
         match self {
             Habit::Hangs { recording, from_s, to_s, at, modelled, recordings, of } => write!(
                 f,
-                "the slider hangs at {} % of its travel while the model's goes on by {} % ({recording} from {} to {} s; so in {recordings} of {of} recordings)",
+                "the spool hangs at {} % of its travel while the model's goes on by {} % ({recording} from {} to {} s; so in {recordings} of {of} recordings)",
                 travel(*at),
                 travel(*modelled),
                 significant(*from_s, 4),
@@ -277,17 +277,17 @@ mod tests {
         (0..1000).map(|row| f64::from(row) * 1e-3).collect()
     }
 
-    fn slider<'a>(
+    fn spool<'a>(
         recording: &'a str,
         time_s: &'a [f64],
         command_v: &'a [f64],
         recorded: Vec<f64>,
         modelled: &'a [f64],
-    ) -> Slider<'a> {
-        Slider { recording, time_s, command_v: Some(command_v), recorded, modelled, noise: 1e-4 }
+    ) -> Spool<'a> {
+        Spool { recording, time_s, command_v: Some(command_v), recorded, modelled, noise: 1e-4 }
     }
 
-    /// A command that rises for half a second and is held, and a slider that follows it.
+    /// A command that rises for half a second and is held, and a spool that follows it.
     fn followed(time_s: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let command: Vec<f64> = time_s.iter().map(|t| 4.0 * (t - 0.3).clamp(0.0, 0.4)).collect();
         let free = command.iter().map(|command| 0.2 * command).collect();
@@ -295,11 +295,11 @@ mod tests {
     }
 
     #[test]
-    fn a_slider_that_follows_has_no_habit() {
+    fn a_spool_that_follows_has_no_habit() {
         let time_s = times();
         let (command, free) = followed(&time_s);
         let noisy = free.iter().enumerate().map(|(row, x)| x + if row % 2 == 0 { 1e-4 } else { -1e-4 }).collect();
-        assert_eq!(described(&[slider("a", &time_s, &command, noisy, &free)]), []);
+        assert_eq!(described(&[spool("a", &time_s, &command, noisy, &free)]), []);
     }
 
     #[test]
@@ -313,7 +313,7 @@ mod tests {
             t if *t < 0.495 => 0.04 + (t - 0.475) * (0.156 - 0.04) / 0.02,
             _ => *free,
         });
-        let found = described(&[slider("a", &time_s, &command, sticks.collect(), &free)]);
+        let found = described(&[spool("a", &time_s, &command, sticks.collect(), &free)]);
         let [
             Habit::Hangs { from_s, to_s, at, modelled, .. },
             Habit::BreaksAway { at_s, speed_per_s, modelled_per_s, .. },
@@ -335,8 +335,8 @@ mod tests {
             (up.iter().rev().copied().collect(), free_up.iter().rev().copied().collect());
         let late = free_down.iter().map(|free| free.max(0.05)).collect();
         let found = described(&[
-            slider("up", &time_s, &up, free_up.clone(), &free_up),
-            slider("down", &time_s, &down, late, &free_down),
+            spool("up", &time_s, &up, free_up.clone(), &free_up),
+            spool("down", &time_s, &down, late, &free_down),
         ]);
         let apart =
             found.iter().find(|habit| matches!(habit, Habit::RestsApart { .. })).unwrap_or_else(|| panic!("{found:?}"));

@@ -39,7 +39,7 @@ pub(crate) struct Course {
     pub(crate) beam: Vec<Candidate>,
     /// The plainest of effects that were found with the links apart.
     pub(crate) joined: Vec<&'static str>,
-    /// Sides of the recorded slider that explain themselves by what was found with the links apart.
+    /// Sides of the recorded spool that explain themselves by what was found with the links apart.
     pub(crate) explained: Vec<Side>,
     /// Sets of as many effects that were nearly as likely as the chosen one when it was chosen.
     pub(crate) rivals: Vec<Candidate>,
@@ -49,7 +49,7 @@ pub(crate) struct Course {
 
 /// Chooses the effects. `near` is a first refit of the machine file's model; `done` is told after each refit.
 ///
-/// Where the slider is recorded and the model is far off, effects are looked for with the links apart first. The chain as a whole
+/// Where the spool is recorded and the model is far off, effects are looked for with the links apart first. The chain as a whole
 /// then has to accept what was found, and is searched on.
 pub fn select(question: &Question<'_>, near: &Fit, done: &(impl Fn(&str) + Sync)) -> Result<Selection, FitError> {
     let mut course = Course::of(question, near)?;

@@ -54,7 +54,7 @@ pub struct Selection {
     pub rounds: Vec<Vec<Trial>>,
     /// The plainest of several effects that were found with the links apart: the chain only had to accept them all together.
     pub joined: Vec<&'static str>,
-    /// The jumps of a slider that no sensor sees, where the chosen set has them from the position.
+    /// The jumps of a spool that no sensor sees, where the chosen set has them from the position.
     pub heard: Option<Heard>,
 }
 
@@ -67,12 +67,12 @@ impl Selection {
     }
 }
 
-/// What a position says of the jumps of a slider that no sensor sees.
+/// What a position says of the jumps of a spool that no sensor sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Told {
     /// How long they are, and how surely.
     pub rhythm: Rhythm,
-    /// Share of its band that a stiction alone would keep, to lag as far as the slider does.
+    /// Share of its band that a stiction alone would keep, to lag as far as the spool does.
     pub kept_alone: f64,
 }
 
@@ -91,7 +91,7 @@ impl fmt::Display for Told {
     }
 }
 
-/// The jumps of a slider that no sensor sees.
+/// The jumps of a spool that no sensor sees.
 #[derive(Clone, Debug)]
 pub struct Heard {
     /// What the position says of them.

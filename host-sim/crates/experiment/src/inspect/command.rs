@@ -12,12 +12,12 @@ const LIVE_ZERO_MA: std::ops::RangeInclusive<f64> = 3.5..=21.0;
 const MIDDLE_MA: f64 = 12.0;
 /// A current opens the valve by more than this where the file means volts.
 const WIDE_OPEN: f64 = 1.1;
-/// The measured slider goes by less than this share of what the file says, or by more than its inverse: the usual mistakes are
+/// The measured spool goes by less than this share of what the file says, or by more than its inverse: the usual mistakes are
 /// off by two.
 const SHARE: f64 = 0.65;
 /// A command is held where it stays within this share of its range.
 const HELD: f64 = 5e-3;
-/// Rows that are needed to hold the slider against the command.
+/// Rows that are needed to hold the spool against the command.
 const LEAST_ROWS: usize = 20;
 
 /// What is doubtful about the command's unit; a sentence without full stop.
@@ -68,7 +68,7 @@ pub(crate) fn command_doubt(recording: &Recording, machine: &Machine<f64>) -> Op
     })
 }
 
-/// How far the measured slider goes, over what the machine file says, where the command was held until it got there.
+/// How far the measured spool goes, over what the machine file says, where the command was held until it got there.
 fn followed(recording: &Recording, machine: &Machine<f64>) -> Option<f64> {
     let (time_s, command) = (recording.time_s(), recording.signal(Signal::Command)?);
     let spool = recording.signal(Signal::Spool)?;
@@ -98,7 +98,7 @@ mod tests {
 
     use super::*;
 
-    /// Steps of half a second between two commands, and a slider that goes 50 % to each side.
+    /// Steps of half a second between two commands, and a spool that goes 50 % to each side.
     fn recording(unit: &str, (low, high): (f64, f64)) -> Recording {
         let rows = (0..400).map(|row| {
             let extends = row / 50 % 2 == 0;
@@ -131,9 +131,9 @@ mod tests {
             assert!(live.contains(part), "{part}: {live}");
         }
         assert!(doubt("mA", (-20.0, 20.0), 0.1, 0.0).unwrap().contains("zero = 0, full = 2 }"));
-        // Half open only, but the slider is measured.
-        let slider = doubt("mA", (-10.0, 10.0), 0.1, 0.0).unwrap();
-        assert!(slider.contains("0.50 times as far") && slider.contains("count in mA"), "{slider}");
+        // Half open only, but the spool is measured.
+        let spool = doubt("mA", (-10.0, 10.0), 0.1, 0.0).unwrap();
+        assert!(spool.contains("0.50 times as far") && spool.contains("count in mA"), "{spool}");
         assert!(doubt("V", (-5.0, 5.0), 0.05, 0.0).unwrap().contains("2.0 times as far"));
     }
 }

@@ -22,12 +22,12 @@ const LITTLE_TRAVEL: f64 = 0.2;
 /// How the valve was opened.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Opened {
-    /// The measured slider, or the command where no slider is.
+    /// The measured spool, or the command where no spool is.
     pub by: Signal,
-    /// The unit in which people read `low` and `high`: that of a slider position, or the command's own where no machine file tells
-    /// where a command puts the slider.
+    /// The unit in which people read `low` and `high`: that of a spool position, or the command's own where no machine file tells
+    /// where a command puts the spool.
     pub unit: Unit,
-    /// Lowest slider position, 1; of a command without machine file, V or mA.
+    /// Lowest spool position, 1; of a command without machine file, V or mA.
     pub low: f64,
     /// Highest, the same.
     pub high: f64,
@@ -57,7 +57,7 @@ pub struct Travelled {
 /// What was excited.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Excited {
-    /// The valve, where slider or command is recorded.
+    /// The valve, where spool or command is recorded.
     pub opened: Option<Opened>,
     /// The rod, where its position is recorded.
     pub travelled: Option<Travelled>,

@@ -55,9 +55,9 @@ fn ways(link: Subsystem, source: Source) -> Vec<Way> {
     const MOTION: &[Signal] = &[Position, Velocity];
     const PRESSURES: &[Signal] = &[PressureA, PressureB];
     let way = |entry, needs, judged| Way { entry, needs, judged };
-    // A pump's speed takes the place of the slider.
+    // A pump's speed takes the place of the spool.
     let (feed, with_pressures): (EntryPoint, &'static [Signal]) = match source {
-        Source::Valve => (EntryPoint::Slider, &[Spool, PressureA, PressureB, Position]),
+        Source::Valve => (EntryPoint::Spool, &[Spool, PressureA, PressureB, Position]),
         Source::Pump => (EntryPoint::Pump, &[PumpSpeed, PressureA, PressureB, Position]),
     };
     match link {
@@ -106,22 +106,22 @@ fn tested(link: Subsystem, source: Source, has: &impl Fn(Signal) -> bool) -> Lin
 /// The entry furthest upstream, where it lies above the link and something below the link is measured.
 fn together(link: Subsystem, source: Source, has: &impl Fn(Signal) -> bool) -> Reach {
     let entries = match source {
-        Source::Valve => &[(EntryPoint::Command, Command), (EntryPoint::Slider, Spool), (EntryPoint::Flow, Flow)][..],
+        Source::Valve => &[(EntryPoint::Command, Command), (EntryPoint::Spool, Spool), (EntryPoint::Flow, Flow)][..],
         Source::Pump => &[(EntryPoint::Pump, PumpSpeed), (EntryPoint::Flow, Flow)],
     };
     let Some((entry, _)) = entries.iter().find(|(_, signal)| has(*signal)) else { return Reach::No };
     let (above, below): (&[EntryPoint], &[Signal]) = match link {
         Subsystem::Valve => (&[EntryPoint::Command], computed_below(EntryPoint::Command)),
         Subsystem::Flow => (
-            &[EntryPoint::Command, EntryPoint::Slider, EntryPoint::Pump],
+            &[EntryPoint::Command, EntryPoint::Spool, EntryPoint::Pump],
             &[Flow, PressureA, PressureB, Velocity, Position],
         ),
         Subsystem::Chambers => (
-            &[EntryPoint::Command, EntryPoint::Slider, EntryPoint::Pump, EntryPoint::Flow],
+            &[EntryPoint::Command, EntryPoint::Spool, EntryPoint::Pump, EntryPoint::Flow],
             &[PressureA, PressureB, Velocity, Position],
         ),
         Subsystem::Mechanics | Subsystem::Sensing => {
-            (&[EntryPoint::Command, EntryPoint::Slider, EntryPoint::Pump, EntryPoint::Flow], &[Velocity, Position])
+            (&[EntryPoint::Command, EntryPoint::Spool, EntryPoint::Pump, EntryPoint::Flow], &[Velocity, Position])
         }
     };
     let computed = computed_below(*entry);
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn without_pressures_all_below_the_slider_is_one() {
+    fn without_pressures_all_below_the_spool_is_one() {
         let found = reached(&[Command, Spool, Position], Source::Valve);
         assert_eq!(found[0], (Subsystem::Valve, "alone", vec![]));
         for (link, reach, missing) in &found[1..] {

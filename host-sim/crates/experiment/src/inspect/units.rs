@@ -102,11 +102,11 @@ fn speed_doubt(recording: &Recording, machine: &Machine<f64>) -> Option<String> 
 fn expected_m_per_s(recording: &Recording, machine: &Machine<f64>) -> Option<f64> {
     let get = |parameter| machine.get(parameter);
     let opening = |command: &f64| get(Parameter::ValveGain) * command + get(Parameter::ValveOffset);
-    let slider = match recording.signal(Signal::Spool) {
-        Some(slider) => slider.to_vec(),
+    let spool = match recording.signal(Signal::Spool) {
+        Some(spool) => spool.to_vec(),
         None => recording.signal(Signal::Command)?.iter().map(opening).collect(),
     };
-    let open = slider.into_iter().map(|slider| (slider.abs() - get(Parameter::DeadZone)).min(1.0)).collect();
+    let open = spool.into_iter().map(|spool| (spool.abs() - get(Parameter::DeadZone)).min(1.0)).collect();
     let open = quantile(open, FASTEST).filter(|open| *open > OPENS)?;
     let flow_m3_per_s = get(Parameter::FlowCoefficient) * open * (0.5 * get(Parameter::SupplyPressure)).sqrt();
     Some(flow_m3_per_s / get(Parameter::AreaA))

@@ -32,7 +32,7 @@ fn place(outlook: &Outlook, name: &str) -> usize {
 }
 
 #[test]
-fn with_the_position_alone_effects_pass_for_each_other_that_a_slider_and_pressures_tell_apart() {
+fn with_the_position_alone_effects_pass_for_each_other_that_a_spool_and_pressures_tell_apart() {
     let machine = drive();
     let blind = planned(&machine, &[Signal::Position], 9.0).unwrap();
     let all = [Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Position];
@@ -41,7 +41,7 @@ fn with_the_position_alone_effects_pass_for_each_other_that_a_slider_and_pressur
     assert!(share(&blind) > 2 * share(&seeing), "{} {}", share(&blind), share(&seeing));
     let (hysteresis, stiction) = (place(&seeing.best, "valve-hysteresis"), place(&seeing.best, "spool-stiction"));
     assert!(seeing.best.isolability.told[hysteresis][stiction] && seeing.best.isolability.told[stiction][hysteresis]);
-    // A slider or a pressure is what the position alone lacks, and nothing more is advised where all are there.
+    // A spool or a pressure is what the position alone lacks, and nothing more is advised where all are there.
     let better = &blind.additions[0];
     assert!(better.confused < share(&blind) || better.claimed > blind.best.isolability.claimed().count());
     assert!(seeing.additions.is_empty());

@@ -1,7 +1,7 @@
 //! Judging a recording by some of its signals only.
 //!
 //! A signal that is not judged counts as not recorded, so that no link is entered at it and no effect is tried for it: with the
-//! slider alone, only the valve is looked at. What drives the model stays: command, pump, load, and the pressures where the
+//! spool alone, only the valve is looked at. What drives the model stays: command, pump, load, and the pressures where the
 //! load is taken from them.
 
 use machine_file::LoadSource;
@@ -52,7 +52,7 @@ pub fn judged_by(
     }
     let entry = first_entry(source, &recording)?;
     let mut computed = judged(&recording, entry, load);
-    if source == Source::Valve && recording.has(Signal::SupplyPressure) && entry <= EntryPoint::Slider {
+    if source == Source::Valve && recording.has(Signal::SupplyPressure) && entry <= EntryPoint::Spool {
         computed.push(Signal::SupplyPressure);
     }
     if let Some(&signal) = wanted.iter().find(|signal| !computed.contains(signal)) {

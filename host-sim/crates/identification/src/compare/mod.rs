@@ -24,13 +24,13 @@ use crate::input_noise::{inherited, realisations};
 pub enum Section {
     /// From the furthest measured signal upstream to every measured signal.
     EndToEnd,
-    /// Command → slider.
+    /// Command → spool.
     Valve,
-    /// Slider → pressures and position: flow, chambers and mechanics together.
-    BelowSlider,
+    /// Spool → pressures and position: flow, chambers and mechanics together.
+    BelowSpool,
     /// Measured flow → pressures and position.
     BelowFlow,
-    /// Slider (or pump) and recorded pressures → position: what the flow brings less what the oil gives way.
+    /// Spool (or pump) and recorded pressures → position: what the flow brings less what the oil gives way.
     FlowAndChambers,
     /// Recorded pressures or force → position and velocity.
     Mechanics,
@@ -49,7 +49,7 @@ impl fmt::Display for Section {
         f.write_str(match self {
             Section::EndToEnd => "end to end",
             Section::Valve => "valve",
-            Section::BelowSlider => "below slider",
+            Section::BelowSpool => "below spool",
             Section::BelowFlow => "below flow",
             Section::FlowAndChambers => "flow + chambers",
             Section::Mechanics => "mechanics",
@@ -198,7 +198,7 @@ fn plans(source: Source, load: LoadSource, recording: &Recording) -> Result<Vec<
     let pressures = has(Signal::PressureA) && has(Signal::PressureB);
     let motion: Vec<Signal> = [Signal::Position, Signal::Velocity].into_iter().filter(|&signal| has(signal)).collect();
     let feed = match source {
-        Source::Valve => has(Signal::Spool).then_some(EntryPoint::Slider),
+        Source::Valve => has(Signal::Spool).then_some(EntryPoint::Spool),
         Source::Pump => has(Signal::PumpSpeed).then_some(EntryPoint::Pump),
     };
     let mut plans = vec![Plan { section: Section::EndToEnd, entry: first, load, judged: all }];
@@ -209,7 +209,7 @@ fn plans(source: Source, load: LoadSource, recording: &Recording) -> Result<Vec<
     };
     if first == EntryPoint::Command && has(Signal::Spool) {
         add(Section::Valve, EntryPoint::Command, load, vec![Signal::Spool]);
-        add(Section::BelowSlider, EntryPoint::Slider, load, judged(recording, EntryPoint::Slider, load));
+        add(Section::BelowSpool, EntryPoint::Spool, load, judged(recording, EntryPoint::Spool, load));
     }
     if has(Signal::Flow) && first != EntryPoint::Flow {
         add(Section::BelowFlow, EntryPoint::Flow, load, judged(recording, EntryPoint::Flow, load));

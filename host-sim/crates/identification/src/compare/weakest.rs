@@ -62,8 +62,8 @@ fn follows(nrmse_percent: f64, over_noise: f64) -> bool {
 /// What keeps links from being told apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Obstacle {
-    /// Command to rod cannot be cut: no slider is recorded.
-    NoSlider,
+    /// Command to rod cannot be cut: no spool is recorded.
+    NoSpool,
     /// Flow, chambers and mechanics cannot be cut: no pressures are recorded.
     NoPressures,
     /// The pressures are recorded, but no motion that they could be held against.
@@ -81,7 +81,7 @@ fn parts(comparison: &Comparison) -> impl Iterator<Item = (Section, SignalFit)> 
         .sections
         .iter()
         .filter(move |section| match section.section {
-            Section::BelowSlider => !below,
+            Section::BelowSpool => !below,
             Section::EndToEnd => alone,
             other => other.is_link(),
         })
@@ -144,7 +144,7 @@ pub fn obstacles(comparison: &Comparison, load: LoadSource) -> Vec<Obstacle> {
         |signals: &[Signal]| first.is_some_and(|section| section.fits.iter().any(|fit| signals.contains(&fit.signal)));
     let mut found = Vec::new();
     if computes(Signal::Spool) && !judged(Section::Valve) {
-        found.push(Obstacle::NoSlider);
+        found.push(Obstacle::NoSpool);
     }
     let pressures = measures(&[Signal::PressureA]) && measures(&[Signal::PressureB]);
     if load == LoadSource::RecordedPressures {
@@ -161,8 +161,8 @@ pub fn obstacles(comparison: &Comparison, load: LoadSource) -> Vec<Obstacle> {
 impl std::fmt::Display for Obstacle {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
-            Obstacle::NoSlider => {
-                "the valve cannot be told from the links below it: that takes a recorded slider (`spool`)"
+            Obstacle::NoSpool => {
+                "the valve cannot be told from the links below it: that takes a recorded spool (`spool`)"
             }
             Obstacle::NoPressures => {
                 "flow, chambers and mechanics cannot be told apart: that takes both chamber pressures (`pressure_a`, `pressure_b`)"
@@ -208,7 +208,7 @@ mod tests {
         let one = comparison(&[
             (Section::EndToEnd, Signal::Position, 10.0),
             (Section::Valve, Signal::Spool, 99.0),
-            (Section::BelowSlider, Signal::Position, 50.0),
+            (Section::BelowSpool, Signal::Position, 50.0),
             (Section::FlowAndChambers, Signal::Position, 95.0),
             (Section::Mechanics, Signal::Position, 90.0),
         ]);
@@ -264,7 +264,7 @@ mod tests {
     fn without_a_cut_the_whole_is_named_and_what_is_missing() {
         let whole = comparison(&[(Section::EndToEnd, Signal::Position, 80.0)]);
         assert_eq!(weakest(std::slice::from_ref(&whole)).unwrap().section, Section::EndToEnd);
-        assert_eq!(obstacles(&whole, LoadSource::Constant), [Obstacle::NoSlider, Obstacle::NoPressures]);
+        assert_eq!(obstacles(&whole, LoadSource::Constant), [Obstacle::NoSpool, Obstacle::NoPressures]);
         assert_eq!(weakest(&[]), None);
     }
 }

@@ -29,7 +29,7 @@ fn is_pressure(header: &str) -> bool {
     header.contains("pressure") || header.contains("[bar]")
 }
 
-fn is_slider(header: &str) -> bool {
+fn is_spool(header: &str) -> bool {
     ["spool", "slider"].iter().any(|name| header.contains(name))
 }
 
@@ -58,15 +58,15 @@ pub(crate) fn claims(statics: &Statics) -> Vec<Claim> {
         );
     }
     let flow = !is_pressure(&statics.output.header);
-    let slider_stops = statics.slider_saturation.iter().find(|fallen| fallen.share < 0.2).or_else(|| {
-        is_slider(&statics.output.header).then(|| statics.saturation.iter().find(|fallen| fallen.share < 0.2))?
+    let spool_stops = statics.spool_saturation.iter().find(|fallen| fallen.share < 0.2).or_else(|| {
+        is_spool(&statics.output.header).then(|| statics.saturation.iter().find(|fallen| fallen.share < 0.2))?
     });
-    if let Some(fallen) = slider_stops {
+    if let Some(fallen) = spool_stops {
         let from = short(fallen.from);
-        claim("solenoid-saturation", format!("the slider follows with less than a tenth of its gain from {from} on"));
+        claim("solenoid-saturation", format!("the spool follows with less than a tenth of its gain from {from} on"));
     }
     if flow
-        && !is_slider(&statics.output.header)
+        && !is_spool(&statics.output.header)
         && let Some((low, high)) = unequal_gains(statics)
     {
         claim(
@@ -93,14 +93,14 @@ pub(crate) fn claims(statics: &Statics) -> Vec<Claim> {
     found
 }
 
-/// Lowest and highest local gain over the gain at small outputs, without both ends of the sweep where the slider stops, where
+/// Lowest and highest local gain over the gain at small outputs, without both ends of the sweep where the spool stops, where
 /// they are too far apart for a straight line.
 fn unequal_gains(statics: &Statics) -> Option<(f64, f64)> {
     let gain = statics.gain?;
     let largest = statics.gains.iter().map(|local| local.output.abs()).fold(0.0, f64::max);
     let stopped = |input: f64| {
         let beyond = |from: f64, upper: bool| if upper { input >= from } else { input <= from };
-        statics.slider_saturation.iter().any(|fallen| fallen.share < 0.2 && beyond(fallen.from, fallen.upper))
+        statics.spool_saturation.iter().any(|fallen| fallen.share < 0.2 && beyond(fallen.from, fallen.upper))
     };
     let edges = || [statics.positive, statics.negative].into_iter().flatten().map(|edge| edge.extrapolated);
     let play = statics.hysteresis.map_or(0.0, |hysteresis| hysteresis.width.abs());
@@ -120,7 +120,7 @@ fn unequal_gains(statics: &Statics) -> Option<(f64, f64)> {
     (high - low > STRAIGHT).then_some((low, high))
 }
 
-pub(crate) fn remarks(statics: &Statics, clock: bool, slider: bool) -> Vec<String> {
+pub(crate) fn remarks(statics: &Statics, clock: bool, spool: bool) -> Vec<String> {
     let mut found = Vec::new();
     let mut say = |text: String| found.push(text);
     say(if clock {
@@ -157,8 +157,8 @@ pub(crate) fn remarks(statics: &Statics, clock: bool, slider: bool) -> Vec<Strin
     }
     if is_pressure(&statics.output.header) && !statics.saturation.is_empty() {
         say("the output is a pressure and ends at the supply's: that is no saturation of the valve".to_owned());
-    } else if !slider && !is_slider(&statics.output.header) && !statics.saturation.is_empty() {
-        say("without a measured slider it is open whether slider or orifice stops following at the end".to_owned());
+    } else if !spool && !is_spool(&statics.output.header) && !statics.saturation.is_empty() {
+        say("without a measured spool it is open whether spool or orifice stops following at the end".to_owned());
     }
     match (statics.positive, statics.negative) {
         (Some(_), Some(_)) => {
@@ -168,7 +168,7 @@ pub(crate) fn remarks(statics: &Statics, clock: bool, slider: bool) -> Vec<Strin
         _ => say("one direction only: neither null nor the other side's dead zone".to_owned()),
     }
     if statics.claims.iter().any(|claim| claim.effect == "solenoid-saturation") {
-        say("a slider that stops may be at its solenoid's limit, at its stop or at the end of its sensor: not separable here".to_owned());
+        say("a spool that stops may be at its solenoid's limit, at its stop or at the end of its sensor: not separable here".to_owned());
     }
     if statics.returning.is_some() {
         say("a pressure at the valve's port holds the drop of the edge behind it as well as that of the line"

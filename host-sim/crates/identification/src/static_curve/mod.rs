@@ -31,10 +31,10 @@ pub use runs::{VELOCITY, means};
 pub struct Columns {
     /// What was set: current, voltage, percent.
     pub input: String,
-    /// What came of it: flow, speed, load pressure, slider.
+    /// What came of it: flow, speed, load pressure, spool.
     pub output: String,
-    /// The measured slider between them, where there is one.
-    pub slider: Option<String>,
+    /// The measured spool between them, where there is one.
+    pub spool: Option<String>,
     /// The supply pressure.
     pub supply: Option<String>,
     /// A pressure on the way back to the tank.
@@ -134,8 +134,8 @@ pub struct Statics {
     pub gains: Vec<LocalGain>,
     /// Where it has fallen.
     pub saturation: Vec<Saturation>,
-    /// Where the measured slider no longer follows the input.
-    pub slider_saturation: Vec<Saturation>,
+    /// Where the measured spool no longer follows the input.
+    pub spool_saturation: Vec<Saturation>,
     /// The meter's staircase.
     pub staircase: Option<Staircase>,
     /// The meter's jumps.
@@ -178,8 +178,8 @@ pub fn analyse(table: &Table, columns: &Columns) -> Result<Statics, StaticsError
     let play = hysteresis.map_or(0.0, |hysteresis| hysteresis.width.abs() + 2.0 * hysteresis.std);
     let step = staircase.map(|staircase| staircase.step);
     let gains = gain.map_or_else(Vec::new, |gain| sweep.gains(gain, step, play));
-    let slider_saturation = match &columns.slider {
-        Some(slider) => slider_stops(input, swept(slider)?.1, &branches),
+    let spool_saturation = match &columns.spool {
+        Some(spool) => spool_stops(input, swept(spool)?.1, &branches),
         None => Vec::new(),
     };
     let port = |header: &Option<String>, least_flow: f64| -> Result<Option<Port>, StaticsError> {
@@ -206,18 +206,18 @@ pub fn analyse(table: &Table, columns: &Columns) -> Result<Statics, StaticsError
         positive,
         negative,
         gains,
-        slider_saturation,
+        spool_saturation,
         staircase,
     };
     statics.claims = claims::claims(&statics);
-    statics.remarks = claims::remarks(&statics, table.clock_s().is_some(), columns.slider.is_some());
+    statics.remarks = claims::remarks(&statics, table.clock_s().is_some(), columns.spool.is_some());
     Ok(statics)
 }
 
-/// Where the slider no longer follows the input, beside its usual gain.
-fn slider_stops(input: &[f64], slider: &[f64], branches: &[Branch]) -> Vec<Saturation> {
-    let (low, high) = extent(slider);
-    let centred: Vec<f64> = slider.iter().map(|value| value - f64::midpoint(low, high)).collect();
+/// Where the spool no longer follows the input, beside its usual gain.
+fn spool_stops(input: &[f64], spool: &[f64], branches: &[Branch]) -> Vec<Saturation> {
+    let (low, high) = extent(spool);
+    let centred: Vec<f64> = spool.iter().map(|value| value - f64::midpoint(low, high)).collect();
     let sweep = Sweep { input, output: &centred, branches };
     let gains = sweep.gains(1.0, None, 0.0);
     let usual = line::median(gains.iter().map(|local| local.gain).collect());

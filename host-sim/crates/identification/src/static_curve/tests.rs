@@ -18,13 +18,13 @@ fn table(input: Vec<f64>, output: Vec<f64>) -> Table {
 /// The output of a play of this width, then a dead zone, gain and saturation.
 fn valve(width: f64, dead_zone: f64, full: f64) -> Table {
     let input = triangle();
-    let mut slider = input[0];
+    let mut spool = input[0];
     let output = input
         .iter()
         .map(|value| {
-            slider = slider.clamp(value - 0.5 * width, value + 0.5 * width);
-            let open = (slider - 0.4).abs() - dead_zone;
-            (slider - 0.4).signum() * (2.0 * open.max(0.0)).min(full)
+            spool = spool.clamp(value - 0.5 * width, value + 0.5 * width);
+            let open = (spool - 0.4).abs() - dead_zone;
+            (spool - 0.4).signum() * (2.0 * open.max(0.0)).min(full)
         })
         .collect();
     table(input, output)

@@ -84,12 +84,12 @@ items! {
     RatedDrop "rated-drop" OfValve, [Pressure] Positive, "5bar",
         "Rated pressure drop, over one edge unless --rated-drop-over says both: usually 35 bar an edge of servo valves, 5 bar of proportional ones";
     RatedSignal "rated-signal" OfValve, [Voltage Current] Positive, "10V", "Signal at which the valve is fully open";
-    ValveResponse "valve-response" OfValve, [Time] Positive, "50ms", "Time of the slider from 0 to 90 % after a small step, dead time included";
+    ValveResponse "valve-response" OfValve, [Time] Positive, "50ms", "Time of the spool from 0 to 90 % after a small step, dead time included";
     Overlap "overlap" MayOfValve("none, as of a zero-lapped valve"), [Ratio] Share, "15%",
-        "Overlap: share of the slider's travel at the rated signal that passes no oil, to each side";
-    SpoolAtRated "spool-at-rated" MayOfValve("100 %"), [Ratio] Positive, "100%", "What the slider's sensor reads at the rated signal";
+        "Overlap: share of the spool's travel at the rated signal that passes no oil, to each side";
+    SpoolAtRated "spool-at-rated" MayOfValve("100 %"), [Ratio] Positive, "100%", "What the spool's sensor reads at the rated signal";
     ValveStrokeTime "valve-stroke-time" MayOfValve("no limit"), [Time] Positive, "50ms",
-        "Time from centre to the rated opening at the slider's largest speed";
+        "Time from centre to the rated opening at the spool's largest speed";
     FlowLimit "flow-limit" MayOfValve("no limit"), [Flow] Positive, "18l/min", "Most that the supply delivers";
     HoseLength "hose-length" May("a dead volume of a twentieth of the chamber"), [Length] NotNegative, "1m", "Length of hose or pipe from valve to cylinder, each side";
     HoseDiameter "hose-diameter" May("as the length"), [Length] Positive, "8mm", "Inner diameter of hose or pipe";

@@ -2,10 +2,10 @@
 //!
 //! ```text
 //! A = π/4·bore²,  aA = A − π/4·rod²                              areas
-//! x_N = reading of the slider at the rated signal U_N,  gain = x_N/U_N
+//! x_N = reading of the spool at the rated signal U_N,  gain = x_N/U_N
 //! dead zone = overlap·x_N
 //! K_Q = Q_N/(√Δp_N·(x_N − dead zone)),  Δp_N over one edge        flow coefficient
-//! T1 = (t_90 − T_t)/5.939,  T2 = 2·T1,  T_t = t_90/20              lags and dead time of the slider
+//! T1 = (t_90 − T_t)/5.939,  T2 = 2·T1,  T_t = t_90/20              lags and dead time of the spool
 //! V = A·stroke/2 + π/4·d²·l + dead volume                         each chamber, at mid-stroke
 //! v = K_Q·(x_N − dead zone)·√(p0·A/(A³ + aA³)), at most Q_max/A   speed without load, extending
 //! D = F_friction/v                                                viscous friction

@@ -34,7 +34,7 @@ pub enum Variable {
     OilTemperature,
     /// Position of the rod at the start, m; 0 is fully in.
     PositionAtStart,
-    /// Slider.
+    /// Spool.
     Spool,
     /// Position of the rod.
     Position,
@@ -151,7 +151,7 @@ impl Variable {
             }
             Variable::OilTemperature => "Temperature of the oil. Held over a step",
             Variable::PositionAtStart => "Position of the rod at the start; 0 is fully in, positive is out",
-            Variable::Spool => "Slider position as a part of full travel; positive extends",
+            Variable::Spool => "Spool position as a part of full travel; positive extends",
             Variable::Position => "Position of the rod; 0 is fully in, positive is out",
             Variable::Velocity => "Velocity of the rod; positive extends",
             Variable::PressureA => "Pressure in chamber A; it extends",
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn a_valve_has_a_command_and_a_slider_where_a_pump_has_speed_and_direction() {
+    fn a_valve_has_a_command_and_a_spool_where_a_pump_has_speed_and_direction() {
         let names = |source| Variable::of(source).map(Variable::name).collect::<Vec<_>>();
         let (valve, pump) = (names(Source::Valve), names(Source::Pump));
         assert_eq!(valve[..4], ["time", "command", "load_force", "oil_temperature"]);

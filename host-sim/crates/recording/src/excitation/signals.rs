@@ -142,7 +142,7 @@ impl Excitation {
     }
 }
 
-/// A small fast signal on top of the command, which keeps the slider moving. Part of the command.
+/// A small fast signal on top of the command, which keeps the spool moving. Part of the command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dither {
     /// Amplitude, V.

@@ -16,7 +16,7 @@ use simulation::signal::spectrum::{Line, strongest_line};
 const SLOWEST_DITHER_HZ: f64 = 30.0;
 /// How far a line is above the spectrum around it at least to be dither and no edge of a step.
 const ABOVE: f64 = 1e3;
-/// Share of the command's span that a dither is at least: less moves no slider, and is how the numbers were written.
+/// Share of the command's span that a dither is at least: less moves no spool, and is how the numbers were written.
 const LEAST_SHARE: f64 = 1e-3;
 
 /// What was found in one channel.

@@ -19,7 +19,7 @@ const OUTSIDE: f64 = 0.002;
 /// A cell with fewer rows says nothing.
 const LEAST_ROWS: usize = 3;
 /// States that go with one that was found, the most telling first.
-const PARTNERS: [&str; 4] = ["velocity", "pressure in A", "slider", "position"];
+const PARTNERS: [&str; 4] = ["velocity", "pressure in A", "spool", "position"];
 
 /// The map before and, where it differs, after, over all training recordings; none where nothing was located.
 /// `recordings` are all that the diagnosis shows, in its order.
@@ -63,7 +63,7 @@ fn measures(shown: &Shown, signal: Signal) -> bool {
 fn pair<'a>(shape: &Shape, states: &'a [State], has_pressures: bool) -> Option<(&'a State, &'a State)> {
     let varies = |state: &&State| state.values.iter().any(|value| value.to_bits() != state.values[0].to_bits());
     let find = |name: &str| states.iter().filter(varies).find(|state| state.name == name);
-    let usual = if has_pressures { ("velocity", "pressure in A") } else { ("slider", "position") };
+    let usual = if has_pressures { ("velocity", "pressure in A") } else { ("spool", "position") };
     let (one, other) = match shape {
         Shape::Over { pair: Some((one, other, _)), .. } => (*one, *other),
         Shape::Over { state, .. } => {
@@ -136,17 +136,17 @@ mod tests {
     fn what_was_found_is_drawn_and_what_was_not_over_the_usual_states() {
         let wave = || (0..10).map(f64::from).collect::<Vec<_>>();
         let states = [
-            state("slider", "1", wave()),
+            state("spool", "1", wave()),
             state("velocity", "m/s", wave()),
             state("position", "m", wave()),
             state("pressure in A", "Pa", vec![0.0; 10]),
         ];
         let names = |shape: &Shape, pressures| pair(shape, &states, pressures).map(|(x, y)| (x.name, y.name));
         let found = |state, pair| Shape::Over { state, unit: "m", explained: 0.5, bins: Vec::new(), pair };
-        assert_eq!(names(&found("slider", Some(("velocity", "position", 0.7))), true), Some(("velocity", "position")));
+        assert_eq!(names(&found("spool", Some(("velocity", "position", 0.7))), true), Some(("velocity", "position")));
         assert_eq!(names(&found("position", None), false), Some(("position", "velocity")));
-        assert_eq!(names(&found("velocity", None), false), Some(("velocity", "slider")));
-        assert_eq!(names(&Shape::Everywhere, false), Some(("slider", "position")));
+        assert_eq!(names(&found("velocity", None), false), Some(("velocity", "spool")));
+        assert_eq!(names(&Shape::Everywhere, false), Some(("spool", "position")));
         assert_eq!(names(&Shape::Everywhere, true), None, "pressure that never changes is no axis");
     }
 }

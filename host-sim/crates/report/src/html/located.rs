@@ -22,7 +22,7 @@ pub(crate) fn located(diagnosis: &Diagnosis, exhibits: &Exhibits, budget: Budget
                 @if let Some(effect) = diagnosis.suspected { p { "Suspected: " strong { (effect.name) } ", " (SUSPECTED) "." } }
                 p { "When: " (when(location)) "." }
                 p { "How it looks: " (location.shape.to_string()) "." }
-                @for habit in &location.slider { p { (habit.to_string()) "." } }
+                @for habit in &location.spool { p { (habit.to_string()) "." } }
             }
             @if let Some(timeline) = &exhibits.timeline {
                 h3 { "When" }

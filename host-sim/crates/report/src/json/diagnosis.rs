@@ -37,7 +37,7 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
             "intervals": intervals,
             "region": location.region,
             "shape": shape(&location.shape),
-            "slider": location.slider.iter().map(slider).collect::<Vec<_>>(),
+            "slider": location.spool.iter().map(spool).collect::<Vec<_>>(),
         })
     });
     json!({
@@ -79,8 +79,8 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
     })
 }
 
-/// What a recorded slider does: its kind, the sentence, and the numbers behind it.
-fn slider(habit: &Habit) -> Value {
+/// What a recorded spool does: its kind, the sentence, and the numbers behind it.
+fn spool(habit: &Habit) -> Value {
     let (kind, sentence) = (habit.name(), habit.to_string());
     match habit {
         Habit::Hangs { recording, from_s, to_s, at, modelled, recordings, of } => json!({

@@ -49,7 +49,7 @@ pub(crate) fn title(signal: Signal) -> &'static str {
     match signal {
         Signal::Time => "Time",
         Signal::Command => "Command",
-        Signal::Spool => "Slider",
+        Signal::Spool => "Spool",
         Signal::Flow => "Flow into A",
         Signal::PumpSpeed => "Pump speed",
         Signal::ValveDirection => "Directional valve",
@@ -75,7 +75,7 @@ mod tests {
     fn a_chamber_keeps_its_capital_within_a_heading() {
         assert_eq!(
             (within_title(Signal::PressureB), within_title(Signal::Spool)),
-            ("pressure B".into(), "slider".into())
+            ("pressure B".into(), "spool".into())
         );
     }
 }

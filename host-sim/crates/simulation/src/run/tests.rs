@@ -73,17 +73,17 @@ fn recordings_that_enter_the_chain_alike_go_together() {
     assert!(one.goes_with(&shorter));
     assert!(!one.goes_with(&stimulus(800, Tick::TwoMilliseconds)), "a tick of its own");
     let recorded = measured(&run(&commanded(grid(1e-3, 800)), EntryPoint::Command, LoadSource::Constant));
-    let at_slider =
-        Stimulus::new(&recorded, &press(), EntryPoint::Slider, LoadSource::Constant, Tick::OneMillisecond).unwrap();
-    assert!(!one.goes_with(&at_slider) && at_slider.goes_with(&at_slider));
+    let at_spool =
+        Stimulus::new(&recorded, &press(), EntryPoint::Spool, LoadSource::Constant, Tick::OneMillisecond).unwrap();
+    assert!(!one.goes_with(&at_spool) && at_spool.goes_with(&at_spool));
 }
 
 #[test]
-fn entered_at_its_own_slider_the_rest_of_the_chain_is_the_same() {
+fn entered_at_its_own_spool_the_rest_of_the_chain_is_the_same() {
     let whole = run(&commanded(grid(1e-3, 1200)), EntryPoint::Command, LoadSource::Constant);
     let series = |signal| whole.signal(signal).unwrap().to_vec();
     let spool = measured(&whole);
-    let below = run(&spool, EntryPoint::Slider, LoadSource::Constant);
+    let below = run(&spool, EntryPoint::Spool, LoadSource::Constant);
     assert!(farthest(below.signal(Signal::Position).unwrap(), &series(Signal::Position)) < 1e-12);
     assert!(farthest(below.signal(Signal::PressureA).unwrap(), &series(Signal::PressureA)) < 1e-3);
 }
@@ -106,7 +106,7 @@ fn readings_of_wrong_sensors_are_taken_back_to_the_truth() {
     let first = |trajectory: &Trajectory, signal| trajectory.signal(signal).unwrap()[0];
     assert!((first(&whole, Signal::PressureA) - first(&right, Signal::PressureA) - 2e5).abs() < 1e-6);
     assert!((first(&whole, Signal::PressureB) - 1.05 * first(&right, Signal::PressureB)).abs() < 1e-6);
-    let below = run_of(&machine, &measured(&whole), EntryPoint::Slider, LoadSource::Constant);
+    let below = run_of(&machine, &measured(&whole), EntryPoint::Spool, LoadSource::Constant);
     for (signal, tolerance) in [(Signal::Position, 1e-9), (Signal::PressureA, 1.0), (Signal::Force, 1e-2)] {
         assert!(farthest(below.signal(signal).unwrap(), whole.signal(signal).unwrap()) < tolerance, "{signal}");
     }
@@ -139,8 +139,8 @@ fn a_slower_and_an_uneven_recording_of_the_same_command_give_the_same_motion() {
 fn a_load_taken_from_the_pressures_brings_them_and_the_motion_back() {
     let whole = run(&commanded(grid(1e-3, 1200)), EntryPoint::Command, LoadSource::Constant);
     let series = |signal| whole.signal(signal).unwrap().to_vec();
-    let slider = measured(&whole);
-    let found = run(&slider, EntryPoint::Slider, LoadSource::RecordedPressures);
+    let spool = measured(&whole);
+    let found = run(&spool, EntryPoint::Spool, LoadSource::RecordedPressures);
     let error = farthest(found.signal(Signal::Position).unwrap(), &series(Signal::Position));
     assert!(error < 1e-5, "{error}");
 }
@@ -185,20 +185,20 @@ fn without_recorded_pressures_the_machine_says_at_which_level_the_chambers_start
     assert!((first(EntryPoint::Command, &commanded) / machine.get(Parameter::SupplyPressure) - 0.3).abs() < 1e-6);
     // Recorded ones are believed.
     let recorded = measured(&run_of(&press(), &commanded, EntryPoint::Command, LoadSource::Constant));
-    assert!((first(EntryPoint::Slider, &recorded) / machine.get(Parameter::SupplyPressure) - 0.5).abs() < 1e-6);
+    assert!((first(EntryPoint::Spool, &recorded) / machine.get(Parameter::SupplyPressure) - 0.5).abs() < 1e-6);
 }
 
 #[test]
-fn a_spike_at_rest_moves_no_start_and_a_failed_slider_is_bridged() {
+fn a_spike_at_rest_moves_no_start_and_a_failed_spool_is_bridged() {
     let whole = measured(&run(&commanded(grid(1e-3, 1200)), EntryPoint::Command, LoadSource::Constant));
     let mut failed = whole.clone();
     let mut position = whole.signal(Signal::Position).unwrap().to_vec();
     position[3] += 0.02;
     failed.replace(Signal::Position, &position);
-    let mut slider = whole.signal(Signal::Spool).unwrap().to_vec();
-    slider[400] = -1.0;
-    failed.replace(Signal::Spool, &slider);
-    let of = |recording| run(recording, EntryPoint::Slider, LoadSource::Constant);
+    let mut spool = whole.signal(Signal::Spool).unwrap().to_vec();
+    spool[400] = -1.0;
+    failed.replace(Signal::Spool, &spool);
+    let of = |recording| run(recording, EntryPoint::Spool, LoadSource::Constant);
     let series = |trajectory: &Trajectory| trajectory.signal(Signal::Position).unwrap().to_vec();
     assert!(farthest(&series(&of(&failed)), &series(&of(&whole))) < 1e-5);
 }
@@ -230,20 +230,20 @@ fn a_supply_that_droops_is_computed_where_the_valve_draws_from_it() {
     let most = flow.iter().fold(0.0_f64, |most, &value| most.max(value));
     let fall = machine.get(Parameter::SupplyPressure) - lowest;
     assert!(fall > 0.9e10 * most, "{fall} of {most}");
-    let below = at(&measured(&whole), EntryPoint::Slider);
+    let below = at(&measured(&whole), EntryPoint::Spool);
     let again = below.signal(Signal::SupplyPressure).unwrap();
     assert!(farthest(again, supply) < 0.01 * fall);
 }
 
 #[test]
-fn a_followed_slider_moves_the_rod_and_the_command_moves_the_valve() {
+fn a_followed_spool_moves_the_rod_and_the_command_moves_the_valve() {
     let time_s: Vec<f64> = (0..1500).map(|row| f64::from(row) * 1e-3).collect();
     let commanded = commanded(time_s);
     let machine = press();
     let stimulus =
         Stimulus::new(&commanded, &machine, EntryPoint::Command, LoadSource::Constant, Tick::OneMillisecond).unwrap();
     let chain = simulate_f64(&machine, &stimulus, StartOffset::none()).unwrap();
-    assert!(stimulus.following().is_none(), "no slider was recorded");
+    assert!(stimulus.following().is_none(), "no spool was recorded");
 
     // Rows in which the sensor fails are bridged.
     let mut spool = chain.signal(Signal::Spool).unwrap().to_vec();
@@ -268,12 +268,12 @@ fn a_followed_slider_moves_the_rod_and_the_command_moves_the_valve() {
 }
 
 #[test]
-fn no_slider_is_followed_where_the_chain_is_entered_below_the_valve() {
+fn no_spool_is_followed_where_the_chain_is_entered_below_the_valve() {
     let time_s: Vec<f64> = (0..50).map(|row| f64::from(row) * 1e-3).collect();
     let spool = vec![0.1; time_s.len()];
     let recording = recording(time_s, vec![(Signal::Spool, spool), (Signal::Position, vec![0.1; 50])]);
     let stimulus =
-        Stimulus::new(&recording, &press(), EntryPoint::Slider, LoadSource::Constant, Tick::OneMillisecond).unwrap();
+        Stimulus::new(&recording, &press(), EntryPoint::Spool, LoadSource::Constant, Tick::OneMillisecond).unwrap();
     assert!(stimulus.following().is_none());
 }
 

@@ -1,8 +1,8 @@
 //! Readings that no sensor that works gives: spikes, drop-outs, and a reading that hangs.
 //!
-//! A rod at rest reads a constant, and so does a slider that sticks. A constant alone is no failure, then: what is found here
+//! A rod at rest reads a constant, and so does a spool that sticks. A constant alone is no failure, then: what is found here
 //! starts or ends with a jump, several times larger than every other change of the recording. A position cannot jump, as its
-//! velocity is bounded by what the recording shows. What may jump (a slider that breaks away, a pressure between two slow
+//! velocity is bounded by what the recording shows. What may jump (a spool that breaks away, a pressure between two slow
 //! samples) has to fall silent as well: repeat one reading for longer than its own noise allows. A sensor without noise that
 //! hangs to the end of the recording, or comes back where it left, cannot be told from a drive at rest, and is not; of two constants
 //! with one jump between, the first is blamed.

@@ -31,15 +31,15 @@ fn found(signal: Signal, (time_s, values): &(Vec<f64>, Vec<f64>)) -> Vec<(Failur
 }
 
 #[test]
-fn a_rod_that_rests_and_a_slider_that_sticks_have_not_failed() {
+fn a_rod_that_rests_and_a_spool_that_sticks_have_not_failed() {
     assert_eq!(found(Signal::Position, &rod()), []);
     // Breaks away from rest by a tenth of its travel, again and again, and reads no noise.
     let (time_s, _) = rod();
-    let slider = time_s
+    let spool = time_s
         .iter()
         .map(|time| ((time * 8.0).sin() * 5.0).round() / 5.0 + 1e-3 * (time * 30.0).sin().round())
         .collect();
-    assert_eq!(found(Signal::Spool, &(time_s, slider)), []);
+    assert_eq!(found(Signal::Spool, &(time_s, spool)), []);
 }
 
 #[test]
@@ -107,8 +107,8 @@ fn a_jump_over_a_gap_in_time_is_none() {
     assert_eq!(found(Signal::Position, &(time_s, values)), []);
 }
 
-/// A slider that strokes up and down with sharp corners, jumps and rings, 200 Hz, with noise of half a thousandth.
-fn stroking_slider() -> Vec<f64> {
+/// A spool that strokes up and down with sharp corners, jumps and rings, 200 Hz, with noise of half a thousandth.
+fn stroking_spool() -> Vec<f64> {
     let shape = |row: usize| match row % 100 {
         phase @ 0..30 => 0.03 * phase as f64 - 0.45,
         30..60 => 0.45,
@@ -126,7 +126,7 @@ fn spikes_stand_out_of_a_signal_that_moves_and_its_corners_jumps_and_ringing_do_
         let found = super::spikes(values, crate::signal::noise::noise(values, 0.0));
         (0..values.len()).filter(|row| found[*row]).collect()
     };
-    let clean = stroking_slider();
+    let clean = stroking_spool();
     assert!(spikes(&clean).is_empty(), "{:?}", spikes(&clean));
     let mut values = clean;
     // Both ways, on the way up and down; the median of seven rows that move so lies as far from them as these do.

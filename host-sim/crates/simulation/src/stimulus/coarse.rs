@@ -26,7 +26,7 @@ impl Stimulus {
         };
         let input = match &self.input {
             Input::Command(volts) => Input::Command(means(volts)),
-            Input::Slider(spool) => Input::Slider(every_second(spool)),
+            Input::Spool(spool) => Input::Spool(every_second(spool)),
             Input::Pump(speed, direction) => Input::Pump(means(speed), direction.iter().step_by(2).copied().collect()),
             Input::Flow(flow, ratio) => Input::Flow(every_second(flow), *ratio),
             Input::Force(force) => Input::Force(every_second(force)),
@@ -48,7 +48,7 @@ impl Stimulus {
             start: self.start,
             ticks: rows.last().map_or(0, |(point, share)| point + usize::from(*share > 0.0)),
             input,
-            slider: self.slider.as_deref().map(|spool| every_second(spool).into()),
+            spool: self.spool.as_deref().map(|spool| every_second(spool).into()),
             follows: self.follows,
             load_n: points(&self.load_n),
             oil_c: points(&self.oil_c),
@@ -113,9 +113,9 @@ mod tests {
 
     #[test]
     fn a_grid_of_twice_the_tick_drives_the_chain_the_same_but_for_the_steps_error() {
-        use EntryPoint::{Command, Slider};
+        use EntryPoint::{Command, Spool};
         for (tick, entry) in
-            [(Tick::OneMillisecond, Command), (Tick::OneMillisecond, Slider), (Tick::HalfMillisecond, Command)]
+            [(Tick::OneMillisecond, Command), (Tick::OneMillisecond, Spool), (Tick::HalfMillisecond, Command)]
         {
             // An even and an odd number of ticks, rows at half and twice the rate, and rows beside the grid.
             for times_s in

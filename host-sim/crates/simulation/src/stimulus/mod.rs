@@ -12,7 +12,7 @@ use model_core::drive::{Entry, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Bases, Machine, Parameter, Source, Tick};
 use model_core::number::{Number, Scalar};
-use model_core::ports::{Flows, Slider};
+use model_core::ports::{Flows, Spool};
 use recording::{Recording, Signal};
 
 use crate::error::SimulateError;
@@ -25,8 +25,8 @@ use crate::sensor_fault::Mended;
 pub enum EntryPoint {
     /// Command at the valve.
     Command,
-    /// Measured slider.
-    Slider,
+    /// Measured spool.
+    Spool,
     /// Speed of the pump and direction of its valve.
     Pump,
     /// Measured flow into A; what leaves B is what the valve's other edge passes as far open, or of a pump drive the area ratio's share.
@@ -41,7 +41,7 @@ impl EntryPoint {
     pub fn driving(self) -> Signal {
         match self {
             EntryPoint::Command => Signal::Command,
-            EntryPoint::Slider => Signal::Spool,
+            EntryPoint::Spool => Signal::Spool,
             EntryPoint::Pump => Signal::PumpSpeed,
             EntryPoint::Flow => Signal::Flow,
             EntryPoint::Force => Signal::Force,
@@ -61,7 +61,7 @@ enum Input {
     /// Held over each tick, V.
     Command(Vec<f64>),
     /// At grid points, 1.
-    Slider(Vec<f64>),
+    Spool(Vec<f64>),
     /// Mean speed (rev/s) and direction over each tick.
     Pump(Vec<f64>, Vec<i8>),
     /// At grid points, m³/s, and Ab/Aa.
@@ -81,9 +81,9 @@ pub struct Stimulus {
     pub start: Start,
     pub(crate) ticks: usize,
     input: Input,
-    /// At grid points, 1: the recorded slider, where the chain is entered at the command and it could meter the oil in the
+    /// At grid points, 1: the recorded spool, where the chain is entered at the command and it could meter the oil in the
     /// valve's place. Copies of a stimulus share it.
-    slider: Option<Arc<[f64]>>,
+    spool: Option<Arc<[f64]>>,
     /// Whether it does, while the valve runs beside.
     follows: bool,
     /// External force at grid points, N.
@@ -103,7 +103,7 @@ pub fn first_entry(source: Source, recording: &Recording) -> Result<EntryPoint, 
     let candidates: &[(EntryPoint, bool)] = match source {
         Source::Valve => &[
             (EntryPoint::Command, has(Signal::Command)),
-            (EntryPoint::Slider, has(Signal::Spool)),
+            (EntryPoint::Spool, has(Signal::Spool)),
             (EntryPoint::Flow, has(Signal::Flow)),
             (EntryPoint::Force, has(Signal::Force)),
         ],
@@ -172,9 +172,7 @@ impl Stimulus {
             EntryPoint::Command => {
                 Input::Command(grid.held(need(Signal::Command, "the chain is entered at the command")?))
             }
-            EntryPoint::Slider => {
-                Input::Slider(grid.points(need(Signal::Spool, "the chain is entered at the slider")?))
-            }
+            EntryPoint::Spool => Input::Spool(grid.points(need(Signal::Spool, "the chain is entered at the spool")?)),
             EntryPoint::Flow => Input::Flow(
                 grid.points(need(Signal::Flow, "the chain is entered at the flow")?),
                 machine.get(Parameter::AreaB) / machine.get(Parameter::AreaA),
@@ -193,8 +191,8 @@ impl Stimulus {
                 None => grid.points(&pressure_force(recording, machine)?),
             }),
         };
-        let slider = recording.signal(Signal::Spool).filter(|_| entry == EntryPoint::Command);
-        let slider = slider.map(|spool| grid.points(spool).into());
+        let spool = recording.signal(Signal::Spool).filter(|_| entry == EntryPoint::Command);
+        let spool = spool.map(|spool| grid.points(spool).into());
         let balanced = load == LoadSource::RecordedPressures && entry != EntryPoint::Force;
         let damping = balanced.then(|| light_damping(machine));
         let load_n = if let Some(damping) = damping {
@@ -209,7 +207,7 @@ impl Stimulus {
             start: start(recording, machine),
             ticks: grid.ticks,
             input,
-            slider,
+            spool,
             follows: false,
             load_n,
             oil_c: recording.signal(Signal::OilTemperature).map(|temperature| grid.points(temperature)),
@@ -226,25 +224,25 @@ impl Stimulus {
         self.rows.truncate(kept.min(rows));
     }
 
-    /// The same with the recorded slider metering the oil, beside the valve that the command moves: what the valve misses
-    /// reaches nothing below it. `None` where the chain is not entered at the command, or the slider was not recorded.
+    /// The same with the recorded spool metering the oil, beside the valve that the command moves: what the valve misses
+    /// reaches nothing below it. `None` where the chain is not entered at the command, or the spool was not recorded.
     #[must_use]
     pub fn following(&self) -> Option<Self> {
-        self.slider.is_some().then(|| Self { follows: true, ..self.clone() })
+        self.spool.is_some().then(|| Self { follows: true, ..self.clone() })
     }
 
-    /// The same with an error of the sensor that drives what is below it (the recorded slider, beside the valve that the command moves; else
-    /// the slider, flow or force that the chain is entered at), drawn for every row and in between along a straight line.
+    /// The same with an error of the sensor that drives what is below it (the recorded spool, beside the valve that the command moves; else
+    /// the spool, flow or force that the chain is entered at), drawn for every row and in between along a straight line.
     #[must_use]
     pub fn disturbed(&self, error: impl FnMut() -> f64) -> Self {
         let mut disturbed = self.clone();
         match &mut disturbed.input {
-            Input::Slider(series) | Input::Flow(series, _) | Input::Force(series) => disturb(series, &self.rows, error),
+            Input::Spool(series) | Input::Flow(series, _) | Input::Force(series) => disturb(series, &self.rows, error),
             Input::Command(_) | Input::Pump(..) => {
-                disturbed.slider = self.slider.as_ref().map(|slider| {
-                    let mut slider = slider.to_vec();
-                    disturb(&mut slider, &self.rows, error);
-                    slider.into()
+                disturbed.spool = self.spool.as_ref().map(|spool| {
+                    let mut spool = spool.to_vec();
+                    disturb(&mut spool, &self.rows, error);
+                    spool.into()
                 });
             }
         }
@@ -279,9 +277,9 @@ impl Stimulus {
         self.entry != EntryPoint::Pump && kind(self) == kind(other)
     }
 
-    /// The recorded slider, where it meters the oil beside the valve.
+    /// The recorded spool, where it meters the oil beside the valve.
     fn followed(&self) -> Option<&[f64]> {
-        if self.follows { self.slider.as_deref() } else { None }
+        if self.follows { self.spool.as_deref() } else { None }
     }
 
     /// How many rows the recording has.
@@ -307,11 +305,11 @@ impl Stimulus {
         let next = |base: f64| read(Self::entering, tick + 1, base);
         match &self.input {
             Input::Command(_) if self.follows => {
-                let slider = Slider { from: read(Self::spool, tick, 1.0), to: read(Self::spool, tick + 1, 1.0) };
-                Entry::Followed { command: at(bases.command_v), slider }
+                let spool = Spool { from: read(Self::spool, tick, 1.0), to: read(Self::spool, tick + 1, 1.0) };
+                Entry::Followed { command: at(bases.command_v), spool }
             }
             Input::Command(_) => Entry::Command(at(bases.command_v)),
-            Input::Slider(_) => Entry::Slider(Slider { from: at(1.0), to: next(1.0) }),
+            Input::Spool(_) => Entry::Spool(Spool { from: at(1.0), to: next(1.0) }),
             Input::Pump(_, direction) => Entry::Pump(PumpDrive {
                 speed: at(bases.pump_speed_rev_per_s),
                 direction: direction.get(tick).copied().unwrap_or(0),
@@ -336,16 +334,16 @@ impl Stimulus {
     fn entering(&self) -> &[f64] {
         match &self.input {
             Input::Command(series)
-            | Input::Slider(series)
+            | Input::Spool(series)
             | Input::Pump(series, _)
             | Input::Flow(series, _)
             | Input::Force(series) => series,
         }
     }
 
-    /// The recorded slider beside a command.
+    /// The recorded spool beside a command.
     fn spool(&self) -> &[f64] {
-        self.slider.as_deref().unwrap_or_default()
+        self.spool.as_deref().unwrap_or_default()
     }
 
     /// External force, N; empty where there is none.
@@ -371,10 +369,10 @@ impl Stimulus {
         }
     }
 
-    /// The recorded slider that meters the oil.
+    /// The recorded spool that meters the oil.
     pub(crate) fn metering_at<N: Scalar>(&self, point: usize) -> Option<N> {
         let spool = match &self.input {
-            Input::Slider(spool) => Some(spool.as_slice()),
+            Input::Spool(spool) => Some(spool.as_slice()),
             _ => self.followed(),
         };
         spool.and_then(|spool| spool.get(point)).map(|&value| N::saturated(value))

@@ -15,7 +15,7 @@ fn ticks(count: usize) -> Vec<f64> {
     (0..count).map(|k| k as f64 * 1e-3).collect()
 }
 
-/// A valve drive whose command keeps the slider inside its dead zone.
+/// A valve drive whose command keeps the spool inside its dead zone.
 fn closed_valve(effects: &[PlantEffect], load: LoadProfile, initial: &InitialState, count: usize) -> Vec<PlantState> {
     let plant = Plant::new(&press(), SIMPLE).unwrap().with_effects(effects).with_load(load);
     plant.simulate(&Commands::Valve(vec![0.0; count]), initial, &ticks(count)).unwrap()

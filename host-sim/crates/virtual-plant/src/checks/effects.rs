@@ -1,4 +1,4 @@
-//! What each effect of flow, chambers and mechanics must do, by head. (Valve: `shaped_slider_tests`; sensing: `sight`.)
+//! What each effect of flow, chambers and mechanics must do, by head. (Valve: `shaped_spool_tests`; sensing: `sight`.)
 
 use model_core::machine::Machine;
 use model_core::machine::Parameter::*;

@@ -130,7 +130,7 @@ fn simulate(machine: &Machine<f64>, volts: &[f64], tolerance: f64) -> Vec<PlantS
     plant.simulate(&Commands::Valve(volts.to_vec()), &initial, &times(volts.len())).unwrap()
 }
 
-/// Largest differences of slider, both pressures (in supply pressures) and position (in strokes).
+/// Largest differences of spool, both pressures (in supply pressures) and position (in strokes).
 fn distance(machine: &Machine<f64>, one: &[[f64; 4]], other: &[[f64; 4]]) -> [f64; 4] {
     assert_eq!(one.len(), other.len());
     let scale = [1.0, machine.get(SupplyPressure), machine.get(SupplyPressure), machine.get(Stroke)];
@@ -176,7 +176,7 @@ fn the_solution_converges_with_the_tolerance() {
     }
 }
 
-/// Saturated flow, a slider that jumps, friction that sticks: kinks that nobody announces to the
+/// Saturated flow, a spool that jumps, friction that sticks: kinks that nobody announces to the
 /// integrator.
 #[test]
 fn the_solution_converges_through_saturation_jumps_and_sticking() {

@@ -67,7 +67,7 @@ impl Setting {
         }
     }
 
-    /// Standard deviations of slider, position, both pressures, rounding included.
+    /// Standard deviations of spool, position, both pressures, rounding included.
     pub(crate) fn noise_of(&self) -> [f64; 4] {
         let sensors = self.sensors();
         let with_step = |std: f64, step: f64| std.hypot(step / 12.0_f64.sqrt());

@@ -117,7 +117,7 @@ impl Channels {
         }
     }
 
-    /// Slider, position, pressure in A and in B.
+    /// Spool, position, pressure in A and in B.
     fn recorded(self) -> [bool; 4] {
         let pressures = matches!(self, Self::Pressures | Self::Full | Self::Pump);
         [!matches!(self, Self::Position | Self::Pump), true, pressures, pressures]

@@ -133,7 +133,7 @@ impl<'a> Shown<'a> {
         Ok(DVector::from_vec(all))
     }
 
-    /// Slider, position and pressures at some of the rows, in parts of their noise; a channel that is not recorded is 0.
+    /// Spool, position and pressures at some of the rows, in parts of their noise; a channel that is not recorded is 0.
     fn rows(&self, made: &SyntheticRecording) -> Vec<f64> {
         let noise = self.setting.noise_of();
         let seen = self.setting.channels.recorded();

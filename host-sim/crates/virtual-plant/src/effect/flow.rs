@@ -5,14 +5,14 @@ use crate::flow::orifice::signed_root;
 use crate::tangent::Real;
 use crate::terms::{Conditions, Inputs, State, Terms};
 
-/// An effect between slider and chambers.
+/// An effect between spool and chambers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FlowEffect {
     /// One side overlaps more than the machine says.
     DeadZone {
-        /// Slider travel added to the overlap of the extending side.
+        /// Spool travel added to the overlap of the extending side.
         extending: f64,
-        /// Slider travel added to the overlap of the retracting side.
+        /// Spool travel added to the overlap of the retracting side.
         retracting: f64,
     },
     /// The flow is not in proportion to the opening.
@@ -42,7 +42,7 @@ pub enum FlowEffect {
     Leakage {
         /// Opening at the centre, 1.
         opening: f64,
-        /// Slider travel at which it has fallen to 1/e.
+        /// Spool travel at which it has fallen to 1/e.
         reach: f64,
         /// Pressure difference up to which the gap is laminar, Pa.
         laminar_pa: f64,

@@ -87,9 +87,9 @@ pub enum PlantEffect {
     Cavitation(Cavitation),
     /// The chambers' volumes follow the piston.
     PositionDependentVolume,
-    /// Between command and slider.
+    /// Between command and spool.
     Valve(ValveEffect),
-    /// Between slider and chambers.
+    /// Between spool and chambers.
     Flow(FlowEffect),
     /// Dry friction.
     Friction(DryFriction),

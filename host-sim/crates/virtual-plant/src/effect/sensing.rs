@@ -3,7 +3,7 @@
 /// Which channel reads wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channel {
-    /// Slider position.
+    /// Spool position.
     Spool,
     /// Rod position.
     Position,

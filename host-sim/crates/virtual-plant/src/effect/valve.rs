@@ -1,21 +1,21 @@
-//! What the slider does beyond the paper's valve; the motion itself is in [`crate::spool::with_effects`].
+//! What the spool does beyond the paper's valve; the motion itself is in [`crate::spool::with_effects`].
 
-/// An effect between the command and the slider.
+/// An effect between the command and the spool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ValveEffect {
     /// Several plays of unequal width and weight in parallel, behind the rate limit.
     WeightedPlays {
-        /// Slider travel between settling from above and from below.
+        /// Spool travel between settling from above and from below.
         width: f64,
     },
     /// A hysteresis that closes smoothly (Bouc and Wen), behind the rate limit.
     BoucWen {
-        /// Slider travel between settling from above and from below.
+        /// Spool travel between settling from above and from below.
         width: f64,
         /// Travel over which it turns from one branch to the other.
         turning: f64,
     },
-    /// The spool sticks: static and kinetic friction against the centring spring, in slider travel.
+    /// The spool sticks: static and kinetic friction against the centring spring, in spool travel.
     Stiction {
         /// Travel that is asked for before it breaks away.
         break_away: f64,
@@ -36,11 +36,11 @@ pub enum ValveEffect {
         /// s, the travel that is never passed.
         ceiling: f64,
     },
-    /// The oil pushes the slider closed by its momentum, and brakes it.
+    /// The oil pushes the spool closed by its momentum, and brakes it.
     FlowForce {
         /// Share of the opening per pressure over both open edges, 1/Pa.
         closing_per_pa: f64,
-        /// Time per root of that pressure with which the flow resists a moving slider, s/√Pa.
+        /// Time per root of that pressure with which the flow resists a moving spool, s/√Pa.
         braking_s_per_root_pa: f64,
     },
 }

@@ -1,4 +1,4 @@
-//! The valve's four edges with the lines before and behind them: slider position and pressures to Qa and Qb.
+//! The valve's four edges with the lines before and behind them: spool position and pressures to Qa and Qb.
 
 use super::orifice::{limited, signed_root};
 use crate::tangent::Real;
@@ -70,7 +70,7 @@ pub(crate) struct Ports<R> {
 /// The edges of a valve.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Edges {
-    /// m³/s per √Pa of a fully open slider.
+    /// m³/s per √Pa of a fully open spool.
     pub(crate) coefficient: f64,
     /// Overlap on the extending and on the retracting side.
     pub(crate) dead_zone: [f64; 2],
@@ -86,7 +86,7 @@ pub(crate) struct Edges {
 }
 
 impl Edges {
-    /// Slider travel beyond the dead zone, with the slider's sign.
+    /// Spool travel beyond the dead zone, with the spool's sign.
     #[must_use]
     pub(crate) fn opening(&self, spool: f64) -> f64 {
         let [extending, retracting] = self.dead_zone;

@@ -22,7 +22,7 @@ pub struct SyntheticRecording {
     pub command_v: Vec<f64>,
     /// Speed and direction of a pump drive; empty for a valve drive.
     pub pump: Vec<PumpCommand>,
-    /// Slider position of a valve drive as measured, 1; empty for a pump drive.
+    /// Spool position of a valve drive as measured, 1; empty for a pump drive.
     pub spool: Vec<f64>,
     /// Rod position as measured, m.
     pub position_m: Vec<f64>,
@@ -125,7 +125,7 @@ impl SyntheticRecording {
     }
 
     /// The recording with each channel rounded to what its sensor can tell, so that its text is short: command 0.1 mV,
-    /// slider 1e-6, position 0.1 µm, pressure 1 Pa, temperature 0.01 K.
+    /// spool 1e-6, position 0.1 µm, pressure 1 Pa, temperature 0.01 K.
     #[must_use]
     pub fn rounded(mut self) -> Self {
         let round = |values: &mut Vec<f64>, per_unit: f64| {

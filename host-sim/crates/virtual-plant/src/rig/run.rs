@@ -108,7 +108,7 @@ impl Bench {
             recording.spool.push(reading.spool);
             Command::Valve(command_v)
         })?;
-        // The slider rests on the first command, which was not chosen yet when the sensors were read.
+        // The spool rests on the first command, which was not chosen yet when the sensors were read.
         if let (Some(state), Some(seen)) = (recording.truth.first(), recording.seen.first_mut()) {
             *seen = Sight::new(self.plant.physics.effects()).see(0.0, state);
             if let Some(spool) = recording.spool.first_mut() {
@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_row_shows_the_slider_resting_on_the_first_command() {
+    fn the_first_row_shows_the_spool_resting_on_the_first_command() {
         let initial = InitialState::at_rest(&press(), 0.15);
         let recording = bench(&[], None).record(&Drive::Commands(vec![3.0; 5]), &initial).unwrap();
         assert!((recording.spool[0] - (0.0559 * 3.0 + 0.0345)).abs() < 1.0 / 32768.0);

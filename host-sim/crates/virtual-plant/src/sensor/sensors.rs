@@ -10,10 +10,10 @@ fn quantised(value: f64, step: f64) -> f64 {
     if step > 0.0 { (value / step).round() * step } else { value }
 }
 
-/// The slider's LVDT.
+/// The spool's LVDT.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpoolSensor {
-    /// Counts per full slider travel; it reads −counts to counts − 1.
+    /// Counts per full spool travel; it reads −counts to counts − 1.
     pub counts_per_unit: f64,
     /// Standard deviation of its noise before rounding, in parts of the travel.
     pub noise_std: f64,
@@ -99,7 +99,7 @@ impl Thermometer {
 /// All sensors of a drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensors {
-    /// Slider position.
+    /// Spool position.
     pub spool: SpoolSensor,
     /// Rod position.
     pub position: PositionSensor,
@@ -146,7 +146,7 @@ impl Sensors {
 /// What the sensors show at one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reading {
-    /// Slider position, 1.
+    /// Spool position, 1.
     pub spool: f64,
     /// Rod position, m.
     pub position_m: f64,

@@ -1,4 +1,4 @@
-//! The valve's slider: command to slider position, in closed form.
+//! The valve's spool: command to spool position, in closed form.
 //!
 //! Set value w = gain·U + offset (15), held over each command interval; a rate limiter that is exact
 //! in continuous time (r moves towards w at ± the rate and stays on it); a transport delay; two
@@ -11,10 +11,10 @@ use model_core::machine::{Machine, Parameter};
 
 /// The valve's parameters, in SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct SliderParameters {
-    /// Slider travel per volt. (15)
+pub(crate) struct SpoolParameters {
+    /// Spool travel per volt. (15)
     pub(crate) gain_per_v: f64,
-    /// Slider position at zero volts.
+    /// Spool position at zero volts.
     pub(crate) offset: f64,
     /// Largest speed of the set value, 1/s; may be infinite.
     pub(crate) rate_per_s: f64,
@@ -24,7 +24,7 @@ pub(crate) struct SliderParameters {
     pub(crate) delay_s: f64,
 }
 
-impl SliderParameters {
+impl SpoolParameters {
     /// Reads them from a machine.
     #[must_use]
     pub(crate) fn of(machine: &Machine<f64>) -> Self {
@@ -52,27 +52,27 @@ impl Ramp {
     }
 }
 
-/// The slider on one linear piece of its delayed set value: x(t) in closed form, smooth.
+/// The spool on one linear piece of its delayed set value: x(t) in closed form, smooth.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct SliderPiece {
+pub(crate) struct SpoolPiece {
     start_s: f64,
     /// Delayed set value at the start, and its slope.
     value: f64,
     slope_per_s: f64,
     /// Lags in the order they are passed; those of 0 stand first.
     lags_s: [f64; 2],
-    /// What the first lag and the slider are off their particular solution, at the start.
+    /// What the first lag and the spool are off their particular solution, at the start.
     transient: [f64; 2],
 }
 
-impl SliderPiece {
-    /// A slider that stays where it is.
+impl SpoolPiece {
+    /// A spool that stays where it is.
     #[must_use]
     pub(crate) const fn resting_at(position: f64) -> Self {
         Self { start_s: 0.0, value: position, slope_per_s: 0.0, lags_s: [0.0; 2], transient: [0.0; 2] }
     }
 
-    /// `states` are the first lag's output and the slider position at the start of the ramp.
+    /// `states` are the first lag's output and the spool position at the start of the ramp.
     fn new(ramp: Ramp, lags_s: [f64; 2], states: [f64; 2]) -> Self {
         let [first, second] = lags_s;
         let first_transient = if first > 0.0 { states[0] - ramp.value + ramp.slope_per_s * first } else { 0.0 };
@@ -87,7 +87,7 @@ impl SliderPiece {
         }
     }
 
-    /// Output of the first lag and slider position, at a time not before the piece's start.
+    /// Output of the first lag and spool position, at a time not before the piece's start.
     fn states(&self, time_s: f64) -> [f64; 2] {
         let t = time_s - self.start_s;
         let [first, second] = self.lags_s;
@@ -107,27 +107,27 @@ impl SliderPiece {
         [inner, x]
     }
 
-    /// Slider position, 1, at a time within the piece.
+    /// Spool position, 1, at a time within the piece.
     #[must_use]
     pub(crate) fn position(&self, time_s: f64) -> f64 {
         self.states(time_s)[1]
     }
 }
 
-/// The slider with its command history, fed command by command.
+/// The spool with its command history, fed command by command.
 #[derive(Clone, Debug)]
-pub(crate) struct Slider {
-    parameters: SliderParameters,
+pub(crate) struct Spool {
+    parameters: SpoolParameters,
     /// Pieces of r, by the time they act on the lags (delay added). The first is in force.
     ramps: VecDeque<Ramp>,
     target: f64,
-    piece: SliderPiece,
+    piece: SpoolPiece,
 }
 
-impl Slider {
+impl Spool {
     /// At rest on the set value of `command_v`, as if that command had always been there.
     #[must_use]
-    pub(crate) fn at_rest(parameters: SliderParameters, start_s: f64, command_v: f64) -> Self {
+    pub(crate) fn at_rest(parameters: SpoolParameters, start_s: f64, command_v: f64) -> Self {
         let target = parameters.gain_per_v * command_v + parameters.offset;
         let [one, two] = parameters.time_constants_s;
         let lags_s = if two > 0.0 { [one, two] } else { [two, one] };
@@ -136,7 +136,7 @@ impl Slider {
             parameters,
             ramps: VecDeque::from([ramp]),
             target,
-            piece: SliderPiece::new(ramp, lags_s, [target, target]),
+            piece: SpoolPiece::new(ramp, lags_s, [target, target]),
         }
     }
 
@@ -163,12 +163,12 @@ impl Slider {
 
     /// The piece in force from `time_s` on, and the time of the next corner of the set value
     /// (infinite if none is known). Times do not go back.
-    pub(crate) fn piece_from(&mut self, time_s: f64) -> (SliderPiece, f64) {
+    pub(crate) fn piece_from(&mut self, time_s: f64) -> (SpoolPiece, f64) {
         while let Some(&next) = self.ramps.get(1)
             && next.start_s <= time_s
         {
             let states = self.piece.states(next.start_s.max(self.piece.start_s));
-            self.piece = SliderPiece::new(next, self.piece.lags_s, states);
+            self.piece = SpoolPiece::new(next, self.piece.lags_s, states);
             self.ramps.pop_front();
         }
         (self.piece, self.ramps.get(1).map_or(f64::INFINITY, |next| next.start_s))
@@ -179,54 +179,54 @@ impl Slider {
 mod tests {
     use super::*;
 
-    fn slider(lags: [f64; 2], rate_per_s: f64, delay_s: f64) -> Slider {
+    fn spool(lags: [f64; 2], rate_per_s: f64, delay_s: f64) -> Spool {
         let parameters =
-            SliderParameters { gain_per_v: 0.05, offset: 0.01, rate_per_s, time_constants_s: lags, delay_s };
-        Slider::at_rest(parameters, 0.0, 0.0)
+            SpoolParameters { gain_per_v: 0.05, offset: 0.01, rate_per_s, time_constants_s: lags, delay_s };
+        Spool::at_rest(parameters, 0.0, 0.0)
     }
 
-    fn position(slider: &mut Slider, time_s: f64) -> f64 {
-        slider.piece_from(time_s).0.position(time_s)
+    fn position(spool: &mut Spool, time_s: f64) -> f64 {
+        spool.piece_from(time_s).0.position(time_s)
     }
 
     #[test]
-    fn a_slider_at_rest_stays() {
-        let mut slider = slider([0.02, 0.03], 12.0, 0.007);
-        slider.command(0.0, 0.0);
-        assert!((position(&mut slider, 5.0) - 0.01).abs() < 1e-16);
+    fn a_spool_at_rest_stays() {
+        let mut spool = spool([0.02, 0.03], 12.0, 0.007);
+        spool.command(0.0, 0.0);
+        assert!((position(&mut spool, 5.0) - 0.01).abs() < 1e-16);
     }
 
     #[test]
     fn without_lags_the_ramp_arrives_after_the_delay_and_stops_on_the_target() {
-        let mut slider = slider([0.0, 0.0], 10.0, 0.0035);
-        slider.command(0.0, 4.0); // 0.2 away: 0.02 s
-        assert!((position(&mut slider, 0.003) - 0.01).abs() < 1e-15);
-        assert!((position(&mut slider, 0.0135) - 0.11).abs() < 1e-14);
-        assert!((position(&mut slider, 0.1) - 0.21).abs() < 1e-15);
+        let mut spool = spool([0.0, 0.0], 10.0, 0.0035);
+        spool.command(0.0, 4.0); // 0.2 away: 0.02 s
+        assert!((position(&mut spool, 0.003) - 0.01).abs() < 1e-15);
+        assert!((position(&mut spool, 0.0135) - 0.11).abs() < 1e-14);
+        assert!((position(&mut spool, 0.1) - 0.21).abs() < 1e-15);
     }
 
     #[test]
     fn an_unlimited_rate_jumps() {
-        let mut slider = slider([0.0, 0.0], f64::INFINITY, 0.0);
-        slider.command(1.0, 2.0);
-        assert!((position(&mut slider, 1.0) - 0.11).abs() < 1e-15);
+        let mut spool = spool([0.0, 0.0], f64::INFINITY, 0.0);
+        spool.command(1.0, 2.0);
+        assert!((position(&mut spool, 1.0) - 0.11).abs() < 1e-15);
     }
 
     #[test]
     fn closed_form_agrees_with_small_euler_steps_for_any_order_of_lags() {
         for lags in [[0.018, 0.0279], [0.0279, 0.018], [0.02, 0.02], [0.02, 0.02 + 1e-12], [0.03, 0.0], [0.0, 0.03]] {
-            let mut slider = slider(lags, 12.0, 0.0023);
+            let mut spool = spool(lags, 12.0, 0.0023);
             let commands = [(0.0, 8.0), (0.012, -6.0), (0.1, 1.0)];
             let (mut r, mut a, mut x, step) = (0.01, 0.01, 0.01, 1e-6);
             let mut next = 0;
             for k in 0..200_000_u32 {
                 let t = f64::from(k) * step;
                 while commands.get(next).is_some_and(|&(at, _)| at <= t) {
-                    slider.command(commands[next].0, commands[next].1);
+                    spool.command(commands[next].0, commands[next].1);
                     next += 1;
                 }
                 if k % 1000 == 0 {
-                    assert!((position(&mut slider, t) - x).abs() < 5e-5, "{lags:?} {t}");
+                    assert!((position(&mut spool, t) - x).abs() < 5e-5, "{lags:?} {t}");
                 }
                 let delayed = commands.iter().rev().find(|(at, _)| at + 0.0023 <= t).map_or(0.0, |c| c.1);
                 r += (0.05 * delayed + 0.01 - r).clamp(-12.0 * step, 12.0 * step);

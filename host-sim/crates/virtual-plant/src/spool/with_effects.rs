@@ -1,10 +1,10 @@
-//! A slider with effects: small steps over the exact set value, a smooth curve through them.
+//! A spool with effects: small steps over the exact set value, a smooth curve through them.
 //!
-//! The set value behind rate limit and delay is exact ([`Slider`] without lags). From there: hysteresis, saturation and
+//! The set value behind rate limit and delay is exact ([`Spool`] without lags). From there: hysteresis, saturation and
 //! drift on the set value; the two lags, exact over each step for a set value that is linear in it; flow force as what
-//! the second lag's spring is off; stiction on what it moves. Steps of at most 0.125 ms keep the slider to 1e-5 of its travel.
+//! the second lag's spring is off; stiction on what it moves. Steps of at most 0.125 ms keep the spool to 1e-5 of its travel.
 
-use super::linear::{Slider, SliderParameters};
+use super::linear::{Spool, SpoolParameters};
 use crate::effect::valve::ValveEffect;
 use crate::flow::edges::Edges;
 use crate::physics::State;
@@ -23,7 +23,7 @@ struct Step {
     speed_to: f64,
 }
 
-/// The slider over a short stretch: a cubic on each step.
+/// The spool over a short stretch: a cubic on each step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Curve {
     start_s: f64,
@@ -133,10 +133,10 @@ struct FlowForce {
     braking_s_per_root_pa: f64,
 }
 
-/// The slider with its command history and the memory of its effects.
+/// The spool with its command history and the memory of its effects.
 #[derive(Clone, Debug)]
-pub(crate) struct ShapedSlider {
-    set: Slider,
+pub(crate) struct ShapedSpool {
+    set: Spool,
     lags_s: [f64; 2],
     shapes: Vec<Shape>,
     sticking: Option<Sticking>,
@@ -149,16 +149,16 @@ pub(crate) struct ShapedSlider {
     inner: f64,
     /// What the second lag's spring pulls to.
     pulled_to: f64,
-    /// Output of the second lag: the slider, if it does not stick.
+    /// Output of the second lag: the spool, if it does not stick.
     free: f64,
     x: f64,
     curve: Curve,
 }
 
-impl ShapedSlider {
+impl ShapedSpool {
     /// At rest on the set value of `command_v`.
-    pub(crate) fn at_rest(parameters: SliderParameters, effects: &[ValveEffect], start_s: f64, command_v: f64) -> Self {
-        let unlagged = SliderParameters { time_constants_s: [0.0; 2], ..parameters };
+    pub(crate) fn at_rest(parameters: SpoolParameters, effects: &[ValveEffect], start_s: f64, command_v: f64) -> Self {
+        let unlagged = SpoolParameters { time_constants_s: [0.0; 2], ..parameters };
         let raw = parameters.gain_per_v * command_v + parameters.offset;
         let mut shapes: Vec<Shape> = effects.iter().filter_map(|&effect| Shape::of(effect, raw, start_s)).collect();
         let x = shapes.iter_mut().fold(raw, |set, shape| shape.pass(start_s, set, set));
@@ -175,7 +175,7 @@ impl ShapedSlider {
             _ => None,
         });
         Self {
-            set: Slider::at_rest(unlagged, start_s, command_v),
+            set: Spool::at_rest(unlagged, start_s, command_v),
             lags_s: parameters.time_constants_s,
             shapes,
             sticking,
@@ -250,7 +250,7 @@ impl ShapedSlider {
         }
     }
 
-    /// How far the flow pushes the slider towards closed, and what it adds to the second lag, s.
+    /// How far the flow pushes the spool towards closed, and what it adds to the second lag, s.
     fn pushed(&self, edges: &Edges, state: &State<f64>) -> (f64, f64) {
         let opening = edges.opening(self.x);
         let (high, low) =
@@ -262,7 +262,7 @@ impl ShapedSlider {
 }
 
 impl Sticking {
-    /// Where the slider goes from `x` while its spring would have it at `free`.
+    /// Where the spool goes from `x` while its spring would have it at `free`.
     fn moved(&mut self, x: f64, free: f64, step_s: f64) -> f64 {
         let pull = free - x;
         self.moving |= pull.abs() > self.break_away;

@@ -93,7 +93,7 @@ impl Candidate {
     }
 
     /// Whether it has a stiction that hardly jumps. Some do; and free runs, in which a jump that is a row late costs more than none, end there
-    /// whatever the slider does: strengths from there say little of it.
+    /// whatever the spool does: strengths from there say little of it.
     #[must_use]
     pub fn hardly_jumps(&self) -> bool {
         let is_of = |chosen: &Chosen| chosen.has(Parameter::StictionBand);

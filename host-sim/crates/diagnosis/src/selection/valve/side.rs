@@ -10,7 +10,7 @@ use crate::localisation::balances::OF_VALVE;
 use crate::selection::candidate::Question;
 use crate::selection::decision_rule::{BELOW_SPOOL_SEARCHED_TO, VALVE_SEARCHED_TO};
 
-/// A side of the slider.
+/// A side of the spool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Side {
     /// The valve, which moves it.
@@ -32,7 +32,7 @@ impl Side {
         if effect.subsystem == Subsystem::Valve { Self::Valve } else { Self::Below }
     }
 
-    /// Times its noise that its worst signal is searched down to. What the recorded slider did between two rows is not known: below it
+    /// Times its noise that its worst signal is searched down to. What the recorded spool did between two rows is not known: below it
     /// that adds to all.
     pub(super) fn near(self) -> f64 {
         match self {

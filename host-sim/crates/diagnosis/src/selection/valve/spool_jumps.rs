@@ -1,8 +1,8 @@
-//! The jumps of a slider that sticks, and what they measure.
+//! The jumps of a spool that sticks, and what they measure.
 //!
-//! The recorded slider says itself when it jumps, from where and to where. Then the free slider, which its springs would have where nothing
+//! The recorded spool says itself when it jumps, from where and to where. Then the free spool, which its springs would have where nothing
 //! stuck, has just come `band` away from where it rested, and is `kept·band` away from where it lands. Midway between both, it is ahead by
-//! ½·band·(1 + kept), and the jump is band·(1 − kept) long, whatever else the valve does: each jump measures the free slider once, but for how
+//! ½·band·(1 + kept), and the jump is band·(1 − kept) long, whatever else the valve does: each jump measures the free spool once, but for how
 //! far it is ahead, which all have in common.
 
 use identification::experiment::{Channel, Prepared};
@@ -13,7 +13,7 @@ use simulation::signal::noise::{median, resolution};
 use crate::selection::candidate::Candidate;
 use crate::selection::decision_rule::{FEWEST_JUMPS, JUMPS_ALIKE, JUMPS_ALIKE_SHARE};
 
-/// Least noise of a row, of full travel: a slider that rests to the last bit.
+/// Least noise of a row, of full travel: a spool that rests to the last bit.
 const LEAST_NOISE: f64 = 1e-5;
 /// Two neighbouring rows that differ by more than so many times the noise are a jump, or part of one.
 const JUMPS: f64 = 6.0;
@@ -22,12 +22,12 @@ const LONGEST: usize = 3;
 /// Most rows on either side of a jump that its levels are the means of.
 const MOST_LEVEL: usize = 16;
 
-/// A jump of the slider.
+/// A jump of the spool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Jump {
     /// The first row after it.
     row: usize,
-    /// Where the slider rested before.
+    /// Where the spool rested before.
     from: f64,
     /// Where it rests after it.
     to: f64,
@@ -41,10 +41,10 @@ impl Jump {
     }
 }
 
-/// Every jump of a slider between two rests, where a row at rest has so much noise.
-fn jumps(slider: &Channel, noise: f64) -> Vec<Jump> {
-    let x = &slider.bridged();
-    let is_known = |row: usize| !slider.failed[row] && !slider.failed[row - 1];
+/// Every jump of a spool between two rests, where a row at rest has so much noise.
+fn jumps(spool: &Channel, noise: f64) -> Vec<Jump> {
+    let x = &spool.bridged();
+    let is_known = |row: usize| !spool.failed[row] && !spool.failed[row - 1];
     let is_far = |row: usize| is_known(row) && (x[row] - x[row - 1]).abs() > JUMPS * noise;
     // First and last row of each stretch in which it goes on moving.
     let mut moves: Vec<(usize, usize)> = Vec::new();
@@ -70,11 +70,11 @@ fn jumps(slider: &Channel, noise: f64) -> Vec<Jump> {
         .collect()
 }
 
-/// Noise of a row of a slider that mostly rests: at least its sensor's step, for all that such a slider does by one count is as long.
-fn noise_at_rest(slider: &Channel) -> f64 {
+/// Noise of a row of a spool that mostly rests: at least its sensor's step, for all that such a spool does by one count is as long.
+fn noise_at_rest(spool: &Channel) -> f64 {
     // Of white noise, a difference's median over its standard deviation, and that over the noise's.
     const SHARE: f64 = 0.6745 * std::f64::consts::SQRT_2;
-    let readings = slider.bridged();
+    let readings = spool.bridged();
     let mut steps: Vec<f64> = readings.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
     (median(&mut steps) / SHARE).max(resolution(&readings)).max(LEAST_NOISE)
 }
@@ -84,23 +84,23 @@ pub(crate) fn is_alike(one: f64, other: f64) -> bool {
     (one / other - 1.0).abs() < JUMPS_ALIKE
 }
 
-/// Recordings of a slider that sticks, each with its jumps.
+/// Recordings of a spool that sticks, each with its jumps.
 pub(crate) struct Sticking<'a> {
-    /// Each with the jumps that measure the free slider.
+    /// Each with the jumps that measure the free spool.
     recordings: Vec<(&'a Prepared, Vec<Jump>)>,
     /// How long a jump is.
     pub(crate) length: f64,
-    /// How well a jump measures the free slider.
+    /// How well a jump measures the free spool.
     noise: f64,
 }
 
 impl<'a> Sticking<'a> {
-    /// The recordings in which the slider jumps, at least so many of them; `None` where it does not stick.
+    /// The recordings in which the spool jumps, at least so many of them; `None` where it does not stick.
     pub(crate) fn of(cases: &[&'a Prepared], at_least: usize) -> Option<Self> {
         let with_jumps = |case: &&'a Prepared| {
-            let slider = case.channels.iter().find(|channel| channel.signal == Signal::Spool)?;
-            let noise = noise_at_rest(slider);
-            Some((*case, jumps(slider, noise), noise))
+            let spool = case.channels.iter().find(|channel| channel.signal == Signal::Spool)?;
+            let noise = noise_at_rest(spool);
+            Some((*case, jumps(spool, noise), noise))
         };
         let all: Vec<_> = cases.iter().filter_map(with_jumps).collect();
         let sensor = median(&mut all.iter().map(|(.., noise)| *noise).collect::<Vec<f64>>());
@@ -117,11 +117,11 @@ impl<'a> Sticking<'a> {
             return None;
         }
         let length = median(&mut lengths.iter().copied().filter(|one| is_alike(*one, length)).collect::<Vec<f64>>());
-        // From jump to jump the free slider goes a jump's length: so far, about, between two rows.
+        // From jump to jump the free spool goes a jump's length: so far, about, between two rows.
         let unseen = |jump: &Jump| length * jump.per_row / 12.0_f64.sqrt();
         let jumps = || all.iter().flat_map(|(_, jumps, _)| jumps).filter(|jump| is_alike(jump.length(), length));
         let usual = median(&mut jumps().map(unseen).collect::<Vec<f64>>());
-        // A free slider that goes far between two rows is not measured by a jump there.
+        // A free spool that goes far between two rows is not measured by a jump there.
         let is_slow = |jump: &Jump| unseen(jump) <= 2.0 * usual;
         let slow: Vec<f64> = jumps().filter(|jump| is_slow(jump)).map(|jump| unseen(jump).powi(2)).collect();
         let unseen = (slow.iter().sum::<f64>() / slow.len() as f64).sqrt();
@@ -138,7 +138,7 @@ impl<'a> Sticking<'a> {
         (recordings.len() >= at_least).then_some(Self { recordings, length, noise })
     }
 
-    /// The free slider as the jumps measure it, where it is ahead of their middles by so much.
+    /// The free spool as the jumps measure it, where it is ahead of their middles by so much.
     pub(crate) fn freed(&self, ahead: f64) -> Vec<Prepared> {
         let freed = |(case, jumps): &(&Prepared, Vec<Jump>)| {
             let mut freed = case.judged_by(|signal| signal == Signal::Spool);
@@ -158,11 +158,11 @@ impl<'a> Sticking<'a> {
         self.recordings.iter().map(freed).collect()
     }
 
-    /// How much further ahead the free slider is by these residuals, once all that is free in a fit has settled.
+    /// How much further ahead the free spool is by these residuals, once all that is free in a fit has settled.
     pub(crate) fn further(&self, set: &Candidate, freed: &[&Prepared]) -> Result<f64, FitError> {
         let Some(sensitivity) = Sensitivity::at(&set.fit, freed)? else { return Ok(0.0) };
         let mut there = sensitivity.simulated(&set.fit.machine)?;
-        // What is recorded further ahead is simulated less far. The slider is the only channel.
+        // What is recorded further ahead is simulated less far. The spool is the only channel.
         for ((_, jumps), there) in self.recordings.iter().zip(&mut there) {
             for jump in jumps {
                 if let Some(at) = sensitivity.place_of(jump.row).and_then(|place| there.get_mut(place)) {
@@ -174,7 +174,7 @@ impl<'a> Sticking<'a> {
         Ok(amounts.first().map_or(0.0, |amount| amount * self.noise))
     }
 
-    /// Stiction whose free slider is so far ahead of the middle of a jump: its band, and the share of it that a jump ends short by.
+    /// Stiction whose free spool is so far ahead of the middle of a jump: its band, and the share of it that a jump ends short by.
     pub(crate) fn strengths(&self, ahead: f64) -> (f64, f64) {
         let band = ahead + 0.5 * self.length;
         (band, (ahead - 0.5 * self.length).max(0.0) / band)
@@ -185,15 +185,15 @@ impl<'a> Sticking<'a> {
 mod tests {
     use super::*;
 
-    /// A slider at these rows, with a sensor's noise.
-    fn slider(rows: usize, at: impl Fn(f64) -> f64) -> Channel {
+    /// A spool at these rows, with a sensor's noise.
+    fn spool(rows: usize, at: impl Fn(f64) -> f64) -> Channel {
         let mut generator = recording::seeded_noise::Noise::new(5, 1);
         let time_s: Vec<f64> = (0..rows).map(|row| row as f64 * 1e-3).collect();
         let recorded: Vec<f64> = time_s.iter().map(|time_s| at(*time_s) + generator.gaussian(3e-4)).collect();
         Channel::of(Signal::Spool, &time_s, &recorded)
     }
 
-    /// Where a slider is that jumps 0.01 at a time, after a free one at 0.1/s up and down.
+    /// Where a spool is that jumps 0.01 at a time, after a free one at 0.1/s up and down.
     fn staircase(time_s: f64) -> f64 {
         let free = 0.2 * (0.5 - (time_s - 0.5).abs());
         (free / 0.01).floor() * 0.01
@@ -201,39 +201,39 @@ mod tests {
 
     #[test]
     fn every_jump_of_a_staircase_is_found_with_its_levels() {
-        let slider = slider(1000, staircase);
-        let noise = noise_at_rest(&slider);
+        let spool = spool(1000, staircase);
+        let noise = noise_at_rest(&spool);
         assert!((noise / 3e-4 - 1.0).abs() < 0.1, "{noise}");
-        let found = jumps(&slider, noise);
+        let found = jumps(&spool, noise);
         // 0 to 0.09 and back, in steps; the last two rests are short of an end.
         assert!((17..=20).contains(&found.len()), "{}", found.len());
         for jump in &found {
             assert!(is_alike(jump.length(), 0.01), "{jump:?}");
             assert!(
-                (slider.recorded[jump.row] - jump.to).abs() < 2e-3 && (jump.per_row * 50.0 - 1.0).abs() < 0.6,
+                (spool.recorded[jump.row] - jump.to).abs() < 2e-3 && (jump.per_row * 50.0 - 1.0).abs() < 0.6,
                 "{jump:?}"
             );
         }
     }
 
     #[test]
-    fn a_sensor_that_counts_does_not_make_a_slider_jump() {
+    fn a_sensor_that_counts_does_not_make_a_spool_jump() {
         const COUNT: f64 = 1.0 / 2048.0;
         let time_s: Vec<f64> = (0..4000).map(|row| f64::from(row) * 1e-3).collect();
         let triangle = |time_s: &f64| 0.05 * (1.0 - (time_s - 2.0).abs());
         let counted: Vec<f64> = time_s.iter().map(|at| (triangle(at) / COUNT).round() * COUNT).collect();
-        let slider = Channel::of(Signal::Spool, &time_s, &counted);
-        assert!(jumps(&slider, noise_at_rest(&slider)).is_empty());
+        let spool = Channel::of(Signal::Spool, &time_s, &counted);
+        assert!(jumps(&spool, noise_at_rest(&spool)).is_empty());
     }
 
     #[test]
-    fn a_slider_that_follows_steps_of_one_size_does_not_jump() {
+    fn a_spool_that_follows_steps_of_one_size_does_not_jump() {
         let lagged = |time_s: f64| {
             let (step, since_s) = ((time_s / 0.1).floor(), time_s.rem_euclid(0.1));
             let (from, to) = if step.rem_euclid(2.0) < 1.0 { (0.1, 0.0) } else { (0.0, 0.1) };
             to + (from - to) * (-since_s / 0.01).exp()
         };
-        let slider = slider(1000, lagged);
-        assert!(jumps(&slider, noise_at_rest(&slider)).len() < FEWEST_JUMPS);
+        let spool = spool(1000, lagged);
+        assert!(jumps(&spool, noise_at_rest(&spool)).len() < FEWEST_JUMPS);
     }
 }

@@ -1,7 +1,7 @@
-//! What a valve lacks beside stiction, by the instants at which its slider jumps.
+//! What a valve lacks beside stiction, by the instants at which its spool jumps.
 //!
 //! Free running, a jump that is a tick late costs more than most effects explain, and a search ends wherever fewest are: at a band that is mostly
-//! kept, with jumps that hardly are. What the jumps measure of the free slider is smooth in all parameters, and
+//! kept, with jumps that hardly are. What the jumps measure of the free spool is smooth in all parameters, and
 //! tells stiction from the play that stands beside it.
 
 use identification::parallel;
@@ -24,18 +24,18 @@ use crate::selection::screen::Lead;
 
 /// Forms that are refitted beside stiction.
 const REFITTED: usize = 4;
-/// How far the free slider may be ahead, in lengths of a jump: jumps that end up to seven tenths short.
+/// How far the free spool may be ahead, in lengths of a jump: jumps that end up to seven tenths short.
 const AHEAD: [f64; 5] = [0.5, 0.75, 1.1, 1.6, 2.6];
 
-/// A set of effects beside stiction, refitted to the free slider.
+/// A set of effects beside stiction, refitted to the free spool.
 struct Beside {
     set: Candidate,
-    /// How far the free slider is ahead.
+    /// How far the free spool is ahead.
     ahead: f64,
     left_out: Residuals,
 }
 
-/// Where a refit beside stiction may start: how far the free slider is ahead, the ordinary parameters there, and what promises most.
+/// Where a refit beside stiction may start: how far the free spool is ahead, the ordinary parameters there, and what promises most.
 struct Start {
     ahead: f64,
     from: Candidate,
@@ -50,19 +50,19 @@ struct Search<'q, 'a> {
 }
 
 impl Search<'_, '_> {
-    /// Asks the free slider that is so far ahead.
+    /// Asks the free spool that is so far ahead.
     fn at<T>(&self, ahead: f64, ask: impl FnOnce(&Question<'_>) -> Result<T, FitError>) -> Result<T, FitError> {
         let freed = self.sticking.freed(ahead);
         let training: Vec<&Prepared> = freed.iter().collect();
         ask(&Question { hypotheses: &self.effects, training: &training, ..*self.question })
     }
 
-    /// Least that the free slider can be ahead by: a jump that ends where that is.
+    /// Least that the free spool can be ahead by: a jump that ends where that is.
     fn least(&self) -> f64 {
         0.5 * self.sticking.length
     }
 
-    /// A set refitted with how far the free slider is ahead.
+    /// A set refitted with how far the free spool is ahead.
     fn settled(&self, mut set: Candidate, mut ahead: f64) -> Result<Beside, FitError> {
         /// Newton steps, at most.
         const STEPS: usize = 12;
@@ -137,7 +137,7 @@ impl Search<'_, '_> {
     }
 }
 
-/// How far the free slider is ahead, with a set that was refitted there.
+/// How far the free spool is ahead, with a set that was refitted there.
 type Beginning = (f64, Candidate);
 
 /// The one that leaves least.
@@ -146,8 +146,8 @@ fn nearest(all: Vec<Beginning>) -> Beginning {
     best.expect("it was tried somewhere")
 }
 
-/// Whether held-out jumps say that an effect of the valve's is there, in a set with stiction: that the slider jumps as far in them as in
-/// training, or that they measure a free slider which is followed better with the effect. `None` where the set has no stiction, or no jumps
+/// Whether held-out jumps say that an effect of the valve's is there, in a set with stiction: that the spool jumps as far in them as in
+/// training, or that they measure a free spool which is followed better with the effect. `None` where the set has no stiction, or no jumps
 /// tell.
 pub(crate) fn confirms(
     question: &Question<'_>,
@@ -182,7 +182,7 @@ pub(crate) fn confirms(
     Ok(Some(gained.all > HELD_OUT_JUMPS_GAIN))
 }
 
-/// What the valve's side chooses where its slider sticks, and the sets of as many effects that were tried if those are two; `None` where it
+/// What the valve's side chooses where its spool sticks, and the sets of as many effects that were tried if those are two; `None` where it
 /// does not stick, or further ahead than a drive's can be.
 pub(crate) fn stuck(
     question: &Question<'_>,

@@ -1,4 +1,4 @@
-//! Valves of which no sensor sees the slider: a play that the search missed, and stiction by what its jumps leave in the position.
+//! Valves of which no sensor sees the spool: a play that the search missed, and stiction by what its jumps leave in the position.
 
 use identification::parallel;
 
@@ -30,13 +30,13 @@ const LAGS: [f64; 4] = [0.8, 0.9, 1.0, 1.1];
 /// Simulated ones that are refitted.
 const REFITTED: usize = 3;
 
-/// Whether a sensor sees the slider.
+/// Whether a sensor sees the spool.
 fn is_seen(question: &Question<'_>) -> bool {
     question.training.iter().flat_map(|case| &case.channels).any(|channel| channel.signal == Signal::Spool)
 }
 
 /// A set with a play, refitted from several widths, from where the set is and from the nominal machine: a play moves the end of every stroke, so
-/// that slopes at none say little of it. Empty where a sensor sees the slider, or a play is in the set.
+/// that slopes at none say little of it. Empty where a sensor sees the spool, or a play is in the set.
 fn played(question: &Question<'_>, set: &Candidate) -> Result<Vec<Candidate>, FitError> {
     let play = question.form_with(&[Parameter::HysteresisWidth, Parameter::HysteresisSpread]);
     let Some(play) = play.filter(|play| !is_seen(question) && !set.has(play.effect)) else { return Ok(Vec::new()) };
@@ -50,7 +50,7 @@ fn played(question: &Question<'_>, set: &Candidate) -> Result<Vec<Candidate>, Fi
 }
 
 impl Course {
-    /// A first round with the play of a valve of which no sensor sees the slider, where the best set is far off.
+    /// A first round with the play of a valve of which no sensor sees the spool, where the best set is far off.
     pub(crate) fn played(
         &self,
         question: &Question<'_>,
@@ -96,9 +96,9 @@ impl Sticks {
 }
 
 impl Selection {
-    /// Takes a stiction into the chosen set where no sensor sees the slider and the position holds its jumps.
+    /// Takes a stiction into the chosen set where no sensor sees the spool and the position holds its jumps.
     ///
-    /// They are looked for in what a play leaves, for so a slider that sticks looks in a free run, fitted to recordings that are believed as
+    /// They are looked for in what a play leaves, for so a spool that sticks looks in a free run, fitted to recordings that are believed as
     /// far as it follows them. How far that lags, and how long a jump is, say how much of its band a stiction alone would keep; where that is more
     /// than one keeps, a play stands beside it. How much is kept then, no jump tells: it is taken from where least is left.
     pub fn listen(&mut self, question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<(), FitError> {

@@ -1,5 +1,5 @@
-//! The links apart: where the slider is recorded, what it does and what it meters are two questions. Its command answers the one; in
-//! the other the recorded slider meters the oil, so that no error of the valve's reaches what is below it.
+//! The links apart: where the spool is recorded, what it does and what it meters are two questions. Its command answers the one; in
+//! the other the recorded spool meters the oil, so that no error of the valve's reaches what is below it.
 //!
 //! Each is searched by itself, with the parameters and the effects of its own link. What both find together the chain as a whole
 //! has to accept.
@@ -69,28 +69,28 @@ impl Side {
     }
 }
 
-/// The recordings driven by their sliders; `None` unless each can be and tells of both sides.
+/// The recordings driven by their spools; `None` unless each can be and tells of both sides.
 fn followed(cases: &[&Prepared], machine: &Machine<f64>) -> Result<Option<Vec<Prepared>>, MachineError> {
     let following = |case: &&Prepared| case.following().filter(|case| case.channels.len() > 1);
     let followed: Option<Vec<Prepared>> = cases.iter().map(following).collect();
-    let with_noise = |case| with_noise_of_slider(case, machine);
+    let with_noise = |case| with_noise_of_spool(case, machine);
     followed.map(|cases| parallel::try_each(cases, with_noise)).transpose()
 }
 
-/// A recording driven by its slider, the noise of every other channel with what the slider's adds to it.
-fn with_noise_of_slider(mut case: Prepared, machine: &Machine<f64>) -> Result<Prepared, MachineError> {
+/// A recording driven by its spool, the noise of every other channel with what the spool's adds to it.
+fn with_noise_of_spool(mut case: Prepared, machine: &Machine<f64>) -> Result<Prepared, MachineError> {
     /// Draws that it is the mean of.
     const DRAWS: usize = 4;
-    let of_slider = case.channels.iter().find(|channel| channel.signal == Signal::Spool);
-    let of_slider = of_slider.map_or(0.0, |slider| slider.noise);
-    let added = by_noise_of_input(&case, machine, of_slider, DRAWS)?;
+    let of_spool = case.channels.iter().find(|channel| channel.signal == Signal::Spool);
+    let of_spool = of_spool.map_or(0.0, |spool| spool.noise);
+    let added = by_noise_of_input(&case, machine, of_spool, DRAWS)?;
     for (channel, added) in case.channels.iter_mut().zip(added) {
         channel.inherit(added);
     }
     Ok(case)
 }
 
-/// Whether held-out recordings gain by an effect of a set on its own side of their sliders, where that side is refitted to the training
+/// Whether held-out recordings gain by an effect of a set on its own side of their spools, where that side is refitted to the training
 /// recordings by itself with it and without: that it is there, whatever its strength is in the chain.
 pub(crate) fn gains_apart(
     question: &Question<'_>,
@@ -120,7 +120,7 @@ pub(crate) fn gains_apart(
 }
 
 impl Course {
-    /// Looks for effects on each side of the recorded slider, and takes over what the chain as a whole accepts of what is found.
+    /// Looks for effects on each side of the recorded spool, and takes over what the chain as a whole accepts of what is found.
     pub(crate) fn join(&mut self, question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<(), FitError> {
         let Some(followed) = followed(question.training, question.scene.machine)? else { return Ok(()) };
         let searched = |side: Side| side.searched(question, &followed, done);
@@ -208,8 +208,8 @@ fn told_by_chain(rounds: &mut Vec<Vec<Trial>>, ranked: &[(Candidate, f64)], (cho
     round.sort_by(|a, b| b.net.total_cmp(&a.net));
 }
 
-/// The set with a slider that reads o too much in the place of edges that lie 2·o further apart on one side, or the other way round: below
-/// the slider both are the same, and only the valve's own offset tells them apart. `None` where it has neither.
+/// The set with a spool that reads o too much in the place of edges that lie 2·o further apart on one side, or the other way round: below
+/// the spool both are the same, and only the valve's own offset tells them apart. `None` where it has neither.
 fn misread(question: &Question<'_>, set: &Candidate) -> Result<Option<Candidate>, FitError> {
     let value = |parameter| set.fit.machine.get(parameter);
     let (read, edges) = (Parameter::SpoolOffset, Parameter::DeadZoneDifference);

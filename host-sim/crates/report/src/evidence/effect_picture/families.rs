@@ -21,7 +21,7 @@ pub(crate) struct Family {
 }
 
 const PRESSURES: &[Signal] = &[Signal::PressureA, Signal::PressureB, Signal::Position];
-const SLIDER: &[Signal] = &[Signal::Spool];
+const SPOOL: &[Signal] = &[Signal::Spool];
 const BAR: f64 = 1e-5;
 const MM: f64 = 1e3;
 const L_PER_MIN: f64 = 6e4;
@@ -37,56 +37,56 @@ const OPEN: f64 = 0.02;
 pub(crate) fn of(effect: &Hypothesis, after: &Machine<f64>) -> Family {
     match effect.name {
         "valve-hysteresis" | "spool-stiction" => Family {
-            title: "Slider beside a linear valve, over the command",
-            caption: "Recorded slider less that of the model after without the effect. Two branches: it was sent up last, or down last; hysteresis parts them by its width, at any rate.",
+            title: "Spool beside a linear valve, over the command",
+            caption: "Recorded spool less that of the model after without the effect. Two branches: it was sent up last, or down last; hysteresis parts them by its width, at any rate.",
             x: ("command", "V"),
-            y: ("slider − model without it", "% of travel"),
-            needs: SLIDER,
-            point: |_, m| Some((m.command_v, 100.0 * m.slider_off, m.turned)),
+            y: ("spool − model without it", "% of travel"),
+            needs: SPOOL,
+            point: |_, m| Some((m.command_v, 100.0 * m.spool_off, m.turned)),
         },
         "solenoid-saturation" => Family {
-            title: "Slider over the command",
+            title: "Spool over the command",
             caption: "The static characteristic bends where the solenoid saturates.",
             x: ("command", "V"),
-            y: ("slider", "% of travel"),
-            needs: SLIDER,
-            point: |_, m| Some((m.command_v, 100.0 * m.slider, 0)),
+            y: ("spool", "% of travel"),
+            needs: SPOOL,
+            point: |_, m| Some((m.command_v, 100.0 * m.spool, 0)),
         },
         "null-drift" => Family {
-            title: "Drift of the slider's neutral",
-            caption: "Slider less that of the model without drift, since the recording's start.",
+            title: "Drift of the spool's neutral",
+            caption: "Spool less that of the model without drift, since the recording's start.",
             x: ("time", "s"),
-            y: ("slider − model without it", "% of travel"),
-            needs: SLIDER,
-            point: |_, m| Some((m.time_s, 100.0 * m.slider_off, 0)),
+            y: ("spool − model without it", "% of travel"),
+            needs: SPOOL,
+            point: |_, m| Some((m.time_s, 100.0 * m.spool_off, 0)),
         },
         "flow-force" => Family {
-            title: "Slider pushed closed, over the pressure difference at both open edges",
+            title: "Spool pushed closed, over the pressure difference at both open edges",
             caption: "In parts of its own travel; negative: closer than the model after without the effect.",
             x: ("pressure difference over the edges", "bar"),
-            y: ("change of the slider", "% of its travel"),
+            y: ("change of the spool", "% of its travel"),
             needs: &[Signal::Spool, Signal::PressureA, Signal::PressureB],
             point: |law, m| {
-                let travel = m.slider.abs();
-                (travel > 0.1).then(|| (BAR * edges(law, m), 100.0 * m.slider_off * m.slider.signum() / travel, 0))
+                let travel = m.spool.abs();
+                (travel > 0.1).then(|| (BAR * edges(law, m), 100.0 * m.spool_off * m.spool.signum() / travel, 0))
             },
         },
         "dead-zone-asymmetry" | "flow-gain-nonlinearity" => Family {
-            title: "Opening that the flow into A speaks for, over the slider",
+            title: "Opening that the flow into A speaks for, over the spool",
             caption: "Flow over root of the pressure difference, A·v and the oil's compression, in parts of the flow coefficient.",
-            x: ("slider", "% of travel"),
+            x: ("spool", "% of travel"),
             y: ("opening of the edge at A", "% of travel"),
             needs: PRESSURES,
-            point: |law, m| Some((100.0 * m.slider, 100.0 * opening_a(law, m)?, 0)),
+            point: |law, m| Some((100.0 * m.spool, 100.0 * opening_a(law, m)?, 0)),
         },
         "valve-leakage" => Family {
             title: "Flow into A about the centre of the valve",
             caption: "Within the overlap a tight valve passes nothing.",
-            x: ("slider", "% of travel"),
+            x: ("spool", "% of travel"),
             y: ("flow into A", "l/min"),
             needs: PRESSURES,
             point: |law, m| {
-                (m.slider.abs() < 1.5 * law.dead_zone + 0.02).then(|| (100.0 * m.slider, L_PER_MIN * into_a(law, m), 0))
+                (m.spool.abs() < 1.5 * law.dead_zone + 0.02).then(|| (100.0 * m.spool, L_PER_MIN * into_a(law, m), 0))
             },
         },
         "metering-asymmetry" => Family {
@@ -97,8 +97,8 @@ pub(crate) fn of(effect: &Hypothesis, after: &Machine<f64>) -> Family {
             needs: PRESSURES,
             point: |law, m| {
                 let (a, b) = (opening_a(law, m)?.abs(), opening_b(law, m)?.abs());
-                let (supply, tank) = if m.slider > 0.0 { (a, b) } else { (b, a) };
-                (m.slider.abs() > law.dead_zone + OPEN).then_some((100.0 * supply, 100.0 * tank, 0))
+                let (supply, tank) = if m.spool > 0.0 { (a, b) } else { (b, a) };
+                (m.spool.abs() > law.dead_zone + OPEN).then_some((100.0 * supply, 100.0 * tank, 0))
             },
         },
         "supply-droop" => Family {
@@ -109,7 +109,7 @@ pub(crate) fn of(effect: &Hypothesis, after: &Machine<f64>) -> Family {
             needs: PRESSURES,
             point: |law, m| {
                 let (flow, chamber) =
-                    if m.slider > 0.0 { (into_a(law, m), m.a_pa) } else { (-out_of_b(law, m), m.b_pa) };
+                    if m.spool > 0.0 { (into_a(law, m), m.a_pa) } else { (-out_of_b(law, m), m.b_pa) };
                 let lost = law.supply_pa - chamber - drop(law, m, flow)?;
                 Some((L_PER_MIN * flow, BAR * lost, 0))
             },
@@ -122,7 +122,7 @@ pub(crate) fn of(effect: &Hypothesis, after: &Machine<f64>) -> Family {
             needs: PRESSURES,
             point: |law, m| {
                 let (flow, chamber) =
-                    if m.slider > 0.0 { (out_of_b(law, m), m.b_pa) } else { (-into_a(law, m), m.a_pa) };
+                    if m.spool > 0.0 { (out_of_b(law, m), m.b_pa) } else { (-into_a(law, m), m.a_pa) };
                 let lost = chamber - law.tank_pa - drop(law, m, flow)?;
                 Some((L_PER_MIN * flow, BAR * lost, 0))
             },
@@ -134,7 +134,7 @@ pub(crate) fn of(effect: &Hypothesis, after: &Machine<f64>) -> Family {
             y: ("flow over root law", "1"),
             needs: PRESSURES,
             point: |law, m| {
-                let open = m.slider.abs() - law.dead_zone;
+                let open = m.spool.abs() - law.dead_zone;
                 let (_, over) = edge_a(law, m);
                 (open > OPEN).then(|| {
                     (
@@ -339,7 +339,7 @@ fn sensor(after: &Machine<f64>) -> Family {
         family(("pressure B", "bar"), bar, &[Signal::PressureB], |_, m| Some((BAR * m.b_pa, BAR * m.b_off_pa, 0)))
     } else if is_off(Parameter::SpoolOffset, Parameter::SpoolFactor) {
         let y = ("reading − model without it", "% of travel");
-        family(("slider", "% of travel"), y, SLIDER, |_, m| Some((100.0 * m.slider, 100.0 * m.slider_off, 0)))
+        family(("spool", "% of travel"), y, SPOOL, |_, m| Some((100.0 * m.spool, 100.0 * m.spool_off, 0)))
     } else {
         let y = ("reading − model without it", "mm");
         family(("position", "mm"), y, &[Signal::Position], |_, m| Some((MM * m.position_m, MM * m.position_off_m, 0)))
@@ -394,12 +394,12 @@ fn missing_b(law: &Law, m: &Moment) -> f64 {
 
 /// Whether the edges pass so little that an error of their law does not hide a leak.
 fn nearly_closed(law: &Law, m: &Moment) -> bool {
-    m.slider.abs() < law.dead_zone + OPEN
+    m.spool.abs() < law.dead_zone + OPEN
 }
 
 /// Which way oil goes at A, and over which pressure difference.
 fn edge_a(law: &Law, m: &Moment) -> (f64, f64) {
-    if m.slider > 0.0 { (1.0, m.supply_pa - m.a_pa) } else { (-1.0, m.a_pa - law.tank_pa) }
+    if m.spool > 0.0 { (1.0, m.supply_pa - m.a_pa) } else { (-1.0, m.a_pa - law.tank_pa) }
 }
 
 /// Opening at A, signed as the flow.
@@ -409,19 +409,19 @@ fn opening_a(law: &Law, m: &Moment) -> Option<f64> {
 }
 
 fn opening_b(law: &Law, m: &Moment) -> Option<f64> {
-    let over = if m.slider > 0.0 { m.b_pa - law.tank_pa } else { m.supply_pa - m.b_pa };
+    let over = if m.spool > 0.0 { m.b_pa - law.tank_pa } else { m.supply_pa - m.b_pa };
     (over > 1e5).then(|| out_of_b(law, m) / (law.flow_coefficient * over.sqrt()))
 }
 
 /// What the edge itself drops at this flow, Pa.
 fn drop(law: &Law, m: &Moment, flow: f64) -> Option<f64> {
-    let open = m.slider.abs() - law.dead_zone;
+    let open = m.spool.abs() - law.dead_zone;
     (open > 4.0 * OPEN && flow > 0.0).then(|| (flow / (law.flow_coefficient * open)).powi(2))
 }
 
 /// Sum of the pressure differences over both open edges, Pa.
 fn edges(law: &Law, m: &Moment) -> f64 {
-    if m.slider > 0.0 {
+    if m.spool > 0.0 {
         m.supply_pa - m.a_pa + m.b_pa - law.tank_pa
     } else {
         m.supply_pa - m.b_pa + m.a_pa - law.tank_pa

@@ -52,11 +52,11 @@ pub(crate) struct Moment {
     /// Since the recording's start, s.
     pub(crate) time_s: f64,
     pub(crate) command_v: f64,
-    /// Which way the slider was sent last.
+    /// Which way the spool was sent last.
     pub(crate) turned: i8,
-    pub(crate) slider: f64,
-    /// Slider less that of the model without the effect.
-    pub(crate) slider_off: f64,
+    pub(crate) spool: f64,
+    /// Spool less that of the model without the effect.
+    pub(crate) spool_off: f64,
     pub(crate) a_pa: f64,
     pub(crate) b_pa: f64,
     /// Pressures less those of the model without the effect.
@@ -76,14 +76,14 @@ pub(crate) struct Moment {
     pub(crate) pump_rev_per_s: f64,
     /// `None` where it is not recorded.
     pub(crate) oil_c: Option<f64>,
-    /// What the model's ports pass at this slider and these pressures, m³/s.
+    /// What the model's ports pass at this spool and these pressures, m³/s.
     pub(crate) port_a: f64,
     pub(crate) port_b: f64,
 }
 
 /// One value a row, of one drive.
 struct View<'a> {
-    slider: Cow<'a, [f64]>,
+    spool: Cow<'a, [f64]>,
     a: Cow<'a, [f64]>,
     b: Cow<'a, [f64]>,
     supply: Cow<'a, [f64]>,
@@ -119,7 +119,7 @@ fn simulated<'a>(law: &Law, shown: &Shown, recording: &'a Recording, trajectory:
         known.map_or_else(|| Cow::Owned(vec![else_value; rows]), Cow::Borrowed)
     };
     View {
-        slider: of(Signal::Spool, 0.0),
+        spool: of(Signal::Spool, 0.0),
         a: of(Signal::PressureA, 0.0),
         b: of(Signal::PressureB, 0.0),
         supply: of(Signal::SupplyPressure, law.supply_pa),
@@ -134,7 +134,7 @@ fn recorded<'a>(shown: &Shown, before: &View<'a>) -> View<'a> {
         channel.map_or_else(|| simulated.clone(), |channel| Cow::Owned(channel.bridged()))
     };
     View {
-        slider: of(Signal::Spool, &before.slider),
+        spool: of(Signal::Spool, &before.spool),
         a: of(Signal::PressureA, &before.a),
         b: of(Signal::PressureB, &before.b),
         supply: of(Signal::SupplyPressure, &before.supply),
@@ -148,7 +148,7 @@ fn ports(law: &Law, tick: Tick, recording: &Recording, view: &View<'_>) -> Resul
     let bases = *drive.bases();
     let speed = recording.signal(Signal::PumpSpeed);
     let direction = recording.signal(Signal::ValveDirection);
-    Ok((0..view.slider.len())
+    Ok((0..view.spool.len())
         .map(|row| {
             let speed = speed.map_or(0.0, |speed| speed[row]);
             let sense = direction.map_or(speed, |direction| direction[row]);
@@ -156,9 +156,9 @@ fn ports(law: &Law, tick: Tick, recording: &Recording, view: &View<'_>) -> Resul
             let pump = PumpDrive { speed: speed / bases.pump_speed_rev_per_s, direction };
             let state = ChamberState { a: view.a[row] / bases.pressure_pa, b: view.b[row] / bases.pressure_pa };
             let flows = if law.machine.source == Source::Valve {
-                drive.flows_from(view.supply[row] / bases.pressure_pa, view.slider[row], pump, state)
+                drive.flows_from(view.supply[row] / bases.pressure_pa, view.spool[row], pump, state)
             } else {
-                drive.flows(view.slider[row], pump, state)
+                drive.flows(view.spool[row], pump, state)
             };
             (flows.a * bases.flow_m3_per_s, flows.b * bases.flow_m3_per_s)
         })
@@ -179,7 +179,7 @@ fn over(
     let drives = if recording.has(Signal::Command) { Signal::Command } else { Signal::PumpSpeed };
     let (command, load, pump) = (given(drives), given(Signal::LoadForce), given(Signal::PumpSpeed));
     let oil = recording.signal(Signal::OilTemperature);
-    let turned = turns(&reference.slider);
+    let turned = turns(&reference.spool);
     let minus = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
     let position_off = minus(&view.position, &reference.position);
     let ones = vec![1.0; rows];
@@ -193,8 +193,8 @@ fn over(
                 time_s: time_s[window.middle()] - time_s[0],
                 command_v: mean(&command),
                 turned: turned[window.middle()],
-                slider: mean(&view.slider),
-                slider_off: mean(&view.slider) - mean(&reference.slider),
+                spool: mean(&view.spool),
+                spool_off: mean(&view.spool) - mean(&reference.spool),
                 a_pa: mean(&view.a),
                 b_pa: mean(&view.b),
                 a_off_pa: mean(&view.a) - mean(&reference.a),
@@ -217,7 +217,7 @@ fn over(
         .collect()
 }
 
-/// The slider went one way once it has gone this far, in parts of its travel.
+/// The spool went one way once it has gone this far, in parts of its travel.
 const TURNS: f64 = 2e-3;
 
 /// Which way a series went last, at each row.

@@ -1,15 +1,10 @@
-//! What each valve effect does to the slider.
+//! What each valve effect does to the spool.
 
 use super::*;
 use crate::flow::edges::{GainCurve, Line};
 
-const PARAMETERS: SliderParameters = SliderParameters {
-    gain_per_v: 0.1,
-    offset: 0.0,
-    rate_per_s: 20.0,
-    time_constants_s: [0.01, 0.015],
-    delay_s: 0.004,
-};
+const PARAMETERS: SpoolParameters =
+    SpoolParameters { gain_per_v: 0.1, offset: 0.0, rate_per_s: 20.0, time_constants_s: [0.01, 0.015], delay_s: 0.004 };
 
 fn edges() -> Edges {
     Edges {
@@ -25,7 +20,7 @@ fn edges() -> Edges {
     }
 }
 
-/// Slider positions every millisecond under a command over time.
+/// Spool positions every millisecond under a command over time.
 fn run(effects: &[ValveEffect], pressure_pa: f64, ticks: u32, command: impl Fn(f64) -> f64) -> Vec<f64> {
     let state = State {
         pressure_a: 0.4 * pressure_pa,
@@ -35,15 +30,15 @@ fn run(effects: &[ValveEffect], pressure_pa: f64, ticks: u32, command: impl Fn(f
         supply: pressure_pa,
         viscosity: 1.0,
     };
-    let mut slider = ShapedSlider::at_rest(PARAMETERS, effects, 0.0, command(0.0));
+    let mut spool = ShapedSpool::at_rest(PARAMETERS, effects, 0.0, command(0.0));
     let mut positions = Vec::new();
     for tick in 0..ticks {
         let time_s = f64::from(tick) * 1e-3;
-        slider.command(time_s, command(time_s));
-        positions.push(slider.position());
+        spool.command(time_s, command(time_s));
+        positions.push(spool.position());
         let mut now_s = time_s;
         while now_s < f64::from(tick + 1) * 1e-3 {
-            now_s = slider.curve_from(now_s, f64::from(tick + 1) * 1e-3, &edges(), &state).1;
+            now_s = spool.curve_from(now_s, f64::from(tick + 1) * 1e-3, &edges(), &state).1;
         }
     }
     positions
@@ -57,7 +52,7 @@ fn sine(amplitude_v: f64, frequency_hz: f64) -> impl Fn(f64) -> f64 {
 fn without_effects_it_agrees_with_the_closed_form() {
     let command = |time_s: f64| if time_s < 0.05 { 3.0 } else { -4.0 };
     let positions = run(&[], 7e6, 200, command);
-    let mut exact = Slider::at_rest(PARAMETERS, 0.0, 3.0);
+    let mut exact = Spool::at_rest(PARAMETERS, 0.0, 3.0);
     for (tick, found) in positions.iter().enumerate() {
         let time_s = tick as f64 * 1e-3;
         exact.command(time_s, command(time_s));
@@ -117,7 +112,7 @@ fn the_neutral_drifts_and_the_solenoid_saturates() {
 }
 
 #[test]
-fn flow_closes_the_slider_in_proportion_to_the_pressure() {
+fn flow_closes_the_spool_in_proportion_to_the_pressure() {
     let effect = ValveEffect::FlowForce { closing_per_pa: 1e-8, braking_s_per_root_pa: 1e-6 };
     let step = |time_s: f64| if time_s > 0.01 { 5.0 } else { 0.0 };
     let [none, half, full] = [0.0, 5e6, 10e6].map(|pressure_pa| run(&[effect], pressure_pa, 600, step)[599]);

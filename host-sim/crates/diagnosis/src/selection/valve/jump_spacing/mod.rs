@@ -1,6 +1,6 @@
-//! What the jumps of a slider that no sensor sees leave in the position.
+//! What the jumps of a spool that no sensor sees leave in the position.
 //!
-//! A slider that sticks follows the free one, x, as a saw-tooth of its travel: from −½·L to ½·L around it and back at a jump,
+//! A spool that sticks follows the free one, x, as a saw-tooth of its travel: from −½·L to ½·L around it and back at a jump,
 //! L = band·(1 − kept) long, wherever a stroke began. The rod goes k = |v|/(|x| − dead zone) faster for each opening, so a model without jumps
 //! leaves in the position ∫ k·saw(x/L + θ) dt. It repeats with x, and L and its height are one: of a stroke only the phase θ is not known.
 //!
@@ -35,12 +35,12 @@ const COUNT: usize = 116;
 const PHASES: usize = 24;
 /// Times the height that belongs to a length: gain and dead zone are not exact.
 const HEIGHTS: [f64; 5] = [0.5, 0.7, 0.85, 1.0, 1.2];
-/// Speeds of the slider, 1/s, beyond which it no longer jumps: where a jump takes its time, a fast one glides.
+/// Speeds of the spool, 1/s, beyond which it no longer jumps: where a jump takes its time, a fast one glides.
 const GLIDES: [f64; 4] = [f64::INFINITY, 1.0, 0.3, 0.1];
 /// Length of a block, s: over so long a phase may be taken as it is.
 const BLOCK_S: f64 = 0.1;
 
-/// Jumps of a slider that the position holds.
+/// Jumps of a spool that the position holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rhythm {
     /// How long a jump is, of full travel.
@@ -53,7 +53,7 @@ impl fmt::Display for Rhythm {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "no sensor sees the slider, but the position repeats every {} % of its travel, as jumps so long leave it (log-likelihood {} over none)",
+            "no sensor sees the spool, but the position repeats every {} % of its travel, as jumps so long leave it (log-likelihood {} over none)",
             significant(100.0 * self.length, 2),
             significant(self.evidence, 2)
         )
@@ -121,10 +121,10 @@ fn evidence(machine: &Machine<f64>, cases: &[&Prepared]) -> Result<Option<Vec<f6
 
 /// Log-likelihood that a recording gains by jumps of a length and a height, averaged over all courses of their phase.
 ///
-/// At a turn and after a rest the phase is open. Along a stroke it strays: a jump goes as far as the free slider has come at the end of a row,
+/// At a turn and after a rest the phase is open. Along a stroke it strays: a jump goes as far as the free spool has come at the end of a row,
 /// and further the faster that is.
 fn along(chain: &[Heard<'_>], length: f64, height: usize, glides: f64) -> f64 {
-    /// Variance of the phase, in turns², for each length of a jump that the slider goes.
+    /// Variance of the phase, in turns², for each length of a jump that the spool goes.
     const STRAYS: f64 = 0.002;
     /// What a change of speed adds to a jump, s.
     const LATE_S: f64 = 1e-3;

@@ -8,7 +8,7 @@ use super::*;
 const BAND: f64 = 0.02;
 const KEPT: f64 = 0.2;
 
-/// The press without what its slider does, and what follows that in the mean: a play.
+/// The press without what its spool does, and what follows that in the mean: a play.
 fn play() -> (Machine<f64>, Machine<f64>) {
     let machine = press(&[(Parameter::ViscousFriction, 2e4), (Parameter::DeadZone, 0.03)]);
     (machine, machine.with(&[(Parameter::HysteresisWidth, BAND * (1.0 + KEPT))]))
@@ -50,7 +50,7 @@ fn no_jump_is_heard_where_none_is_not_even_by_a_model_that_is_off() {
 }
 
 #[test]
-fn a_recorded_slider_is_not_listened_for() {
+fn a_recorded_spool_is_not_listened_for() {
     let case = prepared(&sticking(), &[(Signal::Spool, 1e-3), POSITION], 4000);
     assert_eq!(Rhythm::of(&play().1, &[&case]).unwrap(), None);
     assert_eq!(Rhythm::of(&play().1, &[]).unwrap(), None);

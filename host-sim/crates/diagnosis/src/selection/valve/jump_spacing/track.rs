@@ -1,4 +1,4 @@
-//! A recording of the position with what a machine simulates of it: how much faster the rod is for each opening, the slider's strokes in
+//! A recording of the position with what a machine simulates of it: how much faster the rod is for each opening, the spool's strokes in
 //! blocks, and what each block says of jumps of a length.
 
 use identification::parallel;
@@ -28,7 +28,7 @@ pub(crate) struct Track {
     pub(crate) missed_m: Vec<f64>,
     /// Noise of the position's sensor, m.
     pub(crate) noise_m: f64,
-    /// The simulated slider, of full travel.
+    /// The simulated spool, of full travel.
     pub(crate) x: Vec<f64>,
     /// How much faster the rod is for each opening, m/s.
     pub(crate) gain: Vec<f64>,
@@ -39,7 +39,7 @@ pub(crate) struct Track {
 pub(crate) struct Block {
     pub(crate) first: usize,
     pub(crate) end: usize,
-    /// Which way the slider goes.
+    /// Which way the spool goes.
     pub(crate) rises: bool,
     /// How far it goes, of full travel.
     pub(crate) travel: f64,
@@ -53,7 +53,7 @@ pub(crate) struct Heard<'a> {
     pub(crate) gains: [[f64; PHASES]; HEIGHTS.len()],
 }
 
-/// The recordings with what a machine simulates of them; `None` unless all hold a position, and none the slider, which says itself when it jumps.
+/// The recordings with what a machine simulates of them; `None` unless all hold a position, and none the spool, which says itself when it jumps.
 pub(crate) fn tracks(machine: &Machine<f64>, cases: &[&Prepared]) -> Result<Option<Vec<Track>>, MachineError> {
     let of = |case: &'_ Prepared, signal| case.channels.iter().position(|channel| channel.signal == signal);
     let position = |case: &&Prepared| {
@@ -170,7 +170,7 @@ impl Track {
         for row in 1..self.rows() {
             let (x, before) = (self.x[row], self.x[row - 1]);
             let gain = 0.5 * (self.gain[row] + self.gain[row - 1]);
-            // The mean over a row in which the slider goes on evenly.
+            // The mean over a row in which the spool goes on evenly.
             let half = 0.5 * per_travel * (x - before);
             let mean = if half.abs() < 1e-6 { 1.0 } else { half.sin() / half };
             let angle = per_travel * (0.5 * (x + before) - self.x[0]);
@@ -181,7 +181,7 @@ impl Track {
     }
 }
 
-/// The strokes of a slider in which it is not at rest nor the valve closed, cut into blocks.
+/// The strokes of a spool in which it is not at rest nor the valve closed, cut into blocks.
 fn blocks(time_s: &[f64], x: &[f64], gain: &[f64]) -> Vec<Block> {
     /// Rows to each side that a direction is taken over.
     const AROUND: usize = 2;

@@ -8,14 +8,14 @@ use crate::test_scene::scene;
 
 const POSITION: [(Signal, f64); 1] = [(Signal::Position, 1e-5)];
 
-/// What a selection that has chosen nothing hears in a slider that does this, and what is left of it where held-out recordings are of another.
+/// What a selection that has chosen nothing hears in a spool that does this, and what is left of it where held-out recordings are of another.
 fn heard(
     truth: &[(Parameter, f64)],
     held_out: &[(Parameter, f64)],
 ) -> (Vec<&'static str>, Option<&'static str>, Vec<&'static str>) {
     let machine = press(&[(Parameter::ViscousFriction, 2e4), (Parameter::DeadZone, 0.03)]);
-    let prepared = |sliders: &[(Parameter, f64)], rows| {
-        let recording = recorded_for(&machine.with(sliders), &POSITION, rows);
+    let prepared = |spools: &[(Parameter, f64)], rows| {
+        let recording = recorded_for(&machine.with(spools), &POSITION, rows);
         Prepared::new(&recording, &machine, LoadSource::Constant, None).unwrap()
     };
     let (one, other, held_out) = (prepared(truth, 3000), prepared(truth, 2500), prepared(held_out, 3500));
@@ -38,7 +38,7 @@ const STICKS: [(Parameter, f64); 2] = [(Parameter::StictionBand, 0.02), (Paramet
 const PLAYS: [(Parameter, f64); 1] = [(Parameter::HysteresisWidth, 0.024)];
 
 #[test]
-fn a_slider_that_sticks_unseen_is_named_and_a_held_out_recording_that_holds_its_jumps_agrees() {
+fn a_spool_that_sticks_unseen_is_named_and_a_held_out_recording_that_holds_its_jumps_agrees() {
     let (names, gone, left) = heard(&STICKS, &STICKS);
     assert_eq!((names.as_slice(), gone, left.as_slice()), (&["spool-stiction"][..], None, &["spool-stiction"][..]));
 }

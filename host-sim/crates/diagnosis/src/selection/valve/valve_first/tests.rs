@@ -8,37 +8,37 @@ use crate::selection::candidate::Reference;
 use crate::selection::decision_rule::VALVE_FIRST_FROM;
 use crate::test_scene::scene;
 
-/// Noise of the slider's sensor, of full travel.
-const OF_SLIDER: f64 = 1e-3;
+/// Noise of the spool's sensor, of full travel.
+const OF_SPOOL: f64 = 1e-3;
 
-/// What the slider's and the position's sensors record.
-const SENSORS: [(Signal, f64); 2] = [(Signal::Spool, OF_SLIDER), (Signal::Position, 1e-5)];
+/// What the spool's and the position's sensors record.
+const SENSORS: [(Signal, f64); 2] = [(Signal::Spool, OF_SPOOL), (Signal::Position, 1e-5)];
 
 fn prepared(recording: &Recording, machine: &Machine<f64>) -> Prepared {
     Prepared::new(recording, machine, LoadSource::Constant, None).unwrap()
 }
 
 #[test]
-fn what_the_sliders_noise_does_below_it_adds_to_the_noise_there_and_nothing_to_its_own() {
+fn what_the_spools_noise_does_below_it_adds_to_the_noise_there_and_nothing_to_its_own() {
     let machine = press(&[(Parameter::ViscousFriction, 4e4)]);
     let own = prepared(&recorded(&machine, &SENSORS), &machine);
     let followed = followed(&[&own], &machine).unwrap().unwrap();
     let noise = |case: &Prepared, signal| case.channels.iter().find(|one| one.signal == signal).unwrap().noise;
     let of = |signal| (noise(&own, signal), noise(&followed[0], signal));
-    let (slider, with_slider) = of(Signal::Spool);
-    assert!((with_slider - slider).abs() < 1e-12, "{slider} {with_slider}");
-    assert!((slider / OF_SLIDER - 1.0).abs() < 0.2, "{slider}");
+    let (spool, with_spool) = of(Signal::Spool);
+    assert!((with_spool - spool).abs() < 1e-12, "{spool} {with_spool}");
+    assert!((spool / OF_SPOOL - 1.0).abs() < 0.2, "{spool}");
     // Held for a row each, independent errors e of the opening add K·e·h a row: over n rows a walk of K·e·h·√n, and half of that in the mean.
     let speed = (machine.get(Parameter::FlowCoefficient) * (0.5 * machine.get(Parameter::SupplyPressure)).sqrt())
         / machine.get(Parameter::AreaA);
-    let walk = speed * OF_SLIDER * 1e-3 * (2000.0_f64 / 2.0).sqrt();
+    let walk = speed * OF_SPOOL * 1e-3 * (2000.0_f64 / 2.0).sqrt();
     let (position, with_position) = of(Signal::Position);
     let added = (with_position * with_position - position * position).sqrt();
     assert!((0.2..2.0).contains(&(added / walk)), "{added} of about {walk}");
 }
 
 #[test]
-fn nothing_is_followed_where_the_slider_was_not_recorded() {
+fn nothing_is_followed_where_the_spool_was_not_recorded() {
     let machine = press(&[]);
     let recording = recorded(&machine, &SENSORS);
     let blind: Vec<Column> = [Signal::Time, Signal::Command, Signal::Position]
@@ -52,7 +52,7 @@ fn nothing_is_followed_where_the_slider_was_not_recorded() {
 }
 
 #[test]
-fn a_slider_that_reads_too_much_and_edges_that_lie_apart_are_the_same_but_for_the_valves_offset() {
+fn a_spool_that_reads_too_much_and_edges_that_lie_apart_are_the_same_but_for_the_valves_offset() {
     let machine = press(&[(Parameter::ViscousFriction, 4e4), (Parameter::DeadZone, 0.03)]);
     let read = {
         let mut read = machine;
@@ -81,7 +81,7 @@ fn a_slider_that_reads_too_much_and_edges_that_lie_apart_are_the_same_but_for_th
     let value = |set: &Candidate, parameter| set.fit.machine.get(parameter);
     assert!((value(&other, Parameter::SpoolOffset) - 0.015).abs() < 2e-4, "{}", value(&other, Parameter::SpoolOffset));
     assert!((value(&edges, Parameter::DeadZoneDifference) - 0.03).abs() < 4e-4);
-    // Only the prior of the valve's offset tells: the slider that reads too much needs none.
+    // Only the prior of the valve's offset tells: the spool that reads too much needs none.
     let (apart, read) = (edges.fit.loss, other.fit.loss);
     let bent = 0.5 * (0.015_f64 / 0.02).powi(2);
     assert!((apart - read - bent).abs() < 0.2 * bent, "{apart} {read} {bent}");
@@ -91,14 +91,14 @@ fn a_slider_that_reads_too_much_and_edges_that_lie_apart_are_the_same_but_for_th
     assert!(misread(&question, &base).unwrap().is_none());
 }
 
-/// A slider that saturates, which the model does not know, hides nothing below it: where the recorded one meters the oil, friction gains if it is
+/// A spool that saturates, which the model does not know, hides nothing below it: where the recorded one meters the oil, friction gains if it is
 /// there, and only then.
 #[test]
 fn an_effect_gains_on_its_own_side_whatever_the_valve_lacks() {
     let nominal = press(&[(Parameter::ViscousFriction, 2e4)]);
     let saturated = nominal.with(&[(Parameter::SolenoidOnset, 0.1), (Parameter::SolenoidLoss, 0.7)]);
     let truth = |force: f64| saturated.with(&[(Parameter::CoulombFriction, force)]);
-    let sensors = [(Signal::Spool, OF_SLIDER), (Signal::PressureA, 2e4), (Signal::Position, 1e-5)];
+    let sensors = [(Signal::Spool, OF_SPOOL), (Signal::PressureA, 2e4), (Signal::Position, 1e-5)];
     let judged = sensors.map(|(signal, _)| signal);
     let scene = scene(&nominal, &judged);
     let coulomb = *CATALOGUE.iter().find(|effect| effect.name == "coulomb-friction").unwrap();
@@ -177,7 +177,7 @@ fn jumps_tell_a_play_beside_stiction_with_both_strengths_and_held_out_ones_confi
         assert!(round.iter().any(|trial| trial.is_of(&chosen)));
         let value = |parameter| chosen.fit.machine.get(parameter);
         assert!((value(Parameter::StictionBand) / 0.012 - 1.0).abs() < 0.1, "{}", value(Parameter::StictionBand));
-        // Half the play adds to how far the free slider is ahead, but for where it turns: of the two, less is known than of their sum.
+        // Half the play adds to how far the free spool is ahead, but for where it turns: of the two, less is known than of their sum.
         let width = value(Parameter::HysteresisWidth);
         assert!((width / 0.02 - 1.0).abs() < 0.2, "{width}");
         for effect in &chosen.effects {
@@ -204,7 +204,7 @@ fn jumps_tell_no_play_that_is_not_there_and_held_out_ones_confirm_none() {
 }
 
 #[test]
-fn a_slider_that_does_not_stick_is_left_alone() {
+fn a_spool_that_does_not_stick_is_left_alone() {
     asked_of_a_sticking_valve(&[(Parameter::StictionBand, 0.0)], |question, _| {
         assert!(super::super::stiction::stuck(question, &|_| ()).unwrap().is_none());
     });
@@ -212,7 +212,7 @@ fn a_slider_that_does_not_stick_is_left_alone() {
 
 /// A long recording's slopes are those of every so-manieth row, and jumps are at any.
 #[test]
-fn jumps_tell_how_far_ahead_the_free_slider_is_however_long_the_recording_is() {
+fn jumps_tell_how_far_ahead_the_free_spool_is_however_long_the_recording_is() {
     const FURTHER: f64 = 1e-3;
     let nominal = press(&[(Parameter::ViscousFriction, 4e4)]);
     let (band, kept) = (0.012, 0.2);
@@ -235,7 +235,7 @@ fn jumps_tell_how_far_ahead_the_free_slider_is_however_long_the_recording_is() {
             sticking.further(&set, &training).unwrap()
         };
         let (nearer, there) = (told(at - FURTHER), told(at));
-        // A jump is seen up to a row after the slider broke away, and the free one has gone on meanwhile.
+        // A jump is seen up to a row after the spool broke away, and the free one has gone on meanwhile.
         assert!(there.abs() < 0.1 * at, "{rows} rows: {there} beside {at}");
         assert!(((nearer - there) / FURTHER - 1.0).abs() < 0.05, "{rows} rows: {nearer} {there}");
     }
