@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 
     let cases: Vec<&Prepared> = prepared.iter().collect();
-    let found = fit(&drive.machine, &diagnosis::ordinary(&drive), &cases, &From::default(), 1e-8)?;
+    let found = fit(&drive.machine, &diagnosis::base_parameters(&drive), &cases, &From::default(), 1e-8)?;
 
     // Neighbouring residuals are correlated: what that adds to the standard deviations.
     let residuals = softened_all(&found.machine, cases.iter().copied().zip(found.starts.iter().copied()))?;

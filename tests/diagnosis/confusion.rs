@@ -202,7 +202,7 @@ fn a_misread_spool_is_not_taken_for_unequal_edges_beside_a_leak() {
     is_named(9204, 27, "external-leakage + sensor-offset");
 }
 
-/// What a spool with flow force does is followed to three times its noise; no ordinary parameter is bent by that, nor edges that lie apart
+/// What a spool with flow force does is followed to three times its noise; no base parameter is bent by that, nor edges that lie apart
 /// taken for a misread spool.
 #[test]
 fn unequal_edges_are_told_below_a_spool_with_flow_force() {

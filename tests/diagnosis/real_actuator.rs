@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use diagnosis::ordinary;
+use diagnosis::base_parameters;
 use identification::experiment::Prepared;
 use identification::fit::{From, fit};
 use recording::{Recording, Signal, Table, read_from};
@@ -33,7 +33,7 @@ fn the_pressure_of_a_real_arm_is_followed_better_than_by_a_linear_model() {
     let half = table.rows() / 2;
     let first = recording(&table, &file.channels, 0..half);
     let prepared = Prepared::new(&first, &file.machine, file.load_source, None).unwrap();
-    let fitted = fit(&file.machine, &ordinary(&file), &[&prepared], &From::default(), 1e-8).unwrap();
+    let fitted = fit(&file.machine, &base_parameters(&file), &[&prepared], &From::default(), 1e-8).unwrap();
 
     // Free run over all rows: the second half has seen no pressure, neither in the fit nor at its start.
     let whole = recording(&table, &file.channels, 0..table.rows());

@@ -64,7 +64,7 @@ fn a_fit_to_the_models_own_signals_recovers_what_they_were_made_with() {
 /// Where nothing is missing, every start that is drawn all over the priors ends where the nominal machine's does; where something is, in a valley
 /// that is no deeper by more than a twentieth: nothing beside what the missing effect takes.
 #[test]
-fn drawn_starts_of_the_ordinary_refit_end_no_lower_than_the_nominal_one() {
+fn drawn_starts_of_the_base_refit_end_no_lower_than_the_nominal_one() {
     const DRAWN: usize = 6;
     let mut dice = Dice::new(61);
     for (missing, strength) in
@@ -73,7 +73,7 @@ fn drawn_starts_of_the_ordinary_refit_end_no_lower_than_the_nominal_one() {
         let case = valve_case(62, PlantEffect::named(missing, strength), true, None);
         let training = case.prepared(&case.training);
         let references: Vec<&Prepared> = training.iter().collect();
-        let free = diagnosis::ordinary(&case.file);
+        let free = diagnosis::base_parameters(&case.file);
         let ends = |coordinates: &[(P, f64)]| {
             let from = From { coordinates, ..From::default() };
             fit(&case.file.machine, &free, &references, &from, 1e-6).unwrap().loss
@@ -95,13 +95,14 @@ fn where_a_richer_friction_ends_the_plainer_one_is_looked_for() {
     let references: Vec<&Prepared> = training.iter().collect();
     let judged: Vec<Signal> = training[0].channels.iter().map(|channel| channel.signal).collect();
     let scene = case.scene(&training[0], &judged);
-    let ordinary: Vec<Free> = diagnosis::ordinary(&case.file);
+    let base_parameters: Vec<Free> = diagnosis::base_parameters(&case.file);
     let frictions: Vec<&'static Hypothesis> = CATALOGUE
         .iter()
         .copied()
         .filter(|effect| effect.name.ends_with("friction") || effect.name == "friction-asymmetry")
         .collect();
-    let question = Question { scene: &scene, ordinary: &ordinary, hypotheses: &frictions, training: &references };
+    let question =
+        Question { scene: &scene, base_parameters: &base_parameters, hypotheses: &frictions, training: &references };
     let base = Candidate::rough(&question, None).unwrap();
     let reference = Reference::new(&question, &base).unwrap();
     let leads = reference.leads(&frictions).unwrap();
@@ -126,11 +127,12 @@ fn of_two_effects_held_out_recordings_take_out_the_one_they_gain_nothing_by() {
     let (references, held): (Vec<&Prepared>, Vec<&Prepared>) = (training.iter().collect(), held.iter().collect());
     let judged: Vec<Signal> = training[0].channels.iter().map(|channel| channel.signal).collect();
     let scene = case.scene(&training[0], &judged);
-    let ordinary: Vec<Free> = diagnosis::ordinary(&case.file);
+    let base_parameters: Vec<Free> = diagnosis::base_parameters(&case.file);
     let effects = ["coulomb-friction", "valve-hysteresis"];
     let named = |name| CATALOGUE.iter().copied().find(|effect| effect.name == name).unwrap();
     let hypotheses = effects.map(named);
-    let question = Question { scene: &scene, ordinary: &ordinary, hypotheses: &hypotheses, training: &references };
+    let question =
+        Question { scene: &scene, base_parameters: &base_parameters, hypotheses: &hypotheses, training: &references };
     let base = Candidate::rough(&question, None).unwrap();
     let beside = |set: &Candidate, effect: &'static Hypothesis| {
         let effect = Chosen { effect, form: effect.forms[0] };

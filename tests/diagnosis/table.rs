@@ -19,8 +19,9 @@ fn tabled(case: &Case, with: impl Fn(Location) -> Location) -> Option<(Unnamed, 
         (training.iter().collect(), held.iter().collect());
     let judged: Vec<Signal> = training[0].channels.iter().map(|channel| channel.signal).collect();
     let scene = case.scene(&training[0], &judged);
-    let ordinary: Vec<Free> = diagnosis::ordinary(&case.file);
-    let question = Question { scene: &scene, ordinary: &ordinary, hypotheses: &[], training: &training_refs };
+    let base_parameters: Vec<Free> = diagnosis::base_parameters(&case.file);
+    let question =
+        Question { scene: &scene, base_parameters: &base_parameters, hypotheses: &[], training: &training_refs };
     let base = Candidate::rough(&question, None).unwrap();
     let cases: Vec<Located<'_>> = case
         .training

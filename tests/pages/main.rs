@@ -86,7 +86,7 @@ fn the_page_tells_where_what_how_sure_and_how_to_take_it_to_the_controller_in_th
         "Before and after",
         "Every recording",
         "Is the rest white?",
-        "Ordinary parameters",
+        "Base parameters",
         "What was prepared",
         "To the controller",
     ];

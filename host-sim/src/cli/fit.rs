@@ -1,9 +1,9 @@
-//! `host-sim fit`: refit the ordinary parameters of a drive to recordings.
+//! `host-sim fit`: refit the base parameters of a drive to recordings.
 
 use std::path::PathBuf;
 
 use diagnosis::localisation::{Miss, misses};
-use diagnosis::{DiagnoseError, ordinary};
+use diagnosis::{DiagnoseError, base_parameters};
 use identification::compare::judged;
 use identification::experiment::Prepared;
 use identification::fit::residuals::counts_from;
@@ -64,7 +64,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         prepared.push(case.map_err(|cause| failed(cause.into()))?);
     }
     let cases: Vec<&Prepared> = prepared.iter().collect();
-    let free = ordinary(&file);
+    let free = base_parameters(&file);
     console.detail(format_args!(
         "read: {} recordings, {} rows; {} parameters may move",
         cases.len(),

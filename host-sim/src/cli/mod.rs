@@ -79,7 +79,7 @@ pub enum Command {
     Simulate(simulate::Arguments),
     /// Compare recordings with the model, end to end and link by link.
     Compare(compare::Arguments),
-    /// Refit a drive's ordinary parameters to recordings.
+    /// Refit a drive's base parameters to recordings.
     Fit(fit::Arguments),
     /// Find what a model lacks: where, which physics, and how much better it fits with it.
     Diagnose(diagnose::Arguments),

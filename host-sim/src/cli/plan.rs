@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use diagnosis::ordinary;
+use diagnosis::base_parameters;
 use experiment::plan::{Planned, plan, steps};
 use experiment::sensor::Sensor;
 use experiment::standard_tests::StandardTest;
@@ -94,7 +94,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let largest_v = arguments.largest.or(at_hand.as_ref().map(|at_hand| at_hand.largest_v)).unwrap_or(10.0);
     let planned = Planned {
         machine: &file.machine,
-        ordinary: &ordinary(&file),
+        base_parameters: &base_parameters(&file),
         sensors: &sensors,
         largest_v,
         can_load: arguments.with_load,

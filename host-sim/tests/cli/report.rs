@@ -25,7 +25,7 @@ fn the_page_holds_its_sections_and_escapes_every_name() {
     );
     let page = fs::read_to_string(out.path().join("r.html")).unwrap();
     for section in [
-        "Ordinary parameters",
+        "Base parameters",
         "How sure",
         "Where the error went",
         "Before and after",

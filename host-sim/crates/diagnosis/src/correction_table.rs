@@ -1,6 +1,6 @@
 //! A table for what no effect of the catalogue accounts for: better than nothing on the controller, and never a finding.
 //!
-//! Tables that suit the located link are refitted with the ordinary parameters, roughly, and the best of them to the end. A table
+//! Tables that suit the located link are refitted with the base parameters, roughly, and the best of them to the end. A table
 //! stays that gains on recordings that were left out, on all but one of them (what happens once is a disturbance), by more than its
 //! values cost, and that follows the held-out recordings better: all together, at least half of them, and no signal clearly worse.
 
@@ -307,7 +307,7 @@ fn fitted(
     }
     let freedom = Freedom::Around { nominal: 0.0, sigma: quantity.usual(question.scene) };
     let values = P::TABLE_VALUES.into_iter().take(count(over)).map(|parameter| Free { parameter, freedom });
-    let free: Vec<Free> = question.ordinary.iter().copied().chain(values).collect();
+    let free: Vec<Free> = question.base_parameters.iter().copied().chain(values).collect();
     let from = From { solution: Some(&rough.unwrap_or(base).fit), ..From::default() };
     let fit = fit(&machine, &free, question.training, &from, precision)?;
     Candidate::of(question, Vec::new(), fit, Vec::new(), true)

@@ -112,14 +112,14 @@ pub fn diagnose(
         duration_s: trained.iter().map(Prepared::duration_s).fold(0.0, f64::max),
         lowest_pa: lowest_pressure(&file.machine, &trained)?,
     };
-    let ordinary = ordinary(file);
+    let base_parameters = base_parameters(file);
     let (hypotheses, not_testable): (Vec<_>, Vec<_>) = CATALOGUE
         .iter()
         .copied()
         .filter(|hypothesis| !hypothesis.is_on(&file.machine) && hypothesis.is_reached(&scene))
         .partition(|hypothesis| hypothesis.is_testable(&scene));
     let mut excerpt = Excerpt::of(training, &trained, &file.machine, file.load_source).map_err(CompareError::from)?;
-    let asked = Asked { scene: &scene, ordinary: &ordinary, hypotheses: &hypotheses };
+    let asked = Asked { scene: &scene, base_parameters: &base_parameters, hypotheses: &hypotheses };
     let mut selection = asked.selected(&mut trained, excerpt.as_mut(), progress)?;
 
     let references: Vec<&Prepared> = trained.iter().collect();
@@ -179,7 +179,8 @@ pub fn diagnose(
     let left = above_noise_by(&after, &references)?;
     let level_at_rest = level_at_rest(&after.fit.machine, &references, &after.fit.starts);
     let shown = show_all(trained, held, base, &after.fit)?;
-    let is_ordinary = |estimate: &Estimate| ordinary.iter().any(|free| free.parameter == estimate.parameter);
+    let is_base_parameter =
+        |estimate: &Estimate| base_parameters.iter().any(|free| free.parameter == estimate.parameter);
     Ok(Diagnosis {
         machine: file.name.clone(),
         verdict,
@@ -190,7 +191,7 @@ pub fn diagnose(
         not_confirmed,
         unnamed,
         confirmation,
-        refitted: estimates.into_iter().filter(is_ordinary).collect(),
+        refitted: estimates.into_iter().filter(is_base_parameter).collect(),
         correlated: after.correlations(),
         shown,
         machine_after: after.fit.machine,
@@ -204,7 +205,7 @@ pub fn diagnose(
 #[derive(Clone, Copy)]
 struct Asked<'a> {
     scene: &'a Scene<'a>,
-    ordinary: &'a [Free],
+    base_parameters: &'a [Free],
     hypotheses: &'a [&'static Hypothesis],
 }
 
@@ -214,7 +215,7 @@ impl<'a> Asked<'a> {
     where
         'a: 'b,
     {
-        Question { scene: self.scene, ordinary: self.ordinary, hypotheses: self.hypotheses, training }
+        Question { scene: self.scene, base_parameters: self.base_parameters, hypotheses: self.hypotheses, training }
     }
 
     /// The effects that the training recordings choose: of long ones their excerpt, and then the whole.
@@ -239,7 +240,7 @@ impl<'a> Asked<'a> {
         done: &(impl Fn(&str) + Sync),
     ) -> Result<Selection, FitError> {
         let search = |cases: &mut [Prepared]| {
-            let near = Candidate::tolerated(self.scene, self.ordinary, cases)?;
+            let near = Candidate::tolerated(self.scene, self.base_parameters, cases)?;
             let references: Vec<&Prepared> = cases.iter().collect();
             select(&self.of(&references), &near, done)
         };
@@ -312,10 +313,10 @@ fn lowest_pressure(machine: &Machine<f64>, cases: &[Prepared]) -> Result<f64, Ma
     Ok(lowest_pa)
 }
 
-/// Ordinary parameters that may move: those of `[fit.sigma]`, else every one that the file gives and that is usually
+/// Base parameters that may move: those of `[fit.sigma]`, else every one that the file gives and that is usually
 /// uncertain, by a tenth of its value.
 #[must_use]
-pub fn ordinary(file: &MachineFile) -> Vec<Free> {
+pub fn base_parameters(file: &MachineFile) -> Vec<Free> {
     const USUALLY_UNCERTAIN: &[Parameter] = &[
         Parameter::ValveGain,
         Parameter::DeadZone,

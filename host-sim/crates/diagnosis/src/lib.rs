@@ -20,6 +20,6 @@ pub mod selection;
 #[cfg(test)]
 mod test_scene;
 
-pub use diagnose::{DiagnoseError, Progress, diagnose, ordinary, steps};
+pub use diagnose::{DiagnoseError, Progress, base_parameters, diagnose, steps};
 pub use finding::Finding;
 pub use outcome::{Diagnosis, Fits, Shown, Verdict};

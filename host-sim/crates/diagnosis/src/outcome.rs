@@ -49,9 +49,9 @@ pub struct Diagnosis {
     pub unnamed: Option<Unnamed>,
     /// What the held-out recordings said; `None` if there was no choice to confirm.
     pub confirmation: Option<Confirmation>,
-    /// Ordinary parameters that were refitted (with the effects, if any).
+    /// Base parameters that were refitted (with the effects, if any).
     pub refitted: Vec<Estimate>,
-    /// Pairs of fitted values, ordinary ones and strengths, whose estimates are correlated; the closest first.
+    /// Pairs of fitted values, base ones and strengths, whose estimates are correlated; the closest first.
     pub correlated: Vec<Correlation>,
     /// Every recording with its simulations.
     pub shown: Vec<Shown>,
@@ -73,7 +73,7 @@ pub struct Shown {
     pub prepared: Prepared,
     /// Whether it was held out.
     pub held_out: bool,
-    /// Simulated with refitted ordinary parameters.
+    /// Simulated with refitted base parameters.
     pub before: Trajectory,
     /// Simulated with the effects as well; the same as before if nothing is claimed.
     pub after: Trajectory,

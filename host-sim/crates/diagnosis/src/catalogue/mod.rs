@@ -157,7 +157,7 @@ pub struct Strength {
 }
 
 impl Strength {
-    /// The ordinary parameter that it is the negative of, if it is one: what a set without it has to say by that.
+    /// The base parameter that it is the negative of, if it is one: what a set without it has to say by that.
     #[must_use]
     pub fn negative_of(&self) -> Option<Parameter> {
         // A constant force against extending is the load's.

@@ -1,4 +1,4 @@
-//! The simple shapes that a lack in each link may have, and what wrong ordinary parameters look like.
+//! The simple shapes that a lack in each link may have, and what wrong base parameters look like.
 
 use simulation::signal::noise::extent;
 use simulation::signal::slope::slopes;
@@ -8,12 +8,12 @@ use super::balances::{Coefficients, Observed};
 use super::link_evidence::Lack;
 use crate::catalogue::Subsystem;
 
-/// Usual relative error of an ordinary parameter that was fitted to a model that lacks something.
+/// Usual relative error of a base parameter that was fitted to a model that lacks something.
 const WRONG: f64 = 0.05;
 /// Atmospheric pressure, Pa.
 const ATMOSPHERE_PA: f64 = 1e5;
 
-/// What a usual error of each ordinary parameter would be, as a lack.
+/// What a usual error of each base parameter would be, as a lack.
 #[must_use]
 pub(super) fn wrong_parameters(observed: &Observed, by: &Coefficients, supply_pa: f64) -> Vec<Lack> {
     let flows = &observed.flows;

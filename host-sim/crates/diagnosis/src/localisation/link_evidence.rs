@@ -4,7 +4,7 @@
 //! that was not measured, or an error of the position. Each goes into every balance by physics: a position's error into all of
 //! them, a force only into the momentum's. Where no pressures are recorded, flows and forces move the rod as they do at rest of
 //! the pressures: δv·(D + A²/Ga + aA²/Gb) = δF + A·δQa/Ga + aA·δQb/Gb, with Ga, Gb what the open ports yield per pressure.
-//! What wrong ordinary parameters would give is taken out first.
+//! What wrong base parameters would give is taken out first.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -115,13 +115,13 @@ pub(super) struct Pattern {
 pub(super) struct Evidence {
     /// Log-likelihood gained by the best one or two shapes of each link, less their penalty; the largest first.
     pub links: Vec<(Subsystem, f64)>,
-    /// Root mean square of each balance, in standard deviations, with wrong ordinary parameters taken out.
+    /// Root mean square of each balance, in standard deviations, with wrong base parameters taken out.
     pub over_noise: Vec<(Balance, f64)>,
     /// All that is above the noise, as a log-likelihood.
     pub total: f64,
 }
 
-/// Weighs the patterns against what is left over. `wrong` is what a usual error of each ordinary parameter would leave, `balances`
+/// Weighs the patterns against what is left over. `wrong` is what a usual error of each base parameter would leave, `balances`
 /// the balance that each belongs to.
 #[must_use]
 pub(super) fn weigh(
@@ -170,7 +170,7 @@ pub(super) fn weigh(
     Evidence { links, over_noise, total: gain(rows) }
 }
 
-/// What is left over once wrong ordinary parameters are taken out, each within its usual error.
+/// What is left over once wrong base parameters are taken out, each within its usual error.
 struct Rest {
     wrong: DMatrix<f64>,
     solved: nalgebra::Cholesky<f64, nalgebra::Dyn>,

@@ -3,7 +3,7 @@
 //! Every effect is screened; the most promising are refitted in the chain; the best few are each tried with a second one, and so
 //! on, so that a pair is found even where neither of it is best alone. Sets are compared by a log-likelihood in which each
 //! signal's noise level is unknown: ½·n·ln(loss), with n the number of *independent* samples in the residual (neighbouring samples
-//! of a mismatch tell the same), less a Bayesian information penalty for the strengths, plus what the ordinary parameters gain by coming
+//! of a mismatch tell the same), less a Bayesian information penalty for the strengths, plus what the base parameters gain by coming
 //! back to their nominal values. A claim must also gain on recordings that
 //! were left out, on all but one of them (what happens once is a disturbance), and take away at least half of what is above the
 //! noise: an effect that does less is a stand-in for something else. So is a set that another of its size is likelier than, by more
@@ -218,7 +218,7 @@ impl Course {
         if self.chosen.effects.is_empty() { self.stands(question, set) } else { Ok(true) }
     }
 
-    /// Whether what is worth its strengths over nothing is so twice: its effects may only have led the ordinary parameters to where those do as
+    /// Whether what is worth its strengths over nothing is so twice: its effects may only have led the base parameters to where those do as
     /// well alone.
     fn stands(&mut self, question: &Question<'_>, set: &Candidate) -> Result<bool, FitError> {
         let Some(plain) = Candidate::below(question, &set.fit, self.base.fit.loss)? else { return Ok(true) };

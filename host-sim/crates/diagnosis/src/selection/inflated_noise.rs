@@ -1,6 +1,6 @@
 //! The recordings believed only as far as a model can that misses so much.
 //!
-//! A model that lacks an effect bends its ordinary parameters, far beyond what is said of them, to make up for it; from there the
+//! A model that lacks an effect bends its base parameters, far beyond what is said of them, to make up for it; from there the
 //! effect that it lacks does not look like the best addition. Tempered, every channel's noise is taken to be what the model
 //! leaves, and as correlated: the priors keep the parameters where they can be, and what is left shows the effect.
 //!

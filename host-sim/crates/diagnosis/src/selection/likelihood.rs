@@ -1,5 +1,5 @@
 //! What a set of effects is worth over another: log-likelihoods in which each signal's noise level is unknown, ½·n·ln(loss) with n the
-//! independent samples of its residual, less what the strengths cost, plus what the ordinary parameters gain by coming back.
+//! independent samples of its residual, less what the strengths cost, plus what the base parameters gain by coming back.
 
 use identification::fit::{Counts, FitError, Residuals, loss};
 
@@ -112,7 +112,7 @@ fn independent(before: &[f64], after: &[f64], counts: Counts) -> f64 {
     counts(before).min(counts(after))
 }
 
-/// Log-likelihood gained as the ordinary parameters come back to where they were said to be: a model that lacks an effect bends
+/// Log-likelihood gained as the base parameters come back to where they were said to be: a model that lacks an effect bends
 /// them.
 pub(crate) fn straightened(question: &Question<'_>, without: &Candidate, with: &Candidate) -> f64 {
     without.bent(question) - with.bent(question)

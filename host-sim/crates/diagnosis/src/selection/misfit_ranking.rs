@@ -1,7 +1,7 @@
 //! Sets compared where even the best one does not follow the recordings down to their noise: those are believed only as far as it does.
 //!
 //! An effect follows its textbook form within some per cent, and what the valve's misses adds up in all that the rod does. Taken at their
-//! noise, recordings bend the ordinary parameters without end to make up for that, whichever set is refitted; the priors, which count once,
+//! noise, recordings bend the base parameters without end to make up for that, whichever set is refitted; the priors, which count once,
 //! then judge the sets by what was bent. With the noise of every channel what the best set leaves, and as correlated, the parameters
 //! stay where they can be, and what the sets differ in decides.
 
@@ -17,7 +17,7 @@ use super::inflated_noise::as_far_as;
 use super::likelihood::{excess, prefer_plain, ranked_by};
 
 /// Finished sets, ranked, and one `beside` that the chain may have had no use for, ranked by refits to recordings that are believed as far as
-/// the best of them follows those. A set that is far off, or whose ordinary parameters were bent, is so refitted from here on; any other stays as it was.
+/// the best of them follows those. A set that is far off, or whose base parameters were bent, is so refitted from here on; any other stays as it was.
 /// All as they are, where the best is at its noise, or where there is nothing to compare or to straighten.
 pub(crate) fn believed(
     question: &Question<'_>,

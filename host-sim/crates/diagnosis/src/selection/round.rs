@@ -92,7 +92,7 @@ fn unrefined(question: &Question<'_>, mut set: Candidate) -> Result<Candidate, F
     Ok(set)
 }
 
-/// Whether nothing is left that a further effect could explain: the ordinary parameters of the best set are where they were
+/// Whether nothing is left that a further effect could explain: the base parameters of the best set are where they were
 /// said to be, and it is `near` its noise, or what it leaves would not be told from its own form's error.
 pub(crate) fn explains_enough(question: &Question<'_>, base: &Candidate, best: &Candidate, near: f64) -> bool {
     let fits = || {

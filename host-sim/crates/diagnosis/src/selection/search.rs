@@ -16,7 +16,7 @@ const PROMISING: f64 = 0.05;
 
 /// Every set of the beam with one more effect, at most `most` effects from each reference, in their promising forms.
 ///
-/// Where nothing is in a set yet and what is missing has bent the ordinary parameters, the tempered model is a reference as
+/// Where nothing is in a set yet and what is missing has bent the base parameters, the tempered model is a reference as
 /// well. Extensions of an effect start from its refit.
 pub(super) fn widened(
     question: &Question<'_>,

@@ -9,7 +9,7 @@ use simulation::StartOffset;
 
 use crate::sensor::Sensor;
 
-/// Ordinary parameters are moved by this share of their standard deviation: far enough to be seen, near enough to be linear.
+/// Base parameters are moved by this share of their standard deviation: far enough to be seen, near enough to be linear.
 const SHARE: f64 = 0.1;
 /// Standard deviation of the logit of the level at rest, where no pressure is recorded.
 const LEVEL: f64 = 0.4;
@@ -53,10 +53,10 @@ pub(crate) struct Way {
 #[derive(Clone, Debug)]
 pub(crate) struct Directions {
     pub(crate) effects: Vec<&'static Hypothesis>,
-    /// The ordinary parameters and the start first, then the ways of the effects, then each effect as it usually is.
+    /// The base parameters and the start first, then the ways of the effects, then each effect as it usually is.
     pub(crate) all: Vec<Direction>,
     /// How many belong to parameters and start.
-    pub(crate) ordinary: usize,
+    pub(crate) base_parameters: usize,
     pub(crate) ways: Vec<Way>,
     /// Strengths of each effect as it usually is; its direction is at `usual` and on.
     pub(crate) strengths: Vec<Values>,
@@ -66,11 +66,11 @@ pub(crate) struct Directions {
 impl Directions {
     pub(crate) fn of(
         scene: &Scene<'_>,
-        ordinary: &[Free],
+        base_parameters: &[Free],
         effects: &[&'static Hypothesis],
         sensors: &[Sensor],
     ) -> Self {
-        let mut all = parameters(scene.machine, ordinary);
+        let mut all = parameters(scene.machine, base_parameters);
         all.extend(start(scene.machine, sensors));
         let count = all.len();
         let mut ways = Vec::new();
@@ -91,7 +91,7 @@ impl Directions {
         let strengths: Vec<Values> = effects.iter().map(|hypothesis| usual(scene, hypothesis)).collect();
         let usual = all.len();
         all.extend(strengths.iter().map(|values| Direction::once(scene.machine, values)));
-        Self { effects: effects.to_vec(), all, ordinary: count, ways, strengths, usual }
+        Self { effects: effects.to_vec(), all, base_parameters: count, ways, strengths, usual }
     }
 
     /// Fewest strengths that an effect takes.
@@ -100,8 +100,8 @@ impl Directions {
     }
 }
 
-/// The machine with each ordinary parameter moved; its standard deviation is one.
-fn parameters(machine: &Machine<f64>, ordinary: &[Free]) -> Vec<Direction> {
+/// The machine with each base parameter moved; its standard deviation is one.
+fn parameters(machine: &Machine<f64>, base_parameters: &[Free]) -> Vec<Direction> {
     let moved = |free: &Free| {
         // At an end of its range it moves the other way.
         [SHARE, -SHARE].into_iter().find_map(|share| {
@@ -110,7 +110,7 @@ fn parameters(machine: &Machine<f64>, ordinary: &[Free]) -> Vec<Direction> {
             there.then(|| Direction { times: 1.0 / share, ..Direction::once(machine, &[(free.parameter, value)]) })
         })
     };
-    ordinary.iter().filter_map(moved).collect()
+    base_parameters.iter().filter_map(moved).collect()
 }
 
 /// What stays open of the start: the level of pressure where none is recorded, and the position below its noise.

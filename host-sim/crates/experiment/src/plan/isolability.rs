@@ -20,12 +20,13 @@ pub struct Isolability {
     pub told: Vec<Vec<bool>>,
 }
 
-/// What is left of everything once the ordinary parameters and the start have settled.
-pub(crate) fn settled(products: &DMatrix<f64>, ordinary: usize) -> DMatrix<f64> {
-    let count = products.nrows() - ordinary;
-    let own = products.view((0, 0), (ordinary, ordinary)) + DMatrix::identity(ordinary, ordinary);
-    let across = products.view((0, ordinary), (ordinary, count)).into_owned();
-    let rest = products.view((ordinary, ordinary), (count, count)).into_owned();
+/// What is left of everything once the base parameters and the start have settled.
+pub(crate) fn settled(products: &DMatrix<f64>, base_parameters: usize) -> DMatrix<f64> {
+    let count = products.nrows() - base_parameters;
+    let own =
+        products.view((0, 0), (base_parameters, base_parameters)) + DMatrix::identity(base_parameters, base_parameters);
+    let across = products.view((0, base_parameters), (base_parameters, count)).into_owned();
+    let rest = products.view((base_parameters, base_parameters), (count, count)).into_owned();
     match own.cholesky() {
         Some(factor) => rest - across.tr_mul(&factor.solve(&across)),
         None => rest,
@@ -40,8 +41,8 @@ pub(crate) fn needed(strengths: usize, samples: f64) -> f64 {
 impl Isolability {
     /// By products over the sensors at hand and the number of their samples.
     pub(crate) fn of(directions: &Directions, products: &DMatrix<f64>, samples: f64) -> Self {
-        let settled = settled(products, directions.ordinary);
-        let at = |index: usize| index - directions.ordinary;
+        let settled = settled(products, directions.base_parameters);
+        let at = |index: usize| index - directions.base_parameters;
         let effects = directions.strengths.len();
         let usual = |effect: usize| at(directions.usual) + effect;
         let square = |effect: usize| settled[(usual(effect), usual(effect))].max(0.0);
@@ -111,7 +112,7 @@ fn explained(settled: &DMatrix<f64>, way: &Way, first: usize, truth: usize) -> f
         let right = DVector::from_iterator(there.len(), there.iter().map(|amount| settled[(first + amount, truth)]));
         let matrix = DMatrix::from_fn(there.len(), there.len(), |row, column| {
             let product = settled[(first + there[row], first + there[column])];
-            // A direction that the ordinary parameters can imitate explains nothing.
+            // A direction that the base parameters can imitate explains nothing.
             if row == column { product * (1.0 + 1e-9) + 1e-6 } else { product }
         });
         let Some(amounts) = matrix.cholesky().map(|factor| factor.solve(&right)) else { continue };

@@ -1,7 +1,7 @@
 //! What a recording will be able to show, before it is made: effects that would be seen, and those that would pass for each other.
 //!
 //! Every effect is switched on in the model, as it usually is, and the sensors' noise is what a difference counts in. What a refit of the
-//! ordinary parameters and of the start would imitate is taken out first. An effect is seen where the rest would be claimed: half its sum
+//! base parameters and of the start would imitate is taken out first. An effect is seen where the rest would be claimed: half its sum
 //! of squares beyond the penalty for its strengths and beyond chance. It passes for another one where that, in the best of its forms
 //! and strengths, leaves too little to be preferred. Strengths count linearly, about where they usually lie, and the noise is taken to
 //! be white: a real recording shows less, never more.
@@ -36,8 +36,8 @@ pub use isolability::Isolability;
 pub struct Planned<'a> {
     /// The drive as it is known.
     pub machine: &'a Machine<f64>,
-    /// Ordinary parameters that a refit may move.
-    pub ordinary: &'a [Free],
+    /// Base parameters that a refit may move.
+    pub base_parameters: &'a [Free],
     /// Sensors at hand.
     pub sensors: &'a [Sensor],
     /// Largest command, V.
@@ -170,7 +170,7 @@ pub fn plan(planned: &Planned<'_>, given: Option<&Stimulus>, done: &(dyn Fn() + 
         .copied()
         .filter(|hypothesis| !hypothesis.is_on(machine) && hypothesis.is_reached(&scene))
         .partition(|hypothesis| hypothesis.is_testable(&scene));
-    let directions = Directions::of(&scene, planned.ordinary, &effects, planned.sensors);
+    let directions = Directions::of(&scene, planned.base_parameters, &effects, planned.sensors);
     let (sensors, at_hand) = with_further(planned);
     let legs = parallel::try_each(&tests(planned), |test| {
         let leg = Leg::of(test, machine, planned.largest_v, &directions, &sensors, TICK);
@@ -234,7 +234,7 @@ impl Judge<'_> {
         let (over, samples) = products.over(at_hand);
         let isolability = Isolability::of(self.directions, &over, samples);
         let near = View { stimulus, sensors: &self.sensors[..at_hand.len()] };
-        let scale = Scale::of(&near, &changes, self.directions.ordinary);
+        let scale = Scale::of(&near, &changes, self.directions.base_parameters);
         let effects = parallel::each(self.directions.effects.iter().enumerate(), |(index, &effect)| Prospect {
             effect,
             usual: self.directions.strengths[index].clone(),
@@ -283,12 +283,12 @@ impl Judge<'_> {
     }
 }
 
-/// How far a machine is from the one as it is, once the ordinary parameters have settled.
+/// How far a machine is from the one as it is, once the base parameters have settled.
 struct Scale<'a> {
     view: &'a View<'a>,
     base: &'a [DVector<f64>],
-    /// Changes by the ordinary parameters and the start, a matrix a sensor.
-    ordinary: Vec<DMatrix<f64>>,
+    /// Changes by the base parameters and the start, a matrix a sensor.
+    base_parameters: Vec<DMatrix<f64>>,
     inverse: DMatrix<f64>,
 }
 
@@ -296,13 +296,14 @@ impl<'a> Scale<'a> {
     /// By what the first `count` directions change in the view's sensors, the first of those that changes were seen by.
     fn of(view: &'a View<'a>, changes: &'a Changes, count: usize) -> Self {
         let base = &changes.base[..view.sensors.len()];
-        let ordinary: Vec<DMatrix<f64>> = (0..base.len()).map(|sensor| changes.columns(0..count, sensor)).collect();
+        let base_parameters: Vec<DMatrix<f64>> =
+            (0..base.len()).map(|sensor| changes.columns(0..count, sensor)).collect();
         let mut own = DMatrix::identity(count, count);
-        for columns in &ordinary {
+        for columns in &base_parameters {
             own += columns.tr_mul(columns);
         }
         let inverse = own.try_inverse().unwrap_or_else(|| DMatrix::zeros(count, count));
-        Self { view, base, ordinary, inverse }
+        Self { view, base, base_parameters, inverse }
     }
 
     /// In standard deviations of the noise; `None` where the machine does not become a drive.
@@ -310,7 +311,7 @@ impl<'a> Scale<'a> {
         let there = self.view.of(machine, StartOffset::none()).ok()?;
         let mut square = 0.0;
         let mut across = DVector::zeros(self.inverse.nrows());
-        for ((there, base), columns) in there.iter().zip(self.base).zip(&self.ordinary) {
+        for ((there, base), columns) in there.iter().zip(self.base).zip(&self.base_parameters) {
             let change = there - base;
             square += change.norm_squared();
             across += columns.tr_mul(&change);

@@ -16,9 +16,15 @@ fn uncertain(machine: &Machine<f64>) -> Vec<Free> {
 
 fn planned(machine: &Machine<f64>, signals: &[Signal], longest_s: f64) -> Result<Plan, PlanError> {
     let sensors: Vec<Sensor> = signals.iter().map(|&signal| Sensor::usual(signal, machine)).collect();
-    let ordinary = uncertain(machine);
-    let asked =
-        Planned { machine, ordinary: &ordinary, sensors: &sensors, largest_v: 10.0, can_load: false, longest_s };
+    let base_parameters = uncertain(machine);
+    let asked = Planned {
+        machine,
+        base_parameters: &base_parameters,
+        sensors: &sensors,
+        largest_v: 10.0,
+        can_load: false,
+        longest_s,
+    };
     let told = std::sync::atomic::AtomicUsize::new(0);
     let plan = plan(&asked, None, &|| {
         told.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
@@ -52,10 +58,10 @@ fn what_is_claimed_from_the_smallest_amount_on_is_not_claimed_below_it() {
     let machine = drive();
     let sensors =
         [Signal::PressureA, Signal::PressureB, Signal::Position].map(|signal| Sensor::usual(signal, &machine));
-    let ordinary = uncertain(&machine);
+    let base_parameters = uncertain(&machine);
     let asked = Planned {
         machine: &machine,
-        ordinary: &ordinary,
+        base_parameters: &base_parameters,
         sensors: &sensors,
         largest_v: 10.0,
         can_load: false,
@@ -91,7 +97,13 @@ fn the_excitation_comes_back_to_the_middle_after_every_test_and_is_no_longer_tha
 fn a_time_too_short_for_any_test_is_refused_and_so_are_no_sensors() {
     let machine = drive();
     assert!(matches!(planned(&machine, &[Signal::Position], 0.5), Err(PlanError::TooShort { .. })));
-    let asked =
-        Planned { machine: &machine, ordinary: &[], sensors: &[], largest_v: 10.0, can_load: false, longest_s: 9.0 };
+    let asked = Planned {
+        machine: &machine,
+        base_parameters: &[],
+        sensors: &[],
+        largest_v: 10.0,
+        can_load: false,
+        longest_s: 9.0,
+    };
     assert!(matches!(plan(&asked, None, &|| {}), Err(PlanError::NoSensor)));
 }

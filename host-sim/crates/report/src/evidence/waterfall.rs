@@ -40,7 +40,7 @@ impl Waterfall {
         let cases: Vec<&Prepared> = judged(&diagnosis.shown, held_out).map(|shown| &shown.prepared).collect();
         let mut stages = vec![
             stage("machine file", None, nominal, &cases)?,
-            stage("ordinary parameters refitted", None, &diagnosis.selection.base.fit.machine, &cases)?,
+            stage("base parameters refitted", None, &diagnosis.selection.base.fit.machine, &cases)?,
         ];
         if !diagnosis.findings.is_empty() {
             for (effect, machine) in steps(&diagnosis.selection) {

@@ -99,8 +99,8 @@ fn improvement(diagnosis: &Diagnosis) -> Markup {
         }
         p class="soft" {
             "NRMSE fit in free run" @if held_out { ", recordings that were held out" } @else { ", training recordings" }
-            @if diagnosis.unnamed.is_some() { ": ordinary parameters refitted → with a table that has no name." }
-            @else if changes { ": ordinary parameters refitted → with what was found." } @else { ", ordinary parameters refitted." }
+            @if diagnosis.unnamed.is_some() { ": base parameters refitted → with a table that has no name." }
+            @else if changes { ": base parameters refitted → with what was found." } @else { ", base parameters refitted." }
         }
     }
 }
@@ -142,7 +142,7 @@ fn fits(diagnosis: &Diagnosis) -> Markup {
                 }
             }
             p class="soft" {
-                @if changes { "Before: ordinary parameters refitted. After: refitted together with what was found"
+                @if changes { "Before: base parameters refitted. After: refitted together with what was found"
                     @if diagnosis.unnamed.is_some() { ", here a table that has no name" } ". " }
                 "Noise floor: what a perfect model would reach." }
             details {

@@ -1,4 +1,4 @@
-//! Ordinary parameters before and after, with what moved and why.
+//! Base parameters before and after, with what moved and why.
 
 use maud::{Markup, html};
 
@@ -23,7 +23,7 @@ pub(crate) fn parameters(diagnosis: &Diagnosis) -> Markup {
     let alone = |estimate: &Estimate| diagnosis.selection.base.fit.machine.get(estimate.parameter);
     html! {
         section {
-            h2 { "Ordinary parameters" }
+            h2 { "Base parameters" }
             p class="soft" { "The machine file's value, what it was refitted to"
                 @if changes { " without and with what was found" } ", its standard deviation, and how far it moved." }
             table class="wide" {

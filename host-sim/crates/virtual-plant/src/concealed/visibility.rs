@@ -29,12 +29,12 @@ pub(crate) struct Shown<'a> {
     pub(crate) effects: &'a [PlantEffect],
 }
 
-/// What a case's recordings show with all effects, and what the ordinary parameters could change of it.
+/// What a case's recordings show with all effects, and what the base parameters could change of it.
 pub(crate) struct Refits<'a> {
     shown: Shown<'a>,
     base: DVector<f64>,
     /// One standard deviation of each uncertain parameter, and another start of each recording.
-    ordinary: Vec<DVector<f64>>,
+    base_parameters: Vec<DVector<f64>>,
 }
 
 /// RMS of what refits leave, noise included, in parts of the noise, in the worst channel.
@@ -70,13 +70,13 @@ impl Refits<'_> {
     }
 
     fn with_only(&self, effects: &[PlantEffect], pushed: bool) -> Result<f64, PlantError> {
-        let Self { shown, base, ordinary } = self;
+        let Self { shown, base, base_parameters } = self;
         let without = shown.repeated(&shown.setting.machine, effects, pushed)?;
-        Ok(shown.worst_channel(&projected(&DMatrix::from_columns(ordinary), &(base - without), shown.weight())))
+        Ok(shown.worst_channel(&projected(&DMatrix::from_columns(base_parameters), &(base - without), shown.weight())))
     }
 
     fn plainer_each(&self) -> Result<Vec<Option<(&'static str, f64)>>, PlantError> {
-        let Self { shown, base, ordinary } = self;
+        let Self { shown, base, base_parameters } = self;
         let effects = shown.effects;
         let with = |k: usize, plain: PlantEffect| {
             let all: Vec<PlantEffect> =
@@ -87,7 +87,7 @@ impl Refits<'_> {
             let strengths = [effect.plainer(1.0), effect.plainer(1.0 + STRONGER)];
             let [Some(plain), Some(stronger)] = strengths else { return Ok(None) };
             let (plainly, more) = (with(k, plain)?, with(k, stronger)?);
-            let mut columns = ordinary.clone();
+            let mut columns = base_parameters.clone();
             columns.push((more - &plainly) / STRONGER);
             let left = projected(&DMatrix::from_columns(&columns), &(base - plainly), shown.weight());
             Ok(Some((plain.name(), shown.worst_channel(&left))))
@@ -97,20 +97,20 @@ impl Refits<'_> {
 }
 
 impl<'a> Shown<'a> {
-    /// Repeated with all effects, and with each ordinary parameter a little off.
+    /// Repeated with all effects, and with each base parameter a little off.
     pub(crate) fn refits(self) -> Result<Refits<'a>, PlantError> {
         let (machine, effects) = (&self.setting.machine, self.effects);
         let base = self.repeated(machine, effects, true)?;
-        let mut ordinary = Vec::new();
+        let mut base_parameters = Vec::new();
         for (&parameter, &deviation) in self.sigma {
             let mut moved = *machine;
             let range = parameter.description();
             moved.set(parameter, (machine.get(parameter) + 0.5 * deviation).clamp(range.min, range.max));
             let other = self.repeated(&moved, effects, true)?;
-            ordinary.push((other - &base) * 2.0);
+            base_parameters.push((other - &base) * 2.0);
         }
-        ordinary.extend((0..self.made.len()).map(|recording| self.other_start(recording)));
-        Ok(Refits { shown: self, base, ordinary })
+        base_parameters.extend((0..self.made.len()).map(|recording| self.other_start(recording)));
+        Ok(Refits { shown: self, base, base_parameters })
     }
 
     /// How many recorded rows one row that is looked at stands for.

@@ -25,8 +25,8 @@ pub use neighbours::{Reference, Weighing, noisier};
 pub struct Question<'a> {
     /// What is known of the drive before.
     pub scene: &'a Scene<'a>,
-    /// Ordinary parameters that may move.
-    pub ordinary: &'a [Free],
+    /// Base parameters that may move.
+    pub base_parameters: &'a [Free],
     /// Effects that these recordings can show.
     pub hypotheses: &'a [&'static Hypothesis],
     /// Training recordings.
@@ -85,7 +85,7 @@ pub struct Candidate {
 impl Candidate {
     /// The machine file's model, refitted from two solutions that are near.
     pub fn base(question: &Question<'_>, one: &Fit, other: &Fit) -> Result<Self, FitError> {
-        let nearly = |near: &Fit| Self::ordinary(question, Some(near), NEARLY);
+        let nearly = |near: &Fit| Self::base_parameters(question, Some(near), NEARLY);
         let (one, other) = rayon::join(|| nearly(one), || nearly(other));
         let (one, other) = (one?, other?);
         if other.fit.loss < one.fit.loss { &other } else { &one }.to_the_end(question)
@@ -93,7 +93,7 @@ impl Candidate {
 
     /// The machine file's model, refitted from a solution where that ends below a loss: nearly first, to the end only where it does.
     pub fn below(question: &Question<'_>, solution: &Fit, loss: f64) -> Result<Option<Self>, FitError> {
-        let nearly = Self::ordinary(question, Some(solution), NEARLY)?;
+        let nearly = Self::base_parameters(question, Some(solution), NEARLY)?;
         if nearly.fit.loss < loss { nearly.to_the_end(question).map(Some) } else { Ok(None) }
     }
 
@@ -101,22 +101,22 @@ impl Candidate {
     fn to_the_end(&self, question: &Question<'_>) -> Result<Self, FitError> {
         // Of residuals that are alike for so many rows, a fall of the loss says so many times less.
         let precision = (inflation(&self.residuals, self.counts) * FINELY).min(PRECISION);
-        Self::ordinary(question, Some(&self.fit), precision)
+        Self::base_parameters(question, Some(&self.fit), precision)
     }
 
     /// The machine file's model, roughly refitted.
     pub fn rough(question: &Question<'_>, from: Option<&Fit>) -> Result<Self, FitError> {
-        Self::ordinary(question, from, SETTLED)
+        Self::base_parameters(question, from, SETTLED)
     }
 
     /// The machine file's model refitted, after which every channel tolerates what that leaves: residuals far beyond count
     /// linearly in all that follows.
     /// That refit is returned.
-    pub fn tolerated(scene: &Scene<'_>, ordinary: &[Free], training: &mut [Prepared]) -> Result<Fit, FitError> {
+    pub fn tolerated(scene: &Scene<'_>, base_parameters: &[Free], training: &mut [Prepared]) -> Result<Fit, FitError> {
         let nominal = vec![StartState::default(); training.len()];
         set_tolerances(scene.machine, training, &nominal)?;
         let references: Vec<&Prepared> = training.iter().collect();
-        let question = Question { scene, ordinary, hypotheses: &[], training: &references };
+        let question = Question { scene, base_parameters, hypotheses: &[], training: &references };
         let base = Self::rough(&question, None)?.fit;
         set_tolerances(&base.machine, training, &base.starts)?;
         Ok(base)
@@ -203,13 +203,15 @@ impl Candidate {
         self.left(question, effects, &[gone])
     }
 
-    /// What is left without some of its effects. What those had of an ordinary parameter goes to it.
+    /// What is left without some of its effects. What those had of a base parameter goes to it.
     fn left(&self, question: &Question<'_>, kept: Vec<Chosen>, gone: &[Chosen]) -> Result<Self, FitError> {
         let mut jumps = self.jumps.clone();
         jumps.retain(|(parameter, _)| gone.iter().all(|chosen| !is_jump(chosen.form, *parameter)));
         let fitted = |parameter| self.fit.machine.get(parameter);
         let left = |strength: &Strength| {
-            strength.negative_of().map(|ordinary| (ordinary, fitted(ordinary) - fitted(strength.parameter)))
+            strength
+                .negative_of()
+                .map(|base_parameters| (base_parameters, fitted(base_parameters) - fitted(strength.parameter)))
         };
         let values: Vec<_> = gone.iter().flat_map(|chosen| chosen.form.iter()).filter_map(left).collect();
         let from = Beginning { fit: &self.fit, values: &values, settled: &[], goes: Goes::ToTheEnd };

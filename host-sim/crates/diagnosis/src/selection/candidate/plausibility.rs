@@ -1,4 +1,4 @@
-//! Where a set's strengths have ended: what an effect can be, what is next to nothing, and how far the ordinary parameters are bent.
+//! Where a set's strengths have ended: what an effect can be, what is next to nothing, and how far the base parameters are bent.
 
 use model_core::machine::Parameter;
 
@@ -100,11 +100,11 @@ impl Candidate {
         self.effects.iter().any(is_of) && self.fit.machine.get(Parameter::StictionKept) > HARDLY_JUMPS_FROM
     }
 
-    /// What the ordinary parameters cost by being away from their nominal values: half the sum of squares of their distances, each
+    /// What the base parameters cost by being away from their nominal values: half the sum of squares of their distances, each
     /// in its standard deviation.
     #[must_use]
     pub fn bent(&self, question: &Question<'_>) -> f64 {
-        let own = self.fit.coordinates.iter().take(question.ordinary.len());
+        let own = self.fit.coordinates.iter().take(question.base_parameters.len());
         0.5 * own.map(|coordinate| coordinate * coordinate).sum::<f64>()
     }
 
@@ -112,7 +112,7 @@ impl Candidate {
     /// and Hilferty 1931.
     #[must_use]
     pub fn is_bent(&self, question: &Question<'_>) -> bool {
-        let count = question.ordinary.len() as f64;
+        let count = question.base_parameters.len() as f64;
         let share = 2.0 / (9.0 * count);
         count > 0.0
             && 2.0 * self.bent(question) > count * (1.0 - share + PULLED_TOO_FAR_QUANTILE * share.sqrt()).powi(3)

@@ -58,11 +58,15 @@ impl Candidate {
         Ok(Self { effects, fit, jumps, residuals, is_finished, is_tempered: false, counts: question.counts() })
     }
 
-    /// A refit of the ordinary parameters alone.
-    pub(crate) fn ordinary(question: &Question<'_>, solution: Option<&Fit>, precision: f64) -> Result<Self, FitError> {
+    /// A refit of the base parameters alone.
+    pub(crate) fn base_parameters(
+        question: &Question<'_>,
+        solution: Option<&Fit>,
+        precision: f64,
+    ) -> Result<Self, FitError> {
         let from = From { solution, ..From::default() };
         let searched = |training: &[&Prepared]| {
-            let found = fit(question.scene.machine, question.ordinary, training, &from, precision)?;
+            let found = fit(question.scene.machine, question.base_parameters, training, &from, precision)?;
             Self::of(question, Vec::new(), found, Vec::new(), precision <= PRECISION)
         };
         if precision <= PRECISION {
@@ -142,10 +146,10 @@ impl Candidate {
     }
 }
 
-/// What a fit moves: the ordinary parameters, and every strength that a slope leads to.
+/// What a fit moves: the base parameters, and every strength that a slope leads to.
 fn free(question: &Question<'_>, effects: &[Chosen]) -> Vec<Free> {
     let smooth = strengths(effects).into_iter().filter(|strength| !strength.is_jump());
-    question.ordinary.iter().copied().chain(smooth.map(|strength| strength.free(question.scene))).collect()
+    question.base_parameters.iter().copied().chain(smooth.map(|strength| strength.free(question.scene))).collect()
 }
 
 /// Coordinates of the values that are free.

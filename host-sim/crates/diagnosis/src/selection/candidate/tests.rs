@@ -8,10 +8,11 @@ use crate::catalogue::CATALOGUE;
 use crate::test_scene::scene;
 
 /// A set of one effect in its plainest form, as if a fit had ended at a machine.
-fn standing(name: &str, scene: &Scene<'_>, ordinary: &[Free], machine: &Machine<f64>) -> Candidate {
+fn standing(name: &str, scene: &Scene<'_>, base_parameters: &[Free], machine: &Machine<f64>) -> Candidate {
     let effect = CATALOGUE.iter().find(|effect| effect.name == name).unwrap();
     let form = effect.forms[0];
-    let free: Vec<Free> = ordinary.iter().copied().chain(form.iter().map(|strength| strength.free(scene))).collect();
+    let free: Vec<Free> =
+        base_parameters.iter().copied().chain(form.iter().map(|strength| strength.free(scene))).collect();
     let coordinates = free.iter().map(|free| free.coordinate(machine.get(free.parameter))).collect();
     let starts = vec![StartState::default()];
     let fit = Fit { machine: *machine, free, coordinates, starts, information: Vec::new(), converged: true, loss: 0.0 };
@@ -76,14 +77,14 @@ fn what_keeps_more_than_two_thirds_of_its_band_hardly_jumps() {
 }
 
 #[test]
-fn without_an_effect_an_ordinary_parameter_has_what_that_had_of_it() {
+fn without_an_effect_a_base_parameter_has_what_that_had_of_it() {
     // A load of 500 N, said by more force than the supply has one way and nearly as much the other.
     let machine = press(&[(Parameter::ViscousFriction, 4e4), (Parameter::LoadForce, 500.0)]);
     let case = Prepared::new(&extending(&machine), &machine, LoadSource::Constant, None).unwrap();
     let training = [&case];
     let scene = scene(&machine, &[Signal::Position]);
     let load = Free { parameter: Parameter::LoadForce, freedom: Freedom::Around { nominal: 500.0, sigma: 1e5 } };
-    let question = Question { scene: &scene, ordinary: &[load], hypotheses: &[], training: &training };
+    let question = Question { scene: &scene, base_parameters: &[load], hypotheses: &[], training: &training };
 
     let moved = machine.with(&[(Parameter::LoadForce, -59_500.0), (Parameter::LoadSpringForce, -60_000.0)]);
     let set = standing("position-dependent-load", &scene, &[load], &moved);

@@ -93,7 +93,7 @@ fn beside_a_bent_gain(effects: [&str; 2], seen: impl FnOnce(&Question<'_>, &Cand
             let nominal = question.scene.machine.get(parameter);
             Free { parameter, freedom: Freedom::Around { nominal, sigma: 0.05 * nominal } }
         });
-        let question = &Question { ordinary: &free, ..*question };
+        let question = &Question { base_parameters: &free, ..*question };
         let base = Candidate::rough(question, None).unwrap();
         let sets = effects.map(|name| added(question, &base, name, None));
         seen(question, &base, ranked(question, &base, sets.to_vec()));

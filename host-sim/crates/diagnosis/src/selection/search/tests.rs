@@ -16,7 +16,7 @@ pub(crate) fn with_press(unknown: &[(P, f64)], seen: impl FnOnce(&Question<'_>))
     let recording = recorded(&truth, &[(Signal::PressureA, 1e4), (Signal::PressureB, 1e4), (Signal::Position, 1e-5)]);
     let case = Prepared::new(&recording, &nominal, LoadSource::Constant, None).unwrap();
     let (training, scene) = ([&case], scene(&nominal, &judged));
-    seen(&Question { scene: &scene, ordinary: &[], hypotheses: CATALOGUE, training: &training });
+    seen(&Question { scene: &scene, base_parameters: &[], hypotheses: CATALOGUE, training: &training });
 }
 
 /// A set with one more effect, in the form that begins with a strength, refitted.

@@ -41,9 +41,9 @@ impl Side {
         }
     }
 
-    /// Its ordinary parameters.
-    pub(super) fn ordinary(self, question: &Question<'_>) -> Vec<Free> {
-        question.ordinary.iter().copied().filter(|free| Self::of_parameter(free.parameter) == self).collect()
+    /// Its base parameters.
+    pub(super) fn base_parameters(self, question: &Question<'_>) -> Vec<Free> {
+        question.base_parameters.iter().copied().filter(|free| Self::of_parameter(free.parameter) == self).collect()
     }
 
     /// Recordings judged by its signals alone.

@@ -35,7 +35,7 @@ struct Beside {
     left_out: Residuals,
 }
 
-/// Where a refit beside stiction may start: how far the free spool is ahead, the ordinary parameters there, and what promises most.
+/// Where a refit beside stiction may start: how far the free spool is ahead, the base parameters there, and what promises most.
 struct Start {
     ahead: f64,
     from: Candidate,
@@ -87,7 +87,7 @@ impl Search<'_, '_> {
         })
     }
 
-    /// The ordinary parameters alone, roughly, and where each form could start, the most promising first.
+    /// The base parameters alone, roughly, and where each form could start, the most promising first.
     fn starts(&self) -> Result<(Beginning, Vec<Vec<Start>>), FitError> {
         let at = |times: &f64| {
             let ahead = times * self.sticking.length;

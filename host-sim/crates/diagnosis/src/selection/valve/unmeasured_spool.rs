@@ -125,7 +125,7 @@ impl Selection {
             played(question, set)?.into_iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss))
         };
         let Some(following) = following else { return Ok(()) };
-        // What jumps leave would bend the ordinary parameters without end.
+        // What jumps leave would bend the base parameters without end.
         let believed = as_far_as(question, &following)?;
         let believed: Vec<&Prepared> = believed.iter().collect();
         let less = Question { training: &believed, ..*question };

@@ -32,13 +32,18 @@ impl Side {
         followed: &[Prepared],
         done: &(impl Fn(&str) + Sync),
     ) -> Result<Course, FitError> {
-        let ordinary = self.ordinary(question);
+        let base_parameters = self.base_parameters(question);
         let effects = question.hypotheses.iter().copied();
         let hypotheses: Vec<_> = effects.filter(|effect| Self::of_effect(effect) == self).collect();
         let mut training = self.judging(followed);
-        let near = Candidate::tolerated(question.scene, &ordinary, &mut training)?;
+        let near = Candidate::tolerated(question.scene, &base_parameters, &mut training)?;
         let training: Vec<&Prepared> = training.iter().collect();
-        let own = Question { scene: question.scene, ordinary: &ordinary, hypotheses: &hypotheses, training: &training };
+        let own = Question {
+            scene: question.scene,
+            base_parameters: &base_parameters,
+            hypotheses: &hypotheses,
+            training: &training,
+        };
         let mut course = Course::of(&own, &near)?;
         if !course.is_enough(&own, self.near()) {
             course.forward(&own, self.near(), done)?;
@@ -103,10 +108,11 @@ pub(crate) fn gains_apart(
         return Ok(false);
     };
     let (mut training, held_out) = (side.judging(&training), side.judging(&held_out));
-    let ordinary = side.ordinary(question);
-    Candidate::tolerated(question.scene, &ordinary, &mut training)?;
+    let base_parameters = side.base_parameters(question);
+    Candidate::tolerated(question.scene, &base_parameters, &mut training)?;
     let (training, held_out): (Vec<_>, Vec<_>) = (training.iter().collect(), held_out.iter().collect());
-    let own = Question { scene: question.scene, ordinary: &ordinary, hypotheses: &[], training: &training };
+    let own =
+        Question { scene: question.scene, base_parameters: &base_parameters, hypotheses: &[], training: &training };
     if side == Side::Valve
         && let Some(told) = super::stiction::confirms(&own, set, effect, &held_out)?
     {

@@ -24,8 +24,9 @@ fn heard(
     let scene = scene(&machine, &judged);
     let around =
         |parameter, nominal: f64| Free { parameter, freedom: Freedom::Around { nominal, sigma: 0.1 * nominal } };
-    let ordinary = [around(Parameter::ValveGain, 0.0559), around(Parameter::DeadZone, 0.03)];
-    let question = Question { scene: &scene, ordinary: &ordinary, hypotheses: CATALOGUE, training: &training };
+    let base_parameters = [around(Parameter::ValveGain, 0.0559), around(Parameter::DeadZone, 0.03)];
+    let question =
+        Question { scene: &scene, base_parameters: &base_parameters, hypotheses: CATALOGUE, training: &training };
     let base = Candidate::rough(&question, None).unwrap();
     let mut selection = Selection { chosen: base.clone(), base, rounds: Vec::new(), joined: Vec::new(), heard: None };
     selection.listen(&question, &|_| ()).unwrap();

@@ -67,7 +67,7 @@ fn a_spool_that_reads_too_much_and_edges_that_lie_apart_are_the_same_but_for_the
         parameter: Parameter::ValveOffset,
         freedom: identification::fit::Freedom::Around { nominal: 0.0, sigma: 0.02 },
     };
-    let question = Question { scene: &scene, ordinary: &[free], hypotheses: &hypotheses, training: &training };
+    let question = Question { scene: &scene, base_parameters: &[free], hypotheses: &hypotheses, training: &training };
     let base = Candidate::rough(&question, None).unwrap();
     let of = |name: &str| -> Candidate {
         let effect = *CATALOGUE.iter().find(|effect| effect.name == name).unwrap();
@@ -107,7 +107,7 @@ fn an_effect_gains_on_its_own_side_whatever_the_valve_lacks() {
         // The same drive through sensors in another order, so that each has another noise.
         let held_out = prepared(&recorded(&truth(force), &[sensors[2], sensors[0], sensors[1]]), &nominal);
         let training = [&case];
-        let question = Question { scene: &scene, ordinary: &[], hypotheses: CATALOGUE, training: &training };
+        let question = Question { scene: &scene, base_parameters: &[], hypotheses: CATALOGUE, training: &training };
         let base = Candidate::rough(&question, None).unwrap();
         let chosen = Chosen { effect: coulomb, form: coulomb.forms[0] };
         let with = Candidate { effects: vec![chosen], ..base };
@@ -125,7 +125,7 @@ fn a_side_that_has_explained_itself_is_not_asked_again_while_the_chain_is_far_of
         let truth = nominal.with(&[(Parameter::SolenoidOnset, 0.1), (Parameter::SolenoidLoss, loss)]);
         let case = prepared(&recorded(&truth, &SENSORS), &nominal);
         let training = [&case];
-        let question = Question { scene: &scene, ordinary: &[], hypotheses: CATALOGUE, training: &training };
+        let question = Question { scene: &scene, base_parameters: &[], hypotheses: CATALOGUE, training: &training };
         let near = Candidate::rough(&question, None).unwrap().fit;
         let mut course = Course::of(&question, &near).unwrap();
         course.explained = explained.to_vec();
@@ -156,7 +156,7 @@ fn asked_of_a_sticking_valve(further: &[(Parameter, f64)], ask: impl FnOnce(&Que
         parameter,
         freedom: identification::fit::Freedom::Around { nominal: nominal.get(parameter), sigma },
     };
-    let ordinary = [
+    let base_parameters = [
         around(Parameter::ValveGain, 0.003),
         around(Parameter::TimeConstant1, 0.002),
         around(Parameter::ValveOffset, 0.01),
@@ -165,7 +165,10 @@ fn asked_of_a_sticking_valve(further: &[(Parameter, f64)], ask: impl FnOnce(&Que
     let judged = [Signal::Spool];
     let scene = scene(&nominal, &judged);
     let training = [&cases[0], &cases[1]];
-    ask(&Question { scene: &scene, ordinary: &ordinary, hypotheses: &hypotheses, training: &training }, &cases[2]);
+    ask(
+        &Question { scene: &scene, base_parameters: &base_parameters, hypotheses: &hypotheses, training: &training },
+        &cases[2],
+    );
 }
 
 #[test]
@@ -230,7 +233,8 @@ fn jumps_tell_how_far_ahead_the_free_spool_is_however_long_the_recording_is() {
         let told = |ahead: f64| {
             let freed = sticking.freed(ahead);
             let training: Vec<&Prepared> = freed.iter().collect();
-            let question = Question { scene: &scene, ordinary: &[free], hypotheses: CATALOGUE, training: &training };
+            let question =
+                Question { scene: &scene, base_parameters: &[free], hypotheses: CATALOGUE, training: &training };
             let set = Candidate::rough(&question, None).unwrap().finished(&question).unwrap();
             sticking.further(&set, &training).unwrap()
         };
