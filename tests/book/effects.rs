@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use diagnosis::catalogue::{CATALOGUE, Hypothesis, Kind, Scene, Strength};
+use diagnosis::catalogue::{CATALOGUE, EffectParameter, Hypothesis, Kind, Scene};
 use machine_file::{LoadSource, MachineFile};
 use model_core::machine::{Fallback, Parameter};
 use recording::Signal;
@@ -22,7 +22,7 @@ switched on by its table in the machine file, for a simulation and for the contr
 
 *Written from the hypothesis files, `host-sim/crates/diagnosis/src/catalogue/`, by `RENEW=1 cargo test -p system-tests --test book catalogue`.*
 
-Each section has the effect's table with values of a usual strength on [the press](../presets/press-63-40.toml), and its parameters: what the machine
+Each section has the effect's table with values of usual size on [the press](../presets/press-63-40.toml), and its parameters: what the machine
 file accepts, what a value is that is not given, and where values usually lie on that press. A search may go three times beyond what is usual, more
 stiffly the further; outside of it nothing is claimed. An amount of 0 is no effect.
 ";
@@ -65,9 +65,9 @@ fn sections(effect: &Hypothesis) -> (String, Vec<(String, String)>) {
 }
 
 /// A value to show: usual, and not neutral.
-fn example(strength: &Strength, scene: &Scene<'_>) -> f64 {
-    let (low, high) = strength.range(scene);
-    match strength.kind {
+fn example(effect_parameter: &EffectParameter, scene: &Scene<'_>) -> f64 {
+    let (low, high) = effect_parameter.range(scene);
+    match effect_parameter.kind {
         Kind::Signed(_) => high / 2.0,
         Kind::Place(..) | Kind::Floor(..) => f64::midpoint(low, high),
         _ => (low * high).sqrt(),
@@ -85,17 +85,17 @@ fn short(value: f64) -> String {
     }
 }
 
-/// The strengths of all forms, each parameter once, in the order of the machine file.
-fn strengths(effect: &Hypothesis) -> Vec<Strength> {
-    let mut all: Vec<Strength> = Vec::new();
-    for strength in effect.strengths() {
-        let known = all.iter().any(|known| known.parameter == strength.parameter);
-        let own = effect.parameters().any(|parameter| parameter == strength.parameter);
+/// The effect parameters of all forms, each parameter once, in the order of the machine file.
+fn effect_parameters(effect: &Hypothesis) -> Vec<EffectParameter> {
+    let mut all: Vec<EffectParameter> = Vec::new();
+    for effect_parameter in effect.effect_parameters() {
+        let known = all.iter().any(|known| known.parameter == effect_parameter.parameter);
+        let own = effect.parameters().any(|parameter| parameter == effect_parameter.parameter);
         if own && !known {
-            all.push(*strength);
+            all.push(*effect_parameter);
         }
     }
-    all.sort_by_key(|strength| strength.parameter);
+    all.sort_by_key(|effect_parameter| effect_parameter.parameter);
     all
 }
 
@@ -103,10 +103,10 @@ fn strengths(effect: &Hypothesis) -> Vec<Strength> {
 fn table(effect: &Hypothesis, scene: &Scene<'_>) -> String {
     let mut text = format!("[effects.{}]\n", effect.name);
     let form = effect.forms_in(scene).next().unwrap_or(effect.forms[0]);
-    for strength in form {
-        let key = strength.parameter.description().key;
+    for effect_parameter in form {
+        let key = effect_parameter.parameter.description().key;
         if let Some(name) = key.strip_prefix(&format!("effects.{}.", effect.name)) {
-            let value = short(example(strength, scene));
+            let value = short(example(effect_parameter, scene));
             let fraction = if value.contains(['.', 'e']) { "" } else { ".0" };
             writeln!(text, "{name} = {value}{fraction}").unwrap();
         }
@@ -114,10 +114,10 @@ fn table(effect: &Hypothesis, scene: &Scene<'_>) -> String {
     text
 }
 
-fn row(strength: &Strength, scene: &Scene<'_>) -> String {
-    let description = strength.parameter.description();
+fn row(effect_parameter: &EffectParameter, scene: &Scene<'_>) -> String {
+    let description = effect_parameter.parameter.description();
     let name = description.key.rsplit_once('.').unwrap().1;
-    let (low, high) = strength.range(scene);
+    let (low, high) = effect_parameter.range(scene);
     let default = match description.default {
         Fallback::Value(value) => short(value),
         Fallback::Required | Fallback::HalfStrokeVolume => "–".to_owned(),
@@ -168,14 +168,14 @@ fn catalogue() -> String {
             writeln!(text, "It extends [{0}](#{0}) and has to earn what it has more.\n", extension.plain).unwrap();
         }
         writeln!(text, "**Parameters.** {}\n", body("Parameters")).unwrap();
-        let mut fitted = effect.strengths().map(|strength| strength.parameter);
+        let mut fitted = effect.effect_parameters().map(|effect_parameter| effect_parameter.parameter);
         if let Some(shared) = fitted.find(|fitted| effect.parameters().all(|own| own != *fitted)) {
             let key = shared.description().key;
             writeln!(text, "It is also fitted with `{key}`, a key that several laws share.\n").unwrap();
         }
         text.push_str("| key | unit | accepted | not given | usual on the press | what |\n|---|---|---|---|---|---|\n");
-        for strength in strengths(effect) {
-            writeln!(text, "{}", row(&strength, &scene)).unwrap();
+        for effect_parameter in effect_parameters(effect) {
+            writeln!(text, "{}", row(&effect_parameter, &scene)).unwrap();
         }
         writeln!(text, "\n**Source.** {}", body("Source")).unwrap();
     }
@@ -210,7 +210,8 @@ fn every_table_that_the_catalogue_shows_is_read_by_the_tool_and_switches_its_eff
 #[test]
 fn every_parameter_of_an_effect_is_in_the_catalogue() {
     for effect in CATALOGUE {
-        let shown: Vec<Parameter> = strengths(effect).iter().map(|strength| strength.parameter).collect();
+        let shown: Vec<Parameter> =
+            effect_parameters(effect).iter().map(|effect_parameter| effect_parameter.parameter).collect();
         assert_eq!(shown, effect.parameters().collect::<Vec<_>>(), "{}", effect.name);
     }
 }

@@ -102,7 +102,7 @@ pub(crate) fn press() -> MachineFile {
     machine_file::read(&root().join("examples/press-63-40/machine.toml")).unwrap()
 }
 
-/// A strength that shows in such recordings, within the effect's typical range.
+/// An effect parameter that shows in such recordings, within the effect's typical range.
 pub(crate) fn effect(name: &str, dice: &mut Dice) -> Option<PlantEffect> {
     let (from, to) = match name {
         "internal-leakage" => (1e-12, 6e-12),

@@ -81,7 +81,7 @@ fn derivatives_of_a_valve_drive_by_every_uncertain_value_are_its_differences() {
     }
 }
 
-/// Each alone, at strengths that do not stop the rod more often than it stops without.
+/// Each alone, at effect parameters that do not stop the rod more often than it stops without.
 #[test]
 fn derivatives_by_the_smooth_effects_of_chambers_mechanics_and_sensors_are_differences() {
     let case = valve_case(31, None, true, None);
@@ -112,7 +112,7 @@ fn derivatives_by_the_smooth_effects_of_chambers_mechanics_and_sensors_are_diffe
     press(&[], &[(P::PressureAOffset, 1e5), (P::PressureBFactor, 0.03), (P::PositionFactor, 0.02)]);
 }
 
-/// At a strength of 0 the value is that of the model without the effect, and the derivative is there.
+/// At an effect parameter of 0 the value is that of the model without the effect, and the derivative is there.
 #[test]
 fn an_effect_of_nothing_has_a_derivative() {
     let case = valve_case(31, None, true, None);

@@ -35,9 +35,9 @@ fn a_fit_to_the_models_own_signals_recovers_what_they_were_made_with() {
         let sign = if index % 2 == 0 { 1.0 } else { -1.0 };
         truth.set(parameter, truth.get(parameter) + sign * sigma);
     }
-    let strengths = [(P::InternalLeakage, 3e-12), (P::HoseCompliance, 3e-13), (P::CoulombFriction, 500.0)];
-    for (parameter, strength) in strengths {
-        truth.set(parameter, strength);
+    let effect_parameters = [(P::InternalLeakage, 3e-12), (P::HoseCompliance, 3e-13), (P::CoulombFriction, 500.0)];
+    for (parameter, effect_parameter) in effect_parameters {
+        truth.set(parameter, effect_parameter);
     }
     let cases = computed(&case, &truth);
     let cases: Vec<&Prepared> = cases.iter().collect();
@@ -46,11 +46,11 @@ fn a_fit_to_the_models_own_signals_recovers_what_they_were_made_with() {
         // A prior as wide as this has no say.
         freedom: Freedom::Around { nominal: file.machine.get(parameter), sigma: 30.0 * sigma },
     };
-    let strength = |(parameter, strength): (P, f64)| Free {
+    let effect_parameter = |(parameter, effect_parameter): (P, f64)| Free {
         parameter,
-        freedom: Freedom::Logarithm { centre: 0.3 * strength, spread: 30.0, vanishes: true },
+        freedom: Freedom::Logarithm { centre: 0.3 * effect_parameter, spread: 30.0, vanishes: true },
     };
-    let free: Vec<Free> = file.sigma.iter().map(around).chain(strengths.map(strength)).collect();
+    let free: Vec<Free> = file.sigma.iter().map(around).chain(effect_parameters.map(effect_parameter)).collect();
     let fit = fit(&file.machine, &free, &cases, &From::default(), 1e-12).unwrap();
     for estimate in &fit.estimates(1.0) {
         let put_in = truth.get(estimate.parameter);
@@ -67,10 +67,10 @@ fn a_fit_to_the_models_own_signals_recovers_what_they_were_made_with() {
 fn drawn_starts_of_the_base_refit_end_no_lower_than_the_nominal_one() {
     const DRAWN: usize = 6;
     let mut dice = Dice::new(61);
-    for (missing, strength) in
+    for (missing, effect_parameter) in
         [("nothing", 0.0), ("internal-leakage", 3e-12), ("valve-hysteresis", 0.03), ("coulomb-friction", 900.0)]
     {
-        let case = valve_case(62, PlantEffect::named(missing, strength), true, None);
+        let case = valve_case(62, PlantEffect::named(missing, effect_parameter), true, None);
         let training = case.prepared(&case.training);
         let references: Vec<&Prepared> = training.iter().collect();
         let free = diagnosis::base_parameters(&case.file);

@@ -52,7 +52,7 @@ fn document() -> Value {
 }
 
 #[test]
-fn the_examples_effect_is_named_with_its_strength_and_its_place() {
+fn the_examples_effect_is_named_with_its_effect_parameter_and_its_place() {
     let document = document();
     assert_eq!(document["verdict"], "missing-physics");
     assert_eq!(document["findings"].as_array().unwrap().len(), 1, "{document:#}");

@@ -14,7 +14,7 @@ use virtual_plant::PlantEffect;
 
 use super::bed::{Case, Dice, valve_case_every};
 
-/// What is put into a drive each, of every link something, by name and strength (SI); the last two have nothing.
+/// What is put into a drive each, of every link something, by name and effect parameter (SI); the last two have nothing.
 const DRIVES: [Option<(&str, f64)>; 12] = [
     Some(("valve-hysteresis", 0.03)),
     Some(("spool-stiction", 0.02)),
@@ -247,7 +247,7 @@ fn said(truth: Option<&str>, diagnosis: &Diagnosis) -> Said {
 /// The drives, and what is put into each, commanded and recorded at this rate.
 fn drives(hz: u32) -> Vec<(Option<&'static str>, Case)> {
     let drive = |(seed, effect): (usize, &Option<(&'static str, f64)>)| {
-        let put_in = effect.map(|(name, strength)| PlantEffect::named(name, strength).unwrap());
+        let put_in = effect.map(|(name, effect_parameter)| PlantEffect::named(name, effect_parameter).unwrap());
         let case = valve_case_every(1.0 / f64::from(hz), 401 + seed as u64, put_in, true, None);
         (effect.map(|(name, _)| name), case)
     };

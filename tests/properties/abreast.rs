@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use diagnosis::catalogue::{CATALOGUE, Form, Kind, Scene, Strength};
+use diagnosis::catalogue::{CATALOGUE, EffectParameter, Form, Kind, Scene};
 use machine_file::LoadSource;
 use model_core::drive::Drive;
 use model_core::machine::{Machine, Parameter as P, Source, Tick};
@@ -96,15 +96,15 @@ fn with_each_effect() -> Vec<(&'static str, Machine<f64>)> {
         duration_s: 2.0,
         lowest_pa: -1e6,
     };
-    let strong = |strength: &Strength| {
-        let (low, high) = strength.range(&scene);
-        if matches!(strength.kind, Kind::Signed(_)) { 0.7 * high } else { low + 0.7 * (high - low) }
+    let strong = |effect_parameter: &EffectParameter| {
+        let (low, high) = effect_parameter.range(&scene);
+        if matches!(effect_parameter.kind, Kind::Signed(_)) { 0.7 * high } else { low + 0.7 * (high - low) }
     };
     let forms = CATALOGUE.iter().flat_map(|effect| effect.every_form().map(|form| (effect.name, form)));
     let machine = |(name, form): (&'static str, Form)| {
         let mut machine = press;
-        for strength in form {
-            machine.set(strength.parameter, strong(strength));
+        for effect_parameter in form {
+            machine.set(effect_parameter.parameter, strong(effect_parameter));
         }
         (name, machine)
     };

@@ -1,4 +1,4 @@
-//! The derivative by each strength of the smooth effects, at nil too, is the difference of two runs.
+//! The derivative by each effect parameter of the smooth effects, at nil too, is the difference of two runs.
 
 use model_core::drive::{Drive, Entry, Load};
 use model_core::machine::{Machine, Parameter as P, Tick};

@@ -34,7 +34,7 @@ proptest! {
     #![proptest_config(cases(1000))]
 
     #[test]
-    fn without_strength_nothing_else_about_an_effect_counts(
+    fn without_effect_parameter_nothing_else_about_an_effect_counts(
         machine in any_machine(),
         tick in any_tick(),
         effects in any_effects(),
@@ -67,15 +67,15 @@ fn an_effect_without_its_amounts_is_the_model_without_it() {
         for effect in CATALOGUE {
             for form in effect.every_form() {
                 let mut shaped = machine;
-                for strength in form {
-                    match strength.kind {
+                for effect_parameter in form {
+                    match effect_parameter.kind {
                         Kind::Shape(range, _) => {
                             let (low, high) = range(&scene);
-                            shaped.set(strength.parameter, (low * high).sqrt());
+                            shaped.set(effect_parameter.parameter, (low * high).sqrt());
                         }
                         Kind::Place(range, _) => {
                             let (low, high) = range(&scene);
-                            shaped.set(strength.parameter, 0.5 * (low + high));
+                            shaped.set(effect_parameter.parameter, 0.5 * (low + high));
                         }
                         Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) | Kind::Signed(_) | Kind::Floor(..) => {}
                     }

@@ -59,7 +59,7 @@ pub(crate) fn decide(
     Ok(Decision { findings, not_confirmed: vetoed, confirmation, after: chosen.clone(), estimates })
 }
 
-/// Values of the chosen set. Free runs do not tell when a spool jumps: the strengths of one that no sensor sees have no standard deviation but
+/// Values of the chosen set. Free runs do not tell when a spool jumps: the effect parameters of one that no sensor sees have no standard deviation but
 /// what is said of its jumps, and those of one that hardly jumps none.
 fn estimates(question: &Question<'_>, selection: &Selection) -> Result<Vec<Estimate>, FitError> {
     let mut estimates = selection.chosen.estimates(question)?;

@@ -41,7 +41,9 @@ pub(crate) fn finding(
     let parameters = chosen
         .form
         .iter()
-        .filter_map(|strength| estimates.iter().find(|estimate| estimate.parameter == strength.parameter).copied())
+        .filter_map(|effect_parameter| {
+            estimates.iter().find(|estimate| estimate.parameter == effect_parameter.parameter).copied()
+        })
         .collect();
     Finding {
         effect: chosen.effect,

@@ -51,7 +51,7 @@ pub struct Diagnosis {
     pub confirmation: Option<Confirmation>,
     /// Base parameters that were refitted (with the effects, if any).
     pub refitted: Vec<Estimate>,
-    /// Pairs of fitted values, base ones and strengths, whose estimates are correlated; the closest first.
+    /// Pairs of fitted values, base ones and effect parameters, whose estimates are correlated; the closest first.
     pub correlated: Vec<Correlation>,
     /// Every recording with its simulations.
     pub shown: Vec<Shown>,

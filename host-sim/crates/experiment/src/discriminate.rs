@@ -1,7 +1,7 @@
 //! Which short test, or which further sensor, would tell a claimed effect from the ones that may be taken for it.
 //!
 //! The chosen machine and each rival's refitted one are simulated on the standard excitations. A refit with the new recording
-//! would move base parameters and strengths within what is known of them, so what such a move can imitate is taken out
+//! would move base parameters and effect parameters within what is known of them, so what such a move can imitate is taken out
 //! first; the rest, in standard deviations of each sensor's noise, is how far apart the two would be.
 
 use std::cmp::Ordering;

@@ -22,13 +22,16 @@
 use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "cavitation",
     subsystem: Subsystem::Chambers,
     equation: "p ≥ floor, void ≥ 0, void·(p − floor) = 0",
-    forms: &[&[Strength { parameter: Parameter::CavitationFloor, kind: Kind::Floor(|_| (-1e5, -3e4), &[0.2, 0.8]) }]],
+    forms: &[&[EffectParameter {
+        parameter: Parameter::CavitationFloor,
+        kind: Kind::Floor(|_| (-1e5, -3e4), &[0.2, 0.8]),
+    }]],
     look_alikes: &[LookAlike {
         effect: "entrained-air",
         told_apart_by: "a hard stop of the valve in full motion, both pressures recorded: air bends the pressure, and never holds it flat",

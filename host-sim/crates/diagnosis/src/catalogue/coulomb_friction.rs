@@ -22,9 +22,9 @@
 
 use model_core::machine::Parameter;
 
-use super::{BRISTLES, Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{BRISTLES, EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
-const FORCE: Strength = Strength {
+const FORCE: EffectParameter = EffectParameter {
     parameter: Parameter::CoulombFriction,
     kind: Kind::Amount(|scene| (2e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
 };

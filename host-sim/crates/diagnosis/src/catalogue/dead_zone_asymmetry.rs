@@ -23,13 +23,13 @@
 use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "dead-zone-asymmetry",
     subsystem: Subsystem::Flow,
     equation: "opens at x > d + Δ/2 and at x < −(d − Δ/2)",
-    forms: &[&[Strength { parameter: Parameter::DeadZoneDifference, kind: Kind::Signed(|_| 0.25) }]],
+    forms: &[&[EffectParameter { parameter: Parameter::DeadZoneDifference, kind: Kind::Signed(|_| 0.25) }]],
     look_alikes: &[
         LookAlike {
             effect: "sensor-offset",

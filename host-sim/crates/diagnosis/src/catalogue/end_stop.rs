@@ -26,13 +26,13 @@ use machine_file::LoadSource;
 use model_core::machine::Parameter;
 use recording::Signal;
 
-use super::{Hypothesis, Kind, LookAlike, Scene, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Scene, Subsystem};
 
-const STIFFNESS: Strength = Strength {
+const STIFFNESS: EffectParameter = EffectParameter {
     parameter: Parameter::StopStiffness,
     kind: Kind::Firm(|scene| (giving(scene, 1e-2), giving(scene, 1e-4))),
 };
-const DAMPING: Strength = Strength {
+const DAMPING: EffectParameter = EffectParameter {
     parameter: Parameter::StopDamping,
     kind: Kind::Amount(|scene| {
         // 2·√(k·m) on a stop of middling stiffness.
@@ -41,11 +41,11 @@ const DAMPING: Strength = Strength {
     }),
 };
 // No rod went further than a stop let it: at a hard one the travel ends, a soft one lies a little before its end.
-const EXTENDED_AT: Strength = Strength {
+const EXTENDED_AT: EffectParameter = EffectParameter {
     parameter: Parameter::StopExtended,
     kind: Kind::Place(|scene| (from_lowest_m(scene, 0.7), scene.travel_m.1), &[0.4, 0.8, 0.95, 1.0]),
 };
-const RETRACTED_AT: Strength = Strength {
+const RETRACTED_AT: EffectParameter = EffectParameter {
     parameter: Parameter::StopRetracted,
     kind: Kind::Place(|scene| (scene.travel_m.0, from_lowest_m(scene, 0.3)), &[0.0, 0.05, 0.2, 0.6]),
 };

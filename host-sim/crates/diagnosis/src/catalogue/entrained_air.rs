@@ -22,13 +22,13 @@
 use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "entrained-air",
     subsystem: Subsystem::Chambers,
     equation: "1/E = 1/E0 + s·p_atm/p²",
-    forms: &[&[Strength { parameter: Parameter::AirShare, kind: Kind::Amount(|_| (1e-3, 0.05)) }]],
+    forms: &[&[EffectParameter { parameter: Parameter::AirShare, kind: Kind::Amount(|_| (1e-3, 0.05)) }]],
     look_alikes: &[
         LookAlike {
             effect: "hose-compliance",

@@ -22,7 +22,7 @@
 use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
-use super::{Hypothesis, Kind, LookAlike, Scene, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Scene, Subsystem};
 
 /// 0.02 to 10 % of the full flow at full pressure.
 fn conductance(scene: &Scene<'_>) -> (f64, f64) {
@@ -30,8 +30,10 @@ fn conductance(scene: &Scene<'_>) -> (f64, f64) {
     (2e-4 * full, 0.1 * full)
 }
 
-const FROM_A: Strength = Strength { parameter: Parameter::ExternalLeakageA, kind: Kind::Amount(conductance) };
-const FROM_B: Strength = Strength { parameter: Parameter::ExternalLeakageB, kind: Kind::Amount(conductance) };
+const FROM_A: EffectParameter =
+    EffectParameter { parameter: Parameter::ExternalLeakageA, kind: Kind::Amount(conductance) };
+const FROM_B: EffectParameter =
+    EffectParameter { parameter: Parameter::ExternalLeakageB, kind: Kind::Amount(conductance) };
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "external-leakage",

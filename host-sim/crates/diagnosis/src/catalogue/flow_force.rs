@@ -23,13 +23,13 @@
 use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "flow-force",
     subsystem: Subsystem::Valve,
     equation: "x = x_set·(1 − k·Δp)",
-    forms: &[&[Strength {
+    forms: &[&[EffectParameter {
         parameter: Parameter::FlowForce,
         kind: Kind::Amount(|scene| {
             let supply_pa = scene.machine.get(Parameter::SupplyPressure);

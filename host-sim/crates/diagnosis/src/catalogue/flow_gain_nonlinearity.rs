@@ -22,11 +22,12 @@
 use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
-const LINEAR: Strength = Strength { parameter: Parameter::FlowGainLinear, kind: Kind::Signed(|_| 0.8) };
-const BEYOND: Strength = Strength { parameter: Parameter::FlowGainBeyond, kind: Kind::Signed(|_| 0.8) };
-const NOTCH: Strength = Strength { parameter: Parameter::FlowGainNotch, kind: Kind::Shape(|_| (0.05, 0.6), 4) };
+const LINEAR: EffectParameter = EffectParameter { parameter: Parameter::FlowGainLinear, kind: Kind::Signed(|_| 0.8) };
+const BEYOND: EffectParameter = EffectParameter { parameter: Parameter::FlowGainBeyond, kind: Kind::Signed(|_| 0.8) };
+const NOTCH: EffectParameter =
+    EffectParameter { parameter: Parameter::FlowGainNotch, kind: Kind::Shape(|_| (0.05, 0.6), 4) };
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "flow-gain-nonlinearity",

@@ -23,14 +23,16 @@
 use machine_file::LoadSource;
 use model_core::machine::Parameter;
 
-use super::{BRISTLES, Extension, Hypothesis, Kind, LookAlike, Scene, Strength, Subsystem};
+use super::{BRISTLES, EffectParameter, Extension, Hypothesis, Kind, LookAlike, Scene, Subsystem};
 
 fn force_n(scene: &Scene<'_>) -> (f64, f64) {
     (2e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())
 }
 
-const EXTENDING: Strength = Strength { parameter: Parameter::AsymmetricExtending, kind: Kind::Amount(force_n) };
-const RETRACTING: Strength = Strength { parameter: Parameter::AsymmetricRetracting, kind: Kind::Amount(force_n) };
+const EXTENDING: EffectParameter =
+    EffectParameter { parameter: Parameter::AsymmetricExtending, kind: Kind::Amount(force_n) };
+const RETRACTING: EffectParameter =
+    EffectParameter { parameter: Parameter::AsymmetricRetracting, kind: Kind::Amount(force_n) };
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "friction-asymmetry",

@@ -20,13 +20,13 @@
 
 use model_core::machine::Parameter;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "hose-compliance",
     subsystem: Subsystem::Chambers,
     equation: "dp/dt = (Q − A·v) / (V/E0 + C)",
-    forms: &[&[Strength {
+    forms: &[&[EffectParameter {
         parameter: Parameter::HoseCompliance,
         kind: Kind::Amount(|scene| {
             let volume = scene.machine.get(Parameter::VolumeA).max(scene.machine.get(Parameter::VolumeB));

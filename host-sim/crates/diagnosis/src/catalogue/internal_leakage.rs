@@ -17,13 +17,13 @@
 
 use model_core::machine::Parameter;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "internal-leakage",
     subsystem: Subsystem::Chambers,
     equation: "Q_leak = G·(pa − pb)",
-    forms: &[&[Strength {
+    forms: &[&[EffectParameter {
         parameter: Parameter::InternalLeakage,
         kind: Kind::Amount(|scene| {
             // 0.02 to 10 % of the full flow at full pressure.

@@ -22,13 +22,13 @@
 use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "laminar-transition",
     subsystem: Subsystem::Flow,
     equation: "Q = K_Q·o·Δp/(Δp² + p_t²)^¼",
-    forms: &[&[Strength { parameter: Parameter::LaminarPressure, kind: Kind::Amount(|_| (1e4, 2e6)) }]],
+    forms: &[&[EffectParameter { parameter: Parameter::LaminarPressure, kind: Kind::Amount(|_| (1e4, 2e6)) }]],
     look_alikes: &[
         LookAlike {
             effect: "valve-leakage",

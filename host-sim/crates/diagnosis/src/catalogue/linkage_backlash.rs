@@ -22,13 +22,13 @@
 use model_core::machine::Parameter;
 use recording::Signal;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "linkage-backlash",
     subsystem: Subsystem::Sensing,
     equation: "measured y = play of the true y, by its width",
-    forms: &[&[Strength { parameter: Parameter::BacklashPlay, kind: Kind::Amount(|_| (5e-5, 3e-3)) }]],
+    forms: &[&[EffectParameter { parameter: Parameter::BacklashPlay, kind: Kind::Amount(|_| (5e-5, 3e-3)) }]],
     look_alikes: &[
         LookAlike {
             effect: "coulomb-friction",

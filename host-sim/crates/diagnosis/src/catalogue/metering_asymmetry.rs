@@ -25,10 +25,10 @@
 use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
-const fn cut(parameter: Parameter) -> Strength {
-    Strength { parameter, kind: Kind::Signed(|_| 0.5) }
+const fn cut(parameter: Parameter) -> EffectParameter {
+    EffectParameter { parameter, kind: Kind::Signed(|_| 0.5) }
 }
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {

@@ -87,7 +87,7 @@ pub struct LookAlike {
     pub told_apart_by: &'static str,
 }
 
-/// What a hypothesis may know of a drive before it is fitted: where its strengths usually lie depends on the drive's size.
+/// What a hypothesis may know of a drive before it is fitted: where its effect parameters usually lie depends on the drive's size.
 #[derive(Clone, Debug)]
 pub struct Scene<'a> {
     /// The nominal machine.
@@ -127,7 +127,7 @@ impl Scene<'_> {
     }
 }
 
-/// How a strength moves in a search.
+/// How an effect parameter moves in a search.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
     /// How much of the effect there is: positive, 0 is neutral. Moves in its logarithm; the range is what is usual.
@@ -149,14 +149,14 @@ pub enum Kind {
 
 /// One parameter of an effect.
 #[derive(Clone, Copy, Debug)]
-pub struct Strength {
+pub struct EffectParameter {
     /// The machine's parameter.
     pub parameter: Parameter,
     /// How it moves, and where it usually lies.
     pub kind: Kind,
 }
 
-impl Strength {
+impl EffectParameter {
     /// The base parameter that it is the negative of, if it is one: what a set without it has to say by that.
     #[must_use]
     pub fn negative_of(&self) -> Option<Parameter> {
@@ -168,18 +168,18 @@ impl Strength {
 /// The bristles that every law of dry friction acts through before the rod slides: about as stiff as the oil columns, or stiffer. Those
 /// softer than about a third of the oil columns are presliding; stiffer ones are how all dry friction is. Each law has a form that
 /// holds rigidly and one with bristles: recordings without pressures hardly show them.
-const BRISTLES: Strength = Strength {
+const BRISTLES: EffectParameter = EffectParameter {
     parameter: Parameter::PreslidingStiffness,
     kind: Kind::Shape(|scene| (scene.machine.oil_spring_n_per_m(), 30.0 * scene.machine.oil_spring_n_per_m()), 1),
 };
 
-/// A set of strengths that an effect is fitted with; the others stay neutral.
-pub type Form = &'static [Strength];
+/// A set of effect parameters that an effect is fitted with; the others stay neutral.
+pub type Form = &'static [EffectParameter];
 
 /// Whether dry friction of this form acts through bristles.
 #[must_use]
 pub fn is_elastic(form: Form) -> bool {
-    form.iter().any(|strength| strength.parameter == BRISTLES.parameter)
+    form.iter().any(|effect_parameter| effect_parameter.parameter == BRISTLES.parameter)
 }
 
 /// What an effect has in common with a plainer one.
@@ -187,9 +187,9 @@ pub fn is_elastic(form: Form) -> bool {
 pub struct Extension {
     /// The plainer effect.
     pub plain: &'static str,
-    /// Its strength.
+    /// Its effect parameter.
     pub given: Parameter,
-    /// The extension's strengths that take its place.
+    /// The extension's effect parameters that take its place.
     pub taken: &'static [Parameter],
 }
 
@@ -202,11 +202,11 @@ pub struct Hypothesis {
     pub subsystem: Subsystem,
     /// Its equation, for people.
     pub equation: &'static str,
-    /// The ways it is fitted in, the plainest first: with more strengths, or with others.
+    /// The ways it is fitted in, the plainest first: with more effect parameters, or with others.
     pub forms: &'static [Form],
     /// What may be taken for it.
     pub look_alikes: &'static [LookAlike],
-    /// What refines these forms, with further strengths: tried where one of them was found, and kept where it takes three quarters of what
+    /// What refines these forms, with further effect parameters: tried where one of them was found, and kept where it takes three quarters of what
     /// that leaves.
     pub refined: &'static [Form],
     /// The effect that it is an extension of, if any: it has to earn what it has more.
@@ -279,7 +279,7 @@ impl Hypothesis {
     #[must_use]
     pub fn is_slow(&self, scene: &Scene<'_>) -> bool {
         let short = Scene { duration_s: 0.0, ..scene.clone() };
-        self.strengths().any(|strength| match strength.kind {
+        self.effect_parameters().any(|effect_parameter| match effect_parameter.kind {
             Kind::Shape(range, _) => range(scene) != range(&short),
             _ => false,
         })
@@ -290,21 +290,23 @@ impl Hypothesis {
         self.forms.iter().chain(self.refined).copied()
     }
 
-    /// The strengths of all of them; what forms share comes with each.
-    pub fn strengths(&self) -> impl Iterator<Item = &'static Strength> {
+    /// The effect parameters of all of them; what forms share comes with each.
+    pub fn effect_parameters(&self) -> impl Iterator<Item = &'static EffectParameter> {
         self.every_form().flatten()
     }
 
     /// The forms that a scene can show.
     pub fn forms_in<'a>(&'a self, scene: &'a Scene<'_>) -> impl Iterator<Item = Form> + 'a {
-        let hidden = |strength: &Strength| matches!(strength.kind, Kind::Signed(size) if size(scene) == 0.0);
+        let hidden = |effect_parameter: &EffectParameter| matches!(effect_parameter.kind, Kind::Signed(size) if size(scene) == 0.0);
         self.forms.iter().copied().filter(move |form| !form.iter().any(hidden))
     }
 
     /// The forms that refine one of its forms.
     pub fn refined_from(&self, plain: Form) -> impl Iterator<Item = Form> {
         let refines = move |form: &Form| {
-            let has = |strength: &Strength| form.iter().any(|other| other.parameter == strength.parameter);
+            let has = |effect_parameter: &EffectParameter| {
+                form.iter().any(|other| other.parameter == effect_parameter.parameter)
+            };
             form.len() > plain.len() && plain.iter().all(has)
         };
         self.refined.iter().copied().filter(refines)
@@ -325,7 +327,7 @@ impl Hypothesis {
     /// Whether the recordings come near where it acts: a floor that no pressure falls to changes nothing.
     #[must_use]
     pub fn is_reached(&self, scene: &Scene<'_>) -> bool {
-        self.strengths().all(|strength| match strength.kind {
+        self.effect_parameters().all(|effect_parameter| match effect_parameter.kind {
             Kind::Floor(range, _) => scene.lowest_pa < range(scene).1,
             _ => true,
         })
@@ -334,8 +336,8 @@ impl Hypothesis {
     /// Whether the machine file already has it.
     #[must_use]
     pub fn is_on(&self, machine: &Machine<f64>) -> bool {
-        self.strengths().any(|strength| match strength.neutral() {
-            Some(neutral) => (machine.get(strength.parameter) - neutral).abs() > 0.0,
+        self.effect_parameters().any(|effect_parameter| match effect_parameter.neutral() {
+            Some(neutral) => (machine.get(effect_parameter.parameter) - neutral).abs() > 0.0,
             None => false,
         })
     }
@@ -349,21 +351,22 @@ mod tests {
     use crate::test_scene::scene;
 
     #[test]
-    fn every_effect_is_in_the_machine_files_vocabulary_and_has_a_typical_strength_in_range() {
+    fn every_effect_is_in_the_machine_files_vocabulary_and_has_a_typical_effect_parameter_in_range() {
         let machine = press(&[]);
         let scene = scene(&machine, &[Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Position]);
         for hypothesis in CATALOGUE {
-            for strength in hypothesis.strengths() {
-                let description = strength.parameter.description();
-                let own = hypothesis.parameters().any(|parameter| parameter == strength.parameter);
-                assert!(own || strength.parameter == BRISTLES.parameter, "{}", description.key);
-                let (low, high) = strength.range(&scene);
+            for effect_parameter in hypothesis.effect_parameters() {
+                let description = effect_parameter.parameter.description();
+                let own = hypothesis.parameters().any(|parameter| parameter == effect_parameter.parameter);
+                assert!(own || effect_parameter.parameter == BRISTLES.parameter, "{}", description.key);
+                let (low, high) = effect_parameter.range(&scene);
                 assert!(
                     low < high && description.min <= low && high <= description.max,
                     "{}: {low}..{high}",
                     description.key
                 );
-                let may_be_negative = matches!(strength.kind, Kind::Signed(_) | Kind::Place(..) | Kind::Floor(..));
+                let may_be_negative =
+                    matches!(effect_parameter.kind, Kind::Signed(_) | Kind::Place(..) | Kind::Floor(..));
                 assert!(may_be_negative || low > 0.0, "{}: {low}", description.key);
             }
             if let Some(extension) = hypothesis.extends {
@@ -427,8 +430,9 @@ mod tests {
                 continue;
             }
             let hypothesis = CATALOGUE.iter().find(|hypothesis| hypothesis.name == name);
-            let tried = hypothesis
-                .is_some_and(|hypothesis| hypothesis.strengths().any(|strength| strength.parameter == *parameter));
+            let tried = hypothesis.is_some_and(|hypothesis| {
+                hypothesis.effect_parameters().any(|effect_parameter| effect_parameter.parameter == *parameter)
+            });
             assert!(tried, "{key}");
         }
     }

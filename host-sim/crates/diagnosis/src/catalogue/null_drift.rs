@@ -23,15 +23,15 @@
 use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "null-drift",
     subsystem: Subsystem::Valve,
     equation: "x = g·U + x0 + Δx·(1 − e^(−t/T))",
     forms: &[&[
-        Strength { parameter: Parameter::NullDriftTravel, kind: Kind::Signed(|_| 0.05) },
-        Strength {
+        EffectParameter { parameter: Parameter::NullDriftTravel, kind: Kind::Signed(|_| 0.05) },
+        EffectParameter {
             parameter: Parameter::NullDriftTime,
             kind: Kind::Shape(|scene| (0.3, (2.0 * scene.duration_s).clamp(1.0, 1e5)), 3),
         },

@@ -27,7 +27,7 @@
 use machine_file::LoadSource;
 use model_core::machine::Parameter;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "oil-temperature",
@@ -35,15 +35,15 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     equation: "D·u and G/u, u = 1 − s·(1 − e^(−t/T)); measured: u = e^(−κ·(ϑ − ϑ0))",
     forms: &[
         &[
-            Strength { parameter: Parameter::ViscosityLoss, kind: Kind::Signed(|_| 0.5) },
-            Strength {
+            EffectParameter { parameter: Parameter::ViscosityLoss, kind: Kind::Signed(|_| 0.5) },
+            EffectParameter {
                 parameter: Parameter::WarmingTime,
                 kind: Kind::Shape(|scene| (0.5, (10.0 * scene.duration_s).clamp(1.0, 1e5)), 3),
             },
         ],
         &[
-            Strength { parameter: Parameter::ViscosityLossPerKelvin, kind: Kind::Amount(|_| (0.02, 0.06)) },
-            Strength { parameter: Parameter::ReferenceTemperature, kind: Kind::Place(|_| (30.0, 50.0), &[0.5]) },
+            EffectParameter { parameter: Parameter::ViscosityLossPerKelvin, kind: Kind::Amount(|_| (0.02, 0.06)) },
+            EffectParameter { parameter: Parameter::ReferenceTemperature, kind: Kind::Place(|_| (30.0, 50.0), &[0.5]) },
         ],
     ],
     look_alikes: &[

@@ -25,26 +25,26 @@ use machine_file::LoadSource;
 use model_core::machine::Parameter;
 use recording::Signal;
 
-use super::{BRISTLES, Extension, Hypothesis, Kind, LookAlike, Scene, Strength, Subsystem};
+use super::{BRISTLES, EffectParameter, Extension, Hypothesis, Kind, LookAlike, Scene, Subsystem};
 
-const FORCE: Strength = Strength {
+const FORCE: EffectParameter = EffectParameter {
     parameter: Parameter::PositionFriction,
     kind: Kind::Amount(|scene| (2e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
 };
-const SLOPE: Strength = Strength {
+const SLOPE: EffectParameter = EffectParameter {
     parameter: Parameter::PositionFrictionSlope,
     kind: Kind::Signed(|scene| 0.1 * scene.full_force_n() / reached(scene)),
 };
-const BOW: Strength = Strength {
+const BOW: EffectParameter = EffectParameter {
     parameter: Parameter::PositionFrictionBow,
     kind: Kind::Signed(|scene| 0.1 * scene.full_force_n() / reached(scene).powi(2)),
 };
 
-const DRAG_SLOPE: Strength = Strength {
+const DRAG_SLOPE: EffectParameter = EffectParameter {
     parameter: Parameter::PositionDragSlope,
     kind: Kind::Signed(|scene| (1.0 / reached(scene)).min(STEEPEST)),
 };
-const DRAG_BOW: Strength = Strength {
+const DRAG_BOW: EffectParameter = EffectParameter {
     parameter: Parameter::PositionDragBow,
     kind: Kind::Signed(|scene| (1.0 / reached(scene).powi(2)).min(STEEPEST)),
 };

@@ -23,16 +23,16 @@ use machine_file::LoadSource;
 use model_core::machine::Parameter;
 use recording::Signal;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
-const STIFFNESS: Strength = Strength {
+const STIFFNESS: EffectParameter = EffectParameter {
     parameter: Parameter::LoadSpring,
     // A quarter of the full force at either end.
     kind: Kind::Signed(|scene| 0.5 * scene.full_force_n() / scene.machine.get(Parameter::Stroke)),
 };
-const FORCE: Strength =
-    Strength { parameter: Parameter::LoadSpringForce, kind: Kind::Signed(|scene| 0.3 * scene.full_force_n()) };
-const BOW: Strength = Strength {
+const FORCE: EffectParameter =
+    EffectParameter { parameter: Parameter::LoadSpringForce, kind: Kind::Signed(|scene| 0.3 * scene.full_force_n()) };
+const BOW: EffectParameter = EffectParameter {
     parameter: Parameter::LoadSpringBow,
     // A quarter of the full force at both ends.
     kind: Kind::Signed(|scene| scene.full_force_n() / scene.machine.get(Parameter::Stroke).powi(2)),

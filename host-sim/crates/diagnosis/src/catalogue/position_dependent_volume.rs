@@ -23,13 +23,13 @@ use model_core::machine::Parameter;
 use recording::Signal;
 use simulation::EntryPoint;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "position-dependent-volume",
     subsystem: Subsystem::Chambers,
     equation: "Va = Va0 + s·A·(y − y_mid), Vb = Vb0 − s·aA·(y − y_mid)",
-    forms: &[&[Strength { parameter: Parameter::VolumeShare, kind: Kind::Amount(|_| (0.2, 1.2)) }]],
+    forms: &[&[EffectParameter { parameter: Parameter::VolumeShare, kind: Kind::Amount(|_| (0.2, 1.2)) }]],
     look_alikes: &[
         LookAlike {
             effect: "hose-compliance",

@@ -21,10 +21,12 @@
 use model_core::machine::Parameter;
 use recording::Signal;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
-const LAG: Strength = Strength { parameter: Parameter::PositionLag, kind: Kind::Amount(|_| (5e-4, 0.05)) };
-const DELAY: Strength = Strength { parameter: Parameter::PositionDelay, kind: Kind::Amount(|_| (5e-4, 0.04)) };
+const LAG: EffectParameter =
+    EffectParameter { parameter: Parameter::PositionLag, kind: Kind::Amount(|_| (5e-4, 0.05)) };
+const DELAY: EffectParameter =
+    EffectParameter { parameter: Parameter::PositionDelay, kind: Kind::Amount(|_| (5e-4, 0.04)) };
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "position-sensor-lag",

@@ -25,18 +25,18 @@
 use machine_file::LoadSource;
 use model_core::machine::Parameter;
 
-use super::{Extension, Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{EffectParameter, Extension, Hypothesis, Kind, LookAlike, Subsystem};
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "presliding",
     subsystem: Subsystem::Mechanics,
     equation: "F = −σ·z, dz/dt = v − σ·|v|·z/Fc",
     forms: &[&[
-        Strength {
+        EffectParameter {
             parameter: Parameter::PreslidingForce,
             kind: Kind::Amount(|scene| (2e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
         },
-        Strength {
+        EffectParameter {
             parameter: Parameter::PreslidingStiffness,
             kind: Kind::Shape(
                 |scene| (1e-3 * scene.machine.oil_spring_n_per_m(), 0.1 * scene.machine.oil_spring_n_per_m()),

@@ -21,9 +21,9 @@
 use machine_file::LoadSource;
 use model_core::machine::Parameter;
 
-use super::{BRISTLES, Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{BRISTLES, EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
-const AREA: Strength = Strength {
+const AREA: EffectParameter = EffectParameter {
     parameter: Parameter::PressureFriction,
     kind: Kind::Amount(|scene| {
         let area_m2 = scene.machine.get(Parameter::AreaA);

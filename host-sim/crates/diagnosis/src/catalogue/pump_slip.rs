@@ -18,13 +18,13 @@
 
 use model_core::machine::Parameter;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "pump-slip",
     subsystem: Subsystem::Flow,
     equation: "Q = V_g·n − S·(p − p_tank)",
-    forms: &[&[Strength {
+    forms: &[&[EffectParameter {
         parameter: Parameter::PumpSlip,
         kind: Kind::Amount(|scene| {
             // 0.5 to 20 % of the flow at 20 rev/s and 50 bar.

@@ -24,7 +24,7 @@
 use model_core::machine::Parameter;
 use recording::Signal;
 
-use super::{Hypothesis, Kind, LookAlike, Scene, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Scene, Subsystem};
 
 /// An error of a sensor that is there.
 fn of(scene: &Scene<'_>, signal: Signal, largest: f64) -> f64 {
@@ -53,19 +53,25 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     subsystem: Subsystem::Sensing,
     equation: "read = (1 + f)·true + offset, one channel",
     forms: &[
-        &[Strength { parameter: Parameter::PressureAOffset, kind: Kind::Signed(pressure_a_pa) }],
-        &[Strength { parameter: Parameter::PressureBOffset, kind: Kind::Signed(pressure_b_pa) }],
-        &[Strength { parameter: Parameter::SpoolOffset, kind: Kind::Signed(|scene| of(scene, Signal::Spool, 0.05)) }],
-        &[Strength {
+        &[EffectParameter { parameter: Parameter::PressureAOffset, kind: Kind::Signed(pressure_a_pa) }],
+        &[EffectParameter { parameter: Parameter::PressureBOffset, kind: Kind::Signed(pressure_b_pa) }],
+        &[EffectParameter {
+            parameter: Parameter::SpoolOffset,
+            kind: Kind::Signed(|scene| of(scene, Signal::Spool, 0.05)),
+        }],
+        &[EffectParameter {
             parameter: Parameter::PressureAFactor,
             kind: Kind::Signed(|scene| of(scene, Signal::PressureA, 0.1)),
         }],
-        &[Strength {
+        &[EffectParameter {
             parameter: Parameter::PressureBFactor,
             kind: Kind::Signed(|scene| of(scene, Signal::PressureB, 0.1)),
         }],
-        &[Strength { parameter: Parameter::SpoolFactor, kind: Kind::Signed(|scene| of(scene, Signal::Spool, 0.1)) }],
-        &[Strength { parameter: Parameter::PositionFactor, kind: Kind::Signed(position_factor) }],
+        &[EffectParameter {
+            parameter: Parameter::SpoolFactor,
+            kind: Kind::Signed(|scene| of(scene, Signal::Spool, 0.1)),
+        }],
+        &[EffectParameter { parameter: Parameter::PositionFactor, kind: Kind::Signed(position_factor) }],
     ],
     look_alikes: &[
         LookAlike {

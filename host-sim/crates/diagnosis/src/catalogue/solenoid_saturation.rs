@@ -23,17 +23,18 @@
 use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
-const ONSET: Strength = Strength { parameter: Parameter::SolenoidOnset, kind: Kind::Shape(|_| (0.1, 1.0), 4) };
+const ONSET: EffectParameter =
+    EffectParameter { parameter: Parameter::SolenoidOnset, kind: Kind::Shape(|_| (0.1, 1.0), 4) };
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "solenoid-saturation",
     subsystem: Subsystem::Valve,
     equation: "|x| = x_s + t/(1 + c·t) or x_s + (1 − d)·t, t = |x_set| − x_s > 0",
     forms: &[
-        &[Strength { parameter: Parameter::SolenoidCurvature, kind: Kind::Amount(|_| (0.1, 10.0)) }, ONSET],
-        &[Strength { parameter: Parameter::SolenoidLoss, kind: Kind::Amount(|_| (0.03, 0.6)) }, ONSET],
+        &[EffectParameter { parameter: Parameter::SolenoidCurvature, kind: Kind::Amount(|_| (0.1, 10.0)) }, ONSET],
+        &[EffectParameter { parameter: Parameter::SolenoidLoss, kind: Kind::Amount(|_| (0.03, 0.6)) }, ONSET],
     ],
     look_alikes: &[
         LookAlike {

@@ -26,10 +26,11 @@
 use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
-const BAND: Strength = Strength { parameter: Parameter::StictionBand, kind: Kind::Jump(|_| (2e-3, 0.06)) };
-const KEPT: Strength = Strength { parameter: Parameter::StictionKept, kind: Kind::Jump(|_| (0.05, 0.8)) };
+const BAND: EffectParameter =
+    EffectParameter { parameter: Parameter::StictionBand, kind: Kind::Jump(|_| (2e-3, 0.06)) };
+const KEPT: EffectParameter = EffectParameter { parameter: Parameter::StictionKept, kind: Kind::Jump(|_| (0.05, 0.8)) };
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "spool-stiction",

@@ -24,17 +24,18 @@
 use machine_file::LoadSource;
 use model_core::machine::Parameter;
 
-use super::{BRISTLES, Extension, Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{BRISTLES, EffectParameter, Extension, Hypothesis, Kind, LookAlike, Subsystem};
 
-const FORCE: Strength = Strength {
+const FORCE: EffectParameter = EffectParameter {
     parameter: Parameter::StribeckForce,
     kind: Kind::Amount(|scene| (2e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
 };
-const EXCESS: Strength = Strength {
+const EXCESS: EffectParameter = EffectParameter {
     parameter: Parameter::StribeckExcess,
     kind: Kind::Amount(|scene| (1e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())),
 };
-const VELOCITY: Strength = Strength { parameter: Parameter::StribeckVelocity, kind: Kind::Shape(|_| (1e-3, 0.05), 3) };
+const VELOCITY: EffectParameter =
+    EffectParameter { parameter: Parameter::StribeckVelocity, kind: Kind::Shape(|_| (1e-3, 0.05), 3) };
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "stribeck-friction",

@@ -22,21 +22,21 @@
 use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "supply-droop",
     subsystem: Subsystem::Flow,
     equation: "T·dp/dt = p0 − R·Q − p",
     forms: &[&[
-        Strength {
+        EffectParameter {
             parameter: Parameter::DroopResistance,
             kind: Kind::Amount(|scene| {
                 let full = scene.full_flow_m3_per_s();
                 (1e5 / full, 6e6 / full)
             }),
         },
-        Strength { parameter: Parameter::DroopTime, kind: Kind::Shape(|_| (5e-3, 2.0), 3) },
+        EffectParameter { parameter: Parameter::DroopTime, kind: Kind::Shape(|_| (5e-3, 2.0), 3) },
     ]],
     look_alikes: &[
         LookAlike {

@@ -22,16 +22,16 @@
 use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
-const TURBULENT: Strength = Strength {
+const TURBULENT: EffectParameter = EffectParameter {
     parameter: Parameter::ReturnResistance,
     kind: Kind::Amount(|scene| {
         let square = scene.full_flow_m3_per_s().powi(2);
         (5e4 / square, 4e6 / square)
     }),
 };
-const LAMINAR: Strength = Strength {
+const LAMINAR: EffectParameter = EffectParameter {
     parameter: Parameter::ReturnLaminar,
     kind: Kind::Amount(|scene| {
         let flow = scene.full_flow_m3_per_s();

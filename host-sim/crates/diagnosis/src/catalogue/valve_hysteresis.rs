@@ -26,9 +26,10 @@
 use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
-const WIDTH: Strength = Strength { parameter: Parameter::HysteresisWidth, kind: Kind::Amount(|_| (1e-3, 0.1)) };
+const WIDTH: EffectParameter =
+    EffectParameter { parameter: Parameter::HysteresisWidth, kind: Kind::Amount(|_| (1e-3, 0.1)) };
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "valve-hysteresis",
@@ -36,7 +37,7 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     equation: "x = play of the set value g·U + x0, by width",
     forms: &[
         &[WIDTH],
-        &[WIDTH, Strength { parameter: Parameter::HysteresisSpread, kind: Kind::Shape(|_| (0.1, 1.0), 2) }],
+        &[WIDTH, EffectParameter { parameter: Parameter::HysteresisSpread, kind: Kind::Shape(|_| (0.1, 1.0), 2) }],
     ],
     look_alikes: &[
         LookAlike { effect: "spool-stiction", told_apart_by: "slow triangle: a stuck spool rests and then jumps" },

@@ -23,15 +23,15 @@
 use model_core::machine::Parameter;
 use simulation::EntryPoint;
 
-use super::{Hypothesis, Kind, LookAlike, Strength, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "valve-leakage",
     subsystem: Subsystem::Flow,
     equation: "Q_leak = K_Q·o(x)·√Δp on all four edges, o halved at |x| = reach",
     forms: &[&[
-        Strength { parameter: Parameter::ValveLeakageOpening, kind: Kind::Amount(|_| (1e-3, 0.06)) },
-        Strength { parameter: Parameter::ValveLeakageReach, kind: Kind::Shape(|_| (0.01, 0.2), 3) },
+        EffectParameter { parameter: Parameter::ValveLeakageOpening, kind: Kind::Amount(|_| (1e-3, 0.06)) },
+        EffectParameter { parameter: Parameter::ValveLeakageReach, kind: Kind::Shape(|_| (0.01, 0.2), 3) },
     ]],
     look_alikes: &[
         LookAlike {

@@ -6,7 +6,7 @@ use identification::fit::{Fit, Sensitivity};
 use model_core::machine::MachineError;
 
 use super::screen::{Lead, Values, combined};
-use crate::catalogue::{Hypothesis, Kind, Scene, Strength};
+use crate::catalogue::{EffectParameter, Hypothesis, Kind, Scene};
 
 /// The most promising start of every form of an extension from a solution with the plainer effect: what that had is taken over,
 /// and the rest is tried.
@@ -19,24 +19,24 @@ pub fn extended(
     let Some(extension) = effect.extends else { return Ok(Vec::new()) };
     let given = fit.machine.get(extension.given);
     let mut found = Vec::new();
-    let taken = |strength: &&Strength| extension.taken.contains(&strength.parameter);
+    let taken = |effect_parameter: &&EffectParameter| extension.taken.contains(&effect_parameter.parameter);
     // A form that takes nothing over from the plainer effect is no extension of it.
-    for form in effect.forms_in(scene).filter(|form| form.iter().any(|strength| taken(&strength))) {
+    for form in effect.forms_in(scene).filter(|form| form.iter().any(|effect_parameter| taken(&effect_parameter))) {
         let start: Values = std::iter::once((extension.given, 0.0))
-            .chain(form.iter().filter(taken).map(|strength| (strength.parameter, given)))
+            .chain(form.iter().filter(taken).map(|effect_parameter| (effect_parameter.parameter, given)))
             .collect();
-        let tries = form.iter().filter(|strength| !taken(strength)).map(|strength| {
-            let (low, high) = strength.range(scene);
-            let known = fit.free.iter().any(|free| free.parameter == strength.parameter);
-            let fitted = fit.machine.get(strength.parameter);
-            let values = match strength.kind {
+        let tries = form.iter().filter(|effect_parameter| !taken(effect_parameter)).map(|effect_parameter| {
+            let (low, high) = effect_parameter.range(scene);
+            let known = fit.free.iter().any(|free| free.parameter == effect_parameter.parameter);
+            let fitted = fit.machine.get(effect_parameter.parameter);
+            let values = match effect_parameter.kind {
                 // What both have, the plainer one's refit knows.
                 _ if known && (low..=high).contains(&fitted) => vec![fitted],
                 Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) => vec![0.1 * given, 0.5 * given, given],
                 Kind::Signed(_) => vec![-0.5 * given, 0.05 * given, 0.5 * given],
-                Kind::Shape(..) | Kind::Place(..) | Kind::Floor(..) => strength.tries(scene),
+                Kind::Shape(..) | Kind::Place(..) | Kind::Floor(..) => effect_parameter.tries(scene),
             };
-            (strength.parameter, values)
+            (effect_parameter.parameter, values)
         });
         let at = |values| Lead::at(sensitivity, fit, effect, form, values);
         let leads: Vec<Lead> = parallel::try_each(combined(start, tries), at)?;

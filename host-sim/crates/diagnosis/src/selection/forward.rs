@@ -3,7 +3,7 @@
 //! Every effect is screened; the most promising are refitted in the chain; the best few are each tried with a second one, and so
 //! on, so that a pair is found even where neither of it is best alone. Sets are compared by a log-likelihood in which each
 //! signal's noise level is unknown: ½·n·ln(loss), with n the number of *independent* samples in the residual (neighbouring samples
-//! of a mismatch tell the same), less a Bayesian information penalty for the strengths, plus what the base parameters gain by coming
+//! of a mismatch tell the same), less a Bayesian information penalty for the effect parameters, plus what the base parameters gain by coming
 //! back to their nominal values. A claim must also gain on recordings that
 //! were left out, on all but one of them (what happens once is a disturbance), and take away at least half of what is above the
 //! noise: an effect that does less is a stand-in for something else. So is a set that another of its size is likelier than, by more
@@ -210,7 +210,7 @@ impl Course {
     }
 
     /// Whether a set may be claimed over what is chosen: each of its effects is one that can be, and they are worth their
-    /// strengths.
+    /// effect parameters.
     pub(crate) fn claims(&mut self, question: &Question<'_>, set: &Candidate) -> Result<bool, FitError> {
         if !set.is_plausible(question.scene) || !accepts(question, &self.base, &self.chosen, set)? {
             return Ok(false);
@@ -218,12 +218,12 @@ impl Course {
         if self.chosen.effects.is_empty() { self.stands(question, set) } else { Ok(true) }
     }
 
-    /// Whether what is worth its strengths over nothing is so twice: its effects may only have led the base parameters to where those do as
+    /// Whether what is worth its effect parameters over nothing is so twice: its effects may only have led the base parameters to where those do as
     /// well alone.
     fn stands(&mut self, question: &Question<'_>, set: &Candidate) -> Result<bool, FitError> {
         let Some(plain) = Candidate::below(question, &set.fit, self.base.fit.loss)? else { return Ok(true) };
         self.base = plain;
-        // What was chosen has to be worth its strengths over that as well.
+        // What was chosen has to be worth its effect parameters over that as well.
         if self.chosen.effects.is_empty() || !accepts(question, &self.base, &self.base, &self.chosen)? {
             self.chosen = self.base.clone();
         }

@@ -1,5 +1,5 @@
 //! What a set of effects is worth over another: log-likelihoods in which each signal's noise level is unknown, ½·n·ln(loss) with n the
-//! independent samples of its residual, less what the strengths cost, plus what the base parameters gain by coming back.
+//! independent samples of its residual, less what the effect parameters cost, plus what the base parameters gain by coming back.
 
 use identification::fit::{Counts, FitError, Residuals, loss};
 
@@ -32,7 +32,8 @@ pub(crate) fn ranked_by(
             .zip(&samples)
             .map(|((before, after), samples)| 0.5 * samples * (floored(before) / floored(after)).ln())
             .sum();
-        gain + straightened(question, base, candidate) - 0.5 * candidate.strengths() as f64 * total.max(2.0).ln()
+        gain + straightened(question, base, candidate)
+            - 0.5 * candidate.effect_parameters() as f64 * total.max(2.0).ln()
     };
     let valued = |candidate: Candidate| {
         let net = net(&candidate);
@@ -128,7 +129,7 @@ pub(crate) fn above_noise(series: &[f64]) -> f64 {
     floored(series) - series.len() as f64
 }
 
-/// Whether `with` is worth its strengths over `without`.
+/// Whether `with` is worth its effect parameters over `without`.
 pub(crate) fn accepts(
     question: &Question<'_>,
     base: &Candidate,
@@ -142,8 +143,9 @@ pub(crate) fn accepts(
     }
     let counts = question.counts();
     let pays = |gained: &Gained| {
-        let penalty = gained.cost(with.strengths().saturating_sub(without.strengths())) + BEYOND_PENALTY;
-        // Parameters that come back may pay for the strengths, but the recordings themselves have to tell.
+        let penalty =
+            gained.cost(with.effect_parameters().saturating_sub(without.effect_parameters())) + BEYOND_PENALTY;
+        // Parameters that come back may pay for the effect parameters, but the recordings themselves have to tell.
         gained.all > RECORDINGS_GAIN && gained.all + straightened(question, without, with) > penalty && gained.repeats
     };
     if pays(&Gained::of(&without.left_out(question)?, &with.left_out(question)?, counts)) {

@@ -44,7 +44,7 @@ pub(crate) fn enter(question: &Question<'_>, base: &Candidate, rounds: &mut [Vec
 }
 
 /// A set without every effect that the others make superfluous, but for those of these plainest names. `None` where what is left is not worth
-/// its strengths over nothing.
+/// its effect parameters over nothing.
 pub(crate) fn reduced(
     question: &Question<'_>,
     base: &Candidate,

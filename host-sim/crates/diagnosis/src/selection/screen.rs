@@ -6,7 +6,7 @@ use identification::parallel;
 use identification::fit::{Change, Fit, Free, Freedom, Sensitivity, Settled, Simulated};
 use model_core::machine::{Machine, MachineError, Parameter};
 
-use crate::catalogue::{Form, Hypothesis, Kind, Scene, Strength};
+use crate::catalogue::{EffectParameter, Form, Hypothesis, Kind, Scene};
 
 /// A form of an effect at the point of its range where it promises most.
 #[derive(Clone, Debug)]
@@ -15,7 +15,7 @@ pub struct Lead {
     pub effect: &'static Hypothesis,
     /// The form.
     pub form: Form,
-    /// Value of every strength, SI.
+    /// Value of every effect parameter, SI.
     pub values: Values,
     /// Half the sum of squares that it would gain.
     pub gain: f64,
@@ -26,7 +26,7 @@ pub struct Lead {
 }
 
 impl Lead {
-    /// A form with these strengths.
+    /// A form with these effect parameters.
     pub(crate) fn at(
         sensitivity: &Sensitivity<'_>,
         fit: &Fit,
@@ -45,10 +45,10 @@ impl Lead {
     }
 }
 
-/// Strengths with their values, SI.
+/// Effect parameters with their values, SI.
 pub type Values = Vec<(Parameter, f64)>;
 
-impl Strength {
+impl EffectParameter {
     /// How a fit moves it: a broad prior over its usual range.
     #[must_use]
     pub fn free(&self, scene: &Scene<'_>) -> Free {
@@ -150,9 +150,9 @@ struct Promise {
     gain: f64,
 }
 
-/// The strengths that say how much of the effect there is.
-pub fn amounts(form: Form) -> impl Iterator<Item = &'static Strength> {
-    form.iter().filter(|strength| strength.is_amount())
+/// The effect parameters that say how much of the effect there is.
+pub fn amounts(form: Form) -> impl Iterator<Item = &'static EffectParameter> {
+    form.iter().filter(|effect_parameter| effect_parameter.is_amount())
 }
 
 /// What each amount simulates at its unit, the others at nil.
@@ -163,13 +163,16 @@ fn directions(
     shape: &[(Parameter, f64)],
     units: &[f64],
 ) -> Result<Vec<Simulated>, MachineError> {
-    let values = amounts(form).zip(units).map(|(strength, unit)| [shape, &[(strength.parameter, *unit)]].concat());
+    let values = amounts(form)
+        .zip(units)
+        .map(|(effect_parameter, unit)| [shape, &[(effect_parameter.parameter, *unit)]].concat());
     values.map(|values| sensitivity.simulated(&with(&fit.machine, &values))).collect()
 }
 
 /// How much of each amount lowers the loss most, in units of each, by the direction that it moves the residuals in; and the gain.
 fn directed(sensitivity: &Sensitivity<'_>, form: Form, directions: &[Simulated]) -> (Vec<f64>, f64) {
-    let positive: Vec<bool> = amounts(form).map(|strength| !matches!(strength.kind, Kind::Signed(_))).collect();
+    let positive: Vec<bool> =
+        amounts(form).map(|effect_parameter| !matches!(effect_parameter.kind, Kind::Signed(_))).collect();
     let changes: Vec<Change> = directions.iter().map(|direction| sensitivity.change(direction)).collect();
     sensitivity.amounts(&changes, &positive)
 }
@@ -193,7 +196,7 @@ pub fn screen(
     // What each point promises along its directions, by each weighing.
     let promised: Vec<Vec<Promise>> = parallel::each(points, |(index, shape)| {
         let form = forms[index].1;
-        let units: Vec<f64> = amounts(form).map(|strength| strength.unit(scene)).collect();
+        let units: Vec<f64> = amounts(form).map(|effect_parameter| effect_parameter.unit(scene)).collect();
         // A point that does not become a drive promises nothing.
         let directions = directions(fit, any, form, &shape, &units).ok();
         let promise = |sensitivity| {
@@ -247,8 +250,8 @@ fn best(
 
 /// Every combination of the shapes' points.
 pub fn shapes(scene: &Scene<'_>, form: Form) -> Vec<Values> {
-    let shapes = form.iter().filter(|strength| !strength.is_amount());
-    combined(Vec::new(), shapes.map(|strength| (strength.parameter, strength.tries(scene))))
+    let shapes = form.iter().filter(|effect_parameter| !effect_parameter.is_amount());
+    combined(Vec::new(), shapes.map(|effect_parameter| (effect_parameter.parameter, effect_parameter.tries(scene))))
 }
 
 /// What is given with every combination of the values to try.
@@ -280,10 +283,10 @@ fn lead(
     promise: &Promise,
 ) -> Result<Option<Lead>, MachineError> {
     let lead_at = |values: Values| Lead::at(sensitivity, fit, effect, form, values);
-    if form.iter().all(|strength| matches!(strength.kind, Kind::Jump(_))) {
+    if form.iter().all(|effect_parameter| matches!(effect_parameter.kind, Kind::Jump(_))) {
         return jump(scene, form, lead_at).map(Some);
     }
-    let mut units: Vec<f64> = amounts(form).map(|strength| strength.unit(scene)).collect();
+    let mut units: Vec<f64> = amounts(form).map(|effect_parameter| effect_parameter.unit(scene)).collect();
     if units.is_empty() {
         return lead_at(promise.shape.clone()).map(|lead| (lead.gain > 0.0).then_some(lead));
     }
@@ -298,7 +301,9 @@ fn lead(
             let values: Values = amounts(form)
                 .zip(shares.iter().zip(&units))
                 .filter(|(_, (share, _))| **share != 0.0)
-                .map(|(strength, (share, unit))| (strength.parameter, step * share.clamp(-30.0, 30.0) * unit))
+                .map(|(effect_parameter, (share, unit))| {
+                    (effect_parameter.parameter, step * share.clamp(-30.0, 30.0) * unit)
+                })
                 .collect();
             let lead = lead_at([promise.shape.as_slice(), &values].concat())?;
             let enough = lead.gain > 0.5 * promised;
@@ -321,31 +326,33 @@ fn lead(
         (shares, promised) = directed(sensitivity, form, &directions(fit, sensitivity, form, &promise.shape, &units)?);
     }
     Ok(best.filter(|lead| lead.gain > 0.0).map(|mut lead| {
-        // A strength that this point does without starts small.
-        for (strength, unit) in amounts(form).zip(&units) {
-            if lead.values.iter().all(|(parameter, _)| *parameter != strength.parameter) {
-                lead.values.push((strength.parameter, 0.03 * unit));
+        // An effect parameter that this point does without starts small.
+        for (effect_parameter, unit) in amounts(form).zip(&units) {
+            if lead.values.iter().all(|(parameter, _)| *parameter != effect_parameter.parameter) {
+                lead.values.push((effect_parameter.parameter, 0.03 * unit));
             }
         }
         lead
     }))
 }
 
-/// The best values of strengths that residuals jump with: no slope leads there, so the ranges are tried and then narrowed down,
-/// one strength at a time.
+/// The best values of effect parameters that residuals jump with: no slope leads there, so the ranges are tried and then narrowed down,
+/// one effect parameter at a time.
 fn jump(
     scene: &Scene<'_>,
     form: Form,
     lead_at: impl Fn(Values) -> Result<Lead, MachineError> + Sync,
 ) -> Result<Lead, MachineError> {
-    /// Points of the first strength's range, and of each further one's.
+    /// Points of the first effect parameter's range, and of each further one's.
     const POINTS: [usize; 2] = [12, 4];
-    let grid = |strength: &Strength, points: usize| -> Vec<f64> {
-        let (low, high) = strength.range(scene);
+    let grid = |effect_parameter: &EffectParameter, points: usize| -> Vec<f64> {
+        let (low, high) = effect_parameter.range(scene);
         (0..points).map(|index| low * (high / low).powf((index as f64 + 0.5) / points as f64)).collect()
     };
-    let tries =
-        form.iter().enumerate().map(|(index, strength)| (strength.parameter, grid(strength, POINTS[index.min(1)])));
+    let tries = form
+        .iter()
+        .enumerate()
+        .map(|(index, effect_parameter)| (effect_parameter.parameter, grid(effect_parameter, POINTS[index.min(1)])));
     let leads: Vec<Lead> = parallel::try_each(combined(Vec::new(), tries), &lead_at)?;
     let mut best: Option<Lead> = None;
     for lead in leads {

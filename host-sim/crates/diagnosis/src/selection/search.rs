@@ -138,7 +138,7 @@ pub(crate) fn least_above<'c>(found: impl IntoIterator<Item = &'c Candidate>) ->
 
 /// Whether a set may come near the best, which leaves the `least` above the noise.
 pub(crate) fn is_hopeful(candidate: &Candidate, least: f64) -> bool {
-    excess(&candidate.residuals) < HOPELESS * least.max(2.0 * candidate.strengths() as f64)
+    excess(&candidate.residuals) < HOPELESS * least.max(2.0 * candidate.effect_parameters() as f64)
 }
 
 /// Refits of the extensions of effects that were refitted, from the best refit of each form; of what was refitted itself, only

@@ -1,6 +1,6 @@
 //! What moves when a parameter moves, or an effect is there: machines to be held against the one as it is.
 
-use diagnosis::catalogue::{Form, Hypothesis, Kind, Scene, Strength};
+use diagnosis::catalogue::{EffectParameter, Form, Hypothesis, Kind, Scene};
 use diagnosis::selection::screen::{Values, amounts, combined, shapes, with};
 use identification::fit::Free;
 use model_core::machine::{Machine, Parameter};
@@ -15,7 +15,7 @@ const SHARE: f64 = 0.1;
 const LEVEL: f64 = 0.4;
 /// Rows at rest that tell where the rod starts.
 const ROWS_AT_REST: f64 = 20.0;
-/// Values that are tried of strengths which no slope leads to.
+/// Values that are tried of effect parameters which no slope leads to.
 const TRIED: usize = 8;
 
 /// A machine that differs from the one as it is, and how many times its difference counts.
@@ -44,7 +44,7 @@ pub(crate) struct Way {
     /// Whether each amount can only be positive.
     pub(crate) positive: Vec<bool>,
     /// Values that a refit has to find.
-    pub(crate) strengths: usize,
+    pub(crate) effect_parameters: usize,
     /// Whether it acts as it is, without more or less.
     pub(crate) jumps: bool,
 }
@@ -58,8 +58,8 @@ pub(crate) struct Directions {
     /// How many belong to parameters and start.
     pub(crate) base_parameters: usize,
     pub(crate) ways: Vec<Way>,
-    /// Strengths of each effect as it usually is; its direction is at `usual` and on.
-    pub(crate) strengths: Vec<Values>,
+    /// Effect parameters of each effect as it usually is; its direction is at `usual` and on.
+    pub(crate) effect_parameters: Vec<Values>,
     pub(crate) usual: usize,
 }
 
@@ -84,19 +84,19 @@ impl Directions {
                     );
                     let positive = free.iter().map(|(_, positive)| *positive).collect();
                     let jumps = is_jump(form);
-                    ways.push(Way { effect, first, count: free.len(), positive, strengths: form.len(), jumps });
+                    ways.push(Way { effect, first, count: free.len(), positive, effect_parameters: form.len(), jumps });
                 }
             }
         }
-        let strengths: Vec<Values> = effects.iter().map(|hypothesis| usual(scene, hypothesis)).collect();
+        let effect_parameters: Vec<Values> = effects.iter().map(|hypothesis| usual(scene, hypothesis)).collect();
         let usual = all.len();
-        all.extend(strengths.iter().map(|values| Direction::once(scene.machine, values)));
-        Self { effects: effects.to_vec(), all, base_parameters: count, ways, strengths, usual }
+        all.extend(effect_parameters.iter().map(|values| Direction::once(scene.machine, values)));
+        Self { effects: effects.to_vec(), all, base_parameters: count, ways, effect_parameters, usual }
     }
 
-    /// Fewest strengths that an effect takes.
+    /// Fewest effect parameters that an effect takes.
     pub(crate) fn fewest(&self, effect: usize) -> usize {
-        self.ways.iter().filter(|way| way.effect == effect).map(|way| way.strengths).min().unwrap_or(1)
+        self.ways.iter().filter(|way| way.effect == effect).map(|way| way.effect_parameters).min().unwrap_or(1)
     }
 }
 
@@ -131,23 +131,23 @@ fn start(machine: &Machine<f64>, sensors: &[Sensor]) -> Vec<Direction> {
 }
 
 fn is_jump(form: Form) -> bool {
-    form.iter().all(Strength::is_jump)
+    form.iter().all(EffectParameter::is_jump)
 }
 
 /// Every point of a form's shapes, with the amounts that are free there, each at its usual size, and whether they can only be positive.
 fn points(scene: &Scene<'_>, form: Form) -> Vec<(Values, Vec<(Values, bool)>)> {
     if is_jump(form) {
-        let tries = form.iter().map(|strength| {
-            let (low, high) = strength.range(scene);
+        let tries = form.iter().map(|effect_parameter| {
+            let (low, high) = effect_parameter.range(scene);
             let share = |index: usize| (index as f64 + 0.5) / TRIED as f64;
-            (strength.parameter, (0..TRIED).map(|index| low * (high / low).powf(share(index))).collect())
+            (effect_parameter.parameter, (0..TRIED).map(|index| low * (high / low).powf(share(index))).collect())
         });
         return combined(Vec::new(), tries).into_iter().map(|values| (Vec::new(), vec![(values, true)])).collect();
     }
     let free: Vec<(Values, bool)> = amounts(form)
-        .map(|strength| {
-            let positive = !matches!(strength.kind, Kind::Signed(_));
-            (vec![(strength.parameter, strength.unit(scene))], positive)
+        .map(|effect_parameter| {
+            let positive = !matches!(effect_parameter.kind, Kind::Signed(_));
+            (vec![(effect_parameter.parameter, effect_parameter.unit(scene))], positive)
         })
         .collect();
     shapes(scene, form).into_iter().map(|shape| (shape, free.clone())).collect()
@@ -158,6 +158,6 @@ fn usual(scene: &Scene<'_>, hypothesis: &Hypothesis) -> Values {
     let Some(form) = hypothesis.forms_in(scene).next() else { return Vec::new() };
     let all = shapes(scene, form);
     let middle = all.get(all.len() / 2).cloned().unwrap_or_default();
-    let amounts = amounts(form).map(|strength| (strength.parameter, strength.unit(scene)));
+    let amounts = amounts(form).map(|effect_parameter| (effect_parameter.parameter, effect_parameter.unit(scene)));
     middle.into_iter().chain(amounts).collect()
 }

@@ -33,9 +33,9 @@ pub(crate) fn settled(products: &DMatrix<f64>, base_parameters: usize) -> DMatri
     }
 }
 
-/// Half a sum of squares that an effect with so many strengths has to gain of so many samples: its penalty, and what comes by chance.
-pub(crate) fn needed(strengths: usize, samples: f64) -> f64 {
-    0.5 * strengths as f64 * samples.max(2.0).ln() + BEYOND_PENALTY
+/// Half a sum of squares that an effect with so many effect parameters has to gain of so many samples: its penalty, and what comes by chance.
+pub(crate) fn needed(effect_parameters: usize, samples: f64) -> f64 {
+    0.5 * effect_parameters as f64 * samples.max(2.0).ln() + BEYOND_PENALTY
 }
 
 impl Isolability {
@@ -43,7 +43,7 @@ impl Isolability {
     pub(crate) fn of(directions: &Directions, products: &DMatrix<f64>, samples: f64) -> Self {
         let settled = settled(products, directions.base_parameters);
         let at = |index: usize| index - directions.base_parameters;
-        let effects = directions.strengths.len();
+        let effects = directions.effect_parameters.len();
         let usual = |effect: usize| at(directions.usual) + effect;
         let square = |effect: usize| settled[(usual(effect), usual(effect))].max(0.0);
         let left_by = |truth: usize, rival: usize| {
@@ -58,7 +58,7 @@ impl Isolability {
                 directions.effects[rival].extends.is_some_and(|of| of.plain == directions.effects[truth].name);
             let more = directions.fewest(rival) as f64 - directions.fewest(truth) as f64;
             let net = 0.5 * left + 0.5 * more * samples.max(2.0).ln();
-            // One with more strengths that follows as well is the less likely for them; among equals, the form decides.
+            // One with more effect parameters that follows as well is the less likely for them; among equals, the form decides.
             truth == rival
                 || takes_in
                 || (net > PLAN_TELLS_BY && (more > 0.0 || left > PLAN_RIVAL_LEAVES * square(truth)))

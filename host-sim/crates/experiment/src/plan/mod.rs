@@ -2,8 +2,8 @@
 //!
 //! Every effect is switched on in the model, as it usually is, and the sensors' noise is what a difference counts in. What a refit of the
 //! base parameters and of the start would imitate is taken out first. An effect is seen where the rest would be claimed: half its sum
-//! of squares beyond the penalty for its strengths and beyond chance. It passes for another one where that, in the best of its forms
-//! and strengths, leaves too little to be preferred. Strengths count linearly, about where they usually lie, and the noise is taken to
+//! of squares beyond the penalty for its effect parameters and beyond chance. It passes for another one where that, in the best of its forms
+//! and effect parameters, leaves too little to be preferred. Effect parameters count linearly, about where they usually lie, and the noise is taken to
 //! be white: a real recording shows less, never more.
 
 mod directions;
@@ -78,7 +78,7 @@ pub enum PlanError {
 pub struct Prospect {
     /// The effect.
     pub effect: &'static Hypothesis,
-    /// Its strengths as it usually is, SI, the shapes among them.
+    /// Its effect parameters as it usually is, SI, the shapes among them.
     pub usual: Vec<(Parameter, f64)>,
     /// The smallest amount that would be claimed, as a share of the usual one; infinite where even the largest usual one is not.
     pub smallest: f64,
@@ -98,10 +98,12 @@ impl Prospect {
     }
 }
 
-/// Whether this says how much of the effect there is; of strengths that no slope leads to, the first does.
+/// Whether this says how much of the effect there is; of effect parameters that no slope leads to, the first does.
 fn is_amount(effect: &Hypothesis, parameter: Parameter) -> bool {
     effect.every_form().any(|form| {
-        let place = form.iter().position(|strength| strength.parameter == parameter && strength.is_amount());
+        let place = form
+            .iter()
+            .position(|effect_parameter| effect_parameter.parameter == parameter && effect_parameter.is_amount());
         place.is_some_and(|place| place == 0 || !form[place].is_jump())
     })
 }
@@ -237,7 +239,7 @@ impl Judge<'_> {
         let scale = Scale::of(&near, &changes, self.directions.base_parameters);
         let effects = parallel::each(self.directions.effects.iter().enumerate(), |(index, &effect)| Prospect {
             effect,
-            usual: self.directions.strengths[index].clone(),
+            usual: self.directions.effect_parameters[index].clone(),
             smallest: self.smallest(index, isolability.seen[index], &scale, samples),
         });
         let duration_s = stimulus.ticks() as f64 * stimulus.tick.seconds();
@@ -249,7 +251,7 @@ impl Judge<'_> {
         /// How often the share is corrected by what it does.
         const ROUNDS: usize = 4;
         let needed = (2.0 * needed(self.directions.fewest(effect), samples)).sqrt();
-        let values = &self.directions.strengths[effect];
+        let values = &self.directions.effect_parameters[effect];
         let mut share = needed / seen.max(1e-9);
         for _ in 0..ROUNDS {
             let shared = values.iter().map(|&(parameter, value)| {

@@ -2,7 +2,7 @@
 //!
 //! Levenberg-Marquardt (crate `levenberg-marquardt`, a port of MINPACK) over residuals divided by each channel's noise, with the
 //! derivatives from the core run on dual numbers. A pseudo-Huber loss keeps single spikes from steering. Every free value has a
-//! prior: a nominal one with a stated standard deviation, or the usual range of an effect's strength, which positive strengths
+//! prior: a nominal one with a stated standard deviation, or the usual range of an effect's effect parameter, which positive effect parameters
 //! move in by their logarithm, and which none leaves far. The state that each recording starts from is free as well, within what
 //! its sensors leave open.
 

@@ -16,7 +16,7 @@ use identification::fit::{
 use model_core::machine::{Machine, Parameter};
 
 use super::screen::Lead;
-use crate::catalogue::{Form, Hypothesis, Scene, Strength, is_elastic};
+use crate::catalogue::{EffectParameter, Form, Hypothesis, Scene, is_elastic};
 
 pub use neighbours::{Reference, Weighing, noisier};
 
@@ -39,10 +39,10 @@ impl Question<'_> {
         counts_from(self.scene.entry)
     }
 
-    /// The first form of the effects that has all these strengths.
-    pub(crate) fn form_with(&self, strengths: &[Parameter]) -> Option<Chosen> {
+    /// The first form of the effects that has all these effect parameters.
+    pub(crate) fn form_with(&self, effect_parameters: &[Parameter]) -> Option<Chosen> {
         let forms = |effect: &'static Hypothesis| effect.forms_in(self.scene).map(move |form| Chosen { effect, form });
-        let has_all = |chosen: &Chosen| strengths.iter().all(|strength| chosen.has(*strength));
+        let has_all = |chosen: &Chosen| effect_parameters.iter().all(|effect_parameter| chosen.has(*effect_parameter));
         self.hypotheses.iter().copied().flat_map(forms).find(has_all)
     }
 }
@@ -57,9 +57,9 @@ pub struct Chosen {
 }
 
 impl Chosen {
-    /// Whether a parameter is one of its strengths.
+    /// Whether a parameter is one of its effect parameters.
     pub(crate) fn has(&self, parameter: Parameter) -> bool {
-        self.form.iter().any(|strength| strength.parameter == parameter)
+        self.form.iter().any(|effect_parameter| effect_parameter.parameter == parameter)
     }
 }
 
@@ -70,7 +70,7 @@ pub struct Candidate {
     pub effects: Vec<Chosen>,
     /// Fitted on all training recordings.
     pub fit: Fit,
-    /// Strengths that no slope leads to, as they were found.
+    /// Effect parameters that no slope leads to, as they were found.
     pub jumps: Vec<(Parameter, f64)>,
     /// Residuals on the training recordings.
     pub residuals: Residuals,
@@ -131,8 +131,8 @@ impl Candidate {
         let alike = |form: &Form| is_elastic(form) == is_elastic(newest.form);
         let form = plain.and_then(|effect| Some((*effect, effect.forms_in(question.scene).find(alike)?)));
         let Some((effect, form)) = form else { return Ok(None) };
-        let taken = newest.form.iter().filter(|strength| extension.taken.contains(&strength.parameter));
-        let taken: Vec<f64> = taken.map(|strength| self.fit.machine.get(strength.parameter)).collect();
+        let taken = newest.form.iter().filter(|effect_parameter| extension.taken.contains(&effect_parameter.parameter));
+        let taken: Vec<f64> = taken.map(|effect_parameter| self.fit.machine.get(effect_parameter.parameter)).collect();
         if taken.is_empty() {
             return Ok(None);
         }
@@ -148,7 +148,7 @@ impl Candidate {
     }
 
     /// What was refitted to the end, refitted again where that leaves less. An amount that vanished beside others has left no slope that
-    /// leads back, nor has a strength at the end of what is admissible: the middle of its range is tried.
+    /// leads back, nor has an effect parameter at the end of what is admissible: the middle of its range is tried.
     pub fn unstuck(self, question: &Question<'_>) -> Result<Self, FitError> {
         let lost: Vec<(Parameter, f64)> =
             self.vanished(question.scene).into_iter().chain(self.stranded(question.scene)).collect();
@@ -208,10 +208,10 @@ impl Candidate {
         let mut jumps = self.jumps.clone();
         jumps.retain(|(parameter, _)| gone.iter().all(|chosen| !is_jump(chosen.form, *parameter)));
         let fitted = |parameter| self.fit.machine.get(parameter);
-        let left = |strength: &Strength| {
-            strength
+        let left = |effect_parameter: &EffectParameter| {
+            effect_parameter
                 .negative_of()
-                .map(|base_parameters| (base_parameters, fitted(base_parameters) - fitted(strength.parameter)))
+                .map(|base_parameters| (base_parameters, fitted(base_parameters) - fitted(effect_parameter.parameter)))
         };
         let values: Vec<_> = gone.iter().flat_map(|chosen| chosen.form.iter()).filter_map(left).collect();
         let from = Beginning { fit: &self.fit, values: &values, settled: &[], goes: Goes::ToTheEnd };
@@ -256,7 +256,7 @@ impl Candidate {
     }
 
     /// The effect that was added last and its form.
-    pub(crate) fn newest(&self) -> Option<(&'static str, *const Strength)> {
+    pub(crate) fn newest(&self) -> Option<(&'static str, *const EffectParameter)> {
         self.effects.last().map(|newest| (newest.effect.name, newest.form.as_ptr()))
     }
 
@@ -265,10 +265,10 @@ impl Candidate {
         self.newest() == Some((lead.effect.name, lead.form.as_ptr()))
     }
 
-    /// How many strengths it has.
+    /// How many effect parameters it has.
     #[must_use]
-    pub fn strengths(&self) -> usize {
-        strengths(&self.effects).len()
+    pub fn effect_parameters(&self) -> usize {
+        effect_parameters(&self.effects).len()
     }
 
     /// RMSE over noise of the worst channel.
@@ -290,19 +290,19 @@ impl Candidate {
     }
 }
 
-/// The strengths of a set, one that effects share once.
-fn strengths(effects: &[Chosen]) -> Vec<Strength> {
-    let mut found: Vec<Strength> = Vec::new();
-    for strength in effects.iter().flat_map(|chosen| chosen.form.iter()) {
-        if found.iter().all(|known| known.parameter != strength.parameter) {
-            found.push(*strength);
+/// The effect parameters of a set, one that effects share once.
+fn effect_parameters(effects: &[Chosen]) -> Vec<EffectParameter> {
+    let mut found: Vec<EffectParameter> = Vec::new();
+    for effect_parameter in effects.iter().flat_map(|chosen| chosen.form.iter()) {
+        if found.iter().all(|known| known.parameter != effect_parameter.parameter) {
+            found.push(*effect_parameter);
         }
     }
     found
 }
 
 fn is_jump(form: Form, parameter: Parameter) -> bool {
-    form.iter().any(|strength| strength.parameter == parameter && strength.is_jump())
+    form.iter().any(|effect_parameter| effect_parameter.parameter == parameter && effect_parameter.is_jump())
 }
 
 #[cfg(test)]

@@ -1,51 +1,54 @@
-//! Where a set's strengths have ended: what an effect can be, what is next to nothing, and how far the base parameters are bent.
+//! Where a set's effect parameters have ended: what an effect can be, what is next to nothing, and how far the base parameters are bent.
 
 use model_core::machine::Parameter;
 
-use super::{Candidate, Chosen, Question, strengths};
-use crate::catalogue::{Form, Kind, Scene, Strength};
+use super::{Candidate, Chosen, Question, effect_parameters};
+use crate::catalogue::{EffectParameter, Form, Kind, Scene};
 use crate::selection::decision_rule::{
     AMOUNT_NEGLIGIBLE, FIRM_FROM, HARDLY_JUMPS_FROM, PLACE_WITHIN, PRESSED, PRESSED_SIGNED, PULLED_TOO_FAR_QUANTILE,
     SHAPES_A_PLAY_BELOW, SIGNED_NEGLIGIBLE,
 };
 
 impl Candidate {
-    /// Where a strength is: as it was fitted, or else by its value.
-    fn coordinate(&self, scene: &Scene<'_>, strength: &Strength) -> f64 {
+    /// Where an effect parameter is: as it was fitted, or else by its value.
+    fn coordinate(&self, scene: &Scene<'_>, effect_parameter: &EffectParameter) -> f64 {
         let mut known = self.fit.free.iter().zip(&self.fit.coordinates);
-        let fitted = known.find(|(free, _)| free.parameter == strength.parameter).map(|(_, at)| *at);
-        fitted.unwrap_or_else(|| strength.free(scene).coordinate(self.fit.machine.get(strength.parameter)))
+        let fitted = known.find(|(free, _)| free.parameter == effect_parameter.parameter).map(|(_, at)| *at);
+        fitted.unwrap_or_else(|| {
+            effect_parameter.free(scene).coordinate(self.fit.machine.get(effect_parameter.parameter))
+        })
     }
 
     /// Amounts that have become negligible in effects that have not, with the middle of their ranges.
     pub(crate) fn vanished(&self, scene: &Scene<'_>) -> Vec<(Parameter, f64)> {
-        let is_amount = |strength: &&Strength| matches!(strength.kind, Kind::Amount(_) | Kind::Firm(_));
-        let gone = |strength: &&Strength| self.coordinate(scene, strength) < AMOUNT_NEGLIGIBLE;
-        let partly = |form: Form| !form.iter().filter(is_amount).all(|strength| gone(&strength));
+        let is_amount =
+            |effect_parameter: &&EffectParameter| matches!(effect_parameter.kind, Kind::Amount(_) | Kind::Firm(_));
+        let gone = |effect_parameter: &&EffectParameter| self.coordinate(scene, effect_parameter) < AMOUNT_NEGLIGIBLE;
+        let partly = |form: Form| !form.iter().filter(is_amount).all(|effect_parameter| gone(&effect_parameter));
         self.effects
             .iter()
             .filter(|chosen| partly(chosen.form))
             .flat_map(|chosen| chosen.form.iter().filter(is_amount).filter(gone))
-            .map(|strength| (strength.parameter, strength.free(scene).value(0.0)))
+            .map(|effect_parameter| (effect_parameter.parameter, effect_parameter.free(scene).value(0.0)))
             .collect()
     }
 
-    /// Strengths at an end of what is admissible, and amounts beyond what can be, with the middle of their ranges.
+    /// Effect parameters at an end of what is admissible, and amounts beyond what can be, with the middle of their ranges.
     pub(crate) fn stranded(&self, scene: &Scene<'_>) -> Vec<(Parameter, f64)> {
-        let at_bound = |strength: &Strength| {
+        let at_bound = |effect_parameter: &EffectParameter| {
             let mut known = self.fit.free.iter().zip(&self.fit.coordinates);
-            known.any(|(free, at)| free.parameter == strength.parameter && free.at_bound(*at))
+            known.any(|(free, at)| free.parameter == effect_parameter.parameter && free.at_bound(*at))
         };
         // What has vanished is at an end as well.
-        let is_stranded = |strength: &Strength| match strength.kind {
-            Kind::Signed(_) => at_bound(strength),
-            Kind::Amount(_) | Kind::Firm(_) => self.coordinate(scene, strength) > PRESSED,
+        let is_stranded = |effect_parameter: &EffectParameter| match effect_parameter.kind {
+            Kind::Signed(_) => at_bound(effect_parameter),
+            Kind::Amount(_) | Kind::Firm(_) => self.coordinate(scene, effect_parameter) > PRESSED,
             _ => false,
         };
-        strengths(&self.effects)
+        effect_parameters(&self.effects)
             .into_iter()
             .filter(is_stranded)
-            .map(|strength| (strength.parameter, strength.free(scene).value(0.0)))
+            .map(|effect_parameter| (effect_parameter.parameter, effect_parameter.free(scene).value(0.0)))
             .collect()
     }
 
@@ -55,7 +58,9 @@ impl Candidate {
     pub(crate) fn is_possible(&self, scene: &Scene<'_>) -> bool {
         self.fit.loss.is_finite()
             && self.effects.iter().all(|chosen| {
-                let at = |strength: &Strength| (strength.kind, self.coordinate(scene, strength));
+                let at = |effect_parameter: &EffectParameter| {
+                    (effect_parameter.kind, self.coordinate(scene, effect_parameter))
+                };
                 let possible = chosen.form.iter().map(at).all(|(kind, coordinate)| match kind {
                     Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) => coordinate < PRESSED,
                     // A shape stays where shapes are; where it runs to the end, the recordings leave it open.
@@ -78,8 +83,8 @@ impl Candidate {
     /// name says; nor is a stiction that only shapes a play. Both are ranked all the same, for nothing less likely may be claimed in their place.
     #[must_use]
     pub fn is_plausible(&self, scene: &Scene<'_>) -> bool {
-        let firm = |strength: &Strength| match strength.kind {
-            Kind::Firm(_) => self.coordinate(scene, strength) > FIRM_FROM,
+        let firm = |effect_parameter: &EffectParameter| match effect_parameter.kind {
+            Kind::Firm(_) => self.coordinate(scene, effect_parameter) > FIRM_FROM,
             _ => true,
         };
         self.is_possible(scene) && !self.shapes_a_play() && self.effects.iter().flat_map(|chosen| chosen.form).all(firm)
@@ -93,7 +98,7 @@ impl Candidate {
     }
 
     /// Whether it has a stiction that hardly jumps. Some do; and free runs, in which a jump that is a row late costs more than none, end there
-    /// whatever the spool does: strengths from there say little of it.
+    /// whatever the spool does: effect parameters from there say little of it.
     #[must_use]
     pub fn hardly_jumps(&self) -> bool {
         let is_of = |chosen: &Chosen| chosen.has(Parameter::StictionBand);

@@ -4,7 +4,7 @@ use identification::experiment::Prepared;
 use identification::fit::{Fit, FitError, Free, From, Sensitivity, StartState, coarse, fit, loss, softened_all};
 use model_core::machine::{Machine, Parameter};
 
-use super::{Candidate, Chosen, Question, strengths};
+use super::{Candidate, Chosen, Question, effect_parameters};
 use crate::selection::screen::with;
 
 /// The search ends when the loss falls by less than this share in a step.
@@ -17,7 +17,7 @@ pub(crate) const NEARLY: f64 = 1e-4;
 pub(crate) const SETTLED: f64 = 1e-3;
 /// The same for a first look.
 const ROUGHLY: f64 = 0.03;
-/// A strength that no slope leads to is looked for down to this share of itself.
+/// An effect parameter that no slope leads to is looked for down to this share of itself.
 pub(crate) const NARROWEST: f64 = 0.01;
 
 /// How far a refit goes.
@@ -31,7 +31,7 @@ pub(crate) enum Goes<'a> {
 /// Where a refit begins.
 pub(crate) struct Beginning<'a> {
     pub(crate) fit: &'a Fit,
-    /// Strengths that are new.
+    /// Effect parameters that are new.
     pub(crate) values: &'a [(Parameter, f64)],
     /// Where the former fit's coordinates settle with them.
     pub(crate) settled: &'a [f64],
@@ -79,7 +79,7 @@ impl Candidate {
         searched(&nearby.iter().collect::<Vec<_>>())
     }
 
-    /// A refit of a set to the end, from values of what no former solution has; strengths that no slope leads to stay as they are given.
+    /// A refit of a set to the end, from values of what no former solution has; effect parameters that no slope leads to stay as they are given.
     pub(crate) fn given(
         question: &Question<'_>,
         effects: Vec<Chosen>,
@@ -146,10 +146,15 @@ impl Candidate {
     }
 }
 
-/// What a fit moves: the base parameters, and every strength that a slope leads to.
+/// What a fit moves: the base parameters, and every effect parameter that a slope leads to.
 fn free(question: &Question<'_>, effects: &[Chosen]) -> Vec<Free> {
-    let smooth = strengths(effects).into_iter().filter(|strength| !strength.is_jump());
-    question.base_parameters.iter().copied().chain(smooth.map(|strength| strength.free(question.scene))).collect()
+    let smooth = effect_parameters(effects).into_iter().filter(|effect_parameter| !effect_parameter.is_jump());
+    question
+        .base_parameters
+        .iter()
+        .copied()
+        .chain(smooth.map(|effect_parameter| effect_parameter.free(question.scene)))
+        .collect()
 }
 
 /// Coordinates of the values that are free.
@@ -161,7 +166,7 @@ fn coordinates(free: &[Free], values: &[(Parameter, f64)]) -> Vec<(Parameter, f6
     values.iter().filter_map(of).collect()
 }
 
-/// A better value of a strength that no slope leads to, near where it is.
+/// A better value of an effect parameter that no slope leads to, near where it is.
 fn better(
     machine: &Machine<f64>,
     sensitivity: &Sensitivity<'_>,

@@ -11,8 +11,11 @@ use crate::test_scene::scene;
 fn standing(name: &str, scene: &Scene<'_>, base_parameters: &[Free], machine: &Machine<f64>) -> Candidate {
     let effect = CATALOGUE.iter().find(|effect| effect.name == name).unwrap();
     let form = effect.forms[0];
-    let free: Vec<Free> =
-        base_parameters.iter().copied().chain(form.iter().map(|strength| strength.free(scene))).collect();
+    let free: Vec<Free> = base_parameters
+        .iter()
+        .copied()
+        .chain(form.iter().map(|effect_parameter| effect_parameter.free(scene)))
+        .collect();
     let coordinates = free.iter().map(|free| free.coordinate(machine.get(free.parameter))).collect();
     let starts = vec![StartState::default()];
     let fit = Fit { machine: *machine, free, coordinates, starts, information: Vec::new(), converged: true, loss: 0.0 };
@@ -50,9 +53,9 @@ fn a_small_stiction_that_hardly_jumps_is_the_form_of_the_play_beside_it() {
     let machine = press(&[]);
     let scene = scene(&machine, &[Signal::Spool]);
     let beside = |band: f64, kept: f64, width: f64| -> (bool, bool) {
-        let strengths =
+        let effect_parameters =
             [(Parameter::StictionBand, band), (Parameter::StictionKept, kept), (Parameter::HysteresisWidth, width)];
-        let mut set = standing("spool-stiction", &scene, &[], &machine.with(&strengths));
+        let mut set = standing("spool-stiction", &scene, &[], &machine.with(&effect_parameters));
         let play = CATALOGUE.iter().find(|effect| effect.name == "valve-hysteresis").unwrap();
         set.effects.push(Chosen { effect: play, form: play.forms[0] });
         (set.is_possible(&scene), set.is_plausible(&scene))
@@ -68,8 +71,8 @@ fn what_keeps_more_than_two_thirds_of_its_band_hardly_jumps() {
     let machine = press(&[]);
     let scene = scene(&machine, &[Signal::Spool]);
     let keeping = |kept: f64| {
-        let strengths = [(Parameter::StictionBand, 0.01), (Parameter::StictionKept, kept)];
-        standing("spool-stiction", &scene, &[], &machine.with(&strengths)).hardly_jumps()
+        let effect_parameters = [(Parameter::StictionBand, 0.01), (Parameter::StictionKept, kept)];
+        standing("spool-stiction", &scene, &[], &machine.with(&effect_parameters)).hardly_jumps()
     };
     assert_eq!([0.1, 0.6, 0.7, 0.95].map(keeping), [false, false, true, true]);
     let play = [(Parameter::HysteresisWidth, 0.01), (Parameter::StictionKept, 0.9)];

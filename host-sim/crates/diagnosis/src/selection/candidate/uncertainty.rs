@@ -5,14 +5,14 @@ use identification::fit::{Correlation, Estimate, FitError, Sensitivity, Uncertai
 use model_core::machine::Parameter;
 
 use super::refit::NARROWEST;
-use super::{Candidate, Question, strengths};
+use super::{Candidate, Question, effect_parameters};
 use crate::selection::screen::with;
 
-/// Steps to either side of a strength that no slope leads to, each twice the last: from what it was looked for by to 1.28 of it.
+/// Steps to either side of an effect parameter that no slope leads to, each twice the last: from what it was looked for by to 1.28 of it.
 const STEPS: i32 = 8;
 
 impl Candidate {
-    /// Fitted values of what was free, with the strengths that were found without a slope.
+    /// Fitted values of what was free, with the effect parameters that were found without a slope.
     pub fn estimates(&self, question: &Question<'_>) -> Result<Vec<Estimate>, FitError> {
         let mut estimates = self.fit.estimates(self.inflation());
         if self.jumps.is_empty() {
@@ -30,7 +30,7 @@ impl Candidate {
         Ok(estimates)
     }
 
-    /// Pairs of what was free whose estimates are correlated; of strengths without a slope nothing is known.
+    /// Pairs of what was free whose estimates are correlated; of effect parameters without a slope nothing is known.
     #[must_use]
     pub fn correlations(&self) -> Vec<Correlation> {
         self.fit.correlations(self.inflation())
@@ -46,7 +46,7 @@ impl Candidate {
         if self.is_tempered { 1.0 } else { inflation(&self.residuals, self.counts) }
     }
 
-    /// Standard deviation of a strength that no slope leads to: half the interval outside of which the log-likelihood, with all that is free
+    /// Standard deviation of an effect parameter that no slope leads to: half the interval outside of which the log-likelihood, with all that is free
     /// settled anew, is lower by more than ½, and what the steps of its search leave open. Rows count as many as are independent, each with the noise that is left. `None` where the
     /// likelihood does not fall so far on either side.
     fn by_profile(
@@ -67,9 +67,12 @@ impl Candidate {
             .fold((0.0, 0.0), |sum, series| (sum.0 + loss(series), sum.1 + series.len() as f64));
         let unit = (square / f64::max(rows, 1.0)).max(1.0) * inflation(&self.residuals, self.counts);
         let description = parameter.description();
-        let usual = strengths(&self.effects).into_iter().find(|strength| strength.parameter == parameter);
+        let usual = effect_parameters(&self.effects)
+            .into_iter()
+            .find(|effect_parameter| effect_parameter.parameter == parameter);
         // A value next to nothing is moved by the least that is usual.
-        let step = NARROWEST * value.max(usual.map_or(0.0, |strength| strength.range(question.scene).0));
+        let step =
+            NARROWEST * value.max(usual.map_or(0.0, |effect_parameter| effect_parameter.range(question.scene).0));
         let here = gain(value)?;
         let mut sides = Vec::new();
         for sign in [-1.0, 1.0] {

@@ -59,12 +59,12 @@ fn of_all_sizes(sizes: &[(P, f64)], seen: impl FnOnce(&Question<'_>, Candidate))
 fn a_refined_form_goes_back_to_the_plain_one_where_that_does_as_well_beside_a_later_effect() {
     of_all_sizes(&[(P::MeteringRatio, -0.3)], |question, finer| {
         let plain = unrefined(question, finer.clone()).unwrap();
-        assert_eq!(plain.strengths() + 2, finer.strengths());
+        assert_eq!(plain.effect_parameters() + 2, finer.effect_parameters());
         assert_eq!(plain.names(), finer.names());
     });
     let all = [(P::MeteringRatio, -0.3), (P::MeteringPorts, 0.1), (P::MeteringDirections, -0.1)];
     of_all_sizes(&all, |question, finer| {
-        assert_eq!(unrefined(question, finer.clone()).unwrap().strengths(), finer.strengths());
+        assert_eq!(unrefined(question, finer.clone()).unwrap().effect_parameters(), finer.effect_parameters());
     });
 }
 

@@ -19,7 +19,7 @@ pub(crate) fn with_press(unknown: &[(P, f64)], seen: impl FnOnce(&Question<'_>))
     seen(&Question { scene: &scene, base_parameters: &[], hypotheses: CATALOGUE, training: &training });
 }
 
-/// A set with one more effect, in the form that begins with a strength, refitted.
+/// A set with one more effect, in the form that begins with an effect parameter, refitted.
 pub(crate) fn added(question: &Question<'_>, set: &Candidate, name: &str, first: Option<P>) -> Candidate {
     let effect = *CATALOGUE.iter().find(|effect| effect.name == name).unwrap();
     let reference = Reference::new(question, set).unwrap();
@@ -63,7 +63,7 @@ fn an_extension_is_found_beside_what_was_added_later() {
     });
 }
 
-/// Edges of four sizes beside friction, of which the plain form with one strength was found, and what refines it.
+/// Edges of four sizes beside friction, of which the plain form with one effect parameter was found, and what refines it.
 fn refined_edges(sizes: [(P, f64); 3], found: P, seen: impl FnOnce(&Candidate, &[Candidate])) {
     let unknown = [sizes[0], sizes[1], sizes[2], (P::CoulombFriction, 300.0)];
     with_press(&unknown, |question| {

@@ -175,7 +175,7 @@ impl<'a> Sticking<'a> {
     }
 
     /// Stiction whose free spool is so far ahead of the middle of a jump: its band, and the share of it that a jump ends short by.
-    pub(crate) fn strengths(&self, ahead: f64) -> (f64, f64) {
+    pub(crate) fn effect_parameters(&self, ahead: f64) -> (f64, f64) {
         let band = ahead + 0.5 * self.length;
         (band, (ahead - 0.5 * self.length).max(0.0) / band)
     }

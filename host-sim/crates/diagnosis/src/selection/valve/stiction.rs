@@ -125,14 +125,14 @@ impl Search<'_, '_> {
         self.settled(set, ahead)
     }
 
-    /// Whether an effect is worth its strengths beside stiction.
+    /// Whether an effect is worth its effect parameters beside stiction.
     fn accepts(&self, plain: &Beside, with: &Beside) -> bool {
         let gained = Gained::of(&plain.left_out, &with.left_out, self.question.counts());
         let straightened = straightened(self.question, &plain.set, &with.set);
         with.set.is_plausible(self.question.scene)
             && excess(&with.set.residuals) < (1.0 - BESIDE_STICTION_EXPLAINS) * excess(&plain.set.residuals)
             && gained.all > BESIDE_STICTION_GAINS
-            && gained.all + straightened > gained.cost(with.set.strengths()) + BESIDE_STICTION_BEYOND_PENALTY
+            && gained.all + straightened > gained.cost(with.set.effect_parameters()) + BESIDE_STICTION_BEYOND_PENALTY
             && gained.repeats
     }
 }
@@ -203,13 +203,13 @@ pub(crate) fn stuck(
     };
     let tried: Vec<Beside> = parallel::try_each(forms.iter().take(REFITTED), refit)?;
     let with_stiction = |beside: &Beside| {
-        let (band, kept) = search.sticking.strengths(beside.ahead);
-        let strengths = [(Parameter::StictionBand, band), (Parameter::StictionKept, kept)];
-        if strengths.iter().any(|(parameter, value)| *value > parameter.description().max) {
+        let (band, kept) = search.sticking.effect_parameters(beside.ahead);
+        let effect_parameters = [(Parameter::StictionBand, band), (Parameter::StictionKept, kept)];
+        if effect_parameters.iter().any(|(parameter, value)| *value > parameter.description().max) {
             return None;
         }
         let mut set = beside.set.clone();
-        for (parameter, value) in strengths {
+        for (parameter, value) in effect_parameters {
             set.fit.machine.set(parameter, value);
             set.jumps.push((parameter, value));
         }

@@ -96,7 +96,7 @@ fn with_noise_of_spool(mut case: Prepared, machine: &Machine<f64>) -> Result<Pre
 }
 
 /// Whether held-out recordings gain by an effect of a set on its own side of their spools, where that side is refitted to the training
-/// recordings by itself with it and without: that it is there, whatever its strength is in the chain.
+/// recordings by itself with it and without: that it is there, whatever its effect parameter is in the chain.
 pub(crate) fn gains_apart(
     question: &Question<'_>,
     set: &Candidate,
@@ -229,8 +229,9 @@ fn misread(question: &Question<'_>, set: &Candidate) -> Result<Option<Candidate>
             continue;
         };
         let other = open_to(question, set).into_iter().find_map(|effect| {
-            let form =
-                effect.forms_in(question.scene).find(|form| form.iter().any(|strength| strength.parameter == to))?;
+            let form = effect
+                .forms_in(question.scene)
+                .find(|form| form.iter().any(|effect_parameter| effect_parameter.parameter == to))?;
             Some(Chosen { effect, form })
         });
         let Some(other) = other else { return Ok(None) };

@@ -172,7 +172,7 @@ fn asked_of_a_sticking_valve(further: &[(Parameter, f64)], ask: impl FnOnce(&Que
 }
 
 #[test]
-fn jumps_tell_a_play_beside_stiction_with_both_strengths_and_held_out_ones_confirm_both() {
+fn jumps_tell_a_play_beside_stiction_with_both_effect_parameters_and_held_out_ones_confirm_both() {
     let play = [(Parameter::HysteresisWidth, 0.02), (Parameter::HysteresisSpread, 0.6)];
     asked_of_a_sticking_valve(&play, |question, held_out| {
         let (chosen, round) = super::super::stiction::stuck(question, &|_| ()).unwrap().unwrap();
