@@ -15,7 +15,7 @@ use super::target::{check_targets, write};
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:
   host-sim statics --recording sweep.csv --input current_mA --output flow_lpm --json S.json --plot S.svg
-  host-sim statics --recording means.csv --input u_percent --output speed --spool spool_V --supply ps_bar --return pb_bar
+  host-sim statics --recording means.csv --input u_percent --output speed --slider spool_V --supply ps_bar --return pb_bar
   host-sim statics --runs run-30.csv run-50.csv run-70.csv run-90.csv run-100.csv --input command --output velocity
 
 Columns are named by their headers, with or without the unit, and stay in the file's units; no column need be time. With --runs
@@ -35,7 +35,7 @@ pub struct Arguments {
     #[arg(long, value_name = "header")]
     output: String,
     /// Header of the measured spool: tells whether spool or orifice stops following
-    #[arg(long, value_name = "header")]
+    #[arg(long = "slider", value_name = "header")]
     spool: Option<String>,
     /// Header of the supply pressure: its droop over the output
     #[arg(long, value_name = "header")]

@@ -294,7 +294,7 @@ macro_rules! effects {
             SensorOffset "sensor-offset" in Sensing {
                 PressureAOffset: "pressure_a_pa", "Pa", -1e7, 1e7, 0.0, "What the pressure sensor of chamber A reads too much.";
                 PressureBOffset: "pressure_b_pa", "Pa", -1e7, 1e7, 0.0, "What the pressure sensor of chamber B reads too much.";
-                SpoolOffset: "slider", "1", -0.5, 0.5, 0.0, "What the spool's sensor reads too much.";
+                SpoolOffset: "spool", "1", -0.5, 0.5, 0.0, "What the spool's sensor reads too much.";
                 PressureAFactor: "pressure_a_factor", "1", -0.9, 1.0, 0.0, "Gain error of the pressure sensor of chamber A.";
                 PressureBFactor: "pressure_b_factor", "1", -0.9, 1.0, 0.0, "Gain error of the pressure sensor of chamber B.";
                 SpoolFactor: "spool_factor", "1", -0.9, 1.0, 0.0, "Gain error of the spool's sensor.";

@@ -116,7 +116,7 @@ fn joined(signals: &[Signal], between: &str) -> String {
 fn entry_name(entry: EntryPoint) -> &'static str {
     match entry {
         EntryPoint::Command => "command",
-        EntryPoint::Spool => "slider",
+        EntryPoint::Spool => "spool",
         EntryPoint::Pump => "pump",
         EntryPoint::Flow => "flow",
         EntryPoint::Force => "force",
