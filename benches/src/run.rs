@@ -3,7 +3,7 @@
 
 use std::array::from_fn;
 
-use model_core::drive::{Drive, Entry, Load, PaperDrive};
+use model_core::drive::{Drive, DriveInput, Load, PaperDrive};
 use model_core::machine::{Machine, Tick};
 use model_core::number::{Field, Scalar};
 use recording::excitation::signals::Excitation;
@@ -70,7 +70,7 @@ impl<N: Scalar<Real = f64>> Run<N> {
     /// The step of a drive that may have any effect, as the simulations of the tool take it.
     pub fn any(&self, volts: &[f32], rows: &mut Vec<Row>) {
         self.each(volts, rows, |state, command| {
-            self.drive.step(state, Entry::Command(command), Load::NONE);
+            self.drive.step(state, DriveInput::Command(command), Load::NONE);
         });
     }
 
@@ -123,7 +123,7 @@ impl Abreast {
     /// The step of drives that may have any effect.
     pub fn any(&self, volts: [&[f32]; LANES], rows: &mut [Vec<Row>; LANES]) {
         self.each(volts, rows, |state, command| {
-            self.drive.step(state, Entry::Command(command), Load::NONE);
+            self.drive.step(state, DriveInput::Command(command), Load::NONE);
         });
     }
 

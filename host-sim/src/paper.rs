@@ -11,7 +11,7 @@ use model_core::machine::{Machine, Parameter, Tick};
 use recording::excitation::signals::{Dither, Excitation};
 use recording::{Recording, RecordingError, Signal};
 use simulation::figures_of_merit::SignalFit;
-use simulation::{Arithmetic, EntryPoint, SimulateError, StartOffset, Stimulus};
+use simulation::{Arithmetic, InputPoint, SimulateError, StartOffset, Stimulus};
 use virtual_plant::{Bench, Drive, InitialState, LinkageError, Plant, PlantEffect, PlantError, Sensors};
 
 /// The preset that the experiment is about.
@@ -152,11 +152,11 @@ fn judge(
     command_v: f64,
     arithmetic: Arithmetic,
 ) -> Result<Step, PaperError> {
-    let run = |entry| {
-        let stimulus = Stimulus::new(recording, model, entry, LoadSource::Constant, Tick::OneMillisecond)?;
+    let run = |drive_input| {
+        let stimulus = Stimulus::new(recording, model, drive_input, LoadSource::Constant, Tick::OneMillisecond)?;
         arithmetic.simulate(model, &stimulus, StartOffset::none())
     };
-    let (from_command, from_spool) = (run(EntryPoint::Command)?, run(EntryPoint::Spool)?);
+    let (from_command, from_spool) = (run(InputPoint::Command)?, run(InputPoint::Spool)?);
     let time_s = recording.time_s();
     let spool = recording.require(Signal::Spool)?;
     let position = recording.require(Signal::Position)?;

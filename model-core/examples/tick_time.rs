@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use model_core::drive::{Drive, DriveState, Entry, Load};
+use model_core::drive::{Drive, DriveInput, DriveState, Load};
 use model_core::machine::{Machine, MachineError, Parameter as P, Source, Tick};
 use model_core::number::{PerUnit, Scalar};
 use model_core::ports::ChamberState;
@@ -39,7 +39,7 @@ fn tick_ns<N: Scalar<Real = f64>>(machine: &Machine<f64>) -> Result<f64, Machine
         let clock = Instant::now();
         for &command in commands.iter().cycle().take(TICKS as usize / 500) {
             for _ in 0..500 {
-                black_box(drive.step(&mut state, Entry::Command(black_box(command)), Load::NONE));
+                black_box(drive.step(&mut state, DriveInput::Command(black_box(command)), Load::NONE));
             }
         }
         shortest_ns = shortest_ns.min(clock.elapsed().as_secs_f64() * 1e9 / f64::from(TICKS));

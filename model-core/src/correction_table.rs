@@ -158,7 +158,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::drive::{Drive, DriveState, Entry, Load};
+    use crate::drive::{Drive, DriveInput, DriveState, Load};
     use crate::machine::{Machine, MachineError, Parameter as P, Source, Tick};
     use crate::number::{PerUnit, Scalar};
     use crate::ports::ChamberState;
@@ -194,7 +194,7 @@ mod tests {
         let mut way = Vec::new();
         for tick in 0..ticks {
             let command = [0.6, -0.6, 0.0, 0.2][(tick / 200 % 4) as usize];
-            drive.step(&mut state, Entry::Command(N::saturated(command)), Load::NONE);
+            drive.step(&mut state, DriveInput::Command(N::saturated(command)), Load::NONE);
             let velocity = state.motion.velocity.to_f64() * drive.bases().velocity_m_per_s;
             way.push([velocity, N::strokes(state.motion.position)]);
         }
@@ -245,7 +245,7 @@ mod tests {
             let mut state: DriveState<f64> = drive.at_rest(0.0, ChamberState { a: 0.3, b: 0.5 }, 0.5);
             let force = |tick: u32| 4000.0 * libm::sin(0.02 * f64::from(tick)) / drive.bases().force_n;
             let step = |tick| {
-                drive.step(&mut state, Entry::Force { from: force(tick), to: force(tick + 1) }, Load::NONE);
+                drive.step(&mut state, DriveInput::Force { from: force(tick), to: force(tick + 1) }, Load::NONE);
                 state.motion.velocity * drive.bases().velocity_m_per_s
             };
             (0..800).map(step).collect::<Vec<f64>>()
@@ -318,7 +318,7 @@ mod tests {
             let mut state: DriveState<PerUnit> = drive.at_rest(PerUnit::ZERO, pressures, PerUnit::travel(0.5));
             for tick in 0..300 {
                 let command = PerUnit::saturated(if tick % 50 < 25 { 8.0 } else { -8.0 });
-                drive.step(&mut state, Entry::Command(command), Load::NONE);
+                drive.step(&mut state, DriveInput::Command(command), Load::NONE);
                 prop_assert!(drive.sensed(&state).spool.to_f64().abs() <= 8.0);
             }
         }

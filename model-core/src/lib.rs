@@ -22,7 +22,7 @@
 //! No allocation, no clock, no I/O, no `unsafe`, no floating point in a step.
 //!
 //! ```
-//! use model_core::drive::{Drive, DriveState, Entry, Load};
+//! use model_core::drive::{Drive, DriveState, DriveInput, Load};
 //! use model_core::machine::{Machine, Parameter, Source, Tick};
 //! use model_core::number::{Number, PerUnit};
 //! use model_core::ports::ChamberState;
@@ -38,7 +38,7 @@
 //! let pressures = ChamberState { a: PerUnit::saturated(0.3), b: half };
 //! let mut state: DriveState<PerUnit> = drive.at_rest(PerUnit::ZERO, pressures, PerUnit::travel(0.5));
 //! for _ in 0..100 {
-//!     drive.step(&mut state, Entry::Command(half), Load::NONE); // 5 V
+//!     drive.step(&mut state, DriveInput::Command(half), Load::NONE); // 5 V
 //! }
 //! let position_m = PerUnit::strokes(state.motion.position) * drive.bases().stroke_m;
 //! assert!(position_m > 0.15, "a positive command extends the rod");

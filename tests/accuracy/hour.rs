@@ -2,7 +2,7 @@
 
 use std::thread;
 
-use model_core::drive::{Entry, Load};
+use model_core::drive::{DriveInput, Load};
 use model_core::machine::Parameter::{DeadZone, InternalLeakage, LoadForce, SupplyPressure, ValveGain, ValveOffset};
 use model_core::machine::{Machine, Tick};
 use model_core::number::{Number, PerUnit, Scalar};
@@ -75,7 +75,7 @@ fn cycling<N: Scalar<Real = f64>>(named: &NamedDrive, ticks: usize, cycle: &[f64
     let mut state = at_rest(&drive, cycle[0], &InitialState::at_rest(&named.machine, 0.15));
     let commands: Vec<N> = cycle.iter().map(|&volts| command(volts)).collect();
     for &command in commands.iter().cycle().take(ticks) {
-        drive.step(&mut state, Entry::Command(command), Load::NONE);
+        drive.step(&mut state, DriveInput::Command(command), Load::NONE);
     }
     row(&state)
 }
@@ -120,7 +120,7 @@ fn creep_in_an_hour(named: &NamedDrive) {
     let mut state = at_rest(&drive, 0.0, &initial);
     let mut run = |ticks: usize| {
         for _ in 0..ticks {
-            drive.step(&mut state, Entry::Command(PerUnit::ZERO), Load::NONE);
+            drive.step(&mut state, DriveInput::Command(PerUnit::ZERO), Load::NONE);
         }
         row(&state)
     };
@@ -146,7 +146,7 @@ fn an_hour_of_leakage<N: Scalar<Real = f64>>(machine: &Machine<f64>) -> Row {
     let drive = drive::<N>(machine, TICK);
     let mut state = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.15));
     for _ in 0..HOUR {
-        drive.step(&mut state, Entry::Command(N::ZERO), Load::NONE);
+        drive.step(&mut state, DriveInput::Command(N::ZERO), Load::NONE);
     }
     row(&state)
 }

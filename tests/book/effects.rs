@@ -6,7 +6,7 @@ use diagnosis::catalogue::{CATALOGUE, EffectParameter, Hypothesis, Kind, Scene};
 use machine_file::{LoadSource, MachineFile};
 use model_core::machine::{Fallback, Parameter};
 use recording::Signal;
-use simulation::EntryPoint;
+use simulation::InputPoint;
 use system_tests::snapshot;
 
 use super::root;
@@ -35,7 +35,7 @@ fn press() -> MachineFile {
 fn scene(file: &MachineFile) -> Scene<'_> {
     Scene {
         machine: &file.machine,
-        entry: EntryPoint::Command,
+        drive_input: InputPoint::Command,
         load: LoadSource::Constant,
         judged: &[Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Position],
         travel_m: (0.05, 0.25),

@@ -49,7 +49,7 @@ impl Case {
     pub(crate) fn scene<'a>(&'a self, recording: &Prepared, judged: &'a [Signal]) -> Scene<'a> {
         Scene {
             machine: &self.file.machine,
-            entry: recording.stimulus.entry,
+            drive_input: recording.stimulus.drive_input,
             load: self.file.load_source,
             judged,
             travel_m: (0.05, 0.25),

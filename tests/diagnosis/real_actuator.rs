@@ -6,7 +6,7 @@ use diagnosis::base_parameters;
 use identification::experiment::Prepared;
 use identification::fit::{From, fit};
 use recording::{Recording, Signal, Table, read_from};
-use simulation::{Arithmetic, EntryPoint, StartOffset, Stimulus, natural_tick};
+use simulation::{Arithmetic, InputPoint, StartOffset, Stimulus, natural_tick};
 
 use super::root;
 
@@ -38,7 +38,7 @@ fn the_pressure_of_a_real_arm_is_followed_better_than_by_a_linear_model() {
     // Free run over all rows: the second half has seen no pressure, neither in the fit nor at its start.
     let whole = recording(&table, &file.channels, 0..table.rows());
     let tick = natural_tick(&whole);
-    let stimulus = Stimulus::new(&whole, &fitted.machine, EntryPoint::Command, file.load_source, tick).unwrap();
+    let stimulus = Stimulus::new(&whole, &fitted.machine, InputPoint::Command, file.load_source, tick).unwrap();
     let run = Arithmetic::Float.simulate(&fitted.machine, &stimulus, StartOffset::none()).unwrap();
     let (recorded, simulated) = (whole.signal(Signal::PressureA).unwrap(), run.signal(Signal::PressureA).unwrap());
     let rmse = |rows: std::ops::Range<usize>| {

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 
-use model_core::drive::{Entry, Load};
+use model_core::drive::{DriveInput, Load};
 use model_core::machine::{Machine, Tick};
 use model_core::number::{PerUnit, Scalar};
 use recording::excitation::signals::Excitation;
@@ -23,21 +23,21 @@ fn chain_and_links_agree<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Ti
         // A load that comes and goes, so that the chain takes it too.
         let load =
             if tick % 700 < 300 { Load::NONE } else { Load { from: N::saturated(0.05), to: N::saturated(0.05) } };
-        let seen = drive.step(&mut chain, Entry::Command(command(volts)), load);
+        let seen = drive.step(&mut chain, DriveInput::Command(command(volts)), load);
         let spool = seen.spool.unwrap();
 
         assert_eq!(valve.step(&mut valve_alone, command(volts)), spool, "the valve alone");
         assert_eq!(valve_alone, chain.valve);
         assert_eq!(spool.to, chain.valve.spool());
 
-        assert_eq!(drive.step(&mut from_spool, Entry::Spool(spool), load), seen, "the drive from its spool on");
+        assert_eq!(drive.step(&mut from_spool, DriveInput::Spool(spool), load), seen, "the drive from its spool on");
         assert_eq!(
             (from_spool.chambers, from_spool.rest, from_spool.motion),
             (chain.chambers, chain.rest, chain.motion)
         );
 
-        let entry = Entry::Followed { command: command(volts), spool };
-        assert_eq!(drive.step(&mut followed, entry, load), seen, "the valve beside a spool that is its own");
+        let drive_input = DriveInput::Followed { command: command(volts), spool };
+        assert_eq!(drive.step(&mut followed, drive_input, load), seen, "the valve beside a spool that is its own");
         assert_eq!(followed, chain);
 
         let alone = (&mut chambers_alone, &mut rest_alone, &mut voids_alone);
@@ -57,9 +57,9 @@ fn a_followed_spool_keeps_what_the_valve_misses_from_the_rod() {
     let mut chain: State<f64> = at_rest(&drive, 0.0, &InitialState::at_rest(&named.machine, 0.1));
     let mut followed = chain;
     for _ in 0..300 {
-        let seen = drive.step(&mut chain, Entry::Command(command(5.0)), Load::NONE);
-        let entry = Entry::Followed { command: command(4.0), spool: seen.spool.unwrap() };
-        drive.step(&mut followed, entry, Load::NONE);
+        let seen = drive.step(&mut chain, DriveInput::Command(command(5.0)), Load::NONE);
+        let drive_input = DriveInput::Followed { command: command(4.0), spool: seen.spool.unwrap() };
+        drive.step(&mut followed, drive_input, Load::NONE);
     }
     assert_eq!((followed.motion, followed.chambers), (chain.motion, chain.chambers));
     assert!(followed.valve.spool() < 0.9 * chain.valve.spool(), "{} {}", followed.valve.spool(), chain.valve.spool());

@@ -4,5 +4,5 @@
 //! downstream signal goes on as the whole chain did.
 
 mod alone;
-mod entries;
+mod drive_inputs;
 mod sensing;

@@ -8,7 +8,7 @@ use model_core::drive::Drive;
 use model_core::machine::{Machine, Parameter as P, Source, Tick};
 use recording::excitation::signals::Excitation;
 use recording::{Column, Recording, Signal};
-use simulation::{EntryPoint, Run, StartOffset, Stimulus, computed_below, rows_f64, run_abreast};
+use simulation::{InputPoint, Run, StartOffset, Stimulus, computed_below, rows_f64, run_abreast};
 use system_tests::any_effects::any_effects;
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::drives;
@@ -42,10 +42,10 @@ fn recording(machine: &Machine<f64>, seed: u64, rows: usize, interval_s: f64, fr
 type Drawn = (u64, usize, f64, f64, f64);
 
 /// Simulates them abreast and one by one, some of their signals left out, and wants the same bits.
-fn as_alone(machine: &Machine<f64>, tick: Tick, entry: EntryPoint, follows: bool, drawn: &[Drawn]) {
+fn as_alone(machine: &Machine<f64>, tick: Tick, drive_input: InputPoint, follows: bool, drawn: &[Drawn]) {
     let of_drawn = |&(seed, rows, interval_s, from, shift_m): &Drawn| {
         let recording = recording(machine, seed, rows, interval_s, from);
-        let stimulus = Stimulus::new(&recording, machine, entry, LoadSource::Constant, tick).unwrap();
+        let stimulus = Stimulus::new(&recording, machine, drive_input, LoadSource::Constant, tick).unwrap();
         let stimulus = if follows { stimulus.following().unwrap_or(stimulus) } else { stimulus };
         (stimulus, StartOffset { level: Some(0.2 + 0.6 * from), shift_m })
     };
@@ -53,7 +53,7 @@ fn as_alone(machine: &Machine<f64>, tick: Tick, entry: EntryPoint, follows: bool
     let mut runs: Vec<Run<'_>> = Vec::new();
     let mut expected: Vec<Vec<(usize, Vec<u64>)>> = Vec::new();
     for (index, (stimulus, offset)) in stimuli.iter().enumerate() {
-        let signals: Vec<Signal> = computed_below(entry).iter().copied().skip(index % 2).collect();
+        let signals: Vec<Signal> = computed_below(drive_input).iter().copied().skip(index % 2).collect();
         let mut series = Vec::new();
         rows_f64(machine, stimulus, *offset, &mut |row, value| {
             series.push((row, signals.iter().map(|&signal| value(signal).unwrap().to_bits()).collect()));
@@ -81,7 +81,7 @@ fn recordings_of_a_pump_are_simulated_one_by_one() {
     machine.source = Source::Pump;
     machine.set(P::PumpDisplacement, 1e-5);
     let drawn = [(5, 900, 1e-3, 0.3, 0.0), (6, 700, 1e-3, 0.6, 0.0), (7, 500, 2.5e-3, 0.5, 0.0)];
-    as_alone(&machine, Tick::OneMillisecond, EntryPoint::Pump, false, &drawn);
+    as_alone(&machine, Tick::OneMillisecond, InputPoint::Pump, false, &drawn);
 }
 
 /// The press with every form of every effect, and with tables without a name.
@@ -89,9 +89,9 @@ fn with_each_effect() -> Vec<(&'static str, Machine<f64>)> {
     let press = drives::press();
     let scene = Scene {
         machine: &press,
-        entry: EntryPoint::Command,
+        drive_input: InputPoint::Command,
         load: LoadSource::Constant,
-        judged: computed_below(EntryPoint::Command),
+        judged: computed_below(InputPoint::Command),
         travel_m: (0.05, 0.25),
         duration_s: 2.0,
         lowest_pa: -1e6,
@@ -150,10 +150,11 @@ fn recordings_of_a_drive_with_any_effect_are_abreast_as_alone() {
         (4, 1900, 1e-3, 0.97, 0.0),
     ];
     for (name, machine) in with_each_effect() {
-        for (entry, follows) in [(EntryPoint::Command, false), (EntryPoint::Command, true), (EntryPoint::Spool, false)]
+        for (drive_input, follows) in
+            [(InputPoint::Command, false), (InputPoint::Command, true), (InputPoint::Spool, false)]
         {
-            println!("{name}, {entry:?}, {follows}");
-            as_alone(&machine, Tick::OneMillisecond, entry, follows, &drawn);
+            println!("{name}, {drive_input:?}, {follows}");
+            as_alone(&machine, Tick::OneMillisecond, drive_input, follows, &drawn);
         }
     }
 }
@@ -166,12 +167,12 @@ proptest! {
         machine in any_machine(),
         tick in any_tick(),
         effects in any_effects(),
-        entry in prop::sample::select(vec![EntryPoint::Command, EntryPoint::Spool, EntryPoint::Flow, EntryPoint::Force]),
+        drive_input in prop::sample::select(vec![InputPoint::Command, InputPoint::Spool, InputPoint::Flow, InputPoint::Force]),
         follows in any::<bool>(),
         drawn in prop::collection::vec((any::<u64>(), 200_usize..900, 0.4e-3..3e-3_f64, 0.0..1.0_f64, -1e-5..1e-5_f64), 1..7),
     ) {
         let machine = effects.on(&machine);
         prop_assume!(machine.source == Source::Valve && Drive::<f64>::new::<DELAY>(&machine, tick).is_ok());
-        as_alone(&machine, tick, entry, follows, &drawn);
+        as_alone(&machine, tick, drive_input, follows, &drawn);
     }
 }

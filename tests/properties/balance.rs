@@ -7,7 +7,7 @@
 
 use proptest::prelude::*;
 
-use model_core::drive::{Drive, Entry, Interfaces, Load};
+use model_core::drive::{Drive, DriveInput, Interfaces, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, Parameter as P, Source, Tick};
 use model_core::number::{PerUnit, Scalar};
@@ -231,13 +231,13 @@ enum Way {
     Pump,
 }
 
-fn entry<N: Scalar>(way: Way, ratio: f64, volts: [f64; 2]) -> Entry<N> {
+fn drive_input<N: Scalar>(way: Way, ratio: f64, volts: [f64; 2]) -> DriveInput<N> {
     let flows = |volts: f64| Flows { a: N::saturated(0.04 * volts), b: N::saturated(0.04 * ratio * volts) };
     let direction = if volts[1] > 0.0 { 1 } else { -1 };
     match way {
-        Way::Command => Entry::Command(N::saturated(volts[1] / 10.0)),
-        Way::Flow => Entry::Flow { from: flows(volts[0]), to: flows(volts[1]) },
-        Way::Pump => Entry::Pump(PumpDrive { speed: N::saturated(volts[1].abs() / 10.0), direction }),
+        Way::Command => DriveInput::Command(N::saturated(volts[1] / 10.0)),
+        Way::Flow => DriveInput::Flow { from: flows(volts[0]), to: flows(volts[1]) },
+        Way::Pump => DriveInput::Pump(PumpDrive { speed: N::saturated(volts[1].abs() / 10.0), direction }),
     }
 }
 
@@ -259,7 +259,7 @@ fn missed<N: Rounded>(machine: &Machine<f64>, tick: Tick, way: Way, volts: &[f64
     let mut before_v = 0.0;
     for &now_v in volts {
         let before = state;
-        let seen = drive.step(&mut state, entry(way, ratio, [before_v, now_v]), Load::NONE);
+        let seen = drive.step(&mut state, drive_input(way, ratio, [before_v, now_v]), Load::NONE);
         before_v = now_v;
         let words = [seen.flows.a, seen.flows.b, seen.velocity, state.chambers.a, state.chambers.b];
         let at = N::strokes(state.motion.position);
@@ -354,7 +354,7 @@ fn passed<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, start: [f64
     state.motion.velocity = N::saturated(start[2]);
     let closed = Spool { from: N::ZERO, to: N::ZERO };
     (0..200).all(|_| {
-        let seen = drive.step(&mut state, Entry::Spool(closed), Load::NONE);
+        let seen = drive.step(&mut state, DriveInput::Spool(closed), Load::NONE);
         seen.flows.a == seen.flows.b
     })
 }

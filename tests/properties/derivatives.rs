@@ -1,6 +1,6 @@
 //! The derivative by each effect parameter of the smooth effects, at nil too, is the difference of two runs.
 
-use model_core::drive::{Drive, Entry, Load};
+use model_core::drive::{Drive, DriveInput, Load};
 use model_core::machine::{Machine, Parameter as P, Tick};
 use model_core::number::{Field, Scalar};
 use model_core::ports::ChamberState;
@@ -15,7 +15,7 @@ fn signals<N: Scalar>(machine: &Machine<N::Real>) -> Vec<[N::Real; 5]> {
     let pressures = ChamberState { a: N::saturated(0.4), b: N::saturated(0.67) };
     let mut state: State<N> = drive.at_rest(N::ZERO, pressures, N::travel(N::Real::constant(0.5)));
     let step = |volts: &f64| {
-        drive.step(&mut state, Entry::Command(N::saturated(volts / 10.0)), Load::NONE);
+        drive.step(&mut state, DriveInput::Command(N::saturated(volts / 10.0)), Load::NONE);
         let of = |signal: N| signal.to_real();
         let (chambers, supply) = (state.chambers, state.supply.pressure);
         [of(state.valve.spool()), of(chambers.a), of(chambers.b), of(supply), N::strokes(state.motion.position)]

@@ -7,13 +7,13 @@ use proptest::prelude::*;
 
 use diagnosis::catalogue::{CATALOGUE, Kind, Scene};
 use machine_file::LoadSource;
-use model_core::drive::{Drive, Entry, Interfaces, Load};
+use model_core::drive::{Drive, DriveInput, Interfaces, Load};
 use model_core::effects::Effect;
 use model_core::machine::{Machine, Parameter as P, Tick};
 use model_core::number::{PerUnit, Scalar};
 use model_core::ports::{ChamberState, Spool};
 use recording::excitation::signals::Excitation;
-use simulation::EntryPoint;
+use simulation::InputPoint;
 use system_tests::any_effects::{EFFECTS, NOT_DRAWN, STICTION, any_effects, any_side_effects, every_drawn};
 use system_tests::any_machine::{any_machine, any_plain_machine, any_tick};
 use system_tests::drives;
@@ -26,7 +26,7 @@ use super::{cases, runner};
 fn run<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, volts: &[f64]) -> (Vec<Interfaces<N>>, State<N>) {
     let drive = drive::<N>(machine, tick);
     let mut state = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.1));
-    let step = |&volts: &f64| drive.step(&mut state, Entry::Command(command(volts)), Load::NONE);
+    let step = |&volts: &f64| drive.step(&mut state, DriveInput::Command(command(volts)), Load::NONE);
     (volts.iter().map(step).collect(), state)
 }
 
@@ -57,7 +57,7 @@ fn an_effect_without_its_amounts_is_the_model_without_it() {
         let without = (in_fixed_point(&machine), in_f64(&machine));
         let scene = Scene {
             machine: &machine,
-            entry: EntryPoint::Command,
+            drive_input: InputPoint::Command,
             load: LoadSource::Constant,
             judged: &[],
             travel_m: (0.05, 0.25),
@@ -140,7 +140,7 @@ fn restlessness<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, spool
     let spool = Spool { from: N::saturated(spool), to: N::saturated(spool) };
     let mut change = || {
         let before = state;
-        drive.step(&mut state, Entry::Spool(spool), Load::NONE);
+        drive.step(&mut state, DriveInput::Spool(spool), Load::NONE);
         let of = |now: N, then: N| (now.to_f64() - then.to_f64()).abs();
         of(state.chambers.a, before.chambers.a)
             .max(of(state.chambers.b, before.chambers.b))

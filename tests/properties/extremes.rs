@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use serde_json::Value;
 
-use model_core::drive::{Drive, Entry, Load};
+use model_core::drive::{Drive, DriveInput, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, Parameter as P, Source, Tick};
 use model_core::number::{Number, PerUnit, Scalar};
@@ -14,16 +14,16 @@ use system_tests::simulate::{DELAY, State, any_word, drive};
 
 use super::cases;
 
-fn any_entry() -> impl Strategy<Value = Entry<PerUnit>> {
+fn any_drive_input() -> impl Strategy<Value = DriveInput<PerUnit>> {
     prop_oneof![
-        any_word().prop_map(Entry::Command),
-        (any_word(), any_word()).prop_map(|(from, to)| Entry::Spool(Spool { from, to })),
+        any_word().prop_map(DriveInput::Command),
+        (any_word(), any_word()).prop_map(|(from, to)| DriveInput::Spool(Spool { from, to })),
         (any_word(), any_word(), any_word())
-            .prop_map(|(command, from, to)| Entry::Followed { command, spool: Spool { from, to } }),
-        (any_word(), any::<i8>()).prop_map(|(speed, direction)| Entry::Pump(PumpDrive { speed, direction })),
+            .prop_map(|(command, from, to)| DriveInput::Followed { command, spool: Spool { from, to } }),
+        (any_word(), any::<i8>()).prop_map(|(speed, direction)| DriveInput::Pump(PumpDrive { speed, direction })),
         (any_word(), any_word(), any_word(), any_word())
-            .prop_map(|(a, b, c, d)| Entry::Flow { from: Flows { a, b }, to: Flows { a: c, b: d } }),
-        (any_word(), any_word()).prop_map(|(from, to)| Entry::Force { from, to }),
+            .prop_map(|(a, b, c, d)| DriveInput::Flow { from: Flows { a, b }, to: Flows { a: c, b: d } }),
+        (any_word(), any_word()).prop_map(|(from, to)| DriveInput::Force { from, to }),
     ]
 }
 
@@ -81,7 +81,7 @@ proptest! {
         pump in any::<bool>(),
         effects in prop::option::of(any_effects()),
         seed in any::<u64>(),
-        inputs in prop::collection::vec((any_entry(), any_load()), 1..30),
+        inputs in prop::collection::vec((any_drive_input(), any_load()), 1..30),
     ) {
         let mut machine = machine;
         if pump {
@@ -97,8 +97,8 @@ proptest! {
         prop_assume!(!pump && plain || drive.is_ok());
         let drive = drive.unwrap();
         let mut state = any_state(&drive, seed);
-        for (entry, load) in inputs {
-            drive.step(&mut state, entry, load);
+        for (drive_input, load) in inputs {
+            drive.step(&mut state, drive_input, load);
         }
     }
 
@@ -133,7 +133,7 @@ fn thrown<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, [a, b, velo
     let mut state: State<N> = drive.at_rest(N::ZERO, pressures, N::travel(0.0));
     state.motion.velocity = N::saturated(velocity);
     let mut speed = || {
-        drive.step(&mut state, Entry::Command(N::ZERO), Load::NONE);
+        drive.step(&mut state, DriveInput::Command(N::ZERO), Load::NONE);
         state.motion.velocity.to_f64().abs()
     };
     (0..3000).map(|tick| if tick < 1500 { 0.0 * speed() } else { speed() }).fold(0.0, f64::max)

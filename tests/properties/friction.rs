@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use model_core::drive::{Drive, Entry, Load};
+use model_core::drive::{Drive, DriveInput, Load};
 use model_core::machine::{Machine, Parameter as P, Tick};
 use model_core::number::{PerUnit, Scalar};
 use model_core::ports::{Forces, MotionState, Surroundings};
@@ -47,7 +47,8 @@ fn held<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, share: f64, s
     let mut state = start;
     let force = |share: &f64| N::saturated(0.49 * share * friction_n / drive.bases().force_n);
     for pair in shaking.windows(2) {
-        let seen = drive.step(&mut state, Entry::Command(N::ZERO), Load { from: force(&pair[0]), to: force(&pair[1]) });
+        let seen =
+            drive.step(&mut state, DriveInput::Command(N::ZERO), Load { from: force(&pair[0]), to: force(&pair[1]) });
         assert_eq!(seen.velocity, N::ZERO);
         assert_eq!(state.motion, start.motion, "it sticks");
         assert_eq!(state.chambers, start.chambers, "and no oil is pressed");

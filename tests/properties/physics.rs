@@ -4,7 +4,7 @@ use std::cell::Cell;
 
 use proptest::prelude::*;
 
-use model_core::drive::{Drive, Entry, Load};
+use model_core::drive::{Drive, DriveInput, Load};
 use model_core::machine::{Machine, Parameter as P, Tick};
 use model_core::number::{PerUnit, Scalar};
 use recording::excitation::signals::Excitation;
@@ -174,7 +174,7 @@ fn growth<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, start: Star
     let (mut growth, mut allowed) = (Growth { tick: 0.0, run: 0.0, met: false }, 0.0);
     for _ in 0..500 {
         let before = si(&state, bases);
-        drive.step(&mut state, Entry::Command(N::ZERO), Load::NONE);
+        drive.step(&mut state, DriveInput::Command(N::ZERO), Load::NONE);
         let after = si(&state, bases);
         // Dry friction that turns within the tick may have pushed for a part of its way.
         let way_m = after.position_m - before.position_m;
@@ -210,7 +210,7 @@ fn created<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, seed: u64)
     let full_j = 4.0 * machine.get(P::FlowCoefficient) * supply_pa.powf(1.5) * bases.tick_s;
     let (mut given, mut passed, mut created, mut held) = (0.0, scale, 0.0, first);
     for volts in Excitation::random_steps(seed).sample(tick.seconds()) {
-        let seen = drive.step(&mut state, Entry::Command(command(volts)), Load::NONE);
+        let seen = drive.step(&mut state, DriveInput::Command(command(volts)), Load::NONE);
         let spool = seen.spool.unwrap();
         let [into_a, out_of_b] =
             [seen.flows.a, seen.flows.b].map(|flow| flow.to_f64() * bases.flow_m3_per_s * bases.tick_s);
@@ -234,7 +234,7 @@ fn extremes<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, volts: &[
     let mut state: State<N> = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.0));
     let [mut lowest, mut highest, mut fastest] = [0.0_f64; 3];
     for &volts in volts {
-        drive.step(&mut state, Entry::Command(command(volts)), Load::NONE);
+        drive.step(&mut state, DriveInput::Command(command(volts)), Load::NONE);
         let now = si(&state, drive.bases());
         highest = now.pressures_pa.into_iter().fold(highest, larger);
         lowest = now.pressures_pa.into_iter().fold(lowest, |lowest, found| -larger(-lowest, -found));

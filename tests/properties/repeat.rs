@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use model_core::drive::{Drive, Entry, Interfaces, Load};
+use model_core::drive::{Drive, DriveInput, Interfaces, Load};
 use model_core::machine::{Machine, Parameter as P, Tick};
 use model_core::number::{PerUnit, Scalar};
 use recording::excitation::signals::Excitation;
@@ -16,7 +16,7 @@ use virtual_plant::InitialState;
 use super::cases;
 
 fn run<N: Scalar<Real = f64>>(drive: &Drive<N>, state: &mut State<N>, volts: &[f64]) -> Vec<Interfaces<N>> {
-    volts.iter().map(|&volts| drive.step(state, Entry::Command(command(volts)), Load::NONE)).collect()
+    volts.iter().map(|&volts| drive.step(state, DriveInput::Command(command(volts)), Load::NONE)).collect()
 }
 
 fn stored_and_continued<N>(machine: &Machine<f64>, tick: Tick, volts: &[f64], at: usize)

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use proptest::prelude::*;
 
-use model_core::drive::{Drive, DriveState, Entry, Load};
+use model_core::drive::{Drive, DriveInput, DriveState, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, Parameter as P, Source, Tick};
 use model_core::number::{PerUnit, Scalar};
@@ -42,9 +42,9 @@ fn settled_pa<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, pump: f
     let drive = Drive::<N>::new::<64>(machine, tick).expect("the drive fits");
     let rest = N::saturated(0.04);
     let mut state: DriveState<N, 64> = drive.at_rest(N::ZERO, ChamberState { a: rest, b: rest }, N::travel(0.5));
-    let entry = Entry::Pump(PumpDrive { speed: N::saturated(pump / 50.0), direction: 1 });
+    let drive_input = DriveInput::Pump(PumpDrive { speed: N::saturated(pump / 50.0), direction: 1 });
     for _ in 0..ticks {
-        drive.step(&mut state, entry, Load::NONE);
+        drive.step(&mut state, drive_input, Load::NONE);
     }
     state.chambers.b.to_f64() * drive.bases().pressure_pa
 }
@@ -134,7 +134,7 @@ fn swing<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, open: f64) -
     let open = N::saturated(open);
     let mut ends = (f64::INFINITY, f64::NEG_INFINITY);
     for tick in 0..3000 {
-        drive.step(&mut state, Entry::Spool(Spool { from: open, to: open }), Load::NONE);
+        drive.step(&mut state, DriveInput::Spool(Spool { from: open, to: open }), Load::NONE);
         if tick >= 2900 {
             let pressure = state.chambers.a.to_f64();
             ends = (ends.0.min(pressure), ends.1.max(pressure));

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 use proptest::prelude::*;
 
-use model_core::drive::{Entry, Load};
+use model_core::drive::{DriveInput, Load};
 use model_core::machine::{Machine, Parameter as P, Tick};
 use model_core::number::Number;
 use model_core::ports::Spool;
@@ -67,9 +67,9 @@ impl Smooth {
         self.travel * opened * (1.0 + 0.4 * (TAU * self.frequency_hz * time_s).sin())
     }
 
-    fn entry(&self, row: usize, tick_s: f64, from_s: f64) -> Entry<f64> {
+    fn drive_input(&self, row: usize, tick_s: f64, from_s: f64) -> DriveInput<f64> {
         let at = |row: usize| self.spool(from_s + row as f64 * tick_s);
-        Entry::Spool(Spool { from: at(row), to: at(row + 1) })
+        DriveInput::Spool(Spool { from: at(row), to: at(row + 1) })
     }
 
     /// The run at a tick, a state a tick; `None` where it comes near a corner.
@@ -79,7 +79,7 @@ impl Smooth {
         let shortest = drive::<f64>(&self.machine, Tick::HalfMillisecond);
         let mut state: State<f64> = at_rest(&shortest, 0.0, &InitialState::at_rest(&self.machine, 0.0));
         for row in 0..ticks(RUN_IN_S, Tick::HalfMillisecond) {
-            shortest.step(&mut state, self.entry(row, Tick::HalfMillisecond.seconds(), -RUN_IN_S), Load::NONE);
+            shortest.step(&mut state, self.drive_input(row, Tick::HalfMillisecond.seconds(), -RUN_IN_S), Load::NONE);
         }
         state.motion.position = f64::travel(0.0);
         let drive = drive::<f64>(&self.machine, tick);
@@ -88,7 +88,7 @@ impl Smooth {
         let mut seen = Vec::with_capacity(count);
         for index in 0..count {
             seen.push(At { spool: self.spool(index as f64 * tick.seconds()), row: row(&state) });
-            drive.step(&mut state, self.entry(index, tick.seconds(), 0.0), Load::NONE);
+            drive.step(&mut state, self.drive_input(index, tick.seconds(), 0.0), Load::NONE);
         }
         let tank = self.machine.get(P::TankPressure) / self.machine.get(P::SupplyPressure);
         let clear = |at: &At| {

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use model_core::drive::{Drive, Entry, Load};
+use model_core::drive::{Drive, DriveInput, Load};
 use model_core::machine::{Machine, Parameter as P, Tick};
 use model_core::number::{PerUnit, Scalar};
 use model_core::ports::{ChamberState, Spool};
@@ -179,7 +179,7 @@ fn after_a_tick(machine: &Machine<f64>, tick: Tick, [from, to, a, b, velocity, p
     let drive = drive::<f64>(machine, tick);
     let mut state: State<f64> = drive.at_rest(0.0, ChamberState { a, b }, position);
     state.motion.velocity = velocity;
-    drive.step(&mut state, Entry::Spool(Spool { from, to }), Load::NONE);
+    drive.step(&mut state, DriveInput::Spool(Spool { from, to }), Load::NONE);
     [state.chambers.a, state.chambers.b, state.motion.velocity, state.motion.position]
 }
 

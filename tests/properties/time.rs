@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use model_core::drive::{Drive, Entry, Interfaces, Load};
+use model_core::drive::{Drive, DriveInput, Interfaces, Load};
 use model_core::machine::{Machine, Parameter as P, Tick};
 use model_core::number::{PerUnit, Scalar};
 use recording::excitation::signals::Excitation;
@@ -37,10 +37,10 @@ fn later<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, volts: &[f64
     state.chambers.b = N::ZERO;
     let start = state;
     for _ in 0..wait {
-        drive.step(&mut state, Entry::Command(N::ZERO), Load::NONE);
+        drive.step(&mut state, DriveInput::Command(N::ZERO), Load::NONE);
         assert_eq!((state.chambers, state.motion), (start.chambers, start.motion), "nothing moves it");
     }
-    volts.iter().map(|&volts| drive.step(&mut state, Entry::Command(command(volts)), Load::NONE)).collect()
+    volts.iter().map(|&volts| drive.step(&mut state, DriveInput::Command(command(volts)), Load::NONE)).collect()
 }
 
 proptest! {

@@ -9,7 +9,7 @@ use firmware::recorder::frame::{FrameWriter, PAYLOAD};
 use host_sim::frames;
 use machine_file::MachineFile;
 use model_core::control::{Follower, Tuning};
-use model_core::drive::{Drive, DriveState, Entry, Load};
+use model_core::drive::{Drive, DriveInput, DriveState, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, Parameter, Source, Tick};
 use model_core::number::{Number, PerUnit, Scalar};
@@ -169,12 +169,12 @@ fn drive_of(machine: &Machine<f64>, tick: Tick) {
             model_core::ports::ChamberState { a: N::saturated(0.4), b: N::saturated(0.6) },
             N::travel(0.5),
         );
-        for entry in [
-            Entry::Command(N::saturated(0.5)),
-            Entry::Spool(Spool { from: N::ZERO, to: N::saturated(-1.0) }),
-            Entry::Pump(PumpDrive { speed: N::saturated(0.7), direction: -1 }),
+        for drive_input in [
+            DriveInput::Command(N::saturated(0.5)),
+            DriveInput::Spool(Spool { from: N::ZERO, to: N::saturated(-1.0) }),
+            DriveInput::Pump(PumpDrive { speed: N::saturated(0.7), direction: -1 }),
         ] {
-            drive.step(&mut state, entry, Load::NONE);
+            drive.step(&mut state, drive_input, Load::NONE);
             let _ = drive.sensed(&state);
         }
     }
@@ -198,9 +198,9 @@ where
     let Ok((mut state, rest)) = postcard::take_from_bytes::<DriveState<N, DELAY>>(words.0) else { return };
     let mut words = Words(rest);
     for _ in 0..64 {
-        let Some(entry) = words.entry() else { break };
+        let Some(drive_input) = words.drive_input() else { break };
         let load = Load { from: words.word(), to: words.word() };
-        drive.step(&mut state, entry, load);
+        drive.step(&mut state, drive_input, load);
         let _ = drive.sensed(&state);
     }
 }
@@ -269,20 +269,20 @@ impl Words<'_> {
         (machine, tick)
     }
 
-    fn entry<N: Word>(&mut self) -> Option<Entry<N>> {
+    fn drive_input<N: Word>(&mut self) -> Option<DriveInput<N>> {
         if self.0.is_empty() {
             return None;
         }
         Some(match self.byte() % 6 {
-            0 => Entry::Command(self.word()),
-            1 => Entry::Spool(Spool { from: self.word(), to: self.word() }),
-            2 => Entry::Followed { command: self.word(), spool: Spool { from: self.word(), to: self.word() } },
-            3 => Entry::Pump(PumpDrive { direction: self.byte().cast_signed(), speed: self.word() }),
-            4 => Entry::Flow {
+            0 => DriveInput::Command(self.word()),
+            1 => DriveInput::Spool(Spool { from: self.word(), to: self.word() }),
+            2 => DriveInput::Followed { command: self.word(), spool: Spool { from: self.word(), to: self.word() } },
+            3 => DriveInput::Pump(PumpDrive { direction: self.byte().cast_signed(), speed: self.word() }),
+            4 => DriveInput::Flow {
                 from: Flows { a: self.word(), b: self.word() },
                 to: Flows { a: self.word(), b: self.word() },
             },
-            _ => Entry::Force { from: self.word(), to: self.word() },
+            _ => DriveInput::Force { from: self.word(), to: self.word() },
         })
     }
 }

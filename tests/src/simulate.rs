@@ -1,6 +1,6 @@
 //! The core and the oracle on the same commands, in the same units.
 
-use model_core::drive::{Drive, DriveState, Entry, Load};
+use model_core::drive::{Drive, DriveInput, DriveState, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, Parameter, Tick};
 use model_core::number::{Number, Scalar};
@@ -110,8 +110,8 @@ pub fn core<N: Scalar<Real = f64>>(
     volts: &[f64],
     initial: &InitialState,
 ) -> Vec<Row> {
-    let entries = volts.iter().map(|&volts| Entry::Command(command(volts)));
-    run::<N>(machine, tick, volts.first().copied().unwrap_or(0.0), entries, initial)
+    let drive_inputs = volts.iter().map(|&volts| DriveInput::Command(command(volts)));
+    run::<N>(machine, tick, volts.first().copied().unwrap_or(0.0), drive_inputs, initial)
 }
 
 /// The core's run of a pump drive.
@@ -123,28 +123,28 @@ pub fn core_pump<N: Scalar<Real = f64>>(
     initial: &InitialState,
 ) -> Vec<Row> {
     let full_speed = drive::<N>(machine, tick).bases().pump_speed_rev_per_s;
-    let entry = |command: &PumpCommand| {
+    let drive_input = |command: &PumpCommand| {
         let speed = N::saturated(command.speed_rev_per_s / full_speed);
-        Entry::Pump(PumpDrive { speed, direction: command.direction })
+        DriveInput::Pump(PumpDrive { speed, direction: command.direction })
     };
-    run::<N>(machine, tick, 0.0, commands.iter().map(entry), initial)
+    run::<N>(machine, tick, 0.0, commands.iter().map(drive_input), initial)
 }
 
 fn run<N: Scalar<Real = f64>>(
     machine: &Machine<f64>,
     tick: Tick,
     first_v: f64,
-    entries: impl Iterator<Item = Entry<N>>,
+    drive_inputs: impl Iterator<Item = DriveInput<N>>,
     initial: &InitialState,
 ) -> Vec<Row> {
     let drive = drive::<N>(machine, tick);
     let mut state = at_rest(&drive, first_v, initial);
-    let step = |entry: Entry<N>| {
+    let step = |drive_input: DriveInput<N>| {
         let row = row(&state);
-        drive.step(&mut state, entry, Load::NONE);
+        drive.step(&mut state, drive_input, Load::NONE);
         row
     };
-    entries.map(step).collect()
+    drive_inputs.map(step).collect()
 }
 
 /// The oracle's run on the same commands.
@@ -181,7 +181,7 @@ pub fn oracle_with(
     states.iter().map(row).collect()
 }
 
-/// What an entry, a load or a state of any size looks like: every word is possible, small and large ones alike often.
+/// What a drive input, a load or a state of any size looks like: every word is possible, small and large ones alike often.
 pub fn any_word() -> impl proptest::strategy::Strategy<Value = model_core::number::PerUnit> {
     use proptest::prelude::*;
     let word = (any::<i32>(), 0_u32..31).prop_map(|(bits, small)| bits >> small);

@@ -10,7 +10,7 @@ mod on_target {
     use firmware::board::mps2::{self, Counter, INSTRUCTIONS_PER_COUNT};
     use firmware::board::stack;
     use firmware::trial::{DELAY, Input, Moment, every_effect, forms, press, steps_of};
-    use model_core::drive::{Drive, DriveState, Entry, Load, PaperDrive};
+    use model_core::drive::{Drive, DriveInput, DriveState, Load, PaperDrive};
     use model_core::machine::{Machine, MachineError, Tick};
     use model_core::number::{Number, PerUnit};
     use model_core::ports::ChamberState;
@@ -49,14 +49,14 @@ mod on_target {
 
     #[inline(never)]
     fn paper_step(drive: &PaperDrive<PerUnit>, state: &mut State, moment: &Moment) {
-        if let Entry::Command(command) = moment.entry {
+        if let DriveInput::Command(command) = moment.drive_input {
             drive.step(state, command, moment.load);
         }
     }
 
     #[inline(never)]
     fn step(drive: &Drive<PerUnit>, state: &mut State, moment: &Moment) {
-        drive.step(state, moment.entry, moment.load);
+        drive.step(state, moment.drive_input, moment.load);
     }
 
     /// What the loop around a step costs by itself.
@@ -87,7 +87,7 @@ mod on_target {
     ) -> (u32, u32) {
         let mut beside = state;
         let (mut sum, mut ticks, mut worst) = (0, 0, 0);
-        let rest = Moment { entry: Entry::Command(PerUnit::ZERO), load: Load::NONE, oil_temperature: None };
+        let rest = Moment { drive_input: DriveInput::Command(PerUnit::ZERO), load: Load::NONE, oil_temperature: None };
         let mut batch = [rest; BATCH as usize];
         let mut filled = 0;
         for moment in moments {
@@ -143,7 +143,7 @@ mod on_target {
             row(form.name, instructions(counter, step, (&drive, state), random()))?;
         }
 
-        let moment = Moment { entry: Entry::Command(PerUnit::ONE), load: Load::NONE, oil_temperature: None };
+        let moment = Moment { drive_input: DriveInput::Command(PerUnit::ONE), load: Load::NONE, oil_temperature: None };
         let used = deepest(paper_step, (&paper, rest), &moment);
         writeln!(out, "stack {used:>6} paper's model")?;
         let used = deepest(step, (&every, all_rest), &moment);

@@ -9,14 +9,14 @@ fn main() -> ! {
     use core::hint::black_box;
 
     use firmware::trial::DELAY;
-    use model_core::drive::{Drive, DriveState, Entry, Load};
+    use model_core::drive::{Drive, DriveInput, DriveState, Load};
     use model_core::number::PerUnit;
     use panic_semihosting as _;
 
     let mut model: Option<(Drive<PerUnit>, DriveState<PerUnit, DELAY>, PerUnit)> = black_box(None);
     loop {
         if let Some((drive, state, command)) = black_box(&mut model) {
-            drive.step(state, Entry::Command(*command), Load::NONE);
+            drive.step(state, DriveInput::Command(*command), Load::NONE);
         }
     }
 }

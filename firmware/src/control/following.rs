@@ -79,7 +79,7 @@ impl<const DELAY: usize> Control for Following<DELAY> {
 #[cfg(test)]
 mod tests {
     use model_core::control::Tuning;
-    use model_core::drive::{Drive, Entry, Load};
+    use model_core::drive::{Drive, DriveInput, Load};
     use model_core::machine::{Machine, Parameter as P, Tick};
     use model_core::number::Number;
 
@@ -114,7 +114,7 @@ mod tests {
             apart = Ord::max(apart, (position - following.predicted().position).magnitude());
             let way = PerUnit::saturated(0.5 + 2e-4 * f64::from(tick.min(400)));
             let command = following.follow(SetPoint { position: way, velocity: PerUnit::ZERO }, &measured);
-            plant.step(&mut state, Entry::Command(command), Load::NONE);
+            plant.step(&mut state, DriveInput::Command(command), Load::NONE);
             command
         });
         (commands.collect(), apart)

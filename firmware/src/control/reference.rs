@@ -1,6 +1,6 @@
 //! The reference model as a controller carries it: coefficients and state together, one step a control period.
 
-use model_core::drive::{Drive, DriveState, Entry, Load};
+use model_core::drive::{Drive, DriveInput, DriveState, Load};
 use model_core::machine::{Bases, Machine, MachineError, Parameter, Tick};
 use model_core::number::{Number, PerUnit};
 use model_core::ports::ChamberState;
@@ -70,7 +70,7 @@ impl<const DELAY: usize> Reference<DELAY> {
 
     /// One control period with a command in 10 V, of any size.
     pub fn step(&mut self, command: PerUnit) -> Predicted {
-        self.drive.step(&mut self.state, Entry::Command(command), Load::NONE);
+        self.drive.step(&mut self.state, DriveInput::Command(command), Load::NONE);
         self.predicted()
     }
 

@@ -111,7 +111,7 @@ impl Case {
             if let Some(temperature) = moment.oil_temperature {
                 state.oil_temperature = temperature;
             }
-            drive.step(&mut state, moment.entry, moment.load).hash(&mut fingerprint);
+            drive.step(&mut state, moment.drive_input, moment.load).hash(&mut fingerprint);
             state.hash(&mut fingerprint);
             drive.sensed(&state).hash(&mut fingerprint);
             tick += 1;

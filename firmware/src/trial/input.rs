@@ -2,7 +2,7 @@
 
 use core::str::Lines;
 
-use model_core::drive::{Entry, Load};
+use model_core::drive::{DriveInput, Load};
 use model_core::flow::PumpDrive;
 use model_core::number::{Number, PerUnit};
 use model_core::ports::{Flows, Spool};
@@ -44,7 +44,7 @@ pub enum Input {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
     /// Where and with what the chain is entered.
-    pub entry: Entry<PerUnit>,
+    pub drive_input: DriveInput<PerUnit>,
     /// External force.
     pub load: Load<PerUnit>,
     /// Measured oil temperature; `None` leaves it as it was.
@@ -55,7 +55,7 @@ impl Moment {
     /// A command alone.
     #[must_use]
     pub fn command(command: PerUnit) -> Self {
-        Self { entry: Entry::Command(command), load: Load::NONE, oil_temperature: None }
+        Self { drive_input: DriveInput::Command(command), load: Load::NONE, oil_temperature: None }
     }
 }
 
@@ -125,30 +125,30 @@ impl Moments {
     }
 
     fn drawn(&mut self) -> Moment {
-        let entry = match self.input {
-            Input::Recorded | Input::Random => Entry::Command(self.within_one()),
+        let drive_input = match self.input {
+            Input::Recorded | Input::Random => DriveInput::Command(self.within_one()),
             Input::Anywhere => self.anywhere(),
-            Input::Pump => Entry::Pump(self.pump()),
+            Input::Pump => DriveInput::Pump(self.pump()),
         };
         let load = Load { from: self.within_one().halved().halved(), to: self.within_one().halved().halved() };
         // −25 to 100 °C, of which one in four is not measured.
         let warm = PerUnit::ONE.halved() + PerUnit::ONE + self.within_one() + self.within_one().halved();
         let oil_temperature = (!self.generator.next_u32().is_multiple_of(4)).then_some(warm);
-        Moment { entry, load, oil_temperature }
+        Moment { drive_input, load, oil_temperature }
     }
 
-    fn anywhere(&mut self) -> Entry<PerUnit> {
+    fn anywhere(&mut self) -> DriveInput<PerUnit> {
         let spool = Spool { from: self.within_one(), to: self.within_one() };
         match self.generator.next_u32() % 6 {
-            0 => Entry::Command(PerUnit::from_bits(self.bits())),
-            1 => Entry::Spool(spool),
-            2 => Entry::Followed { command: self.within_one(), spool },
-            3 => Entry::Flow {
+            0 => DriveInput::Command(PerUnit::from_bits(self.bits())),
+            1 => DriveInput::Spool(spool),
+            2 => DriveInput::Followed { command: self.within_one(), spool },
+            3 => DriveInput::Flow {
                 from: Flows { a: self.within_one(), b: self.within_one() },
                 to: Flows { a: self.within_one(), b: self.within_one() },
             },
-            4 => Entry::Force { from: self.within_one(), to: self.within_one() },
-            _ => Entry::Pump(self.pump()),
+            4 => DriveInput::Force { from: self.within_one(), to: self.within_one() },
+            _ => DriveInput::Pump(self.pump()),
         }
     }
 

@@ -5,7 +5,7 @@ use firmware::period::{Report, Watchdog};
 use firmware::set_point::{Course, CourseState, Leg, SetPoint};
 use firmware::supervision::{Command, Fault, Mode};
 use model_core::control::{Follower, Tuning};
-use model_core::drive::{Drive, DriveState, Entry, Load};
+use model_core::drive::{Drive, DriveInput, DriveState, Load};
 use model_core::machine::{Machine, Parameter, Tick};
 use model_core::number::{Number, PerUnit};
 use model_core::ports::ChamberState;
@@ -28,7 +28,7 @@ pub(crate) fn plant(machine: &Machine<f64>) -> Plant {
     let neutral = -machine.get(Parameter::ValveOffset) / machine.get(Parameter::ValveGain) / bases.command_v;
     let mut state: DriveState<f64, 64> = drive.at_rest(neutral, pressures, START);
     Box::new(move |volts| {
-        drive.step(&mut state, Entry::Command(volts.unwrap_or(0.0) / bases.command_v), Load::NONE);
+        drive.step(&mut state, DriveInput::Command(volts.unwrap_or(0.0) / bases.command_v), Load::NONE);
         Seen {
             spool: drive.spool(&state),
             position_m: state.motion.position * bases.stroke_m,

@@ -12,7 +12,7 @@ use model_core::machine::Tick;
 use recording::excitation::signals::Excitation;
 use recording::{ChannelMap, Recording, Signal};
 use report::plot;
-use simulation::{EntryPoint, Stimulus};
+use simulation::{InputPoint, Stimulus};
 
 use super::console::Console;
 use super::ending::{DOCUMENT, DRAWING, TEXT};
@@ -145,7 +145,7 @@ fn at_hand(arguments: &Arguments, file: &MachineFile, console: &Console<'_>) -> 
             console.note(note);
         }
         let compared = |cause| CliError::Compare { machine: arguments.machine.clone(), cause };
-        let prepared = Prepared::entered_at(EntryPoint::Command, &recording, &file.machine, LoadSource::Constant, None)
+        let prepared = Prepared::entered_at(InputPoint::Command, &recording, &file.machine, LoadSource::Constant, None)
             .map_err(compared)?;
         let sensors = prepared.channels.iter().map(|channel| Sensor { signal: channel.signal, noise: channel.noise });
         let sensors = sensors.collect();
@@ -158,7 +158,7 @@ fn at_hand(arguments: &Arguments, file: &MachineFile, console: &Console<'_>) -> 
     let test = StandardTest::of_input(&signal, text, tick);
     let largest_v = largest(&test.command_v);
     let recording = test.recording(&file.machine)?;
-    let stimulus = Stimulus::new(&recording, &file.machine, EntryPoint::Command, LoadSource::Constant, tick);
+    let stimulus = Stimulus::new(&recording, &file.machine, InputPoint::Command, LoadSource::Constant, tick);
     Ok(Some(AtHand { stimulus: stimulus.map_err(failed)?, largest_v, sensors: Vec::new() }))
 }
 

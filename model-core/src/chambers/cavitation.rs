@@ -20,7 +20,7 @@
 //! Source: Merritt, *Hydraulic Control Systems*, 1967, 5.5 (a valve's cavity under an overrunning load).
 
 use crate::chambers::capacity::ATMOSPHERE_PA;
-use crate::drive::{Drive, DriveState, Entry, Interfaces, Load};
+use crate::drive::{Drive, DriveInput, DriveState, Interfaces, Load};
 use crate::number::{Compared, Mask, Number};
 use crate::ports::{ChamberState, Flows};
 
@@ -135,21 +135,22 @@ impl<N: Number> Drive<N> {
         &self,
         cavitation: &Cavitation<N>,
         state: &mut DriveState<N, DELAY>,
-        entry: Entry<N>,
+        drive_input: DriveInput<N>,
         load: Load<N>,
     ) -> Interfaces<N> {
         let &mut DriveState { chambers, rest, voids, motion, supply, warmth, .. } = state;
         let sensed = self.sensors.follows().then_some(state.sensed);
         let mut full = Cavitation::<N>::full(&voids);
-        let (mut entry, mut again) = (entry, true);
+        let (mut drive_input, mut again) = (drive_input, true);
         loop {
             let left = full.as_ref().map(|full| {
                 let share = cavitation.unsprung.share(full);
                 (self.chambers.softened(*full), self.mechanics.heavier(share), share)
             });
             let links = left.as_ref().map(|(chambers, mechanics, _)| (chambers, mechanics));
-            let mut seen = self.step_links(links.unwrap_or((&self.chambers, &self.mechanics)), state, entry, load);
-            if let Entry::Force { .. } = entry {
+            let mut seen =
+                self.step_links(links.unwrap_or((&self.chambers, &self.mechanics)), state, drive_input, load);
+            if let DriveInput::Force { .. } = drive_input {
                 return seen;
             }
             seen.forces.around.sprung = left.as_ref().map_or(N::ONE, |&(_, _, share)| share);
@@ -163,7 +164,7 @@ impl<N: Number> Drive<N> {
             again = false;
             full = Some(Flows { a: crossing.a.share, b: crossing.b.share });
             // The valve has done its tick, and what it did is seen.
-            entry = seen.spool.map_or(entry, Entry::Spool);
+            drive_input = seen.spool.map_or(drive_input, DriveInput::Spool);
             (state.chambers, state.rest, state.voids) = (chambers, rest, voids);
             (state.motion, state.supply, state.warmth) = (motion, supply, warmth);
             state.sensed = sensed.unwrap_or(state.sensed);

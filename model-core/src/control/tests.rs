@@ -3,7 +3,7 @@ extern crate std;
 use proptest::prelude::*;
 
 use super::*;
-use crate::drive::{Drive, DriveState, Entry, Load};
+use crate::drive::{Drive, DriveInput, DriveState, Load};
 use crate::machine::{Machine, MachineError, Parameter as P, Source, Tick};
 
 fn press() -> Machine<f64> {
@@ -163,7 +163,7 @@ fn jump(tuning: &Tuning) -> (f64, f64) {
     let (mut over_m, mut left_m) = (0.0_f64, 0.0_f64);
     for tick in 0..4000 {
         let command = follower.model_command(&mut loops, wanted, &predicted(&state));
-        drive.step(&mut state, Entry::Command(command), Load::NONE);
+        drive.step(&mut state, DriveInput::Command(command), Load::NONE);
         let beyond_m = 0.3 * (predicted(&state).position - wanted.position).to_f64();
         over_m = over_m.max(beyond_m);
         if tick >= 3000 {

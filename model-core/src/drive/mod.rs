@@ -23,7 +23,7 @@ use crate::sensing::{Sensed, Sensors};
 use crate::valve::{Valve, ValveState};
 
 pub use paper::PaperDrive;
-pub use state::{DriveState, Entry, Interfaces, Load};
+pub use state::{DriveInput, DriveState, Interfaces, Load};
 pub(crate) use step::StageWeights;
 
 /// Where the oil comes from, with coefficients.
@@ -76,7 +76,7 @@ impl<N: Number> Drive<N> {
         &self.chambers
     }
 
-    /// The mechanics link, with the mass matched to the oil spring it works on; [`Entry::Force`] takes the mass as it is.
+    /// The mechanics link, with the mass matched to the oil spring it works on; [`DriveInput::Force`] takes the mass as it is.
     #[must_use]
     pub fn mechanics(&self) -> &Mechanics<N> {
         &self.mechanics
@@ -146,7 +146,7 @@ impl<N: Number> Drive<N> {
     ///
     /// ```
     /// # use model_core::ports::ChamberState;
-    /// # use model_core::drive::{Drive, DriveState, Entry, Load};
+    /// # use model_core::drive::{Drive, DriveState, DriveInput, Load};
     /// # use model_core::number::PerUnit;
     /// # use model_core::machine::{Machine, Source, Tick};
     /// # use model_core::number::Number;
@@ -165,33 +165,33 @@ impl<N: Number> Drive<N> {
     /// // Entered at a measured spool: the valve link is left out. A tenth open retracts where it is negative.
     /// let spool = PerUnit::saturated(-0.1);
     /// for _ in 0..100 {
-    ///     drive.step(&mut state, Entry::Spool(Spool { from: spool, to: spool }), Load::NONE);
+    ///     drive.step(&mut state, DriveInput::Spool(Spool { from: spool, to: spool }), Load::NONE);
     /// }
     /// assert!(PerUnit::strokes(state.motion.position) < 0.5);
     /// # Ok::<(), model_core::machine::MachineError>(())
     /// ```
     ///
-    /// An entry that the drive's source cannot take (a pump's speed on a valve drive, a spool on a pump drive) counts
+    /// A drive input that the drive's source cannot take (a pump's speed on a valve drive, a spool on a pump drive) counts
     /// as closed ports.
     #[inline(always)]
     #[expect(clippy::inline_always, reason = "what the caller does not read of the interfaces is then never computed")]
     pub fn step<const DELAY: usize>(
         &self,
         state: &mut DriveState<N, DELAY>,
-        entry: Entry<N>,
+        drive_input: DriveInput<N>,
         load: Load<N>,
     ) -> Interfaces<N> {
         if N::LEAN
             && self.plain
-            && let (Entry::Command(command), OilSource::Valve(valve, edges)) = (entry, &self.source)
+            && let (DriveInput::Command(command), OilSource::Valve(valve, edges)) = (drive_input, &self.source)
         {
             let spool = valve.step_with::<Plain, DELAY>(&mut state.valve, command, AcrossEdges::NONE);
             return self.chain().step::<Plain, DELAY>(state, &Metered::new::<Plain>(edges, spool), load);
         }
         if let Some(cavitation) = &self.chambers.effects.cavitation {
-            return self.step_cavitating(cavitation, state, entry, load);
+            return self.step_cavitating(cavitation, state, drive_input, load);
         }
-        self.step_links((&self.chambers, &self.mechanics), state, entry, load)
+        self.step_links((&self.chambers, &self.mechanics), state, drive_input, load)
     }
 
     /// One tick of a drive that may have any effect, with these chambers and this mass for its own. Out of line, so that it takes no registers
@@ -201,30 +201,30 @@ impl<N: Number> Drive<N> {
         &self,
         (chambers, mechanics): (&Chambers<N>, &Mechanics<N>),
         state: &mut DriveState<N, DELAY>,
-        entry: Entry<N>,
+        drive_input: DriveInput<N>,
         load: Load<N>,
     ) -> Interfaces<N> {
-        if let Entry::Force { from, to } = entry {
+        if let DriveInput::Force { from, to } = drive_input {
             let seen = self.step_force(state, from + load.from, to + load.to);
             self.step_beside(state);
             return seen;
         }
         let closed = Flows { a: N::ZERO, b: N::ZERO };
         let given = |from, to| AnyFeed::Given { from, to, unity: self.chambers.unity };
-        let feed = match (entry, &self.source) {
-            (Entry::Command(command), OilSource::Valve(valve, edges)) => {
+        let feed = match (drive_input, &self.source) {
+            (DriveInput::Command(command), OilSource::Valve(valve, edges)) => {
                 let spool = Self::step_valve(state, valve, edges, command);
                 AnyFeed::Edges(Metered::new::<AnyEffect>(edges, self.shifted(state, spool)))
             }
-            (Entry::Followed { command, spool }, OilSource::Valve(valve, edges)) => {
+            (DriveInput::Followed { command, spool }, OilSource::Valve(valve, edges)) => {
                 Self::step_valve(state, valve, edges, command);
                 AnyFeed::Edges(Metered::new::<AnyEffect>(edges, spool))
             }
-            (Entry::Spool(spool), OilSource::Valve(_, edges)) => {
+            (DriveInput::Spool(spool), OilSource::Valve(_, edges)) => {
                 AnyFeed::Edges(Metered::new::<AnyEffect>(edges, spool))
             }
-            (Entry::Pump(drive), OilSource::Pump(pump)) => AnyFeed::Pump(pump, drive),
-            (Entry::Flow { from, to }, _) => given(from, to),
+            (DriveInput::Pump(drive), OilSource::Pump(pump)) => AnyFeed::Pump(pump, drive),
+            (DriveInput::Flow { from, to }, _) => given(from, to),
             _ => given(closed, closed),
         };
         let seen = Chain { chambers, mechanics, ..self.chain() }.step::<AnyEffect, DELAY>(state, &feed, load);

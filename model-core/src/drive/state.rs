@@ -41,7 +41,7 @@ pub struct DriveState<N: Number, const DELAY: usize = 64> {
 
 /// Where the chain is entered in a tick, and with what.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Entry<N> {
+pub enum DriveInput<N> {
     /// Command, in 10 V, held over the tick.
     Command(N),
     /// Measured spool; the valve link is left out.

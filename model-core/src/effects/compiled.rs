@@ -91,7 +91,7 @@ mod tests {
 
     use proptest::prelude::*;
 
-    use crate::drive::{Drive, DriveState, Entry, Load};
+    use crate::drive::{Drive, DriveInput, DriveState, Load};
     use crate::machine::{Machine, Parameter as P, Source, Tick};
     use crate::number::{Number, PerUnit};
     use crate::ports::ChamberState;
@@ -139,7 +139,7 @@ mod tests {
             prop_assert_eq!(state, alone);
             for (command, less, force, weaker) in moments {
                 let command = PerUnit::from_bits(command >> less);
-                let entry = Entry::Command(command);
+                let entry = DriveInput::Command(command);
                 let force = PerUnit::from_bits(force >> weaker);
                 for _ in 0..60 {
                     let seen = plain.step(&mut state, entry, Load { from: force, to: force });

@@ -98,7 +98,7 @@ impl<N: Number> Droop<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drive::{Drive, DriveState, Entry, Load};
+    use crate::drive::{Drive, DriveInput, DriveState, Load};
     use crate::flow::PumpDrive;
     use crate::machine::{Machine, Parameter as P, Source, Tick};
     use crate::number::{PerUnit, Scalar};
@@ -127,7 +127,7 @@ mod tests {
         let mut state: DriveState<N> =
             drive.at_rest(N::ZERO, ChamberState { a: N::saturated(0.4), b: N::saturated(0.6) }, N::travel(0.5));
         for _ in 0..ticks {
-            drive.step(&mut state, Entry::Spool(Spool { from: half, to: half }), Load::NONE);
+            drive.step(&mut state, DriveInput::Spool(Spool { from: half, to: half }), Load::NONE);
         }
         let closed = PumpDrive { speed: N::ZERO, direction: 0 };
         let flow = drive.flows_from(state.supply.pressure, half, closed, state.chambers).a.to_f64();

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use model_core::drive::{Drive, Entry, Load};
+use model_core::drive::{Drive, DriveInput, Load};
 use model_core::effects::Effect;
 use model_core::machine::{Form, Machine, Parameter as P, Tick};
 use model_core::number::{Number, PerUnit, Scalar};
@@ -122,8 +122,8 @@ proptest! {
             state.warmth = travel(warmth);
             for (first, second, load, force) in inputs {
                 state.oil_temperature = load;
-                let entry = if force { Entry::Force { from: first, to: second } } else { Entry::Command(first) };
-                drive.step(&mut state, entry, Load { from: load, to: second });
+                let drive_input = if force { DriveInput::Force { from: first, to: second } } else { DriveInput::Command(first) };
+                drive.step(&mut state, drive_input, Load { from: load, to: second });
                 let _ = drive.sensed(&state);
             }
         }

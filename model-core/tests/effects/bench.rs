@@ -2,7 +2,7 @@
 
 use proptest::test_runner::{Config, RngSeed};
 
-use model_core::drive::{Drive, DriveState, Entry, Interfaces, Load};
+use model_core::drive::{Drive, DriveInput, DriveState, Interfaces, Load};
 use model_core::effects::{Effect, Link};
 use model_core::machine::{Form, Machine, Parameter as P, Source, Tick};
 use model_core::number::Scalar;
@@ -51,12 +51,12 @@ pub(crate) fn at_rest<N: Scalar<Real = f64>>(drive: &Drive<N>, [a, b]: [f64; 2],
 /// Under a force of the oil alone, N.
 pub(crate) fn pushed<N: Scalar<Real = f64>>(drive: &Drive<N>, state: &mut State<N>, force_n: f64) -> Interfaces<N> {
     let force = N::saturated(force_n / drive.bases().force_n);
-    drive.step(state, Entry::Force { from: force, to: force }, Load::NONE)
+    drive.step(state, DriveInput::Force { from: force, to: force }, Load::NONE)
 }
 
 /// Under a command, in 10 V.
 pub(crate) fn commanded<N: Scalar<Real = f64>>(drive: &Drive<N>, state: &mut State<N>, command: f64) -> Interfaces<N> {
-    drive.step(state, Entry::Command(N::saturated(command)), Load::NONE)
+    drive.step(state, DriveInput::Command(N::saturated(command)), Load::NONE)
 }
 
 /// A command that goes out, rests, comes back and reverses quickly.

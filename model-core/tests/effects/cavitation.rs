@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use model_core::drive::{Drive, Entry, Load};
+use model_core::drive::{Drive, DriveInput, Load};
 use model_core::machine::{Machine, MachineError, Parameter as P, Tick};
 use model_core::number::{Number, PerUnit, Scalar};
 use model_core::ports::ChamberState;
@@ -25,7 +25,7 @@ fn voids_m3<N: Scalar<Real = f64>>(drive: &Drive<N>, state: &State<N>) -> [f64; 
 
 fn pulled<N: Scalar<Real = f64>>(drive: &Drive<N>, state: &mut State<N>, force_n: f64) {
     let force = N::saturated(force_n / drive.bases().force_n);
-    drive.step(state, Entry::Command(N::ZERO), Load { from: force, to: force });
+    drive.step(state, DriveInput::Command(N::ZERO), Load { from: force, to: force });
 }
 
 /// A closed drive whose rod 20 kN pull out and let go: A's pressure is flat while B's oil is compressed, and A's oil and void make up what

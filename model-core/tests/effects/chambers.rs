@@ -48,7 +48,11 @@ fn rise_pa<N: Scalar<Real = f64>>(changes: &[(P, f64)], pressure_pa: f64, positi
     let mut state = at_rest(&drive, [pressure_pa / SUPPLY_PA, 0.0], position);
     let flows = model_core::ports::Flows { a: flow, b: N::ZERO };
     let before = state.chambers.a.to_f64();
-    drive.step(&mut state, model_core::drive::Entry::Flow { from: flows, to: flows }, model_core::drive::Load::NONE);
+    drive.step(
+        &mut state,
+        model_core::drive::DriveInput::Flow { from: flows, to: flows },
+        model_core::drive::Load::NONE,
+    );
     (state.chambers.a.to_f64() - before) * SUPPLY_PA
 }
 

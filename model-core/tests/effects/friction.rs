@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use model_core::drive::{Drive, Entry, Load};
+use model_core::drive::{Drive, DriveInput, Load};
 use model_core::machine::Parameter as P;
 use model_core::number::{PerUnit, Scalar};
 use model_core::ports::{Forces, MotionState, Surroundings};
@@ -161,7 +161,7 @@ proptest! {
             for _ in 0..20 {
                 let before = position_m(&drive, &state);
                 let force = force_n / drive.bases().force_n;
-                drive.step(&mut state, Entry::Force { from: force, to: force }, Load::NONE);
+                drive.step(&mut state, DriveInput::Force { from: force, to: force }, Load::NONE);
                 let work = force_n * (position_m(&drive, &state) - before);
                 given += work;
                 passed += work.abs();

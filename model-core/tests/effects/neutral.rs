@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use model_core::drive::Entry;
+use model_core::drive::DriveInput;
 use model_core::effects::{Effect, Link};
 use model_core::machine::{Machine, Parameter as P};
 use model_core::number::{PerUnit, Scalar};
@@ -17,7 +17,7 @@ fn run<N: Scalar<Real = f64>>(machine: &Machine<f64>) -> Vec<State<N>> {
             commanded(&drive, &mut state, command(tick));
         } else {
             let force = N::saturated(0.1);
-            drive.step(&mut state, Entry::Force { from: force, to: force }, model_core::drive::Load::NONE);
+            drive.step(&mut state, DriveInput::Force { from: force, to: force }, model_core::drive::Load::NONE);
         }
         let sensed = drive.sensed(&state);
         assert_eq!(sensed.position, state.motion.position, "the exact position is sensed");

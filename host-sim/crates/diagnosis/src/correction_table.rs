@@ -14,7 +14,7 @@ use machine_file::LoadSource;
 use model_core::machine::{Machine, Parameter};
 use recording::Signal;
 use simulation::signal::noise::extent;
-use simulation::{EntryPoint, simulate_f64};
+use simulation::{InputPoint, simulate_f64};
 
 use crate::catalogue::{Scene, Subsystem};
 use crate::localisation::error_shape::Shape;
@@ -220,8 +220,8 @@ fn plans(subsystem: Subsystem) -> &'static [Plan] {
 
 /// Whether a drive that is entered here has the quantity and the states.
 fn applies(scene: &Scene<'_>, (quantity, states): &Plan) -> bool {
-    let spool = matches!(scene.entry, EntryPoint::Command | EntryPoint::Spool);
-    let hydraulic = scene.entry != EntryPoint::Force;
+    let spool = matches!(scene.drive_input, InputPoint::Command | InputPoint::Spool);
+    let hydraulic = scene.drive_input != InputPoint::Force;
     let states = states.iter().all(|state| match state {
         TableState::Velocity | TableState::Position => true,
         TableState::Spool => spool,
@@ -232,7 +232,7 @@ fn applies(scene: &Scene<'_>, (quantity, states): &Plan) -> bool {
             // A load that balances the recorded pressures holds every force already.
             Quantity::Force => scene.load != LoadSource::RecordedPressures,
             Quantity::FlowA | Quantity::FlowB => hydraulic,
-            Quantity::Travel => scene.entry == EntryPoint::Command,
+            Quantity::Travel => scene.drive_input == InputPoint::Command,
         }
 }
 

@@ -45,17 +45,17 @@ pub enum DiagnoseError {
     NoTraining,
     /// The training recordings do not start the chain at the same place.
     #[error(
-        "{first} enters the chain at {entry}, {other} at {other_entry}; expected all training and held-out recordings to have the same inputs"
+        "{first} enters the chain at {drive_input}, {other} at {other_drive_input}; expected all training and held-out recordings to have the same inputs"
     )]
     MixedEntries {
         /// A recording.
         first: String,
-        /// Its entry.
-        entry: String,
+        /// Its drive input.
+        drive_input: String,
         /// Another one.
         other: String,
-        /// Its entry.
-        other_entry: String,
+        /// Its drive input.
+        other_drive_input: String,
     },
 }
 
@@ -105,7 +105,7 @@ pub fn diagnose(
     let judged: Vec<Signal> = first.channels.iter().map(|channel| channel.signal).collect();
     let scene = Scene {
         machine: &file.machine,
-        entry: first.stimulus.entry,
+        drive_input: first.stimulus.drive_input,
         load: file.load_source,
         judged: &judged,
         travel_m: travelled(&file.machine, &trained),
@@ -347,13 +347,13 @@ pub fn base_parameters(file: &MachineFile) -> Vec<Free> {
 
 fn check_entries(training: &[Prepared], held: &[Prepared]) -> Result<(), DiagnoseError> {
     let Some(first) = training.first() else { return Err(DiagnoseError::NoTraining) };
-    match training.iter().chain(held).find(|other| other.stimulus.entry != first.stimulus.entry) {
+    match training.iter().chain(held).find(|other| other.stimulus.drive_input != first.stimulus.drive_input) {
         None => Ok(()),
         Some(other) => Err(DiagnoseError::MixedEntries {
             first: first.name.clone(),
-            entry: format!("{:?}", first.stimulus.entry).to_lowercase(),
+            drive_input: format!("{:?}", first.stimulus.drive_input).to_lowercase(),
             other: other.name.clone(),
-            other_entry: format!("{:?}", other.stimulus.entry).to_lowercase(),
+            other_drive_input: format!("{:?}", other.stimulus.drive_input).to_lowercase(),
         }),
     }
 }

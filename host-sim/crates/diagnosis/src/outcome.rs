@@ -138,8 +138,8 @@ impl Diagnosis {
 fn mean(values: impl Iterator<Item = (Signal, f64)>) -> Fits {
     let mut sums: BTreeMap<&'static str, (f64, f64)> = BTreeMap::new();
     for (signal, value) in values {
-        let entry = sums.entry(signal.name()).or_default();
-        *entry = (entry.0 + value, entry.1 + 1.0);
+        let drive_input = sums.entry(signal.name()).or_default();
+        *drive_input = (drive_input.0 + value, drive_input.1 + 1.0);
     }
     sums.into_iter().map(|(name, (sum, count))| (name, sum / count)).collect()
 }

@@ -3,7 +3,7 @@
 use machine_file::LoadSource;
 use model_core::machine::Machine;
 use recording::Signal;
-use simulation::EntryPoint;
+use simulation::InputPoint;
 
 use crate::catalogue::Scene;
 
@@ -11,7 +11,7 @@ use crate::catalogue::Scene;
 pub(crate) fn scene<'a>(machine: &'a Machine<f64>, judged: &'a [Signal]) -> Scene<'a> {
     Scene {
         machine,
-        entry: EntryPoint::Command,
+        drive_input: InputPoint::Command,
         load: LoadSource::Constant,
         judged,
         travel_m: (0.05, 0.25),

@@ -15,7 +15,7 @@ use machine_file::LoadSource;
 use model_core::machine::{Machine, MachineError, Parameter, Source, Tick};
 use recording::{Recording, Signal};
 use simulation::number::simd::LANES;
-use simulation::{EntryPoint, Run, StartOffset, Stimulus, run_abreast};
+use simulation::{InputPoint, Run, StartOffset, Stimulus, run_abreast};
 
 use crate::sensor;
 use crate::standard_tests::{StandardTest, standard_tests};
@@ -102,7 +102,7 @@ pub fn separations(
 ) -> Result<Vec<Separation>, MachineError> {
     let chosen = &diagnosis.machine_after;
     let Some(first) = diagnosis.shown.first() else { return Ok(Vec::new()) };
-    let by_command = chosen.source == Source::Valve && first.prepared.stimulus.entry == EntryPoint::Command;
+    let by_command = chosen.source == Source::Valve && first.prepared.stimulus.drive_input == InputPoint::Command;
     let pairs = rivals(diagnosis);
     if !by_command || load != LoadSource::Constant || pairs.is_empty() {
         return Ok(Vec::new());

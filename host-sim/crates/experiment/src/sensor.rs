@@ -5,7 +5,7 @@ use strsim::jaro_winkler as alike;
 use machine_file::data_sheet::Quantity;
 use model_core::machine::{Machine, Parameter};
 use recording::Signal;
-use simulation::{EntryPoint, computed_below};
+use simulation::{InputPoint, computed_below};
 
 /// A sensor at hand, or one that could be bought.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +44,7 @@ fn known() -> String {
 
 /// Signals that the chain computes, and a sensor may record.
 fn sensed() -> impl Iterator<Item = Signal> {
-    computed_below(EntryPoint::Command).iter().copied()
+    computed_below(InputPoint::Command).iter().copied()
 }
 
 impl Sensor {

@@ -6,7 +6,7 @@ use machine_file::LoadSource;
 use model_core::machine::{Machine, Parameter, Tick};
 use recording::excitation::signals::Excitation;
 use recording::{Column, Recording, RecordingError, Signal};
-use simulation::{EntryPoint, Stimulus};
+use simulation::{InputPoint, Stimulus};
 
 /// Rows of a test come at this interval, s.
 const INTERVAL_S: f64 = 2e-3;
@@ -62,7 +62,7 @@ impl StandardTest {
     #[must_use]
     pub fn stimulus(&self, machine: &Machine<f64>, tick: Tick) -> Option<Stimulus> {
         let recording = self.recording(machine).ok()?;
-        Stimulus::new(&recording, machine, EntryPoint::Command, LoadSource::Constant, tick).ok()
+        Stimulus::new(&recording, machine, InputPoint::Command, LoadSource::Constant, tick).ok()
     }
 }
 

@@ -5,7 +5,7 @@ use model_core::machine::{Machine, Source, Tick};
 use recording::{Recording, Signal};
 use simulation::sensor_fault::{Failures, Mended, Stretch, bridged};
 use simulation::signal::noise::{noise, resolution};
-use simulation::{EntryPoint, SimulateError, Stimulus, first_entry, natural_tick};
+use simulation::{InputPoint, SimulateError, Stimulus, first_drive_input, natural_tick};
 
 use crate::compare::judged;
 use crate::error::CompareError;
@@ -129,8 +129,8 @@ impl Prepared {
         load: LoadSource,
         tick: Option<Tick>,
     ) -> Result<Self, CompareError> {
-        let entry = first_entry(machine.source, recording)?;
-        let mut prepared = Self::entered_at(entry, recording, machine, load, tick)?;
+        let drive_input = first_drive_input(machine.source, recording)?;
+        let mut prepared = Self::entered_at(drive_input, recording, machine, load, tick)?;
         let added = at_most_by_noise_of_input(&prepared, machine).map_err(SimulateError::from)?;
         for (channel, added) in prepared.channels.iter_mut().zip(added) {
             channel.inherit(added);
@@ -140,7 +140,7 @@ impl Prepared {
 
     /// Prepares a recording, entered at a given signal.
     pub fn entered_at(
-        entry: EntryPoint,
+        drive_input: InputPoint,
         recording: &Recording,
         machine: &Machine<f64>,
         load: LoadSource,
@@ -148,9 +148,9 @@ impl Prepared {
     ) -> Result<Self, CompareError> {
         let tick = tick.unwrap_or_else(|| natural_tick(recording));
         let mut mended = Mended::of(recording);
-        let stimulus = Stimulus::of_mended(&mended, machine, entry, load, tick)?;
-        let mut signals = judged(recording, entry, load);
-        let fed = machine.source == Source::Valve && matches!(entry, EntryPoint::Command | EntryPoint::Spool);
+        let stimulus = Stimulus::of_mended(&mended, machine, drive_input, load, tick)?;
+        let mut signals = judged(recording, drive_input, load);
+        let fed = machine.source == Source::Valve && matches!(drive_input, InputPoint::Command | InputPoint::Spool);
         if fed && recording.check_varies(Signal::SupplyPressure).is_ok() && recording.has(Signal::SupplyPressure) {
             signals.push(Signal::SupplyPressure);
         }
@@ -169,7 +169,7 @@ impl Prepared {
                 })
             })
             .collect::<Result<_, CompareError>>()?;
-        let measured = if entry.is_set() { None } else { mended.recording.signal(entry.driving()) };
+        let measured = if drive_input.is_set() { None } else { mended.recording.signal(drive_input.driving()) };
         let input_noise = measured.map_or(0.0, |values| noise(values, resolution(values)));
         mended.failures.retain(|(_, failures)| failures.are_any());
         let start_sigma_m = recording.signal(Signal::Position).map_or(0.0, |position| {

@@ -9,7 +9,7 @@ use experiment::inspect::{FoundColumn, Inspection, LinkTest, Reach};
 use model_core::machine::Source;
 use recording::display_unit::{TABLE, arrange, difference, significant};
 use recording::{Dimension, Signal, Unit};
-use simulation::EntryPoint;
+use simulation::InputPoint;
 
 /// The text of one recording; its table has so many characters a line, or as many as it takes.
 #[must_use]
@@ -113,25 +113,25 @@ fn joined(signals: &[Signal], between: &str) -> String {
     signals.iter().map(|signal| signal.name()).collect::<Vec<_>>().join(between)
 }
 
-fn entry_name(entry: EntryPoint) -> &'static str {
-    match entry {
-        EntryPoint::Command => "command",
-        EntryPoint::Spool => "spool",
-        EntryPoint::Pump => "pump",
-        EntryPoint::Flow => "flow",
-        EntryPoint::Force => "force",
+fn drive_input_name(drive_input: InputPoint) -> &'static str {
+    match drive_input {
+        InputPoint::Command => "command",
+        InputPoint::Spool => "spool",
+        InputPoint::Pump => "pump",
+        InputPoint::Flow => "flow",
+        InputPoint::Force => "force",
     }
 }
 
 fn reach(test: &LinkTest) -> String {
     let add = names(&test.missing);
     match &test.reach {
-        Reach::Alone { entry, judged } => {
-            format!("by itself: entered at the {}, judged by {}", entry_name(*entry), names(judged))
+        Reach::Alone { drive_input, judged } => {
+            format!("by itself: entered at the {}, judged by {}", drive_input_name(*drive_input), names(judged))
         }
-        Reach::Together { entry, judged } => format!(
+        Reach::Together { drive_input, judged } => format!(
             "together with others: entered at the {}, judged by {}; add {add} to test it by itself",
-            entry_name(*entry),
+            drive_input_name(*drive_input),
             names(judged)
         ),
         Reach::No if test.enough.is_empty() || test.missing.iter().all(|signal| test.enough.contains(signal)) => {
@@ -162,12 +162,14 @@ fn recording(found: &Inspection) -> Value {
     };
     let link = |test: &LinkTest| {
         let names = |signals: &[Signal]| signals.iter().map(|signal| signal.name()).collect::<Vec<_>>();
-        let (how, entry, judged) = match &test.reach {
-            Reach::Alone { entry, judged } => ("by-itself", Some(entry_name(*entry)), names(judged)),
-            Reach::Together { entry, judged } => ("together", Some(entry_name(*entry)), names(judged)),
+        let (how, drive_input, judged) = match &test.reach {
+            Reach::Alone { drive_input, judged } => ("by-itself", Some(drive_input_name(*drive_input)), names(judged)),
+            Reach::Together { drive_input, judged } => {
+                ("together", Some(drive_input_name(*drive_input)), names(judged))
+            }
             Reach::No => ("not", None, Vec::new()),
         };
-        json!({ "link": test.link.to_string(), "tested": how, "entry": entry, "judged_by": judged, "missing": names(&test.missing), "enough": names(&test.enough) })
+        json!({ "link": test.link.to_string(), "tested": how, "entry": drive_input, "judged_by": judged, "missing": names(&test.missing), "enough": names(&test.enough) })
     };
     let opened = found.excited.opened.map(|opened| {
         let beyond =

@@ -15,7 +15,7 @@ pub enum SimulateError {
         /// Columns that would do.
         expected: &'static str,
     },
-    /// A signal that the entry or the load needs is missing.
+    /// A signal that the drive input or the load needs is missing.
     #[error("{recording}: no column `{signal}`; expected it because {reason}")]
     Missing {
         /// The recording.

@@ -3,7 +3,7 @@
 use std::array::from_fn;
 use std::cmp::Reverse;
 
-use model_core::drive::{Drive, DriveState, Entry, Load};
+use model_core::drive::{Drive, DriveInput, DriveState, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, MachineError};
 use model_core::number::{Field, Number};
@@ -15,7 +15,7 @@ use crate::number::simd::{LANES, Lanes};
 use crate::outflow::Edges;
 use crate::run::{Rows, reading, run, through_valve, unbraked};
 use crate::sensor_bias::{true_spool, within};
-use crate::stimulus::{EntryPoint, Stimulus, value_at};
+use crate::stimulus::{InputPoint, Stimulus, value_at};
 
 /// What is simulated of one recording.
 #[derive(Clone, Debug)]
@@ -100,17 +100,17 @@ impl<'a> Abreast<'a> {
         let read = |series: fn(&Stimulus) -> &[f64], index: usize, base: f64| {
             Lanes::new(stimuli.map(|stimulus| value_at(series(stimulus), index))) / Lanes::constant(base)
         };
-        let entry = match stimuli[0].entry_by(tick, &bases, read) {
-            Entry::Spool(spool) => Entry::Spool(self.truly(spool)),
-            Entry::Followed { command, spool } => Entry::Followed { command, spool: self.truly(spool) },
-            Entry::Flow { from, to } => through_valve(self.edges.as_ref(), &self.state, (from, to), |flow| flow),
+        let drive_input = match stimuli[0].drive_input_by(tick, &bases, read) {
+            DriveInput::Spool(spool) => DriveInput::Spool(self.truly(spool)),
+            DriveInput::Followed { command, spool } => DriveInput::Followed { command, spool: self.truly(spool) },
+            DriveInput::Flow { from, to } => through_valve(self.edges.as_ref(), &self.state, (from, to), |flow| flow),
             other => other,
         };
         let kept = self.state.oil_temperature.values();
         let oil = |lane: usize| stimuli[lane].oil_at(tick, &bases).unwrap_or(kept[lane]);
         self.state.oil_temperature = Lanes::new(from_fn(oil));
         let load = |index: usize| read(Stimulus::load, index, bases.force_n);
-        self.drive.step(&mut self.state, entry, Load { from: load(tick), to: load(tick + 1) });
+        self.drive.step(&mut self.state, drive_input, Load { from: load(tick), to: load(tick + 1) });
     }
 
     /// The spool behind what its sensors read.
@@ -123,8 +123,8 @@ impl<'a> Abreast<'a> {
     fn signal(&self, signal: Signal, point: usize) -> [f64; LANES] {
         let Self { machine, stimuli, drive, state, .. } = self;
         let metering = |lane: usize| stimuli[lane].metering_at::<f64>(point);
-        let spool = || match stimuli[0].entry {
-            EntryPoint::Spool => Lanes::new(from_fn(|lane| metering(lane).unwrap_or_default())),
+        let spool = || match stimuli[0].drive_input {
+            InputPoint::Spool => Lanes::new(from_fn(|lane| metering(lane).unwrap_or_default())),
             _ => drive.sensed(state).spool,
         };
         let flow_a = || {

@@ -3,7 +3,7 @@
 //! A [`Stimulus`] is a recording laid on the core's tick grid. [`run`] steps the core over it in any number type and hands out the
 //! signals at the recorded rows.
 
-use model_core::drive::{Drive, DriveState, Entry};
+use model_core::drive::{Drive, DriveInput, DriveState};
 use model_core::machine::{Machine, MachineError, Parameter};
 use model_core::number::{Field, Number, PerUnit, Real, Scalar};
 use model_core::ports::{ChamberState, Flows, Spool};
@@ -12,7 +12,7 @@ use recording::Signal;
 use crate::initial_state::{DELAY_LINE, Offset, StartOffset, at_start};
 use crate::outflow::{Below, Edges};
 use crate::sensor_bias::{true_spool, within};
-use crate::stimulus::{EntryPoint, Stimulus};
+use crate::stimulus::{InputPoint, Stimulus};
 
 /// The chain at one recorded row; each signal is computed when it is asked for.
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +54,7 @@ impl<N: Scalar> Sample<'_, N> {
     /// The spool as it is read; a drive that is entered at the spool has it from the recording.
     fn spool(&self) -> N {
         let recorded = || self.stimulus.metering_at::<N>(self.point);
-        let given = if self.stimulus.entry == EntryPoint::Spool { recorded() } else { None };
+        let given = if self.stimulus.drive_input == InputPoint::Spool { recorded() } else { None };
         given.unwrap_or_else(|| self.drive.sensed(self.state).spool)
     }
 
@@ -96,9 +96,9 @@ pub(crate) fn reading<N: Number>(
     })
 }
 
-/// Signals that the chain computes below an entry, in its order. A supply pressure only where the valve draws from it.
+/// Signals that the chain computes below a drive input, in its order. A supply pressure only where the valve draws from it.
 #[must_use]
-pub fn computed_below(entry: EntryPoint) -> &'static [Signal] {
+pub fn computed_below(drive_input: InputPoint) -> &'static [Signal] {
     const ALL: &[Signal] = &[
         Signal::Spool,
         Signal::SupplyPressure,
@@ -109,19 +109,19 @@ pub fn computed_below(entry: EntryPoint) -> &'static [Signal] {
         Signal::Velocity,
         Signal::Position,
     ];
-    match entry {
-        EntryPoint::Command => ALL,
-        EntryPoint::Spool => &ALL[1..],
-        EntryPoint::Pump => &ALL[2..],
-        EntryPoint::Flow => &ALL[3..],
-        EntryPoint::Force => &ALL[6..],
+    match drive_input {
+        InputPoint::Command => ALL,
+        InputPoint::Spool => &ALL[1..],
+        InputPoint::Pump => &ALL[2..],
+        InputPoint::Flow => &ALL[3..],
+        InputPoint::Force => &ALL[6..],
     }
 }
 
 /// The signals of a simulation at the recorded rows, in SI units.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Trajectory {
-    /// One series for each signal computed below the entry.
+    /// One series for each signal computed below the drive input.
     pub series: Vec<(Signal, Vec<f64>)>,
 }
 
@@ -230,18 +230,18 @@ pub(crate) fn run_on<N: Scalar>(
     for point in 0..=stimulus.ticks {
         if point > 0 {
             let tick = point - 1;
-            let entry = entered(machine, edges.as_ref(), state, stimulus.entry_at(tick, &bases));
+            let drive_input = entered(machine, edges.as_ref(), state, stimulus.drive_input_at(tick, &bases));
             if let Some(temperature) = stimulus.oil_at(tick, &bases) {
                 state.oil_temperature = temperature;
             }
-            drive.step(state, entry, stimulus.load_at(tick, &bases));
+            drive.step(state, drive_input, stimulus.load_at(tick, &bases));
         }
         let now = Sample { drive, machine, stimulus, state, point, since: None };
         while let Some((row, share)) = rows.at(point) {
             sink(row, &Sample { since: (share != 0.0).then_some(Since { before: &before, share }), ..now });
         }
         if rows.is_mixed_of(point) {
-            let signals = computed_below(EntryPoint::Command).iter();
+            let signals = computed_below(InputPoint::Command).iter();
             before = signals.filter_map(|&signal| Some((signal, now.signal(signal)?))).collect();
         }
     }
@@ -252,31 +252,31 @@ fn entered<N: Scalar>(
     machine: &Machine<N::Real>,
     edges: Option<&Edges<N::Value>>,
     state: &DriveState<N, DELAY_LINE>,
-    entry: Entry<N>,
-) -> Entry<N> {
+    drive_input: DriveInput<N>,
+) -> DriveInput<N> {
     let true_spool = |Spool { from, to }| Spool { from: true_spool(machine, from), to: true_spool(machine, to) };
-    match entry {
-        Entry::Spool(spool) => Entry::Spool(true_spool(spool)),
-        Entry::Followed { command, spool } => Entry::Followed { command, spool: true_spool(spool) },
-        Entry::Flow { from, to } => through_valve(edges, state, (from, to), within),
+    match drive_input {
+        DriveInput::Spool(spool) => DriveInput::Spool(true_spool(spool)),
+        DriveInput::Followed { command, spool } => DriveInput::Followed { command, spool: true_spool(spool) },
+        DriveInput::Flow { from, to } => through_valve(edges, state, (from, to), within),
         other => other,
     }
 }
 
-/// The flow entry with what leaves B through the valve's other edge.
+/// The flow drive input with what leaves B through the valve's other edge.
 pub(crate) fn through_valve<N: Number>(
     edges: Option<&Edges<N::Value>>,
     state: &DriveState<N, DELAY_LINE>,
     (from, to): (Flows<N>, Flows<N>),
     signal: impl Fn(N::Value) -> N,
-) -> Entry<N> {
-    let Some(edges) = edges else { return Entry::Flow { from, to } };
+) -> DriveInput<N> {
+    let Some(edges) = edges else { return DriveInput::Flow { from, to } };
     let below = Below {
         pressures: ChamberState { a: state.chambers.a.to_real(), b: state.chambers.b.to_real() },
         velocity: state.motion.velocity.to_real(),
     };
     let (begun, ended) = edges.through((from.a.to_real(), to.a.to_real()), below);
-    Entry::Flow { from: Flows { b: signal(begun.b), ..from }, to: Flows { b: signal(ended.b), ..to } }
+    DriveInput::Flow { from: Flows { b: signal(begun.b), ..from }, to: Flows { b: signal(ended.b), ..to } }
 }
 
 /// What a load that balances the recorded pressures holds already: every force on the rod but viscous friction and the constant load.
@@ -322,15 +322,15 @@ pub(crate) fn unbraked<R: Real>(machine: &Machine<R>, stimulus: &Stimulus) -> Ma
 /// use std::path::Path;
 ///
 /// use recording::{ChannelMap, Signal};
-/// use simulation::{StartOffset, Stimulus, first_entry, natural_tick, simulate_fixed};
+/// use simulation::{StartOffset, Stimulus, first_drive_input, natural_tick, simulate_fixed};
 ///
 /// let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../examples/press-63-40");
 /// let drive = machine_file::read(&example.join("machine.toml"))?;
 /// let recording = recording::read(&example.join("holdout-1.csv"), &ChannelMap::default())?;
 ///
-/// let entry = first_entry(drive.machine.source, &recording)?; // the command, where it was recorded
+/// let drive_input = first_drive_input(drive.machine.source, &recording)?; // the command, where it was recorded
 /// let tick = natural_tick(&recording);
-/// let stimulus = Stimulus::new(&recording, &drive.machine, entry, drive.load_source, tick)?;
+/// let stimulus = Stimulus::new(&recording, &drive.machine, drive_input, drive.load_source, tick)?;
 /// let simulated = simulate_fixed(&drive.machine, &stimulus, StartOffset::none())?;
 ///
 /// let position_m = simulated.signal(Signal::Position).expect("the chain computes it");
@@ -364,7 +364,7 @@ pub(crate) fn simulate<N: Scalar<Real = f64>>(
     offset: StartOffset,
     told: &dyn Fn(usize),
 ) -> Result<Trajectory, MachineError> {
-    let mut trajectory = Trajectory::of(computed_below(stimulus.entry), stimulus.rows());
+    let mut trajectory = Trajectory::of(computed_below(stimulus.drive_input), stimulus.rows());
     run::<N>(machine, stimulus, offset.lifted(), &mut |row, sample| {
         trajectory.push(|signal| sample.signal(signal));
         if (row + 1) % ROWS_TOLD == 0 {

@@ -2,7 +2,7 @@
 //!
 //! It starts, steps and reads as [`run`](crate::run::run) does for a recording of the same inputs, bit for bit.
 
-use model_core::drive::{Drive, DriveState, Entry, Load};
+use model_core::drive::{Drive, DriveInput, DriveState, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, MachineError, Source, Tick};
 use model_core::number::{PerUnit, Scalar};
@@ -126,12 +126,12 @@ impl<N: Scalar<Real = f64>> Stepped<N> {
     fn step(&mut self, inputs: &Inputs) {
         let bases = *self.drive.bases();
         let load = N::saturated(inputs.load_force_n / bases.force_n);
-        let entry = match self.machine.source {
-            Source::Valve => Entry::Command(N::saturated(inputs.command_v / bases.command_v)),
-            Source::Pump => Entry::Pump(self.pump(inputs)),
+        let drive_input = match self.machine.source {
+            Source::Valve => DriveInput::Command(N::saturated(inputs.command_v / bases.command_v)),
+            Source::Pump => DriveInput::Pump(self.pump(inputs)),
         };
         self.state.oil_temperature = N::saturated(inputs.oil_temperature_c / bases.temperature_c);
-        self.drive.step(&mut self.state, entry, Load { from: load, to: load });
+        self.drive.step(&mut self.state, drive_input, Load { from: load, to: load });
     }
 
     /// The value of a signal as its sensor reads it, SI, if the drive computes it; the flow of a pump under these inputs.
@@ -165,7 +165,7 @@ mod tests {
     use test_press::press;
 
     use super::*;
-    use crate::stimulus::{EntryPoint, Stimulus, first_entry};
+    use crate::stimulus::{InputPoint, Stimulus, first_drive_input};
 
     const TICK: Tick = Tick::OneMillisecond;
     const ROWS: usize = 1500;
@@ -191,8 +191,8 @@ mod tests {
         };
         let always = [Signal::Time, Signal::Position];
         let recording = Recording::new("inputs", always.iter().chain(given).map(column).collect()).unwrap();
-        let entry = first_entry(machine.source, &recording).unwrap();
-        let stimulus = Stimulus::new(&recording, machine, entry, LoadSource::Constant, TICK).unwrap();
+        let drive_input = first_drive_input(machine.source, &recording).unwrap();
+        let stimulus = Stimulus::new(&recording, machine, drive_input, LoadSource::Constant, TICK).unwrap();
         let simulated = arithmetic.simulate(machine, &stimulus, StartOffset::none()).unwrap();
         let mut live = Live::new(machine, TICK, &stimulus.start, arithmetic).unwrap();
         // After the last row of a recording nothing acts any more: a pump's flow there is none.
@@ -202,7 +202,7 @@ mod tests {
             }
             live.step(&inputs(k));
         }
-        assert_eq!(entry == EntryPoint::Pump, live.signal(Signal::Spool, &inputs(0)).is_none());
+        assert_eq!(drive_input == InputPoint::Pump, live.signal(Signal::Spool, &inputs(0)).is_none());
         assert_eq!(live.signal(Signal::OilTemperature, &inputs(0)), None);
     }
 

@@ -7,7 +7,7 @@ use machine_file::LoadSource;
 use model_core::machine::{Machine, Parameter, Source, Tick};
 use recording::seeded_noise::Noise;
 use recording::{Column, Recording, Signal};
-use simulation::{EntryPoint, StartOffset, Stimulus, simulate_f64};
+use simulation::{InputPoint, StartOffset, Stimulus, simulate_f64};
 
 /// The press, with what a test sets beside its cylinder, the valve's gain and its speed.
 pub fn press(further: &[(Parameter, f64)]) -> Machine<f64> {
@@ -62,7 +62,7 @@ pub fn recorded_for(machine: &Machine<f64>, sensors: &[(Signal, f64)], rows: u32
     ];
     let at_start = Recording::new("driven", driven.clone()).unwrap();
     let stimulus =
-        Stimulus::new(&at_start, machine, EntryPoint::Command, LoadSource::Constant, Tick::OneMillisecond).unwrap();
+        Stimulus::new(&at_start, machine, InputPoint::Command, LoadSource::Constant, Tick::OneMillisecond).unwrap();
     let run = simulate_f64(machine, &stimulus, StartOffset::none()).unwrap();
     let read = |(stream, &(signal, noise)): (u64, &(Signal, f64))| {
         let mut generator = Noise::new(3, stream);
@@ -88,7 +88,7 @@ pub fn extending(machine: &Machine<f64>) -> Recording {
     };
     let driven = columns(vec![0.1; time_s.len()]);
     let tick = Tick::OneMillisecond;
-    let stimulus = Stimulus::new(&driven, machine, EntryPoint::Command, LoadSource::Constant, tick).unwrap();
+    let stimulus = Stimulus::new(&driven, machine, InputPoint::Command, LoadSource::Constant, tick).unwrap();
     let run = simulate_f64(machine, &stimulus, StartOffset::none()).unwrap();
     let mut seed = 7_u32;
     let mut noise = || {

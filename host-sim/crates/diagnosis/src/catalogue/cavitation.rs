@@ -20,7 +20,7 @@
 //! H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967, §5-5: the cavity of a valve under an overrunning load.
 
 use model_core::machine::Parameter;
-use simulation::EntryPoint;
+use simulation::InputPoint;
 
 use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
@@ -40,5 +40,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "a hard stop of the valve in full motion, or an overrunning load, both pressures recorded",
     source: "Merritt 1967, §5-5",
-    shows_in: |scene| scene.entry != EntryPoint::Force,
+    shows_in: |scene| scene.drive_input != InputPoint::Force,
 };

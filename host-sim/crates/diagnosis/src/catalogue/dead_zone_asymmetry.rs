@@ -21,7 +21,7 @@
 //! *Adaptive Control of Systems with Actuator and Sensor Nonlinearities*, Wiley 1996 (unequal break-points).
 
 use model_core::machine::Parameter;
-use simulation::EntryPoint;
+use simulation::InputPoint;
 
 use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
@@ -48,5 +48,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "slow triangle through the centre, spool recorded",
     source: "Tao & Kokotović, Adaptive Control of Systems with Actuator and Sensor Nonlinearities, 1996",
-    shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Spool),
+    shows_in: |scene| matches!(scene.drive_input, InputPoint::Command | InputPoint::Spool),
 };

@@ -20,7 +20,7 @@
 //! Servo-systems*, Springer 2003, chapter 4.
 
 use model_core::machine::Parameter;
-use simulation::EntryPoint;
+use simulation::InputPoint;
 
 use super::{EffectParameter, Hypothesis, Kind, LookAlike, Scene, Subsystem};
 
@@ -54,5 +54,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "closed-valve hold under load, both pressures recorded",
     source: "Merritt, Hydraulic Control Systems, 1967, ch. 6",
-    shows_in: |scene| scene.entry != EntryPoint::Force,
+    shows_in: |scene| scene.drive_input != InputPoint::Force,
 };

@@ -21,7 +21,7 @@
 //! Power Control*, MIT Press 1960.
 
 use model_core::machine::Parameter;
-use simulation::EntryPoint;
+use simulation::InputPoint;
 
 use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
@@ -54,5 +54,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "strokes at two loads and steps of several sizes, spool recorded",
     source: "Merritt, Hydraulic Control Systems, 1967, §5-6",
-    shows_in: |scene| scene.entry == EntryPoint::Command,
+    shows_in: |scene| scene.drive_input == InputPoint::Command,
 };

@@ -20,7 +20,7 @@
 //! Manring, *Hydraulic Control Systems*, Wiley 2005 (port shapes).
 
 use model_core::machine::Parameter;
-use simulation::EntryPoint;
+use simulation::InputPoint;
 
 use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
@@ -52,5 +52,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "steps of several sizes at two loads",
     source: "Backé, Systematik der hydraulischen Widerstandsschaltungen, 1974",
-    shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Spool),
+    shows_in: |scene| matches!(scene.drive_input, InputPoint::Command | InputPoint::Spool),
 };

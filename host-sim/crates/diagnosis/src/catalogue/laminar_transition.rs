@@ -20,7 +20,7 @@
 //! Modelling Practice and Theory 10, 2002; H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967, chapter 3.
 
 use model_core::machine::Parameter;
-use simulation::EntryPoint;
+use simulation::InputPoint;
 
 use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
@@ -43,5 +43,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "strokes at two loads, one of which takes nearly the whole supply, both pressures recorded",
     source: "Borutzky, Barnard, Thoma, Simulation Modelling Practice and Theory 10, 2002",
-    shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Spool),
+    shows_in: |scene| matches!(scene.drive_input, InputPoint::Command | InputPoint::Spool),
 };

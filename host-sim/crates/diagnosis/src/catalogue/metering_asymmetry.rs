@@ -23,7 +23,7 @@
 //! *Fundamentals of Fluid Power Control*, Cambridge University Press 2009.
 
 use model_core::machine::Parameter;
-use simulation::EntryPoint;
+use simulation::InputPoint;
 
 use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
@@ -58,5 +58,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "steps of several sizes both ways, both pressures recorded",
     source: "Jelali & Kroll, Hydraulic Servo-systems, 2003, ch. 4",
-    shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Spool),
+    shows_in: |scene| matches!(scene.drive_input, InputPoint::Command | InputPoint::Spool),
 };

@@ -40,7 +40,7 @@ use std::fmt;
 use machine_file::LoadSource;
 use model_core::machine::{Machine, Parameter};
 use recording::Signal;
-use simulation::EntryPoint;
+use simulation::InputPoint;
 
 /// A part of the chain, as a finding names it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
@@ -93,7 +93,7 @@ pub struct Scene<'a> {
     /// The nominal machine.
     pub machine: &'a Machine<f64>,
     /// Where the chain is entered.
-    pub entry: EntryPoint,
+    pub drive_input: InputPoint,
     /// Where the load comes from.
     pub load: LoadSource,
     /// Signals that are measured and judged.

@@ -21,7 +21,7 @@
 //! Measurement, and Control 118, 1996.
 
 use model_core::machine::Parameter;
-use simulation::EntryPoint;
+use simulation::InputPoint;
 
 use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
@@ -50,5 +50,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "steps of several sizes up to full command, spool recorded",
     source: "Vaughan & Gamble, J. Dyn. Syst. Meas. Control 118, 1996",
-    shows_in: |scene| scene.entry == EntryPoint::Command,
+    shows_in: |scene| scene.drive_input == InputPoint::Command,
 };

@@ -24,7 +24,7 @@
 //! 2005.
 
 use model_core::machine::Parameter;
-use simulation::EntryPoint;
+use simulation::InputPoint;
 
 use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
@@ -48,5 +48,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "slow triangle without dither, spool recorded",
     source: "Choudhury, Thornhill, Shah, Control Engineering Practice 13, 2005",
-    shows_in: |scene| scene.entry == EntryPoint::Command,
+    shows_in: |scene| scene.drive_input == InputPoint::Command,
 };

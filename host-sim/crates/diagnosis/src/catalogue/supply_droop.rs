@@ -20,7 +20,7 @@
 //! *Fundamentals of Fluid Power Control*, Cambridge University Press 2009 (accumulators).
 
 use model_core::machine::Parameter;
-use simulation::EntryPoint;
+use simulation::InputPoint;
 
 use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
@@ -56,5 +56,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "steps of several sizes, supply pressure recorded",
     source: "Merritt, Hydraulic Control Systems, 1967, ch. 11",
-    shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Spool),
+    shows_in: |scene| matches!(scene.drive_input, InputPoint::Command | InputPoint::Spool),
 };

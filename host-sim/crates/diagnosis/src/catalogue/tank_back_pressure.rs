@@ -20,7 +20,7 @@
 //! *Hydraulic Control Systems*, Wiley 1967, chapter 3 (turbulent losses).
 
 use model_core::machine::Parameter;
-use simulation::EntryPoint;
+use simulation::InputPoint;
 
 use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
@@ -58,5 +58,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "steps of several sizes, both pressures and the tank pressure recorded",
     source: "Backé & Murrenhoff, Grundlagen der Ölhydraulik, RWTH Aachen",
-    shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Spool),
+    shows_in: |scene| matches!(scene.drive_input, InputPoint::Command | InputPoint::Spool),
 };

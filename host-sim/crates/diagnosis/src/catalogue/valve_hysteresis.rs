@@ -24,7 +24,7 @@
 //! alternative); ISO 10770-1 (how a valve's hysteresis is measured).
 
 use model_core::machine::Parameter;
-use simulation::EntryPoint;
+use simulation::InputPoint;
 
 use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
@@ -54,5 +54,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "slow triangle at two rates, spool recorded",
     source: "Krasnosel'skii & Pokrovskii, Systems with Hysteresis, 1989",
-    shows_in: |scene| scene.entry == EntryPoint::Command,
+    shows_in: |scene| scene.drive_input == InputPoint::Command,
 };

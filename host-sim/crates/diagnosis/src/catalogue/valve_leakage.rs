@@ -21,7 +21,7 @@
 //! 2006; H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967, chapter 5 (leakage at the null).
 
 use model_core::machine::Parameter;
-use simulation::EntryPoint;
+use simulation::InputPoint;
 
 use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 
@@ -47,5 +47,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "closed-valve hold under load, both pressures recorded",
     source: "Eryilmaz & Wilson, J. Franklin Institute 343, 2006",
-    shows_in: |scene| matches!(scene.entry, EntryPoint::Command | EntryPoint::Spool),
+    shows_in: |scene| matches!(scene.drive_input, InputPoint::Command | InputPoint::Spool),
 };

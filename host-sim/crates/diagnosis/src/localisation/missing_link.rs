@@ -8,7 +8,7 @@ use machine_file::LoadSource;
 use model_core::machine::{Machine, MachineError, Parameter};
 use recording::{Recording, Signal};
 use simulation::signal::window::{WINDOW_S, Window};
-use simulation::{EntryPoint, simulate_f64};
+use simulation::{InputPoint, simulate_f64};
 
 use super::balances::{Balance, Coefficients, OF_VALVE, Observed, residuals, spool_residuals};
 use super::case::Case;
@@ -74,9 +74,9 @@ fn entered_at_spool<'a>(machine: &Machine<f64>, load: LoadSource, cases: &[Case<
         .iter()
         .map(|case| {
             let tick = Some(case.prepared.stimulus.tick);
-            let enters = case.prepared.stimulus.entry == EntryPoint::Command && case.recording.has(Signal::Spool);
+            let enters = case.prepared.stimulus.drive_input == InputPoint::Command && case.recording.has(Signal::Spool);
             let prepared =
-                enters.then(|| Prepared::entered_at(EntryPoint::Spool, case.recording, machine, load, tick).ok());
+                enters.then(|| Prepared::entered_at(InputPoint::Spool, case.recording, machine, load, tick).ok());
             Below {
                 recording: case.recording,
                 start: case.start,
@@ -271,7 +271,7 @@ mod tests {
         )
         .unwrap();
         let tick = Tick::OneMillisecond;
-        let stimulus = Stimulus::new(&driven, &press(), EntryPoint::Command, LoadSource::Constant, tick).unwrap();
+        let stimulus = Stimulus::new(&driven, &press(), InputPoint::Command, LoadSource::Constant, tick).unwrap();
         let trajectory = simulate_f64(&press(), &stimulus, StartOffset::none()).unwrap();
         let mut seed = 5_u32;
         let mut columns = vec![column(Signal::Time, &time_s), column(Signal::Command, &command)];

@@ -3,7 +3,7 @@
 use diagnosis::catalogue::Subsystem;
 use model_core::machine::Source;
 use recording::Signal;
-use simulation::{EntryPoint, computed_below};
+use simulation::{InputPoint, computed_below};
 
 /// How far a recording reaches a link.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -11,14 +11,14 @@ pub enum Reach {
     /// By itself: a miss is made there.
     Alone {
         /// Where the chain is entered.
-        entry: EntryPoint,
+        drive_input: InputPoint,
         /// What it is judged by.
         judged: Vec<Signal>,
     },
     /// Together with others: a miss may be made in any of them.
     Together {
         /// Where the chain is entered.
-        entry: EntryPoint,
+        drive_input: InputPoint,
         /// What they are judged by.
         judged: Vec<Signal>,
     },
@@ -41,7 +41,7 @@ pub struct LinkTest {
 
 /// What has to be measured to test a link by itself.
 struct Way {
-    entry: EntryPoint,
+    drive_input: InputPoint,
     needs: &'static [Signal],
     judged: &'static [Signal],
 }
@@ -54,23 +54,23 @@ const ENOUGH: [Signal; 6] = [Command, Spool, PumpSpeed, Position, PressureA, Pre
 fn ways(link: Subsystem, source: Source) -> Vec<Way> {
     const MOTION: &[Signal] = &[Position, Velocity];
     const PRESSURES: &[Signal] = &[PressureA, PressureB];
-    let way = |entry, needs, judged| Way { entry, needs, judged };
+    let way = |drive_input, needs, judged| Way { drive_input, needs, judged };
     // A pump's speed takes the place of the spool.
-    let (feed, with_pressures): (EntryPoint, &'static [Signal]) = match source {
-        Source::Valve => (EntryPoint::Spool, &[Spool, PressureA, PressureB, Position]),
-        Source::Pump => (EntryPoint::Pump, &[PumpSpeed, PressureA, PressureB, Position]),
+    let (feed, with_pressures): (InputPoint, &'static [Signal]) = match source {
+        Source::Valve => (InputPoint::Spool, &[Spool, PressureA, PressureB, Position]),
+        Source::Pump => (InputPoint::Pump, &[PumpSpeed, PressureA, PressureB, Position]),
     };
     match link {
-        Subsystem::Valve => vec![way(EntryPoint::Command, &[Command, Spool], &[Spool])],
+        Subsystem::Valve => vec![way(InputPoint::Command, &[Command, Spool], &[Spool])],
         // What two sensors say of one motion has to agree.
         Subsystem::Flow | Subsystem::Sensing => vec![way(feed, with_pressures, MOTION)],
         Subsystem::Chambers => vec![
             way(feed, with_pressures, PRESSURES),
-            way(EntryPoint::Flow, &[Flow, PressureA, PressureB, Position], PRESSURES),
+            way(InputPoint::Flow, &[Flow, PressureA, PressureB, Position], PRESSURES),
         ],
         Subsystem::Mechanics => vec![
-            way(EntryPoint::Force, &[PressureA, PressureB, Position], MOTION),
-            way(EntryPoint::Force, &[Force, Position], MOTION),
+            way(InputPoint::Force, &[PressureA, PressureB, Position], MOTION),
+            way(InputPoint::Force, &[Force, Position], MOTION),
         ],
     }
 }
@@ -94,7 +94,7 @@ fn tested(link: Subsystem, source: Source, has: &impl Fn(Signal) -> bool) -> Lin
     let missing = lacks(&way);
     let reach = if missing.is_empty() {
         let judged = way.judged.iter().copied().filter(|signal| has(*signal)).collect();
-        Reach::Alone { entry: way.entry, judged }
+        Reach::Alone { drive_input: way.drive_input, judged }
     } else {
         together(link, source, has)
     };
@@ -103,31 +103,35 @@ fn tested(link: Subsystem, source: Source, has: &impl Fn(Signal) -> bool) -> Lin
     LinkTest { link, reach, missing, enough }
 }
 
-/// The entry furthest upstream, where it lies above the link and something below the link is measured.
+/// The drive input furthest upstream, where it lies above the link and something below the link is measured.
 fn together(link: Subsystem, source: Source, has: &impl Fn(Signal) -> bool) -> Reach {
-    let entries = match source {
-        Source::Valve => &[(EntryPoint::Command, Command), (EntryPoint::Spool, Spool), (EntryPoint::Flow, Flow)][..],
-        Source::Pump => &[(EntryPoint::Pump, PumpSpeed), (EntryPoint::Flow, Flow)],
+    let drive_inputs = match source {
+        Source::Valve => &[(InputPoint::Command, Command), (InputPoint::Spool, Spool), (InputPoint::Flow, Flow)][..],
+        Source::Pump => &[(InputPoint::Pump, PumpSpeed), (InputPoint::Flow, Flow)],
     };
-    let Some((entry, _)) = entries.iter().find(|(_, signal)| has(*signal)) else { return Reach::No };
-    let (above, below): (&[EntryPoint], &[Signal]) = match link {
-        Subsystem::Valve => (&[EntryPoint::Command], computed_below(EntryPoint::Command)),
+    let Some((drive_input, _)) = drive_inputs.iter().find(|(_, signal)| has(*signal)) else { return Reach::No };
+    let (above, below): (&[InputPoint], &[Signal]) = match link {
+        Subsystem::Valve => (&[InputPoint::Command], computed_below(InputPoint::Command)),
         Subsystem::Flow => (
-            &[EntryPoint::Command, EntryPoint::Spool, EntryPoint::Pump],
+            &[InputPoint::Command, InputPoint::Spool, InputPoint::Pump],
             &[Flow, PressureA, PressureB, Velocity, Position],
         ),
         Subsystem::Chambers => (
-            &[EntryPoint::Command, EntryPoint::Spool, EntryPoint::Pump, EntryPoint::Flow],
+            &[InputPoint::Command, InputPoint::Spool, InputPoint::Pump, InputPoint::Flow],
             &[PressureA, PressureB, Velocity, Position],
         ),
         Subsystem::Mechanics | Subsystem::Sensing => {
-            (&[EntryPoint::Command, EntryPoint::Spool, EntryPoint::Pump, EntryPoint::Flow], &[Velocity, Position])
+            (&[InputPoint::Command, InputPoint::Spool, InputPoint::Pump, InputPoint::Flow], &[Velocity, Position])
         }
     };
-    let computed = computed_below(*entry);
+    let computed = computed_below(*drive_input);
     let judged: Vec<Signal> =
         below.iter().copied().filter(|signal| has(*signal) && computed.contains(signal)).collect();
-    if above.contains(entry) && !judged.is_empty() { Reach::Together { entry: *entry, judged } } else { Reach::No }
+    if above.contains(drive_input) && !judged.is_empty() {
+        Reach::Together { drive_input: *drive_input, judged }
+    } else {
+        Reach::No
+    }
 }
 
 #[cfg(test)]

@@ -24,7 +24,7 @@ use identification::fit::Free;
 use machine_file::LoadSource;
 use model_core::machine::{Machine, MachineError, Parameter, Source, Tick};
 use recording::Signal;
-use simulation::{EntryPoint, StartOffset, Stimulus};
+use simulation::{InputPoint, StartOffset, Stimulus};
 
 use crate::sensor::Sensor;
 use crate::standard_tests::{StandardTest, standard_tests};
@@ -159,7 +159,7 @@ pub fn plan(planned: &Planned<'_>, given: Option<&Stimulus>, done: &(dyn Fn() + 
     let judged: Vec<Signal> = planned.sensors.iter().map(|sensor| sensor.signal).collect();
     let scene = Scene {
         machine,
-        entry: EntryPoint::Command,
+        drive_input: InputPoint::Command,
         load: LoadSource::Constant,
         judged: &judged,
         travel_m: (0.2 * machine.get(Parameter::Stroke), 0.8 * machine.get(Parameter::Stroke)),

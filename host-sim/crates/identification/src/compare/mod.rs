@@ -13,7 +13,7 @@ use recording::{Recording, Signal};
 use simulation::figures_of_merit::SignalFit;
 use simulation::sensor_fault::Mended;
 use simulation::{
-    Arithmetic, EntryPoint, StartOffset, Stimulus, Trajectory, computed_below, first_entry, natural_tick,
+    Arithmetic, InputPoint, StartOffset, Stimulus, Trajectory, computed_below, first_drive_input, natural_tick,
 };
 
 pub use crate::error::CompareError;
@@ -63,7 +63,7 @@ pub struct SectionFit {
     /// Which.
     pub section: Section,
     /// Where it was entered.
-    pub entry: EntryPoint,
+    pub drive_input: InputPoint,
     /// The fit of each measured signal that it computes.
     pub fits: Vec<SignalFit>,
     /// RMS by which each of these signals is off through the noise of the recorded signals that drive the section, in SI units.
@@ -84,7 +84,7 @@ pub struct Comparison {
 /// One planned section: where it is entered, where its load comes from, what it is judged by.
 struct Plan {
     section: Section,
-    entry: EntryPoint,
+    drive_input: InputPoint,
     load: LoadSource,
     judged: Vec<Signal>,
 }
@@ -92,7 +92,7 @@ struct Plan {
 impl Plan {
     /// Whether signals drive it that a sensor has recorded: a command and a pump's speed are set.
     fn is_driven_by_sensors(&self) -> bool {
-        !self.entry.is_set() || self.load == LoadSource::RecordedPressures
+        !self.drive_input.is_set() || self.load == LoadSource::RecordedPressures
     }
 }
 
@@ -144,7 +144,7 @@ pub fn compare_told(
         .into_iter()
         .map(|plan| {
             let simulated = |mended: &Mended<'_>| {
-                let stimulus = Stimulus::of_mended(mended, machine, plan.entry, plan.load, tick)?;
+                let stimulus = Stimulus::of_mended(mended, machine, plan.drive_input, plan.load, tick)?;
                 arithmetic.simulate_told(machine, &stimulus, StartOffset::none(), told)
             };
             let trajectory = simulated(&mended)?;
@@ -161,7 +161,7 @@ pub fn compare_told(
                     Some(SignalFit::of(signal, recording.time_s(), recorded, simulated))
                 })
                 .collect();
-            Ok(SectionFit { section: plan.section, entry: plan.entry, fits, inherited, trajectory })
+            Ok(SectionFit { section: plan.section, drive_input: plan.drive_input, fits, inherited, trajectory })
         })
         .collect::<Result<Vec<_>, CompareError>>()?;
     Ok(Comparison { recording: recording.name().to_owned(), sections })
@@ -174,19 +174,19 @@ pub fn rows_simulated(source: Source, load: LoadSource, recording: &Recording) -
     recording.rows() * plans(source, load, recording).map_or(0, |plans| plans.iter().map(times).sum())
 }
 
-/// Measured signals below an entry that can be judged: pressures that are an input cannot, nor yet that of the supply.
+/// Measured signals below a drive input that can be judged: pressures that are an input cannot, nor yet that of the supply.
 #[must_use]
-pub fn judged(recording: &Recording, entry: EntryPoint, load: LoadSource) -> Vec<Signal> {
+pub fn judged(recording: &Recording, drive_input: InputPoint, load: LoadSource) -> Vec<Signal> {
     let given = |signal: Signal| match signal {
         Signal::SupplyPressure => true,
         Signal::PressureA | Signal::PressureB | Signal::Force => load == LoadSource::RecordedPressures,
         _ => false,
     };
-    computed_below(entry).iter().copied().filter(|&signal| recording.has(signal) && !given(signal)).collect()
+    computed_below(drive_input).iter().copied().filter(|&signal| recording.has(signal) && !given(signal)).collect()
 }
 
 fn plans(source: Source, load: LoadSource, recording: &Recording) -> Result<Vec<Plan>, CompareError> {
-    let first = first_entry(source, recording)?;
+    let first = first_drive_input(source, recording)?;
     let all = judged(recording, first, load);
     if all.is_empty() {
         return Err(CompareError::NothingMeasured { recording: recording.name().to_owned() });
@@ -198,29 +198,29 @@ fn plans(source: Source, load: LoadSource, recording: &Recording) -> Result<Vec<
     let pressures = has(Signal::PressureA) && has(Signal::PressureB);
     let motion: Vec<Signal> = [Signal::Position, Signal::Velocity].into_iter().filter(|&signal| has(signal)).collect();
     let feed = match source {
-        Source::Valve => has(Signal::Spool).then_some(EntryPoint::Spool),
-        Source::Pump => has(Signal::PumpSpeed).then_some(EntryPoint::Pump),
+        Source::Valve => has(Signal::Spool).then_some(InputPoint::Spool),
+        Source::Pump => has(Signal::PumpSpeed).then_some(InputPoint::Pump),
     };
-    let mut plans = vec![Plan { section: Section::EndToEnd, entry: first, load, judged: all }];
-    let mut add = |section, entry, load, judged: Vec<Signal>| {
+    let mut plans = vec![Plan { section: Section::EndToEnd, drive_input: first, load, judged: all }];
+    let mut add = |section, drive_input, load, judged: Vec<Signal>| {
         if !judged.is_empty() {
-            plans.push(Plan { section, entry, load, judged });
+            plans.push(Plan { section, drive_input, load, judged });
         }
     };
-    if first == EntryPoint::Command && has(Signal::Spool) {
-        add(Section::Valve, EntryPoint::Command, load, vec![Signal::Spool]);
-        add(Section::BelowSpool, EntryPoint::Spool, load, judged(recording, EntryPoint::Spool, load));
+    if first == InputPoint::Command && has(Signal::Spool) {
+        add(Section::Valve, InputPoint::Command, load, vec![Signal::Spool]);
+        add(Section::BelowSpool, InputPoint::Spool, load, judged(recording, InputPoint::Spool, load));
     }
-    if has(Signal::Flow) && first != EntryPoint::Flow {
-        add(Section::BelowFlow, EntryPoint::Flow, load, judged(recording, EntryPoint::Flow, load));
+    if has(Signal::Flow) && first != InputPoint::Flow {
+        add(Section::BelowFlow, InputPoint::Flow, load, judged(recording, InputPoint::Flow, load));
     }
     if let Some(feed) = feed
         && pressures
     {
         add(Section::FlowAndChambers, feed, LoadSource::RecordedPressures, motion.clone());
     }
-    if (pressures || has(Signal::Force)) && load == LoadSource::Constant && first != EntryPoint::Force {
-        add(Section::Mechanics, EntryPoint::Force, LoadSource::Constant, motion);
+    if (pressures || has(Signal::Force)) && load == LoadSource::Constant && first != InputPoint::Force {
+        add(Section::Mechanics, InputPoint::Force, LoadSource::Constant, motion);
     }
     Ok(plans)
 }

@@ -178,7 +178,7 @@ impl std::fmt::Display for Obstacle {
 
 #[cfg(test)]
 mod tests {
-    use simulation::{EntryPoint, Trajectory};
+    use simulation::{InputPoint, Trajectory};
 
     use super::*;
 
@@ -195,7 +195,7 @@ mod tests {
         };
         let section = |&(section, signal, percent): &(Section, Signal, f64)| SectionFit {
             section,
-            entry: EntryPoint::Command,
+            drive_input: InputPoint::Command,
             fits: vec![fit(signal, percent)],
             inherited: vec![0.0],
             trajectory: Trajectory { series: vec![(Signal::Spool, Vec::new()), (Signal::PressureA, Vec::new())] },

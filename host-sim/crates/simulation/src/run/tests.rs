@@ -4,7 +4,7 @@ use recording::{Column, Recording, Signal};
 
 use super::{Trajectory, simulate_f64, simulate_fixed};
 use crate::initial_state::StartOffset;
-use crate::stimulus::{EntryPoint, Stimulus};
+use crate::stimulus::{InputPoint, Stimulus};
 
 fn press() -> Machine<f64> {
     test_press::press(&[
@@ -37,12 +37,12 @@ fn commanded(time_s: Vec<f64>) -> Recording {
     recording(time_s, vec![(Signal::Command, command), (Signal::Position, position)])
 }
 
-fn run(recording: &Recording, entry: EntryPoint, load: LoadSource) -> Trajectory {
-    run_of(&press(), recording, entry, load)
+fn run(recording: &Recording, drive_input: InputPoint, load: LoadSource) -> Trajectory {
+    run_of(&press(), recording, drive_input, load)
 }
 
-fn run_of(machine: &Machine<f64>, recording: &Recording, entry: EntryPoint, load: LoadSource) -> Trajectory {
-    let stimulus = Stimulus::new(recording, machine, entry, load, Tick::OneMillisecond).unwrap();
+fn run_of(machine: &Machine<f64>, recording: &Recording, drive_input: InputPoint, load: LoadSource) -> Trajectory {
+    let stimulus = Stimulus::new(recording, machine, drive_input, load, Tick::OneMillisecond).unwrap();
     simulate_f64(machine, &stimulus, StartOffset::none()).unwrap()
 }
 
@@ -67,23 +67,23 @@ fn farthest(a: &[f64], b: &[f64]) -> f64 {
 fn recordings_that_enter_the_chain_alike_go_together() {
     let stimulus = |rows: u32, tick: Tick| {
         let recording = commanded(grid(1e-3, rows));
-        Stimulus::new(&recording, &press(), EntryPoint::Command, LoadSource::Constant, tick).unwrap()
+        Stimulus::new(&recording, &press(), InputPoint::Command, LoadSource::Constant, tick).unwrap()
     };
     let [one, shorter] = [800, 500].map(|rows| stimulus(rows, Tick::OneMillisecond));
     assert!(one.goes_with(&shorter));
     assert!(!one.goes_with(&stimulus(800, Tick::TwoMilliseconds)), "a tick of its own");
-    let recorded = measured(&run(&commanded(grid(1e-3, 800)), EntryPoint::Command, LoadSource::Constant));
+    let recorded = measured(&run(&commanded(grid(1e-3, 800)), InputPoint::Command, LoadSource::Constant));
     let at_spool =
-        Stimulus::new(&recorded, &press(), EntryPoint::Spool, LoadSource::Constant, Tick::OneMillisecond).unwrap();
+        Stimulus::new(&recorded, &press(), InputPoint::Spool, LoadSource::Constant, Tick::OneMillisecond).unwrap();
     assert!(!one.goes_with(&at_spool) && at_spool.goes_with(&at_spool));
 }
 
 #[test]
 fn entered_at_its_own_spool_the_rest_of_the_chain_is_the_same() {
-    let whole = run(&commanded(grid(1e-3, 1200)), EntryPoint::Command, LoadSource::Constant);
+    let whole = run(&commanded(grid(1e-3, 1200)), InputPoint::Command, LoadSource::Constant);
     let series = |signal| whole.signal(signal).unwrap().to_vec();
     let spool = measured(&whole);
-    let below = run(&spool, EntryPoint::Spool, LoadSource::Constant);
+    let below = run(&spool, InputPoint::Spool, LoadSource::Constant);
     assert!(farthest(below.signal(Signal::Position).unwrap(), &series(Signal::Position)) < 1e-12);
     assert!(farthest(below.signal(Signal::PressureA).unwrap(), &series(Signal::PressureA)) < 1e-3);
 }
@@ -101,12 +101,12 @@ fn readings_of_wrong_sensors_are_taken_back_to_the_truth() {
     ] {
         machine.set(parameter, value);
     }
-    let whole = run_of(&machine, &commanded(grid(1e-3, 1200)), EntryPoint::Command, LoadSource::Constant);
-    let right = run(&commanded(grid(1e-3, 1200)), EntryPoint::Command, LoadSource::Constant);
+    let whole = run_of(&machine, &commanded(grid(1e-3, 1200)), InputPoint::Command, LoadSource::Constant);
+    let right = run(&commanded(grid(1e-3, 1200)), InputPoint::Command, LoadSource::Constant);
     let first = |trajectory: &Trajectory, signal| trajectory.signal(signal).unwrap()[0];
     assert!((first(&whole, Signal::PressureA) - first(&right, Signal::PressureA) - 2e5).abs() < 1e-6);
     assert!((first(&whole, Signal::PressureB) - 1.05 * first(&right, Signal::PressureB)).abs() < 1e-6);
-    let below = run_of(&machine, &measured(&whole), EntryPoint::Spool, LoadSource::Constant);
+    let below = run_of(&machine, &measured(&whole), InputPoint::Spool, LoadSource::Constant);
     for (signal, tolerance) in [(Signal::Position, 1e-9), (Signal::PressureA, 1.0), (Signal::Force, 1e-2)] {
         assert!(farthest(below.signal(signal).unwrap(), whole.signal(signal).unwrap()) < tolerance, "{signal}");
     }
@@ -114,15 +114,15 @@ fn readings_of_wrong_sensors_are_taken_back_to_the_truth() {
 
 #[test]
 fn a_slower_and_an_uneven_recording_of_the_same_command_give_the_same_motion() {
-    let fine = run(&commanded(grid(1e-3, 1201)), EntryPoint::Command, LoadSource::Constant);
+    let fine = run(&commanded(grid(1e-3, 1201)), InputPoint::Command, LoadSource::Constant);
     let fine = fine.signal(Signal::Position).unwrap();
-    let slow = run(&commanded(grid(5e-3, 241)), EntryPoint::Command, LoadSource::Constant);
+    let slow = run(&commanded(grid(5e-3, 241)), InputPoint::Command, LoadSource::Constant);
     let every_fifth: Vec<f64> = fine.iter().step_by(5).copied().collect();
     assert!(farthest(slow.signal(Signal::Position).unwrap(), &every_fifth) < 1e-12);
 
     // Rows off the core's grid: the command changes up to a tick early, the position is linear between ticks.
     let uneven: Vec<f64> = (0..1150).map(|row| f64::from(row) * 1e-3 + 0.0004 * f64::from(row % 3)).collect();
-    let found = run(&commanded(uneven.clone()), EntryPoint::Command, LoadSource::Constant);
+    let found = run(&commanded(uneven.clone()), InputPoint::Command, LoadSource::Constant);
     let expected: Vec<f64> = uneven
         .iter()
         .map(|time| {
@@ -137,17 +137,17 @@ fn a_slower_and_an_uneven_recording_of_the_same_command_give_the_same_motion() {
 
 #[test]
 fn a_load_taken_from_the_pressures_brings_them_and_the_motion_back() {
-    let whole = run(&commanded(grid(1e-3, 1200)), EntryPoint::Command, LoadSource::Constant);
+    let whole = run(&commanded(grid(1e-3, 1200)), InputPoint::Command, LoadSource::Constant);
     let series = |signal| whole.signal(signal).unwrap().to_vec();
     let spool = measured(&whole);
-    let found = run(&spool, EntryPoint::Spool, LoadSource::RecordedPressures);
+    let found = run(&spool, InputPoint::Spool, LoadSource::RecordedPressures);
     let error = farthest(found.signal(Signal::Position).unwrap(), &series(Signal::Position));
     assert!(error < 1e-5, "{error}");
 }
 
 #[test]
 fn entered_at_its_own_flow_the_rest_of_the_chain_is_nearly_the_same() {
-    let whole = run(&commanded(grid(1e-3, 1200)), EntryPoint::Command, LoadSource::Constant);
+    let whole = run(&commanded(grid(1e-3, 1200)), InputPoint::Command, LoadSource::Constant);
     let series = |signal| whole.signal(signal).unwrap().to_vec();
     let flow = recording(
         grid(1e-3, 1200),
@@ -158,7 +158,7 @@ fn entered_at_its_own_flow_the_rest_of_the_chain_is_nearly_the_same() {
             (Signal::Position, series(Signal::Position)),
         ],
     );
-    let below = run(&flow, EntryPoint::Flow, LoadSource::Constant);
+    let below = run(&flow, InputPoint::Flow, LoadSource::Constant);
     // The other edge lags by a part of a tick, and below a hundredth of the full flow it is not asked.
     for (signal, tolerance) in [(Signal::Position, 3e-5), (Signal::PressureA, 1e5), (Signal::PressureB, 1.5e5)] {
         let error = farthest(below.signal(signal).unwrap(), &series(signal));
@@ -168,7 +168,7 @@ fn entered_at_its_own_flow_the_rest_of_the_chain_is_nearly_the_same() {
 
 #[test]
 fn without_recorded_pressures_the_chambers_balance_the_load_at_half_the_supply() {
-    let found = run(&commanded(grid(1e-3, 50)), EntryPoint::Command, LoadSource::Constant);
+    let found = run(&commanded(grid(1e-3, 50)), InputPoint::Command, LoadSource::Constant);
     let first = |signal| found.signal(signal).unwrap()[0];
     assert!((first(Signal::PressureB) - 3.5e6).abs() < 1.0);
     assert!(first(Signal::Force).abs() < 1e-6);
@@ -178,19 +178,19 @@ fn without_recorded_pressures_the_chambers_balance_the_load_at_half_the_supply()
 fn without_recorded_pressures_the_machine_says_at_which_level_the_chambers_start() {
     let mut machine = press();
     machine.set(Parameter::LevelAtRest, 0.3);
-    let first = |entry, recording: &Recording| {
-        run_of(&machine, recording, entry, LoadSource::Constant).signal(Signal::PressureB).unwrap()[0]
+    let first = |drive_input, recording: &Recording| {
+        run_of(&machine, recording, drive_input, LoadSource::Constant).signal(Signal::PressureB).unwrap()[0]
     };
     let commanded = commanded(grid(1e-3, 50));
-    assert!((first(EntryPoint::Command, &commanded) / machine.get(Parameter::SupplyPressure) - 0.3).abs() < 1e-6);
+    assert!((first(InputPoint::Command, &commanded) / machine.get(Parameter::SupplyPressure) - 0.3).abs() < 1e-6);
     // Recorded ones are believed.
-    let recorded = measured(&run_of(&press(), &commanded, EntryPoint::Command, LoadSource::Constant));
-    assert!((first(EntryPoint::Spool, &recorded) / machine.get(Parameter::SupplyPressure) - 0.5).abs() < 1e-6);
+    let recorded = measured(&run_of(&press(), &commanded, InputPoint::Command, LoadSource::Constant));
+    assert!((first(InputPoint::Spool, &recorded) / machine.get(Parameter::SupplyPressure) - 0.5).abs() < 1e-6);
 }
 
 #[test]
 fn a_spike_at_rest_moves_no_start_and_a_failed_spool_is_bridged() {
-    let whole = measured(&run(&commanded(grid(1e-3, 1200)), EntryPoint::Command, LoadSource::Constant));
+    let whole = measured(&run(&commanded(grid(1e-3, 1200)), InputPoint::Command, LoadSource::Constant));
     let mut failed = whole.clone();
     let mut position = whole.signal(Signal::Position).unwrap().to_vec();
     position[3] += 0.02;
@@ -198,7 +198,7 @@ fn a_spike_at_rest_moves_no_start_and_a_failed_spool_is_bridged() {
     let mut spool = whole.signal(Signal::Spool).unwrap().to_vec();
     spool[400] = -1.0;
     failed.replace(Signal::Spool, &spool);
-    let of = |recording| run(recording, EntryPoint::Spool, LoadSource::Constant);
+    let of = |recording| run(recording, InputPoint::Spool, LoadSource::Constant);
     let series = |trajectory: &Trajectory| trajectory.signal(Signal::Position).unwrap().to_vec();
     assert!(farthest(&series(&of(&failed)), &series(&of(&whole))) < 1e-5);
 }
@@ -208,7 +208,7 @@ fn fixed_point_follows_float_on_a_recording() {
     let machine = press();
     let recording = commanded(grid(1e-3, 1200));
     let stimulus =
-        Stimulus::new(&recording, &machine, EntryPoint::Command, LoadSource::Constant, Tick::OneMillisecond).unwrap();
+        Stimulus::new(&recording, &machine, InputPoint::Command, LoadSource::Constant, Tick::OneMillisecond).unwrap();
     let fixed = simulate_fixed(&machine, &stimulus, StartOffset::none()).unwrap();
     let float = simulate_f64(&machine, &stimulus, StartOffset::none()).unwrap();
     let of = |trajectory: &Trajectory| trajectory.signal(Signal::Position).unwrap().to_vec();
@@ -219,18 +219,19 @@ fn fixed_point_follows_float_on_a_recording() {
 fn a_supply_that_droops_is_computed_where_the_valve_draws_from_it() {
     let mut machine = press();
     machine.set(Parameter::DroopResistance, 1e10);
-    let at = |recording: &Recording, entry| {
-        let stimulus = Stimulus::new(recording, &machine, entry, LoadSource::Constant, Tick::OneMillisecond).unwrap();
+    let at = |recording: &Recording, drive_input| {
+        let stimulus =
+            Stimulus::new(recording, &machine, drive_input, LoadSource::Constant, Tick::OneMillisecond).unwrap();
         simulate_f64(&machine, &stimulus, StartOffset::none()).unwrap()
     };
-    let whole = at(&commanded(grid(1e-3, 2000)), EntryPoint::Command);
+    let whole = at(&commanded(grid(1e-3, 2000)), InputPoint::Command);
     let (supply, flow) = (whole.signal(Signal::SupplyPressure).unwrap(), whole.signal(Signal::Flow).unwrap());
     assert!((supply[0] - machine.get(Parameter::SupplyPressure)).abs() < 1e-6);
     let lowest = supply.iter().fold(f64::INFINITY, |lowest, &value| lowest.min(value));
     let most = flow.iter().fold(0.0_f64, |most, &value| most.max(value));
     let fall = machine.get(Parameter::SupplyPressure) - lowest;
     assert!(fall > 0.9e10 * most, "{fall} of {most}");
-    let below = at(&measured(&whole), EntryPoint::Spool);
+    let below = at(&measured(&whole), InputPoint::Spool);
     let again = below.signal(Signal::SupplyPressure).unwrap();
     assert!(farthest(again, supply) < 0.01 * fall);
 }
@@ -241,7 +242,7 @@ fn a_followed_spool_moves_the_rod_and_the_command_moves_the_valve() {
     let commanded = commanded(time_s);
     let machine = press();
     let stimulus =
-        Stimulus::new(&commanded, &machine, EntryPoint::Command, LoadSource::Constant, Tick::OneMillisecond).unwrap();
+        Stimulus::new(&commanded, &machine, InputPoint::Command, LoadSource::Constant, Tick::OneMillisecond).unwrap();
     let chain = simulate_f64(&machine, &stimulus, StartOffset::none()).unwrap();
     assert!(stimulus.following().is_none(), "no spool was recorded");
 
@@ -254,7 +255,7 @@ fn a_followed_spool_moves_the_rod_and_the_command_moves_the_valve() {
         vec![recorded(Signal::Command), (Signal::Spool, spool), recorded(Signal::Position)],
     );
     let stimulus =
-        Stimulus::new(&both, &machine, EntryPoint::Command, LoadSource::Constant, Tick::OneMillisecond).unwrap();
+        Stimulus::new(&both, &machine, InputPoint::Command, LoadSource::Constant, Tick::OneMillisecond).unwrap();
     let following = stimulus.following().unwrap();
     let mut sluggish = machine;
     sluggish.set(Parameter::TimeConstant1, 0.06);
@@ -273,7 +274,7 @@ fn no_spool_is_followed_where_the_chain_is_entered_below_the_valve() {
     let spool = vec![0.1; time_s.len()];
     let recording = recording(time_s, vec![(Signal::Spool, spool), (Signal::Position, vec![0.1; 50])]);
     let stimulus =
-        Stimulus::new(&recording, &press(), EntryPoint::Spool, LoadSource::Constant, Tick::OneMillisecond).unwrap();
+        Stimulus::new(&recording, &press(), InputPoint::Spool, LoadSource::Constant, Tick::OneMillisecond).unwrap();
     assert!(stimulus.following().is_none());
 }
 
@@ -293,7 +294,7 @@ fn a_recorded_oil_temperature_thins_the_oil_and_without_one_it_is_at_the_referen
         machine
     };
     let position = |machine: &Machine<f64>, recording: &Recording| {
-        let run = run_of(machine, recording, EntryPoint::Command, LoadSource::Constant);
+        let run = run_of(machine, recording, InputPoint::Command, LoadSource::Constant);
         run.signal(Signal::Position).unwrap().to_vec()
     };
     let apart =

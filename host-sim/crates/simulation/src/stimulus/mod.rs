@@ -8,7 +8,7 @@ use std::sync::Arc;
 use load_balance::{balance, light_damping, pressure_force};
 
 use machine_file::LoadSource;
-use model_core::drive::{Entry, Load};
+use model_core::drive::{DriveInput, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Bases, Machine, Parameter, Source, Tick};
 use model_core::number::{Number, Scalar};
@@ -22,7 +22,7 @@ use crate::sensor_fault::Mended;
 
 /// Where the chain is entered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum EntryPoint {
+pub enum InputPoint {
     /// Command at the valve.
     Command,
     /// Measured spool.
@@ -35,23 +35,23 @@ pub enum EntryPoint {
     Force,
 }
 
-impl EntryPoint {
+impl InputPoint {
     /// The signal that drives the chain there.
     #[must_use]
     pub fn driving(self) -> Signal {
         match self {
-            EntryPoint::Command => Signal::Command,
-            EntryPoint::Spool => Signal::Spool,
-            EntryPoint::Pump => Signal::PumpSpeed,
-            EntryPoint::Flow => Signal::Flow,
-            EntryPoint::Force => Signal::Force,
+            InputPoint::Command => Signal::Command,
+            InputPoint::Spool => Signal::Spool,
+            InputPoint::Pump => Signal::PumpSpeed,
+            InputPoint::Flow => Signal::Flow,
+            InputPoint::Force => Signal::Force,
         }
     }
 
     /// Whether that is set, as a command and a pump's speed are, and not measured by a sensor.
     #[must_use]
     pub fn is_set(self) -> bool {
-        matches!(self, EntryPoint::Command | EntryPoint::Pump)
+        matches!(self, InputPoint::Command | InputPoint::Pump)
     }
 }
 
@@ -74,7 +74,7 @@ enum Input {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stimulus {
     /// Where the chain is entered.
-    pub entry: EntryPoint,
+    pub drive_input: InputPoint,
     /// The core's tick.
     pub tick: Tick,
     /// State at the first row.
@@ -97,27 +97,27 @@ pub struct Stimulus {
     pub(crate) rows: Vec<(usize, f64)>,
 }
 
-/// The entry furthest upstream that a recording allows for a machine's oil source.
-pub fn first_entry(source: Source, recording: &Recording) -> Result<EntryPoint, SimulateError> {
+/// The drive input furthest upstream that a recording allows for a machine's oil source.
+pub fn first_drive_input(source: Source, recording: &Recording) -> Result<InputPoint, SimulateError> {
     let has = |signal| recording.has(signal);
-    let candidates: &[(EntryPoint, bool)] = match source {
+    let candidates: &[(InputPoint, bool)] = match source {
         Source::Valve => &[
-            (EntryPoint::Command, has(Signal::Command)),
-            (EntryPoint::Spool, has(Signal::Spool)),
-            (EntryPoint::Flow, has(Signal::Flow)),
-            (EntryPoint::Force, has(Signal::Force)),
+            (InputPoint::Command, has(Signal::Command)),
+            (InputPoint::Spool, has(Signal::Spool)),
+            (InputPoint::Flow, has(Signal::Flow)),
+            (InputPoint::Force, has(Signal::Force)),
         ],
         Source::Pump => &[
-            (EntryPoint::Pump, has(Signal::PumpSpeed)),
-            (EntryPoint::Flow, has(Signal::Flow)),
-            (EntryPoint::Force, has(Signal::Force)),
+            (InputPoint::Pump, has(Signal::PumpSpeed)),
+            (InputPoint::Flow, has(Signal::Flow)),
+            (InputPoint::Force, has(Signal::Force)),
         ],
     };
     let expected = match source {
         Source::Valve => "command, spool, flow or force",
         Source::Pump => "pump_speed, flow or force",
     };
-    let found = candidates.iter().find(|(_, there)| *there).map(|(entry, _)| *entry);
+    let found = candidates.iter().find(|(_, there)| *there).map(|(drive_input, _)| *drive_input);
     found.ok_or_else(|| SimulateError::NoInput { recording: recording.name().to_owned(), expected })
 }
 
@@ -132,29 +132,29 @@ impl Stimulus {
     pub fn new(
         recording: &Recording,
         machine: &Machine<f64>,
-        entry: EntryPoint,
+        drive_input: InputPoint,
         load: LoadSource,
         tick: Tick,
     ) -> Result<Self, SimulateError> {
-        Self::of_mended(&Mended::of(recording), machine, entry, load, tick)
+        Self::of_mended(&Mended::of(recording), machine, drive_input, load, tick)
     }
 
     /// Lays a recording that is mended on the grid of `tick`.
     pub fn of_mended(
         mended: &Mended<'_>,
         machine: &Machine<f64>,
-        entry: EntryPoint,
+        drive_input: InputPoint,
         load: LoadSource,
         tick: Tick,
     ) -> Result<Self, SimulateError> {
-        Self::from_origin(mended, machine, entry, load, tick, Origin::of(&mended.recording))
+        Self::from_origin(mended, machine, drive_input, load, tick, Origin::of(&mended.recording))
     }
 
     /// Lays a part of a recording that is mended on the grid of the whole.
     pub(crate) fn from_origin(
         mended: &Mended<'_>,
         machine: &Machine<f64>,
-        entry: EntryPoint,
+        drive_input: InputPoint,
         load: LoadSource,
         tick: Tick,
         origin: Origin,
@@ -168,16 +168,16 @@ impl Stimulus {
                 reason,
             })
         };
-        let input = match entry {
-            EntryPoint::Command => {
+        let input = match drive_input {
+            InputPoint::Command => {
                 Input::Command(grid.held(need(Signal::Command, "the chain is entered at the command")?))
             }
-            EntryPoint::Spool => Input::Spool(grid.points(need(Signal::Spool, "the chain is entered at the spool")?)),
-            EntryPoint::Flow => Input::Flow(
+            InputPoint::Spool => Input::Spool(grid.points(need(Signal::Spool, "the chain is entered at the spool")?)),
+            InputPoint::Flow => Input::Flow(
                 grid.points(need(Signal::Flow, "the chain is entered at the flow")?),
                 machine.get(Parameter::AreaB) / machine.get(Parameter::AreaA),
             ),
-            EntryPoint::Pump => {
+            InputPoint::Pump => {
                 let speed = grid.points(need(Signal::PumpSpeed, "the pump drives the chain")?);
                 let mean: Vec<f64> = speed.windows(2).map(|pair| f64::midpoint(pair[0], pair[1])).collect();
                 let direction = match recording.signal(Signal::ValveDirection) {
@@ -186,14 +186,14 @@ impl Stimulus {
                 };
                 Input::Pump(mean, direction)
             }
-            EntryPoint::Force => Input::Force(match recording.signal(Signal::Force) {
+            InputPoint::Force => Input::Force(match recording.signal(Signal::Force) {
                 Some(force) => grid.points(force),
                 None => grid.points(&pressure_force(recording, machine)?),
             }),
         };
-        let spool = recording.signal(Signal::Spool).filter(|_| entry == EntryPoint::Command);
+        let spool = recording.signal(Signal::Spool).filter(|_| drive_input == InputPoint::Command);
         let spool = spool.map(|spool| grid.points(spool).into());
-        let balanced = load == LoadSource::RecordedPressures && entry != EntryPoint::Force;
+        let balanced = load == LoadSource::RecordedPressures && drive_input != InputPoint::Force;
         let damping = balanced.then(|| light_damping(machine));
         let load_n = if let Some(damping) = damping {
             let balance = balance(recording, machine, damping)?;
@@ -202,7 +202,7 @@ impl Stimulus {
             recording.signal(Signal::LoadForce).map(|force| grid.points(force))
         };
         Ok(Self {
-            entry,
+            drive_input,
             tick,
             start: start(recording, machine),
             ticks: grid.ticks,
@@ -273,8 +273,8 @@ impl Stimulus {
     /// direction of its own in each.
     pub(crate) fn goes_with(&self, other: &Self) -> bool {
         let ratio = |one: &Self| if let Input::Flow(_, ratio) = &one.input { Some(*ratio) } else { None };
-        let kind = |one: &Self| (one.entry, one.tick, one.follows, one.damping, ratio(one));
-        self.entry != EntryPoint::Pump && kind(self) == kind(other)
+        let kind = |one: &Self| (one.drive_input, one.tick, one.follows, one.damping, ratio(one));
+        self.drive_input != InputPoint::Pump && kind(self) == kind(other)
     }
 
     /// The recorded spool, where it meters the oil beside the valve.
@@ -295,39 +295,39 @@ impl Stimulus {
     }
 
     /// Where a tick enters the chain, and with what. `read` gives the value of a series at a grid point over a base.
-    pub(crate) fn entry_by<N: Number>(
+    pub(crate) fn drive_input_by<N: Number>(
         &self,
         tick: usize,
         bases: &Bases,
         read: impl Fn(fn(&Self) -> &[f64], usize, f64) -> N,
-    ) -> Entry<N> {
+    ) -> DriveInput<N> {
         let at = |base: f64| read(Self::entering, tick, base);
         let next = |base: f64| read(Self::entering, tick + 1, base);
         match &self.input {
             Input::Command(_) if self.follows => {
                 let spool = Spool { from: read(Self::spool, tick, 1.0), to: read(Self::spool, tick + 1, 1.0) };
-                Entry::Followed { command: at(bases.command_v), spool }
+                DriveInput::Followed { command: at(bases.command_v), spool }
             }
-            Input::Command(_) => Entry::Command(at(bases.command_v)),
-            Input::Spool(_) => Entry::Spool(Spool { from: at(1.0), to: next(1.0) }),
-            Input::Pump(_, direction) => Entry::Pump(PumpDrive {
+            Input::Command(_) => DriveInput::Command(at(bases.command_v)),
+            Input::Spool(_) => DriveInput::Spool(Spool { from: at(1.0), to: next(1.0) }),
+            Input::Pump(_, direction) => DriveInput::Pump(PumpDrive {
                 speed: at(bases.pump_speed_rev_per_s),
                 direction: direction.get(tick).copied().unwrap_or(0),
             }),
             Input::Flow(_, ratio) => {
                 let base = bases.flow_m3_per_s;
-                Entry::Flow {
+                DriveInput::Flow {
                     from: Flows { a: at(base), b: at(base / ratio) },
                     to: Flows { a: next(base), b: next(base / ratio) },
                 }
             }
-            Input::Force(_) => Entry::Force { from: at(bases.force_n), to: next(bases.force_n) },
+            Input::Force(_) => DriveInput::Force { from: at(bases.force_n), to: next(bases.force_n) },
         }
     }
 
     /// The same for one recording.
-    pub(crate) fn entry_at<N: Scalar>(&self, tick: usize, bases: &Bases) -> Entry<N> {
-        self.entry_by(tick, bases, |series, index, base| N::saturated(value_at(series(self), index) / base))
+    pub(crate) fn drive_input_at<N: Scalar>(&self, tick: usize, bases: &Bases) -> DriveInput<N> {
+        self.drive_input_by(tick, bases, |series, index, base| N::saturated(value_at(series(self), index) / base))
     }
 
     /// The series that drives the chain.
@@ -363,8 +363,8 @@ impl Stimulus {
     }
 
     pub(crate) fn pump_at<N: Scalar>(&self, tick: usize, bases: &Bases) -> PumpDrive<N> {
-        match self.entry_at(tick, bases) {
-            Entry::Pump(pump) => pump,
+        match self.drive_input_at(tick, bases) {
+            DriveInput::Pump(pump) => pump,
             _ => PumpDrive { speed: N::ZERO, direction: 0 },
         }
     }

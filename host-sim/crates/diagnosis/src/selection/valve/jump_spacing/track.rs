@@ -9,7 +9,7 @@ use identification::fit::{StartState, settle};
 use model_core::machine::{Machine, MachineError, Parameter};
 use recording::Signal;
 use simulation::signal::noise::quantile;
-use simulation::{EntryPoint, Run, run_abreast};
+use simulation::{InputPoint, Run, run_abreast};
 
 use super::whiten::{filtered, without_spikes};
 use super::{BLOCK_S, HEIGHTS, PHASES};
@@ -57,7 +57,7 @@ pub(crate) struct Heard<'a> {
 pub(crate) fn tracks(machine: &Machine<f64>, cases: &[&Prepared]) -> Result<Option<Vec<Track>>, MachineError> {
     let of = |case: &'_ Prepared, signal| case.channels.iter().position(|channel| channel.signal == signal);
     let position = |case: &&Prepared| {
-        let is_unseen = case.stimulus.entry == EntryPoint::Command && of(case, Signal::Spool).is_none();
+        let is_unseen = case.stimulus.drive_input == InputPoint::Command && of(case, Signal::Spool).is_none();
         of(case, Signal::Position).filter(|_| is_unseen)
     };
     let positions: Option<Vec<usize>> = cases.iter().map(position).collect();

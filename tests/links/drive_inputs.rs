@@ -1,6 +1,6 @@
 //! A drive entered at its flows or at its force, as they were simulated at the ticks, moves as the whole chain did.
 
-use model_core::drive::{Drive, Entry, Load};
+use model_core::drive::{Drive, DriveInput, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Parameter as P, Tick};
 use model_core::number::{PerUnit, Scalar};
@@ -41,11 +41,11 @@ fn runs<N: Scalar<Real = f64>>(named: &NamedDrive, excitation: &Excitation) -> [
     let mut rows = [vec![], vec![], vec![]];
     for volts in volts {
         let before = chain;
-        drive.step(&mut chain, Entry::Command(command(volts)), Load::NONE);
+        drive.step(&mut chain, DriveInput::Command(command(volts)), Load::NONE);
         let (from, to) = (port_flows(&drive, &before), port_flows(&drive, &chain));
-        drive.step(&mut from_flow, Entry::Flow { from, to }, Load::NONE);
+        drive.step(&mut from_flow, DriveInput::Flow { from, to }, Load::NONE);
         let (from, to) = (oil_force(named, before.chambers), oil_force(named, chain.chambers));
-        drive.step(&mut from_force, Entry::Force { from, to }, Load::NONE);
+        drive.step(&mut from_force, DriveInput::Force { from, to }, Load::NONE);
         for (rows, state) in rows.iter_mut().zip([&chain, &from_flow, &from_force]) {
             rows.push(row(state));
         }
