@@ -6,7 +6,7 @@ use std::path::Path;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use system_benches::refit::Refit;
-use system_benches::run::{Abreast, Run, START_M, random_commands, staggered};
+use system_benches::run::{InLanes, Run, START_M, random_commands, staggered};
 
 use model_core::number::{PerUnit, Scalar};
 use simulation::number::simd::LANES;
@@ -26,12 +26,12 @@ fn alone<N: Scalar<Real = f64>>(criterion: &mut Criterion, name: &str) {
     group.bench_function("any effect possible", |bencher| bencher.iter(|| run.any(black_box(&volts), &mut rows)));
 }
 
-fn abreast(criterion: &mut Criterion) {
+fn in_lanes(criterion: &mut Criterion) {
     let machine = drives::press();
-    let four = Abreast::new(&machine, &InitialState::at_rest(&machine, START_M));
+    let four = InLanes::new(&machine, &InitialState::at_rest(&machine, START_M));
     let (twice, mut rows) = (random_commands(2 * TICKS), <[Vec<_>; LANES]>::default());
     let volts = staggered(&twice);
-    let mut group = criterion.benchmark_group("ticks, f64, abreast");
+    let mut group = criterion.benchmark_group("ticks, f64, in SIMD lanes");
     group.throughput(Throughput::Elements((LANES * TICKS) as u64));
     group.bench_function("paper's model", |bencher| bencher.iter(|| four.paper(black_box(volts), &mut rows)));
     group.bench_function("any effect possible", |bencher| bencher.iter(|| four.any(black_box(volts), &mut rows)));
@@ -40,7 +40,7 @@ fn abreast(criterion: &mut Criterion) {
 fn steps(criterion: &mut Criterion) {
     alone::<f64>(criterion, "ticks, f64");
     alone::<PerUnit>(criterion, "ticks, fixed point");
-    abreast(criterion);
+    in_lanes(criterion);
 }
 
 fn refit(criterion: &mut Criterion) {

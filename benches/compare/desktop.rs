@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use serde_json::Value;
 use system_benches::floor::{Operations, WIDE};
-use system_benches::run::{Abreast, Row, Run, START_M, random_commands, staggered};
+use system_benches::run::{InLanes, Row, Run, START_M, random_commands, staggered};
 
 use model_core::machine::Machine;
 use model_core::number::PerUnit;
@@ -45,7 +45,7 @@ impl Ours {
     }
 
     /// A batch: each drive a quarter of the commands further on. The first one's rows are those that are judged.
-    fn abreast(name: &'static str, step: impl Fn([&[f32]; LANES], &mut [Vec<Row>; LANES]) + 'static) -> Self {
+    fn in_lanes(name: &'static str, step: impl Fn([&[f32]; LANES], &mut [Vec<Row>; LANES]) + 'static) -> Self {
         let scratch = RefCell::new(<[Vec<Row>; LANES]>::default());
         let run = move |volts: &[f32], rows: &mut Vec<Row>| {
             let twice = [volts, volts].concat();
@@ -54,7 +54,7 @@ impl Ours {
             step(staggered(&twice), &mut all);
             std::mem::swap(rows, &mut all[0]);
         };
-        let how = format!("{LANES} drives abreast, each under commands of its own; the time of one");
+        let how = format!("{LANES} drives in SIMD lanes, each under commands of its own; the time of one");
         Self { how, drives: LANES, ..Self::core(name, Box::new(run)) }
     }
 
@@ -89,15 +89,15 @@ impl Ours {
 }
 
 fn ours(machine: &Machine<f64>, initial: &InitialState) -> [Ours; 6] {
-    let four = Abreast::new(machine, initial);
+    let four = InLanes::new(machine, initial);
     let (real, fixed) = (Run::<f64>::new(machine, initial), Run::<PerUnit>::new(machine, initial));
     [
         Ours::core("**core, f64**", Box::new(move |volts, rows| real.paper(volts, rows))),
         Ours::core("**core, fixed point**", Box::new(move |volts, rows| fixed.paper(volts, rows))),
         Ours::core("**core, f64, any effect possible**", Box::new(move |volts, rows| real.any(volts, rows))),
         Ours::core("**core, fixed point, any effect possible**", Box::new(move |volts, rows| fixed.any(volts, rows))),
-        Ours::abreast("**core, f64, a batch**", move |volts, rows| four.paper(volts, rows)),
-        Ours::abreast("**core, f64, a batch, any effect possible**", move |volts, rows| four.any(volts, rows)),
+        Ours::in_lanes("**core, f64, a batch**", move |volts, rows| four.paper(volts, rows)),
+        Ours::in_lanes("**core, f64, a batch, any effect possible**", move |volts, rows| four.any(volts, rows)),
     ]
 }
 

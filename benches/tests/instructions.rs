@@ -58,7 +58,7 @@ fn a_step_and_a_refit_take_no_more_instructions_than_before() {
     let figures = [
         ("instructions a step, f64", of_a_step("step-f64")),
         ("instructions a step, fixed point", of_a_step("step-fixed")),
-        ("instructions a step of four drives abreast, f64", of_a_step("step-abreast")),
+        ("instructions a step of four drives in SIMD lanes, f64", of_a_step("step-lanes")),
         ("millions of instructions a refit, four recordings", of_a_refit()),
     ];
     let mut table = "Under callgrind, x86-64 with AVX2, test profile.\n".to_owned();

@@ -33,7 +33,7 @@ const HOSES: PlantEffect =
 const FRICTION: PlantEffect =
     PlantEffect::CoulombFriction { force_n: FRICTION_N, stiffness_n_per_m: 1e11, damping_n_s_per_m: 2e5 };
 /// Bristles that give by 27 µm, damped as the core damps them: what its step has on them.
-const BRISTLES: PlantEffect = PlantEffect::CoulombFriction {
+const LUGRE: PlantEffect = PlantEffect::CoulombFriction {
     force_n: FRICTION_N,
     stiffness_n_per_m: STIFFNESS_N_PER_M,
     damping_n_s_per_m: 8.8e3,
@@ -107,7 +107,7 @@ fn each_effect_and_the_pump_drive_follow_the_oracle() {
         }
         let machine =
             drive.machine.with(&[(P::CoulombFriction, FRICTION_N), (P::PreslidingStiffness, STIFFNESS_N_PER_M)]);
-        add(drive.name, "... on bristles", valve(&machine, BRISTLES), Case::DryFriction, Case::DryFrictionRounding);
+        add(drive.name, "... on bristles", valve(&machine, LUGRE), Case::DryFriction, Case::DryFrictionRounding);
         let machine = drive.machine.with(&[
             (P::StopExtended, STOP_M),
             (P::StopStiffness, STOP_N_PER_M),

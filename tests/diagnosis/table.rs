@@ -36,7 +36,7 @@ fn tabled(case: &Case, with: impl Fn(Location) -> Location) -> Option<(Unnamed, 
             load: case.file.load_source,
             cases: &cases,
             named: &[],
-            promises: &[],
+            predicted_gains: &[],
         })
         .unwrap(),
     );

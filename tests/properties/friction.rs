@@ -6,7 +6,7 @@ use model_core::drive::{Drive, DriveInput, Load};
 use model_core::machine::{Machine, Parameter as P, Tick};
 use model_core::number::{PerUnit, Scalar};
 use model_core::ports::{Forces, MotionState, Surroundings};
-use system_tests::any_effects::{BRISTLES, LOAD, STOPS, any_effects, overlapped, without};
+use system_tests::any_effects::{LOAD, LUGRE, STOPS, any_effects, overlapped, without};
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::simulate::{DELAY, at_rest, drive};
 use virtual_plant::InitialState;
@@ -26,7 +26,7 @@ fn with_friction() -> impl Strategy<Value = Machine<f64>> {
             P::ExternalLeakageA,
             P::ExternalLeakageB,
         ];
-        let none = [&none[..], &LOAD, &STOPS, &BRISTLES].concat();
+        let none = [&none[..], &LOAD, &STOPS, &LUGRE].concat();
         overlapped(&without(&machine, &none))
             .with(&[(P::CoulombFriction, share * machine.get(P::AreaA) * machine.get(P::SupplyPressure))])
     })

@@ -7,13 +7,13 @@
 //! CASES_TIMES=30 CASES_SEED=1 cargo test -p system-tests --test properties
 //! ```
 
-mod abreast;
 mod agreement;
 mod balance;
 mod derivatives;
 mod effects;
 mod extremes;
 mod friction;
+mod in_lanes;
 mod physics;
 mod ports;
 mod repeat;

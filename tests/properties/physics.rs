@@ -8,7 +8,7 @@ use model_core::drive::{Drive, DriveInput, Load};
 use model_core::machine::{Machine, Parameter as P, Tick};
 use model_core::number::{PerUnit, Scalar};
 use recording::excitation::signals::Excitation;
-use system_tests::any_effects::{BRISTLES, LOAD, NO_FLOOR, STOPS, any_effects, overlapped, without};
+use system_tests::any_effects::{LOAD, LUGRE, NO_FLOOR, STOPS, any_effects, overlapped, without};
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::simulate::{DELAY, State, at_rest, command, drive, larger};
 use virtual_plant::InitialState;
@@ -105,7 +105,7 @@ pub(crate) fn gentle(mut machine: Machine<f64>) -> Machine<f64> {
 /// bristles, edges that are open at the centre, voids, which pull the rod back by the floor.
 fn storing_nothing_else(machine: &Machine<f64>) -> Machine<f64> {
     let none = [P::AirShare, P::VolumeShare, P::ValveLeakageOpening];
-    without(machine, &[&none[..], &LOAD, &BRISTLES].concat()).with(&[NO_FLOOR])
+    without(machine, &[&none[..], &LOAD, &LUGRE].concat()).with(&[NO_FLOOR])
 }
 
 /// Without stops either.

@@ -7,7 +7,7 @@ use model_core::machine::{Machine, Parameter as P, Tick};
 use model_core::number::{PerUnit, Scalar};
 use model_core::ports::{ChamberState, Spool};
 use recording::excitation::signals::Excitation;
-use system_tests::any_effects::{BRISTLES, STOPS, any_effects, without};
+use system_tests::any_effects::{LUGRE, STOPS, any_effects, without};
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::simulate::{DELAY, Distance, Row, State, core, distance, drive};
 use virtual_plant::InitialState;
@@ -92,7 +92,7 @@ fn without_decisions(machine: &Machine<f64>) -> Machine<f64> {
         P::PressureFriction,
         P::StictionBand,
     ];
-    without(machine, &[&deciding[..], &BRISTLES, &STOPS].concat())
+    without(machine, &[&deciding[..], &LUGRE, &STOPS].concat())
 }
 
 /// Without a limit of the flow, at which some drives swing for ever (`settling`), and rounding with them.

@@ -232,7 +232,7 @@ pub const LOAD: [P; 3] = [P::LoadSpring, P::LoadSpringForce, P::LoadSpringBow];
 /// What makes the end stops.
 pub const STOPS: [P; 2] = [P::StopStiffness, P::StopDamping];
 /// What makes presliding.
-pub const BRISTLES: [P; 2] = [P::PreslidingForce, P::PreslidingStiffness];
+pub const LUGRE: [P; 2] = [P::PreslidingForce, P::PreslidingStiffness];
 
 /// The machine with none of what these say.
 #[must_use]

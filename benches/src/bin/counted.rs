@@ -1,4 +1,4 @@
-//! What `tests/instructions.rs` counts the instructions of: `counted step-f64 TICKS`, `counted step-fixed TICKS`, `counted step-abreast TICKS`,
+//! What `tests/instructions.rs` counts the instructions of: `counted step-f64 TICKS`, `counted step-fixed TICKS`, `counted step-lanes TICKS`,
 //! `counted refit FOLDER TIMES`.
 //! Times 0 reads what a refit needs and does none: what is left of the difference is the refit.
 
@@ -6,7 +6,7 @@ use std::error::Error;
 use std::path::Path;
 
 use system_benches::refit::Refit;
-use system_benches::run::{Abreast, Run, START_M, random_commands, staggered};
+use system_benches::run::{InLanes, Run, START_M, random_commands, staggered};
 
 use model_core::number::{PerUnit, Scalar};
 use simulation::number::simd::LANES;
@@ -21,9 +21,9 @@ fn step<N: Scalar<Real = f64>>(ticks: usize) -> f64 {
     rows.last().map_or(f64::NAN, |row| row[1])
 }
 
-fn step_abreast(ticks: usize) -> f64 {
+fn step_in_lanes(ticks: usize) -> f64 {
     let machine = drives::press();
-    let four = Abreast::new(&machine, &InitialState::at_rest(&machine, START_M));
+    let four = InLanes::new(&machine, &InitialState::at_rest(&machine, START_M));
     let volts = random_commands(2 * ticks);
     let mut rows = <[Vec<_>; LANES]>::default();
     four.any(staggered(&volts), &mut rows);
@@ -48,9 +48,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let result = match words.as_slice() {
         ["step-f64", ticks] => step::<f64>(ticks.parse()?),
         ["step-fixed", ticks] => step::<PerUnit>(ticks.parse()?),
-        ["step-abreast", ticks] => step_abreast(ticks.parse()?),
+        ["step-lanes", ticks] => step_in_lanes(ticks.parse()?),
         ["refit", folder, times] => refit(folder, times.parse()?)?,
-        _ => return Err("expected step-f64 TICKS, step-fixed TICKS, step-abreast TICKS, or refit FOLDER TIMES".into()),
+        _ => return Err("expected step-f64 TICKS, step-fixed TICKS, step-lanes TICKS, or refit FOLDER TIMES".into()),
     };
     println!("{result}");
     Ok(())

@@ -14,7 +14,7 @@ use recording::files::atomic::Begun;
 use recording::{Column, Format, Recording, Series, Signal};
 use report::plot;
 use simulation::{
-    Arithmetic, InputPoint, Onward, SimulateError, StartOffset, Stimulus, Trajectory, first_drive_input, natural_tick,
+    Arithmetic, InChunks, InputPoint, SimulateError, StartOffset, Stimulus, Trajectory, first_drive_input, natural_tick,
 };
 
 use super::Outcome;
@@ -117,11 +117,11 @@ fn each_part(arguments: &Arguments, path: &Path, console: &mut Console<'_>, bar:
     let failed = |cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause };
     let drive_input = first_drive_input(file.machine.source, &part.recording).map_err(failed)?;
     let tick = arguments.machine.tick().unwrap_or_else(|| natural_tick(&part.recording));
-    let mut onward =
-        Onward::new(&file.machine, drive_input, file.load_source, tick, arguments.machine.arithmetic.into());
+    let mut in_chunks =
+        InChunks::new(&file.machine, drive_input, file.load_source, tick, arguments.machine.arithmetic.into());
     let mut out = Target::new(&arguments.out)?;
     loop {
-        let advance = onward.part(&part).map_err(failed)?;
+        let advance = in_chunks.part(&part).map_err(failed)?;
         let (replaced, added) = columns(&part.recording, &advance.trajectory);
         let text = part.recording.csv_rows(&arguments.out, advance.rows, &replaced, &added)?;
         bar.aside(|| out.write(&text, console))?;

@@ -16,7 +16,7 @@ use core::ops::{Add, BitAnd, BitOr, BitXor, Neg, Not, Sub};
 pub use fixed_point::PerUnit;
 pub use real::{Field, Real};
 
-/// What a comparison of two numbers says: `bool`, or one for each of several that are computed abreast.
+/// What a comparison of two numbers says: `bool`, or one for each of several that are computed in SIMD lanes.
 pub trait Mask:
     Copy + Debug + PartialEq + BitAnd<Output = Self> + BitOr<Output = Self> + BitXor<Output = Self> + Not<Output = Self>
 {

@@ -154,8 +154,8 @@ pub fn diagnose(
     let located = if verdict == Verdict::NothingMissing && named.is_empty() {
         None
     } else {
-        let promises = if named.is_empty() {
-            promises(&Reference::new(&question, &seen)?.leads(&hypotheses)?)
+        let predicted_gains = if named.is_empty() {
+            predicted_gains(&Reference::new(&question, &seen)?.leads(&hypotheses)?)
         } else {
             Vec::new()
         };
@@ -164,7 +164,7 @@ pub fn diagnose(
             load: file.load_source,
             cases: &cases,
             named: &named,
-            promises: &promises,
+            predicted_gains: &predicted_gains,
         };
         Some(locate(&sought)?)
     };
@@ -269,7 +269,7 @@ fn cases<'a>(recordings: &'a [Recording], prepared: &[&'a Prepared], starts: &[S
 }
 
 /// What the best hypothesis of each subsystem would gain.
-fn promises(leads: &[Lead]) -> Vec<(Subsystem, f64)> {
+fn predicted_gains(leads: &[Lead]) -> Vec<(Subsystem, f64)> {
     let mut best: BTreeMap<Subsystem, f64> = BTreeMap::new();
     for lead in leads {
         let gain = best.entry(lead.effect.subsystem).or_default();

@@ -15,7 +15,7 @@ use machine_file::LoadSource;
 use model_core::machine::{Machine, MachineError, Parameter, Source, Tick};
 use recording::{Recording, Signal};
 use simulation::number::simd::LANES;
-use simulation::{InputPoint, Run, StartOffset, Stimulus, run_abreast};
+use simulation::{InputPoint, Run, StartOffset, Stimulus, run_in_lanes};
 
 use crate::sensor;
 use crate::standard_tests::{StandardTest, standard_tests};
@@ -283,7 +283,7 @@ type Seen = Vec<Vec<DVector<f64>>>;
 fn seen(machine: &Machine<f64>, runs: &[Run<'_>], sensors: &[Sensor]) -> Result<Seen, MachineError> {
     let mut series: Vec<Vec<Vec<f64>>> =
         runs.iter().map(|run| vec![Vec::with_capacity(run.stimulus.rows()); sensors.len()]).collect();
-    run_abreast(machine, runs, &mut |run, _, values| {
+    run_in_lanes(machine, runs, &mut |run, _, values| {
         for ((value, sensor), series) in values.iter().zip(sensors).zip(&mut series[run]) {
             series.push(value / sensor.noise);
         }

@@ -27,7 +27,7 @@ pub struct Channel {
     /// Standard deviation of the sensor's noise and quantisation, and of what is inherited, SI.
     pub noise: f64,
     /// What of it the noise of the recorded signal makes that drives the chain, SI.
-    pub inherited: f64,
+    pub input_noise: f64,
 }
 
 impl Channel {
@@ -45,7 +45,7 @@ impl Channel {
             stretches: failures.stretches,
             tolerance: 1.0,
             noise: noise(recorded, resolution(recorded)),
-            inherited: 0.0,
+            input_noise: 0.0,
             recorded: recorded.to_vec(),
         }
     }
@@ -53,13 +53,17 @@ impl Channel {
     /// Standard deviation of the sensor's own noise and quantisation, SI.
     #[must_use]
     pub fn own_noise(&self) -> f64 {
-        if self.inherited > 0.0 { (self.noise.powi(2) - self.inherited.powi(2)).max(0.0).sqrt() } else { self.noise }
+        if self.input_noise > 0.0 {
+            (self.noise.powi(2) - self.input_noise.powi(2)).max(0.0).sqrt()
+        } else {
+            self.noise
+        }
     }
 
     /// The same with what a simulation is off by for the noise of what drives it.
     pub fn inherit(&mut self, off_by: f64) {
         self.noise = self.noise.hypot(off_by);
-        self.inherited = self.inherited.hypot(off_by);
+        self.input_noise = self.input_noise.hypot(off_by);
     }
 
     /// The NRMSE fit, %, that a perfect model would reach: only the noise is left.

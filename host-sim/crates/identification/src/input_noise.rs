@@ -26,7 +26,7 @@ pub(crate) fn realisations(rows: usize) -> usize {
 }
 
 /// RMS by which each of the `signals` of a simulation is off through the noise of what the recording's sensors measured, SI.
-pub(crate) fn inherited(
+pub(crate) fn input_noise(
     mended: &Mended<'_>,
     trajectory: &Trajectory,
     signals: &[Signal],
@@ -153,7 +153,7 @@ mod tests {
         ];
         let recording = Recording::new("r", columns).unwrap();
         let mended = Mended::of(&recording);
-        let found = inherited(&mended, &summed(&mended), &[Signal::Position], |mended| Ok(summed(mended))).unwrap();
+        let found = input_noise(&mended, &summed(&mended), &[Signal::Position], |mended| Ok(summed(mended))).unwrap();
         // The mean square of a walk over n steps is n/2 of a step's.
         let expected = 0.02 * (f64::from(ROWS) / 2.0).sqrt();
         assert!((found[0] / expected - 1.0).abs() < 0.4, "{} {expected}", found[0]);

@@ -26,7 +26,7 @@ const OVERLAP: usize = 1000;
 /// each part by itself: rows in which a sensor failed, and how noisy pressures are that the load balances. A failure that lasts beyond
 /// what two parts have in common is bridged in each as if it were at an end of the recording.
 #[derive(Debug)]
-pub struct Onward {
+pub struct InChunks {
     machine: Machine<f64>,
     drive_input: InputPoint,
     load: LoadSource,
@@ -61,7 +61,7 @@ pub struct Advance {
     pub next_from: usize,
 }
 
-impl Onward {
+impl InChunks {
     /// Nothing is simulated yet.
     #[must_use]
     pub fn new(
@@ -194,11 +194,11 @@ mod tests {
         let expected = written(&whole, 0..whole.rows(), &simulated);
 
         for usual_rows in [3500, 5003, 100_000] {
-            let (mut parts, mut onward) =
-                (parts(text, usual_rows), Onward::new(&machine, drive_input, load, tick, arithmetic));
+            let (mut parts, mut in_chunks) =
+                (parts(text, usual_rows), InChunks::new(&machine, drive_input, load, tick, arithmetic));
             let (mut found, mut count) = (String::new(), 0);
             while let Some(part) = parts.read_next().unwrap() {
-                let advance = onward.part(&part).unwrap();
+                let advance = in_chunks.part(&part).unwrap();
                 found += &written(&part.recording, advance.rows, &advance.trajectory);
                 parts.forget_before(advance.next_from);
                 count += 1;
@@ -227,7 +227,7 @@ mod tests {
             writeln!(text, "{},1", row / 50).unwrap();
         }
         let mut parts = parts(&text, 3_000);
-        let mut onward = Onward::new(
+        let mut in_chunks = InChunks::new(
             &press(&[]),
             InputPoint::Command,
             LoadSource::Constant,
@@ -236,7 +236,7 @@ mod tests {
         );
         let (mut rows, mut notes) = (0, Vec::new());
         while let Some(part) = parts.read_next().unwrap() {
-            let advance = onward.part(&part).unwrap();
+            let advance = in_chunks.part(&part).unwrap();
             rows += advance.rows.len();
             parts.forget_before(advance.next_from);
             notes.extend(part.recording.notes().to_vec());
@@ -262,7 +262,7 @@ mod tests {
     fn a_part_with_fewer_rows_than_two_have_in_common_only_waits_for_more() {
         let text = text(6_000, "command [V]", |_| 1e-3);
         let mut parts = parts(&text, 300);
-        let mut onward = Onward::new(
+        let mut in_chunks = InChunks::new(
             &press(&[]),
             InputPoint::Command,
             LoadSource::Constant,
@@ -271,7 +271,7 @@ mod tests {
         );
         let mut rows = 0;
         while let Some(part) = parts.read_next().unwrap() {
-            let advance = onward.part(&part).unwrap();
+            let advance = in_chunks.part(&part).unwrap();
             rows += advance.rows.len();
             parts.forget_before(advance.next_from);
         }

@@ -1,4 +1,4 @@
-//! Several recordings simulated abreast: as many as a number has lanes, with what a step asks of the machine asked once for all.
+//! Several recordings simulated in SIMD lanes: as many as a number has lanes, with what a step asks of the machine asked once for all.
 
 use std::array::from_fn;
 use std::cmp::Reverse;
@@ -10,7 +10,7 @@ use model_core::number::{Field, Number};
 use model_core::ports::{ChamberState, Spool};
 use recording::Signal;
 
-use crate::initial_state::{DELAY_LINE, Departure, StartOffset};
+use crate::initial_state::{DELAY_LINE, InitialState, StartOffset};
 use crate::number::simd::{LANES, Lanes};
 use crate::outflow::Edges;
 use crate::run::{Rows, reading, run, through_valve, unbraked};
@@ -30,7 +30,7 @@ pub struct Run<'a> {
 
 /// Runs the core over several stimuli, and hands each recorded row's signals to `sink`: which run, which row, and the values in SI
 /// units, 0 for what the chain does not compute. The rows of one run come in order; each value is that of `run` to the last bit.
-pub fn run_abreast(
+pub fn run_in_lanes(
     machine: &Machine<f64>,
     runs: &[Run<'_>],
     sink: &mut dyn FnMut(usize, usize, &[f64]),
@@ -69,7 +69,7 @@ fn alone(machine: &Machine<f64>, one: &Run<'_>, sink: &mut dyn FnMut(usize, &[f6
 }
 
 /// Several recordings in the lanes of one drive.
-struct Abreast<'a> {
+struct InLanes<'a> {
     machine: Machine<f64>,
     /// Of each lane; one without a recording of its own repeats the first.
     stimuli: [&'a Stimulus; LANES],
@@ -78,16 +78,16 @@ struct Abreast<'a> {
     state: DriveState<Lanes, DELAY_LINE>,
 }
 
-impl<'a> Abreast<'a> {
+impl<'a> InLanes<'a> {
     /// Runs that go together, `LANES` at most, where each starts.
     fn at_start(machine: &Machine<f64>, runs: &[&Run<'a>]) -> Result<Self, MachineError> {
         let of = |lane: usize| *runs.get(lane).unwrap_or(&runs[0]);
         let stimuli: [&Stimulus; LANES] = from_fn(|lane| of(lane).stimulus);
         let machine = unbraked(machine, stimuli[0]);
         let drive = Drive::<Lanes>::new::<DELAY_LINE>(&machine, stimuli[0].tick)?;
-        let departures: [Departure<f64>; LANES] =
-            from_fn(|lane| Departure::of(&machine, drive.bases(), &stimuli[lane].start, of(lane).offset.lifted()));
-        let packed = |value: fn(&Departure<f64>) -> f64| Lanes::new(departures.each_ref().map(value));
+        let initial_states: [InitialState<f64>; LANES] =
+            from_fn(|lane| InitialState::of(&machine, drive.bases(), &stimuli[lane].start, of(lane).offset.lifted()));
+        let packed = |value: fn(&InitialState<f64>) -> f64| Lanes::new(initial_states.each_ref().map(value));
         let pressures = ChamberState { a: packed(|of| within(of.pressures.a)), b: packed(|of| within(of.pressures.b)) };
         let state = drive.at_rest(packed(|of| f64::saturated(of.command)), pressures, packed(|of| of.strokes));
         let edges = Edges::of(&machine, drive.bases());
@@ -143,7 +143,7 @@ fn in_lanes(
     runs: &[&Run<'_>],
     sink: &mut dyn FnMut(usize, usize, &[f64]),
 ) -> Result<(), MachineError> {
-    let mut abreast = Abreast::at_start(machine, runs)?;
+    let mut lanes = InLanes::at_start(machine, runs)?;
     let mut signals: Vec<Signal> = Vec::new();
     for signal in runs.iter().flat_map(|run| &run.signals) {
         if !signals.contains(signal) {
@@ -159,13 +159,13 @@ fn in_lanes(
     let mut values = Vec::with_capacity(signals.len());
     for point in 0..=runs.iter().map(|run| run.stimulus.ticks).max().unwrap_or(0) {
         if point > 0 {
-            abreast.step(point - 1);
+            lanes.step(point - 1);
         }
         if !rows.iter().any(|rows| rows.is_wanted(point)) {
             continue;
         }
         for (now, &signal) in now.iter_mut().zip(&signals) {
-            *now = abreast.signal(signal, point);
+            *now = lanes.signal(signal, point);
         }
         for (lane, (rows, places)) in rows.iter_mut().zip(&places).enumerate() {
             while let Some((row, share)) = rows.at(point) {

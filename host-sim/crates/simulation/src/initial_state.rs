@@ -72,14 +72,14 @@ fn balanced<R: Real>(machine: &Machine<R>, level: R, position_m: R) -> (R, R) {
 
 /// Where a run starts, per unit.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Departure<R> {
+pub(crate) struct InitialState<R> {
     /// Command, in 10 V.
     pub(crate) command: f64,
     pub(crate) pressures: ChamberState<R>,
     pub(crate) strokes: R,
 }
 
-impl<R: Real> Departure<R> {
+impl<R: Real> InitialState<R> {
     pub(crate) fn of(machine: &Machine<R>, bases: &Bases, start: &Start, offset: Offset<R>) -> Self {
         let constant = R::constant;
         let position_m = constant(start.position_m) + offset.shift_m;
@@ -103,7 +103,7 @@ pub(crate) fn at_start<N: Scalar>(
     start: &Start,
     offset: Offset<N::Real>,
 ) -> DriveState<N, DELAY_LINE> {
-    let Departure { command, pressures, strokes } = Departure::of(machine, drive.bases(), start, offset);
+    let InitialState { command, pressures, strokes } = InitialState::of(machine, drive.bases(), start, offset);
     let pressures = ChamberState { a: within(pressures.a), b: within(pressures.b) };
     drive.at_rest(N::saturated(command), pressures, N::travel(strokes))
 }

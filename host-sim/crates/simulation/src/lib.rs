@@ -1,7 +1,7 @@
 //! The reference model run along a recording: in fixed point as on the target, in `f64`, with derivatives, or several drives at once.
 //!
 //! A recording and a machine become a [`Stimulus`] (what drives the model, tick by tick); a stimulus and a machine become a [`Trajectory`]. Start at
-//! [`simulate_fixed`] or [`simulate_f64`]; [`run_abreast`] runs up to four recordings in SIMD lanes, [`Derivatives`] adds the slopes by parameters,
+//! [`simulate_fixed`] or [`simulate_f64`]; [`run_in_lanes`] runs up to four recordings in SIMD lanes, [`Derivatives`] adds the slopes by parameters,
 //! [`Live`] steps a drive that somebody else drives. The equations are those of `model-core`, run on other number types that stay inside this
 //! crate. It judges nothing: noise levels are in [`signal`], fits in `identification`.
 #![forbid(unsafe_code)]
@@ -29,8 +29,8 @@ mod stimulus;
 pub use arithmetic::Arithmetic;
 pub use derivatives::{By, Derivatives, Derived, MOST_PARAMETERS};
 pub use error::SimulateError;
-pub use in_chunks::{Advance, Onward};
-pub use in_lanes::{Run, run_abreast};
+pub use in_chunks::{Advance, InChunks};
+pub use in_lanes::{Run, run_in_lanes};
 pub use initial_state::{DELAY_LINE, StartOffset};
 pub use recorded_start::Start;
 pub use run::{SignalsOfRow, Trajectory, computed_below, rows_f64, simulate_f64, simulate_fixed};

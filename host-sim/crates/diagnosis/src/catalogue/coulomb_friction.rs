@@ -22,7 +22,7 @@
 
 use model_core::machine::Parameter;
 
-use super::{BRISTLES, EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LUGRE, LookAlike, Subsystem};
 
 const FORCE: EffectParameter = EffectParameter {
     parameter: Parameter::CoulombFriction,
@@ -33,7 +33,7 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "coulomb-friction",
     subsystem: Subsystem::Mechanics,
     equation: "F = −Fc·sgn v; at rest |F| ≤ Fc",
-    forms: &[&[FORCE], &[FORCE, BRISTLES]],
+    forms: &[&[FORCE], &[FORCE, LUGRE]],
     look_alikes: &[
         LookAlike { effect: "stribeck-friction", told_apart_by: "constant-speed strokes below 10 mm/s" },
         LookAlike {

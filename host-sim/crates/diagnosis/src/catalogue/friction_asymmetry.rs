@@ -23,7 +23,7 @@
 use machine_file::LoadSource;
 use model_core::machine::Parameter;
 
-use super::{BRISTLES, EffectParameter, Extension, Hypothesis, Kind, LookAlike, Scene, Subsystem};
+use super::{EffectParameter, Extension, Hypothesis, Kind, LUGRE, LookAlike, Scene, Subsystem};
 
 fn force_n(scene: &Scene<'_>) -> (f64, f64) {
     (2e-3 * scene.full_force_n(), 0.1 * scene.full_force_n())
@@ -38,7 +38,7 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "friction-asymmetry",
     subsystem: Subsystem::Mechanics,
     equation: "F = −F1 at v > 0, +F2 at v < 0; at rest −F1 ≤ F ≤ F2",
-    forms: &[&[EXTENDING, RETRACTING], &[EXTENDING, RETRACTING, BRISTLES]],
+    forms: &[&[EXTENDING, RETRACTING], &[EXTENDING, RETRACTING, LUGRE]],
     look_alikes: &[
         LookAlike {
             effect: "coulomb-friction",

@@ -168,7 +168,7 @@ impl EffectParameter {
 /// The bristles that every law of dry friction acts through before the rod slides: about as stiff as the oil columns, or stiffer. Those
 /// softer than about a third of the oil columns are presliding; stiffer ones are how all dry friction is. Each law has a form that
 /// holds rigidly and one with bristles: recordings without pressures hardly show them.
-const BRISTLES: EffectParameter = EffectParameter {
+const LUGRE: EffectParameter = EffectParameter {
     parameter: Parameter::PreslidingStiffness,
     kind: Kind::Shape(|scene| (scene.machine.oil_spring_n_per_m(), 30.0 * scene.machine.oil_spring_n_per_m()), 1),
 };
@@ -179,7 +179,7 @@ pub type Form = &'static [EffectParameter];
 /// Whether dry friction of this form acts through bristles.
 #[must_use]
 pub fn is_elastic(form: Form) -> bool {
-    form.iter().any(|effect_parameter| effect_parameter.parameter == BRISTLES.parameter)
+    form.iter().any(|effect_parameter| effect_parameter.parameter == LUGRE.parameter)
 }
 
 /// What an effect has in common with a plainer one.
@@ -358,7 +358,7 @@ mod tests {
             for effect_parameter in hypothesis.effect_parameters() {
                 let description = effect_parameter.parameter.description();
                 let own = hypothesis.parameters().any(|parameter| parameter == effect_parameter.parameter);
-                assert!(own || effect_parameter.parameter == BRISTLES.parameter, "{}", description.key);
+                assert!(own || effect_parameter.parameter == LUGRE.parameter, "{}", description.key);
                 let (low, high) = effect_parameter.range(&scene);
                 assert!(
                     low < high && description.min <= low && high <= description.max,

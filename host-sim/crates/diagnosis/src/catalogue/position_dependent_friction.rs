@@ -25,7 +25,7 @@ use machine_file::LoadSource;
 use model_core::machine::Parameter;
 use recording::Signal;
 
-use super::{BRISTLES, EffectParameter, Extension, Hypothesis, Kind, LookAlike, Scene, Subsystem};
+use super::{EffectParameter, Extension, Hypothesis, Kind, LUGRE, LookAlike, Scene, Subsystem};
 
 const FORCE: EffectParameter = EffectParameter {
     parameter: Parameter::PositionFriction,
@@ -68,8 +68,8 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
         &[DRAG_SLOPE],
         &[FORCE, SLOPE, BOW],
         &[DRAG_SLOPE, DRAG_BOW],
-        &[FORCE, SLOPE, BRISTLES],
-        &[FORCE, SLOPE, BOW, BRISTLES],
+        &[FORCE, SLOPE, LUGRE],
+        &[FORCE, SLOPE, BOW, LUGRE],
     ],
     look_alikes: &[
         LookAlike {

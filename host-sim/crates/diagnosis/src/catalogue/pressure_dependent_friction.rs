@@ -21,7 +21,7 @@
 use machine_file::LoadSource;
 use model_core::machine::Parameter;
 
-use super::{BRISTLES, EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
+use super::{EffectParameter, Hypothesis, Kind, LUGRE, LookAlike, Subsystem};
 
 const AREA: EffectParameter = EffectParameter {
     parameter: Parameter::PressureFriction,
@@ -35,7 +35,7 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "pressure-dependent-friction",
     subsystem: Subsystem::Mechanics,
     equation: "F = −a·(pa + pb)·sgn v; at rest |F| ≤ a·(pa + pb)",
-    forms: &[&[AREA], &[AREA, BRISTLES]],
+    forms: &[&[AREA], &[AREA, LUGRE]],
     look_alikes: &[
         LookAlike {
             effect: "coulomb-friction",

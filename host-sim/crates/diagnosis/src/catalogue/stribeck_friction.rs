@@ -24,7 +24,7 @@
 use machine_file::LoadSource;
 use model_core::machine::Parameter;
 
-use super::{BRISTLES, EffectParameter, Extension, Hypothesis, Kind, LookAlike, Subsystem};
+use super::{EffectParameter, Extension, Hypothesis, Kind, LUGRE, LookAlike, Subsystem};
 
 const FORCE: EffectParameter = EffectParameter {
     parameter: Parameter::StribeckForce,
@@ -41,7 +41,7 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "stribeck-friction",
     subsystem: Subsystem::Mechanics,
     equation: "F = −(Fc + Fe/(1 + (v/vs)²))·sgn v; at rest |F| ≤ Fc + Fe",
-    forms: &[&[FORCE, EXCESS, VELOCITY], &[FORCE, EXCESS, VELOCITY, BRISTLES]],
+    forms: &[&[FORCE, EXCESS, VELOCITY], &[FORCE, EXCESS, VELOCITY, LUGRE]],
     look_alikes: &[
         LookAlike {
             effect: "coulomb-friction",

@@ -73,7 +73,7 @@ pub struct Sought<'a> {
     /// Subsystems of the effects that are claimed, the one that explains most first.
     pub named: &'a [Subsystem],
     /// Log-likelihood that the best hypothesis of each subsystem would gain.
-    pub promises: &'a [(Subsystem, f64)],
+    pub predicted_gains: &'a [(Subsystem, f64)],
 }
 
 /// Locates what a refitted machine misses.
@@ -81,9 +81,9 @@ pub struct Sought<'a> {
 /// The subsystem is the first that is named; without any, the one that the balances of the links speak for. What the hypotheses promise
 /// decides with the balances where no pressures were recorded.
 pub fn locate(sought: &Sought<'_>) -> Result<Location, MachineError> {
-    let Sought { machine, load, cases, named, promises } = *sought;
+    let Sought { machine, load, cases, named, predicted_gains } = *sought;
     let misses = misses(machine, cases.iter().map(|case| (case.prepared, case.start)))?;
-    let link = missing_link(machine, load, cases, promises)?;
+    let link = missing_link(machine, load, cases, predicted_gains)?;
     let event = once(
         &link
             .of_rod

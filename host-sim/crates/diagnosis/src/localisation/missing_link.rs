@@ -40,16 +40,16 @@ pub(super) struct MissingLink {
 
 /// The link that misses its output, as far as the recordings tell.
 ///
-/// `promises` are the log-likelihoods that the best hypothesis of each subsystem would gain; where no pressures are recorded they
+/// `predicted_gains` are the log-likelihoods that the best hypothesis of each subsystem would gain; where no pressures are recorded they
 /// count as much as the balances.
 pub(super) fn missing_link(
     machine: &Machine<f64>,
     load: LoadSource,
     cases: &[Case<'_>],
-    promises: &[(Subsystem, f64)],
+    predicted_gains: &[(Subsystem, f64)],
 ) -> Result<MissingLink, MachineError> {
     let (accounts, evidence) = evidence(machine, load, entered_at_spool(machine, load, cases))?;
-    let subsystem = judged(machine, cases, &accounts, &evidence, promises)?;
+    let subsystem = judged(machine, cases, &accounts, &evidence, predicted_gains)?;
     let of_rod = accounts
         .iter()
         .map(|account| {
@@ -166,7 +166,7 @@ fn judged(
     cases: &[Case<'_>],
     accounts: &[Account],
     evidence: &Evidence,
-    promises: &[(Subsystem, f64)],
+    predicted_gains: &[(Subsystem, f64)],
 ) -> Result<Subsystem, MachineError> {
     let spool = valve(machine, cases)?;
     let worst = |evidence: &Evidence| evidence.over_noise.iter().map(|(_, value)| *value).fold(0.0, f64::max);
@@ -178,7 +178,8 @@ fn judged(
         values.iter().find(|(of, _)| *of == subsystem).map_or(0.0, |(_, value)| value / largest.max(1.0))
     };
     let measured = accounts.iter().any(|account| account.observed.has_pressures);
-    let total = |subsystem| share(&evidence.links, subsystem) + if measured { 0.0 } else { share(promises, subsystem) };
+    let total =
+        |subsystem| share(&evidence.links, subsystem) + if measured { 0.0 } else { share(predicted_gains, subsystem) };
     let best = evidence.links.iter().map(|(of, _)| *of).max_by(|a, b| total(*a).total_cmp(&total(*b)));
     Ok(best.unwrap_or(Subsystem::Flow))
 }
@@ -296,8 +297,12 @@ mod tests {
         Recording::new("made", columns).unwrap()
     }
 
-    fn sought<'a>(machine: &'a Machine<f64>, cases: &'a [Case<'a>], promises: &'a [(Subsystem, f64)]) -> Sought<'a> {
-        Sought { machine, load: LoadSource::Constant, cases, named: &[], promises }
+    fn sought<'a>(
+        machine: &'a Machine<f64>,
+        cases: &'a [Case<'a>],
+        predicted_gains: &'a [(Subsystem, f64)],
+    ) -> Sought<'a> {
+        Sought { machine, load: LoadSource::Constant, cases, named: &[], predicted_gains }
     }
 
     fn located(recording: &Recording) -> crate::localisation::locate::Location {
@@ -353,8 +358,8 @@ mod tests {
             let prepared = Prepared::new(&recording, &press(), LoadSource::Constant, None).unwrap();
             let case = Case { recording: &recording, prepared: &prepared, start: StartState::default() };
             // The hypotheses of the valve promise most.
-            let promises = [(Subsystem::Valve, 1000.0), (Subsystem::Flow, 1.0)];
-            locate(&sought(&press(), &[case], &promises)).unwrap().subsystem
+            let predicted_gains = [(Subsystem::Valve, 1000.0), (Subsystem::Flow, 1.0)];
+            locate(&sought(&press(), &[case], &predicted_gains)).unwrap().subsystem
         };
         let command = rung.signal(Signal::Command).unwrap();
         assert_eq!(subsystem(command.to_vec()), Subsystem::Sensing);

@@ -128,7 +128,7 @@ fn first(channel: &Channel, rows: usize) -> Channel {
         failed: channel.failed.iter().take(rows).copied().collect(),
         stretches: first_stretches(&channel.stretches, rows),
         noise: channel.noise,
-        inherited: channel.inherited,
+        input_noise: channel.input_noise,
     }
 }
 

@@ -13,7 +13,7 @@ use identification::fit::{Fit, FitError};
 
 use super::candidate::{Candidate, Question};
 use super::decision_rule::{MOST_EFFECTS, SEARCHED_TO, VALVE_FIRST_FROM};
-use super::inflated_noise::Tempered;
+use super::inflated_noise::InflatedNoise;
 use super::likelihood::{accepts, ranked};
 use super::outcome::{Selection, Trial};
 use super::round::{
@@ -30,7 +30,7 @@ const BESIDE: usize = 4;
 /// How far a selection has come.
 pub(crate) struct Course {
     /// The machine file's model, refitted to recordings that are believed only as far as it follows them.
-    tempered: Tempered,
+    inflated: InflatedNoise,
     /// The machine file's model, refitted.
     pub(crate) base: Candidate,
     /// The chosen set; the base while nothing is claimed.
@@ -65,10 +65,10 @@ pub fn select(question: &Question<'_>, near: &Fit, done: &(impl Fn(&str) + Sync)
 impl Course {
     /// Nothing chosen yet.
     pub(crate) fn of(question: &Question<'_>, near: &Fit) -> Result<Self, FitError> {
-        let tempered = Tempered::of(question)?;
-        let base = Candidate::base(question, near, &tempered.base.fit)?;
+        let inflated = InflatedNoise::of(question)?;
+        let base = Candidate::base(question, near, &inflated.base.fit)?;
         Ok(Self {
-            tempered,
+            inflated,
             chosen: base.clone(),
             beam: vec![base.clone()],
             joined: Vec::new(),
@@ -103,7 +103,7 @@ impl Course {
             }
             let most = if round == 0 { REFITTED } else { BESIDE };
             let asked = Question { hypotheses: &open, ..*question };
-            let found = widened(&asked, &self.tempered, &self.beam, most, done)?;
+            let found = widened(&asked, &self.inflated, &self.beam, most, done)?;
             let ranked = self.refined(question, finished(question, &self.base, found)?, near, done)?;
             let ranked = if round == 0 { self.played(question, ranked)? } else { ranked };
             let ranked = self.extended(question, ranked, near, done)?;
@@ -165,15 +165,15 @@ impl Course {
     fn claimed(&mut self, question: &Question<'_>) -> Result<Option<Candidate>, FitError> {
         let over = self.base.clone();
         for candidate in self.beam.clone() {
-            if let Some(claim) = self.claim(question, &over, candidate)? {
-                return Ok(Some(claim));
+            if let Some(accepted) = self.accepted(question, &over, candidate)? {
+                return Ok(Some(accepted));
             }
         }
         let Some(best) = self.beam.first().filter(|best| best.effects.len() > 1).cloned() else { return Ok(None) };
         for index in 0..best.effects.len() {
-            if let Some(claim) = self.claim(question, &over, best.without(question, index)?)? {
-                enter(question, &over, &mut self.rounds, &claim);
-                return Ok(Some(claim));
+            if let Some(accepted) = self.accepted(question, &over, best.without(question, index)?)? {
+                enter(question, &over, &mut self.rounds, &accepted);
+                return Ok(Some(accepted));
             }
         }
         Ok(None)
@@ -181,13 +181,13 @@ impl Course {
 
     /// What of a set may be claimed: it, but for every effect that the others make superfluous. `None` where it may not be claimed, or what is
     /// left may not. `over` is the base that the rounds were ranked over.
-    fn claim(
+    fn accepted(
         &mut self,
         question: &Question<'_>,
         over: &Candidate,
         set: Candidate,
     ) -> Result<Option<Candidate>, FitError> {
-        if !self.is_likely(question, over, &set) || !self.claims(question, &set)? {
+        if !self.is_likely(question, over, &set) || !self.is_accepted(question, &set)? {
             return Ok(None);
         }
         let effects = set.effects.len();
@@ -211,7 +211,7 @@ impl Course {
 
     /// Whether a set may be claimed over what is chosen: each of its effects is one that can be, and they are worth their
     /// effect parameters.
-    pub(crate) fn claims(&mut self, question: &Question<'_>, set: &Candidate) -> Result<bool, FitError> {
+    pub(crate) fn is_accepted(&mut self, question: &Question<'_>, set: &Candidate) -> Result<bool, FitError> {
         if !set.is_plausible(question.scene) || !accepts(question, &self.base, &self.chosen, set)? {
             return Ok(false);
         }

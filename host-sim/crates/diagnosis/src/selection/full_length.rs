@@ -22,9 +22,11 @@ pub fn lengthened(
     found: &Selection,
     done: &(impl Fn(&str) + Sync),
 ) -> Result<Selection, FitError> {
-    let claims = !found.chosen.effects.is_empty();
-    let (base, chosen) =
-        rayon::join(|| base(question, &found.base), || claims.then(|| found.chosen.finished(question)).transpose());
+    let accepts_any = !found.chosen.effects.is_empty();
+    let (base, chosen) = rayon::join(
+        || base(question, &found.base),
+        || accepts_any.then(|| found.chosen.finished(question)).transpose(),
+    );
     let base = base?;
     done("the whole recordings");
     let mut selection = Selection {
@@ -37,34 +39,34 @@ pub fn lengthened(
     if let Some(chosen) = chosen?
         && chosen.is_plausible(question.scene)
         && accepts(question, &selection.base, &selection.base, &chosen)?
-        && let Some(claim) = reduced(question, &selection.base, chosen, &found.joined)?
-        && found.makes_likeliest(&claim)
+        && let Some(accepted) = reduced(question, &selection.base, chosen, &found.joined)?
+        && found.makes_likeliest(&accepted)
     {
-        selection.chosen = claim;
+        selection.chosen = accepted;
     }
     if selection.chosen.effects.len() < MOST_EFFECTS
         && !explains_enough(question, &selection.base, &selection.chosen, SLOW_EFFECTS_FROM)
         && let Some((slow, others)) = slow(question, &selection.chosen, done)?
         && accepts(question, &selection.base, &selection.chosen, &slow)?
-        && let Some(claim) = reduced(question, &selection.base, slow.clone(), &found.joined)?
+        && let Some(accepted) = reduced(question, &selection.base, slow.clone(), &found.joined)?
     {
         // It stands against what else the whole recordings were asked about.
         let mut of_its_size = others;
-        of_its_size.extend([slow, selection.chosen, claim.clone()]);
-        of_its_size.retain(|set| set.effects.len() == claim.effects.len());
-        selection.rounds.truncate(claim.effects.len() - 1);
+        of_its_size.extend([slow, selection.chosen, accepted.clone()]);
+        of_its_size.retain(|set| set.effects.len() == accepted.effects.len());
+        selection.rounds.truncate(accepted.effects.len() - 1);
         selection.rounds.push(trials(&ranked(question, &selection.base, of_its_size)));
-        selection.chosen = claim;
+        selection.chosen = accepted;
     }
     Ok(selection)
 }
 
 impl Selection {
     /// Whether a claim that is left of the chosen set was the likeliest of its size, where that was decided.
-    fn makes_likeliest(&self, claim: &Candidate) -> bool {
-        let count = claim.effects.len();
+    fn makes_likeliest(&self, accepted: &Candidate) -> bool {
+        let count = accepted.effects.len();
         count == self.chosen.effects.len()
-            || self.rounds.get(count - 1).is_some_and(|round| is_likeliest(claim, None, round))
+            || self.rounds.get(count - 1).is_some_and(|round| is_likeliest(accepted, None, round))
     }
 }
 

@@ -1,7 +1,7 @@
 //! The recordings believed only as far as a model can that misses so much.
 //!
 //! A model that lacks an effect bends its base parameters, far beyond what is said of them, to make up for it; from there the
-//! effect that it lacks does not look like the best addition. Tempered, every channel's noise is taken to be what the model
+//! effect that it lacks does not look like the best addition. Inflated, every channel's noise is taken to be what the model
 //! leaves, and as correlated: the priors keep the parameters where they can be, and what is left shows the effect.
 //!
 //! What it shows is weighed twice. Correlated, a bend against the priors gains nothing, and a weak effect stands out; but all the time
@@ -17,7 +17,7 @@ use super::candidate::{Candidate, Question, Weighing, noisier};
 
 /// The noise that a refitted model asks for, and that model.
 #[derive(Clone, Debug)]
-pub(super) struct Tempered {
+pub(super) struct InflatedNoise {
     /// The noise of every channel what the model leaves, and as correlated.
     pub correlated: Weighing,
     /// The same with every sample independent.
@@ -26,7 +26,7 @@ pub(super) struct Tempered {
     pub base: Candidate,
 }
 
-impl Tempered {
+impl InflatedNoise {
     /// Each round takes the noise from what the round before left; the first from the machine file as it is.
     pub(super) fn of(question: &Question<'_>) -> Result<Self, FitError> {
         /// After three rounds the noise hardly changes.

@@ -62,7 +62,7 @@ fn order(candidate: &Candidate) -> Vec<usize> {
 /// Puts a set with the plainer effect before the one with its extension, where that does not earn what it has more.
 pub(crate) fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>) {
     let Some((best, best_net)) = ranked.first() else { return };
-    let most = excess(&base.residuals);
+    let most = misfit_above_noise(&base.residuals);
     let plainer = ranked.iter().position(|(candidate, net)| {
         let extended = best.effects.iter().any(|chosen| {
             chosen.effect.extends.is_some_and(|extension| {
@@ -72,7 +72,7 @@ pub(crate) fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>)
                 wanted == candidate.names()
             })
         });
-        let (left, leaves) = (excess(&candidate.residuals), excess(&best.residuals));
+        let (left, leaves) = (misfit_above_noise(&candidate.residuals), misfit_above_noise(&best.residuals));
         let earned = best_net - net > EXTENSION_GAINS
             && (left - leaves > EXTENSION_EXPLAINS * most || is_earned(candidate, best));
         extended && !earned
@@ -89,7 +89,7 @@ pub(crate) fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>)
 
 /// Whether a finer form takes enough of what the plain one leaves.
 pub(crate) fn is_earned(plain: &Candidate, finer: &Candidate) -> bool {
-    excess(&finer.residuals) < (1.0 - FINER_FORM_TAKES) * excess(&plain.residuals)
+    misfit_above_noise(&finer.residuals) < (1.0 - FINER_FORM_TAKES) * misfit_above_noise(&plain.residuals)
 }
 
 /// The loss of a series, or what pure noise would lose if that is more: nothing below it can be gained.
@@ -116,11 +116,11 @@ fn independent(before: &[f64], after: &[f64], counts: Counts) -> f64 {
 /// Log-likelihood gained as the base parameters come back to where they were said to be: a model that lacks an effect bends
 /// them.
 pub(crate) fn straightened(question: &Question<'_>, without: &Candidate, with: &Candidate) -> f64 {
-    without.bent(question) - with.bent(question)
+    without.pulled(question) - with.pulled(question)
 }
 
 /// What is above the noise.
-pub(crate) fn excess(residuals: &Residuals) -> f64 {
+pub(crate) fn misfit_above_noise(residuals: &Residuals) -> f64 {
     residuals.iter().flatten().map(|series| above_noise(series)).sum()
 }
 
@@ -136,8 +136,12 @@ pub(crate) fn accepts(
     without: &Candidate,
     with: &Candidate,
 ) -> Result<bool, FitError> {
-    let (most, before, after) = (excess(&base.residuals), excess(&without.residuals), excess(&with.residuals));
-    let told = before - after >= FURTHER_EXPLAINS * most || (without.is_bent(question) && !with.is_bent(question));
+    let (most, before, after) = (
+        misfit_above_noise(&base.residuals),
+        misfit_above_noise(&without.residuals),
+        misfit_above_noise(&with.residuals),
+    );
+    let told = before - after >= FURTHER_EXPLAINS * most || (without.is_pulled(question) && !with.is_pulled(question));
     if after > (1.0 - LEAST_EXPLAINED) * before || (!without.effects.is_empty() && !told) {
         return Ok(false);
     }

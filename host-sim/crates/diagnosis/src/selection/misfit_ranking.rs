@@ -14,7 +14,7 @@ use identification::fit::residuals::samples_by_blocks;
 use super::candidate::{Candidate, Question};
 use super::decision_rule::{MISFIT_RANKING_FROM, MISFIT_REFIT_STAYS};
 use super::inflated_noise::as_far_as;
-use super::likelihood::{excess, prefer_plain, ranked_by};
+use super::likelihood::{misfit_above_noise, prefer_plain, ranked_by};
 
 /// Finished sets, ranked, and one `beside` that the chain may have had no use for, ranked by refits to recordings that are believed as far as
 /// the best of them follows those. A set that is far off, or whose base parameters were bent, is so refitted from here on; any other stays as it was.
@@ -26,14 +26,14 @@ pub(crate) fn believed(
     beside: Option<Candidate>,
 ) -> Result<Vec<(Candidate, f64)>, FitError> {
     let sets = finished.iter().map(|(set, _)| set);
-    let best = sets.min_by(|a, b| excess(&a.residuals).total_cmp(&excess(&b.residuals)));
+    let best = sets.min_by(|a, b| misfit_above_noise(&a.residuals).total_cmp(&misfit_above_noise(&b.residuals)));
     let Some(best) = best.filter(|best| best.worst_over_noise(question) > MISFIT_RANKING_FROM) else {
         return Ok(finished);
     };
     let possible = |set: &Candidate| set.is_possible(question.scene);
     let beside = beside.filter(|one| possible(one) && finished.iter().all(|(set, _)| set.names() != one.names()));
     let before: Vec<Candidate> = finished.iter().map(|(set, _)| set.clone()).chain(beside).collect();
-    let stays = |set: &Candidate| !set.is_bent(question) && set.worst_over_noise(question) <= MISFIT_REFIT_STAYS;
+    let stays = |set: &Candidate| !set.is_pulled(question) && set.worst_over_noise(question) <= MISFIT_REFIT_STAYS;
     if matches!(before.as_slice(), [only] if stays(only)) {
         return Ok(finished);
     }

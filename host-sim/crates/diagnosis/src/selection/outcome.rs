@@ -8,7 +8,7 @@ use recording::display_unit::significant;
 use super::candidate::{Candidate, Chosen};
 use super::decision_rule::{KEPT_ALONE, SUSPECTED_FROM};
 use crate::catalogue::Hypothesis;
-use crate::selection::valve::jump_spacing::Rhythm;
+use crate::selection::valve::jump_spacing::JumpSpacing;
 
 /// What one set gained over the one before it.
 #[derive(Clone, Debug)]
@@ -71,7 +71,7 @@ impl Selection {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Told {
     /// How long they are, and how surely.
-    pub rhythm: Rhythm,
+    pub jump_spacing: JumpSpacing,
     /// Share of its band that a stiction alone would keep, to lag as far as the spool does.
     pub kept_alone: f64,
 }
@@ -87,7 +87,7 @@ impl fmt::Display for Told {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let kept = significant(100.0 * self.kept_alone, 2);
         let whose = if self.is_alone() { "as one does" } else { "more than one does, so a play stands beside it" };
-        write!(f, "{}; a stiction alone would keep {kept} % of its band, {whose}", self.rhythm)
+        write!(f, "{}; a stiction alone would keep {kept} % of its band, {whose}", self.jump_spacing)
     }
 }
 

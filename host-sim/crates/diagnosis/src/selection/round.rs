@@ -6,7 +6,7 @@ use identification::fit::FitError;
 
 use super::candidate::{Candidate, Chosen, Question};
 use super::decision_rule::{LEFT_BY_EQUATIONS, LIKELIER_BY, RIVAL_WITHIN, RIVAL_WITHIN_SHARE};
-use super::likelihood::{accepts, excess, is_earned, prefer_plain, ranked};
+use super::likelihood::{accepts, is_earned, misfit_above_noise, prefer_plain, ranked};
 use super::outcome::Trial;
 use super::search::{is_hopeful, least_above};
 use crate::catalogue::Hypothesis;
@@ -51,7 +51,7 @@ pub(crate) fn reduced(
     full: Candidate,
     stay: &[&str],
 ) -> Result<Option<Candidate>, FitError> {
-    let (mut rest, mut is_claim) = (unrefined(question, full)?, true);
+    let (mut rest, mut is_accepted) = (unrefined(question, full)?, true);
     while rest.effects.len() > 1 {
         let without = |index: usize| -> Result<Option<(bool, Candidate)>, FitError> {
             let without = rest.without(question, index)?;
@@ -69,9 +69,9 @@ pub(crate) fn reduced(
             .flatten()
             .min_by(|(one, a), (other, b)| other.cmp(one).then_with(|| a.fit.loss.total_cmp(&b.fit.loss)));
         let Some(best) = best else { break };
-        (is_claim, rest) = best;
+        (is_accepted, rest) = best;
     }
-    Ok(is_claim.then_some(rest))
+    Ok(is_accepted.then_some(rest))
 }
 
 /// A set with the plain form of each refined one that no longer takes most of what that leaves, now that other effects are beside it.
@@ -96,9 +96,10 @@ fn unrefined(question: &Question<'_>, mut set: Candidate) -> Result<Candidate, F
 /// said to be, and it is `near` its noise, or what it leaves would not be told from its own form's error.
 pub(crate) fn explains_enough(question: &Question<'_>, base: &Candidate, best: &Candidate, near: f64) -> bool {
     let fits = || {
-        best.worst_over_noise(question) < near || excess(&best.residuals) < LEFT_BY_EQUATIONS * excess(&base.residuals)
+        best.worst_over_noise(question) < near
+            || misfit_above_noise(&best.residuals) < LEFT_BY_EQUATIONS * misfit_above_noise(&base.residuals)
     };
-    !best.is_bent(question) && fits()
+    !best.is_pulled(question) && fits()
 }
 
 /// Sets of a round that are nearly as likely as one of it: less so by no more than chance, or than its form's own error may gain.
@@ -128,7 +129,7 @@ pub(crate) fn finished(
     // One that has gone beyond what can be, and beside which all that can be is hopeless, may come back from there.
     let astray = astray.into_iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss));
     let beside_it = |least: f64| rough.iter().all(|candidate| !is_hopeful(candidate, least));
-    let astray = astray.filter(|one| beside_it(excess(&one.residuals)));
+    let astray = astray.filter(|one| beside_it(misfit_above_noise(&one.residuals)));
     rough.extend(astray);
     let mut all = only_possible(to_the_end(question, rough)?);
     all.extend(rest);

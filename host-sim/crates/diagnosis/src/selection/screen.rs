@@ -141,7 +141,7 @@ const MOST_TRIED: usize = 18;
 
 /// What a point of a form's shapes promises along the directions of its amounts.
 #[derive(Debug)]
-struct Promise {
+struct PredictedGain {
     /// Which form.
     form: usize,
     shape: Values,
@@ -194,26 +194,26 @@ pub fn screen(
         .flat_map(|(index, (_, form))| shapes(scene, form).into_iter().map(move |shape| (index, shape)))
         .collect();
     // What each point promises along its directions, by each weighing.
-    let promised: Vec<Vec<Promise>> = parallel::each(points, |(index, shape)| {
+    let predicted_gain: Vec<Vec<PredictedGain>> = parallel::each(points, |(index, shape)| {
         let form = forms[index].1;
         let units: Vec<f64> = amounts(form).map(|effect_parameter| effect_parameter.unit(scene)).collect();
         // A point that does not become a drive promises nothing.
         let directions = directions(fit, any, form, &shape, &units).ok();
-        let promise = |sensitivity| {
+        let predicted = |sensitivity| {
             // Without an amount there is no direction: what the point itself gains.
             if units.is_empty() {
                 let lead = Lead::at(sensitivity, fit, forms[index].0, form, shape.clone());
                 let gain = lead.map_or(0.0, |lead| lead.gain);
-                return Promise { form: index, shape: shape.clone(), shares: Vec::new(), gain };
+                return PredictedGain { form: index, shape: shape.clone(), shares: Vec::new(), gain };
             }
-            let promised = directions.as_ref().map(|directions| directed(sensitivity, form, directions));
-            let (shares, gain) = promised.unwrap_or_default();
-            Promise { form: index, shape: shape.clone(), shares, gain }
+            let predicted_gain = directions.as_ref().map(|directions| directed(sensitivity, form, directions));
+            let (shares, gain) = predicted_gain.unwrap_or_default();
+            PredictedGain { form: index, shape: shape.clone(), shares, gain }
         };
-        weighings.iter().map(promise).collect()
+        weighings.iter().map(predicted).collect()
     });
     let by = |(which, sensitivity): (usize, &Sensitivity<'_>)| {
-        best(scene, fit, sensitivity, &forms, promised.iter().map(|each| &each[which]).collect())
+        best(scene, fit, sensitivity, &forms, predicted_gain.iter().map(|each| &each[which]).collect())
     };
     Ok(weighings.iter().enumerate().map(by).collect())
 }
@@ -224,16 +224,16 @@ fn best(
     fit: &Fit,
     sensitivity: &Sensitivity<'_>,
     forms: &[(&'static Hypothesis, Form)],
-    promised: Vec<&Promise>,
+    predicted_gain: Vec<&PredictedGain>,
 ) -> Vec<Lead> {
-    let mut gains: Vec<f64> = promised.iter().map(|promise| promise.gain).collect();
+    let mut gains: Vec<f64> = predicted_gain.iter().map(|predicted| predicted.gain).collect();
     gains.sort_by(|a, b| b.total_cmp(a));
     let least = gains.first().map_or(0.0, |most| WORTHWHILE * most).max(gains.get(MOST_TRIED).copied().unwrap_or(0.0));
-    let worthwhile = promised.into_iter().filter(|promise| promise.gain >= least);
-    let leads: Vec<(usize, Option<Lead>)> = parallel::each(worthwhile, |promise| {
-        let (effect, form) = forms[promise.form];
+    let worthwhile = predicted_gain.into_iter().filter(|predicted| predicted.gain >= least);
+    let leads: Vec<(usize, Option<Lead>)> = parallel::each(worthwhile, |predicted| {
+        let (effect, form) = forms[predicted.form];
         // A point that does not become a drive is no lead.
-        (promise.form, lead(scene, fit, sensitivity, effect, form, promise).ok().flatten())
+        (predicted.form, lead(scene, fit, sensitivity, effect, form, predicted).ok().flatten())
     });
     let mut best: Vec<Option<Lead>> = vec![None; forms.len()];
     for (index, lead) in leads {
@@ -280,7 +280,7 @@ fn lead(
     sensitivity: &Sensitivity<'_>,
     effect: &'static Hypothesis,
     form: Form,
-    promise: &Promise,
+    predicted: &PredictedGain,
 ) -> Result<Option<Lead>, MachineError> {
     let lead_at = |values: Values| Lead::at(sensitivity, fit, effect, form, values);
     if form.iter().all(|effect_parameter| matches!(effect_parameter.kind, Kind::Jump(_))) {
@@ -288,13 +288,13 @@ fn lead(
     }
     let mut units: Vec<f64> = amounts(form).map(|effect_parameter| effect_parameter.unit(scene)).collect();
     if units.is_empty() {
-        return lead_at(promise.shape.clone()).map(|lead| (lead.gain > 0.0).then_some(lead));
+        return lead_at(predicted.shape.clone()).map(|lead| (lead.gain > 0.0).then_some(lead));
     }
-    let (mut shares, mut promised) = (promise.shares.clone(), promise.gain);
+    let (mut shares, mut predicted_gain) = (predicted.shares.clone(), predicted.gain);
     let mut best: Option<Lead> = None;
     // The second time from where the first arrives: a large amount shows another direction than a small one.
     for last in [false, true] {
-        if promised <= 0.0 || shares.iter().all(|share| *share == 0.0) {
+        if predicted_gain <= 0.0 || shares.iter().all(|share| *share == 0.0) {
             break;
         }
         for step in [1.0, 0.4] {
@@ -305,8 +305,8 @@ fn lead(
                     (effect_parameter.parameter, step * share.clamp(-30.0, 30.0) * unit)
                 })
                 .collect();
-            let lead = lead_at([promise.shape.as_slice(), &values].concat())?;
-            let enough = lead.gain > 0.5 * promised;
+            let lead = lead_at([predicted.shape.as_slice(), &values].concat())?;
+            let enough = lead.gain > 0.5 * predicted_gain;
             if best.as_ref().is_none_or(|known| known.gain < lead.gain) {
                 best = Some(lead);
             }
@@ -323,7 +323,8 @@ fn lead(
                 *unit *= share.abs().clamp(0.02, 30.0);
             }
         }
-        (shares, promised) = directed(sensitivity, form, &directions(fit, sensitivity, form, &promise.shape, &units)?);
+        (shares, predicted_gain) =
+            directed(sensitivity, form, &directions(fit, sensitivity, form, &predicted.shape, &units)?);
     }
     Ok(best.filter(|lead| lead.gain > 0.0).map(|mut lead| {
         // An effect parameter that this point does without starts small.

@@ -6,8 +6,8 @@ use identification::fit::FitError;
 
 use super::candidate::{Candidate, Chosen, Question, Reference};
 use super::decision_rule::PREDICTED_GAIN;
-use super::inflated_noise::Tempered;
-use super::likelihood::{excess, is_earned};
+use super::inflated_noise::InflatedNoise;
+use super::likelihood::{is_earned, misfit_above_noise};
 use super::screen::Lead;
 use crate::catalogue::Hypothesis;
 
@@ -16,32 +16,32 @@ const PROMISING: f64 = 0.05;
 
 /// Every set of the beam with one more effect, at most `most` effects from each reference, in their promising forms.
 ///
-/// Where nothing is in a set yet and what is missing has bent the base parameters, the tempered model is a reference as
+/// Where nothing is in a set yet and what is missing has bent the base parameters, the inflated model is a reference as
 /// well. Extensions of an effect start from its refit.
 pub(super) fn widened(
     question: &Question<'_>,
-    tempered: &Tempered,
+    inflated: &InflatedNoise,
     beam: &[Candidate],
     most: usize,
     done: &(impl Fn(&str) + Sync),
 ) -> Result<Vec<Candidate>, FitError> {
     let of_set = |from: &Candidate| -> Result<Vec<Candidate>, FitError> {
         let open = open_to(question, from);
-        let mut found = added(question, tempered, from, &open, most, done)?;
+        let mut found = added(question, inflated, from, &open, most, done)?;
         found.extend(extensions(question, from, &open, &found, done)?);
         Ok(found)
     };
     of_each(beam, of_set)
 }
 
-/// Refits of a set with one more effect, from where the set stands and, where that is bent, from the tempered model.
+/// Refits of a set with one more effect, from where the set stands and, where that is bent, from the inflated model.
 ///
-/// The tempered model's leads are those of its correlated residuals, and what only independent ones lead to. From both models a form
-/// mostly ends alike, so what correlated residuals lead to is refitted from the tempered one, and only what comes near the best from the
+/// The inflated model's leads are those of its correlated residuals, and what only independent ones lead to. From both models a form
+/// mostly ends alike, so what correlated residuals lead to is refitted from the inflated one, and only what comes near the best from the
 /// other too.
 fn added(
     question: &Question<'_>,
-    tempered: &Tempered,
+    inflated: &InflatedNoise,
     from: &Candidate,
     open: &[&'static Hypothesis],
     most: usize,
@@ -50,11 +50,11 @@ fn added(
     let refit = |leads: &[Lead], reference: &Reference<'_>| refit_each(leads, done, |lead| reference.with(lead));
     let reference = Reference::new(question, from)?;
     let own = promising(reference.leads(open)?, most, PREDICTED_GAIN);
-    if !from.effects.is_empty() || !from.is_bent(question) {
+    if !from.effects.is_empty() || !from.is_pulled(question) {
         return refit(&own, &reference);
     }
-    let beside = Reference::new(question, &tempered.base)?;
-    let leads = beside.leads_by([&tempered.correlated, &tempered.independent], open)?;
+    let beside = Reference::new(question, &inflated.base)?;
+    let leads = beside.leads_by([&inflated.correlated, &inflated.independent], open)?;
     let [mut others, mut bending] = leads.map(|leads| promising(leads, most, 0.0));
     let (again, own): (Vec<Lead>, Vec<Lead>) =
         own.into_iter().partition(|lead| others.iter().any(|other| other.is_like(lead)));
@@ -101,7 +101,7 @@ pub(crate) fn open_to(question: &Question<'_>, from: &Candidate) -> Vec<&'static
 }
 
 /// The leads of the most promising effects, each of which promises more than the `least`: what chance gives, but beside the
-/// tempered model nothing, for there all that is left counts as noise.
+/// inflated model nothing, for there all that is left counts as noise.
 fn promising(mut leads: Vec<Lead>, most: usize, least: f64) -> Vec<Lead> {
     leads.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let best = leads.first().map_or(0.0, |lead| lead.gain);
@@ -115,7 +115,7 @@ fn promising(mut leads: Vec<Lead>, most: usize, least: f64) -> Vec<Lead> {
         let rank = names.iter().position(|known| *known == name);
         let mut same = kept.iter().filter(|(known, ..)| *known == name);
         // Another form of the same effect has to come near the best one.
-        let another = same.clone().all(|(.., promised)| lead.gain > 0.8 * promised);
+        let another = same.clone().all(|(.., predicted_gain)| lead.gain > 0.8 * predicted_gain);
         let keep = same.all(|(_, known, _)| *known != form)
             && another
             && lead.gain > least.max(PROMISING * best)
@@ -133,12 +133,12 @@ const HOPELESS: f64 = 10.0;
 
 /// The least that any leaves above the noise.
 pub(crate) fn least_above<'c>(found: impl IntoIterator<Item = &'c Candidate>) -> f64 {
-    found.into_iter().map(|candidate| excess(&candidate.residuals)).fold(f64::INFINITY, f64::min)
+    found.into_iter().map(|candidate| misfit_above_noise(&candidate.residuals)).fold(f64::INFINITY, f64::min)
 }
 
 /// Whether a set may come near the best, which leaves the `least` above the noise.
 pub(crate) fn is_hopeful(candidate: &Candidate, least: f64) -> bool {
-    excess(&candidate.residuals) < HOPELESS * least.max(2.0 * candidate.effect_parameters() as f64)
+    misfit_above_noise(&candidate.residuals) < HOPELESS * least.max(2.0 * candidate.effect_parameters() as f64)
 }
 
 /// Refits of the extensions of effects that were refitted, from the best refit of each form; of what was refitted itself, only

@@ -17,7 +17,7 @@ use simulation::{
 };
 
 pub use crate::error::CompareError;
-use crate::input_noise::{inherited, realisations};
+use crate::input_noise::{input_noise, realisations};
 
 /// A part of the chain between measured signals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -67,7 +67,7 @@ pub struct SectionFit {
     /// The fit of each measured signal that it computes.
     pub fits: Vec<SignalFit>,
     /// RMS by which each of these signals is off through the noise of the recorded signals that drive the section, in SI units.
-    pub inherited: Vec<f64>,
+    pub input_noise: Vec<f64>,
     /// What it computed.
     pub trajectory: Trajectory,
 }
@@ -148,8 +148,8 @@ pub fn compare_told(
                 arithmetic.simulate_told(machine, &stimulus, StartOffset::none(), told)
             };
             let trajectory = simulated(&mended)?;
-            let inherited = if plan.is_driven_by_sensors() {
-                inherited(&mended, &trajectory, &plan.judged, simulated)?
+            let input_noise = if plan.is_driven_by_sensors() {
+                input_noise(&mended, &trajectory, &plan.judged, simulated)?
             } else {
                 vec![0.0; plan.judged.len()]
             };
@@ -161,7 +161,7 @@ pub fn compare_told(
                     Some(SignalFit::of(signal, recording.time_s(), recorded, simulated))
                 })
                 .collect();
-            Ok(SectionFit { section: plan.section, drive_input: plan.drive_input, fits, inherited, trajectory })
+            Ok(SectionFit { section: plan.section, drive_input: plan.drive_input, fits, input_noise, trajectory })
         })
         .collect::<Result<Vec<_>, CompareError>>()?;
     Ok(Comparison { recording: recording.name().to_owned(), sections })

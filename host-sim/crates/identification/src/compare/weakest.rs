@@ -90,8 +90,8 @@ fn parts(comparison: &Comparison) -> impl Iterator<Item = (Section, SignalFit)> 
 
 /// The fits of a section over what noise makes: the signal's own, and what it inherits from the section's input.
 fn noise_counted(section: &SectionFit) -> impl Iterator<Item = SignalFit> + '_ {
-    section.fits.iter().zip(&section.inherited).map(|(fit, inherited)| {
-        let noise = (fit.rmse / fit.over_noise).hypot(*inherited);
+    section.fits.iter().zip(&section.input_noise).map(|(fit, input_noise)| {
+        let noise = (fit.rmse / fit.over_noise).hypot(*input_noise);
         SignalFit { over_noise: fit.rmse / noise, ..*fit }
     })
 }
@@ -197,7 +197,7 @@ mod tests {
             section,
             drive_input: InputPoint::Command,
             fits: vec![fit(signal, percent)],
-            inherited: vec![0.0],
+            input_noise: vec![0.0],
             trajectory: Trajectory { series: vec![(Signal::Spool, Vec::new()), (Signal::PressureA, Vec::new())] },
         };
         Comparison { recording: "r".into(), sections: sections.iter().map(section).collect() }
@@ -229,11 +229,11 @@ mod tests {
         let found = weakest(std::slice::from_ref(&one)).unwrap();
         assert_eq!((found.section, found.rival()), (Section::Mechanics, Some((Section::FlowAndChambers, 95.0))));
         // The noise of the pressures, added up, makes as much.
-        one.sections[2].inherited = vec![8.0];
+        one.sections[2].input_noise = vec![8.0];
         let found = weakest(std::slice::from_ref(&one)).unwrap();
         assert_eq!((found.section, found.rival(), found.follows()), (Section::FlowAndChambers, None, false));
         for section in &mut one.sections {
-            section.inherited = vec![8.0];
+            section.input_noise = vec![8.0];
         }
         let found = weakest(std::slice::from_ref(&one)).unwrap();
         assert_eq!((found.section, found.follows()), (Section::Mechanics, true));
@@ -243,10 +243,10 @@ mod tests {
     fn parts_that_follow_do_not_speak_for_the_whole() {
         let mut one =
             comparison(&[(Section::EndToEnd, Signal::Position, 76.0), (Section::Mechanics, Signal::Position, 97.0)]);
-        one.sections[1].inherited = vec![8.0];
+        one.sections[1].input_noise = vec![8.0];
         assert!(weakest(std::slice::from_ref(&one)).unwrap().follows());
         assert_eq!(missed_by_the_whole(std::slice::from_ref(&one)), Some((Signal::Position, 76.0)));
-        one.sections[0].inherited = vec![8.0];
+        one.sections[0].input_noise = vec![8.0];
         assert_eq!(missed_by_the_whole(std::slice::from_ref(&one)), None);
     }
 

@@ -45,7 +45,7 @@ fn at_twice_the_tick(case: &Prepared, Coarser { stimulus, kept }: Coarser, fine:
             .collect(),
         failed: kept.iter().map(|&row| channel.failed[row]).collect(),
         noise: channel.noise * weight,
-        inherited: channel.inherited * weight,
+        input_noise: channel.input_noise * weight,
         tolerance: channel.tolerance / weight,
         stretches: Vec::new(),
         ..*channel
@@ -81,11 +81,11 @@ mod tests {
         let fine = Prepared::new(&extending(&machine), &machine, LoadSource::Constant, None).unwrap();
         // Around a machine that is off, where residuals are far more than noise.
         let around = machine.with(&[(Parameter::FlowCoefficient, 1.02 * machine.get(Parameter::FlowCoefficient))]);
-        let nearby = coarse(&[&fine], &around, &[StartState::default()]).unwrap().remove(0);
-        assert_eq!((nearby.rows(), nearby.stimulus.ticks()), (600, 599));
+        let coarser = coarse(&[&fine], &around, &[StartState::default()]).unwrap().remove(0);
+        assert_eq!((coarser.rows(), coarser.stimulus.ticks()), (600, 599));
 
-        let (all, kept) = (missed(&around, &fine), missed(&around, &nearby));
-        let weight = nearby.channels[0].noise / fine.channels[0].noise;
+        let (all, kept) = (missed(&around, &fine), missed(&around, &coarser));
+        let weight = coarser.channels[0].noise / fine.channels[0].noise;
         for (row, kept) in kept.iter().enumerate() {
             assert!((all[2 * row] - weight * kept).abs() < 1e-9 * all[2 * row].abs().max(1.0), "{row}");
         }
@@ -96,7 +96,7 @@ mod tests {
         let change = |case: &Prepared| -> Vec<f64> {
             missed(&other, case).iter().zip(missed(&around, case)).map(|(there, here)| there - here).collect()
         };
-        let (fine, coarse) = (change(&fine), change(&nearby));
+        let (fine, coarse) = (change(&fine), change(&coarser));
         let off: Vec<f64> = coarse.iter().enumerate().map(|(row, coarse)| weight * coarse - fine[2 * row]).collect();
         assert!(square(&fine) > 100.0 && square(&off) < 1e-4 * square(&fine), "{} of {}", square(&off), square(&fine));
     }

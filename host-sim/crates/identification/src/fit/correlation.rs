@@ -5,7 +5,7 @@ use std::fmt;
 use model_core::machine::Parameter;
 
 use super::Fit;
-use super::normal_equations::Information;
+use super::normal_equations::NormalEquations;
 
 /// Estimates that are correlated further than this are told of. There each is 1/√(1 − 0.9²) = 2.3 times as uncertain as it would be if
 /// the other were known.
@@ -37,7 +37,9 @@ impl Fit {
     /// fitted. `inflation` is how many times more rows there are than independent samples.
     #[must_use]
     pub fn correlations(&self, inflation: f64) -> Vec<Correlation> {
-        let Some(covariance) = Information::covariance(&self.information, inflation) else { return Vec::new() };
+        let Some(covariance) = NormalEquations::covariance(&self.normal_equations, inflation) else {
+            return Vec::new();
+        };
         let fitted = |slot: &usize| !self.free[*slot].at_bound(self.coordinates[*slot]);
         let slots: Vec<usize> = (0..self.free.len()).filter(fitted).collect();
         let pairs =
@@ -78,13 +80,14 @@ mod tests {
         for (one, other, told) in [(0, 0, 99.0), (0, 1, 99.0), (1, 0, 99.0), (1, 1, 99.0), (2, 2, 99.0)] {
             matrix[(one, other)] = told;
         }
-        let information = Information { matrix, gradient: DVector::zeros(3 + OF_START), square: 1000.0, rows: 1000.0 };
+        let normal_equations =
+            NormalEquations { matrix, gradient: DVector::zeros(3 + OF_START), square: 1000.0, rows: 1000.0 };
         Fit {
             machine,
             free,
             coordinates: vec![gain_at, 0.0, 0.0],
             starts: Vec::new(),
-            information: vec![information],
+            normal_equations: vec![normal_equations],
             converged: true,
             loss: 0.0,
         }

@@ -28,7 +28,7 @@ pub(crate) struct Judged<'a> {
     /// Simulated, SI; `None` where the chain does not compute it or its sensor failed.
     pub(crate) simulated: Option<f64>,
     /// Its derivative by the coordinate of every free parameter, then of the start's level; empty where nothing is simulated.
-    pub(crate) slopes: &'a [f32],
+    pub(crate) jacobian: &'a [f32],
     /// Its derivative by the coordinate of the start's shift.
     pub(crate) by_shift: f64,
 }
@@ -63,7 +63,7 @@ impl At<'_> {
                 row,
                 channel,
                 simulated: derived.map(|(simulated, _)| simulated),
-                slopes: derived.map_or(&[], |(_, slopes)| slopes),
+                jacobian: derived.map_or(&[], |(_, jacobian)| jacobian),
                 by_shift: if channel.signal == Signal::Position { case.start_sigma_m } else { 0.0 },
             });
         })

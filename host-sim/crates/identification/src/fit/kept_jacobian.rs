@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use model_core::machine::{Machine, MachineError};
 
 use super::initial_state::StartState;
-use super::normal_equations::{Information, OF_START};
+use super::normal_equations::{NormalEquations, OF_START};
 use super::residuals::{missed, runs, simulated, soft};
 use crate::experiment::Prepared;
 
@@ -14,14 +14,14 @@ const MOST_KEPT: usize = 4 << 20;
 
 /// The slopes of one recording's residuals by every coordinate, before they are softened, row after row.
 #[derive(Debug)]
-pub(crate) struct Slopes {
+pub(crate) struct Jacobian {
     columns: usize,
     /// Empty where they are not kept.
     values: Vec<f32>,
     is_kept: bool,
 }
 
-impl Slopes {
+impl Jacobian {
     /// Room for a recording's slopes by so many free parameters.
     pub(crate) fn new(free: usize, case: &Prepared) -> Self {
         let columns = free + OF_START;
@@ -32,37 +32,37 @@ impl Slopes {
 
     /// One row, times a scale.
     #[inline]
-    pub(crate) fn put(&mut self, slopes: impl Iterator<Item = f32>, scale: f32) {
+    pub(crate) fn put(&mut self, jacobian: impl Iterator<Item = f32>, scale: f32) {
         if self.is_kept {
-            self.values.extend(slopes.map(|slope| slope * scale));
+            self.values.extend(jacobian.map(|slope| slope * scale));
         }
     }
 }
 
-impl Information {
+impl NormalEquations {
     /// What they become at a machine and starts nearby: residuals anew, and slopes as they were kept. `None` where they were not.
-    pub(crate) fn nearby(
+    pub(crate) fn by_kept_jacobian(
         here: &[Self],
-        slopes: &[Slopes],
+        jacobian: &[Jacobian],
         machine: &Machine<f64>,
         cases: &[&Prepared],
         starts: &[StartState],
     ) -> Result<Option<Vec<Self>>, MachineError> {
-        if !slopes.iter().all(|slopes| slopes.is_kept) {
+        if !jacobian.iter().all(|jacobian| jacobian.is_kept) {
             return Ok(None);
         }
         let runs = runs(machine, cases.iter().copied().zip(starts.iter().copied()));
         let there = simulated(machine, &runs, |_| true)?;
-        let moved = |((here, slopes), (case, there)): ((&Self, &Slopes), (&&Prepared, &Vec<f64>))| {
-            here.moved(slopes, case, there)
+        let moved = |((here, jacobian), (case, there)): ((&Self, &Jacobian), (&&Prepared, &Vec<f64>))| {
+            here.moved(jacobian, case, there)
         };
-        Ok(Some(here.iter().zip(slopes).zip(cases.iter().zip(&there)).map(moved).collect()))
+        Ok(Some(here.iter().zip(jacobian).zip(cases.iter().zip(&there)).map(moved).collect()))
     }
 
     /// With the residuals of what one recording simulates.
-    fn moved(&self, slopes: &Slopes, case: &Prepared, simulated: &[f64]) -> Self {
-        let mut rows = slopes.values.chunks_exact(slopes.columns);
-        let mut gradient = vec![0.0; slopes.columns];
+    fn moved(&self, jacobian: &Jacobian, case: &Prepared, simulated: &[f64]) -> Self {
+        let mut rows = jacobian.values.chunks_exact(jacobian.columns);
+        let mut gradient = vec![0.0; jacobian.columns];
         let mut square = 0.0;
         for (row, simulated) in simulated.chunks_exact(case.channels.len()).enumerate() {
             let judged = case.channels.iter().zip(simulated).filter(|(channel, _)| !channel.failed[row]);
@@ -97,14 +97,14 @@ mod tests {
         free: &[Free],
         coordinates: [f64; 2],
         case: &Prepared,
-    ) -> (Information, Slopes, Machine<f64>) {
+    ) -> (NormalEquations, Jacobian, Machine<f64>) {
         let mut moved = *machine;
         for (free, coordinate) in free.iter().zip(coordinates) {
             moved.set(free.parameter, free.value(coordinate));
         }
-        let mut slopes = Slopes::new(free.len(), case);
+        let mut jacobian = Jacobian::new(free.len(), case);
         let at = At { base: machine, free, coordinates: &coordinates };
-        (Information::of(&at, StartState::default(), case, &mut slopes).unwrap(), slopes, moved)
+        (NormalEquations::of(&at, StartState::default(), case, &mut jacobian).unwrap(), jacobian, moved)
     }
 
     #[test]
@@ -119,25 +119,30 @@ mod tests {
             let nominal = machine.get(parameter);
             Free { parameter, freedom: Freedom::Around { nominal, sigma: 0.1 * nominal } }
         });
-        let nearby = |here: &Information, slopes: &Slopes, there: &Machine<f64>| {
-            let (here, slopes, starts) = (slice::from_ref(here), slice::from_ref(slopes), [StartState::default()]);
-            Information::nearby(here, slopes, there, &[&case], &starts).unwrap().unwrap().remove(0)
+        let by_kept_jacobian = |here: &NormalEquations, jacobian: &Jacobian, there: &Machine<f64>| {
+            let (here, jacobian, starts) = (slice::from_ref(here), slice::from_ref(jacobian), [StartState::default()]);
+            NormalEquations::by_kept_jacobian(here, jacobian, there, &[&case], &starts).unwrap().unwrap().remove(0)
         };
-        let apart = |a: &Information, b: &Information| (&a.gradient - &b.gradient).norm() / b.gradient.norm();
+        let apart = |a: &NormalEquations, b: &NormalEquations| (&a.gradient - &b.gradient).norm() / b.gradient.norm();
 
-        let (here, slopes, there) = own(&machine, &free, [0.3, -0.2], &case);
-        let again = nearby(&here, &slopes, &there);
+        let (here, jacobian, there) = own(&machine, &free, [0.3, -0.2], &case);
+        let again = by_kept_jacobian(&here, &jacobian, &there);
         assert!((again.square / here.square - 1.0).abs() < 1e-12, "{} {}", again.square, here.square);
         assert!(apart(&again, &here) < 1e-5, "{}", apart(&again, &here));
 
         let (anew, _, there) = own(&machine, &free, [0.5, -0.5], &case);
-        let nearby = nearby(&here, &slopes, &there);
-        assert!((nearby.square / anew.square - 1.0).abs() < 1e-12, "{} {}", nearby.square, anew.square);
+        let by_kept_jacobian = by_kept_jacobian(&here, &jacobian, &there);
         assert!(
-            apart(&here, &anew) > 0.2 && apart(&nearby, &anew) < 0.01,
+            (by_kept_jacobian.square / anew.square - 1.0).abs() < 1e-12,
+            "{} {}",
+            by_kept_jacobian.square,
+            anew.square
+        );
+        assert!(
+            apart(&here, &anew) > 0.2 && apart(&by_kept_jacobian, &anew) < 0.01,
             "{} {}",
             apart(&here, &anew),
-            apart(&nearby, &anew)
+            apart(&by_kept_jacobian, &anew)
         );
     }
 }

@@ -14,8 +14,8 @@ use model_core::machine::{Machine, MachineError};
 
 use super::initial_state::StartState;
 use super::jacobian::At;
-use super::kept_jacobian::Slopes;
-use super::normal_equations::{Information, OF_START};
+use super::kept_jacobian::Jacobian;
+use super::normal_equations::{NormalEquations, OF_START};
 use super::{Free, From};
 use crate::experiment::Prepared;
 
@@ -48,7 +48,7 @@ pub(crate) struct Problem<'a> {
     /// Free parameters, then level and shift of each recording's start.
     pub(crate) coordinates: DVector<f64>,
     /// Of each recording, at the coordinates.
-    pub(crate) information: Vec<Information>,
+    pub(crate) normal_equations: Vec<NormalEquations>,
 }
 
 impl<'a> Problem<'a> {
@@ -78,7 +78,7 @@ impl<'a> Problem<'a> {
                 coordinates[index] = *wanted;
             }
         }
-        Self { base, free, cases, told, coordinates, information: Vec::new() }
+        Self { base, free, cases, told, coordinates, normal_equations: Vec::new() }
     }
 
     pub(crate) fn starts(&self) -> Vec<StartState> {
@@ -114,7 +114,7 @@ impl<'a> Problem<'a> {
             slots = end;
             rounds += 1;
             // Where kept slopes say that it ends, new ones have to say so as well.
-            if precision > FINE || !slots.here.is_nearby {
+            if precision > FINE || !slots.here.is_by_kept_jacobian {
                 break report.termination.was_successful();
             }
             slots.here = slots.evaluated(&slots.here.at);
@@ -123,7 +123,7 @@ impl<'a> Problem<'a> {
             }
         };
         let loss = slots.here.loss();
-        self.information = slots.here.information;
+        self.normal_equations = slots.here.normal_equations;
         Minimum { converged, loss }
     }
 }
@@ -152,10 +152,10 @@ struct Slots<'p, 'a> {
 #[derive(Clone, Default)]
 struct Point {
     at: DVector<f64>,
-    information: Vec<Information>,
-    /// Of each recording, from here or, where it is `nearby`, from where the steps began.
-    slopes: Arc<Vec<Slopes>>,
-    is_nearby: bool,
+    normal_equations: Vec<NormalEquations>,
+    /// Of each recording, from here or, where it is `by_kept_jacobian`, from where the steps began.
+    jacobian: Arc<Vec<Jacobian>>,
+    is_by_kept_jacobian: bool,
     /// Whether every step from here that was looked at gained what it promised.
     holds: bool,
     /// Residuals and Jacobian; none where the machine does not become a drive.
@@ -163,9 +163,14 @@ struct Point {
 }
 
 impl Point {
-    fn of(at: &DVector<f64>, information: Vec<Information>, slopes: Arc<Vec<Slopes>>, is_nearby: bool) -> Self {
-        let triangle = if information.is_empty() { None } else { assembled(&information, at) };
-        Self { at: at.clone(), information, slopes, is_nearby, holds: true, triangle }
+    fn of(
+        at: &DVector<f64>,
+        normal_equations: Vec<NormalEquations>,
+        jacobian: Arc<Vec<Jacobian>>,
+        is_by_kept_jacobian: bool,
+    ) -> Self {
+        let triangle = if normal_equations.is_empty() { None } else { assembled(&normal_equations, at) };
+        Self { at: at.clone(), normal_equations, jacobian, is_by_kept_jacobian, holds: true, triangle }
     }
 
     /// What is minimised.
@@ -188,7 +193,7 @@ impl Point {
 
     /// A fall of the loss that is not worth a step: of the log-likelihood of noise as large as what is left here.
     fn negligible(&self) -> f64 {
-        let rows: f64 = self.information.iter().map(|one| one.rows).sum();
+        let rows: f64 = self.normal_equations.iter().map(|one| one.rows).sum();
         NEGLIGIBLE * (2.0 * self.loss() / rows.max(1.0)).max(1.0)
     }
 }
@@ -207,24 +212,25 @@ impl<'p, 'a> Slots<'p, 'a> {
         let Problem { base, free, cases, told, .. } = *self.problem;
         let at = At { base, free, coordinates: coordinates.as_slice() };
         let all = parallel::try_each(cases.iter().zip(self.problem.starts()), |(case, start)| {
-            let mut slopes = Slopes::new(free.len(), case);
-            let information = Information::of(&at, start, case, &mut slopes);
+            let mut jacobian = Jacobian::new(free.len(), case);
+            let normal_equations = NormalEquations::of(&at, start, case, &mut jacobian);
             told(case);
-            Ok::<_, MachineError>((information?, slopes))
+            Ok::<_, MachineError>((normal_equations?, jacobian))
         });
-        let (information, slopes): (Vec<_>, Vec<_>) = all.unwrap_or_default().into_iter().unzip();
-        Point::of(coordinates, information, Arc::new(slopes), false)
+        let (normal_equations, jacobian): (Vec<_>, Vec<_>) = all.unwrap_or_default().into_iter().unzip();
+        Point::of(coordinates, normal_equations, Arc::new(jacobian), false)
     }
 
     /// A point with the slopes of where the search was before; `None` where those are not kept or there is no drive.
-    fn nearby(&self, coordinates: &DVector<f64>) -> Option<Point> {
+    fn by_kept_jacobian(&self, coordinates: &DVector<f64>) -> Option<Point> {
         let cases = self.problem.cases;
         let machine = self.problem.machine();
         let known = &self.before;
         let starts = self.problem.starts();
-        let information = Information::nearby(&known.information, &known.slopes, &machine, cases, &starts);
-        let information = information.ok().flatten()?;
-        let point = Point::of(coordinates, information, Arc::clone(&known.slopes), true);
+        let normal_equations =
+            NormalEquations::by_kept_jacobian(&known.normal_equations, &known.jacobian, &machine, cases, &starts);
+        let normal_equations = normal_equations.ok().flatten()?;
+        let point = Point::of(coordinates, normal_equations, Arc::clone(&known.jacobian), true);
         point.triangle.is_some().then_some(point)
     }
 
@@ -234,13 +240,13 @@ impl<'p, 'a> Slots<'p, 'a> {
         if promised <= (self.precision * self.before.loss()).min(self.before.negligible()) {
             return Point { at: coordinates.clone(), ..self.before.clone() };
         }
-        if let Some(nearby) = self.nearby(coordinates) {
-            let gained = self.before.loss() - nearby.loss();
+        if let Some(by_kept_jacobian) = self.by_kept_jacobian(coordinates) {
+            let gained = self.before.loss() - by_kept_jacobian.loss();
             // A step that gains nothing is not taken, and one that gains what it promised says that the slopes hold.
             let holds = (gained - promised).abs() <= FAITHFUL * promised;
             if gained <= 0.0 || (holds && self.before.holds) {
                 self.before.holds = holds;
-                return nearby;
+                return by_kept_jacobian;
             }
         }
         self.evaluated(coordinates)
@@ -248,9 +254,9 @@ impl<'p, 'a> Slots<'p, 'a> {
 }
 
 /// The normal equations' triangle, as residuals and Jacobian.
-fn assembled(information: &[Information], coordinates: &DVector<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
+fn assembled(normal_equations: &[NormalEquations], coordinates: &DVector<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
     let size = coordinates.len();
-    let (matrix, gradient, square) = Information::assembled(information, coordinates);
+    let (matrix, gradient, square) = NormalEquations::assembled(normal_equations, coordinates);
     if !square.is_finite() {
         return None;
     }

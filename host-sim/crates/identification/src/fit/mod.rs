@@ -28,7 +28,7 @@ pub use coarse::coarse;
 pub use correlation::{CORRELATED, Correlation};
 pub use initial_state::{StartState, level_at_rest, settle};
 pub use levenberg_marquardt::Told;
-pub use normal_equations::Information;
+pub use normal_equations::NormalEquations;
 pub(crate) use normal_equations::OF_START;
 pub use residuals::{
     Counts, Misfit, Residuals, effective_samples, inflation, loss, misfits, set_tolerances, soft, softened,
@@ -193,7 +193,7 @@ pub struct Fit {
     /// The state each recording starts from.
     pub starts: Vec<StartState>,
     /// What each recording tells of the free parameters, at the solution.
-    pub information: Vec<Information>,
+    pub normal_equations: Vec<NormalEquations>,
     /// Whether the optimiser met one of its criteria.
     pub converged: bool,
     /// Half the sum of squares that it minimised, priors included.
@@ -205,7 +205,7 @@ impl Fit {
     /// samples.
     #[must_use]
     pub fn estimates(&self, inflation: f64) -> Vec<Estimate> {
-        let covariance = Information::covariance(&self.information, inflation);
+        let covariance = NormalEquations::covariance(&self.normal_equations, inflation);
         let deviation = |slot| covariance.as_ref().map_or(f64::NAN, |covariance| covariance[(slot, slot)].sqrt());
         self.free
             .iter()
@@ -224,7 +224,7 @@ impl Fit {
     #[must_use]
     pub fn uncertainty(&self, inflation: f64) -> Uncertainty {
         let estimates = self.estimates(inflation);
-        let precision = Information::precision(&self.information, inflation);
+        let precision = NormalEquations::precision(&self.normal_equations, inflation);
         let slope = |index: usize| self.free[index].slope(self.coordinates[index]).abs();
         let moves = |index: &usize| estimates[*index].std.is_finite() && estimates[*index].std > 0.0;
         let moving: Vec<usize> = (0..estimates.len().min(precision.nrows())).filter(moves).collect();
@@ -263,7 +263,7 @@ impl Fit {
     /// The machine that this fit would have ended at without one of its recordings: one Newton step away from the solution.
     #[must_use]
     pub fn without(&self, recording: usize) -> Machine<f64> {
-        let step = Information::step_without(&self.information, recording, &self.coordinates);
+        let step = NormalEquations::step_without(&self.normal_equations, recording, &self.coordinates);
         let mut machine = self.machine;
         for (free, (&coordinate, step)) in self.free.iter().zip(self.coordinates.iter().zip(&step)) {
             // A step far beyond the prior is not to be trusted as far.
@@ -341,7 +341,7 @@ pub fn fit_told(
         free: free.to_vec(),
         starts: problem.starts(),
         coordinates: problem.coordinates.iter().take(free.len()).copied().collect(),
-        information: problem.information,
+        normal_equations: problem.normal_equations,
         converged,
         // A start that does not become a drive, or whose slopes are none, is no fit.
         loss: if loss.is_finite() { loss } else { f64::INFINITY },

@@ -8,13 +8,13 @@ use simulation::number::dual::single;
 
 use super::initial_state::StartState;
 use super::jacobian::At;
-use super::kept_jacobian::Slopes;
+use super::kept_jacobian::Jacobian;
 use super::residuals::{missed, soft};
 use crate::experiment::Prepared;
 
 /// Normal equations of one recording, by the free parameters and then the level and the shift of its start.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Information {
+pub struct NormalEquations {
     /// `JᵀJ`
     pub matrix: DMatrix<f64>,
     /// `Jᵀr`
@@ -28,21 +28,21 @@ pub struct Information {
 /// Coordinates of a recording's start.
 pub(crate) const OF_START: usize = 2;
 
-impl Information {
-    /// Runs a recording with the slopes of its residuals, which are put aside in the `slopes`.
+impl NormalEquations {
+    /// Runs a recording with the slopes of its residuals, which are put aside in the `jacobian`.
     pub(crate) fn of(
         at: &At<'_>,
         start: StartState,
         case: &Prepared,
-        slopes: &mut Slopes,
+        jacobian: &mut Jacobian,
     ) -> Result<Self, MachineError> {
         let mut sums = Sums::new(at.free.len() + OF_START);
         at.each(start, case, &mut |judged| {
             let Some(simulated) = judged.simulated else { return };
             let channel = judged.channel;
             let (residual, slope) = soft(missed(channel, judged.row, Some(simulated)), channel.tolerance);
-            let of_row = || judged.slopes.iter().copied().chain([single(judged.by_shift)]);
-            slopes.put(of_row(), single(-1.0 / channel.noise));
+            let of_row = || judged.jacobian.iter().copied().chain([single(judged.by_shift)]);
+            jacobian.put(of_row(), single(-1.0 / channel.noise));
             let scale = single(-slope / channel.noise);
             sums.add(of_row().map(|by| by * scale), residual);
         })?;
@@ -51,7 +51,7 @@ impl Information {
 
     /// Normal equations of all recordings together, by the free parameters and then each recording's start; every coordinate
     /// has a unit normal prior.
-    pub(crate) fn assembled(all: &[Information], coordinates: &DVector<f64>) -> (DMatrix<f64>, DVector<f64>, f64) {
+    pub(crate) fn assembled(all: &[NormalEquations], coordinates: &DVector<f64>) -> (DMatrix<f64>, DVector<f64>, f64) {
         let size = coordinates.len();
         let count = size - OF_START * all.len();
         let mut matrix = DMatrix::identity(size, size);
@@ -82,13 +82,13 @@ impl Information {
     }
 
     /// Covariance of the coordinates, prior included; `None` where the recordings and the priors do not determine them.
-    pub(crate) fn covariance(all: &[Information], inflation: f64) -> Option<DMatrix<f64>> {
+    pub(crate) fn covariance(all: &[NormalEquations], inflation: f64) -> Option<DMatrix<f64>> {
         Self::precision(all, inflation).cholesky().map(|factor| factor.inverse())
     }
 
     /// Its inverse: what one coordinate's error says of another's is in it. The residuals are correlated in time, so what the recordings tell is
     /// divided by their mean square and by how many neighbours tell the same; the priors keep theirs.
-    pub(crate) fn precision(all: &[Information], inflation: f64) -> DMatrix<f64> {
+    pub(crate) fn precision(all: &[NormalEquations], inflation: f64) -> DMatrix<f64> {
         let Some(first) = all.first() else { return DMatrix::zeros(0, 0) };
         let count = first.gradient.len() - OF_START;
         let (square, rows) = all.iter().fold((0.0, 0.0), |sum, one| (sum.0 + one.square, sum.1 + one.rows));
@@ -101,7 +101,7 @@ impl Information {
     }
 
     /// The Newton step from the common solution to that without one recording.
-    pub(crate) fn step_without(all: &[Information], without: usize, coordinates: &[f64]) -> Vec<f64> {
+    pub(crate) fn step_without(all: &[NormalEquations], without: usize, coordinates: &[f64]) -> Vec<f64> {
         let count = coordinates.len();
         let mut matrix = DMatrix::identity(count, count);
         let mut gradient = DVector::from_column_slice(coordinates);
@@ -135,8 +135,8 @@ impl Sums {
     }
 
     #[inline]
-    fn add(&mut self, slopes: impl Iterator<Item = f32>, residual: f64) {
-        self.waiting.extend(slopes.map(f64::from));
+    fn add(&mut self, jacobian: impl Iterator<Item = f32>, residual: f64) {
+        self.waiting.extend(jacobian.map(f64::from));
         self.waiting.push(residual);
         self.rows += 1.0;
         if self.waiting.len() == ROWS * self.columns {
@@ -164,11 +164,11 @@ impl Sums {
         self.waiting.clear();
     }
 
-    fn total(mut self) -> Information {
+    fn total(mut self) -> NormalEquations {
         self.gather();
         let size = self.columns - 1;
         let product = |row: usize, column: usize| self.products[row.max(column) * self.columns + row.min(column)];
-        Information {
+        NormalEquations {
             matrix: DMatrix::from_fn(size, size, product),
             gradient: DVector::from_fn(size, |row, _| product(size, row)),
             square: product(size, size),

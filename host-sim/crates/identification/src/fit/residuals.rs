@@ -2,7 +2,7 @@
 
 use model_core::machine::{Machine, MachineError};
 use recording::Signal;
-use simulation::{InputPoint, Run, run_abreast};
+use simulation::{InputPoint, Run, run_in_lanes};
 
 use super::initial_state::StartState;
 use crate::experiment::{Channel, Prepared};
@@ -113,7 +113,7 @@ pub fn standardised_all<'a>(
         case.channels.iter().map(|_| Vec::with_capacity(case.time_s.len())).collect::<Vec<Vec<f64>>>()
     };
     let mut all: Residuals = cases.iter().map(room).collect();
-    run_abreast(machine, &runs(machine, cases.iter().copied()), &mut |run, row, values| {
+    run_in_lanes(machine, &runs(machine, cases.iter().copied()), &mut |run, row, values| {
         for ((channel, value), series) in cases[run].0.channels.iter().zip(values).zip(&mut all[run]) {
             if !channel.failed[row] {
                 series.push(missed(channel, row, Some(*value)));
@@ -130,7 +130,7 @@ pub(crate) fn simulated(
     keeps: impl Fn(usize) -> bool,
 ) -> Result<Vec<Vec<f64>>, MachineError> {
     let mut simulated = vec![Vec::new(); runs.len()];
-    run_abreast(machine, runs, &mut |run, row, values| {
+    run_in_lanes(machine, runs, &mut |run, row, values| {
         if keeps(row) {
             simulated[run].extend_from_slice(values);
         }

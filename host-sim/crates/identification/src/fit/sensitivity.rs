@@ -8,7 +8,7 @@ use simulation::number::dual::single;
 
 use super::initial_state::StartState;
 use super::jacobian::At;
-use super::normal_equations::{Information, OF_START};
+use super::normal_equations::{NormalEquations, OF_START};
 use super::residuals::{missed, runs, simulated, soft};
 use super::{Fit, MOST_PARAMETERS};
 use crate::experiment::Prepared;
@@ -44,7 +44,7 @@ struct Block {
     /// Softened residual, weighted, and the slope of the softening, per kept row and channel.
     residuals: Vec<(f64, f64)>,
     /// Weighted slope by each coordinate of the recording (free parameters, level, shift), row by row.
-    slopes: Vec<f32>,
+    jacobian: Vec<f32>,
 }
 
 /// Residuals at a solution, linear in its free parameters.
@@ -86,8 +86,8 @@ impl<'a> Sensitivity<'a> {
         let at = At { base: &fit.machine, free: &fit.free, coordinates: &fit.coordinates };
         let with_starts = cases.iter().zip(&fit.starts);
         let blocks = parallel::try_each(with_starts, |(case, start)| Block::at(&at, *start, case, kept))?;
-        let information: Vec<Information> = blocks.iter().map(|block| block.information(count)).collect();
-        let (matrix, gradient, _) = Information::assembled(&information, &fit.all_coordinates());
+        let normal_equations: Vec<NormalEquations> = blocks.iter().map(|block| block.normal_equations(count)).collect();
+        let (matrix, gradient, _) = NormalEquations::assembled(&normal_equations, &fit.all_coordinates());
         Ok(matrix.cholesky().map(|factor| Self { cases, fit, blocks, kept, factor, gradient }))
     }
 
@@ -131,8 +131,8 @@ impl<'a> Sensitivity<'a> {
         let mut sum = DVector::zeros(self.gradient.len());
         for (index, (block, change)) in self.blocks.iter().zip(change).enumerate() {
             let mut own = vec![0.0_f64; count + OF_START];
-            for (slopes, change) in block.slopes.chunks_exact(count + OF_START).zip(change) {
-                for (sum, slope) in own.iter_mut().zip(slopes) {
+            for (jacobian, change) in block.jacobian.chunks_exact(count + OF_START).zip(change) {
+                for (sum, slope) in own.iter_mut().zip(jacobian) {
                     *sum += f64::from(*slope) * change;
                 }
             }
@@ -224,7 +224,7 @@ impl<'a> Sensitivity<'a> {
 impl Block {
     /// Runs a recording with the slopes of its residuals, and keeps every so-manieth row.
     fn at(at: &At<'_>, start: StartState, case: &Prepared, kept: Kept) -> Result<Self, MachineError> {
-        let mut block = Self { residuals: Vec::new(), slopes: Vec::new() };
+        let mut block = Self { residuals: Vec::new(), jacobian: Vec::new() };
         at.each(start, case, &mut |judged| {
             if !kept.has(judged.row) {
                 return;
@@ -235,32 +235,32 @@ impl Block {
             block.residuals.push((kept.weight * residual, slope));
             let scale = single(kept.weight * -slope / channel.noise);
             if judged.simulated.is_some() {
-                block.slopes.extend(judged.slopes.iter().map(|by| by * scale));
+                block.jacobian.extend(judged.jacobian.iter().map(|by| by * scale));
             } else {
-                block.slopes.extend(std::iter::repeat_n(0.0, at.free.len() + 1));
+                block.jacobian.extend(std::iter::repeat_n(0.0, at.free.len() + 1));
             }
-            block.slopes.push(single(judged.by_shift) * scale);
+            block.jacobian.push(single(judged.by_shift) * scale);
         })?;
         Ok(block)
     }
 
     /// Normal equations of the kept rows.
-    fn information(&self, count: usize) -> Information {
+    fn normal_equations(&self, count: usize) -> NormalEquations {
         let size = count + OF_START;
         let mut matrix = DMatrix::zeros(size, size);
         let mut gradient = DVector::zeros(size);
         let mut square = 0.0;
-        for (slopes, (residual, _)) in self.slopes.chunks_exact(size).zip(&self.residuals) {
+        for (jacobian, (residual, _)) in self.jacobian.chunks_exact(size).zip(&self.residuals) {
             for row in 0..size {
-                let by = f64::from(slopes[row]);
+                let by = f64::from(jacobian[row]);
                 gradient[row] += by * residual;
                 for column in row..size {
-                    matrix[(row, column)] += by * f64::from(slopes[column]);
+                    matrix[(row, column)] += by * f64::from(jacobian[column]);
                 }
             }
             square += residual * residual;
         }
         matrix.fill_lower_triangle_with_upper_triangle();
-        Information { matrix, gradient, square, rows: self.residuals.len() as f64 }
+        NormalEquations { matrix, gradient, square, rows: self.residuals.len() as f64 }
     }
 }

@@ -188,8 +188,8 @@ fn finding_of(diagnosis: &Diagnosis, exhibits: &Exhibits, finding: &Finding) -> 
     });
     if let Some(told) = finding.heard {
         found["jumps"] = json!({
-            "length": digits(told.rhythm.length, 3),
-            "log_likelihood": digits(told.rhythm.evidence, 3),
+            "length": digits(told.jump_spacing.length, 3),
+            "log_likelihood": digits(told.jump_spacing.evidence, 3),
             "kept_alone": digits(told.kept_alone, 3),
             "sentence": told.to_string(),
         });

@@ -269,7 +269,7 @@ impl Stimulus {
         Self { rows, ..self.clone() }
     }
 
-    /// Whether both enter the chain at the same place, at the same tick, so that they can be run abreast. A pump's valve has a
+    /// Whether both enter the chain at the same place, at the same tick, so that they can be run in SIMD lanes. A pump's valve has a
     /// direction of its own in each.
     pub(crate) fn goes_with(&self, other: &Self) -> bool {
         let ratio = |one: &Self| if let Input::Flow(_, ratio) = &one.input { Some(*ratio) } else { None };

@@ -77,7 +77,7 @@ pub struct Candidate {
     /// Whether it was refitted to the end.
     pub is_finished: bool,
     /// Whether the noise that it was fitted with was as correlated: standard deviations hold what neighbouring rows have in common.
-    pub is_tempered: bool,
+    pub is_inflated: bool,
     /// How the independent samples of its residuals are counted.
     pub counts: Counts,
 }
@@ -225,8 +225,8 @@ impl Candidate {
 
     /// The same by models refitted without the recording.
     pub fn left_out_refitted(&self, question: &Question<'_>) -> Result<Residuals, FitError> {
-        let nearby = coarse(question.training, &self.fit.machine, &self.fit.starts)?;
-        self.left_out_by(question, |index| self.refitted_without(question, &nearby, index))
+        let coarser = coarse(question.training, &self.fit.machine, &self.fit.starts)?;
+        self.left_out_by(question, |index| self.refitted_without(question, &coarser, index))
     }
 
     fn left_out_by(

@@ -14,7 +14,7 @@ use crate::selection::screen::{Lead, screen};
 pub struct Reference<'a> {
     question: &'a Question<'a>,
     set: &'a Candidate,
-    nearby: Vec<Prepared>,
+    coarser: Vec<Prepared>,
 }
 
 /// How many times its own the noise of every channel of each training recording is taken to be.
@@ -23,14 +23,14 @@ pub type Weighing = Vec<Vec<f64>>;
 impl<'a> Reference<'a> {
     /// A set as others begin at it.
     pub fn new(question: &'a Question<'a>, set: &'a Candidate) -> Result<Self, FitError> {
-        let nearby = coarse(question.training, &set.fit.machine, &set.fit.starts)?;
-        Ok(Self { question, set, nearby })
+        let coarser = coarse(question.training, &set.fit.machine, &set.fit.starts)?;
+        Ok(Self { question, set, coarser })
     }
 
     /// What could be added to the set, the most promising first.
     pub fn leads(&self, hypotheses: &[&'static Hypothesis]) -> Result<Vec<Lead>, FitError> {
-        let nearby: Vec<&Prepared> = self.nearby.iter().collect();
-        let Some(sensitivity) = Sensitivity::at(&self.set.fit, &nearby)? else { return Ok(Vec::new()) };
+        let coarser: Vec<&Prepared> = self.coarser.iter().collect();
+        let Some(sensitivity) = Sensitivity::at(&self.set.fit, &coarser)? else { return Ok(Vec::new()) };
         let leads = screen(self.question.scene, &self.set.fit, &[sensitivity], hypotheses)?;
         Ok(leads.into_iter().flatten().collect())
     }
@@ -41,7 +41,7 @@ impl<'a> Reference<'a> {
         weighings: [&Weighing; 2],
         hypotheses: &[&'static Hypothesis],
     ) -> Result<[Vec<Lead>; 2], FitError> {
-        let weighed = weighings.map(|weighing| noisier(self.nearby.clone(), weighing));
+        let weighed = weighings.map(|weighing| noisier(self.coarser.clone(), weighing));
         let [one, other] = weighed.each_ref().map(|cases| cases.iter().collect::<Vec<_>>());
         let at = |cases| Sensitivity::at(&self.set.fit, cases);
         let (Some(one), Some(other)) = (at(&one)?, at(&other)?) else { return Ok([Vec::new(), Vec::new()]) };
@@ -52,8 +52,8 @@ impl<'a> Reference<'a> {
 
     /// Where extensions of one of its effects could start: of friction on bristles those on bristles, of rigid friction the others.
     pub fn extensions(&self, of: &Chosen, by: &[&'static Hypothesis]) -> Result<Vec<Lead>, FitError> {
-        let nearby: Vec<&Prepared> = self.nearby.iter().collect();
-        let Some(sensitivity) = Sensitivity::at(&self.set.fit, &nearby)? else { return Ok(Vec::new()) };
+        let coarser: Vec<&Prepared> = self.coarser.iter().collect();
+        let Some(sensitivity) = Sensitivity::at(&self.set.fit, &coarser)? else { return Ok(Vec::new()) };
         let mut found = Vec::new();
         for effect in by {
             found.extend(extended(self.question.scene, &self.set.fit, &sensitivity, effect)?);
@@ -81,7 +81,7 @@ impl<'a> Reference<'a> {
         let mut jumps = self.set.jumps.clone();
         jumps.extend(lead.values.iter().filter(|(parameter, _)| is_jump(lead.form, *parameter)));
         let Lead { values, settled, .. } = lead;
-        let from = Beginning { fit: &self.set.fit, values, settled, goes: Goes::Roughly(&self.nearby) };
+        let from = Beginning { fit: &self.set.fit, values, settled, goes: Goes::Roughly(&self.coarser) };
         Candidate::refitted(self.question, effects, jumps, &from)
     }
 }

@@ -108,7 +108,7 @@ impl Candidate {
     /// What the base parameters cost by being away from their nominal values: half the sum of squares of their distances, each
     /// in its standard deviation.
     #[must_use]
-    pub fn bent(&self, question: &Question<'_>) -> f64 {
+    pub fn pulled(&self, question: &Question<'_>) -> f64 {
         let own = self.fit.coordinates.iter().take(question.base_parameters.len());
         0.5 * own.map(|coordinate| coordinate * coordinate).sum::<f64>()
     }
@@ -116,10 +116,10 @@ impl Candidate {
     /// Whether they are further away than their standard deviations allow in 999 of 1000 drives: by χ², its quantile after Wilson
     /// and Hilferty 1931.
     #[must_use]
-    pub fn is_bent(&self, question: &Question<'_>) -> bool {
+    pub fn is_pulled(&self, question: &Question<'_>) -> bool {
         let count = question.base_parameters.len() as f64;
         let share = 2.0 / (9.0 * count);
         count > 0.0
-            && 2.0 * self.bent(question) > count * (1.0 - share + PULLED_TOO_FAR_QUANTILE * share.sqrt()).powi(3)
+            && 2.0 * self.pulled(question) > count * (1.0 - share + PULLED_TOO_FAR_QUANTILE * share.sqrt()).powi(3)
     }
 }

@@ -52,10 +52,10 @@ impl Candidate {
         let residuals = softened_all(&fit.machine, training)?;
         if !is_finished {
             let missed: f64 = residuals.iter().flatten().map(|series| loss(series)).sum();
-            let missed_there: f64 = fit.information.iter().map(|one| one.square).sum();
+            let missed_there: f64 = fit.normal_equations.iter().map(|one| one.square).sum();
             fit.loss += 0.5 * (missed - missed_there);
         }
-        Ok(Self { effects, fit, jumps, residuals, is_finished, is_tempered: false, counts: question.counts() })
+        Ok(Self { effects, fit, jumps, residuals, is_finished, is_inflated: false, counts: question.counts() })
     }
 
     /// A refit of the base parameters alone.
@@ -75,8 +75,8 @@ impl Candidate {
         let nominal = vec![StartState::default(); question.training.len()];
         let (machine, starts) =
             solution.map_or((question.scene.machine, nominal.as_slice()), |known| (&known.machine, &known.starts));
-        let nearby = coarse(question.training, machine, starts)?;
-        searched(&nearby.iter().collect::<Vec<_>>())
+        let coarser = coarse(question.training, machine, starts)?;
+        searched(&coarser.iter().collect::<Vec<_>>())
     }
 
     /// A refit of a set to the end, from values of what no former solution has; effect parameters that no slope leads to stay as they are given.
@@ -104,7 +104,7 @@ impl Candidate {
         let coordinates = coordinates(&free, from.values);
         let (training, precision) = match from.goes {
             Goes::ToTheEnd => (question.training.to_vec(), PRECISION),
-            Goes::Roughly(nearby) => (nearby.iter().collect(), ROUGHLY),
+            Goes::Roughly(coarser) => (coarser.iter().collect(), ROUGHLY),
         };
         let refit = |jumps: &[(Parameter, f64)], start: &From<'_>| {
             fit(&with(question.scene.machine, jumps), &free, &training, start, precision)
@@ -126,20 +126,20 @@ impl Candidate {
     pub(crate) fn refitted_to(&self, question: &Question<'_>, others: &Question<'_>) -> Result<Self, FitError> {
         let found = self.finished(others)?;
         let told = Self::of(question, found.effects, found.fit, found.jumps, false)?;
-        Ok(Self { is_finished: true, is_tempered: true, ..told })
+        Ok(Self { is_finished: true, is_inflated: true, ..told })
     }
 
     /// The machine refitted without one of the recordings, which are at twice the tick.
     pub(crate) fn refitted_without(
         &self,
         question: &Question<'_>,
-        nearby: &[Prepared],
+        coarser: &[Prepared],
         index: usize,
     ) -> Result<Machine<f64>, FitError> {
         let mut solution = self.fit.clone();
         solution.starts.remove(index);
         let others: Vec<&Prepared> =
-            nearby.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, case)| case).collect();
+            coarser.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, case)| case).collect();
         let machine = with(question.scene.machine, &self.jumps);
         let from = From { solution: Some(&solution), ..From::default() };
         Ok(fit(&machine, &self.fit.free, &others, &from, SETTLED)?.machine)

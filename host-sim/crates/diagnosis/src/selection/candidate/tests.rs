@@ -18,7 +18,8 @@ fn standing(name: &str, scene: &Scene<'_>, base_parameters: &[Free], machine: &M
         .collect();
     let coordinates = free.iter().map(|free| free.coordinate(machine.get(free.parameter))).collect();
     let starts = vec![StartState::default()];
-    let fit = Fit { machine: *machine, free, coordinates, starts, information: Vec::new(), converged: true, loss: 0.0 };
+    let fit =
+        Fit { machine: *machine, free, coordinates, starts, normal_equations: Vec::new(), converged: true, loss: 0.0 };
     let effects = vec![Chosen { effect, form }];
     Candidate {
         effects,
@@ -26,7 +27,7 @@ fn standing(name: &str, scene: &Scene<'_>, base_parameters: &[Free], machine: &M
         jumps: Vec::new(),
         residuals: Vec::new(),
         is_finished: true,
-        is_tempered: false,
+        is_inflated: false,
         counts: effective_samples,
     }
 }

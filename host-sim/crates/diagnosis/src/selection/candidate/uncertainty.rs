@@ -43,7 +43,7 @@ impl Candidate {
     }
 
     fn inflation(&self) -> f64 {
-        if self.is_tempered { 1.0 } else { inflation(&self.residuals, self.counts) }
+        if self.is_inflated { 1.0 } else { inflation(&self.residuals, self.counts) }
     }
 
     /// Standard deviation of an effect parameter that no slope leads to: half the interval outside of which the log-likelihood, with all that is free

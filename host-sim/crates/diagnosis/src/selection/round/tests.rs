@@ -38,7 +38,10 @@ fn two_effects_that_are_there_stay() {
 #[test]
 fn of_effects_that_follow_little_of_what_is_missing_nothing_is_left() {
     with_two(&[(P::ReturnResistance, 1.5e13)], ["internal-leakage", "coulomb-friction"], |question, base, both| {
-        assert!(both.is_plausible(question.scene) && excess(&both.residuals) < excess(&base.residuals));
+        assert!(
+            both.is_plausible(question.scene)
+                && misfit_above_noise(&both.residuals) < misfit_above_noise(&base.residuals)
+        );
         assert!(reduced(question, base, both, &[]).unwrap().is_none());
     });
 }
@@ -109,7 +112,7 @@ fn sets_that_are_far_off_are_refitted_to_recordings_that_are_believed_less_and_b
         for (set, _) in &after {
             let was = before.iter().find(|one| one.names() == set.names()).unwrap();
             assert!(was.worst_over_noise(question) > VALVE_FIRST_FROM, "{:?}", was.names());
-            assert!(set.bent(question) < 0.5 * was.bent(question), "{:?} {}", set.names(), set.bent(question));
+            assert!(set.pulled(question) < 0.5 * was.pulled(question), "{:?} {}", set.names(), set.pulled(question));
         }
     });
 }

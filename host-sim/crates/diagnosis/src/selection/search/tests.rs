@@ -99,7 +99,7 @@ fn what_takes_less_than_three_quarters_refines_nothing() {
         let edges = added(question, &base, "metering-asymmetry", Some(P::MeteringRatio));
         let effect = edges.effects[0].effect;
         let finer = edges.instead(question, 0, Chosen { effect, form: effect.refined[0] }, &[]).unwrap();
-        let share = excess(&finer.residuals) / excess(&edges.residuals);
+        let share = misfit_above_noise(&finer.residuals) / misfit_above_noise(&edges.residuals);
         assert!(share < 0.95 && share > 0.3, "{share}");
         assert!(refined(question, &edges, &|_| ()).unwrap().is_empty());
     });

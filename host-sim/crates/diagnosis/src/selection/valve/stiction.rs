@@ -17,7 +17,7 @@ use crate::selection::decision_rule::{
     BESIDE_STICTION_BEYOND_PENALTY, BESIDE_STICTION_EXPLAINS, BESIDE_STICTION_GAINS, FEWEST_STICKING,
     HELD_OUT_JUMPS_GAIN,
 };
-use crate::selection::likelihood::{Gained, excess, ranked, straightened};
+use crate::selection::likelihood::{Gained, misfit_above_noise, ranked, straightened};
 use crate::selection::outcome::Trial;
 use crate::selection::round::trial;
 use crate::selection::screen::Lead;
@@ -130,7 +130,8 @@ impl Search<'_, '_> {
         let gained = Gained::of(&plain.left_out, &with.left_out, self.question.counts());
         let straightened = straightened(self.question, &plain.set, &with.set);
         with.set.is_plausible(self.question.scene)
-            && excess(&with.set.residuals) < (1.0 - BESIDE_STICTION_EXPLAINS) * excess(&plain.set.residuals)
+            && misfit_above_noise(&with.set.residuals)
+                < (1.0 - BESIDE_STICTION_EXPLAINS) * misfit_above_noise(&plain.set.residuals)
             && gained.all > BESIDE_STICTION_GAINS
             && gained.all + straightened > gained.cost(with.set.effect_parameters()) + BESIDE_STICTION_BEYOND_PENALTY
             && gained.repeats

@@ -8,7 +8,7 @@ use identification::fit::{FitError, loss, softened_all};
 use model_core::machine::Parameter;
 use recording::Signal;
 
-use super::jump_spacing::Rhythm;
+use super::jump_spacing::JumpSpacing;
 use crate::catalogue::Hypothesis;
 use crate::selection::candidate::{Candidate, Chosen, Question};
 use crate::selection::decision_rule::{MOST_EFFECTS, PLAY_SOUGHT_FROM, SPACING_SOUGHT_FROM, UNMEASURED_SPOOL_GAINS};
@@ -130,13 +130,13 @@ impl Selection {
         let believed: Vec<&Prepared> = believed.iter().collect();
         let less = Question { training: &believed, ..*question };
         let following = following.refitted_to(question, &less)?;
-        let Some(rhythm) = Rhythm::of(&following.fit.machine, question.training)? else { return Ok(()) };
+        let Some(jump_spacing) = JumpSpacing::of(&following.fit.machine, question.training)? else { return Ok(()) };
         done(stiction.effect.name);
 
         let width = following.fit.machine.get(Parameter::HysteresisWidth);
-        let told = Told { rhythm, kept_alone: Sticks::alone(rhythm.length, width).kept };
+        let told = Told { jump_spacing, kept_alone: Sticks::alone(jump_spacing.length, width).kept };
         let is_alone = told.is_alone();
-        let lengths = LENGTHS.iter().map(|times| times * rhythm.length);
+        let lengths = LENGTHS.iter().map(|times| times * jump_spacing.length);
         let tries: Vec<Sticks> = if is_alone {
             lengths.flat_map(|length| LAGS.map(|times| Sticks::alone(length, times * width))).collect()
         } else {
@@ -158,7 +158,7 @@ impl Selection {
             last.retain(|set| !set.is_of(&best));
             // Over what free runs tell of the same recordings without jumps, they gain by these what the position says of them.
             let without = last.iter().map(|set| set.net).fold(0.0, f64::max);
-            last.insert(0, trial(&best, without + rhythm.evidence));
+            last.insert(0, trial(&best, without + jump_spacing.evidence));
         }
         self.chosen = best;
         Ok(())
@@ -167,7 +167,7 @@ impl Selection {
     /// Goes back to what was chosen before, where held-out recordings do not tell of jumps as long; the stiction that goes.
     pub(crate) fn unheard(&mut self, held_out: &[&Prepared]) -> Result<Option<&'static Hypothesis>, FitError> {
         let Some(heard) = &self.heard else { return Ok(None) };
-        if heard.told.rhythm.is_in(&heard.following, held_out)? {
+        if heard.told.jump_spacing.is_in(&heard.following, held_out)? {
             return Ok(None);
         }
         let gone = self.chosen.effects.iter().find(|one| one.has(Parameter::StictionBand)).map(|one| one.effect);

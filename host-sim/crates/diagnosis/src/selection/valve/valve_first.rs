@@ -143,7 +143,7 @@ impl Course {
         // What cannot be claimed may still be what it is, and nothing less likely stands in for it.
         let least = ranked.first().map_or(f64::INFINITY, |(_, net)| net - TOGETHER_WITHIN);
         for (found, net) in ranked.iter().take_while(|(_, net)| *net > least) {
-            if self.claims(question, found)? {
+            if self.is_accepted(question, found)? {
                 self.chosen = found.clone();
                 self.beam = vec![found.clone()];
                 if found.effects.len() > 1 {

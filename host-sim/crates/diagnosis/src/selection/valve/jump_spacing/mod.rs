@@ -42,14 +42,14 @@ const BLOCK_S: f64 = 0.1;
 
 /// Jumps of a spool that the position holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rhythm {
+pub struct JumpSpacing {
     /// How long a jump is, of full travel.
     pub length: f64,
     /// Log-likelihood that the recordings gain by jumps of any length over none.
     pub evidence: f64,
 }
 
-impl fmt::Display for Rhythm {
+impl fmt::Display for JumpSpacing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
@@ -60,7 +60,7 @@ impl fmt::Display for Rhythm {
     }
 }
 
-impl Rhythm {
+impl JumpSpacing {
     /// What training recordings say, by a machine that follows them without jumps; `None` where they do not tell of any, or
     /// hold no position of a drive that its command alone drives.
     pub fn of(machine: &Machine<f64>, training: &[&Prepared]) -> Result<Option<Self>, MachineError> {

@@ -27,17 +27,17 @@ const POSITION: (Signal, f64) = (Signal::Position, 1e-5);
 #[test]
 fn jumps_that_no_sensor_sees_are_heard_in_the_position_with_their_length() {
     let case = prepared(&sticking(), &[POSITION], 4000);
-    let rhythm = Rhythm::of(&play().1, &[&case]).unwrap().expect("it sticks");
+    let jump_spacing = JumpSpacing::of(&play().1, &[&case]).unwrap().expect("it sticks");
     let length = BAND * (1.0 - KEPT);
-    assert!((rhythm.length / length - 1.0).abs() < 0.2, "{rhythm:?} of {length}");
-    assert!(rhythm.evidence > 2.0 * SPACING_TOLD, "{rhythm:?}");
+    assert!((jump_spacing.length / length - 1.0).abs() < 0.2, "{jump_spacing:?} of {length}");
+    assert!(jump_spacing.evidence > 2.0 * SPACING_TOLD, "{jump_spacing:?}");
     let held_out = prepared(&sticking(), &[POSITION], 3000);
-    assert!(rhythm.is_in(&play().1, &[&held_out]).unwrap());
+    assert!(jump_spacing.is_in(&play().1, &[&held_out]).unwrap());
     // Jumps of another length are not these.
-    let other = Rhythm { length: 0.4 * length, ..rhythm };
+    let other = JumpSpacing { length: 0.4 * length, ..jump_spacing };
     assert!(!other.is_in(&play().1, &[&held_out]).unwrap());
     let smooth = prepared(&play().1, &[POSITION], 3000);
-    assert!(!rhythm.is_in(&play().1, &[&smooth]).unwrap());
+    assert!(!jump_spacing.is_in(&play().1, &[&smooth]).unwrap());
 }
 
 #[test]
@@ -45,15 +45,15 @@ fn no_jump_is_heard_where_none_is_not_even_by_a_model_that_is_off() {
     let (plain, play) = play();
     let case = prepared(&play, &[POSITION], 4000);
     for model in [play, plain, play.with(&[(Parameter::ValveGain, 0.057)])] {
-        assert_eq!(Rhythm::of(&model, &[&case]).unwrap(), None);
+        assert_eq!(JumpSpacing::of(&model, &[&case]).unwrap(), None);
     }
 }
 
 #[test]
 fn a_recorded_spool_is_not_listened_for() {
     let case = prepared(&sticking(), &[(Signal::Spool, 1e-3), POSITION], 4000);
-    assert_eq!(Rhythm::of(&play().1, &[&case]).unwrap(), None);
-    assert_eq!(Rhythm::of(&play().1, &[]).unwrap(), None);
+    assert_eq!(JumpSpacing::of(&play().1, &[&case]).unwrap(), None);
+    assert_eq!(JumpSpacing::of(&play().1, &[]).unwrap(), None);
 }
 
 #[test]

@@ -9,7 +9,7 @@ use identification::fit::{StartState, settle};
 use model_core::machine::{Machine, MachineError, Parameter};
 use recording::Signal;
 use simulation::signal::noise::quantile;
-use simulation::{InputPoint, Run, run_abreast};
+use simulation::{InputPoint, Run, run_in_lanes};
 
 use super::whiten::{filtered, without_spikes};
 use super::{BLOCK_S, HEIGHTS, PHASES};
@@ -75,7 +75,7 @@ pub(crate) fn tracks(machine: &Machine<f64>, cases: &[&Prepared]) -> Result<Opti
         .collect();
     let most = MOST_ROWS / cases.len();
     let mut simulated: Vec<[Vec<f64>; 3]> = cases.iter().map(|_| std::array::from_fn(|_| Vec::new())).collect();
-    run_abreast(machine, &runs, &mut |run, row, values| {
+    run_in_lanes(machine, &runs, &mut |run, row, values| {
         if row < most {
             simulated[run].iter_mut().zip(values).for_each(|(series, value)| series.push(*value));
         }

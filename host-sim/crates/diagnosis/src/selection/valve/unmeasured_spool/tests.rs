@@ -73,7 +73,8 @@ fn what_a_play_and_a_stiction_lag_by_is_shared_between_both() {
 
 #[test]
 fn what_the_position_says_is_told_with_what_it_leaves_open() {
-    let told = |kept_alone| Told { rhythm: Rhythm { length: 0.0075, evidence: 16.1 }, kept_alone }.to_string();
+    let told =
+        |kept_alone| Told { jump_spacing: JumpSpacing { length: 0.0075, evidence: 16.1 }, kept_alone }.to_string();
     assert!(
         told(0.2).contains("every 0.75 % of its travel") && told(0.2).ends_with("keep 20 % of its band, as one does")
     );

@@ -1,4 +1,4 @@
-//! Recordings that are simulated abreast are each simulated as alone, bit for bit.
+//! Recordings that are simulated in SIMD lanes are each simulated as alone, bit for bit.
 
 use proptest::prelude::*;
 
@@ -8,7 +8,7 @@ use model_core::drive::Drive;
 use model_core::machine::{Machine, Parameter as P, Source, Tick};
 use recording::excitation::signals::Excitation;
 use recording::{Column, Recording, Signal};
-use simulation::{InputPoint, Run, StartOffset, Stimulus, computed_below, rows_f64, run_abreast};
+use simulation::{InputPoint, Run, StartOffset, Stimulus, computed_below, rows_f64, run_in_lanes};
 use system_tests::any_effects::any_effects;
 use system_tests::any_machine::{any_machine, any_tick};
 use system_tests::drives;
@@ -41,7 +41,7 @@ fn recording(machine: &Machine<f64>, seed: u64, rows: usize, interval_s: f64, fr
 /// A recording that is drawn: seed, rows, interval in s, start in strokes, and what a fit moved that by, m.
 type Drawn = (u64, usize, f64, f64, f64);
 
-/// Simulates them abreast and one by one, some of their signals left out, and wants the same bits.
+/// Simulates them in SIMD lanes and one by one, some of their signals left out, and wants the same bits.
 fn as_alone(machine: &Machine<f64>, tick: Tick, drive_input: InputPoint, follows: bool, drawn: &[Drawn]) {
     let of_drawn = |&(seed, rows, interval_s, from, shift_m): &Drawn| {
         let recording = recording(machine, seed, rows, interval_s, from);
@@ -62,12 +62,12 @@ fn as_alone(machine: &Machine<f64>, tick: Tick, drive_input: InputPoint, follows
         runs.push(Run { stimulus, offset: *offset, signals });
         expected.push(series);
     }
-    let mut abreast = vec![Vec::new(); runs.len()];
-    run_abreast(machine, &runs, &mut |run, row, values| {
-        abreast[run].push((row, values.iter().map(|value| value.to_bits()).collect::<Vec<u64>>()));
+    let mut in_lanes = vec![Vec::new(); runs.len()];
+    run_in_lanes(machine, &runs, &mut |run, row, values| {
+        in_lanes[run].push((row, values.iter().map(|value| value.to_bits()).collect::<Vec<u64>>()));
     })
     .unwrap();
-    for (found, expected) in abreast.iter().zip(&expected) {
+    for (found, expected) in in_lanes.iter().zip(&expected) {
         assert_eq!(found.len(), expected.len());
         for (found, expected) in found.iter().zip(expected) {
             assert_eq!(found, expected);
@@ -142,7 +142,7 @@ fn with_each_effect() -> Vec<(&'static str, Machine<f64>)> {
 }
 
 #[test]
-fn recordings_of_a_drive_with_any_effect_are_abreast_as_alone() {
+fn recordings_of_a_drive_with_any_effect_are_in_lanes_as_alone() {
     let drawn = [
         (1, 2000, 1e-3, 0.3, 0.0),
         (2, 1500, 1e-3, 0.6, 1e-6),
@@ -163,7 +163,7 @@ proptest! {
     #![proptest_config(cases(1000))]
 
     #[test]
-    fn recordings_abreast_are_each_as_alone(
+    fn recordings_in_lanes_are_each_as_alone(
         machine in any_machine(),
         tick in any_tick(),
         effects in any_effects(),
