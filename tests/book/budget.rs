@@ -56,7 +56,7 @@ fn whole(value: f64) -> String {
 /// A row's name, and its cell for a board.
 type Row = (&'static str, fn(&Board) -> String);
 
-const ROWS: [Row; 12] = [
+const ROWS: [Row; 13] = [
     ("paper's model, instructions a tick: mean by input, worst", |board| {
         let [least, most] =
             ["steps", "random under load"].map(|input| board.step("mean", &format!("paper's model, {input}")));
@@ -71,6 +71,9 @@ const ROWS: [Row; 12] = [
     }),
     ("flash of the step: any drive, every effect included", |board| {
         board.kilobytes("flash of the step, bytes: every effect", 1)
+    }),
+    ("RAM: state, beside its delay lines (two of 256 bytes)", |board| {
+        board.bytes("RAM, bytes: state beside its delay lines")
     }),
     ("RAM: that and the coefficients, paper's model by itself", |board| {
         board.bytes("RAM beside the delay lines, bytes: paper's model")

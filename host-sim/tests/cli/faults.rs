@@ -286,7 +286,7 @@ fn a_command_that_is_killed_leaves_old_files_or_new_ones() {
 }
 
 #[test]
-#[ignore = "minutes: cargo test -p host-sim --test cli killed -- --ignored"]
+#[ignore = "minutes: cargo test -p host-sim --features virtual-plant --test cli killed -- --ignored"]
 fn a_command_that_is_killed_at_any_moment_leaves_old_files_or_new_ones() {
     killed_in_the_middle(&[0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.93, 0.96, 0.98, 0.99, 1.0, 1.01]);
 }
@@ -374,7 +374,7 @@ fn piped(folder: &Path, rows: u32) -> JoinHandle<usize> {
 }
 
 #[test]
-#[ignore = "3 GB through a pipe, some minutes: cargo test -p host-sim --test cli hundred_million -- --ignored"]
+#[ignore = "3 GB through a pipe, some minutes: cargo test -p host-sim --features virtual-plant --test cli hundred_million -- --ignored"]
 fn hundred_million_rows_are_simulated_in_the_memory_of_one() {
     let (folder, rows) = (bench(), 100_000_000);
     let writer = piped(folder.path(), rows);
@@ -390,7 +390,7 @@ fn hundred_million_rows_are_simulated_in_the_memory_of_one() {
 }
 
 #[test]
-#[ignore = "1 GB through a pipe: cargo test -p host-sim --test cli hundred_million -- --ignored"]
+#[ignore = "1 GB through a pipe: cargo test -p host-sim --features virtual-plant --test cli hundred_million -- --ignored"]
 fn hundred_million_rows_that_would_have_to_be_held_are_refused_before_memory_is_gone() {
     let folder = bench();
     let writer = piped(folder.path(), 100_000_000);

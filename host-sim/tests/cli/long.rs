@@ -16,7 +16,7 @@ fn peak_mib(process: u32) -> Option<f64> {
 }
 
 #[test]
-#[ignore = "three minutes: cargo test -p host-sim --test cli an_hour -- --ignored --nocapture"]
+#[ignore = "three minutes: cargo test -p host-sim --features virtual-plant --test cli an_hour -- --ignored --nocapture"]
 fn an_hour_of_training_takes_less_than_two_minutes_and_two_gibibytes() {
     let folder = tempfile::tempdir().unwrap();
     let preset = root().join("presets/press-63-40.toml").display().to_string();
