@@ -237,9 +237,9 @@ fn memory(said: &Value) -> Result<String, Box<dyn Error>> {
     let preset = concat!(env!("CARGO_MANIFEST_DIR"), "/../presets/press-63-40.toml");
     let folder = tempfile::tempdir()?;
     let out = folder.path().join("out.csv");
-    let out = out.to_str().ok_or("a temporary folder whose name is no text")?;
+    let out = out.to_str().ok_or("a temporary folder whose name is not text")?;
     let bed = folder.path().join("bed");
-    let bed = bed.to_str().ok_or("a temporary folder whose name is no text")?;
+    let bed = bed.to_str().ok_or("a temporary folder whose name is not text")?;
     let input = "random:10V,4s,seed=1";
     let took = child::host_sim(1, &["simulate", "--machine", preset, "--input", input, "--out", out])?;
     let of_diffsol = child::host_sim(1, &["testbed", "--machine", preset, "--train", input, "--out", bed])?;

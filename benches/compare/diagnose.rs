@@ -21,7 +21,7 @@ const COUNTED_S: u32 = 10;
 const SHIPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/press-63-40");
 
 fn text(path: &Path) -> Result<&str, Box<dyn Error>> {
-    path.to_str().ok_or_else(|| "a temporary folder whose name is no text".into())
+    path.to_str().ok_or_else(|| "a temporary folder whose name is not text".into())
 }
 
 /// A press with leakage that a controller drives to and fro, on the virtual test bed: so many recordings of a length, and one of 10 s

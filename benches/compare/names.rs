@@ -71,7 +71,7 @@ impl Tool {
 }
 
 fn text_of(path: &Path) -> Result<String, Box<dyn Error>> {
-    Ok(path.to_str().ok_or("a folder whose name is no text")?.to_owned())
+    Ok(path.to_str().ok_or("a folder whose name is not text")?.to_owned())
 }
 
 /// What the scorer prints of results.

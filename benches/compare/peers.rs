@@ -95,7 +95,7 @@ impl Drop for Peers {
 
 /// A number in what they say.
 pub(crate) fn number(value: &Value) -> Result<f64, Box<dyn Error>> {
-    value.as_f64().ok_or_else(|| format!("{value} is no number").into())
+    value.as_f64().ok_or_else(|| format!("{value} is not a number").into())
 }
 
 /// A list in what they say.

@@ -22,7 +22,7 @@ pub enum Refusal {
         expected: String,
     },
     /// A text that is not UTF-8, or not there.
-    #[error("{what} is no text; expected UTF-8 that ends with a zero byte")]
+    #[error("{what} is not text; expected UTF-8 that ends with a zero byte")]
     NoText {
         /// Which argument.
         what: &'static str,

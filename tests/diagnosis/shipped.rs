@@ -257,7 +257,7 @@ fn the_page_needs_nothing_from_elsewhere_and_is_small() {
         "<h2>What: internal-leakage</h2>",
         "<h2>How sure</h2>",
         "<h3>When</h3>",
-        "<h3>In which states</h3>",
+        "<h3>Operating regions</h3>",
         "<th>moved</th>",
         "[effects.internal-leakage]",
         "Flow missing from A",

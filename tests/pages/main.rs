@@ -85,9 +85,9 @@ fn the_page_tells_where_what_how_sure_and_how_to_take_it_to_the_controller_in_th
         "Where the error went",
         "Before and after",
         "Every recording",
-        "Is the rest white?",
+        "Is the residual white?",
         "Base parameters",
-        "What was prepared",
+        "Preprocessing",
         "To the controller",
     ];
     assert_eq!(headings, expected);

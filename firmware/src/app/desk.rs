@@ -23,7 +23,7 @@ pub enum DeskError {
     #[error(transparent)]
     Operator(#[from] OperatorError),
     /// Where the rod stands is taken while the valve is neutral only.
-    #[error("where the rod stands is taken while the valve is neutral only")]
+    #[error("the rod can be homed only while the valve is neutral")]
     NotNeutral,
 }
 

@@ -59,13 +59,13 @@ pub enum OperatorError {
         letter: u8,
     },
     /// It is not followed.
-    #[error("nothing moves while it is not followed: f")]
+    #[error("not following: type f first")]
     NotFollowing,
     /// The last move has not ended.
     #[error("the last move has not ended")]
     Moving,
     /// A period takes one command.
-    #[error("the command before it is still to be taken")]
+    #[error("the previous command has not been taken yet")]
     Pending,
     /// There is no way there.
     #[error(transparent)]

@@ -92,7 +92,7 @@ pub enum LockstepError {
     #[error(transparent)]
     Line(#[from] RemoteError),
     /// The record did not go out.
-    #[error("the record was not streamed out")]
+    #[error("the record was not sent completely")]
     Record,
 }
 

@@ -55,7 +55,9 @@ pub enum MonitorError {
         most_s: f64,
     },
     /// The memory is too short to tell so rare an event from chance.
-    #[error("{signal:?}: a limit of {limit}, expected below {most}: a longer memory, or false alarms more often")]
+    #[error(
+        "{signal:?}: a limit of {limit}, expected below {most}: use a longer memory or allow false alarms more often"
+    )]
     TooShort {
         /// Of which signal.
         signal: Signal,

@@ -123,7 +123,7 @@ impl CommandLine {
             (Some(ContextValue::Strings(valid)), _) if !valid.is_empty() => {
                 let nearest = text(ContextKind::SuggestedValue)
                     .map_or_else(String::new, |nearest| format!("; a similar one is `{nearest}`"));
-                let found = format!("{} is no value of {}", quoted(value), option.unwrap_or(argument));
+                let found = format!("{} is not a value of {}", quoted(value), option.unwrap_or(argument));
                 (found, format!("one of {}{nearest}", valid.join(", ")))
             }
             (_, Some(cause)) => refused(value, cause),
@@ -136,10 +136,10 @@ impl CommandLine {
 /// What a value's own reader says of it.
 fn refused(value: &str, cause: &(dyn Error + 'static)) -> (String, String) {
     if cause.is::<ParseFloatError>() {
-        return (format!("{} is no number", quoted(value)), "a number such as -12.5 or 1.5e-3".to_owned());
+        return (format!("{} is not a number", quoted(value)), "a number such as -12.5 or 1.5e-3".to_owned());
     }
     if cause.is::<ParseIntError>() {
-        return (format!("{} is no whole number", quoted(value)), "a whole number".to_owned());
+        return (format!("{} is not a whole number", quoted(value)), "a whole number".to_owned());
     }
     let text = cause.to_string();
     match text.split_once(" is not in ") {

@@ -233,7 +233,7 @@ fn meaning(found: Weakest, whole: Option<(Signal, f64)>) -> String {
         );
     }
     if found.follows() {
-        return "Every part follows its recordings within about their noise: nothing says that physics is missing."
+        return "Every part follows its recordings to about their noise; there is no sign of missing physics."
             .to_owned();
     }
     let signal = found.signal;
@@ -247,7 +247,7 @@ fn meaning(found: Weakest, whole: Option<(Signal, f64)>) -> String {
         }
         Section::BelowFlow => format!("Driven by the recorded flow, chambers and mechanics together miss the {signal}"),
         Section::FlowAndChambers => format!(
-            "At the recorded pressures, the flow less what the oil gives way does not make the recorded {signal} (orifices,\n\
+            "At the recorded pressures, the flow minus the compression of the oil does not give the recorded {signal} (orifices,\n\
              pump, leakage or compressibility)"
         ),
         Section::Mechanics => {
@@ -261,7 +261,9 @@ fn meaning(found: Weakest, whole: Option<(Signal, f64)>) -> String {
             percent(fit)
         ),
         (None, Some(_)) => {
-            format!("{told}; the other parts do better.\nPhysics is missing there, or a parameter of it is off.")
+            format!(
+                "{told}; the other parts fit better.\nAn effect is missing in this part, or one of its parameters is wrong."
+            )
         }
         (None, None) => format!("{told}.\nIt is the only part that could be judged by itself."),
     }

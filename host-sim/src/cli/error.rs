@@ -90,7 +90,7 @@ pub enum CliError {
         path: PathBuf,
     },
     /// A file to write whose name promises something else than is written.
-    #[error("{}: {what} would be written under a name that says something else; expected one that ends in {known}", path.display())]
+    #[error("{}: {what} does not match the file name's ending; expected one that ends in {known}", path.display())]
     Ending {
         /// The option.
         option: &'static str,
@@ -102,13 +102,13 @@ pub enum CliError {
         known: String,
     },
     /// Standard output in place of a file that cannot go there.
-    #[error("{option} -: standard output has what the command prints; expected the name of a file")]
+    #[error("{option} -: standard output is already used for the command's text; expected the name of a file")]
     Dash {
         /// The option.
         option: &'static str,
     },
     /// Standard output for what is no text.
-    #[error("{option} -: an FMU is no text; expected the name of a file that ends in .fmu")]
+    #[error("{option} -: an FMU is a binary file; expected the name of a file that ends in .fmu")]
     NoText {
         /// The option.
         option: &'static str,

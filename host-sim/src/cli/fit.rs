@@ -94,12 +94,12 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     console.print(format_args!("What is left: {}.", terminal::missed(&left)))?;
     if left.iter().any(Miss::is_above_noise) {
         console.print(
-            "That is more than noise, and the values that may move do not mend it: \
+            "This is more than noise, and no parameter that may move can remove it: \
              `host-sim diagnose` looks for what is missing.",
         )?;
     }
     if !fitted.converged {
-        console.note("the search did not converge: the values are the best it met");
+        console.note("the search did not converge; these are the best values found");
     }
     Ok(Outcome::Done)
 }

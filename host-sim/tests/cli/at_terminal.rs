@@ -59,7 +59,7 @@ fn questions_that_are_answered_make_the_same_file_as_flags() {
     terminal.exp_string("Diameter of the piston (63mm)").unwrap();
     // A wrong answer is told why, and asked again.
     terminal.send_line("63bar").unwrap();
-    terminal.exp_string("`bar` is no unit of this; expected one of m, mm").unwrap();
+    terminal.exp_string("`bar` is not a unit of this quantity; expected one of m, mm").unwrap();
     for item in Item::ALL.iter().filter(|item| item.belongs(false) && **item != Item::HoseDiameter) {
         // The beginning, for a long question is broken at the end of the line.
         let question: String = item.question().what.chars().take(40).collect();

@@ -104,7 +104,7 @@ fn arguments_that_make_no_sense_are_explained() {
     for (extra, expected) in [
         (["--map", "position"], "has no `=`"),
         (["--map", "positon=x"], "did you mean `position`"),
-        (["--map", "position=Weg [mm]"], "which is no column of this file"),
+        (["--map", "position=Weg [mm]"], "which is not a column of this file"),
     ] {
         let message = refused(folder.path(), &[&SIMULATE[..], &extra].concat());
         assert!(message.contains(expected), "{message}");

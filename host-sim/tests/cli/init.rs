@@ -127,7 +127,7 @@ fn without_a_terminal_every_missing_flag_is_named() {
 fn answers_that_make_no_sense_are_refused_with_what_would() {
     let folder = tempfile::tempdir().unwrap();
     for (extra, found, expected) in [
-        (&["--bore", "63bar"][..], "`bar` is no unit of this\n", "one of m, mm, such as `63mm`"),
+        (&["--bore", "63bar"][..], "`bar` is not a unit of this quantity\n", "one of m, mm, such as `63mm`"),
         (&["--bore", "63"], "`63` has no unit", "one of m, mm"),
         (&["--bore=-63mm"], "-63mm", "more than 0"),
         (&["--rod", "80mm"], "--rod 80 mm in --bore 63 mm", "a rod thinner than the piston"),

@@ -29,7 +29,7 @@ fn what_is_missing_to_test_a_link_is_named() {
         "{printed}"
     );
     let mapped = done(folder.path(), &["inspect", "run.csv", "--map", "position=Kolbenweg [mm]"]);
-    let expected = "judged by position; add spool, pressure_a, pressure_b to test it by itself";
+    let expected = "judged by position; add spool, pressure_a, pressure_b to test it alone";
     assert!(mapped.contains(expected), "{mapped}");
 }
 
@@ -76,7 +76,7 @@ fn duplicates_gaps_and_wrong_units_are_told() {
         "1 gap in time, of 0.051 s",
         "50 rows missing",
         "spool is 5.00 % in every row",
-        "pressure_a reaches 35.1 MPa, half above the supply pressure of the machine file: is its unit right?",
+        "pressure_a reaches 35.1 MPa, 1.5 times the supply pressure or more of the machine file: is its unit right?",
         "the valve never leaves the dead zone",
     ] {
         assert!(printed.contains(part), "{part}: {printed}");

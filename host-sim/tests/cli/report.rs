@@ -30,8 +30,8 @@ fn the_page_holds_its_sections_and_escapes_every_name() {
         "Where the error went",
         "Before and after",
         "Every recording",
-        "Is the rest white?",
-        "What was prepared",
+        "Is the residual white?",
+        "Preprocessing",
         "To the controller",
     ] {
         assert!(page.contains(&format!("<h2>{section}</h2>")), "{section}");

@@ -183,7 +183,7 @@ const WRONG: &[(&str, &str, &str, &str)] = &[
     ),
     (
         "compare --machine machine.toml --recording run.csv --judge spol",
-        "`spol` is no known signal",
+        "`spol` is not a known signal",
         "spol",
         "one of time command",
     ),
@@ -195,7 +195,7 @@ const WRONG: &[(&str, &str, &str, &str)] = &[
     ),
     (
         "compare --machine machine.toml --recording run.csv --exit-code --tolerance 9x",
-        "`9x` is no number",
+        "`9x` is not a number",
         "9x",
         "a number",
     ),
@@ -231,7 +231,7 @@ const WRONG: &[(&str, &str, &str, &str)] = &[
         "--library",
         "--out with .fmu",
     ),
-    ("init --bore 63mm --rod 40bar", "`bar` is no unit of this", "40bar", "one of m, mm"),
+    ("init --bore 63mm --rod 40bar", "`bar` is not a unit of this quantity", "40bar", "one of m, mm"),
 ];
 
 #[test]

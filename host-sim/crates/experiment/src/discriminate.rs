@@ -81,14 +81,14 @@ impl Separation {
     pub fn advice(&self) -> String {
         let apart = |best: &Distance| {
             let times = recording::display_unit::significant(best.over_noise, 2);
-            format!("{}: {times} times the noise apart in {}", best.test, best.signal)
+            format!("{}: the two models differ by {times} times the noise in {}", best.test, best.signal)
         };
         match (self.tests.first(), &self.sensor) {
             (Some(best), _) if self.is_told() => apart(best),
             (_, Some((sensor, best))) if best.tells() => {
                 format!("{}, with {sensor} recorded too", apart(best))
             }
-            (Some(best), _) => format!("no standard test tells them apart at this noise; the best is {}", apart(best)),
+            (Some(best), _) => format!("no standard test distinguishes them at this noise; best: {}", apart(best)),
             (None, _) => "no standard test runs on this drive".to_owned(),
         }
     }

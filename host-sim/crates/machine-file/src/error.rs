@@ -107,7 +107,7 @@ impl Explained for MachineFileError {
             E::NoSource { .. } => "neither [valve] nor [pump]".into(),
             E::DirectionalValveWithoutPump { .. } => "[directional_valve] in a drive without [pump]".into(),
             E::UnknownChoice { key, found, .. } => format!("`{key}` is {}", quoted(found)),
-            E::UnknownSignal { found, .. } => format!("{} is no known signal", quoted(found)),
+            E::UnknownSignal { found, .. } => format!("{} is not a known signal", quoted(found)),
             E::EmptyHeader { signal, .. } => format!("{signal} is mapped to the empty text"),
             E::NoSpan { key, .. } => format!("`{key}` is 0"),
         }

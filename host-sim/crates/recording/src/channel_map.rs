@@ -54,7 +54,7 @@ pub enum MapError {
         argument: String,
     },
     /// The part before `=` is no known name.
-    #[error("`{name}` is no known signal; expected one of {known}; did you mean `{nearest}`?")]
+    #[error("`{name}` is not a known signal; expected one of {known}; did you mean `{nearest}`?")]
     UnknownSignal {
         /// What was found.
         name: String,

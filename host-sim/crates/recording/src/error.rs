@@ -167,9 +167,9 @@ impl Explained for RecordingError {
             }
             E::WrongDimension { signal, unit, .. } => format!("{signal} is given in {}", quoted(unit)),
             E::MappedColumnAbsent { signal, header, .. } => {
-                format!("{signal} is mapped to {}, which is no column of this file", quoted(header))
+                format!("{signal} is mapped to {}, which is not a column of this file", quoted(header))
             }
-            E::ColumnAbsent { header, .. } => format!("{} is no column of this file", quoted(header)),
+            E::ColumnAbsent { header, .. } => format!("{} is not a column of this file", quoted(header)),
             E::RaggedRow { found, .. } => format!("a row of {found} cells"),
             E::NotANumber { header, found, .. } | E::NotFinite { header, found, .. } => {
                 format!("column {} holds {}", quoted(header), quoted(found))

@@ -155,7 +155,7 @@ mod tests {
         assert_eq!(line("a,b\n1,2\n1\n"), Some(3));
         assert_eq!(line("a,b\n1,inf\n"), Some(2));
         let absent = read("a,b\n1,2\n3,4\n").unwrap().column("c").unwrap_err().to_string();
-        assert!(absent.contains("`c` is no column") && absent.contains("a, b"), "{absent}");
+        assert!(absent.contains("`c` is not a column") && absent.contains("a, b"), "{absent}");
         assert!(matches!(read("a\n1\n"), Err(RecordingError::TooFewRows { .. })));
     }
 }

@@ -55,7 +55,7 @@ pub fn text(found: &Inspection, width: Option<u16>) -> String {
                 significant(100.0 * extending, 2),
                 significant(100.0 * retracting, 2)
             ),
-            None => writeln!(text, "; a machine file says whether that leaves the dead zone"),
+            None => writeln!(text, "; give a machine file to see whether this leaves the dead zone"),
         };
     }
     if let Some(rod) = found.excited.travelled {
@@ -127,10 +127,10 @@ fn reach(test: &LinkTest) -> String {
     let add = names(&test.missing);
     match &test.reach {
         Reach::Alone { drive_input, judged } => {
-            format!("by itself: entered at the {}, judged by {}", drive_input_name(*drive_input), names(judged))
+            format!("alone: driven by the {}, judged by {}", drive_input_name(*drive_input), names(judged))
         }
         Reach::Together { drive_input, judged } => format!(
-            "together with others: entered at the {}, judged by {}; add {add} to test it by itself",
+            "only with other links: driven by the {}, judged by {}; add {add} to test it alone",
             drive_input_name(*drive_input),
             names(judged)
         ),
@@ -138,10 +138,7 @@ fn reach(test: &LinkTest) -> String {
             format!("not: add {add}")
         }
         Reach::No => {
-            format!(
-                "not: add {} to test it together with others, {add} to test it by itself",
-                joined(&test.enough, " or ")
-            )
+            format!("not: add {} to test it with other links, {add} to test it alone", joined(&test.enough, " or "))
         }
     }
 }

@@ -30,7 +30,7 @@ pub fn text(name: &str, sensors: &[Sensor], plan: &Plan, width: Option<u16>) -> 
             let of = plan.best.effects.len();
             let _ = writeln!(
                 text,
-                "with {sensor} too: {} of {of} effects, {} mixed up",
+                "with {sensor} too: {} of {of} effects, {} not distinguishable",
                 addition.claimed,
                 pairs(addition.confused)
             );
@@ -55,7 +55,7 @@ fn summary(outlook: &Outlook) -> String {
     let (claimed, of) = (outlook.isolability.claimed().count(), outlook.effects.len());
     let duration = significant(outlook.duration_s, 3);
     format!(
-        "{duration} s: {claimed} of {of} effects would be claimed, {} of them mixed up",
+        "{duration} s: {claimed} of {of} effects could be found, {} of them not distinguishable",
         pairs(outlook.isolability.confused().count())
     )
 }
@@ -71,12 +71,12 @@ fn table(outlook: &Outlook, width: Option<u16>) -> String {
     let mut table = Table::new();
     table.load_style(TABLE);
     arrange(&mut table, Some(width.unwrap_or(WIDTH)));
-    table.set_header(["effect", "link", "claimed from", "usual", "would pass for"]);
+    table.set_header(["effect", "link", "found from", "usual", "mistaken for"]);
     for (index, prospect) in outlook.effects.iter().enumerate() {
         let rivals: Vec<&str> = if outlook.isolability.claimed[index] {
             outlook.isolability.rivals(index).map(|rival| outlook.effects[rival].effect.name).collect()
         } else {
-            vec!["nothing: not seen"]
+            vec!["not visible"]
         };
         table.add_row([
             prospect.effect.name.to_owned(),
@@ -173,8 +173,8 @@ pub fn matrix(outlook: &Outlook) -> Grid {
     let cells = (0..names.len()).map(|truth| (0..names.len()).map(|rival| cell(truth, rival)).collect()).collect();
     Grid {
         title: format!("Which effect would pass for which, {} s", significant(outlook.duration_s, 3)),
-        rows: "what is there".to_owned(),
-        columns: "what it might be taken for".to_owned(),
+        rows: "true effect".to_owned(),
+        columns: "mistaken for".to_owned(),
         names,
         cells,
     }

@@ -42,23 +42,23 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
             );
         }
         if let Some(told) = finding.heard {
-            let _ = writeln!(text, "told by    {told}");
+            let _ = writeln!(text, "source     {told}");
         }
         for (effect, confidence) in &finding.alternatives {
-            let _ = writeln!(text, "instead    {} ({confidence:.3})", effect.name);
+            let _ = writeln!(text, "or         {} (probability {confidence:.3})", effect.name);
         }
         let mut rivals = exhibits.rivals(finding).peekable();
         if rivals.peek().is_none() {
             let _ = writeln!(text, "to be sure {}", finding.effect.separated_by);
         }
         for rival in rivals {
-            let _ = writeln!(text, "to be sure not {}: {}", rival.rival, rival.advice());
+            let _ = writeln!(text, "to exclude {}: {}", rival.rival, rival.advice());
         }
     }
     for effect in &diagnosis.not_confirmed {
         let _ = writeln!(
             text,
-            "\nnot confirmed: {} was chosen on training recordings; the held-out ones do not bear it out",
+            "\nnot confirmed: {} was chosen on the training recordings, but the held-out recordings gain nothing from it",
             effect.name
         );
     }
@@ -68,7 +68,7 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     let _ = write!(text, "\n{}\n", fits(diagnosis));
     let _ = write!(text, "\n{}\n", waterfall(exhibits));
     if let Some(told) = whiteness::in_words(&exhibits.whiteness) {
-        let _ = writeln!(text, "not white  {told}");
+        let _ = writeln!(text, "residual   {told}");
     }
     let _ = writeln!(text, "{}", prepared(exhibits));
     if !diagnosis.refitted.is_empty() {
@@ -80,7 +80,7 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     if let Some(level) = diagnosis.level_at_rest {
         let _ = writeln!(
             text,
-            "start      {} % of supply in B at rest, in the mean of the training recordings; each held-out one from what suits it best",
+            "start      {} % of supply pressure in B at rest (mean of the training recordings); each held-out recording starts from the level that fits it best",
             significant(100.0 * level, 3)
         );
     }
@@ -103,7 +103,7 @@ pub fn when(location: &Location) -> String {
     let percent = |share: f64| significant(100.0 * share, 2);
     let intervals = &location.intervals;
     if intervals.is_empty() {
-        return "at all times alike: no stretch holds twice the error of the rest".to_owned();
+        return "no time stands out: no interval has twice the error of the rest".to_owned();
     }
     let each = |interval: &Interval| {
         let (from_s, to_s) = (significant(interval.from_s, 3), significant(interval.to_s, 3));
@@ -111,8 +111,11 @@ pub fn when(location: &Location) -> String {
     };
     let told = intervals.iter().take(TOLD).map(each).collect::<Vec<_>>().join(", ");
     let most = if intervals.len() > TOLD { "; most in " } else { ": " };
-    let stretches =
-        if intervals.len() == 1 { "1 stretch holds".to_owned() } else { format!("{} stretches hold", intervals.len()) };
+    let stretches = if intervals.len() == 1 {
+        "1 interval holds".to_owned()
+    } else {
+        format!("{} intervals hold", intervals.len())
+    };
     format!(
         "{stretches} {} % of the error in {} % of the time{most}{told}",
         percent(location.share),
@@ -122,7 +125,7 @@ pub fn when(location: &Location) -> String {
 
 /// What a suspicion is.
 pub const SUSPECTED: &str =
-    "likelier than nothing on the training recordings, but not enough to claim it; all is within the noise";
+    "likelier than no effect on the training recordings, but not enough to accept it; every signal is within its noise";
 
 /// The verdict in a sentence.
 #[must_use]
@@ -143,7 +146,9 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
             format!("{name}: nothing missing: the refitted model follows the recordings within their noise")
         }
         Verdict::Unexplained => {
-            format!("{name}: unexplained: a mismatch above the noise that no effect of the catalogue accounts for")
+            format!(
+                "{name}: unexplained: there is a misfit above the noise, and no effect of the catalogue explains it"
+            )
         }
     }
 }
@@ -151,7 +156,7 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
 /// What the effects claimed leave above the noise.
 #[must_use]
 pub fn still_missing(diagnosis: &Diagnosis) -> String {
-    format!("something is still missing: the model with these effects misses {}", missed(&diagnosis.left))
+    format!("something is still missing: with these effects the model is off in {}", missed(&diagnosis.left))
 }
 
 /// How far signals are off.
@@ -217,8 +222,9 @@ fn waterfall(exhibits: &Exhibits) -> Table {
         table.add_row(std::iter::once(stage.label.clone()).chain(left).chain([share]).collect::<Vec<_>>());
     }
     let white = exhibits.whiteness.iter().map(|of| format!("{} %", significant(100.0 * of.outside(), 2)));
-    table
-        .add_row(std::iter::once("lags of the rest outside the 99 % band".to_owned()).chain(white).collect::<Vec<_>>());
+    table.add_row(
+        std::iter::once("residual autocorrelations outside the 99 % band".to_owned()).chain(white).collect::<Vec<_>>(),
+    );
     table
 }
 
@@ -243,7 +249,7 @@ fn prepared(exhibits: &Exhibits) -> String {
     let dither = dither.map_or_else(String::new, |line| {
         format!("; dither {} V at {} Hz", significant(line.amplitude, 2), significant(line.hz, 3))
     });
-    let mut text = format!("prepared   noise: {}; {failed} spikes left out{dither}", noise.join(", "));
+    let mut text = format!("prepared   noise: {}; {failed} spikes not judged{dither}", noise.join(", "));
     for of in found {
         for (failure, fate) in of.failures() {
             let _ = write!(text, "\n           {}: {failure}; {fate}", of.recording);
@@ -277,11 +283,12 @@ pub fn parameters(estimates: &[Estimate]) -> Table {
 pub fn correlated(pairs: &[Correlation]) -> Option<String> {
     let limit = significant(CORRELATED, 1);
     let listed = pairs.iter().map(Correlation::to_string).collect::<Vec<_>>().join("; ");
-    (!pairs.is_empty()).then(|| format!("correlated beyond {limit}, told together better than each: {listed}"))
+    (!pairs.is_empty())
+        .then(|| format!("strongly correlated (|r| > {limit}), only their combination is well determined: {listed}"))
 }
 
 fn trials(diagnosis: &Diagnosis) -> Table {
-    let mut table = table(&["refitted with", "log-likelihood gained less penalty"]);
+    let mut table = table(&["refitted with", "log-likelihood gain, penalty subtracted"]);
     for trial in diagnosis.selection.rounds.iter().flatten() {
         let names: Vec<_> = trial.effects.iter().map(|effect| effect.name).collect();
         table.add_row([names.join(" + "), format!("{:.1}", trial.net)]);

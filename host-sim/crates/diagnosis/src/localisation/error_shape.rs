@@ -206,7 +206,7 @@ impl fmt::Display for Shape {
         match self {
             Shape::Once { recording, from_s, to_s, share } => write!(
                 f,
-                "it happens once: {} % of the error is made in {recording} from {} to {} s",
+                "it happens once: {} % of the error lies in {recording} from {} to {} s",
                 significant(100.0 * share, 2),
                 significant(*from_s, 4),
                 significant(*to_s, 4)
@@ -219,7 +219,11 @@ impl fmt::Display for Shape {
             ),
             Shape::Over { state, unit, explained, bins, pair } => {
                 let peak = bins.iter().max_by(|a, b| a.mean.abs().total_cmp(&b.mean.abs()));
-                write!(f, "it follows the {state} ({} % of its variance)", significant(100.0 * explained.max(0.0), 2))?;
+                write!(
+                    f,
+                    "it depends on the {state} (explains {} % of its variance)",
+                    significant(100.0 * explained.max(0.0), 2)
+                )?;
                 if let Some(peak) = peak {
                     let (unit, scale) = match *unit {
                         "1" => (" %", 100.0),
@@ -240,7 +244,7 @@ impl fmt::Display for Shape {
                     None => Ok(()),
                 }
             }
-            Shape::Everywhere => write!(f, "it follows no single state"),
+            Shape::Everywhere => write!(f, "it depends on no single state"),
         }
     }
 }

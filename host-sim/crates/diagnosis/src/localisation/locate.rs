@@ -51,7 +51,7 @@ pub struct Location {
     pub of_time: f64,
     /// When the error is made, the largest first, five a recording at most; empty where no time is distinguished.
     pub intervals: Vec<Interval>,
-    /// In which states of the drive, in words.
+    /// Operating regions of the drive, in words.
     pub region: String,
     /// What the error looks like.
     pub shape: Shape,

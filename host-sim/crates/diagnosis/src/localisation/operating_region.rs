@@ -1,4 +1,4 @@
-//! In which states of the drive an error is made, in words, with thresholds that the data give.
+//! Operating regions of the drive an error is made, in words, with thresholds that the data give.
 
 use recording::display_unit::significant;
 

@@ -244,7 +244,7 @@ impl fmt::Display for Habit {
         match self {
             Habit::Hangs { recording, from_s, to_s, at, modelled, recordings, of } => write!(
                 f,
-                "the spool hangs at {} % of its travel while the model's goes on by {} % ({recording} from {} to {} s; so in {recordings} of {of} recordings)",
+                "the spool is stuck at {} % of its travel while the model's spool moves on by {} % ({recording} from {} to {} s; seen in {recordings} of {of} recordings)",
                 travel(*at),
                 travel(*modelled),
                 significant(*from_s, 4),
@@ -252,14 +252,14 @@ impl fmt::Display for Habit {
             ),
             Habit::BreaksAway { recording, at_s, speed_per_s, modelled_per_s } => write!(
                 f,
-                "then it breaks away at {} % of its travel a second, the model's at {} at most ({recording} at {} s)",
+                "it then breaks away at {} % of its travel per second; the model's spool moves at {} at most ({recording} at {} s)",
                 travel(*speed_per_s),
                 travel(*modelled_per_s),
                 significant(*at_s, 4)
             ),
             Habit::RestsApart { command_v, rests: [(one, here), (other, there)], modelled } => write!(
                 f,
-                "it does not come home: at a command of {} V it rests at {} % of its travel ({one}) and at {} % ({other}), the model's {} % apart",
+                "it does not return: at a command of {} V it rests at {} % of its travel ({one}) and at {} % ({other}); the model's two positions differ by {} %",
                 significant(*command_v, 2),
                 travel(*here),
                 travel(*there),
@@ -345,9 +345,6 @@ mod tests {
         // The command counts as held until it has changed by a hundredth of all that is commanded.
         assert!(command_v.abs() < 1e-3 && here.abs() < 1e-3 && (there - 0.05).abs() < 1e-9, "{found:?}");
         let told = apart.to_string();
-        assert!(
-            told.starts_with("it does not come home: at a command of ") && told.contains("at 5.0 % (down)"),
-            "{told}"
-        );
+        assert!(told.starts_with("it does not return: at a command of ") && told.contains("at 5.0 % (down)"), "{told}");
     }
 }

@@ -73,7 +73,7 @@ impl Excited {
         if let Some(Opened { beyond: Some(beyond), by, .. }) = self.opened {
             match beyond {
                 (0.0, 0.0) => advice.push(format!(
-                    "by its {by} the valve never leaves the dead zone: nothing below it is driven; larger commands show it"
+                    "with this {by} the valve never leaves the dead zone, so nothing below it moves: use larger commands"
                 )),
                 (0.0, _) => advice.push(format!("by its {by} the valve opens to extend only; commands both ways show both sides")),
                 (_, 0.0) => advice.push(format!("by its {by} the valve opens to retract only; commands both ways show both sides")),
@@ -88,7 +88,7 @@ impl Excited {
             return advice;
         }
         if travelled.extending_m_per_s == 0.0 || travelled.retracting_m_per_s == 0.0 {
-            advice.push("the rod moves one way only; strokes both ways tell friction from load".to_owned());
+            advice.push("the rod moves one way only; move both ways to tell friction from load".to_owned());
         }
         if travelled.of_stroke.is_some_and(|share| share < LITTLE_TRAVEL) {
             advice.push("the rod covers little of its stroke: what depends on the position does not show".to_owned());
@@ -168,7 +168,7 @@ pub(crate) fn doubts(channels: &[FoundColumn]) -> Vec<String> {
     let told = |channel: &FoundColumn| {
         let (unit, value) = (channel.unit, channel.low);
         let shown = format!("{} {unit}", significant(unit.from_si(value), 3));
-        format!("{} is {shown} in every row: it tells nothing, and cannot be judged", channel.signal)
+        format!("{} is {shown} in every row and cannot be judged", channel.signal)
     };
     channels.iter().filter(constant).map(told).collect()
 }
@@ -212,7 +212,7 @@ mod tests {
     fn a_command_within_the_dead_zone_is_told() {
         let told = advice(&recording(|time| (9.0 * time).sin(), |_| 0.15));
         assert!(
-            told.contains("by its command the valve never leaves the dead zone") && told.contains("does not move"),
+            told.contains("with this command the valve never leaves the dead zone") && told.contains("does not move"),
             "{told}"
         );
     }

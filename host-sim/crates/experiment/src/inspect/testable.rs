@@ -33,9 +33,9 @@ pub struct LinkTest {
     pub link: Subsystem,
     /// How far it is reached.
     pub reach: Reach,
-    /// Signals that would have to be recorded too, to test it by itself; empty where it is.
+    /// Signals that would have to be recorded too, to test it alone; empty where it is.
     pub missing: Vec<Signal>,
-    /// Signals of which one is enough to test it together with others; empty where it is tested, or where it takes more than one.
+    /// Signals of which one is enough to test it with other links; empty where it is tested, or where it takes more than one.
     pub enough: Vec<Signal>,
 }
 

@@ -52,10 +52,10 @@ fn pressure_doubt(column: &Column, machine: &Machine<f64>) -> Option<String> {
     let high = extent(&column.values).1;
     // A load may raise the pressures of a pump's cylinder beyond those that it was relieved at.
     if high > most && machine.source == Source::Valve {
-        return Some(beyond(column, "half above the supply pressure of the machine file", (least, most)));
+        return Some(beyond(column, "1.5 times the supply pressure or more of the machine file", (least, most)));
     }
     let low = high < least && high > 0.0;
-    low.then(|| beyond(column, "not even a hundredth of the supply pressure of the machine file", (least, most)))
+    low.then(|| beyond(column, "less than a hundredth of the supply pressure of the machine file", (least, most)))
 }
 
 /// That a column reaches what it cannot, and the unit in which that comes nearest to the middle of what it can.
@@ -89,7 +89,7 @@ fn speed_doubt(recording: &Recording, machine: &Machine<f64>) -> Option<String> 
     let slower = |unit: Unit| unit.to_si(1.0) / time.unit.to_si(1.0);
     let fitting = Unit::of(time.unit.dimension()).find(|unit| SPEED.contains(&(share / slower(*unit))));
     let instead = fitting.map_or_else(String::new, |unit| {
-        format!(" Were the times in {unit}, it would be {}", significant(share / slower(unit), 2))
+        format!(" With times in {unit}, it would be {}", significant(share / slower(unit), 2))
     });
     Some(format!(
         "the rod goes {} times as fast as the valve, opened as it was, lets it without load: are the units of time and position \
@@ -159,19 +159,19 @@ mod tests {
     #[test]
     fn every_usual_mistake_is_doubted_with_the_unit_that_would_do() {
         for (index, header, factor, said, instead) in [
-            (0, "time [s]", 1e3, "the rod goes 0.0010 times as fast", "Were the times in ms, it would be 1.0"),
+            (0, "time [s]", 1e3, "the rod goes 0.0010 times as fast", "With times in ms, it would be 1.0"),
             (
                 0,
                 "time [ms]",
                 1.0,
                 "times as fast as the valve, opened as it was, lets it",
-                " Were the times in s, it would be",
+                " With times in s, it would be",
             ),
             (2, "position [m]", 1e3, "beyond the stroke of the machine file", " mm would be possible"),
             (2, "position [mm]", 1.0, "the rod goes 0.0010 times as fast", ""),
-            (3, "pressure_a [Pa]", 1e-5, "not even a hundredth of the supply pressure", " bar would be possible"),
-            (3, "pressure_a [bar]", 1.0, "half above the supply pressure", " Pa would be possible"),
-            (3, "pressure_a [bar]", 1.0 / 6894.757, "half above the supply pressure", " psi would be possible"),
+            (3, "pressure_a [Pa]", 1e-5, "less than a hundredth of the supply pressure", " bar would be possible"),
+            (3, "pressure_a [bar]", 1.0, "1.5 times the supply pressure or more", " Pa would be possible"),
+            (3, "pressure_a [bar]", 1.0 / 6894.757, "1.5 times the supply pressure or more", " psi would be possible"),
         ] {
             let told = doubts(index, header, factor);
             assert!(

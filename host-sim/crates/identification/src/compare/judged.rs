@@ -36,7 +36,7 @@ pub fn named(name: &str) -> Result<Signal, String> {
     Signal::parse(name).ok_or_else(|| {
         let known: Vec<&str> = Signal::ALL.iter().map(|signal| signal.name()).collect();
         let nearest = nearest_signal(name);
-        format!("`{name}` is no known signal; expected one of {}; did you mean `{nearest}`?", known.join(" "))
+        format!("`{name}` is not a known signal; expected one of {}; did you mean `{nearest}`?", known.join(" "))
     })
 }
 

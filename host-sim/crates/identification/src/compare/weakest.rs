@@ -162,7 +162,7 @@ impl std::fmt::Display for Obstacle {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Obstacle::NoSpool => {
-                "the valve cannot be told from the links below it: that takes a recorded spool (`spool`)"
+                "the valve cannot be told from the links below it: record `spool` for this"
             }
             Obstacle::NoPressures => {
                 "flow, chambers and mechanics cannot be told apart: that takes both chamber pressures (`pressure_a`, `pressure_b`)"

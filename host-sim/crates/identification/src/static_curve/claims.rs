@@ -129,7 +129,7 @@ pub(crate) fn remarks(statics: &Statics, clock: bool, spool: bool) -> Vec<String
         "rows in the order of the file, no clock: only what does not depend on the rate is claimed".to_owned()
     });
     if statics.claims.iter().any(|claim| claim.effect == "valve-hysteresis") {
-        say("a lag would open a loop too; that the sweep was slow beside the valve is taken from its maker".to_owned());
+        say("a lag would also open a loop; the sweep is assumed to be slow against the valve".to_owned());
     }
     if let Some(stairs) = statics.staircase {
         let from = if stairs.from_magnitude > 0.0 {
@@ -143,12 +143,12 @@ pub(crate) fn remarks(statics: &Statics, clock: bool, spool: bool) -> Vec<String
             statics.output.header,
             stairs.levels,
             short(stairs.step),
-            if stairs.from_magnitude > 0.0 { ", and another gain there is not taken for the valve's" } else { "" },
+            if stairs.from_magnitude > 0.0 { ", and a different gain there is attributed to the meter" } else { "" },
         ));
     }
     for jump in &statics.jumps {
         say(format!(
-            "instrument: {} jumps from {} to {} near {} on every branch and nowhere else: read as the meter's, not as physics",
+            "instrument: {} jumps from {} to {} near {} on every branch and nowhere else: attributed to the meter",
             statics.output.header,
             short(jump.output.0),
             short(jump.output.1),
@@ -156,9 +156,10 @@ pub(crate) fn remarks(statics: &Statics, clock: bool, spool: bool) -> Vec<String
         ));
     }
     if is_pressure(&statics.output.header) && !statics.saturation.is_empty() {
-        say("the output is a pressure and ends at the supply's: that is no saturation of the valve".to_owned());
+        say("the output is a pressure and ends at the supply's: this is not saturation of the valve".to_owned());
     } else if !spool && !is_spool(&statics.output.header) && !statics.saturation.is_empty() {
-        say("without a measured spool it is open whether spool or orifice stops following at the end".to_owned());
+        say("without a measured spool it cannot be decided whether spool or orifice stops following at the end"
+            .to_owned());
     }
     match (statics.positive, statics.negative) {
         (Some(_), Some(_)) => {

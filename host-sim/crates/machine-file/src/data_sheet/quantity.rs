@@ -37,7 +37,7 @@ pub enum QuantityError {
         example: &'static str,
     },
     /// What is behind the number is no unit, or one of something else.
-    #[error("`{found}` is no unit of this; expected one of {known}, such as `{example}`")]
+    #[error("`{found}` is not a unit of this quantity; expected one of {known}, such as `{example}`")]
     WrongUnit {
         /// What was found.
         found: String,
@@ -127,9 +127,9 @@ mod tests {
     #[test]
     fn what_is_no_length_says_what_would_be() {
         let message = |text| parsed(text, Dimension::Length).unwrap_err().to_string();
-        assert_eq!(message("63bar"), "`bar` is no unit of this; expected one of m, mm, such as `63mm`");
+        assert_eq!(message("63bar"), "`bar` is not a unit of this quantity; expected one of m, mm, such as `63mm`");
         assert!(message("63").contains("has no unit; expected one of m, mm"));
-        assert!(message("1.006,3mm").contains("`,3mm` is no unit"));
+        assert!(message("1.006,3mm").contains("`,3mm` is not a unit"));
         for text in ["", "mm", "inf mm", "NaN mm", "1e999mm"] {
             assert!(parsed(text, Dimension::Length).is_err(), "{text}");
         }

@@ -40,7 +40,7 @@ pub struct Exhibits {
     pub pictures: Vec<Picture>,
     /// When the error is made, all training recordings together; `None` unless asked for and located.
     pub timeline: Option<Rows>,
-    /// In which states it is made, before and, with something claimed, after; empty unless asked for and located.
+    /// Operating regions it is made, before and, with something claimed, after; empty unless asked for and located.
     pub maps: Vec<Cells>,
 }
 

@@ -1,4 +1,4 @@
-//! In which states of the drive the error is made: its mean size over the two states that tell most of it.
+//! Operating regions of the drive the error is made: its mean size over the two states that tell most of it.
 
 use diagnosis::localisation::error_shape::{Shape, State};
 use diagnosis::localisation::locate::{extend, states};

@@ -19,10 +19,10 @@ pub(crate) fn findings(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
         @if diagnosis.verdict == Verdict::Unexplained {
             section {
                 h2 { "What" }
-                p { "None of the effects that were tried accounts for it on recordings that were left out. It stays described by its place and shape above." }
+                p { "No effect that was tried explains it on recordings left out of the fit. Its place and shape are described above." }
                 (not_confirmed(diagnosis))
                 @if let Some(unnamed) = &diagnosis.unnamed {
-                    p class="fact" { (capital(&unnamed.to_string())) ". A controller can carry it; it is no explanation." }
+                    p class="fact" { (capital(&unnamed.to_string())) ". It can be used in the controller, but it does not explain the cause." }
                 }
             }
         }
@@ -55,7 +55,7 @@ pub(crate) fn findings(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
 fn not_confirmed(diagnosis: &Diagnosis) -> Markup {
     html! {
         @for effect in &diagnosis.not_confirmed {
-            p { (effect.name) " was chosen on the training recordings; the held-out ones do not bear it out." }
+            p { (effect.name) " was chosen on the training recordings, but the held-out recordings gain nothing from it." }
         }
     }
 }
@@ -70,10 +70,10 @@ pub(crate) fn how_sure(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
             } @else if !diagnosis.findings.is_empty() {
                 p { "No recording was held out to confirm it." }
             }
-            p { "False alarms are counted on virtual drives from which nothing was taken and on causes outside the catalogue: "
+            p { "How often the diagnosis is wrong, on virtual drives with nothing missing and with causes outside the catalogue: "
                 code { "docs/diagnosis.md" } "." }
             details {
-                summary { "Every set of effects that was refitted" }
+                summary { "All refitted candidate models" }
                 p class="soft" { "In the chain, on all training recordings together. Gain in log-likelihood, less a penalty for its parameters." }
                 table {
                     tr { th { "refitted with" } th { "gain" } }
@@ -98,7 +98,7 @@ fn sureness(finding: &Finding, exhibits: &Exhibits) -> Markup {
     let rivals: Vec<&Separation> = exhibits.rivals(finding).collect();
     html! {
         p { strong { (finding.effect.name) } ": confidence " (significant(finding.confidence, 3)) " among the effects tried."
-            @if finding.alternatives.is_empty() { " No other comes near." } @else {
+            @if finding.alternatives.is_empty() { " No other effect is nearly as likely." } @else {
                 " Could also be "
                 @for (index, (effect, confidence)) in finding.alternatives.iter().enumerate() {
                     @if index > 0 { ", " } (effect.name) " (" (significant(*confidence, 2)) ")"
@@ -126,7 +126,7 @@ fn sureness(finding: &Finding, exhibits: &Exhibits) -> Markup {
                     }
                 }
             }
-            p class="soft" { "Both drives, each as it was fitted, simulated on the standard tests; what a further refit within its uncertainty would take away is not counted. "
+            p class="soft" { "Both fitted drives were simulated in the standard tests; differences that a refit within the uncertainties could remove are subtracted. "
                 "Chosen: the test that separates most per 20 s. A sensor is named where it at least doubles that." }
         }
     }
@@ -139,7 +139,7 @@ pub(crate) fn to_the_controller(diagnosis: &Diagnosis) -> Markup {
             ol {
                 li { "The same command with " code { "--save-machine after.toml" } " writes the machine file with everything fitted"
                     @if !diagnosis.findings.is_empty() { " and what was found switched on" } "." }
-                li { code { "host-sim compare --machine after.toml --recording new.csv" } " holds it against a recording that was made since." }
+                li { code { "host-sim compare --machine after.toml --recording new.csv" } " compares it with a new recording." }
                 li { code { "host-sim export --machine after.toml --out params.rs" } " makes the constants for the firmware of it: "
                     code { "FIRMWARE_MACHINE=params.rs" } " when the firmware is built." }
             }

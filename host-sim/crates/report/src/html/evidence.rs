@@ -78,8 +78,8 @@ pub(crate) fn whiteness(exhibits: &Exhibits, diagnosis: &Diagnosis) -> Markup {
     };
     html! {
         section {
-            h2 { "Is the rest white?" }
-            p { "What a good model leaves does not follow from what was before it: not from itself, not from the input. Share of lags outside the 99 % band; a white residual has about 1 %." }
+            h2 { "Is the residual white?" }
+            p { "The residual of a good model is correlated neither with its own past nor with the input. Share of lags outside the 99 % band; a white residual has about 1 %." }
             table {
                 tr { th { "signal" }
                     @if changes { th { "with itself, before" } th { "with the input, before" } th { "with itself, after" } th { "with the input, after" } }
@@ -90,7 +90,7 @@ pub(crate) fn whiteness(exhibits: &Exhibits, diagnosis: &Diagnosis) -> Markup {
             }
             p { @match in_words(&exhibits.whiteness) {
                 Some(told) => { "Not white: " (told) "." }
-                None => "What is left is white: no lag is further out than chance makes the largest of all, 99 times of a hundred.",
+                None => "The residual is white: no lag is larger than chance allows (99 %).",
             } }
             details {
                 summary { "Correlations" }
@@ -131,7 +131,7 @@ fn correlation(name: &str, lag_s: f64, first: i32, (before, after): (Option<&Vec
 pub(crate) fn prepared(found: &[Found]) -> Markup {
     html! {
         section {
-            h2 { "What was prepared" }
+            h2 { "Preprocessing" }
             details {
                 summary { "Noise, sensor steps, failed rows, dither, clock and start of every recording" }
                 table {

@@ -30,9 +30,9 @@ pub(crate) fn located(diagnosis: &Diagnosis, exhibits: &Exhibits, budget: Budget
                 p class="soft" { "Training recordings, one row each. Shaded: the located intervals." }
             }
             @if !exhibits.maps.is_empty() {
-                h3 { "In which states" }
+                h3 { "Operating regions" }
                 div class="pair" { @for map in &exhibits.maps { (on_map(map)) } }
-                p class="soft" { "Mean size over all training recordings, in standard deviations of the noise. Blank: the drive never was there." }
+                p class="soft" { "Mean size over all training recordings, in standard deviations of the noise. Blank: not visited." }
             }
             @if let Some(figure) = of_shape(&location.shape) { (chart(&figure)) }
             @if !diagnosis.findings.is_empty() || matches!(location.shape, Shape::Once { .. }) {

@@ -99,7 +99,7 @@ fn improvement(diagnosis: &Diagnosis) -> Markup {
         }
         p class="soft" {
             "NRMSE fit in free run" @if held_out { ", recordings that were held out" } @else { ", training recordings" }
-            @if diagnosis.unnamed.is_some() { ": base parameters refitted → with a table that has no name." }
+            @if diagnosis.unnamed.is_some() { ": base parameters refitted → with a correction table." }
             @else if changes { ": base parameters refitted → with what was found." } @else { ", base parameters refitted." }
         }
     }
@@ -143,7 +143,7 @@ fn fits(diagnosis: &Diagnosis) -> Markup {
             }
             p class="soft" {
                 @if changes { "Before: base parameters refitted. After: refitted together with what was found"
-                    @if diagnosis.unnamed.is_some() { ", here a table that has no name" } ". " }
+                    @if diagnosis.unnamed.is_some() { ", here a correction table" } ". " }
                 "Noise floor: what a perfect model would reach." }
             details {
                 summary { "Each recording by itself" }

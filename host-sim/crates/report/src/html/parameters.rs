@@ -78,23 +78,26 @@ fn why(estimate: &Estimate, sigma: Option<f64>, alone: Option<f64>) -> String {
         return "at the end of its range: no estimate".to_owned();
     }
     if !estimate.std.is_finite() {
-        return "the recordings do not tell it".to_owned();
+        return "not determined by the recordings".to_owned();
     }
     let change = estimate.value - estimate.before;
     if let (Some(alone), Some(sigma)) = (alone, sigma) {
         let (then, now) = ((alone - estimate.before).abs() / sigma, change.abs() / sigma);
         if then - now > STOOD_IN && (alone - estimate.value).abs() > MOVED * estimate.std {
-            return "before, it stood in for what was missing".to_owned();
+            return "before, it was pulled from its nominal value to make up for the missing effect".to_owned();
         }
     }
     let told = sigma.is_none_or(|sigma| estimate.std < TOLD * sigma);
     let off = change.abs() > MOVED * estimate.std;
     match (told, off, sigma) {
-        (false, _, _) => "the recordings tell little of it".to_owned(),
+        (false, _, _) => "hardly determined by the recordings".to_owned(),
         (true, false, _) => "the recordings agree with the machine file".to_owned(),
         (true, true, Some(sigma)) => {
             let off = significant(change.abs() / sigma, 2);
-            format!("the recordings tell it: {off} times the ± {} allowed", number(sigma, 2))
+            format!(
+                "determined by the recordings: moved by {off} times its standard deviation (± {})",
+                number(sigma, 2)
+            )
         }
         (true, true, None) => "the recordings tell it".to_owned(),
     }
@@ -130,13 +133,14 @@ mod tests {
         let said = |value, std, alone| why(&estimate(value, std), Some(0.1), alone);
         assert!(said(1.001, 0.001, None).contains("agree"), "{}", said(1.001, 0.001, None));
         assert!(
-            said(1.05, 0.001, None).starts_with("the recordings tell it: 0.50 times the ± 0.10"),
+            said(1.05, 0.001, None)
+                .starts_with("determined by the recordings: moved by 0.50 times its standard deviation (± 0.10"),
             "{}",
             said(1.05, 0.001, None)
         );
-        assert!(said(1.05, 0.09, None).contains("tell little"));
-        assert!(said(1.01, 0.001, Some(1.2)).contains("stood in"));
-        assert!(!said(1.2, 0.001, Some(1.0)).contains("stood in"));
+        assert!(said(1.05, 0.09, None).contains("hardly determined"));
+        assert!(said(1.01, 0.001, Some(1.2)).contains("make up for"));
+        assert!(!said(1.2, 0.001, Some(1.0)).contains("make up for"));
         assert!(said(1.0, f64::NAN, None).contains("do not tell"));
         assert!(why(&Estimate { at_bound: true, ..estimate(1.0, 0.1) }, None, None).contains("end of its range"));
         assert_eq!((moved(&estimate(1.05, 0.1)), moved(&estimate(0.9, 0.1))), ("+5.0 %".into(), "−10 %".into()));

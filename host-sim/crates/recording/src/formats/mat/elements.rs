@@ -86,10 +86,10 @@ pub(crate) fn variables(name: &str, bytes: &[u8]) -> Result<Vec<Variable>, Recor
                 let content = inflated(content, &mut unpacked)?;
                 match Elements(&content).next()? {
                     (MATRIX, content) => variable(content, 0),
-                    _ => Err(Fault::Damaged("a packed element that is no variable")),
+                    _ => Err(Fault::Damaged("a packed element that is not a variable")),
                 }
             }
-            _ => Err(Fault::Damaged("an element that is no variable")),
+            _ => Err(Fault::Damaged("an element that is not a variable")),
         });
         let variable = found.map_err(|fault| fault.at(place()))?;
         // Without a name stand the inner parts of objects.
@@ -221,7 +221,7 @@ fn structures(mut elements: Elements<'_>, count: usize, depth: usize) -> Result<
         for name in &names {
             let (kind, content) = elements.next()?;
             if kind != MATRIX {
-                return Err(Fault::Damaged("a field that is no variable"));
+                return Err(Fault::Damaged("a field that is not a variable"));
             }
             let content = variable(content, depth + 1)?.content;
             fields.push(Variable { name: Rc::clone(name), content });

@@ -150,7 +150,7 @@ impl<'a> File<'a> {
             b"MD" => {
                 text.split_once("<TX>").and_then(|(_, rest)| rest.split_once("</TX>")).map_or("", |(inner, _)| inner)
             }
-            _ => return Err(Fault::Damaged("a name that is no text")),
+            _ => return Err(Fault::Damaged("a name that is not text")),
         };
         Ok(Some(text.trim()).filter(|text| !text.is_empty()).map(str::to_owned))
     }

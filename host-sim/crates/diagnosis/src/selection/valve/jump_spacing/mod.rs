@@ -53,7 +53,7 @@ impl fmt::Display for JumpSpacing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "no sensor sees the spool, but the position repeats every {} % of its travel, as jumps so long leave it (log-likelihood {} over none)",
+            "the spool is not measured, but the position's residual repeats every {} % of spool travel, as jumps of this length leave it (log-likelihood {} more than without jumps)",
             significant(100.0 * self.length, 2),
             significant(self.evidence, 2)
         )
