@@ -18,8 +18,12 @@ const COLUMN: usize = 60;
 /// Ticks of the longer and of the shorter run.
 const TICKS: [u64; 2] = [12_000, 4_000];
 
-/// Instructions of the whole program.
-fn instructions(arguments: &[&str]) -> u64 {
+/// In the place of a figure.
+const NOT_COUNTED: &str = "-";
+
+/// Instructions of the whole program; `None` where the compiler has chosen an instruction that this valgrind does not know, such as
+/// `vmovq` between registers in its shorter form, which 3.19 takes for none.
+fn instructions(arguments: &[&str]) -> Option<u64> {
     let output = Command::new("valgrind")
         .args(["--tool=callgrind", "--callgrind-out-file=/dev/null", env!("CARGO_BIN_EXE_counted")])
         .args(arguments)
@@ -27,21 +31,26 @@ fn instructions(arguments: &[&str]) -> u64 {
         .output()
         .expect("it was there a moment ago");
     let said = String::from_utf8_lossy(&output.stderr);
+    if let Some((_, unknown)) = said.split_once("unhandled instruction bytes: ") {
+        let bytes = unknown.lines().next().unwrap_or_default();
+        skipped(&format!("instructions of {arguments:?} are not counted: valgrind does not know {bytes}"));
+        return None;
+    }
     assert!(output.status.success(), "{arguments:?}: {}\n{said}", output.status);
     let collected = said.lines().find_map(|line| line.split_once("Collected : "));
     let (_, count) = collected.unwrap_or_else(|| panic!("{arguments:?}: no count in\n{said}"));
-    count.trim().parse().unwrap_or_else(|error| panic!("{count}: {error}"))
+    Some(count.trim().parse().unwrap_or_else(|error| panic!("{count}: {error}")))
 }
 
-fn of_a_step(which: &str) -> u64 {
+fn of_a_step(which: &str) -> Option<u64> {
     let [more, fewer] = TICKS.map(|ticks| instructions(&[which, &ticks.to_string()]));
-    (more - fewer) / (TICKS[0] - TICKS[1])
+    Some((more? - fewer?) / (TICKS[0] - TICKS[1]))
 }
 
-fn of_a_refit() -> u64 {
+fn of_a_refit() -> Option<u64> {
     let case = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/press-63-40");
     let [once, none] = ["1", "0"].map(|times| instructions(&["refit", case, times]));
-    (once - none) / 1_000_000
+    Some((once? - none?) / 1_000_000)
 }
 
 #[test]
@@ -63,8 +72,11 @@ fn a_step_and_a_refit_take_no_more_instructions_than_before() {
     ];
     let mut table = "Under callgrind, x86-64 with AVX2, test profile.\n".to_owned();
     for (row, figure) in figures {
+        let figure = figure.map_or(NOT_COUNTED.to_owned(), |figure| figure.to_string());
         writeln!(table, "{row:<COLUMN$} {figure:>8}").unwrap();
     }
-    let near = |found: &str, kept: &str| snapshot::numbers_near(found, kept, COLUMN, RELATIVE, 0.0);
+    let near = |found: &str, kept: &str| {
+        found.ends_with(NOT_COUNTED) || snapshot::numbers_near(found, kept, COLUMN, RELATIVE, 0.0)
+    };
     snapshot::compare("../benches/instructions.txt", &table, near);
 }

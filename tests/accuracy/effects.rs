@@ -5,7 +5,7 @@ use model_core::number::PerUnit;
 use recording::excitation::signals::Excitation;
 use system_tests::drives;
 use system_tests::simulate::{Distance, Row, core, core_pump, distance, oracle_with};
-use virtual_plant::{Commands, InitialState, LoadEffect, PlantEffect, PumpCommand};
+use virtual_plant::{Cavitation, Commands, InitialState, LoadEffect, PlantEffect, PumpCommand};
 
 use crate::table::{self, Line};
 use crate::tolerances::{Case, of};
@@ -46,6 +46,12 @@ const STOP: PlantEffect =
     PlantEffect::Load(LoadEffect::EndStop { at_m: STOP_M, extending: true, stiffness: 2e11, damping_s_per_m: 3.0 });
 const STOP_N_PER_M: f64 = 1e9;
 const STOP_N_S_PER_M: f64 = 3e5;
+/// Oil that boils within 0.1 kPa: all but a floor.
+const BOILING: PlantEffect =
+    PlantEffect::Cavitation(Cavitation { floor_pa: FLOOR_PA, steepness_pa: 1e2, released: 0.0 });
+const FLOOR_PA: f64 = -9e4;
+/// With little friction it draws on A faster than the valve fills it.
+const PULL_N: f64 = 9e3;
 const SLIP: PlantEffect = PlantEffect::PumpSlip {
     conductance_m3_per_s_pa: SLIP_M3_PER_S_PA * (SLIPPING_REV_PER_S + SLIP_FADE_REV_PER_S) / SLIPPING_REV_PER_S,
     turbulent_share: 0.0,
@@ -114,6 +120,9 @@ fn each_effect_and_the_pump_drive_follow_the_oracle() {
             (P::StopDamping, STOP_N_S_PER_M),
         ]);
         add(drive.name, STOP.name(), valve(&machine, STOP), Case::Stop, Case::StopRounding);
+        let machine =
+            drive.machine.with(&[(P::CavitationFloor, FLOOR_PA), (P::LoadForce, PULL_N), (P::ViscousFriction, 5.0e3)]);
+        add(drive.name, BOILING.name(), valve(&machine, BOILING), Case::Void, Case::VoidRounding);
     }
     let machine = drives::pump();
     let loaded = machine.with(&[(P::LoadForce, -4e3)]);

@@ -29,7 +29,10 @@ fn noise_that_a_position_adds_up_is_no_missing_physics() {
     // Thirty times the noise of the position, made by the noise of the pressures.
     assert!(exact.contains("weakest is mechanics") && exact.contains("Every part follows its recordings"), "{exact}");
     let rubbed = told(folder.path(), &["--effect", "coulomb-friction=800"], true);
-    assert!(rubbed.contains("weakest is mechanics") && rubbed.contains("Physics is missing there"), "{rubbed}");
+    assert!(
+        rubbed.contains("weakest is mechanics") && rubbed.contains("An effect is missing in this part"),
+        "{rubbed}"
+    );
 }
 
 #[test]
@@ -37,5 +40,5 @@ fn parts_that_follow_do_not_speak_for_those_that_could_not_be_judged() {
     let folder = tempfile::tempdir().unwrap();
     let leaking = told(folder.path(), &["--effect", "internal-leakage=3e-12"], false);
     assert!(leaking.contains("weakest is mechanics") && !leaking.contains("Every part follows"), "{leaking}");
-    assert!(leaking.contains("But end to end ") && leaking.contains("that takes a recorded spool"), "{leaking}");
+    assert!(leaking.contains("But end to end ") && leaking.contains("record `spool` for this"), "{leaking}");
 }

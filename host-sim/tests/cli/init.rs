@@ -157,7 +157,7 @@ fn from_data_sheet_to_the_noise_floor() {
     done(folder.path(), &[&testbed[..], &commands].concat());
 
     let inspected = done(folder.path(), &["inspect", "case/train-1.csv", "--machine", "press.toml"]);
-    assert_eq!(inspected.matches("by itself").count(), 5, "{inspected}");
+    assert_eq!(inspected.matches("alone: driven by").count(), 5, "{inspected}");
     let simulate = ["simulate", "--machine", "press.toml", "--recording", "case/train-1.csv", "--out", "simulated.csv"];
     done(folder.path(), &simulate);
     let fit = [

@@ -84,7 +84,10 @@ fn a_name_that_promises_another_format_is_refused_with_the_endings_known() {
         further.map(|(command, argument, wrong, known)| (command.split(' ').collect(), argument, wrong, known));
     for (command, argument, wrong, known) in outputs.chain(further) {
         let message = refused(folder.path(), &[&command[..], &[argument, wrong]].concat());
-        assert!(message.contains(&format!("{wrong}: ")) && message.contains("under a name that"), "{message}");
+        assert!(
+            message.contains(&format!("{wrong}: ")) && message.contains("does not match the file name's ending"),
+            "{message}"
+        );
         assert!(message.contains(&format!("expected: one that ends in {known}\n")), "{message}");
     }
 }
@@ -109,7 +112,7 @@ fn a_dash_is_standard_output_where_nothing_else_is_printed() {
     assert_eq!(done(folder.path(), &input).lines().count(), 12);
     let export = ["export", "--machine", "machine.toml", "--out", "-", "--format"];
     assert!(done(folder.path(), &[&export[..], &["c99"]].concat()).contains("#define"));
-    assert!(refused(folder.path(), &[&export[..], &["fmu"]].concat()).contains("an FMU is no text"));
+    assert!(refused(folder.path(), &[&export[..], &["fmu"]].concat()).contains("an FMU is a binary file"));
     for (command, argument) in outputs().into_iter().filter(|(_, argument)| *argument != "--out") {
         let message = refused(folder.path(), &[&command[..], &[argument, "-"]].concat());
         assert!(message.contains("expected: the name of a file"), "{message}");

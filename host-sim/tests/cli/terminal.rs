@@ -132,7 +132,7 @@ fn a_value_that_is_wrong_is_marked_on_the_command_line() {
     let folder = folder_with(MACHINE, "time [s],command [V],position [m]\n0,0,0\n1,0,1\n");
     let message = refused(folder.path(), &["testbed", "--machine", "machine.toml", "--tick", "0", "--out", "case"]);
     let expected = "\
-error: `0` is no value of --tick
+error: `0` is not a value of --tick
  --> command line:1:48
   |
 1 | host-sim testbed --machine machine.toml --tick 0 --out case
@@ -177,7 +177,7 @@ const WRONG: &[(&str, &str, &str, &str)] = &[
     ),
     (
         "compare --machine machine.toml --recording run.csv --map position=Weg",
-        "which is no column",
+        "which is not a column",
         "Weg",
         "one of its headers: time [s]",
     ),
@@ -213,7 +213,7 @@ const WRONG: &[(&str, &str, &str, &str)] = &[
     ),
     (
         "statics --recording run.csv --input nothing --output position",
-        "run.csv: `nothing` is no column",
+        "run.csv: `nothing` is not a column",
         "nothing",
         "one of its headers",
     ),

@@ -165,9 +165,9 @@ impl std::fmt::Display for Obstacle {
                 "the valve cannot be told from the links below it: record `spool` for this"
             }
             Obstacle::NoPressures => {
-                "flow, chambers and mechanics cannot be told apart: that takes both chamber pressures (`pressure_a`, `pressure_b`)"
+                "flow, chambers and mechanics cannot be told apart: record both chamber pressures (`pressure_a`, `pressure_b`) for this"
             }
-            Obstacle::NoMotion => "the links below the valve are not judged by their motion: that takes `position` or `velocity`",
+            Obstacle::NoMotion => "the links below the valve are not judged by their motion: record `position` or `velocity` for this",
             Obstacle::LoadFromPressures => {
                 "the mechanics cannot be judged: the load is taken from the recorded pressures, which takes a measured \
                  `load_force` to avoid"

@@ -79,14 +79,14 @@ pub(crate) fn in_words(signals: &[Whiteness]) -> Option<String> {
 
 /// What is left of one signal, in words.
 fn said(of: &Whiteness) -> Option<String> {
-    let at = |lag: f64| match significant(1e3 * lag.abs(), 2).as_str() {
-        "0" => "at once".to_owned(),
-        ms => format!("{ms} ms {}", if lag > 0.0 { "before" } else { "later" }),
-    };
-    let input = of.follows_input().map(|lag| format!("the input {}", at(lag)));
-    let itself = of.lasts().map(|lag| format!("itself {}", at(lag)));
+    let in_ms = |lag: f64| Some(significant(1e3 * lag.abs(), 2)).filter(|ms| ms != "0");
+    let input = of.follows_input().map(|lag| match in_ms(lag) {
+        Some(ms) => format!("the input {ms} ms {}", if lag > 0.0 { "earlier" } else { "later" }),
+        None => "the input at the same time".to_owned(),
+    });
+    let itself = of.lasts().and_then(in_ms).map(|ms| format!("itself at a lag of {ms} ms"));
     let with: Vec<String> = input.into_iter().chain(itself).collect();
-    (!with.is_empty()).then(|| format!("what is left of {} goes with {}", of.signal, with.join(" and with ")))
+    (!with.is_empty()).then(|| format!("the residual of {} is correlated with {}", of.signal, with.join(" and with ")))
 }
 
 fn outside(values: &[f64], band: f64) -> f64 {
@@ -196,7 +196,9 @@ mod tests {
         assert_eq!(dirty.follows_input(), Some(30e-3));
         let told = in_words(&[clean, dirty]).unwrap();
         assert!(
-            told.starts_with("what is left of position goes with the input 30 ms before and with itself "),
+            told.starts_with(
+                "the residual of position is correlated with the input 30 ms earlier and with itself at a lag of "
+            ),
             "{told}"
         );
     }
