@@ -141,7 +141,7 @@ mod tests {
         assert!(said(1.05, 0.09, None).contains("hardly determined"));
         assert!(said(1.01, 0.001, Some(1.2)).contains("make up for"));
         assert!(!said(1.2, 0.001, Some(1.0)).contains("make up for"));
-        assert!(said(1.0, f64::NAN, None).contains("do not tell"));
+        assert!(said(1.0, f64::NAN, None).contains("not determined"));
         assert!(why(&Estimate { at_bound: true, ..estimate(1.0, 0.1) }, None, None).contains("end of its range"));
         assert_eq!((moved(&estimate(1.05, 0.1)), moved(&estimate(0.9, 0.1))), ("+5.0 %".into(), "−10 %".into()));
     }
