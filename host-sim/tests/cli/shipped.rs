@@ -112,7 +112,10 @@ fn a_comparison_says_what_it_cannot_tell() {
     let without_pressures = answer(&[0, 1, 2, 3]);
     assert!(without_pressures.contains("(`pressure_a`, `pressure_b`)"), "{without_pressures}");
     let position_only = answer(&[0, 1, 3]);
-    assert!(position_only.contains("the whole chain") && position_only.contains("record `spool` for this"), "{position_only}");
+    assert!(
+        position_only.contains("the whole chain") && position_only.contains("record `spool` for this"),
+        "{position_only}"
+    );
 }
 
 #[test]
