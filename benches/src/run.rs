@@ -1,5 +1,5 @@
 //! A drive stepped over commands at 1 kHz, as the peers' `host_run` does it: every tick's row is written out, in SI. One run at a time,
-//! or as many in SIMD lanes as a number has lanes.
+//! or several drives in SIMD lanes.
 
 use std::array::from_fn;
 
@@ -29,7 +29,7 @@ pub fn random_commands(ticks: usize) -> Vec<f32> {
     random.into_iter().cycle().take(ticks).collect()
 }
 
-/// Commands of drives in SIMD lanes, of the double of them: each begins a quarter of its own length after the one before.
+/// Commands for drives in SIMD lanes, cut from twice as many: each begins a quarter of its own length after the one before.
 #[must_use]
 pub fn staggered(twice: &[f32]) -> [&[f32]; LANES] {
     let ticks = twice.len() / 2;
@@ -93,7 +93,7 @@ impl<N: Scalar<Real = f64>> Run<N> {
     }
 }
 
-/// The same drive several times over, in SIMD lanes.
+/// The same drive several times, in SIMD lanes.
 #[derive(Clone, Copy, Debug)]
 pub struct InLanes {
     drive: Drive<Lanes>,

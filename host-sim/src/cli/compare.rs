@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use comfy_table::{Attribute, Cell, CellAlignment, Table};
-use rayon::prelude::*;
+use identification::parallel;
 
 use identification::compare::weakest::{Weakest, missed_by_the_whole, obstacles, weakest};
 use identification::compare::{Comparison, Section, compare_told, judged, rows_simulated};
@@ -133,16 +133,12 @@ fn plot_paths(path: &Path, recordings: &[Recording]) -> Vec<PathBuf> {
 fn compared(plan: &Plan, machine: &Path, console: &Console<'_>) -> Result<Vec<Comparison>, CliError> {
     let rows = |recording| rows_simulated(plan.file.machine.source, plan.file.load_source, recording) as u64;
     let bar = console.share(plan.recordings.iter().map(rows).sum(), "comparing");
-    let comparisons = plan
-        .recordings
-        .par_iter()
-        .map(|recording| {
-            let MachineFile { machine: values, load_source, .. } = &plan.file;
-            let told = |rows| bar.inc(rows as u64);
-            let found = compare_told(values, *load_source, recording, plan.arithmetic, plan.tick, &told);
-            found.map_err(|cause| CliError::Compare { machine: machine.to_owned(), cause })
-        })
-        .collect();
+    let comparisons = parallel::try_each(&plan.recordings, |recording| {
+        let MachineFile { machine: values, load_source, .. } = &plan.file;
+        let told = |rows| bar.inc(rows as u64);
+        let found = compare_told(values, *load_source, recording, plan.arithmetic, plan.tick, &told);
+        found.map_err(|cause| CliError::Compare { machine: machine.to_owned(), cause })
+    });
     bar.finish_and_clear();
     comparisons
 }

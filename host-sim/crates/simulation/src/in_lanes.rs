@@ -1,4 +1,4 @@
-//! Several recordings simulated in SIMD lanes: as many as a number has lanes, with what a step asks of the machine asked once for all.
+//! Several recordings simulated at once in SIMD lanes. What a step asks of the machine it asks once for all of them.
 
 use std::array::from_fn;
 use std::cmp::Reverse;
