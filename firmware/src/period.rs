@@ -24,7 +24,9 @@ use crate::measured::Measured;
 use crate::scaling::{Calibration, Travel};
 use crate::set_point::SetPoint;
 use crate::supervision::sense::{Expected, Senses, apart, ask, sorted};
-use crate::supervision::{Action, Command, Device, Event, Fault, Findings, Limits, LimitsError, Log, Mode, Standing};
+use crate::supervision::{
+    Action, ActiveFaults, Command, Device, Event, Fault, Findings, Limits, LimitsError, Log, Mode,
+};
 
 /// The devices of a rig.
 #[derive(Debug)]
@@ -89,7 +91,7 @@ pub enum Answer {
 pub enum Place {
     /// It is.
     Known,
-    /// Somebody must say where the rod is before it follows: [`Period::refer`].
+    /// Somebody must say where the rod is before it follows: [`Period::home`].
     Lost,
 }
 
@@ -117,7 +119,7 @@ pub struct Report {
     /// What became of the command that was given, if one was.
     pub answer: Option<Answer>,
     /// Faults that nobody has acknowledged.
-    pub standing: Standing,
+    pub active_faults: ActiveFaults,
     /// What is to be done with the watchdog.
     pub watchdog: Watchdog,
     /// Whether the valve may have current: from the command to follow until neutral is reached, or until a period that was not
@@ -129,7 +131,7 @@ pub struct Report {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PeriodState {
     mode: Mode,
-    standing: Standing,
+    active_faults: ActiveFaults,
     senses: Senses,
     place: Place,
     energised: bool,
@@ -188,7 +190,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         let count = ask(limits.attempts, || devices.position.count()).map_err(BeginError::Position)?;
         let state = PeriodState {
             mode: Mode::Starting,
-            standing: Standing::NONE,
+            active_faults: ActiveFaults::NONE,
             senses: Senses::new(count),
             place,
             energised: false,
@@ -202,10 +204,10 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
     }
 
     /// Somebody says that the rod is at `position` now, of the stroke. Taken only while the valve is neutral; says whether it was.
-    pub fn refer(&mut self, position: PerUnit) -> bool {
+    pub fn home(&mut self, position: PerUnit) -> bool {
         let neutral = matches!(self.state.mode, Mode::Starting | Mode::Neutral);
         if neutral {
-            self.rig.travel.refer(&mut self.state.senses.travel, position);
+            self.rig.travel.home(&mut self.state.senses.travel, position);
             self.state.place = Place::Known;
         }
         neutral
@@ -214,7 +216,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
     /// One period, called once a tick.
     pub fn step(&mut self, request: &Request, log: &mut impl Log) -> Report {
         let before = self.state.mode;
-        let mut found = Findings::new(self.state.standing, log);
+        let mut found = Findings::new(self.state.active_faults, log);
         if request.timing == Timing::Overrun {
             found.note(&Fault::Overrun);
         }
@@ -228,7 +230,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         let command = self.command(&measured);
         self.put_out(command, &measured, &mut found);
 
-        self.state.standing = found.standing;
+        self.state.active_faults = found.active_faults;
         self.state.energised &= self.state.mode.is_running() && !found.own;
         found.tell_mode(before, self.state.mode);
         Report {
@@ -237,7 +239,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
             predicted,
             command: self.state.command,
             answer,
-            standing: self.state.standing,
+            active_faults: self.state.active_faults,
             watchdog: if found.own { Watchdog::Withhold } else { Watchdog::Feed },
             energised: self.state.energised,
         }
@@ -395,7 +397,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
                 self.state.accepted = SetPoint { position: measured.position, velocity: PerUnit::ZERO };
             }
             Action::Freeze => self.state.accepted.velocity = PerUnit::ZERO,
-            Action::Forget => found.standing = Standing::NONE,
+            Action::Forget => found.active_faults = ActiveFaults::NONE,
         }
     }
 }

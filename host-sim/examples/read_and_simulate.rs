@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use recording::ChannelMap;
 use simulation::figures_of_merit::SignalFit;
-use simulation::{StartOffset, Stimulus, first_drive_input, natural_tick, simulate_fixed};
+use simulation::{StartOffset, Stimulus, first_input_point, natural_tick, simulate_fixed};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let shipped = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/press-63-40");
@@ -16,12 +16,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let recording = recording::read(&folder.join("holdout-1.csv"), &ChannelMap::default())?;
 
     // What drives the model is the signal furthest upstream that was recorded.
-    let drive_input = first_drive_input(drive.machine.source, &recording)?;
+    let input_point = first_input_point(drive.machine.source, &recording)?;
     let tick = natural_tick(&recording);
-    let stimulus = Stimulus::new(&recording, &drive.machine, drive_input, drive.load_source, tick)?;
+    let stimulus = Stimulus::new(&recording, &drive.machine, input_point, drive.load_source, tick)?;
     let run = simulate_fixed(&drive.machine, &stimulus, StartOffset::none())?;
 
-    println!("{}: {} rows, driven by {}", recording.name(), recording.rows(), drive_input.driving());
+    println!("{}: {} rows, driven by {}", recording.name(), recording.rows(), input_point.driving());
     for (signal, simulated) in &run.series {
         let Some(recorded) = recording.signal(*signal) else { continue };
         let fit = SignalFit::of(*signal, recording.time_s(), recorded, simulated);

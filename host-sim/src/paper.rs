@@ -152,8 +152,8 @@ fn judge(
     command_v: f64,
     arithmetic: Arithmetic,
 ) -> Result<Step, PaperError> {
-    let run = |drive_input| {
-        let stimulus = Stimulus::new(recording, model, drive_input, LoadSource::Constant, Tick::OneMillisecond)?;
+    let run = |input_point| {
+        let stimulus = Stimulus::new(recording, model, input_point, LoadSource::Constant, Tick::OneMillisecond)?;
         arithmetic.simulate(model, &stimulus, StartOffset::none())
     };
     let (from_command, from_spool) = (run(InputPoint::Command)?, run(InputPoint::Spool)?);

@@ -24,7 +24,7 @@ switched on by its table in the machine file, for a simulation and for the contr
 
 Each section has the effect's table with values of usual size on [the press](../presets/press-63-40.toml), and its parameters: what the machine
 file accepts, what a value is that is not given, and where values usually lie on that press. A search may go three times beyond what is usual, more
-stiffly the further; outside of it nothing is claimed. An amount of 0 is no effect.
+stiffly the further; outside of it nothing is accepted. An amount of 0 is no effect.
 ";
 
 /// The shipped press, recorded with all that the catalogue's ranges ask for.
@@ -35,7 +35,7 @@ fn press() -> MachineFile {
 fn scene(file: &MachineFile) -> Scene<'_> {
     Scene {
         machine: &file.machine,
-        drive_input: InputPoint::Command,
+        input_point: InputPoint::Command,
         load: LoadSource::Constant,
         judged: &[Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Position],
         travel_m: (0.05, 0.25),

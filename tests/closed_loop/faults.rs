@@ -18,7 +18,7 @@ use system_tests::rig::{Controller, Readings, Wanted, bases};
 use system_tests::snapshot;
 
 /// Periods of a case in which something begins: the fault of the last one is acknowledged, the place is said, following is ordered, the rod moves.
-const REFER: usize = 1;
+const HOME: usize = 1;
 const FOLLOW: usize = 120;
 const MOVE: usize = 220;
 /// After the fault's window its cause is gone; then following is ordered, or where the rod is held acknowledged, and it is stopped.
@@ -224,9 +224,9 @@ impl Play {
         let kept = |wanted| Request { wanted, timing: Timing::Kept };
         let order = match self.at {
             0 => Order::Acknowledge,
-            REFER => {
+            HOME => {
                 self.from = seen.position_m / self.bases.stroke_m;
-                Order::Refer
+                Order::Home
             }
             FOLLOW => {
                 self.from = self.last.position.to_f64();

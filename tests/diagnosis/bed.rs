@@ -49,7 +49,7 @@ impl Case {
     pub(crate) fn scene<'a>(&'a self, recording: &Prepared, judged: &'a [Signal]) -> Scene<'a> {
         Scene {
             machine: &self.file.machine,
-            drive_input: recording.stimulus.drive_input,
+            input_point: recording.stimulus.input_point,
             load: self.file.load_source,
             judged,
             travel_m: (0.05, 0.25),
@@ -59,8 +59,8 @@ impl Case {
     }
 }
 
-/// Names of what is claimed, joined; "none" where nothing is.
-pub(crate) fn claimed(diagnosis: &Diagnosis) -> String {
+/// Names of what is accepted, joined; "none" where nothing is.
+pub(crate) fn accepted(diagnosis: &Diagnosis) -> String {
     let names: Vec<&str> = diagnosis.findings.iter().map(|finding| finding.effect.name).collect();
     if names.is_empty() { "none".to_owned() } else { names.join(" + ") }
 }

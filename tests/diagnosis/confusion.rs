@@ -47,14 +47,14 @@ fn said(lot: &Lot, index: u64) -> Option<Said> {
     let diagnosis = Case::of(&drawn).diagnose();
     let effects = &drawn.truth.effects;
     let outside = effects.iter().any(|name| name.starts_with('~'));
-    let mut claimed: Vec<&str> = diagnosis.findings.iter().map(|finding| finding.effect.name).collect();
-    claimed.sort_unstable();
+    let mut findings: Vec<&str> = diagnosis.findings.iter().map(|finding| finding.effect.name).collect();
+    findings.sort_unstable();
     let accepted = drawn.truth.accept().into_iter().any(|mut set| {
         set.sort_unstable();
-        set == claimed
+        set == findings
     });
     let right = if outside {
-        claimed.is_empty()
+        findings.is_empty()
     } else if effects.is_empty() {
         diagnosis.verdict == Verdict::NothingMissing
     } else {
@@ -62,7 +62,7 @@ fn said(lot: &Lot, index: u64) -> Option<Said> {
     };
     Some(Said {
         truth: joined(effects),
-        answer: named(&diagnosis, &claimed),
+        answer: named(&diagnosis, &findings),
         right,
         verdict: diagnosis.verdict,
         suspected: diagnosis.suspected.is_some(),
@@ -91,9 +91,9 @@ fn joined(names: &[&str]) -> String {
     if names.is_empty() { "nothing".to_owned() } else { names.join(" + ") }
 }
 
-fn named(diagnosis: &Diagnosis, claimed: &[&str]) -> String {
+fn named(diagnosis: &Diagnosis, findings: &[&str]) -> String {
     match diagnosis.verdict {
-        Verdict::MissingPhysics => joined(claimed),
+        Verdict::MissingPhysics => joined(findings),
         Verdict::NothingMissing => "nothing".to_owned(),
         Verdict::Unexplained => "unexplained".to_owned(),
     }
@@ -152,7 +152,7 @@ fn is_inside(said: &Said) -> bool {
 }
 
 #[test]
-fn of_a_dozen_drawn_cases_most_are_named_and_nothing_is_claimed_where_nothing_was_put_in() {
+fn of_a_dozen_drawn_cases_most_are_named_and_nothing_is_accepted_where_nothing_was_put_in() {
     let cases = all(&[
         (lot(101, Concealed::Single, false), 7),
         (lot(103, Concealed::None, true), 4),
@@ -160,7 +160,7 @@ fn of_a_dozen_drawn_cases_most_are_named_and_nothing_is_claimed_where_nothing_wa
     ]);
     println!("{}", table(&cases));
     for case in cases.iter().filter(|case| case.truth == "nothing") {
-        assert_ne!(case.verdict, Verdict::MissingPhysics, "{} claimed where nothing was put in", case.answer);
+        assert_ne!(case.verdict, Verdict::MissingPhysics, "{} accepted where nothing was put in", case.answer);
     }
     assert!(cases.iter().filter(|case| case.right).count() >= 8);
 }
@@ -238,7 +238,7 @@ fn eighty_drawn_cases_are_named_as_the_table_says() {
     let tables = format!("{}\n{}", table(&cases), kinds(&cases));
     snapshot::compare("diagnosis/confusion.txt", &tables, |found, kept| found == kept);
     for case in cases.iter().filter(|case| case.truth == "nothing") {
-        assert_ne!(case.verdict, Verdict::MissingPhysics, "{} claimed where nothing was put in", case.answer);
+        assert_ne!(case.verdict, Verdict::MissingPhysics, "{} accepted where nothing was put in", case.answer);
     }
 }
 

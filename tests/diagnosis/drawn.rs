@@ -1,4 +1,4 @@
-//! Drawn drives with a known truth: the right effect or nothing is claimed.
+//! Drawn drives with a known truth: the right effect or nothing is accepted.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use diagnosis::Verdict;
 
-use super::bed::{Dice, claimed, effect, pump_case, valve_case};
+use super::bed::{Dice, accepted, effect, pump_case, valve_case};
 
 const KINDS: [&str; 4] = ["none", "internal-leakage", "coulomb-friction", "hose-compliance"];
 
@@ -15,7 +15,7 @@ const KINDS: [&str; 4] = ["none", "internal-leakage", "coulomb-friction", "hose-
 struct Said {
     truth: &'static str,
     case: String,
-    claimed: String,
+    accepted: String,
     verdict: Verdict,
 }
 
@@ -40,25 +40,25 @@ fn said(truth: &'static str, case: String, diagnosis: &diagnosis::Diagnosis, sta
         .flat_map(|finding| &finding.parameters)
         .map(|estimate| format!("{:.4e} ± {:.1e}", estimate.value, estimate.std))
         .collect();
-    let claimed = claimed(diagnosis);
+    let accepted = accepted(diagnosis);
     println!(
-        "{case}: {claimed} {found:?}, {:?}, {:?}, {:.1} s",
+        "{case}: {accepted} {found:?}, {:?}, {:?}, {:.1} s",
         diagnosis.verdict,
         diagnosis.not_confirmed.iter().map(|effect| effect.name).collect::<Vec<_>>(),
         start.elapsed().as_secs_f64()
     );
-    Said { truth, case, claimed, verdict: diagnosis.verdict }
+    Said { truth, case, accepted, verdict: diagnosis.verdict }
 }
 
 /// Prints how often each truth was called what.
 fn table(said: &[Said]) {
     let mut counts: BTreeMap<(&str, &str), usize> = BTreeMap::new();
     for said in said {
-        *counts.entry((said.truth, &said.claimed)).or_default() += 1;
+        *counts.entry((said.truth, &said.accepted)).or_default() += 1;
     }
-    println!("{:>18} | {:<38} | cases", "put in", "claimed");
-    for ((truth, claimed), count) in counts {
-        println!("{truth:>18} | {claimed:<38} | {count}");
+    println!("{:>18} | {:<38} | cases", "put in", "accepted");
+    for ((truth, accepted), count) in counts {
+        println!("{truth:>18} | {accepted:<38} | {count}");
     }
 }
 
@@ -69,16 +69,16 @@ fn count(said: &[Said], wanted: impl Fn(&Said) -> bool) -> usize {
 #[test]
 fn a_drawn_valve_drive_is_given_its_own_effect_and_none_where_nothing_was_put_in() {
     let mut draws: Vec<(&str, u64)> = KINDS.iter().flat_map(|&kind| [1, 2, 3].map(|seed| (kind, seed))).collect();
-    // On this one the search once stopped at a bound of the pressure level, and hose compliance was claimed for it.
+    // On this one the search once stopped at a bound of the pressure level, and hose compliance was accepted for it.
     draws.push(("none", 121));
     let said: Vec<Said> =
         draws.par_iter().map(|&(kind, seed)| valve(kind, seed, seed % 2 == 1 && seed < 100)).collect();
     table(&said);
     for said in said.iter().filter(|said| said.truth == "none") {
-        assert_eq!((said.claimed.as_str(), said.verdict), ("none", Verdict::NothingMissing), "{}", said.case);
+        assert_eq!((said.accepted.as_str(), said.verdict), ("none", Verdict::NothingMissing), "{}", said.case);
     }
-    assert_eq!(count(&said, |said| said.claimed != said.truth && said.claimed != "none"), 0);
-    assert!(count(&said, |said| said.truth != "none" && said.claimed == said.truth) >= 6);
+    assert_eq!(count(&said, |said| said.accepted != said.truth && said.accepted != "none"), 0);
+    assert!(count(&said, |said| said.truth != "none" && said.accepted == said.truth) >= 6);
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn a_pump_that_slips_under_a_recorded_force_is_found() {
     let said = [pump("pump-slip", 1), pump("none", 2)];
     table(&said);
     for said in &said {
-        assert_eq!(said.claimed, said.truth, "{}", said.case);
+        assert_eq!(said.accepted, said.truth, "{}", said.case);
     }
 }
 
@@ -98,7 +98,7 @@ fn many_drawn_drives_are_given_their_own_effect_or_none() {
     let start = Instant::now();
     let nothing: Vec<Said> = (100..140_u64).into_par_iter().map(|seed| valve("none", seed, seed % 2 == 0)).collect();
     table(&nothing);
-    let alarms = count(&nothing, |said| said.claimed != "none");
+    let alarms = count(&nothing, |said| said.accepted != "none");
     let followed = count(&nothing, |said| said.verdict == Verdict::NothingMissing);
     println!("false alarms {alarms}/40, nothing missing {followed}/40, {:.0} s", start.elapsed().as_secs_f64());
     let effects: Vec<Said> = (200..240_usize)
@@ -106,10 +106,10 @@ fn many_drawn_drives_are_given_their_own_effect_or_none() {
         .map(|seed| valve(KINDS[1 + seed % 3], seed as u64, (seed / 3) % 2 == 0))
         .collect();
     table(&effects);
-    let right = count(&effects, |said| said.claimed == said.truth);
-    let wrong = count(&effects, |said| said.claimed != "none" && !said.claimed.contains(said.truth));
+    let right = count(&effects, |said| said.accepted == said.truth);
+    let wrong = count(&effects, |said| said.accepted != "none" && !said.accepted.contains(said.truth));
     // The test bed's effects have other forms than the hypotheses; a second effect may take what is left of that.
-    let more = count(&effects, |said| said.claimed != said.truth && said.claimed.contains(said.truth));
+    let more = count(&effects, |said| said.accepted != said.truth && said.accepted.contains(said.truth));
     println!("right {right}/40, more {more}/40, wrong {wrong}/40, {:.0} s", start.elapsed().as_secs_f64());
     let kinds = ["pump-slip", "none", "internal-leakage", "hose-compliance"];
     let pumps: Vec<Said> = (300..308_usize).into_par_iter().map(|seed| pump(kinds[seed % 4], seed as u64)).collect();

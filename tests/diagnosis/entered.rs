@@ -7,7 +7,7 @@ use model_core::machine::Parameter as P;
 use recording::{Column, Recording, Signal};
 use virtual_plant::{PlantEffect, PlantState, SyntheticRecording};
 
-use super::bed::{Case, Dice, claimed, press, valve_case_as};
+use super::bed::{Case, Dice, accepted, press, valve_case_as};
 
 /// What drives the model, and what it is judged by.
 #[derive(Clone, Copy, Debug)]
@@ -56,12 +56,12 @@ fn case(seed: u64, effect: Option<PlantEffect>, recorded: Recorded) -> Case {
 fn are_told(recorded: Recorded, draws: &[(&'static str, f64, u64)]) {
     let said = |&(name, strength, seed): &(&'static str, f64, u64)| {
         let diagnosis = case(seed, PlantEffect::named(name, strength), recorded).diagnose();
-        (name, format!("{recorded:?}, {name} {strength}, seed {seed}"), claimed(&diagnosis), diagnosis.verdict)
+        (name, format!("{recorded:?}, {name} {strength}, seed {seed}"), accepted(&diagnosis), diagnosis.verdict)
     };
     let all: Vec<_> = draws.par_iter().map(said).collect();
-    for (name, told, claimed, verdict) in all {
-        println!("{told}: {claimed}, {verdict:?}");
-        assert_eq!(claimed, name, "{told}");
+    for (name, told, accepted, verdict) in all {
+        println!("{told}: {accepted}, {verdict:?}");
+        assert_eq!(accepted, name, "{told}");
         assert_eq!(verdict == Verdict::NothingMissing, name == "none", "{told}: {verdict:?}");
     }
 }

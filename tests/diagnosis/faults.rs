@@ -8,7 +8,7 @@ use recording::{ChannelMap, Column, Recording, Signal};
 use simulation::sensor_fault::{FailureKind, Failures, MEASURED};
 use virtual_plant::PlantEffect;
 
-use super::bed::{Case, claimed, pump_case, valve_case};
+use super::bed::{Case, accepted, pump_case, valve_case};
 
 /// What a recording's sensors are said to have failed in, in words.
 fn failures(recording: &Recording) -> Vec<String> {
@@ -91,5 +91,5 @@ fn a_leak_is_named_although_the_position_hangs_for_half_a_second() {
     let stuck = moving(&case);
     fail(&mut case.training[0], Signal::Position, stuck.clone(), None);
     assert_eq!(stretches(&case, Signal::Position).len(), 1);
-    assert_eq!(claimed(&case.diagnose()), "internal-leakage");
+    assert_eq!(accepted(&case.diagnose()), "internal-leakage");
 }

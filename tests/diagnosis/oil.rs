@@ -5,7 +5,7 @@ use recording::{Recording, Signal};
 use virtual_plant::PlantEffect;
 use virtual_plant::concealed::{Concealed, Lot, draw};
 
-use super::bed::{Case, claimed};
+use super::bed::{Case, accepted};
 
 fn mean_oil_c(recording: &Recording) -> f64 {
     let read = recording.signal(Signal::OilTemperature).unwrap();
@@ -23,6 +23,6 @@ fn oil_that_thins_from_recording_to_recording_is_named_with_its_loss_per_kelvin(
     let put_in = oil.mean_loss_per_k(mean_oil_c(&training[0]), mean_oil_c(&training[training.len() - 1]));
     let found = diagnosis.machine_after.get(P::ViscosityLossPerKelvin);
     println!("{put_in:.4} 1/K, found {found:.4}");
-    assert_eq!(claimed(&diagnosis), "oil-temperature");
+    assert_eq!(accepted(&diagnosis), "oil-temperature");
     assert!((found / put_in - 1.0).abs() < 0.15, "{put_in} 1/K, found {found}");
 }

@@ -4,7 +4,7 @@ use diagnosis::{Verdict, diagnose};
 use recording::Recording;
 use virtual_plant::{LoadProfile, PlantEffect};
 
-use super::bed::{claimed, valve_case};
+use super::bed::{accepted, valve_case};
 
 /// 3 kN against the rod for 0.4 s, as by a hand truck.
 pub(crate) fn push() -> LoadProfile {
@@ -14,7 +14,7 @@ pub(crate) fn push() -> LoadProfile {
 #[test]
 fn a_push_in_one_recording_is_located_there_and_not_called_physics() {
     let diagnosis = valve_case(11, None, true, Some(&(1, push()))).diagnose();
-    assert_eq!(claimed(&diagnosis), "none");
+    assert_eq!(accepted(&diagnosis), "none");
     assert_eq!(diagnosis.verdict, Verdict::Unexplained);
     let located = diagnosis.located.unwrap();
     let inside = |interval: &diagnosis::localisation::Interval| {
@@ -28,7 +28,7 @@ fn a_push_in_one_recording_is_located_there_and_not_called_physics() {
 fn a_leak_in_all_recordings_beside_a_push_in_one_is_named_alone_or_not_at_all() {
     let leak = PlantEffect::internal_leakage(4e-12);
     let diagnosis = valve_case(12, Some(leak), true, Some(&(0, push()))).diagnose();
-    let found = claimed(&diagnosis);
+    let found = accepted(&diagnosis);
     assert!(found == "internal-leakage" || found == "none", "{found}");
 }
 

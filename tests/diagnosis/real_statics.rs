@@ -23,7 +23,7 @@ fn of(table: &Table, columns: &Columns) -> Statics {
 }
 
 fn names(statics: &Statics) -> Vec<&'static str> {
-    statics.claims.iter().map(|claim| claim.effect).collect()
+    statics.indications.iter().map(|indication| indication.effect).collect()
 }
 
 fn near(found: f64, expected: f64, within: f64) {

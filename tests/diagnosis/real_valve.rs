@@ -42,7 +42,7 @@ fn the_valve_of_a_real_crane_is_located_and_no_other_link_is_blamed() {
     for habit in &located.spool {
         println!("{habit}");
     }
-    let [Habit::Hangs { at, .. }, Habit::BreaksAway { speed_per_s, .. }, Habit::RestsApart { rests, .. }] =
+    let [Habit::Sticks { at, .. }, Habit::BreaksAway { speed_per_s, .. }, Habit::RestsApart { rests, .. }] =
         located.spool.as_slice()
     else {
         panic!("{:?}", located.spool)

@@ -18,7 +18,7 @@ use virtual_plant::{
     Channel, FlowEffect, FrictionLevel, LoadEffect, PlantEffect, SensingEffect, SyntheticRecording, ValveEffect,
 };
 
-use super::bed::{Case, claimed};
+use super::bed::{Case, accepted};
 
 /// Cases drawn of each effect.
 const CASES: u64 = 6;
@@ -265,7 +265,7 @@ fn cases(effect: &str) -> (Vec<Measured>, usize, usize) {
         let drawn = draw(&lot, index).unwrap()?;
         let found = Case::of(&drawn).diagnose();
         let all = || drawn.truth.forms.iter().flat_map(|form| measured(form, &drawn, &found.machine_after)).collect();
-        Some((claimed(&found) == effect).then(all))
+        Some((accepted(&found) == effect).then(all))
     };
     let all: Vec<Option<Vec<Measured>>> = (0..CASES).into_par_iter().filter_map(of).collect();
     let (drawn, named) = (all.len(), all.iter().flatten().count());

@@ -1,5 +1,5 @@
 //! Diagnosis under stress: the same drives through poorer and poorer recordings. What is still named, what is honestly not, and what
-//! is claimed falsely, as a snapshot beside this file.
+//! is accepted falsely, as a snapshot beside this file.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -210,7 +210,7 @@ enum Said {
     Named,
     /// Another one, with the effect among those that it says may be instead; or the effect beside another.
     Among,
-    /// Likelier than nothing, not enough to claim it: the effect, by its name.
+    /// Likelier than nothing, not enough to accept it: the effect, by its name.
     Suspected,
     /// Something, without a name.
     Unexplained,
@@ -226,10 +226,10 @@ const ALL: [Said; 7] =
     [Said::Named, Said::Among, Said::Suspected, Said::Unexplained, Said::Nothing, Said::Wrong, Said::Refused];
 
 fn said(truth: Option<&str>, diagnosis: &Diagnosis) -> Said {
-    let claimed: Vec<&str> = diagnosis.findings.iter().map(|finding| finding.effect.name).collect();
+    let accepted: Vec<&str> = diagnosis.findings.iter().map(|finding| finding.effect.name).collect();
     let among = |name: &str| {
         let others = diagnosis.findings.iter().flat_map(|finding| &finding.alternatives);
-        claimed.contains(&name) || others.into_iter().any(|(effect, _)| effect.name == name)
+        accepted.contains(&name) || others.into_iter().any(|(effect, _)| effect.name == name)
     };
     match (diagnosis.verdict, truth) {
         (Verdict::NothingMissing, None) => Said::Named,
@@ -238,7 +238,7 @@ fn said(truth: Option<&str>, diagnosis: &Diagnosis) -> Said {
         }
         (Verdict::NothingMissing, Some(_)) => Said::Nothing,
         (Verdict::Unexplained, _) => Said::Unexplained,
-        (Verdict::MissingPhysics, Some(name)) if claimed == [name] => Said::Named,
+        (Verdict::MissingPhysics, Some(name)) if accepted == [name] => Said::Named,
         (Verdict::MissingPhysics, Some(name)) if among(name) => Said::Among,
         (Verdict::MissingPhysics, _) => Said::Wrong,
     }
@@ -271,7 +271,7 @@ fn is_doubted(case: &Case) -> bool {
 
 fn answer(truth: Option<&str>, case: &Case) -> (Said, String) {
     match diagnose(&case.file, &case.training, &case.held_out, None, &|_| ()) {
-        Ok(diagnosis) => (said(truth, &diagnosis), super::bed::claimed(&diagnosis)),
+        Ok(diagnosis) => (said(truth, &diagnosis), super::bed::accepted(&diagnosis)),
         Err(error) => (Said::Refused, error.to_string()),
     }
 }
@@ -297,8 +297,8 @@ fn what_is_still_named_under_stress_is_as_the_table_says() {
             cases.iter().enumerate().map(|(seed, (_, case))| stressed(case, seed, condition)).collect();
         let answers: Vec<(Option<&str>, (Said, String))> =
             cases.par_iter().zip(&worse).map(|((truth, _), case)| (*truth, answer(*truth, case))).collect();
-        for (truth, (said, claimed)) in answers.iter().filter(|(_, (said, _))| *said != Said::Named) {
-            println!("{}: {}: {said:?}: {claimed}", condition.name, truth.unwrap_or("nothing"));
+        for (truth, (said, accepted)) in answers.iter().filter(|(_, (said, _))| *said != Said::Named) {
+            println!("{}: {}: {said:?}: {accepted}", condition.name, truth.unwrap_or("nothing"));
         }
         let _ = write!(text, "{:<31}", condition.name);
         for kind in ALL {

@@ -57,7 +57,7 @@ fn an_effect_without_its_amounts_is_the_model_without_it() {
         let without = (in_fixed_point(&machine), in_f64(&machine));
         let scene = Scene {
             machine: &machine,
-            drive_input: InputPoint::Command,
+            input_point: InputPoint::Command,
             load: LoadSource::Constant,
             judged: &[],
             travel_m: (0.05, 0.25),

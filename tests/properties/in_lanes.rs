@@ -42,10 +42,10 @@ fn recording(machine: &Machine<f64>, seed: u64, rows: usize, interval_s: f64, fr
 type Drawn = (u64, usize, f64, f64, f64);
 
 /// Simulates them in SIMD lanes and one by one, some of their signals left out, and wants the same bits.
-fn as_alone(machine: &Machine<f64>, tick: Tick, drive_input: InputPoint, follows: bool, drawn: &[Drawn]) {
+fn as_alone(machine: &Machine<f64>, tick: Tick, input_point: InputPoint, follows: bool, drawn: &[Drawn]) {
     let of_drawn = |&(seed, rows, interval_s, from, shift_m): &Drawn| {
         let recording = recording(machine, seed, rows, interval_s, from);
-        let stimulus = Stimulus::new(&recording, machine, drive_input, LoadSource::Constant, tick).unwrap();
+        let stimulus = Stimulus::new(&recording, machine, input_point, LoadSource::Constant, tick).unwrap();
         let stimulus = if follows { stimulus.following().unwrap_or(stimulus) } else { stimulus };
         (stimulus, StartOffset { level: Some(0.2 + 0.6 * from), shift_m })
     };
@@ -53,7 +53,7 @@ fn as_alone(machine: &Machine<f64>, tick: Tick, drive_input: InputPoint, follows
     let mut runs: Vec<Run<'_>> = Vec::new();
     let mut expected: Vec<Vec<(usize, Vec<u64>)>> = Vec::new();
     for (index, (stimulus, offset)) in stimuli.iter().enumerate() {
-        let signals: Vec<Signal> = computed_below(drive_input).iter().copied().skip(index % 2).collect();
+        let signals: Vec<Signal> = computed_below(input_point).iter().copied().skip(index % 2).collect();
         let mut series = Vec::new();
         rows_f64(machine, stimulus, *offset, &mut |row, value| {
             series.push((row, signals.iter().map(|&signal| value(signal).unwrap().to_bits()).collect()));
@@ -89,7 +89,7 @@ fn with_each_effect() -> Vec<(&'static str, Machine<f64>)> {
     let press = drives::press();
     let scene = Scene {
         machine: &press,
-        drive_input: InputPoint::Command,
+        input_point: InputPoint::Command,
         load: LoadSource::Constant,
         judged: computed_below(InputPoint::Command),
         travel_m: (0.05, 0.25),
@@ -150,11 +150,11 @@ fn recordings_of_a_drive_with_any_effect_are_in_lanes_as_alone() {
         (4, 1900, 1e-3, 0.97, 0.0),
     ];
     for (name, machine) in with_each_effect() {
-        for (drive_input, follows) in
+        for (input_point, follows) in
             [(InputPoint::Command, false), (InputPoint::Command, true), (InputPoint::Spool, false)]
         {
-            println!("{name}, {drive_input:?}, {follows}");
-            as_alone(&machine, Tick::OneMillisecond, drive_input, follows, &drawn);
+            println!("{name}, {input_point:?}, {follows}");
+            as_alone(&machine, Tick::OneMillisecond, input_point, follows, &drawn);
         }
     }
 }
@@ -167,12 +167,12 @@ proptest! {
         machine in any_machine(),
         tick in any_tick(),
         effects in any_effects(),
-        drive_input in prop::sample::select(vec![InputPoint::Command, InputPoint::Spool, InputPoint::Flow, InputPoint::Force]),
+        input_point in prop::sample::select(vec![InputPoint::Command, InputPoint::Spool, InputPoint::Flow, InputPoint::Force]),
         follows in any::<bool>(),
         drawn in prop::collection::vec((any::<u64>(), 200_usize..900, 0.4e-3..3e-3_f64, 0.0..1.0_f64, -1e-5..1e-5_f64), 1..7),
     ) {
         let machine = effects.on(&machine);
         prop_assume!(machine.source == Source::Valve && Drive::<f64>::new::<DELAY>(&machine, tick).is_ok());
-        as_alone(&machine, tick, drive_input, follows, &drawn);
+        as_alone(&machine, tick, input_point, follows, &drawn);
     }
 }

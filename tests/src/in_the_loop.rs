@@ -321,7 +321,7 @@ impl Follows {
 impl Controller for Follows {
     fn command_v(&mut self, wanted: Wanted, seen: &Readings) -> f64 {
         let order = match self.periods {
-            0 => Order::Refer,
+            0 => Order::Home,
             SETTLING => Order::Follow,
             RECORDED_FROM => Order::Record,
             _ => Order::None,

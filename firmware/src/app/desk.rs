@@ -51,8 +51,8 @@ impl<'a, A: AnalogIn, P: PositionIn, O: AnalogOut> Desk<'a, A, P, O> {
     pub fn key(&mut self, key: u8) -> Result<(), DeskError> {
         match self.operator.typed(&mut self.state, key)? {
             None => {}
-            Some(Errand::Refer { position }) => {
-                return self.station.refer(position).then_some(()).ok_or(DeskError::NotNeutral);
+            Some(Errand::Home { position }) => {
+                return self.station.home(position).then_some(()).ok_or(DeskError::NotNeutral);
             }
             Some(Errand::Trigger) => self.station.trigger(),
             Some(Errand::Send) => self.outbox.send(),

@@ -30,7 +30,7 @@ const MOST_MM: u32 = 100_000;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Errand {
     /// The rod stands here, of the stroke.
-    Refer {
+    Home {
         /// Where.
         position: PerUnit,
     },
@@ -135,7 +135,7 @@ impl Operator {
                     // It may follow before the next period has shown where that is.
                     state.wanted = SetPoint { position, velocity: PerUnit::ZERO };
                 }
-                return Ok(Some(Errand::Refer { position }));
+                return Ok(Some(Errand::Home { position }));
             }
             b't' => return Ok(Some(Errand::Trigger)),
             b'd' => return Ok(Some(Errand::Send)),
@@ -213,7 +213,7 @@ mod tests {
     use crate::measured::Measured;
     use crate::mock::press;
     use crate::period::Watchdog;
-    use crate::supervision::Standing;
+    use crate::supervision::ActiveFaults;
 
     const BOUNDS: Bounds = Bounds { from_m: 0.01, to_m: 0.29, velocity_m_per_s: 0.02, acceleration_m_per_s2: 0.2 };
 
@@ -235,7 +235,7 @@ mod tests {
             predicted: None,
             command: PerUnit::ZERO,
             answer: None,
-            standing: Standing::NONE,
+            active_faults: ActiveFaults::NONE,
             watchdog: Watchdog::Feed,
             energised: mode.is_running(),
         }
@@ -323,7 +323,7 @@ mod tests {
     fn errands_are_handed_on() {
         let operator = operator();
         let mut state = operator.at_rest();
-        let Ok(Some(Errand::Refer { position })) = type_in(&operator, &mut state, "150z") else { panic!("no errand") };
+        let Ok(Some(Errand::Home { position })) = type_in(&operator, &mut state, "150z") else { panic!("no errand") };
         assert!((millimetres(&operator, position) - 150.0).abs() < 1e-3);
         for (letter, errand) in [("t", Errand::Trigger), ("d", Errand::Send), ("n", Errand::Arm)] {
             assert_eq!(type_in(&operator, &mut state, letter), Ok(Some(errand)));

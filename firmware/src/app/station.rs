@@ -174,7 +174,7 @@ impl Assembly {
 /// The parts of the press's wiring as analogue inputs, counter and output of a station.
 pub type Wired<'a, I, C, D> = Station<'a, Ads8688<I>, Ls7366r<C>, Ad5754<D>>;
 
-/// Sets the parts up on their buses and begins over them, with the valve at neutral. Somebody must say where the rod is before it follows ([`Station::refer`]).
+/// Sets the parts up on their buses and begins over them, with the valve at neutral. Somebody must say where the rod is before it follows ([`Station::home`]).
 ///
 /// # Errors
 /// The exported values do not make a station, or a part does not answer as it must.
@@ -231,9 +231,9 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut> Station<'_, A, P, O> {
         &self.bases
     }
 
-    /// Somebody says where the rod is, of the stroke: [`Period::refer`].
-    pub fn refer(&mut self, position: PerUnit) -> bool {
-        self.period.refer(position)
+    /// Somebody says where the rod is, of the stroke: [`Period::home`].
+    pub fn home(&mut self, position: PerUnit) -> bool {
+        self.period.home(position)
     }
 
     /// Triggers the recorder.

@@ -57,7 +57,7 @@ pub enum Order {
     /// Acknowledge the faults.
     Acknowledge = 3,
     /// The rod is at the position that is sent.
-    Refer = 4,
+    Home = 4,
     /// Stream the recorder out, if it is full, and end.
     End = 5,
     /// Trigger the recorder.
@@ -66,7 +66,7 @@ pub enum Order {
 
 impl Order {
     const ALL: [Order; 7] =
-        [Order::None, Order::Follow, Order::Stop, Order::Acknowledge, Order::Refer, Order::End, Order::Record];
+        [Order::None, Order::Follow, Order::Stop, Order::Acknowledge, Order::Home, Order::End, Order::Record];
 
     fn of(byte: u8) -> Self {
         Self::ALL.into_iter().find(|order| *order as u8 == byte).unwrap_or(Order::None)
@@ -77,7 +77,7 @@ impl Order {
             Order::Follow => Some(Command::Follow),
             Order::Stop => Some(Command::Stop),
             Order::Acknowledge => Some(Command::Acknowledge),
-            Order::None | Order::Refer | Order::End | Order::Record => None,
+            Order::None | Order::Home | Order::End | Order::Record => None,
         }
     }
 }
@@ -117,7 +117,7 @@ pub fn run<L: Read + Write>(
         let (order, request) = read(asked);
         match order {
             Order::End => break,
-            Order::Refer => _ = station.refer(request.set_point.position),
+            Order::Home => _ = station.home(request.set_point.position),
             Order::Record => station.trigger(),
             Order::None | Order::Follow | Order::Stop | Order::Acknowledge => {}
         }

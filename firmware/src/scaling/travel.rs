@@ -1,6 +1,6 @@
 //! Position from an encoder's count, which goes round and is followed.
 //!
-//! An incremental encoder knows changes only. Count 0 is at the reference, unless somebody says where the rod is ([`Travel::refer`]). A change
+//! An incremental encoder knows changes only. Count 0 is at the reference, unless somebody says where the rod is ([`Travel::home`]). A change
 //! within a period that the rod cannot make is a jump: the count is followed from there, but where the rod is somebody must say anew.
 
 use model_core::machine::Bases;
@@ -133,7 +133,7 @@ impl Travel {
     }
 
     /// The rod is at `position` now, of the stroke. In real numbers: not for a period in which the valve is open.
-    pub fn refer(&self, state: &mut TravelState, position: PerUnit) {
+    pub fn home(&self, state: &mut TravelState, position: PerUnit) {
         let counts = match &self.way {
             Way::Straight { counts, reference, .. } => (position.to_f64() - reference) * counts,
             Way::Joint(linkage) => linkage.counts(position),
@@ -225,7 +225,7 @@ mod tests {
         for (travel, half_a_count) in [(travel(&retracts), 2.4e-5), (travel(&encoder()), 2.4e-5), (joint, 2.8e-3)] {
             let mut state = Travel::start(12_345);
             for percent in [0.0, 25.0, 60.0, 100.0] {
-                travel.refer(&mut state, PerUnit::saturated(percent / 100.0));
+                travel.home(&mut state, PerUnit::saturated(percent / 100.0));
                 let found = travel.position(&state).to_f64();
                 assert!((found - percent / 100.0).abs() <= half_a_count, "{found} {percent}");
             }
@@ -238,7 +238,7 @@ mod tests {
             let travel = travel(&encoder());
             let start = i32::MAX.wrapping_add(from_end);
             let mut state = Travel::start(start);
-            travel.refer(&mut state, PerUnit::ZERO);
+            travel.home(&mut state, PerUnit::ZERO);
             let (mut count, mut sum) = (start, 0);
             for step in steps {
                 count = count.wrapping_add(step);

@@ -168,9 +168,9 @@ impl Fault {
 /// Kinds of fault that nobody has acknowledged: each is logged when it enters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Standing(u32);
+pub struct ActiveFaults(u32);
 
-impl Standing {
+impl ActiveFaults {
     /// None.
     pub const NONE: Self = Self(0);
 
@@ -237,12 +237,12 @@ mod tests {
     #[test]
     fn a_fault_enters_once() {
         for fault in all() {
-            let mut standing = Standing::NONE;
-            assert!(standing.is_empty() && !standing.has(&fault));
-            assert!(standing.enter(&fault));
-            assert!(!standing.enter(&fault));
-            assert!(standing.has(&fault) && !standing.is_empty());
-            assert!(all().iter().filter(|other| standing.has(other)).count() == 1);
+            let mut active_faults = ActiveFaults::NONE;
+            assert!(active_faults.is_empty() && !active_faults.has(&fault));
+            assert!(active_faults.enter(&fault));
+            assert!(!active_faults.enter(&fault));
+            assert!(active_faults.has(&fault) && !active_faults.is_empty());
+            assert!(all().iter().filter(|other| active_faults.has(other)).count() == 1);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What a period tells: faults as they enter, changes of the mode, the monitor's alarm.
 
-use super::fault::{Fault, Response, Standing};
+use super::fault::{ActiveFaults, Fault, Response};
 use super::mode::Mode;
 use crate::monitor::Miss;
 
@@ -51,7 +51,7 @@ impl Log for Defmt {
 pub(crate) struct Findings<'a, L> {
     log: &'a mut L,
     /// Faults that stand, those of this period among them.
-    pub(crate) standing: Standing,
+    pub(crate) active_faults: ActiveFaults,
     /// Most severe response to a fault of this period.
     pub(crate) worst: Option<Response>,
     /// Whether a fault of this period is one that a restart may cure.
@@ -61,13 +61,13 @@ pub(crate) struct Findings<'a, L> {
 }
 
 impl<'a, L: Log> Findings<'a, L> {
-    pub(crate) fn new(standing: Standing, log: &'a mut L) -> Self {
-        Self { log, standing, worst: None, own: false, lost: false }
+    pub(crate) fn new(active_faults: ActiveFaults, log: &'a mut L) -> Self {
+        Self { log, active_faults, worst: None, own: false, lost: false }
     }
 
     /// Notes a fault, and tells it if it is the first of its kind.
     pub(crate) fn note(&mut self, fault: &Fault) {
-        if self.standing.enter(fault) {
+        if self.active_faults.enter(fault) {
             self.log.fault(fault);
         }
         self.worst = self.worst.max(Some(fault.response()));

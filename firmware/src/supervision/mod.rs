@@ -12,7 +12,7 @@ mod mode;
 pub(crate) mod sense;
 mod stuck_sensor;
 
-pub use fault::{Device, Fault, Response, Standing};
+pub use fault::{ActiveFaults, Device, Fault, Response};
 pub use limits::{Allowed, Delay, Limits, LimitsError};
 #[cfg(feature = "defmt")]
 pub use log::Defmt;

@@ -55,7 +55,7 @@ pub enum Action {
     Synchronise,
     /// The last good set point is kept, at rest.
     Freeze,
-    /// The standing faults are forgotten.
+    /// The active faults are forgotten.
     Forget,
 }
 

@@ -24,7 +24,7 @@ struct Anything {
     set_point: [i32; 2],
     command: Option<Command>,
     overrun: bool,
-    refer: bool,
+    home: bool,
 }
 
 /// Mostly what a sound rig gives, so that every mode is reached; sometimes anything.
@@ -46,18 +46,16 @@ fn anything() -> impl Strategy<Value = Anything> {
         (command, seldom(), prop::bool::weighted(0.1)),
     )
         .prop_map(
-            |((count, voltages, silent), (predicted, wanted, position, velocity), (command, overrun, refer))| {
-                Anything {
-                    count,
-                    voltages,
-                    silent,
-                    predicted,
-                    wanted,
-                    set_point: [position, velocity],
-                    command,
-                    overrun,
-                    refer,
-                }
+            |((count, voltages, silent), (predicted, wanted, position, velocity), (command, overrun, home))| Anything {
+                count,
+                voltages,
+                silent,
+                predicted,
+                wanted,
+                set_point: [position, velocity],
+                command,
+                overrun,
+                home,
             },
         )
 }
@@ -92,8 +90,8 @@ proptest! {
             let position = place + from_place;
             let timing = if step.overrun { Timing::Overrun } else { Timing::Kept };
             let request = Request { set_point: SetPoint { position, velocity }, command: step.command, timing };
-            if step.refer {
-                period.refer(percent(50));
+            if step.home {
+                period.home(percent(50));
             }
             let mut told = Told::default();
             let report = period.step(&request, &mut told);

@@ -206,7 +206,7 @@ pub(crate) struct Bench {
 /// `Period` without its types.
 pub(crate) trait Steps {
     fn step(&mut self, request: &Request, log: &mut Told) -> Report;
-    fn refer(&mut self, position: PerUnit) -> bool;
+    fn home(&mut self, position: PerUnit) -> bool;
     fn state(&self) -> PeriodState;
     fn restore(&mut self, state: PeriodState);
 }
@@ -215,8 +215,8 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Steps for Period<A, P
     fn step(&mut self, request: &Request, log: &mut Told) -> Report {
         Period::step(self, request, log)
     }
-    fn refer(&mut self, position: PerUnit) -> bool {
-        Period::refer(self, position)
+    fn home(&mut self, position: PerUnit) -> bool {
+        Period::home(self, position)
     }
     fn state(&self) -> PeriodState {
         *Period::state(self)

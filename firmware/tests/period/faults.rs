@@ -191,7 +191,7 @@ fn every_fault_has_its_state_in_time_is_told_once_and_goes_by_command_only() {
         let (world, request) = (bench.world.borrow().clone(), bench.request);
         let report = run_with(&mut bench, case, within.into(), true).unwrap();
         assert!(matches!(bench.told.faults[..], [ref fault] if is(fault)), "{name}: {:?}", bench.told.faults);
-        assert!(report.standing.has(&bench.told.faults[0]), "{name}");
+        assert!(report.active_faults.has(&bench.told.faults[0]), "{name}");
         assert_eq!((report.mode, report.watchdog), (mode, watchdog), "{name}");
         if mode == Mode::Neutral {
             assert_eq!(report.command, neutral(), "{name}");
@@ -208,12 +208,12 @@ fn every_fault_has_its_state_in_time_is_told_once_and_goes_by_command_only() {
         assert_eq!(bench.command(Some(Command::Follow)).mode, settled, "{name}");
         let acknowledged = bench.command(Some(Command::Acknowledge));
         assert_eq!(acknowledged.answer, Some(Answer::Taken), "{name}");
-        assert!(acknowledged.standing.is_empty(), "{name}");
+        assert!(acknowledged.active_faults.is_empty(), "{name}");
         if settled == Mode::Neutral {
             assert_eq!(acknowledged.mode, Mode::Starting, "{name}");
             if bench.told.faults[0].loses_place() {
                 assert_eq!(bench.command(Some(Command::Follow)).answer, Some(Answer::Lost), "{name}");
-                assert!(bench.period.refer(percent(30)));
+                assert!(bench.period.home(percent(30)));
             }
             bench.follow();
         }

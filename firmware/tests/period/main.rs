@@ -121,7 +121,7 @@ fn after_a_fault_the_sensors_settle_anew() {
     for _ in 0..3 {
         assert_eq!(bench.command(Some(Command::Follow)).answer, Some(Answer::Unsettled));
     }
-    assert!(bench.period.refer(percent(32)));
+    assert!(bench.period.home(percent(32)));
     bench.follow();
 }
 
@@ -132,11 +132,11 @@ fn a_rod_that_nobody_knows_the_place_of_does_not_follow() {
     let mut bench = Bench { period: Box::new(begun.unwrap()), world, ..Bench::new() };
     bench.run(10);
     assert_eq!(bench.command(Some(Command::Follow)).answer, Some(Answer::Lost));
-    assert!(bench.period.refer(percent(70)));
+    assert!(bench.period.home(percent(70)));
     assert_eq!(bench.command(None).measured.position, percent(70));
     bench.request.set_point.position = percent(70);
     bench.follow();
-    assert!(!bench.period.refer(percent(10)), "not while the valve may be open");
+    assert!(!bench.period.home(percent(10)), "not while the valve may be open");
 }
 
 #[test]

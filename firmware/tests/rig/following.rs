@@ -57,7 +57,7 @@ fn bench(real: &Machine<f64>) -> Bench<Following<64>> {
     let follower = Follower::new(&press(), &Tuning::by_rule(&press(), true), tick).unwrap();
     let world = World::new(plant(real));
     let mut period = world.begin(Following::new(follower, reference));
-    assert!(period.refer(PerUnit::saturated(START)));
+    assert!(period.home(PerUnit::saturated(START)));
     let mut bench = Bench { world, period, told: Told::default(), wanted: START };
     bench.run(20);
     bench

@@ -69,7 +69,7 @@ impl Bench<Proportional> {
     fn on_the_way() -> Self {
         let world = World::new(simple_plant());
         let mut period = world.begin(Proportional::new());
-        assert!(period.refer(PerUnit::ZERO));
+        assert!(period.home(PerUnit::ZERO));
         let mut bench = Self { world, period, told: Told::default(), wanted: 0.0 };
         bench.run(20);
         assert_eq!(bench.step(Some(Command::Follow)).mode, Mode::Following);
@@ -188,7 +188,7 @@ fn after_a_restart_of_the_controller_somebody_says_where_the_rod_is() {
     // The counter has kept its count, but not from where it was last told that it counts.
     let refused = bench.step(Some(Command::Follow));
     assert_eq!((refused.answer, refused.mode), (Some(Answer::Lost), Mode::Starting));
-    assert!(bench.period.refer(PerUnit::saturated(before / STROKE_M)));
+    assert!(bench.period.home(PerUnit::saturated(before / STROKE_M)));
     let report = bench.step(Some(Command::Follow));
     assert_eq!(report.mode, Mode::Following);
     assert!((report.measured.position.to_f64() * STROKE_M - before).abs() < 1e-3);
@@ -212,7 +212,7 @@ proptest! {
         if bench.step(None).mode != Mode::Following {
             prop_assert_eq!(bench.step(Some(Command::Acknowledge)).mode, Mode::Starting);
             let place = PerUnit::saturated(bench.world.position_m / STROKE_M);
-            prop_assert!(bench.period.refer(place));
+            prop_assert!(bench.period.home(place));
             bench.run(30);
             prop_assert_eq!(bench.step(Some(Command::Follow)).mode, Mode::Following);
         }

@@ -147,7 +147,7 @@ fn drawings<'a>(plan: &'a Plan, comparisons: &'a [Comparison]) -> impl Iterator<
     plan.recordings.iter().zip(comparisons).map(|(recording, comparison)| {
         let panels = comparison.sections.first().map_or_else(Vec::new, |whole| {
             let judged: Vec<Signal> = whole.fits.iter().map(|fit| fit.signal).collect();
-            plot::panels(recording, whole.drive_input, &whole.trajectory, &judged)
+            plot::panels(recording, whole.input_point, &whole.trajectory, &judged)
         });
         plot::svg(recording.name(), &format!("recorded against {}, simulated end to end", plan.file.name), &panels)
     })

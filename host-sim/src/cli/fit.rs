@@ -84,7 +84,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     file.save(&arguments.save_machine)?;
     let with_starts = || cases.iter().copied().zip(fitted.starts.iter().copied());
     let residuals = softened_all(&fitted.machine, with_starts()).map_err(|cause| failed(cause.into()))?;
-    let counts = cases.first().map_or(effective_samples as Counts, |case| counts_from(case.stimulus.drive_input));
+    let counts = cases.first().map_or(effective_samples as Counts, |case| counts_from(case.stimulus.input_point));
     let inflation = inflation(&residuals, counts);
     console.print(terminal::parameters(&fitted.estimates(inflation)))?;
     if let Some(pairs) = terminal::correlated(&fitted.correlations(inflation)) {

@@ -28,7 +28,7 @@ use super::{Outcome, input};
   host-sim plan --machine M.toml --recording first.csv
 
 Every effect is switched on in the model, as it usually is; what a refit would imitate is taken out; what is left decides whether it
-would be claimed, and which effects would pass for each other, by the rules of `diagnose`. Sensors are position, velocity, spool, flow,
+would be accepted, and which effects would pass for each other, by the rules of `diagnose`. Sensors are position, velocity, spool, flow,
 force, pressure_a, pressure_b, supply_pressure, each with the standard deviation of its noise (usual noise without). With
 --recording its sensors and their noise are those at hand. The excitation that separates most is the best choice of the standard tests
 within --seconds; --out writes it, time and command, for the controller to play. The rod starts at mid-stroke.")]

@@ -14,7 +14,7 @@ use recording::files::atomic::Begun;
 use recording::{Column, Format, Recording, Series, Signal};
 use report::plot;
 use simulation::{
-    Arithmetic, InChunks, InputPoint, SimulateError, StartOffset, Stimulus, Trajectory, first_drive_input, natural_tick,
+    Arithmetic, InChunks, InputPoint, SimulateError, StartOffset, Stimulus, Trajectory, first_input_point, natural_tick,
 };
 
 use super::Outcome;
@@ -72,7 +72,7 @@ struct Plan {
     load: LoadSource,
     /// The recording, or the input signal alone.
     recording: Recording,
-    drive_input: InputPoint,
+    input_point: InputPoint,
     tick: Tick,
     arithmetic: Arithmetic,
 }
@@ -115,10 +115,10 @@ fn each_part(arguments: &Arguments, path: &Path, console: &mut Console<'_>, bar:
         console.detail(format_args!("read: the first {} rows", part.recording.rows()));
     });
     let failed = |cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause };
-    let drive_input = first_drive_input(file.machine.source, &part.recording).map_err(failed)?;
+    let input_point = first_input_point(file.machine.source, &part.recording).map_err(failed)?;
     let tick = arguments.machine.tick().unwrap_or_else(|| natural_tick(&part.recording));
     let mut in_chunks =
-        InChunks::new(&file.machine, drive_input, file.load_source, tick, arguments.machine.arithmetic.into());
+        InChunks::new(&file.machine, input_point, file.load_source, tick, arguments.machine.arithmetic.into());
     let mut out = Target::new(&arguments.out)?;
     loop {
         let advance = in_chunks.part(&part).map_err(failed)?;
@@ -179,8 +179,8 @@ fn at_once(arguments: &Arguments, console: &mut Console<'_>) -> Result<(), CliEr
     let simulated =
         simulated.map_err(|cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause })?;
     let drawing = arguments.plot.as_ref().map(|path| {
-        let signals = judged(&plan.recording, plan.drive_input, plan.load);
-        let panels = plot::panels(&plan.recording, plan.drive_input, &simulated, &signals);
+        let signals = judged(&plan.recording, plan.input_point, plan.load);
+        let panels = plot::panels(&plan.recording, plan.input_point, &simulated, &signals);
         (path, plot::svg(plan.recording.name(), &plan.name, &panels))
     });
     if arguments.recording.is_some() {
@@ -240,7 +240,7 @@ fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> 
         let test = StandardTest::of_input(&excitation, input, asked.unwrap_or(Tick::OneMillisecond));
         (test.recording(&machine)?, LoadSource::Constant)
     };
-    let drive_input = first_drive_input(machine.source, &recording)
+    let input_point = first_input_point(machine.source, &recording)
         .map_err(|cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause })?;
     let tick = asked.unwrap_or_else(|| natural_tick(&recording));
     Ok(Plan {
@@ -248,7 +248,7 @@ fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> 
         machine,
         load,
         recording,
-        drive_input,
+        input_point,
         tick,
         arithmetic: arguments.machine.arithmetic.into(),
     })
@@ -262,6 +262,6 @@ fn response(input: &Recording, simulated: &Trajectory) -> Result<Recording, CliE
 }
 
 fn simulate(plan: &Plan, told: &dyn Fn(usize)) -> Result<Trajectory, SimulateError> {
-    let stimulus = Stimulus::new(&plan.recording, &plan.machine, plan.drive_input, plan.load, plan.tick)?;
+    let stimulus = Stimulus::new(&plan.recording, &plan.machine, plan.input_point, plan.load, plan.tick)?;
     plan.arithmetic.simulate_told(&plan.machine, &stimulus, StartOffset::none(), told)
 }

@@ -21,8 +21,8 @@ fn a_plan_says_what_could_be_seen_and_writes_an_excitation_that_the_drive_can_pl
     let leakage = effects.iter().find(|effect| effect["effect"] == "internal-leakage").unwrap();
     // What is laid out tells no less than what was at hand.
     let told = |outlook: &serde_json::Value| -> usize {
-        let claimed = outlook["effects"].as_array().unwrap().iter().filter(|effect| effect["claimed"] == true);
-        claimed.map(|effect| effects.len() - effect["passes_for"].as_array().unwrap().len()).sum()
+        let accepted = outlook["effects"].as_array().unwrap().iter().filter(|effect| effect["claimed"] == true);
+        accepted.map(|effect| effects.len() - effect["passes_for"].as_array().unwrap().len()).sum()
     };
     assert!(told(&plan["best"]["outlook"]) > told(&plan["given"]));
     // It is what the shipped case conceals, and what these sensors have shown of it.
@@ -30,10 +30,10 @@ fn a_plan_says_what_could_be_seen_and_writes_an_excitation_that_the_drive_can_pl
     assert_eq!(leakage["passes_for"].as_array().unwrap().len(), 0, "{leakage}");
     assert!(leakage["claimed_from_share_of_usual"].as_f64().unwrap() < 1.0, "{leakage}");
     assert!(plan["best"]["outlook"]["duration_s"].as_f64().unwrap() <= 9.0);
-    // Every effect that would be claimed has a row and a column.
+    // Every effect that would be accepted has a row and a column.
     let (matrix, effects) = (read("matrix.svg"), plan["best"]["outlook"]["effects"].as_array().unwrap());
-    let claimed = effects.iter().filter(|effect| effect["claimed"] == true).count();
-    assert!(claimed > 5 && matrix.matches("<rect").count() > claimed * claimed, "{claimed}");
+    let accepted = effects.iter().filter(|effect| effect["claimed"] == true).count();
+    assert!(accepted > 5 && matrix.matches("<rect").count() > accepted * accepted, "{accepted}");
     assert_eq!(matrix.matches("internal-leakage").count(), 2);
     assert!(done(folder.path(), &["plan", "--help"]).contains("Longest excitation, s [default: 20]"));
     assert!(read("excitation.csv").starts_with("time [s],command [V]\n"));

@@ -8,7 +8,7 @@ mod state;
 mod step;
 
 use feed::{AnyFeed, Metered};
-use step::Chain;
+use step::Links;
 
 use crate::chambers::Chambers;
 use crate::correction_table::Unnamed;
@@ -186,7 +186,7 @@ impl<N: Number> Drive<N> {
             && let (DriveInput::Command(command), OilSource::Valve(valve, edges)) = (drive_input, &self.source)
         {
             let spool = valve.step_with::<Plain, DELAY>(&mut state.valve, command, AcrossEdges::NONE);
-            return self.chain().step::<Plain, DELAY>(state, &Metered::new::<Plain>(edges, spool), load);
+            return self.links().step::<Plain, DELAY>(state, &Metered::new::<Plain>(edges, spool), load);
         }
         if let Some(cavitation) = &self.chambers.effects.cavitation {
             return self.step_cavitating(cavitation, state, drive_input, load);
@@ -227,7 +227,7 @@ impl<N: Number> Drive<N> {
             (DriveInput::Flow { from, to }, _) => given(from, to),
             _ => given(closed, closed),
         };
-        let seen = Chain { chambers, mechanics, ..self.chain() }.step::<AnyEffect, DELAY>(state, &feed, load);
+        let seen = Links { chambers, mechanics, ..self.links() }.step::<AnyEffect, DELAY>(state, &feed, load);
         self.step_beside(state);
         seen
     }
@@ -243,8 +243,8 @@ impl<N: Number> Drive<N> {
 
     /// The links below the valve.
     #[inline]
-    fn chain(&self) -> Chain<'_, N> {
-        Chain {
+    fn links(&self) -> Links<'_, N> {
+        Links {
             chambers: &self.chambers,
             mechanics: &self.mechanics,
             weights: self.weights,
@@ -280,14 +280,14 @@ impl<N: Number> Drive<N> {
     /// Only the mechanics, under a given force of the oil.
     #[inline]
     fn step_force<const DELAY: usize>(&self, state: &mut DriveState<N, DELAY>, from: N, to: N) -> Interfaces<N> {
-        let (rise, chain) = (to - from, self.chain());
+        let (rise, links) = (to - from, self.links());
         let constant = self.unsprung.load;
         let ahead = rise.part(self.unsprung.gamma);
         let forces = Forces {
             start: from + constant,
             first: from + constant + ahead,
             second: ahead - ahead.part(self.unsprung.gamma),
-            around: chain.surroundings::<AnyEffect, DELAY>(state, N::ZERO, chain.oil::<AnyEffect, DELAY>(state)),
+            around: links.surroundings::<AnyEffect, DELAY>(state, N::ZERO, links.oil::<AnyEffect, DELAY>(state)),
         };
         let position = N::of_travel(state.motion.position);
         let velocity = self.unsprung.step(&mut state.motion, forces);

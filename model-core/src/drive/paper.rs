@@ -7,7 +7,7 @@
 use crate::chambers::Chambers;
 use crate::drive::feed::Metered;
 use crate::drive::state::{DriveState, Interfaces, Load};
-use crate::drive::step::{Chain, StageWeights};
+use crate::drive::step::{Links, StageWeights};
 use crate::drive::{Drive, OilSource};
 use crate::effects::{Nothing, Plain};
 use crate::flow::{Edges, SupplyState};
@@ -66,14 +66,14 @@ impl<N: Number> PaperDrive<N> {
         load: Load<N>,
     ) -> Interfaces<N> {
         let spool = self.valve.step_with::<Plain, DELAY>(&mut state.valve, command, AcrossEdges::NONE);
-        let chain = Chain {
+        let links = Links {
             chambers: &self.chambers,
             mechanics: &self.mechanics,
             weights: self.weights,
             viscosity: None,
             unnamed: None,
         };
-        chain.step::<Plain, DELAY>(state, &Metered::new::<Plain>(&self.edges, spool), load)
+        links.step::<Plain, DELAY>(state, &Metered::new::<Plain>(&self.edges, spool), load)
     }
 
     /// A drive at rest: `command` (in 10 V) held for long, no velocity.

@@ -55,7 +55,7 @@ pub(crate) struct StageWeights<N: Number> {
 
 /// The links of a drive below its valve.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Chain<'a, N: Number, C = ChamberEffects<N>, M = MechanicalEffects<N>> {
+pub(crate) struct Links<'a, N: Number, C = ChamberEffects<N>, M = MechanicalEffects<N>> {
     pub(crate) chambers: &'a Chambers<N, C>,
     pub(crate) mechanics: &'a Mechanics<N, M>,
     pub(crate) weights: StageWeights<N>,
@@ -63,7 +63,7 @@ pub(crate) struct Chain<'a, N: Number, C = ChamberEffects<N>, M = MechanicalEffe
     pub(crate) unnamed: Option<&'a Unnamed<N>>,
 }
 
-impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Chain<'_, N, C, M> {
+impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Links<'_, N, C, M> {
     /// All links below the valve.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]

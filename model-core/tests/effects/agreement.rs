@@ -64,21 +64,21 @@ fn all_on() -> Machine<f64> {
 }
 
 #[test]
-fn links_alone_reproduce_the_chain_with_everything_on() {
+fn links_alone_reproduce_the_step_with_everything_on() {
     fn check<N: Scalar<Real = f64>>() {
         let drive = drive::<N>(&all_on());
-        let mut chain = at_rest(&drive, [0.3, 0.5], 0.4);
-        let (mut chambers, mut rest, mut voids, mut motion) = (chain.chambers, chain.rest, chain.voids, chain.motion);
+        let mut whole = at_rest(&drive, [0.3, 0.5], 0.4);
+        let (mut chambers, mut rest, mut voids, mut motion) = (whole.chambers, whole.rest, whole.voids, whole.motion);
         for tick in 0..1200 {
-            let seen = commanded(&drive, &mut chain, command(tick));
+            let seen = commanded(&drive, &mut whole, command(tick));
             drive.chambers().step(&mut chambers, &mut rest, &mut voids, seen.flows, seen.velocity, seen.position);
             assert_eq!(
                 (chambers, rest, voids),
-                (chain.chambers, chain.rest, chain.voids),
+                (whole.chambers, whole.rest, whole.voids),
                 "the chambers alone, tick {tick}"
             );
             assert_eq!(drive.mechanics().step(&mut motion, seen.forces), seen.velocity, "tick {tick}");
-            assert_eq!(motion, chain.motion, "the mechanics alone, tick {tick}");
+            assert_eq!(motion, whole.motion, "the mechanics alone, tick {tick}");
         }
     }
     check::<PerUnit>();

@@ -14,7 +14,7 @@ use firmware::io::ads8688::Ads8688;
 use firmware::io::{AnalogIn, AnalogOut};
 use firmware::period::{Request, Timing};
 use firmware::set_point::{Bounds, Course, CourseState, Leg, SetPoint, SetPointError};
-use firmware::supervision::{Command, Mode, Standing};
+use firmware::supervision::{ActiveFaults, Command, Mode};
 use firmware::trial::{every_effect, press};
 use model_core::machine::Machine;
 use model_core::number::{Number, PerUnit};
@@ -30,8 +30,8 @@ const OUTPUT_UV: u32 = <Ad5754<Wire<'static>> as AnalogOut>::SPAN_UV;
 #[derive(Clone, Copy, Debug, thiserror::Error)]
 pub(crate) enum SceneError {
     /// It is in another mode.
-    #[error("{scene}: the mode is {found:?}; {standing:?}")]
-    Mode { scene: &'static str, found: Mode, standing: Standing },
+    #[error("{scene}: the mode is {found:?}; {active_faults:?}")]
+    Mode { scene: &'static str, found: Mode, active_faults: ActiveFaults },
     /// The moves are none.
     #[error(transparent)]
     Moves(#[from] SetPointError),
@@ -67,7 +67,7 @@ struct Bench<'a> {
     counter: &'a mut Counter,
     wanted: SetPoint,
     /// Faults that nobody has acknowledged.
-    standing: Standing,
+    active_faults: ActiveFaults,
     cost: Cost,
 }
 
@@ -87,20 +87,20 @@ impl<'a> Bench<'a> {
         plant.tick(parts);
         parts.borrow_mut().forget();
         let place = PerUnit::saturated(PLACE);
-        station.refer(place);
+        station.home(place);
         let wanted = SetPoint { position: place, velocity: PerUnit::ZERO };
-        Ok(Self { station, parts, plant, counter, wanted, standing: Standing::NONE, cost: Cost::default() })
+        Ok(Self { station, parts, plant, counter, wanted, active_faults: ActiveFaults::NONE, cost: Cost::default() })
     }
 
     /// A period, counted.
     fn period(&mut self, command: Option<Command>, timing: Timing) -> Mode {
         let request = black_box(Request { set_point: self.wanted, command, timing });
-        let (mut mode, mut standing) = (Mode::Starting, Standing::NONE);
+        let (mut mode, mut active_faults) = (Mode::Starting, ActiveFaults::NONE);
         let whole = self.counter.counts(|| {
             let outcome = black_box(self.station.step(&request, &mut ()));
-            (mode, standing) = (outcome.report.mode, outcome.report.standing);
+            (mode, active_faults) = (outcome.report.mode, outcome.report.active_faults);
         });
-        self.standing = standing;
+        self.active_faults = active_faults;
         let parts = self.counter.counts(|| ask_again(self.parts));
         self.parts.borrow_mut().forget();
         let own = whole.saturating_sub(parts);
@@ -123,7 +123,11 @@ impl<'a> Bench<'a> {
     /// What has been counted since the last time.
     fn cost(&mut self, scene: &'static str, found: Mode, expected: Mode) -> Result<Cost, SceneError> {
         let cost = core::mem::take(&mut self.cost);
-        if found == expected { Ok(cost) } else { Err(SceneError::Mode { scene, found, standing: self.standing }) }
+        if found == expected {
+            Ok(cost)
+        } else {
+            Err(SceneError::Mode { scene, found, active_faults: self.active_faults })
+        }
     }
 
     /// Four moves and their rests.
@@ -156,7 +160,7 @@ impl<'a> Bench<'a> {
         self.periods(300);
         self.period(Some(Command::Acknowledge), Timing::Kept);
         self.wanted = self.here();
-        self.station.refer(self.wanted.position);
+        self.station.home(self.wanted.position);
         self.periods(120);
         self.period(Some(Command::Follow), Timing::Kept)
     }

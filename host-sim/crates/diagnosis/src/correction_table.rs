@@ -220,8 +220,8 @@ fn plans(subsystem: Subsystem) -> &'static [Plan] {
 
 /// Whether a drive that is entered here has the quantity and the states.
 fn applies(scene: &Scene<'_>, (quantity, states): &Plan) -> bool {
-    let spool = matches!(scene.drive_input, InputPoint::Command | InputPoint::Spool);
-    let hydraulic = scene.drive_input != InputPoint::Force;
+    let spool = matches!(scene.input_point, InputPoint::Command | InputPoint::Spool);
+    let hydraulic = scene.input_point != InputPoint::Force;
     let states = states.iter().all(|state| match state {
         TableState::Velocity | TableState::Position => true,
         TableState::Spool => spool,
@@ -232,7 +232,7 @@ fn applies(scene: &Scene<'_>, (quantity, states): &Plan) -> bool {
             // A load that balances the recorded pressures holds every force already.
             Quantity::Force => scene.load != LoadSource::RecordedPressures,
             Quantity::FlowA | Quantity::FlowB => hydraulic,
-            Quantity::Travel => scene.drive_input == InputPoint::Command,
+            Quantity::Travel => scene.input_point == InputPoint::Command,
         }
 }
 

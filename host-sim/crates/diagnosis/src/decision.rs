@@ -1,4 +1,4 @@
-//! What is claimed of a selection once the held-out recordings are opened, and how well its values are known.
+//! What is accepted of a selection once the held-out recordings are opened, and how well its values are known.
 
 use identification::experiment::Prepared;
 use identification::fit::{Estimate, FitError};
@@ -8,13 +8,13 @@ use crate::catalogue::Hypothesis;
 use crate::finding::{Finding, finding};
 use crate::selection::{Candidate, Confirmation, Question, Selection, confirm};
 
-/// What is claimed.
+/// What is accepted.
 pub(crate) struct Decision {
     pub(crate) findings: Vec<Finding>,
     pub(crate) not_confirmed: Vec<&'static Hypothesis>,
     /// What the held-out recordings said; `None` if there was no choice to confirm.
     pub(crate) confirmation: Option<Confirmation>,
-    /// The model with what is claimed.
+    /// The model with what is accepted.
     pub(crate) after: Candidate,
     /// Every value that was fitted in it.
     pub(crate) estimates: Vec<Estimate>,

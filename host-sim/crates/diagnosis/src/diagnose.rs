@@ -45,17 +45,17 @@ pub enum DiagnoseError {
     NoTraining,
     /// The training recordings do not start the chain at the same place.
     #[error(
-        "{first} enters the chain at {drive_input}, {other} at {other_drive_input}; expected all training and held-out recordings to have the same inputs"
+        "{first} enters the chain at {input_point}, {other} at {other_input_point}; expected all training and held-out recordings to have the same inputs"
     )]
     MixedEntries {
         /// A recording.
         first: String,
         /// Its drive input.
-        drive_input: String,
+        input_point: String,
         /// Another one.
         other: String,
         /// Its drive input.
-        other_drive_input: String,
+        other_input_point: String,
     },
 }
 
@@ -105,7 +105,7 @@ pub fn diagnose(
     let judged: Vec<Signal> = first.channels.iter().map(|channel| channel.signal).collect();
     let scene = Scene {
         machine: &file.machine,
-        drive_input: first.stimulus.drive_input,
+        input_point: first.stimulus.input_point,
         load: file.load_source,
         judged: &judged,
         travel_m: travelled(&file.machine, &trained),
@@ -347,13 +347,13 @@ pub fn base_parameters(file: &MachineFile) -> Vec<Free> {
 
 fn check_entries(training: &[Prepared], held: &[Prepared]) -> Result<(), DiagnoseError> {
     let Some(first) = training.first() else { return Err(DiagnoseError::NoTraining) };
-    match training.iter().chain(held).find(|other| other.stimulus.drive_input != first.stimulus.drive_input) {
+    match training.iter().chain(held).find(|other| other.stimulus.input_point != first.stimulus.input_point) {
         None => Ok(()),
         Some(other) => Err(DiagnoseError::MixedEntries {
             first: first.name.clone(),
-            drive_input: format!("{:?}", first.stimulus.drive_input).to_lowercase(),
+            input_point: format!("{:?}", first.stimulus.input_point).to_lowercase(),
             other: other.name.clone(),
-            other_drive_input: format!("{:?}", other.stimulus.drive_input).to_lowercase(),
+            other_input_point: format!("{:?}", other.stimulus.input_point).to_lowercase(),
         }),
     }
 }

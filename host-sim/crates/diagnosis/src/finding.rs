@@ -1,4 +1,4 @@
-//! A claimed effect, how sure it is, and what it may be instead.
+//! A accepted effect, how sure it is, and what it may be instead.
 
 use identification::fit::Estimate;
 use model_core::machine::Parameter;
@@ -6,12 +6,12 @@ use model_core::machine::Parameter;
 use crate::catalogue::Hypothesis;
 use crate::selection::{Chosen, Selection, Told, Trial};
 
-/// An effect that is less probable in a claimed one's place is none that it may be instead.
+/// An effect that is less probable in a accepted one's place is none that it may be instead.
 const NEGLIGIBLE: f64 = 1e-3;
 /// Nothing is more certain.
 const CERTAIN: f64 = 0.999;
 
-/// One claimed effect.
+/// One accepted effect.
 #[derive(Clone, Debug)]
 pub struct Finding {
     /// The effect.
@@ -20,7 +20,7 @@ pub struct Finding {
     pub confidence: f64,
     /// Its fitted parameters.
     pub parameters: Vec<Estimate>,
-    /// What may stand in its place beside the other claimed effects, with the probability of those sets.
+    /// What may stand in its place beside the other accepted effects, with the probability of those sets.
     pub alternatives: Vec<(&'static Hypothesis, f64)>,
     /// The jumps that the position holds, of a stiction that no free run tells.
     pub heard: Option<Told>,

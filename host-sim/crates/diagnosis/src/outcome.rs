@@ -37,11 +37,11 @@ pub struct Diagnosis {
     /// Where; `None` if nothing is missing and nothing was all but named.
     pub located: Option<Location>,
     /// While all is within the noise: the effect that the training recordings would make likelier than none by more than chance,
-    /// but not by what a claim takes. Never a finding.
+    /// but not by the decision rule. Never a finding.
     pub suspected: Option<&'static Hypothesis>,
-    /// What is claimed, most certain first.
+    /// What is accepted, most certain first.
     pub findings: Vec<Finding>,
-    /// Signals that are still further off than the noise explains with the effects claimed, over training recordings.
+    /// Signals that are still further off than the noise explains with the effects accepted, over training recordings.
     pub left: Vec<Miss>,
     /// Effects that training recordings chose and held-out ones did not confirm.
     pub not_confirmed: Vec<&'static Hypothesis>,
@@ -57,7 +57,7 @@ pub struct Diagnosis {
     pub shown: Vec<Shown>,
     /// The course of the selection.
     pub selection: Selection,
-    /// The machine after: refitted, with the effects claimed.
+    /// The machine after: refitted, with the effects accepted.
     pub machine_after: Machine<f64>,
     /// Share of supply pressure in B at rest that the training recordings start from with that machine, in the mean; `None`
     /// where they have their pressures. The held-out recordings are shown from the start that suits each best.
@@ -75,7 +75,7 @@ pub struct Shown {
     pub held_out: bool,
     /// Simulated with refitted base parameters.
     pub before: Trajectory,
-    /// Simulated with the effects as well; the same as before if nothing is claimed.
+    /// Simulated with the effects as well; the same as before if nothing is accepted.
     pub after: Trajectory,
 }
 
@@ -116,7 +116,7 @@ impl Diagnosis {
         self.shown.iter().filter(move |shown| shown.held_out == held_out)
     }
 
-    /// Whether the model after is another one than before: with effects that are claimed, or with a table without a name.
+    /// Whether the model after is another one than before: with effects that are accepted, or with a table without a name.
     #[must_use]
     pub fn changes(&self) -> bool {
         !self.findings.is_empty() || self.unnamed.is_some()
@@ -138,8 +138,8 @@ impl Diagnosis {
 fn mean(values: impl Iterator<Item = (Signal, f64)>) -> Fits {
     let mut sums: BTreeMap<&'static str, (f64, f64)> = BTreeMap::new();
     for (signal, value) in values {
-        let drive_input = sums.entry(signal.name()).or_default();
-        *drive_input = (drive_input.0 + value, drive_input.1 + 1.0);
+        let sum = sums.entry(signal.name()).or_default();
+        *sum = (sum.0 + value, sum.1 + 1.0);
     }
     sums.into_iter().map(|(name, (sum, count))| (name, sum / count)).collect()
 }

@@ -11,7 +11,7 @@ use crate::catalogue::Scene;
 pub(crate) fn scene<'a>(machine: &'a Machine<f64>, judged: &'a [Signal]) -> Scene<'a> {
     Scene {
         machine,
-        drive_input: InputPoint::Command,
+        input_point: InputPoint::Command,
         load: LoadSource::Constant,
         judged,
         travel_m: (0.05, 0.25),

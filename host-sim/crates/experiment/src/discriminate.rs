@@ -1,4 +1,4 @@
-//! Which short test, or which further sensor, would tell a claimed effect from the ones that may be taken for it.
+//! Which short test, or which further sensor, would tell a accepted effect from the ones that may be taken for it.
 //!
 //! The chosen machine and each rival's refitted one are simulated on the standard excitations. A refit with the new recording
 //! would move base parameters and effect parameters within what is known of them, so what such a move can imitate is taken out
@@ -54,10 +54,10 @@ impl Distance {
     }
 }
 
-/// A claimed effect against another.
+/// A accepted effect against another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Separation {
-    /// The claimed effect.
+    /// The accepted effect.
     pub effect: &'static str,
     /// The other.
     pub rival: &'static str,
@@ -94,7 +94,7 @@ impl Separation {
     }
 }
 
-/// Every claimed effect against its rivals.
+/// Every accepted effect against its rivals.
 pub fn separations(
     diagnosis: &Diagnosis,
     load: LoadSource,
@@ -102,7 +102,7 @@ pub fn separations(
 ) -> Result<Vec<Separation>, MachineError> {
     let chosen = &diagnosis.machine_after;
     let Some(first) = diagnosis.shown.first() else { return Ok(Vec::new()) };
-    let by_command = chosen.source == Source::Valve && first.prepared.stimulus.drive_input == InputPoint::Command;
+    let by_command = chosen.source == Source::Valve && first.prepared.stimulus.input_point == InputPoint::Command;
     let pairs = rivals(diagnosis);
     if !by_command || load != LoadSource::Constant || pairs.is_empty() {
         return Ok(Vec::new());

@@ -2,7 +2,7 @@
 //!
 //! A recording has one clock and nothing to hold it against. One that runs fast looks like a drive that is faster in everything
 //! and goes into the valve's gain and time constants; a shift that all channels share goes into its transport delay. Neither is
-//! told from the drive, and neither is claimed. What is left is a channel whose residual has the shape of its own slope.
+//! told from the drive, and neither is accepted. What is left is a channel whose residual has the shape of its own slope.
 
 use recording::Signal;
 use simulation::signal::noise::median;

@@ -5,7 +5,7 @@ use model_core::machine::{Machine, Source, Tick};
 use recording::{Recording, Signal};
 use simulation::sensor_fault::{Failures, Mended, Stretch, bridged};
 use simulation::signal::noise::{noise, resolution};
-use simulation::{InputPoint, SimulateError, Stimulus, first_drive_input, natural_tick};
+use simulation::{InputPoint, SimulateError, Stimulus, first_input_point, natural_tick};
 
 use crate::compare::judged;
 use crate::error::CompareError;
@@ -133,8 +133,8 @@ impl Prepared {
         load: LoadSource,
         tick: Option<Tick>,
     ) -> Result<Self, CompareError> {
-        let drive_input = first_drive_input(machine.source, recording)?;
-        let mut prepared = Self::entered_at(drive_input, recording, machine, load, tick)?;
+        let input_point = first_input_point(machine.source, recording)?;
+        let mut prepared = Self::entered_at(input_point, recording, machine, load, tick)?;
         let added = at_most_by_noise_of_input(&prepared, machine).map_err(SimulateError::from)?;
         for (channel, added) in prepared.channels.iter_mut().zip(added) {
             channel.inherit(added);
@@ -144,7 +144,7 @@ impl Prepared {
 
     /// Prepares a recording, entered at a given signal.
     pub fn entered_at(
-        drive_input: InputPoint,
+        input_point: InputPoint,
         recording: &Recording,
         machine: &Machine<f64>,
         load: LoadSource,
@@ -152,9 +152,9 @@ impl Prepared {
     ) -> Result<Self, CompareError> {
         let tick = tick.unwrap_or_else(|| natural_tick(recording));
         let mut mended = Mended::of(recording);
-        let stimulus = Stimulus::of_mended(&mended, machine, drive_input, load, tick)?;
-        let mut signals = judged(recording, drive_input, load);
-        let fed = machine.source == Source::Valve && matches!(drive_input, InputPoint::Command | InputPoint::Spool);
+        let stimulus = Stimulus::of_mended(&mended, machine, input_point, load, tick)?;
+        let mut signals = judged(recording, input_point, load);
+        let fed = machine.source == Source::Valve && matches!(input_point, InputPoint::Command | InputPoint::Spool);
         if fed && recording.check_varies(Signal::SupplyPressure).is_ok() && recording.has(Signal::SupplyPressure) {
             signals.push(Signal::SupplyPressure);
         }
@@ -173,7 +173,7 @@ impl Prepared {
                 })
             })
             .collect::<Result<_, CompareError>>()?;
-        let measured = if drive_input.is_set() { None } else { mended.recording.signal(drive_input.driving()) };
+        let measured = if input_point.is_set() { None } else { mended.recording.signal(input_point.driving()) };
         let input_noise = measured.map_or(0.0, |values| noise(values, resolution(values)));
         mended.failures.retain(|(_, failures)| failures.are_any());
         let start_sigma_m = recording.signal(Signal::Position).map_or(0.0, |position| {

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use comfy_table::{CellAlignment, Table};
 use serde_json::{Value, json};
 
-use experiment::inspect::{FoundColumn, Inspection, LinkTest, Reach};
+use experiment::inspect::{InspectedColumn, Inspection, LinkTest, Reach};
 use model_core::machine::Source;
 use recording::display_unit::{TABLE, arrange, difference, significant};
 use recording::{Dimension, Signal, Unit};
@@ -79,7 +79,7 @@ pub fn text(found: &Inspection, width: Option<u16>) -> String {
     text
 }
 
-fn channels(channels: &[FoundColumn], width: Option<u16>) -> Table {
+fn channels(channels: &[InspectedColumn], width: Option<u16>) -> Table {
     let mut table = Table::new();
     table.load_style(TABLE);
     arrange(&mut table, width);
@@ -113,8 +113,8 @@ fn joined(signals: &[Signal], between: &str) -> String {
     signals.iter().map(|signal| signal.name()).collect::<Vec<_>>().join(between)
 }
 
-fn drive_input_name(drive_input: InputPoint) -> &'static str {
-    match drive_input {
+fn input_point_name(input_point: InputPoint) -> &'static str {
+    match input_point {
         InputPoint::Command => "command",
         InputPoint::Spool => "spool",
         InputPoint::Pump => "pump",
@@ -126,12 +126,12 @@ fn drive_input_name(drive_input: InputPoint) -> &'static str {
 fn reach(test: &LinkTest) -> String {
     let add = names(&test.missing);
     match &test.reach {
-        Reach::Alone { drive_input, judged } => {
-            format!("alone: driven by the {}, judged by {}", drive_input_name(*drive_input), names(judged))
+        Reach::Alone { input_point, judged } => {
+            format!("alone: driven by the {}, judged by {}", input_point_name(*input_point), names(judged))
         }
-        Reach::Together { drive_input, judged } => format!(
+        Reach::Together { input_point, judged } => format!(
             "only with other links: driven by the {}, judged by {}; add {add} to test it alone",
-            drive_input_name(*drive_input),
+            input_point_name(*input_point),
             names(judged)
         ),
         Reach::No if test.enough.is_empty() || test.missing.iter().all(|signal| test.enough.contains(signal)) => {
@@ -150,7 +150,7 @@ pub fn document(found: &[Inspection]) -> Value {
 }
 
 fn recording(found: &Inspection) -> Value {
-    let channel = |channel: &FoundColumn| {
+    let channel = |channel: &InspectedColumn| {
         json!({
             "signal": channel.signal.name(), "header": channel.header, "unit": Unit::si(channel.unit.dimension()).symbol(),
             "low": channel.low, "high": channel.high, "noise": channel.noise, "step": channel.step,
@@ -159,14 +159,14 @@ fn recording(found: &Inspection) -> Value {
     };
     let link = |test: &LinkTest| {
         let names = |signals: &[Signal]| signals.iter().map(|signal| signal.name()).collect::<Vec<_>>();
-        let (how, drive_input, judged) = match &test.reach {
-            Reach::Alone { drive_input, judged } => ("by-itself", Some(drive_input_name(*drive_input)), names(judged)),
-            Reach::Together { drive_input, judged } => {
-                ("together", Some(drive_input_name(*drive_input)), names(judged))
+        let (how, input_point, judged) = match &test.reach {
+            Reach::Alone { input_point, judged } => ("by-itself", Some(input_point_name(*input_point)), names(judged)),
+            Reach::Together { input_point, judged } => {
+                ("together", Some(input_point_name(*input_point)), names(judged))
             }
             Reach::No => ("not", None, Vec::new()),
         };
-        json!({ "link": test.link.to_string(), "tested": how, "entry": drive_input, "judged_by": judged, "missing": names(&test.missing), "enough": names(&test.enough) })
+        json!({ "link": test.link.to_string(), "tested": how, "entry": input_point, "judged_by": judged, "missing": names(&test.missing), "enough": names(&test.enough) })
     };
     let opened = found.excited.opened.map(|opened| {
         let beyond =

@@ -23,15 +23,15 @@ pub fn text(name: &str, sensors: &[Sensor], plan: &Plan, width: Option<u16>) -> 
     let _ = write!(text, "\nwith {}, {}:\n", plan.excitation.name, summary(&plan.best));
     let _ = writeln!(text, "  {}", plan.tests.join(", then "));
     let _ = writeln!(text, "{}", table(&plan.best, width));
-    let (claimed, confused) = (plan.best.isolability.claimed().count(), plan.best.isolability.confused().count());
+    let (accepted, confused) = (plan.best.isolability.accepted().count(), plan.best.isolability.confused().count());
     for addition in &plan.additions {
-        if addition.claimed > claimed || addition.confused < confused {
+        if addition.accepted > accepted || addition.confused < confused {
             let sensor = shown(&addition.sensor);
             let of = plan.best.effects.len();
             let _ = writeln!(
                 text,
                 "with {sensor} too: {} of {of} effects, {} not distinguishable",
-                addition.claimed,
+                addition.accepted,
                 pairs(addition.confused)
             );
         }
@@ -52,10 +52,10 @@ fn shown(sensor: &Sensor) -> String {
 }
 
 fn summary(outlook: &Outlook) -> String {
-    let (claimed, of) = (outlook.isolability.claimed().count(), outlook.effects.len());
+    let (accepted, of) = (outlook.isolability.accepted().count(), outlook.effects.len());
     let duration = significant(outlook.duration_s, 3);
     format!(
-        "{duration} s: {claimed} of {of} effects could be found, {} of them not distinguishable",
+        "{duration} s: {accepted} of {of} effects could be found, {} of them not distinguishable",
         pairs(outlook.isolability.confused().count())
     )
 }
@@ -73,7 +73,7 @@ fn table(outlook: &Outlook, width: Option<u16>) -> String {
     arrange(&mut table, Some(width.unwrap_or(WIDTH)));
     table.set_header(["effect", "link", "found from", "usual", "mistaken for"]);
     for (index, prospect) in outlook.effects.iter().enumerate() {
-        let rivals: Vec<&str> = if outlook.isolability.claimed[index] {
+        let rivals: Vec<&str> = if outlook.isolability.accepted[index] {
             outlook.isolability.rivals(index).map(|rival| outlook.effects[rival].effect.name).collect()
         } else {
             vec!["not visible"]
@@ -119,7 +119,7 @@ pub fn document(name: &str, sensors: &[Sensor], plan: &Plan) -> Value {
         },
         "further_sensors": plan.additions.iter().map(|addition| json!({
             "sensor": sensor(&addition.sensor),
-            "claimed": addition.claimed,
+            "claimed": addition.accepted,
             "mixed_up": addition.confused,
         })).collect::<Vec<_>>(),
         "not_testable": plan.not_testable.iter().map(|effect| effect.name).collect::<Vec<_>>(),
@@ -143,9 +143,9 @@ fn outlook(outlook: &Outlook) -> Value {
                 "effect": prospect.effect.name,
                 "subsystem": prospect.effect.subsystem,
                 "usual": usual.collect::<Vec<_>>(),
-                // JSON knows no infinity: an effect that is never claimed has none.
+                // JSON knows no infinity: an effect that is never accepted has none.
                 "claimed_from_share_of_usual": prospect.smallest.is_finite().then_some(prospect.smallest),
-                "claimed": outlook.isolability.claimed[index],
+                "claimed": outlook.isolability.accepted[index],
                 "deviations": outlook.isolability.seen[index],
                 "passes_for": outlook.isolability.rivals(index).map(|rival| outlook.effects[rival].effect.name).collect::<Vec<_>>(),
                 "left_by": outlook.isolability.left[index],
@@ -160,7 +160,7 @@ fn outlook(outlook: &Outlook) -> Value {
 pub fn matrix(outlook: &Outlook) -> Grid {
     let names: Vec<String> = outlook.effects.iter().map(|prospect| prospect.effect.name.to_owned()).collect();
     let cell = |truth: usize, rival: usize| {
-        if !outlook.isolability.claimed[truth] {
+        if !outlook.isolability.accepted[truth] {
             Cell::None
         } else if truth == rival {
             Cell::Own

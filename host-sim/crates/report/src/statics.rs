@@ -10,7 +10,7 @@ use crate::plot::{Mark, curve};
 
 /// Three digits.
 fn short(value: f64) -> String {
-    identification::static_curve::claims::short(value)
+    identification::static_curve::indications::short(value)
 }
 
 /// The figures as lines of text.
@@ -67,10 +67,10 @@ pub fn text(statics: &Statics) -> String {
             line(name, format!("{header}: {rest} without flow, {full} at the largest, ± {about} about the line"));
         }
     }
-    for claim in &statics.claims {
-        line("found", format!("{}: {}", claim.effect, claim.evidence));
+    for indication in &statics.indications {
+        line("found", format!("{}: {}", indication.effect, indication.evidence));
     }
-    if statics.claims.is_empty() {
+    if statics.indications.is_empty() {
         line("found", "no effect of the vocabulary".to_owned());
     }
     for remark in &statics.remarks {

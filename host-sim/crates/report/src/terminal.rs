@@ -153,7 +153,7 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
     }
 }
 
-/// What the effects claimed leave above the noise.
+/// What the effects accepted leave above the noise.
 #[must_use]
 pub fn still_missing(diagnosis: &Diagnosis) -> String {
     format!("something is still missing: with these effects the model is off in {}", missed(&diagnosis.left))
@@ -235,7 +235,7 @@ fn share_taken(share: f64) -> String {
 
 /// What the preparation found, in a line, and a line for each failure and clock that is worth one.
 fn prepared(exhibits: &Exhibits) -> String {
-    let found = &exhibits.found;
+    let found = &exhibits.preprocessing;
     let failed: usize = found.iter().flat_map(|of| &of.channels).map(|channel| channel.spikes).sum();
     let noise: Vec<String> = found
         .iter()

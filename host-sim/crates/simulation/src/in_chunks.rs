@@ -28,7 +28,7 @@ const OVERLAP: usize = 1000;
 #[derive(Debug)]
 pub struct InChunks {
     machine: Machine<f64>,
-    drive_input: InputPoint,
+    input_point: InputPoint,
     load: LoadSource,
     tick: Tick,
     going: Going,
@@ -66,7 +66,7 @@ impl InChunks {
     #[must_use]
     pub fn new(
         machine: &Machine<f64>,
-        drive_input: InputPoint,
+        input_point: InputPoint,
         load: LoadSource,
         tick: Tick,
         arithmetic: Arithmetic,
@@ -75,13 +75,13 @@ impl InChunks {
             Arithmetic::Fixed => Going::Fixed(None),
             Arithmetic::Float => Going::Float(None),
         };
-        Self { machine: *machine, drive_input, load, tick, going }
+        Self { machine: *machine, input_point, load, tick, going }
     }
 
     /// Simulates the next part: all of it where it is the last, else some rows less than it has.
     pub fn part(&mut self, part: &Part) -> Result<Advance, SimulateError> {
-        let Self { machine, drive_input, load, tick, going } = self;
-        let next = Next { machine, drive_input: *drive_input, load: *load, tick: *tick, part };
+        let Self { machine, input_point, load, tick, going } = self;
+        let next = Next { machine, input_point: *input_point, load: *load, tick: *tick, part };
         match going {
             Going::Fixed(led) => next.from(led),
             Going::Float(led) => next.from(led),
@@ -92,7 +92,7 @@ impl InChunks {
 /// The part that is simulated next.
 struct Next<'a> {
     machine: &'a Machine<f64>,
-    drive_input: InputPoint,
+    input_point: InputPoint,
     load: LoadSource,
     tick: Tick,
     part: &'a Part,
@@ -103,12 +103,12 @@ impl Next<'_> {
         let recording = &self.part.recording;
         let (origin, mut trajectory) = match &led {
             Some(led) => (led.origin, led.tail.clone()),
-            None => (Origin::of(recording), Trajectory::of(computed_below(self.drive_input), recording.rows())),
+            None => (Origin::of(recording), Trajectory::of(computed_below(self.input_point), recording.rows())),
         };
         let begun = trajectory.rows();
         let mended = Mended::of(recording);
         let mut stimulus =
-            Stimulus::from_origin(&mended, self.machine, self.drive_input, self.load, self.tick, origin)?;
+            Stimulus::from_origin(&mended, self.machine, self.input_point, self.load, self.tick, origin)?;
         if !self.part.is_last {
             stimulus.end_at(recording.rows().saturating_sub(OVERLAP).max(1));
         }
@@ -179,23 +179,23 @@ mod tests {
     }
 
     /// What is simulated in parts and written is what is simulated and written as a whole.
-    fn as_a_whole(arithmetic: Arithmetic, text: &str, drive_input: InputPoint, tick: Tick) {
+    fn as_a_whole(arithmetic: Arithmetic, text: &str, input_point: InputPoint, tick: Tick) {
         let further = [(Parameter::ViscosityLossPerKelvin, 0.03), (Parameter::CoulombFriction, 300.0)];
         let mut machine = press(&further);
-        if drive_input == InputPoint::Pump {
+        if input_point == InputPoint::Pump {
             machine.source = Source::Pump;
         }
         let whole = read_from("run.csv", text.as_bytes(), &ChannelMap::default()).unwrap();
         let load = LoadSource::Constant;
-        let stimulus = Stimulus::new(&whole, &machine, drive_input, load, tick).unwrap();
+        let stimulus = Stimulus::new(&whole, &machine, input_point, load, tick).unwrap();
         let simulated = arithmetic.simulate(&machine, &stimulus, StartOffset::none()).unwrap();
         let position = simulated.signal(Signal::Position).unwrap();
-        assert!(position.iter().any(|there| (there - position[0]).abs() > 1e-4), "{drive_input:?} moves the rod");
+        assert!(position.iter().any(|there| (there - position[0]).abs() > 1e-4), "{input_point:?} moves the rod");
         let expected = written(&whole, 0..whole.rows(), &simulated);
 
         for usual_rows in [3500, 5003, 100_000] {
             let (mut parts, mut in_chunks) =
-                (parts(text, usual_rows), InChunks::new(&machine, drive_input, load, tick, arithmetic));
+                (parts(text, usual_rows), InChunks::new(&machine, input_point, load, tick, arithmetic));
             let (mut found, mut count) = (String::new(), 0);
             while let Some(part) = parts.read_next().unwrap() {
                 let advance = in_chunks.part(&part).unwrap();
@@ -204,19 +204,19 @@ mod tests {
                 count += 1;
             }
             assert_eq!(count > 1, usual_rows < 10_000, "{usual_rows} rows a part");
-            assert!(found == expected, "{drive_input:?}, {usual_rows} rows a part");
+            assert!(found == expected, "{input_point:?}, {usual_rows} rows a part");
         }
     }
 
     #[test]
     fn in_parts_a_recording_is_simulated_and_written_as_a_whole() {
-        for (drive_input, driven_by) in DRIVEN {
-            as_a_whole(Arithmetic::Float, &text(7_000, driven_by, |_| 1e-3), drive_input, Tick::OneMillisecond);
+        for (input_point, driven_by) in DRIVEN {
+            as_a_whole(Arithmetic::Float, &text(7_000, driven_by, |_| 1e-3), input_point, Tick::OneMillisecond);
             // Faster than the tick, slower, and uneven with gaps: no row lies on a point but by chance.
-            as_a_whole(Arithmetic::Fixed, &text(9_000, driven_by, |_| 2.3e-4), drive_input, Tick::HalfMillisecond);
-            as_a_whole(Arithmetic::Float, &text(4_000, driven_by, |_| 7.1e-3), drive_input, Tick::TwoMilliseconds);
+            as_a_whole(Arithmetic::Fixed, &text(9_000, driven_by, |_| 2.3e-4), input_point, Tick::HalfMillisecond);
+            as_a_whole(Arithmetic::Float, &text(4_000, driven_by, |_| 7.1e-3), input_point, Tick::TwoMilliseconds);
             let uneven = |row: usize| 1e-4 * (1 + row * 7919 % 23) as f64 + if row % 999 == 500 { 0.25 } else { 0.0 };
-            as_a_whole(Arithmetic::Fixed, &text(7_000, driven_by, uneven), drive_input, Tick::OneMillisecond);
+            as_a_whole(Arithmetic::Fixed, &text(7_000, driven_by, uneven), input_point, Tick::OneMillisecond);
         }
     }
 

@@ -123,7 +123,7 @@ impl<'a> InLanes<'a> {
     fn signal(&self, signal: Signal, point: usize) -> [f64; LANES] {
         let Self { machine, stimuli, drive, state, .. } = self;
         let metering = |lane: usize| stimuli[lane].metering_at::<f64>(point);
-        let spool = || match stimuli[0].drive_input {
+        let spool = || match stimuli[0].input_point {
             InputPoint::Spool => Lanes::new(from_fn(|lane| metering(lane).unwrap_or_default())),
             _ => drive.sensed(state).spool,
         };

@@ -36,4 +36,4 @@ pub use recorded_start::Start;
 pub use run::{SignalsOfRow, Trajectory, computed_below, rows_f64, simulate_f64, simulate_fixed};
 pub use stepper::{Inputs, Kept, Live, OtherArithmetic};
 pub use stimulus::coarse::Coarser;
-pub use stimulus::{InputPoint, Stimulus, first_drive_input, natural_tick};
+pub use stimulus::{InputPoint, Stimulus, first_input_point, natural_tick};

@@ -54,7 +54,7 @@ impl<N: Scalar> Sample<'_, N> {
     /// The spool as it is read; a drive that is entered at the spool has it from the recording.
     fn spool(&self) -> N {
         let recorded = || self.stimulus.metering_at::<N>(self.point);
-        let given = if self.stimulus.drive_input == InputPoint::Spool { recorded() } else { None };
+        let given = if self.stimulus.input_point == InputPoint::Spool { recorded() } else { None };
         given.unwrap_or_else(|| self.drive.sensed(self.state).spool)
     }
 
@@ -98,7 +98,7 @@ pub(crate) fn reading<N: Number>(
 
 /// Signals that the chain computes below a drive input, in its order. A supply pressure only where the valve draws from it.
 #[must_use]
-pub fn computed_below(drive_input: InputPoint) -> &'static [Signal] {
+pub fn computed_below(input_point: InputPoint) -> &'static [Signal] {
     const ALL: &[Signal] = &[
         Signal::Spool,
         Signal::SupplyPressure,
@@ -109,7 +109,7 @@ pub fn computed_below(drive_input: InputPoint) -> &'static [Signal] {
         Signal::Velocity,
         Signal::Position,
     ];
-    match drive_input {
+    match input_point {
         InputPoint::Command => ALL,
         InputPoint::Spool => &ALL[1..],
         InputPoint::Pump => &ALL[2..],
@@ -322,15 +322,15 @@ pub(crate) fn unbraked<R: Real>(machine: &Machine<R>, stimulus: &Stimulus) -> Ma
 /// use std::path::Path;
 ///
 /// use recording::{ChannelMap, Signal};
-/// use simulation::{StartOffset, Stimulus, first_drive_input, natural_tick, simulate_fixed};
+/// use simulation::{StartOffset, Stimulus, first_input_point, natural_tick, simulate_fixed};
 ///
 /// let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../examples/press-63-40");
 /// let drive = machine_file::read(&example.join("machine.toml"))?;
 /// let recording = recording::read(&example.join("holdout-1.csv"), &ChannelMap::default())?;
 ///
-/// let drive_input = first_drive_input(drive.machine.source, &recording)?; // the command, where it was recorded
+/// let input_point = first_input_point(drive.machine.source, &recording)?; // the command, where it was recorded
 /// let tick = natural_tick(&recording);
-/// let stimulus = Stimulus::new(&recording, &drive.machine, drive_input, drive.load_source, tick)?;
+/// let stimulus = Stimulus::new(&recording, &drive.machine, input_point, drive.load_source, tick)?;
 /// let simulated = simulate_fixed(&drive.machine, &stimulus, StartOffset::none())?;
 ///
 /// let position_m = simulated.signal(Signal::Position).expect("the chain computes it");
@@ -364,7 +364,7 @@ pub(crate) fn simulate<N: Scalar<Real = f64>>(
     offset: StartOffset,
     told: &dyn Fn(usize),
 ) -> Result<Trajectory, MachineError> {
-    let mut trajectory = Trajectory::of(computed_below(stimulus.drive_input), stimulus.rows());
+    let mut trajectory = Trajectory::of(computed_below(stimulus.input_point), stimulus.rows());
     run::<N>(machine, stimulus, offset.lifted(), &mut |row, sample| {
         trajectory.push(|signal| sample.signal(signal));
         if (row + 1) % ROWS_TOLD == 0 {

@@ -165,7 +165,7 @@ mod tests {
     use test_press::press;
 
     use super::*;
-    use crate::stimulus::{InputPoint, Stimulus, first_drive_input};
+    use crate::stimulus::{InputPoint, Stimulus, first_input_point};
 
     const TICK: Tick = Tick::OneMillisecond;
     const ROWS: usize = 1500;
@@ -191,8 +191,8 @@ mod tests {
         };
         let always = [Signal::Time, Signal::Position];
         let recording = Recording::new("inputs", always.iter().chain(given).map(column).collect()).unwrap();
-        let drive_input = first_drive_input(machine.source, &recording).unwrap();
-        let stimulus = Stimulus::new(&recording, machine, drive_input, LoadSource::Constant, TICK).unwrap();
+        let input_point = first_input_point(machine.source, &recording).unwrap();
+        let stimulus = Stimulus::new(&recording, machine, input_point, LoadSource::Constant, TICK).unwrap();
         let simulated = arithmetic.simulate(machine, &stimulus, StartOffset::none()).unwrap();
         let mut live = Live::new(machine, TICK, &stimulus.start, arithmetic).unwrap();
         // After the last row of a recording nothing acts any more: a pump's flow there is none.
@@ -202,7 +202,7 @@ mod tests {
             }
             live.step(&inputs(k));
         }
-        assert_eq!(drive_input == InputPoint::Pump, live.signal(Signal::Spool, &inputs(0)).is_none());
+        assert_eq!(input_point == InputPoint::Pump, live.signal(Signal::Spool, &inputs(0)).is_none());
         assert_eq!(live.signal(Signal::OilTemperature, &inputs(0)), None);
     }
 

@@ -40,5 +40,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "a hard stop of the valve in full motion, or an overrunning load, both pressures recorded",
     source: "Merritt 1967, §5-5",
-    shows_in: |scene| scene.drive_input != InputPoint::Force,
+    shows_in: |scene| scene.input_point != InputPoint::Force,
 };

@@ -48,5 +48,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "slow triangle through the centre, spool recorded",
     source: "Tao & Kokotović, Adaptive Control of Systems with Actuator and Sensor Nonlinearities, 1996",
-    shows_in: |scene| matches!(scene.drive_input, InputPoint::Command | InputPoint::Spool),
+    shows_in: |scene| matches!(scene.input_point, InputPoint::Command | InputPoint::Spool),
 };

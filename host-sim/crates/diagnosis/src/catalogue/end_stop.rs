@@ -16,7 +16,7 @@
 //! Position of the stop in m, where the recording turns or ends flat. Stiffness k in N/m, not negative: the full force makes it give
 //! by a hundredth of the stroke (rubber) to a ten-thousandth (steel), which is 1e7–1e9 N/m for 25 kN and 0.25 m. Damping d in N·s/m,
 //! not negative: around the critical damping of the moving mass on the stop; a cushion has far more. What
-//! gives by more than three hundredths is a load that begins inside the stroke, and never claimed as a stop.
+//! gives by more than three hundredths is a load that begins inside the stroke, and never accepted as a stop.
 //!
 //! ## Source
 //! K. H. Hunt and F. R. E. Crossley, *Coefficient of restitution interpreted as damping in vibroimpact*, J. Applied

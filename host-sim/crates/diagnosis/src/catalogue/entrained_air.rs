@@ -43,5 +43,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "strokes at two loads, both pressures recorded, one below 50 bar and one above",
     source: "Yu, Chen, Lu, J. Dyn. Syst. Meas. Control 116, 1994; Merritt 1967, §2-5",
-    shows_in: |scene| scene.drive_input != InputPoint::Force,
+    shows_in: |scene| scene.input_point != InputPoint::Force,
 };

@@ -54,5 +54,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "closed-valve hold under load, both pressures recorded",
     source: "Merritt, Hydraulic Control Systems, 1967, ch. 6",
-    shows_in: |scene| scene.drive_input != InputPoint::Force,
+    shows_in: |scene| scene.input_point != InputPoint::Force,
 };

@@ -54,5 +54,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "strokes at two loads and steps of several sizes, spool recorded",
     source: "Merritt, Hydraulic Control Systems, 1967, §5-6",
-    shows_in: |scene| scene.drive_input == InputPoint::Command,
+    shows_in: |scene| scene.input_point == InputPoint::Command,
 };

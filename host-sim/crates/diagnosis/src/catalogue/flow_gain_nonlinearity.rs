@@ -52,5 +52,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "steps of several sizes at two loads",
     source: "Backé, Systematik der hydraulischen Widerstandsschaltungen, 1974",
-    shows_in: |scene| matches!(scene.drive_input, InputPoint::Command | InputPoint::Spool),
+    shows_in: |scene| matches!(scene.input_point, InputPoint::Command | InputPoint::Spool),
 };

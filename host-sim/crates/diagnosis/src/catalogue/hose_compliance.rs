@@ -56,5 +56,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "pressure steps against a blocked rod at two pressure levels",
     source: "Merritt, Hydraulic Control Systems, 1967, §2-5",
-    shows_in: |scene| scene.drive_input != simulation::InputPoint::Force,
+    shows_in: |scene| scene.input_point != simulation::InputPoint::Force,
 };

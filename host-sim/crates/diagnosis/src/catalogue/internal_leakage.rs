@@ -58,5 +58,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "closed-valve hold under load, both pressures recorded",
     source: "Merritt, Hydraulic Control Systems, 1967, §6-1",
-    shows_in: |scene| scene.drive_input != simulation::InputPoint::Force,
+    shows_in: |scene| scene.input_point != simulation::InputPoint::Force,
 };

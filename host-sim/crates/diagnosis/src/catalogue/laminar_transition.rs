@@ -43,5 +43,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "strokes at two loads, one of which takes nearly the whole supply, both pressures recorded",
     source: "Borutzky, Barnard, Thoma, Simulation Modelling Practice and Theory 10, 2002",
-    shows_in: |scene| matches!(scene.drive_input, InputPoint::Command | InputPoint::Spool),
+    shows_in: |scene| matches!(scene.input_point, InputPoint::Command | InputPoint::Spool),
 };

@@ -93,7 +93,7 @@ pub struct Scene<'a> {
     /// The nominal machine.
     pub machine: &'a Machine<f64>,
     /// Where the chain is entered.
-    pub drive_input: InputPoint,
+    pub input_point: InputPoint,
     /// Where the load comes from.
     pub load: LoadSource,
     /// Signals that are measured and judged.

@@ -54,5 +54,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "long run for warming up, with the slow triangle repeated, spool recorded",
     source: "ISO 10770-1 (null shift); Merritt, Hydraulic Control Systems, 1967, ch. 7",
-    shows_in: |scene| scene.drive_input == InputPoint::Command,
+    shows_in: |scene| scene.input_point == InputPoint::Command,
 };

@@ -45,5 +45,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     separated_by: "strokes over the whole stroke, or small steps near both ends, both pressures recorded",
     source: "Merritt, Hydraulic Control Systems, 1967, ch. 6",
     // Without a position nobody knows on which side of mid-stroke the rod is.
-    shows_in: |scene| scene.drive_input != InputPoint::Force && scene.judges(Signal::Position),
+    shows_in: |scene| scene.input_point != InputPoint::Force && scene.judges(Signal::Position),
 };

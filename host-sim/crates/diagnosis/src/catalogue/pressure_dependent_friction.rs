@@ -56,5 +56,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     source: "Bonchis, Corke, Rye, IEEE ICRA 1999",
     // With the load taken from the pressures the force balance is an input.
     // Driven by the force, the chain has no pressures.
-    shows_in: |scene| scene.load == LoadSource::Constant && scene.drive_input != simulation::InputPoint::Force,
+    shows_in: |scene| scene.load == LoadSource::Constant && scene.input_point != simulation::InputPoint::Force,
 };

@@ -40,5 +40,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "constant speeds at two loads, and a hold under load with the pump at rest",
     source: "Wilson, Rotary-pump theory, Trans. ASME 68, 1946",
-    shows_in: |scene| scene.drive_input == simulation::InputPoint::Pump,
+    shows_in: |scene| scene.input_point == simulation::InputPoint::Pump,
 };

@@ -50,5 +50,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "steps of several sizes up to full command, spool recorded",
     source: "Vaughan & Gamble, J. Dyn. Syst. Meas. Control 118, 1996",
-    shows_in: |scene| scene.drive_input == InputPoint::Command,
+    shows_in: |scene| scene.input_point == InputPoint::Command,
 };

@@ -12,7 +12,7 @@
 //! Valve hysteresis follows without jumps once its play is taken up. Dither hides both. A rod that sticks and slips
 //! lets the pressures build up before it jumps; a stuck spool leaves them flat. A stiction that keeps most of its
 //! band does not jump either, and is a play: beside a hysteresis three times as wide as its band it only bends the loop of
-//! that, and is never claimed there.
+//! that, and is never accepted there.
 //!
 //! ## Parameters
 //! Band in parts of full travel, not negative: 0.5–3 %, 6 % in a silted valve; the share of the band that a jump ends short by,
@@ -48,5 +48,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "slow triangle without dither, spool recorded",
     source: "Choudhury, Thornhill, Shah, Control Engineering Practice 13, 2005",
-    shows_in: |scene| scene.drive_input == InputPoint::Command,
+    shows_in: |scene| scene.input_point == InputPoint::Command,
 };

@@ -56,5 +56,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "steps of several sizes, supply pressure recorded",
     source: "Merritt, Hydraulic Control Systems, 1967, ch. 11",
-    shows_in: |scene| matches!(scene.drive_input, InputPoint::Command | InputPoint::Spool),
+    shows_in: |scene| matches!(scene.input_point, InputPoint::Command | InputPoint::Spool),
 };

@@ -58,5 +58,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "steps of several sizes, both pressures and the tank pressure recorded",
     source: "Backé & Murrenhoff, Grundlagen der Ölhydraulik, RWTH Aachen",
-    shows_in: |scene| matches!(scene.drive_input, InputPoint::Command | InputPoint::Spool),
+    shows_in: |scene| matches!(scene.input_point, InputPoint::Command | InputPoint::Spool),
 };

@@ -54,5 +54,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "slow triangle at two rates, spool recorded",
     source: "Krasnosel'skii & Pokrovskii, Systems with Hysteresis, 1989",
-    shows_in: |scene| scene.drive_input == InputPoint::Command,
+    shows_in: |scene| scene.input_point == InputPoint::Command,
 };

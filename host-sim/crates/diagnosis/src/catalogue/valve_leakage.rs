@@ -47,5 +47,5 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "closed-valve hold under load, both pressures recorded",
     source: "Eryilmaz & Wilson, J. Franklin Institute 343, 2006",
-    shows_in: |scene| matches!(scene.drive_input, InputPoint::Command | InputPoint::Spool),
+    shows_in: |scene| matches!(scene.input_point, InputPoint::Command | InputPoint::Spool),
 };

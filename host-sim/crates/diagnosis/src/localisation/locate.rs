@@ -70,7 +70,7 @@ pub struct Sought<'a> {
     pub load: LoadSource,
     /// The recordings that it misses.
     pub cases: &'a [Case<'a>],
-    /// Subsystems of the effects that are claimed, the one that explains most first.
+    /// Subsystems of the effects that are accepted, the one that explains most first.
     pub named: &'a [Subsystem],
     /// Log-likelihood that the best hypothesis of each subsystem would gain.
     pub predicted_gains: &'a [(Subsystem, f64)],

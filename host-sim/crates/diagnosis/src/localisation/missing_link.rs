@@ -74,7 +74,7 @@ fn entered_at_spool<'a>(machine: &Machine<f64>, load: LoadSource, cases: &[Case<
         .iter()
         .map(|case| {
             let tick = Some(case.prepared.stimulus.tick);
-            let enters = case.prepared.stimulus.drive_input == InputPoint::Command && case.recording.has(Signal::Spool);
+            let enters = case.prepared.stimulus.input_point == InputPoint::Command && case.recording.has(Signal::Spool);
             let prepared =
                 enters.then(|| Prepared::entered_at(InputPoint::Spool, case.recording, machine, load, tick).ok());
             Below {

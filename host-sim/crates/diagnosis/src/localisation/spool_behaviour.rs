@@ -1,4 +1,4 @@
-//! What a recorded spool does that the model's does not: it hangs while it is driven, breaks away faster than the model ever goes, and
+//! What a recorded spool does that the model's does not: it sticks while it is driven, breaks away faster than the model ever goes, and
 //! rests in different places at the same command. These are descriptions, not effects: hysteresis, stiction, dirt and a worn spring share them.
 
 use std::fmt;
@@ -13,7 +13,7 @@ use super::case::Case;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Habit {
     /// It stays behind while the model's goes on.
-    Hangs {
+    Sticks {
         /// The recording that shows most of it.
         recording: String,
         /// Start, s.
@@ -24,7 +24,7 @@ pub enum Habit {
         at: f64,
         /// How far the model's goes meanwhile, of full travel.
         modelled: f64,
-        /// Recordings in which it hangs.
+        /// Recordings in which it is stuck.
         recordings: usize,
         /// Recordings of a spool.
         of: usize,
@@ -53,9 +53,9 @@ pub enum Habit {
 
 /// A difference of two readings is one beyond six standard deviations of a reading: noise alone differs so far once in fifty thousand pairs.
 const DIFFERS: f64 = 6.0;
-/// A spool hangs while it goes less than this share of what the model's goes.
+/// A spool is stuck while it goes less than this share of what the model's goes.
 const HANGS: f64 = 0.25;
-/// Longest time that it is looked for to hang, s.
+/// Longest time that it is looked for to be stuck, s.
 const LONGEST_S: f64 = 0.5;
 /// It breaks away where it is so many times faster than the model's.
 const FASTER: f64 = 1.5;
@@ -104,26 +104,27 @@ pub(crate) fn habits(cases: &[Case<'_>], trajectories: &[Trajectory]) -> Vec<Hab
 }
 
 fn described(spools: &[Spool<'_>]) -> Vec<Habit> {
-    let hangs: Vec<(&Spool<'_>, Hang)> = spools.iter().filter_map(|spool| Some((spool, spool.hangs()?))).collect();
+    let stretches: Vec<(&Spool<'_>, Stuck)> =
+        spools.iter().filter_map(|spool| Some((spool, spool.sticks()?))).collect();
     let mut found = Vec::new();
-    if let Some((spool, hang)) = hangs.iter().max_by(|a, b| a.1.behind.total_cmp(&b.1.behind)) {
-        found.push(Habit::Hangs {
+    if let Some((spool, stuck)) = stretches.iter().max_by(|a, b| a.1.behind.total_cmp(&b.1.behind)) {
+        found.push(Habit::Sticks {
             recording: spool.recording.to_owned(),
-            from_s: spool.time_s[hang.first],
-            to_s: spool.time_s[hang.last],
-            at: spool.recorded[hang.first],
-            modelled: (spool.modelled[hang.last] - spool.modelled[hang.first]).abs(),
-            recordings: hangs.len(),
+            from_s: spool.time_s[stuck.first],
+            to_s: spool.time_s[stuck.last],
+            at: spool.recorded[stuck.first],
+            modelled: (spool.modelled[stuck.last] - spool.modelled[stuck.first]).abs(),
+            recordings: stretches.len(),
             of: spools.len(),
         });
-        found.extend(spool.breaks_away(hang));
+        found.extend(spool.breaks_away(stuck));
     }
     found.extend(rests_apart(spools));
     found
 }
 
-/// A stretch in which the spool hangs.
-struct Hang {
+/// A stretch in which the spool is stuck.
+struct Stuck {
     first: usize,
     last: usize,
     /// How much further the model's goes, in standard deviations of the noise.
@@ -132,9 +133,9 @@ struct Hang {
 
 impl Spool<'_> {
     /// The stretch in which it falls furthest behind the model's while hardly moving.
-    fn hangs(&self) -> Option<Hang> {
+    fn sticks(&self) -> Option<Stuck> {
         let moved = |series: &[f64], from: usize, to: usize| series[to] - series[from];
-        let mut best: Option<Hang> = None;
+        let mut best: Option<Stuck> = None;
         for first in 0..self.time_s.len() {
             for last in first + 1..self.time_s.len() {
                 if self.time_s[last] - self.time_s[first] > LONGEST_S {
@@ -145,7 +146,7 @@ impl Spool<'_> {
                 // Noise alone is no motion, nor does it hide one.
                 let is_one = modelled.abs() * HANGS > DIFFERS * self.noise && own.abs() < HANGS * modelled.abs();
                 if is_one && best.as_ref().is_none_or(|known| behind > known.behind) {
-                    best = Some(Hang { first, last, behind });
+                    best = Some(Stuck { first, last, behind });
                 }
             }
         }
@@ -153,16 +154,16 @@ impl Spool<'_> {
     }
 
     /// Where it lets go after it hung, if it does so faster than the model's moves from there on for as long again.
-    fn breaks_away(&self, hang: &Hang) -> Option<Habit> {
-        let until_s = self.time_s[hang.last] + LONGEST_S;
+    fn breaks_away(&self, stuck: &Stuck) -> Option<Habit> {
+        let until_s = self.time_s[stuck.last] + LONGEST_S;
         let rows =
-            || (hang.first..self.time_s.len().saturating_sub(2)).take_while(|row| self.time_s[row + 2] < until_s);
+            || (stuck.first..self.time_s.len().saturating_sub(2)).take_while(|row| self.time_s[row + 2] < until_s);
         // Over two rows: a single step of a noisy reading is no speed.
         let speed = |series: &[f64], row: usize| {
             (series[row + 2] - series[row]).abs() / (self.time_s[row + 2] - self.time_s[row])
         };
         let fastest = rows()
-            .filter(|row| *row >= hang.last.saturating_sub(2))
+            .filter(|row| *row >= stuck.last.saturating_sub(2))
             .max_by(|a, b| speed(&self.recorded, *a).total_cmp(&speed(&self.recorded, *b)))?;
         let (own, modelled) =
             (speed(&self.recorded, fastest), rows().map(|row| speed(self.modelled, row)).fold(0.0, f64::max));
@@ -231,7 +232,7 @@ impl Habit {
     #[must_use]
     pub const fn name(&self) -> &'static str {
         match self {
-            Habit::Hangs { .. } => "hangs",
+            Habit::Sticks { .. } => "hangs",
             Habit::BreaksAway { .. } => "breaks-away",
             Habit::RestsApart { .. } => "rests-apart",
         }
@@ -242,7 +243,7 @@ impl fmt::Display for Habit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let travel = |share: f64| significant(100.0 * share, 2);
         match self {
-            Habit::Hangs { recording, from_s, to_s, at, modelled, recordings, of } => write!(
+            Habit::Sticks { recording, from_s, to_s, at, modelled, recordings, of } => write!(
                 f,
                 "the spool is stuck at {} % of its travel while the model's spool moves on by {} % ({recording} from {} to {} s; seen in {recordings} of {of} recordings)",
                 travel(*at),
@@ -315,7 +316,7 @@ mod tests {
         });
         let found = described(&[spool("a", &time_s, &command, sticks.collect(), &free)]);
         let [
-            Habit::Hangs { from_s, to_s, at, modelled, .. },
+            Habit::Sticks { from_s, to_s, at, modelled, .. },
             Habit::BreaksAway { at_s, speed_per_s, modelled_per_s, .. },
         ] = found.as_slice()
         else {

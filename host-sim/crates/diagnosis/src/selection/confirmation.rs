@@ -68,7 +68,7 @@ pub fn confirm(
         let (after, missed) = (softened(chosen, case, start)?, standardised(chosen, case, start)?);
         let mut total = 0.0;
         for ((channel, missed), (before, after)) in case.channels.iter().zip(&missed).zip(before.iter().zip(&after)) {
-            let gain = gained(before, after, counts_from(case.stimulus.drive_input));
+            let gain = gained(before, after, counts_from(case.stimulus.input_point));
             total += gain;
             add(&mut signals, channel.signal, gain);
             // A signal that is mostly noise fits no better than its mean, whatever the model.

@@ -59,7 +59,7 @@ pub(crate) const FURTHER_EXPLAINS: f64 = EQUATION_ERROR_SQUARED;
 /// fiftieth of the recordings moves no parameter further than such a step tells.
 pub(crate) const MOST_REFITTED_WITHOUT: usize = 50;
 
-/// By so much another set of as many effects has to be likelier to forbid a claim. Source: once in twenty.
+/// By so much another set of as many effects has to be likelier to forbid that one is accepted. Source: once in twenty.
 pub(crate) const LIKELIER_BY: f64 = ONCE_IN_TWENTY;
 
 /// Sets that are less likely than the accepted one by no more than this are kept as its rivals. Source: once in twenty.

@@ -108,7 +108,7 @@ fn begun(
     load: LoadSource,
 ) -> Result<Prepared, SimulateError> {
     let rows = recording.rows();
-    let stimulus = Stimulus::new(recording, machine, whole.stimulus.drive_input, load, whole.stimulus.tick)?;
+    let stimulus = Stimulus::new(recording, machine, whole.stimulus.input_point, load, whole.stimulus.tick)?;
     Ok(Prepared {
         name: whole.name.clone(),
         time_s: recording.time_s().to_vec(),

@@ -62,7 +62,7 @@ pub fn lengthened(
 }
 
 impl Selection {
-    /// Whether a claim that is left of the chosen set was the likeliest of its size, where that was decided.
+    /// Whether an effect that is left of the chosen set was the likeliest of its size, where that was decided.
     fn makes_likeliest(&self, accepted: &Candidate) -> bool {
         let count = accepted.effects.len();
         count == self.chosen.effects.len()

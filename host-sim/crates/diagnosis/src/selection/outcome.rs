@@ -48,7 +48,7 @@ impl Trial {
 pub struct Selection {
     /// The machine file's model, refitted.
     pub base: Candidate,
-    /// The chosen set; the base again if nothing is claimed.
+    /// The chosen set; the base again if nothing is accepted.
     pub chosen: Candidate,
     /// Every set that was refitted, round by round, the best first.
     pub rounds: Vec<Vec<Trial>>,
@@ -59,7 +59,7 @@ pub struct Selection {
 }
 
 impl Selection {
-    /// The effect alone that the training recordings make likelier than none by more than chance does, where nothing is claimed.
+    /// The effect alone that the training recordings make likelier than none by more than chance does, where nothing is accepted.
     #[must_use]
     pub fn suspected(&self) -> Option<&'static Hypothesis> {
         let best = self.rounds.first()?.first()?;

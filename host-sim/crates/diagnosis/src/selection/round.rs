@@ -63,7 +63,7 @@ pub(crate) fn reduced(
         let may_go = |&index: &usize| !stay.contains(&rest.effects[index].effect.plainest());
         let indices: Vec<usize> = (0..rest.effects.len()).filter(may_go).collect();
         let fewer: Vec<Option<(bool, Candidate)>> = parallel::try_each(indices, without)?;
-        // Of two that each make the other superfluous, the one that is a claim stays, or the one that leaves less.
+        // Of two that each make the other superfluous, the one that is acceptable stays, or the one that leaves less.
         let best = fewer
             .into_iter()
             .flatten()

@@ -19,7 +19,7 @@ impl Selection {
     /// Takes out of a set of several every effect that held-out recordings gain nothing by beside the others, refitted without it
     /// to the training recordings; the last added first. A signal may get worse by as little as the forms of the others may be off:
     /// that is not the fault of the one in question. While the chain is far off, one may also gain on its own side of the spool.
-    /// What is left has to be a claim by itself, else it goes as well: a pair may have been claimed because neither was enough
+    /// What is left has to be acceptable by itself, else it goes as well: a pair may have been accepted because neither was enough
     /// alone. Those that were taken out.
     pub fn refused(
         &mut self,

@@ -7,7 +7,7 @@ use simulation::signal::noise::{extent, noise, resolution};
 
 /// What was found in one column.
 #[derive(Clone, Debug, PartialEq)]
-pub struct FoundColumn {
+pub struct InspectedColumn {
     /// What it holds.
     pub signal: Signal,
     /// Its header in the file.
@@ -26,7 +26,7 @@ pub struct FoundColumn {
     pub failed: usize,
 }
 
-impl FoundColumn {
+impl InspectedColumn {
     pub(crate) fn of(time_s: &[f64], column: &Column) -> Self {
         let values = &column.values;
         let (low, high) = extent(values);

@@ -8,7 +8,7 @@ use simulation::signal::noise::{extent, noise, resolution};
 use simulation::signal::slope::slopes;
 use simulation::signal::window::rows_in;
 
-use super::channels::FoundColumn;
+use super::channels::InspectedColumn;
 
 /// Velocity is the slope over this time, s.
 const OVER_S: f64 = 0.1;
@@ -161,11 +161,11 @@ fn held(time_s: &[f64], moves: &[bool]) -> f64 {
 }
 
 /// Channels that tell nothing.
-pub(crate) fn doubts(channels: &[FoundColumn]) -> Vec<String> {
-    let constant = |channel: &&FoundColumn| {
+pub(crate) fn doubts(channels: &[InspectedColumn]) -> Vec<String> {
+    let constant = |channel: &&InspectedColumn| {
         channel.is_constant() && channel.noise.is_none() && channel.signal != Signal::ValveDirection
     };
-    let told = |channel: &FoundColumn| {
+    let told = |channel: &InspectedColumn| {
         let (unit, value) = (channel.unit, channel.low);
         let shown = format!("{} {unit}", significant(unit.from_si(value), 3));
         format!("{} is {shown} in every row and cannot be judged", channel.signal)

@@ -12,7 +12,7 @@ use machine_file::MachineFile;
 use model_core::machine::Source;
 use recording::{Recording, Signal};
 
-pub use channels::FoundColumn;
+pub use channels::InspectedColumn;
 pub use excitation::{Excited, Opened, Travelled};
 pub use testable::{LinkTest, Reach};
 pub use units::unit_doubts;
@@ -29,7 +29,7 @@ pub struct Inspection {
     /// What its time stamps say.
     pub stamps: Stamps,
     /// The known columns but time, in the order of the file.
-    pub channels: Vec<FoundColumn>,
+    pub channels: Vec<InspectedColumn>,
     /// Headers of columns that hold no known signal.
     pub ignored: Vec<String>,
     /// What reading had to put right: duplicates, gaps, empty cells.
@@ -50,11 +50,11 @@ impl Inspection {
     pub fn of(recording: &Recording, file: Option<&MachineFile>) -> Self {
         let time_s = recording.time_s();
         let source = file.map_or_else(|| suggested(recording), |file| file.machine.source);
-        let channels: Vec<FoundColumn> = recording
+        let channels: Vec<InspectedColumn> = recording
             .columns()
             .iter()
             .filter(|column| column.signal != Signal::Time)
-            .map(|column| FoundColumn::of(time_s, column))
+            .map(|column| InspectedColumn::of(time_s, column))
             .collect();
         let excited = Excited::of(recording, file.map(|file| &file.machine));
         let mut advice = excitation::doubts(&channels);

@@ -11,14 +11,14 @@ pub enum Reach {
     /// By itself: a miss is made there.
     Alone {
         /// Where the chain is entered.
-        drive_input: InputPoint,
+        input_point: InputPoint,
         /// What it is judged by.
         judged: Vec<Signal>,
     },
     /// Together with others: a miss may be made in any of them.
     Together {
         /// Where the chain is entered.
-        drive_input: InputPoint,
+        input_point: InputPoint,
         /// What they are judged by.
         judged: Vec<Signal>,
     },
@@ -41,7 +41,7 @@ pub struct LinkTest {
 
 /// What has to be measured to test a link by itself.
 struct Way {
-    drive_input: InputPoint,
+    input_point: InputPoint,
     needs: &'static [Signal],
     judged: &'static [Signal],
 }
@@ -54,7 +54,7 @@ const ENOUGH: [Signal; 6] = [Command, Spool, PumpSpeed, Position, PressureA, Pre
 fn ways(link: Subsystem, source: Source) -> Vec<Way> {
     const MOTION: &[Signal] = &[Position, Velocity];
     const PRESSURES: &[Signal] = &[PressureA, PressureB];
-    let way = |drive_input, needs, judged| Way { drive_input, needs, judged };
+    let way = |input_point, needs, judged| Way { input_point, needs, judged };
     // A pump's speed takes the place of the spool.
     let (feed, with_pressures): (InputPoint, &'static [Signal]) = match source {
         Source::Valve => (InputPoint::Spool, &[Spool, PressureA, PressureB, Position]),
@@ -94,7 +94,7 @@ fn tested(link: Subsystem, source: Source, has: &impl Fn(Signal) -> bool) -> Lin
     let missing = lacks(&way);
     let reach = if missing.is_empty() {
         let judged = way.judged.iter().copied().filter(|signal| has(*signal)).collect();
-        Reach::Alone { drive_input: way.drive_input, judged }
+        Reach::Alone { input_point: way.input_point, judged }
     } else {
         together(link, source, has)
     };
@@ -105,11 +105,11 @@ fn tested(link: Subsystem, source: Source, has: &impl Fn(Signal) -> bool) -> Lin
 
 /// The drive input furthest upstream, where it lies above the link and something below the link is measured.
 fn together(link: Subsystem, source: Source, has: &impl Fn(Signal) -> bool) -> Reach {
-    let drive_inputs = match source {
+    let input_points = match source {
         Source::Valve => &[(InputPoint::Command, Command), (InputPoint::Spool, Spool), (InputPoint::Flow, Flow)][..],
         Source::Pump => &[(InputPoint::Pump, PumpSpeed), (InputPoint::Flow, Flow)],
     };
-    let Some((drive_input, _)) = drive_inputs.iter().find(|(_, signal)| has(*signal)) else { return Reach::No };
+    let Some((input_point, _)) = input_points.iter().find(|(_, signal)| has(*signal)) else { return Reach::No };
     let (above, below): (&[InputPoint], &[Signal]) = match link {
         Subsystem::Valve => (&[InputPoint::Command], computed_below(InputPoint::Command)),
         Subsystem::Flow => (
@@ -124,11 +124,11 @@ fn together(link: Subsystem, source: Source, has: &impl Fn(Signal) -> bool) -> R
             (&[InputPoint::Command, InputPoint::Spool, InputPoint::Pump, InputPoint::Flow], &[Velocity, Position])
         }
     };
-    let computed = computed_below(*drive_input);
+    let computed = computed_below(*input_point);
     let judged: Vec<Signal> =
         below.iter().copied().filter(|signal| has(*signal) && computed.contains(signal)).collect();
-    if above.contains(drive_input) && !judged.is_empty() {
-        Reach::Together { drive_input: *drive_input, judged }
+    if above.contains(input_point) && !judged.is_empty() {
+        Reach::Together { input_point: *input_point, judged }
     } else {
         Reach::No
     }

@@ -1,4 +1,4 @@
-//! Which effects would be seen, and which would pass for which: by the rules that a diagnosis claims by.
+//! Which effects would be seen, and which would pass for which: by the decision rule of the diagnosis.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -12,8 +12,8 @@ pub struct Isolability {
     /// How far each effect takes the sensors, in standard deviations of their noise (root of the sum of squares), once ordinary
     /// parameters have settled.
     pub seen: Vec<f64>,
-    /// Whether that is enough to claim it.
-    pub claimed: Vec<bool>,
+    /// Whether that is enough to accept it.
+    pub accepted: Vec<bool>,
     /// For each effect that is there, each other one: what the best of its forms leaves, in standard deviations.
     pub left: Vec<Vec<f64>>,
     /// Whether that tells the two apart. Every effect is told from itself.
@@ -51,7 +51,7 @@ impl Isolability {
             let left = ways.map(|way| (square(truth) - explained(&settled, way, at(way.first), usual(truth))).max(0.0));
             left.fold(square(truth), f64::min)
         };
-        let claimed = |effect: usize| 0.5 * square(effect) > needed(directions.fewest(effect), samples);
+        let accepted = |effect: usize| 0.5 * square(effect) > needed(directions.fewest(effect), samples);
         let told = |truth: usize, rival: usize, left: f64| {
             // What takes the other in is only named where it earns what it has more.
             let takes_in =
@@ -67,7 +67,7 @@ impl Isolability {
             (0..effects).map(|truth| (0..effects).map(|rival| left_by(truth, rival)).collect()).collect();
         Self {
             seen: (0..effects).map(|effect| square(effect).sqrt()).collect(),
-            claimed: (0..effects).map(claimed).collect(),
+            accepted: (0..effects).map(accepted).collect(),
             told: (0..effects)
                 .map(|truth| (0..effects).map(|rival| told(truth, rival, left[truth][rival])).collect())
                 .collect(),
@@ -75,14 +75,14 @@ impl Isolability {
         }
     }
 
-    /// Effects that would be claimed as they usually are.
-    pub fn claimed(&self) -> impl Iterator<Item = usize> + '_ {
-        self.claimed.iter().enumerate().filter(|(_, claimed)| **claimed).map(|(effect, _)| effect)
+    /// Effects that would be accepted as they usually are.
+    pub fn accepted(&self) -> impl Iterator<Item = usize> + '_ {
+        self.accepted.iter().enumerate().filter(|(_, accepted)| **accepted).map(|(effect, _)| effect)
     }
 
     /// Pairs (what is there, what it would pass for) of those.
     pub fn confused(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        self.claimed().flat_map(|truth| self.rivals(truth).map(move |rival| (truth, rival)))
+        self.accepted().flat_map(|truth| self.rivals(truth).map(move |rival| (truth, rival)))
     }
 
     /// What an effect would pass for.
@@ -90,9 +90,9 @@ impl Isolability {
         self.told[truth].iter().enumerate().filter(|(_, told)| !**told).map(|(rival, _)| rival)
     }
 
-    /// How much is told: effects that are claimed and the pairs of them, and, where these are equal, by how far.
+    /// How much is told: effects that are accepted and the pairs of them, and, where these are equal, by how far.
     pub(crate) fn worth(&self) -> (usize, f64) {
-        self.claimed().fold((0, 0.0), |(count, far), truth| {
+        self.accepted().fold((0, 0.0), |(count, far), truth| {
             let told = self.told[truth].iter().filter(|told| **told).count();
             let by: f64 = self.left[truth].iter().map(|left| left.ln_1p()).sum();
             (count + told, far + by)

@@ -1,7 +1,7 @@
 //! What a recording will be able to show, before it is made: effects that would be seen, and those that would pass for each other.
 //!
 //! Every effect is switched on in the model, as it usually is, and the sensors' noise is what a difference counts in. What a refit of the
-//! base parameters and of the start would imitate is taken out first. An effect is seen where the rest would be claimed: half its sum
+//! base parameters and of the start would imitate is taken out first. An effect is seen where the rest would be accepted: half its sum
 //! of squares beyond the penalty for its effect parameters and beyond chance. It passes for another one where that, in the best of its forms
 //! and effect parameters, leaves too little to be preferred. Effect parameters count linearly, about where they usually lie, and the noise is taken to
 //! be white: a real recording shows less, never more.
@@ -80,7 +80,7 @@ pub struct Prospect {
     pub effect: &'static Hypothesis,
     /// Its effect parameters as it usually is, SI, the shapes among them.
     pub usual: Vec<(Parameter, f64)>,
-    /// The smallest amount that would be claimed, as a share of the usual one; infinite where even the largest usual one is not.
+    /// The smallest amount that would be accepted, as a share of the usual one; infinite where even the largest usual one is not.
     pub smallest: f64,
 }
 
@@ -91,7 +91,7 @@ impl Prospect {
         self.usual.iter().copied().find(|(parameter, _)| is_amount(self.effect, *parameter))
     }
 
-    /// The smallest value of that amount that would be claimed.
+    /// The smallest value of that amount that would be accepted.
     #[must_use]
     pub fn smallest_value(&self) -> Option<f64> {
         self.amount().map(|(_, value)| self.smallest * value).filter(|value| value.is_finite())
@@ -124,8 +124,8 @@ pub struct Outlook {
 pub struct Addition {
     /// The sensor, with usual noise.
     pub sensor: Sensor,
-    /// Effects that would be claimed with it.
-    pub claimed: usize,
+    /// Effects that would be accepted with it.
+    pub accepted: usize,
     /// Pairs of those that would still pass for each other.
     pub confused: usize,
 }
@@ -159,7 +159,7 @@ pub fn plan(planned: &Planned<'_>, given: Option<&Stimulus>, done: &(dyn Fn() + 
     let judged: Vec<Signal> = planned.sensors.iter().map(|sensor| sensor.signal).collect();
     let scene = Scene {
         machine,
-        drive_input: InputPoint::Command,
+        input_point: InputPoint::Command,
         load: LoadSource::Constant,
         judged: &judged,
         travel_m: (0.2 * machine.get(Parameter::Stroke), 0.8 * machine.get(Parameter::Stroke)),
@@ -246,7 +246,7 @@ impl Judge<'_> {
         Ok((Outlook { duration_s, effects, isolability }, products))
     }
 
-    /// The share of an effect's usual amounts from which on it is claimed.
+    /// The share of an effect's usual amounts from which on it is accepted.
     fn smallest(&self, effect: usize, seen: f64, scale: &Scale<'_>, samples: f64) -> f64 {
         /// How often the share is corrected by what it does.
         const ROUNDS: usize = 4;
@@ -275,11 +275,11 @@ impl Judge<'_> {
                 let wider: Vec<usize> = at_hand.iter().copied().chain([further]).collect();
                 let (over, samples) = products.over(&wider);
                 let isolability = Isolability::of(self.directions, &over, samples);
-                let (claimed, confused) = (isolability.claimed().count(), isolability.confused().count());
-                Addition { sensor: self.sensors[further], claimed, confused }
+                let (accepted, confused) = (isolability.accepted().count(), isolability.confused().count());
+                Addition { sensor: self.sensors[further], accepted, confused }
             })
             .collect();
-        let told = |addition: &Addition| addition.claimed * (self.directions.effects.len() - 1) - addition.confused;
+        let told = |addition: &Addition| addition.accepted * (self.directions.effects.len() - 1) - addition.confused;
         found.sort_by_key(|addition| std::cmp::Reverse(told(addition)));
         found
     }

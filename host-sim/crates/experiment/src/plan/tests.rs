@@ -49,12 +49,12 @@ fn with_the_position_alone_effects_pass_for_each_other_that_a_spool_and_pressure
     assert!(seeing.best.isolability.told[hysteresis][stiction] && seeing.best.isolability.told[stiction][hysteresis]);
     // A spool or a pressure is what the position alone lacks, and nothing more is advised where all are there.
     let better = &blind.additions[0];
-    assert!(better.confused < share(&blind) || better.claimed > blind.best.isolability.claimed().count());
+    assert!(better.confused < share(&blind) || better.accepted > blind.best.isolability.accepted().count());
     assert!(seeing.additions.is_empty());
 }
 
 #[test]
-fn what_is_claimed_from_the_smallest_amount_on_is_not_claimed_below_it() {
+fn what_is_accepted_from_the_smallest_amount_on_is_not_accepted_below_it() {
     let machine = drive();
     let sensors =
         [Signal::PressureA, Signal::PressureB, Signal::Position].map(|signal| Sensor::usual(signal, &machine));

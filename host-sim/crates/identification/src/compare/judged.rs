@@ -8,7 +8,7 @@ use machine_file::LoadSource;
 use model_core::machine::Source;
 use recording::channel_map::nearest_signal;
 use recording::{Recording, Signal};
-use simulation::{InputPoint, SimulateError, first_drive_input};
+use simulation::{InputPoint, SimulateError, first_input_point};
 
 use super::judged;
 
@@ -50,9 +50,9 @@ pub fn judged_by(
     if wanted.is_empty() {
         return Ok(recording);
     }
-    let drive_input = first_drive_input(source, &recording)?;
-    let mut computed = judged(&recording, drive_input, load);
-    if source == Source::Valve && recording.has(Signal::SupplyPressure) && drive_input <= InputPoint::Spool {
+    let input_point = first_input_point(source, &recording)?;
+    let mut computed = judged(&recording, input_point, load);
+    if source == Source::Valve && recording.has(Signal::SupplyPressure) && input_point <= InputPoint::Spool {
         computed.push(Signal::SupplyPressure);
     }
     if let Some(&signal) = wanted.iter().find(|signal| !computed.contains(signal)) {

@@ -13,7 +13,7 @@ use recording::{Recording, Signal};
 use simulation::figures_of_merit::SignalFit;
 use simulation::sensor_fault::Mended;
 use simulation::{
-    Arithmetic, InputPoint, StartOffset, Stimulus, Trajectory, computed_below, first_drive_input, natural_tick,
+    Arithmetic, InputPoint, StartOffset, Stimulus, Trajectory, computed_below, first_input_point, natural_tick,
 };
 
 pub use crate::error::CompareError;
@@ -63,7 +63,7 @@ pub struct SectionFit {
     /// Which.
     pub section: Section,
     /// Where it was entered.
-    pub drive_input: InputPoint,
+    pub input_point: InputPoint,
     /// The fit of each measured signal that it computes.
     pub fits: Vec<SignalFit>,
     /// RMS by which each of these signals is off through the noise of the recorded signals that drive the section, in SI units.
@@ -84,7 +84,7 @@ pub struct Comparison {
 /// One planned section: where it is entered, where its load comes from, what it is judged by.
 struct Plan {
     section: Section,
-    drive_input: InputPoint,
+    input_point: InputPoint,
     load: LoadSource,
     judged: Vec<Signal>,
 }
@@ -92,7 +92,7 @@ struct Plan {
 impl Plan {
     /// Whether signals drive it that a sensor has recorded: a command and a pump's speed are set.
     fn is_driven_by_sensors(&self) -> bool {
-        !self.drive_input.is_set() || self.load == LoadSource::RecordedPressures
+        !self.input_point.is_set() || self.load == LoadSource::RecordedPressures
     }
 }
 
@@ -144,7 +144,7 @@ pub fn compare_told(
         .into_iter()
         .map(|plan| {
             let simulated = |mended: &Mended<'_>| {
-                let stimulus = Stimulus::of_mended(mended, machine, plan.drive_input, plan.load, tick)?;
+                let stimulus = Stimulus::of_mended(mended, machine, plan.input_point, plan.load, tick)?;
                 arithmetic.simulate_told(machine, &stimulus, StartOffset::none(), told)
             };
             let trajectory = simulated(&mended)?;
@@ -161,7 +161,7 @@ pub fn compare_told(
                     Some(SignalFit::of(signal, recording.time_s(), recorded, simulated))
                 })
                 .collect();
-            Ok(SectionFit { section: plan.section, drive_input: plan.drive_input, fits, input_noise, trajectory })
+            Ok(SectionFit { section: plan.section, input_point: plan.input_point, fits, input_noise, trajectory })
         })
         .collect::<Result<Vec<_>, CompareError>>()?;
     Ok(Comparison { recording: recording.name().to_owned(), sections })
@@ -176,17 +176,17 @@ pub fn rows_simulated(source: Source, load: LoadSource, recording: &Recording) -
 
 /// Measured signals below a drive input that can be judged: pressures that are an input cannot, nor yet that of the supply.
 #[must_use]
-pub fn judged(recording: &Recording, drive_input: InputPoint, load: LoadSource) -> Vec<Signal> {
+pub fn judged(recording: &Recording, input_point: InputPoint, load: LoadSource) -> Vec<Signal> {
     let given = |signal: Signal| match signal {
         Signal::SupplyPressure => true,
         Signal::PressureA | Signal::PressureB | Signal::Force => load == LoadSource::RecordedPressures,
         _ => false,
     };
-    computed_below(drive_input).iter().copied().filter(|&signal| recording.has(signal) && !given(signal)).collect()
+    computed_below(input_point).iter().copied().filter(|&signal| recording.has(signal) && !given(signal)).collect()
 }
 
 fn plans(source: Source, load: LoadSource, recording: &Recording) -> Result<Vec<Plan>, CompareError> {
-    let first = first_drive_input(source, recording)?;
+    let first = first_input_point(source, recording)?;
     let all = judged(recording, first, load);
     if all.is_empty() {
         return Err(CompareError::NothingMeasured { recording: recording.name().to_owned() });
@@ -201,10 +201,10 @@ fn plans(source: Source, load: LoadSource, recording: &Recording) -> Result<Vec<
         Source::Valve => has(Signal::Spool).then_some(InputPoint::Spool),
         Source::Pump => has(Signal::PumpSpeed).then_some(InputPoint::Pump),
     };
-    let mut plans = vec![Plan { section: Section::EndToEnd, drive_input: first, load, judged: all }];
-    let mut add = |section, drive_input, load, judged: Vec<Signal>| {
+    let mut plans = vec![Plan { section: Section::EndToEnd, input_point: first, load, judged: all }];
+    let mut add = |section, input_point, load, judged: Vec<Signal>| {
         if !judged.is_empty() {
-            plans.push(Plan { section, drive_input, load, judged });
+            plans.push(Plan { section, input_point, load, judged });
         }
     };
     if first == InputPoint::Command && has(Signal::Spool) {

@@ -195,7 +195,7 @@ mod tests {
         };
         let section = |&(section, signal, percent): &(Section, Signal, f64)| SectionFit {
             section,
-            drive_input: InputPoint::Command,
+            input_point: InputPoint::Command,
             fits: vec![fit(signal, percent)],
             input_noise: vec![0.0],
             trajectory: Trajectory { series: vec![(Signal::Spool, Vec::new()), (Signal::PressureA, Vec::new())] },

@@ -200,8 +200,8 @@ pub type Counts = fn(&[f64]) -> f64;
 
 /// How they are counted of recordings that enter the chain there. What a sensor's signal drives adds up that sensor's noise, smooth beneath the
 /// independent noise of what it is judged by.
-pub fn counts_from(drive_input: InputPoint) -> Counts {
-    if drive_input.is_set() { effective_samples } else { samples_by_blocks }
+pub fn counts_from(input_point: InputPoint) -> Counts {
+    if input_point.is_set() { effective_samples } else { samples_by_blocks }
 }
 
 /// The sum of the squares of a series; of softened residuals, their loss.

@@ -1,13 +1,13 @@
 //! Static recordings: what a slow sweep, a table of means or runs at constant command tell of a valve without a clock.
 //!
-//! Only rate-independent claims are made: width of the loop, null, dead zone, gain and where it falls, droop of the supply and
+//! Only rate-independent indications are made: width of the loop, null, dead zone, gain and where it falls, droop of the supply and
 //! rise of the return pressure with flow. What the instrument does to its reading (a staircase, a jump at one reading) is told
 //! apart from the valve and said. A loop that is as wide at every level is hysteresis if the sweep was slow; a triangular sweep
 //! of one rate cannot exclude a lag, and the remarks say so.
 
 mod branch;
-pub mod claims;
 mod curve;
+pub mod indications;
 mod instrument;
 mod line;
 mod runs;
@@ -20,8 +20,8 @@ use recording::{RecordingError, Table};
 use simulation::signal::noise::extent;
 
 pub use branch::{Branch, branches};
-pub use claims::Claim;
 pub use curve::{Edge, Hysteresis, LocalGain, Null, Saturation};
+pub use indications::Indication;
 pub use instrument::{Jump, Staircase, jumps, staircase};
 pub use line::Line;
 pub use runs::{VELOCITY, means};
@@ -145,7 +145,7 @@ pub struct Statics {
     /// The return pressure over flow.
     pub returning: Option<Port>,
     /// Effects of the vocabulary, with what speaks for them.
-    pub claims: Vec<Claim>,
+    pub indications: Vec<Indication>,
     /// What a reader should know.
     pub remarks: Vec<String>,
 }
@@ -197,7 +197,7 @@ pub fn analyse(table: &Table, columns: &Columns) -> Result<Statics, StaticsError
         supply: port(&columns.supply, 0.0)?,
         // A closed valve traps any pressure behind it.
         returning: port(&columns.returning, 0.01)?,
-        claims: Vec::new(),
+        indications: Vec::new(),
         remarks: Vec::new(),
         input: input_axis,
         output: output_axis,
@@ -209,8 +209,8 @@ pub fn analyse(table: &Table, columns: &Columns) -> Result<Statics, StaticsError
         spool_saturation,
         staircase,
     };
-    statics.claims = claims::claims(&statics);
-    statics.remarks = claims::remarks(&statics, table.clock_s().is_some(), columns.spool.is_some());
+    statics.indications = indications::indications(&statics);
+    statics.remarks = indications::remarks(&statics, table.clock_s().is_some(), columns.spool.is_some());
     Ok(statics)
 }
 

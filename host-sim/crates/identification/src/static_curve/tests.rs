@@ -31,7 +31,7 @@ fn valve(width: f64, dead_zone: f64, full: f64) -> Table {
 }
 
 fn names(statics: &Statics) -> Vec<&'static str> {
-    statics.claims.iter().map(|claim| claim.effect).collect()
+    statics.indications.iter().map(|indication| indication.effect).collect()
 }
 
 #[test]

@@ -9,7 +9,7 @@ pub(crate) mod waterfall;
 pub(crate) mod whiteness;
 
 use effect_picture::{Picture, pictures};
-use preprocessing::{Found, found};
+use preprocessing::{Preprocessing, preprocessing};
 use state_map::state_maps;
 use timeline::timeline;
 use waterfall::Waterfall;
@@ -32,15 +32,15 @@ pub struct Exhibits {
     pub whiteness: Vec<Whiteness>,
     /// The same of the model before.
     pub whiteness_before: Vec<Whiteness>,
-    /// Each claimed effect against its rivals.
+    /// Each accepted effect against its rivals.
     pub separations: Vec<Separation>,
     /// What was found in each recording.
-    pub found: Vec<Found>,
+    pub preprocessing: Vec<Preprocessing>,
     /// The effects' own pictures; empty unless asked for.
     pub pictures: Vec<Picture>,
     /// When the error is made, all training recordings together; `None` unless asked for and located.
     pub timeline: Option<Rows>,
-    /// Operating regions it is made, before and, with something claimed, after; empty unless asked for and located.
+    /// Operating regions it is made, before and, with something accepted, after; empty unless asked for and located.
     pub maps: Vec<Cells>,
 }
 
@@ -59,7 +59,12 @@ impl Exhibits {
             whiteness: whiteness(diagnosis, &recordings, true),
             whiteness_before: whiteness(diagnosis, &recordings, false),
             separations: separations(diagnosis, file.load_source, &recordings)?,
-            found: diagnosis.shown.iter().zip(&recordings).map(|(shown, recording)| found(recording, shown)).collect(),
+            preprocessing: diagnosis
+                .shown
+                .iter()
+                .zip(&recordings)
+                .map(|(shown, recording)| preprocessing(recording, shown))
+                .collect(),
             pictures: if with_pictures { pictures(diagnosis, &recordings)? } else { Vec::new() },
             timeline: if with_pictures { timeline(diagnosis) } else { None },
             maps: if with_pictures { state_maps(diagnosis, &recordings) } else { Vec::new() },

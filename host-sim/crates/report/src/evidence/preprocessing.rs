@@ -21,7 +21,7 @@ const LEAST_SHARE: f64 = 1e-3;
 
 /// What was found in one channel.
 #[derive(Clone, Debug, PartialEq)]
-pub struct FoundChannel {
+pub struct PreparedChannel {
     /// The signal.
     pub signal: Signal,
     /// Standard deviation of its noise, SI.
@@ -31,7 +31,7 @@ pub struct FoundChannel {
     /// Rows where it failed for a moment; they are not judged.
     pub spikes: usize,
     /// Where it failed for longer; not judged either.
-    pub failures: Vec<FoundFailure>,
+    pub failures: Vec<FailedRows>,
     /// Its value at the start, SI, from the rows around.
     pub start: f64,
     /// Fit that a perfect model would reach, %.
@@ -40,7 +40,7 @@ pub struct FoundChannel {
 
 /// A sensor that repeated one value that is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FoundFailure {
+pub struct FailedRows {
     /// The signal.
     pub signal: Signal,
     /// What it did.
@@ -53,7 +53,7 @@ pub struct FoundFailure {
     pub reading: f64,
 }
 
-impl FoundFailure {
+impl FailedRows {
     fn of(signal: Signal, time_s: &[f64], stretch: &Stretch) -> Self {
         let Stretch { kind, from, to, reading } = *stretch;
         Self { signal, kind, from_s: time_s[from], to_s: time_s[to - 1], reading }
@@ -61,7 +61,7 @@ impl FoundFailure {
 }
 
 /// In words, without what becomes of it.
-impl fmt::Display for FoundFailure {
+impl fmt::Display for FailedRows {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let unit = unit_for_people(self.signal);
         let (reading, kind) = (significant(unit.from_si(self.reading), 4), self.kind.name());
@@ -77,12 +77,12 @@ pub struct Bridged {
     /// Rows where it failed for a moment.
     pub spikes: usize,
     /// Where it failed for longer.
-    pub failures: Vec<FoundFailure>,
+    pub failures: Vec<FailedRows>,
 }
 
 /// What was found in one recording.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub struct Preprocessing {
     /// The recording.
     pub recording: String,
     /// Rows.
@@ -90,7 +90,7 @@ pub struct Found {
     /// Length, s.
     pub duration_s: f64,
     /// The judged channels.
-    pub channels: Vec<FoundChannel>,
+    pub channels: Vec<PreparedChannel>,
     /// Measured signals that drive or start the model and failed.
     pub bridged: Vec<Bridged>,
     /// Dither in the command.
@@ -103,9 +103,9 @@ pub struct Found {
     pub notes: Vec<String>,
 }
 
-impl Found {
+impl Preprocessing {
     /// Every failure of more than a moment, each with what became of its rows.
-    pub fn failures(&self) -> impl Iterator<Item = (&FoundFailure, &'static str)> {
+    pub fn failures(&self) -> impl Iterator<Item = (&FailedRows, &'static str)> {
         let judged = self.channels.iter().flat_map(|channel| &channel.failures).map(|failure| (failure, "not judged"));
         let driving = self.bridged.iter().flat_map(|bridged| &bridged.failures);
         judged.chain(driving.map(|failure| (failure, "bridged by a straight line")))
@@ -131,15 +131,15 @@ impl Found {
 
 /// Sums up what was prepared of a recording.
 #[must_use]
-pub(crate) fn found(recording: &Recording, shown: &Shown) -> Found {
+pub(crate) fn preprocessing(recording: &Recording, shown: &Shown) -> Preprocessing {
     let (prepared, time_s) = (&shown.prepared, recording.time_s());
     let start = &prepared.stimulus.start;
     let channels = prepared.channels.iter().map(|channel| {
         let step = resolution(&channel.recorded);
         let failures: Vec<_> =
-            channel.stretches.iter().map(|stretch| FoundFailure::of(channel.signal, time_s, stretch)).collect();
+            channel.stretches.iter().map(|stretch| FailedRows::of(channel.signal, time_s, stretch)).collect();
         let longer: usize = channel.stretches.iter().map(|stretch| stretch.to - stretch.from).sum();
-        FoundChannel {
+        PreparedChannel {
             signal: channel.signal,
             noise: channel.noise,
             step: (step > 0.0).then_some(step),
@@ -154,7 +154,7 @@ pub(crate) fn found(recording: &Recording, shown: &Shown) -> Found {
             ceiling_percent: channel.noise_floor_percent(),
         }
     });
-    Found {
+    Preprocessing {
         recording: prepared.name.clone(),
         rows: prepared.time_s.len(),
         duration_s: prepared.duration_s(),
@@ -177,7 +177,7 @@ fn bridged(prepared: &Prepared) -> Vec<Bridged> {
         .map(|&(signal, Failures { ref spikes, ref stretches })| Bridged {
             signal,
             spikes: spikes.iter().filter(|spike| **spike).count(),
-            failures: stretches.iter().map(|stretch| FoundFailure::of(signal, &prepared.time_s, stretch)).collect(),
+            failures: stretches.iter().map(|stretch| FailedRows::of(signal, &prepared.time_s, stretch)).collect(),
         })
         .collect()
 }

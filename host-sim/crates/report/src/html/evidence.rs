@@ -7,7 +7,7 @@ use recording::display_unit::{difference, percent, significant, unit_for_people}
 
 use super::chart::chart;
 use crate::evidence::Exhibits;
-use crate::evidence::preprocessing::Found;
+use crate::evidence::preprocessing::Preprocessing;
 use crate::evidence::waterfall::Waterfall;
 use crate::evidence::whiteness::{Whiteness, in_words};
 use crate::plot::{Bar, BarGroup, Figure, Layer, Marks, Style, bars, title};
@@ -128,7 +128,7 @@ fn correlation(name: &str, lag_s: f64, first: i32, (before, after): (Option<&Vec
     }
 }
 
-pub(crate) fn prepared(found: &[Found]) -> Markup {
+pub(crate) fn prepared(found: &[Preprocessing]) -> Markup {
     html! {
         section {
             h2 { "Preprocessing" }

@@ -3,9 +3,9 @@
 
 mod budget;
 mod chart;
-mod claims;
 mod data;
 mod evidence;
+mod findings;
 mod located;
 mod overlay;
 mod parameters;
@@ -52,15 +52,15 @@ pub fn page(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
                 }
                 (main_picture(diagnosis, exhibits, budget))
                 (located::located(diagnosis, exhibits, budget))
-                (claims::findings(diagnosis, exhibits))
-                (claims::how_sure(diagnosis, exhibits))
+                (findings::findings(diagnosis, exhibits))
+                (findings::how_sure(diagnosis, exhibits))
                 (evidence::waterfall(&exhibits.waterfall))
                 (fits(diagnosis))
                 (recordings(diagnosis, budget))
                 (evidence::whiteness(exhibits, diagnosis))
                 (parameters::parameters(diagnosis))
-                (evidence::prepared(&exhibits.found))
-                (claims::to_the_controller(diagnosis))
+                (evidence::prepared(&exhibits.preprocessing))
+                (findings::to_the_controller(diagnosis))
                 (chart::scripts())
             }
         }

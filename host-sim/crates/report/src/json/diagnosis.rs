@@ -75,7 +75,7 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
         "fit": { "train": fits(false), "holdout": fits(true) },
         "waterfall": evidence::waterfall(&exhibits.waterfall),
         "residuals": evidence::residuals(&exhibits.whiteness),
-        "prepared": evidence::prepared(&exhibits.found),
+        "prepared": evidence::prepared(&exhibits.preprocessing),
     })
 }
 
@@ -83,7 +83,7 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
 fn spool(habit: &Habit) -> Value {
     let (kind, sentence) = (habit.name(), habit.to_string());
     match habit {
-        Habit::Hangs { recording, from_s, to_s, at, modelled, recordings, of } => json!({
+        Habit::Sticks { recording, from_s, to_s, at, modelled, recordings, of } => json!({
             "kind": kind, "sentence": sentence, "recording": recording, "from_s": digits(*from_s, 6), "to_s": digits(*to_s, 6),
             "at": digits(*at, 3), "modelled": digits(*modelled, 3), "recordings": recordings, "of": of,
         }),

@@ -7,7 +7,7 @@ use experiment::discriminate::Distance;
 
 use super::diagnosis::digits;
 use crate::evidence::Exhibits;
-use crate::evidence::preprocessing::{Found, FoundFailure};
+use crate::evidence::preprocessing::{FailedRows, Preprocessing};
 use crate::evidence::waterfall::Waterfall;
 use crate::evidence::whiteness::Whiteness;
 
@@ -57,8 +57,8 @@ pub(crate) fn residuals(signals: &[Whiteness]) -> Value {
 }
 
 /// What was found in each recording.
-pub(crate) fn prepared(found: &[Found]) -> Value {
-    let of = |of: &Found| {
+pub(crate) fn prepared(found: &[Preprocessing]) -> Value {
+    let of = |of: &Preprocessing| {
         let channels: Map<String, Value> = of
             .channels
             .iter()
@@ -93,7 +93,7 @@ pub(crate) fn prepared(found: &[Found]) -> Value {
 }
 
 /// Where a sensor failed for more than a moment.
-fn failure(failure: &FoundFailure) -> Value {
+fn failure(failure: &FailedRows) -> Value {
     json!({
         "kind": failure.kind.name(), "from_s": digits(failure.from_s, 6), "to_s": digits(failure.to_s, 6),
         "reading": digits(failure.reading, 6),
@@ -101,7 +101,7 @@ fn failure(failure: &FoundFailure) -> Value {
 }
 
 /// Time stamps, and channels that are late against the model.
-fn clock(of: &Found) -> Value {
+fn clock(of: &Preprocessing) -> Value {
     let late: Map<String, Value> = of
         .shifts
         .iter()

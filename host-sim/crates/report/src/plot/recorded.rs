@@ -10,7 +10,7 @@ use super::{Panel, Style, Trace};
 /// A panel of what drives the model, then one of every signal that `judged` names, recorded against simulated with the
 /// residual below.
 #[must_use]
-pub fn panels(recording: &Recording, drive_input: InputPoint, simulated: &Trajectory, judged: &[Signal]) -> Vec<Panel> {
+pub fn panels(recording: &Recording, input_point: InputPoint, simulated: &Trajectory, judged: &[Signal]) -> Vec<Panel> {
     let time_s = recording.time_s();
     let unit_in = |signal: Signal| recording.column(signal).map_or_else(|| unit_for_people(signal), unit_of);
     let readable = |signal: Signal, values: &[f64]| -> Vec<f64> {
@@ -22,7 +22,7 @@ pub fn panels(recording: &Recording, drive_input: InputPoint, simulated: &Trajec
         let unit = if signal == Signal::Spool { "% of travel" } else { unit.symbol() };
         Panel::new(title(signal), unit, time_s.to_vec())
     };
-    let signal = drive_input.driving();
+    let signal = input_point.driving();
     let input = recording.signal(signal).map(|values| {
         empty(signal).trace(Trace::new("recorded, drives the model", readable(signal, values), Style::Input))
     });

@@ -37,12 +37,12 @@ fn commanded(time_s: Vec<f64>) -> Recording {
     recording(time_s, vec![(Signal::Command, command), (Signal::Position, position)])
 }
 
-fn run(recording: &Recording, drive_input: InputPoint, load: LoadSource) -> Trajectory {
-    run_of(&press(), recording, drive_input, load)
+fn run(recording: &Recording, input_point: InputPoint, load: LoadSource) -> Trajectory {
+    run_of(&press(), recording, input_point, load)
 }
 
-fn run_of(machine: &Machine<f64>, recording: &Recording, drive_input: InputPoint, load: LoadSource) -> Trajectory {
-    let stimulus = Stimulus::new(recording, machine, drive_input, load, Tick::OneMillisecond).unwrap();
+fn run_of(machine: &Machine<f64>, recording: &Recording, input_point: InputPoint, load: LoadSource) -> Trajectory {
+    let stimulus = Stimulus::new(recording, machine, input_point, load, Tick::OneMillisecond).unwrap();
     simulate_f64(machine, &stimulus, StartOffset::none()).unwrap()
 }
 
@@ -178,8 +178,8 @@ fn without_recorded_pressures_the_chambers_balance_the_load_at_half_the_supply()
 fn without_recorded_pressures_the_machine_says_at_which_level_the_chambers_start() {
     let mut machine = press();
     machine.set(Parameter::LevelAtRest, 0.3);
-    let first = |drive_input, recording: &Recording| {
-        run_of(&machine, recording, drive_input, LoadSource::Constant).signal(Signal::PressureB).unwrap()[0]
+    let first = |input_point, recording: &Recording| {
+        run_of(&machine, recording, input_point, LoadSource::Constant).signal(Signal::PressureB).unwrap()[0]
     };
     let commanded = commanded(grid(1e-3, 50));
     assert!((first(InputPoint::Command, &commanded) / machine.get(Parameter::SupplyPressure) - 0.3).abs() < 1e-6);
@@ -219,9 +219,9 @@ fn fixed_point_follows_float_on_a_recording() {
 fn a_supply_that_droops_is_computed_where_the_valve_draws_from_it() {
     let mut machine = press();
     machine.set(Parameter::DroopResistance, 1e10);
-    let at = |recording: &Recording, drive_input| {
+    let at = |recording: &Recording, input_point| {
         let stimulus =
-            Stimulus::new(recording, &machine, drive_input, LoadSource::Constant, Tick::OneMillisecond).unwrap();
+            Stimulus::new(recording, &machine, input_point, LoadSource::Constant, Tick::OneMillisecond).unwrap();
         simulate_f64(&machine, &stimulus, StartOffset::none()).unwrap()
     };
     let whole = at(&commanded(grid(1e-3, 2000)), InputPoint::Command);

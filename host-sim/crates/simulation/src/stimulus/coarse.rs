@@ -43,7 +43,7 @@ impl Stimulus {
         }
         let points = |values: &Option<Vec<f64>>| values.as_deref().map(every_second);
         let stimulus = Self {
-            drive_input: self.drive_input,
+            input_point: self.input_point,
             tick,
             start: self.start,
             ticks: rows.last().map_or(0, |(point, share)| point + usize::from(*share > 0.0)),
@@ -81,7 +81,7 @@ mod tests {
     use crate::run::{Trajectory, simulate_f64};
     use crate::stimulus::InputPoint;
 
-    fn at(times_s: Vec<f64>, tick: Tick, drive_input: InputPoint) -> Stimulus {
+    fn at(times_s: Vec<f64>, tick: Tick, input_point: InputPoint) -> Stimulus {
         let command = times_s.iter().map(|time| if *time < 0.0995 { 0.0 } else { 5.0 - 9.0 * time }).collect();
         let spool = times_s.iter().map(|time| (0.4 * time).min(0.2)).collect();
         let position = vec![0.1; times_s.len()];
@@ -89,7 +89,7 @@ mod tests {
             [(Signal::Time, times_s), (Signal::Command, command), (Signal::Spool, spool), (Signal::Position, position)];
         let columns = columns.map(|(signal, values)| Column::si(signal, values)).to_vec();
         let recording = Recording::new("made", columns).unwrap();
-        Stimulus::new(&recording, &press(&[]), drive_input, LoadSource::Constant, tick).unwrap()
+        Stimulus::new(&recording, &press(&[]), input_point, LoadSource::Constant, tick).unwrap()
     }
 
     fn every(interval_s: f64, rows: u32) -> Vec<f64> {
@@ -114,19 +114,19 @@ mod tests {
     #[test]
     fn a_grid_of_twice_the_tick_drives_the_chain_the_same_but_for_the_steps_error() {
         use InputPoint::{Command, Spool};
-        for (tick, drive_input) in
+        for (tick, input_point) in
             [(Tick::OneMillisecond, Command), (Tick::OneMillisecond, Spool), (Tick::HalfMillisecond, Command)]
         {
             // An even and an odd number of ticks, rows at half and twice the rate, and rows beside the grid.
             for times_s in
                 [every(1e-3, 801), every(1e-3, 800), every(5e-4, 1601), every(2e-3, 401), every(0.93e-3, 860)]
             {
-                let fine = at(times_s, tick, drive_input);
+                let fine = at(times_s, tick, input_point);
                 let (position, pressure) = (apart(&fine, Signal::Position), apart(&fine, Signal::PressureA));
                 // Where a step falls within a tick, a limited rate sets out up to half a tick early.
                 assert!(
                     position < 3e-3 && pressure < 0.02,
-                    "{tick:?} {drive_input:?}, {} rows: {position} {pressure}",
+                    "{tick:?} {input_point:?}, {} rows: {position} {pressure}",
                     fine.rows()
                 );
             }

@@ -74,7 +74,7 @@ enum Input {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stimulus {
     /// Where the chain is entered.
-    pub drive_input: InputPoint,
+    pub input_point: InputPoint,
     /// The core's tick.
     pub tick: Tick,
     /// State at the first row.
@@ -98,7 +98,7 @@ pub struct Stimulus {
 }
 
 /// The drive input furthest upstream that a recording allows for a machine's oil source.
-pub fn first_drive_input(source: Source, recording: &Recording) -> Result<InputPoint, SimulateError> {
+pub fn first_input_point(source: Source, recording: &Recording) -> Result<InputPoint, SimulateError> {
     let has = |signal| recording.has(signal);
     let candidates: &[(InputPoint, bool)] = match source {
         Source::Valve => &[
@@ -117,7 +117,7 @@ pub fn first_drive_input(source: Source, recording: &Recording) -> Result<InputP
         Source::Valve => "command, spool, flow or force",
         Source::Pump => "pump_speed, flow or force",
     };
-    let found = candidates.iter().find(|(_, there)| *there).map(|(drive_input, _)| *drive_input);
+    let found = candidates.iter().find(|(_, there)| *there).map(|(input_point, _)| *input_point);
     found.ok_or_else(|| SimulateError::NoInput { recording: recording.name().to_owned(), expected })
 }
 
@@ -132,29 +132,29 @@ impl Stimulus {
     pub fn new(
         recording: &Recording,
         machine: &Machine<f64>,
-        drive_input: InputPoint,
+        input_point: InputPoint,
         load: LoadSource,
         tick: Tick,
     ) -> Result<Self, SimulateError> {
-        Self::of_mended(&Mended::of(recording), machine, drive_input, load, tick)
+        Self::of_mended(&Mended::of(recording), machine, input_point, load, tick)
     }
 
     /// Lays a recording that is mended on the grid of `tick`.
     pub fn of_mended(
         mended: &Mended<'_>,
         machine: &Machine<f64>,
-        drive_input: InputPoint,
+        input_point: InputPoint,
         load: LoadSource,
         tick: Tick,
     ) -> Result<Self, SimulateError> {
-        Self::from_origin(mended, machine, drive_input, load, tick, Origin::of(&mended.recording))
+        Self::from_origin(mended, machine, input_point, load, tick, Origin::of(&mended.recording))
     }
 
     /// Lays a part of a recording that is mended on the grid of the whole.
     pub(crate) fn from_origin(
         mended: &Mended<'_>,
         machine: &Machine<f64>,
-        drive_input: InputPoint,
+        input_point: InputPoint,
         load: LoadSource,
         tick: Tick,
         origin: Origin,
@@ -168,7 +168,7 @@ impl Stimulus {
                 reason,
             })
         };
-        let input = match drive_input {
+        let input = match input_point {
             InputPoint::Command => {
                 Input::Command(grid.held(need(Signal::Command, "the chain is entered at the command")?))
             }
@@ -191,9 +191,9 @@ impl Stimulus {
                 None => grid.points(&pressure_force(recording, machine)?),
             }),
         };
-        let spool = recording.signal(Signal::Spool).filter(|_| drive_input == InputPoint::Command);
+        let spool = recording.signal(Signal::Spool).filter(|_| input_point == InputPoint::Command);
         let spool = spool.map(|spool| grid.points(spool).into());
-        let balanced = load == LoadSource::RecordedPressures && drive_input != InputPoint::Force;
+        let balanced = load == LoadSource::RecordedPressures && input_point != InputPoint::Force;
         let damping = balanced.then(|| light_damping(machine));
         let load_n = if let Some(damping) = damping {
             let balance = balance(recording, machine, damping)?;
@@ -202,7 +202,7 @@ impl Stimulus {
             recording.signal(Signal::LoadForce).map(|force| grid.points(force))
         };
         Ok(Self {
-            drive_input,
+            input_point,
             tick,
             start: start(recording, machine),
             ticks: grid.ticks,
@@ -273,8 +273,8 @@ impl Stimulus {
     /// direction of its own in each.
     pub(crate) fn goes_with(&self, other: &Self) -> bool {
         let ratio = |one: &Self| if let Input::Flow(_, ratio) = &one.input { Some(*ratio) } else { None };
-        let kind = |one: &Self| (one.drive_input, one.tick, one.follows, one.damping, ratio(one));
-        self.drive_input != InputPoint::Pump && kind(self) == kind(other)
+        let kind = |one: &Self| (one.input_point, one.tick, one.follows, one.damping, ratio(one));
+        self.input_point != InputPoint::Pump && kind(self) == kind(other)
     }
 
     /// The recorded spool, where it meters the oil beside the valve.

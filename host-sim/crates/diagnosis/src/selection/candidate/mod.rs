@@ -36,7 +36,7 @@ pub struct Question<'a> {
 impl Question<'_> {
     /// How the independent samples of its residuals are counted.
     pub(crate) fn counts(&self) -> Counts {
-        counts_from(self.scene.drive_input)
+        counts_from(self.scene.input_point)
     }
 
     /// The first form of the effects that has all these effect parameters.

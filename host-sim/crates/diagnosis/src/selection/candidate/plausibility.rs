@@ -79,8 +79,8 @@ impl Candidate {
             })
     }
 
-    /// Whether it may be claimed: possible, and with enough of what there is never little of. A stop as soft as a spring is not what its
-    /// name says; nor is a stiction that only shapes a play. Both are ranked all the same, for nothing less likely may be claimed in their place.
+    /// Whether it may be accepted: possible, and with enough of what there is never little of. A stop as soft as a spring is not what its
+    /// name says; nor is a stiction that only shapes a play. Both are ranked all the same, for nothing less likely may be accepted in their place.
     #[must_use]
     pub fn is_plausible(&self, scene: &Scene<'_>) -> bool {
         let firm = |effect_parameter: &EffectParameter| match effect_parameter.kind {

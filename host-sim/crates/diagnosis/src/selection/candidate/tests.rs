@@ -8,7 +8,7 @@ use crate::catalogue::CATALOGUE;
 use crate::test_scene::scene;
 
 /// A set of one effect in its plainest form, as if a fit had ended at a machine.
-fn standing(name: &str, scene: &Scene<'_>, base_parameters: &[Free], machine: &Machine<f64>) -> Candidate {
+fn accepted_alone(name: &str, scene: &Scene<'_>, base_parameters: &[Free], machine: &Machine<f64>) -> Candidate {
     let effect = CATALOGUE.iter().find(|effect| effect.name == name).unwrap();
     let form = effect.forms[0];
     let free: Vec<Free> = base_parameters
@@ -40,12 +40,12 @@ fn a_spring_that_begins_inside_the_stroke_is_no_stop_however_damped() {
         let stiffness = scene.full_force_n() / (share * machine.get(Parameter::Stroke));
         let values =
             [(Parameter::StopStiffness, stiffness), (Parameter::StopExtended, 0.24), (Parameter::StopDamping, damping)];
-        let set = standing("end-stop", &scene, &[], &machine.with(&values));
+        let set = accepted_alone("end-stop", &scene, &[], &machine.with(&values));
         (set.is_possible(&scene), set.is_plausible(&scene))
     };
     // The full force makes steel give by a ten-thousandth of the stroke, rubber by a hundredth.
     assert_eq!([1e-4, 1e-3, 1e-2].map(|share| stop(share, 1e3)), [(true, true); 3]);
-    // One that gives by a tenth may be what is likeliest, and is not claimed.
+    // One that gives by a tenth may be what is likeliest, and is not accepted.
     assert_eq!([stop(0.1, 1e3), stop(0.3, 1e4)], [(true, false); 2]);
 }
 
@@ -56,12 +56,12 @@ fn a_small_stiction_that_hardly_jumps_is_the_form_of_the_play_beside_it() {
     let beside = |band: f64, kept: f64, width: f64| -> (bool, bool) {
         let effect_parameters =
             [(Parameter::StictionBand, band), (Parameter::StictionKept, kept), (Parameter::HysteresisWidth, width)];
-        let mut set = standing("spool-stiction", &scene, &[], &machine.with(&effect_parameters));
+        let mut set = accepted_alone("spool-stiction", &scene, &[], &machine.with(&effect_parameters));
         let play = CATALOGUE.iter().find(|effect| effect.name == "valve-hysteresis").unwrap();
         set.effects.push(Chosen { effect: play, form: play.forms[0] });
         (set.is_possible(&scene), set.is_plausible(&scene))
     };
-    // It may be what is likeliest, and is not claimed.
+    // It may be what is likeliest, and is not accepted.
     assert_eq!(beside(0.005, 0.9, 0.02), (true, false));
     // One that jumps is there however small, and one that is as wide as the play shapes no part of it.
     assert_eq!([beside(0.005, 0.2, 0.02), beside(0.02, 0.9, 0.02)], [(true, true); 2]);
@@ -73,11 +73,11 @@ fn what_keeps_more_than_two_thirds_of_its_band_hardly_jumps() {
     let scene = scene(&machine, &[Signal::Spool]);
     let keeping = |kept: f64| {
         let effect_parameters = [(Parameter::StictionBand, 0.01), (Parameter::StictionKept, kept)];
-        standing("spool-stiction", &scene, &[], &machine.with(&effect_parameters)).hardly_jumps()
+        accepted_alone("spool-stiction", &scene, &[], &machine.with(&effect_parameters)).hardly_jumps()
     };
     assert_eq!([0.1, 0.6, 0.7, 0.95].map(keeping), [false, false, true, true]);
     let play = [(Parameter::HysteresisWidth, 0.01), (Parameter::StictionKept, 0.9)];
-    assert!(!standing("valve-hysteresis", &scene, &[], &machine.with(&play)).hardly_jumps());
+    assert!(!accepted_alone("valve-hysteresis", &scene, &[], &machine.with(&play)).hardly_jumps());
 }
 
 #[test]
@@ -91,7 +91,7 @@ fn without_an_effect_a_base_parameter_has_what_that_had_of_it() {
     let question = Question { scene: &scene, base_parameters: &[load], hypotheses: &[], training: &training };
 
     let moved = machine.with(&[(Parameter::LoadForce, -59_500.0), (Parameter::LoadSpringForce, -60_000.0)]);
-    let set = standing("position-dependent-load", &scene, &[load], &moved);
+    let set = accepted_alone("position-dependent-load", &scene, &[load], &moved);
 
     let without = set.without(&question, 0).unwrap();
     let found = without.fit.machine;

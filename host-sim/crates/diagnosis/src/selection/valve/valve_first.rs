@@ -49,11 +49,11 @@ impl Side {
             course.forward(&own, self.near(), done)?;
         }
         let base = &course.base;
-        let claimed = |rival: Candidate| -> Result<Option<Candidate>, FitError> {
+        let accepted = |rival: Candidate| -> Result<Option<Candidate>, FitError> {
             let may_be = rival.is_plausible(own.scene) && accepts(&own, base, base, &rival)?;
             Ok(may_be.then_some(rival))
         };
-        let rivals: Vec<_> = parallel::try_each(course.rivals, claimed)?;
+        let rivals: Vec<_> = parallel::try_each(course.rivals, accepted)?;
         course.rivals = rivals.into_iter().flatten().collect();
         if explains_enough(&own, &course.base, &course.chosen, SIDE_EXPLAINED_TO) {
             course.explained.push(self);
@@ -140,7 +140,7 @@ impl Course {
             return Ok(());
         }
         let ranked = joined(question, &self.base, &valve, &below)?;
-        // What cannot be claimed may still be what it is, and nothing less likely stands in for it.
+        // What cannot be accepted may still be what it is, and nothing less likely stands in for it.
         let least = ranked.first().map_or(f64::INFINITY, |(_, net)| net - TOGETHER_WITHIN);
         for (found, net) in ranked.iter().take_while(|(_, net)| *net > least) {
             if self.is_accepted(question, found)? {

@@ -30,7 +30,7 @@ pub struct Picture {
     pub figure: Figure,
 }
 
-/// The pictures of every effect claimed. `recordings` are all that the diagnosis shows, in its order.
+/// The pictures of every effect accepted. `recordings` are all that the diagnosis shows, in its order.
 pub(super) fn pictures(diagnosis: &Diagnosis, recordings: &[&Recording]) -> Result<Vec<Picture>, MachineError> {
     let mut found = Vec::new();
     for finding in &diagnosis.findings {
@@ -39,7 +39,7 @@ pub(super) fn pictures(diagnosis: &Diagnosis, recordings: &[&Recording]) -> Resu
     Ok(found)
 }
 
-/// The pictures of one effect, whether claimed or not.
+/// The pictures of one effect, whether accepted or not.
 pub(super) fn pictures_of(
     effect: &'static Hypothesis,
     diagnosis: &Diagnosis,

@@ -57,7 +57,7 @@ pub(crate) struct Heard<'a> {
 pub(crate) fn tracks(machine: &Machine<f64>, cases: &[&Prepared]) -> Result<Option<Vec<Track>>, MachineError> {
     let of = |case: &'_ Prepared, signal| case.channels.iter().position(|channel| channel.signal == signal);
     let position = |case: &&Prepared| {
-        let is_unseen = case.stimulus.drive_input == InputPoint::Command && of(case, Signal::Spool).is_none();
+        let is_unseen = case.stimulus.input_point == InputPoint::Command && of(case, Signal::Spool).is_none();
         of(case, Signal::Position).filter(|_| is_unseen)
     };
     let positions: Option<Vec<usize>> = cases.iter().map(position).collect();

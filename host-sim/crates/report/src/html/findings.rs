@@ -1,4 +1,4 @@
-//! What is claimed, how sure it is, and how it gets to the controller.
+//! What is accepted, how sure it is, and how it gets to the controller.
 
 use std::fmt::Write;
 

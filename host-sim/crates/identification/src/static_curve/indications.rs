@@ -10,14 +10,14 @@ use super::curve::LocalGain;
 
 /// An effect of the vocabulary that a static recording shows.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Claim {
+pub struct Indication {
     /// Its name.
     pub effect: &'static str,
     /// What speaks for it.
     pub evidence: String,
 }
 
-/// A figure is claimed that is so many times its scatter.
+/// A figure is accepted that is so many times its scatter.
 const SURE: f64 = 3.0;
 /// And that is worth a word: loops from this share of the span on, pressures from this share of the supply on.
 const LEAST: f64 = 1e-3;
@@ -38,14 +38,14 @@ pub fn short(value: f64) -> String {
     format!("{value:.2e}").parse::<f64>().map_or_else(|_| value.to_string(), |value| rounded(value).to_string())
 }
 
-pub(crate) fn claims(statics: &Statics) -> Vec<Claim> {
+pub(crate) fn indications(statics: &Statics) -> Vec<Indication> {
     let mut found = Vec::new();
-    let mut claim = |effect, evidence| found.push(Claim { effect, evidence });
+    let mut indication = |effect, evidence| found.push(Indication { effect, evidence });
     if let Some(hysteresis) = statics.hysteresis
         && hysteresis.width > SURE * hysteresis.std
         && hysteresis.share_of_span > LEAST
     {
-        claim(
+        indication(
             "valve-hysteresis",
             format!(
                 "the way back is {} ± {} from the way up at {} levels of {}: {:.1} % of the span",
@@ -63,13 +63,16 @@ pub(crate) fn claims(statics: &Statics) -> Vec<Claim> {
     });
     if let Some(fallen) = spool_stops {
         let from = short(fallen.from);
-        claim("solenoid-saturation", format!("the spool follows with less than a tenth of its gain from {from} on"));
+        indication(
+            "solenoid-saturation",
+            format!("the spool follows with less than a tenth of its gain from {from} on"),
+        );
     }
     if flow
         && !is_spool(&statics.output.header)
         && let Some((low, high)) = unequal_gains(statics)
     {
-        claim(
+        indication(
             "flow-gain-nonlinearity",
             format!("the gain is {:.0} to {:.0} % of that at small openings", 100.0 * low, 100.0 * high),
         );
@@ -78,14 +81,14 @@ pub(crate) fn claims(statics: &Statics) -> Vec<Claim> {
         && port.at_rest - port.at_full > (SURE * port.scatter).max(LEAST * port.at_rest)
     {
         let (rest, full) = (short(port.at_rest), short(port.at_full));
-        claim("supply-droop", format!("{} falls from {rest} at rest to {full} at the largest flow", port.header));
+        indication("supply-droop", format!("{} falls from {rest} at rest to {full} at the largest flow", port.header));
     }
     if let Some(port) = &statics.returning
         && port.at_full - port.at_rest > SURE * port.scatter
         && port.line.r_squared > 0.5
     {
         let (rest, full) = (short(port.at_rest), short(port.at_full));
-        claim(
+        indication(
             "tank-back-pressure",
             format!("{} rises from {rest} at little flow to {full} at the largest", port.header),
         );
@@ -124,11 +127,11 @@ pub(crate) fn remarks(statics: &Statics, clock: bool, spool: bool) -> Vec<String
     let mut found = Vec::new();
     let mut say = |text: String| found.push(text);
     say(if clock {
-        "the clock is not used: only what does not depend on the rate is claimed".to_owned()
+        "the clock is not used: only what does not depend on the rate is read".to_owned()
     } else {
-        "rows in the order of the file, no clock: only what does not depend on the rate is claimed".to_owned()
+        "rows in the order of the file, no clock: only what does not depend on the rate is read".to_owned()
     });
-    if statics.claims.iter().any(|claim| claim.effect == "valve-hysteresis") {
+    if statics.indications.iter().any(|indication| indication.effect == "valve-hysteresis") {
         say("a lag would also open a loop; the sweep is assumed to be slow against the valve".to_owned());
     }
     if let Some(stairs) = statics.staircase {
@@ -168,7 +171,7 @@ pub(crate) fn remarks(statics: &Statics, clock: bool, spool: bool) -> Vec<String
         (None, None) => say("no output from which an edge could be read".to_owned()),
         _ => say("one direction only: neither null nor the other side's dead zone".to_owned()),
     }
-    if statics.claims.iter().any(|claim| claim.effect == "solenoid-saturation") {
+    if statics.indications.iter().any(|indication| indication.effect == "solenoid-saturation") {
         say("a spool that stops may be at its solenoid's limit, at its stop or at the end of its sensor: not separable here".to_owned());
     }
     if statics.returning.is_some() {
