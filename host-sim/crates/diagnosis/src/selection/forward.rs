@@ -1,4 +1,4 @@
-//! Which effects are first_accepted, decided on the training recordings alone, then confirmed or vetoed on the held-out ones.
+//! Which effects are accepted, decided on the training recordings alone, then confirmed or vetoed on the held-out ones.
 //!
 //! Every effect is screened; the most promising are refitted in the chain; the best few are each tried with a second one, and so
 //! on, so that a pair is found even where neither of it is best alone. Sets are compared by a log-likelihood in which each
@@ -7,7 +7,7 @@
 //! back to their nominal values. What is accepted must also gain on recordings that
 //! were left out, on all but one of them (what happens once is a disturbance), and take away at least half of what is above the
 //! noise: an effect that does less is a stand-in for something else. So is a set that another of its size is likelier than, by more
-//! than chance, even if that one cannot be first_accepted.
+//! than chance, even if that one cannot be accepted.
 
 use identification::fit::{Fit, FitError};
 
@@ -33,7 +33,7 @@ pub(crate) struct Course {
     inflated: InflatedNoise,
     /// The machine file's model, refitted.
     pub(crate) base: Candidate,
-    /// The chosen set; the base while nothing is first_accepted.
+    /// The chosen set; the base while nothing is accepted.
     pub(crate) chosen: Candidate,
     /// Sets that the next round starts from.
     pub(crate) beam: Vec<Candidate>,
@@ -160,7 +160,7 @@ impl Course {
         finished(question, &self.base, all)
     }
 
-    /// What may be first_accepted of the first set of the beam of which anything may; where nothing may, of the best one without an effect that only
+    /// What may be accepted of the first set of the beam of which anything may; where nothing may, of the best one without an effect that only
     /// showed the way.
     fn first_accepted(&mut self, question: &Question<'_>) -> Result<Option<Candidate>, FitError> {
         let over = self.base.clone();
@@ -179,7 +179,7 @@ impl Course {
         Ok(None)
     }
 
-    /// What of a set may be first_accepted: it, but for every effect that the others make superfluous. `None` where it may not be first_accepted, or what is
+    /// What of a set may be accepted: it, but for every effect that the others make superfluous. `None` where it may not be accepted, or what is
     /// left may not. `over` is the base that the rounds were ranked over.
     fn accepted(
         &mut self,
@@ -201,7 +201,7 @@ impl Course {
         Ok(Some(rest))
     }
 
-    /// Whether no other set of as many effects is likelier by more than chance. What cannot be first_accepted may still be what it
+    /// Whether no other set of as many effects is likelier by more than chance. What cannot be accepted may still be what it
     /// is, and nothing less likely stands in for it; an extension only says more of the same.
     fn is_likely(&self, question: &Question<'_>, over: &Candidate, set: &Candidate) -> bool {
         let Some(round) = self.rounds.get(set.effects.len() - 1) else { return true };
@@ -209,7 +209,7 @@ impl Course {
         is_likeliest(set, now.first().map(|(_, net)| *net), round)
     }
 
-    /// Whether a set may be first_accepted over what is chosen: each of its effects is one that can be, and they are worth their
+    /// Whether a set may be accepted over what is chosen: each of its effects is one that can be, and they are worth their
     /// effect parameters.
     pub(crate) fn is_accepted(&mut self, question: &Question<'_>, set: &Candidate) -> Result<bool, FitError> {
         if !set.is_plausible(question.scene) || !accepts(question, &self.base, &self.chosen, set)? {
