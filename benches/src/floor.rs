@@ -1,4 +1,4 @@
-//! The floor of a step: what its own arithmetic takes alone, if no operation waited for another and nothing else had to be done.
+//! The floor of a step: the time of its arithmetic alone, if no operation waited for another and nothing else had to be done.
 
 use std::cell::Cell;
 use std::cmp::Ordering;
@@ -18,7 +18,7 @@ use crate::run::TICK;
 /// Operations on reals; a comparison is one, a change of sign none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Operations {
-    /// Sums, differences and comparisons, which take the same.
+    /// Sums, differences and comparisons, which take the same time.
     pub sums: f64,
     /// Products.
     pub products: f64,
@@ -29,7 +29,7 @@ pub struct Operations {
 }
 
 thread_local! {
-    /// What this thread has computed with [`Counted`] numbers.
+    /// Operations that this thread has done with [`Counted`] numbers.
     static DONE: Cell<Operations> = const { Cell::new(Operations { sums: 0.0, products: 0.0, quotients: 0.0, roots: 0.0 }) };
 }
 
@@ -115,10 +115,10 @@ impl Field for Counted {
 }
 
 impl Operations {
-    /// Of a tick of the paper's model on the average, at rest first and then under commands in V.
+    /// Mean operations of a tick of the paper's model, which starts at rest and runs under commands in V.
     ///
     /// # Panics
-    /// The machine is none, or has effects.
+    /// The machine is invalid, or has effects.
     #[must_use]
     pub fn of_a_tick(machine: &Machine<f64>, initial: &InitialState, volts: &[f32]) -> Self {
         let drive = drive::<Counted>(machine, TICK);
@@ -137,10 +137,10 @@ impl Operations {
         }
     }
 
-    /// What they take on this processor at least, s, each by an instruction of its own and none waiting for another. An instruction
-    /// here does [`WIDE`] at once and takes what it takes for one.
+    /// Least time that the operations take on this processor, s, if none waits for another. One instruction
+    /// does [`WIDE`] operations at once, in the time of one.
     ///
-    /// Sums and products go side by side, and so do they and what divides: the longer of both counts.
+    /// Sums and products run in parallel, and so do these and the divisions and roots: the longer of the two times counts.
     #[must_use]
     pub fn floor_s(&self) -> f64 {
         let both = shortest(|x, sums: &mut Chains, products: &mut Chains| {
@@ -159,18 +159,18 @@ impl Operations {
                 *value = value.sqrt();
             }
         });
-        // A pair for each of those of which there are more would be too much where they share their units.
+        // Sums and products are averaged: counting a pair for each of the more frequent kind would be too much where both share their units.
         let simple = 0.5 * (self.sums + self.products) * both;
         simple.max(self.quotients * quotient + self.roots * root)
     }
 }
 
-/// Doubles that an instruction does at once: AVX2, else SSE2.
+/// Doubles that one instruction handles at once: AVX2, else SSE2.
 pub const WIDE: usize = if cfg!(target_feature = "avx2") { 4 } else { 2 };
-/// As many chains of operations as wait for each other in no processor, and as its registers hold twice.
+/// So many independent chains that no processor has to wait for a result, and so few that its registers hold them twice.
 const CHAINS: usize = 6;
 type Chains = [Lanes; CHAINS * WIDE / LANES];
-/// Rounds over the chains that are timed at once, and how often.
+/// Rounds over the chains that are timed together, and how often they are timed.
 const ROUNDS: usize = 20_000;
 const TIMES: usize = 50;
 
@@ -197,12 +197,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_tick_has_four_orifices_and_they_have_two_roots_each() {
+    fn an_open_valve_has_four_orifices_a_tick_and_they_have_two_roots_each() {
         let machine = drives::press();
         let initial = InitialState::at_rest(&machine, 0.15);
-        let operations = Operations::of_a_tick(&machine, &initial, &[3.0; 50]);
-        assert!((operations.roots - 8.0).abs() < 1e-9, "{operations:?}");
-        assert!(operations.products > 50.0 && operations.sums > 50.0, "{operations:?}");
+        // After 0.1 s the spool is out of its dead zone; before, the edges are closed and no root is taken.
+        let until = |ticks: usize| {
+            let a_tick = Operations::of_a_tick(&machine, &initial, &vec![3.0; ticks]);
+            [a_tick.roots, a_tick.products, a_tick.sums].map(|mean| mean * ticks as f64)
+        };
+        let [before, after] = [until(100), until(150)];
+        let [roots, products, sums] = std::array::from_fn(|kind| (after[kind] - before[kind]) / 50.0);
+        assert!((roots - 8.0).abs() < 1e-9, "{roots}");
+        assert!(products > 50.0 && sums > 50.0, "{products} {sums}");
     }
 
     #[test]

@@ -22,7 +22,7 @@ use crate::localisation::locate::locate;
 use crate::localisation::{Case, Miss, Sought, misses};
 use crate::outcome::{Diagnosis, Verdict};
 use crate::selection::candidate::Reference;
-use crate::selection::decision_rule::UNEXPLAINED_FROM;
+use crate::selection::decision_rule::{BELOW_VACUUM_PA, NEAR_TANK_PA, UNEXPLAINED_FROM};
 use crate::selection::excerpt::Excerpt;
 use crate::selection::forward::select;
 use crate::selection::screen::Lead;
@@ -289,10 +289,6 @@ fn travelled(machine: &Machine<f64>, cases: &[Prepared]) -> (f64, f64) {
 /// Lowest pressure that a chamber of the nominal model reaches in these recordings, Pa. Infinite where both pressures are measured and stay away from
 /// the tank's, or where a sensor shows less than a vacuum: in that drive oil does pull.
 fn lowest_pressure(machine: &Machine<f64>, cases: &[Prepared]) -> Result<f64, MachineError> {
-    /// A chamber whose sensor never shows less than this above the tank's pressure does not cavitate, Pa.
-    const NEAR_PA: f64 = 2e5;
-    /// A vacuum, with what a sensor may be off, Pa.
-    const VACUUM_PA: f64 = -1.5e5;
     let mut lowest_pa = f64::INFINITY;
     for case in cases {
         let start = StartState::default().offset(machine, case);
@@ -300,10 +296,10 @@ fn lowest_pressure(machine: &Machine<f64>, cases: &[Prepared]) -> Result<f64, Ma
         for signal in [Signal::PressureA, Signal::PressureB] {
             let measured = case.channels.iter().find(|channel| channel.signal == signal);
             let shown = measured.map(|channel| extent(channel.kept()).0);
-            if shown.is_some_and(|pa| pa < VACUUM_PA) {
+            if shown.is_some_and(|pa| pa < BELOW_VACUUM_PA) {
                 return Ok(f64::INFINITY);
             }
-            if shown.is_some_and(|pa| pa > machine.get(Parameter::TankPressure) + NEAR_PA) {
+            if shown.is_some_and(|pa| pa > machine.get(Parameter::TankPressure) + NEAR_TANK_PA) {
                 continue;
             }
             let fallen = simulated.signal(signal).unwrap_or_default().iter().copied().fold(f64::INFINITY, f64::min);

@@ -1,33 +1,29 @@
-//! A accepted effect, how sure it is, and what it may be instead.
+//! An accepted effect, how sure it is, and what else it may be.
 
 use identification::fit::Estimate;
 use model_core::machine::Parameter;
 
 use crate::catalogue::Hypothesis;
+use crate::selection::decision_rule::{ALTERNATIVE_FROM, MOST_CONFIDENT};
 use crate::selection::{Chosen, Selection, Told, Trial};
-
-/// An effect that is less probable in a accepted one's place is none that it may be instead.
-const NEGLIGIBLE: f64 = 1e-3;
-/// Nothing is more certain.
-const CERTAIN: f64 = 0.999;
 
 /// One accepted effect.
 #[derive(Clone, Debug)]
 pub struct Finding {
     /// The effect.
     pub effect: &'static Hypothesis,
-    /// Probability among the sets of its size that were refitted, and none at all.
+    /// Probability among the candidate models of its size that were refitted, and the base model.
     pub confidence: f64,
     /// Its fitted parameters.
     pub parameters: Vec<Estimate>,
-    /// What may stand in its place beside the other accepted effects, with the probability of those sets.
+    /// What may stand in its place beside the other accepted effects, with the probability of those candidate models.
     pub alternatives: Vec<(&'static Hypothesis, f64)>,
-    /// The jumps that the position holds, of a stiction that no free run tells.
+    /// The jumps that the position shows, for a stiction that no free run can determine.
     pub heard: Option<Told>,
 }
 
-/// A finding with its probability among the sets that were refitted in the round of the chosen one, but for those with an effect
-/// that was vetoed.
+/// A finding with its probability among the candidate models that were refitted in the same round, without those that hold a vetoed
+/// effect.
 pub(crate) fn finding(
     chosen: &Chosen,
     selection: &Selection,
@@ -47,7 +43,7 @@ pub(crate) fn finding(
         .collect();
     Finding {
         effect: chosen.effect,
-        confidence: confidence.min(CERTAIN),
+        confidence: confidence.min(MOST_CONFIDENT),
         parameters,
         alternatives,
         heard: selection.heard.as_ref().filter(|_| chosen.has(Parameter::StictionBand)).map(|heard| heard.told),
@@ -60,7 +56,7 @@ struct Odds {
     alternatives: Vec<(&'static Hypothesis, f64)>,
 }
 
-/// The odds by what sets gain. A set that differs in another effect too says nothing of what stands in the place of this one.
+/// The odds by what candidate models gain. One that differs in another effect as well says nothing about this one's alternatives.
 fn odds(effect: &'static Hypothesis, chosen: &[Chosen], sets: &[&Trial]) -> Odds {
     let largest = sets.iter().map(|set| set.net).fold(0.0, f64::max);
     let weight = |set: &Trial| (set.net - largest).exp();
@@ -77,7 +73,7 @@ fn odds(effect: &'static Hypothesis, chosen: &[Chosen], sets: &[&Trial]) -> Odds
             None => alternatives.push((other, probability)),
         }
     }
-    alternatives.retain(|(_, probability)| *probability > NEGLIGIBLE);
+    alternatives.retain(|(_, probability)| *probability > ALTERNATIVE_FROM);
     alternatives.sort_by(|a, b| b.1.total_cmp(&a.1));
     Odds { confidence, alternatives }
 }

@@ -3,6 +3,18 @@
 //! One constant has one purpose, so that each can be changed by itself. How much is searched (how many effects are refitted, how many candidate
 //! models are kept) is no threshold and stands with the search.
 //!
+//! A finding is *confirmed* when all of these hold, in this order:
+//!
+//! 1. An effect is refitted: `PREDICTED_GAIN`.
+//! 2. Its candidate model is accepted on the training recordings: `BEYOND_PENALTY`, `LEAST_EXPLAINED` (beside accepted effects
+//!    `FURTHER_EXPLAINS`), `RECORDINGS_GAIN` with `RECORDINGS_EXCUSED` and `FEW_RECORDINGS`, and no other candidate model with as many effects
+//!    is likelier by `LIKELIER_BY`. An extension also passes `EXTENSION_GAINS` and `EXTENSION_EXPLAINS` or `FINER_FORM_TAKES`.
+//! 3. Its parameters are plausible: the constants from `PRESSED` to `PULLED_TOO_FAR_QUANTILE`.
+//! 4. The held-out recordings gain: `ONE_GAINS_OF`, `SIGNAL_MAY_LOSE` or `SIGNAL_MAY_LOSE_SHARE`, `FIT_ABOVE_PERCENT` where
+//!    `MOSTLY_NOISE_PERCENT` does not excuse a signal; beside other effects `WORSE_BY_EQUATIONS`.
+//!
+//! Stiction of the spool passes the constants of its own section instead of 2.
+//!
 //! *Source* says where a value comes from. "Chosen" means that nothing derives it: it was set by hand and is kept because of what the drives with
 //! known truth in `tests/diagnosis` (`eighty`, `false_alarms`, `strengths_of`, `stress`) say. Change one only after these were run before and
 //! after. No threshold is changed for one case.
@@ -47,25 +59,25 @@ pub(crate) const RECORDINGS_EXCUSED: usize = 1;
 /// Of so few recordings it has to gain on each. Source: of two, one is half of all.
 pub(crate) const FEW_RECORDINGS: usize = 2;
 
-/// Share of the misfit above noise that a set has to take away. Source: what does less leaves more than it explains, and is a stand-in
-/// for something else.
+/// Share of the misfit above noise that a candidate model has to take away. Source: one that takes less leaves more than it explains, and
+/// stands in for something else.
 pub(crate) const LEAST_EXPLAINED: f64 = 0.5;
 
 /// Share of the first misfit above noise that a further effect has to take away beside accepted ones: less cannot be told from the error of
 /// their own equations. Source: the equation error, squared.
 pub(crate) const FURTHER_EXPLAINS: f64 = EQUATION_ERROR_SQUARED;
 
-/// Most recordings with which a set is refitted without each of them, where one step from the common solution says no. Source: a
-/// fiftieth of the recordings moves no parameter further than such a step tells.
+/// Up to so many recordings a candidate model is refitted without each of them in turn, where one step from the common solution refuses it.
+/// Source: a fiftieth of the recordings moves no parameter further than such a step shows.
 pub(crate) const MOST_REFITTED_WITHOUT: usize = 50;
 
-/// By so much another set of as many effects has to be likelier to forbid that one is accepted. Source: once in twenty.
+/// By so much another candidate model with as many effects has to be likelier to forbid that this one is accepted. Source: once in twenty.
 pub(crate) const LIKELIER_BY: f64 = ONCE_IN_TWENTY;
 
-/// Sets that are less likely than the accepted one by no more than this are kept as its rivals. Source: once in twenty.
+/// Candidate models that are less likely than the accepted one by no more than this are kept as its rivals. Source: once in twenty.
 pub(crate) const RIVAL_WITHIN: f64 = ONCE_IN_TWENTY;
 
-/// Or by no more than this share of its gain. Source: the equation error, squared: its own form's error may gain so much.
+/// Or by no more than this share of its gain. Source: the equation error, squared: the error of its own equation may gain so much.
 pub(crate) const RIVAL_WITHIN_SHARE: f64 = EQUATION_ERROR_SQUARED;
 
 /// The likeliest effect alone is suspected, where nothing is accepted, if it is likelier than none by more than this. Source: once in twenty.
@@ -99,19 +111,19 @@ pub(crate) const LEFT_BY_EQUATIONS: f64 = EQUATION_ERROR_SQUARED;
 /// What an effect's predicted gain has to exceed to be refitted at all. Source: once in twenty.
 pub(crate) const PREDICTED_GAIN: f64 = ONCE_IN_TWENTY;
 
-/// Times its noise from which a chosen set is asked on the whole recordings for effects that act slowly. Source: at noise.
+/// Times its noise from which effects that act slowly are looked for on the whole recordings. Source: at noise.
 pub(crate) const SLOW_EFFECTS_FROM: f64 = AT_NOISE;
 
-/// Times its noise below which the base model is refitted to the end on the whole recordings: what lacks an effect never quite arrives.
+/// Times its noise below which the base model is refitted to convergence on the whole recordings: a model that lacks an effect hardly converges.
 /// Source: far off.
 pub(crate) const WHOLE_REFITTED_BELOW: f64 = FAR_OFF;
 
-// Sets that even the best of them does not bring to the noise: the misfit ranking.
+// Where even the best candidate model does not come down to the noise: the misfit ranking.
 
-/// Times its noise of the best set's worst signal from which sets are ranked by inflated noise. Source: at noise.
+/// Times its noise, of the best candidate model's worst signal, from which candidate models are ranked by inflated noise. Source: at noise.
 pub(crate) const MISFIT_RANKING_FROM: f64 = AT_NOISE;
 
-/// Times its noise beyond which a set goes on from its refit to inflated noise; nearer, it stays as it was. Source: far off.
+/// Times its noise beyond which a candidate model is refitted with inflated noise as well; below it, its refit is kept. Source: far off.
 pub(crate) const MISFIT_REFIT_STAYS: f64 = FAR_OFF;
 
 // Valve first: both sides of a recorded spool.
@@ -125,14 +137,14 @@ pub(crate) const VALVE_SEARCHED_TO: f64 = AT_NOISE;
 /// The same for what is below the spool. Source: far off, since what the recorded spool did between two rows is not known and adds to every signal.
 pub(crate) const BELOW_SPOOL_SEARCHED_TO: f64 = FAR_OFF;
 
-/// Times its noise up to which a side is explained by what it chose. Source: at noise.
+/// Times its noise up to which the effects chosen on a side explain it. Source: at noise.
 pub(crate) const SIDE_EXPLAINED_TO: f64 = AT_NOISE;
 
-/// Times its noise of the whole model beyond which an explained side is not asked again: what is missed there comes from the other side.
+/// Times its noise, of the whole model, beyond which an explained side is not searched again: its misfit comes from the other side.
 /// Source: far off.
 pub(crate) const EXPLAINED_SIDE_REST_FROM: f64 = FAR_OFF;
 
-/// Sets of both sides together may be accepted if they are less likely than the best by less than this. Source: once in twenty.
+/// Candidate models of both sides together may be accepted if they are less likely than the best by less than this. Source: once in twenty.
 pub(crate) const TOGETHER_WITHIN: f64 = ONCE_IN_TWENTY;
 
 // Where an effect's parameters may end.
@@ -170,6 +182,10 @@ pub(crate) const PULLED_TOO_FAR_QUANTILE: f64 = 3.09;
 
 // Stiction, by the jumps of a recorded spool.
 
+/// Two neighbouring rows that differ by more than so many times the noise are a jump, or part of one. Source: chosen; of Gaussian noise two
+/// differences in a hundred thousand are (4.2 of their standard deviations).
+pub(crate) const JUMP_BEYOND_NOISE: f64 = 6.0;
+
 /// Fewest recordings in which the spool has to stick. Source: what happens in one is a disturbance.
 pub(crate) const FEWEST_STICKING: usize = 2;
 
@@ -179,7 +195,7 @@ pub(crate) const FEWEST_JUMPS: usize = 8;
 /// Jumps of a spool that sticks are as long as each other, but for this share. Source: chosen.
 pub(crate) const JUMPS_ALIKE: f64 = 0.15;
 
-/// So many of all its jumps are, at least. Source: where nothing sticks, fewer moves between rests are alike: on every recorded drive that does not.
+/// Least share of its jumps that are alike. Source: where nothing sticks, fewer moves between rests are alike, on every recorded drive without stiction.
 pub(crate) const JUMPS_ALIKE_SHARE: f64 = 0.6;
 
 /// Share of the misfit above noise that an effect beside stiction has to take away from the free spool. Source: as [`LEAST_EXPLAINED`].
@@ -224,7 +240,7 @@ pub(crate) const INDEPENDENT_SPACINGS: f64 = 3.0;
 /// Most of its band that a stiction alone keeps; beyond it, a play stands beside it. Source: a spool that is locked or silted lets go nearly at once.
 pub(crate) const KEPT_ALONE: f64 = 1.0 / 3.0;
 
-/// By so much a set with jumps has to be likelier than the base. Source: once in twenty.
+/// By so much a candidate model with jumps has to be likelier than the base model. Source: once in twenty.
 pub(crate) const UNMEASURED_SPOOL_GAINS: f64 = ONCE_IN_TWENTY;
 
 // Held-out recordings, which only veto.
@@ -249,8 +265,26 @@ pub(crate) const FIT_ABOVE_PERCENT: f64 = 0.0;
 /// spread.
 pub(crate) const MOSTLY_NOISE_PERCENT: f64 = 50.0;
 
-/// Times its noise beyond which held-out recordings may confirm an effect on its own side of the spool. Source: far off: what the chain misses hides it.
+/// Times its noise beyond which held-out recordings may confirm an effect on its own side of the spool. Source: far off: the misfit of
+/// the whole model hides it.
 pub(crate) const OWN_SIDE_FROM: f64 = FAR_OFF;
+
+// What is said of an accepted effect.
+
+/// No confidence is reported above this. Source: chosen; the catalogue itself may lack the true effect, which no likelihood counts.
+pub(crate) const MOST_CONFIDENT: f64 = 0.999;
+
+/// An effect that is less probable in an accepted one's place is not listed as its alternative. Source: what [`MOST_CONFIDENT`] leaves.
+pub(crate) const ALTERNATIVE_FROM: f64 = 1e-3;
+
+// Where cavitation is looked for: not in a drive whose oil never comes near the floor, nor in one whose oil does pull.
+
+/// A chamber whose sensor never shows less than this above the tank's pressure does not cavitate, Pa. Source: chosen; twice the way from
+/// the atmosphere to a vacuum.
+pub(crate) const NEAR_TANK_PA: f64 = 2e5;
+
+/// A sensor that shows less than this shows a tension, Pa. Source: chosen; a vacuum (-1e5), and half as much again for the sensor's offset.
+pub(crate) const BELOW_VACUUM_PA: f64 = -1.5e5;
 
 // What is said where nothing is accepted.
 

@@ -1,4 +1,4 @@
-//! What each effect of flow, chambers and mechanics must do, by head. (Valve: `shaped_spool_tests`; sensing: `sight`.)
+//! What each effect of flow, chambers and mechanics must do, by hand calculation. (Valve: `shaped_spool_tests`; sensing: `sight`.)
 
 use model_core::machine::Machine;
 use model_core::machine::Parameter::*;
@@ -19,7 +19,7 @@ fn run(machine: &Machine<f64>, effects: &[PlantEffect], load_n: f64, volts: f64,
     plant.simulate(&Commands::Valve(commands), &initial, &ticks(rows)).unwrap()
 }
 
-/// A rod in chambers so large that their pressures stay: its speed is (force − friction)/damping.
+/// A rod in chambers so large that their pressures stay constant: its speed is (force − friction)/damping.
 fn free_rod() -> Machine<f64> {
     let mut machine = press();
     for (parameter, value) in [(VolumeA, 10.0), (VolumeB, 10.0), (BulkModulus, 1.0e7), (ViscousFriction, 1.0e4)] {
@@ -28,7 +28,7 @@ fn free_rod() -> Machine<f64> {
     machine
 }
 
-/// Friction that a rod sliding under a load of ±2 kN feels after a time, N.
+/// Friction on a rod that slides under a load of ±2 kN, after a time, N.
 fn felt(effect: PlantEffect, load_n: f64, rows: usize) -> f64 {
     let machine = free_rod();
     let speed = |effects: &[PlantEffect]| run(&machine, effects, load_n, 0.0, rows)[rows - 1].velocity_m_per_s;
@@ -50,7 +50,7 @@ fn every_name_on_the_command_line_makes_an_effect_of_that_name() {
 #[test]
 fn stribeck_friction_holds_more_than_it_slides_with() {
     let effect = named("stribeck-friction", 1000.0);
-    // Break-away is 1.8 times as much: 1.5 kN is held, 2 kN slides at 100 mm/s with 1 kN.
+    // Break-away is at 1.8 times this friction: 1.5 kN does not move the rod; under 2 kN it slides at 100 mm/s against 1 kN.
     let held = run(&free_rod(), &[effect], 1500.0, 0.0, 400);
     assert!(held[399].velocity_m_per_s.abs() < 1e-5);
     assert!((felt(effect, 2000.0, 300) - 1000.0).abs() < 30.0);
@@ -70,7 +70,7 @@ fn a_tight_place_brakes_there_only() {
     let at = |position_m: f64| {
         states.iter().find(|state| state.position_m > position_m).map_or(0.0, |state| state.velocity_m_per_s)
     };
-    // 2500 − 900 N in the middle of it, 2500 − 300 N well behind, less what the oil takes.
+    // 2500 − 900 N in the middle of the tight place, 2500 − 300 N well beyond it, less the force of the oil.
     assert!((at(0.16) - 0.16).abs() < 0.01, "{}", at(0.16));
     assert!(at(0.25) > 0.2, "{}", at(0.25));
 }
@@ -127,7 +127,7 @@ fn a_stop_holds_the_load_and_does_not_pull() {
     let effect = named("end-stop", 0.2);
     let pressed = run(&free_rod(), &[effect], 2000.0, 0.0, 1500);
     let at = pressed[1499].position_m;
-    // k·d^1.5 = 2 kN less what the oil bears, with k = 2e9
+    // k·d^1.5 = 2 kN less the force that the oil carries, with k = 2e9
     assert!((0.2..0.2002).contains(&at), "{at}");
     let away = run(&free_rod(), &[effect], -1000.0, 0.0, 300);
     assert_eq!(away, run(&free_rod(), &[], -1000.0, 0.0, 300));
@@ -143,7 +143,7 @@ fn a_linkage_loads_by_position_whatever_the_direction() {
         1e4 * (with - without)
     };
     let expected = -1000.0 * (0.05_f64 / 0.12).sin();
-    // 4 mm further out or in, it is 30 N more or less
+    // A position 4 mm further out or in changes the force by 30 N.
     assert!((pull(2000.0) - expected).abs() < 60.0 && (pull(-2000.0) - expected).abs() < 60.0);
 }
 
@@ -154,7 +154,7 @@ fn warm_oil_lets_the_rod_run_faster() {
     let states = run(&free_rod(), &[effect], 1000.0, 0.0, 1501);
     let cold = run(&free_rod(), &[], 1000.0, 0.0, 1501);
     let ratio = states[1500].velocity_m_per_s / cold[1500].velocity_m_per_s;
-    // 15 K: exp(800/155 − 800/140) = 0.575; the oil spring takes a little of the gain
+    // 15 K: exp(800/155 − 800/140) = 0.575; the oil spring reduces the gain a little.
     assert!((1.6..1.78).contains(&ratio), "{ratio}");
 }
 
@@ -192,7 +192,7 @@ fn a_leaking_valve_fills_the_chambers_and_lets_the_rod_creep() {
         plant.simulate(&Commands::Valve(vec![-0.6; 3000]), &initial, &ticks(3000)).unwrap()[2999]
     };
     let (leaking, tight) = (run(&[named("valve-leakage", 0.02)]), run(&[]));
-    // Both ports strive for half the supply; the larger piston wins.
+    // The leakage drives both pressures towards half the supply; the larger piston area prevails.
     assert!(leaking.pressure_b_pa > 3.5e6 && leaking.pressure_a_pa < 3.5e6 && leaking.pressure_a_pa > 2e6);
     assert!(leaking.position_m > 0.152 && (tight.position_m - 0.15).abs() < 1e-4);
 }
@@ -218,7 +218,7 @@ fn air_softens_the_oil_at_low_pressure_only() {
     assert!(low > 2.0 && high < 1.1, "{low} {high}");
 }
 
-/// 20 kN pull the rod of a closed drive out and let it back: 1.6 mm, of which the oil of A gives less than a tenth.
+/// 20 kN pull the rod of a closed drive outwards and release it: 1.6 mm, of which the oil of A alone would allow less than a tenth.
 fn drawn_on(effects: &[PlantEffect]) -> Vec<PlantState> {
     let machine = press();
     let load = LoadProfile::through(vec![(0.0, 0.0), (0.05, 0.0), (0.25, 2e4), (0.4, 2e4), (0.6, 0.0)]).unwrap();
@@ -232,16 +232,38 @@ fn oil_that_boils_stays_at_its_pressure_until_the_rod_is_back() {
     let floor_pa = -8e4;
     let states = drawn_on(&[named("cavitation", floor_pa)]);
     let (start, most) = (states[0], states[400]);
-    // The oil of B alone bears the load: F·V/(E·A²).
+    // The oil of B alone carries the load: F·V/(E·A²).
     let given_m = (2e4 - 3.117e-3 * (start.pressure_a_pa - floor_pa)) / (3.6e12 * 1.861e-3_f64.powi(2));
     assert!((most.position_m - start.position_m - given_m).abs() < 0.01 * given_m, "{}", most.position_m);
-    // Some δ, 1.5 kPa, above: the void is a small part of what the piston sweeps.
+    // The pressure is a few δ (1.5 kPa) above the floor: the void is a small part of the swept volume.
     let flat = states.iter().filter(|state| (floor_pa..floor_pa + 2e4).contains(&state.pressure_a_pa)).count();
     assert!(flat > 350 && states.iter().all(|state| state.pressure_a_pa > floor_pa), "{flat}");
     let back = states[999];
     assert!(
         (back.position_m - start.position_m).abs() < 1e-7 && (back.pressure_a_pa - start.pressure_a_pa).abs() < 100.0
     );
+}
+
+#[test]
+fn vapour_and_released_air_fill_what_the_rod_leaves() {
+    // As large as the chamber's oil does not fill it, both as shares of what the piston sweeps; without air the vapour alone.
+    for released in [0.0, 2e-3, 0.02] {
+        let (floor_pa, steepness_pa) = (-8e4, 1.5e3);
+        let states = drawn_on(&[PlantEffect::Cavitation(Cavitation { floor_pa, steepness_pa, released })]);
+        let (start, most) = (states[0], states[400]);
+        let (area_m2, capacity) = (3.117e-3, 1.0 / 2.3e12);
+        let fallen_pa = start.pressure_a_pa - most.pressure_a_pa;
+        let left_m3 = area_m2 * (most.position_m - start.position_m) - capacity * fallen_pa;
+        let share = left_m3 / (area_m2 * press().get(Stroke));
+        let above = (most.pressure_a_pa - floor_pa) / steepness_pa;
+        let absolute = |pressure_pa: f64| pressure_pa + 1.013e5;
+        let air = released * absolute(floor_pa) / absolute(most.pressure_a_pa) / (1.0 + above.exp());
+        let bubbles = (-above).exp() + air;
+        assert!(share > 4e-3 && (bubbles / share - 1.0).abs() < 0.02, "{released}: {bubbles} {share}");
+        assert!(released < 0.01 || air > 0.5 * share, "{air} of {share}");
+        let back = states[999];
+        assert!((back.position_m - start.position_m).abs() < 1e-7, "{released}: what it gave off is dissolved again");
+    }
 }
 
 #[test]

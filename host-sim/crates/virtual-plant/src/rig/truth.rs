@@ -1,12 +1,12 @@
-//! A drive as it is, near to what its machine file says of it.
+//! The true drive, near the nominal values of its machine file.
 
 use std::collections::BTreeMap;
 
 use model_core::machine::{Machine, Parameter};
 use recording::seeded_noise::Noise;
 
-/// A drive drawn about its nominal values: each parameter in `sigma` is off by its standard deviation times a Gaussian
-/// number times `spread`, but by no more than two deviations and never out of its range. The others are exact.
+/// A drive drawn around its nominal values: each parameter in `sigma` deviates by its standard deviation times a Gaussian
+/// number times `spread`, but by no more than two standard deviations and never out of its range. The others are exact.
 #[must_use]
 pub fn truth_near(nominal: &Machine<f64>, sigma: &BTreeMap<Parameter, f64>, spread: f64, seed: u64) -> Machine<f64> {
     let mut truth = *nominal;
@@ -19,7 +19,7 @@ pub fn truth_near(nominal: &Machine<f64>, sigma: &BTreeMap<Parameter, f64>, spre
     truth
 }
 
-/// Parameters that came into the table later, between others.
+/// Parameters that were added to the table later, between others.
 const LATER: [Parameter; 9] = [
     Parameter::LevelAtRest,
     Parameter::ViscosityLossPerKelvin,
@@ -32,8 +32,8 @@ const LATER: [Parameter; 9] = [
     Parameter::CavitationFloor,
 ];
 
-/// A stream for each parameter; the first ones are the sensors'. The others keep their streams beside those that came later, so that a
-/// seed draws the same machine as before.
+/// A random stream for each parameter; the first streams belong to the sensors. Parameters that were added later do not shift the streams of
+/// the others, so that a seed draws the same machine as before.
 fn stream(parameter: Parameter) -> u64 {
     match LATER.iter().position(|&later| later == parameter) {
         Some(later) => 999 - later as u64,
@@ -43,9 +43,23 @@ fn stream(parameter: Parameter) -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use model_core::machine::Source;
 
     use super::*;
+
+    #[test]
+    fn a_parameter_that_is_new_takes_no_others_stream() {
+        const FIRST: usize = 117;
+        assert_eq!(
+            Parameter::ALL.len() - LATER.len(),
+            FIRST,
+            "append the new parameter to LATER: else old seeds draw other machines"
+        );
+        let streams: BTreeSet<u64> = Parameter::ALL.iter().map(|&parameter| stream(parameter)).collect();
+        assert_eq!(streams.len(), Parameter::ALL.len());
+    }
 
     #[test]
     fn only_listed_values_move_and_by_two_deviations_at_most() {

@@ -1,9 +1,9 @@
 //! The jumps of a spool that sticks, and what they measure.
 //!
-//! The recorded spool says itself when it jumps, from where and to where. Then the free spool, which its springs would have where nothing
-//! stuck, has just come `band` away from where it rested, and is `kept·band` away from where it lands. Midway between both, it is ahead by
-//! ½·band·(1 + kept), and the jump is band·(1 − kept) long, whatever else the valve does: each jump measures the free spool once, but for how
-//! far it is ahead, which all have in common.
+//! The recorded spool shows when it jumps, from where and to where. The free spool is where the springs would hold the spool without stiction; at the
+//! instant of a jump it is `band` away from the former rest and `kept·band` away from the new one. It is ahead of the middle between both by
+//! ½·band·(1 + kept), and the jump is band·(1 − kept) long, whatever else the valve does. So each jump measures the free spool once, except for the
+//! distance that it is ahead, which is the same for all jumps.
 
 use identification::experiment::{Channel, Prepared};
 use identification::fit::{FitError, Sensitivity};
@@ -11,15 +11,13 @@ use recording::Signal;
 use simulation::signal::noise::{median, resolution};
 
 use crate::selection::candidate::Candidate;
-use crate::selection::decision_rule::{FEWEST_JUMPS, JUMPS_ALIKE, JUMPS_ALIKE_SHARE};
+use crate::selection::decision_rule::{FEWEST_JUMPS, JUMP_BEYOND_NOISE, JUMPS_ALIKE, JUMPS_ALIKE_SHARE};
 
-/// Least noise of a row, of full travel: a spool that rests to the last bit.
+/// Least noise of a row, of full travel, for a spool whose readings at rest are equal to the last bit.
 const LEAST_NOISE: f64 = 1e-5;
-/// Two neighbouring rows that differ by more than so many times the noise are a jump, or part of one.
-const JUMPS: f64 = 6.0;
 /// Most rows that a jump takes.
 const LONGEST: usize = 3;
-/// Most rows on either side of a jump that its levels are the means of.
+/// Most rows on either side of a jump over which its two levels are averaged.
 const MOST_LEVEL: usize = 16;
 
 /// A jump of the spool.
@@ -27,11 +25,11 @@ const MOST_LEVEL: usize = 16;
 struct Jump {
     /// The first row after it.
     row: usize,
-    /// Where the spool rested before.
+    /// Where the spool rested before the jump.
     from: f64,
     /// Where it rests after it.
     to: f64,
-    /// Jumps in a row, by the rests before and after.
+    /// Jumps per row, from the lengths of the rests before and after.
     per_row: f64,
 }
 
@@ -41,12 +39,12 @@ impl Jump {
     }
 }
 
-/// Every jump of a spool between two rests, where a row at rest has so much noise.
+/// Every jump of a spool between two rests; `noise` is that of a row at rest.
 fn jumps(spool: &Channel, noise: f64) -> Vec<Jump> {
     let x = &spool.bridged();
     let is_known = |row: usize| !spool.failed[row] && !spool.failed[row - 1];
-    let is_far = |row: usize| is_known(row) && (x[row] - x[row - 1]).abs() > JUMPS * noise;
-    // First and last row of each stretch in which it goes on moving.
+    let is_far = |row: usize| is_known(row) && (x[row] - x[row - 1]).abs() > JUMP_BEYOND_NOISE * noise;
+    // First and last row of each stretch in which the spool moves without a pause.
     let mut moves: Vec<(usize, usize)> = Vec::new();
     for row in (1..x.len()).filter(|&row| is_far(row)) {
         match moves.last_mut() {
@@ -70,27 +68,28 @@ fn jumps(spool: &Channel, noise: f64) -> Vec<Jump> {
         .collect()
 }
 
-/// Noise of a row of a spool that mostly rests: at least its sensor's step, for all that such a spool does by one count is as long.
+/// Noise of a row of a spool that mostly rests. It is at least the sensor's resolution, since all changes by one count are equally long and would
+/// pass for jumps.
 fn noise_at_rest(spool: &Channel) -> f64 {
-    // Of white noise, a difference's median over its standard deviation, and that over the noise's.
+    // For white noise: median of the absolute differences over their standard deviation, times that standard deviation over the noise's.
     const SHARE: f64 = 0.6745 * std::f64::consts::SQRT_2;
     let readings = spool.bridged();
     let mut steps: Vec<f64> = readings.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
     (median(&mut steps) / SHARE).max(resolution(&readings)).max(LEAST_NOISE)
 }
 
-/// Whether two jumps are as long as each other.
+/// Whether two jumps have about the same length.
 pub(crate) fn is_alike(one: f64, other: f64) -> bool {
     (one / other - 1.0).abs() < JUMPS_ALIKE
 }
 
 /// Recordings of a spool that sticks, each with its jumps.
 pub(crate) struct Sticking<'a> {
-    /// Each with the jumps that measure the free spool.
+    /// Each recording with the jumps that measure the free spool.
     recordings: Vec<(&'a Prepared, Vec<Jump>)>,
     /// How long a jump is.
     pub(crate) length: f64,
-    /// How well a jump measures the free spool.
+    /// Standard deviation with which a jump measures the free spool.
     noise: f64,
 }
 
@@ -107,7 +106,7 @@ impl<'a> Sticking<'a> {
         let lengths: Vec<f64> = all.iter().flat_map(|(_, jumps, _)| jumps.iter().map(Jump::length)).collect();
         let mut sorted = lengths.clone();
         sorted.sort_by(f64::total_cmp);
-        // How many are as long as one: of an hour there may be a hundred thousand.
+        // Number of jumps with about this length; sorted, since an hour may hold a hundred thousand.
         let with = |length: f64| {
             let shorter = sorted.partition_point(|one| *one < length && !is_alike(*one, length));
             sorted[shorter..].partition_point(|one| is_alike(*one, length))
@@ -117,11 +116,11 @@ impl<'a> Sticking<'a> {
             return None;
         }
         let length = median(&mut lengths.iter().copied().filter(|one| is_alike(*one, length)).collect::<Vec<f64>>());
-        // From jump to jump the free spool goes a jump's length: so far, about, between two rows.
+        // From jump to jump the free spool moves by one jump length; this gives about how far it moves between two rows.
         let unseen = |jump: &Jump| length * jump.per_row / 12.0_f64.sqrt();
         let jumps = || all.iter().flat_map(|(_, jumps, _)| jumps).filter(|jump| is_alike(jump.length(), length));
         let usual = median(&mut jumps().map(unseen).collect::<Vec<f64>>());
-        // A free spool that goes far between two rows is not measured by a jump there.
+        // Where the free spool moves far between two rows, a jump does not measure it.
         let is_slow = |jump: &Jump| unseen(jump) <= 2.0 * usual;
         let slow: Vec<f64> = jumps().filter(|jump| is_slow(jump)).map(|jump| unseen(jump).powi(2)).collect();
         let unseen = (slow.iter().sum::<f64>() / slow.len() as f64).sqrt();
@@ -133,12 +132,12 @@ impl<'a> Sticking<'a> {
             })
             .filter(|(_, jumps)| jumps.len() >= FEWEST_JUMPS)
             .collect();
-        // Midway between two levels, each the mean of a few rows.
+        // The middle between two levels, each of which is the mean of a few rows.
         let noise = (0.5 * sensor).hypot(unseen);
         (recordings.len() >= at_least).then_some(Self { recordings, length, noise })
     }
 
-    /// The free spool as the jumps measure it, where it is ahead of their middles by so much.
+    /// The free spool as the jumps measure it, if it is ahead of their middles by `ahead`.
     pub(crate) fn freed(&self, ahead: f64) -> Vec<Prepared> {
         let freed = |(case, jumps): &(&Prepared, Vec<Jump>)| {
             let mut freed = case.judged_by(|signal| signal == Signal::Spool);
@@ -158,11 +157,11 @@ impl<'a> Sticking<'a> {
         self.recordings.iter().map(freed).collect()
     }
 
-    /// How much further ahead the free spool is by these residuals, once all that is free in a fit has settled.
+    /// How much further ahead the free spool is according to these residuals, with all free values of the fit adapted to it.
     pub(crate) fn further(&self, set: &Candidate, freed: &[&Prepared]) -> Result<f64, FitError> {
         let Some(sensitivity) = Sensitivity::at(&set.fit, freed)? else { return Ok(0.0) };
         let mut there = sensitivity.simulated(&set.fit.machine)?;
-        // What is recorded further ahead is simulated less far. The spool is the only channel.
+        // A recording that is further ahead acts on the residual like a simulation that is less far ahead. The spool is the only channel.
         for ((_, jumps), there) in self.recordings.iter().zip(&mut there) {
             for jump in jumps {
                 if let Some(at) = sensitivity.place_of(jump.row).and_then(|place| there.get_mut(place)) {
@@ -174,7 +173,7 @@ impl<'a> Sticking<'a> {
         Ok(amounts.first().map_or(0.0, |amount| amount * self.noise))
     }
 
-    /// Stiction whose free spool is so far ahead of the middle of a jump: its band, and the share of it that a jump ends short by.
+    /// Stiction whose free spool is this far ahead of the middle of a jump: its band, and the kept share by which a jump ends short.
     pub(crate) fn effect_parameters(&self, ahead: f64) -> (f64, f64) {
         let band = ahead + 0.5 * self.length;
         (band, (ahead - 0.5 * self.length).max(0.0) / band)
@@ -185,7 +184,7 @@ impl<'a> Sticking<'a> {
 mod tests {
     use super::*;
 
-    /// A spool at these rows, with a sensor's noise.
+    /// A spool with so many rows that follows `at`, with a sensor's noise.
     fn spool(rows: usize, at: impl Fn(f64) -> f64) -> Channel {
         let mut generator = recording::seeded_noise::Noise::new(5, 1);
         let time_s: Vec<f64> = (0..rows).map(|row| row as f64 * 1e-3).collect();
@@ -193,7 +192,7 @@ mod tests {
         Channel::of(Signal::Spool, &time_s, &recorded)
     }
 
-    /// Where a spool is that jumps 0.01 at a time, after a free one at 0.1/s up and down.
+    /// Position of a spool that jumps by 0.01 each time and follows a free spool that rises and falls at 0.2/s.
     fn staircase(time_s: f64) -> f64 {
         let free = 0.2 * (0.5 - (time_s - 0.5).abs());
         (free / 0.01).floor() * 0.01
@@ -205,7 +204,7 @@ mod tests {
         let noise = noise_at_rest(&spool);
         assert!((noise / 3e-4 - 1.0).abs() < 0.1, "{noise}");
         let found = jumps(&spool, noise);
-        // 0 to 0.09 and back, in steps; the last two rests are short of an end.
+        // 0 to 0.09 and back, in steps; jumps next to the turn or an end of the recording may be missing.
         assert!((17..=20).contains(&found.len()), "{}", found.len());
         for jump in &found {
             assert!(is_alike(jump.length(), 0.01), "{jump:?}");
