@@ -1,5 +1,5 @@
-//! What a step and a refit take on this computer, for whoever changes one of them: `cargo bench -p system-benches --bench timed`, by Criterion,
-//! which also says what has changed since its last run. What is kept is `BENCHMARKS.md` (ratios within a run) and `instructions.txt` (counts).
+//! Times of a step and a refit on this computer, for developers who change one of them: `cargo bench -p system-benches --bench timed`, by Criterion,
+//! which also reports changes since its last run. Kept in the repository are `BENCHMARKS.md` (ratios within a run) and `instructions.txt` (counts).
 
 use std::hint::black_box;
 use std::path::Path;

@@ -18,7 +18,7 @@ use crate::peers::{Peers, list, number};
 pub(crate) const POSITION_PERCENT: f64 = 0.01;
 pub(crate) const PRESSURE_PERCENT: f64 = 0.1;
 
-/// The peers' signal that is judged otherwise.
+/// The peers' signal that is judged in another way.
 const SWEEP: &str = "sweep";
 
 /// Position (m) and both pressures (Pa) at the end of each tick.
@@ -48,7 +48,7 @@ impl Off {
         if rows.len() != reference.len() {
             return Self { position: f64::INFINITY, pressure: f64::INFINITY };
         }
-        // What is no number is as far off as can be.
+        // A value that is not a number counts as infinitely far off.
         let percent = |found: f64, wanted: f64, of: f64| {
             let off = 100.0 * (found - wanted).abs() / of;
             if off.is_nan() { f64::INFINITY } else { off }
@@ -74,7 +74,7 @@ impl Off {
     }
 }
 
-/// The drive that the peers call so.
+/// The drive that has this name at the peers.
 pub(crate) fn machine_of(drive: &str) -> Result<Machine<f64>, Box<dyn Error>> {
     let found = drives::named().into_iter().find(|named| named.name == drive);
     Ok(found.ok_or_else(|| format!("there is no drive {drive}"))?.machine)
@@ -90,7 +90,7 @@ pub(crate) struct Judgement {
     pub(crate) sweep_by_peers: Off,
 }
 
-/// Signals, starts and references, by the program that has them.
+/// Signals, starts and references, from the peers' program.
 #[derive(Debug)]
 pub(crate) struct Signals {
     peers: Peers,
@@ -112,18 +112,18 @@ impl Signals {
         list(&self.said["signals"][signal])?.iter().map(|volts| Ok(number(volts)? as f32)).collect()
     }
 
-    /// Where a drive is at first.
+    /// The initial state of a drive.
     pub(crate) fn initial(&self, drive: &str) -> Result<InitialState, Box<dyn Error>> {
         let [a, b] = [0, 1].map(|index| number(&self.said["start"][drive][index]));
         Ok(InitialState { pressure_a_pa: a?, pressure_b_pa: b?, position_m: START_M, velocity_m_per_s: 0.0 })
     }
 
-    /// What the peers' reference says of a drive under a signal.
+    /// The peers' reference for a drive under a signal.
     pub(crate) fn reference(&self, drive: &str, signal: &str) -> Result<Judged, Box<dyn Error>> {
         judged(&self.said["references"][drive][signal])
     }
 
-    /// Asks for a changed drive.
+    /// Sends a changed drive to the program.
     pub(crate) fn ask(&mut self, line: &str) -> Result<Value, Box<dyn Error>> {
         self.peers.ask(line)
     }
@@ -132,7 +132,7 @@ impl Signals {
     ///
     /// A sweep changes its command in every tick. The peers' limiter turns that into a ramp over the tick; ours holds the command, as a
     /// controller does, and moves at the limiter's own rate within the tick, half a tick sooner on the average. So the sweep is judged by
-    /// the project's oracle, which does that too, and what the peers' reference says of it stands beside.
+    /// the project's oracle, which does the same, and the figure against the peers' reference stands beside it.
     fn judge(&self, drive: &str, run: impl Fn(&[f32], &mut Vec<Row>)) -> Result<Judgement, Box<dyn Error>> {
         let (machine, initial) = (machine_of(drive)?, self.initial(drive)?);
         let (mut steps, mut rows): (Off, Vec<Row>) = Default::default();

@@ -1,4 +1,4 @@
-//! The tool as a process of its own: this program again, called by another name, which says at its end what it took.
+//! The tool as a process of its own: this program again, called by another name, which reports its time and memory at its end.
 
 use std::error::Error;
 use std::io;
@@ -11,20 +11,20 @@ use host_sim::cli::{self, Cli, CommandLine, Console};
 
 use crate::machine;
 
-/// The first argument of a process that is to be the tool.
+/// The first argument of a process that runs as the tool.
 pub(crate) const CALLED: &str = "as-host-sim";
 
-/// What begins the line that says what was taken.
+/// Beginning of the line with the time and memory.
 const TOOK: &str = "took ";
 
-/// What a run of the tool took.
+/// Time and memory of a run of the tool.
 #[derive(Debug)]
 pub(crate) struct Took {
     /// From its start to its end, s.
     pub(crate) wall_s: f64,
-    /// On all threads together, s.
+    /// Computing time of all threads together, s.
     pub(crate) computed_s: f64,
-    /// Most memory at a time, MB.
+    /// Peak memory, MB.
     pub(crate) peak_mb: f64,
     /// What it printed.
     pub(crate) printed: String,

@@ -22,13 +22,13 @@ use crate::{child, range};
 
 /// Rounds in which everything is timed once.
 const ROUNDS: usize = 15;
-/// How often each is timed in a round, and how many runs of it at a time: so few as fit between two turns of other programs.
+/// How often each is timed in a round, and how many runs at a time: few enough to fit between two time slices of other programs.
 const TIMES: usize = 20;
 const RUNS: u32 = 4;
 /// A run under commands in V.
 type Simulated = Box<dyn Fn(&[f32], &mut Vec<Row>)>;
 
-/// One that runs in this process, on a drive.
+/// A run in this process, on a drive.
 struct Ours {
     name: &'static str,
     how: String,
@@ -44,7 +44,7 @@ impl Ours {
         Self { name, how: "one step a tick".to_owned(), run, times: (TIMES, RUNS), drives: 1 }
     }
 
-    /// A batch: each drive a quarter of the commands further on. The first one's rows are those that are judged.
+    /// A batch: each drive starts a quarter of the commands later. The rows of the first one are judged.
     fn in_lanes(name: &'static str, step: impl Fn([&[f32]; LANES], &mut [Vec<Row>; LANES]) + 'static) -> Self {
         let scratch = RefCell::new(<[Vec<Row>; LANES]>::default());
         let run = move |volts: &[f32], rows: &mut Vec<Row>| {
@@ -58,8 +58,8 @@ impl Ours {
         Self { how, drives: LANES, ..Self::core(name, Box::new(run)) }
     }
 
-    /// `diffsol` by way of the virtual test bed's plant, with the loosest tolerance that leaves a fifth of what is allowed, as `SciPy`'s
-    /// are chosen.
+    /// `diffsol` through the virtual test bed's plant, with the loosest tolerance that keeps a fifth of the allowed error free. The tolerances
+    /// of `SciPy` are chosen in the same way.
     fn diffsol(machine: &Machine<f64>, initial: InitialState, volts: &[f32], judged: &Judged) -> Option<Self> {
         let mut rows = Vec::new();
         [1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 1e-7].into_iter().find_map(|tolerance| {
@@ -101,7 +101,7 @@ fn ours(machine: &Machine<f64>, initial: &InitialState) -> [Ours; 6] {
     ]
 }
 
-/// The part.
+/// This part of the comparison.
 pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
     let mut part = Part { text: "## Simulation on the desktop\n\n".to_owned(), wanted: Vec::new() };
     match (Signals::start()?, Peers::start("desktop.py")?) {
@@ -111,7 +111,7 @@ pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
     Ok(part)
 }
 
-/// Without opponents: times alone.
+/// Without opponents: only the times.
 fn alone(part: &mut Part) -> Result<(), Box<dyn Error>> {
     let volts = random_commands(4000);
     let mut rows = Vec::new();
@@ -153,13 +153,13 @@ fn against(part: &mut Part, signals: &mut Signals, peers: &mut Peers, said: &Val
     Ok(())
 }
 
-/// What is said of one drive.
+/// The rows about one drive.
 struct Lines {
     rows: Vec<Vec<String>>,
     floor: String,
 }
 
-/// How far a step in f64, and one of a batch, are from the floor.
+/// How far a step in f64, and a step of one drive in a batch, are from the floor.
 fn floor(operations: &Operations, alone_s: f64, batch_s: f64) -> String {
     let Operations { sums, products, quotients, roots } = operations;
     let floor_s = operations.floor_s();
@@ -173,7 +173,7 @@ fn floor(operations: &Operations, alone_s: f64, batch_s: f64) -> String {
     )
 }
 
-/// Everything in turns on one drive: a line each.
+/// All programs in turns on one drive: a line each.
 fn turns(
     part: &mut Part,
     signals: &Signals,

@@ -10,21 +10,21 @@ use crate::child::{self, Took};
 use crate::machine;
 use crate::page::{Part, table};
 
-/// What the cases have too much: m³/s/Pa.
+/// The effect in the cases, m³/s/Pa.
 const EFFECT: (&str, &str) = ("internal-leakage", "2e-12");
 /// Lengths of the one training recording, s.
 const LENGTHS_S: [u32; 5] = [10, 30, 120, 600, 3600];
-/// Numbers of training recordings of so many seconds.
+/// Numbers of training recordings, each of this many seconds.
 const COUNTS: [u32; 6] = [1, 2, 4, 8, 30, 100];
 const COUNTED_S: u32 = 10;
-/// The fit alone is of the shipped case.
+/// The fit alone is timed on the shipped case.
 const SHIPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/press-63-40");
 
 fn text(path: &Path) -> Result<&str, Box<dyn Error>> {
     path.to_str().ok_or_else(|| "a temporary folder whose name is not text".into())
 }
 
-/// A press with leakage that a controller drives to and fro, on the virtual test bed: so many recordings of a length, and one of 10 s
+/// A press with leakage that a controller moves back and forth, on the virtual test bed: this number of recordings of a length, and one of 10 s
 /// held out.
 fn case(folder: &Path, count: u32, length_s: u32) -> Result<(), Box<dyn Error>> {
     let preset = concat!(env!("CARGO_MANIFEST_DIR"), "/../presets/press-63-40.toml");
@@ -65,14 +65,14 @@ fn exponent(points: &[(f64, f64)]) -> f64 {
     above / below
 }
 
-/// The exponent among the sizes that are searched whole, and among all; a size is so many seconds at 1 kHz.
+/// The exponent over the sizes that are searched completely, and over all sizes; a size is this number of seconds at 1 kHz.
 fn exponents(points: &[(f64, f64)], seconds: u32) -> (f64, f64) {
     let is_whole = |(size, _): &(f64, f64)| 1e3 * size * f64::from(seconds) <= AFFORDABLE_TICKS as f64;
     let whole: Vec<(f64, f64)> = points.iter().copied().filter(is_whole).collect();
     (exponent(&whole), exponent(points))
 }
 
-/// The part.
+/// This part of the comparison.
 pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
     let load = machine::load()?;
     let scratch = tempfile::tempdir()?;

@@ -16,10 +16,10 @@ use crate::peers::{Peers, list, number, text};
 
 /// Rounds in which everything is timed once.
 const ROUNDS: usize = 9;
-/// The case, of `$HOST_SIM_SHARED`: the one that the peers' `bench_fit.py` takes.
+/// The case, of `$HOST_SIM_SHARED`: the one that the peers' `bench_fit.py` uses.
 const CASE: &str = "concealed/d30";
 
-/// One of ours: what it is called, its problem, its threads.
+/// One of our fits: its name, its problem, its threads.
 struct Ours {
     name: &'static str,
     refit: Refit,
@@ -29,7 +29,7 @@ struct Ours {
     end: Option<End>,
 }
 
-/// Where one of ours ended.
+/// The end point of one of our fits.
 struct End {
     machine: Machine<f64>,
     evaluations: usize,
@@ -55,7 +55,7 @@ impl Ours {
     }
 }
 
-/// One of the peers'.
+/// One of the peers' fits.
 struct Theirs {
     name: String,
     shortest_s: f64,
@@ -64,7 +64,7 @@ struct Theirs {
     simulations: String,
 }
 
-/// Everything in turns; the peers' times.
+/// Runs all fits in turns; returns the peers' times.
 fn turns(ours: &mut [Ours], mut peers: Option<&mut (Peers, Value)>) -> Result<Vec<Theirs>, Box<dyn Error>> {
     let names: Vec<String> = match &peers {
         Some((_, said)) => list(&said["kinds"])?.iter().map(text).collect(),
@@ -93,7 +93,7 @@ fn turns(ours: &mut [Ours], mut peers: Option<&mut (Peers, Value)>) -> Result<Ve
     Ok(theirs)
 }
 
-/// The part.
+/// This part of the comparison.
 pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
     let mut part = Part { text: "## A refit\n\n".to_owned(), wanted: Vec::new() };
     let Some(case) = shared(CASE) else {

@@ -1,8 +1,8 @@
-//! The computer that all of it is measured on.
+//! The computer on which everything is measured.
 
 use std::process::Command;
 
-/// The first line that a program prints, or that it is not there.
+/// The first line that a program prints, or a note that the program is missing.
 fn first_line(program: &str, arguments: &[&str]) -> String {
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
     let output = Command::new(program).args(arguments).current_dir(root).output();
@@ -46,21 +46,21 @@ pub(crate) fn described() -> std::io::Result<String> {
     ))
 }
 
-/// Most memory that this process ever held, kB; `None` where the system does not say.
+/// Peak memory of this process, kB; `None` where the system does not report it.
 pub(crate) fn peak_kb() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     line.split_whitespace().next()?.parse().ok()
 }
 
-/// Time that this process has computed for on all its threads, s; NaN where the system does not say.
+/// Computing time of all threads of this process, s; NaN where the system does not report it.
 #[cfg(unix)]
 pub(crate) fn computed_s() -> f64 {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 
-/// Time that this process has computed for on all its threads, s; NaN where the system does not say.
+/// Computing time of all threads of this process, s; NaN where the system does not report it.
 #[cfg(not(unix))]
 pub(crate) fn computed_s() -> f64 {
     f64::NAN

@@ -1,7 +1,7 @@
-//! What the model and the tool cost, against what a user would pick otherwise: `benches/run` prints it and writes `BENCHMARKS.md`.
+//! The cost of the model and the tool, against what a user would choose instead: `benches/run` prints it and writes `BENCHMARKS.md`.
 //!
-//! The opponents are the peers' own programs, called as they are; for names it is `PySINDy`, as `peers/sindy.py` uses it. What runs
-//! against what is taken in turns, round by round, and the shortest of the rounds counts: the computer has other things to do as well.
+//! The opponents are the peers' own programs, called as they are; for names it is `PySINDy`, as `peers/sindy.py` uses it. Programs that are compared
+//! run in turns, round by round, and the shortest of the rounds counts, because the computer does other work as well.
 
 mod accurate;
 mod child;
@@ -53,7 +53,7 @@ fn measured(wanted: &[String]) -> Result<(), Box<dyn Error>> {
 }
 
 fn main() -> ExitCode {
-    // Cargo says `--bench`, which nobody asks here.
+    // Cargo passes `--bench`, which is not used here.
     let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
     if arguments.first().is_some_and(|first| first == child::CALLED) {
         return child::main(&arguments[1..]);

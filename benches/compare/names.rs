@@ -14,7 +14,7 @@ use crate::{child, machine};
 /// The sets of cases, of `$HOST_SIM_SHARED`, and what judges them.
 const SETS: [&str; 2] = ["concealed", "concealed-hard"];
 const SCORER: &str = "score.py";
-/// What the scorer's last line says of one tool, and what it is called here.
+/// What the scorer's last line says about one tool, and its name here.
 const SCORES: [(&str, &str); 4] = [
     ("single effects named ", "singles exact"),
     ("pairs ", "pairs exact"),
@@ -24,7 +24,7 @@ const SCORES: [(&str, &str); 4] = [
 /// Threads of the tool; the opponent has one.
 const THREADS: usize = 2;
 
-/// What diagnoses.
+/// A tool that diagnoses.
 struct Tool {
     name: String,
     results: PathBuf,
@@ -74,7 +74,7 @@ fn text_of(path: &Path) -> Result<String, Box<dyn Error>> {
     Ok(path.to_str().ok_or("a folder whose name is not text")?.to_owned())
 }
 
-/// What the scorer prints of results.
+/// What the scorer prints about results.
 fn scored(scorer: &Path, folder: &Path, results: &Path) -> Result<String, Box<dyn Error>> {
     let output = Command::new(peers::python()).arg(scorer).args([folder, results]).output()?;
     if !output.status.success() {
@@ -83,7 +83,7 @@ fn scored(scorer: &Path, folder: &Path, results: &Path) -> Result<String, Box<dy
     Ok(String::from_utf8(output.stdout)?)
 }
 
-/// What is in a folder, by name.
+/// The contents of a folder, by name.
 fn within(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     let mut entries: Vec<PathBuf> =
         std::fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>()?;
@@ -96,7 +96,7 @@ fn cases(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     Ok(within(folder)?.into_iter().filter(|path| path.join("machine.toml").is_file()).collect())
 }
 
-/// Recordings of a case whose names begin so.
+/// Recordings of a case whose names begin with this prefix.
 fn recordings(case: &Path, prefix: &str) -> Result<Vec<String>, Box<dyn Error>> {
     let begins = |path: &&PathBuf| {
         path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(prefix))
@@ -130,7 +130,7 @@ fn diagnosed(
     Ok(())
 }
 
-/// The part.
+/// This part of the comparison.
 pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
     let mut part = Part { text: "## Names, against PySINDy\n\n".to_owned(), wanted: Vec::new() };
     let Some(scorer) = shared(SETS[0]).map(|set| set.join(SCORER)).filter(|scorer| scorer.is_file()) else {
@@ -146,7 +146,7 @@ pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
             continue;
         };
         let cases = cases(&folder)?;
-        // One process a set: what it ever held does not fall.
+        // One process for each set: the peak memory of a process never falls.
         let mut opponent = if peers::can_import("numba, pysindy") { Peers::start("sindy.py")? } else { None };
         versions = opponent.as_ref().map(|(_, said)| text(&said["versions"]));
         let results = scratch.path().join(set);

@@ -1,20 +1,20 @@
-//! `BENCHMARKS.md`: what was found as text.
+//! `BENCHMARKS.md`: the results as text.
 
 use std::fmt::Write;
 use std::path::Path;
 
 use crate::machine;
 
-/// What a part of the comparison has found.
+/// The results of a part of the comparison.
 #[derive(Debug, Default)]
 pub(crate) struct Part {
-    /// Its tables and what is to be said to them.
+    /// Its tables and the remarks on them.
     pub(crate) text: String,
-    /// What it says to what is wanted.
+    /// Its figures for the requirements.
     pub(crate) wanted: Vec<Wanted>,
 }
 
-/// A figure that was wanted.
+/// A required figure.
 #[derive(Debug)]
 pub(crate) struct Wanted {
     pub(crate) what: String,
@@ -23,7 +23,7 @@ pub(crate) struct Wanted {
     pub(crate) is_met: bool,
 }
 
-/// The page, as far as it is measured.
+/// The page, as far as it has been measured.
 #[derive(Debug)]
 pub(crate) struct Page {
     machine: String,
@@ -37,7 +37,7 @@ const HEAD: &str = "# What it costs\n\n\
     within a run say something. Other programs that compute take cores away: beside a load of 1 or more, two threads on two cores show little.\n\
     Growth of instructions is what `benches/instructions.txt` and its test are for.\n";
 
-/// What nothing here measures.
+/// What is not measured here.
 const NOT_DONE: &str = "## Not done\n\n\
     - Instructions are not cycles: on a Cortex-M4F a square root or a division of floats counts as one and takes 14, which flatters the opponents there.\n";
 

@@ -1,4 +1,4 @@
-//! The opponents: the peers' programs in a process that runs one of them whenever it is asked.
+//! The opponents: the peers' programs, in a process that runs one of them for each request.
 
 use std::error::Error;
 use std::io::{BufRead, BufReader, Lines, Write};
@@ -14,12 +14,12 @@ fn folder() -> Option<PathBuf> {
     shared("peers/speed")
 }
 
-/// Where their `run.sh` has built, as `benches/run` says.
+/// Where their `run.sh` puts what it builds, as `benches/run` says.
 fn built() -> Option<PathBuf> {
     std::env::var_os("SPEED_BUILD").map(PathBuf::from).filter(|built| built.join("venv").is_dir())
 }
 
-/// The Python that their programs run in; any other where they are not installed.
+/// The Python that their programs run in; another one where they are not installed.
 pub(crate) fn python() -> PathBuf {
     built().map_or_else(|| PathBuf::from("python3"), |built| built.join("venv/bin/python"))
 }
@@ -30,12 +30,12 @@ pub(crate) fn can_import(modules: &str) -> bool {
     import.is_ok_and(|output| output.status.success())
 }
 
-/// Whether they are at hand and installed.
+/// Whether the peers are available and installed.
 pub(crate) fn are_there() -> bool {
     folder().is_some() && built().is_some()
 }
 
-/// What their measurement on the target found, where it was run.
+/// The result of their measurement on the target, where it was run.
 pub(crate) fn on_target() -> Result<Option<Value>, Box<dyn Error>> {
     let Some(file) = built().map(|built| built.join("target.json")).filter(|file| file.is_file()) else {
         return Ok(None);
@@ -43,7 +43,7 @@ pub(crate) fn on_target() -> Result<Option<Value>, Box<dyn Error>> {
     Ok(Some(serde_json::from_str(&std::fs::read_to_string(file)?)?))
 }
 
-/// A process of theirs.
+/// A process of the peers.
 #[derive(Debug)]
 pub(crate) struct Peers {
     process: Child,
@@ -52,7 +52,7 @@ pub(crate) struct Peers {
 }
 
 impl Peers {
-    /// Starts one of the programs in `benches/peers`, and hands out what it says of itself; `None` where the peers are not there.
+    /// Starts one of the programs in `benches/peers`, and returns what it says about itself; `None` where the peers are not there.
     pub(crate) fn start(program: &str) -> Result<Option<(Self, Value)>, Box<dyn Error>> {
         let (Some(folder), Some(built)) = (folder(), built()) else { return Ok(None) };
         let mut process = Command::new(python())
@@ -77,7 +77,7 @@ impl Peers {
         Ok(serde_json::from_str(&line)?)
     }
 
-    /// Asks for a line.
+    /// Sends a line and returns the answer.
     pub(crate) fn ask(&mut self, line: &str) -> Result<Value, Box<dyn Error>> {
         writeln!(self.asked, "{line}")?;
         self.asked.flush()?;
@@ -87,23 +87,23 @@ impl Peers {
 
 impl Drop for Peers {
     fn drop(&mut self) {
-        // It waits for the next line, and has nothing to lose.
+        // The process waits for the next line, and has nothing to lose.
         let _ = self.process.kill();
         let _ = self.process.wait();
     }
 }
 
-/// A number in what they say.
+/// A number in an answer.
 pub(crate) fn number(value: &Value) -> Result<f64, Box<dyn Error>> {
     value.as_f64().ok_or_else(|| format!("{value} is not a number").into())
 }
 
-/// A list in what they say.
+/// A list in an answer.
 pub(crate) fn list(value: &Value) -> Result<&Vec<Value>, Box<dyn Error>> {
     value.as_array().ok_or_else(|| format!("{value} is no list").into())
 }
 
-/// A text in what they say.
+/// A text in an answer.
 pub(crate) fn text(value: &Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }

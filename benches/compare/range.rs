@@ -1,4 +1,4 @@
-//! The range of parameters over which a step stays accurate: how far from a drive's own values each bears it.
+//! The range of parameters over which a step stays accurate: how far each step tolerates a deviation from a drive's own values.
 
 use std::error::Error;
 
@@ -13,15 +13,15 @@ use crate::accurate::{Off, Signals, judged, machine_of};
 use crate::page::table;
 use crate::peers::list;
 
-/// By how much a parameter is changed.
+/// Factors by which a parameter is changed.
 const FACTORS: [f64; 12] = [1.05, 1.1, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0, 16.0, 32.0];
 /// Substeps of the opponents.
 const SUBSTEPS: [u64; 3] = [2, 3, 4];
-/// What both runs are judged under.
+/// Signals under which both runs are judged.
 const JUDGED: [&str; 2] = ["random", "step 10 V"];
 const DRIVES: [&str; 2] = ["printed", "press"];
 
-/// What is changed: as the peers' program calls it, how, and as a row says it.
+/// A change: its name in the peers' program, the change itself, and its name in a row.
 type Change = (&'static str, fn(&Machine<f64>, f64) -> Machine<f64>, &'static str);
 
 const CHANGES: [Change; 4] = [
@@ -41,7 +41,7 @@ fn scaled(machine: &Machine<f64>, parameters: &[P], factor: f64) -> Machine<f64>
     machine.with(&values)
 }
 
-/// Whether the core is accurate on a changed drive, by the references of both signals; not where the format does not hold it.
+/// Whether the core is accurate on a changed drive, by the references of both signals; false where the drive does not fit the format.
 fn bears<N: Scalar<Real = f64>>(
     signals: &Signals,
     drive: &str,
@@ -60,7 +60,7 @@ fn bears<N: Scalar<Real = f64>>(
     Ok(worst.is_accurate())
 }
 
-/// The largest factor of one change up to which each stays accurate at all factors: f64, fixed point, RK4 with each number of substeps.
+/// The largest factor of one change up to which each solver is accurate at all factors: f64, fixed point, RK4 with each number of substeps.
 fn borne(signals: &mut Signals, drive: &str, (name, change, _): Change) -> Result<[f64; 5], Box<dyn Error>> {
     let mut borne = [1.0; 5];
     let mut still = [true; 5];

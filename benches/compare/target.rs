@@ -1,4 +1,4 @@
-//! A step on the target: instructions under QEMU, ours by the firmware's `budget`, the peers' by their `bench_target.py`.
+//! A step on the target: instructions under QEMU, of our step by the firmware's `budget`, of the peers' by their `bench_target.py`.
 
 use std::error::Error;
 use std::fmt::Write;
@@ -15,16 +15,16 @@ use crate::accurate::{self, Signals};
 use crate::page::{Part, Wanted, table};
 use crate::peers::{self, list, number, text};
 
-/// Drive that is counted, and of its signals the one whose mean is compared.
+/// The drive that is counted, and the one of its signals whose mean is compared.
 const DRIVE: &str = "press";
 const COMPARED: &str = "random";
-/// Rows of `budget` under signals of its own.
+/// Rows of `budget` under its own signals.
 const OWN: [&str; 2] = ["paper's model, random", "paper's model, random under load"];
 
 /// A row of the peers: flags, substeps, figures.
 type Opponent<'a> = (String, u64, &'a Value);
 
-/// What the peers call a processor.
+/// The peers' name of a processor.
 fn of_peers(processor: Processor) -> &'static str {
     match processor {
         Processor::M4F => "M4F",
@@ -32,7 +32,7 @@ fn of_peers(processor: Processor) -> &'static str {
     }
 }
 
-/// How many instructions of the opponent's one of ours may at most take the place of: wanted.
+/// Required ratio of the opponent's instructions to ours: at least this.
 fn wanted(processor: Processor) -> f64 {
     match processor {
         Processor::M4F => 1.0,
@@ -50,7 +50,7 @@ fn row(printed: &str, name: &str) -> Option<(f64, f64)> {
     })
 }
 
-/// The part.
+/// This part of the comparison.
 pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
     let mut part = Part { text: "## A step on the target\n\n".to_owned(), wanted: Vec::new() };
     let theirs = peers::on_target()?;
@@ -127,7 +127,7 @@ pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
     Ok(part)
 }
 
-/// The peers' signals as `budget` takes them, and how far ours is off under them.
+/// The peers' signals as `budget` takes them, and the error of our step under them.
 struct Given {
     names: Vec<String>,
     file: PathBuf,

@@ -1,4 +1,4 @@
-//! What is measured: one drive stepped over commands, the floor of that, and one refit. The comparison with others times it, a test counts its instructions.
+//! The measured work: one drive stepped over commands, its floor, and one refit. The comparison with others times it, a test counts its instructions.
 #![forbid(unsafe_code)]
 
 pub mod floor;

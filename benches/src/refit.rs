@@ -24,23 +24,23 @@ pub const FREE: [P; 10] = [
     P::BulkModulus,
 ];
 
-/// Standard deviation of the valve's offset, whose nominal value may be 0; of any other it is the nominal value itself. So wide a prior
-/// says nothing beside a recording.
+/// Standard deviation of the valve's offset, whose nominal value may be 0; for any other parameter it is the nominal value itself. Such a
+/// wide prior has no weight beside a recording.
 const OFFSET_SIGMA: f64 = 0.05;
 
-/// The loss is done when a step lowers it by less than this share, as by default in `scipy.optimize.least_squares`.
+/// The search ends when a step lowers the loss by less than this share, as by default in `scipy.optimize.least_squares`.
 const PRECISION: f64 = 1e-8;
 
-/// Rows that the peers take the first position from.
+/// Number of rows from which the peers take the first position.
 const ROWS_AT_REST: usize = 50;
 
-/// A case, read.
+/// A case that was read.
 #[derive(Clone, Debug)]
 pub struct Refit {
     machine: Machine<f64>,
     free: Vec<Free>,
     cases: Vec<Prepared>,
-    /// What a residual here is in the peers' terms, where the problem is theirs.
+    /// Factor from our residuals to the peers', where the problem is the peers'.
     unit: Option<f64>,
 }
 
@@ -55,10 +55,10 @@ pub enum RefitError {
         /// Why not.
         cause: std::io::Error,
     },
-    /// The machine file is none.
+    /// The machine file is invalid.
     #[error(transparent)]
     Machine(#[from] Box<MachineFileError>),
-    /// A recording is none.
+    /// A recording is invalid.
     #[error(transparent)]
     Recording(#[from] RecordingError),
     /// A recording cannot be simulated.
@@ -90,8 +90,8 @@ impl Refit {
         Ok(Self { machine: file.machine, free: FREE.iter().map(around).collect(), cases, unit: None })
     }
 
-    /// The same problem as the peers': plain squares, each channel by its norm over all recordings, and starts that are not free. What
-    /// the first channel's residuals are divided by stays its noise, so that the priors say as little as before.
+    /// The same problem as the peers': plain squares, each channel scaled by its norm over all recordings, and initial states that are not free. The
+    /// first channel's residuals are still divided by its noise, so that the priors have as little weight as before.
     #[must_use]
     pub fn as_the_peers(mut self) -> Self {
         let norms: Vec<f64> = (0..self.cases[0].channels.len())
@@ -109,7 +109,7 @@ impl Refit {
         for case in &mut self.cases {
             for (channel, norm) in case.channels.iter_mut().zip(&norms) {
                 channel.noise = norm * unit;
-                // Residuals are squared however large they are.
+                // A tolerance so large that residuals of any size are squared.
                 channel.tolerance = 1e9;
             }
             let position = case.channels.iter().find(|channel| channel.signal == Signal::Position);
@@ -128,8 +128,8 @@ impl Refit {
         self.cases.iter().map(Prepared::rows).sum()
     }
 
-    /// Half the sum of squares that a fit ended at, as the peers count it, where the problem is theirs; the priors, which say next to
-    /// nothing, are included.
+    /// Half the sum of squares at the end of a fit, as the peers count it, where the problem is theirs; the priors, which have almost no
+    /// weight, are included.
     #[must_use]
     pub fn cost(&self, fit: &Fit) -> Option<f64> {
         Some(fit.loss * self.unit?.powi(2))
@@ -147,7 +147,7 @@ impl Refit {
     }
 }
 
-/// Pressures in A and B at rest, Pa, as the peers have them: half the supply in B, and the balance of forces within 2 to 98 % of it.
+/// Pressures in A and B at rest, Pa, as the peers set them: half the supply in B, and the balance of forces within 2 to 98 % of it.
 fn at_rest(machine: &Machine<f64>) -> (f64, f64) {
     let [supply, area_a, area_b, force] =
         [P::SupplyPressure, P::AreaA, P::AreaB, P::LoadForce].map(|parameter| machine.get(parameter));

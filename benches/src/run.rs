@@ -17,10 +17,10 @@ pub type Row = [f64; 5];
 /// The tick of every run here.
 pub const TICK: Tick = Tick::OneMillisecond;
 
-/// Where the rod stands at first, m: mid-stroke of the press.
+/// Initial position of the rod, m: mid-stroke of the press.
 pub const START_M: f64 = 0.15;
 
-/// Random steps over so many ticks, V.
+/// Random steps over this number of ticks, V.
 #[must_use]
 pub fn random_commands(ticks: usize) -> Vec<f32> {
     #[expect(clippy::cast_possible_truncation, reason = "commands in V, as the peers take them")]
@@ -49,7 +49,7 @@ impl<N: Scalar<Real = f64>> Run<N> {
     /// A machine at rest under 0 V.
     ///
     /// # Panics
-    /// The machine is none, or does not fit the format.
+    /// The machine is invalid, or does not fit the format.
     #[must_use]
     pub fn new(machine: &Machine<f64>, initial: &InitialState) -> Self {
         let drive = drive::<N>(machine, TICK);
@@ -67,7 +67,7 @@ impl<N: Scalar<Real = f64>> Run<N> {
         });
     }
 
-    /// The step of a drive that may have any effect, as the simulations of the tool take it.
+    /// The step of a drive that may have any effect, as in the tool's simulations.
     pub fn any(&self, volts: &[f32], rows: &mut Vec<Row>) {
         self.each(volts, rows, |state, command| {
             self.drive.step(state, DriveInput::Command(command), Load::NONE);
@@ -113,7 +113,7 @@ impl InLanes {
         Self { start: at_rest(&drive, 0.0, initial), paper, drive }
     }
 
-    /// The paper's model by itself, each under commands of its own in V, of which there are as many.
+    /// The paper's model by itself, each drive under its own commands in V, all of the same length.
     pub fn paper(&self, volts: [&[f32]; LANES], rows: &mut [Vec<Row>; LANES]) {
         self.each(volts, rows, |state, command| {
             self.paper.step(state, command, Load::NONE);

@@ -1,7 +1,7 @@
 //! The reference model on a controller.
 //!
-//! Data's way on the target: counts → measured → reference → command → counts. This crate holds what is the same on every
-//! board and is tested on the host; boards and binaries are wiring.
+//! Data flow on the target: counts → measured → reference → command → counts. This crate holds everything that is the same on every
+//! board, and is tested on the host; boards and binaries contain only wiring.
 //!
 //! ```text
 //! io ─ scaling ─ measured ─ supervision ─ control (reference inside) ─ supervision's limits ─ scaling ─ io

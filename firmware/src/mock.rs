@@ -1,4 +1,4 @@
-//! For tests: whole frames of embedded-hal-mock, a bus that fails at one of them, which those mocks cannot, and a machine.
+//! For tests: whole frames of embedded-hal-mock, a bus that fails at one of them (which those mocks cannot do), and a machine.
 
 use std::vec;
 use std::vec::Vec;
@@ -31,7 +31,7 @@ pub(crate) fn asked(bytes: &[u8], answer: &[u8]) -> Vec<Transaction<u8>> {
     ]
 }
 
-/// Hands every transaction on but the one that fails; that one does not reach the device.
+/// Passes on every transaction except the failing one, which does not reach the device.
 #[derive(Debug)]
 pub(crate) struct Failing<SPI> {
     spi: SPI,

@@ -1,20 +1,20 @@
 //! One control period: inputs → measured → faults → reference model and control → output.
 //!
 //! The order within a period: the counter and every voltage are read and checked; faults and commands change the mode
-//! ([`Mode::next`]); the mode says where the command comes from; the command is limited in size and slope and put out. A fault so has its
-//! state in the period that finds it, and the valve is neutral after at most [`Limits::periods_to_neutral`] periods of a ramp.
+//! ([`Mode::next`]); the mode determines where the command comes from; the command is limited in size and slope and put out. So a fault
+//! takes effect in the period that finds it, and the valve is neutral after at most [`Limits::periods_to_neutral`] periods of a ramp.
 //!
 //! | mode | command |
 //! |---|---|
 //! | starting, neutral | neutral at once |
 //! | following | control along the set point, within slew and size |
 //! | holding | control at the frozen set point, within slew and size |
-//! | ramping down | towards neutral by the ramp; the model goes along |
+//! | ramping down | towards neutral by the ramp; the model runs along |
 //!
-//! **Watchdog.** It is to be fed after a period that was healthy: the period before kept its time, every device answered and the
-//! output took the command. In one that was not, the valve loses its current as well ([`Report::energised`]), for nobody knows whether
-//! the ramp arrives. A restart may cure what is otherwise. It cannot cure a broken sensor, and would lose the recorder: such
-//! faults have their states, and the watchdog is fed.
+//! **Watchdog.** It must be fed after a healthy period: the period before ended in time, every device answered and the output took
+//! the command. In any other period the valve loses its current as well ([`Report::energised`]), because the ramp may not arrive. A
+//! restart may cure the cause of such a period. It cannot cure a broken sensor, and would lose the recorder's contents: such faults lead
+//! to their own modes, and the watchdog is still fed.
 
 use model_core::number::{Number, PerUnit};
 
@@ -50,24 +50,24 @@ pub struct Rig {
     pub limits: Limits,
 }
 
-/// Whether the caller kept the time.
+/// Whether the last period ended in time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Timing {
     /// The last period ended before this one was due.
     Kept,
-    /// It did not.
+    /// It did not end in time.
     Overrun,
 }
 
 /// What is wanted in a period.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Request {
-    /// Where the rod is wanted.
+    /// Wanted position and velocity of the rod.
     pub set_point: SetPoint,
-    /// A command, in the period that it is given.
+    /// A command, only in the period in which it is given.
     pub command: Option<Command>,
-    /// Whether the last period kept its time.
+    /// Whether the last period ended in time.
     pub timing: Timing,
 }
 
@@ -77,11 +77,11 @@ pub struct Request {
 pub enum Answer {
     /// It was handed to the state machine.
     Taken,
-    /// Refused: a fault is there in this very period.
+    /// Refused: a fault is present in this period.
     Faulty,
-    /// Refused: sensors, or the valve that went to neutral, have not settled yet.
+    /// Refused: the sensors, or a valve that went to neutral, have not settled yet.
     Unsettled,
-    /// Refused: nobody has said where the rod is since the encoder lost it.
+    /// Refused: the encoder lost the rod's position, and nobody has given it since.
     Lost,
 }
 
@@ -91,7 +91,7 @@ pub enum Answer {
 pub enum Place {
     /// It is.
     Known,
-    /// Somebody must say where the rod is before it follows: [`Period::home`].
+    /// Somebody must give the rod's position before it follows: [`Period::home`].
     Lost,
 }
 
@@ -101,33 +101,33 @@ pub enum Place {
 pub enum Watchdog {
     /// Feed it: the period was healthy.
     Feed,
-    /// Do not: a restart may cure what is wrong.
+    /// Do not feed it: a restart may cure what is wrong.
     Withhold,
 }
 
-/// What became of a period.
+/// Result of a period.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Report {
-    /// The mode after it.
+    /// The mode after the period.
     pub mode: Mode,
-    /// What the sensors said.
+    /// What the sensors measured.
     pub measured: Measured,
-    /// What the model said at the same time, before its step; `None` while it does not run.
+    /// What the model predicted for the same time, before its step; `None` while it does not run.
     pub predicted: Option<Predicted>,
-    /// The command that was put out, in 10 V.
+    /// The command that was put out, in units of 10 V.
     pub command: PerUnit,
-    /// What became of the command that was given, if one was.
+    /// What became of the given command, if one was given.
     pub answer: Option<Answer>,
-    /// Faults that nobody has acknowledged.
+    /// Faults that have not been acknowledged.
     pub active_faults: ActiveFaults,
     /// What is to be done with the watchdog.
     pub watchdog: Watchdog,
     /// Whether the valve may have current: from the command to follow until neutral is reached, or until a period that was not
-    /// healthy. Without it its springs close it, whatever the output holds; nothing but a command gives it back.
+    /// healthy. Without current the valve's springs close it, whatever the output holds; only a command switches the current on again.
     pub energised: bool,
 }
 
-/// State of a period: all that it remembers beside the control's own.
+/// State of a period: everything that it remembers, except the control's own state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PeriodState {
     mode: Mode,
@@ -135,15 +135,15 @@ pub struct PeriodState {
     senses: Senses,
     place: Place,
     energised: bool,
-    /// Periods without a fault, the valve being neutral or followed.
+    /// Periods without a fault since the last fault, or since the valve was last sent to neutral.
     healthy: u16,
-    /// Periods in which the voltage at the valve was another.
+    /// Successive periods in which the voltage at the valve differed from the output.
     away: u16,
-    /// Last set point that was none too far; at rest while it is held.
+    /// Last set point within the limits; at rest while the rod is held there.
     accepted: SetPoint,
     /// Last command, from which the next one slews.
     command: PerUnit,
-    /// What the output holds, where that is certain.
+    /// Command that the output holds, where that is certain.
     put_out: Option<PerUnit>,
 }
 
@@ -151,7 +151,7 @@ pub struct PeriodState {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum BeginError<P, O> {
-    /// Its limits are none.
+    /// Its limits are not valid.
     #[error(transparent)]
     Limits(#[from] LimitsError),
     /// The counter does not answer.
@@ -172,11 +172,11 @@ pub struct Period<A, P, O, C> {
 }
 
 impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
-    /// Puts the valve to neutral. `place` is known where the counter says where the rod is by itself: one of an absolute encoder, or one
+    /// Puts the valve to neutral. `place` is known where the counter itself gives the rod's position: that of an absolute encoder, or one
     /// that was cleared at the reference.
     ///
     /// # Errors
-    /// The limits are none, or counter or output do not answer.
+    /// The limits are not valid, or counter or output do not answer.
     pub fn begin(
         mut devices: Devices<A, P, O>,
         rig: Rig,
@@ -203,7 +203,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         Ok(Self { devices, rig, control, state })
     }
 
-    /// Somebody says that the rod is at `position` now, of the stroke. Taken only while the valve is neutral; says whether it was.
+    /// Sets the rod's present position to `position`, as a share of the stroke. Accepted only while the valve is neutral; returns whether it was.
     pub fn home(&mut self, position: PerUnit) -> bool {
         let neutral = matches!(self.state.mode, Mode::Starting | Mode::Neutral);
         if neutral {
@@ -250,7 +250,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         self.state.mode
     }
 
-    /// The state beside the control's own, to be stored.
+    /// The state without the control's own, to be stored.
     pub fn state(&self) -> &PeriodState {
         &self.state
     }
@@ -287,7 +287,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         measured
     }
 
-    /// Lets the state machine know of the faults.
+    /// Passes the faults to the state machine.
     fn heed_faults<L: Log>(&mut self, found: &mut Findings<'_, L>, measured: &Measured) {
         if found.lost {
             self.state.place = Place::Lost;
@@ -300,7 +300,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         }
     }
 
-    /// Hands a command to the state machine, unless it has to be refused.
+    /// Passes a command to the state machine, unless it must be refused.
     fn obey<L: Log>(&mut self, request: &Request, measured: &Measured, found: &mut Findings<'_, L>) -> Option<Answer> {
         let command = request.command?;
         let absurd = self.state.mode == Mode::Holding && self.absurd(request.set_point).is_some();
@@ -316,7 +316,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         Some(answer)
     }
 
-    /// What is absurd about a set point, if anything is.
+    /// The fault of an absurd set point, if it is absurd.
     fn absurd(&self, wanted: SetPoint) -> Option<Fault> {
         let limits = &self.rig.limits;
         let (from, to) = (self.state.accepted.position, wanted.position);
@@ -329,7 +329,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         }
     }
 
-    /// Takes the set point while it is followed, unless it is absurd.
+    /// Takes the set point while the rod follows, unless it is absurd.
     fn accept<L: Log>(&mut self, wanted: SetPoint, measured: &Measured, found: &mut Findings<'_, L>) {
         if self.state.mode != Mode::Following {
             return;
@@ -361,7 +361,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         }
     }
 
-    /// Puts the command out. A valve whose output fails is to be neutral, so that is tried once more.
+    /// Puts the command out. If the output fails, neutral is written once more, because the valve must then be neutral.
     fn put_out<L: Log>(&mut self, command: PerUnit, measured: &Measured, found: &mut Findings<'_, L>) {
         let neutral = self.rig.limits.neutral;
         self.state.command = command;
@@ -371,7 +371,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         if let Err(error) = ask(self.rig.limits.attempts, || output.write(count)) {
             self.state.command = neutral;
             self.state.put_out = None;
-            // It may fail again; the next period tries again anyway.
+            // This may fail as well; the next period tries again anyway.
             let _ = output.write(self.rig.calibration.output.count(neutral));
             found.note(&Fault::Silent { device: Device::Output, cause: error.cause() });
             self.heed_faults(found, measured);
@@ -380,11 +380,11 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         }
     }
 
-    /// Hands an event to the state machine and does what it says.
+    /// Passes an event to the state machine and carries out its action.
     fn change<L: Log>(&mut self, event: Event, measured: &Measured, found: &mut Findings<'_, L>) {
         let next = self.state.mode.next(event);
         if self.state.mode.is_running() && !next.mode.is_running() {
-            // The valve has a way to its neutral before it.
+            // The valve still has to travel to its neutral.
             self.state.healthy = 0;
         }
         self.state.mode = next.mode;

@@ -1,8 +1,8 @@
-//! The C functions of FMI 3.0: pointers become arguments of an [`Instance`], and a refusal a line of the tool's log.
+//! The C functions of FMI 3.0: pointers become arguments of an [`Instance`], and a refusal becomes a line of the tool's log.
 //!
-//! All functions of the standard are there, for tools look for each; what this FMU does not have answers with an error. A
-//! tool promises (FMI 3.0, 2.2) that pointers point to as much as it says and that an instance is one that it was given and
-//! has not freed; every `unsafe` below rests on that and on nothing else.
+//! All functions of the standard are present, because tools look for each; functions that this FMU does not support return an error. A
+//! tool guarantees (FMI 3.0, 2.2) that pointers refer to as many values as it states, and that an instance is one that it was given and
+//! has not freed; every `unsafe` below relies on this and on nothing else.
 #![expect(unsafe_code, reason = "the standard's interface is one of pointers; this is the only file that has them")]
 
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
@@ -40,9 +40,9 @@ struct Log {
 }
 
 impl Log {
-    /// An error is said whether or not debug logging is on: without it nobody learns why a simulation ends.
+    /// Logs an error whether or not debug logging is on: without the message nobody learns why a simulation ends.
     fn error(self, refusal: &Refusal) {
-        // No text of ours holds a zero byte; a file's name might.
+        // None of the texts of this program holds a zero byte; a file's name might.
         let text = CString::new(refusal.to_string().replace('\0', " ")).unwrap_or_default();
         if let Some(message) = self.message {
             unsafe { message(self.environment, ERROR, c"logStatusError".as_ptr(), text.as_ptr()) };
@@ -50,10 +50,10 @@ impl Log {
     }
 }
 
-/// Does something with an instance. What it refuses goes to the log.
+/// Calls `act` on an instance. A refusal goes to the log.
 unsafe fn on(instance: *mut c_void, act: impl FnOnce(&mut Instance) -> Result<(), Refusal>) -> Status {
     let Some(handle) = (unsafe { instance.cast::<Handle>().as_mut() }) else { return ERROR };
-    // A panic must not run into a tool that knows nothing of it.
+    // A panic must not reach the tool, which cannot handle it.
     match catch_unwind(AssertUnwindSafe(|| act(&mut handle.instance))) {
         Ok(Ok(())) => OK,
         Ok(Err(refusal)) => {
@@ -64,17 +64,17 @@ unsafe fn on(instance: *mut c_void, act: impl FnOnce(&mut Instance) -> Result<()
     }
 }
 
-/// So many values; none where there is no pointer.
+/// So many values; an empty slice for a null pointer.
 unsafe fn slice<'a, T>(values: *const T, count: usize) -> &'a [T] {
     if values.is_null() || count == 0 { &[] } else { unsafe { std::slice::from_raw_parts(values, count) } }
 }
 
-/// So many places; none where there is no pointer.
+/// So many places to write to; an empty slice for a null pointer.
 unsafe fn places<'a, T>(values: *mut T, count: usize) -> &'a mut [T] {
     if values.is_null() || count == 0 { &mut [] } else { unsafe { std::slice::from_raw_parts_mut(values, count) } }
 }
 
-/// Writes a value where a tool wants it.
+/// Writes a value to the place that the tool has given.
 unsafe fn put<T>(place: *mut T, value: T, call: &'static str) -> Result<(), Refusal> {
     if place.is_null() {
         return Err(Refusal::NoPlace { call });
@@ -88,7 +88,7 @@ unsafe fn text<'a>(text: Text, what: &'static str) -> Result<&'a str, Refusal> {
     bytes.and_then(|bytes| bytes.to_str().ok()).ok_or(Refusal::NoText { what })
 }
 
-/// A state that a tool holds.
+/// The state behind a pointer of the tool.
 unsafe fn held<'a>(state: *mut c_void, call: &'static str) -> Result<&'a Snapshot, Refusal> {
     unsafe { state.cast::<Snapshot>().as_ref() }.ok_or(Refusal::NoPlace { call })
 }
@@ -100,7 +100,7 @@ extern "C" fn fmi3GetVersion() -> Text {
 
 #[unsafe(no_mangle)]
 unsafe extern "C" fn fmi3SetDebugLogging(instance: *mut c_void, _on: bool, _count: usize, _of: *const Text) -> Status {
-    // There is nothing but errors to log.
+    // The switch has no effect: only errors are logged.
     unsafe { on(instance, |_| Ok(())) }
 }
 
@@ -257,7 +257,7 @@ unsafe extern "C" fn fmi3GetFMUState(instance: *mut c_void, state: *mut *mut c_v
     const CALL: &str = "fmi3GetFMUState";
     let keep = |instance: &mut Instance| {
         let Some(place) = (unsafe { state.as_mut() }) else { return Err(Refusal::NoPlace { call: CALL }) };
-        // A state that is given back is written anew.
+        // If the tool passes a state that it already has, that state is overwritten.
         match unsafe { place.cast::<Snapshot>().as_mut() } {
             Some(old) => *old = instance.snapshot(),
             None => *place = Box::into_raw(Box::new(instance.snapshot())).cast(),
@@ -335,7 +335,7 @@ unsafe extern "C" fn fmi3DeserializeFMUState(
     unsafe { on(instance, read) }
 }
 
-/// Functions that this FMU does not have: other types of variables, events, clocks, derivatives, model exchange.
+/// Functions that this FMU does not support: other types of variables, events, clocks, derivatives, model exchange.
 macro_rules! not_here {
     ($($name:ident($($argument:ty),*);)*) => { $(
         #[unsafe(no_mangle)]
@@ -411,7 +411,7 @@ mod tests {
     use super::*;
     use crate::instance::tests::{PRESS, resources};
 
-    /// What the log of the test was told, and that it was by its own environment.
+    /// Stores the messages of the log, and checks that the tool's own environment is passed with them.
     unsafe extern "C" fn remember(environment: *mut c_void, status: Status, category: Text, message: Text) {
         let told = unsafe { &mut *environment.cast::<Vec<String>>() };
         assert_eq!(status, ERROR);

@@ -1,4 +1,4 @@
-//! One drive in a tool: its variables, its modes and its steps, as FMI 3.0 asks for them.
+//! One drive in a tool: its variables, its modes and its steps, as FMI 3.0 requires them.
 
 use std::path::Path;
 
@@ -8,19 +8,19 @@ use simulation::{Inputs, Live, Start};
 
 use crate::{Refusal, Snapshot};
 
-/// How far a communication step may be from whole ticks, in ticks: what tools lose by adding up times.
+/// Largest deviation of a communication step from whole ticks, in ticks: allows for rounding where tools add up times.
 const NEAR: f64 = 1e-6;
 
-/// Where an instance is in the standard's order of things.
+/// The state of an instance in the standard's sequence of calls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Mode {
-    /// There is one.
+    /// It has been created.
     Instantiated,
-    /// Its start is being found.
+    /// Its initial state is being determined.
     Initialization,
     /// It is simulated.
     Step,
-    /// It was simulated.
+    /// The simulation has ended.
     Terminated,
 }
 
@@ -33,15 +33,15 @@ pub struct Instance {
     position_start_m: f64,
     start_s: f64,
     ticks: u64,
-    /// The drive; at rest as the inputs want it until the simulation begins, and not there until somebody asks.
+    /// The drive. Until the simulation begins, it is at rest with the present inputs; it is created when it is first needed.
     running: Option<Live>,
 }
 
 impl Instance {
-    /// The drive among an FMU's resources, for a tool that has read this token in the model description.
+    /// The drive from an FMU's resources, for a tool that has read this token in the model description.
     ///
     /// # Errors
-    /// There is no drive, or the description is of something else.
+    /// There is no drive, or the model description belongs to something else.
     pub fn new(resources: &Path, found: &str) -> Result<Self, Refusal> {
         let contents = Contents::read(resources)?;
         let expected = token(contents.machine.source);
@@ -58,12 +58,12 @@ impl Instance {
         Self { contents, mode: Mode::Instantiated, inputs, position_start_m, start_s: 0.0, ticks: 0, running: None }
     }
 
-    /// Back to where [`Instance::new`] left it.
+    /// Restores the state in which [`Instance::new`] left it.
     pub fn reset(&mut self) {
         *self = Self::of(self.contents.clone());
     }
 
-    /// Begins with the start at this time, s.
+    /// Begins the initialisation at this time, s.
     pub(crate) fn enter_initialization(&mut self, start_s: f64) -> Result<(), Refusal> {
         self.only_in(Mode::Instantiated, "fmi3EnterInitializationMode")?;
         if !start_s.is_finite() {
@@ -74,7 +74,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Is at rest, and ready for the first step.
+    /// Brings the drive to rest, ready for the first step.
     pub(crate) fn exit_initialization(&mut self) -> Result<(), Refusal> {
         self.only_in(Mode::Initialization, "fmi3ExitInitializationMode")?;
         self.at_rest()?;
@@ -82,16 +82,16 @@ impl Instance {
         Ok(())
     }
 
-    /// Is done.
+    /// Ends the simulation.
     pub(crate) fn terminate(&mut self) -> Result<(), Refusal> {
         self.only_in(Mode::Step, "fmi3Terminate")?;
         self.mode = Mode::Terminated;
         Ok(())
     }
 
-    /// Where the simulation is, s.
+    /// The simulated time, s.
     pub(crate) fn time_s(&self) -> f64 {
-        // As a recording of 1 ms ticks has it: 0.003 and not 0.0030000000000000001.
+        // Rounded as in a recording with ticks of 1 ms: 0.003 and not 0.0030000000000000001.
         self.start_s + (self.ticks as f64 * self.tick_s() * 1e9).round() / 1e9
     }
 
@@ -121,7 +121,7 @@ impl Instance {
         }
     }
 
-    /// Sets variables: all of them, or none where one cannot be set.
+    /// Sets variables: all of them, or none if one of them cannot be set.
     pub(crate) fn set(&mut self, references: &[u32], values: &[f64]) -> Result<(), Refusal> {
         same_length(references, values)?;
         let (mut inputs, mut position_start_m) = (self.inputs, self.position_start_m);
@@ -146,11 +146,11 @@ impl Instance {
         Ok(())
     }
 
-    /// Goes on by a step that begins now, the inputs held. Returns where it ended, s.
+    /// Simulates a step that begins now, with the inputs held. Returns the time at its end, s.
     pub(crate) fn step(&mut self, from_s: f64, step_s: f64) -> Result<f64, Refusal> {
         self.only_in(Mode::Step, "fmi3DoStep")?;
         let (tick_s, reached_s) = (self.tick_s(), self.time_s());
-        // What is not a number is nowhere near.
+        // A time that is not a number fails this comparison.
         let there = (from_s - reached_s).abs() < 0.5 * tick_s;
         if !there {
             return Err(Refusal::NotThere { from_s, reached_s });
@@ -171,7 +171,7 @@ impl Instance {
         Ok(self.time_s())
     }
 
-    /// All that it remembers.
+    /// Everything that it remembers.
     pub(crate) fn snapshot(&self) -> Snapshot {
         Snapshot {
             mode: self.mode,
@@ -183,7 +183,7 @@ impl Instance {
         }
     }
 
-    /// Goes back, or on, to what was remembered.
+    /// Returns to a remembered state, earlier or later than the present one.
     pub(crate) fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Refusal> {
         let running = match &snapshot.kept {
             Some(kept) => {
@@ -198,12 +198,12 @@ impl Instance {
         Ok(())
     }
 
-    /// What a stored state of this FMU begins with.
+    /// The token at the beginning of a stored state of this FMU.
     pub(crate) fn token(&self) -> String {
         token(self.contents.machine.source)
     }
 
-    /// The drive; at rest where it does not run yet.
+    /// The drive; it is put at rest if it does not run yet.
     fn at_rest(&mut self) -> Result<&mut Live, Refusal> {
         let running = match self.running.take() {
             Some(running) => running,
@@ -226,7 +226,7 @@ impl Instance {
     }
 }
 
-/// The drive at rest, the command held for long.
+/// The drive at rest after the command was held for a long time.
 fn started(contents: &Contents, inputs: &Inputs, position_m: f64) -> Result<Live, MachineError> {
     let start = Start { command_v: inputs.command_v, pressures_pa: None, position_m };
     Live::new(&contents.machine, contents.settings.tick, &start, contents.settings.arithmetic)

@@ -1,4 +1,4 @@
-//! Why a call could not be done; the tool's log shows it.
+//! Why a call was refused; the message appears in the tool's log.
 
 use model_core::machine::MachineError;
 use model_export::fmu::{ContentsError, Variable};
@@ -7,27 +7,27 @@ use simulation::number::cpu::Unsuited;
 
 use crate::Mode;
 
-/// Why a call could not be done.
+/// Why a call was refused.
 #[derive(Debug, thiserror::Error)]
 pub enum Refusal {
     /// The library was built for another processor.
     #[error(transparent)]
     Processor(#[from] Unsuited),
-    /// The description is not this library's.
+    /// The model description does not belong to this library.
     #[error("the model description has the token {found:?}; expected {expected:?}: export the FMU again")]
     Token {
-        /// What the tool read there.
+        /// The token that the tool read in the description.
         found: String,
-        /// What this library and the machine file would have.
+        /// The token of this library and machine file.
         expected: String,
     },
-    /// A text that is not UTF-8, or not there.
+    /// A text that is not UTF-8, or a null pointer.
     #[error("{what} is not text; expected UTF-8 that ends with a zero byte")]
     NoText {
-        /// Which argument.
+        /// The argument.
         what: &'static str,
     },
-    /// A place to write that is not there.
+    /// A null pointer where a result is to be written.
     #[error("{call}: no place to write; expected a pointer that is not null")]
     NoPlace {
         /// The function.
@@ -36,7 +36,7 @@ pub enum Refusal {
     /// The FMU's resources hold no drive.
     #[error(transparent)]
     Contents(#[from] ContentsError),
-    /// The machine does not become a drive.
+    /// The machine's values do not make a drive.
     #[error(transparent)]
     Machine(#[from] MachineError),
     /// No variable has this number.
@@ -45,15 +45,15 @@ pub enum Refusal {
         /// The number.
         reference: u32,
     },
-    /// As many numbers as variables are needed.
+    /// The numbers of variables and of values differ.
     #[error("{references} value references and {values} values; expected as many of each")]
     Lengths {
-        /// Variables.
+        /// Number of variables.
         references: usize,
-        /// Values.
+        /// Number of values.
         values: usize,
     },
-    /// What the drive computes cannot be set.
+    /// An output is set, although the drive computes it.
     #[error("{}: the drive computes it; expected an input or a parameter", .variable.name())]
     Computed {
         /// The variable.
@@ -64,28 +64,28 @@ pub enum Refusal {
     TooLate {
         /// The variable.
         variable: Variable,
-        /// When it was set.
+        /// The mode in which it was set.
         mode: Mode,
     },
-    /// An input that is no number.
+    /// An input is set to a value that is not finite.
     #[error("{} = {value}: expected a finite number", .variable.name())]
     NotFinite {
         /// The variable.
         variable: Variable,
-        /// What it was set to.
+        /// The value.
         value: f64,
     },
-    /// The call does not belong here.
+    /// The call is not allowed in this mode.
     #[error("{call} in mode {mode:?}; expected it in mode {expected:?}")]
     Mode {
         /// The function.
         call: &'static str,
-        /// When it was called.
+        /// The mode in which it was called.
         mode: Mode,
-        /// When it may be.
+        /// The mode in which it is allowed.
         expected: Mode,
     },
-    /// A step that the model's ticks do not fill.
+    /// A communication step that is not a whole number of the model's ticks.
     #[error("a communication step of {step_s} s; expected a whole number of ticks of {tick_s} s, at least one")]
     Step {
         /// The step.
@@ -93,29 +93,29 @@ pub enum Refusal {
         /// The model's tick.
         tick_s: f64,
     },
-    /// A step from another time than that which was reached.
+    /// A step that begins at another time than the last one ended.
     #[error("a step from {from_s} s; expected it from {reached_s} s, where the last one ended")]
     NotThere {
-        /// Where the tool is.
+        /// The time at which the tool begins the step.
         from_s: f64,
-        /// Where the drive is.
+        /// The time that the drive has reached.
         reached_s: f64,
     },
-    /// A time that is no number.
+    /// A start time that is not finite.
     #[error("a start time of {start_s} s; expected a finite number")]
     StartTime {
         /// The time.
         start_s: f64,
     },
-    /// Bytes that are no state.
+    /// Bytes that cannot be read as a state.
     #[error("the serialized state: {0}; expected one of this version of this FMU")]
     State(#[from] postcard::Error),
-    /// A state of something else.
+    /// A state of another FMU or version.
     #[error("the serialized state is of {found:?}; expected one of {expected:?}")]
     ForeignState {
-        /// What it was written by.
+        /// The token in the state.
         found: String,
-        /// What could be read.
+        /// The token of this FMU.
         expected: String,
     },
     /// A state of the other number type.
@@ -124,12 +124,12 @@ pub enum Refusal {
     /// Too few or too many bytes for a state.
     #[error("{found} bytes for a state; expected {expected}")]
     StateSize {
-        /// What the tool holds ready.
+        /// The number of bytes that the tool provides.
         found: usize,
-        /// What the state takes.
+        /// The number of bytes that the state needs.
         expected: usize,
     },
-    /// Nothing that this FMU has.
+    /// A function that this FMU does not support.
     #[error("{call}: not in this FMU; expected what its model description says it can do")]
     NotHere {
         /// The function.

@@ -1,4 +1,4 @@
-//! All that an instance remembers, to be kept and gone back to, in memory or as bytes.
+//! Everything that an instance remembers, to be stored and restored, in memory or as bytes.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,7 +6,7 @@ use simulation::{Inputs, Kept};
 
 use crate::{Mode, Refusal};
 
-/// What an instance was at a moment.
+/// The state of an instance at one moment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
     pub(crate) mode: Mode,
@@ -14,19 +14,19 @@ pub struct Snapshot {
     pub(crate) position_start_m: f64,
     pub(crate) start_s: f64,
     pub(crate) ticks: u64,
-    /// None before the drive is at rest somewhere.
+    /// None while no drive has been put at rest.
     pub(crate) kept: Option<Kept>,
 }
 
 impl Snapshot {
-    /// As bytes; `token` says what it belongs to.
+    /// The snapshot as bytes; `token` identifies the FMU that it belongs to.
     pub(crate) fn to_bytes(&self, token: &str) -> Result<Vec<u8>, Refusal> {
         Ok(postcard::to_stdvec(&(token, self))?)
     }
 
-    /// Of bytes that [`Snapshot::to_bytes`] gave for the same token.
+    /// The snapshot from bytes that [`Snapshot::to_bytes`] gave for the same token.
     pub(crate) fn of_bytes(token: &str, bytes: &[u8]) -> Result<Self, Refusal> {
-        // The token first: what another version wrote behind it need not be readable.
+        // The token is read first, because the bytes after it may be unreadable if another version wrote them.
         let (found, rest): (&str, &[u8]) = postcard::take_from_bytes(bytes)?;
         if found != token {
             return Err(Refusal::ForeignState { found: found.to_owned(), expected: token.to_owned() });

@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let cases: Vec<&Prepared> = prepared.iter().collect();
     let found = fit(&drive.machine, &diagnosis::base_parameters(&drive), &cases, &From::default(), 1e-8)?;
 
-    // Neighbouring residuals are correlated: what that adds to the standard deviations.
+    // Neighbouring residuals are correlated, which makes the standard deviations larger.
     let residuals = softened_all(&found.machine, cases.iter().copied().zip(found.starts.iter().copied()))?;
     for estimate in found.estimates(inflation(&residuals, effective_samples)) {
         let name = estimate.parameter.description().key;

@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let drive = machine_file::read(&folder.join("machine.toml"))?;
     let recording = recording::read(&folder.join("holdout-1.csv"), &ChannelMap::default())?;
 
-    // What drives the model is the signal furthest upstream that was recorded.
+    // The model is driven by the signal furthest upstream that was recorded.
     let input_point = first_input_point(drive.machine.source, &recording)?;
     let tick = natural_tick(&recording);
     let stimulus = Stimulus::new(&recording, &drive.machine, input_point, drive.load_source, tick)?;

@@ -1,7 +1,7 @@
-//! Recordings that the firmware has streamed out, as recordings of ours.
+//! Recordings that the firmware has streamed out, as recordings of the tool.
 //!
-//! The frames are read by the source that wrote them (`firmware::recorder::frame`, `firmware::recorder::message`). What the line lost or damaged is left out
-//! and said; nothing that is damaged becomes a value.
+//! The frames are read by the code that wrote them (`firmware::recorder::frame`, `firmware::recorder::message`). What the line lost or
+//! damaged is left out and reported; nothing that is damaged becomes a value.
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
@@ -23,11 +23,11 @@ pub struct Imported {
     pub trigger: u32,
     /// How many channels a row has.
     width: usize,
-    /// Header of each channel by its number, `name [unit]`, and the SI value of one step; not there where the channel's frame was lost.
+    /// Header of each channel by its number, `name [unit]`, and the SI value of one step; no entry where the channel's frame was lost.
     channels: BTreeMap<usize, (String, f64)>,
     /// Tick of the first row.
     first: u32,
-    /// Words of each row that arrived, by its place.
+    /// Words of each row that arrived, by the row's place.
     rows: BTreeMap<u32, Vec<i16>>,
 }
 
@@ -50,7 +50,7 @@ pub enum ImportError {
     Nothing {
         /// Length of the stream.
         bytes: usize,
-        /// Frames that were none.
+        /// Frames that were not valid.
         refused: u32,
     },
     /// Several recordings, or fewer than asked for.
@@ -67,27 +67,27 @@ pub enum ImportError {
         /// Its number.
         channel: usize,
     },
-    /// The words of a channel have no value.
+    /// The words of a channel have no valid SI value.
     #[error("a step of channel {channel} is {step}; expected the SI value of one step")]
     Step {
         /// Its number.
         channel: usize,
-        /// What its frame says.
+        /// The step in its frame.
         step: f64,
     },
-    /// There is more than any recorder has streamed out.
+    /// There is more than any recorder can have streamed out.
     #[error("more than {MAX_CAPTURE_BYTES} bytes; expected a capture of what the firmware's recorder streams out")]
     TooLarge,
 }
 
-/// Largest capture, in bytes: an hour and a half of a line of 115200 baud. Its rows may take fifty times as much memory.
+/// Largest capture, in bytes: an hour and a half on a line of 115200 baud. Its rows may take fifty times as much memory.
 pub const MAX_CAPTURE_BYTES: u64 = 1 << 26;
 
 /// The recordings of a stream.
 pub fn stream(bytes: &[u8]) -> Result<Stream, ImportError> {
     let mut reader = FrameReader::new();
     let mut recordings: Vec<Imported> = Vec::new();
-    // A reader that comes late begins within a frame, which then ends here.
+    // A reader that starts late begins within a frame, which then ends here.
     for &byte in bytes.iter().chain(&[0]) {
         let Some(frame) = reader.take(byte) else { continue };
         match Message::of(&frame) {
@@ -124,7 +124,7 @@ pub fn stream(bytes: &[u8]) -> Result<Stream, ImportError> {
 }
 
 impl Stream {
-    /// The only recording, or the one that is asked for, counted from 1.
+    /// The only recording, or the one with the number that is given, counted from 1.
     pub fn chosen(self, which: Option<usize>) -> Result<Imported, ImportError> {
         let found = self.recordings.len();
         let index = match which {
@@ -274,7 +274,7 @@ mod tests {
     #[test]
     fn a_channel_whose_meaning_was_lost_is_not_guessed() {
         let bytes = streamed(&mut FrameWriter::default());
-        // Frames end with a zero each and begin with one: header, two channels.
+        // Frames end with a zero each, and the stream begins with one: header, two channels.
         let zeros: Vec<usize> = bytes.iter().enumerate().filter(|(_, byte)| **byte == 0).map(|(at, _)| at).collect();
         let without = [&bytes[..zeros[2]], &bytes[zeros[3]..]].concat();
         let recording = stream(&without).unwrap().chosen(None).unwrap();

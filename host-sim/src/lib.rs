@@ -1,6 +1,6 @@
 //! The program `host-sim`: its command line, over the crates in `host-sim/crates`.
 #![forbid(unsafe_code)]
-// What it has to say it returns, or tells its caller: what is printed is the program's.
+// The library returns its texts, or passes them to its caller: only the program prints.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
 
 pub mod cli;

@@ -16,7 +16,7 @@ fn main() -> ExitCode {
     commanded()
 }
 
-/// Apart, so that nothing of it is taken before.
+/// A separate function, so that none of its instructions is executed before the check of the processor.
 #[inline(never)]
 fn commanded() -> ExitCode {
     let line = &CommandLine::of_process();

@@ -1,8 +1,8 @@
 //! The paper's experiment, repeated on the virtual test bed.
 //!
-//! Steps of 2, 4, 6, 8 and 10 V on a drive that is not quite the reference model, seen through the paper's sensors (16-bit
-//! LVDT, joint encoder of 3600 impulses, dither on the command). The model is entered at the command and at the measured
-//! spool, as in Figs. 3 and 6, and the static characteristic (15) is found again by regression on the spool after 0.3 s.
+//! Steps of 2, 4, 6, 8 and 10 V on a drive that differs a little from the reference model, measured with the paper's sensors (16-bit
+//! LVDT, joint encoder of 3600 impulses, dither on the command). The model is driven by the command and by the measured
+//! spool, as in Figs. 3 and 6, and the static characteristic (15) is determined again by regression on the spool after 0.3 s.
 
 use rayon::prelude::*;
 
@@ -20,7 +20,7 @@ pub const PRESET: &str = include_str!("../../presets/paper-as-printed.toml");
 /// The commands of the paper's steps, V.
 pub const COMMANDS_V: [f64; 5] = [2.0, 4.0, 6.0, 8.0, 10.0];
 
-/// Similarity of the position in the paper's Table 2, %, for each of [`COMMANDS_V`]. Its Table 1 is lost from the text.
+/// Similarity of the position in the paper's Table 2, %, for each of [`COMMANDS_V`]. Its Table 1 is missing in the text.
 pub const TABLE_2_PERCENT: [f64; 5] = [94.20, 97.18, 98.88, 97.78, 99.42];
 
 /// Slope, 1/V, and offset, 1, of the paper's static characteristic (15).
@@ -29,10 +29,10 @@ pub const CHARACTERISTIC: (f64, f64) = (0.0559, 0.0345);
 /// When a step begins and how long it is held, s.
 const STEP_S: (f64, f64) = (0.1, 2.5);
 
-/// Where the rod starts, in parts of the stroke: low, since every step extends it.
+/// Where the rod starts, as a share of the stroke: low, since every step extends the rod.
 const START: f64 = 0.1;
 
-/// The spool is settled so long after a step, s.
+/// Time after a step when the spool has settled, s.
 pub const SETTLED_S: f64 = 0.3;
 
 /// How the drive on the test bed differs from the model: parameter, factor.

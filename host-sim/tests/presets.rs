@@ -1,4 +1,4 @@
-//! The shipped machine files: each can be read and says behind every value where it comes from.
+//! The shipped machine files: each can be read and states the source of every value.
 
 use std::path::Path;
 

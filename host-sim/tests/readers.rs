@@ -1,4 +1,4 @@
-//! Laws of the readers: they never panic, and what is written reads back as it was.
+//! Properties of the readers: they never panic, and what is written reads back unchanged.
 
 mod at_hand;
 
@@ -12,7 +12,7 @@ use model_core::machine::{Machine, Parameter, Source};
 use recording::files::source_error::render;
 use recording::{ChannelMap, Column, Recording, Signal, Unit};
 
-/// Text that comes near to a recording: its words in any order.
+/// Text that resembles a recording: its words in any order.
 fn nearly_a_recording() -> impl Strategy<Value = String> {
     let words = [
         "time [s]",
@@ -48,7 +48,7 @@ fn nearly_a_recording() -> impl Strategy<Value = String> {
     prop::collection::vec(prop::sample::select(words.to_vec()), 0..60).prop_map(|words| words.concat())
 }
 
-/// Text that comes near to a machine file.
+/// Text that resembles a machine file.
 fn nearly_a_machine_file() -> impl Strategy<Value = String> {
     let words = [
         "[supply]\n",
@@ -122,7 +122,7 @@ fn machine() -> impl Strategy<Value = Machine<f64>> {
                 machine.set(parameter, value);
             }
         }
-        // Of any floor a file may hold those from vacuum to the tank's pressure.
+        // A file may hold only floors from vacuum to the tank's pressure.
         let (floor, tank) = (Parameter::CavitationFloor, machine.get(Parameter::TankPressure));
         let what = floor.description();
         let part = (machine.get(floor) - what.min) / (what.max - what.min);

@@ -1,4 +1,4 @@
-//! A table for what has no name yet: it adds to one quantity of the chain over one or two of its states.
+//! A correction table for what no effect explains: it adds to one quantity of the model, over one or two of its states.
 //!
 //! ```text
 //! u = 6·(x − from)/(to − from), 0..6           seven nodes over the first state
@@ -6,18 +6,18 @@
 //! T = T₀ + Σ (Tᵢ₊₁ − Tᵢ)·clamp(u − i, 0, 1)    linear, or bilinear; held at the ends
 //! ```
 //!
-//! A flow or a spool travel takes the states at the start of the tick (of the spool its mean over the tick, for a travel each of its
-//! ends), explicitly. So a flow that falls with its own chamber's pressure must not empty the chamber within a tick, or it swings; what
-//! it swings by is bounded by the table. A force over position is a spring taken at the tick's start: one of stiffness k is damped by
-//! k·h/2 too little.
+//! A flow or a spool travel takes the states explicitly, at the start of the tick (for the spool its mean over the tick, for a travel each of its
+//! ends). So a flow that falls with its own chamber's pressure must not empty the chamber within a tick, or it oscillates; the table
+//! bounds this oscillation. A force over position is a spring evaluated at the tick's start: one of stiffness k has too little damping by
+//! k·h/2.
 //!
-//! A force over velocity is taken at both stages. Its steepest damping slope s anywhere is moved to the implicit side:
-//! F(v) = −s·v + (F(v) + s·v), the first with the viscous friction. The sum is the table's, however steep it falls; the step's Jacobian
-//! is then too large elsewhere, which costs none of its order. A slope that drives stays explicit: it drives the velocity away from
-//! where it is, never to and fro. Per unit, s is rounded to 2⁻¹⁶.
+//! A force over velocity is evaluated at both stages. Its steepest damping slope s anywhere is moved to the implicit side:
+//! F(v) = −s·v + (F(v) + s·v), where the first term joins the viscous friction. The sum is the table's, however steep it falls; elsewhere
+//! the step's Jacobian is too large, which does not reduce the order. A slope that drives stays explicit: it drives the velocity away from
+//! its present value, but makes no oscillation. Per unit, s is rounded to 2⁻¹⁶.
 //!
-//! Error against the formula: 2⁻²⁶ of the largest rise between two nodes for each node, and what the rounding of 6/(to − from) to
-//! 2⁻¹⁶ makes of u. Values are below 4 per unit, so that no rise saturates.
+//! Error against the formula: 2⁻²⁶ of the largest rise between two nodes, for each node, and the error in u from rounding 6/(to − from)
+//! to 2⁻¹⁶. Values are below 4 per unit, so that no rise saturates.
 
 use crate::number::{Mask, Number};
 use crate::ports::{Flows, States};
@@ -78,7 +78,7 @@ pub(crate) struct Table<N: Number> {
     pub(crate) values: [[N; ACROSS]; NODES],
 }
 
-/// Along equally spaced values, `nodes` from the first; held at the ends.
+/// Value along equally spaced values, `nodes` from the first; held at the ends.
 #[inline]
 fn along<N: Number>(mut values: impl Iterator<Item = N>, nodes: N) -> N {
     let Some(mut lower) = values.next() else { return N::ZERO };
@@ -96,7 +96,7 @@ fn along<N: Number>(mut values: impl Iterator<Item = N>, nodes: N) -> N {
 }
 
 impl<N: Number> Table<N> {
-    /// What it adds in these states.
+    /// What the table adds in these states.
     #[inline]
     pub(crate) fn at(&self, states: States<N>) -> N {
         let nodes = self.first.as_ref().map_or(N::ZERO, |axis| axis.nodes(&states));
@@ -110,7 +110,7 @@ impl<N: Number> Table<N> {
     }
 }
 
-/// A table of what the links above the mechanics lack.
+/// A correction table of the links above the mechanics.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Unnamed<N: Number> {
     /// Flow into A.
@@ -122,7 +122,7 @@ pub(crate) enum Unnamed<N: Number> {
 }
 
 impl<N: Number> Unnamed<N> {
-    /// What it adds to the flows.
+    /// What the table adds to the flows.
     #[inline]
     pub(crate) fn flows(&self, states: States<N>) -> Flows<N> {
         match self {
@@ -137,7 +137,7 @@ impl<N: Number> Unnamed<N> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Push<N: Number> {
     pub(crate) table: Table<N>,
-    /// s: its steepest damping slope, which is on the implicit side too.
+    /// s: its steepest damping slope, which is part of the implicit side too.
     pub(crate) damping: N::Steep,
 }
 
@@ -239,7 +239,7 @@ mod tests {
         let table = over(1.0, 1.0, [-0.6, 0.6], [-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0].map(|node: f64| -4000.0 * node));
         let mut viscous = press();
         viscous.set(P::ViscousFriction, 3e4);
-        // Under a given force, where no oil spring's mass is matched to the friction.
+        // Under a given force, where no mass is matched to the oil spring (this match would depend on the friction).
         let driven = |machine: &Machine<f64>| {
             let drive = Drive::<f64>::new::<64>(machine, Tick::OneMillisecond).unwrap();
             let mut state: DriveState<f64> = drive.at_rest(0.0, ChamberState { a: 0.3, b: 0.5 }, 0.5);

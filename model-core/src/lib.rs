@@ -1,7 +1,7 @@
 //! Reference model of a valve-controlled (or pump-controlled) hydraulic drive, for controllers and desktops.
 //!
 //! command → [`valve`] → spool → [`flow`] → [`chambers`] → [`mechanics`] → [`sensing`]. Each link is a type of its own that can
-//! be stepped alone, and its file opens with the equations that it runs; [`drive::Drive`] composes them into one fixed-cost implicit step a tick.
+//! be stepped alone, and its file opens with the equations that it computes; [`drive::Drive`] composes them into one fixed-cost implicit step a tick.
 //! The equations are written once, over [`number::Number`]: fixed point on the controller and, bit for bit the same, on the desktop; `f64`, dual
 //! numbers and vectors on the desktop. [`machine::Machine`] holds a drive's SI parameters, [`machine::Parameter`] names them.
 //!
@@ -13,7 +13,7 @@
 //! | [`effects`] | the table of all effects; which of them a step is compiled for |
 //! | [`machine`] | SI parameters: key, unit, range, default; scales of all per-unit quantities |
 //! | [`ports`] | what the links hand to one another |
-//! | `oil`, `correction_table` | viscosity over temperature; a table for what has no name |
+//! | `oil`, `correction_table` | viscosity over temperature; a table for misfits that no effect explains |
 //! | [`valve`], [`flow`], [`chambers`], [`mechanics`], [`sensing`] | the links, each with its effects |
 //! | [`drive`] | the links together: state, step, the paper's model by itself |
 //! | `coefficients` | SI parameters → per-unit coefficients, for all of the above |

@@ -1,12 +1,12 @@
-//! Oil temperature: as the oil warms its viscosity falls, viscous friction with it, and leakage rises.
+//! Oil temperature: as the oil warms, its viscosity and the viscous friction fall, and leakage rises.
 //!
 //! u = w(t)·e^(−κ·(T − T0)) multiplies D and divides the leakage conductances. T is measured, κ the viscosity's relative loss per
-//! kelvin, and T0 the temperature that the machine's values are for. w(t) = 1 − loss·(1 − e^(−t/τ)) since the state's start is a warming
-//! that nobody measures.
+//! kelvin, and T0 the temperature that the machine's values are for. w(t) = 1 − loss·(1 − e^(−t/τ)), t since the state's start, is a warming
+//! that is not measured.
 //!
-//! The exponential is held within 1/8..8 in every number type: from three halvings hotter than T0 to three colder. All of u is below 8 in
+//! The exponential is held within 1/8..8 in every number type: from three halvings above T0 to three doublings below it. All of u is below 8 in
 //! fixed point. Its error is 1e-6 of its value, for temperatures from −50 to 150 °C.
-//! How much of the warming is done is kept with 56 fractional bits, so that it does not stall at time constants of a day; its rate is
+//! The progress of the warming is kept with 56 fractional bits, so that it does not stall at time constants of a day; its rate is
 //! exact to 2e-4 at 1e5 s. The coefficients of the links are those of the thinnest oil that there can be.
 
 use crate::number::Number;
@@ -16,12 +16,12 @@ pub(crate) const THINNEST: f64 = 0.125;
 /// How often the root of the exponential is squared.
 pub(crate) const SQUARINGS: i32 = 5;
 
-/// What the oil's viscosity goes by.
+/// What the oil's viscosity depends on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Viscosity<N: Number> {
     pub(crate) warming: Option<Warming<N>>,
     pub(crate) thinning: Option<Thinning<N>>,
-    /// Viscosity of the thinnest oil, in shares of the one that the machine's values are for.
+    /// Viscosity of the thinnest oil, as a share of the viscosity that the machine's values are for.
     pub(crate) thinnest: N,
     /// 1 over it.
     pub(crate) per_thinnest: N::Steep,
@@ -36,7 +36,7 @@ pub(crate) struct Warming<N: Number> {
     pub(crate) share: N,
     /// Magnitude of the loss.
     pub(crate) change: N,
-    /// Whether the oil thins: its thinnest is then at the end, else at the start.
+    /// Whether the oil becomes thinner: it is then thinnest at the end, else at the start.
     pub(crate) thins: bool,
 }
 
@@ -47,7 +47,7 @@ pub(crate) struct Thinning<N: Number> {
     pub(crate) reference: N,
     /// κ per unit of temperature, over 2^[`SQUARINGS`].
     pub(crate) rate: N::Gain,
-    /// Largest magnitude of the exponent, over the same.
+    /// Largest magnitude of the exponent, over the same power.
     pub(crate) most: N,
     /// 1/3
     pub(crate) third: N::Gain,
@@ -56,14 +56,14 @@ pub(crate) struct Thinning<N: Number> {
 /// The oil in one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Oil<N> {
-    /// Viscosity above that of the thinnest, in shares of the one that the machine's values are for.
+    /// Viscosity above that of the thinnest, as a share of the viscosity that the machine's values are for.
     pub(crate) excess: N,
     /// Viscosity of the thinnest over this one's, 0..1.
     pub(crate) thinness: N,
 }
 
 impl<N: Number> Viscosity<N> {
-    /// The oil when `done` of the warming is done, at this measured temperature (per unit).
+    /// The oil when the share `done` of the warming has happened, at this measured temperature (per unit).
     #[inline]
     pub(crate) fn oil(&self, done: N::Travel, temperature: N) -> Oil<N> {
         let excess = match (&self.warming, &self.thinning) {
@@ -77,7 +77,7 @@ impl<N: Number> Viscosity<N> {
         Oil { excess, thinness: N::inverse_one_plus([excess], [self.per_thinnest]) }
     }
 
-    /// One tick more.
+    /// Advances the warming by one tick.
     #[inline]
     pub(crate) fn step(&self, done: &mut N::Travel) {
         if let Some(warming) = &self.warming {
@@ -92,7 +92,7 @@ impl<N: Number> Warming<N> {
         N::of_travel(done).max(N::ZERO).min(N::ONE)
     }
 
-    /// Viscosity above that of the thinnest of this warming.
+    /// Viscosity above the least viscosity of this warming.
     #[inline]
     fn excess(&self, done: N::Travel) -> N {
         let done = Self::done(done);

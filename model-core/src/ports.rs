@@ -10,11 +10,11 @@
 
 use crate::number::Number;
 
-/// The spool over one tick; between the two it moves linearly.
+/// The spool over one tick; between start and end it moves linearly.
 ///
-/// A spool that sticks and jumps within the tick is handed on so too: the jump comes at any time within the tick alike, and the
-/// straight line has the mean opening of a jump in the middle. Taken at the start or the end of the tick, every jump would be
-/// half a tick early or late.
+/// A spool that sticks and jumps within the tick is handed on in the same way: the jump is equally likely at any time within the tick, and
+/// the straight line has the mean opening of a jump in the middle. With the jump taken at the start or the end of the tick, every jump would
+/// be half a tick early or late.
 #[derive(Clone, Copy, Debug, PartialEq, Hash)]
 pub struct Spool<N> {
     /// At the start of the tick.
@@ -23,7 +23,7 @@ pub struct Spool<N> {
     pub to: N,
 }
 
-/// Sum of the pressure differences over the two edges that the spool opens, without sign: what a flow force works with.
+/// Sum of the pressure differences over the two edges that the spool opens, without sign: flow forces depend on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AcrossEdges<N> {
     /// P-A and B-T, open where the spool extends.
@@ -46,12 +46,12 @@ pub struct Flows<F> {
     pub b: F,
 }
 
-/// One flow with what the implicit step needs of its slope against the pressure it works on.
+/// One flow, and what the implicit step needs of its derivative by the chamber's pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Linearised<N: Number> {
     /// The flow, per unit.
     pub flow: N,
-    /// Magnitude of the opening: the slope is −`opening`·`slope`, that of the chord to no pressure difference; 0 where the flow does not
+    /// Magnitude of the opening: the slope is −`opening`·`slope`, that of the chord to zero pressure difference; 0 where the flow does not
     /// depend on the pressure.
     pub opening: N,
     /// Slope of the orifice's root: of its chord to zero pressure difference.
@@ -86,9 +86,9 @@ pub struct ChamberState<N> {
 /// How a tick fills a chamber.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Filling<N: Number> {
-    /// Pressure that a flow of 1 makes over the tick.
+    /// Pressure rise over the tick at a flow of 1.
     pub(crate) stiffness: N::Gain,
-    /// Flow that is taken up elsewhere, by the rod at its speed and by what leaks: into A, out of B.
+    /// Flow that is taken up elsewhere, by the rod's movement and by leakage: into A, out of B.
     pub(crate) room: N,
 }
 
@@ -99,7 +99,7 @@ impl<N: Number> Filling<N> {
         Self { room: -self.room, ..self }
     }
 
-    /// The same with a flow the other way beside it.
+    /// The same with an additional flow in the other direction.
     #[inline]
     pub(crate) fn against(self, flow: N) -> Self {
         Self { room: self.room + flow, ..self }
@@ -126,7 +126,7 @@ pub struct MotionState<N: Number> {
 }
 
 impl<N: Number> MotionState<N> {
-    /// No velocity, nothing bent.
+    /// No velocity, no bristle bent.
     #[must_use]
     pub fn at_rest(position: N::Travel) -> Self {
         Self { velocity: N::ZERO, position, bristles: N::ZERO }
@@ -138,12 +138,12 @@ impl<N: Number> MotionState<N> {
 pub struct Forces<N> {
     /// At the start of the tick: what dry friction has to hold.
     pub start: N,
-    /// First stage: that at the start, with γ of what the stage changes it by; `from` + γ·(`to` − `from`) for one that goes straight
-    /// from one to the other.
+    /// First stage: the force at the start plus γ times the stage's change; `from` + γ·(`to` − `from`) for a force that changes linearly
+    /// over the tick.
     pub first: N,
-    /// Second stage: what is left to change, γ·(1 − γ)·(`to` − `from`) of one that goes straight; none of a constant one.
+    /// Second stage: the change that is left, γ·(1 − γ)·(`to` − `from`) for a force that changes linearly; 0 for a constant one.
     pub second: N,
-    /// What else the friction depends on.
+    /// Other quantities that friction depends on.
     pub around: Surroundings<N>,
 }
 
@@ -152,11 +152,11 @@ pub struct Forces<N> {
 pub struct Surroundings<N> {
     /// Sum of both chamber pressures above 0, on the seals.
     pub pressed: N,
-    /// Viscosity of the oil above the least it can have, in shares of the one that the machine's values are for.
+    /// Viscosity of the oil above its least possible value, as a share of the viscosity that the machine's values are for.
     pub viscosity: N,
-    /// States that a table of forces is over.
+    /// States over which a table of forces is defined.
     pub states: States<N>,
-    /// The mass matched to both oil springs over the one matched to what cavitation leaves of them, 0..1.
+    /// The mass matched to both oil springs, over the mass matched to the springs that cavitation leaves, 0..1.
     pub sprung: N,
 }
 
@@ -165,14 +165,14 @@ impl<N: Number> Surroundings<N> {
     pub const NONE: Self = Self { pressed: N::ZERO, viscosity: N::ZERO, states: States::NONE, sprung: N::ONE };
 }
 
-/// States of a drive that a table may be over, per unit.
+/// States of a drive over which a table may be defined, per unit.
 #[derive(Clone, Copy, Debug, PartialEq, Hash)]
 pub struct States<N> {
     /// Velocity of the rod.
     pub velocity: N,
     /// Position, strokes.
     pub position: N,
-    /// Spool; 0 where the chain is entered below it.
+    /// Spool; 0 where the drive input is below the spool.
     pub spool: N,
     /// Pressure in A.
     pub pressure_a: N,

@@ -19,7 +19,7 @@ const FRICTION_N: f64 = 800.0;
 const SLIP_M3_PER_S_PA: f64 = 1e-12;
 /// Speed at which slip is compared.
 const SLIPPING_REV_PER_S: f64 = 30.0;
-/// Speed at which the oracle's slip has faded to half. The core's has not: the oracle is given that much more.
+/// Speed at which the oracle's slip has faded to half. The core's slip does not fade: the oracle is given that much more.
 const SLIP_FADE_REV_PER_S: f64 = 0.2;
 
 const LEAKAGE: PlantEffect = PlantEffect::InternalLeakage {
@@ -29,28 +29,28 @@ const LEAKAGE: PlantEffect = PlantEffect::InternalLeakage {
 };
 const HOSES: PlantEffect =
     PlantEffect::HoseCompliance { compliance_m3_per_pa: COMPLIANCE_M3_PER_PA, stiffening_pressure_pa: f64::INFINITY };
-/// Bristles that give by 8 nm, all but set-valued: with ten times softer ones the largest error is a tenth to a quarter larger.
+/// Bristles that yield by 8 nm, almost set-valued: with ten times softer ones the largest error is a tenth to a quarter larger.
 const FRICTION: PlantEffect =
     PlantEffect::CoulombFriction { force_n: FRICTION_N, stiffness_n_per_m: 1e11, damping_n_s_per_m: 2e5 };
-/// Bristles that give by 27 µm, damped as the core damps them: what its step has on them.
+/// Bristles that yield by 27 µm, damped as in the core: this compares the core's step on them.
 const LUGRE: PlantEffect = PlantEffect::CoulombFriction {
     force_n: FRICTION_N,
     stiffness_n_per_m: STIFFNESS_N_PER_M,
     damping_n_s_per_m: 8.8e3,
 };
 const STIFFNESS_N_PER_M: f64 = 3e7;
-/// Within reach of every signal.
+/// A position that every signal reaches.
 const STOP_M: f64 = 0.18;
-/// So hard that neither it nor the core's gives by more than 30 µm under the full force.
+/// So hard that neither this stop nor the core's yields by more than 30 µm under the full force.
 const STOP: PlantEffect =
     PlantEffect::Load(LoadEffect::EndStop { at_m: STOP_M, extending: true, stiffness: 2e11, damping_s_per_m: 3.0 });
 const STOP_N_PER_M: f64 = 1e9;
 const STOP_N_S_PER_M: f64 = 3e5;
-/// Oil that boils within 0.1 kPa: all but a floor.
+/// Oil that boils within 0.1 kPa: almost a fixed floor of the pressure.
 const BOILING: PlantEffect =
     PlantEffect::Cavitation(Cavitation { floor_pa: FLOOR_PA, steepness_pa: 1e2, released: 0.0 });
 const FLOOR_PA: f64 = -9e4;
-/// With little friction it draws on A faster than the valve fills it.
+/// With little friction, this force moves the rod faster than the valve fills A.
 const PULL_N: f64 = 9e3;
 const SLIP: PlantEffect = PlantEffect::PumpSlip {
     conductance_m3_per_s_pa: SLIP_M3_PER_S_PA * (SLIPPING_REV_PER_S + SLIP_FADE_REV_PER_S) / SLIPPING_REV_PER_S,
@@ -63,7 +63,7 @@ fn compare(real: &[Row], fixed: &[Row], truth: &[Row]) -> [Distance; 3] {
     [distance(real, truth), distance(fixed, truth), distance(fixed, real)]
 }
 
-/// The worst of the paper's signals and five of random steps.
+/// The largest error over the paper's signals and five of random steps.
 fn valve(machine: &Machine<f64>, effect: PlantEffect) -> [Distance; 3] {
     let mut signals = vec![Excitation::paper_steps(4.0), Excitation::paper_steps(10.0), Excitation::paper_sweep()];
     signals.extend((1..=5).map(Excitation::random_steps));
@@ -139,7 +139,7 @@ fn each_effect_and_the_pump_drive_follow_the_oracle() {
     table::compare("effects.txt", &lines.into_iter().map(|(line, ..)| line).collect::<Vec<_>>());
 }
 
-/// Random signals on which dry friction is compared in both numbers; none was chosen.
+/// Random signals on which dry friction is compared in both number types; none was chosen.
 const SEEDS: u64 = 40;
 
 #[test]

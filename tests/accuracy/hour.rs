@@ -1,4 +1,4 @@
-//! One hour at 1 kHz: nothing drifts, nothing is swallowed.
+//! One hour at 1 kHz: nothing drifts, and no small change is lost.
 
 use std::thread;
 
@@ -18,19 +18,19 @@ const HOUR: usize = 3_600_000;
 const CYCLE: usize = 2000;
 /// Cycles after which the oracle repeats itself.
 const SETTLED: usize = 6;
-/// One step of the output card, V: commands are whole steps, so that both sides are given the very same.
+/// One step of the output card, V: commands are whole steps, so that both sides get exactly the same values.
 const CARD_V: f64 = 10.0 / 32768.0;
 
-/// What a drive with closed valve may creep in an hour, % of stroke: its oil is counted without loss, so that only the pressures'
+/// Largest creep of a drive with closed valve in an hour, % of stroke: its oil balance has no loss, so that only the pressures'
 /// step is left.
 const CREEP_PERCENT: f64 = 1e-5;
-/// What one with leakage past its piston may part from f64 in an hour, % of stroke: a velocity of one step displaces in B what α·v is
-/// rounded to.
+/// Largest difference from f64 in an hour with leakage past the piston, % of stroke: at a velocity of one step, the flow displaced in B is
+/// α·v after rounding.
 const LEAKING_PERCENT: f64 = 0.002;
 /// Error of a small opening: dead zone, offset, command and flow are each rounded to steps of 4e-9.
 const OPENING_STEPS: f64 = 2e-8;
 
-/// A trapezoid: 0.2 s up, 0.5 s held, 0.2 s down, 0.1 s at zero, and the same to the other side. V.
+/// A trapezoid: 0.2 s up, 0.5 s held, 0.2 s down, 0.1 s at zero, and the same in the other direction. V.
 fn trapezoid(out_v: f64, back_v: f64) -> Vec<f64> {
     let half = |volts: f64| {
         (0..CYCLE / 2).map(move |tick| {
@@ -46,7 +46,7 @@ fn cycles(cycle: &[f64], count: usize) -> Vec<f64> {
     cycle.iter().copied().cycle().take(CYCLE * count + 1).collect()
 }
 
-/// The oracle at the end of its settled cycles, and how far a further cycle takes it.
+/// The oracle at the end of its settled cycles, and the travel of a further cycle.
 ///
 /// With constant volumes and no stops nothing depends on the position, so once the pressures repeat, every cycle adds the same.
 fn periodic(machine: &Machine<f64>, cycle: &[f64]) -> (Row, f64) {
@@ -59,7 +59,7 @@ fn periodic(machine: &Machine<f64>, cycle: &[f64]) -> (Row, f64) {
     (at(SETTLED), travel)
 }
 
-/// The trapezoid of 5 V outwards that comes back to where it started, but for a step of the output card.
+/// The trapezoid of 5 V outwards that returns to its start, except for a step of the output card.
 fn closed_cycle(machine: &Machine<f64>) -> Vec<f64> {
     let (mut low_v, mut high_v) = (3.0, 9.0);
     for _ in 0..10 {
@@ -114,7 +114,7 @@ fn an_hour_of_cycling_ends_where_the_oracle_does() {
 fn creep_in_an_hour(named: &NamedDrive) {
     let machine = named.machine.with(&[(LoadForce, 8e3)]);
     let drive = drive::<PerUnit>(&machine, TICK);
-    // Half a supply pressure off balance, so that it has to settle first.
+    // Half a supply pressure away from equilibrium, so that it has to settle first.
     let mut initial = InitialState::at_rest(&machine, 0.15);
     initial.pressure_a_pa += 3.5e6;
     let mut state = at_rest(&drive, 0.0, &initial);
@@ -185,7 +185,7 @@ fn a_small_opening_is_not_swallowed() {
         };
         for (opening, ticks) in [(1e-2, 4_000), (1e-4, 20_000), (1e-5, 20_000), (1e-6, 20_000), (1e-7, 60_000)] {
             for side in [1.0, -1.0] {
-                // A wide opening settles the pressures where a small one would hold them, which takes that one long.
+                // The pressures settle with a wide opening to the values that a small opening would reach, which would take very long.
                 let start = InitialState::at_rest(machine, 0.15);
                 let settled = oracle(machine, TICK, &held(1e-2, side, 3000), &start)[2999];
                 let supply_pa = machine.get(SupplyPressure);

@@ -1,4 +1,4 @@
-//! Loads, and friction far beyond the printed one, at each tick.
+//! Loads, and friction far above the printed value, at each tick.
 
 use model_core::machine::Parameter::{LoadForce, ViscousFriction};
 use model_core::machine::{Machine, Tick};

@@ -1,7 +1,7 @@
 //! How far is the core from the true solution?
 //!
-//! The oracle is the virtual test bed's plant, solved to 1e-10: it shares no equation with the core. What is allowed stands
-//! in `tolerances.rs` and nowhere else; what is found stands in `table.txt`.
+//! The oracle is the virtual test bed's plant, solved to 1e-10: it shares no equation with the core. The allowed errors are
+//! in `tolerances.rs` and nowhere else; the errors found are in `table.txt`.
 //!
 //! `cargo test -p system-tests --test accuracy -- --nocapture` prints all of it; with `RENEW=1` it writes `table.txt` anew.
 

@@ -10,7 +10,7 @@ use virtual_plant::InitialState;
 /// Least ratio of the errors at a tick and at half of it; 4 is second order.
 const LEAST_RATIO: f64 = 2.5;
 
-/// A slow sine to one side, which starts and ends gently; held for 2 ms, so that all ticks see one signal. V.
+/// A slow sine to one side, which starts and ends gently; held for 2 ms, so that all ticks get the same signal. V.
 fn command_v(time_s: f64) -> f64 {
     let rising = (time_s / 0.4).min(1.0);
     let gently = rising * rising * (3.0 - 2.0 * rising);

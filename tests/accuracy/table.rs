@@ -1,4 +1,4 @@
-//! The table of what was found, a snapshot beside this file.
+//! The table of the errors found, a snapshot beside this file.
 
 use std::fmt;
 
@@ -31,7 +31,7 @@ drive    signal               f64 position  pressure   fixed position  pressure 
 const COLUMN: usize = 30;
 /// Largest change of an entry against the snapshot: another processor's libm, another release of the oracle's solver.
 const RELATIVE: f64 = 0.05;
-/// And the last digit of the table, %.
+/// Added to it: the last digit of the table, %.
 const LAST_DIGIT: f64 = 1.1e-6;
 
 impl Line {
@@ -41,10 +41,10 @@ impl Line {
         [a, b, c, d, e, f]
     }
 
-    /// Holds the line against what is allowed to the oracle, and between fixed point and f64.
+    /// Compares the line with what is allowed against the oracle, and between fixed point and f64.
     ///
     /// # Panics
-    /// It misses.
+    /// It exceeds a limit.
     pub(crate) fn check(&self, allowed: Tolerance, rounding: Tolerance) {
         assert!(allowed.holds(self.real), "f64 misses {allowed:?}: {self}");
         assert!(allowed.holds(self.fixed), "fixed point misses {allowed:?}: {self}");
@@ -60,7 +60,7 @@ impl fmt::Display for Line {
     }
 }
 
-/// Prints the table and compares it with the snapshot of this name, or renews that.
+/// Prints the table and compares it with the snapshot of this name, or renews the snapshot.
 ///
 /// # Panics
 /// They differ.

@@ -1,4 +1,4 @@
-//! The effects of the valve and the flow link have no oracle here: what they do must not depend on the tick.
+//! The effects of the valve and the flow link have no oracle here: their action must not depend on the tick.
 
 use model_core::effects::{Effect, Link};
 use model_core::machine::{Form, Machine, Tick};
@@ -7,10 +7,10 @@ use system_tests::drives;
 use system_tests::simulate::{Distance, Row, core, distance};
 use virtual_plant::InitialState;
 
-/// What a run at 1 kHz may miss of one at 2 kHz: the position, strokes, and the pressures, supply pressures.
+/// Largest difference of a run at 1 kHz from one at 2 kHz: of the position, strokes, and of the pressures, supply pressures.
 ///
-/// Without effects it is 2e-6 and 4e-4, about three quarters of the error at 1 kHz; the most is 6e-6 with a flow force, whose
-/// pressures are those of the start of a tick. Stiction is left out: its jumps end where a tick ends.
+/// Without effects it is 2e-6 and 4e-4, about three quarters of the error at 1 kHz; the largest is 6e-6 with a flow force, which depends
+/// on the pressures at the start of a tick. Stiction is left out: its jumps end where a tick ends.
 const POSITION: f64 = 1e-5;
 const PRESSURE: f64 = 1e-3;
 

@@ -27,7 +27,7 @@ pub(crate) enum Case {
     Stop,
     /// Fixed point against the same step in f64, with an end stop.
     StopRounding,
-    /// A chamber that is drawn empty and fills again, at 1 kHz.
+    /// A chamber that is emptied by suction and fills again, at 1 kHz.
     Void,
     /// Fixed point against the same step in f64, with a void.
     VoidRounding,
@@ -138,7 +138,7 @@ pub(crate) fn of(case: Case) -> Tolerance {
 }
 
 impl Tolerance {
-    /// Whether both differences stay within. NaN does not.
+    /// Whether both differences stay within the row's limits. NaN does not.
     pub(crate) fn holds(&self, found: Distance) -> bool {
         100.0 * found.position <= self.position_percent && 100.0 * found.pressure <= self.pressure_percent
     }

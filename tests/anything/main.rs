@@ -1,4 +1,4 @@
-//! Whatever is fed to the readers, the coefficients and the step: what the search of `fuzz/` began with and what it kept, once more,
+//! The readers, the coefficients and the step get once more the inputs that the search of `fuzz/` began with and those that it kept,
 //! with no more memory and time than a small file may take.
 
 use std::alloc::System;
@@ -18,11 +18,11 @@ use system_tests::anything::{TARGETS, machine_file, recording};
 use system_tests::drives;
 use system_tests::simulate::DELAY;
 
-/// What cannot be had ends the process: more than this is a failure. All threads share it.
+/// Memory beyond this limit is refused, which ends the process: that is a failure. All threads share it.
 #[global_allocator]
 static MEMORY: Cap<System> = Cap::new(System, 1 << 30);
 
-/// Longest that a file may take: three times what the search (`fuzz/run`) lets one take, because other tests run beside it.
+/// Longest time for a file: three times what the search (`fuzz/run`) allows, because other tests run beside it.
 const LONGEST: Duration = Duration::from_mins(1);
 
 fn corpus(target: &str) -> PathBuf {
@@ -45,7 +45,7 @@ fn nothing_that_was_kept_breaks_anything() {
     }
 }
 
-/// Feeds a file in a thread of its own, which is left behind where it does not end; the failed test then ends it with the process.
+/// Feeds a file in a thread of its own, which is left running if it does not end; the failed test then ends it with the process.
 fn feed_file(feed: fn(&[u8]), file: &Path) {
     let bytes = fs::read(file).unwrap();
     let (done, ended) = mpsc::channel();
@@ -89,7 +89,7 @@ fn element(kind: u32, content: &[u8]) -> Vec<u8> {
 #[test]
 fn a_long_name_is_not_held_once_for_each_structure() {
     let words = |words: &[u32]| words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>();
-    // 4096 structures of one field, whose name is a megabyte: four gigabytes, if each had it.
+    // 4096 structures of one field, whose name is a megabyte: four gigabytes, if each had its own copy.
     let name = vec![b'n'; 1 << 20];
     let fields = element(14, &[]).repeat(4096);
     let parts = [
@@ -107,7 +107,7 @@ fn a_long_name_is_not_held_once_for_each_structure() {
     recording(&file);
 }
 
-/// A block of an MDF file, at the end of it; where it stands.
+/// Appends a block to an MDF file; returns its position.
 fn block(file: &mut Vec<u8>, id: [u8; 2], links: &[u64], data: &[u8]) -> u64 {
     let at = file.len() as u64;
     let length = 24 + 8 * links.len() as u64 + data.len() as u64;
@@ -125,7 +125,7 @@ fn a_long_table_is_not_held_once_for_each_channel() {
     let mut file = b"MDF     4.10    ".to_vec();
     file.resize(64, 0);
     let head = block(&mut file, *b"HD", &[0; 6], &[0; 32]);
-    // A table of 65534 numbers, which 4000 channels share: two gigabytes, if each had it.
+    // A table of 65534 numbers, which 4000 channels share: two gigabytes, if each had its own copy.
     let mut table = vec![4, 0, 0, 0, 0, 0, 0xfe, 0xff];
     table.resize(24 + 8 * 0xfffe, 0);
     let table = block(&mut file, *b"CC", &[0; 4], &table);
@@ -141,10 +141,10 @@ fn a_long_table_is_not_held_once_for_each_channel() {
     recording(&file);
 }
 
-/// What the search begins with that is in the tests' own coding: drives at rest, as they are and with changed parameters, and a few
+/// The first inputs of the search that are in the tests' own coding: drives at rest, unchanged and with changed parameters, and a few
 /// entries of every kind.
 fn write_seeds() {
-    // Kind of drive and tick, number of changes, then each change: parameter, how, and how much.
+    // Kind of drive and tick, number of changes, then each change: parameter, kind of change, and size.
     let machines: [&[u8]; 4] =
         [&[0, 0], &[1, 0], &[2, 2, 3, 3, 4, 9, 1], &[4, 2, 20, 2, 128, 40, 4, 0, 0, 0, 0, 0, 0, 0xf8, 0x7f]];
     for (number, machine) in machines.iter().enumerate() {

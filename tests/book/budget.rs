@@ -1,11 +1,11 @@
-//! Do the tables of `docs/target.md` have the figures that the emulated boards were measured with?
+//! Do the tables of `docs/target.md` have the figures that were measured on the emulated boards?
 
 use std::collections::BTreeMap;
 use std::fs;
 
 use crate::root;
 
-/// What the snapshot says of a board, by name.
+/// A board's figures in the snapshot, by name.
 struct Board(BTreeMap<String, f64>);
 
 impl Board {
@@ -44,7 +44,7 @@ impl Board {
     }
 }
 
-/// As the tables have it: thousands apart from 10 000 on.
+/// A number as in the tables: with a space between thousands from 10 000 on.
 fn whole(value: f64) -> String {
     let digits = value.to_string();
     match digits.len().checked_sub(3) {
@@ -94,7 +94,7 @@ const ROWS: [Row; 13] = [
     }),
 ];
 
-/// Rows of the whole firmware, with what a board's cell ends with.
+/// Rows of the whole firmware, with the end of a board's cell.
 const OF_LOOP: [Row; 2] = [
     ("flash of `loop`: with start-up in soft float and its errors in words", |board| {
         board.kilobytes("flash of the whole firmware, bytes", 0)

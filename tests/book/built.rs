@@ -8,7 +8,7 @@ use mdbook_driver::book::BookItem;
 
 use super::root;
 
-/// A path without `..`, as a reader of links has it.
+/// A path without `..`, as a browser resolves it.
 fn plain(path: &Path) -> PathBuf {
     let mut plain = PathBuf::new();
     for component in path.components() {
@@ -29,7 +29,7 @@ fn values<'a>(page: &'a str, attribute: &str) -> Vec<&'a str> {
     page.split(&start).skip(1).filter_map(|rest| rest.split_once('"')).map(|(value, _)| value).collect()
 }
 
-/// Where a link of a built page leads is there: in the book, or, beyond it, in the repository, below which the book lies.
+/// Whether the target of a link in a built page exists: in the book or, outside it, in the repository, below which the book lies.
 fn is_there(link: &str, page: &Path, book: &Path) -> bool {
     let (file, place) = link.split_once('#').map_or((link, None), |(file, place)| (file, Some(place)));
     let target = if file.is_empty() { page.to_owned() } else { plain(&page.parent().unwrap().join(file)) };
@@ -53,7 +53,7 @@ fn the_book_is_built_and_no_link_in_it_is_dead() {
         .unwrap()
         .map(|entry| entry.unwrap().path())
         .filter(|path| path.extension().is_some_and(|ending| ending == "html"))
-        // Its links are those of the pages, for a printer; and a page for what a server does not find.
+        // The print page repeats the links of the other pages; the other one is shown for missing pages.
         .filter(|path| !path.ends_with("print.html") && !path.ends_with("404.html"))
         .collect();
     let chapters = book.iter().filter(|item| matches!(item, BookItem::Chapter(_))).count();

@@ -1,4 +1,4 @@
-//! Which crate may see which: the edges of ARCHITECTURE.md, held against what the manifests say.
+//! Which crate may depend on which: the edges of ARCHITECTURE.md, compared with the manifests.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use super::root;
 
-/// The libraries, lowest first, with those of the workspace that each may depend on. One that is not here may be seen by nobody below it.
+/// The libraries, lowest first, with the workspace crates that each may depend on. A library must not use a crate that is not listed for it.
 const ALLOWED: [(&str, &[&str]); 13] = [
     ("model-core", &[]),
     ("firmware", &["model-core"]),
@@ -25,13 +25,13 @@ const ALLOWED: [(&str, &[&str]); 13] = [
     ("report", &["model-core", "recording", "machine-file", "simulation", "identification", "diagnosis", "experiment"]),
 ];
 
-/// What only the program depends on: its command line.
+/// Dependencies that only the program may have: its command line.
 const OF_THE_PROGRAM: [&str; 2] = ["clap", "clap_complete"];
 
-/// What the library of an FMU does without, in itself and in every crate that it links.
+/// Dependencies that an FMU's library must not have, in itself and in every crate that it links.
 const NOT_IN_AN_FMU: [&str; 4] = ["clap", "clap_complete", "plotters", "parquet"];
 
-/// A dependency as a manifest has it.
+/// A dependency as the manifest states it.
 struct Dependency {
     name: String,
     is_optional: bool,
@@ -143,7 +143,7 @@ fn the_virtual_plant_takes_parameters_of_the_core_and_no_equation() {
     }
 }
 
-/// A public function over any number would be compiled once more in every crate that calls it.
+/// A public function that is generic over the number type would be compiled once more in every crate that calls it.
 #[test]
 fn no_public_function_of_simulation_is_generic_in_its_number() {
     for (path, text) in sources(&root().join("host-sim/crates/simulation/src")) {
@@ -155,7 +155,7 @@ fn no_public_function_of_simulation_is_generic_in_its_number() {
     }
 }
 
-/// Of the numbers that simulation runs on, its users take how many lanes there are, a slope in single precision, and whether the processor does.
+/// From the number types of simulation, other crates use only the number of lanes, the single-precision derivative, and the processor check.
 #[test]
 fn the_numbers_of_simulation_stay_in_it() {
     let above = ["identification", "diagnosis", "experiment", "model-export", "report"];

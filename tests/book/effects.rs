@@ -1,4 +1,4 @@
-//! The effect catalogue, written from the hypothesis files: what an effect adds stands beside its code, and the book says the same.
+//! The effect catalogue, written from the hypothesis files: what an effect adds is stated beside its code, and the book says the same.
 
 use std::fmt::Write;
 
@@ -11,7 +11,7 @@ use system_tests::snapshot;
 
 use super::root;
 
-/// What every hypothesis file says, in this order.
+/// The headings of every hypothesis file, in this order.
 const HEADINGS: [&str; 5] = ["What it adds", "How it shows", "What looks alike", "Parameters", "Source"];
 
 const HEAD: &str = "\
@@ -27,7 +27,7 @@ file accepts, what a value is that is not given, and where values usually lie on
 stiffly the further; outside of it nothing is accepted. An amount of 0 is no effect.
 ";
 
-/// The shipped press, recorded with all that the catalogue's ranges ask for.
+/// The shipped press, recorded with all the signals that the catalogue's ranges need.
 fn press() -> MachineFile {
     machine_file::read(&root().join("presets/press-63-40.toml")).unwrap()
 }
@@ -64,7 +64,7 @@ fn sections(effect: &Hypothesis) -> (String, Vec<(String, String)>) {
     (title, sections)
 }
 
-/// A value to show: usual, and not neutral.
+/// A value for the example: a usual one that is not neutral.
 fn example(effect_parameter: &EffectParameter, scene: &Scene<'_>) -> f64 {
     let (low, high) = effect_parameter.range(scene);
     match effect_parameter.kind {
@@ -99,7 +99,7 @@ fn effect_parameters(effect: &Hypothesis) -> Vec<EffectParameter> {
     all
 }
 
-/// The effect's table in the machine file: the first form that these recordings can show.
+/// The effect's table in the machine file: its first form that is visible in these recordings.
 fn table(effect: &Hypothesis, scene: &Scene<'_>) -> String {
     let mut text = format!("[effects.{}]\n", effect.name);
     let form = effect.forms_in(scene).next().unwrap_or(effect.forms[0]);
@@ -122,7 +122,7 @@ fn row(effect_parameter: &EffectParameter, scene: &Scene<'_>) -> String {
         Fallback::Value(value) => short(value),
         Fallback::Required | Fallback::HalfStrokeVolume => "–".to_owned(),
     };
-    // A scene without a recorded temperature shows no place or size for some: there is no range then.
+    // Without a recorded temperature, some parameters have no place or size: then there is no range.
     let usual = if low < high { format!("{} … {}", short(low), short(high)) } else { "–".to_owned() };
     format!(
         "| `{name}` | {} | {} … {} | {default} | {usual} | {} |",

@@ -1,4 +1,4 @@
-//! Links of the documentation as it lies in the repository: what is read there, and on a forge.
+//! Links of the documentation as it lies in the repository: as it is read there, and on a forge.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
 
 use super::root;
 
-/// Where a document leads to, and what can be led to in it.
+/// The targets of a document's links, and the anchors in it.
 #[derive(Debug, Default)]
 struct Document {
     links: Vec<String>,
@@ -31,7 +31,7 @@ fn document(text: &str) -> Document {
             Event::Start(Tag::Heading { .. }) => heading = Some(String::new()),
             Event::End(TagEnd::Heading(_)) => {
                 let plain = anchor(&heading.take().unwrap_or_default());
-                // The second of the same name gets a number.
+                // A second heading of the same name gets a number.
                 let numbered = (1..).map(|number| format!("{plain}-{number}"));
                 let free = std::iter::once(plain.clone()).chain(numbered).find(|name| !found.anchors.contains(name));
                 found.anchors.extend(free);

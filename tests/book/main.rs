@@ -1,4 +1,4 @@
-//! Does the documentation say what the code says, and does every link of it lead somewhere?
+//! Does the documentation agree with the code, and does every link in it have a target?
 
 mod budget;
 mod built;

@@ -1,4 +1,4 @@
-//! What the table of effects (`model-core/src/effects/mod.rs`) has, everything else has too. Each assertion says where a new effect is missing.
+//! Everything in the table of effects (`model-core/src/effects/mod.rs`) also exists elsewhere. Each assertion says where a new effect is missing.
 
 use std::collections::BTreeSet;
 

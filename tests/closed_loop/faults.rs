@@ -1,4 +1,4 @@
-//! Faults provoked on the emulated target while the firmware follows on the virtual test bed: each one's state in time, and the way back.
+//! Faults provoked on the emulated target while the firmware follows on the virtual test bed: the mode over time, and the way back.
 
 use std::fmt::Write;
 
@@ -17,11 +17,11 @@ use system_tests::in_the_loop::{Board, Said, Wrong, rig};
 use system_tests::rig::{Controller, Readings, Wanted, bases};
 use system_tests::snapshot;
 
-/// Periods of a case in which something begins: the fault of the last one is acknowledged, the place is said, following is ordered, the rod moves.
+/// Periods of a case in which something begins: the last fault is acknowledged, the rod is homed, following is ordered, the rod moves.
 const HOME: usize = 1;
 const FOLLOW: usize = 120;
 const MOVE: usize = 220;
-/// After the fault's window its cause is gone; then following is ordered, or where the rod is held acknowledged, and it is stopped.
+/// After the fault's window its cause is removed. Then following is ordered, or acknowledgement where the rod is held; then it is stopped.
 const TRIED: usize = 50;
 const STOPPED: usize = 100;
 const NEXT: usize = 350;
@@ -30,24 +30,24 @@ const NEXT: usize = 350;
 const WAY_M: f64 = 0.015;
 const MOVE_S: f64 = 1.0;
 
-/// What is wanted and told in a period.
+/// The set point and the timing of a period.
 #[derive(Clone, Copy, Debug)]
 struct Request {
     wanted: SetPoint,
     timing: Timing,
 }
 
-/// A fault, how it is brought about, and what is stated of it.
+/// A fault, how it is provoked, and the reaction that is required.
 struct Provoked {
     name: &'static str,
-    /// In each period of its window; the first is 0.
+    /// Called in each period of the fault's window; the first is 0.
     bring: fn(&mut Board, &mut Request, usize, &Readings),
     fault: Fault,
-    /// Into the move, periods, and for how long it stays.
+    /// When the fault begins, in periods from the start of the move, and how long it lasts.
     after: usize,
     window: usize,
     mode: Mode,
-    /// Periods in which it is found.
+    /// Periods within which it must be found.
     within: usize,
     fed: bool,
 }
@@ -59,7 +59,7 @@ the valve is neutral or the rod held; how far the rod moves within 0.1 s when it
 const ZERO: PerUnit = PerUnit::ZERO;
 
 impl Provoked {
-    /// One that is found in its period, in the middle of the move.
+    /// A fault that is found in its first period, in the middle of the move.
     const fn at_once(
         name: &'static str,
         bring: fn(&mut Board, &mut Request, usize, &Readings),
@@ -70,7 +70,7 @@ impl Provoked {
         Self { name, bring, fault, after: 400, window: 300, mode, within: 1, fed }
     }
 
-    /// One that shows while the rod is moved only, and is found within the move.
+    /// A fault that shows only while the rod is moved, and is found within the move.
     const fn stuck(
         name: &'static str,
         bring: fn(&mut Board, &mut Request, usize, &Readings),
@@ -178,17 +178,17 @@ fn all() -> Vec<Provoked> {
     ]
 }
 
-/// What became of a fault: periods from its first one, that one counted.
+/// What became of a fault: periods from its first one, which is counted.
 #[derive(Clone, Copy, Debug, Default)]
 struct Found {
-    /// Until it was told, and until the valve was neutral or the rod held.
+    /// Periods until it was reported, and until the valve was neutral or the rod held.
     told: usize,
     safe: usize,
     /// How far the rod moved in 0.1 s after following was ordered again at rest, mm.
     bump_mm: f64,
 }
 
-/// Plays all of them, one after the other.
+/// Plays all cases, one after the other.
 struct Play {
     board: Board,
     bases: Bases,
@@ -196,18 +196,18 @@ struct Play {
     found: Vec<Found>,
     /// Period of the case.
     at: usize,
-    /// Where the move begins, and the rod as it did.
+    /// Where the move begins, and where the rod was when following began.
     from: f64,
     rest_m: f64,
     last: Said,
-    /// Faults told before the case.
+    /// Faults reported before the case.
     before: u8,
     /// What has become of this case's fault so far.
     now: Found,
 }
 
 impl Play {
-    /// Along the move of this case, so many periods into it.
+    /// The set point of this case's move after this number of periods.
     fn moving(&self, period: usize) -> SetPoint {
         let Bases { stroke_m, velocity_m_per_s, tick_s, .. } = self.bases;
         let way_m = if self.found.len().is_multiple_of(2) { WAY_M } else { -WAY_M };
@@ -219,7 +219,7 @@ impl Play {
         }
     }
 
-    /// What is wanted and ordered in this period; where there is no case left it rests.
+    /// The set point and the order of this period; after the last case the rod rests.
     fn plan(&mut self, seen: &Readings) -> (Request, Order) {
         let kept = |wanted| Request { wanted, timing: Timing::Kept };
         let order = match self.at {
@@ -242,7 +242,7 @@ impl Play {
         let mut request = kept(self.moving(self.at.min(from) - MOVE));
         request.wanted.velocity = if self.at > from { ZERO } else { request.wanted.velocity };
         if (from..cured).contains(&self.at) {
-            // A stuck sensor shows while the rod is moved only.
+            // A stuck sensor shows only while the rod is moved.
             if case.within > 1 {
                 request.wanted = self.moving(self.at - MOVE);
             }
@@ -260,7 +260,7 @@ impl Play {
         (request, order)
     }
 
-    /// Holds what was said against what is stated.
+    /// Compares what the firmware reported with what is required.
     fn heed(&mut self, said: Said, seen: &Readings) {
         let name = self.cases.get(self.found.len()).map_or("the end", |case| case.name);
         match self.at {
@@ -302,7 +302,7 @@ impl Play {
         if since < *window {
             return;
         }
-        // Its cause is gone.
+        // The cause of the fault is removed.
         let (told, safe) = (now.told, now.safe);
         assert!((1..=*within).contains(&told) && safe >= told, "{name}: told after {told}, safe after {safe}");
         assert_eq!(said.faults, self.before + 1, "{name}: told once");

@@ -1,4 +1,4 @@
-//! Model-following control as the firmware runs it in a period, with its readings made per unit here.
+//! Model-following control as the firmware runs it in a period; its readings are converted to per unit here.
 
 use firmware::control::{Control, Following as Inner, Reference};
 use firmware::measured::Measured;
@@ -7,7 +7,7 @@ use model_core::machine::Machine;
 use model_core::number::{Number, PerUnit};
 use system_tests::rig::{Controller, Readings, Rig, TICK, Wanted};
 
-/// Which sensors there are beside the position's.
+/// The sensors that exist beside the position's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sight {
     /// Spool and both pressures.
@@ -22,7 +22,7 @@ pub(crate) struct Following {
 }
 
 impl Following {
-    /// Started on a machine at rest, with `model` as what is known of it.
+    /// Started on a machine at rest; `model` is what is known of the machine.
     pub(crate) fn new(model: &Machine<f64>, tuning: &Tuning, rig: &Rig) -> Self {
         Self::seeing(Sight::Full, model, tuning, rig)
     }

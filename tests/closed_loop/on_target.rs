@@ -1,7 +1,7 @@
-//! The loop with the processor in it: the firmware under QEMU, its parts and its machine here.
+//! The loop with the processor in it: the firmware under QEMU, its devices and its machine here.
 //!
-//! Then the whole circle: the monitor sees that the machine is not the model, the recorder's frames become recordings, the diagnosis names
-//! what the model lacks, the export takes it to the controller, and the machine follows better than before.
+//! Then the whole cycle: the monitor finds that the machine differs from the model, the recorder's frames become recordings, the diagnosis names
+//! what the model lacks, the export brings it to the controller, and the machine follows better than before.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -27,7 +27,7 @@ use crate::pi::{Pi, tuned};
 /// Dry friction that the model does not know, N: 9 % of the largest force.
 const FRICTION_N: f64 = 2000.0;
 
-/// Moves within the stroke, from one place, at speeds of their own.
+/// Moves within the stroke, from one place, each at its own speed.
 fn moves(machine: &Machine<f64>, shift_m: f64, pace: f64) -> Vec<Wanted> {
     let bounds = Bounds { from_m: 0.01, to_m: 0.29, velocity_m_per_s: 0.03 * pace, acceleration_m_per_s2: 0.3 };
     let to = |to_m: f64| to_m + shift_m;
@@ -47,7 +47,7 @@ fn moves(machine: &Machine<f64>, shift_m: f64, pace: f64) -> Vec<Wanted> {
 /// A run of the image on a rig.
 struct Run {
     rms_mm: f64,
-    /// Period of following in which the monitor gave its first alarm, and the signal it was for.
+    /// Period of following in which the monitor gave its first alarm, and the signal that caused it.
     alarm: Option<(usize, u8)>,
     record: Vec<u8>,
 }
@@ -73,9 +73,9 @@ and the period of following in which the monitor gives its alarm; 0 is none.
 ";
 /// Where the numbers begin in a row.
 const COLUMN: usize = 44;
-/// Largest change of a figure against the snapshot: another processor's libm turns a controller between two encoder steps otherwise.
+/// Largest change of a figure against the snapshot: another processor's libm can move a controller to the next encoder step.
 const RELATIVE: f64 = 0.15;
-/// And, mm.
+/// Added to it, mm.
 const ABSOLUTE_MM: f64 = 0.004;
 
 fn row(table: &mut String, name: &str, run: &Run, pi_mm: f64) {
@@ -96,7 +96,7 @@ fn the_firmware_follows_on_the_emulated_target_and_better_once_the_diagnosis_has
     let effects = vec![PlantEffect::coulomb_friction(FRICTION_N)];
     let rubbing = |shift_m, pace| Rig { effects: effects.clone(), ..rig(&machine, moves(&machine, shift_m, pace)) };
     let rigs = [nominal.clone(), under_load, rubbing(0.0, 1.0), rubbing(0.05, 0.8), rubbing(-0.03, 1.2)];
-    // Each emulator and its test bed wait for one another most of the time: all at once, and the search of the gains beside them.
+    // Each emulator and its test bed wait for each other most of the time: all run at once, together with the search for the gains.
     let (pi_mm, runs) = thread::scope(|scope| {
         let searched = scope.spawn(|| {
             let (gains, _) = tuned(&nominal, 0.0);
@@ -135,6 +135,6 @@ fn the_firmware_follows_on_the_emulated_target_and_better_once_the_diagnosis_has
     let alarm = friction.alarm.map(|(period, _)| SETTLING + period);
     assert!(alarm.is_some_and(|period| period < RECORDED_FROM), "the record is the alarm's: {alarm:?}");
     assert_eq!((found.verdict, finding.effect.name), (Verdict::MissingPhysics, "coulomb-friction"));
-    // A step of the encoder is 0.014 mm: there is not much left to gain.
+    // A step of the encoder is 0.014 mm: little can still be gained.
     assert!(told.rms_mm < 0.9 * friction.rms_mm, "{} mm, then {} mm", friction.rms_mm, told.rms_mm);
 }

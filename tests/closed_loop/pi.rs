@@ -1,9 +1,9 @@
-//! What model-following control is held against: a PI controller, tuned on the nominal plant by search.
+//! The controller that model-following control is compared with: a PI controller, tuned on the nominal plant by search.
 
 use model_core::machine::{Machine, Parameter as P};
 use system_tests::rig::{COMMAND_LIMIT_V, Controller, Readings, Rig, SLEW_V_PER_S, TICK, Wanted, rms_mm};
 
-/// Proportional and integral gain, and what is added to step over the overlap.
+/// Proportional and integral gain, and the jump over the overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Gains {
     pub(crate) proportional_v_per_m: f64,
@@ -12,7 +12,7 @@ pub(crate) struct Gains {
     pub(crate) jumped: f64,
 }
 
-/// A PI controller around the neutral command, with the integral held while the output is.
+/// A PI controller around the neutral command; the integral is held while the output is limited.
 pub(crate) struct Pi {
     gains: Gains,
     neutral_v: f64,
@@ -21,7 +21,7 @@ pub(crate) struct Pi {
     last_v: f64,
 }
 
-/// Error over which the jump grows to its full height, V: without it the output chatters between two encoder steps.
+/// Error over which the jump grows to its full height, V: without this the output would chatter between two encoder steps.
 const JUMP_WITHIN_V: f64 = 0.05;
 
 impl Pi {
@@ -51,7 +51,7 @@ impl Controller for Pi {
     }
 }
 
-/// The gains with the least error on `nominal` and what that is, mm: a grid over four decades, then ever finer around its best.
+/// The gains with the smallest error on `nominal` and this error, mm: a grid over four decades, then ever finer grids around its best point.
 pub(crate) fn tuned(nominal: &Rig, jumped: f64) -> (Gains, f64) {
     let gains = |[proportional, integral]: [f64; 2]| Gains {
         proportional_v_per_m: proportional.exp2(),

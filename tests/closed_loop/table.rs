@@ -4,10 +4,10 @@ use std::fmt;
 
 use system_tests::snapshot;
 
-/// A machine, and how its controllers follow: root of the mean square of the true distance to the set point.
+/// A machine, and how well its controllers follow: root of the mean square of the true distance to the set point.
 #[derive(Clone, Debug)]
 pub(crate) struct Line {
-    /// Counts of the encoder, and what the controllers were not told.
+    /// Counts of the encoder, and what the controllers do not know.
     pub(crate) name: String,
     /// Model-following control.
     pub(crate) following_mm: f64,
@@ -24,12 +24,12 @@ Distance of the rod to its set point, mm: root of the mean square (and largest).
 counts  machine              following  largest        PI  PI over overlap  following / better PI
 ";
 
-/// Where the numbers begin in a row, and where the last of them does.
+/// Where the numbers begin in a row, and where the last one begins.
 const COLUMN: usize = 28;
 const SHARE: usize = 74;
-/// Largest change of an entry against the snapshot: another processor's libm turns a controller between two encoder steps otherwise.
+/// Largest change of an entry against the snapshot: another processor's libm can move a controller to the next encoder step.
 const RELATIVE: f64 = 0.15;
-/// And, mm.
+/// Added to it, mm.
 const ABSOLUTE_MM: f64 = 0.004;
 
 impl Line {
@@ -51,13 +51,13 @@ impl fmt::Display for Line {
     }
 }
 
-/// Prints the table and compares it with the snapshot, or renews that.
+/// Prints the table and compares it with the snapshot, or renews the snapshot.
 ///
 /// # Panics
 /// They differ.
 pub(crate) fn compare(lines: &[Line]) {
     let body: Vec<String> = lines.iter().map(Line::to_string).collect();
-    // The share follows from what is before it.
+    // The share follows from the errors before it.
     let errors = |line: &str| line.get(..SHARE).unwrap_or(line).to_owned();
     snapshot::compare("closed_loop/table.txt", &format!("{HEAD}{}\n", body.join("\n")), |found, kept| {
         snapshot::numbers_near(&errors(found), &errors(kept), COLUMN, RELATIVE, ABSOLUTE_MM)

@@ -1,4 +1,4 @@
-//! Tracking errors under what the tuning did not know.
+//! Tracking errors under conditions that the tuning did not know.
 
 use rayon::prelude::*;
 
@@ -19,12 +19,12 @@ const FRICTION_N: f64 = 2000.0;
 /// Shares of the overlap that the better PI controller may jump over.
 const JUMPS: [f64; 2] = [0.8, 0.95];
 
-/// The press, with so many counts a turn: 3600 impulses, and all four edges of them.
+/// The press, with this number of counts a turn: 3600 impulses, with all four edges counted.
 fn press(counts: f64) -> Machine<f64> {
     drives::press().with(&[(P::EncoderCounts, counts)])
 }
 
-/// Moves from rest to rest, two and two that turn without a rest, at 0.03 m/s: half of what the press can do against the load.
+/// Moves from rest to rest, in pairs that turn without a rest, at 0.03 m/s: half of what the press can do against the load.
 fn moves(machine: &Machine<f64>) -> Vec<Wanted> {
     let bounds = Bounds { from_m: 0.01, to_m: 0.29, velocity_m_per_s: 0.03, acceleration_m_per_s2: 0.3 };
     let legs = [
@@ -37,7 +37,7 @@ fn moves(machine: &Machine<f64>) -> Vec<Wanted> {
         Leg::Smooth { to_m: 0.12, duration_s: 2.6 },
         Leg::Rest { duration_s: 0.5 },
     ];
-    // In the middle of an encoder's step, so that what is read at the start is where the rod is.
+    // In the middle of an encoder step, so that the reading at the start is the true position.
     let from_m = PositionSensor::encoder(machine).unwrap().measure(0.1);
     course(machine, &bounds, from_m, &legs)
 }
@@ -55,7 +55,7 @@ fn tuning(machine: &Machine<f64>) -> Tuning {
     }
 }
 
-/// A machine and what the model knows of it.
+/// A machine and what the model knows about it.
 struct Case {
     name: &'static str,
     rig: Rig,
@@ -113,7 +113,7 @@ fn the_machine_follows_with_a_third_of_a_tuned_pi_controllers_error_and_better_s
     for found in &lines {
         let Line { name, following_mm, plain_mm, jumping_mm, .. } = found;
         assert!(following_mm <= &(plain_mm / 3.0), "{name}: {following_mm} mm, PI {plain_mm} mm");
-        // Not asked for, and fairer still: a PI controller that knows the overlap.
+        // Not required, but an even fairer comparison: a PI controller that knows the overlap.
         assert!(following_mm <= &(jumping_mm / 2.0), "{name}: {following_mm} mm, PI over overlap {jumping_mm} mm");
     }
     for pair in lines.windows(2).filter(|pair| pair[1].name.ends_with("in model")) {
@@ -142,7 +142,7 @@ fn a_machine_that_is_sent_far_at_once_arrives_and_comes_to_rest() {
             worst_mm(last),
             most - least
         );
-        // One step of the encoder is 0.2 mm. The integral takes seconds over what is left within it, and then rests.
+        // One step of the encoder is 0.2 mm. The integral takes seconds to correct the error within it, and then rests.
         assert!(over_mm < 0.5 && worst_mm(last) < 0.2 && most - least < 0.01, "{}", case.name);
     }
 }
@@ -158,7 +158,7 @@ fn with_the_position_alone_a_load_is_corrected_once_it_shows() {
         let rows = case.rig.run(&mut following);
         println!("{}: {:.3} mm, at most {:.3} mm", case.name, rms_mm(&rows), worst_mm(&rows));
         let known = case.name == "nominal" || case.name.ends_with("in model");
-        // What the model knows it needs no sensor for; what it does not has to become a distance first.
+        // What the model knows needs no sensor; what it does not know is corrected only after it has become a position error.
         assert!(rms_mm(&rows) < if known { 0.05 } else { 0.7 }, "{}", case.name);
     }
 }

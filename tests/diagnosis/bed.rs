@@ -1,4 +1,4 @@
-//! Cases made on the virtual test bed: a drive that is off its nominal values, with or without an effect.
+//! Cases made on the virtual test bed: a drive that deviates from its nominal values, with or without an effect.
 
 use std::collections::BTreeMap;
 
@@ -18,7 +18,7 @@ use virtual_plant::{
 
 use super::root;
 
-/// What a diagnosis is given.
+/// The input of a diagnosis.
 pub(crate) struct Case {
     pub(crate) file: MachineFile,
     pub(crate) training: Vec<Recording>,
@@ -26,7 +26,7 @@ pub(crate) struct Case {
 }
 
 impl Case {
-    /// A drawn case as a diagnosis sees it: without its truth.
+    /// A drawn case as a diagnosis gets it: without its truth.
     pub(crate) fn of(drawn: &Drawn) -> Self {
         let recordings = |prefix: &str| {
             let wanted = drawn.recordings.iter().filter(|(name, _)| name.starts_with(prefix));
@@ -45,7 +45,7 @@ impl Case {
         recordings.iter().map(prepare).collect()
     }
 
-    /// What is known of the drive before it is fitted to recordings that begin as this one does.
+    /// What is known of the drive before it is fitted, with recordings that begin as this one does.
     pub(crate) fn scene<'a>(&'a self, recording: &Prepared, judged: &'a [Signal]) -> Scene<'a> {
         Scene {
             machine: &self.file.machine,
@@ -102,7 +102,7 @@ pub(crate) fn press() -> MachineFile {
     machine_file::read(&root().join("examples/press-63-40/machine.toml")).unwrap()
 }
 
-/// An effect parameter that shows in such recordings, within the effect's typical range.
+/// An effect parameter that is visible in such recordings, within the effect's typical range.
 pub(crate) fn effect(name: &str, dice: &mut Dice) -> Option<PlantEffect> {
     let (from, to) = match name {
         "internal-leakage" => (1e-12, 6e-12),
@@ -119,7 +119,7 @@ pub(crate) fn effect(name: &str, dice: &mut Dice) -> Option<PlantEffect> {
 
 /// A press with an effect (or none), four training recordings and two held out.
 ///
-/// `push` presses on the rod in one training recording, by its number.
+/// `push` presses on the rod in the training recording with its number.
 pub(crate) fn valve_case(
     seed: u64,
     effect: Option<PlantEffect>,
@@ -146,7 +146,7 @@ pub(crate) fn valve_case_every(
     })
 }
 
-/// The same as somebody records it.
+/// The same, recorded in this way.
 pub(crate) fn valve_case_as(
     tick_s: f64,
     seed: u64,
@@ -187,7 +187,7 @@ pub(crate) fn valve_case_as(
     Case { file, training, held_out }
 }
 
-/// The recording from mid-stroke, with a smaller signal as long as the rod would run into an end.
+/// The recording from mid-stroke; the signal is made smaller until the rod stays away from the ends.
 fn within_stroke(bench: &Bench, excitation: Excitation, truth: &Machine<f64>) -> SyntheticRecording {
     let stroke_m = truth.get(P::Stroke);
     let initial = InitialState::at_rest(truth, 0.5 * stroke_m);
@@ -204,7 +204,7 @@ fn within_stroke(bench: &Bench, excitation: Excitation, truth: &Machine<f64>) ->
     panic!("{excitation:?} leaves the stroke");
 }
 
-/// The same recording with a thermometer in the oil, which reads this over time, °C.
+/// The same recording with a thermometer in the oil, which reads this temperature over time, °C.
 pub(crate) fn in_oil(recording: &Recording, oil_c: impl Fn(f64) -> f64) -> Recording {
     let recorded = |&signal: &Signal| recording.signal(signal).map(|values| Column::si(signal, values.to_vec()));
     let mut columns = vec![Column::si(Signal::Time, recording.time_s().to_vec())];
@@ -275,10 +275,10 @@ fn pump_recording(
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of ticks")]
     let ticks = (now_s / TICK_S).round() as usize;
     let times = || (0..ticks).map(|tick| tick as f64 * TICK_S);
-    // A tick that falls on an edge, but for rounding, is past it.
+    // A tick that falls on an edge, apart from rounding, counts as after the edge.
     let open = |time_s: f64| strokes.iter().find(|stroke| (stroke.from_s..stroke.to_s).contains(&(time_s + 1e-9)));
     let direction: Vec<i8> = times().map(|time_s| open(time_s).map_or(0, |stroke| stroke.direction)).collect();
-    // The test bed holds a speed over a tick, a real one goes on: its mean over the tick.
+    // The test bed holds a speed over a tick, a real pump changes it continuously: so each tick gets its mean over the tick.
     let held = times().zip(&direction).map(|(time_s, &direction)| PumpCommand {
         speed_rev_per_s: speed_at(&strokes, time_s + 0.5 * TICK_S),
         direction,
@@ -305,7 +305,7 @@ fn pump_recording(
     Recording::new(name, columns).unwrap()
 }
 
-/// The straight line between the points on both sides.
+/// The straight line between the neighbouring points.
 fn force_at(points: &[(f64, f64)], time_s: f64) -> f64 {
     let next = points.partition_point(|point| point.0 <= time_s);
     match (next.checked_sub(1).map(|before| points[before]), points.get(next)) {

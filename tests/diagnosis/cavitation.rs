@@ -1,4 +1,4 @@
-//! Oil that is drawn on: the floor of the pressures is named where it acts, and not where it is not.
+//! Oil under suction: the floor of the pressures is named where it acts, and not where it does not act.
 
 use virtual_plant::concealed::{Concealed, Lot, draw};
 

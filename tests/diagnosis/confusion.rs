@@ -1,5 +1,5 @@
-//! Cases drawn on the virtual test bed, eighty in the long test, whose effects have other forms than the hypotheses: single ones, pairs,
-//! nothing, and what is outside the vocabulary. What was put in against what was said, with how the cases were recorded and driven, as a
+//! Cases drawn on the virtual test bed, eighty in the long test, whose effects have other forms than the hypotheses: single effects, pairs,
+//! none, and effects out of the catalogue. The truth against the answer, with how the cases were recorded and driven, as a
 //! snapshot beside this file (`RENEW=1` writes it anew), and the rate of false alarms.
 
 use std::collections::BTreeMap;
@@ -13,15 +13,15 @@ use virtual_plant::concealed::{Concealed, Lot, draw};
 
 use super::bed::Case;
 
-/// What was drawn and what was said of it.
+/// What was drawn and what the diagnosis answered.
 struct Said {
     truth: String,
     answer: String,
-    /// Whether an honest answer may be this one.
+    /// Whether this may be an honest answer.
     right: bool,
     verdict: Verdict,
     suspected: bool,
-    /// How the drive was commanded, which states were measured, and how little of the effects shows.
+    /// How the drive was commanded, which states were measured, and how little of the effects is visible.
     recorded: Recorded,
 }
 
@@ -30,11 +30,11 @@ struct Said {
 struct Recorded {
     mode: &'static str,
     channels: &'static str,
-    /// What a refit without the least of the effects leaves, in parts of the noise.
+    /// Misfit of a refit without the smallest of the effects, as a multiple of the noise.
     visible: Option<f64>,
 }
 
-/// A refit without the effect leaves less than twice the noise.
+/// Limit of a small effect: a refit without it leaves less than twice the noise.
 const SMALL: f64 = 2.0;
 
 fn lot(seed: u64, concealed: Concealed, hard: bool) -> Lot {
@@ -74,14 +74,14 @@ fn said(lot: &Lot, index: u64) -> Option<Said> {
     })
 }
 
-/// A drawn hard pair, which has to be this one.
+/// A drawn hard pair; the truth must be this one.
 fn pair(seed: u64, index: u64, truth: &str) -> Said {
     let said = said(&lot(seed, Concealed::Pair, true), index).unwrap();
     assert_eq!(said.truth, truth);
     said
 }
 
-/// A drawn hard pair, which has to be this one, is named.
+/// Asserts that a drawn hard pair, whose truth must be this one, is named.
 fn is_named(seed: u64, index: u64, truth: &str) {
     let said = pair(seed, index, truth);
     assert!(said.right, "{} said", said.answer);
@@ -122,7 +122,7 @@ fn table(cases: &[Said]) -> String {
     text
 }
 
-/// Of the cases of each kind how many there are, and how many of those were answered right.
+/// The number of cases of each kind, and how many of them were answered right.
 fn kinds(cases: &[Said]) -> String {
     type Kind = (&'static str, fn(&Said) -> bool);
     const KINDS: [Kind; 11] = [
@@ -165,8 +165,8 @@ fn of_a_dozen_drawn_cases_most_are_named_and_nothing_is_accepted_where_nothing_w
     assert!(cases.iter().filter(|case| case.right).count() >= 8);
 }
 
-/// While its rod rests at the stop the model's goes on: a residual of one independent sample, which the stop alone explains. Of the
-/// first drive the rough refit explains all of it with a damping beyond what can be.
+/// While the rod rests at the stop, the model's rod goes on: a residual of one independent sample, which only the stop explains. For the
+/// first drive the rough refit explains all of it with an impossible damping.
 #[test]
 fn a_stop_that_a_rod_rests_at_is_named() {
     let stop = Lot { only: vec!["end-stop".to_owned()], ..lot(77, Concealed::Single, false) };
@@ -176,7 +176,7 @@ fn a_stop_that_a_rod_rests_at_is_named() {
     }
 }
 
-/// An oil that warms up, in two recordings of the position: a Newton step away from one of them, the model with it follows that one worse.
+/// An oil that warms up, in two recordings of the position: after a single Newton step the model with this effect follows one of them worse.
 #[test]
 fn what_one_newton_step_tells_too_little_of_is_refitted() {
     let said = said(&lot(102, Concealed::Single, true), 8).unwrap();
@@ -184,38 +184,38 @@ fn what_one_newton_step_tells_too_little_of_is_refitted() {
     assert!(said.right, "{} said", said.answer);
 }
 
-/// Where the neutral drifts a little, a late position is nearly all that the chain misses.
+/// Where the neutral drifts a little, nearly all of the whole model's misfit comes from a late position.
 #[test]
 fn a_late_position_does_not_hide_a_neutral_that_drifts() {
     is_named(9102, 14, "null-drift + position-sensor-lag");
 }
 
-/// What a saturated valve leaves of its own form's error reaches every signal below; the air there is told by the recorded spool.
+/// The error that the form of a saturated valve leaves reaches every signal below; the air below it is found with the recorded spool as drive input.
 #[test]
 fn a_saturated_valve_does_not_hide_the_air_below_it() {
     is_named(9204, 3, "solenoid-saturation + entrained-air");
 }
 
-/// A spool that reads too much and edges that lie apart look alike below it; what is told of the rod's side stays with either.
+/// Below the spool, a spool sensor with an offset and unequal edges look alike; what is found on the rod's side remains with either of them.
 #[test]
 fn a_misread_spool_is_not_taken_for_unequal_edges_beside_a_leak() {
     is_named(9204, 27, "external-leakage + sensor-offset");
 }
 
-/// What a spool with flow force does is followed to three times its noise; no base parameter is bent by that, nor edges that lie apart
-/// taken for a misread spool.
+/// A spool with flow force is followed to three times its noise only. That neither pulls a base parameter from its nominal value, nor makes
+/// unequal edges look like an offset of the spool sensor.
 #[test]
 fn unequal_edges_are_told_below_a_spool_with_flow_force() {
     is_named(9204, 9, "flow-force + dead-zone-asymmetry");
 }
 
-/// The rod adds up what a bent flow gain leaves beneath the noise: it does not make a spool that reads too much out of unequal edges.
+/// The rod integrates a misfit of a bent flow gain that is below the noise: this must not turn unequal edges into an offset of the spool sensor.
 #[test]
 fn unequal_edges_are_told_beside_a_bent_flow_gain() {
     is_named(9102, 10, "flow-gain-nonlinearity + dead-zone-asymmetry");
 }
 
-/// A load that begins inside the stroke gives by centimetres; a stop that soft would be none.
+/// A load that begins inside the stroke yields by centimetres; a stop is never that soft.
 #[test]
 fn a_load_that_begins_inside_the_stroke_is_not_called_a_stop() {
     let said = pair(9102, 7, "position-dependent-friction + position-dependent-load");
@@ -242,7 +242,7 @@ fn eighty_drawn_cases_are_named_as_the_table_says() {
     }
 }
 
-/// The rate of false alarms on 200 drives and some more from which nothing was taken, half of them with rough nominal values and poor recordings.
+/// The rate of false alarms on somewhat more than 200 drives without an effect, half of them with rough nominal values and poor recordings.
 /// Slow: `cargo test --release -p system-tests --test diagnosis false_alarms -- --ignored --nocapture`.
 #[test]
 #[ignore = "some minutes"]

@@ -1,4 +1,4 @@
-//! The derivatives that every fit rests on, against differences of plain runs.
+//! The derivatives that every fit depends on, against differences of plain runs.
 
 use identification::experiment::Prepared;
 use model_core::machine::{Machine, Parameter as P};
@@ -39,7 +39,7 @@ fn derived(machine: &Machine<f64>, stimulus: &Stimulus, parameter: P) -> Vec<[De
     rows
 }
 
-/// Values to the last bit; derivatives within 1e-4 of the signal's largest, against central differences of a step so small
+/// Values agree to the last bit. Derivatives agree within 1e-4 of the signal's largest one, against central differences of a step so small
 /// that the rod starts and stops in the same ticks.
 fn check(machine: &Machine<f64>, stimulus: &Stimulus, parameter: P, scale: f64) {
     let step = 1e-6 * scale;
@@ -67,7 +67,7 @@ fn check(machine: &Machine<f64>, stimulus: &Stimulus, parameter: P, scale: f64) 
 fn derivatives_of_a_valve_drive_by_every_uncertain_value_are_its_differences() {
     let case = valve_case(31, None, true, None);
     let mut machine = case.file.machine;
-    // A delay of whole ticks has a derivative on each side; this one is of 7.3 ticks.
+    // A delay of whole ticks has different derivatives on its two sides; this one is of 7.3 ticks.
     machine.set(P::TransportDelay, 0.0073);
     for (parameter, value) in [(P::InternalLeakage, 3e-12), (P::HoseCompliance, 3e-13), (P::CoulombFriction, 500.0)] {
         machine.set(parameter, value);
@@ -81,7 +81,7 @@ fn derivatives_of_a_valve_drive_by_every_uncertain_value_are_its_differences() {
     }
 }
 
-/// Each alone, at effect parameters that do not stop the rod more often than it stops without.
+/// Each effect parameter alone, at a value that does not stop the rod more often than it stops without the effect.
 #[test]
 fn derivatives_by_the_smooth_effects_of_chambers_mechanics_and_sensors_are_differences() {
     let case = valve_case(31, None, true, None);
@@ -94,7 +94,7 @@ fn derivatives_by_the_smooth_effects_of_chambers_mechanics_and_sensors_are_diffe
         }
         let prepared = Prepared::new(&recording, &machine, case.file.load_source, None).unwrap();
         for &(parameter, value) in of {
-            // Some move the rod by micrometres: a step large enough to be seen above rounding.
+            // Some parameters move the rod by micrometres: they need a step large enough to be visible above rounding.
             check(&machine, &prepared.stimulus, parameter, 30.0 * value.abs());
         }
     };
@@ -112,7 +112,7 @@ fn derivatives_by_the_smooth_effects_of_chambers_mechanics_and_sensors_are_diffe
     press(&[], &[(P::PressureAOffset, 1e5), (P::PressureBFactor, 0.03), (P::PositionFactor, 0.02)]);
 }
 
-/// At an effect parameter of 0 the value is that of the model without the effect, and the derivative is there.
+/// At an effect parameter of 0 the value is that of the model without the effect, and the derivative exists.
 #[test]
 fn an_effect_of_nothing_has_a_derivative() {
     let case = valve_case(31, None, true, None);
@@ -162,7 +162,7 @@ fn an_effect_of_nothing_has_a_derivative() {
                 moved = moved.max(found.slope.abs());
             }
         }
-        // Friction by position may be cut at nothing.
+        // The position-dependent friction may be limited to zero.
         assert!(moved > 0.0 || parameter == P::PositionFrictionSlope, "{key}");
     }
 }

@@ -1,4 +1,4 @@
-//! Drawn drives with a known truth: the right effect or nothing is accepted.
+//! Drawn drives with a known truth: the right effect is accepted, or nothing.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -11,7 +11,7 @@ use super::bed::{Dice, accepted, effect, pump_case, valve_case};
 
 const KINDS: [&str; 4] = ["none", "internal-leakage", "coulomb-friction", "hose-compliance"];
 
-/// One drawn case and what was said of it.
+/// One drawn case and the diagnosis of it.
 struct Said {
     truth: &'static str,
     case: String,
@@ -50,7 +50,7 @@ fn said(truth: &'static str, case: String, diagnosis: &diagnosis::Diagnosis, sta
     Said { truth, case, accepted, verdict: diagnosis.verdict }
 }
 
-/// Prints how often each truth was called what.
+/// Prints how often each truth got which answer.
 fn table(said: &[Said]) {
     let mut counts: BTreeMap<(&str, &str), usize> = BTreeMap::new();
     for said in said {
@@ -69,7 +69,7 @@ fn count(said: &[Said], wanted: impl Fn(&Said) -> bool) -> usize {
 #[test]
 fn a_drawn_valve_drive_is_given_its_own_effect_and_none_where_nothing_was_put_in() {
     let mut draws: Vec<(&str, u64)> = KINDS.iter().flat_map(|&kind| [1, 2, 3].map(|seed| (kind, seed))).collect();
-    // On this one the search once stopped at a bound of the pressure level, and hose compliance was accepted for it.
+    // On this one the search once stopped at a bound of the pressure level, and hose compliance was wrongly accepted.
     draws.push(("none", 121));
     let said: Vec<Said> =
         draws.par_iter().map(|&(kind, seed)| valve(kind, seed, seed % 2 == 1 && seed < 100)).collect();
@@ -108,7 +108,7 @@ fn many_drawn_drives_are_given_their_own_effect_or_none() {
     table(&effects);
     let right = count(&effects, |said| said.accepted == said.truth);
     let wrong = count(&effects, |said| said.accepted != "none" && !said.accepted.contains(said.truth));
-    // The test bed's effects have other forms than the hypotheses; a second effect may take what is left of that.
+    // The test bed's effects have other forms than the hypotheses; a second effect may explain the misfit that this leaves.
     let more = count(&effects, |said| said.accepted != said.truth && said.accepted.contains(said.truth));
     println!("right {right}/40, more {more}/40, wrong {wrong}/40, {:.0} s", start.elapsed().as_secs_f64());
     let kinds = ["pump-slip", "none", "internal-leakage", "hose-compliance"];

@@ -1,4 +1,4 @@
-//! Drives of which no command was recorded: the spool, a flow meter or a force sensor alone is enough to diagnose what is below it.
+//! Drives without a recorded command: the spool, a flow meter or a force sensor alone is enough to diagnose the links below it.
 
 use rayon::prelude::*;
 
@@ -9,7 +9,7 @@ use virtual_plant::{PlantEffect, PlantState, SyntheticRecording};
 
 use super::bed::{Case, Dice, accepted, press, valve_case_as};
 
-/// What drives the model, and what it is judged by.
+/// The signal that drives the model, and the judged signals.
 #[derive(Clone, Copy, Debug)]
 struct Recorded {
     by: Signal,
@@ -22,13 +22,13 @@ const FLOW: Recorded = Recorded { by: Signal::Flow, judged: &[Signal::PressureA,
 const FLOW_ALONE: Recorded = Recorded { by: Signal::Flow, judged: &[Signal::Position] };
 const FORCE: Recorded = Recorded { by: Signal::Force, judged: &[Signal::Position] };
 
-/// What the spool's sensor, a meter for the flow into A, or one of the oil's force with usual noise reads of a drive, and the other sensors.
+/// A drive's readings: the spool sensor, a meter for the flow into A, or a sensor for the oil's force with usual noise; and the other sensors.
 fn read(made: &SyntheticRecording, name: &str, recorded: Recorded) -> Recording {
     let machine = press().machine;
     let noise = experiment::sensor::Sensor::usual(recorded.by, &machine).noise;
     let (area_a, area_b) = (machine.get(P::AreaA), machine.get(P::AreaB));
     let mut dice = Dice::new(name.bytes().map(u64::from).sum::<u64>() + made.len() as u64);
-    // Twelve even ones have a standard deviation of 1.
+    // The sum of twelve uniform numbers has a standard deviation of 1.
     let mut error = || noise * ((0..12).map(|_| dice.between(0.0, 1.0)).sum::<f64>() - 6.0);
     let force = |state: &PlantState| area_a * state.pressure_a_pa - area_b * state.pressure_b_pa;
     let driving: Vec<f64> = match recorded.by {
@@ -52,7 +52,7 @@ fn case(seed: u64, effect: Option<PlantEffect>, recorded: Recorded) -> Case {
     valve_case_as(1e-3, seed, effect, None, |made, name| read(&made.rounded(), name, recorded))
 }
 
-/// Drives with this put in, by seed, are said to have that and nothing else; a drive with nothing follows its recordings.
+/// Checks that drives with this effect, by seed, are diagnosed with this effect and nothing else; a drive without one follows its recordings.
 fn are_told(recorded: Recorded, draws: &[(&'static str, f64, u64)]) {
     let said = |&(name, strength, seed): &(&'static str, f64, u64)| {
         let diagnosis = case(seed, PlantEffect::named(name, strength), recorded).diagnose();

@@ -1,4 +1,4 @@
-//! Sensors that fail are found before physics is asked, and sensors that work are not called failed.
+//! Failed sensors are found before effects are tried, and working sensors are not called failed.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,7 @@ use virtual_plant::PlantEffect;
 
 use super::bed::{Case, accepted, pump_case, valve_case};
 
-/// What a recording's sensors are said to have failed in, in words.
+/// The sensor failures that are reported for a recording, in words.
 fn failures(recording: &Recording) -> Vec<String> {
     let of = |signal: Signal| {
         let found = recording.signal(signal).map(|values| Failures::of(signal, recording.time_s(), values));
@@ -49,7 +49,7 @@ fn no_sensor_that_works_is_called_failed() {
     assert!(said.is_empty(), "{said:#?}");
 }
 
-/// Lets a sensor of one recording read `reading`, or what it last read, over some rows.
+/// Makes a sensor of one recording read `reading`, or repeat its last value, over some rows.
 fn fail(recording: &mut Recording, signal: Signal, rows: std::ops::Range<usize>, reading: Option<f64>) {
     let mut columns: Vec<Column> = recording.columns().to_vec();
     let column = columns.iter_mut().find(|column| column.signal == signal).unwrap();
@@ -58,7 +58,7 @@ fn fail(recording: &mut Recording, signal: Signal, rows: std::ops::Range<usize>,
     *recording = Recording::new(recording.name(), columns).unwrap();
 }
 
-/// Half a second of the first training recording in which the rod moves most, by its rows.
+/// The half second of the first training recording in which the rod moves most, by its rows.
 fn moving(case: &Case) -> std::ops::Range<usize> {
     let position = case.training[0].signal(Signal::Position).unwrap();
     let starts = 1..position.len() - 251;

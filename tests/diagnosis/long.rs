@@ -11,12 +11,12 @@ use virtual_plant::{Bench, Drive, InitialState, Plant, PlantEffect, Sensors, tru
 
 use super::bed::{Case, accepted, press};
 
-/// What was put in, m³/s/Pa.
+/// The leakage that was put in, m³/s/Pa.
 const LEAK: f64 = 2e-12;
 /// Proportional control of the position, V/m.
 const GAIN_V_PER_M: f64 = 80.0;
 
-/// A press with internal leakage that a controller drives to and fro: steps within ±50 mm, each held for up to `rest_s`. Lengths
+/// A press with internal leakage that a controller moves back and forth: steps within ±50 mm, each held for up to `rest_s`. Lengths
 /// in s.
 fn cycling(training_s: &[f64], held_out_s: &[f64], rest_s: f64) -> Case {
     let file = press();
@@ -41,7 +41,7 @@ fn cycling(training_s: &[f64], held_out_s: &[f64], rest_s: f64) -> Case {
     Case { file, training, held_out }
 }
 
-/// Diagnoses; how long that took, s.
+/// Runs the diagnosis; returns how long it took, s.
 fn leakage_is_named(case: &Case) -> f64 {
     let start = Instant::now();
     let diagnosis = case.diagnose();
@@ -51,7 +51,7 @@ fn leakage_is_named(case: &Case) -> f64 {
     assert_eq!(accepted(&diagnosis), "internal-leakage");
     let found = diagnosis.findings[0].parameters[0].value;
     assert!((found / LEAK - 1.0).abs() < 0.05, "{found:e}");
-    // Every row is judged, not those alone that were searched.
+    // Every row is judged, not only the rows that were searched.
     for (shown, recording) in diagnosis.shown.iter().zip(case.training.iter().chain(&case.held_out)) {
         assert_eq!(shown.after.series[0].1.len(), recording.rows());
     }
@@ -68,7 +68,7 @@ fn an_effect_is_found_in_the_first_minute_of_five_and_confirmed_by_the_rest() {
     leakage_is_named(&case);
 }
 
-/// An hour takes two cores less than two minutes, and no more than six times as long as ten minutes do, waiting phases included:
+/// An hour of recording takes less than two minutes on two cores, and at most six times as long as ten minutes do, waiting phases included:
 /// `cargo test --release -p system-tests --test diagnosis an_hour -- --ignored --nocapture`
 #[test]
 #[ignore = "minutes: an hour of recording at 1 kHz, four times"]

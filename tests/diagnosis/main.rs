@@ -1,7 +1,7 @@
-//! Does the diagnosis name what is missing, and nothing that is not?
+//! Does the diagnosis name what is missing, and nothing else?
 //!
-//! The shipped example and a real drive, the whole way; cases drawn on the virtual test bed, whose effects have other forms
-//! than the hypotheses; what happens once; and the parts that all of it rests on: derivatives and the fit.
+//! The shipped example and a real drive, from start to end; cases drawn on the virtual test bed, whose effects have other forms
+//! than the hypotheses; events that happen once; and the parts that everything depends on: derivatives and the fit.
 
 mod bed;
 mod cavitation;
@@ -36,7 +36,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Runs the program in this process; gives what it printed.
+/// Runs the program in this process; returns what it printed.
 fn done(arguments: &[&str]) -> String {
     let cli = Cli::try_parse_from(["host-sim"].iter().chain(arguments)).unwrap();
     let mut out = Vec::new();

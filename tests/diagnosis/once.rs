@@ -1,4 +1,4 @@
-//! What happens once is a disturbance, not physics; and what is held out is looked at once, after the choice.
+//! An event that happens once is a disturbance, not physics; and held-out recordings are used once, after the choice.
 
 use diagnosis::{Verdict, diagnose};
 use recording::Recording;
@@ -23,7 +23,7 @@ fn a_push_in_one_recording_is_located_there_and_not_called_physics() {
     assert!(located.intervals.iter().any(inside), "{located:?}");
 }
 
-/// This case, not a law: in other draws the push hides the leak (seed 13) or is itself taken for dry friction beside it (seed 15).
+/// True for this case, not in general: in other draws the push hides the leak (seed 13) or is itself taken for dry friction beside it (seed 15).
 #[test]
 fn a_leak_in_all_recordings_beside_a_push_in_one_is_named_alone_or_not_at_all() {
     let leak = PlantEffect::internal_leakage(4e-12);

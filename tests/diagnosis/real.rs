@@ -8,7 +8,7 @@ use recording::{ChannelMap, Recording, Signal};
 
 use super::{done, root, text};
 
-/// The recordings: `$HOST_SIM_SHARED/data/eha`, or beside the repository. Says why where they are not.
+/// The recordings: `$HOST_SIM_SHARED/data/eha`, or beside the repository. Prints a reason where they are absent.
 fn recordings() -> Option<PathBuf> {
     system_tests::at_hand::shared("data/eha")
 }
@@ -28,7 +28,7 @@ fn first_extension_mm(recording: &Recording, shown: &Shown, after: bool) -> f64 
     1e3 * (errors.map(|(recorded, simulated)| (recorded - simulated).powi(2)).sum::<f64>() / rows as f64).sqrt()
 }
 
-/// What the held-out recordings say of the position, before and after.
+/// Results for the position on the held-out recordings, before and after.
 struct HeldOut {
     /// Mean NRMSE fit, %.
     fit_percent: [f64; 2],
@@ -84,7 +84,7 @@ fn the_hoses_of_a_real_drive_are_found_and_held_out_loads_are_followed_within_ha
     assert!(told.fit_percent[1] > told.fit_percent[0] + 3.0, "{:?}", told.fit_percent);
 }
 
-/// Half the recordings must do as well:
+/// Half the recordings must give an equally good result:
 /// `cargo test --release -p system-tests --test diagnosis two_strokes -- --ignored --nocapture`
 #[test]
 #[ignore = "not reached: of compliance and leakage together the first is dropped, though it alone does better"]

@@ -1,4 +1,4 @@
-//! A robot arm's valve opening and oil pressure, measured by others: no units, no clock, so only scale-free figures.
+//! A robot arm's valve opening and oil pressure, measured by others: without units and without a clock, so only scale-free figures.
 
 use std::fmt::Write;
 
@@ -10,9 +10,9 @@ use simulation::{Arithmetic, InputPoint, StartOffset, Stimulus, natural_tick};
 
 use super::root;
 
-/// What a linear ARX model reaches in free run on the second half, in the pressure's own unit.
+/// RMSE of a linear ARX model in free run on the second half, in the pressure's own unit.
 const LINEAR: f64 = 0.949;
-/// The machine file's: one unit of p is 1 MPa.
+/// The machine file's unit: one unit of p is 1 MPa.
 const PRESSURE_PA: f64 = 1e6;
 
 /// Rows of the table as a recording; a row counts as 10 ms.
@@ -35,7 +35,7 @@ fn the_pressure_of_a_real_arm_is_followed_better_than_by_a_linear_model() {
     let prepared = Prepared::new(&first, &file.machine, file.load_source, None).unwrap();
     let fitted = fit(&file.machine, &base_parameters(&file), &[&prepared], &From::default(), 1e-8).unwrap();
 
-    // Free run over all rows: the second half has seen no pressure, neither in the fit nor at its start.
+    // Free run over all rows: no pressure of the second half was used, neither in the fit nor as its initial state.
     let whole = recording(&table, &file.channels, 0..table.rows());
     let tick = natural_tick(&whole);
     let stimulus = Stimulus::new(&whole, &fitted.machine, InputPoint::Command, file.load_source, tick).unwrap();
@@ -48,6 +48,6 @@ fn the_pressure_of_a_real_arm_is_followed_better_than_by_a_linear_model() {
     let (train, test) = (rmse(0..half), rmse(half..table.rows()));
     println!("free run, units of p: first half {train:.3}, second half {test:.3}; linear {LINEAR} on the second half");
     assert!(test < 0.85 * LINEAR, "{test}");
-    // What is left is not noise: the model is better than a line and far from complete.
+    // The residual is not noise: the model is better than a linear one and far from complete.
     assert!(train > 0.3, "{train}");
 }

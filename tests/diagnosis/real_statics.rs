@@ -35,7 +35,7 @@ fn a_servo_valves_loop_and_null_are_found_and_the_meters_staircase_is_not_physic
     let Some(folder) = folder("servovalve") else { return };
     let flow = Table::read(&folder.join("flow_gain.csv")).unwrap();
     let flow = of(&flow, &columns("current_mA", "flow_lpm"));
-    // 0.1 gal/min is the step of the meter's coarse range.
+    // 0.1 gal/min is the resolution of the meter's coarse range.
     near(flow.staircase.unwrap().step, 0.3785, 1e-3);
     assert!(flow.jumps.iter().any(|jump| (jump.input + 5.0).abs() < 0.3), "{:?}", flow.jumps);
     near(flow.hysteresis.unwrap().width, 0.5, 0.1);
@@ -67,7 +67,7 @@ fn a_crane_valves_table_shows_dead_zone_saturation_droop_and_return_pressure() {
     let lost = found.saturation.iter().find(|fallen| fallen.share < 0.2).unwrap();
     near(lost.from, 95.0, 0.1);
     let (supply, returning) = (found.supply.as_ref().unwrap(), found.returning.as_ref().unwrap());
-    // 149.4 bar in most rows; those of 21-24 % were taken at 4 bar more.
+    // 149.4 bar in most rows; the rows of 21-24 % were taken at 4 bar more.
     near(supply.at_rest, 149.4, 2.0);
     near(supply.at_full, 138.4, 1.0);
     near(returning.at_full, 13.5, 1.0);
@@ -86,7 +86,7 @@ fn a_crane_valves_runs_show_dead_zone_droop_and_return_pressure() {
         ..columns("command_5v_centre", VELOCITY)
     };
     let found = of(&table, &asked);
-    // 25 % of 5 V beside the centre; 23.4 % is where it begins to creep.
+    // 25 % of 5 V beside the centre; at 23.4 % the spool begins to creep.
     near(found.positive.unwrap().extrapolated, 6.25, 0.1);
     let (supply, returning) = (found.supply.as_ref().unwrap(), found.returning.as_ref().unwrap());
     near(supply.at_rest, 123.8, 0.5);

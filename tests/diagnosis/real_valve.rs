@@ -9,7 +9,7 @@ use recording::{Recording, Signal};
 
 use super::{done, root, text};
 
-/// The crane's diagnosis, trained at 70 % and held out at 40 %, by what is judged of each recording. Says why where the recordings are absent.
+/// The crane's diagnosis, trained at 70 % and held out at 40 %, on the judged part of each recording. Prints why if the recordings are absent.
 fn diagnosed(judged: impl Fn(&MachineFile, Recording) -> Recording) -> Option<Diagnosis> {
     let folder = system_tests::at_hand::shared("data/redcrane/dynamic")?;
     let file = machine_file::read(&root().join("tests/diagnosis/redcrane.toml")).unwrap();
@@ -18,8 +18,8 @@ fn diagnosed(judged: impl Fn(&MachineFile, Recording) -> Recording) -> Option<Di
     Some(diagnose(&file, &training, &held_out, None, &|_| {}).unwrap())
 }
 
-/// The spool hangs, breaks away and does not come home; no effect of the catalogue does all of
-/// that, and two recordings to train on settle little: the link is what must be found.
+/// The spool sticks, breaks away and does not return to its rest position; no effect of the catalogue does all of
+/// this, and two training recordings determine little: the link is what must be found.
 #[test]
 fn the_valve_of_a_real_crane_is_located_and_no_other_link_is_blamed() {
     let spool =
@@ -47,7 +47,7 @@ fn the_valve_of_a_real_crane_is_located_and_no_other_link_is_blamed() {
     else {
         panic!("{:?}", located.spool)
     };
-    // As the recordings' own page says: it hangs at 5.25 V of 5 to 10, breaks away at 8 to 10 V/s, and rests at 5.24 V where it rested at 4.965 V.
+    // As the recordings' own page says: it sticks at 5.25 V of 5 to 10, breaks away at 8 to 10 V/s, and rests at 5.24 V after it rested at 4.965 V.
     assert!((0.03..0.07).contains(at) && (1.6..2.0).contains(speed_per_s), "{at} {speed_per_s}");
     let [home, away] = [&rests[0], &rests[1]].map(|(_, at)| 5.0 + 5.0 * at);
     assert!((home - 4.965).abs() < 0.01 && (away - 5.245).abs() < 0.01, "{home} V {away} V");
@@ -56,8 +56,8 @@ fn the_valve_of_a_real_crane_is_located_and_no_other_link_is_blamed() {
     assert!(fits[0] > 70.0 && fits[1] > fits[0] - 0.5 && fits[1] < floor - 1.0, "{fits:?} {floor}");
 }
 
-/// Judged by all that was recorded: counterbalance valves, a swinging jib and ports that trap their oil are in no catalogue, and what they leave is
-/// said, signal by signal.
+/// Judged by all that was recorded: counterbalance valves, a swinging jib and ports that trap their oil are in no catalogue. The misfit that they
+/// leave is reported for each signal.
 #[test]
 fn what_a_cranes_counterbalance_valves_leave_is_owned_up_to() {
     let Some(diagnosis) = diagnosed(|_, whole| whole) else { return };

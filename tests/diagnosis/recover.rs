@@ -1,4 +1,4 @@
-//! The fit on what the model itself computed: it must find what was put in.
+//! The fit on signals that the model itself computed: it must find what was put in.
 
 use diagnosis::catalogue::{CATALOGUE, Hypothesis};
 use diagnosis::selection::Selection;
@@ -43,7 +43,7 @@ fn a_fit_to_the_models_own_signals_recovers_what_they_were_made_with() {
     let cases: Vec<&Prepared> = cases.iter().collect();
     let around = |(&parameter, &sigma): (&P, &f64)| Free {
         parameter,
-        // A prior as wide as this has no say.
+        // A prior this wide has no influence.
         freedom: Freedom::Around { nominal: file.machine.get(parameter), sigma: 30.0 * sigma },
     };
     let effect_parameter = |(parameter, effect_parameter): (P, f64)| Free {
@@ -61,8 +61,8 @@ fn a_fit_to_the_models_own_signals_recovers_what_they_were_made_with() {
     assert!(fit.converged);
 }
 
-/// Where nothing is missing, every start that is drawn all over the priors ends where the nominal machine's does; where something is, in a valley
-/// that is no deeper by more than a twentieth: nothing beside what the missing effect takes.
+/// Where nothing is missing, a search from any start drawn over the priors ends where the search from the nominal machine does. Where an effect is
+/// missing, it ends in a valley that is deeper by at most a twentieth: very little compared with what the missing effect gains.
 #[test]
 fn drawn_starts_of_the_base_refit_end_no_lower_than_the_nominal_one() {
     const DRAWN: usize = 6;
@@ -87,7 +87,7 @@ fn drawn_starts_of_the_base_refit_end_no_lower_than_the_nominal_one() {
     }
 }
 
-/// The search for a friction that is the same both ways may end short of what two forces find, which are then about the same.
+/// The search for a friction that is equal in both directions may end short of what two separate forces reach, which are then about equal.
 #[test]
 fn where_a_richer_friction_ends_the_plainer_one_is_looked_for() {
     let case = valve_case(31, PlantEffect::named("coulomb-friction", 900.0), true, None);
@@ -119,7 +119,7 @@ fn where_a_richer_friction_ends_the_plainer_one_is_looked_for() {
     assert!(plain.with_plain(&question).unwrap().is_none(), "it extends nothing");
 }
 
-/// Held-out recordings veto an effect by itself: friction stays, and a play that no recording shows goes.
+/// Held-out recordings veto a single effect: friction stays, and a backlash that no recording shows is removed.
 #[test]
 fn of_two_effects_held_out_recordings_take_out_the_one_they_gain_nothing_by() {
     let case = valve_case(31, PlantEffect::named("coulomb-friction", 900.0), true, None);
@@ -155,7 +155,7 @@ fn of_two_effects_held_out_recordings_take_out_the_one_they_gain_nothing_by() {
     let entered: Vec<&str> = selection.rounds[0].iter().map(|trial| trial.effect.name).collect();
     assert_eq!(entered, [effects[0]], "what is left stands in the round of its size");
 
-    // Where the friction is left out, play stands in for it below the spool, but explains next to nothing in the chain, and goes with the bad one.
+    // Without the friction, backlash stands in for it below the spool, but explains almost nothing in the whole model: it is removed with the other.
     let mut both = beside(&beside(&selection.base, hypotheses[1]), named("linkage-backlash"));
     both.fit.machine.set(P::BacklashPlay, 0.01);
     let mut selection = Selection { chosen: both, ..selection };

@@ -10,16 +10,16 @@ use recording::{ChannelMap, Signal};
 
 use super::{done, root, text};
 
-/// What its README says was put into it.
+/// The effect that was put in, according to its README.
 const EFFECT: &str = "internal-leakage";
 const CONDUCTANCE: f64 = 2.0e-12;
 
-/// What one diagnosis wrote.
+/// The files that one diagnosis wrote.
 pub(super) struct Written {
     pub(super) json: String,
     pub(super) machine: String,
     pub(super) page: String,
-    /// The files' names in it are without the folder that they went to.
+    /// The files' names in it are without the output folder.
     pub(super) printed: String,
 }
 
@@ -27,7 +27,7 @@ fn folder() -> PathBuf {
     root().join("examples/press-63-40")
 }
 
-/// Diagnoses the example in a pool of so many threads.
+/// Diagnoses the example in a pool of this number of threads.
 fn diagnosed(threads: usize) -> Written {
     let out = tempfile::tempdir().unwrap();
     let [json, machine, page] = ["d.json", "after.toml", "d.html"].map(|name| out.path().join(name));
@@ -75,7 +75,7 @@ fn what_was_held_out_is_followed_better_with_the_effect() {
         let (before, after, floor) =
             (number(before), number(&fit["after"][signal]), number(&fit["noise_floor"][signal]));
         println!("held out, {signal}: {before} % before, {after} % after, {floor} % at the noise");
-        // The spool knows nothing of leakage.
+        // The spool does not depend on leakage.
         if signal != "spool" {
             assert!(after > before, "{signal}: {before} {after}");
             assert!(floor - after < 0.5 * (floor - before), "{signal}: {before} {after} {floor}");
@@ -171,7 +171,7 @@ fn the_shares_of_the_waterfall_add_up_and_stand_in_the_printed_table() {
     }
 }
 
-/// The valve's two lags are told by their sum.
+/// Of the valve's two lags only the sum is determined.
 #[test]
 fn correlated_parameters_are_told_alike_in_all_that_is_written() {
     let document = document();
@@ -209,7 +209,7 @@ fn the_saved_machine_is_read_again_and_follows_the_held_out_recordings_at_their_
             let square: f64 = channel.recorded.iter().zip(simulated).map(|(a, b)| (a - b).powi(2)).sum();
             let over_noise = (square / simulated.len() as f64).sqrt() / channel.noise;
             println!("{name}, {}: {over_noise:.3} of the noise", channel.signal);
-            // A position keeps every small error of the flow: some steps of its scale after 3 s.
+            // A position accumulates every small error of the flow: some steps of its scale after 3 s.
             let most = if channel.signal == Signal::Position { 10.0 } else { 1.1 };
             assert!(over_noise < most, "{name}, {}: {over_noise}", channel.signal);
         }
@@ -264,7 +264,7 @@ fn the_page_needs_nothing_from_elsewhere_and_is_small() {
     ] {
         assert!(page.contains(part), "{part}");
     }
-    // The name of a drawing's language and the home of the chart library are addresses that nobody opens.
+    // The address of the SVG namespace and the chart library's address are never opened.
     let page = page.replace("http://www.w3.org/2000/svg", "").replace("https://github.com/leeoniya/uPlot", "");
     assert!(page.contains("default-src 'none'"), "the page forbids itself to load anything");
     for foreign in ["http:", "https:", "src=", "<link", "<img", "<iframe", "@import", "url("] {

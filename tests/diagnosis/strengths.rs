@@ -1,8 +1,8 @@
-//! How near the strengths of a named effect come to what was put in, effect by effect: found over put in, over drawn cases in which the
+//! How near the parameters of a named effect come to what was put in, effect by effect: found over put in, over drawn cases in which the
 //! effect was named, as a snapshot beside this file (`RENEW=1` writes it anew).
 //!
-//! The test bed's effects have other forms than the hypotheses, so that most parameters are not the same number twice. What is compared is
-//! what both forms have: the strength itself, or what the effect does at a point that is said. Effects whose forms share no such number are
+//! The test bed's effects have other forms than the hypotheses, so that most parameters are not the same number in both. The comparison uses
+//! what both forms have: the amount itself, or the action of the effect at a stated point. Effects whose forms share no such number are
 //! listed with the reason.
 
 use std::collections::BTreeMap;
@@ -35,7 +35,7 @@ fn usual_flow(machine: &Machine<f64>) -> f64 {
     0.4 * machine.get(P::FlowCoefficient) * (0.5 * machine.get(P::SupplyPressure)).sqrt()
 }
 
-/// The numbers that an effect of the test bed and the hypothesis of its name have in common; none where their forms share none.
+/// The numbers that an effect of the test bed and the hypothesis of the same name have in common; none where their forms share none.
 fn measured(truth: &PlantEffect, drawn: &Drawn, found: &Machine<f64>) -> Vec<Measured> {
     let get = |parameter| found.get(parameter);
     let of = |what, put_in, found| vec![Measured { what, put_in, found }];
@@ -106,7 +106,7 @@ fn flow(effect: FlowEffect, drawn: &Drawn, found: &Machine<f64>) -> Vec<Measured
             of("difference", extending - retracting, get(P::DeadZoneDifference))
         }
         FlowEffect::Metering { sizes: [supply_a, b_tank, supply_b, a_tank] } => {
-            // Of the two ways in which they are drawn the larger one.
+            // Of the two ways in which unequal edges are drawn, the one with the larger difference is compared.
             let ratio = (b_tank * a_tank / (supply_a * supply_b)).sqrt();
             let ports = (b_tank * supply_b / (supply_a * a_tank)).sqrt();
             if ratio.ln().abs() > ports.ln().abs() {
@@ -141,7 +141,7 @@ fn load(effect: LoadEffect, drawn: &Drawn, found: &Machine<f64>) -> Vec<Measured
     let get = |parameter| found.get(parameter);
     let one = |what, put_in, found| vec![Measured { what, put_in, found }];
     let middle = 0.5 * get(P::Stroke);
-    // A constant part of a force is the load's, which may move as well: how far the force varies is the effect's.
+    // A constant part of a force belongs to the load, which may change as well: only the variation of the force belongs to the effect.
     let spring = |y: f64| get(P::LoadSpring) * (y - middle) + get(P::LoadSpringBow) * (y - middle).powi(2);
     match effect {
         LoadEffect::EndStop { at_m, extending, .. } => {
@@ -171,7 +171,7 @@ fn over_stroke(position_m: f64, middle_m: f64, slope: f64, bow: f64) -> f64 {
     slope * from_middle + bow * from_middle * from_middle
 }
 
-/// How far something varies over the recorded travel: its largest value less its smallest.
+/// Variation over the recorded travel: the largest value less the smallest.
 fn varies(drawn: &Drawn, of: impl Fn(f64) -> f64) -> f64 {
     const POINTS: u32 = 100;
     let (low, high) = of_all(drawn, |made| made.truth.iter().map(|state| state.position_m).collect());
@@ -216,7 +216,7 @@ fn dry(level: FrictionLevel, stiffness_n_per_m: f64, drawn: &Drawn, found: &Mach
             one("force", sliding_n, get(P::PreslidingForce)),
             one("stiffness", stiffness_n_per_m, get(P::PreslidingStiffness)),
         ],
-        // By the higher pressure mostly; the hypothesis goes by the sum of both: at equal pressures the same.
+        // The test bed's form depends mostly on the higher pressure, the hypothesis on the sum of both: at equal pressures they are the same.
         FrictionLevel::Pressure { area_m2, .. } => vec![one("area", area_m2, 2.0 * get(P::PressureFriction))],
     }
 }
@@ -228,7 +228,7 @@ fn sensing(effect: SensingEffect, found: &Machine<f64>) -> Vec<Measured> {
         SensingEffect::Backlash { play_m } => of("play", play_m, P::BacklashPlay),
         SensingEffect::PositionDelay { delay_s } => vec![Measured { what: "time", put_in: delay_s, found: late_s }],
         SensingEffect::PositionFilter { frequency_hz, damping } => {
-            // What a slow motion is late by.
+            // Delay of a slow motion.
             let put_in = damping / (std::f64::consts::PI * frequency_hz);
             vec![Measured { what: "time", put_in, found: late_s }]
         }
@@ -251,13 +251,13 @@ fn sensing(effect: SensingEffect, found: &Machine<f64>) -> Vec<Measured> {
     }
 }
 
-/// Effects of whose two forms no number is the same thing.
+/// Effects whose two forms have no number in common.
 const OTHER_FORMS: [(&str, &str); 1] = [(
     "oil-temperature",
     "the test bed's oil warms by time and by the power that is lost, the hypothesis's by time alone, to an end",
 )];
 
-/// Cases of an effect: what was measured of those in which it alone was named, and how many were drawn.
+/// Cases of an effect: the measured numbers of those in which it alone was named, and how many were drawn.
 fn cases(effect: &str) -> (Vec<Measured>, usize, usize) {
     let lot =
         Lot { seed: 301, concealed: Concealed::Single, hard: false, only: vec![effect.to_owned()], thermometer: false };
@@ -315,7 +315,7 @@ fn strengths_of_named_effects_are_as_near_as_the_table_says() {
     snapshot::compare("diagnosis/strengths.txt", &table(&effects), |found, kept| found == kept);
 }
 
-/// The reasons are for effects that there are.
+/// The reasons are given for existing effects only.
 #[test]
 fn every_effect_without_a_number_in_common_is_one_of_the_vocabulary() {
     let known: Vec<&str> = diagnosis::catalogue::CATALOGUE.iter().map(|effect: &&Hypothesis| effect.name).collect();

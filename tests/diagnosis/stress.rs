@@ -1,5 +1,5 @@
-//! Diagnosis under stress: the same drives through poorer and poorer recordings. What is still named, what is honestly not, and what
-//! is accepted falsely, as a snapshot beside this file.
+//! Diagnosis under stress: the same drives with poorer and poorer recordings. Which effects are still named, which are honestly not named, and
+//! which are accepted falsely, as a snapshot beside this file.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -14,7 +14,7 @@ use virtual_plant::PlantEffect;
 
 use super::bed::{Case, Dice, valve_case_every};
 
-/// What is put into a drive each, of every link something, by name and effect parameter (SI); the last two have nothing.
+/// The effect that is put into each drive, at least one of every link, by name and effect parameter (SI); the last two have none.
 const DRIVES: [Option<(&str, f64)>; 12] = [
     Some(("valve-hysteresis", 0.03)),
     Some(("spool-stiction", 0.02)),
@@ -30,17 +30,17 @@ const DRIVES: [Option<(&str, f64)>; 12] = [
     None,
 ];
 
-/// Of the test bed's sensors, in the units of their signals: steps of the scale, the spool's and the transmitters' noise.
+/// Noise of the test bed's sensors, in the units of their signals: the position's from the steps of the scale, then spool and transmitters.
 const NOISE: [(Signal, f64); 4] =
     [(Signal::Position, 2.5e-5 / 3.46), (Signal::Spool, 5e-4), (Signal::PressureA, 3e4), (Signal::PressureB, 3e4)];
 
-/// What is done to the recordings of a case, each given with its number.
+/// A change of the recordings of a case; it is called with each recording and its number.
 type Stress = fn(usize, &Recording, &mut Dice) -> Recording;
 
-/// One way to record worse.
+/// One way to make recordings worse.
 struct Condition {
     name: &'static str,
-    /// Rows a second in which the drive is commanded and recorded at first.
+    /// Rows per second at which the drive is commanded and recorded at first.
     hz: u32,
     /// Training recordings.
     training: usize,
@@ -91,7 +91,7 @@ const CONDITIONS: [Condition; 25] = [
     usual("spool in %, taken for 1", |_, recording, _| times(recording, &[Signal::Spool], 100.0)),
 ];
 
-/// The recording with these columns, every value as `change` makes it of its row's number and its own.
+/// The recording with the columns that `change` computes, for each signal, from all values of its column.
 fn changed(recording: &Recording, mut change: impl FnMut(Signal, &[f64]) -> Vec<f64>) -> Recording {
     let columns =
         recording.columns().iter().map(|column| Column::si(column.signal, change(column.signal, &column.values)));
@@ -102,7 +102,7 @@ fn is_measured(signal: Signal) -> bool {
     NOISE.iter().any(|(measured, _)| *measured == signal)
 }
 
-/// Every so-manieth row.
+/// Every row whose number is a multiple of the step.
 fn every(recording: &Recording, step: usize) -> Recording {
     changed(recording, |_, values| values.iter().copied().step_by(step).collect())
 }
@@ -118,7 +118,7 @@ fn without(recording: &Recording, signals: &[Signal]) -> Recording {
     recording.limited_to(|signal| !signals.contains(&signal))
 }
 
-/// What a wrong unit makes of these.
+/// The recording with these signals times a factor, as from a wrong unit.
 fn times(recording: &Recording, signals: &[Signal], factor: f64) -> Recording {
     changed(recording, |signal, values| {
         let by = if signals.contains(&signal) { factor } else { 1.0 };
@@ -126,12 +126,12 @@ fn times(recording: &Recording, signals: &[Signal], factor: f64) -> Recording {
     })
 }
 
-/// With so much noise added that there is `times` as much.
+/// With noise added until there is `times` as much.
 fn noisy(recording: &Recording, times: f64, dice: &mut Dice) -> Recording {
     changed(recording, |signal, values| {
         let of = NOISE.iter().find(|(measured, _)| *measured == signal);
         let Some((_, deviation)) = of else { return values.to_vec() };
-        // Twelve even numbers are as good as a normal one.
+        // The sum of twelve uniform numbers is close enough to a normal one.
         let mut gaussian = || (0..12).map(|_| dice.between(0.0, 1.0)).sum::<f64>() - 6.0;
         let added = deviation * (times * times - 1.0).sqrt();
         values.iter().map(|value| value + added * gaussian()).collect()
@@ -152,7 +152,7 @@ fn uneven(recording: &Recording, dice: &mut Dice) -> Recording {
     rows(recording, &kept)
 }
 
-/// Stretches of ten rows, of which so many that they make up five per cent.
+/// Stretches of ten rows, as many as make up five per cent of all rows.
 fn stretches(rows: usize, dice: &mut Dice) -> Vec<bool> {
     let mut hit = vec![false; rows];
     for _ in 0..rows / 200 {
@@ -188,7 +188,7 @@ fn dropouts(recording: &Recording, dice: &mut Dice) -> Recording {
     })
 }
 
-/// What the sensors' own clock, which is fast, has put beside the command's: later and later readings.
+/// The sensors' own clock runs fast: their readings are later and later against the command.
 fn skewed(recording: &Recording) -> Recording {
     changed(recording, |signal, values| {
         if !is_measured(signal) {
@@ -203,20 +203,20 @@ fn skewed(recording: &Recording) -> Recording {
     })
 }
 
-/// What came of a case.
+/// The result of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Said {
-    /// The effect, and nothing else; of a drive with nothing: nothing.
+    /// The effect, and nothing else; for a drive without an effect: nothing.
     Named,
-    /// Another one, with the effect among those that it says may be instead; or the effect beside another.
+    /// Another effect, with the true one among its alternatives; or the true effect together with another.
     Among,
-    /// Likelier than nothing, not enough to accept it: the effect, by its name.
+    /// The true effect, by its name: likelier than nothing, but not likely enough to be accepted.
     Suspected,
-    /// Something, without a name.
+    /// A misfit, without a name.
     Unexplained,
-    /// Nothing is missing, though something is.
+    /// The verdict "nothing missing", though an effect was put in.
     Nothing,
-    /// A false claim.
+    /// A false finding.
     Wrong,
     /// No diagnosis, with a reason.
     Refused,
@@ -264,7 +264,7 @@ fn stressed(case: &Case, seed: usize, condition: &Condition) -> Case {
     Case { file: case.file.clone(), training, held_out }
 }
 
-/// Whether the commands would say beforehand that the unit of a training recording is doubtful.
+/// Whether the commands would warn beforehand that the unit of a training recording is doubtful.
 fn is_doubted(case: &Case) -> bool {
     case.training.iter().any(|recording| !unit_doubts(recording, &case.file.machine).is_empty())
 }

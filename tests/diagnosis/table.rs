@@ -1,4 +1,4 @@
-//! What has no name is still followed better by a table, unless it happened only once.
+//! A misfit without a named effect is still reduced by a table, unless it happened only once.
 
 use diagnosis::correction_table::{Quantity, Unnamed, improved};
 use diagnosis::localisation::{Case as Located, Location, Sought, locate};
@@ -11,7 +11,7 @@ use virtual_plant::PlantEffect;
 
 use super::bed::{Case, valve_case};
 
-/// The table for a case of which the catalogue knows nothing, with how far the position misses on held-out recordings before and after
+/// The table for a case that the catalogue does not describe, with the misfit of the position on held-out recordings before and after
 /// (root mean square over noise).
 fn tabled(case: &Case, with: impl Fn(Location) -> Location) -> Option<(Unnamed, [f64; 2])> {
     let (training, held) = (case.prepared(&case.training), case.prepared(&case.held_out));
@@ -56,8 +56,8 @@ fn tabled(case: &Case, with: impl Fn(Location) -> Location) -> Option<(Unnamed, 
     Some((unnamed, missed))
 }
 
-/// Over which state is left open: dry friction steps where the velocity turns, which seven nodes over the velocity cannot, and the
-/// pressure against which it returns tells the direction as well.
+/// The test does not fix the state of the table: dry friction changes in a step where the velocity reverses, which seven nodes over the
+/// velocity cannot follow, and the pressure against which the rod returns shows the direction as well.
 #[test]
 fn dry_friction_without_its_name_becomes_a_table_of_force() {
     let case = valve_case(31, PlantEffect::named("coulomb-friction", 900.0), true, None);
@@ -71,7 +71,7 @@ fn dry_friction_without_its_name_becomes_a_table_of_force() {
 fn a_push_in_one_recording_does_not_become_a_table() {
     let push = super::once::push();
     let case = valve_case(11, None, true, Some(&(1, push)));
-    // Even where it is not seen that it happens once.
+    // Even where the localisation does not show that it happens once.
     let found = tabled(&case, |location| Location {
         shape: diagnosis::localisation::error_shape::Shape::Everywhere,
         ..location

@@ -1,11 +1,11 @@
-//! Threads change nothing: a diagnosis in a pool of one thread and in one of two, or of five, is the same, to the last bit of every number.
+//! Threads change nothing: a diagnosis in a pool of one thread is the same as in one of two, or of five, to the last bit of every number.
 
 use report::evidence::Exhibits;
 use report::json::diagnosis;
 
 use super::bed::{Case, Dice, effect, pump_case, valve_case};
 
-/// Everything that is found, as text: the shortest that reads back to the same bits.
+/// The complete result as text: each number as the shortest one that reads back to the same bits.
 fn found(case: &Case, threads: usize) -> [String; 2] {
     let run = || {
         let diagnosis = case.diagnose();
@@ -22,7 +22,7 @@ fn one_thread_finds_what_more_find() {
     let cases = [valve("internal-leakage", 401), valve("none", 402), pump("pump-slip", 403)];
     for (index, case) in cases.iter().enumerate() {
         let [one, one_written] = found(case, 1);
-        // More than there are processors, of the first.
+        // For the first case, also more threads than there are processors.
         let pools: &[usize] = if index == 0 { &[2, 5] } else { &[2] };
         for &threads in pools {
             let [more, more_written] = found(case, threads);

@@ -1,4 +1,4 @@
-//! The tutorial's commands, run: what it shows is what they print and write. `RENEW=1` writes the printed blocks anew.
+//! The tutorial's commands are run: the tutorial must show what they print and write. `RENEW=1` writes the printed blocks anew.
 //!
 //! In `docs/tutorial.md` a block ```` ```console ```` holds one command after `$` and all that it prints; a block
 //! ```` ```toml after.toml ```` an excerpt of a file that a command has written or that is in the example's folder.
@@ -9,10 +9,10 @@ use std::path::{MAIN_SEPARATOR, Path};
 use super::shipped::by_two_threads;
 use super::{done, root, text};
 
-/// The one diagnosis, which the tests of the shipped case have made already.
+/// The only diagnosis, which the tests of the shipped case have already made.
 const DIAGNOSIS: &str = "diagnose examples/press-63-40 --json d.json --save-machine after.toml --report d.html";
 
-/// Runs a command of the tutorial; gives what it prints. What is not part of the repository lies in the scratch folder.
+/// Runs a command of the tutorial; returns what it prints. Files that are not part of the repository lie in the scratch folder.
 fn printed_by(command: &str, scratch: &Path) -> String {
     let arguments = command.strip_prefix("$ host-sim ").unwrap_or_else(|| panic!("`{command}` is no `$ host-sim …`"));
     if arguments == DIAGNOSIS {

@@ -1,4 +1,4 @@
-//! Processor in the loop, to be looked at: builds the firmware, starts it on the emulated Cortex-M4F, and plays its machine for a few moves.
+//! Processor in the loop as a demonstration: builds the firmware, starts it on the emulated Cortex-M4F, and simulates its machine for a few moves.
 //!
 //! `cargo run --release -p system-tests --example in_the_loop`
 
@@ -10,7 +10,7 @@ fn main() {
     use system_tests::in_the_loop::{Board, Follows, SETTLING, rig};
     use system_tests::rig::{Controller, Readings, TICK, Wanted, course, rms_mm, worst_mm};
 
-    /// Says twice a second what it sees.
+    /// Prints its readings twice a second.
     struct Told {
         follows: Follows,
         periods: usize,

@@ -8,7 +8,7 @@ use system_tests::at_hand::skipped;
 
 use super::{PUMP, done, leaking_press, text};
 
-/// Names and values of the macros, as a program prints them that was compiled with the header; `None` without a compiler.
+/// Names and values of the macros, as printed by a program that includes the header; `None` without a compiler.
 fn compiled(machine: &str) -> Option<(Vec<(String, u64)>, String)> {
     if Command::new("cc").arg("--version").output().is_err() {
         skipped("there is no cc");
@@ -55,7 +55,7 @@ fn name_of(parameter: Parameter) -> String {
     format!("DRIVE_{}", key.chars().map(letter).collect::<String>())
 }
 
-/// Compiles the header and holds every value that is in it against the drive; gives the macros' names.
+/// Compiles the header and compares every value in it with the drive; returns the macros' names.
 fn assert_values(machine: &str) -> Option<Vec<String>> {
     let (values, name) = compiled(machine)?;
     let file = machine_file::read_text("machine.toml", machine).unwrap();
@@ -66,7 +66,7 @@ fn assert_values(machine: &str) -> Option<Vec<String>> {
             assert_eq!(*bits, file.machine.get(parameter).to_bits(), "{name}");
             held += 1;
         } else {
-            // What is left out is off, or of the other source of oil.
+            // A parameter that is left out is off, or belongs to the other source of oil.
             assert!(!file.given.contains(&parameter), "{parameter:?}");
         }
     }
@@ -86,7 +86,7 @@ fn a_c_compiler_reads_every_value_of_a_valve_drive_to_the_last_bit() {
         has("DRIVE_INTERNAL_LEAKAGE_CONDUCTANCE_M3_PER_S_PA") && has("DRIVE_VALVE_TIME_CONSTANTS_S_1"),
         "{names:?}"
     );
-    // A default that is used.
+    // A default value that is used is written too.
     assert!(has("DRIVE_VALVE_LAMINAR_TRANSITION_PA") && !has("DRIVE_PUMP_DISPLACEMENT_M3_PER_REV"), "{names:?}");
 }
 

@@ -1,4 +1,4 @@
-//! The FMU in another's tool: `FMPy` finds nothing wrong with it, and simulates what `host-sim simulate` does.
+//! The FMU in another tool: `FMPy` finds nothing wrong with it, and simulates the same as `host-sim simulate`.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -10,7 +10,7 @@ use super::{PUMP, done, leaking_press, library, text};
 
 const SCRIPT: &str = include_str!("fmpy.py");
 
-/// What is compared, with its full scale: supply pressure, stroke, what a full opening gives.
+/// The compared outputs, each with its full scale: supply pressure, stroke, what a full opening gives.
 const OUTPUTS: [(Signal, f64); 7] = [
     (Signal::Spool, 1.0),
     (Signal::Position, 0.3),
@@ -32,7 +32,7 @@ fn rows(output: &Output) -> Vec<Vec<f64>> {
     printed.lines().map(|line| line.split(' ').map(|number| number.parse().unwrap()).collect()).collect()
 }
 
-/// Simulates the drive here and there, with so many ticks a communication step.
+/// Simulates the drive in both tools, with this number of ticks a communication step.
 fn assert_same(python: &Path, arithmetic: &str, every: usize) {
     let folder = tempfile::tempdir().unwrap();
     let [machine, simulated, fmu] = ["machine.toml", "s.csv", "drive.fmu"].map(|name| folder.path().join(name));

@@ -1,4 +1,4 @@
-//! Is what leaves the program the drive that it simulates: constants in C, and the model in a tool for co-simulation?
+//! Do the exports compute the drive that the program simulates: constants in C, and the model in a tool for co-simulation?
 
 mod archive;
 mod c99;
@@ -21,7 +21,7 @@ fn leaking_press() -> String {
 const PUMP: &str = "name = \"pump \\\"ü\\\" ??/\"\n[pump]\ndisplacement_m3_per_rev = 1.6e-6\n\
     [cylinder]\narea_a_m2 = 3.117e-3\narea_b_m2 = 1.861e-3\n";
 
-/// Runs the program in this process; what cannot be done is said as on standard error.
+/// Runs the program in this process; an error is returned as its text on standard error.
 fn run(arguments: &[&str]) -> Result<Outcome, String> {
     let cli = Cli::try_parse_from(["host-sim"].iter().chain(arguments)).unwrap();
     cli::run(&cli.command, &mut Console::into_buffer(&mut Vec::new())).map_err(|error| error.render())

@@ -1,4 +1,4 @@
-//! The commands on every format.
+//! The commands with every format.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use host_sim::cli::{self, Cli, Console};
 
 use crate::fixture;
 
-/// Runs the program; what it prints, or its error.
+/// Runs the program; returns what it prints, or its error.
 fn run(arguments: &[&str]) -> Result<String, String> {
     let cli = Cli::try_parse_from(["host-sim"].iter().chain(arguments)).map_err(|error| error.to_string())?;
     let mut out = Vec::new();
@@ -35,7 +35,7 @@ fn a_simulation_is_the_same_from_every_format() {
     let expected = simulated("run.csv");
     assert_eq!(expected.lines().count(), 201);
     for name in ["vectors.mat", "vectors_packed.mat", "packed_2.mf4", "pandas.parquet"] {
-        // The columns' order is the file's own, here that of the CSV, and a number that is 1 needs no unit.
+        // The columns have the file's own order, here that of the CSV, and a number of unit 1 needs no unit.
         assert_eq!(simulated(name).replace("spool,", "spool [1],"), expected, "{name}");
     }
 }
@@ -52,7 +52,7 @@ fn a_simulation_is_written_in_the_format_of_its_name() {
             .unwrap();
         assert!(fs::read(out).unwrap().starts_with(magic.as_bytes()), "{name}");
     }
-    // An ending that no format has promises what is not written.
+    // This ending stands for a format that is never written.
     let out = folder.path().join("s.xlsx").display().to_string();
     let refused = run(&["simulate", "--machine", &machine, "--input", "step:4V,0.1s", "--out", &out]).unwrap_err();
     assert!(refused.contains("expected one that ends in .csv, .txt, .mat, .parquet"), "{refused}");
@@ -88,7 +88,7 @@ fn a_folder_may_hold_recordings_of_every_format_but_each_once() {
     assert!(nothing.contains("no train-*.csv (.txt, .mat, .mf4, .parquet)"), "{nothing}");
     put(fixture("vectors.mat"), "train-1.mat");
     put(fixture("packed_0.mf4"), "train-2.MF4");
-    // Both are found and read, and hold the same rows.
+    // Both files are found and read, and hold the same rows.
     let twice = diagnosed().unwrap_err();
     assert!(
         twice.contains("train-1.mat") && twice.contains("train-2.MF4") && twice.contains("each recording once"),

@@ -1,4 +1,4 @@
-//! Files that are cut, damaged or lie about their sizes: an error or a recording, never a panic and never memory without bound.
+//! Files that are cut, damaged or wrong about their sizes: an error or a recording, never a panic and never memory without bound.
 
 use std::fs;
 
@@ -19,7 +19,7 @@ const FILES: [&str; 9] = [
     "plain.parquet",
 ];
 
-/// Reads bytes; the recording where they make one.
+/// Reads bytes; returns the recording if there is one.
 fn reads(name: &str, bytes: &[u8]) -> Option<Recording> {
     match recording::read_from(name, bytes, &ChannelMap::default()) {
         Ok(recording) => {
@@ -39,7 +39,7 @@ fn a_file_that_is_cut_is_refused_or_lacks_what_is_not_there() {
         let bytes = fs::read(fixture(name)).unwrap();
         let whole = reads(name, &bytes).unwrap();
         for length in (0..bytes.len()).step_by(bytes.len() / 300 + 1).chain(bytes.len() - 40..bytes.len()) {
-            // What is cut behind a variable lacks the later ones; what is there is as it was.
+            // A file that is cut after a variable lacks the later ones; the earlier ones are unchanged.
             for column in reads(name, &bytes[..length]).iter().flat_map(Recording::columns) {
                 assert_eq!(whole.signal(column.signal), Some(column.values.as_slice()), "{name}: {length} bytes");
             }
@@ -49,7 +49,7 @@ fn a_file_that_is_cut_is_refused_or_lacks_what_is_not_there() {
 
 #[test]
 fn flipped_bits_make_an_error_or_a_recording() {
-    // A generator of our own choice of numbers, so that a failure repeats.
+    // Our own random number generator, so that a failure can be repeated.
     let mut state = 1_u64;
     let mut next = |below: usize| {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -60,7 +60,7 @@ fn flipped_bits_make_an_error_or_a_recording() {
         for trial in 0..400 {
             let mut bytes = whole.clone();
             for _ in 0..=trial % 4 {
-                // Sizes and links stand at the beginning and, in Parquet, at the end.
+                // Sizes and links are at the beginning and, in Parquet, at the end.
                 let at = match trial % 3 {
                     0 => next(bytes.len()),
                     1 => next(bytes.len().min(1024)),
@@ -75,7 +75,7 @@ fn flipped_bits_make_an_error_or_a_recording() {
 
 #[test]
 fn no_size_is_believed() {
-    // Words of sizes, overwritten with large ones wherever they stand.
+    // Words of sizes, overwritten with large ones at every position.
     for name in FILES {
         let whole = fs::read(fixture(name)).unwrap();
         for at in (0..whole.len().min(3000) - 8).step_by(4) {
@@ -91,7 +91,7 @@ fn no_size_is_believed() {
 #[test]
 fn what_unpacks_to_too_much_is_refused_before_it_is_unpacked() {
     let whole = fs::read(fixture("vectors_packed.mat")).unwrap();
-    // A variable of 1.5 GiB, of which the packed bytes hold the beginning.
+    // A variable of 1.5 GiB, of which the packed bytes hold only the beginning.
     let mut packed = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
     let length = u32::try_from(MAX_UNPACKED_BYTES + (MAX_UNPACKED_BYTES >> 1)).unwrap();
     let content = [14_u32.to_le_bytes(), length.to_le_bytes(), [0; 4], [0; 4]].concat();

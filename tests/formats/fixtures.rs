@@ -1,4 +1,4 @@
-//! Each file against the CSV of the same rows.
+//! Each file compared with the CSV of the same rows.
 
 use recording::{Note, Recording, RecordingError, Signal, Unsupported};
 
@@ -66,7 +66,7 @@ fn channels_of_another_group_are_interpolated() {
     assert_eq!(found.signal(Signal::Position), expected.signal(Signal::Position));
     let oil = |recording: &Recording, row: usize| recording.signal(Signal::OilTemperature).unwrap()[row];
     assert_eq!(oil(&found, 40).to_bits(), oil(&expected, 40).to_bits());
-    // Halfway between two samples, where the staircase of the CSV is still at the first.
+    // Halfway between two samples, where the staircase of the CSV still has the first value.
     assert!((oil(&found, 30) - oil(&expected, 30) - 0.0625).abs() < 1e-12);
 }
 
@@ -94,7 +94,7 @@ fn every_format_is_mapped() {
         ("packed_1.mf4", "position=pressure_a [bar]"),
         ("pyarrow.parquet", "position=pressure_a [bar]"),
     ] {
-        // A mapping to a unit that cannot be is the proof that the column was found.
+        // A mapping to an impossible unit: its error proves that the column was found.
         let error = read_mapped(name, &[map]).map(|recording| recording.columns().len());
         match error {
             Err(RecordingError::WrongDimension { .. } | RecordingError::MissingUnit { .. }) => {}

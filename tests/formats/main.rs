@@ -1,5 +1,5 @@
 //! Recordings in the formats that engineers have: each file of `fixtures/formats`, written by the tools that people use, against the
-//! CSV of the same rows; what is written, read again; and files that are cut or damaged.
+//! CSV of the same rows; written files, read again; and files that are cut or damaged.
 
 mod commands;
 mod damaged;

@@ -1,14 +1,14 @@
-//! What is written is read by the tools that people use: scipy, pyarrow.
+//! Written files are read by the tools that people use: scipy, pyarrow.
 
 use std::process::Command;
 
 use recording::ChannelMap;
 use system_tests::python::python_with;
 
-/// Every column as the tool reads it: its name, and its values; `None` for no value.
+/// Every column as the tool reads it: its name, and its values; `None` for a missing value.
 type Columns = Vec<(String, Vec<Option<f64>>)>;
 
-/// What `format`'s tool reads from what is written of `text`; `None` where it is not at hand.
+/// What the tool of `format` reads from the file written from `text`; `None` where the tool is not available.
 fn read_by_others(format: &'static str, module: &str, text: &str) -> Option<Columns> {
     let python = python_with(module)?;
     let folder = tempfile::tempdir().unwrap();
@@ -25,7 +25,7 @@ fn read_by_others(format: &'static str, module: &str, text: &str) -> Option<Colu
     Some(String::from_utf8(output.stdout).unwrap().lines().map(column).collect())
 }
 
-/// A recording with a value that is not there, a name with its unit, and one without.
+/// A recording with a missing value, a name with its unit, and one without.
 const RECORDING: &str = "time [s],spool,position [mm]\n0,0,1.25\n0.5,,0.1\n1,-1,3e-7\n";
 
 fn expected(names: [&str; 3]) -> Columns {

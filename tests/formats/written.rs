@@ -1,4 +1,4 @@
-//! What is written is read again as it was.
+//! What is written reads back unchanged.
 
 use std::fs;
 
@@ -26,7 +26,7 @@ fn what_is_written_reads_back_in_every_format() {
                 assert!((found - expected).abs() <= 2e-14 * expected.abs(), "{name}: {} {found}", column.signal);
             }
         }
-        // In all formats the same numbers stand: those of the text, to the bit.
+        // All formats hold the same numbers: those of the text, to the bit.
         let text = recording::read(&folder.path().join("out.csv"), &ChannelMap::default()).unwrap();
         for signal in [Signal::Position, Signal::PressureA, Signal::Time] {
             assert_eq!(again.signal(signal), text.signal(signal), "{name}");

@@ -1,4 +1,4 @@
-//! Valve, chambers and mechanics alone, and the drive from its spool on: bit for bit.
+//! Valve, chambers and mechanics alone, and the drive driven by its spool: bit for bit.
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
@@ -20,7 +20,7 @@ fn chain_and_links_agree<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Ti
     let (mut chambers_alone, mut rest_alone, mut voids_alone) = (chain.chambers, chain.rest, chain.voids);
     let mut mechanics_alone = chain.motion;
     for (tick, volts) in Excitation::random_steps(seed).sample(1e-3).into_iter().enumerate() {
-        // A load that comes and goes, so that the chain takes it too.
+        // A load that comes and goes, so that the whole model gets a load too.
         let load =
             if tick % 700 < 300 { Load::NONE } else { Load { from: N::saturated(0.05), to: N::saturated(0.05) } };
         let seen = drive.step(&mut chain, DriveInput::Command(command(volts)), load);

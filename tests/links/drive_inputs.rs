@@ -1,4 +1,4 @@
-//! A drive entered at its flows or at its force, as they were simulated at the ticks, moves as the whole chain did.
+//! A drive that is driven by its flows or by its force, as they were simulated at the ticks, moves as the whole model did.
 
 use model_core::drive::{Drive, DriveInput, Load};
 use model_core::flow::PumpDrive;
@@ -12,12 +12,12 @@ use virtual_plant::{Commands, InitialState, Plant};
 
 const TICK: Tick = Tick::OneMillisecond;
 
-/// What the flow link alone may miss of the oracle's flow at the oracle's own spool and pressures, of the flow base.
+/// Largest error of the flow link alone against the oracle's flow, at the oracle's own spool and pressures, of the flow base.
 const FLOW: f64 = 3e-8;
 
-/// Of the motion of a drive that is entered at flows sampled at the ticks, strokes.
+/// Largest error of the motion of a drive that is driven by flows sampled at the ticks, strokes.
 const FROM_FLOW: f64 = 1e-5;
-/// Of one that is entered at the force sampled at the ticks, strokes: straight lines between the ticks cut the peaks of an oil
+/// The same for a drive that is driven by the force sampled at the ticks, strokes: straight lines between the ticks cut the peaks of an oil
 /// spring's ringing.
 const FROM_FORCE: f64 = 3e-4;
 
@@ -27,7 +27,7 @@ fn port_flows<N: Scalar<Real = f64>>(drive: &Drive<N>, state: &State<N>) -> Flow
     drive.flows(state.valve.spool(), PumpDrive { speed: N::saturated(NO_PUMP), direction: 0 }, state.chambers)
 }
 
-/// pa − α·pb: what a force sensor between the piston and the rod would show without friction.
+/// pa − α·pb: the reading of a force sensor between the piston and the rod without friction.
 fn oil_force<N: Scalar<Real = f64>>(named: &NamedDrive, pressures: ChamberState<N>) -> N {
     let ratio = named.machine.get(P::AreaB) / named.machine.get(P::AreaA);
     N::saturated(pressures.a.to_f64() - ratio * pressures.b.to_f64())

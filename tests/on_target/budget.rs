@@ -1,8 +1,8 @@
-//! What the model and the whole firmware cost on the target, against what they may cost.
+//! What the model and the whole firmware cost on the target, against their budgets.
 //!
-//! The whole firmware is held against one part that it would be put on: 100 MHz, 256 KiB of flash, 128 KiB of RAM (an `STM32F411xC`; nothing
-//! smaller with an FPU has room for six seconds of recorder). An instruction is taken for two cycles (loads, branches, waits for the flash), and
-//! half of a period of 1 ms is left to the buses: 25 000 instructions, and 6250 at 25 MHz, which the paper's model has to do with.
+//! The whole firmware is compared with a controller on which it could run: 100 MHz, 256 KiB of flash, 128 KiB of RAM (an `STM32F411xC`; no
+//! smaller one with an FPU has room for six seconds of recorder). An instruction counts as two cycles (loads, branches, waits for the flash), and
+//! half of a period of 1 ms is left to the buses: 25 000 instructions, and 6250 at 25 MHz, which must be enough for the paper's model.
 
 use std::fmt::Write;
 
@@ -12,12 +12,12 @@ use system_tests::snapshot;
 
 use crate::whole;
 
-/// What a figure may be at most.
+/// The limit of a figure.
 struct Budget {
-    /// Its row.
+    /// The figure's row in the table.
     row: &'static str,
     limit: u64,
-    /// Whether it is met on both processors, and so must stay met.
+    /// Whether the limit is met on both processors, and so must stay met.
     met: bool,
 }
 
@@ -26,7 +26,7 @@ const BUDGETS: [Budget; 14] = [
     Budget { row: "instructions a step, mean: every effect, random under load", limit: 1500, met: false },
     Budget { row: "flash of the step, bytes: paper's model", limit: 8 * 1024, met: true },
     Budget { row: "flash of the step, bytes: every effect", limit: 8 * 1024, met: false },
-    // Coefficients are configuration: constants in flash would be none of the RAM, but they are computed at the start.
+    // Coefficients are configuration: as constants in flash they would take no RAM, but they are computed at the start.
     Budget { row: "RAM beside the delay lines, bytes: paper's model", limit: 512, met: true },
     Budget { row: "RAM beside the delay lines, bytes: every effect", limit: 512, met: false },
     Budget { row: "RAM, bytes: state beside its delay lines", limit: 512, met: true },
@@ -34,14 +34,14 @@ const BUDGETS: [Budget; 14] = [
     Budget { row: "instructions a period, worst: begins to follow", limit: 6250, met: true },
     Budget { row: "instructions a period, worst: faults and the way back", limit: 6250, met: true },
     Budget { row: "instructions a period, worst: following, every effect", limit: 25_000, met: false },
-    // Half of the part's: the other half is for what a board has beside.
+    // Half of the controller's flash: the other half is for the other parts of a board's firmware.
     Budget { row: "flash of the control period, every effect included, bytes", limit: 128 * 1024, met: true },
     Budget { row: "flash of the whole firmware, bytes", limit: 256 * 1024, met: true },
     Budget { row: "RAM of the whole firmware and its stack, bytes", limit: 128 * 1024, met: true },
 ];
 
-/// Largest change of a figure against the snapshot: of a worst by two of the counter's steps; of a mean over periods, which lie on few of
-/// the counter's steps, by one of them (where the image's code lies moves periods from one to the next); of any other by a share and two more.
+/// Largest change of a figure against the snapshot: for a worst case, two of the counter's steps; for a mean over periods, which lie on few of
+/// the counter's steps, one step (where the image's code lies moves periods from one step to the next); for any other figure, a share and two more.
 const WORST: f64 = 80.0;
 const PERIOD: f64 = 40.0;
 const RELATIVE: f64 = 0.005;
@@ -96,9 +96,9 @@ fn figures(processor: Processor) -> Vec<(String, u64)> {
     figures
 }
 
-/// Whether a line is still what was kept.
+/// Whether a line agrees with the snapshot.
 fn near(found: &str, kept: &str) -> bool {
-    // Following begins in one period.
+    // Only one period begins to follow.
     let of_one = kept.contains("worst") || kept.contains("begins");
     let (relative, absolute) =
         if of_one { (0.0, WORST) } else { (RELATIVE, if kept.contains("a period, mean") { PERIOD } else { ABSOLUTE }) };

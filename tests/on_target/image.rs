@@ -1,13 +1,13 @@
-//! Images whose only work is the model's step, or the whole control period: their flash, and that nothing in them can panic.
+//! Images that contain only the model's step, or the whole control period: their flash, and a check that nothing in them can panic.
 
 use object::{Object, ObjectSymbol, SymbolKind};
 
 use system_tests::emulator::Processor;
 
-/// Images whose only work is a step: of any drive, and of the paper's model by itself.
+/// Images that contain only a step: of any drive, and of the paper's model by itself.
 const STEPS: [&str; 2] = ["step", "paper_step"];
 
-/// Functions of an image, their names mangled.
+/// Functions of an image, by their mangled names.
 fn functions(processor: Processor, binary: &str) -> Vec<String> {
     let image = processor.image(binary);
     let image = object::File::parse(&*image).expect("cargo links ELF for this target");
@@ -15,10 +15,10 @@ fn functions(processor: Processor, binary: &str) -> Vec<String> {
     functions.filter_map(|symbol| symbol.name().ok().map(str::to_owned)).collect()
 }
 
-/// What a panic has in its name: the handler, and `core`'s ways to it.
+/// Parts of the names of panicking functions: the handler, and `core`'s functions that lead to it.
 const PANICS: [&str; 5] = ["panic", "rust_begin_unwind", "_fail", "PanicInfo", "index_len"];
 
-/// The functions of them.
+/// The functions that can panic.
 fn panics(functions: &[String]) -> Vec<&String> {
     functions.iter().filter(|name| PANICS.iter().any(|part| name.contains(part))).collect()
 }
@@ -36,7 +36,7 @@ fn no_panic_can_be_reached_from_the_step() {
     }
 }
 
-/// Arithmetic in floating point, of a processor without it.
+/// Floating-point arithmetic of a processor without an FPU.
 fn floats(functions: &[String]) -> Vec<&String> {
     let double = ["__aeabi_d", "__adddf3", "__subdf3", "__muldf3", "__divdf3"];
     functions.iter().filter(|name| double.iter().any(|start| name.starts_with(start))).collect()

@@ -1,4 +1,4 @@
-//! What the firmware tells on the emulated target, decoded: which link misses, each fault once, and every change of the mode.
+//! The firmware's log on the emulated target, decoded: which link deviates, each fault once, and every change of the mode.
 
 use defmt_decoder::{DecodeError, Table};
 
@@ -47,7 +47,7 @@ fn the_link_that_misses_is_told_once_and_so_is_each_fault() {
         let (_, much) = lines[1].split_once(" is off by ").unwrap();
         let (off, square) = much.split_once(" of its base, its mean square ").unwrap();
         let (off, square): (f64, f64) = (off.parse().unwrap(), square.parse().unwrap());
-        // The position goes away from the model by 2 % of the stroke, in all.
+        // The position deviates from the model by 2 % of the stroke in all.
         assert!((0.001..0.02).contains(&off) && (1.0..32.0).contains(&square), "{much}");
     }
 }

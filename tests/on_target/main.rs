@@ -1,6 +1,6 @@
 //! The model on the emulated target: does it compute what the host computes, and what does it cost?
 //!
-//! That host and target agree says nothing of whether they are right: that is what the tests of `accuracy` hold against the oracle.
+//! Agreement of host and target does not show that they are right: the tests of `accuracy` compare them with the oracle.
 
 #[cfg(unix)]
 mod budget;

@@ -1,4 +1,4 @@
-//! The trials are of what they say: the shipped drive, its recordings, every effect that there is.
+//! The trials use what they name: the shipped drive, its recordings, every effect that exists.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

@@ -7,10 +7,10 @@ use system_tests::emulator::Processor;
 use system_tests::in_the_loop::{Board, Follows, SETTLING};
 use system_tests::rig::{Rig, Wanted};
 
-/// Periods that it follows for: the model has started, and everything has been called.
+/// Periods for which it follows: enough for the model to start and for every function to be called.
 const PERIODS: usize = 200;
 
-/// Stack that it uses from its start to its end, bytes.
+/// Stack that the firmware uses from its start to its end, bytes.
 pub(crate) fn stack(processor: Processor) -> u64 {
     let per_unit = SetPoint { position: PerUnit::saturated(0.5), velocity: PerUnit::ZERO };
     let machine = press::machine();

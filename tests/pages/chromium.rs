@@ -14,10 +14,10 @@ use system_tests::at_hand::skipped;
 
 /// Longest that an answer takes, on a machine that is busy with other tests.
 const PATIENCE: Duration = Duration::from_mins(1);
-/// Names that it is installed by.
+/// Names under which it is installed.
 const NAMES: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
 
-/// The program, `$CHROME` first; where there is none, says that a test is skipped.
+/// The program, `$CHROME` first; where there is none, prints that a test is skipped.
 pub(crate) fn program() -> Option<String> {
     let given = std::env::var("CHROME").ok();
     let works = |name: &String| {
@@ -34,7 +34,7 @@ pub(crate) fn program() -> Option<String> {
 /// A browser with one page.
 pub(crate) struct Chromium {
     child: Child,
-    /// Its profile: that of nobody.
+    /// Its profile: a new, empty one.
     _profile: TempDir,
     line: WebSocket<TcpStream>,
     session: Option<String>,
@@ -57,14 +57,14 @@ impl Chromium {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        // It says where it listens, among other things.
+        // It prints where it listens, among other things.
         let mut said = BufReader::new(child.stderr.take().unwrap()).lines();
         let address = said
             .by_ref()
             .map_while(Result::ok)
             .find_map(|line| line.strip_prefix("DevTools listening on ").map(str::to_owned))
             .expect("a browser that starts says where it listens");
-        // What else it says is of no interest, but it must be able to say it.
+        // The rest of its output is of no interest, but it must not block on it.
         std::thread::spawn(move || said.for_each(drop));
         let host = address.trim_start_matches("ws://").split('/').next().unwrap();
         let stream = TcpStream::connect(host).unwrap();
@@ -80,7 +80,7 @@ impl Chromium {
         browser
     }
 
-    /// Asks for something and waits for the answer; what happens meanwhile is kept.
+    /// Sends a request and waits for the answer; events in the meantime are kept.
     pub(crate) fn call(&mut self, method: &str, parameters: &Value) -> Value {
         self.last += 1;
         let mut message = json!({ "id": self.last, "method": method, "params": parameters });
@@ -106,7 +106,7 @@ impl Chromium {
         }
     }
 
-    /// Opens a file and waits until it is loaded; what happened before is forgotten.
+    /// Opens a file and waits until it is loaded; earlier events are forgotten.
     pub(crate) fn open(&mut self, page: &Path) {
         self.events.clear();
         self.call("Page.navigate", &json!({ "url": format!("file://{}", page.display()) }));
@@ -116,7 +116,7 @@ impl Chromium {
         }
     }
 
-    /// What a script's expression is.
+    /// The value of a script's expression.
     pub(crate) fn value(&mut self, expression: &str) -> Value {
         let asked = json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });
         let answer = self.call("Runtime.evaluate", &asked);
@@ -139,7 +139,7 @@ impl Chromium {
         self.call("Emulation.setDeviceMetricsOverride", &size);
     }
 
-    /// As though the user had asked for dark pages, or for light ones.
+    /// As if the user had asked for dark pages, or for light ones.
     pub(crate) fn prefer(&mut self, scheme: &str) {
         let features = json!({ "features": [{ "name": "prefers-color-scheme", "value": scheme }] });
         self.call("Emulation.setEmulatedMedia", &features);
@@ -178,9 +178,9 @@ impl Chromium {
         self.mouse("mouseReleased", to, 1);
     }
 
-    /// What went wrong in the page since it was opened: messages of its console, exceptions, errors in its log.
+    /// Errors in the page since it was opened: messages of its console, exceptions, errors in its log.
     pub(crate) fn complaints(&mut self) -> Vec<Value> {
-        // Whatever is still on its way comes before the answer.
+        // Everything that is still on its way arrives before the answer.
         self.value("1");
         let of = |event: &&Value| match event["method"].as_str() {
             Some("Runtime.exceptionThrown" | "Runtime.consoleAPICalled") => true,
@@ -190,7 +190,7 @@ impl Chromium {
         self.events.iter().filter(of).cloned().collect()
     }
 
-    /// What the page has asked for since it was opened, but for itself.
+    /// What the page has requested since it was opened, except itself.
     pub(crate) fn requests(&mut self, page: &Path) -> Vec<String> {
         self.value("1");
         let own = format!("file://{}", page.display());

@@ -1,5 +1,5 @@
-//! Is the page of a diagnosis what a person can use? Looked at in a real browser: it draws, answers, asks nothing of the network,
-//! and fits a phone, the dark and a browser without scripts.
+//! Is the page of a diagnosis usable for a person? Tested in a real browser: it draws, requests nothing from the network,
+//! and works on a phone, in dark mode and in a browser without scripts.
 
 mod chromium;
 
@@ -57,7 +57,7 @@ fn scale(browser: &mut Chromium) -> (f64, f64) {
 fn the_page_draws_its_charts_without_a_complaint_and_asks_nothing_of_the_network() {
     let Some(mut browser) = opened() else { return };
     browser.until("window.hostSimCharts.length > 3");
-    // What is folded is drawn when it is opened.
+    // Folded sections are drawn when they are opened.
     browser.value("document.querySelectorAll('details').forEach(folded => folded.open = true)");
     browser.until("document.querySelectorAll('figure.data:not(.live)').length === 0");
     let charts = browser.value("window.hostSimCharts.length").as_u64().unwrap();
@@ -91,7 +91,7 @@ fn the_page_tells_where_what_how_sure_and_how_to_take_it_to_the_controller_in_th
         "To the controller",
     ];
     assert_eq!(headings, expected);
-    // Each with what it is for.
+    // Each section with its purpose.
     let section = |browser: &mut Chromium, heading: &str, what: &str| -> Vec<String> {
         let found = browser.value(&format!(
             "[...[...document.querySelectorAll('section')].find(one => one.querySelector('h2')?.textContent === '{heading}')
@@ -111,7 +111,7 @@ fn the_page_tells_where_what_how_sure_and_how_to_take_it_to_the_controller_in_th
     assert_eq!(separated[..4], ["against", "test with the channels at hand", "apart", "with one more sensor"]);
     let each = section(&mut browser, "Before and after", "details td:first-child");
     assert_eq!(each.iter().filter(|name| name.contains(".csv")).count(), 6, "{each:?}");
-    // Of each signal with itself and with the input.
+    // Correlations of each signal with itself and with the input.
     let correlations = "[...document.querySelectorAll('figure.data script')].map(one => JSON.parse(one.textContent)) \
         .filter(one => one.y === 'correlation (shaded: 99 % band)' && one.band > 0 && one.layers.length === 2).map(one => one.title)";
     let correlations = browser.value(correlations);
@@ -195,7 +195,7 @@ fn a_click_on_the_legend_hides_a_trace_and_another_shows_it() {
 /// The rows of all recordings over time: the chart that shows the located intervals.
 const ROWS: &str = "window.hostSimCharts.find(one => one.kind === 'rows')";
 
-/// Where a value of the chart of rows stands in the window.
+/// Position of a value of the chart of rows in the window.
 fn on_rows(browser: &mut Chromium, time_s: f64, height: f64) -> (f64, f64) {
     let at = browser.value(&format!(
         "(() => {{ const plot = {ROWS}.plot, box = plot.over.getBoundingClientRect();
@@ -212,7 +212,7 @@ fn the_located_intervals_are_shaded_in_the_row_of_their_recording_and_zoomed() {
     let data = browser.value(&format!("JSON.parse({ROWS}.figure.querySelector('script').textContent)"));
     let rows = data["rows"].as_array().unwrap();
     assert_eq!(rows.len(), 4, "a row for each training recording");
-    // Above the highest trace, in the middle of an interval, and where none is.
+    // Above the highest trace: in the middle of an interval, and outside any interval.
     let ink = |browser: &mut Chromium, row: usize, time_s: f64| {
         let height = (rows.len() - 1 - row) as f64 + 0.9;
         browser.value(&format!(
@@ -249,7 +249,7 @@ fn the_located_intervals_are_shaded_in_the_row_of_their_recording_and_zoomed() {
     browser.until(&format!("Math.abs({ROWS}.plot.scales.x.max - {}) < {}", 0.5 * last, 0.02 * last));
     browser.click(from, 2);
     browser.until(&format!("{ROWS}.plot.scales.x.max === {last}"));
-    // The pointer reads the row it is on; a button hides the traces of its kind.
+    // The pointer reads the row under it; a button hides the traces of its kind.
     let (x, y) = on_rows(&mut browser, 0.5 * last, 0.5);
     browser.mouse("mouseMoved", (x, y), 0);
     let name = rows[3]["label"].as_str().unwrap();
@@ -344,7 +344,7 @@ fn the_dark_has_a_dark_page_and_charts_that_are_read_on_it() {
     let Some(mut browser) = opened() else { return };
     let background = "getComputedStyle(document.body).backgroundColor";
     assert_eq!(browser.value(background), "rgb(255, 255, 255)");
-    // The switch itself: what is drawn follows.
+    // The switch itself: the drawing changes with it.
     let light = browser.value(&format!("{OVER_TIME}.plot.series[2].stroke()"));
     browser.prefer("dark");
     browser.until(&format!("{background} !== 'rgb(255, 255, 255)'"));
@@ -356,7 +356,7 @@ fn the_dark_has_a_dark_page_and_charts_that_are_read_on_it() {
 fn without_scripts_and_on_paper_the_drawings_are_there() {
     let Some(mut browser) = opened() else { return };
     browser.until("window.hostSimCharts.length > 3");
-    // Asked from outside the page, whose own scripts are off.
+    // Evaluated from outside the page, because its own scripts are off.
     let shown = "[...document.querySelectorAll('figure svg')].filter(one => one.getClientRects().length > 0).length";
     let hidden = browser.value("document.querySelectorAll('figure.live:not(.drawn) > svg').length").as_u64().unwrap();
     let with_scripts = browser.value(shown).as_u64().unwrap();

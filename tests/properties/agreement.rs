@@ -1,4 +1,4 @@
-//! Fixed point and f64 are one model.
+//! Fixed point and f64 compute one model.
 
 use std::cell::RefCell;
 
@@ -15,15 +15,15 @@ use super::runner;
 
 /// Budget of the rounding over 4 s, strokes: a tenth of the position's tolerance.
 const POSITION: f64 = 1e-5;
-/// The same, supply pressures, or both largest pressures where these are more.
+/// The same for pressures, in supply pressures, or as a multiple of the largest sum of both pressures where this is more.
 const PRESSURE: f64 = 1e-4;
 /// Share of the travel: the gain from velocity to strokes per tick, 5e-6 in a slow, long drive, is rounded by 2e-9.
 const TRAVEL_SHARE: f64 = 4e-4;
 
-/// Near the end of the format, ±8 supply pressures, or these on A: there fixed point holds the force on the rod, and f64 does not.
+/// Near the end of the format, ±8 supply pressures, or the force of these on A: there fixed point limits the force on the rod, and f64 does not.
 pub(crate) const HELD: f64 = 7.5;
 
-/// Largest sum of both pressures of a run without sign, supply pressures.
+/// Largest sum of the absolute values of both pressures in a run, supply pressures.
 pub(crate) fn largest_pressures(run: &[Row]) -> f64 {
     run.iter().fold(0.0, |largest, row| largest.max(row.pressure_a.abs() + row.pressure_b.abs()))
 }
@@ -41,7 +41,7 @@ fn fixed_point_and_f64_agree_for_every_drive() {
             let fixed = core::<PerUnit>(&machine, tick, &volts, &initial);
             let apart = distance(&real, &fixed);
             let travel = real.iter().fold(0.0_f64, |travel, row| travel.max(row.position.abs()));
-            // Dry friction decides: the last bit may let the rod go, or catch it, a tick earlier, and its pressures with it.
+            // Dry friction decides: the last bit may release or stop the rod a tick earlier, and its pressures change with it.
             let sticks = machine.get(P::CoulombFriction) > 0.0;
             let ways = real.windows(2).map(|pair| (pair[1].position - pair[0].position).abs());
             let per_tick = ways.fold(0.0, f64::max);
@@ -56,7 +56,7 @@ fn fixed_point_and_f64_agree_for_every_drive() {
             Ok(())
         })
         .unwrap();
-    // A drive with a limited flow may swing at it (`settling`), and rounding with it.
+    // A drive with a limited flow may oscillate at its limit (`settling`), and rounding errors with it.
     let at_the_limit = at_the_limit.into_inner();
     let far = at_the_limit.iter().filter(|off| **off > 1.0 || off.is_nan()).count();
     println!("{far} of {} with a limited flow are further off", at_the_limit.len());

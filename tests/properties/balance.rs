@@ -1,9 +1,9 @@
 //! The oil in each chamber changes by what flows in and out, and by nothing else. (1), (2), (7), (9)–(11)
 //!
-//! What a chamber holds beside its volume at rest is C·p + A·y, with C = V/E0 and its hose. A tick of the core changes it by the
-//! flows that the core hands out: of the integrator's truncation nothing enters that balance, whatever the tick, so what may be missing
-//! is rounding alone. It is counted tick by tick, from the formats (`fixed_point`): a gain and a product are half a step off, a pressure
-//! carries the rest of its rounding, a steep coefficient is off by half of its own step.
+//! What a chamber holds beyond its volume at rest is C·p + A·y, with C = V/E0 and its hose. A tick of the core changes it by the
+//! flows that the core returns. The integrator's truncation does not enter that balance at any tick, so only rounding may make it
+//! miss. The rounding is summed tick by tick, from the formats (`fixed_point`): a gain and a product are half a step off, a pressure
+//! carries the remainder of its rounding, a steep coefficient is off by half of its own step.
 
 use proptest::prelude::*;
 
@@ -36,7 +36,7 @@ const ATMOSPHERE_PA: f64 = 1.013e5;
 trait Rounded: Scalar<Real = f64> {
     /// Whether its coefficients and products are rounded to the formats above.
     const TO_FORMAT: bool;
-    /// Largest signal.
+    /// Largest value of a signal.
     const END: f64;
 }
 
@@ -88,8 +88,8 @@ impl Chamber {
         }
     }
 
-    /// (7), with entrained air and a volume that follows the piston: at the start of a tick. Signals end at `end`: a position in strokes, and
-    /// a volume in those at mid-stroke.
+    /// (7), with entrained air and a volume that follows the piston, at the start of a tick. Signals are limited to `end`: a position in
+    /// strokes, and a volume in volumes at mid-stroke.
     fn capacity(&self, pressure_pa: f64, strokes: f64, end: f64) -> Capacity {
         let oil = self.volume_m3 / self.modulus_pa;
         if self.air == 0.0 && self.follows == 0.0 {
@@ -106,7 +106,7 @@ impl Chamber {
         let thin = 1.0 / (1.0 + pressure_pa.max(0.0) / ATMOSPHERE_PA);
         let air = self.air * self.modulus_pa / ATMOSPHERE_PA;
         let whole = oil * (volume + air * volume * thin * thin) + self.hose_m3_per_pa;
-        // The core computes the capacity over the least there is, 1 + (volume − least)·o + volume·thin²·(air·o): o, air·o, the reach and
+        // The core computes the capacity relative to the smallest one, 1 + (volume − least)·o + volume·thin²·(air·o): o, air·o, the reach and
         // the pressure in atmospheres are steep coefficients.
         let smallest = oil * least + self.hose_m3_per_pa;
         let o = oil / smallest;
@@ -121,7 +121,7 @@ impl Chamber {
     }
 }
 
-/// What is found beside what should be, and what rounding may account for.
+/// The value that should be found, and the difference that rounding may account for.
 #[derive(Clone, Copy, Debug, Default)]
 struct Account {
     should: f64,
@@ -134,13 +134,13 @@ impl Account {
         self.allowed += allowed;
     }
 
-    /// How far `found` is off, in what is allowed.
+    /// How far `found` is off, as a multiple of what is allowed.
     fn off(&self, found: f64) -> f64 {
         (found - self.should).abs() / self.allowed
     }
 }
 
-/// Books of a drive: both pressures in supply pressures and the position in strokes, as the flows and the velocity make them.
+/// Balances of a drive: both pressures in supply pressures and the position in strokes, as computed from the flows and the velocity.
 struct Books {
     chambers: [Chamber; 2],
     pressures: [Account; 2],
@@ -174,7 +174,7 @@ impl Books {
         }
     }
 
-    /// Enters a tick from the state `before` to that `after`; a rod that `met` a stop in it was that fast at both its ends together.
+    /// Adds a tick from the state `before` to the state `after`. A rod that `met` a stop in this tick had that speed at both ends of it, added up.
     fn enter<N: Rounded>(
         &mut self,
         [before, after]: [&State<N>; 2],
@@ -184,12 +184,12 @@ impl Books {
     ) {
         let (qa, qb, v) = (seen.flows.a.to_f64(), seen.flows.b.to_f64(), seen.velocity.to_f64());
         let strokes = N::strokes(before.motion.position);
-        // What a void takes up does not raise the pressure.
+        // The flow that fills or closes a void does not raise the pressure.
         let [then, now] =
             [before, after].map(|state| [state.voids.a, state.voids.b].map(|void| self.voids * N::strokes(void)));
         let nets = [qa - v + now[0] - then[0], self.ratio * v - qb + now[1] - then[1]];
         let pressures = [before.chambers.a, before.chambers.b].map(Scalar::to_f64);
-        // α is a gain, and what B displaces is rounded before anything is taken from it.
+        // α is a gain, and the flow that B displaces is rounded before anything is subtracted from it.
         let nets_off = [0.0, HALF * (v.abs() + 1.0)];
         for side in 0..2 {
             let capacity = self.chambers[side].capacity(pressures[side] * pressure_pa, strokes, N::END);
@@ -204,8 +204,8 @@ impl Books {
             self.pressures[side]
                 .add(rise, allowed + 1e-15 * (pressures[side].abs() + rise.abs() + per_net * (then[side] + now[side])));
         }
-        // A rod that meets a stop is set down on its face: its depth is two signals, the velocity that it was too much a steep coefficient
-        // times that. Of a very slow rod the coefficient ends at the largest one, and takes less than the depth.
+        // A rod that meets a stop is set down on its face. The depth is a difference of two signals; the velocity is reduced by a steep coefficient
+        // times the depth. For a very slow rod this coefficient is limited to the largest one, which removes less than the depth.
         let depth = 1.5 * self.travel * met.unwrap_or(0.0);
         let short = depth * (1.0 - STEEPEST * self.travel).max(0.0);
         let signals = if met.is_some() { 6.0 * HALF + HALF_STEEP * self.travel * depth } else { 0.0 };
@@ -213,7 +213,7 @@ impl Books {
         self.position.add(self.travel * v, allowed + 1e-15 * (strokes.abs() + (self.travel * v).abs()));
     }
 
-    /// How far the state is off in each account, in what rounding may do.
+    /// How far the state is off in each account, as a multiple of what rounding may do.
     fn off<N: Rounded>(&self, state: &State<N>) -> [f64; 3] {
         [
             self.pressures[0].off(state.chambers.a.to_f64()),
@@ -223,7 +223,7 @@ impl Books {
     }
 }
 
-/// Where the chain is entered.
+/// What drives the model.
 #[derive(Clone, Copy, Debug)]
 enum Way {
     Command,
@@ -241,14 +241,14 @@ fn drive_input<N: Scalar>(way: Way, ratio: f64, volts: [f64; 2]) -> DriveInput<N
     }
 }
 
-/// What no pressure falls below, in supply pressures.
+/// The pressure below which no pressure falls, in supply pressures.
 fn floor(machine: &Machine<f64>, drive: &Drive<impl Scalar<Real = f64>>) -> f64 {
     let floor_pa = machine.get(P::CavitationFloor);
     if floor_pa < -ATMOSPHERE_PA { f64::NEG_INFINITY } else { floor_pa / drive.bases().pressure_pa }
 }
 
-/// Largest miss of both balances and of the rod's way, in what rounding may do, over a run or until it comes near the ends of the
-/// formats, ±8 of signals and ±128 strokes, where sums are held and nothing can balance.
+/// Largest error of both balances and of the rod's travel, as a multiple of what rounding may do, over a run or until the run comes near the
+/// ends of the formats, ±8 of signals and ±128 strokes, where sums saturate and nothing can balance.
 fn missed<N: Rounded>(machine: &Machine<f64>, tick: Tick, way: Way, volts: &[f64]) -> [f64; 3] {
     let drive = Drive::<N>::new::<DELAY>(machine, tick).unwrap();
     let middle_m = 0.5 * machine.get(P::Stroke);
@@ -280,8 +280,8 @@ fn missed<N: Rounded>(machine: &Machine<f64>, tick: Tick, way: Way, volts: &[f64
     missed
 }
 
-/// What makes a chamber other than (7), in sizes that suit a machine: external leakage, air, volumes that follow the piston, stops, oil
-/// that thins, a floor of the pressures.
+/// What makes a chamber differ from (7), in sizes that suit a machine: external leakage, air, volumes that follow the piston, stops, oil
+/// whose viscosity falls, a floor of the pressures.
 #[derive(Clone, Copy, Debug)]
 struct ChamberEffects {
     shares: [f64; 10],
@@ -345,8 +345,8 @@ proptest! {
     }
 }
 
-/// Past a closed valve, and without leakage to outside, all that leaves one chamber enters the other: the very word, so that not a step
-/// of oil comes or goes in any time.
+/// With a closed valve, and without external leakage, all the oil that leaves one chamber enters the other: exactly the same word, so that
+/// not one step of oil is gained or lost over any time.
 fn passed<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, start: [f64; 3]) -> bool {
     let drive = Drive::<N>::new::<DELAY>(machine, tick).unwrap();
     let mut state: State<N> = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.0));

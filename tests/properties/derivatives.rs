@@ -1,4 +1,4 @@
-//! The derivative by each effect parameter of the smooth effects, at nil too, is the difference of two runs.
+//! The derivative by each effect parameter of the smooth effects, also at nil, agrees with the difference of two runs.
 
 use model_core::drive::{Drive, DriveInput, Load};
 use model_core::machine::{Machine, Parameter as P, Tick};
@@ -23,7 +23,7 @@ fn signals<N: Scalar>(machine: &Machine<N::Real>) -> Vec<[N::Real; 5]> {
     Excitation::random_steps(3).sample(1e-3)[..1500].iter().map(step).collect()
 }
 
-/// The derivative against differences over `step`, within `tolerance` of the largest of each signal.
+/// Compares the derivative with differences over `step`, within `tolerance` of the largest value of each signal.
 fn check(machine: &Machine<f64>, parameter: P, step: f64, one_sided: bool, tolerance: f64) {
     let moved = |by: f64| signals::<f64>(&machine.with(&[(parameter, machine.get(parameter) + by)]));
     let above = moved(step);
@@ -51,7 +51,7 @@ fn check(machine: &Machine<f64>, parameter: P, step: f64, one_sided: bool, toler
     assert!(moves, "{key} moves nothing");
 }
 
-/// Parameter, a middling value, and the size of its range.
+/// Parameter, a medium value, and the size of its range.
 const SMOOTH: [(P, f64); 17] = [
     (P::HysteresisWidth, 0.05),
     (P::NullDriftTravel, 0.05),

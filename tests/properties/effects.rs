@@ -1,4 +1,4 @@
-//! What holds for every effect of the valve and the flow link, alone and together; and of the whole catalogue, without its amounts.
+//! Properties of every effect of the valve and the flow link, alone and together; and of the whole catalogue without its amounts.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -47,7 +47,7 @@ proptest! {
     }
 }
 
-/// How an effect acts says nothing where there is nothing of it: every one of the catalogue, in fixed point and in f64.
+/// Parameters of how an effect acts change nothing while its amount is nil: for every effect of the catalogue, in fixed point and in f64.
 #[test]
 fn an_effect_without_its_amounts_is_the_model_without_it() {
     let volts = &Excitation::random_steps(5).sample(1e-3)[..1000];
@@ -87,9 +87,9 @@ fn an_effect_without_its_amounts_is_the_model_without_it() {
     }
 }
 
-/// Budget of the rounding over 4 s, strokes, and share of the travel: as without effects.
+/// Budget of the rounding over 4 s: strokes, and share of the travel, the same as without effects.
 const POSITION: (f64, f64) = (1e-5, 4e-4);
-/// Supply pressures, or both largest pressures where these are more.
+/// Supply pressures, or multiples of the largest sum of both pressures where this is more.
 const PRESSURE: f64 = 1e-4;
 
 proptest! {
@@ -132,7 +132,7 @@ fn a_stuck_spool_jumps_in_the_same_ticks_in_fixed_point_and_f64() {
     }
 }
 
-/// Largest change of a pressure or the supply's from tick to tick, late with the spool held open.
+/// Largest change of a pressure or of the supply from tick to tick, late in a run with the spool held open.
 fn restlessness<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, spool: f64, start: [f64; 2]) -> f64 {
     let drive = drive::<N>(machine, tick);
     let pressures = ChamberState { a: N::saturated(start[0]), b: N::saturated(start[1]) };
@@ -149,8 +149,8 @@ fn restlessness<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, spool
     (0..6000).map(|tick| if tick < 5000 { 0.0 * change() } else { change() }).fold(0.0, larger)
 }
 
-/// A supply without memory, a leaking valve, a tight return: the loops they close must settle, at any opening. Where both edges of a port
-/// stand within the laminar transition, one drive in some hundreds goes to and fro instead, by a thousandth of the supply, seldom by more.
+/// The loops that a supply without memory, a leaking valve and a tight return close must settle, at any opening. Where both edges of a port
+/// are within the laminar transition, one drive in some hundreds oscillates instead, by a thousandth of the supply, seldom by more.
 #[test]
 fn no_effect_of_the_edges_keeps_the_pressures_swinging() {
     let drawn = (
@@ -164,7 +164,7 @@ fn no_effect_of_the_edges_keeps_the_pressures_swinging() {
     let found = RefCell::new(Vec::new());
     runner(1000, file!())
         .run(&drawn, |(machine, tick, effects, droop, spool, start)| {
-            // The flow limit is none of these loops, and what meets it swings without any effect.
+            // The flow limit is not part of these loops, and drives that reach it oscillate even without effects.
             let machine = machine.with(&[(P::FlowLimit, f64::INFINITY)]);
             let mut machine = effects.on(&machine, |index| (5..10).contains(&index));
             let full = machine.get(P::FlowCoefficient) / machine.get(P::SupplyPressure).sqrt();
@@ -186,7 +186,7 @@ fn no_effect_of_the_edges_keeps_the_pressures_swinging() {
     assert!(worst < 0.3 && 100 * swinging < found.len(), "{swinging} of {}, {worst:e}", found.len());
 }
 
-/// A law that holds for any effects says something of each of them.
+/// A law that holds for all effects must check something for each of them.
 #[test]
 fn each_effect_is_on_in_many_of_the_drives_that_the_laws_are_asked_on() {
     let drawn: Vec<Effect> = every_drawn().collect();

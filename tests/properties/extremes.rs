@@ -45,7 +45,7 @@ fn scramble(stored: &mut Value, words: &mut impl Iterator<Item = i64>) {
     }
 }
 
-/// A state whose every word is anything, the private ones too: what a damaged store might hold.
+/// A state in which every word is arbitrary, the private ones too: what a damaged store might hold.
 fn any_state(drive: &Drive<PerUnit>, seed: u64) -> State<PerUnit> {
     // A position beyond 32 bits marks the one word that is 64 bits wide.
     let rest = drive.at_rest::<DELAY>(
@@ -125,7 +125,7 @@ proptest! {
     }
 }
 
-/// The drive with its valve closed, thrown off: pressures in supply pressures, velocity in its base. Its largest velocity in the
+/// The drive with its valve closed, started far from rest: pressures in supply pressures, velocity in its base. Returns its largest velocity in the
 /// second half of 3000 ticks.
 fn thrown<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, [a, b, velocity]: [f64; 3]) -> f64 {
     let drive = drive::<N>(machine, tick);
@@ -142,7 +142,7 @@ fn thrown<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, [a, b, velo
 proptest! {
     #![proptest_config(cases(1000))]
 
-    /// In fixed point the stages of a stiff drive end at ±8: what the format cuts off must not keep the rod going.
+    /// In fixed point the stages of a stiff drive are limited to ±8: this limit must not keep the rod moving.
     #[test]
     fn a_drive_thrown_far_off_comes_to_rest(
         machine in any_machine(),

@@ -1,4 +1,4 @@
-//! Dry friction holds exactly and only ever brakes.
+//! Dry friction holds the rod exactly, and can only brake it.
 
 use proptest::prelude::*;
 
@@ -13,8 +13,8 @@ use virtual_plant::InitialState;
 
 use super::cases;
 
-/// With dry friction of up to a tenth of the drive's force and any effects beside, but none that pushes the rod or feeds a chamber, and a
-/// valve that stands closed.
+/// A machine with dry friction of up to a tenth of the drive's force and any other effects, except those that push the rod or feed a chamber.
+/// Its valve is closed.
 fn with_friction() -> impl Strategy<Value = Machine<f64>> {
     (any_machine(), any_effects(), 0.001..0.1).prop_map(|(machine, effects, share)| {
         let machine = effects.on(&machine);
@@ -32,7 +32,7 @@ fn with_friction() -> impl Strategy<Value = Machine<f64>> {
     })
 }
 
-/// Its dry friction is nowhere less than Coulomb's.
+/// The machine with a dry friction that is nowhere less than Coulomb's.
 fn everywhere_alike(machine: &Machine<f64>) -> Machine<f64> {
     without(machine, &[P::PositionFrictionSlope, P::PositionFrictionBow])
 }
@@ -41,7 +41,7 @@ fn held<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, share: f64, s
     let drive = drive::<N>(machine, tick);
     let friction_n = machine.get(P::CoulombFriction);
     let mut initial = InitialState::at_rest(machine, 0.1);
-    // Up to half the friction is spent on the pressures, up to another half on the load.
+    // Up to half the friction balances the pressures, up to another half the load.
     initial.pressure_a_pa += 0.49 * share * friction_n / machine.get(P::AreaA);
     let start = at_rest(&drive, 0.0, &initial);
     let mut state = start;
@@ -55,8 +55,8 @@ fn held<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, share: f64, s
     }
 }
 
-/// Whether a rod without other forces, at a velocity and a place, never gets faster: in chambers that press on its seals, in oil as warm as
-/// these shares say.
+/// Whether a rod without other forces, at a velocity and a position, never gets faster: with these shares for the pressure on its seals and
+/// the temperature of the oil.
 fn only_brakes<N: Scalar<Real = f64>>(
     machine: &Machine<f64>,
     tick: Tick,

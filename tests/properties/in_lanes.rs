@@ -1,4 +1,4 @@
-//! Recordings that are simulated in SIMD lanes are each simulated as alone, bit for bit.
+//! Recordings that are simulated in SIMD lanes give the same results as when each is simulated alone, bit for bit.
 
 use proptest::prelude::*;
 
@@ -16,7 +16,7 @@ use system_tests::simulate::DELAY;
 
 use super::cases;
 
-/// Every input that a chain may be entered with, at rows that lie between ticks; load and temperature of the oil in every other one only.
+/// Every drive input of the model, at rows that lie between ticks; load and temperature of the oil only in every other recording.
 fn recording(machine: &Machine<f64>, seed: u64, rows: usize, interval_s: f64, from: f64) -> Recording {
     let volts = Excitation::random_steps(seed).sample(interval_s);
     let of = |scale: f64| volts[..rows].iter().map(|volts| scale * volts).collect::<Vec<f64>>();
@@ -38,10 +38,10 @@ fn recording(machine: &Machine<f64>, seed: u64, rows: usize, interval_s: f64, fr
     Recording::new("any", columns.map(|(signal, values)| Column::si(signal, values)).collect()).unwrap()
 }
 
-/// A recording that is drawn: seed, rows, interval in s, start in strokes, and what a fit moved that by, m.
+/// A drawn recording: seed, rows, interval in s, start in strokes, and by how much a fit moved the start, m.
 type Drawn = (u64, usize, f64, f64, f64);
 
-/// Simulates them in SIMD lanes and one by one, some of their signals left out, and wants the same bits.
+/// Simulates them in SIMD lanes and one by one, some of their signals left out, and checks that all bits are equal.
 fn as_alone(machine: &Machine<f64>, tick: Tick, input_point: InputPoint, follows: bool, drawn: &[Drawn]) {
     let of_drawn = |&(seed, rows, interval_s, from, shift_m): &Drawn| {
         let recording = recording(machine, seed, rows, interval_s, from);
@@ -84,7 +84,7 @@ fn recordings_of_a_pump_are_simulated_one_by_one() {
     as_alone(&machine, Tick::OneMillisecond, InputPoint::Pump, false, &drawn);
 }
 
-/// The press with every form of every effect, and with tables without a name.
+/// The press with every form of every effect, and with unnamed tables.
 fn with_each_effect() -> Vec<(&'static str, Machine<f64>)> {
     let press = drives::press();
     let scene = Scene {

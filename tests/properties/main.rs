@@ -1,7 +1,7 @@
-//! What holds for every drive, every state and every input.
+//! Properties of every drive, every state and every input.
 //!
-//! The seeds are fixed, so that a run says the same everywhere; a case that once failed is found again by its seed, or stands as a test of its
-//! own. More of them, thirty times as many with another seed:
+//! The seeds are fixed, so that every run gives the same result; a case that once failed is repeated by its seed, or is a test of its
+//! own. More cases, thirty times as many with another seed:
 //!
 //! ```text
 //! CASES_TIMES=30 CASES_SEED=1 cargo test -p system-tests --test properties
@@ -25,7 +25,7 @@ mod time;
 
 use proptest::test_runner::{Config, RngSeed, TestRunner};
 
-/// That many cases from a fixed seed; `CASES_TIMES` as many, and from the seed `CASES_SEED`, where these are set.
+/// This number of cases from a fixed seed; `CASES_TIMES` as many, and from the seed `CASES_SEED`, where these are set.
 fn cases(cases: u32) -> Config {
     let set = |name: &str| {
         std::env::var(name).ok().map(|text| text.parse::<u32>().unwrap_or_else(|_| panic!("{name}={text}")))
@@ -41,7 +41,7 @@ fn cases(cases: u32) -> Config {
     }
 }
 
-/// Runs that many cases of a law that is judged by all of them together; what fails alone is kept beside the others of `file`.
+/// Runs this number of cases of a law that is judged by all of them together; a case that fails alone is kept beside the others of `file`.
 fn runner(number: u32, file: &'static str) -> TestRunner {
     TestRunner::new(Config { source_file: Some(file), ..cases(number) })
 }

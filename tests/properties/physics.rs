@@ -15,21 +15,21 @@ use virtual_plant::InitialState;
 
 use super::{cases, runner};
 
-/// Allowance for growing energy, in shares of what the supply would compress: leakage is implicit on the diagonal only, which gives
+/// Allowed growth of energy, as a share of what the supply would compress: leakage is implicit on the diagonal only, which gives
 /// up to 1e-7; fixed point rounds to 4e-9.
 const ROUNDING: f64 = 1e-6;
 
-/// The mass that the step keeps the energy of is smaller than the moving mass by up to this share, see `sprung_mass` in the core.
+/// The step keeps the energy of a mass that is smaller than the moving mass by up to this share, see `sprung_mass` in the core.
 const SPRUNG: f64 = 0.041;
 
-/// A drive in SI units, and what is stored in it.
+/// A drive in SI units, with the parameters of its stored energy.
 struct Store {
     mass: f64,
     load_n: f64,
     areas_m2: [f64; 2],
     /// V/E and hose of each chamber, m³/Pa.
     capacities: [f64; 2],
-    /// Where the stops begin, m, and what both push with per depth, N/m.
+    /// Where the stops begin, m, and the stiffness of both, N/m.
     stops_m: [f64; 2],
     stop_n_per_m: f64,
 }
@@ -52,13 +52,13 @@ impl Store {
         self.areas_m2.iter().zip(self.capacities).map(|(area, capacity)| area * area / capacity).sum()
     }
 
-    /// Most that oil and load may push the rod by, N.
+    /// Largest force of oil and load on the rod, N.
     fn largest_n(&self, state: &Si) -> f64 {
         let oil = self.areas_m2.iter().zip(state.pressures_pa).map(|(area, pressure)| area * pressure.abs());
         oil.sum::<f64>() + self.load_n.abs()
     }
 
-    /// Largest pressure that the mass, stopped from a velocity, presses into a chamber beyond the static one.
+    /// Largest pressure beyond the static one that the mass produces in a chamber when it is stopped from a velocity.
     fn shock_pa(&self, velocity_m_per_s: f64) -> f64 {
         let compressed_m = velocity_m_per_s * (self.mass / self.spring()).sqrt();
         let of = |side: usize| self.areas_m2[side] / self.capacities[side] * compressed_m;
@@ -92,7 +92,7 @@ fn energy(store: &Store, state: &Si) -> f64 {
     moving + compressed.sum::<f64>() + pressed - store.load_n * state.position_m
 }
 
-/// A valve so small that a stop from full speed cannot press more than a supply pressure.
+/// A valve so small that a stop from full speed raises no pressure by more than a supply pressure.
 pub(crate) fn gentle(mut machine: Machine<f64>) -> Machine<f64> {
     let supply_pa = machine.get(P::SupplyPressure);
     let full_speed = 2.0 * machine.get(P::FlowCoefficient) * supply_pa.sqrt() / machine.get(P::AreaB);
@@ -101,8 +101,8 @@ pub(crate) fn gentle(mut machine: Machine<f64>) -> Machine<f64> {
     machine
 }
 
-/// Without what stores energy, or feeds a chamber, in a way that [`Store`] does not know: air, volumes that follow the piston, springs,
-/// bristles, edges that are open at the centre, voids, which pull the rod back by the floor.
+/// Without parts that store energy, or feed a chamber, in a way that [`Store`] does not know: air, volumes that follow the piston, springs,
+/// bristles, edges that are open at the centre, voids (the floor of the pressure pulls the rod back).
 fn storing_nothing_else(machine: &Machine<f64>) -> Machine<f64> {
     let none = [P::AirShare, P::VolumeShare, P::ValveLeakageOpening];
     without(machine, &[&none[..], &LOAD, &LUGRE].concat()).with(&[NO_FLOOR])
@@ -113,12 +113,12 @@ fn free(machine: &Machine<f64>) -> Machine<f64> {
     without(machine, &STOPS)
 }
 
-/// The valve stands closed at command 0, and the tank is empty: what leaks goes to nothing.
+/// The valve is closed at command 0, and the tank is without pressure: leaked oil gives no energy to it.
 fn closed(machine: &Machine<f64>) -> Machine<f64> {
     overlapped(&without(machine, &[P::ValveOffset, P::NullDriftTravel, P::TankPressure]))
 }
 
-/// The most that dry friction of every kind may be at these pressures in all, N.
+/// The largest sum of all kinds of dry friction at these pressures, N.
 fn dry_n(machine: &Machine<f64>, pressures_pa: [f64; 2]) -> f64 {
     let get = |parameter| machine.get(parameter);
     let [extending, retracting] = [P::AsymmetricExtending, P::AsymmetricRetracting].map(get);
@@ -128,8 +128,8 @@ fn dry_n(machine: &Machine<f64>, pressures_pa: [f64; 2]) -> f64 {
     get(P::CoulombFriction) + stribeck + extending.max(retracting) + along + pressed + get(P::PreslidingForce)
 }
 
-/// Where a drive that is left alone starts: pressures in supply pressures, velocity in the fastest that presses no more than one, share of
-/// the stroke before a stop and which, where it has stops; else in the middle.
+/// Where a drive without command starts: pressures in supply pressures; velocity as a share of the fastest whose shock is at most one supply
+/// pressure; distance to a stop as a share of the stroke, and which stop. Without stops the rod starts in the middle.
 #[derive(Clone, Copy, Debug)]
 struct Start {
     pressures: [f64; 2],
@@ -143,10 +143,10 @@ fn any_start() -> impl Strategy<Value = Start> {
         .prop_map(|(pressures, velocity, before_stop, extended)| Start { pressures, velocity, before_stop, extended })
 }
 
-/// How the energy of a drive grew that was left alone, in shares of what the supply would compress.
+/// How much the energy of a drive without command grew, as a share of what the supply would compress.
 #[derive(Clone, Copy, Debug)]
 struct Growth {
-    /// The most in any tick that ends on no face of a stop, and over the run; both beside what dry friction that turns within a tick may give.
+    /// The most in any tick that does not end on the face of a stop, and over the run, without what dry friction that reverses in a tick may give.
     tick: f64,
     run: f64,
     /// Whether the rod met a stop.
@@ -166,7 +166,7 @@ fn growth<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, start: Star
     let mut state: State<N> = at_rest(&drive, 0.0, &InitialState::at_rest(machine, position_m));
     state.chambers.a = N::saturated(start.pressures[0]);
     state.chambers.b = N::saturated(start.pressures[1]);
-    // No faster than a stop that presses one supply pressure.
+    // Not faster than a stop whose shock is one supply pressure.
     let fastest = (supply_pa / store.shock_pa(1.0) / bases.velocity_m_per_s).min(1.0);
     state.motion.velocity = N::saturated(fastest * start.velocity);
     let scale = store.capacities.iter().sum::<f64>() * supply_pa * supply_pa;
@@ -176,7 +176,7 @@ fn growth<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, start: Star
         let before = si(&state, bases);
         drive.step(&mut state, DriveInput::Command(N::ZERO), Load::NONE);
         let after = si(&state, bases);
-        // Dry friction that turns within the tick may have pushed for a part of its way.
+        // Dry friction that reverses within the tick may have pushed the rod for a part of its way.
         let way_m = after.position_m - before.position_m;
         let (from, to) = (before.velocity_m_per_s, after.velocity_m_per_s);
         let has_turned = from * to <= 0.0 || from * way_m <= 0.0 || to * way_m <= 0.0;
@@ -185,7 +185,7 @@ fn growth<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, start: Star
         let sprung = |state: &Si| SPRUNG * 0.5 * store.mass * state.velocity_m_per_s.powi(2);
         let more = energy(&store, &after) - energy(&store, &before);
         let risen = more - sprung(&before).max(sprung(&after));
-        // A rod that is set down on a face still has the velocity that it came with, and what pushed it on the way beyond has given it more.
+        // A rod that is set down on a face keeps its velocity, and what pushed it on the way beyond the face has given it more energy.
         let on_a_face = store.stops_m.iter().any(|face| (after.position_m - face).abs() < 1e-7 * stroke_m);
         growth.met |= on_a_face;
         let beyond_m = if on_a_face { from.abs().max(to.abs()) * tick.seconds() } else { 0.0 };
@@ -199,7 +199,7 @@ fn growth<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, start: Star
     growth
 }
 
-/// What an open drive holds more than its supply gave and its tank took, largest over a run, in shares of what the supply gave.
+/// Energy that an open drive holds beyond what its supply gave less what its tank took: the largest over a run, as a share of what the supply gave.
 fn created<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, seed: u64) -> f64 {
     let drive = drive::<N>(machine, tick);
     let (store, bases) = (Store::of(machine), drive.bases());
@@ -217,7 +217,7 @@ fn created<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, seed: u64)
         let (from_supply, to_tank) =
             if spool.from.to_f64() + spool.to.to_f64() > 0.0 { (into_a, out_of_b) } else { (-out_of_b, -into_a) };
         let holds = energy(&store, &si(&state, bases));
-        // Through the centre within a tick, a port has been open to both: whatever came, but no more than the valve passes.
+        // If the spool crosses the centre within a tick, a port was open to both sides: any energy is allowed, up to what the valve passes.
         let crosses = spool.from.to_f64() * spool.to.to_f64() < 0.0;
         let known = supply_pa * from_supply - tank_pa * to_tank;
         given += if crosses { (holds - held).min(full_j) } else { known };
@@ -246,10 +246,10 @@ fn extremes<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, volts: &[
 proptest! {
     #![proptest_config(cases(2000))]
 
-    /// Meter-out raises a pressure to the supply's times the area ratio, a load adds its own, and a stop of the mass its shock.
+    /// Meter-out raises a pressure to the supply's times the area ratio; a load adds its own pressure, and stopping the mass adds its shock.
     ///
-    /// Downwards the same: the model has no vapour pressure. (7) is linear and oil can pull, so that what a chamber may fall to is what the
-    /// load, dry friction and the mass can draw, in fixed point and in f64 alike, and no floor holds it.
+    /// Downwards the same holds: the model has no vapour pressure. (7) is linear and oil can pull. So a chamber may fall as far as the
+    /// load, dry friction and the mass can pull it, in fixed point and in f64 alike, and no floor holds the pressure.
     #[test]
     fn pressures_stay_where_supply_load_and_inertia_can_bring_them(
         machine in any_machine().prop_map(gentle),
@@ -263,7 +263,7 @@ proptest! {
         let store = Store::of(&machine);
         let (supply_pa, area_b) = (machine.get(P::SupplyPressure), machine.get(P::AreaB));
         let forced_n = machine.get(P::LoadForce).abs() + dry_n(&machine, [0.0; 2]);
-        // Leakage past the piston makes both pressures one, which then acts on what one area is larger by.
+        // Leakage past the piston makes both pressures equal; the pressure then acts on the difference of the areas.
         let differs_m2 = machine.get(P::AreaA) - area_b;
         let leaks = machine.get(P::InternalLeakage) > 0.0 && differs_m2 > 1e-9;
         let forced = forced_n / if leaks { differs_m2 } else { area_b };

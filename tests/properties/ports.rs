@@ -1,4 +1,4 @@
-//! What a chamber holds is what the equations of its ports and gaps say has come, written here without the core. (1)–(4), (7), (9)–(11)
+//! What a chamber holds agrees with the flow equations of its ports and gaps, which are written here without the core. (1)–(4), (7), (9)–(11)
 
 use std::cell::RefCell;
 
@@ -9,7 +9,7 @@ use model_core::machine::{Machine, Parameter as P, Tick};
 use super::runner;
 use super::smooth::{At, Smooth, TICKS, any_smooth, quantile};
 
-/// Flow into A and out of B by (3), (4), leakage past the piston and out of both chambers: in SI units, without the core.
+/// Flow into A and out of B by (3) and (4), with leakage past the piston and out of both chambers: in SI units, without the core.
 fn flows(machine: &Machine<f64>, at: &At) -> [f64; 2] {
     let get = |parameter| machine.get(parameter);
     let (supply, tank) = (get(P::SupplyPressure), get(P::TankPressure));
@@ -26,7 +26,7 @@ fn flows(machine: &Machine<f64>, at: &At) -> [f64; 2] {
     ]
 }
 
-/// Oil in a chamber beside what its volume at rest holds, m³: (7), (11).
+/// Oil in a chamber beyond what its volume at rest holds, m³: (7), (11).
 fn held(machine: &Machine<f64>, at: &At) -> [f64; 2] {
     let get = |parameter| machine.get(parameter);
     let oil = |volume, pressure: f64| {
@@ -39,7 +39,7 @@ fn held(machine: &Machine<f64>, at: &At) -> [f64; 2] {
     ]
 }
 
-/// Largest difference over a run of what each chamber holds more than at its start and what the flows' equations say has come, by the
+/// Largest difference over a run between the oil that each chamber has gained since the start and the integral of the flow equations by the
 /// trapezoidal rule, m³; `None` near a corner.
 fn not_come(smooth: &Smooth, tick: Tick) -> Option<[f64; 2]> {
     let run = smooth.run(tick)?;
@@ -55,7 +55,7 @@ fn not_come(smooth: &Smooth, tick: Tick) -> Option<[f64; 2]> {
     Some(missed)
 }
 
-/// What came by the flows' own equations and what is there differ by the truncation of the step and of the sum, both of second order.
+/// The integral of the flow equations and the oil in the chambers differ by the truncation of the step and of the sum, both of second order.
 #[test]
 fn what_a_chamber_holds_is_what_ports_and_gaps_pass_by_their_equations_to_second_order() {
     let found = RefCell::new(Vec::new());
@@ -72,7 +72,7 @@ fn what_a_chamber_holds_is_what_ports_and_gaps_pass_by_their_equations_to_second
             let missed: Vec<[f64; 2]> = missed.into_iter().flatten().collect();
             let full = smooth.machine.get(P::FlowCoefficient) * smooth.machine.get(P::SupplyPressure).sqrt();
             for side in 0..2 {
-                // What the valve at full opening passes in half a tick of the shortest.
+                // The flow of the fully open valve in half of the shortest tick.
                 prop_assert!(
                     missed[2][side] < 0.5 * TICKS[2].seconds() * full,
                     "{:e} m³ of {full:e} m³/s",

@@ -1,4 +1,4 @@
-//! The same again is the same, bit for bit: run twice, stored and continued, or with effects of nothing.
+//! The same run gives the same result, bit for bit: run twice, stored and continued, or with effects of nothing.
 
 use proptest::prelude::*;
 use serde::Serialize;
@@ -72,7 +72,7 @@ proptest! {
         prop_assert_eq!(once(), once());
     }
 
-    /// Effects too small for the format are the model without them: nothing is added for their mere presence.
+    /// With effects too small for the format, the result is that of the model without them: their mere presence adds nothing.
     #[test]
     fn an_effect_of_nothing_changes_nothing(machine in any_plain_machine(), tick in any_tick(), seed in any::<u64>()) {
         let volts = &Excitation::random_steps(seed).sample(1e-3)[..1000];

@@ -1,4 +1,4 @@
-//! What a drive settles at is where the physics says, however stiff a chamber is.
+//! A drive settles where the physics says, however stiff a chamber is.
 
 use std::cell::RefCell;
 
@@ -52,7 +52,7 @@ fn settled_pa<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, pump: f
 proptest! {
     #![proptest_config(cases(300))]
 
-    /// With the tangent of the root as Jacobian one case in six settled far off, up to 0.16 of the supply.
+    /// With the tangent of the square root as Jacobian, one case in six settled far off, up to 0.16 of the supply.
     #[test]
     fn a_return_line_settles_where_its_flow_and_its_orifice_say(
         pump in 2.0..45.0_f64, exponent in -6.7..-5.5_f64, capacity in 5e-14..5e-13_f64, tick in any_tick(),
@@ -63,17 +63,17 @@ proptest! {
         let flow = 1.6e-6 * pump * machine.get(P::AreaB) / machine.get(P::AreaA);
         let expected = machine.get(P::TankPressure) + (flow / coefficient).powi(2);
         for found in [settled_pa::<f64>(&machine, tick, pump, 4000), settled_pa::<PerUnit>(&machine, tick, pump, 4000)] {
-            // The orifice is laminar below 2 kPa: there it takes more than the square says.
+            // The orifice is laminar below 2 kPa: there it needs more pressure than the square law says.
             prop_assert!((found - expected).abs() < 3e3, "{found:.0} Pa, expected {expected:.0}");
         }
     }
 }
 
-/// Where the rods of the drives below start: half a stroke.
+/// Initial position of the rods below: half a stroke.
 const MIDDLE_M: f64 = 0.15;
 
-/// A rod on its oil's spring, at this many radians a tick and hardly damped, behind a valve that would pass `ratio` times its limit; at that
-/// a tick would fill chamber A, with the rod held, by `fill` times half the supply.
+/// A hardly damped rod on its oil spring, with this natural frequency in radians a tick, behind a valve that would pass `ratio` times its flow limit;
+/// at this limit, one tick would raise the pressure in chamber A, with the rod held, by `fill` times half the supply.
 fn sprung_drive(tick: Tick, turn: f64, ratio: f64, fill: f64) -> Machine<f64> {
     const DAMPING: f64 = 0.02;
     let areas = [(P::AreaA, 2e-3), (P::AreaB, 1.2e-3), (P::VolumeA, 3e-4), (P::VolumeB, 3e-4), (P::BulkModulus, 1e9)];
@@ -93,12 +93,12 @@ fn sprung_drive(tick: Tick, turn: f64, ratio: f64, fill: f64) -> Machine<f64> {
     ])
 }
 
-/// What else passes oil beside the edges that the spool opens.
+/// Other paths of the oil, beside the edges that the spool opens.
 #[derive(Clone, Copy, Debug, Default)]
 struct Passing {
     /// Opening of all four edges at the centre.
     valve: f64,
-    /// Flow past the piston and out of either chamber at the supply pressure, in parts of the limit.
+    /// Flow past the piston and out of each chamber at the supply pressure, as a share of the flow limit.
     piston: f64,
 }
 
@@ -115,7 +115,7 @@ impl Passing {
     }
 }
 
-/// Which way the spool goes.
+/// Direction of the spool.
 fn any_way() -> impl Strategy<Value = f64> {
     prop_oneof![Just(1.0), Just(-1.0)]
 }
@@ -126,7 +126,7 @@ fn any_passing() -> impl Strategy<Value = Passing> {
     prop_oneof![Just(Passing::default()), valve, piston]
 }
 
-/// How much the pressure in A still swings over the last of 3000 ticks with the spool held at `open`, in parts of the supply.
+/// How much the pressure in A still oscillates over the last of 3000 ticks with the spool held at `open`, as a share of the supply.
 fn swing<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, open: f64) -> f64 {
     let drive = Drive::<N>::new::<64>(machine, tick).expect("the drive fits");
     let rest = N::saturated(0.5);
@@ -143,8 +143,8 @@ fn swing<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, open: f64) -
     ends.1 - ends.0
 }
 
-/// No pressure moves a flow at its limit. With the slope of its chord in every step, two of three such drives swung up and went on; what is left
-/// are large swings at a radian a tick, and smaller ones where leakage holds a pressure where the limit begins.
+/// A flow at its limit does not depend on pressure. With the slope of its chord in every step, two of three such drives started to oscillate and
+/// did not stop. Now only a few oscillate: strongly at a radian a tick, weakly where leakage holds a pressure at the beginning of the limit.
 #[test]
 fn hardly_any_rod_on_its_oils_spring_swings_up_behind_a_limited_flow() {
     let any = (0.3..1.6_f64, 0.5..6.0_f64, 0.2..6.0_f64, any_tick(), any_way(), any_passing());
@@ -173,7 +173,7 @@ fn hardly_any_rod_on_its_oils_spring_swings_up_behind_a_limited_flow() {
     }
 }
 
-/// By how much more than the truth either pressure leaves half the supply, in supplies.
+/// How much further than in the true solution either pressure moves from half the supply, in supply pressures.
 fn beyond_truth<N: Scalar<Real = f64>>(
     machine: &Machine<f64>,
     stop: Option<PlantEffect>,
@@ -192,7 +192,7 @@ fn beyond_truth<N: Scalar<Real = f64>>(
         - largest(&oracle_with(machine, stop.as_slice(), tick, &commands, &initial))
 }
 
-/// Fails where more than one of a hundred errors is above a supply.
+/// Fails if more than one of a hundred errors exceeds one supply pressure.
 fn hardly_any_above_a_supply(errors: &[[f64; 2]]) {
     for number in 0..2 {
         let above = errors.iter().filter(|error| error[number] > 1.0).count();
@@ -201,7 +201,7 @@ fn hardly_any_above_a_supply(errors: &[[f64; 2]]) {
     }
 }
 
-/// A stopped rod makes no room. With that of a free one counted, one in fifteen drives of this draw ended up to two supplies too high.
+/// A stopped rod makes no room for oil. With the room of a free rod, one in fifteen drives of this draw ended up to two supplies too high.
 #[test]
 fn a_rod_that_a_stop_catches_behind_a_limited_flow_drives_no_pressure_beyond_the_true_one() {
     let any = (0.3..1.6_f64, 0.5..6.0_f64, 0.2..6.0_f64, any_tick(), any_way(), 0.005..0.2_f64);

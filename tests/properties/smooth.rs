@@ -1,8 +1,8 @@
-//! Runs in which nothing switches: where the step is of second order, it shows on any machine.
+//! Runs in which nothing switches: there the step shows its second order on any machine.
 //!
 //! The spool moves along a sine to one side and is given at both ends of each tick; no dead zone, no limit, no dry friction; the pressures
-//! stay away from the corner of the root at Δp = 0; and the oil spring is damped, so that nothing rings: of ringing with ω·h near 1 no tick
-//! here is short enough to be of any order. The drive has run in at the shortest tick before.
+//! stay away from the corner of the root at Δp = 0; and the oil spring is damped, so that nothing rings: with ringing at ω·h near 1 no tick
+//! here is short enough to show any order. Before each run the drive runs in at the shortest tick.
 
 use std::f64::consts::TAU;
 
@@ -20,14 +20,14 @@ use virtual_plant::InitialState;
 pub(crate) const TICKS: [Tick; 3] = [Tick::TwoMilliseconds, Tick::OneMillisecond, Tick::HalfMillisecond];
 /// Length of a run, s.
 const LENGTH_S: f64 = 0.4;
-/// Time to run in, s; over three quarters of it the spool opens to its sine.
+/// Time to run in, s; during three quarters of it the spool opens to its sine.
 const RUN_IN_S: f64 = 2.0;
-/// Least damping of the oil spring, of the critical.
+/// Least damping of the oil spring, as a share of the critical damping.
 const DAMPING: f64 = 0.25;
-/// Least pressure over an open edge, supply pressures.
+/// Least pressure difference over an open edge, supply pressures.
 const CORNER: f64 = 0.02;
 
-/// A drive and what its spool does.
+/// A drive and the motion of its spool.
 #[derive(Clone, Debug)]
 pub(crate) struct Smooth {
     pub(crate) machine: Machine<f64>,
@@ -72,7 +72,7 @@ impl Smooth {
         DriveInput::Spool(Spool { from: at(row), to: at(row + 1) })
     }
 
-    /// The run at a tick, a state a tick; `None` where it comes near a corner.
+    /// The run at a tick, one state for each tick; `None` where it comes near a corner.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts of ticks")]
     pub(crate) fn run(&self, tick: Tick) -> Option<Vec<At>> {
         let ticks = |length_s: f64, tick: Tick| (length_s / tick.seconds()).round() as usize;
@@ -100,7 +100,7 @@ impl Smooth {
     }
 }
 
-/// What halving the tick divides an error by, over many machines: the share `of` them has no more than this.
+/// Quantile of the factors by which halving the tick divides an error, over many machines: the share `of` them is at most this.
 pub(crate) fn quantile(ratios: &mut [f64], of: f64) -> f64 {
     ratios.sort_by(f64::total_cmp);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index")]

@@ -1,4 +1,4 @@
-//! A drive that is alike on both sides does not know left from right; one that is not is its mirror image's mirror image.
+//! A drive with two equal sides does not distinguish left from right; the mirror image of any other drive makes the mirrored motion.
 
 use proptest::prelude::*;
 
@@ -14,7 +14,7 @@ use virtual_plant::InitialState;
 
 use super::cases;
 
-/// What is other on one side than on the other: of a drive that is alike on both, none of it.
+/// Parameters that make one side differ from the other: a drive with two equal sides has none of them.
 const ONE_SIDED: [P; 13] = [
     P::ValveOffset,
     P::LoadForce,
@@ -32,7 +32,7 @@ const ONE_SIDED: [P; 13] = [
 ];
 
 fn alike_on_both_sides(machine: &Machine<f64>) -> Machine<f64> {
-    // The larger oil column: it is the one that surely fits.
+    // The larger oil column: with it the drive certainly fits the format.
     let volume_m3 = machine.get(P::VolumeA).max(machine.get(P::VolumeB));
     without(machine, &ONE_SIDED).with(&[
         (P::AreaA, machine.get(P::AreaB)),
@@ -42,7 +42,7 @@ fn alike_on_both_sides(machine: &Machine<f64>) -> Machine<f64> {
     ])
 }
 
-/// The same drive with its chambers exchanged, so that it extends where the other retracts.
+/// The same drive with its chambers exchanged: it extends where the other retracts.
 fn mirror_image(machine: &Machine<f64>) -> Machine<f64> {
     let exchanged = [
         (P::AreaA, P::AreaB),
@@ -61,13 +61,13 @@ fn mirror_image(machine: &Machine<f64>) -> Machine<f64> {
         P::LoadSpringBow,
     ];
     let stroke_m = machine.get(P::Stroke);
-    // The supply edge of A while extending is what the others are sized by: in the image it is that of B while retracting.
+    // The other edges are sized relative to the supply edge of A while extending; in the image that edge is the one of B while retracting.
     let [ports, directions] = [P::MeteringPorts, P::MeteringDirections].map(|more| 1.0 + machine.get(more));
     let mut image = machine.with(&turned.map(|parameter| (parameter, -machine.get(parameter)))).with(&[
         (P::StopRetracted, stroke_m - machine.get(P::StopExtended)),
         (P::StopExtended, stroke_m - machine.get(P::StopRetracted)),
         (P::FlowCoefficient, machine.get(P::FlowCoefficient) * ports * directions),
-        // What all edges leak at the centre goes by that edge too.
+        // The leakage of all edges at the centre is sized relative to that edge too.
         (P::ValveLeakageOpening, machine.get(P::ValveLeakageOpening) / (ports * directions)),
         (P::MeteringPorts, 1.0 / ports - 1.0),
         (P::MeteringDirections, 1.0 / directions - 1.0),
@@ -78,7 +78,7 @@ fn mirror_image(machine: &Machine<f64>) -> Machine<f64> {
     image
 }
 
-/// Without what lets the last bit decide: whether a rod sticks, or a spool, or in which tick a rod meets a stop.
+/// Without effects in which the last bit decides: whether a rod or a spool sticks, or in which tick a rod meets a stop.
 fn without_decisions(machine: &Machine<f64>) -> Machine<f64> {
     let deciding = [
         P::CoulombFriction,
@@ -95,20 +95,20 @@ fn without_decisions(machine: &Machine<f64>) -> Machine<f64> {
     without(machine, &[&deciding[..], &LUGRE, &STOPS].concat())
 }
 
-/// Without a limit of the flow, at which some drives swing for ever (`settling`), and rounding with them.
+/// Without a flow limit, at which some drives oscillate forever (`settling`), and rounding errors with them.
 fn unlimited(machine: &Machine<f64>) -> Machine<f64> {
     machine.with(&[(P::FlowLimit, f64::INFINITY)])
 }
 
-/// Without what is other at each place of the stroke, of what decides nothing.
+/// Without effects that depend on the position, except those that decide something.
 fn without_places(machine: &Machine<f64>) -> Machine<f64> {
     without(machine, &[P::VolumeShare, P::PositionDragBow, P::LoadSpring])
 }
 
-/// What rounding of f64 grows to where edges keep a drive from settling: strokes, and supply pressures.
+/// Size to which rounding of f64 grows where edges keep a drive from settling: strokes, and supply pressures.
 const ALIKE: f64 = 1e-5;
 
-/// How far a drive is from its mirror image under the mirrored command, from `start_m` and from as far before the other end.
+/// Distance of a drive from its mirror image under the mirrored command, from `start_m` and from the same distance to the other end.
 fn unlikeness<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, seed: u64, start_m: f64) -> Distance {
     let volts = Excitation::random_steps(seed).sample(tick.seconds());
     let mirrored: Vec<f64> = volts.iter().map(|volts| -volts).collect();
@@ -142,12 +142,12 @@ proptest! {
         prop_assume!(Drive::<PerUnit>::new::<DELAY>(&machine, tick).is_ok());
         let real = unlikeness::<f64>(&machine, tick, seed, 0.0);
         prop_assert!(real.position < ALIKE && real.pressure < ALIKE, "{real:?}");
-        // In fixed point halves are rounded up on both sides.
+        // In fixed point, halves are rounded up on both sides.
         let fixed = unlikeness::<PerUnit>(&unlimited(&machine), tick, seed, 0.0);
         prop_assert!(fixed.position < 2e-5 && fixed.pressure < 2e-5, "in fixed point {fixed:?}");
     }
 
-    /// In f64: the scales of the fixed-point format go by side A.
+    /// In f64: the scales of the fixed-point format depend on side A.
     #[test]
     fn the_mirror_image_of_any_drive_moves_as_its_mirror_image(
         machine in any_machine(),
@@ -156,8 +156,8 @@ proptest! {
         seed in any::<u64>(),
         start in 0.0..1.0_f64,
     ) {
-        // The least volume of a chamber far beyond the stroke is the format's. Without stops, a load that pushes away from the middle ends
-        // nowhere.
+        // The least volume of a chamber far beyond the stroke is set by the format. Without stops, a load that pushes away from the middle never
+        // stops.
         let machine = unlimited(&without_decisions(&effects.on(&machine)));
         let machine = machine.with(&[
             (P::VolumeShare, 0.0),
@@ -174,7 +174,7 @@ proptest! {
 /// Any state of a drive: spool before and after the tick, pressures, velocity (per unit) and position (strokes).
 type Moment = [f64; 6];
 
-/// Both pressures, velocity and position after a tick from there.
+/// Both pressures, velocity and position one tick after this state.
 fn after_a_tick(machine: &Machine<f64>, tick: Tick, [from, to, a, b, velocity, position]: Moment) -> [f64; 4] {
     let drive = drive::<f64>(machine, tick);
     let mut state: State<f64> = drive.at_rest(0.0, ChamberState { a, b }, position);
@@ -186,8 +186,8 @@ fn after_a_tick(machine: &Machine<f64>, tick: Tick, [from, to, a, b, velocity, p
 proptest! {
     #![proptest_config(cases(2000))]
 
-    /// Everything that is on, dry friction and stops as well: in a tick nothing that the last bit decides has added up. But for volumes that
-    /// follow the piston, of which the least is the format's.
+    /// All effects are on, dry friction and stops as well: within one tick, no decision of the last bit has accumulated. Excluded are volumes that
+    /// follow the piston, because their least volume is set by the format.
     #[test]
     fn a_tick_of_the_mirror_image_is_the_mirror_image_of_the_tick(
         machine in any_machine(),
@@ -201,7 +201,7 @@ proptest! {
         prop_assume!([machine, image].map(|machine| Drive::<f64>::new::<DELAY>(&machine, tick).is_ok()) == [true; 2]);
         let [from, to, a, b, velocity, _] = moment;
         let there = after_a_tick(&machine, tick, [from, to, a, b, velocity, place]);
-        // The base of velocities goes by side A.
+        // The base of velocities depends on side A.
         let base = |machine: &Machine<f64>| drive::<f64>(machine, tick).bases().velocity_m_per_s;
         let ratio = base(&machine) / base(&image);
         let back = after_a_tick(&image, tick, [-from, -to, b, a, -velocity * ratio, 1.0 - place]);

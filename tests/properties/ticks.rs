@@ -1,8 +1,8 @@
 //! Ticks of 0.5, 1 and 2 ms agree to second order where nothing switches.
 //!
-//! What switches, switches at the end of a tick, up to a tick late or early, and is of no order: a command that is held before a valve
-//! without lags, the edge of a dead zone, a rate limit. What such a moment decides may last: a spool that has jumped and one that has not
-//! stay where they are, and so does a rod that dry friction holds. So no bound holds for every machine there.
+//! A switching event takes effect at the end of a tick, up to a tick late or early, and has no order: a command that is held before a valve
+//! without lags, the edge of a dead zone, a rate limit. What is decided at such a moment may last: a spool that has jumped and one that has not
+//! stay where they are, and so does a rod that dry friction holds. So no error bound there holds for every machine.
 
 use std::cell::RefCell;
 
@@ -16,7 +16,7 @@ use virtual_plant::InitialState;
 use super::runner;
 use super::smooth::{Smooth, TICKS, any_smooth, quantile};
 
-/// What halving the tick divides the gap between two ticks by: of position and pressures; `None` near a corner.
+/// Factor by which halving the tick divides the difference between two ticks, for position and pressures; `None` near a corner.
 fn divided_by(smooth: &Smooth) -> Option<[f64; 2]> {
     let mut runs = Vec::new();
     for (tick, every) in TICKS.into_iter().zip([1, 2, 4]) {
@@ -27,8 +27,8 @@ fn divided_by(smooth: &Smooth) -> Option<[f64; 2]> {
     Some([coarse.position / fine.position, coarse.pressure / fine.pressure])
 }
 
-/// (1)–(14), as `chain` solves them: halving the tick divides the error of a step of second order by four, of one of first order by two.
-/// Of single machines two errors of opposite signs may make it more or less.
+/// (1)–(14), as `chain` solves them: halving the tick divides the error of a second-order step by four, of a first-order step by two.
+/// For single machines, two errors of opposite signs may make it more or less.
 #[test]
 fn halving_the_tick_divides_the_error_by_four_on_any_machine_where_nothing_switches() {
     let found = RefCell::new([Vec::new(), Vec::new()]);
@@ -49,8 +49,8 @@ fn halving_the_tick_divides_the_error_by_four_on_any_machine_where_nothing_switc
     }
 }
 
-/// A valve that would pass seven times the limit, open for good, on a rod that a damper holds: a tick at the limit fills A past the supply.
-/// The pressure in A has to end at the supply's, whatever the tick, by two edges and by four. Without a slope of the limited flow it ended
+/// A valve that would pass seven times the limit, open for good, on a rod that a damper holds: a tick at the limit fills A beyond the supply.
+/// The pressure in A must end at the supply pressure at any tick, with two edges and with four. Without a slope of the limited flow it ended
 /// at 0.60 of it at 2 ms, where the flows of both stages cancel.
 #[test]
 fn a_flow_that_was_at_its_limit_ends_at_the_true_pressures() {

@@ -1,4 +1,4 @@
-//! What happens does not depend on when it happens.
+//! A result does not depend on the time at which it happens.
 
 use proptest::prelude::*;
 
@@ -13,8 +13,8 @@ use virtual_plant::InitialState;
 
 use super::cases;
 
-/// Nothing moves it while its valve stands closed, and none of its effects is one of the time since its start: the neutral's drift, the oil
-/// that warms.
+/// The machine without effects that move it while its valve is closed, or that depend on the time since its start: the neutral's drift, the oil
+/// that warms up.
 fn at_peace(machine: &Machine<f64>) -> Machine<f64> {
     let none = [
         P::ValveOffset,
@@ -32,7 +32,7 @@ fn at_peace(machine: &Machine<f64>) -> Machine<f64> {
 fn later<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, volts: &[f64], wait: usize) -> Vec<Interfaces<N>> {
     let drive = drive::<N>(machine, tick);
     let mut state: State<N> = at_rest(&drive, 0.0, &InitialState::at_rest(machine, 0.1));
-    // Whatever is left of a force by rounding goes first.
+    // First, forces that are left by rounding are removed.
     state.chambers.a = N::ZERO;
     state.chambers.b = N::ZERO;
     let start = state;
@@ -46,7 +46,7 @@ fn later<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Tick, volts: &[f64
 proptest! {
     #![proptest_config(cases(1000))]
 
-    /// The delay line stands elsewhere in its ring, and nothing else is another.
+    /// Only the position in the ring of the delay line differs.
     #[test]
     fn the_same_later_is_the_same(
         machine in any_machine(),

@@ -1,4 +1,4 @@
-//! Effects drawn at random, in sizes that suit the machine they come upon: of the valve and the flow link by number, and of every link.
+//! Effects drawn at random, in sizes that suit the given machine: effects of the valve and the flow link by number, and effects of every link.
 
 use proptest::prelude::*;
 
@@ -24,7 +24,7 @@ pub const EFFECTS: [Effect; 12] = [
 /// The number of `spool-stiction`: the only effect whose last bit may decide.
 pub const STICTION: usize = 11;
 
-/// What is drawn: shares of the largest size that any machine is given.
+/// The drawn numbers: shares of the largest size that any machine is given.
 #[derive(Clone, Copy, Debug)]
 pub struct SideEffects {
     shares: [f64; 12],
@@ -42,9 +42,9 @@ fn both(share: f64, size: f64) -> f64 {
     (2.0 * share - 1.0) * size
 }
 
-/// Lowest floor of the pressures there is, Pa.
+/// Lowest possible floor of the pressures, Pa.
 const VACUUM_PA: f64 = -1.013e5;
-/// What makes that there is none: of this effect 0 is a floor as well.
+/// Value that switches this effect off: its floor of 0 is a floor as well.
 pub const NO_FLOOR: (P, f64) = (P::CavitationFloor, -1e9);
 
 /// Evenly over the decades between two values.
@@ -53,7 +53,7 @@ fn decades(share: f64, from: f64, to: f64) -> f64 {
 }
 
 impl SideEffects {
-    /// The machine with those of the effects that `on` says; what has no strength is set for all.
+    /// The machine with those of the effects that `on` selects; parameters that are not amounts are set for all effects.
     #[must_use]
     pub fn on(&self, machine: &Machine<f64>, on: impl Fn(usize) -> bool) -> Machine<f64> {
         let supply_pa = machine.get(P::SupplyPressure);
@@ -91,7 +91,7 @@ impl SideEffects {
     }
 }
 
-/// Those that are not drawn here: leakage past the piston, hoses and Coulomb friction come with the machines, and a valve-controlled
+/// Effects that are not drawn here: leakage past the piston, hoses and Coulomb friction come with the machines, and a valve-controlled
 /// drive has no pump. A new effect belongs in one of the three lists.
 pub const NOT_DRAWN: [Effect; 4] =
     [Effect::InternalLeakage, Effect::HoseCompliance, Effect::CoulombFriction, Effect::PumpSlip];
@@ -132,7 +132,7 @@ pub struct AnyEffects {
     forms: [f64; 9],
 }
 
-/// None of them, one alone, a few, about half.
+/// No effect, one alone, a few, about half of them.
 pub fn any_effects() -> impl Strategy<Value = AnyEffects> {
     let bits = 0..EFFECTS.len() + BEHIND.len();
     let which = prop_oneof![
@@ -159,7 +159,7 @@ impl AnyEffects {
         Self { which: 0, ..self.clone() }
     }
 
-    /// The machine with those that are on; what has no strength is set for all.
+    /// The machine with the effects that are on; parameters that are not amounts are set for all effects.
     ///
     /// # Panics
     /// More amounts are asked for than are drawn.
@@ -176,10 +176,10 @@ impl AnyEffects {
         let (supply_pa, stroke_m) = (machine.get(P::SupplyPressure), machine.get(P::Stroke));
         let force_n = machine.get(P::AreaB) * supply_pa;
         let laminar = 0.05 * machine.get(P::FlowCoefficient) / supply_pa.sqrt();
-        // A load that grows with the square of the way runs away where nothing stops the rod.
+        // A load that grows with the square of the position runs away where nothing stops the rod.
         let stops = amount(Effect::EndStop) > 0.0 || is_on(Effect::PositionDependentLoad);
         let reach_m = stroke_m * (0.2 + 0.3 * within);
-        // So stiff that the drive's whole force presses it in by a thousandth to a tenth of the stroke.
+        // So stiff that the drive's full force compresses the stop by a thousandth to a tenth of the stroke.
         let stop_n_per_m = force_n / stroke_m * decades(stiffness, 10.0, 1000.0);
         let values = [
             (P::ExternalLeakageA, amount(Effect::ExternalLeakage) * laminar),
@@ -217,7 +217,7 @@ impl AnyEffects {
             (P::ViscosityLossPerKelvin, 0.05 * amount(Effect::OilTemperature)),
             (P::ReferenceTemperature, 80.0 * at_c),
             (P::FlowGainNotch, 0.02 + 0.5 * reach),
-            // At most 0, which no tank is below.
+            // At most 0: the tank pressure is never below that.
             (
                 P::CavitationFloor,
                 if is_on(Effect::Cavitation) { VACUUM_PA * amount(Effect::Cavitation) } else { NO_FLOOR.1 },
@@ -227,21 +227,21 @@ impl AnyEffects {
     }
 }
 
-/// What makes a load that depends on the position.
+/// Parameters of a load that depends on the position.
 pub const LOAD: [P; 3] = [P::LoadSpring, P::LoadSpringForce, P::LoadSpringBow];
-/// What makes the end stops.
+/// Parameters of the end stops.
 pub const STOPS: [P; 2] = [P::StopStiffness, P::StopDamping];
-/// What makes presliding.
+/// Parameters of presliding.
 pub const LUGRE: [P; 2] = [P::PreslidingForce, P::PreslidingStiffness];
 
-/// The machine with none of what these say.
+/// The machine with these parameters switched off.
 #[must_use]
 pub fn without(machine: &Machine<f64>, none: &[P]) -> Machine<f64> {
     let none: Vec<(P, f64)> = none.iter().map(|&parameter| (parameter, 0.0)).collect();
     machine.with(&none)
 }
 
-/// The machine with an overlap, so that none of the valve's edges is open on both sides of the centre, whatever differs between the sides.
+/// The machine with an overlap, so that no edge of the valve is open on both sides of the centre, however the sides differ.
 #[must_use]
 pub fn overlapped(machine: &Machine<f64>) -> Machine<f64> {
     machine.with(&[(P::DeadZone, machine.get(P::DeadZone).max(0.01 + machine.get(P::DeadZoneDifference).abs()))])

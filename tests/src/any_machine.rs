@@ -11,7 +11,7 @@ fn decades(from: f64, to: f64) -> impl Strategy<Value = f64> {
     (from.ln()..=to.ln()).prop_map(f64::exp)
 }
 
-/// Cylinder areas (A, B) in m²: 25 to 200 mm bore, rods of 0.4 to 0.75 of it; one in four has the rod through.
+/// Cylinder areas (A, B) in m²: 25 to 200 mm bore, rods of 0.4 to 0.75 of it; one in four has a rod on both sides.
 fn areas_m2() -> impl Strategy<Value = (f64, f64)> {
     let cylinder = (0.025..0.2_f64, 0.4..0.75_f64, prop::bool::weighted(0.25));
     cylinder.prop_map(|(bore_m, rod, through): (f64, f64, bool)| {
@@ -21,7 +21,7 @@ fn areas_m2() -> impl Strategy<Value = (f64, f64)> {
     })
 }
 
-/// Both lags in s: none, one, two, two alike.
+/// Both lags in s: none, one, two different ones, or two equal ones.
 fn time_constants_s() -> impl Strategy<Value = (f64, f64)> {
     prop_oneof![
         Just((0.0, 0.0)),
@@ -36,7 +36,7 @@ fn or_none(none: f64, value: impl Strategy<Value = f64>) -> impl Strategy<Value 
     prop_oneof![Just(none), value]
 }
 
-/// Shares that give the rest of a machine its size: of nominal flow, volume, capacity and force.
+/// Shares that determine the other sizes of a machine: of nominal flow, volume, capacity and force.
 #[derive(Clone, Copy, Debug)]
 struct Shares {
     full_speed_m_per_s: f64,
@@ -87,7 +87,7 @@ fn machines(effects: bool) -> impl Strategy<Value = Machine<f64>> {
             let (area_a, area_b) = areas;
             let nominal = shares.full_speed_m_per_s * area_b;
             let (volume_a, volume_b) = (shares.volume_a * area_a * stroke_m, shares.volume_b * area_b * stroke_m);
-            // Hoses, until the oil columns are soft enough for the format at the longest tick, with a little to spare.
+            // Hoses, so large that the oil columns are just soft enough for the format at the longest tick, with a small margin.
             let tick_s = Tick::TwoMilliseconds.seconds();
             let mobile_m_per_s = tick_s * area_a * supply_pa / (mass + 0.29 * tick_s * damping);
             let filling = tick_s * area_a * modulus_pa / (3.8 * supply_pa);

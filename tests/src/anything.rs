@@ -1,7 +1,7 @@
-//! Everything that may be fed anything, each as one function of bytes: `fuzz/` looks for bytes that break one, and `tests/anything`
-//! repeats what was kept of that.
+//! Everything that may get any input, each as one function of bytes: `fuzz/` looks for bytes that break one, and `tests/anything`
+//! repeats those that were kept.
 //!
-//! Each panics where something is wrong: where the code it calls panics or overflows, and where what comes out breaks a promise.
+//! Each panics where something is wrong: where the code that it calls panics or overflows, and where the result breaks a promise.
 
 use serde::de::DeserializeOwned;
 
@@ -20,7 +20,7 @@ use recording::{ChannelMap, Mapping, Recording, RecordingError, Scale, Signal, T
 use crate::drives;
 use crate::simulate::DELAY;
 
-/// A name, and what takes the bytes.
+/// A name, and the function that takes the bytes.
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All of them. The folders of `fuzz/corpus` and the programs of `fuzz/` have these names.
@@ -37,10 +37,10 @@ pub const TARGETS: [Target; 10] = [
     ("step_float", step::<f64>),
 ];
 
-/// The target of a name.
+/// Runs the target of this name.
 ///
 /// # Panics
-/// There is none.
+/// No target has this name.
 pub fn feed(target: &str, bytes: &[u8]) {
     let known = TARGETS.iter().find(|(name, _)| *name == target);
     known.unwrap_or_else(|| panic!("no target {target}")).1(bytes);
@@ -91,7 +91,7 @@ fn explained(error: &impl Explained) {
     let _ = error.to_string();
 }
 
-/// A machine file: an explained error, or one that is written and read again as it was, and becomes a drive or an error.
+/// A machine file: an explained error, or a machine that is the same after it is written and read again, and becomes a drive or an error.
 ///
 /// # Panics
 /// It is none of these.
@@ -116,10 +116,10 @@ fn bits(file: &MachineFile) -> Vec<u64> {
     Parameter::ALL.iter().map(|&parameter| file.machine.get(parameter).to_bits()).collect()
 }
 
-/// What a serial line brings: the bytes as they are, and the same as the payloads of whole frames, whose checksum no chance finds.
+/// Bytes from a serial line: as they are, and as the payloads of whole frames, because random bytes never have a correct checksum.
 ///
 /// # Panics
-/// What is imported cannot be read.
+/// The imported text cannot be read.
 pub fn frames(bytes: &[u8]) {
     stream(bytes);
     let mut rest = bytes;
@@ -132,7 +132,7 @@ pub fn frames(bytes: &[u8]) {
     stream(&line);
 }
 
-/// What is imported is a CSV whose every row reads; only what its names and numbers say may be wrong.
+/// An imported stream is a CSV in which every row reads; only its names and numbers may be wrong.
 fn stream(bytes: &[u8]) {
     let Ok(stream) = frames::stream(bytes) else { return };
     for imported in stream.recordings {
@@ -180,13 +180,13 @@ fn drive_of(machine: &Machine<f64>, tick: Tick) {
     }
     some_ticks::<PerUnit>(machine, tick);
     some_ticks::<f64>(machine, tick);
-    // The follower's rules divide by what a machine may not have.
+    // The controller's rules divide by values that a machine may not have.
     if machine.check().is_ok() {
         let _ = Follower::new(machine, &Tuning::by_rule(machine, true), tick);
     }
 }
 
-/// Any machine, any state, any inputs, stored states among them that no run leads to.
+/// Any machine, any state, any inputs, also stored states that no run leads to.
 pub fn step<N>(bytes: &[u8])
 where
     N: Word + DeserializeOwned,
@@ -205,7 +205,7 @@ where
     }
 }
 
-/// A number that any bits are one of.
+/// A number type in which any bits are a number.
 pub trait Word: Number<Real = f64> {
     /// The number of these bits.
     fn any(bits: u64) -> Self;
@@ -224,7 +224,7 @@ impl Word for f64 {
     }
 }
 
-/// Bytes that are used up from the front; nothing but zeros follows.
+/// Bytes that are used up from the front; after their end only zeros follow.
 struct Words<'a>(&'a [u8]);
 
 impl Words<'_> {
@@ -242,8 +242,8 @@ impl Words<'_> {
         N::any(self.bits())
     }
 
-    /// The press or a pump drive, with up to 255 changes of parameters, each to an end of its range, a share of it, a multiple of
-    /// what it is, or anything.
+    /// The press or a pump drive, with up to 255 changes of parameters: each to an end of its range, a share of the range, a multiple of
+    /// its value, or anything.
     fn machine(&mut self) -> (Machine<f64>, Tick) {
         let kind = self.byte();
         let mut machine = if kind & 1 == 0 { drives::press() } else { drives::pump() };

@@ -1,4 +1,4 @@
-//! The three drives that every accuracy is stated for.
+//! The three drives for which every accuracy is stated.
 
 use model_core::machine::{Machine, Parameter as P, Source};
 
@@ -7,7 +7,7 @@ pub use firmware::trial::pump;
 /// A machine with a name for tables.
 #[derive(Clone, Copy, Debug)]
 pub struct NamedDrive {
-    /// As it stands in a table.
+    /// Its name in a table.
     pub name: &'static str,
     /// Its parameters.
     pub machine: Machine<f64>,

@@ -1,4 +1,4 @@
-//! Builds binaries of the firmware for the targets and runs them under QEMU, where both are at hand.
+//! Builds binaries of the firmware for the targets and runs them under QEMU, where both tools are installed.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -20,7 +20,7 @@ impl Processor {
     /// Both.
     pub const ALL: [Self; 2] = [Self::M4F, Self::M3];
 
-    /// As it stands in a table.
+    /// Its name in a table.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -36,7 +36,7 @@ impl Processor {
         }
     }
 
-    /// What QEMU is told of it.
+    /// QEMU's arguments for it.
     #[must_use]
     pub const fn machine(self) -> [&'static str; 4] {
         match self {
@@ -45,7 +45,7 @@ impl Processor {
         }
     }
 
-    /// Whether binaries can be built for it; where not, says that a test is skipped.
+    /// Whether binaries can be built for it; if not, prints that a test is skipped.
     #[must_use]
     pub fn can_be_built_for(self) -> bool {
         let target = self.target();
@@ -57,7 +57,7 @@ impl Processor {
         there
     }
 
-    /// Whether binaries can be built for it and run; where not, says that a test is skipped.
+    /// Whether binaries can be built for it and run; if not, prints that a test is skipped.
     #[must_use]
     pub fn can_be_emulated(self) -> bool {
         let emulator = Command::new("qemu-system-arm").arg("--version").stdout(Stdio::null()).status();
@@ -70,7 +70,7 @@ impl Processor {
 
     fn cargo(self, verb: &str, binary: &str, features: &str) -> Command {
         let mut cargo = Command::new(env!("CARGO"));
-        // A folder of its own: the cargo that runs this test holds the usual one.
+        // A folder of its own: the cargo that runs this test locks the usual one.
         cargo
             .args([verb, "--quiet", "--release", "--locked", "--package", "firmware", "--bin", binary])
             .args(["--features", features])
@@ -96,7 +96,7 @@ impl Processor {
         String::from_utf8_lossy(&self.output(binary, "", None)).into_owned()
     }
 
-    /// What a binary prints, with commands of this file in the place of none, see `firmware/commands.rs`.
+    /// What a binary prints, with the commands of this file built in, see `firmware/commands.rs`.
     ///
     /// # Panics
     /// It cannot be built, or it fails.
@@ -135,7 +135,7 @@ impl Processor {
         read(&self.built(binary, None))
     }
 
-    /// Code and constants of a binary, bytes; the processor's start-up, some 200, is part of it.
+    /// Code and constants of a binary, bytes; they include the processor's start-up code, some 200.
     ///
     /// # Panics
     /// It cannot be built.
@@ -144,7 +144,7 @@ impl Processor {
         self.size(binary, &[".text", ".rodata"])
     }
 
-    /// What a binary has in RAM from the start to the end, bytes.
+    /// RAM that a binary occupies from start to end, bytes.
     ///
     /// # Panics
     /// It cannot be built.
@@ -159,7 +159,7 @@ impl Processor {
         sections.iter().filter_map(|name| image.section_by_name(name)).map(|section| section.size()).sum()
     }
 
-    /// The file of a binary, with the values of a drive that `host-sim export` wrote in the place of its own.
+    /// The file of a binary that holds the values of a drive from `host-sim export` instead of its own.
     ///
     /// # Panics
     /// It cannot be built.

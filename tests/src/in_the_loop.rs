@@ -1,4 +1,4 @@
-//! The other end of the firmware's `loop`: its parts are simulated here, wired to a machine's readings, and go with it period by period.
+//! The other end of the firmware's `loop`: the parts on its lines are simulated here, wired to a machine's readings, period by period.
 
 use std::io::{Read, Write};
 use std::os::unix::net::UnixStream;
@@ -24,7 +24,7 @@ use crate::rig::{Controller, Readings, Rig, Wanted};
 
 /// Periods before the firmware is told to follow: sensors and valve settle, and are at rest for as long as the recorder looks back.
 pub const SETTLING: usize = 800;
-/// Period in which the recorder is triggered where nothing has triggered it before.
+/// Period in which the recorder is triggered if nothing has triggered it before.
 pub const RECORDED_FROM: usize = SETTLING + 1000;
 /// Longest that either side waits for the other.
 const PATIENCE: Duration = Duration::from_secs(30);
@@ -36,10 +36,10 @@ pub fn rig(machine: &Machine<f64>, wanted: Vec<Wanted>) -> Rig {
     Rig { sensors: Sensors::with_position(machine, position), ..Rig::new(machine, wanted) }
 }
 
-/// What the firmware says of a period; [`firmware::in_the_loop::lockstep`] has the layout.
+/// What the firmware reports of a period; [`firmware::in_the_loop::lockstep`] has the layout.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Said {
-    /// Mode after it, as a number.
+    /// Mode after the period, as a number.
     pub mode: u8,
     /// Signal whose innovation is beyond its limit, counted from 1.
     pub alarm: u8,
@@ -47,15 +47,15 @@ pub struct Said {
     pub fed: bool,
     /// Whether the order was refused.
     pub refused: bool,
-    /// Faults told since the start, and the kind of the last: [`firmware::supervision::Fault::kind`].
+    /// Faults reported since the start, and the kind of the last: [`firmware::supervision::Fault::kind`].
     pub faults: u8,
-    /// Kind of the last.
+    /// Kind of the last fault.
     pub last_fault: u8,
-    /// Command that was put out, in 10 V.
+    /// Command that was output, in 10 V.
     pub command: PerUnit,
     /// Measured position, of the stroke.
     pub position: PerUnit,
-    /// The model's.
+    /// Position of the model.
     pub model: PerUnit,
 }
 
@@ -91,18 +91,18 @@ pub struct Wrong {
     pub pressure_a_v: Option<f64>,
     /// The rod does not turn the encoder.
     pub uncoupled: bool,
-    /// The line from this part ([`part`]) hangs at this level.
+    /// The line from this part ([`part`]) is stuck at this level.
     pub hangs: Option<(u8, u8)>,
     /// The output is shorted.
     pub shorted: bool,
 }
 
-/// What is left when the firmware has ended.
+/// What remains when the firmware has ended.
 #[derive(Clone, Debug)]
 pub struct Ended {
     /// What its recorder streamed out.
     pub record: Vec<u8>,
-    /// What it said on the console.
+    /// What it printed on the console.
     pub console: String,
 }
 
@@ -110,7 +110,7 @@ impl Ended {
     /// Stack that the firmware used from its start to its end, bytes.
     ///
     /// # Panics
-    /// The console does not say.
+    /// The console does not show it.
     #[must_use]
     pub fn stack(&self) -> u64 {
         let bytes = self.console.split("stack ").nth(1).and_then(|rest| rest.split_whitespace().next()?.parse().ok());
@@ -125,7 +125,7 @@ pub struct Board {
     inputs: Adc,
     output: Dac,
     counter: Counter,
-    /// Where the encoder was last.
+    /// Last count of the encoder.
     counts: i32,
     /// What is wrong from now on.
     pub wrong: Wrong,
@@ -179,10 +179,10 @@ impl Board {
         board
     }
 
-    /// One period: what is wanted, ordered and told in it, and what the sensors show.
+    /// One period: the set point, the order and the timing that it is given, and what the sensors show.
     ///
     /// # Panics
-    /// The firmware has ended, or asks for what there is not.
+    /// The firmware has ended, or asks for a part that does not exist.
     pub fn period(&mut self, wanted: SetPoint, order: Order, timing: Timing, seen: &Readings) -> Said {
         self.show(seen);
         self.ask(wanted, order, timing);
@@ -204,7 +204,7 @@ impl Board {
         self.counter.turn(edges);
     }
 
-    /// The sensors show these readings from now on, where nothing is wrong with them.
+    /// From now on the sensors show these readings, except where a fault is set.
     fn show(&mut self, seen: &Readings) {
         let pressure_v = |pressure_pa: f64| 0.5 + 4.0 * pressure_pa / press::PRESSURE_AT_4_5_V_PA;
         let Wrong { spool_v, pressure_a_v, uncoupled, shorted, .. } = self.wrong;
@@ -219,7 +219,7 @@ impl Board {
         self.counts = counts;
     }
 
-    /// Answers what the firmware asks for, up to the end of its period.
+    /// Answers the firmware's requests up to the end of its period.
     fn serve(&mut self) {
         loop {
             let (number, mut frame, from) = self.asked().expect("the firmware goes on");
@@ -227,7 +227,7 @@ impl Board {
                 self.said = Said::of(&frame);
                 return;
             }
-            // A part is clocked for the longer way.
+            // A part is clocked for the longer of the two directions.
             frame.resize(frame.len().max(from), 0);
             let mut answer = match number {
                 part::INPUTS => self.inputs.frame(&frame),
@@ -243,7 +243,7 @@ impl Board {
         }
     }
 
-    /// What the firmware asks next: the part, the bytes to it, and how many it wants back. `None` where it has ended.
+    /// The firmware's next request: the part, the bytes to it, and how many bytes it wants back. `None` where the firmware has ended.
     fn asked(&mut self) -> Option<(u8, Vec<u8>, usize)> {
         let mut head = [0; 3];
         self.line.read_exact(&mut head).ok()?;
@@ -265,7 +265,7 @@ impl Board {
     /// Ends the firmware.
     ///
     /// # Panics
-    /// It does not end well.
+    /// It ends with an error.
     #[must_use]
     pub fn end(mut self) -> Ended {
         let nothing = SetPoint { position: self.said.position, velocity: PerUnit::from_bits(0) };
@@ -285,13 +285,13 @@ impl Board {
 
 impl Drop for Board {
     fn drop(&mut self) {
-        // It has ended already, or a test has failed and nobody needs it any more.
+        // It has ended already, or a test has failed and no longer needs it.
         let _ = self.emulator.kill();
         let _ = self.emulator.wait();
     }
 }
 
-/// The firmware as a controller: it is told where the rod is, settles, follows, and triggers its recorder.
+/// The firmware as a controller: it is homed, settles, follows, and triggers its recorder.
 #[derive(Debug)]
 pub struct Follows {
     board: Board,
@@ -311,7 +311,7 @@ impl Follows {
     /// Ends the firmware.
     ///
     /// # Panics
-    /// It does not end well.
+    /// It ends with an error.
     #[must_use]
     pub fn end(self) -> Ended {
         self.board.end()
@@ -336,7 +336,7 @@ impl Controller for Follows {
     }
 }
 
-/// Edges of the encoder since the reference.
+/// Edges of the encoder since homing.
 #[expect(clippy::cast_possible_truncation, reason = "a stroke has some ten thousand")]
 fn counts(seen: &Readings) -> i32 {
     (seen.position_m * press::COUNTS_PER_M).round() as i32

@@ -11,7 +11,7 @@ pub const TICK: Tick = Tick::OneMillisecond;
 pub const COMMAND_LIMIT_V: f64 = 10.0;
 /// The output's slew, V/s: the same for every controller.
 pub const SLEW_V_PER_S: f64 = 2000.0;
-/// Relative tolerance of the plant: its error is far below a sensor's step.
+/// Relative tolerance of the plant: its error is far below the resolution of a sensor.
 const TOLERANCE: f64 = 1e-6;
 
 /// What the sensors show in a period, SI units.
@@ -32,22 +32,22 @@ pub struct Readings {
 pub struct Wanted {
     /// Position, m.
     pub position_m: f64,
-    /// The same as the firmware takes it.
+    /// The same set point in the firmware's format.
     pub per_unit: SetPoint,
 }
 
-/// A controller: the command of a period, V.
+/// A controller: gives the command of a period, V.
 pub trait Controller {
     /// Called once a period, with what is wanted and what the sensors show.
     fn command_v(&mut self, wanted: Wanted, seen: &Readings) -> f64;
 }
 
-/// A machine with what acts on it and what is wanted of it.
+/// A machine with its load and its set points.
 #[derive(Clone, Debug)]
 pub struct Rig {
     /// The machine's values.
     pub machine: Machine<f64>,
-    /// What it has beside them.
+    /// Effects that it has beyond these values.
     pub effects: Vec<PlantEffect>,
     /// Force on the rod over time.
     pub load: LoadProfile,
@@ -60,9 +60,9 @@ pub struct Rig {
 /// One period of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
-    /// Where the rod was wanted, m.
+    /// Wanted position of the rod, m.
     pub wanted_m: f64,
-    /// Where it was, m.
+    /// True position of the rod, m.
     pub true_m: f64,
 }
 
@@ -75,7 +75,7 @@ pub fn bases(machine: &Machine<f64>) -> Bases {
 /// The set points of `legs` from a position.
 ///
 /// # Panics
-/// The legs are none.
+/// There are no legs.
 #[must_use]
 pub fn course(machine: &Machine<f64>, bounds: &Bounds, from_m: f64, legs: &[Leg]) -> Vec<Wanted> {
     let bases = bases(machine);
@@ -146,13 +146,13 @@ pub fn rms_mm(rows: &[Row]) -> f64 {
     1e3 * (squares / rows.len() as f64).sqrt()
 }
 
-/// Largest distance, mm.
+/// Largest true distance to the set point, mm.
 #[must_use]
 pub fn worst_mm(rows: &[Row]) -> f64 {
     1e3 * rows.iter().map(|row| (row.wanted_m - row.true_m).abs()).fold(0.0, f64::max)
 }
 
-/// Where the test bed's sensors look at the plant, with noise that repeats.
+/// The test bed's sensors on the plant, with noise that repeats.
 struct Eyes {
     sensors: Sensors,
     random: u64,
@@ -163,7 +163,7 @@ impl Eyes {
         Self { sensors, random: 1 }
     }
 
-    /// Standard normal, as the sum of twelve uniform numbers: no tails, which a controller does not mind.
+    /// Standard normal, as the sum of twelve uniform numbers: without tails, which make no difference to a controller.
     fn noise(&mut self) -> f64 {
         let uniform = |state: &mut u64| {
             // splitmix64

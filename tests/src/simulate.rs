@@ -7,10 +7,10 @@ use model_core::number::{Number, Scalar};
 use model_core::ports::ChamberState;
 use virtual_plant::{Commands, InitialState, Plant, PlantEffect, PumpCommand};
 
-/// The tolerance the oracle is solved to, per unit.
+/// The tolerance that the oracle is solved to, per unit.
 pub const ORACLE_TOLERANCE: f64 = 1e-10;
 
-/// Delay line of the states in these tests, ticks: 20 ms at a tick of 0.5 ms, and some.
+/// Delay line of the states in these tests, ticks: more than 20 ms at a tick of 0.5 ms.
 pub const DELAY: usize = 64;
 
 /// State of a drive in these tests.
@@ -37,14 +37,14 @@ pub struct Distance {
 }
 
 impl Distance {
-    /// The larger of two, each for itself.
+    /// The larger of two runs' differences, for position and pressure separately.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self { position: self.position.max(other.position), pressure: self.pressure.max(other.pressure) }
     }
 }
 
-/// The larger of two, and NaN where what is found is none: a run that ends in NaN must not look calm.
+/// The larger of two, and NaN if the found value is NaN: a run that ends in NaN must not look calm.
 #[must_use]
 pub fn larger(worst: f64, found: f64) -> f64 {
     if found <= worst { worst } else { found }
@@ -69,7 +69,7 @@ pub fn distance(one: &[Row], other: &[Row]) -> Distance {
 /// The drive of `machine` in number type `N`.
 ///
 /// # Panics
-/// The machine is none, or does not fit the format.
+/// The machine is invalid, or does not fit the format.
 #[must_use]
 pub fn drive<N: Number<Real = f64>>(machine: &Machine<f64>, tick: Tick) -> Drive<N> {
     Drive::new::<DELAY>(machine, tick).unwrap_or_else(|error| panic!("{error}"))
@@ -81,7 +81,7 @@ pub fn command<N: Number<Real = f64>>(volts: f64) -> N {
     N::saturated(volts / 10.0)
 }
 
-/// The drive at rest at `initial` with a command held for long.
+/// The drive at rest at `initial` after the command was held for long.
 #[must_use]
 pub fn at_rest<N: Number<Real = f64>>(drive: &Drive<N>, volts: f64, initial: &InitialState) -> State<N> {
     let bases = drive.bases();
@@ -92,7 +92,7 @@ pub fn at_rest<N: Number<Real = f64>>(drive: &Drive<N>, volts: f64, initial: &In
     drive.at_rest(command(volts), pressures, N::travel(initial.position_m / bases.stroke_m))
 }
 
-/// What is compared of a state.
+/// The compared values of a state.
 #[must_use]
 pub fn row<N: Scalar<Real = f64>, const LINE: usize>(state: &DriveState<N, LINE>) -> Row {
     Row {
@@ -181,7 +181,7 @@ pub fn oracle_with(
     states.iter().map(row).collect()
 }
 
-/// What a drive input, a load or a state of any size looks like: every word is possible, small and large ones alike often.
+/// The words of a drive input, a load or a state: every word is possible, small and large ones equally often.
 pub fn any_word() -> impl proptest::strategy::Strategy<Value = model_core::number::PerUnit> {
     use proptest::prelude::*;
     let word = (any::<i32>(), 0_u32..31).prop_map(|(bits, small)| bits >> small);

@@ -1,11 +1,11 @@
-//! A table of what was found, kept beside the tests.
+//! A table of results, kept beside the tests.
 
 use std::path::PathBuf;
 
-/// Prints a table and compares it with a snapshot line by line, or renews that where `RENEW` is set. `file` is below this package.
+/// Prints a table and compares it with a snapshot line by line, or renews the snapshot where `RENEW` is set. `file` is below this package.
 ///
 /// # Panics
-/// They differ by more than `near` allows, which is given a line that was found and the one that was kept.
+/// They differ by more than `near` allows; it gets a line that was found and the line that was kept.
 pub fn compare(file: &str, table: &str, near: impl Fn(&str, &str) -> bool) {
     println!("{table}");
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(file);
@@ -20,8 +20,8 @@ pub fn compare(file: &str, table: &str, near: impl Fn(&str, &str) -> bool) {
     }
 }
 
-/// Whether two lines have the same name up to a column, and numbers after it that differ by no more than a share of the kept one and
-/// so much more. Lines without such numbers have to be alike.
+/// Whether two lines have the same name up to a column, and after it numbers that differ by at most a share of the kept number plus
+/// an absolute amount. Lines without such numbers have to be equal.
 #[must_use]
 pub fn numbers_near(found: &str, kept: &str, column: usize, relative: f64, absolute: f64) -> bool {
     let parsed = |line: &str| -> Option<(String, Vec<f64>)> {

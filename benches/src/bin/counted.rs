@@ -1,6 +1,6 @@
-//! What `tests/instructions.rs` counts the instructions of: `counted step-f64 TICKS`, `counted step-fixed TICKS`, `counted step-lanes TICKS`,
+//! The runs whose instructions `tests/instructions.rs` counts: `counted step-f64 TICKS`, `counted step-fixed TICKS`, `counted step-lanes TICKS`,
 //! `counted refit FOLDER TIMES`.
-//! Times 0 reads what a refit needs and does none: what is left of the difference is the refit.
+//! Times 0 reads what a refit needs and does none, so that the difference of two runs is the refits alone.
 
 use std::error::Error;
 use std::path::Path;
@@ -32,7 +32,7 @@ fn step_in_lanes(ticks: usize) -> f64 {
 
 fn refit(folder: &str, times: usize) -> Result<f64, Box<dyn Error>> {
     let refit = Refit::read(Path::new(folder))?;
-    // Who does what must not depend on how many threads there are.
+    // The division of work must not depend on the number of threads.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let mut loss = 0.0;
     for _ in 0..times {

@@ -1,4 +1,4 @@
-//! Links with this board's memory, the start-up's linker script and that of the log's texts.
+//! Links with this board's memory, and with the linker scripts of the start-up code and of the log's texts.
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");

@@ -1,4 +1,4 @@
-//! A station with somebody at its desk: keys that come in, periods, and a record that goes out. A board adds the line and the clock.
+//! A station with an operator: keys come in, periods run, and a recording goes out. A board adds the line and the clock.
 //!
 //! ```text
 //! key ─► Operator ─► request ─► Station ─► Outcome          recorder ─► Outbox ─► byte
@@ -15,19 +15,19 @@ use crate::recorder::Outbox;
 use crate::set_point::Bounds;
 use crate::supervision::Log;
 
-/// Why a key did nothing.
+/// Why a key had no effect.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum DeskError {
-    /// It is no command, or none at this time.
+    /// It is not a command, or not permitted at this time.
     #[error(transparent)]
     Operator(#[from] OperatorError),
-    /// Where the rod stands is taken while the valve is neutral only.
+    /// The rod's position is accepted only while the valve is neutral.
     #[error("the rod can be homed only while the valve is neutral")]
     NotNeutral,
 }
 
-/// A station, who sits at it, and what goes out.
+/// A station, its operator, and the outgoing data.
 #[derive(Debug)]
 pub struct Desk<'a, A, P, O> {
     station: Station<'a, A, P, O>,
@@ -37,7 +37,7 @@ pub struct Desk<'a, A, P, O> {
 }
 
 impl<'a, A: AnalogIn, P: PositionIn, O: AnalogOut> Desk<'a, A, P, O> {
-    /// At a station, where the rod may be sent within bounds.
+    /// A desk at this station; the operator may send the rod anywhere within the bounds.
     #[must_use]
     pub fn new(station: Station<'a, A, P, O>, bounds: Bounds) -> Self {
         let operator = Operator::new(bounds, *station.bases());
@@ -47,7 +47,7 @@ impl<'a, A: AnalogIn, P: PositionIn, O: AnalogOut> Desk<'a, A, P, O> {
     /// Takes a key, between two periods.
     ///
     /// # Errors
-    /// It does nothing; the error says why.
+    /// The key has no effect; the error says why.
     pub fn key(&mut self, key: u8) -> Result<(), DeskError> {
         match self.operator.typed(&mut self.state, key)? {
             None => {}
@@ -73,7 +73,7 @@ impl<'a, A: AnalogIn, P: PositionIn, O: AnalogOut> Desk<'a, A, P, O> {
         outcome
     }
 
-    /// The next byte that is to go out, if there is one; asked for between two periods.
+    /// The next byte to be sent, if there is one; to be fetched between two periods.
     pub fn byte(&mut self) -> Option<u8> {
         self.outbox.next(self.station.recorder(), values::NAME, TICK_NS)
     }

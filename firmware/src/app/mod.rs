@@ -1,4 +1,4 @@
-//! The press's firmware, put together over any devices: a [`Station`] that is stepped once a tick, an [`Operator`] and a [`Desk`] around it.
+//! The press's firmware, assembled over any devices: a [`Station`] that is stepped once a tick, with an [`Operator`] and a [`Desk`] around it.
 
 mod desk;
 mod operator;

@@ -1,18 +1,18 @@
-//! Somebody at a keyboard: characters become commands, places to go to, and with them the set point of each period.
+//! An operator at a keyboard: characters become commands and target positions, and from these the set point of each period.
 //!
 //! | typed | does |
 //! |---|---|
-//! | `150z` | says that the rod stands at 150 mm; only while the valve is neutral |
+//! | `150z` | sets the rod's present position to 150 mm; only while the valve is neutral |
 //! | `f` | follow, from where the rod stands |
-//! | `160g` | go to 160 mm, from rest to rest within the bounds; only while it is followed, and after the last move has ended |
+//! | `160g` | go to 160 mm, from rest to rest within the bounds; only while the rod follows, and after the last move has ended |
 //! | `s` | stop |
 //! | `a` | acknowledge the faults |
 //! | `t` | trigger the recorder |
 //! | `d` | send what the recorder holds |
-//! | `n` | forget it, and wait for the next alarm |
+//! | `n` | delete that, and wait for the next alarm |
 //!
-//! Spaces and line ends are nothing. Positions are whole millimetres. After a character that is none of these, or was lost on the line,
-//! nothing counts until the next space or line end but `s`: half a number is another place.
+//! Spaces and line ends do nothing. Positions are whole millimetres. After an unknown character, or one that was lost on the line,
+//! everything except `s` is ignored until the next space or line end: half a number would be another position.
 
 use model_core::machine::Bases;
 use model_core::number::{Number, PerUnit};
@@ -22,27 +22,27 @@ use crate::period::{Report, Request, Timing};
 use crate::set_point::{Bounds, Course, CourseState, Leg, SetPoint, SetPointError};
 use crate::supervision::{Command, Mode};
 
-/// Most that is typed as a position, mm.
+/// Largest position that can be typed, mm.
 const MOST_MM: u32 = 100_000;
 
-/// What is to be done beside the control period.
+/// A task outside the control period.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Errand {
-    /// The rod stands here, of the stroke.
+    /// The rod is here, as a share of the stroke.
     Home {
-        /// Where.
+        /// The position.
         position: PerUnit,
     },
     /// Trigger the recorder.
     Trigger,
-    /// Send what it holds.
+    /// Send what the recorder holds.
     Send,
-    /// Let it wait for the next trigger.
+    /// Arm the recorder for the next trigger.
     Arm,
 }
 
-/// Why what was typed is nothing.
+/// Why the input is rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum OperatorError {
@@ -52,27 +52,27 @@ pub enum OperatorError {
         /// What was typed.
         found: u8,
     },
-    /// A position is missing before it.
+    /// The position that this command needs is missing.
     #[error("{letter:#04x} needs a position before it, mm")]
     NoPosition {
         /// What was typed.
         letter: u8,
     },
-    /// It is not followed.
+    /// The rod does not follow.
     #[error("not following: type f first")]
     NotFollowing,
     /// The last move has not ended.
     #[error("the last move has not ended")]
     Moving,
-    /// A period takes one command.
+    /// A period takes only one command.
     #[error("the previous command has not been taken yet")]
     Pending,
-    /// There is no way there.
+    /// There is no valid move to that position.
     #[error(transparent)]
     SetPoint(#[from] SetPointError),
 }
 
-/// Where and how fast somebody may send the rod: configuration.
+/// Where and how fast the operator may send the rod: configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Operator {
     bases: Bases,
@@ -83,7 +83,7 @@ pub struct Operator {
 #[derive(Clone, Debug, PartialEq)]
 pub struct OperatorState {
     typed_mm: Option<u32>,
-    /// Something was typed that is nothing, and no space since.
+    /// An unknown character was typed, and no space or line end since.
     garbled: bool,
     command: Option<Command>,
     mode: Mode,
@@ -92,23 +92,23 @@ pub struct OperatorState {
 }
 
 impl Operator {
-    /// Within bounds, with these bases.
+    /// An operator with these bounds and bases.
     #[must_use]
     pub fn new(bounds: Bounds, bases: Bases) -> Self {
         Self { bases, bounds }
     }
 
-    /// Nothing was typed and nothing is known.
+    /// The initial state: nothing was typed and nothing is known.
     #[must_use]
     pub fn at_rest(&self) -> OperatorState {
         let wanted = SetPoint { position: PerUnit::ZERO, velocity: PerUnit::ZERO };
         OperatorState { typed_mm: None, garbled: false, command: None, mode: Mode::Starting, course: None, wanted }
     }
 
-    /// Takes a character; what is to be done now, if anything.
+    /// Takes a character; returns what must be done now, if anything.
     ///
     /// # Errors
-    /// It is no command, or none at this time; the position before it is forgotten.
+    /// It is not a command, or not permitted at this time; the position before it is forgotten.
     pub fn typed(&self, state: &mut OperatorState, character: u8) -> Result<Option<Errand>, OperatorError> {
         if character.is_ascii_whitespace() {
             state.garbled = false;
@@ -132,7 +132,7 @@ impl Operator {
             b'z' => {
                 let position = PerUnit::saturated(position_m? / self.bases.stroke_m);
                 if !state.mode.is_running() {
-                    // It may follow before the next period has shown where that is.
+                    // Following may begin before the next period has measured this position.
                     state.wanted = SetPoint { position, velocity: PerUnit::ZERO };
                 }
                 return Ok(Some(Errand::Home { position }));
@@ -148,7 +148,7 @@ impl Operator {
         Ok(None)
     }
 
-    /// A command for the next period, which takes one; a stop is none that another takes the place of.
+    /// Sets the command of the next period, which takes only one; another command cannot replace a pending stop.
     fn give(state: &mut OperatorState, command: Command) -> Result<(), OperatorError> {
         if state.command.is_some() {
             return Err(OperatorError::Pending);
@@ -157,7 +157,7 @@ impl Operator {
         Ok(())
     }
 
-    /// Stops in the next period, whatever else was wanted in it.
+    /// Stops in the next period, whatever else was requested for it.
     pub fn stop(&self, state: &mut OperatorState) {
         state.command = Some(Command::Stop);
     }
@@ -169,7 +169,7 @@ impl Operator {
         if state.course.as_ref().is_some_and(|(course, along)| !course.is_done(along)) {
             return Err(OperatorError::Moving);
         }
-        // A bound itself, once rounded, may lie beyond it.
+        // The wanted position, once rounded, may lie just beyond a bound.
         let from_m = state.wanted.position.to_f64() * self.bases.stroke_m;
         let from_m = from_m.max(self.bounds.from_m).min(self.bounds.to_m);
         let course = Course::new(&self.bases, &self.bounds, from_m, &[Leg::Fastest { to_m }])?;
@@ -177,7 +177,7 @@ impl Operator {
         Ok(())
     }
 
-    /// What is wanted in the next period.
+    /// The request for the next period.
     pub fn request(&self, state: &mut OperatorState, timing: Timing) -> Request {
         if let Some((course, along)) = &mut state.course {
             state.wanted = course.step(along);
@@ -185,7 +185,7 @@ impl Operator {
         Request { set_point: state.wanted, command: state.command.take(), timing }
     }
 
-    /// What became of it: until it is followed, the rod is wanted where it is.
+    /// Takes the report of a period: until the rod follows, its set point is its measured position.
     pub fn seen(&self, state: &mut OperatorState, report: &Report) {
         state.mode = report.mode;
         match report.mode {

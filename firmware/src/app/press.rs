@@ -1,7 +1,7 @@
 //! The rig of the shipped drive: its values, its wiring, its limits, its tuning.
 //!
 //! The values are those that `host-sim export` wrote into `machine.rs`, or into the file that the environment variable
-//! `FIRMWARE_MACHINE` names while the firmware is built: so what was identified or diagnosed goes into the controller.
+//! `FIRMWARE_MACHINE` names while the firmware is built: in this way identified or diagnosed values reach the controller.
 
 use model_core::control::Tuning;
 use model_core::machine::{Bases, Machine};
@@ -27,21 +27,21 @@ pub const TICK_NS: u32 = (values::TICK.seconds() * 1e9) as u32;
 pub const RANGES: [Option<Range>; CHANNELS] =
     [None, Some(Range::Bipolar10V), Some(Range::Unipolar5V), Some(Range::Unipolar5V), None, None, None, None];
 
-/// Encoder counts a metre of rod, all edges: a 3600-impulse encoder on a rack of 0.2 m a turn.
+/// Encoder counts per metre of rod, all edges: a 3600-impulse encoder on a rack of 0.2 m per turn.
 pub const COUNTS_PER_M: f64 = 72_000.0;
 /// Spool travel at 10 V of its LVDT.
 pub const SPOOL_AT_10_V: f64 = 1.0;
-/// Pressure at 4.5 V of its sensor, Pa; 0.5 V is none.
+/// Pressure at 4.5 V of its sensor, Pa; 0.5 V means no pressure.
 pub const PRESSURE_AT_4_5_V_PA: f64 = 10e6;
 
-/// Largest command, V, and its slew, V/s: of the loops as of the period that watches them, so that nothing winds up between the two.
+/// Largest command, V, and its slew, V/s: the same for the loops and for the period that checks them, so that nothing winds up between the two.
 const COMMAND_V: f64 = 9.5;
 const SLEW_V_PER_S: f64 = 2000.0;
 
 /// Where the rod may be sent.
 pub const BOUNDS: Bounds = Bounds { from_m: 0.01, to_m: 0.29, velocity_m_per_s: 0.2, acceleration_m_per_s2: 1.0 };
 
-/// What the monitor takes for chance: the noise of the sensors, and what the model of a press is known not to tell.
+/// What the monitor attributes to chance: sensor noise, and what the press's model is known not to predict.
 pub const SENSITIVITY: Sensitivity = Sensitivity {
     spool: Spread { sigma: 5e-3, correlation_s: 0.02 },
     pressure: Spread { sigma: 1.5e5, correlation_s: 0.02 },
@@ -50,7 +50,7 @@ pub const SENSITIVITY: Sensitivity = Sensitivity {
     between_false_alarms_s: 1e5,
 };
 
-/// Why there is no rig.
+/// Why no rig is made.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PressError {
     /// The wiring.
@@ -67,7 +67,7 @@ pub fn machine() -> Machine<f64> {
     Machine::with_defaults(values::SOURCE).with(values::VALUES)
 }
 
-/// Tuning by rule, with the spool measured and with what the encoder can tell apart.
+/// Tuning by rule, for a measured spool and the encoder's resolution.
 #[must_use]
 pub fn tuning(machine: &Machine<f64>) -> Tuning {
     Tuning {
@@ -78,10 +78,10 @@ pub fn tuning(machine: &Machine<f64>) -> Tuning {
     }
 }
 
-/// Wiring and limits, for converters of these spans (µV of 2¹⁶ counts).
+/// Wiring and limits, for converters of these spans (µV per 2¹⁶ counts).
 ///
 /// # Errors
-/// A value of the drive does not fit them.
+/// A value of the drive does not fit wiring or limits.
 pub fn rig(machine: &Machine<f64>, bases: &Bases, input_uv: u32, output_uv: u32) -> Result<Rig, PressError> {
     let spool = Sensor {
         channel: 1,

@@ -1,10 +1,10 @@
-//! The press's firmware, whole: what was exported, over any devices: period, monitor and recorder that go together.
+//! The whole firmware of the press, from the exported values and over any devices: period, monitor and recorder together.
 //!
 //! ```text
 //! Assembly ─ from the exported values, once ─► Station ─ step, once a tick ─► Outcome
 //! ```
 //!
-//! A board has the three parts on its buses ([`wired`]); a program that plays the devices itself brings its own ([`Assembly::over`]).
+//! A board connects the three parts to its buses ([`wired`]); a program that simulates the devices passes its own ([`Assembly::over`]).
 
 use embedded_hal::delay::DelayNs;
 use embedded_hal::spi::SpiDevice;
@@ -31,22 +31,22 @@ const ROWS: usize = 6000;
 /// Rows from before the trigger: half a second.
 const BEFORE: usize = 500;
 
-/// The recorder of this rig: command, spool, pressures and position, one row a period; 60 kB.
+/// The recorder of this rig: command, spool, pressures and position, one row per period; 60 kB.
 pub type Ring = Recorder<CHANNELS, ROWS>;
 
-/// What the recorder's rows take of the RAM, bytes.
+/// RAM that the recorder's rows take, bytes.
 pub const RING_BYTES: usize = CHANNELS * ROWS * size_of::<i16>();
 
 /// The control of this rig.
 pub type Press = Following<{ press::values::DELAY_LINE }>;
 
-/// Why there is no station.
+/// Why no station is made.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum StationError {
-    /// The exported values are no drive.
+    /// The exported values do not make a drive.
     #[error(transparent)]
     Machine(#[from] MachineError),
-    /// They are none that can be controlled.
+    /// They make a drive that cannot be controlled.
     #[error(transparent)]
     Follow(#[from] FollowError),
     /// They do not fit the wiring.
@@ -74,7 +74,7 @@ impl StationError {
     }
 }
 
-/// What the exported values make, before there are devices: configuration, and the model at rest.
+/// What is made from the exported values before there are devices: configuration, and the model at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Assembly {
     bases: Bases,
@@ -84,7 +84,7 @@ pub struct Assembly {
 }
 
 impl Assembly {
-    /// Of converters with these spans, µV of 2¹⁶ counts.
+    /// For converters with these spans, µV per 2¹⁶ counts.
     ///
     /// # Errors
     /// The exported values do not make a drive, or do not fit wiring or monitor.
@@ -92,7 +92,7 @@ impl Assembly {
         Self::of(&press::machine(), input_uv, output_uv)
     }
 
-    /// The same with another machine in place of the exported one.
+    /// The same with another machine instead of the exported one.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -106,7 +106,7 @@ impl Assembly {
         Ok(Self { bases, rig, control, monitor })
     }
 
-    /// What 1 means, in SI units.
+    /// What 1 per unit stands for, in SI units.
     #[must_use]
     pub fn bases(&self) -> &Bases {
         &self.bases
@@ -118,7 +118,7 @@ impl Assembly {
         self.rig.calibration.output.count(self.rig.limits.neutral)
     }
 
-    /// Over these devices, whose valve it puts to neutral. `memory` holds the recorder, which is too large for a stack.
+    /// Builds the station over these devices, and puts the valve to neutral. `memory` holds the recorder, which is too large for a stack.
     ///
     /// # Errors
     /// A device does not answer as it must.
@@ -133,7 +133,7 @@ impl Assembly {
         let recorder = memory.insert(Recorder::new(
             [
                 channel("command", "V", bases.command_v, Range::One),
-                // It may overshoot, and a load that pulls brings a pressure above the supply.
+                // The spool may overshoot, and a pulling load raises a pressure above the supply.
                 channel("spool", "1", 1.0, Range::Two),
                 channel("pressure_a", "Pa", bases.pressure_pa, Range::Two),
                 channel("pressure_b", "Pa", bases.pressure_pa, Range::Two),
@@ -149,7 +149,7 @@ impl Assembly {
         Ok(Station { bases, period, monitor, watched: monitor.at_rest(), recorder })
     }
 
-    /// Over the press's three parts, which it sets up: see [`wired`].
+    /// Builds the station over the press's three parts, and sets these up: see [`wired`].
     ///
     /// # Errors
     /// A part does not answer as it must.
@@ -171,10 +171,10 @@ impl Assembly {
     }
 }
 
-/// The parts of the press's wiring as analogue inputs, counter and output of a station.
+/// A station with the press's parts as analogue inputs, counter and output.
 pub type Wired<'a, I, C, D> = Station<'a, Ads8688<I>, Ls7366r<C>, Ad5754<D>>;
 
-/// Sets the parts up on their buses and begins over them, with the valve at neutral. Somebody must say where the rod is before it follows ([`Station::home`]).
+/// Sets the parts up on their buses and begins, with the valve at neutral. The rod's position must be given before it follows ([`Station::home`]).
 ///
 /// # Errors
 /// The exported values do not make a station, or a part does not answer as it must.
@@ -188,10 +188,10 @@ pub fn wired<'a, I: SpiDevice, C: SpiDevice, D: SpiDevice>(
     Assembly::new(Ads8688::<I>::SPAN_UV, Ad5754::<D>::SPAN_UV)?.wired(inputs, counter, output, delay, memory)
 }
 
-/// What became of a period.
+/// Result of a period.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Outcome {
-    /// Of the control period.
+    /// Report of the control period.
     pub report: Report,
     /// The monitor's alarm, in the period that gives it.
     pub alarm: Option<Miss>,
@@ -208,7 +208,7 @@ pub struct Station<'a, A, P, O> {
 }
 
 impl<A: AnalogIn, P: PositionIn, O: AnalogOut> Station<'_, A, P, O> {
-    /// One period, called once a tick: control, then the monitor, whose alarm is told and triggers the recorder, then a row of it.
+    /// One period, called once a tick: control, then the monitor, whose alarm is logged and triggers the recorder, then one row of the recording.
     pub fn step(&mut self, request: &Request, log: &mut impl Log) -> Outcome {
         let report = self.period.step(request, log);
         if report.predicted.is_none() {
@@ -225,13 +225,13 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut> Station<'_, A, P, O> {
         Outcome { report, alarm }
     }
 
-    /// What 1 means, in SI units.
+    /// What 1 per unit stands for, in SI units.
     #[must_use]
     pub fn bases(&self) -> &Bases {
         &self.bases
     }
 
-    /// Somebody says where the rod is, of the stroke: [`Period::home`].
+    /// Sets where the rod is, as a share of the stroke: [`Period::home`].
     pub fn home(&mut self, position: PerUnit) -> bool {
         self.period.home(position)
     }
@@ -241,7 +241,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut> Station<'_, A, P, O> {
         self.recorder.trigger();
     }
 
-    /// The recorder forgets all and waits for the next trigger; the monitor may give an alarm anew.
+    /// The recorder deletes all rows and waits for the next trigger; the monitor may give an alarm again.
     pub fn arm(&mut self) {
         self.recorder.arm();
         self.watched = self.monitor.at_rest();

@@ -27,7 +27,7 @@ mod on_target {
 
     pub(crate) enum BudgetError {
         Machine(MachineError),
-        /// What should be the paper's model is none.
+        /// The paper's model cannot be made.
         HasEffects,
         Written,
     }
@@ -59,7 +59,7 @@ mod on_target {
         drive.step(state, moment.drive_input, moment.load);
     }
 
-    /// What the loop around a step costs by itself.
+    /// What the loop around a step itself costs.
     #[inline(never)]
     fn nothing<D>(drive: &D, state: &mut State, moment: &Moment) {
         black_box((drive, state, moment));
@@ -78,7 +78,7 @@ mod on_target {
         Ok((drive, state))
     }
 
-    /// Mean and worst instructions of a step, the worst to 40.
+    /// Mean and worst instructions of a step, the worst to within 40.
     fn instructions<D>(
         counter: &mut Counter,
         step: Step<D>,

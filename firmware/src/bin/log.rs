@@ -1,7 +1,7 @@
-//! What the firmware tells on the target: the press's whole firmware over signals that are played here, its log by defmt.
+//! What the firmware logs on the target: the press's whole firmware runs over signals that are generated here; it logs by defmt.
 //!
-//! The rod stands at mid-stroke and is followed; then its position drifts away from the model, and the monitor gives its alarm. Then the
-//! wire of a pressure opens, and the encoder jumps. `cargo run --release -p firmware --bin log --features defmt --target
+//! The rod stands at mid-stroke and follows; then its position drifts away from the model, and the monitor gives its alarm. Then the
+//! wire of a pressure sensor opens, and the encoder jumps. `cargo run --release -p firmware --bin log --features defmt --target
 //! thumbv7em-none-eabihf | defmt-print -e <the image>` shows it.
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 
@@ -21,7 +21,7 @@ mod played {
     /// Microvolts of 2¹⁶ counts: 78.125 µV a count at the inputs, 305 µV at the output.
     const INPUT_UV: u32 = 5_120_000;
     const OUTPUT_UV: u32 = 20_000_000;
-    /// Counts of the inputs a volt.
+    /// Counts of the inputs per volt.
     const PER_VOLT: i32 = 12_800;
 
     /// Periods in which something begins.
@@ -31,7 +31,7 @@ mod played {
     const JUMP: u32 = 4500;
     const END: u32 = 4800;
 
-    /// What the sensors say in a period.
+    /// What the sensors show in a period.
     #[derive(Clone, Copy, Default)]
     struct Signals {
         position: i32,
@@ -41,10 +41,10 @@ mod played {
 
     impl Signals {
         fn at(period: u32, middle: i32) -> Self {
-            // A count every 8 periods, until it is noticed.
+            // One count every 8 periods, until the wire opens.
             let drift = (period.clamp(DRIFT, OPEN) - DRIFT) / 8;
             let jump = if period < JUMP { 0 } else { 10_000 };
-            // 0.5 V are none, 4.5 V are 10 MPa: 2.09 and 3.5 MPa, which balance on the press's areas.
+            // 0.5 V means no pressure, 4.5 V means 10 MPa: 2.09 and 3.5 MPa, which balance on the press's areas.
             let pressure_a = if period < OPEN { PER_VOLT * 1336 / 1000 } else { 0 };
             Self { position: middle + drift.cast_signed() + jump, pressure_a, pressure_b: PER_VOLT * 19 / 10 }
         }

@@ -19,7 +19,7 @@ fn main() -> ! {
     let mut delay = cortex_m::Peripherals::take().map(|peripherals| Delay::new(peripherals.SYST, CLOCK_HZ));
     let memory = cortex_m::singleton!(: Option<Ring> = None);
     let (Some(delay), Some(memory), Some(mut console)) = (delay.as_mut(), memory, console()) else { exit(false) };
-    // Whoever started the emulator reads the console; where it fails there is nobody to tell.
+    // The program that started the emulator reads the console; if the console fails, nobody can be informed.
     let _ = writeln!(console, "firmware: waits for its machine at the other end of the serial line");
     let _ = writeln!(console, "firmware: cargo run --release -p system-tests --example in_the_loop starts both");
     let (ended, used) = stack::used_by(|| run(Uart::open(), delay, &mut Log::default(), memory));

@@ -1,6 +1,6 @@
-//! An image whose only work is the step of the paper's model by itself: what is in it is that step's flash.
+//! An image that only runs the step of the paper's model: what it contains is that step's flash.
 //!
-//! It is not to be run; the drive and its state are nowhere made.
+//! It is not to be run; the drive and its state are never created.
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]

@@ -1,6 +1,6 @@
-//! An image whose only work is the whole control period: what is in it is the period's flash, and a panic that it could reach would be too.
+//! An image that only runs the whole control period: what it contains is the period's flash, and any panic that the period could reach.
 //!
-//! It is not to be run; the station and its request are nowhere made.
+//! It is not to be run; the station and its request are never created.
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]
@@ -12,7 +12,7 @@ mod on_target {
     use firmware::period::Request;
     use panic_semihosting as _;
 
-    /// A bus of which nothing is known, and which is nothing.
+    /// A bus about which the compiler knows nothing, and which contains nothing.
     struct Wire;
 
     impl ErrorType for Wire {

@@ -1,6 +1,6 @@
-//! An image whose only work is the model's step: what is in it is the step's flash, and a panic that the step could reach would be too.
+//! An image that only runs the model's step: what it contains is the step's flash, and any panic that the step could reach.
 //!
-//! It is not to be run; the drive and its state are nowhere made.
+//! It is not to be run; the drive and its state are never created.
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]

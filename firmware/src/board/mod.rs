@@ -1,4 +1,4 @@
-//! Boards: pins, peripherals, nothing else.
+//! Boards: only pins and peripherals.
 
 pub mod mps2;
 pub mod stack;

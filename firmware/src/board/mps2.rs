@@ -7,10 +7,10 @@ use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
 use cortex_m_semihosting::hio::{self, HostStream};
 
-/// What the firmware tells on this board: everything by defmt where there is that feature, else nothing.
+/// What the firmware logs on this board: everything by defmt if that feature is on, otherwise nothing.
 #[cfg(feature = "defmt")]
 pub type Log = crate::supervision::Defmt;
-/// What the firmware tells on this board: everything by defmt where there is that feature, else nothing.
+/// What the firmware logs on this board: everything by defmt if that feature is on, otherwise nothing.
 #[cfg(not(feature = "defmt"))]
 pub type Log = ();
 
@@ -29,7 +29,7 @@ pub fn console() -> Option<HostStream> {
     hio::hstdout().ok()
 }
 
-/// Ends the emulation; its exit status is 0 where all went well, else 1.
+/// Ends the emulation; its exit status is 0 if all went well, else 1.
 pub fn exit(well: bool) -> ! {
     debug::exit(if well { EXIT_SUCCESS } else { EXIT_FAILURE });
     loop {
@@ -37,7 +37,7 @@ pub fn exit(well: bool) -> ! {
     }
 }
 
-/// Counts the instructions of short stretches: up to 2²⁴ counts, 671 million instructions.
+/// Counts the instructions of short pieces of work: up to 2²⁴ counts, 671 million instructions.
 pub struct Counter {
     timer: SYST,
 }

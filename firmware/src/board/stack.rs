@@ -1,10 +1,10 @@
-//! How much of the stack some work uses: what lies below it is painted, and looked at afterwards.
+//! How much of the stack some work uses: the memory below the stack is painted, and checked afterwards.
 
-/// What is painted, bytes; the boards have more.
+/// How much is painted, bytes; the boards have more.
 const PAINTED: usize = 64 * 1024;
 const PAINT: u32 = 0xa5a5_a5a5;
 
-/// Does some work; with what it gives, how far below the caller it went, bytes.
+/// Does some work; returns its result and how far below the caller its stack went, bytes.
 #[inline(never)]
 #[expect(
     unsafe_code,
@@ -12,7 +12,7 @@ const PAINT: u32 = 0xa5a5_a5a5;
 )]
 pub fn used_by<T>(work: impl FnOnce() -> T) -> (T, usize) {
     let pointer = cortex_m::register::msp::read() as usize;
-    // Whatever the compiler keeps right below the pointer stays.
+    // What the compiler keeps right below the pointer is not painted.
     let painted = (pointer - PAINTED..pointer - 64).step_by(4);
     for address in painted.clone() {
         // SAFETY: aligned, within the RAM, below the stack of the only thread; no interrupt is on.

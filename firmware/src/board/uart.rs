@@ -19,16 +19,16 @@ struct Registers {
 
 /// `UART0` of AN385 and AN386.
 const UART0: *const Registers = 0x4000_4000 as *const Registers;
-/// State: what is to be sent has not gone yet; something has arrived.
+/// State: the byte to be sent has not gone yet; a byte has arrived.
 const SENDING: u32 = 1;
 const ARRIVED: u32 = 1 << 1;
-/// Control: send and receive, and an interrupt where something has arrived.
+/// Control: send and receive, and an interrupt when a byte has arrived.
 const BOTH_WAYS: u32 = 0b11;
 const TELL_ARRIVED: u32 = 1 << 3;
 /// Least divider of the clock: 1.56 Mbit/s at 25 MHz.
 const FASTEST: u32 = 16;
 
-/// The interrupt where something has arrived. It is never taken: it ends a sleep.
+/// The interrupt when a byte has arrived. No handler runs: the interrupt only ends a sleep.
 #[derive(Clone, Copy)]
 struct Arrival;
 
@@ -40,7 +40,7 @@ unsafe impl InterruptNumber for Arrival {
     }
 }
 
-/// The serial line, blocking; it sleeps while it waits, so that the emulator leaves its core to the other end.
+/// The serial line, blocking; it sleeps while it waits, so that the emulator leaves its core to the program at the other end.
 pub struct Uart {
     registers: &'static Registers,
 }
@@ -52,7 +52,7 @@ impl core::fmt::Debug for Uart {
 }
 
 impl Uart {
-    /// Opens the line at its fastest. To be called once: two of them would take each other's bytes.
+    /// Opens the line at its fastest. To be called only once: two lines would take each other's bytes.
     #[must_use]
     #[expect(unsafe_code, reason = "registers at the address that the board has them at, of the layout above")]
     pub fn open() -> Self {
@@ -65,7 +65,7 @@ impl Uart {
             registers.control.write(BOTH_WAYS | TELL_ARRIVED);
         }
         cortex_m::interrupt::disable();
-        // SAFETY: interrupts are off, none is taken.
+        // SAFETY: interrupts are off, so none is taken.
         unsafe { NVIC::unmask(Arrival) };
         Self { registers }
     }
@@ -76,7 +76,7 @@ impl ErrorType for Uart {
 }
 
 impl Read for Uart {
-    /// Waits for one byte, then takes what else is there.
+    /// Waits for one byte, then takes all others that have arrived.
     #[expect(unsafe_code, reason = "a write of the interrupt's register")]
     fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Self::Error> {
         let mut count = 0;
@@ -87,7 +87,7 @@ impl Read for Uart {
                 }
                 cortex_m::asm::wfi();
             }
-            // Before the byte is taken: the next one tells anew.
+            // Cleared before the byte is read, so that the next byte raises the interrupt again.
             // SAFETY: clearing an interrupt has no effect on memory.
             unsafe { self.registers.interrupt.write(ARRIVED) };
             NVIC::unpend(Arrival);

@@ -33,7 +33,7 @@ impl<const DELAY: usize> Following<DELAY> {
         &self.reference
     }
 
-    /// Tells the model what it cannot know by itself.
+    /// Passes on to the model what it cannot compute.
     fn inform(&mut self, measured: &Measured) {
         if let Some(temperature) = measured.oil_temperature {
             self.reference.set_oil_temperature(temperature);
@@ -47,7 +47,7 @@ impl<const DELAY: usize> Control for Following<DELAY> {
         let shown = measured.observed();
         self.inform(measured);
         let mut seen = shown;
-        // Twice: what a sensor makes of a pressure depends on it.
+        // Twice, because a sensor's distortion of a pressure depends on that pressure.
         for _ in 0..2 {
             let pressures = seen.pressures.unwrap_or(ChamberState { a, b });
             self.reference.start_at(self.follower.neutral(), pressures, measured.position);
@@ -88,7 +88,7 @@ mod tests {
 
     const TICK: Tick = Tick::OneMillisecond;
 
-    /// Commands for a machine with these sensors by a model of the same machine, and how far its position was from what was expected of it.
+    /// Commands for a machine with these sensors from a model of the same machine, and how far the measured position was from the predicted one.
     fn followed(machine: &Machine<f64>) -> (std::vec::Vec<PerUnit>, PerUnit) {
         let reference = Reference::<64>::at_rest(machine, TICK, 0.5).unwrap();
         let tuning = Tuning::by_rule(machine, true);
@@ -108,7 +108,7 @@ mod tests {
             };
             if tick == 0 {
                 following.start(&measured);
-                // Both rest now, where the plant's pressures hold it.
+                // Model and plant now both rest, with the pressures that hold the plant.
                 state = *following.reference.state();
             }
             apart = Ord::max(apart, (position - following.predicted().position).magnitude());
@@ -130,7 +130,7 @@ mod tests {
         for machine in [late, loose] {
             let (found, apart) = followed(&machine);
             let moved = found.iter().zip(&commands).map(|(one, other)| (*one - *other).magnitude()).max().unwrap();
-            // What a command loses on its way through the loops, and no more.
+            // Only what a command loses on its way through the loops.
             assert!(moved.to_f64() < 2e-5 && apart.to_f64() < 1e-7, "{moved:?} {apart:?}");
         }
     }

@@ -1,4 +1,4 @@
-//! What the control period needs of reference model and controllers.
+//! What the control period needs from the reference model and the controllers.
 
 mod following;
 mod reference;
@@ -15,16 +15,16 @@ pub use reference::{Predicted, Reference};
 ///
 /// The period limits size and slope of the command once more, as a backstop: a control whose own limits are wider winds up.
 pub trait Control {
-    /// Model and loops start anew at rest where the machine is: without a difference between set point, model and machine the next
-    /// command is the neutral one, so nothing bumps.
+    /// Model and loops start again, at rest where the machine is: if set point, model and machine agree, the next command is the
+    /// neutral one, so the start is bumpless.
     fn start(&mut self, measured: &Measured);
 
-    /// What the model's sensors show now: what is to be seen of the machine, if the model is right.
+    /// What the model's sensors show now: what the machine's sensors should show, if the model is right.
     fn predicted(&self) -> Predicted;
 
-    /// One period of both loops: the command for the machine, in 10 V; the model is stepped with its own.
+    /// One period of both loops: returns the command for the machine, in units of 10 V; the model is stepped with its own command.
     fn follow(&mut self, set_point: SetPoint, measured: &Measured) -> PerUnit;
 
-    /// One period in which the machine gets `command`, in 10 V, from elsewhere: the model is stepped with it.
+    /// One period in which the machine gets `command`, in units of 10 V, from elsewhere: the model is stepped with it.
     fn accompany(&mut self, command: PerUnit, measured: &Measured);
 }

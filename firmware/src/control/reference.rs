@@ -1,4 +1,4 @@
-//! The reference model as a controller carries it: coefficients and state together, one step a control period.
+//! The reference model in a controller: coefficients and state together, one step per control period.
 
 use model_core::drive::{Drive, DriveInput, DriveState, Load};
 use model_core::machine::{Bases, Machine, MachineError, Parameter, Tick};
@@ -16,7 +16,7 @@ pub struct Reference<const DELAY: usize> {
     rest: Rest,
 }
 
-/// What pressures a rod rests under.
+/// What determines the pressures at which a rod rests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Rest {
     /// α = Ab/Aa
@@ -37,7 +37,7 @@ impl Rest {
         }
     }
 
-    /// Of all pressures with the same sum, those that hold the load.
+    /// Of all pressures with the same sum, returns those that hold the load.
     fn balanced(&self, pressures: ChamberState<PerUnit>) -> ChamberState<PerUnit> {
         let excess = pressures.a - self.ratio.times(pressures.b) - self.holding;
         let moved = excess.times(self.share);
@@ -59,28 +59,28 @@ impl<const DELAY: usize> Reference<DELAY> {
         Ok(Self { drive, state, rest })
     }
 
-    /// Starts anew at rest where the machine is: at this position (of the stroke), with `command` (in 10 V) having been held for
-    /// long, and at these pressures but for the load that the machine has and the model has not: with it, the model would not rest.
-    /// A controller that starts so does not bump.
+    /// Starts again at rest where the machine is: at this position (share of the stroke), with `command` (in units of 10 V) held for long,
+    /// and at these pressures, shifted so that they hold the model's own load: with a load that only the machine has, the model would not
+    /// rest. A controller that starts so is bumpless.
     pub fn start_at(&mut self, command: PerUnit, pressures: ChamberState<PerUnit>, position: PerUnit) {
         let oil_temperature = self.state.oil_temperature;
         self.state = self.drive.at_rest(command, self.rest.balanced(pressures), position.as_travel());
         self.state.oil_temperature = oil_temperature;
     }
 
-    /// One control period with a command in 10 V, of any size.
+    /// One control period with a command in units of 10 V, of any size.
     pub fn step(&mut self, command: PerUnit) -> Predicted {
         self.drive.step(&mut self.state, DriveInput::Command(command), Load::NONE);
         self.predicted()
     }
 
-    /// Tells the model the oil's measured temperature, per unit of [`Bases::temperature_c`]; it counts from the next period on.
-    /// Where nobody does, the oil stays at the temperature that the machine's values are for.
+    /// Gives the model the oil's measured temperature, per unit of [`Bases::temperature_c`]; it takes effect from the next period on.
+    /// Without it, the oil stays at the temperature for which the machine's values hold.
     pub fn set_oil_temperature(&mut self, temperature: PerUnit) {
         self.state.oil_temperature = temperature;
     }
 
-    /// What the model says now.
+    /// What the model predicts now.
     #[must_use]
     pub fn predicted(&self) -> Predicted {
         let DriveState { chambers, motion, .. } = &self.state;
@@ -93,7 +93,7 @@ impl<const DELAY: usize> Reference<DELAY> {
         }
     }
 
-    /// What the model's sensors show of that.
+    /// What the model's sensors show of this prediction.
     #[must_use]
     pub fn sensed(&self) -> Predicted {
         let sensed = self.drive.sensed(&self.state);
@@ -106,8 +106,8 @@ impl<const DELAY: usize> Reference<DELAY> {
         }
     }
 
-    /// What the machine's sensors show, less what the model's make of what it says: the difference to the model is then that of the
-    /// machines, not of their sensors.
+    /// What the machine's sensors show, less the distortion by the model's sensors: the remaining difference to the model then comes from
+    /// the machine, not from its sensors.
     #[must_use]
     pub fn undistorted(&self, seen: &Observed) -> Observed {
         let (is, shows) = (self.predicted(), self.sensed());
@@ -121,7 +121,7 @@ impl<const DELAY: usize> Reference<DELAY> {
         }
     }
 
-    /// What 1 means, in SI units.
+    /// What 1 per unit stands for, in SI units.
     #[must_use]
     pub fn bases(&self) -> &Bases {
         self.drive.bases()

@@ -1,8 +1,8 @@
 //! The whole firmware with its parts at the other end of a serial line, in lockstep with a simulated machine.
 //!
-//! The same drivers, period, monitor and recorder as on a board; only the SPI frames go over the line ([`Line`]). It says nothing before the
-//! host has sent [`START`]. Then, before each period, it sends what became of the last one and is answered with what is wanted in this one,
-//! little-endian:
+//! The same drivers, period, monitor and recorder as on a board; only the SPI frames go over the line ([`Line`]). The firmware sends nothing
+//! before the host has sent [`START`]. Then, before each period, it sends a report of the last period and receives the request for this
+//! one, little-endian:
 //!
 //! | bytes | to the host: report | to the firmware: request |
 //! |---|---|---|
@@ -10,9 +10,9 @@
 //! | 4…7 | measured position, word | velocity wanted, word |
 //! | 8…11 | model's position, word | order u8, overrun u8 |
 //! | 12…15 | mode u8, alarm u8, fed watchdog u8, refused order u8 | |
-//! | 16, 17 | faults told since the start u8, kind of the last u8 | |
+//! | 16, 17 | faults logged since the start u8, kind of the last u8 | |
 //!
-//! A word is a per-unit signal's 32 bits. An alarm is the number of its signal, from 1. The recorder is streamed out when the host ends it.
+//! A word is a per-unit signal's 32 bits. An alarm is the number of its signal, from 1. The recorder is streamed out when the host ends the run.
 
 use embedded_hal::delay::DelayNs;
 use embedded_io::{ErrorType, Read, Write};
@@ -27,7 +27,7 @@ use crate::recorder::{Progress, Stream};
 use crate::set_point::SetPoint;
 use crate::supervision::{Command, Fault, Log, Mode};
 
-/// What the host sends once, before anything else: no key of a terminal.
+/// What the host sends once, before anything else: not a key of a terminal.
 pub const START: u8 = 0xA5;
 
 /// Numbers of the parts on the line.
@@ -82,7 +82,7 @@ impl Order {
     }
 }
 
-/// Why it ended early.
+/// Why the run ended early.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum LockstepError {
     /// It did not begin.
@@ -96,7 +96,7 @@ pub enum LockstepError {
     Record,
 }
 
-/// Runs from the host's [`START`] until the host ends it. `memory` holds the recorder, which is too large for a stack.
+/// Runs from the host's [`START`] until the host ends the run. `memory` holds the recorder, which is too large for a stack.
 ///
 /// # Errors
 /// The exported values do not make a rig, a part does not answer as it must at the start, or the line fails.
@@ -127,10 +127,10 @@ pub fn run<L: Read + Write>(
     streamed(station.recorder(), &line)
 }
 
-/// Hands on what is told, and remembers of it what a report says.
+/// Passes on all log messages, and remembers what a report contains of them.
 struct Heard<'a, L> {
     log: &'a mut L,
-    /// Faults told, and the kind of the last.
+    /// Faults logged, and the kind of the last.
     faults: u8,
     last: u8,
 }
@@ -156,7 +156,7 @@ pub const REPORT: usize = 18;
 /// Bytes of a request.
 pub const REQUEST: usize = 10;
 
-/// What is wanted in the next period.
+/// The request for the next period.
 fn read(bytes: [u8; REQUEST]) -> (Order, Request) {
     let [p0, p1, p2, p3, v0, v1, v2, v3, order, overrun] = bytes;
     let order = Order::of(order);
@@ -166,7 +166,7 @@ fn read(bytes: [u8; REQUEST]) -> (Order, Request) {
     (order, Request { set_point, command: order.command(), timing })
 }
 
-/// What became of a period.
+/// The report of a period.
 fn written<L>(outcome: &Outcome, model: PerUnit, heard: &Heard<'_, L>) -> [u8; REPORT] {
     let Outcome { report, alarm } = outcome;
     let [c0, c1, c2, c3] = report.command.to_bits().to_le_bytes();

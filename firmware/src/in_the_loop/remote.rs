@@ -1,14 +1,14 @@
 //! Parts at the other end of a serial line: SPI devices whose frames go over it, for a processor in the loop.
 //!
-//! The drivers run on the target as they would on a board; who answers is a simulation. Everything is asked for by the target, so
-//! both sides stay in step:
+//! The drivers run on the target as they would on a board; a simulation answers. The target starts every exchange, so both sides stay in
+//! step:
 //!
 //! | byte 0 | byte 1 | byte 2 | bytes | answer |
 //! |---|---|---|---|---|
 //! | number of the part | n, 0…255 | m, 0…255 | n bytes to the part | m bytes from the part |
 //!
-//! A part is clocked for the longer of both: it gets zeros after the n bytes, and what it says after the m nobody hears. So a write waits for
-//! nothing. [`Line::exchange`] also serves what is no SPI part: a set point that is asked for, a report that is sent.
+//! A part is clocked for the longer of n and m: it gets zeros after the n bytes, and its output after the m bytes is discarded. So a write
+//! waits for no answer. [`Line::exchange`] also serves what is not an SPI part: a request for a set point, or a report.
 
 use core::cell::RefCell;
 
@@ -33,7 +33,7 @@ pub enum RemoteError {
     /// A frame is empty or too long.
     #[error("{bytes} bytes in a frame; expected 1 to 255")]
     Frame {
-        /// Its bytes, the longer way.
+        /// Its bytes, in the longer direction.
         bytes: usize,
     },
 }
@@ -71,7 +71,7 @@ impl<L: Read + Write> Line<L> {
         line.read_exact(answer).map_err(|_: ReadExactError<_>| RemoteError::Line)
     }
 
-    /// Waits for a byte from the other end; what comes before it is nobody's.
+    /// Waits for a byte from the other end; bytes before it are discarded.
     ///
     /// # Errors
     /// The line fails.
@@ -133,7 +133,7 @@ mod tests {
 
     use super::*;
 
-    /// A part that answers every byte with one more.
+    /// A part that answers every byte with the byte plus one.
     #[derive(Default)]
     struct Echo {
         sent: Vec<u8>,

@@ -1,10 +1,10 @@
 //! AD5754: four analogue outputs of 16 bits, here ±10 V. Analog Devices, data sheet AD5724/AD5734/AD5754, section Registers.
 //!
 //! SPI mode 2 (or 1), at most 30 MHz. Pin BIN/2sCOMP low: codes are two's complement, so that the part's power-on code of 0 is 0 V. Pin
-//! LDAC low: a code counts at the end of its frame. Reference 2.5 V; the AD5754R has one of its own.
+//! LDAC low: a code takes effect at the end of its frame. Reference 2.5 V; the AD5754R has its own.
 //!
-//! Frames of 24 bits (input shift register): R/W, 0, register (3), address (3), data (16). A read is asked for by one frame and
-//! answered in the next, a NOP, in its data bits.
+//! Frames of 24 bits (input shift register): R/W, 0, register (3), address (3), data (16). One frame requests a read; the answer comes
+//! in the data bits of the next frame, a NOP.
 //!
 //! | register | address | data |
 //! |---|---|---|
@@ -14,11 +14,11 @@
 //! | 3 control | 1 | bit 3 thermal shutdown on, 2 clamp on, 1 clear code, 0 SDO off |
 //! | 3 control | 0 | NOP: 18h |
 //!
-//! Nothing on this bus acknowledges a write, so every write of an output is followed by a look at the power control register: an
-//! output that is shorted, too hot, or down because the supply was lost is an error in the same period.
+//! Nothing on this bus acknowledges a write, so the power control register is read after every write of an output: an output that is
+//! shorted, too hot, or down because the supply was lost is an error in the same period.
 //!
-//! The crate `ad57xx` 0.3 is not used: its read-back joins the answer's second byte with the first (the read bit and address) where it is
-//! the third that is wanted, so no configuration could be checked; it says itself that reading was never tried; and it links
+//! The crate `ad57xx` 0.3 is not used: its read-back combines the answer's second byte with the first (the read bit and address) instead
+//! of the third, so no configuration could be checked; by its own statement reading was never tried; and it links
 //! embedded-hal-async and defmt 0.3 into every build.
 
 use embedded_hal::delay::DelayNs;
@@ -34,7 +34,7 @@ const NOP: u8 = 0x18;
 const READ: u8 = 0x80;
 /// Output range: ±10 V.
 const BIPOLAR_10_V: u16 = 4;
-/// Control: an output that is too hot is shut down, one that is shorted is held at 20 mA and reported.
+/// Control: an output that is too hot is shut down; a shorted output is held at 20 mA and reported.
 const PROTECTED: u16 = 0b1100;
 /// Power control.
 const REFERENCE_UP: u16 = 1 << 4;
@@ -84,7 +84,7 @@ pub enum Ad5754Error<E> {
     /// The bus failed.
     #[error("AD5754: bus: {0:?}")]
     Bus(E),
-    /// A register does not read what was written.
+    /// A register does not read back as it was written.
     #[error("AD5754: register {register:?} reads {found:#06x}; expected {expected:#06x}")]
     Register {
         /// Which.
@@ -125,15 +125,15 @@ impl<E: core::fmt::Debug> IoError for Ad5754Error<E> {
 pub struct Ad5754<SPI> {
     spi: SPI,
     channel: Channel,
-    /// Power control with which the output is up.
+    /// Power control value while the output is up.
     powered: u16,
 }
 
 impl<SPI: SpiDevice> Ad5754<SPI> {
-    /// Puts out `count` first of all, whatever the part did before; then sets it up, powers the output up and reads everything back.
+    /// First puts out `count`, whatever the part did before; then sets the part up, powers the output up and reads everything back.
     ///
     /// # Errors
-    /// The bus fails, a register does not read what was written, or the output is overloaded.
+    /// The bus fails, a register does not read back as it was written, or the output is overloaded.
     pub fn begin(
         spi: SPI,
         delay: &mut impl DelayNs,
@@ -191,11 +191,11 @@ impl<SPI: SpiDevice> Ad5754<SPI> {
         if found & mask == expected { Ok(()) } else { Err(Ad5754Error::Register { register, expected, found }) }
     }
 
-    /// Whether the output is up and at ease.
+    /// Whether the output is powered and not overloaded.
     fn check(&mut self) -> Result<(), Ad5754Error<SPI::Error>> {
         let found = self.read(POWER)?;
         let overcurrent = 1 << (FIRST_OVERCURRENT + self.channel as u32);
-        // A line that hangs high shows power for the other channels too, which nobody asked for.
+        // A line that is stuck high reads as power on for the other channels too, which were never powered up.
         if found & 0b1_1111 != self.powered {
             Err(Ad5754Error::Register { register: Register::Power, expected: self.powered, found })
         } else if found & TOO_HOT != 0 {
@@ -233,12 +233,12 @@ mod tests {
         [written(&[first, 0, 0]), asked(&[0x18, 0, 0], &answer)].concat()
     }
 
-    /// A write of −1 (−305 µV) with what the power control register then says.
+    /// A write of −1 (−305 µV), and then the power control register's answer.
     fn output(power: [u8; 3]) -> Vec<Transaction<u8>> {
         [written(&[0x01, 0xFF, 0xFF]), read(0x90, power)].concat()
     }
 
-    /// Channel B with the reference inside.
+    /// Channel B with the internal reference.
     fn start(then: &[Vec<Transaction<u8>>]) -> Vec<Transaction<u8>> {
         let start = [
             written(&[0x01, 0x00, 0x05]), // code 5 before anything else

@@ -1,27 +1,27 @@
 //! ADS8688: eight analogue inputs of 16 bits, up to ±10.24 V. Texas Instruments, data sheet SBAS582C.
 //!
 //! SPI mode 1, at most 17 MHz. Reference 4.096 V (internal: pin REFSEL low). Manual mode: each frame names the channel of the next
-//! one (command register, table 6), so a lost frame puts nothing out of step for longer than one conversion, unlike the
-//! automatic sequence. Channels that are read in rising order cost one frame each; any other order costs two.
+//! one (command register, table 6), so a lost frame disturbs no more than one conversion, unlike in the automatic sequence.
+//! Channels that are read in rising order cost one frame each; any other order costs two.
 //!
-//! The part is told to send, after the 16 bits of a result, which channel and range it is of, and the number that the part was given
-//! (feature select register, 8.5.2.3.2, tables 12 to 14). A frame is therefore 6 bytes:
+//! The part is set to append to the 16 bits of a result its channel, its range and the number that was given to the part (feature
+//! select register, 8.5.2.3.2, tables 12 to 14). A frame is therefore 6 bytes:
 //!
 //! | bits of the frame | 47…32 | 31…16 | 15…12 | 11, 10 | 9…7 | 6…0 |
 //! |---|---|---|---|---|---|---|
 //! | to the part | command | 0 | 0 | 0 | 0 | 0 |
 //! | from the part | – | result | channel | part's number | range | 0 |
 //!
-//! The number is 2: neither a line that hangs low nor one that hangs high nor a part that fell back to its defaults answers with it
-//! (those are 0 and ±10.24 V on all channels; an overvoltage at one input has been seen to bring them about, TI E2E 1529715), so the wrong
-//! scale is never taken for the right one. Of the ADS8688 only; the A and W have more ranges. The reference needs some 15 ms after power-up.
+//! The number is 2. A line that is stuck low or high does not answer with it, nor does a part that fell back to its defaults (those are
+//! 0 and ±10.24 V on all channels; an overvoltage at one input has been seen to cause this, TI E2E 1529715), so a wrong scale is never
+//! taken for the right one. For the ADS8688 only; the A and W have more ranges. The reference needs some 15 ms after power-up.
 //!
-//! A count is 78.125 µV, the finest step of all ranges, whatever the range (table 4): 2¹⁶ counts are 5.12 V.
+//! A count is 78.125 µV on every range, which is the finest step of all ranges (table 4): 2¹⁶ counts are 5.12 V.
 //!
-//! **An open input is not seen by the part.** Its own 1 MΩ leads to a bias, so on ±10.24 V an open input reads some +2 V (TI E2E 1245625), in the
-//! middle of what is allowed. It is recognised by [`scaling`](crate::scaling)'s limits, and needs a sensor with a live zero (0.5…4.5 V, or
-//! 4…20 mA over 250 Ω: 1…5 V) with 100 kΩ to ground, which pulls an open wire below the zero; or, for ±10 V without one, 100 kΩ to
-//! +15 V, which pulls it to the rail. Either takes 5 mV of 10 V from a sensor of 50 Ω.
+//! **The part does not detect an open input.** Its own 1 MΩ leads to a bias, so on ±10.24 V an open input reads some +2 V (TI E2E 1245625),
+//! in the middle of the permitted range. The limits of [`scaling`](crate::scaling) detect it, if the sensor has a live zero (0.5…4.5 V, or
+//! 4…20 mA over 250 Ω: 1…5 V) and 100 kΩ to ground, which pulls an open wire below the zero; or, for ±10 V without a live zero, 100 kΩ to
+//! +15 V, which pulls it to the rail. Either resistor takes 5 mV of 10 V from a sensor of 50 Ω.
 
 use embedded_hal::spi::SpiDevice;
 
@@ -38,7 +38,7 @@ const MANUAL: u8 = 0xC0;
 const POWER_DOWN: u8 = 0x02;
 const FEATURES: u8 = 0x03;
 const FIRST_RANGE: u8 = 0x05;
-/// Number that the part is given, `DEV[1:0]`.
+/// Number that is given to the part, `DEV[1:0]`.
 const NUMBER: u8 = 2;
 /// `DEV` and `SDO[2:0]` = 3: result, channel, number, range.
 const FEATURES_VALUE: u8 = NUMBER << 6 | 3;
@@ -79,7 +79,7 @@ pub enum Ads8688Error<E> {
     /// The bus failed.
     #[error("ADS8688: bus: {0:?}")]
     Bus(E),
-    /// A program register does not read what was written.
+    /// A program register does not read back as it was written.
     #[error("ADS8688: register {register:#04x} reads {found:#04x}; expected {expected:#04x}")]
     Register {
         /// Address, 8.5.2.2.
@@ -89,12 +89,12 @@ pub enum Ads8688Error<E> {
         /// What it reads.
         found: u8,
     },
-    /// A result is of another channel or range, or of no such part.
+    /// A result belongs to another channel or range, or does not come from such a part.
     #[error("ADS8688: result comes with {found:#06x} for channel, number and range; expected {expected:#06x}")]
     Tag {
-        /// Channel, number and range that it must be of, as in bits 15 to 0 of the frame.
+        /// Channel, number and range that the result must carry, as in bits 15 to 0 of the frame.
         expected: u16,
-        /// What it is of.
+        /// What it carries.
         found: u16,
     },
     /// The channel has no range.
@@ -124,24 +124,24 @@ impl<E: core::fmt::Debug> IoError for Ads8688Error<E> {
 #[derive(Debug)]
 pub struct Ads8688<SPI> {
     spi: SPI,
-    /// Range of each channel in use; one without is powered down.
+    /// Range of each channel in use; a channel without one is powered down.
     ranges: [Option<Range>; CHANNELS],
     /// Channel that the next frame converts, where that is certain.
     selected: Option<u8>,
 }
 
 impl<SPI: SpiDevice> Ads8688<SPI> {
-    /// Resets the part, gives it its ranges and reads everything back. Channels without a range are powered down.
+    /// Resets the part, sets its ranges and reads everything back. Channels without a range are powered down.
     ///
     /// # Errors
-    /// The bus fails, or a register does not read what was written.
+    /// The bus fails, or a register does not read back as it was written.
     pub fn begin(spi: SPI, ranges: [Option<Range>; CHANNELS]) -> Result<Self, Ads8688Error<SPI::Error>> {
         let mut part = Self { spi, ranges, selected: None };
         part.configure()?;
         Ok(part)
     }
 
-    /// The same once more, after the part lost its configuration.
+    /// Does the same again, after the part lost its configuration.
     ///
     /// # Errors
     /// As [`Self::begin`].
@@ -176,7 +176,7 @@ impl<SPI: SpiDevice> Ads8688<SPI> {
         if found == expected { Ok(()) } else { Err(Ads8688Error::Register { register, expected, found }) }
     }
 
-    /// One frame: the conversion of what was selected before, and the selection of `next`. Result and tag.
+    /// One frame: converts the channel that was selected before, and selects `next`. Returns result and tag.
     fn frame(&mut self, next: u8) -> Result<(u16, u16), Ads8688Error<SPI::Error>> {
         let mut answer = [0; 6];
         self.spi.transfer(&mut answer, &[MANUAL | next << 2, 0, 0, 0, 0, 0]).map_err(Ads8688Error::Bus)?;
@@ -184,7 +184,7 @@ impl<SPI: SpiDevice> Ads8688<SPI> {
         Ok((u16::from_be_bytes([high, low]), u16::from_be_bytes([tag_high, tag_low])))
     }
 
-    /// The channel in use that follows this one, round and round.
+    /// The next channel in use after this one, in a cycle.
     fn after(&self, channel: u8) -> u8 {
         let in_use = |number: &u8| self.ranges.get(usize::from(*number)).is_some_and(Option::is_some);
         (channel + 1..8).chain(0..channel).find(in_use).unwrap_or(channel)
@@ -198,7 +198,7 @@ impl<SPI: SpiDevice> AnalogIn for Ads8688<SPI> {
     fn convert(&mut self, channel: u8) -> Result<i32, Self::Error> {
         let range = self.ranges.get(usize::from(channel)).copied().flatten();
         let range = range.ok_or(Ads8688Error::NotInUse { channel })?;
-        // Uncertain until the part has answered as it must.
+        // Uncertain until the part has given the right answer.
         if self.selected.take() != Some(channel) {
             self.frame(channel)?;
         }
@@ -295,7 +295,7 @@ mod tests {
 
     #[test]
     fn an_open_input_reads_a_voltage_like_any_other() {
-        // 2.2 V on ±10.24 V: code 0x8000 + 2.2 V / 312.5 µV.  Only the limits of the calibration table can tell.
+        // 2.2 V on ±10.24 V: code 0x8000 + 2.2 V / 312.5 µV.  Only the limits of the calibration table can detect it.
         let mut part = part(&[
             asked(&[0xC0, 0, 0, 0, 0, 0], &[0; 6]),
             asked(&[0xCC, 0, 0, 0, 0, 0], &[0, 0, 0x9B, 0x80, 0x08, 0]),
@@ -317,11 +317,11 @@ mod tests {
         let frames = [
             start(),
             asked(&[0xC0, 0, 0, 0, 0, 0], &[0; 6]),
-            // The frame that converts fails on the bus; then both once more.
+            // The frame that converts fails on the bus; then both are sent again.
             asked(&[0xC0, 0, 0, 0, 0, 0], &[0; 6]),
             asked(&[0xCC, 0, 0, 0, 0, 0], &[0, 0, 0x80, 0, 0x08, 0]),
         ];
-        // Eleven transactions at the start, one that selects, and then the one that fails.
+        // Eleven transactions at the start, one that selects, and then the failing one.
         let spi = Failing::at(Mock::new(&frames.concat()), 12);
         let mut part = Ads8688::begin(spi, RANGES).unwrap();
         let refused = part.convert(0).unwrap_err();

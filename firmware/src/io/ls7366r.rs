@@ -1,11 +1,11 @@
 //! LS7366R: a 32-bit counter for a quadrature encoder. LSI/CSI, data sheet 7366R.
 //!
-//! SPI mode 0. An instruction byte, then up to four data bytes, one instruction a chip select (table 1). The counter runs free over
-//! 32 bits and counts every edge: an encoder of 3600 impulses a revolution gives 14 400 counts.
+//! SPI mode 0. An instruction byte, then up to four data bytes; one instruction per chip select (table 1). The counter runs free over
+//! 32 bits and counts every edge: an encoder of 3600 impulses per revolution gives 14 400 counts.
 //!
-//! Each reading takes two instructions: the status first, then the count, which the part latches by itself. The status must say
-//! that counting is enabled and that the supply was never lost since the start; a line that hangs low says the first wrongly, one
-//! that hangs high the second.
+//! Each reading takes two instructions: the status first, then the count, which the part latches by itself. The status must show
+//! that counting is enabled and that the supply has not been lost since the start; a line that is stuck low fails the first
+//! condition, a line that is stuck high the second.
 //!
 //! | instruction | CLR STR | WR MDR0 | WR MDR1 | CLR CNTR | RD MDR0 | RD MDR1 | RD CNTR | RD STR |
 //! |---|---|---|---|---|---|---|---|---|
@@ -23,7 +23,7 @@ const READ_COUNT: u8 = 0x60;
 const READ_STATUS: u8 = 0x70;
 const WRITE_MODE_0: u8 = 0x88;
 const WRITE_MODE_1: u8 = 0x90;
-/// MDR0: four counts a period of the encoder, free running, index unused.
+/// MDR0: four counts per period of the encoder, free running, index unused.
 const FOURFOLD: u8 = 0x03;
 /// MDR1: four bytes, counting enabled, no flags.
 const FOUR_BYTES: u8 = 0x00;
@@ -31,7 +31,7 @@ const FOUR_BYTES: u8 = 0x00;
 const ENABLED: u8 = 1 << 3;
 const LOST: u8 = 1 << 2;
 
-/// By what the part divides the clock at pin fCKi before it filters A and B with it; MDR0, bit 7. The filter's clock must be at least four
+/// Divisor for the clock at pin fCKi, with which the part filters A and B; MDR0, bit 7. The filter's clock must be at least four
 /// times the frequency of A.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FilterClock {
@@ -48,7 +48,7 @@ pub enum Ls7366rError<E> {
     /// The bus failed.
     #[error("LS7366R: bus: {0:?}")]
     Bus(E),
-    /// A mode register does not read what was written.
+    /// A mode register does not read back as it was written.
     #[error("LS7366R: MDR{register} reads {found:#04x}; expected {expected:#04x}")]
     Register {
         /// 0 or 1.
@@ -58,7 +58,7 @@ pub enum Ls7366rError<E> {
         /// What it reads.
         found: u8,
     },
-    /// The supply was lost: the count starts from 0 again, somewhere.
+    /// The supply was lost: the count starts again from 0, at an unknown position.
     #[error("LS7366R: supply was lost (status {status:#04x})")]
     PowerLost {
         /// STR.
@@ -115,7 +115,7 @@ impl<SPI: SpiDevice> Ls7366r<SPI> {
         self.spi.write(bytes).map_err(Ls7366rError::Bus)
     }
 
-    /// An instruction and the bytes that answer it.
+    /// Sends an instruction and reads the bytes that answer it.
     fn read<const BYTES: usize>(&mut self, bytes: [u8; BYTES]) -> Result<[u8; BYTES], Ls7366rError<SPI::Error>> {
         let mut answer = [0; BYTES];
         self.spi.transfer(&mut answer, &bytes).map_err(Ls7366rError::Bus)?;
@@ -129,7 +129,7 @@ impl<SPI: SpiDevice> Ls7366r<SPI> {
         if found == expected { Ok(()) } else { Err(Ls7366rError::Register { register, expected, found }) }
     }
 
-    /// Whether the part still counts as it was told to.
+    /// Whether the part still counts as it was set up.
     fn check(&mut self) -> Result<(), Ls7366rError<SPI::Error>> {
         let [_, status] = self.read([READ_STATUS, 0])?;
         if status & LOST != 0 {

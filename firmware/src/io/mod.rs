@@ -1,8 +1,8 @@
 //! Where the firmware meets its hardware: three traits of one method each, in whole counts.
 //!
-//! embedded-hal 1.0 has no converter and no encoder. A driver of this crate, or a closure around whatever a HAL offers
-//! ([`FromFn`]), fills each of them; nothing beyond this file knows a bus. The type states its scale: what 2¹⁶ counts are, in µV
-//! (a scale in µV per count would not be whole). How volts and counts become physical quantities stands in
+//! embedded-hal 1.0 has no converter and no encoder. A driver of this crate, or a closure around the functions of a HAL
+//! ([`FromFn`]), implements each trait; nothing beyond this file knows a bus. The type states its scale: what 2¹⁶ counts are, in µV
+//! (a scale in µV per count would not be whole). How volts and counts become physical quantities is described in
 //! [`scaling`](crate::scaling).
 //!
 //! ```
@@ -23,13 +23,13 @@ pub mod ls7366r;
 
 use core::fmt::Debug;
 
-/// Why a device did not do what it was asked, in a form that a log can carry.
+/// Why a device did not do what was requested, in a form that a log can carry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Cause {
     /// The bus itself failed: the device said nothing.
     Bus,
-    /// The device, or what is in its place, answers otherwise than it must.
+    /// The device, or what is connected in its place, gives a wrong answer.
     WrongAnswer {
         /// What it must answer.
         expected: u32,
@@ -40,7 +40,7 @@ pub enum Cause {
     PowerLost,
     /// The device protects itself: its output is shorted or it is too hot.
     Overloaded,
-    /// The wiring asks for a channel that the driver was not told of.
+    /// The wiring uses a channel that the driver was not configured for.
     NotInUse,
 }
 
@@ -60,7 +60,7 @@ pub trait AnalogIn {
     /// One conversion of one channel, in counts; 0 is 0 V.
     ///
     /// # Errors
-    /// The device does not answer, or not as it must.
+    /// The device does not answer, or gives a wrong answer.
     fn convert(&mut self, channel: u8) -> Result<i32, Self::Error>;
 }
 
@@ -71,14 +71,14 @@ pub trait AnalogOut {
     /// What 2¹⁶ counts are, in µV.
     const SPAN_UV: u32;
 
-    /// Puts out a count, held until the next; 0 is 0 V. What the device cannot put out is held at the end of its range.
+    /// Puts out a count, and holds it until the next; 0 is 0 V. Beyond its range the device puts out the range's end.
     ///
     /// # Errors
-    /// The device does not answer, or not as it must.
+    /// The device does not answer, or gives a wrong answer.
     fn write(&mut self, count: i32) -> Result<(), Self::Error>;
 }
 
-/// A position as a count that goes round: after `i32::MAX` comes `i32::MIN`.
+/// A position as a count that wraps around: after `i32::MAX` comes `i32::MIN`.
 pub trait PositionIn {
     /// Why there is no count.
     type Error: IoError;
@@ -86,7 +86,7 @@ pub trait PositionIn {
     /// The count now.
     ///
     /// # Errors
-    /// The device does not answer, or not as it must.
+    /// The device does not answer, or gives a wrong answer.
     fn count(&mut self) -> Result<i32, Self::Error>;
 }
 
@@ -96,7 +96,7 @@ pub trait PositionIn {
 #[derive(Clone, Copy, Debug)]
 pub struct FromFn<F, const SPAN_UV: u32 = 0>(pub F);
 
-/// The error of a closure: a failure of whatever bus is behind it.
+/// The error of a closure: a failure of the bus behind it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[error("bus: {0:?}")]

@@ -1,4 +1,4 @@
-//! From which limit on an average is no chance any more.
+//! The limit above which an average is no longer attributed to chance.
 //!
 //! The limit h follows from how often a false alarm may come. For independent normal innovations, E exp(θ·s) is the product of
 //! 1/√(1 − 2θ·wᵢ) over the weights wᵢ = λ·(1 − λ)ⁱ, and with x = 2θλ Chernoff's bound gives for any 0 < x < 1
@@ -7,12 +7,12 @@
 //! P(s > h) ≤ exp(Λ − θ·h)     Λ = Li₂(x)/(2·|ln(1 − λ)|) − ½·ln(1 − x)     h = min over x of (Λ + ln 1/p)·2λ/x
 //! ```
 //!
-//! An alarm in a tick needs s > h in that tick, so they come no more often than p a tick, on average; with four signals each gets
-//! a quarter of it. The bound leans to the safe side; what the rate is stands in the monitor's test. Innovations that are correlated
-//! over a time are fewer than they are counted: with ρ from tick to tick, and q = ρ²·(1 − λ), the memory holds (1 − q)/(1 + q)
-//! as many, and λ in the bound is that much larger.
+//! An alarm in a tick needs s > h in that tick, so alarms come no more often than p per tick, on average; with four signals each gets
+//! a quarter of that rate. The bound is conservative; the monitor's test shows the actual rate. Innovations that are correlated in time are
+//! worth fewer independent ones: with ρ from tick to tick, and q = ρ²·(1 − λ), the memory holds (1 − q)/(1 + q) times as many, and λ in
+//! the bound is larger by the inverse of that factor.
 
-/// λ of as many independent innovations as `share` holds of those that are correlated over so many ticks.
+/// λ for independent innovations that is worth the same as `share` for innovations that are correlated over so many ticks.
 pub(super) fn effective(share: f64, correlation_ticks: f64) -> f64 {
     let squared = if correlation_ticks > 0.0 { libm::exp(-2.0 / correlation_ticks) } else { 0.0 };
     let alike = squared * (1.0 - share);
@@ -29,7 +29,7 @@ pub(super) fn limit(share: f64, chance: f64) -> f64 {
     (1..STEPS).map(|k| held(f64::from(k) / f64::from(STEPS))).fold(f64::INFINITY, f64::min)
 }
 
-/// Li₂(x) for 0 < x < 1, to 1e-8: Σ xᵏ/k², of 1 − x beyond a half by Euler's reflection.
+/// Li₂(x) for 0 < x < 1, to 1e-8: Σ xᵏ/k²; for x beyond a half, from 1 − x by Euler's reflection.
 fn dilogarithm(x: f64) -> f64 {
     const AT_ONE: f64 = core::f64::consts::PI * core::f64::consts::PI / 6.0;
     if x > 0.5 {

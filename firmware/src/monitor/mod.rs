@@ -1,17 +1,17 @@
-//! Does the model still tell what the sensors show? The innovation (measured − predicted) of every signal, watched.
+//! Does the model still predict what the sensors show? The innovation (measured − predicted) of every signal is monitored.
 //!
-//! Of a signal's innovation ν over its spread σ the square is averaged over a memory of 1/λ ticks; a single one counts for at most 32:
+//! The square of a signal's innovation ν over its spread σ is averaged over a memory of 1/λ ticks; a single square counts for at most 32:
 //!
 //! ```text
 //! s ← s + λ·(min(ν²/σ², 32) − s)        expected: 1         alarm: s > h
 //! ```
 //!
-//! The limit h follows from how often a false alarm may come (`monitor/limit.rs`); with four signals each gets a quarter of it. What the rate is
-//! stands in this file's test.
+//! The limit h follows from how often a false alarm may come (`monitor/limit.rs`); with four signals each gets a quarter of that rate. This
+//! file's test shows the actual rate.
 //!
-//! The first signal beyond its limit names the link that misses; in one tick the one that stands first in the chain, as what it misses
-//! reaches all below it: spool → valve, pressures → flow and chambers, position → mechanics. A load that the model lacks shows in the
-//! pressures as well: a name is where to look, what it is the diagnosis finds from the recording.
+//! The first signal beyond its limit names the link whose model is wrong. Of several in one tick the first in the chain counts, because
+//! its error reaches every later link: spool → valve, pressures → flow and chambers, position → mechanics. A load that the model lacks
+//! shows in the pressures as well: the name says where to look, and the diagnosis finds the cause from the recording.
 
 mod limit;
 mod sensitivity;
@@ -25,7 +25,7 @@ use limit::{effective, limit};
 
 pub use sensitivity::{MonitorError, Sensitivity, Spread};
 
-/// What is watched, in the order of the chain.
+/// The monitored signals, in the order of the chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Signal {
@@ -39,7 +39,7 @@ pub enum Signal {
     Position,
 }
 
-/// Part of the chain that a signal speaks of.
+/// Link of the model that a signal belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Link {
@@ -76,7 +76,7 @@ pub struct Innovation {
 }
 
 impl Innovation {
-    /// Of what the model said and the sensors show of the same instant.
+    /// From what the model predicted and the sensors show for the same instant.
     #[must_use]
     pub fn of(predicted: &Predicted, seen: &Observed) -> Self {
         let spool = seen.spool.map(|spool| spool - predicted.spool);
@@ -106,7 +106,7 @@ struct Watch {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct MonitorState {
-    /// Of half the innovation over its spread: so a square of 32 fits.
+    /// Mean square of half the innovation over its spread: halved, so that a square of 32 fits.
     quarters: [PerUnit; SIGNALS],
     alarmed: bool,
 }
@@ -117,23 +117,23 @@ pub struct MonitorState {
 pub struct Miss {
     /// Which.
     pub signal: Signal,
-    /// The link that misses.
+    /// The link whose model is wrong.
     pub link: Link,
-    /// Measured − predicted in the tick of the alarm, of the signal's base.
+    /// Measured − predicted in the tick of the alarm, relative to the signal's base.
     pub innovation: PerUnit,
-    /// A quarter of the innovation's mean square over the expected one, at most 8.
+    /// A quarter of the ratio of the innovation's mean square to the expected one, at most 8.
     pub quarter: PerUnit,
 }
 
 impl Miss {
-    /// The innovation's mean square over the expected one, at most 32.
+    /// The ratio of the innovation's mean square to the expected one, at most 32.
     #[must_use]
     pub fn square(&self) -> f64 {
         4.0 * self.quarter.to_f64()
     }
 }
 
-/// Largest square of an innovation over its expected one: no single reading counts for more.
+/// Largest ratio of a squared innovation to its expected value: no single reading counts for more.
 const MOST: f64 = 32.0;
 /// √8
 const LARGEST: PerUnit = PerUnit::from_bits(759_250_124);
@@ -142,7 +142,7 @@ impl Monitor {
     /// The monitor with the period and scales of `bases`.
     ///
     /// # Errors
-    /// A spread or a time is out of its range, or no limit tells what is wanted from chance.
+    /// A spread or a time is out of its range, or no limit makes false alarms as rare as required.
     pub fn new(sensitivity: &Sensitivity, bases: &Bases) -> Result<Self, MonitorError> {
         let Sensitivity { spool, pressure, position, memory_s, between_false_alarms_s } = *sensitivity;
         let time = |name, found_s: f64, least_s: f64, most_s: f64| {
@@ -160,7 +160,7 @@ impl Monitor {
         let watch = |signal: Signal, spread: Spread, base: f64| {
             time("correlation", spread.correlation_s, 0.0, memory_s)?;
             let sigma = spread.sigma / base;
-            // NaN is more than nothing.
+            // NaN fails this comparison.
             let half_inverse = if sigma > 0.0 && sigma < 1.0 { PerUnit::steep(0.5 / sigma) } else { None };
             let refused = MonitorError::Sigma { signal, sigma: spread.sigma, least: base / 131_072.0 };
             let limit = limit(effective(share, spread.correlation_s / bases.tick_s), chance);
@@ -181,18 +181,18 @@ impl Monitor {
         })
     }
 
-    /// Nothing has been seen, and no alarm been given.
+    /// Nothing has been seen, and no alarm has been given.
     #[must_use]
     pub fn at_rest(&self) -> MonitorState {
         MonitorState { quarters: [PerUnit::ONE.halved().halved(); SIGNALS], alarmed: false }
     }
 
-    /// Nothing has been seen; an alarm that was given stays given.
+    /// Forgets what has been seen; an alarm that was given stays given.
     pub fn forget(&self, state: &mut MonitorState) {
         state.quarters = self.at_rest().quarters;
     }
 
-    /// Takes the innovation of a tick; the first signal beyond its limit, once until the state is begun anew.
+    /// Takes the innovation of a tick; returns the first signal beyond its limit, but only once until the state is reset.
     pub fn watch(&self, state: &mut MonitorState, innovation: &Innovation) -> Option<Miss> {
         let mut missed = None;
         let signals = Signal::ALL.into_iter().zip(&self.watches).zip(&mut state.quarters).zip(innovation.values);
@@ -269,7 +269,7 @@ mod tests {
 
     const SIGMAS: [f64; SIGNALS] = [2e-3, 4e4 / 7e6, 4e4 / 7e6, 2e-4 / 0.3];
 
-    /// False alarms in so many ticks of normal innovations, each like the one before by `rho`.
+    /// False alarms in so many ticks of normal innovations, each correlated with the one before by `rho`.
     fn false_alarms(monitor: &Monitor, rho: f64, ticks: u32) -> u32 {
         let mut normal = Normal(1);
         let mut state = monitor.at_rest();
@@ -293,7 +293,7 @@ mod tests {
         let bases = *reference(&press()).bases();
         let (ticks, stated_s) = (2_000_000_u32, 5.0);
         let allowed = f64::from(ticks) * bases.tick_s / stated_s;
-        // Correlated innovations are counted as fewer independent ones, which leans further to the safe side.
+        // Correlated innovations are counted as fewer independent ones, which makes the limit more conservative.
         for (rho, memory_s, near) in [(0.0, 0.05, 0.8), (0.0, 0.5, 0.9), (0.9, 0.05, 0.55), (0.9, 0.5, 0.75)] {
             let correlation_s = if rho > 0.0 { -bases.tick_s / f64::ln(rho) } else { 0.0 };
             let monitor = Monitor::new(&sensitivity(correlation_s, memory_s, stated_s), &bases).unwrap();
@@ -310,7 +310,7 @@ mod tests {
         }
     }
 
-    /// The first miss of a machine that the model does not tell, and after how many ticks.
+    /// The first miss of a machine that the model does not describe, and after how many ticks.
     fn first_miss(change: impl Fn(&mut Machine<f64>), bias: [f64; SIGNALS]) -> Option<(Miss, u32)> {
         let mut other = press();
         change(&mut other);

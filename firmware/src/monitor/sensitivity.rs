@@ -1,19 +1,19 @@
-//! What the monitor is told, as an engineer states it, and what is refused of it.
+//! The monitor's settings, as an engineer states them, and which of them are refused.
 
 use thiserror::Error;
 
 use super::Signal;
 
-/// How far a signal's innovation spreads while the model is right: the sensor's noise and what the model is known not to tell.
+/// How far a signal's innovation spreads while the model is right: the sensor's noise and what the model is known not to predict.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
     /// Standard deviation, in the signal's SI unit.
     pub sigma: f64,
-    /// Time over which an innovation is like the one before (e⁻¹), s; 0 for noise that is new in each tick.
+    /// Correlation time of the innovation (to e⁻¹), s; 0 for noise that is new in each tick.
     pub correlation_s: f64,
 }
 
-/// What the monitor is to tell from chance.
+/// What the monitor must distinguish from chance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensitivity {
     /// Spool, 1.
@@ -22,48 +22,48 @@ pub struct Sensitivity {
     pub pressure: Spread,
     /// Position, m.
     pub position: Spread,
-    /// Memory of the average, s: what lasts much shorter is not seen.
+    /// Memory of the average, s: a deviation that is much shorter is not seen.
     pub memory_s: f64,
     /// At most one false alarm in this time, on average, s.
     pub between_false_alarms_s: f64,
 }
 
-/// Why there is no such monitor.
+/// Why such a monitor is not possible.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MonitorError {
-    /// A spread that is none, or too small for the number format.
+    /// A spread that is not valid, or too small for the number format.
     #[error("{signal:?}: a spread of {sigma}, expected more than {least} and below a base")]
     Sigma {
         /// Of which signal.
         signal: Signal,
         /// Its standard deviation, SI.
         sigma: f64,
-        /// Must be more than this, SI.
+        /// It must be larger than this, SI.
         least: f64,
     },
-    /// A time that is none.
+    /// A time that is not valid.
     #[error("{name} is {found_s} s, expected {least_s} to {most_s} s")]
     Time {
         /// Which.
         name: &'static str,
         /// Its value.
         found_s: f64,
-        /// Smallest there may be.
+        /// Smallest permitted value.
         least_s: f64,
-        /// Largest there may be.
+        /// Largest permitted value.
         most_s: f64,
     },
-    /// The memory is too short to tell so rare an event from chance.
+    /// The memory is too short to distinguish so rare an event from chance.
     #[error(
         "{signal:?}: a limit of {limit}, expected below {most}: use a longer memory or allow false alarms more often"
     )]
     TooShort {
         /// Of which signal.
         signal: Signal,
-        /// The limit that were needed.
+        /// The limit that would be needed.
         limit: f64,
-        /// What can be reached.
+        /// The largest possible limit.
         most: f64,
     },
 }

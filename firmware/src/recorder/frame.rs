@@ -4,11 +4,11 @@
 //! 00  COBS( kind u8 | number u16 | payload … | CRC-32 )  00          all words little-endian
 //! ```
 //!
-//! A zero occurs nowhere but between frames, so a reader finds the next frame whatever it lost before (S. Cheshire, M. Baker:
+//! A zero occurs only between frames, so a reader finds the next frame whatever it lost before (S. Cheshire, M. Baker:
 //! *Consistent Overhead Byte Stuffing*, IEEE/ACM Transactions on Networking 7, 1999). CRC-32 (ISO-HDLC) finds any two wrong bits and any
-//! burst of 32 in a frame of this size, and lets one damaged frame in 4·10⁹ pass. The number tells how many frames are missing.
+//! burst of 32 in a frame of this size, and misses one damaged frame in 4·10⁹. The number shows how many frames are missing.
 //!
-//! The host reads with the same source.
+//! The host reads frames with this same source file.
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use embedded_io::Write;
@@ -21,19 +21,19 @@ const HEAD: usize = 3;
 const CHECK: usize = 4;
 /// Largest frame before it is stuffed.
 const PLAIN: usize = HEAD + PAYLOAD + CHECK;
-/// Largest frame once stuffed: one byte more in each 254.
+/// Largest frame after stuffing: one byte more in each 254.
 const STUFFED: usize = PLAIN + PLAIN.div_ceil(254) + 1;
 
 /// Largest frame on a line, bytes.
 pub const LARGEST: usize = STUFFED + 2;
 
-/// A small table: 64 bytes of flash instead of 1024, at four steps a byte instead of one.
+/// A small table: 64 bytes of flash instead of 1024, but four steps per byte instead of one.
 const CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
 
 /// A frame as it was read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Frame {
-    /// What it holds; the kinds are its user's.
+    /// What it holds; the user of this module defines the kinds.
     pub kind: u8,
     /// Its number, one more than that of the frame before.
     pub number: u16,
@@ -51,7 +51,7 @@ pub enum FrameError<E> {
         /// Its length.
         found: usize,
     },
-    /// The line did not take it.
+    /// The line did not accept it.
     #[error("the line failed")]
     Line(E),
 }
@@ -71,7 +71,7 @@ impl FrameWriter {
         let too_long = FrameError::TooLong { found: payload.len() };
         let plain = assembled(kind, self.number, payload).ok_or(too_long)?;
         let mut stuffed = [0; LARGEST];
-        // Zero before and after: what a line that was just opened shows first ends before the frame.
+        // Zero before and after: the first one ends whatever a newly opened line shows before the frame.
         let length = cobs::try_encode(&plain, stuffed.get_mut(1..=STUFFED).unwrap_or_default())
             .map_err(|_| FrameError::TooLong { found: payload.len() })?;
         self.number = self.number.wrapping_add(1);
@@ -91,12 +91,12 @@ fn assembled(kind: u8, number: u16, payload: &[u8]) -> Option<Vec<u8, PLAIN>> {
     Some(plain)
 }
 
-/// What was wrong on the line so far.
+/// Errors on the line so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Losses {
-    /// Frames that are missing by their numbers. A gap of more than half of all numbers counts as a writer that started anew.
+    /// Frames that are missing according to their numbers. A gap of more than half of all numbers is taken for a restart of the writer.
     pub missing: u32,
-    /// Stretches between zeros that were no frame: damaged, foreign, or too long.
+    /// Pieces between zeros that are no valid frame: damaged, foreign, or too long.
     pub refused: u32,
 }
 
@@ -122,13 +122,13 @@ impl FrameReader {
         Self { stuffed: Vec::new(), too_long: false, next: None, losses: Losses { missing: 0, refused: 0 } }
     }
 
-    /// What was wrong so far.
+    /// Errors so far.
     #[must_use]
     pub fn losses(&self) -> Losses {
         self.losses
     }
 
-    /// Takes one byte; the frame that ends with it.
+    /// Takes one byte; returns the frame that ends with it, if one does.
     pub fn take(&mut self, byte: u8) -> Option<Frame> {
         if byte != 0 {
             self.too_long |= self.stuffed.push(byte).is_err();
@@ -185,7 +185,7 @@ mod tests {
     }
 
     fn payloads() -> impl Strategy<Value = Bytes<Bytes<u8>>> {
-        // Many zeros: the bytes that are stuffed.
+        // Many zeros: these are the bytes that are stuffed.
         let byte = prop_oneof![1 => Just(0_u8), 1 => any::<u8>()];
         prop::collection::vec(prop::collection::vec(byte, 0..=PAYLOAD), 1..6)
     }
@@ -195,7 +195,7 @@ mod tests {
         let frame = line(&[Bytes::from([0_u8, 5])]);
         assert_eq!(frame.first(), Some(&0));
         assert_eq!(frame.last(), Some(&0));
-        // 7, then 00 00 (number) 00 (payload): each zero starts a stretch.
+        // 7, then 00 00 (number) 00 (payload): each zero starts a new COBS block.
         assert_eq!(frame[1..6], [2, 7, 1, 1, 6]);
         assert_eq!(frame[6], 5);
         assert_eq!(frame.len(), 1 + 1 + 3 + 2 + 4 + 1);

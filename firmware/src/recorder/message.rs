@@ -1,4 +1,4 @@
-//! What the frames of a recording hold, to be written by the controller and read by the host.
+//! What the frames of a recording hold: the controller writes them and the host reads them.
 //!
 //! | kind | payload, little-endian |
 //! |---|---|
@@ -16,33 +16,33 @@ use super::frame::{Frame, PAYLOAD};
 
 /// Version of this layout.
 pub const VERSION: u8 = 1;
-/// A word that says that there was no value.
+/// A word that means that there was no value.
 pub const NONE: i16 = i16::MIN;
 /// Longest name of a machine, bytes.
 pub const MACHINE_NAME: usize = 64;
 /// Longest name or unit of a channel, bytes.
 pub const CHANNEL_NAME: usize = 32;
 
-/// A payload on its way.
+/// A payload before it is sent.
 pub type Payload = Vec<u8, PAYLOAD>;
 
 /// One message.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Message<'a> {
-    /// What is coming.
+    /// What follows.
     Header(Header<'a>),
-    /// One channel of it.
+    /// One channel of the recording.
     Channel(ChannelHeader<'a>),
     /// Some rows.
     Rows(Rows<'a>),
-    /// That was all.
+    /// The end.
     End {
         /// How many rows were written.
         rows: u32,
     },
 }
 
-/// What is coming.
+/// What follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Header<'a> {
     /// How many words a row has.
@@ -72,7 +72,7 @@ pub struct ChannelHeader<'a> {
     pub unit: &'a str,
 }
 
-/// Rows that follow one another tick by tick.
+/// Rows of successive ticks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rows<'a> {
     /// Tick of the first.
@@ -87,7 +87,7 @@ impl Rows<'_> {
     }
 }
 
-/// Why a frame is no message.
+/// Why a frame is not a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MessageError {
@@ -140,7 +140,7 @@ impl ChannelHeader<'_> {
     }
 }
 
-/// Rows in the making: as many as a frame takes.
+/// Rows before they are sent: as many as fit in a frame.
 #[derive(Clone, Debug)]
 pub struct RowsWriter {
     payload: Payload,
@@ -153,12 +153,12 @@ impl RowsWriter {
         Self { payload: payload(&[&first.to_le_bytes()]) }
     }
 
-    /// Adds a row, or does not where it does not fit any more.
+    /// Adds a row if it still fits, and returns whether it did.
     pub fn push(&mut self, row: &[i16]) -> bool {
         let fits = self.payload.len() + 2 * row.len() <= PAYLOAD;
         if fits {
             for word in row {
-                // Fits, as was just found.
+                // Fits, as checked above.
                 let _ = self.payload.extend_from_slice(&word.to_le_bytes());
             }
         }
@@ -179,10 +179,10 @@ pub fn end_written(rows: u32) -> (u8, Payload) {
 }
 
 impl<'a> Message<'a> {
-    /// What a frame holds.
+    /// The message that a frame holds.
     ///
     /// # Errors
-    /// It is no message of this layout.
+    /// The frame is not a message of this layout.
     pub fn of(frame: &'a Frame) -> Result<Self, MessageError> {
         let mut rest = Remaining { bytes: &frame.payload, length: frame.payload.len() };
         match frame.kind {
@@ -202,7 +202,7 @@ impl<'a> Message<'a> {
     }
 }
 
-/// What of a payload is not read yet.
+/// The part of a payload that is not read yet.
 struct Remaining<'a> {
     bytes: &'a [u8],
     length: usize,
@@ -256,7 +256,7 @@ impl<'a> Remaining<'a> {
     }
 }
 
-/// The parts in a row; all messages are made to fit.
+/// Joins the parts; all messages are made to fit.
 fn payload(parts: &[&[u8]]) -> Payload {
     let mut payload = Payload::new();
     for part in parts {
@@ -266,7 +266,7 @@ fn payload(parts: &[&[u8]]) -> Payload {
     payload
 }
 
-/// At most so many bytes of a text, at the end of a character.
+/// The longest beginning of a text that has at most so many bytes and ends after a whole character.
 fn cut(text: &str, most: usize) -> &str {
     text.get(..text.floor_char_boundary(most)).unwrap_or(text)
 }

@@ -1,8 +1,7 @@
 //! The last seconds of all channels, frozen by a trigger, and streamed out in frames.
 //!
-//! A row a tick of one 16-bit word a channel: a signal's upper bits, at the resolution of its [`Channel`]'s range. The ring
-//! keeps a stated number of rows from before the trigger and fills up with those after it; then it stands still until it is
-//! armed again.
+//! Each tick gives one row, with one 16-bit word per channel: a signal's upper bits, at the resolution of its [`Channel`]'s range. The
+//! ring keeps a stated number of rows from before the trigger and fills up with those after it; then it stops until it is armed again.
 //!
 //! ```text
 //! Waiting ── trigger ──► Triggered ── ring full of what follows ──► Frozen ── arm ──► Waiting
@@ -22,7 +21,7 @@ use message::{ChannelHeader, Header, NONE, RowsWriter, end_written};
 
 pub use outbox::Outbox;
 
-/// Largest magnitude that a channel holds, per unit; the smaller, the finer its step.
+/// Largest magnitude that a channel holds, per unit; a smaller range has a finer step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Range {
     /// ±1, in steps of 3.1e-5.
@@ -31,7 +30,7 @@ pub enum Range {
     Two,
     /// ±4, in steps of 1.2e-4.
     Four,
-    /// ±8, in steps of 2.4e-4: all that a signal can be.
+    /// ±8, in steps of 2.4e-4: the whole range of a signal.
     Eight,
 }
 
@@ -42,9 +41,9 @@ pub struct Channel {
     pub name: &'static str,
     /// Its SI unit.
     pub unit: &'static str,
-    /// SI value of the signal 1.
+    /// SI value that 1 stands for.
     pub base: f64,
-    /// What it holds.
+    /// The range that it holds.
     pub range: Range,
 }
 
@@ -75,14 +74,14 @@ impl Channel {
     }
 }
 
-/// Why there is no recorder of this kind.
+/// Why such a recorder is not possible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum RecorderError {
-    /// The row of the trigger itself must fit beside those before it.
+    /// The row of the trigger itself must fit in addition to those before it.
     #[error("{before} rows before the trigger, expected fewer than the {room} there are")]
     Before {
-        /// How many were asked for.
+        /// How many were requested.
         before: usize,
         /// How many rows there are.
         room: usize,
@@ -102,15 +101,15 @@ enum Phase {
     Frozen { trigger: u32 },
 }
 
-/// What it is doing.
+/// What the recorder is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Recording {
-    /// It records, and nothing has happened.
+    /// It records and waits for a trigger.
     Waiting,
     /// It records what follows the trigger.
     Triggered,
-    /// It stands still, to be streamed out.
+    /// It has stopped and can be streamed out.
     Frozen,
 }
 
@@ -127,7 +126,7 @@ pub struct Recorder<const CHANNELS: usize, const ROWS: usize> {
 }
 
 impl<const CHANNELS: usize, const ROWS: usize> Recorder<CHANNELS, ROWS> {
-    /// Armed and empty; of a full ring `before` rows lie before the trigger.
+    /// An armed, empty recorder; in a full ring `before` rows lie before the trigger.
     ///
     /// # Errors
     /// No row is left for the trigger, or a row does not fit a frame.
@@ -141,7 +140,7 @@ impl<const CHANNELS: usize, const ROWS: usize> Recorder<CHANNELS, ROWS> {
         Ok(Self { channels, rows: Deque::new(), before, tick: 0, phase: Phase::Waiting })
     }
 
-    /// Takes the row of this tick, unless it is frozen; `None` is no value.
+    /// Takes the row of this tick, unless the recorder is frozen; `None` means no value.
     pub fn record(&mut self, signals: &[Option<PerUnit>; CHANNELS]) {
         let tick = self.tick;
         self.tick = tick.wrapping_add(1);
@@ -167,20 +166,20 @@ impl<const CHANNELS: usize, const ROWS: usize> Recorder<CHANNELS, ROWS> {
         }
     }
 
-    /// Something happened: the next row is that of the trigger. Only the first trigger counts.
+    /// Triggers: the next row is that of the trigger. Only the first trigger counts.
     pub fn trigger(&mut self) {
         if self.phase == Phase::Waiting {
             self.phase = Phase::Triggered { at: self.tick, left: ROWS - self.before };
         }
     }
 
-    /// Forgets all and waits for the next trigger. Ticks are counted on.
+    /// Deletes all rows and waits for the next trigger. The count of ticks continues.
     pub fn arm(&mut self) {
         self.rows.clear();
         self.phase = Phase::Waiting;
     }
 
-    /// What it is doing.
+    /// What the recorder is doing.
     #[must_use]
     pub fn recording(&self) -> Recording {
         match self.phase {
@@ -191,7 +190,7 @@ impl<const CHANNELS: usize, const ROWS: usize> Recorder<CHANNELS, ROWS> {
     }
 }
 
-/// How far a frozen recording has been streamed out.
+/// How much of a frozen recording has been streamed out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 enum Next {
@@ -201,7 +200,7 @@ enum Next {
     Done,
 }
 
-/// Streams a frozen recording out, a frame at a time.
+/// Streams a frozen recording out, one frame per call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Stream {
@@ -212,9 +211,9 @@ pub struct Stream {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Progress {
-    /// Nothing was frozen, or all of it is out.
+    /// Nothing was frozen, or everything has been written.
     Done,
-    /// A frame went out, and more are to come.
+    /// A frame was written, and more will follow.
     More,
 }
 
@@ -231,7 +230,7 @@ impl Stream {
         Self { next: Next::Header }
     }
 
-    /// Writes the next frame to `line`. A frame that the line refuses is tried again by the next call.
+    /// Writes the next frame to `line`. A frame that the line refuses is written again by the next call.
     ///
     /// # Errors
     /// The line fails.
@@ -275,7 +274,7 @@ impl Channel {
 }
 
 impl<const CHANNELS: usize, const ROWS: usize> Recorder<CHANNELS, ROWS> {
-    /// Tick of the oldest row: the trigger's is followed by all but what was kept from before.
+    /// Tick of the oldest row: the trigger's tick, less the rows that were kept from before it.
     fn first_tick(&self, trigger: u32) -> u32 {
         let after = ROWS - self.before;
         #[expect(clippy::cast_possible_truncation, reason = "rows are in memory")]
@@ -283,7 +282,7 @@ impl<const CHANNELS: usize, const ROWS: usize> Recorder<CHANNELS, ROWS> {
         trigger.wrapping_sub(before)
     }
 
-    /// A frame of rows from one on, and what comes next.
+    /// A frame of rows that begins with a given one, and what comes next.
     fn some_rows(&self, from: usize, first: u32) -> ((u8, crate::recorder::message::Payload), Next) {
         #[expect(clippy::cast_possible_truncation, reason = "rows are in memory")]
         let mut writer = RowsWriter::new(first.wrapping_add(from as u32));

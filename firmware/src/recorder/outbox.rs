@@ -1,28 +1,28 @@
-//! A recording on its way out, byte by byte: whoever has a moment between two periods asks for the next byte, and nobody waits for a line.
+//! Sends a recording byte by byte: the next byte is fetched in the free time between two periods, so nothing waits for the line.
 
 use heapless::Vec;
 
 use super::frame::{FrameWriter, LARGEST};
 use super::{Progress, Recorder, Stream};
 
-/// What goes out: one frame at a time.
+/// The outgoing data: one frame at a time.
 #[derive(Clone, Debug, Default)]
 pub struct Outbox {
-    /// `None` where nothing is asked for.
+    /// `None` while nothing is requested.
     stream: Option<Stream>,
     frames: FrameWriter,
     frame: Vec<u8, LARGEST>,
-    /// Bytes of the frame that have gone.
+    /// Bytes of the frame that have been sent.
     gone: usize,
 }
 
 impl Outbox {
-    /// Asks for what a recorder has frozen, from its start; the frame that is on its way is ended first.
+    /// Requests what a recorder has frozen, from its start; a frame that is being sent is finished first.
     pub fn send(&mut self) {
         self.stream = Some(Stream::new());
     }
 
-    /// The next byte, or none: nothing is asked for, all is out, or the recorder has frozen nothing.
+    /// The next byte, or none: nothing is requested, everything is sent, or the recorder has frozen nothing.
     pub fn next<const CHANNELS: usize, const ROWS: usize>(
         &mut self,
         recorder: &Recorder<CHANNELS, ROWS>,
@@ -33,7 +33,7 @@ impl Outbox {
             self.frame.clear();
             self.gone = 0;
             let stream = self.stream.as_mut()?;
-            // A frame fits its room, so nothing refuses it.
+            // A frame fits in its buffer, so writing it cannot fail.
             let progress = stream.write(recorder, machine, tick_ns, &mut self.frames, &mut self.frame);
             if !matches!(progress, Ok(Progress::More)) {
                 self.stream = None;

@@ -1,16 +1,16 @@
 //! Calibration: one table from counts to the model's per unit and back.
 //!
-//! An engineer states each sensor as its data sheet does ([`Sensor`]: volts, SI units, what a working one gives and what an open wire
-//! reads). At start-up each becomes a [`Row`] of whole numbers; in the period a row is one product, and saturates. A row's
-//! result is within half a step (1.9e-9) and 2e-9 of the voltage's part of the exact one (asserted below against f64).
+//! An engineer states each sensor as its data sheet does ([`Sensor`]: volts, SI units, the working range and the reading of an open
+//! wire). At start-up each becomes a [`Row`] of whole numbers; in the period a row takes one multiplication, and saturates. Its result
+//! differs from the exact one by at most half a step (1.9e-9) plus 2e-9 of the voltage's part (asserted below against f64).
 //!
-//! The scales are computed once, in f64, where libm's rounding is all that is needed; model-core links libm already. (`micromath`
-//! has f32 only, whose 24 bits are fewer than a row keeps.)
+//! The scales are computed once, in f64, and need nothing but rounding from libm; model-core links libm already. (`micromath`
+//! has only f32, whose 24 bits are fewer than a row keeps.)
 //!
-//! **Open wires.** A converter cannot tell an open wire from a voltage. A row can where the sensor never gives the voltage that the
-//! wire then reads: a live zero (0.5…4.5 V, 1…5 V) with a resistor to ground, an LVDT conditioner's fault level, or a resistor to a
-//! rail beyond the working range ([`ads8688`](crate::io::ads8688) says which). Where a sensor has no such voltage, [`Sensor::open`] is
-//! `None` and only the check that it moves remains.
+//! **Open wires.** A converter cannot distinguish an open wire from a voltage. A row can, if the sensor never gives the voltage that an
+//! open wire reads: a live zero (0.5…4.5 V, 1…5 V) with a resistor to ground, an LVDT conditioner's fault level, or a resistor to a
+//! rail beyond the working range ([`ads8688`](crate::io::ads8688) describes which). Where a sensor has no such voltage, [`Sensor::open`]
+//! is `None`, and the only check left is that the sensor moves.
 
 use model_core::machine::Bases;
 use model_core::number::PerUnit;
@@ -20,16 +20,16 @@ use super::output::{Actuator, Output};
 use super::scale::{Band, CalibrationError, Counts, ONE, counts_per_volt};
 use crate::measured::Signal;
 
-/// Two points of a sensor's straight line make it.
+/// A point of a sensor's straight line; two points define the line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// Voltage at the input, V.
     pub volts: f64,
-    /// What it stands for, in the signal's SI unit: V of command, 1 of spool travel, Pa, °C.
+    /// Value at this voltage, in the signal's SI unit: V of command, 1 of spool travel, Pa, °C.
     pub value: f64,
 }
 
-/// A sensor with a voltage, as its data sheet and its wiring state it.
+/// A sensor with a voltage output, as its data sheet and its wiring describe it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensor {
     /// Channel of the analogue inputs that it is wired to.
@@ -38,13 +38,13 @@ pub struct Sensor {
     pub low: Point,
     /// Another.
     pub high: Point,
-    /// What a working one gives, tolerances included.
+    /// Voltages that a working sensor gives, tolerances included.
     pub working: Band,
     /// What its open wire reads, where that is outside of `working`.
     pub open: Option<Band>,
 }
 
-/// What 1 of a signal is, in its SI unit.
+/// What 1 per unit of a signal is, in its SI unit.
 fn base(signal: Signal, bases: &Bases) -> f64 {
     match signal {
         Signal::Command => bases.command_v,
@@ -54,7 +54,7 @@ fn base(signal: Signal, bases: &Bases) -> f64 {
     }
 }
 
-/// What a count says.
+/// What a count means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reading {
     /// A working sensor's value, per unit.
@@ -75,10 +75,10 @@ pub struct Row {
 }
 
 impl Row {
-    /// From a sensor on an input of which 2¹⁶ counts are `span_uv` µV.
+    /// From a sensor on an input whose 2¹⁶ counts are `span_uv` µV.
     ///
     /// # Errors
-    /// What the sensor states is no line, or its bands are none.
+    /// The sensor's points do not define a line, or its bands are not valid.
     pub fn new(signal: Signal, sensor: &Sensor, span_uv: u32, bases: &Bases) -> Result<Self, CalibrationError> {
         let Sensor { low, high, .. } = *sensor;
         let per_volt = (high.value - low.value) / (high.volts - low.volts) / base(signal, bases);
@@ -103,7 +103,7 @@ impl Row {
         self.channel
     }
 
-    /// What a count says.
+    /// What a count means.
     #[must_use]
     pub fn read(&self, count: i32) -> Reading {
         if self.working.hold(count) {
@@ -125,11 +125,11 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// From the sensors there are, each with its signal, on inputs of which 2¹⁶ counts are `inputs_uv` µV, and the actuator on an
-    /// output of which they are `output_uv` µV. Of two sensors for one signal the later counts.
+    /// From the sensors, each with its signal, on inputs whose 2¹⁶ counts are `inputs_uv` µV, and from the actuator on an output where
+    /// they are `output_uv` µV. Of two sensors for one signal the later one is used.
     ///
     /// # Errors
-    /// The first sensor that is none.
+    /// The first sensor that is not valid.
     pub fn new(
         sensors: &[(Signal, Sensor)],
         inputs_uv: u32,
@@ -185,7 +185,7 @@ mod tests {
 
     #[test]
     fn half_of_a_live_zeros_range_is_half_of_its_pressure() {
-        // 2.5 V are 32 000 counts of 78.125 µV and 5 MPa, of a supply of 7 MPa.
+        // 2.5 V are 32 000 counts of 78.125 µV and 5 MPa, relative to a supply of 7 MPa.
         let Reading::Working(pressure) = row(&pressure()).unwrap().read(32_000) else { panic!("works") };
         assert!((pressure.to_f64() - 5.0 / 7.0).abs() < 4e-9);
     }
@@ -198,7 +198,7 @@ mod tests {
         assert_eq!(row.read(4480), Reading::OutOfRange); // 0.35 V
         assert!(matches!(row.read(5120), Reading::Working(_))); // 0.4 V
         assert_eq!(row.read(60_000), Reading::OutOfRange); // 4.69 V
-        // Some +2 V, which an input of the ADS8688 without a resistor reads when open, cannot be told.
+        // An open input of the ADS8688 without a resistor reads some +2 V, which cannot be recognised.
         assert!(matches!(row.read(28_160), Reading::Working(_)));
     }
 

@@ -1,8 +1,8 @@
-//! A straight line in whole numbers: what every scale is in the control period.
+//! A straight line in whole numbers: the form of every scale in the control period.
 //!
-//! word = (count·gain + offset)/2ˢʰⁱᶠᵗ, rounded to nearest, held at the ends of `i32`. Gain and offset are as wide as 64 bits hold without
-//! a check, so the line is within 0.501 words and (|slope|·2⁻²⁹ + 2⁻³⁰)·|count| of the real one, for slopes up to 2²⁰ words a count that
-//! pass count 0 at a word of at most 3·10⁹ (asserted below).
+//! word = (count·gain + offset)/2ˢʰⁱᶠᵗ, rounded to nearest, held at the ends of `i32`. Gain and offset have as many digits as 64 bits
+//! hold without an overflow check, so the line is within 0.501 words plus (|slope|·2⁻²⁹ + 2⁻³⁰)·|count| of the exact one, for slopes
+//! up to 2²⁰ words per count and a word of magnitude up to 3·10⁹ at count 0 (asserted below).
 
 /// Largest shift.
 const MOST_SHIFT: u32 = 40;
@@ -22,7 +22,7 @@ pub(crate) struct Line {
 }
 
 impl Line {
-    /// The line of this slope (words per count) that has the word `at_zero` at count 0. `None` if it has no slope or does not fit.
+    /// The line with this slope (words per count) and the word `at_zero` at count 0. `None` if it has no slope or does not fit.
     pub(crate) fn new(slope: f64, at_zero: f64) -> Option<Self> {
         let mut power = (1_u64 << MOST_SHIFT) as f64;
         for shift in (0..=MOST_SHIFT).rev() {

@@ -6,7 +6,7 @@ use super::line::Line;
 use super::scale::{Band, CalibrationError, Counts, ONE, counts_per_volt};
 use crate::measured::Signal;
 
-/// The output to the valve, as its amplifier states it.
+/// The output to the valve, as its amplifier's data state it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Actuator {
     /// Voltage that is put out for the command 0 V.
@@ -27,10 +27,10 @@ pub struct Output {
 }
 
 impl Output {
-    /// From an actuator on an output of which 2¹⁶ counts are `span_uv` µV.
+    /// From an actuator on an output whose 2¹⁶ counts are `span_uv` µV.
     ///
     /// # Errors
-    /// What it states is no line, or its limits are none.
+    /// The actuator's voltages do not define a line, or its limits are not valid.
     pub fn new(actuator: &Actuator, span_uv: u32) -> Result<Self, CalibrationError> {
         let Actuator { zero_v, full_v, lowest_v, highest_v } = *actuator;
         let refused = CalibrationError::Output { zero_v, full_v, lowest_v, highest_v };
@@ -41,10 +41,10 @@ impl Output {
         Ok(Self { line, within })
     }
 
-    /// The count for a command in 10 V, held within the limits.
+    /// The count for a command in units of 10 V, held within the limits.
     #[must_use]
     pub fn count(&self, command: PerUnit) -> i32 {
-        // `clamp` would panic where these limits were the wrong way round.
+        // `clamp` would panic if these limits were in the wrong order.
         self.line.at(command.to_bits().into()).max(self.within.lowest).min(self.within.highest)
     }
 

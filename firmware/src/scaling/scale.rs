@@ -1,8 +1,8 @@
-//! What every scale is made of: bands of voltages and counts, the word of 1, and what is refused.
+//! Common parts of all scales: bands of voltages and counts, the word for 1, and the errors.
 
 use crate::measured::Signal;
 
-/// The word of 1.
+/// The word for 1.
 pub(super) const ONE: f64 = (1_u32 << 28) as f64;
 
 /// A band of voltages, both ends included.
@@ -14,7 +14,7 @@ pub struct Band {
     pub to_v: f64,
 }
 
-/// Why a table is not one.
+/// Why a calibration table is not valid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum CalibrationError {
@@ -23,7 +23,7 @@ pub enum CalibrationError {
     Slope {
         /// Which sensor.
         signal: Signal,
-        /// Per unit a count.
+        /// Slope, per unit per count.
         per_count: f64,
     },
     /// A band ends before it starts, or lies beyond all counts.
@@ -36,7 +36,7 @@ pub enum CalibrationError {
         /// Upper end, V.
         to_v: f64,
     },
-    /// An open wire cannot be told from a working sensor.
+    /// An open wire cannot be distinguished from a working sensor.
     #[error(
         "{signal:?}: an open wire reads {from_v} V to {to_v} V, where a working sensor does too; expected them apart"
     )]
@@ -53,7 +53,7 @@ pub enum CalibrationError {
         "position: {per_m} counts a metre, {reference_m} m at the reference; expected about 1e2 to 1e9 counts a metre"
     )]
     Position {
-        /// Counts a metre.
+        /// Counts per metre.
         per_m: f64,
         /// Position at the reference, m.
         reference_m: f64,
@@ -72,7 +72,7 @@ pub enum CalibrationError {
     },
 }
 
-/// Counts that lie together, both ends included.
+/// A range of counts, both ends included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Counts {
     pub(super) lowest: i32,

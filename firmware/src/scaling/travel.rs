@@ -1,7 +1,7 @@
-//! Position from an encoder's count, which goes round and is followed.
+//! Position from an encoder's count, which wraps around and is tracked.
 //!
-//! An incremental encoder knows changes only. Count 0 is at the reference, unless somebody says where the rod is ([`Travel::home`]). A change
-//! within a period that the rod cannot make is a jump: the count is followed from there, but where the rod is somebody must say anew.
+//! An incremental encoder shows only changes. Count 0 is at the reference, unless the rod's position is given ([`Travel::home`]). A change
+//! within a period that the rod cannot make is a jump: the count is tracked from there, but the rod's position must be given again.
 
 use model_core::machine::Bases;
 use model_core::number::PerUnit;
@@ -10,7 +10,7 @@ use model_core::sensing::Linkage;
 use super::line::Line;
 use super::scale::CalibrationError;
 
-/// Which way the rod goes while the count rises.
+/// Which way the rod moves while the count rises.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rising {
     /// Out.
@@ -31,17 +31,17 @@ impl Rising {
 /// An encoder that the rod turns in proportion: a rack, a wire, a scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Encoder {
-    /// Counts a metre of rod, all edges counted: four an impulse.
+    /// Counts per metre of rod, all edges counted: four per impulse.
     pub counts_per_m: f64,
-    /// Which way they rise.
+    /// Which way the rod moves while they rise.
     pub rising: Rising,
     /// Position at the reference, m; 0 is fully in.
     pub reference_m: f64,
-    /// Fastest that the rod can go, m/s.
+    /// Largest speed of the rod, m/s.
     pub fastest_m_per_s: f64,
 }
 
-/// Counts since the reference are held here, where a sum with one more change still fits.
+/// Counts since the reference are limited to this, so that the sum with one more change still fits.
 const HELD: i64 = 1 << 62;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +49,7 @@ enum Way {
     /// In proportion.
     Straight {
         line: Line,
-        /// Counts over the stroke, and position at count 0, of the stroke: used only when somebody says where the rod is.
+        /// Counts over the stroke, and position at count 0 as a share of the stroke: used only when the rod's position is given.
         counts: f64,
         reference: f64,
     },
@@ -80,7 +80,7 @@ pub struct TravelState {
 /// The count changed by more than the rod can travel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Jump {
-    /// By this many.
+    /// By this many counts.
     pub counts: i32,
 }
 
@@ -94,7 +94,7 @@ impl Travel {
         let refused = CalibrationError::Position { per_m, reference_m };
         let steps_per_m = f64::from(1_u32 << 28) / bases.stroke_m;
         let line = Line::new(steps_per_m / per_m, reference_m * steps_per_m).ok_or(refused)?;
-        // One more, as both counts are whole.
+        // One count more, because both counts are whole numbers.
         let most = libm::ceil(fastest_m_per_s * bases.tick_s * per_m) + 1.0;
         if !(1.0..f64::from(i32::MAX)).contains(&most) {
             return Err(refused);
@@ -105,20 +105,20 @@ impl Travel {
         Ok(Self { way: Way::Straight { line, counts, reference }, sign: rising.sign(), most })
     }
 
-    /// With the encoder on the joint of the linkage triangle; `rising` says which way the angle grows with the count, and `most` is what
-    /// the count can change by in a period.
+    /// With the encoder on the joint of the linkage triangle; `rising` says which way the angle grows with the count, and `most` is the
+    /// largest change of the count in a period.
     #[must_use]
     pub fn joint(linkage: Linkage<PerUnit>, rising: Rising, most: u32) -> Self {
         Self { way: Way::Joint(linkage), sign: rising.sign(), most }
     }
 
-    /// Follows from here on; the reference is at count 0.
+    /// Tracks from this count on; the reference is at count 0.
     #[must_use]
     pub fn start(count: i32) -> TravelState {
         TravelState { count, travelled: count.into(), missed: 0 }
     }
 
-    /// The position, of the stroke.
+    /// The position, as a share of the stroke.
     #[must_use]
     pub fn position(&self, state: &TravelState) -> PerUnit {
         let travelled = self.sign * state.travelled;
@@ -132,7 +132,7 @@ impl Travel {
         }
     }
 
-    /// The rod is at `position` now, of the stroke. In real numbers: not for a period in which the valve is open.
+    /// Sets the rod's present position to `position`, as a share of the stroke. It computes in real numbers: not for a period with an open valve.
     pub fn home(&self, state: &mut TravelState, position: PerUnit) {
         let counts = match &self.way {
             Way::Straight { counts, reference, .. } => (position.to_f64() - reference) * counts,
@@ -149,10 +149,10 @@ impl Travel {
         state.missed = state.missed.saturating_add(1);
     }
 
-    /// A period's count. It is followed whatever it is.
+    /// Takes a period's count, and tracks it whatever its value is.
     ///
     /// # Errors
-    /// It changed by more than the rod can travel since the last one.
+    /// The count changed by more than the rod can travel since the last one.
     pub fn follow(&self, state: &mut TravelState, count: i32) -> Result<(), Jump> {
         let change = count.wrapping_sub(state.count);
         let most = u64::from(self.most) * (u64::from(state.missed) + 1);
@@ -195,7 +195,7 @@ mod tests {
 
     #[test]
     fn more_than_the_rod_can_travel_is_a_jump_that_happens_once() {
-        // 0.5 m/s are 36 counts a period, and one more.
+        // 0.5 m/s are 36 counts per period, and one more.
         let travel = travel(&encoder());
         let mut state = Travel::start(1000);
         assert_eq!(travel.follow(&mut state, 1037), Ok(()));
@@ -221,7 +221,7 @@ mod tests {
         let linkage = Linkage::<PerUnit>::new(&press()).unwrap();
         let joint = Travel::joint(linkage, Rising::Retracts, 40);
         let retracts = Encoder { rising: Rising::Retracts, reference_m: 0.3, ..encoder() };
-        // A count is 0.005 % of the stroke; on the joint, with 3600 a turn, about 0.27 %.
+        // A count is 0.005 % of the stroke; on the joint, with 3600 per turn, about 0.27 %.
         for (travel, half_a_count) in [(travel(&retracts), 2.4e-5), (travel(&encoder()), 2.4e-5), (joint, 2.8e-3)] {
             let mut state = Travel::start(12_345);
             for percent in [0.0, 25.0, 60.0, 100.0] {

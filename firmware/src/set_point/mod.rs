@@ -9,8 +9,8 @@
 //! ```
 //!
 //! A step within limits of velocity and acceleration is a smooth leg that is just long enough: its velocity is at most 1.875/T and its
-//! acceleration at most 10/√3/T² of the way. Everything is checked when a [`Course`] is made of it; a period's set point
-//! costs a few products, and is exact to 1e-8 of the stroke.
+//! acceleration at most 10/√3/T², times its way. Everything is checked when a [`Course`] is made of the legs; a period's set
+//! point then takes a few multiplications, and is exact to 1e-8 of the stroke.
 
 mod refused;
 mod stretch;
@@ -24,7 +24,7 @@ use stretch::{Shape, Stretch};
 pub use model_core::control::SetPoint;
 pub use refused::SetPointError;
 
-/// What a rod may be asked for, in SI units.
+/// Permitted set points, in SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Bounds {
@@ -43,29 +43,29 @@ pub struct Bounds {
 pub enum Leg {
     /// To a position at once.
     Jump {
-        /// Where to, m.
+        /// Target, m.
         to_m: f64,
     },
     /// To a position at constant velocity.
     Line {
-        /// Where to, m.
+        /// Target, m.
         to_m: f64,
         /// In which time, s.
         duration_s: f64,
     },
     /// To a position, from rest to rest.
     Smooth {
-        /// Where to, m.
+        /// Target, m.
         to_m: f64,
         /// In which time, s.
         duration_s: f64,
     },
-    /// To a position from rest to rest, as fast as the bounds let it.
+    /// To a position from rest to rest, as fast as the bounds permit.
     Fastest {
-        /// Where to, m.
+        /// Target, m.
         to_m: f64,
     },
-    /// Stays.
+    /// Stays at its position.
     Rest {
         /// For which time, s.
         duration_s: f64,
@@ -84,7 +84,7 @@ impl Envelope {
     /// The envelope of `bounds`.
     ///
     /// # Errors
-    /// The bounds bound nothing.
+    /// The bounds are not valid.
     pub fn new(bounds: &Bounds, bases: &Bases) -> Result<Self, SetPointError> {
         bounds.check(bases)?;
         Ok(Self {
@@ -94,7 +94,7 @@ impl Envelope {
         })
     }
 
-    /// Whether a rod may be asked for this.
+    /// Whether this set point is permitted.
     #[must_use]
     pub fn admits(&self, set_point: SetPoint) -> bool {
         (self.from..=self.to).contains(&set_point.position) && set_point.velocity.magnitude() <= self.velocity
@@ -103,14 +103,14 @@ impl Envelope {
 
 /// Longest leg, s.
 const LONGEST_S: f64 = 3600.0;
-/// Largest velocity of a smooth leg over its mean.
+/// Ratio of the largest velocity of a smooth leg to its mean.
 const PEAK_VELOCITY: f64 = 1.875;
-/// Largest acceleration of a smooth leg times the square of its duration over its way: 10/√3.
+/// Largest acceleration of a smooth leg, times the square of its duration, divided by its way: 10/√3.
 const PEAK_ACCELERATION: f64 = 5.773_502_691_896_258;
-/// What the shortest leg within a bound may pass it by: the rounding of its own computation.
+/// Factor by which the shortest leg within a bound may exceed it: the rounding of its own computation.
 const ROUNDED: f64 = 1.0 + 1e-9;
 
-/// Legs that follow one another, of at most `LEGS`: configuration.
+/// At most `LEGS` legs that follow one another: configuration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Course<const LEGS: usize> {
     stretches: Vec<Stretch, LEGS>,
@@ -143,7 +143,7 @@ impl<const LEGS: usize> Course<LEGS> {
         Ok(Self { stretches, end: PerUnit::saturated(at_m / bases.stroke_m) })
     }
 
-    /// The set point of this period; moves on to the next. After the last leg its end, at rest.
+    /// Returns the set point of this period, and moves on to the next. After the last leg: its end, at rest.
     pub fn step(&self, state: &mut CourseState) -> SetPoint {
         while let Some(stretch) = self.stretches.get(state.leg) {
             if state.tick < stretch.ticks {
@@ -156,7 +156,7 @@ impl<const LEGS: usize> Course<LEGS> {
         SetPoint { position: self.end, velocity: PerUnit::ZERO }
     }
 
-    /// Whether it has come to its end.
+    /// Whether the course has ended.
     #[must_use]
     pub fn is_done(&self, state: &CourseState) -> bool {
         state.leg >= self.stretches.len()
@@ -205,7 +205,7 @@ impl Bounds {
             Leg::Fastest { .. } => (Shape::Smooth, self.shortest_s(way_m).max(bases.tick_s)),
         };
         let ticks = ticks(index, duration_s, bases.tick_s)?;
-        // Whole ticks, and no shorter than asked for: within the bounds wherever the duration asked for is.
+        // Whole ticks, and not shorter than requested: within the bounds wherever the requested duration is.
         let mean_m_per_s = way_m / (f64::from(ticks) * bases.tick_s);
         let velocity_m_per_s = match shape {
             Shape::Jump => 0.0,
@@ -233,7 +233,7 @@ impl Bounds {
         })
     }
 
-    /// Of a smooth leg within the bounds.
+    /// Shortest duration of a smooth leg within the bounds.
     fn shortest_s(&self, way_m: f64) -> f64 {
         let way_m = way_m.abs();
         let by_acceleration_s = libm::sqrt(PEAK_ACCELERATION * way_m / self.acceleration_m_per_s2);

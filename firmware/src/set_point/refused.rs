@@ -1,10 +1,10 @@
-//! What is refused of set points, with its values.
+//! Refused set points, with their values.
 
 use thiserror::Error;
 
 use super::Bounds;
 
-/// Why legs do not become a course, or a set point is not one.
+/// Why legs do not make a course, or a set point is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SetPointError {
@@ -23,9 +23,9 @@ pub enum SetPointError {
         leg: usize,
         /// Its end.
         to_m: f64,
-        /// Least there may be.
+        /// Smallest permitted position.
         from_m: f64,
-        /// Largest there may be.
+        /// Largest permitted position.
         most_m: f64,
     },
     /// A duration is not a number, shorter than a tick, or longer than an hour.
@@ -36,27 +36,27 @@ pub enum SetPointError {
         /// Its duration.
         duration_s: f64,
     },
-    /// A leg is faster than the bounds let it be.
+    /// A leg is faster than the bounds permit.
     #[error("leg {leg} reaches {velocity_m_per_s} m/s, expected at most {most_m_per_s} m/s")]
     Velocity {
         /// Which leg.
         leg: usize,
         /// Its largest velocity.
         velocity_m_per_s: f64,
-        /// Largest there may be.
+        /// Largest permitted velocity.
         most_m_per_s: f64,
     },
-    /// A leg accelerates more than the bounds let it.
+    /// A leg accelerates more than the bounds permit.
     #[error("leg {leg} reaches {acceleration_m_per_s2} m/s², expected at most {most_m_per_s2} m/s²")]
     Acceleration {
         /// Which leg.
         leg: usize,
         /// Its largest acceleration.
         acceleration_m_per_s2: f64,
-        /// Largest there may be.
+        /// Largest permitted acceleration.
         most_m_per_s2: f64,
     },
-    /// Bounds that bound nothing: not numbers, or the wrong way round.
+    /// Bounds that are not valid: not numbers, or in the wrong order.
     #[error("bounds {0:?}, expected a stretch of the stroke, and a velocity and an acceleration above 0")]
     Bounds(Bounds),
 }

@@ -1,4 +1,4 @@
-//! A leg of a course in the period's words: a set point of it costs a few products.
+//! A leg of a course in the period's number format: a set point takes a few multiplications.
 
 use model_core::control::SetPoint;
 use model_core::number::{Number, PerUnit};
@@ -10,7 +10,7 @@ pub(super) enum Shape {
     Smooth,
 }
 
-/// A leg in the period's words.
+/// A leg in the period's number format.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stretch {
     pub(super) shape: Shape,
@@ -24,7 +24,7 @@ pub(super) struct Stretch {
 }
 
 impl Stretch {
-    /// After so many ticks of it.
+    /// The set point after so many ticks of the leg.
     pub(super) fn at(&self, tick: u32) -> SetPoint {
         let rest = PerUnit::ZERO;
         let (share, rate) = match self.shape {
@@ -42,7 +42,7 @@ impl Stretch {
     }
 }
 
-/// Way and velocity of a smooth leg, of its way and of its mean velocity.
+/// Position and velocity of a smooth leg, relative to its way and to its mean velocity.
 fn smooth(share: PerUnit) -> (PerUnit, PerUnit) {
     // Half of 10 − 15·s + 6·s², which is at most 5.
     let half = FIVE - SEVEN_AND_A_HALF.times(share) + THREE.times(share).times(share);

@@ -1,9 +1,9 @@
 //! Faults: what can go wrong with devices and signals, and which state each leads to.
 //!
-//! The table stands in `docs/firmware.md`; [`Fault::response`] is what happens.
+//! The table is in `docs/firmware.md`; [`Fault::response`] is what happens.
 //!
-//! The response begins in the period that finds the fault. What the position loop cannot do without leads to neutral at once; what only blinds
-//! the monitor leaves time for a ramp.
+//! The response begins in the period that finds the fault. A fault in something that the position loop needs leads to neutral at once; a
+//! fault that only blinds the monitor leaves time for a ramp.
 
 use model_core::number::PerUnit;
 
@@ -26,7 +26,7 @@ pub enum Device {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Fault {
-    /// A sensor gives what no working one does.
+    /// A sensor gives a count that no working sensor gives.
     OutOfRange {
         /// Which.
         signal: Signal,
@@ -40,16 +40,16 @@ pub enum Fault {
         /// What is read.
         count: i32,
     },
-    /// A sensor has not moved by one count while the model moved on.
+    /// A sensor has not moved by one count while the model moved.
     Stuck {
         /// Which.
         signal: Signal,
         /// Its count.
         count: i32,
     },
-    /// The encoder has not moved by one count while the model moved on.
+    /// The encoder has not moved by one count while the model moved.
     PositionStuck {
-        /// Where it stands, of the stroke.
+        /// Its position, as a share of the stroke.
         position: PerUnit,
     },
     /// The encoder moved by more than the rod can.
@@ -57,45 +57,45 @@ pub enum Fault {
         /// By this many counts.
         counts: i32,
     },
-    /// A device did not answer as it must, as often as it was asked.
+    /// A device did not answer correctly in any attempt.
     Silent {
         /// Which.
         device: Device,
         /// Why, at the last attempt.
         cause: Cause,
     },
-    /// The last period took longer than it may.
+    /// The last period took longer than permitted.
     Overrun,
-    /// The set point is not where the rod may go, or wants it faster than it may.
+    /// The set point's position or velocity is outside the permitted range.
     SetPointOutside {
-        /// Wanted position, of the stroke.
+        /// Wanted position, as a share of the stroke.
         position: PerUnit,
-        /// Wanted velocity, of its base.
+        /// Wanted velocity, relative to its base.
         velocity: PerUnit,
     },
-    /// The set point jumps by more than it may in a period.
+    /// The set point jumps by more than is permitted in a period.
     SetPointJump {
-        /// From here, of the stroke.
+        /// From here, as a share of the stroke.
         from: PerUnit,
         /// To here.
         to: PerUnit,
     },
     /// The valve does not get the voltage that is put out.
     OutputAway {
-        /// Put out, in 10 V.
+        /// Put out, in units of 10 V.
         command: PerUnit,
-        /// Read back, in 10 V.
+        /// Read back, in units of 10 V.
         found: PerUnit,
     },
 }
 
-/// What a fault leads to. The greater is the more severe.
+/// What a fault leads to. A greater value is more severe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Response {
-    /// The rod is held at the last set point that was none too far.
+    /// The rod is held at the last set point within the limits.
     Hold,
-    /// The command goes to neutral at a stated slope.
+    /// The command moves to neutral at a stated slope.
     RampDown,
     /// The command is neutral at once.
     Neutral,
@@ -146,7 +146,7 @@ impl Fault {
         )
     }
 
-    /// Number of its kind, 0 to 31, for whoever has no room for its values. Each sensor is a kind of its own.
+    /// Number of its kind, 0 to 31, for a receiver that has no room for its values. Each sensor is a kind of its own.
     #[must_use]
     pub const fn kind(&self) -> u8 {
         const SIGNALS: u8 = 5;
@@ -165,7 +165,7 @@ impl Fault {
     }
 }
 
-/// Kinds of fault that nobody has acknowledged: each is logged when it enters.
+/// Kinds of fault that have not been acknowledged: each is logged when it is entered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ActiveFaults(u32);
@@ -174,7 +174,7 @@ impl ActiveFaults {
     /// None.
     pub const NONE: Self = Self(0);
 
-    /// Enters a fault, and says whether it is the first of its kind.
+    /// Enters a fault, and returns whether it is the first of its kind.
     #[must_use]
     pub const fn enter(&mut self, fault: &Fault) -> bool {
         let bit = 1 << fault.kind();
@@ -183,13 +183,13 @@ impl ActiveFaults {
         first
     }
 
-    /// Whether a fault of this kind stands.
+    /// Whether a fault of this kind is active.
     #[must_use]
     pub const fn has(self, fault: &Fault) -> bool {
         self.0 & 1 << fault.kind() != 0
     }
 
-    /// Whether none stands.
+    /// Whether no fault is active.
     #[must_use]
     pub const fn is_empty(self) -> bool {
         self.0 == 0

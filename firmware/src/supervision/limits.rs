@@ -9,10 +9,10 @@ use super::stuck_sensor::Patience;
 use crate::measured::Signal;
 use crate::set_point::{Bounds, Envelope, SetPointError};
 
-/// How long something may stay as it is.
+/// How long a deviation may last.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Delay {
-    /// By how much the other moved on, in its SI unit.
+    /// How far the compared value must have moved or differ, in its SI unit.
     pub by: f64,
     /// For how long, s.
     pub for_s: f64,
@@ -21,11 +21,11 @@ pub struct Delay {
 /// Limits of a rig as an engineer states them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Allowed {
-    /// How often a device is asked in a period before it is silent; at least once.
+    /// How often a device is asked in a period before it counts as silent; at least once.
     pub attempts: u8,
     /// Time without a fault before the rod follows, s.
     pub settling_s: f64,
-    /// What the rod may be asked for.
+    /// Permitted set points.
     pub bounds: Bounds,
     /// Greatest jump of a set point in a period, m.
     pub jump_m: f64,
@@ -35,48 +35,48 @@ pub struct Allowed {
     pub slew_v_per_s: f64,
     /// Slope of the command while it ramps down, V/s.
     pub ramp_v_per_s: f64,
-    /// How long the encoder may stand still while the model's rod moves on by so many m.
+    /// How long the encoder may stand still while the model's rod moves by so many m.
     pub still_position: Option<Delay>,
-    /// How long the spool's sensor may stand still while the model's spool moves on, of full travel.
+    /// How long the spool's sensor may stand still while the model's spool moves by this, as a share of full travel.
     pub still_spool: Option<Delay>,
-    /// How long a pressure sensor may stand still while the model's pressure moves on by so many Pa.
+    /// How long a pressure sensor may stand still while the model's pressure moves by so many Pa.
     pub still_pressure: Option<Delay>,
-    /// How long the voltage at the valve may be farther than so many V from the one put out, where it is read back.
+    /// How long the voltage at the valve may differ by more than so many V from the output, where it is read back.
     pub read_back: Option<Delay>,
 }
 
 /// Limits of a rig in the period: per unit, times in periods.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// How often a device is asked in a period before it is silent; at least once.
+    /// How often a device is asked in a period before it counts as silent; at least once.
     pub attempts: u8,
     /// Periods without a fault before the rod follows.
     pub settling: u16,
-    /// What the rod may be asked for.
+    /// Permitted set points.
     pub envelope: Envelope,
-    /// Greatest jump of a set point in a period, of the stroke.
+    /// Greatest jump of a set point in a period, as a share of the stroke.
     pub most_jump: PerUnit,
-    /// The command, in 10 V, at which the valve passes nothing: the middle of its dead zone, −offset/gain where that is symmetric.
+    /// The command, in units of 10 V, at which the valve passes nothing: the middle of its dead zone, −offset/gain where that is symmetric.
     pub neutral: PerUnit,
-    /// Greatest command, both signs, in 10 V.
+    /// Greatest command, both signs, in units of 10 V.
     pub most_command: PerUnit,
     /// Greatest change of the command in a period while the rod is controlled.
     pub slew: PerUnit,
     /// Change of the command in a period while it ramps down.
     pub ramp: PerUnit,
-    /// How long the position may stand still; `None` for ever.
+    /// How long the position may stand still; `None` means for ever.
     pub still_position: Option<Patience>,
-    /// How long each signal may stand still, in the order of [`Signal::ALL`]. The model knows no oil temperature.
+    /// How long each signal may stand still, in the order of [`Signal::ALL`]. The model does not compute an oil temperature.
     pub still: [Option<Patience>; Signal::COUNT],
-    /// How far the voltage at the valve may be from the one put out, in 10 V, and for how long it may be farther; where it is read back.
+    /// How far the voltage at the valve may differ from the output, in units of 10 V, and for how long by more; where it is read back.
     pub read_back: Option<Patience>,
 }
 
-/// Why limits are none.
+/// Why limits are not valid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LimitsError {
-    /// The bounds of set points are none.
+    /// The bounds of set points are not valid.
     #[error(transparent)]
     SetPoint(#[from] SetPointError),
     /// A limit does not fit its format.
@@ -95,7 +95,7 @@ pub enum LimitsError {
         /// Its value.
         value: PerUnit,
     },
-    /// The neutral command is beyond the greatest.
+    /// The neutral command is beyond the greatest one.
     #[error("neutral = {neutral:?}; expected within {most:?}, both signs")]
     Neutral {
         /// Neutral command.
@@ -105,14 +105,14 @@ pub enum LimitsError {
     },
 }
 
-/// `value` as a signal of this base.
+/// `value` as a signal, relative to this base.
 fn signal(name: &'static str, value: f64, base: f64) -> Result<PerUnit, LimitsError> {
     PerUnit::signal(value / base).ok_or(LimitsError::DoesNotFit { name, value })
 }
 
 /// Periods that last at least so many seconds.
 fn periods(name: &'static str, value: f64, tick_s: f64) -> Result<u16, LimitsError> {
-    // A time of whole ticks stays so many of them whatever its last digits are.
+    // A time that is a whole number of ticks keeps that number, whatever its last digits are.
     let periods = libm::ceil(value / tick_s - 1e-6);
     if !(0.0..=f64::from(u16::MAX)).contains(&periods) {
         return Err(LimitsError::DoesNotFit { name, value });
@@ -128,10 +128,10 @@ fn patience(name: &'static str, delay: Option<Delay>, base: f64, tick_s: f64) ->
 }
 
 impl Limits {
-    /// From what is allowed on this machine.
+    /// From the limits that are stated for this machine.
     ///
     /// # Errors
-    /// A limit does not fit, or is none.
+    /// A limit does not fit, or is not valid.
     pub fn new(allowed: &Allowed, machine: &Machine<f64>, bases: &Bases) -> Result<Self, LimitsError> {
         let Bases { stroke_m, command_v, pressure_pa, tick_s, .. } = *bases;
         let middle = 0.5 * machine.get(Parameter::DeadZoneDifference);
@@ -158,7 +158,7 @@ impl Limits {
     /// Checks what the period relies on.
     ///
     /// # Errors
-    /// The first limit that is none.
+    /// The first limit that is not valid.
     pub fn check(&self) -> Result<(), LimitsError> {
         let positive = [
             ("most_jump", self.most_jump),
@@ -224,7 +224,7 @@ mod tests {
         assert!(near(limits.most_jump, 0.1) && near(limits.slew, 0.08) && near(limits.ramp, 0.004));
         assert!(near(limits.neutral, -0.0345 / 0.559));
         assert!(near(limits.still[2].unwrap().travel, 0.1));
-        // From +9.5 V to -0.617 V by 40 mV a period.
+        // From +9.5 V to -0.617 V by 40 mV per period.
         assert_eq!(limits.periods_to_neutral(), 253);
     }
 

@@ -1,16 +1,16 @@
-//! What a period tells: faults as they enter, changes of the mode, the monitor's alarm.
+//! What a period logs: faults when they are entered, changes of the mode, the monitor's alarm.
 
 use super::fault::{ActiveFaults, Fault, Response};
 use super::mode::Mode;
 use crate::monitor::Miss;
 
-/// Somebody who is told. `()` hears nothing.
+/// Receiver of these messages. `()` ignores them.
 pub trait Log {
-    /// A fault entered; it is told once until it is acknowledged.
+    /// A fault was entered; it is logged once until it is acknowledged.
     fn fault(&mut self, fault: &Fault);
     /// The mode changed.
     fn mode(&mut self, from: Mode, to: Mode);
-    /// The model does not tell any more what a sensor shows; told once until the monitor is begun anew.
+    /// The model no longer predicts what a sensor shows; logged once until the monitor is reset.
     fn alarm(&mut self, miss: &Miss);
 }
 
@@ -20,7 +20,7 @@ impl Log for () {
     fn alarm(&mut self, _: &Miss) {}
 }
 
-/// Tells everything by defmt: faults as errors, alarms as warnings, modes as information.
+/// Logs everything by defmt: faults as errors, alarms as warnings, modes as information.
 #[cfg(feature = "defmt")]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Defmt;
@@ -50,13 +50,13 @@ impl Log for Defmt {
 #[derive(Debug)]
 pub(crate) struct Findings<'a, L> {
     log: &'a mut L,
-    /// Faults that stand, those of this period among them.
+    /// Active faults, including those of this period.
     pub(crate) active_faults: ActiveFaults,
     /// Most severe response to a fault of this period.
     pub(crate) worst: Option<Response>,
     /// Whether a fault of this period is one that a restart may cure.
     pub(crate) own: bool,
-    /// Whether a fault of this period means that the encoder lost the rod.
+    /// Whether a fault of this period means that the encoder lost the rod's position.
     pub(crate) lost: bool,
 }
 
@@ -65,7 +65,7 @@ impl<'a, L: Log> Findings<'a, L> {
         Self { log, active_faults, worst: None, own: false, lost: false }
     }
 
-    /// Notes a fault, and tells it if it is the first of its kind.
+    /// Notes a fault, and logs it if it is the first of its kind.
     pub(crate) fn note(&mut self, fault: &Fault) {
         if self.active_faults.enter(fault) {
             self.log.fault(fault);

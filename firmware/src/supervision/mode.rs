@@ -1,7 +1,7 @@
-//! The state machine: what the firmware does with the valve, and what makes it do otherwise.
+//! The state machine: what the firmware does with the valve, and what changes that.
 //!
-//! One exhaustive match, [`Mode::next`]; its diagram stands in `docs/firmware.md` and is compared with it by a test. Nothing but a command
-//! leads back from a fault.
+//! One exhaustive match, [`Mode::next`]; its diagram is in `docs/firmware.md`, and a test compares the two. Only a command leads back
+//! from a fault.
 
 use super::fault::Response;
 
@@ -9,15 +9,15 @@ use super::fault::Response;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Mode {
-    /// The valve is neutral, no fault stands, and sensors are watched until following is commanded.
+    /// The valve is neutral, no fault is active, and sensors are watched until following is commanded.
     Starting,
     /// The rod follows the set point.
     Following,
-    /// The rod is held where the set point was.
+    /// The rod is held at the last set point.
     Holding,
-    /// The command goes to neutral at a stated slope.
+    /// The command moves to neutral at a stated slope.
     RampingDown,
-    /// The valve is neutral until somebody acknowledges.
+    /// The valve is neutral until somebody acknowledges the faults.
     Neutral,
 }
 
@@ -25,7 +25,7 @@ pub enum Mode {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Event {
-    /// A fault was found; of several the most severe response.
+    /// A fault was found; of several faults, the most severe response.
     Faulty(Response),
     /// The ramp has arrived.
     Arrived,
@@ -45,7 +45,7 @@ pub enum Command {
     Acknowledge,
 }
 
-/// What is done once, on the way from one mode to the next.
+/// What is done once in a change of the mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Action {
@@ -64,7 +64,7 @@ pub enum Action {
 pub struct Transition {
     /// The mode from now on.
     pub mode: Mode,
-    /// What is done on the way.
+    /// What is done once in the change.
     pub action: Action,
 }
 
@@ -72,7 +72,7 @@ impl Mode {
     /// Every mode.
     pub const ALL: [Mode; 5] = [Mode::Starting, Mode::Following, Mode::Holding, Mode::RampingDown, Mode::Neutral];
 
-    /// Whether the valve is commanded, and the model runs along with the machine.
+    /// Whether the valve is commanded, and the model runs together with the machine.
     #[must_use]
     pub const fn is_running(self) -> bool {
         match self {

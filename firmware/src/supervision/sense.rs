@@ -1,4 +1,4 @@
-//! From the devices' counts to what is measured, with every check that a sensor can fail.
+//! From the devices' counts to measured values, with every check that a sensor can fail.
 
 use model_core::number::{Number, PerUnit};
 
@@ -11,7 +11,7 @@ use crate::io::{AnalogIn, IoError, PositionIn};
 use crate::measured::{Measured, Signal};
 use crate::scaling::{Calibration, Reading, Travel, TravelState};
 
-/// Asks up to `attempts` times, at least once, and gives the last error if none of them is answered.
+/// Asks up to `attempts` times, at least once, and returns the last error if no attempt is answered.
 pub(crate) fn ask<T, E>(attempts: u8, mut question: impl FnMut() -> Result<T, E>) -> Result<T, E> {
     for _ in 1..attempts {
         if let Ok(answer) = question() {
@@ -21,7 +21,7 @@ pub(crate) fn ask<T, E>(attempts: u8, mut question: impl FnMut() -> Result<T, E>
     question()
 }
 
-/// What the sensors remember from period to period.
+/// What the sensors' checks remember from period to period.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Senses {
     pub(crate) travel: TravelState,
@@ -29,12 +29,12 @@ pub(crate) struct Senses {
     still: [Stillness; Signal::COUNT],
 }
 
-/// What the model and the output say that the sensors should.
+/// What the sensors should show, according to the model and the output.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Expected {
     /// The model, while it runs.
     pub(crate) predicted: Option<Predicted>,
-    /// What the output holds, where that is certain.
+    /// Command that the output holds, where that is certain.
     pub(crate) put_out: Option<PerUnit>,
 }
 
@@ -52,17 +52,17 @@ impl Expected {
 }
 
 impl Senses {
-    /// With the rod at the reference, at this count.
+    /// State with the rod at the reference, at this count.
     pub(crate) fn new(count: i32) -> Self {
         Self { travel: Travel::start(count), still_position: Stillness::NEW, still: [Stillness::NEW; Signal::COUNT] }
     }
 
-    /// Forgets how long anything stood still.
+    /// Forgets how long the sensors have stood still.
     pub(crate) fn rouse(&mut self) {
         *self = Self { travel: self.travel, still_position: Stillness::NEW, still: [Stillness::NEW; Signal::COUNT] };
     }
 
-    /// Position in this period, of the stroke.
+    /// Position in this period, as a share of the stroke.
     pub(crate) fn position<P: PositionIn, L: Log>(
         &mut self,
         device: &mut P,
@@ -92,7 +92,7 @@ impl Senses {
 
     /// All voltages in this period, per unit, in the order of [`Signal::ALL`]; `None` where there is no sensor or it fails.
     ///
-    /// Once the inputs are silent the rest is not asked any more, so that a period stays bounded.
+    /// Once the inputs are silent the remaining signals are not read, so that the duration of a period stays bounded.
     pub(crate) fn voltages<A: AnalogIn, L: Log>(
         &mut self,
         device: &mut A,
@@ -130,13 +130,13 @@ impl Senses {
     }
 }
 
-/// Sorts what was measured; the command that was read back is beside it.
+/// Sorts the voltages into measured values and the command that was read back.
 pub(crate) fn sorted(position: PerUnit, voltages: [Option<PerUnit>; Signal::COUNT]) -> (Measured, Option<PerUnit>) {
     let [command, spool, pressure_a, pressure_b, oil_temperature] = voltages;
     (Measured { position, spool, pressure_a, pressure_b, oil_temperature }, command)
 }
 
-/// Whether two are farther apart than that.
+/// Whether two values are farther apart than this distance.
 pub(crate) fn apart(one: PerUnit, other: PerUnit, by: PerUnit) -> bool {
     (one - other).magnitude() > by
 }

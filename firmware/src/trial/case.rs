@@ -16,10 +16,10 @@ use super::machines::{press, pump};
 
 /// Ticks of a random input.
 const RANDOM_TICKS: usize = 3000;
-/// A state in clear every so many ticks.
+/// Every so many ticks a state is written in plain text.
 const SAMPLED: usize = 1000;
 
-/// Effects that a trial has on.
+/// The effects that are on in a trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum On {
     Nothing,
@@ -58,7 +58,7 @@ pub struct Sample {
 pub enum CaseError {
     /// The machine does not become a drive.
     Machine(MachineError),
-    /// Whoever takes the samples cannot.
+    /// The receiver of the samples failed.
     Taken(fmt::Error),
 }
 
@@ -74,7 +74,7 @@ impl From<fmt::Error> for CaseError {
     }
 }
 
-/// All trials: no effect, each alone and all together; under the recorded and the random input, and entered anywhere; and the pump.
+/// All trials: no effect, each alone and all together; under the recorded and the random input, and with any drive input; and the pump.
 pub fn cases() -> impl Iterator<Item = Case> {
     let sets = || [On::Nothing, On::Everything].into_iter().chain(forms().map(On::One));
     let under = |input: Input| sets().map(move |on| Case { on, input });
@@ -94,14 +94,14 @@ impl Case {
         }
     }
 
-    /// Runs it and hands on samples.
+    /// Runs the trial and passes on samples.
     ///
     /// # Errors
-    /// The machine is none, or the samples cannot be taken.
+    /// The machine is not valid, or the samples cannot be taken.
     pub fn run(&self, mut take: impl FnMut(Sample) -> fmt::Result) -> Result<(), CaseError> {
         let drive = Drive::<PerUnit>::new::<DELAY>(&self.machine(), Tick::OneMillisecond)?;
         let mut fingerprint = Fingerprint::new();
-        // Every coefficient in clear, the real ones with all their digits.
+        // Every coefficient in plain text, real numbers with all their digits.
         write!(fingerprint, "{drive:?}")?;
         let pressures = ChamberState { a: PerUnit::saturated(0.3), b: PerUnit::saturated(0.5) };
         let mut state: DriveState<PerUnit, DELAY> = drive.at_rest(PerUnit::ZERO, pressures, PerUnit::travel(0.5));

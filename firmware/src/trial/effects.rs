@@ -15,7 +15,7 @@ pub fn every_effect(machine: &Machine<f64>) -> Machine<f64> {
     first.fold(*machine, |machine, form| machine.with(form.values))
 }
 
-/// The table for what has no name, over each quantity that it may add to.
+/// The correction table for unnamed effects, once for each quantity that it may add to.
 const CORRECTION_TABLE: &[Form] = &[
     Form {
         name: "unnamed",

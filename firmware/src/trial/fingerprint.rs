@@ -1,4 +1,4 @@
-//! The fingerprint of a run: CRC-64/XZ of all that it went through.
+//! The fingerprint of a run: CRC-64/XZ of everything that the run computed.
 
 use core::fmt;
 use core::hash::Hasher;
@@ -9,14 +9,14 @@ static CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
 
 /// A running checksum that takes words by [`Hasher`] and text by [`fmt::Write`].
 ///
-/// Lengths and discriminants enter as 64 bits, so that targets of any word length have the same; all of them are little-endian.
+/// Lengths and discriminants enter as 64 bits, so that targets of any word length give the same result; all of them are little-endian.
 #[derive(Clone)]
 pub struct Fingerprint {
     digest: Digest<'static, u64>,
 }
 
 impl Fingerprint {
-    /// Of nothing yet.
+    /// With nothing entered yet.
     #[must_use]
     pub fn new() -> Self {
         Self { digest: CRC.digest() }

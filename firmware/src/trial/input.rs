@@ -15,9 +15,9 @@ pub const RECORDED: &str = include_str!("recorded.txt");
 /// Recorded units in a command of 1, which is 10 V.
 const RECORDED_PER_UNIT: i64 = 100_000;
 
-/// Seed of everything at random.
+/// Seed of all random inputs.
 const SEED: u64 = 6340;
-/// Shortest and longest time that a random moment is held, ticks.
+/// Shortest and longest time for which a random moment is held, ticks.
 const HELD: [u32; 2] = [80, 500];
 
 /// The paper's steps: 0.1 s of rest, then 0.5 s out, 0.35 s of rest, 0.5 s back, 0.35 s of rest; commands of so many volts.
@@ -34,16 +34,16 @@ pub enum Input {
     Recorded,
     /// Commands within ±10 V held for 80 to 500 ms, loads, oil temperatures.
     Random,
-    /// The same, entering the chain at a link drawn at random, with values up to the ends of the format.
+    /// The same, but driving the model at a randomly drawn link, with values up to the ends of the format.
     Anywhere,
     /// Speeds and directions of a pump, loads.
     Pump,
 }
 
-/// What a drive meets in one tick.
+/// Inputs of a drive in one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
-    /// Where and with what the chain is entered.
+    /// At which link the model is driven, and with what.
     pub drive_input: DriveInput<PerUnit>,
     /// External force.
     pub load: Load<PerUnit>,
@@ -71,7 +71,7 @@ impl Input {
         }
     }
 
-    /// The moments, tick by tick; what is random never ends.
+    /// The moments, tick by tick; a random input never ends.
     #[must_use]
     pub fn moments(self) -> Moments {
         Moments {
@@ -90,7 +90,7 @@ pub struct Moments {
     input: Input,
     lines: Lines<'static>,
     generator: ChaCha8Rng,
-    /// Ticks that the present moment is still held for.
+    /// Ticks for which the present moment is still held.
     left: u32,
     now: Moment,
 }
@@ -131,7 +131,7 @@ impl Moments {
             Input::Pump => DriveInput::Pump(self.pump()),
         };
         let load = Load { from: self.within_one().halved().halved(), to: self.within_one().halved().halved() };
-        // −25 to 100 °C, of which one in four is not measured.
+        // −25 to 100 °C; one in four is not measured.
         let warm = PerUnit::ONE.halved() + PerUnit::ONE + self.within_one() + self.within_one().halved();
         let oil_temperature = (!self.generator.next_u32().is_multiple_of(4)).then_some(warm);
         Moment { drive_input, load, oil_temperature }

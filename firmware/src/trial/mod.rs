@@ -1,7 +1,7 @@
-//! Trials: drives under inputs that host and target run alike, so that their traces can be compared bit for bit.
+//! Trials: drives under inputs that host and target both run, so that their traces can be compared bit for bit.
 //!
 //! A [`Case`] is a machine with effects under an input; [`Case::run`] steps it and takes the fingerprint of every word of its
-//! coefficients, state and outputs on the way.
+//! coefficients, state and outputs.
 
 mod case;
 mod effects;
@@ -9,7 +9,7 @@ mod fingerprint;
 mod input;
 mod machines;
 
-/// What `host-sim export` wrote of `presets/press-63-40.toml`: the trials' press, whatever values the firmware is built with.
+/// What `host-sim export` wrote from `presets/press-63-40.toml`: the trials' press, whatever values the firmware is built with.
 pub mod preset {
     include!("../../machine.rs");
 }

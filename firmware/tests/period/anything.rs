@@ -1,4 +1,4 @@
-//! Whatever comes: limits of the output, faults and their states, the way back.
+//! Whatever the input is: limits of the output, faults and their modes, the way back.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -13,7 +13,7 @@ use proptest::test_runner::RngSeed;
 
 use crate::bench::{STROKE, Told, Wanting, World, devices, limits, percent, rig};
 
-/// Anything at all, in one period.
+/// Any values at all, in one period.
 #[derive(Clone, Debug)]
 struct Anything {
     count: i32,
@@ -27,7 +27,7 @@ struct Anything {
     home: bool,
 }
 
-/// Mostly what a sound rig gives, so that every mode is reached; sometimes anything.
+/// Mostly what a healthy rig gives, so that every mode is reached; sometimes anything.
 fn anything() -> impl Strategy<Value = Anything> {
     let seldom = || prop::bool::weighted(0.006);
     let count = prop_oneof![200 => -3..=3_i32, 1 => any::<i32>()];
@@ -107,7 +107,7 @@ proptest! {
                 Mode::Starting | Mode::Neutral => prop_assert_eq!(report.command, limits.neutral),
             }
 
-            // A fault is answered in its period.
+            // A fault takes effect in its period.
             if let Some(worst) = told.faults.iter().map(Fault::response).max() {
                 match worst {
                     Response::Hold => prop_assert_ne!(report.mode, Mode::Following),
@@ -118,7 +118,7 @@ proptest! {
             let own = step.overrun || step.silent.contains(&true);
             prop_assert_eq!(report.watchdog == Watchdog::Withhold, own);
 
-            // A ramp arrives in its time, and nothing but a command leads back.
+            // A ramp arrives in its time, and only a command leads back.
             ramping = if report.mode == Mode::RampingDown { ramping + 1 } else { 0 };
             prop_assert!(ramping <= limits.periods_to_neutral());
             let back = match (mode, report.mode) {

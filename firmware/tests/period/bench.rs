@@ -1,4 +1,4 @@
-//! One rig of closures, and what it told.
+//! A rig made of closures, and what it logged.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -41,7 +41,7 @@ impl World {
         let zero = PerUnit::ZERO;
         Self {
             count: 0,
-            // The output writes the first.  Spool in the middle; pressures of 2.5 and 3 V.
+            // The output sets the first voltage.  Spool in the middle; pressures of 2.5 and 3 V.
             voltages: [0, 0, 5 * VOLT / 2, 3 * VOLT],
             position_silent: false,
             inputs_silent: false,
@@ -57,7 +57,7 @@ impl World {
 
 pub(crate) type Shared = Rc<RefCell<World>>;
 
-/// A control that wants whatever the test does.
+/// A control whose command the test sets.
 pub(crate) struct Wanting(pub(crate) Shared);
 
 impl Control for Wanting {
@@ -75,7 +75,7 @@ impl Control for Wanting {
     fn accompany(&mut self, _: PerUnit, _: &Measured) {}
 }
 
-/// Keeps what it is told.
+/// Keeps what is logged.
 #[derive(Default)]
 pub(crate) struct Told {
     pub(crate) faults: Vec<Fault>,
@@ -188,14 +188,14 @@ pub(crate) fn devices(
                 return Err("no clock");
             }
             world.written = count;
-            // The wire back.  A count of the output is 305.2 µV, one of the inputs 78.1 µV.
+            // The read-back wire.  A count of the output is 305.2 µV, one of the inputs 78.1 µV.
             world.voltages[0] = i32::try_from(i64::from(count) * 20_000_000 / 5_120_000).unwrap();
             Ok(())
         }),
     }
 }
 
-/// One rig, its world, and what it told.
+/// A rig, its world, and what it logged.
 pub(crate) struct Bench {
     pub(crate) world: Shared,
     pub(crate) period: Box<dyn Steps>,

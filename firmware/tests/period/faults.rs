@@ -1,4 +1,4 @@
-//! Every fault, brought about: its state in time, told once, gone by command only.
+//! Every fault is caused: it leads to its mode in time, is logged once, and is cleared only by command.
 
 use firmware::io::Cause;
 use firmware::measured::Signal;
@@ -7,10 +7,10 @@ use firmware::supervision::{Command, Device, Fault, Mode};
 
 use crate::bench::{Bench, VOLT, World, limits, neutral, percent};
 
-/// A fault as it is brought about, and what it must be.
+/// How a fault is caused, and which fault it must be.
 struct Case {
     name: &'static str,
-    /// Whether it is brought about anew in every period, as something else undoes it.
+    /// Whether it is caused again in every period, because something else undoes it.
     anew: bool,
     bring: fn(&mut World, &mut Request),
     is: fn(&Fault) -> bool,
@@ -159,7 +159,7 @@ const CASES: [Case; 15] = [
     },
 ];
 
-/// Runs with a fault there, until it is told or so many periods are over.
+/// Runs with a fault present, until it is logged or so many periods are over.
 fn run_with(bench: &mut Bench, case: &Case, periods: u32, until_told: bool) -> Option<Report> {
     let mut report = None;
     for period in 0..periods {
@@ -174,7 +174,7 @@ fn run_with(bench: &mut Bench, case: &Case, periods: u32, until_told: bool) -> O
     report
 }
 
-/// Everything as it was, but for the rod and the voltage that is read back.
+/// Restores everything except the rod and the voltage that is read back.
 fn cure(bench: &mut Bench, before: &World, request: Request) {
     let (count, voltage) = (bench.world.borrow().count, bench.world.borrow().voltages[0]);
     let [_, others @ ..] = before.voltages;
@@ -197,12 +197,12 @@ fn every_fault_has_its_state_in_time_is_told_once_and_goes_by_command_only() {
             assert_eq!(report.command, neutral(), "{name}");
         }
 
-        // It stands on: nothing new is told, and a ramp arrives in its time.
+        // The fault remains: nothing new is logged, and a ramp arrives in its time.
         let settled = if mode == Mode::Holding { Mode::Holding } else { Mode::Neutral };
         let later = run_with(&mut bench, case, limits().periods_to_neutral(), false).unwrap();
         assert_eq!((later.mode, bench.told.faults.len()), (settled, 1), "{name}");
 
-        // Its cause goes: still nothing changes but by command.
+        // Its cause is removed: still only a command changes the mode.
         cure(&mut bench, &world, request);
         assert_eq!(bench.run(300).mode, settled, "{name}");
         assert_eq!(bench.command(Some(Command::Follow)).mode, settled, "{name}");
@@ -220,7 +220,7 @@ fn every_fault_has_its_state_in_time_is_told_once_and_goes_by_command_only() {
         assert_eq!(bench.run(20).mode, Mode::Following, "{name}");
         assert_eq!(bench.told.faults.len(), 1, "{name}: {:?}", bench.told.faults);
 
-        // The same again is told again.
+        // The same fault again is logged again.
         run_with(&mut bench, case, within.into(), false);
         assert_eq!(bench.told.faults.len(), 2, "{name}: {:?}", bench.told.faults);
     }

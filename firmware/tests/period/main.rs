@@ -1,4 +1,4 @@
-//! Does every fault have its state in time, and does nothing but a command lead back? Whole periods.
+//! Does every fault lead to its mode in time, and does only a command lead back? Tested with whole periods.
 
 mod anything;
 mod bench;
@@ -185,7 +185,7 @@ fn a_period_that_was_not_healthy_takes_the_valves_current_until_a_command_gives_
         bench.run(limits().settling);
         assert!(bench.command(Some(Command::Follow)).energised);
     }
-    // A fault of a sensor is none of the controller's: the ramp needs the current.
+    // A sensor's fault is not a fault of the controller: the ramp needs the current.
     let mut bench = Bench::following();
     bench.world.borrow_mut().voltages[2] = 5 * VOLT;
     let ramping = bench.command(None);

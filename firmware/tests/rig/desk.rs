@@ -1,4 +1,4 @@
-//! All that a board does but its pins: keys move the rod through every part, and its record comes out.
+//! Everything that a board does, except its pins: keys move the rod through every part, and the recording comes out.
 
 use firmware::app::press::{self, BOUNDS};
 use firmware::app::{Desk, DeskError, OperatorError, wired};
@@ -15,7 +15,7 @@ use crate::world::{STROKE_M, World};
 
 const BY_HAND: Bounds = Bounds { velocity_m_per_s: 0.03, acceleration_m_per_s2: 0.3, ..BOUNDS };
 
-/// Types, and runs so many periods.
+/// Types keys, and runs so many periods.
 fn typed<A: AnalogIn, P: PositionIn, O: AnalogOut>(
     desk: &mut Desk<'_, A, P, O>,
     world: &mut World,
@@ -49,7 +49,7 @@ fn keys_move_the_rod_and_bring_its_record_out() {
     let mut desk = Desk::new(station, BY_HAND);
     let mut typed = |desk: &mut _, keys, periods| typed(desk, &mut world, &mut told, keys, periods);
 
-    // Nobody has said where the rod is.
+    // The rod's position has not been given yet.
     typed(&mut desk, "", 200);
     assert_eq!(typed(&mut desk, "f", 1).1, Some(Answer::Lost));
     // 40 % of the stroke.
@@ -66,7 +66,7 @@ fn keys_move_the_rod_and_bring_its_record_out() {
     let (report, answer) = typed(&mut desk, "s", 1000);
     assert_eq!((report.mode, answer), (Mode::Neutral, Some(Answer::Taken)));
 
-    // All at once, as nobody waits here; on a board between the periods.
+    // All at once, because nothing waits here; on a board between the periods.
     typed(&mut desk, "d", 1);
     let mut reader = FrameReader::new();
     let frames: Vec<_> = std::iter::from_fn(|| desk.byte()).filter_map(|byte| reader.take(byte)).collect();
@@ -77,7 +77,7 @@ fn keys_move_the_rod_and_bring_its_record_out() {
         }
     }
     assert_eq!((reader.losses().missing, reader.losses().refused), (0, 0));
-    // Position is the last channel, full scale the stroke.
+    // Position is the last channel; its full scale is the stroke.
     let millimetres = |word: i16| f64::from(word) / 32_768.0 * STROKE_M * 1e3;
     let farthest = rows.iter().copied().max().unwrap();
     assert!((millimetres(farthest) - 150.0).abs() < 0.2, "{}", millimetres(farthest));

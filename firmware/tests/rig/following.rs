@@ -15,7 +15,7 @@ use crate::{Bench, Told};
 
 /// A move to 60 % of the stroke.
 const OUT: Leg = Leg::Smooth { to_m: 0.18, duration_s: 3.0 };
-/// Of the stroke.
+/// As a share of the stroke.
 const START: f64 = 0.4;
 
 /// The press in f64, at rest at [`START`].
@@ -38,7 +38,7 @@ pub(crate) fn plant(machine: &Machine<f64>) -> Plant {
     })
 }
 
-/// The press as the model has it.
+/// The press as the model describes it.
 fn press() -> Machine<f64> {
     let mut machine = machine();
     machine.set(Parameter::RateLimit, 12.0);
@@ -50,7 +50,7 @@ fn press() -> Machine<f64> {
     machine
 }
 
-/// Begins at rest, and follows as soon as it may.
+/// Begins at rest, and follows as soon as this is permitted.
 fn bench(real: &Machine<f64>) -> Bench<Following<64>> {
     let tick = Tick::OneMillisecond;
     let reference = Reference::at_rest(&press(), tick, 0.5).unwrap();
@@ -118,7 +118,7 @@ fn an_encoder_that_lost_its_coupling_stops_the_rod_before_it_went_far() {
     assert!(matches!(bench.told.0[..], [Fault::PositionStuck { .. }]), "{:?}", bench.told.0);
     assert_eq!((report.mode, report.watchdog), (Mode::Neutral, Watchdog::Feed));
     let went_m = bench.world.position_m - START * STROKE_M;
-    // 2 mm, 20 ms, what the loop pushes meanwhile and the valve's lags: 9 mm.
+    // 2 mm, 20 ms, the loop's push meanwhile and the valve's lags give 9 mm.
     println!("{:.1} mm", went_m * 1e3);
     assert!(went_m < 0.012, "{went_m} m");
 }

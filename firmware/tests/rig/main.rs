@@ -1,4 +1,4 @@
-//! Does the whole edge work with parts that behave as their data sheets say, and does it find what can go wrong with them?
+//! Does the whole io layer work with parts that behave as their data sheets say, and does it find what can go wrong with them?
 
 mod desk;
 mod following;
@@ -18,7 +18,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use world::{COUNTS_PER_M, GAIN_PER_V, OFFSET, OVERLAP, STROKE_M, Wired, World, simple_plant};
 
-/// Enough to move the rod: proportional, with the overlap jumped.
+/// Enough to move the rod: a proportional control that jumps over the dead zone.
 struct Proportional {
     neutral: PerUnit,
 }
@@ -65,7 +65,7 @@ struct Bench<C> {
 }
 
 impl Bench<Proportional> {
-    /// Follows, on its way from 0 to 60 % of the stroke.
+    /// Follows, and is on the way from 0 to 60 % of the stroke.
     fn on_the_way() -> Self {
         let world = World::new(simple_plant());
         let mut period = world.begin(Proportional::new());
@@ -103,7 +103,7 @@ fn the_rod_goes_where_it_is_wanted_through_every_part() {
     assert_eq!((report.mode, report.watchdog), (Mode::Following, Watchdog::Feed));
     assert_eq!(bench.told.0, []);
     assert!((bench.world.position_m - 0.18).abs() < 1e-4, "{}", bench.world.position_m);
-    // What is measured is what is there, to a step of each part.
+    // The measured values are the true ones, to a step of each part.
     let position = report.measured.position.to_f64() * STROKE_M;
     assert!((position - bench.world.position_m).abs() <= 1.0 / COUNTS_PER_M);
     let pressure = report.measured.pressure_a.unwrap().to_f64();
@@ -185,7 +185,7 @@ fn after_a_restart_of_the_controller_somebody_says_where_the_rod_is() {
     bench.world.tick();
     assert!(bench.world.dac.borrow().volts(1).unwrap().abs() < 1.0, "neutral first of all");
     bench.run(20);
-    // The counter has kept its count, but not from where it was last told that it counts.
+    // The counter has kept its count, but the position that belongs to it is lost.
     let refused = bench.step(Some(Command::Follow));
     assert_eq!((refused.answer, refused.mode), (Some(Answer::Lost), Mode::Starting));
     assert!(bench.period.home(PerUnit::saturated(before / STROKE_M)));

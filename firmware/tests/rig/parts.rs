@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
 
-/// What a part does in one frame: as many bytes out as come in.
+/// What a part does in one frame: it sends as many bytes as it receives.
 pub(crate) trait Part {
     fn frame(&mut self, sent: &[u8]) -> Vec<u8>;
 }
@@ -14,11 +14,11 @@ pub(crate) trait Part {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Line {
     Whole,
-    /// It hangs at this level.
+    /// It is stuck at this level.
     Hangs(u8),
     /// The bus fails.
     Fails,
-    /// Each byte is another, by this xorshift.
+    /// Each byte is replaced by noise from this xorshift.
     Noise(u32),
 }
 
@@ -205,7 +205,7 @@ impl Dac {
         *self = Self { shorted: self.shorted, ..Self::new() };
     }
 
-    /// Voltage of an output; one that is down has none.
+    /// Voltage of an output; none if the output is powered down.
     pub(crate) fn volts(&self, output: usize) -> Option<f64> {
         let up = self.power & 1 << output != 0;
         assert!(!up || self.ranges[output] == 4, "±10 V");

@@ -19,16 +19,16 @@ use model_core::number::PerUnit;
 
 use crate::parts::{Adc, Counter, Dac, Line, Wire};
 
-/// Counts of the encoder a metre: 3600 impulses, counted fourfold, on a pinion of 0.2 m circumference.
+/// Counts of the encoder per metre: 3600 impulses, counted fourfold, on a pinion of 0.2 m circumference.
 pub(crate) const COUNTS_PER_M: f64 = 72_000.0;
 pub(crate) const STROKE_M: f64 = 0.3;
-/// Valve: travel per volt and at none, overlap; rod: m/s per opening.
+/// Valve: travel per volt and without voltage, overlap; rod: m/s per opening.
 pub(crate) const GAIN_PER_V: f64 = 0.0559;
 pub(crate) const OFFSET: f64 = 0.0345;
 pub(crate) const OVERLAP: f64 = 0.1049;
 pub(crate) const SPEED_M_PER_S: f64 = 0.2;
 
-/// What the machine's sensors see.
+/// What the machine's sensors measure.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Seen {
     pub(crate) spool: f64,
@@ -37,14 +37,14 @@ pub(crate) struct Seen {
     pub(crate) pressure_b_pa: f64,
 }
 
-/// A machine: one millisecond with these volts at the valve, or with none.
+/// A machine: one millisecond with this voltage at the valve, or with none.
 pub(crate) type Plant = Box<dyn FnMut(Option<f64>) -> Seen>;
 
-/// A valve with overlap and no lag, and a rod as fast as it is open.
+/// A valve with overlap and no lag, and a rod whose speed is proportional to the opening.
 pub(crate) fn simple_plant() -> Plant {
     let mut position_m: f64 = 0.0;
     Box::new(move |volts| {
-        // A valve whose wire carries nothing is held by its spring.
+        // A spring holds a valve whose wire carries nothing.
         let spool = volts.map_or(0.0, |volts| GAIN_PER_V * volts + OFFSET);
         let opening = spool.signum() * (spool.abs() - OVERLAP).max(0.0);
         position_m = (position_m + opening * SPEED_M_PER_S * 1e-3).clamp(0.0, STROKE_M);
@@ -67,9 +67,9 @@ pub(crate) struct World {
     pub(crate) ticks: u32,
     /// Whether the rod turns the encoder.
     pub(crate) coupled: bool,
-    /// Whether the wire of pressure A is whole.
+    /// Whether the wire of pressure A is intact.
     pub(crate) wired: bool,
-    /// Whether 100 kΩ to ground are at its input.
+    /// Whether there are 100 kΩ to ground at its input.
     pub(crate) pulled: bool,
 }
 
@@ -113,7 +113,7 @@ impl World {
             self.counter.borrow_mut().turn(i32::try_from(edges - self.edges).unwrap());
         }
         self.edges = edges;
-        // Sensors never give just the same twice.
+        // Sensors never give exactly the same value twice.
         let noise_v = f64::from(self.ticks % 2) * 6e-4;
         let pressure_v = |pressure_pa: f64| Some(0.5 + pressure_pa * 4e-7 + noise_v);
         let open_v = if self.pulled { Some(0.2) } else { None };
@@ -172,7 +172,7 @@ pub(crate) fn machine() -> Machine<f64> {
     machine
 }
 
-/// What the rod may be asked for.
+/// Permitted set points.
 pub(crate) const BOUNDS: Bounds =
     Bounds { from_m: 0.0, to_m: STROKE_M, velocity_m_per_s: 0.1, acceleration_m_per_s2: 1.0 };
 

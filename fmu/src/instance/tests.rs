@@ -88,7 +88,7 @@ fn steps_that_the_ticks_do_not_fill_are_refused_with_both() {
     );
     let elsewhere = instance.step(0.5, 0.001).unwrap_err().to_string();
     assert!(elsewhere.starts_with("a step from 0.5 s; expected it from 0 s"), "{elsewhere}");
-    // What tools lose by adding up times is no other time.
+    // A rounding error from adding up times does not count as a different time.
     instance.step(1e-9, 0.001 + 1e-13).unwrap();
 }
 

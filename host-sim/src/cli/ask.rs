@@ -1,4 +1,4 @@
-//! Asking for what a data sheet says, on a terminal.
+//! Questions on a terminal for the entries of a data sheet.
 
 use std::io;
 
@@ -36,7 +36,7 @@ pub(crate) fn ask(answers: &mut Answers) -> Result<(), CliError> {
     })
 }
 
-/// Puts one question after the other; an answer of nothing leaves the item out.
+/// Asks one question after the other; an empty answer leaves the item out.
 fn asked(
     answers: &mut Answers,
     pump: bool,

@@ -16,20 +16,20 @@ const NAME: &str = "command line";
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CommandLine {
     text: String,
-    /// Each word with the bytes of `text` that are it, without quotation marks.
+    /// Each word with its range of bytes in `text`, without quotation marks.
     words: Vec<(String, Range<usize>)>,
 }
 
-/// What of an option's value an error is about.
+/// The part of an option that an error refers to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Part<'a> {
     /// The option itself.
     Option,
     /// Its first value.
     Value,
-    /// The part of a value that reads so.
+    /// The part of a value with this text.
     Text(&'a str),
-    /// The value that is this number.
+    /// The value that equals this number.
     Number(f64),
 }
 
@@ -65,7 +65,7 @@ impl CommandLine {
     pub fn of(arguments: impl IntoIterator<Item = OsString>) -> Self {
         let mut line = Self { text: "host-sim".to_owned(), words: Vec::new() };
         for argument in arguments {
-            // A line is one line, and shows no control characters.
+            // The command line is shown as one line, without control characters.
             let word: String =
                 argument.to_string_lossy().chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect();
             let mark = quotation_mark(&word);
@@ -79,7 +79,7 @@ impl CommandLine {
         line
     }
 
-    /// Where this stands, in a value of this option (with its dashes or without); without one, in any word.
+    /// Where this part stands, in a value of this option (with its dashes or without); without an option, in any word.
     pub(crate) fn place(&self, option: Option<&str>, part: Part<'_>) -> Option<Place> {
         let mut ours = option.is_none();
         for (word, span) in &self.words {
@@ -105,7 +105,7 @@ impl CommandLine {
         Place::in_line(NAME, 1, &self.text, bytes)
     }
 
-    /// The message on a value that no argument takes; `None` where clap's own says as much, with the usage.
+    /// The message on a value that an argument refuses; `None` where clap's own message says as much, with the usage.
     #[must_use]
     pub fn explained(&self, error: &clap::Error) -> Option<String> {
         let text = |kind| match error.get(kind) {
@@ -133,7 +133,7 @@ impl CommandLine {
     }
 }
 
-/// What a value's own reader says of it.
+/// The message of a value's own reader.
 fn refused(value: &str, cause: &(dyn Error + 'static)) -> (String, String) {
     if cause.is::<ParseFloatError>() {
         return (format!("{} is not a number", quoted(value)), "a number such as -12.5 or 1.5e-3".to_owned());
@@ -148,13 +148,13 @@ fn refused(value: &str, cause: &(dyn Error + 'static)) -> (String, String) {
     }
 }
 
-/// What was found and what was expected, of a message that says both.
+/// The found and the expected part of a message that has both.
 pub(crate) fn split(message: &str) -> (String, String) {
     let (found, expected) = message.split_once("; expected ").unwrap_or((message, "another value"));
     (found.to_owned(), expected.to_owned())
 }
 
-/// The bytes of a value that are this part of it.
+/// The bytes of this part within a value.
 fn within(value: &str, part: Part<'_>) -> Option<Range<usize>> {
     match part {
         Part::Option => None,
@@ -166,7 +166,7 @@ fn within(value: &str, part: Part<'_>) -> Option<Range<usize>> {
     }
 }
 
-/// The mark that a word needs on both sides, so that a shell takes it as one.
+/// The mark that a word needs on both sides, so that a shell takes it as one word.
 fn quotation_mark(word: &str) -> &'static str {
     let plain = |c: char| c.is_alphanumeric() || "-_./:=,%+@^".contains(c);
     if !word.is_empty() && word.chars().all(plain) {

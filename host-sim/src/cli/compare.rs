@@ -153,7 +153,7 @@ fn drawings<'a>(plan: &'a Plan, comparisons: &'a [Comparison]) -> impl Iterator<
     })
 }
 
-/// One row a recording, section and signal; the weakest part of each recording in bold on a terminal.
+/// One row for each recording, section and signal; the weakest part of each recording in bold on a terminal.
 fn table(comparisons: &[Comparison], terminal: bool, width: Option<u16>) -> Table {
     const NUMBERS: std::ops::RangeInclusive<usize> = 3..=7;
     let mut table = Table::new();
@@ -193,7 +193,7 @@ fn table(comparisons: &[Comparison], terminal: bool, width: Option<u16>) -> Tabl
     table
 }
 
-/// Which part is weakest, in each recording and over all, what that means, and what keeps parts from being told apart.
+/// Which part is weakest, in each recording and over all, what that means, and what prevents parts from being distinguished.
 fn sentences(comparisons: &[Comparison], load: LoadSource) -> Vec<String> {
     let mut lines: Vec<String> = comparisons
         .iter()

@@ -21,12 +21,12 @@ pub struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
-    // Into memory first: a reader that leaves early is no reason to panic.
+    // Into memory first: a reader that closes the pipe early must not cause a panic.
     let mut script = Vec::new();
     generate(arguments.shell, &mut Cli::command(), "host-sim", &mut script);
     let mut script = String::from_utf8_lossy(&script).into_owned();
     if arguments.shell == Shell::Bash {
-        // clap_complete cuts a name with a hyphen in two on one side of a comparison and not on the other (clap-rs/clap#6421).
+        // clap_complete cuts a name with a hyphen in two on one side of a comparison but not on the other (clap-rs/clap#6421).
         script = script.replace("host__subcmd__sim", "host__sim");
     }
     console.print(script.trim_end())?;

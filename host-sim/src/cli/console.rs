@@ -15,7 +15,7 @@ use super::error::CliError;
 /// How much a command says beside its result, on standard error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Volume {
-    /// Nothing but why it could not be done: no notes, no progress.
+    /// Nothing but the reason of a failure: no notes, no progress.
     Quiet,
     /// Notes, and progress on a terminal.
     #[default]
@@ -24,10 +24,10 @@ pub enum Volume {
     Verbose,
 }
 
-/// A terminal with fewer characters a line is none that a table is read on, or does not know how many it has.
+/// Fewest characters of a terminal's line: with fewer a table cannot be read, or the terminal does not know its width.
 const NARROWEST: u16 = 60;
 
-/// What a line says of the drive, which a terminal shows as a colour.
+/// What a line says about the drive, which a terminal shows as a colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tone {
     /// All is well.
@@ -49,14 +49,14 @@ impl Tone {
     }
 }
 
-/// Standard output, and whether people look at it.
+/// Standard output, and whether a person looks at it.
 pub struct Console<'a> {
     out: &'a mut dyn Write,
     /// Whether the output is a terminal that wants colours: only then is anything coloured.
     pub terminal: bool,
-    /// Characters of a terminal's line; `None` elsewhere, and where it does not say or a table could not be read.
+    /// Characters of a terminal's line; `None` elsewhere, and where the width is unknown or too small for a table.
     pub width: Option<u16>,
-    /// How much is said beside the result; `None` where there is nobody to say it to.
+    /// How much is said beside the result; `None` where nobody reads it.
     beside: Option<Volume>,
 }
 
@@ -69,7 +69,7 @@ impl fmt::Debug for Console<'_> {
 impl<'a> Console<'a> {
     /// The console of this process, which prints to `out`, its standard output.
     ///
-    /// Coloured as a terminal says, and as `NO_COLOR` and `CLICOLOR_FORCE` ask.
+    /// Coloured as the terminal allows, and as `NO_COLOR` and `CLICOLOR_FORCE` ask.
     pub fn of_process(out: &'a mut dyn Write, volume: Volume) -> Self {
         let terminal = anstream::AutoStream::choice(&io::stdout()) != anstream::ColorChoice::Never;
         let size = Term::stdout().size_checked();
@@ -82,17 +82,17 @@ impl<'a> Console<'a> {
         Self { out, terminal: false, width: None, beside: None }
     }
 
-    /// Prints a line, or several. Where the reader has gone, as `head` does, nobody wants it: what else the command does goes on.
+    /// Prints a line, or several. If the reader has closed the output, as `head` does, the text is dropped and the command continues.
     pub fn print(&mut self, text: impl Display) -> Result<(), CliError> {
         self.write(&printable(&text))
     }
 
-    /// Prints what styles itself; names from files in it have to be printable already.
+    /// Prints text that contains its own styles; names from files in it have to be printable already.
     pub fn print_styled(&mut self, text: impl Display) -> Result<(), CliError> {
         self.write(&text.to_string())
     }
 
-    /// Prints a part of a result that may be long, and says where nobody reads it any more.
+    /// Prints a part of a result that may be long, and returns an error when nobody reads it any more.
     pub fn stream(&mut self, text: impl Display) -> Result<(), CliError> {
         self.put(&printable(&text)).map_err(CliError::Output)
     }
@@ -108,7 +108,7 @@ impl<'a> Console<'a> {
         writeln!(self.out, "{text}").and_then(|()| self.out.flush())
     }
 
-    /// Prints a line that says how things are, coloured on a terminal.
+    /// Prints a line about the state of the drive, coloured on a terminal.
     pub fn verdict(&mut self, text: impl Display, tone: Tone) -> Result<(), CliError> {
         let style = if self.terminal { tone.style() } else { Style::new() };
         self.write(&format!("{style}{}{style:#}", printable(&text)))
@@ -128,7 +128,7 @@ impl<'a> Console<'a> {
     /// Says something beside the result, on standard error.
     pub fn note(&self, text: impl Display) {
         if self.talks() {
-            // A closed standard error takes nothing from the result.
+            // A closed standard error does not harm the result.
             let _ = writeln!(io::stderr(), "note: {}", printable(&text));
         }
     }
@@ -140,25 +140,25 @@ impl<'a> Console<'a> {
         }
     }
 
-    /// A bar on standard error for so many steps, with the time left; none where that is no terminal.
+    /// A bar on standard error for this number of steps, with the time left; none where standard error is no terminal.
     #[must_use]
     pub fn progress(&self, steps: usize, doing: &'static str) -> Progress {
         self.shown(ProgressBar::new(steps as u64), "{msg} {wide_bar} {pos}/{len}{left}", doing)
     }
 
-    /// The same in percent, for work that is counted in more steps than people look at: bytes, rows.
+    /// The same in percent, for work that is counted in steps too small to show: bytes, rows.
     #[must_use]
     pub fn share(&self, whole: u64, doing: &'static str) -> Progress {
         self.shown(ProgressBar::new(whole), "{msg} {wide_bar} {percent} %{left}", doing)
     }
 
-    /// The same for work that may be done before all of its steps are: the time left is the longest it can take.
+    /// The same for work that may end before all of its steps are done: the time left is the longest it can take.
     #[must_use]
     pub fn at_most(&self, most: u64, doing: &'static str) -> Progress {
         self.shown(ProgressBar::new(most), "{msg} {wide_bar} {percent} %{at_most}", doing)
     }
 
-    /// A turning sign on standard error and the time that has gone, for what nobody knows the steps of.
+    /// A turning sign on standard error with the elapsed time, for work whose number of steps is unknown.
     #[must_use]
     pub fn working(&self, doing: &'static str) -> Progress {
         self.shown(ProgressBar::new_spinner(), "{spinner} {msg}, {elapsed}", doing)
@@ -175,17 +175,17 @@ impl<'a> Console<'a> {
             Err(_) => bar,
         };
         bar.set_message(doing);
-        // Moves on while a step takes long.
+        // The sign moves even while a step takes long.
         bar.enable_steady_tick(Duration::from_millis(200));
         Progress { bar, doing, began, verbose }
     }
 }
 
-/// Writes the time left; before anything is done nobody knows it.
+/// Writes the time left; before the first step is done it is unknown.
 fn left(bound: &'static str) -> impl Fn(&ProgressState, &mut dyn fmt::Write) + Clone + Send + Sync {
     move |state, out| {
         if state.pos() > 0 {
-            // What the terminal does not take is not shown.
+            // If the terminal does not accept the text, nothing is shown.
             let _ = write!(out, ", {bound}{:#} left", HumanDuration(state.eta()));
         }
     }
@@ -201,27 +201,27 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// So many steps more are done.
+    /// This number of further steps is done.
     pub fn inc(&self, steps: u64) {
         self.bar.inc(steps);
     }
 
-    /// Reads from `input`, byte by byte a step.
+    /// Reads from `input`; each byte is a step.
     pub fn counting<R: Read>(&self, input: R) -> impl Read {
         self.bar.wrap_read(input)
     }
 
-    /// So many steps are done in all.
+    /// This number of steps is done in all.
     pub fn reach(&self, steps: u64) {
         self.bar.set_position(steps);
     }
 
-    /// Says something while the bar is away.
+    /// Prints something while the bar is hidden.
     pub fn aside<T>(&self, say: impl FnOnce() -> T) -> T {
         self.bar.suspend(say)
     }
 
-    /// The stage is over: the bar goes, and `--verbose` says how long it took.
+    /// The stage is over: the bar is removed, and `--verbose` says how long the stage took.
     pub fn finish_and_clear(&self) {
         self.bar.finish_and_clear();
         if self.verbose {

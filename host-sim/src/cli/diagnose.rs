@@ -1,4 +1,4 @@
-//! `host-sim diagnose`: find the mismatch, name the physics that was left out, show the fit improve.
+//! `host-sim diagnose`: find the misfit, name the missing physics, show how the fit improves.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -150,7 +150,7 @@ fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> 
         }
         (None, None) => return Err(CliError::NothingToTrain { folder: PathBuf::from(".") }),
     };
-    // A refined machine file may take the place of the one it was made of; nothing else may.
+    // A refined machine file may replace the one that it was made from; no other result may replace an input.
     let recordings = [train.as_slice(), &holdout].concat();
     let saved = ("--save-machine", arguments.save_machine.as_deref(), MACHINE);
     check_targets(&[saved], &recordings)?;
@@ -171,7 +171,7 @@ fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> 
     Ok(Plan { machine, file, training, held_out, report })
 }
 
-/// A recording confirms nothing that it was used to choose, and counts once: by whatever name, even as a copy.
+/// A recording cannot confirm effects that it was used to choose, and counts only once, whatever its name, even as a copy.
 fn check_distinct(training: &[Recording], held_out: &[Recording]) -> Result<(), CliError> {
     let all: Vec<&Recording> = training.iter().chain(held_out).collect();
     for (index, second) in all.iter().enumerate() {
@@ -188,13 +188,13 @@ fn check_distinct(training: &[Recording], held_out: &[Recording]) -> Result<(), 
     Ok(())
 }
 
-/// Whether two recordings hold the same, in whatever units, under whatever headers and in whatever format.
+/// Whether two recordings hold the same values, whatever their units, headers and formats.
 fn same(first: &Recording, second: &Recording) -> bool {
     let held = |column: &Column| second.signal(column.signal) == Some(column.values.as_slice());
     first.columns().len() == second.columns().len() && first.columns().iter().all(held)
 }
 
-/// The recordings of a folder whose names start so and end as a format's do, in the order of their names.
+/// The recordings of a folder whose names begin with this prefix and end as a format's do, in the order of their names.
 fn listed(folder: &Path, prefix: &str) -> Result<Vec<PathBuf>, CliError> {
     let unreadable = |cause: io::Error| CliError::Folder { folder: folder.to_owned(), cause };
     let mut found = Vec::new();

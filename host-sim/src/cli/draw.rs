@@ -112,7 +112,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         truths.push((id, truth));
         all.extend(files);
     }
-    // The truth is of these cases: all of them are on disk before the first takes its name.
+    // The truth file belongs to these cases: all files are on disk before the first takes its name.
     all.push((arguments.out.join("truth.json"), concealed::to_json(&truths)));
     make_folder(&arguments.out)?;
     folders.iter().try_for_each(|folder| make_folder(folder))?;

@@ -1,10 +1,10 @@
-//! What the name of a file to write promises, and standard output in its place.
+//! The format that a file name's ending stands for, and standard output in place of a file.
 
 use std::path::Path;
 
 use super::error::CliError;
 
-/// What is written into a file, and the endings of names that say so.
+/// What is written into a file, and the endings of names for it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Kind {
     what: &'static str,
@@ -24,19 +24,19 @@ pub(crate) const DOCUMENT: Kind = Kind { what: "JSON", endings: &["json"] };
 /// A machine file.
 pub(crate) const MACHINE: Kind = Kind { what: "a machine file", endings: &["toml"] };
 
-/// Endings of what is never written, or by another command.
+/// Endings of formats that are never written, or by another command.
 const OTHERS: [&str; 17] = [
     "xlsx", "xls", "ods", "mf4", "pdf", "png", "jpg", "jpeg", "doc", "docx", "fmu", "h", "rs", "zip", "xml", "yaml",
     "yml",
 ];
 
-/// Whether standard output is meant.
+/// Whether the path means standard output.
 pub(crate) fn is_standard_output(path: &Path) -> bool {
     path == Path::new("-")
 }
 
-/// Checks that a name promises nothing else than is written. One without ending promises nothing, nor does one with an ending that no
-/// format here has, nor a pipe's: other programs' temporary names are theirs to choose.
+/// Checks that a name's ending does not stand for another format. A name without ending is accepted, and so is one whose ending is not a
+/// format here, and the name of a pipe: other programs may choose their temporary names.
 pub(crate) fn check_ending(option: &'static str, path: &Path, kind: Kind) -> Result<(), CliError> {
     if is_standard_output(path) {
         return Err(CliError::Dash { option });

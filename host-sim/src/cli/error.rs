@@ -83,13 +83,13 @@ pub enum CliError {
     /// The library that an FMU needs.
     #[error(transparent)]
     Library(#[from] LibraryError),
-    /// A file of which the name does not say what to export.
+    /// A file whose name does not say what to export.
     #[error("{}: its name does not say what it is; expected one that ends in .rs, .h or .fmu, or --format", path.display())]
     ExportFormat {
         /// The file.
         path: PathBuf,
     },
-    /// A file to write whose name promises something else than is written.
+    /// A file to write whose ending belongs to another format than the one that is written.
     #[error("{}: {what} does not match the file name's ending; expected one that ends in {known}", path.display())]
     Ending {
         /// The option.
@@ -98,7 +98,7 @@ pub enum CliError {
         path: PathBuf,
         /// What is written.
         what: &'static str,
-        /// The endings that say so.
+        /// The endings of the written format.
         known: String,
     },
     /// Standard output in place of a file that cannot go there.
@@ -107,13 +107,13 @@ pub enum CliError {
         /// The option.
         option: &'static str,
     },
-    /// Standard output for what is no text.
+    /// Standard output for a binary file.
     #[error("{option} -: an FMU is a binary file; expected the name of a file that ends in .fmu")]
     NoText {
         /// The option.
         option: &'static str,
     },
-    /// An argument that only an FMU has a use for.
+    /// An argument that is used for an FMU only.
     #[error("{argument}: only an FMU has it; expected --out with .fmu, or --format fmu")]
     OnlyInFmu {
         /// The argument.
@@ -127,7 +127,7 @@ pub enum CliError {
         /// What the system says.
         cause: io::Error,
     },
-    /// What the firmware streamed out is no recording.
+    /// What the firmware streamed out cannot be read as a recording.
     #[error("{}: {cause}", frames.display())]
     Import {
         /// The captured bytes.
@@ -251,7 +251,7 @@ pub enum CliError {
         argument: &'static str,
         /// Its value.
         found: f64,
-        /// What would do.
+        /// What would be accepted.
         expected: &'static str,
     },
     /// The folder holds recordings that this run would not replace.
@@ -286,23 +286,23 @@ pub enum CliError {
         /// The file.
         path: PathBuf,
     },
-    /// One recording in two places, of which each should tell something of its own.
+    /// The same recording in two places that need different recordings.
     #[error("{first} and {second} hold the same recording; expected {expected}")]
     SameRecording {
         /// A recording.
         first: String,
         /// Another one.
         second: String,
-        /// What would do.
+        /// What would be accepted.
         expected: &'static str,
     },
-    /// A file that nobody said to write over.
+    /// A file that exists, and no order to write over it.
     #[error("{} is there already; expected another name, or --force to write over it", path.display())]
     IsThere {
         /// The file.
         path: PathBuf,
     },
-    /// What a data sheet says makes no drive.
+    /// The entries of a data sheet do not make a drive.
     #[error(transparent)]
     Sheet(#[from] SheetError),
     /// An answer cannot be read from the terminal.
@@ -317,13 +317,13 @@ pub enum CliError {
 }
 
 impl CliError {
-    /// The message as it is shown: with the line it is about where it has one.
+    /// The message as it is shown: with the line of the file that it refers to, where there is one.
     #[must_use]
     pub fn render(&self) -> String {
         fn shown(error: &impl Explained) -> String {
             source_error::render(error)
         }
-        // It is the recording's fault, not the machine file's.
+        // The fault lies in the recording, not in the machine file.
         if let Some(too_long @ SimulateError::TooLong { .. }) = self.simulation() {
             return format!("error: {too_long}");
         }
@@ -339,7 +339,7 @@ impl CliError {
         }
     }
 
-    /// The message as it is shown, with the part of the command line that it is about where it is about one.
+    /// The message as it is shown, with the part of the command line that it refers to, where there is one.
     #[must_use]
     pub fn render_on(&self, line: &CommandLine) -> String {
         let place = self.blamed().and_then(|(option, part)| line.place(option, part));
@@ -353,7 +353,7 @@ impl CliError {
         source_error::render(&Mistyped { place, found, expected })
     }
 
-    /// The option that it is about, and what of it; no option where it may be any.
+    /// The option that caused the error, and the part of it; no option where it may be any of them.
     fn blamed(&self) -> Option<(Option<&str>, Part<'_>)> {
         let text = |option, text| Some((Some(option), Part::Text(text)));
         match self {
@@ -382,7 +382,7 @@ impl CliError {
         }
     }
 
-    /// Why a simulation was not possible, where that is the reason.
+    /// Why a simulation was not possible, where this is the error.
     fn simulation(&self) -> Option<&SimulateError> {
         match self {
             CliError::Simulate { cause, .. }
@@ -392,12 +392,12 @@ impl CliError {
         }
     }
 
-    /// Whether the reader of the output has gone, as `head` does.
+    /// Whether the reader of the output has closed it, as `head` does.
     #[must_use]
     pub fn is_closed_pipe(&self) -> bool {
         match self {
             CliError::Output(error) => error.kind() == io::ErrorKind::BrokenPipe,
-            // Another pipe's reader was to have all of it.
+            // A pipe that was named as a result has a reader that expects all of it: that stays an error.
             CliError::Write { path, cause } => {
                 atomic::leads_to_standard_output(path) && cause.kind() == io::ErrorKind::BrokenPipe
             }

@@ -58,7 +58,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// What a file of this name holds.
+    /// The format of a file with this name.
     fn of(path: &Path) -> Result<Self, CliError> {
         match path.extension().and_then(|extension| extension.to_str()) {
             Some("rs") => Ok(Format::Rust),

@@ -71,7 +71,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         cases.iter().map(|case| case.rows()).sum::<usize>(),
         free.len()
     ));
-    // Nobody knows how many steps the search takes, but how many at most.
+    // The number of steps of the search is unknown, but its maximum is known.
     let rows = |case: &Prepared| case.rows() as u64;
     let once: u64 = cases.iter().map(|case| rows(case)).sum();
     let bar = console.at_most(once * most_evaluations(free.len(), cases.len()) as u64, "fitting");

@@ -66,7 +66,7 @@ impl From<EdgesArgument> for Edges {
 #[derive(Clone, Debug, Default)]
 struct AnswerArguments(Answers);
 
-/// The flags are the table of items.
+/// The flags come from the table of items.
 impl clap::Args for AnswerArguments {
     fn augment_args(command: Command) -> Command {
         Item::ALL.iter().fold(command, |command, &item| {
@@ -120,7 +120,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let made = data_sheet::derived(&answers, arguments.rated_drop_over.into())?;
     let name = arguments.name.clone().unwrap_or_else(|| stem(target));
     let text = data_sheet::toml(&name, &made);
-    // What cannot be read is not written: a mass of 1e30 kg.
+    // A file that could not be read back is not written: a mass of 1e30 kg.
     machine_file::read_text(&target.display().to_string(), &text)?;
     write(target, text)?;
 
@@ -131,7 +131,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         console.print(format_args!("assumed    {}", assumed.join(", ")))?;
     }
     let shown = target.display().to_string();
-    // As it can be pasted into a shell.
+    // In a form that can be pasted into a shell.
     let shown = if shown.contains(char::is_whitespace) { format!("\"{shown}\"") } else { shown };
     console.print(format_args!(
         "next       host-sim inspect run.csv --machine {shown}\n\

@@ -1,4 +1,4 @@
-//! Arguments that several commands share, and what they become.
+//! Arguments that several commands share, and the values that they become.
 
 use std::path::{Path, PathBuf};
 
@@ -73,7 +73,7 @@ impl From<TickArgument> for Tick {
 }
 
 impl MachineArguments {
-    /// The machine file, and which columns hold which signals: the command line over the machine file.
+    /// The machine file, and which columns hold which signals: the command line takes precedence over the machine file.
     pub fn read(&self) -> Result<(MachineFile, ChannelMap), CliError> {
         let maps = ChannelMap::from_arguments(self.maps.iter().map(String::as_str))?;
         let file = machine_file::read(&self.machine)?;
@@ -101,10 +101,10 @@ pub(crate) fn recordings(
     found
 }
 
-/// A bar over the bytes of files that are read.
+/// A bar over the bytes of the files while they are read.
 pub(crate) fn bar(paths: &[PathBuf], console: &Console<'_>, doing: &'static str) -> Progress {
     let bytes = paths.iter().filter_map(|path| path.metadata().ok()).map(|file| file.len()).sum();
-    // A pipe does not say how much comes.
+    // The length of a pipe is unknown.
     if bytes > 0 { console.share(bytes, doing) } else { console.working(doing) }
 }
 
@@ -119,13 +119,13 @@ pub(crate) fn judged(recording: Recording, file: &MachineFile, wanted: &[Signal]
     Ok(judged_by(recording, file.machine.source, file.load_source, wanted)?)
 }
 
-/// The notes of a recording, and what is doubtful about it for this drive, each with its name.
+/// The notes of a recording, and doubts about it for this drive, each with the recording's name.
 pub(crate) fn notes<'a>(recording: &'a Recording, machine: &Machine<f64>) -> impl Iterator<Item = String> + 'a {
     let doubts = unit_doubts(recording, machine).into_iter();
     own_notes(recording).chain(doubts.map(|doubt| format!("{}: {doubt}", recording.name())))
 }
 
-/// What reading noted, with the recording's name.
+/// The notes made when a recording was read, with its name.
 pub(crate) fn own_notes(recording: &Recording) -> impl Iterator<Item = String> + '_ {
     recording.notes().iter().map(|note| format!("{}: {note}", recording.name()))
 }

@@ -1,6 +1,6 @@
-//! The command line: one file a command, each from parsed arguments by way of a checked plan to a run.
+//! The command line: one file for each command, each from parsed arguments through a checked plan to a run.
 //!
-//! Results are plain data from the rest of the library; what is printed here is a view of them. Exit status: 0 done, 1 by
+//! Results are plain data from the other modules of the library; what is printed here is a view of them. Exit status: 0 done, 1 by
 //! `--exit-code`, 2 it could not be done, with one message on standard error, 130 interrupted by Ctrl-C.
 
 mod ask;
@@ -99,12 +99,12 @@ pub enum Command {
     Completions(completions::Arguments),
 }
 
-/// How a command ended that could be done.
+/// How a command ended that did not fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// Done: exit status 0.
     Done,
-    /// Done, and `--exit-code` asks to say that something is out of tolerance: exit status 1.
+    /// Done, but `--exit-code` was given and something is out of tolerance: exit status 1.
     OutOfTolerance,
 }
 
@@ -127,7 +127,7 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<Outcome, CliE
     }
 }
 
-/// The exit status of a result; an error is written to `errors`, with what of the command line it is about.
+/// The exit status of a result; an error is written to `errors`, with the part of the command line that it refers to.
 ///
 /// A reader that has closed the other end of standard output has seen what it wanted: that is no error.
 pub fn finish(result: Result<Outcome, CliError>, line: &CommandLine, errors: &mut dyn Write) -> ExitCode {
@@ -137,14 +137,14 @@ pub fn finish(result: Result<Outcome, CliError>, line: &CommandLine, errors: &mu
         Err(error) if error.is_closed_pipe() => ExitCode::SUCCESS,
         Err(CliError::Interrupted) => ExitCode::from(INTERRUPTED),
         Err(error) => {
-            // Nobody is left to tell when standard error is closed too.
+            // If standard error is closed too, the message cannot be shown anywhere.
             let _ = writeln!(errors, "{}", printable(&error.render_on(line)));
             ExitCode::from(2)
         }
     }
 }
 
-/// The exit status of arguments that make no command; why is written to `errors`, or as clap does.
+/// The exit status of arguments that make no command; the reason is written to `errors`, in this form or as clap writes it.
 pub fn refuse(error: &clap::Error, line: &CommandLine, errors: &mut dyn Write) -> ExitCode {
     match line.explained(error) {
         Some(message) => {

@@ -124,12 +124,12 @@ fn positive(argument: &'static str, found: f64) -> Result<(), CliError> {
     Err(CliError::Number { argument, found, expected: "a positive number" })
 }
 
-/// The sensors that were named, each once.
+/// The named sensors, each once.
 fn sensors(named: &[String], file: &MachineFile) -> Result<Vec<Sensor>, CliError> {
     let mut found: Vec<Sensor> = Vec::new();
     for text in named {
         let sensor = Sensor::parse(text, &file.machine)?;
-        // Named again, the last one counts.
+        // If a sensor is named twice, the last one counts.
         found.retain(|known| known.signal != sensor.signal);
         found.push(sensor);
     }
@@ -162,12 +162,12 @@ fn at_hand(arguments: &Arguments, file: &MachineFile, console: &Console<'_>) -> 
     Ok(Some(AtHand { stimulus: stimulus.map_err(failed)?, largest_v, sensors: Vec::new() }))
 }
 
-/// V.
+/// Largest command, V.
 fn largest(command_v: &[f64]) -> f64 {
     command_v.iter().fold(0.0, |largest, volts| largest.max(volts.abs()))
 }
 
-/// Time and command, and the load where there is one, for the controller to play.
+/// Time and command, and the load where there is one, as the controller plays them.
 fn excitation(test: &StandardTest) -> Result<Recording, CliError> {
     Ok(Recording::new(test.name, test.columns().collect())?)
 }

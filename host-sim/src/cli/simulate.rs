@@ -89,7 +89,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     Ok(Outcome::Done)
 }
 
-/// A recording part by part, each written before the next is read: however long it is, it takes no more memory.
+/// Simulates a recording part by part and writes each part before the next is read: the memory does not grow with its length.
 fn in_parts(arguments: &Arguments, path: &Path, console: &mut Console<'_>) -> Result<(), CliError> {
     let bar = input::bar(&[path.to_owned()], console, "simulating");
     let done = each_part(arguments, path, console, &bar);
@@ -99,7 +99,7 @@ fn in_parts(arguments: &Arguments, path: &Path, console: &mut Console<'_>) -> Re
 
 fn each_part(arguments: &Arguments, path: &Path, console: &mut Console<'_>, bar: &Progress) -> Result<(), CliError> {
     let (file, channels) = arguments.machine.read()?;
-    // Another handle on the same file tells how far it is read; a pipe does not know.
+    // A second handle on the same file shows how far it has been read; a pipe has no position.
     let read = OnceCell::new();
     let mut parts = recording::in_parts(path, &channels, |file| {
         if let Ok(same) = file.try_clone() {
@@ -136,7 +136,7 @@ fn each_part(arguments: &Arguments, path: &Path, console: &mut Console<'_>, bar:
     out.finish()
 }
 
-/// Where the rows of a text go.
+/// Where the rows of a text are written.
 enum Target {
     File(Begun, PathBuf),
     Standard,
@@ -167,7 +167,7 @@ impl Target {
     }
 }
 
-/// What a whole recording is needed for, or an input signal.
+/// Simulates at once what needs the whole recording, or an input signal.
 fn at_once(arguments: &Arguments, console: &mut Console<'_>) -> Result<(), CliError> {
     let plan = plan(arguments, console)?;
     for note in input::notes(&plan.recording, &plan.machine).chain(starts_anywhere(&plan.recording)) {
@@ -195,13 +195,13 @@ fn at_once(arguments: &Arguments, console: &mut Console<'_>) -> Result<(), CliEr
     Ok(())
 }
 
-/// Where a rod starts that nobody measured.
+/// A note where the rod starts if its position was not measured.
 fn starts_anywhere(recording: &Recording) -> Option<String> {
     let unmeasured = !recording.has(Signal::Position);
     unmeasured.then(|| format!("{}: no position is recorded: the rod starts at mid-stroke", recording.name()))
 }
 
-/// The simulated signals in the place of the recorded ones, and those that are added where none of them was recorded.
+/// The simulated signals in place of the recorded ones, and the additional ones where none was recorded.
 fn columns<'a>(recording: &Recording, simulated: &'a Trajectory) -> (Vec<Series<'a>>, Vec<Series<'a>>) {
     let computed: Vec<Series<'_>> =
         SIGNALS.iter().filter_map(|&signal| Some((signal, simulated.signal(signal)?))).collect();
@@ -210,7 +210,7 @@ fn columns<'a>(recording: &Recording, simulated: &'a Trajectory) -> (Vec<Series<
     (computed, added)
 }
 
-/// Writes the signals: to standard output as CSV, where that is meant.
+/// Writes the signals: to standard output as CSV, where that is asked for.
 fn written(
     recording: &Recording,
     out: &Path,

@@ -18,7 +18,7 @@ use super::error::CliError;
 /// A file that an option names, and what is written there.
 pub(crate) type Target<'a> = (&'static str, Option<&'a Path>, Kind);
 
-/// Checks each file that an option names: it could be written now, it is none of those read, its ending promises what is written, and no
+/// Checks each file that an option names: it could be written now, it is not one of the input files, its ending fits its format, and no
 /// other option names it.
 pub(crate) fn check_targets(targets: &[Target<'_>], read: &[PathBuf]) -> Result<(), CliError> {
     check_apart(targets)?;
@@ -31,7 +31,7 @@ pub(crate) fn check_targets(targets: &[Target<'_>], read: &[PathBuf]) -> Result<
     Ok(())
 }
 
-/// Checks that no file is to be written by two options, by whatever names. A pipe takes what comes.
+/// Checks that no file is to be written by two options, whatever names they use. A pipe may be named twice.
 pub(crate) fn check_apart(targets: &[Target<'_>]) -> Result<(), CliError> {
     let mut known: Vec<(&'static str, PathBuf)> = Vec::new();
     for &(second, path, _) in targets {
@@ -50,7 +50,7 @@ pub(crate) fn check_target(path: &Path) -> Result<(), CliError> {
     atomic::check(path).map_err(unwritten(path))
 }
 
-/// What cannot be written there.
+/// The error for a file that cannot be written.
 pub(crate) fn unwritten(path: &Path) -> impl FnOnce(io::Error) -> CliError {
     move |cause| CliError::Write { path: path.to_owned(), cause }
 }
@@ -77,7 +77,7 @@ pub(crate) fn write_together(files: &[(PathBuf, String)]) -> Result<(), CliError
     Ok(())
 }
 
-/// Writes text to a file, or prints it where that is `-`.
+/// Writes text to a file, or prints it where the path is `-`.
 pub(crate) fn write_or_print(path: &Path, text: &str, console: &mut Console<'_>) -> Result<(), CliError> {
     if is_standard_output(path) { console.print(text.trim_end()) } else { write(path, text) }
 }
@@ -85,7 +85,7 @@ pub(crate) fn write_or_print(path: &Path, text: &str, console: &mut Console<'_>)
 /// Checks that files could be written now into this folder, or into one that is made there. Nothing is left there.
 #[cfg(feature = "virtual-plant")]
 pub(crate) fn check_folder(folder: &Path) -> Result<(), CliError> {
-    // The empty path stands for where the program runs.
+    // The empty path means the current directory.
     let is_there = |place: &&Path| place.as_os_str().is_empty() || place.exists();
     let place = folder.ancestors().find(is_there).unwrap_or(folder);
     atomic::check(&place.join("any")).map_err(unwritten(folder))
@@ -97,9 +97,9 @@ pub(crate) fn make_folder(folder: &Path) -> Result<(), CliError> {
     fs::create_dir_all(folder).map_err(unwritten(folder))
 }
 
-/// Checks that a file to write is none of those that are read, by whatever names.
+/// Checks that a file to write is not one of the input files, whatever names they have.
 pub(crate) fn check_not_read(target: &Path, read: &[PathBuf]) -> Result<(), CliError> {
-    // What is not there yet, or cannot be resolved, is none of them.
+    // A file that does not exist yet, or cannot be resolved, is not one of them.
     let Ok(resolved) = target.canonicalize() else { return Ok(()) };
     match read.iter().find(|path| path.canonicalize().is_ok_and(|path| path.is_file() && path == resolved)) {
         Some(path) => Err(CliError::Overwrites { target: target.to_owned(), read: path.clone() }),

@@ -1,4 +1,4 @@
-//! `host-sim testbed`: synthetic recordings of a drive that holds more than its machine file says.
+//! `host-sim testbed`: synthetic recordings of a drive that has more than its machine file says.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -217,9 +217,9 @@ fn record(plan: &Plan, index: usize, excitation: &Excitation) -> Result<Syntheti
     Ok(recording.rounded())
 }
 
-/// Recordings of another run in the folder would be taken for recordings of this one.
+/// Refuses a folder with recordings of another run: they would be taken for recordings of this one.
 pub(crate) fn refuse_others(folder: &Path, is_own: impl Fn(&str) -> bool) -> Result<(), CliError> {
-    // A folder that is not there yet holds nothing.
+    // A folder that does not exist yet holds nothing.
     let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
     for entry in entries.flatten() {
         let (name, path) = (entry.file_name().to_string_lossy().into_owned(), entry.path());

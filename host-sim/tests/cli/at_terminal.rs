@@ -1,4 +1,4 @@
-//! What a person at a terminal is asked and shown: a real pseudo-terminal, for nothing of it appears in a pipe.
+//! Questions and output for a person at a terminal: with a real pseudo-terminal, because none of this appears in a pipe.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -13,8 +13,8 @@ use machine_file::data_sheet::Item;
 use super::init::PRESS;
 use super::{MACHINE, at_hand, done, example, folder_with, listing, root};
 
-/// The program at a terminal of its own, with what ends it as usual (`nohup` and a shell's background ignore some of it); `None` where
-/// that cannot be had.
+/// The program at a terminal of its own, with the default action of signals (`nohup` and a shell's background ignore some of them); `None`
+/// where no terminal is available.
 fn at_terminal(folder: &Path, arguments: &[&str]) -> Option<PtySession> {
     const AS_USUAL: &str = "--default-signal=INT,TERM,HUP";
     if !Command::new("env").args([AS_USUAL, "true"]).output().is_ok_and(|output| output.status.success()) {
@@ -27,7 +27,7 @@ fn at_terminal(folder: &Path, arguments: &[&str]) -> Option<PtySession> {
     Some(spawn_with_options(command, options).unwrap())
 }
 
-/// Stops it as a person does, and gives how it ended.
+/// Stops it as a person does, and returns its exit status.
 fn interrupted(terminal: &mut PtySession) -> i32 {
     terminal.send_control('c').unwrap();
     terminal.exp_eof().unwrap();
@@ -41,7 +41,7 @@ fn status(terminal: &PtySession) -> i32 {
     }
 }
 
-/// The answer to each question: what the flags give, and nothing to the others.
+/// The answer to each question: the value of the flags, and an empty answer to all other questions.
 fn answer(item: Item) -> &'static str {
     let flag = item.question().flag;
     let given = PRESS.windows(2).find(|pair| pair[0].strip_prefix("--") == Some(flag)).map(|pair| pair[1]);
@@ -57,11 +57,11 @@ fn questions_that_are_answered_make_the_same_file_as_flags() {
     terminal.send("\r").unwrap();
     terminal.flush().unwrap();
     terminal.exp_string("Diameter of the piston (63mm)").unwrap();
-    // A wrong answer is told why, and asked again.
+    // After a wrong answer the reason is shown, and the question is repeated.
     terminal.send_line("63bar").unwrap();
     terminal.exp_string("`bar` is not a unit of this quantity; expected one of m, mm").unwrap();
     for item in Item::ALL.iter().filter(|item| item.belongs(false) && **item != Item::HoseDiameter) {
-        // The beginning, for a long question is broken at the end of the line.
+        // Only the beginning, because a long question is broken at the end of the line.
         let question: String = item.question().what.chars().take(40).collect();
         terminal.exp_string(&question).unwrap();
         terminal.send_line(answer(*item)).unwrap();

@@ -179,7 +179,7 @@ mod endless {
         command.args(["-c", script, env!("CARGO_BIN_EXE_host-sim")]).current_dir(folder.path());
         let writer = std::thread::spawn(move || {
             let mut pipe = OpenOptions::new().write(true).open(pipe).unwrap();
-            // Ends when the program closes the pipe; at the latest after 10 GB.
+            // Ends when the program closes the pipe, or at the latest after 10 GB.
             let blocks = 10_000_000_000 / block.len();
             (0..blocks).take_while(|_| pipe.write_all(&block).is_ok()).count() < blocks
         });

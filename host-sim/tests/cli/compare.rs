@@ -1,10 +1,10 @@
-//! What `compare` says of a drive: where physics is missing, and that noise is none.
+//! What `compare` says about a drive: where physics is missing, and that noise is not missing physics.
 
 use std::path::Path;
 
 use super::{done, root};
 
-/// A recording of the press with this effect beside its exact machine file, and what `compare` says of it.
+/// A recording of the press with this effect in addition to its exact machine file, and what `compare` says about it.
 fn told(folder: &Path, effect: &[&str], spool: bool) -> String {
     let preset = root().join("presets/press-63-40.toml").display().to_string();
     let exact = ["testbed", "--machine", &preset, "--spread", "0", "--noise", "2", "--position-step", "0.005"];
@@ -26,7 +26,7 @@ fn told(folder: &Path, effect: &[&str], spool: bool) -> String {
 fn noise_that_a_position_adds_up_is_no_missing_physics() {
     let folder = tempfile::tempdir().unwrap();
     let exact = told(folder.path(), &[], true);
-    // Thirty times the noise of the position, made by the noise of the pressures.
+    // Thirty times the noise of the position, caused by the noise of the pressures.
     assert!(exact.contains("weakest is mechanics") && exact.contains("Every part follows its recordings"), "{exact}");
     let rubbed = told(folder.path(), &["--effect", "coulomb-friction=800"], true);
     assert!(

@@ -1,5 +1,5 @@
-//! What goes wrong while the program works: a full disk, a folder that may not be written to, a file that ends while it is read, a
-//! process that is killed. What was there stays, nothing is half-written, and the same again works.
+//! Failures while the program works: a full disk, a folder without permission to write, a file that ends while it is read, a
+//! process that is killed. Existing files stay, nothing is half-written, and the same command works when it is run again.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -17,7 +17,7 @@ use super::import::streamed;
 use super::init::PRESS;
 use super::{at_hand, done, example, listing, refused, text};
 
-/// Commands that write files or a folder, which stand behind [`RESULTS`].
+/// Commands that write files or a folder; the target follows one of [`RESULTS`].
 const WRITING: [&str; 16] = [
     "simulate --machine machine.toml --recording run.csv --out simulated.csv",
     "simulate --machine machine.toml --recording run.csv --out simulated.mat",
@@ -38,13 +38,13 @@ const WRITING: [&str; 16] = [
     "testbed draw --count 1 --effects none --out cases",
 ];
 
-/// The options that name what is written.
+/// The options that name the target.
 const RESULTS: [&str; 5] = ["--out", "--json", "--plot", "--report", "--save-machine"];
 
-/// A folder with a machine, two recordings, what a recorder has streamed out and what passes for an FMU's library.
+/// A folder with a machine, two recordings, a stream of a recorder, and a file that passes for an FMU's library.
 fn bench() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
-    // The shortest of the example's: a diagnosis takes about a second.
+    // The shortest recordings of the example: with them a diagnosis takes about a second.
     for (from, name) in [("machine.toml", "machine.toml"), ("train-3.csv", "run.csv"), ("train-4.csv", "held.csv")] {
         fs::copy(example(from), folder.path().join(name)).unwrap();
     }
@@ -53,7 +53,7 @@ fn bench() -> TempDir {
     folder
 }
 
-/// The program behind a line of the shell that ends with `exec "$0" "$@"`.
+/// Runs the program from a line of the shell that ends with `exec "$0" "$@"`.
 fn behind(shell: &str, folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new("sh");
     command.args(["-c", shell, env!("CARGO_BIN_EXE_host-sim")]).args(arguments).current_dir(folder);
@@ -66,14 +66,14 @@ fn writing() -> Vec<Vec<&'static str>> {
     WRITING.iter().map(|command| command.split(' ').collect()).chain([init]).collect()
 }
 
-/// What a command writes that has these arguments, but for standard output.
+/// The targets of a command with these arguments, except standard output.
 fn results<'a>(arguments: &[&'a str]) -> impl Iterator<Item = &'a str> {
     arguments.windows(2).filter(|pair| RESULTS.contains(&pair[0])).map(|pair| pair[1]).filter(|result| *result != "-")
 }
 
 type Files = BTreeMap<PathBuf, Vec<u8>>;
 
-/// Every file in a folder and below it, with what is in it.
+/// Every file in a folder and below it, with its content.
 fn files(folder: &Path) -> Files {
     let inside = |path: PathBuf| {
         if path.is_dir() {
@@ -85,7 +85,7 @@ fn files(folder: &Path) -> Files {
     listing(folder).into_iter().flat_map(inside).collect()
 }
 
-/// Puts an old file in the place of each that was not there before; what is there then.
+/// Replaces each file that was not there before by an old file; returns the files that are there then.
 fn aged(folder: &Path, before: &Files) -> Files {
     for path in files(folder).keys().filter(|path| !before.contains_key(*path)) {
         fs::write(path, "old").unwrap();
@@ -101,7 +101,7 @@ fn where_a_file_cannot_grow_the_old_one_stays_and_none_is_cut() {
         done(folder.path(), &arguments);
         let new = files(folder.path());
         let old = aged(folder.path(), &before);
-        // No file may become longer than so many blocks: as on a full disk, writing fails, at once or in the middle.
+        // No file may become longer than this number of blocks: as on a full disk, writing fails, at once or in the middle.
         for blocks in [0, 1, 16] {
             let shell = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
             let output = behind(&shell, folder.path(), &arguments);
@@ -117,7 +117,7 @@ fn where_a_file_cannot_grow_the_old_one_stays_and_none_is_cut() {
     }
 }
 
-/// A disk of its own, where the user may mount one.
+/// A file system of its own, where the user is allowed to mount one.
 #[test]
 fn a_disk_that_is_full_keeps_what_it_has() {
     let folder = bench();
@@ -172,7 +172,7 @@ fn a_folder_for_a_file_or_a_file_for_a_folder_is_refused_before_anything_is_done
     }
 }
 
-/// Somebody who may not do everything: the tests may run as root.
+/// Runs a command as a user with no privileges: the tests may run as root.
 const NOBODY: &str = "exec setpriv --reuid 65534 --regid 65534 --clear-groups --no-new-privs \"$0\" \"$@\"";
 
 #[test]
@@ -227,7 +227,7 @@ fn a_recording_that_ends_while_it_is_read_is_what_was_there_or_refused() {
         assert!(matches!(output.status.code(), Some(0 | 2)) && !message.contains("panicked"), "{share}: {message}");
         assert_eq!(folder.path().join("simulated.csv").exists(), output.status.code() == Some(0), "{share}");
     }
-    // A file that shrinks under the reader's hands.
+    // A file that shrinks while it is read.
     let long = folder.path().join("long.csv");
     let rows = whole.iter().position(|&byte| byte == b'\n').unwrap() + 1;
     for attempt in 0..4 {
@@ -244,7 +244,7 @@ fn a_recording_that_ends_while_it_is_read_is_what_was_there_or_refused() {
     }
 }
 
-/// Kills commands at several shares of the time they take: each file is afterwards the old one or the new one.
+/// Kills commands after several shares of the time that they take: each file is afterwards the old one or the new one.
 fn killed_in_the_middle(shares: &[f64]) {
     let is_temporary = |path: &Path| path.file_name().unwrap().to_string_lossy().starts_with(".host-sim-");
     for arguments in writing() {
@@ -254,7 +254,7 @@ fn killed_in_the_middle(shares: &[f64]) {
         done(folder.path(), &arguments);
         let takes = started.elapsed();
         let whole = files(folder.path());
-        // Of one that was killed while it wrote, a temporary file may be left, and nothing else.
+        // A command that was killed while it wrote may leave a temporary file, and nothing else.
         let found = || {
             let mut found = files(folder.path());
             found.retain(|path, _| !is_temporary(path));
@@ -265,7 +265,7 @@ fn killed_in_the_middle(shares: &[f64]) {
             let mut command = super::program(folder.path(), &arguments);
             let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
             thread::sleep(takes.mul_f64(*share));
-            // SIGKILL; it may have ended by then.
+            // SIGKILL; the command may have ended by then.
             let _ = child.kill();
             child.wait().unwrap();
             let found = found();
@@ -362,7 +362,7 @@ fn two_results_do_not_get_one_file() {
     assert!(message.contains("--json and --save-machine both name out"), "{message}");
 }
 
-/// A pipe in the folder into which that many rows are written at most; how many were, once it is closed.
+/// A pipe in the folder into which at most this number of rows is written; returns how many were written when it was closed.
 fn piped(folder: &Path, rows: u32) -> JoinHandle<usize> {
     let path = folder.join("pipe.csv");
     assert!(Command::new("mkfifo").arg(&path).status().unwrap().success());
@@ -379,7 +379,7 @@ fn hundred_million_rows_are_simulated_in_the_memory_of_one() {
     let (folder, rows) = (bench(), 100_000_000);
     let writer = piped(folder.path(), rows);
     let simulate = ["simulate", "--machine", "machine.toml", "--recording", "pipe.csv", "--out", "-"];
-    // 600 MB of addresses.
+    // 600 MB of address space.
     let counted = "ulimit -v 600000; \"$0\" \"$@\" | awk 'END { print NR; print }'";
     let output = behind(counted, folder.path(), &simulate);
     let (message, found) = (text(&output.stderr), text(&output.stdout));
@@ -395,7 +395,7 @@ fn hundred_million_rows_that_would_have_to_be_held_are_refused_before_memory_is_
     let folder = bench();
     let writer = piped(folder.path(), 100_000_000);
     let simulate = ["simulate", "--machine", "machine.toml", "--recording", "pipe.csv", "--out", "simulated.parquet"];
-    // 4 GB of addresses: twenty million rows of six columns are one, and two while they grow.
+    // 4 GB of address space: twenty million rows of six columns take one of them, and two while the memory grows.
     let output = behind("ulimit -v 4000000; exec \"$0\" \"$@\"", folder.path(), &simulate);
     let message = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{message}");

@@ -1,4 +1,4 @@
-//! The tutorial: every command of `docs/first-minutes.md` runs and prints what stands there.
+//! The tutorial: every command of `docs/first-minutes.md` runs and prints what the document shows.
 
 use std::path::Path;
 use std::process::Command;

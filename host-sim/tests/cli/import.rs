@@ -6,7 +6,7 @@ use model_core::number::{Number, PerUnit};
 
 use super::{MACHINE, done, folder_with, refused, run, text};
 
-/// A second of a command that rises, and of a rod that stays.
+/// A second of recording: the command rises, and the rod stays in place.
 pub(super) fn streamed() -> Vec<u8> {
     let channel = |name, unit, base| Channel { name, unit, base, range: Range::One };
     let channels = [channel("command", "V", 10.0), channel("position", "m", 0.3)];

@@ -135,7 +135,7 @@ fn answers_that_make_no_sense_are_refused_with_what_would() {
         (&["--pump-displacement", "16cm3/rev"], "--rated-flow beside --pump-displacement", "a valve or a pump"),
         (&["--mass", "1e30kg"], "`cylinder.moving_mass_kg` is 1e30", ""),
     ] {
-        // A flag that is given twice is refused by its own name: the first goes.
+        // A flag that is given twice is refused by its name: so the first one is removed.
         let flag = extra[0].split('=').next().unwrap();
         let kept: Vec<&str> = match PRESS.iter().position(|known| *known == flag) {
             Some(at) => [&PRESS[..at], &PRESS[at + 2..]].concat(),
@@ -184,7 +184,7 @@ fn from_data_sheet_to_the_noise_floor() {
     assert!(text.contains("# assumed: oil with the usual bit of air"), "the comments stay: {text}");
 }
 
-/// What the model misses of each signal of the held-out recording, in standard deviations of the sensor's noise.
+/// The model's misfit for each signal of the held-out recording, in standard deviations of the sensor's noise.
 fn misses(folder: &Path, machine: &str) -> Vec<(String, f64)> {
     let file = machine_file::read(&folder.join(machine)).unwrap();
     let held_out = recording::read(&folder.join("case/holdout-1.csv"), &ChannelMap::default()).unwrap();

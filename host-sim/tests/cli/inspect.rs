@@ -1,4 +1,4 @@
-//! What `inspect` says of recordings.
+//! What `inspect` says about recordings.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -134,7 +134,7 @@ fn a_current_for_a_drive_in_volts_is_doubted_by_inspect_and_diagnose() {
         let output = run(folder.path(), &command.split(' ').collect::<Vec<_>>());
         assert!(text(&output.stderr).contains(doubt), "{}", text(&output.stderr));
     }
-    // What it says to do helps.
+    // Its advice helps.
     let channels = "\n[channels]\ncommand = { column = \"command [mA]\", zero = 12, full = 0.8 }\n";
     assert!(printed.contains(channels.lines().last().unwrap()), "{printed}");
     let machine = MACHINE.replace("0.0559", "0.1") + channels;

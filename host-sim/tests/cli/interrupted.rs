@@ -1,4 +1,4 @@
-//! Ctrl-C, a request to end, a terminal that closes: exit status 130, and no file that is half-written.
+//! Ctrl-C, a termination request, a terminal that closes: exit status 130, and no file that is half-written.
 #![cfg(unix)]
 
 use std::io::{BufRead, BufReader, Read, Write};
@@ -7,9 +7,9 @@ use std::process::{Command, Stdio};
 
 use super::{MACHINE, at_hand, example, folder_with, listing, root, text};
 
-/// Runs with --verbose, sends a signal once `said` stands on standard error, and gives exit status and standard output.
+/// Runs with --verbose, sends a signal once `said` appears on standard error, and returns exit status and standard output.
 ///
-/// The signal may be ignored where the tests run in the background: `env` gives it its meaning back; `None` where it cannot.
+/// The signal may be ignored where the tests run in the background: `env` restores its default action; `None` where this is not possible.
 fn interrupted(folder: &Path, arguments: &[&str], said: &str, signal: &str) -> Option<(Option<i32>, String)> {
     const AS_USUAL: &str = "--default-signal=INT,HUP,TERM";
     if !Command::new("env").args([AS_USUAL, "true"]).output().is_ok_and(|output| output.status.success()) {
@@ -61,7 +61,7 @@ fn writing_can_be_interrupted_too() {
     }
 }
 
-/// What the handler of the signal does, in the middle of a file. Nothing else in this process writes one so.
+/// The action of the signal's handler while a file is being written. Nothing else in this process writes a file in this way.
 #[test]
 fn a_file_that_is_being_written_goes_and_the_one_before_stays() {
     let folder = tempfile::tempdir().unwrap();
@@ -69,7 +69,7 @@ fn a_file_that_is_being_written_goes_and_the_one_before_stays() {
     std::fs::write(&target, "old").unwrap();
     let (done, written) = std::sync::mpsc::channel();
     let path = target.clone();
-    // The writer never comes back: after this, no file is finished.
+    // The writer never returns: after this, no file is finished.
     std::thread::spawn(move || {
         recording::files::atomic::write(&path, |out: &mut dyn Write| {
             out.write_all(&vec![b'x'; 100_000])?;

@@ -1,4 +1,4 @@
-//! What a long recording takes.
+//! The memory that a long recording takes.
 
 use std::fs;
 use std::process::Stdio;
@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::{done, program, root};
 
-/// Most memory that a process has held so far, MiB; `None` once it has ended.
+/// Peak memory of a process so far, MiB; `None` once it has ended.
 fn peak_mib(process: u32) -> Option<f64> {
     let status = fs::read_to_string(format!("/proc/{process}/status")).ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

@@ -1,6 +1,6 @@
-//! The program as a user runs it: what it prints, writes and answers.
+//! The program as a user runs it: what it prints, what it writes, and its exit status.
 //!
-//! These tests stand in this package because only here cargo tells where the binary is; exit status, closed pipes and
+//! These tests are in this package because only here cargo gives the path of the binary; exit status, closed pipes and
 //! half-written files are properties of a process, not of a function.
 
 #[path = "../at_hand/mod.rs"]
@@ -59,14 +59,14 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
-/// Runs what must succeed, and gives what it printed.
+/// Runs a command that must succeed, and returns what it printed.
 fn done(folder: &Path, arguments: &[&str]) -> String {
     let output = run(folder, arguments);
     assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
     text(&output.stdout)
 }
 
-/// Runs what cannot be done; gives its message, and checks that the folder holds what it held before.
+/// Runs a command that must fail; returns its message, and checks that the folder is unchanged.
 fn refused(folder: &Path, arguments: &[&str]) -> String {
     let before = listing(folder);
     let output = run(folder, arguments);

@@ -1,8 +1,8 @@
-//! Names are names: no path in a machine file, a recording or a recorder's stream is followed, to read or to write, and no result goes
-//! anywhere but where an argument says.
+//! Names are only names: no path in a machine file, a recording or a recorder's stream is opened for reading or writing, and results are
+//! written only where an argument says.
 //!
-//! Every name that a file may hold is here the path of a named pipe outside the folder. Whoever opens a pipe to read or to write waits
-//! for the other end, and whoever writes a file whole or not at all puts another in its place: a command that ends, and leaves the pipe a
+//! Every name that a file may hold is here the path of a named pipe outside the folder. A program that opens the pipe to read or write waits
+//! for the other end; a program that writes a file as a whole replaces the pipe by the file. So a command that ends, and leaves the pipe a
 //! pipe, has not touched it.
 #![cfg(unix)]
 
@@ -44,7 +44,7 @@ impl Place {
         self.outer.path().join("bait")
     }
 
-    /// Names that lead out of the folder, or are none.
+    /// Names that lead out of the folder, or are no valid paths.
     fn names(&self) -> Vec<String> {
         let bait = self.bait().display().to_string();
         let long = format!("{}bait", "../inner/".repeat(2000));
@@ -63,7 +63,7 @@ impl Place {
         ]
     }
 
-    /// Runs a command, which must end by itself, and checks that nothing but `written` has come to the folder, and nothing outside.
+    /// Runs a command, which must end by itself, and checks that nothing but `written` was added to the folder, and nothing outside it.
     fn run(&self, arguments: &[&str], written: &[&str]) -> Output {
         let (inner, outside) = (self.inner(), listing(self.outer.path()));
         let mut there = listing(&inner);
@@ -78,9 +78,9 @@ impl Place {
     }
 }
 
-/// The program's end, by itself; it is ended where it waits for something.
+/// Waits for the program to end by itself; kills it if it waits for something.
 fn within(patience: Duration, folder: &Path, arguments: &[&str]) -> Output {
-    // Into files: a pipe that nobody reads could be what it waits for.
+    // Output goes into files: with a pipe that nobody reads, the program could wait for the reader.
     let said = tempfile::tempdir().unwrap();
     let [out, errors] = ["out", "errors"].map(|name| said.path().join(name));
     let mut command = program(folder, arguments);
@@ -109,7 +109,7 @@ fn quoted(name: &str) -> String {
     format!("\"{escaped}\"")
 }
 
-/// A drive of this name, whose spool stands in a column of this name.
+/// A drive of this name, whose spool is in a column of this name.
 fn machine(name: &str) -> String {
     format!("name = {}\n{MACHINE}\n[channels]\nspool = {}\n", quoted(name), quoted(name))
 }
@@ -126,7 +126,7 @@ fn recording(header: &str) -> String {
     text
 }
 
-/// Two rows of a channel of this name, as the recorder of a machine of this name streams them out: of a long name, its beginning.
+/// Two rows of a channel of this name, as the recorder of a machine of this name streams them out: of a long name only its beginning.
 fn streamed(name: &str) -> Vec<u8> {
     let header = Header { channels: 1, tick_ns: 1_000_000, first: 0, rows: 2, trigger: 0, machine: name };
     let channel = ChannelHeader { number: 0, step: 0.5, name, unit: name };
@@ -142,7 +142,7 @@ fn streamed(name: &str) -> Vec<u8> {
 /// A command, and what it writes.
 type Writing = (&'static str, &'static [&'static str]);
 
-/// Stands in a command for the header that the recording has.
+/// Placeholder in a command for the recording's header.
 const HEADER: &str = "HEADER";
 
 /// Commands that read these files.
@@ -161,7 +161,7 @@ const COMMANDS: [Writing; 12] = [
     ("testbed --machine m.toml --train zero:0.1s --out .", &["machine.toml", "train-1.csv"]),
 ];
 
-/// Those that take longer.
+/// Commands that take longer.
 const LONG: [Writing; 2] = [
     (
         "diagnose --machine m.toml --train r.csv --json d.json --save-machine d.toml --report d.html --plot d.svg",
@@ -173,11 +173,11 @@ const LONG: [Writing; 2] = [
     ),
 ];
 
-/// Runs commands with each of these names in every place for one in what they read.
+/// Runs commands on files that have each of these names in every place where a name can stand.
 fn names_are_names(place: &Place, names: &[String], commands: &[Writing]) {
     fs::write(place.inner().join("l.so"), "fmi3InstantiateCoSimulation").unwrap();
     for name in names {
-        // A header is a line's part.
+        // A header is part of a line.
         let header = name.replace(['\n', '\0'], " ");
         fs::write(place.inner().join("m.toml"), machine(name)).unwrap();
         fs::write(place.inner().join("r.csv"), recording(&header)).unwrap();
@@ -204,6 +204,6 @@ fn a_path_as_a_name_is_a_name() {
 #[test]
 fn a_path_as_a_name_is_a_name_to_what_takes_longer() {
     let place = Place::new();
-    // Relative, absolute, and as a browser has it.
+    // Relative, absolute, and as in a browser.
     names_are_names(&place, &place.names()[..3], &LONG);
 }

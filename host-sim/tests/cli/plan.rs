@@ -19,13 +19,13 @@ fn a_plan_says_what_could_be_seen_and_writes_an_excitation_that_the_drive_can_pl
     assert_eq!(plan["schema"], "host-sim/plan/1");
     let effects = plan["best"]["outlook"]["effects"].as_array().unwrap();
     let leakage = effects.iter().find(|effect| effect["effect"] == "internal-leakage").unwrap();
-    // What is laid out tells no less than what was at hand.
+    // The proposed excitation shows at least as much as the given one.
     let told = |outlook: &serde_json::Value| -> usize {
         let accepted = outlook["effects"].as_array().unwrap().iter().filter(|effect| effect["claimed"] == true);
         accepted.map(|effect| effects.len() - effect["passes_for"].as_array().unwrap().len()).sum()
     };
     assert!(told(&plan["best"]["outlook"]) > told(&plan["given"]));
-    // It is what the shipped case conceals, and what these sensors have shown of it.
+    // The shipped case conceals this effect, and these sensors have shown it.
     assert_eq!(leakage["claimed"], true);
     assert_eq!(leakage["passes_for"].as_array().unwrap().len(), 0, "{leakage}");
     assert!(leakage["claimed_from_share_of_usual"].as_f64().unwrap() < 1.0, "{leakage}");

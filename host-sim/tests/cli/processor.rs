@@ -1,4 +1,4 @@
-//! The program on a processor that it was not built for, which an emulator plays.
+//! The program on an emulated processor that it was not built for.
 #![cfg(all(target_os = "linux", target_arch = "x86_64", target_feature = "avx2"))]
 
 use std::process::Command;

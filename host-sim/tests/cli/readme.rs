@@ -1,14 +1,14 @@
-//! The repository's README: short, its first command finds what stands there, and its figure is what the tool draws.
+//! The repository's README: it is short, its first command gives the result printed there, and its figure is what the tool draws.
 
 use std::fs;
 use std::path::Path;
 
 use super::{done, root};
 
-/// How its commands call the tool.
+/// How the README's commands call the tool.
 const TOOL: &str = "cargo run --release -- ";
 
-/// What stands between two marks for the first time.
+/// The text between the first occurrences of two marks.
 fn between<'a>(text: &'a str, from: &str, to: &str) -> &'a str {
     let (_, rest) = text.split_once(from).unwrap_or_else(|| panic!("no `{from}`"));
     rest.split_once(to).unwrap_or_else(|| panic!("no `{to}` after `{from}`")).0
@@ -20,12 +20,12 @@ fn arguments(command: &str) -> Vec<&str> {
     arguments.split_whitespace().take_while(|word| *word != "#").collect()
 }
 
-/// The words of a text, each a space from the next: a table's columns move.
+/// The words of a text, each a space from the next, since the columns of a table may shift.
 fn words(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// A folder with the shipped case where the repository has it, and with a place for figures.
+/// A folder with the shipped case at the same path as in the repository, and with a place for figures.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let case = Path::new("examples/press-63-40");
@@ -47,7 +47,7 @@ fn the_readme_is_short_and_shows_what_its_commands_print_and_draw() {
     let figure = between(between(&readme, "![", "\n"), "](", ")");
     let first = arguments(between(&readme, "```sh\n", "\n"));
     let drawing = arguments(between(&readme, "Drawn by `", "`"));
-    // So one run is of both.
+    // This allows one run for both commands.
     assert_eq!(drawing, [&first[..], &["--plot", figure]].concat());
 
     let folder = folder();

@@ -1,4 +1,4 @@
-//! The page: what it holds, and that names stay names.
+//! The page: its contents, and a check that names stay names.
 
 use std::fs;
 
@@ -42,7 +42,7 @@ fn the_page_holds_its_sections_and_escapes_every_name() {
         !page.contains("http://")
             || page.matches("http://").count() == page.matches("http://www.w3.org/2000/svg").count()
     );
-    // The chart library names its home; the page forbids itself to go there.
+    // The chart library contains its own address; the page forbids any access to it.
     let page = page.replace("https://github.com/leeoniya/uPlot", "");
     assert!(page.contains("default-src 'none'"));
     assert!(!page.contains("https://") && !page.contains("<link") && !page.contains("<img"), "nothing is fetched");

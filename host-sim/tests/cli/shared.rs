@@ -1,4 +1,4 @@
-//! Cases that are not part of the repository, where they are at hand.
+//! Cases that are not part of the repository, where they are available.
 
 use std::path::Path;
 

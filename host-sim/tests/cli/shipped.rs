@@ -1,4 +1,4 @@
-//! The shipped example, and what is printed of it.
+//! The shipped example, and what its documents print.
 
 use super::{done, example, root, run, text};
 
@@ -43,7 +43,7 @@ fn the_documented_command_makes_the_example_again() {
         let (made, shipped) = (std::fs::read_to_string(made).unwrap(), std::fs::read_to_string(shipped).unwrap());
         bytes += shipped.len();
         if made != shipped {
-            // Another platform may round the last bit otherwise, which moves a sensor by one of its steps.
+            // Another platform may round the last bit differently, which moves a sensor by one of its steps.
             agree(&name, &made, &shipped);
         }
     }

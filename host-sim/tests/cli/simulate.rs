@@ -1,4 +1,4 @@
-//! What `simulate` writes.
+//! The output of `simulate`.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ fn table(path: &Path) -> (String, Vec<Vec<f64>>) {
 
 #[test]
 fn one_row_for_each_recorded_row_in_the_recordings_columns_and_units() {
-    // Uneven times, a column that is not known, units that people use.
+    // Uneven times, an unknown column, units that people use.
     let recorded = "time [ms];command [mV];spool [%];Kolbenweg [mm];remark;pressure_a [bar];pressure_b [bar]\n\
         0;0;0,5;150;a;20,1;35\n10,5;4000;0,5;150;b;20,1;35\n20;4000;3;150;c;21;35\n300;4000;22;155;d;30;30\n";
     let folder = folder_with(MACHINE, recorded);
@@ -110,7 +110,7 @@ fn a_recording_of_the_command_alone_gets_every_signal() {
     assert!(rows[2][3] > rows[0][3], "4 V extends");
 }
 
-/// A recording of more rows than are held at once.
+/// A recording with more rows than are held in memory at once.
 fn more_than_a_part() -> String {
     let volts = |row: usize| if row % 1000 < 500 { 2 } else { -2 };
     let rows: Vec<String> = (0..600_000).map(|row| format!("{row},{}\n", volts(row))).collect();

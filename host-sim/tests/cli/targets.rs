@@ -1,4 +1,4 @@
-//! Where results go: what cannot be written, and what must not be, is said before a long run and leaves nothing.
+//! Targets of results: a target that cannot be written, or must not be, is refused before a long run and leaves nothing.
 
 use super::{MACHINE, TempDir, done, example, folder_with, refused};
 
@@ -20,7 +20,7 @@ const COMPARE: [&str; 5] = ["compare", "--machine", "machine.toml", "--recording
 const SIMULATE: [&str; 5] = ["simulate", "--machine", "machine.toml", "--recording", "train-1.csv"];
 const FIT: [&str; 5] = ["fit", "--machine", "machine.toml", "--train", "train-1.csv"];
 
-/// Every way to have a file written: the command, arguments that could be done, and the argument of the target.
+/// Every way to write a file: the command, arguments that would succeed, and the argument of the target.
 fn outputs() -> Vec<(Vec<&'static str>, &'static str)> {
     let with = |command: &[&'static str], more: &[&'static str]| [command, more].concat();
     vec![

@@ -1,11 +1,11 @@
-//! What people see around the result: colours, notes, completions, suggestions.
+//! What a user sees around the result: colours, notes, completions, suggestions.
 
 use std::path::Path;
 use std::process::Command;
 
 use super::{MACHINE, at_hand, done, example, folder_with, refused, run, text};
 
-/// What a command prints on a terminal of its own, its standard error set aside; `None` where no terminal can be had.
+/// What a command prints on a terminal of its own, without its standard error; `None` where no terminal is available.
 fn on_a_terminal(folder: &Path, variables: &str, arguments: &str) -> Option<String> {
     let line = format!("{variables} {} {arguments} 2>/dev/null", env!("CARGO_BIN_EXE_host-sim"));
     let clean = |command: &mut Command| {
@@ -31,7 +31,7 @@ fn the_verdict_is_coloured_on_a_terminal_unless_nobody_wants_colours() {
     assert!(text(&piped.stdout).contains("out of tolerance") && !text(&piped.stdout).contains('\u{1b}'));
 }
 
-/// A table is as wide as the terminal, and its lines are not broken by it.
+/// A table is as wide as the terminal, so that the terminal does not break its lines.
 #[test]
 fn tables_fit_the_terminal() {
     let folder = tempfile::tempdir().unwrap();
@@ -41,7 +41,7 @@ fn tables_fit_the_terminal() {
         format!("inspect {recording} --machine {machine}"),
     ] {
         let Some(shown) = on_a_terminal(folder.path(), "stty cols 80 rows 24;", &arguments) else { return };
-        // Who wants no colours has the same terminal.
+        // The width is the same for users who want no colours.
         let colourless = on_a_terminal(folder.path(), "stty cols 80 rows 24; NO_COLOR=1", &arguments).unwrap();
         assert_eq!(colourless, shown.replace("\u{1b}[1m", "").replace("\u{1b}[0m", ""));
         let plain = |line: &str| line.replace("\u{1b}[1m", "").replace("\u{1b}[0m", "").trim_end().chars().count();
@@ -51,7 +51,7 @@ fn tables_fit_the_terminal() {
     }
 }
 
-/// The row that `compare` shows in bold, as a terminal obeys it; a name that a terminal would obey, as text.
+/// The row that `compare` shows in bold contains the terminal's control sequence; a control sequence in a name is printed as text.
 #[test]
 fn the_weakest_row_is_bold_on_a_terminal() {
     let folder = tempfile::tempdir().unwrap();
@@ -99,7 +99,7 @@ fn every_shell_gets_its_completions() {
         let script = done(folder.path(), &["completions", shell]);
         assert!(script.contains("diagnose") && script.contains("save-machine"), "{shell}");
     }
-    // In a real shell: what it would offer for a line that ends here.
+    // In a real shell: the completions that it would offer for a line that ends here.
     let line = "source <(\"$0\" completions bash) && COMP_WORDS=(host-sim diagnose --sa) COMP_CWORD=2 && \
         _host__sim host-sim --sa diagnose && echo \"${COMPREPLY[@]}\"";
     match Command::new("bash").args(["-c", line, env!("CARGO_BIN_EXE_host-sim")]).output() {
@@ -126,7 +126,7 @@ fn what_is_mistyped_is_met_with_the_nearest() {
     }
 }
 
-/// As a compiler shows a line of source.
+/// The message shows the command line as a compiler shows a line of source.
 #[test]
 fn a_value_that_is_wrong_is_marked_on_the_command_line() {
     let folder = folder_with(MACHINE, "time [s],command [V],position [m]\n0,0,0\n1,0,1\n");
@@ -143,7 +143,7 @@ error: `0` is not a value of --tick
     assert_eq!(message, expected);
 }
 
-/// Commands that are refused; what is said, which characters are marked, and what was expected.
+/// Refused commands, each with its message, the marked characters, and what was expected.
 const WRONG: &[(&str, &str, &str, &str)] = &[
     (
         "testbed --machine machine.toml --train step:4V,0.1s --effect rust=1 --out case",

@@ -55,7 +55,7 @@ fn recordings_of_another_case_are_not_mixed_in() {
 #[test]
 fn a_place_that_cannot_be_written_to_is_told_before_the_test_bed_runs() {
     let folder = folder_with(MACHINE, "");
-    // The excitation leaves the stroke, which only shows in the run.
+    // The excitation leaves the stroke, which is found only in the run.
     let leaves = ["--train", "step:9V,20s"];
     let case = ["testbed", "--machine", "machine.toml", "--out", "run.csv/case"];
     let message = refused(folder.path(), &[&case[..], &leaves].concat());
@@ -109,7 +109,7 @@ fn a_lot_is_not_written_over_recordings_of_another() {
     let cases = folder.path().join("cases");
     let kept = || ["truth.json", "c000/train-1.csv"].map(|name| std::fs::read(cases.join(name)).unwrap());
     let before = kept();
-    // In any format that a diagnosis would take.
+    // In any format that a diagnosis would read.
     std::fs::write(cases.join("c001/train-99.mat"), "").unwrap();
     let message = refused(folder.path(), &draw("4"));
     assert!(message.contains("train-99.mat is there already"), "{message}");

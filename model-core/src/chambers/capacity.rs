@@ -10,7 +10,7 @@ use crate::ports::{ChamberState, Flows};
 
 /// Atmospheric pressure, Pa.
 pub(crate) const ATMOSPHERE_PA: f64 = 1.013e5;
-/// Least volume of a chamber, of the one at mid-stroke.
+/// Least volume of a chamber, as a share of the one at mid-stroke.
 pub(crate) const LEAST_VOLUME: f64 = 0.02;
 
 /// Coefficients of both capacities.
@@ -22,7 +22,7 @@ pub(crate) struct Capacity<N: Number> {
     pub(crate) per_atmosphere: N::Steep,
 }
 
-/// Coefficients of one. Capacities are over the least there is.
+/// Coefficients of one chamber's capacity. Capacities are relative to the least one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ChamberCapacity<N: Number> {
     /// share·A·stroke/V0: what a stroke adds to the volume, in V0.

@@ -1,21 +1,21 @@
-//! Cavitation: oil cannot pull. A chamber that more is drawn from than it gives by its pressure's fall keeps its pressure at a floor, that
-//! of its vapour or of the air that comes out of it, while a void grows; the pressure rises again once the void is filled.
+//! Cavitation: oil cannot pull. When more oil is drawn from a chamber than the fall of its pressure gives, the pressure stays at a floor, that
+//! of the oil's vapour or of the air that comes out of it, while a void grows; the pressure rises again once the void is filled.
 //!
 //! ```text
 //! net oil n of a tick:   Δw = m − n,   Δp = c·m,   w ≥ 0,   p ≥ floor,   w·(p − floor) = 0
 //! ```
 //!
-//! with w the void, in ticks of flow 1, and m what of the oil raises the pressure. Nothing of w is rounded: with the rest of a pressure's
-//! rounding, oil is conserved to the bit.
+//! with w the void, in ticks of flow 1, and m the part of the oil that raises the pressure. Nothing of w is rounded: together with the rounding
+//! remainder of the pressure, oil is conserved to the bit.
 //!
-//! A tick of the chain starts with the chambers full or empty, and an empty one has no stiffness: its pressure stays, whatever flows. Only the
-//! tick's end shows whether one emptied or filled in it. Such a tick is taken back and stepped once more, with the share of the stiffness
-//! by which the chamber pushes the rod as much as it does in truth: its pressure moves over a part τ of the tick only. One that falls to the
-//! floor after τ has the mean (1 − τ/2)·τ of what it would fall by, twice the share of which is 1 − (1 − τ)²; one that rises in the last τ has the
-//! mean τ²/2, and the share τ². A chamber takes in what then flows by the law above, at its whole stiffness.
+//! A tick of the model starts with each chamber full or empty. An empty one has no stiffness: its pressure stays, whatever flows. Only the
+//! tick's end shows whether a chamber emptied or filled within it. Such a tick is taken back and repeated with a share of the stiffness,
+//! chosen so that the chamber pushes the rod as much as in reality: its pressure moves over a part τ of the tick only. If it falls to the
+//! floor after τ, its mean fall is (1 − τ/2)·τ of the whole; twice that, the share, is 1 − (1 − τ)². If it rises in the last τ, the
+//! mean is τ²/2, and the share τ². The chamber takes in the resulting flow by the law above, with its whole stiffness.
 //!
-//! The rod's mass is matched to the springs of the oil (`coefficients`), and an empty chamber is none. Whatever else is on the mass's diagonal
-//! (a stop, bristles, thickened oil) grows with it in such a tick, by 5 % at most.
+//! The rod's mass is matched to the springs of the oil (`coefficients`), and an empty chamber is no spring. Everything else on the mass's diagonal
+//! (a stop, bristles, thickened oil) grows with the mass in such a tick, by 5 % at most.
 //!
 //! Source: Merritt, *Hydraulic Control Systems*, 1967, 5.5 (a valve's cavity under an overrunning load).
 
@@ -24,34 +24,34 @@ use crate::drive::{Drive, DriveInput, DriveState, Interfaces, Load};
 use crate::number::{Compared, Mask, Number};
 use crate::ports::{ChamberState, Flows};
 
-/// Lowest floor there is, Pa: the vacuum, where pressures are over the atmosphere's. A floor below means that there is none.
+/// Lowest possible floor, Pa: the vacuum, where pressures are relative to the atmosphere. A lower value means that there is no floor.
 pub(crate) const LOWEST_FLOOR_PA: f64 = -ATMOSPHERE_PA;
 
 /// Coefficients of cavitation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cavitation<N: Number> {
-    /// Pressure that a chamber does not fall below.
+    /// Lowest pressure of a chamber.
     pub(crate) floor: N,
     /// 1, as a slope.
     pub(crate) unity: N::Steep,
     pub(crate) unsprung: Unsprung<N>,
 }
 
-/// What a force does less on the mass that is matched to fewer springs of the oil, as a share.
+/// By which share a force has less effect on the mass that is matched to fewer oil springs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Unsprung<N: Number> {
-    /// Without that of A.
+    /// Without the spring of A.
     pub(crate) a: N::Gain,
-    /// Without that of B.
+    /// Without the spring of B.
     pub(crate) b: N::Gain,
-    /// Without both, beside these two.
+    /// Without both, in addition to these two.
     pub(crate) together: N::Gain,
 }
 
 /// Voids of both chambers, in units of [`Bases::void_m3`](crate::machine::Bases::void_m3).
 pub type Voids<N> = ChamberState<<N as Number>::Travel>;
 
-/// How far a chamber was full in a tick, and whether it emptied or filled in it.
+/// How far a chamber was full in a tick, and whether it emptied or filled in that tick.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Crossing<N: Number> {
     crosses: N::Mask,
@@ -59,7 +59,7 @@ pub(crate) struct Crossing<N: Number> {
     share: N,
 }
 
-/// Pressure of a chamber, what rounding left of it, and its void.
+/// Pressure of a chamber, its rounding remainder, and its void.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Content<N: Number> {
     pub(crate) pressure: N,
@@ -68,7 +68,7 @@ pub(crate) struct Content<N: Number> {
 }
 
 impl<N: Number> Unsprung<N> {
-    /// What a force does on the mass that is matched to chambers full by these shares, over what it does where both are full.
+    /// Effect of a force on the mass that is matched to chambers full by these shares, over its effect where both are full.
     fn share(&self, full: &Flows<N>) -> N {
         let (a, b) = (N::ONE - full.a, N::ONE - full.b);
         (N::ONE - N::dot([self.a, self.b, self.together], [a, b, a.times(b)])).min(N::ONE)
@@ -76,7 +76,7 @@ impl<N: Number> Unsprung<N> {
 }
 
 impl<N: Number> Cavitation<N> {
-    /// How far both chambers are full as a tick begins, 0 or 1; `None` where they are.
+    /// How far both chambers are full as a tick begins, 0 or 1; `None` where both are full.
     fn full(voids: &Voids<N>) -> Option<Flows<N>> {
         let nothing = N::ZERO.as_travel();
         let (a, b) = (voids.a.above(nothing), voids.b.above(nothing));
@@ -84,7 +84,7 @@ impl<N: Number> Cavitation<N> {
         (a | b).any().then(|| Flows { a: full(a), b: full(b) })
     }
 
-    /// Takes `net` oil into a chamber whose pressure it raises by `stiffness`.
+    /// Takes `net` oil into a chamber whose pressure rises by `stiffness` per net oil.
     pub(crate) fn take(&self, stiffness: N::Gain, content: &mut Content<N>, net: N) -> Crossing<N> {
         let nothing = N::ZERO.as_travel();
         let empty = content.void.above(nothing);
@@ -109,7 +109,7 @@ impl<N: Number> Cavitation<N> {
         }
         let empties = self.floor.above(pressure);
         if empties.any() {
-            // A quarter of all, for the whole may leave the format. Less by a few steps and by the share's error: what rounds stays above the floor.
+            // All times a quarter, as the whole may leave the format. Less by a few steps and the share's error, to stay above the floor.
             let would_fall = -N::dot([stiffness], [net.over_power(2)]);
             let falls = (start - self.floor - N::ONE.over_power(26)).max(N::ZERO).over_power(2);
             let part = N::share(falls, [would_fall - falls], [self.unity]);
@@ -163,7 +163,7 @@ impl<N: Number> Drive<N> {
             }
             again = false;
             full = Some(Flows { a: crossing.a.share, b: crossing.b.share });
-            // The valve has done its tick, and what it did is seen.
+            // The valve has done its tick already; the repeated tick takes the spool that resulted.
             drive_input = seen.spool.map_or(drive_input, DriveInput::Spool);
             (state.chambers, state.rest, state.voids) = (chambers, rest, voids);
             (state.motion, state.supply, state.warmth) = (motion, supply, warmth);
@@ -200,7 +200,7 @@ mod tests {
                 let crossing = law.take(stiffness, &mut chamber, N::saturated(net));
                 (crossing.crosses, crossing.share.to_f64(), chamber.pressure.to_f64(), N::of_sum(chamber.void).to_f64())
             };
-            // 0.2 of 1.0 within the first fifth of the tick, the void 0.8; then as much as 0.3, which leaves 0.5 and at last 0.1 over.
+            // The pressure gives 0.2 of 1.0 in the first fifth of the tick, the void 0.8; then 0.3 leaves a void of 0.5; filled, the pressure is 0.1.
             for (net, crosses, share, pressure, void) in [
                 (-1.0, true, 1.0 - 0.8 * 0.8, 0.0, 0.8),
                 (0.3, false, 0.0, 0.0, 0.5),
@@ -226,7 +226,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(5000))]
 
-        /// pressure·2²⁸ + rest changes by the gain times what raises it, and void and that by what is taken in: to the last bit.
+        /// pressure·2²⁸ + rest changes by gain times the oil that raises it; this oil less the void's change is the oil taken in: to the last bit.
         #[test]
         fn no_oil_is_lost_and_no_pressure_is_below_the_floor(
             gain in 1_i32..1 << 30, less in 0_u32..28, floor in -(1_i32 << 28)..1_i32 << 28, above in 0_i32..1 << 28,
@@ -247,7 +247,7 @@ mod tests {
                 let void = |content: &Content<PerUnit>| i128::from(content.void.to_bits() >> 14);
                 let raising = i128::from(net.to_bits()) + void(&chamber) - void(&before);
                 let oil = |content: &Content<PerUnit>| account(content) + i128::from(content.rest.to_bits());
-                // Held at the end of the format, a pressure says nothing.
+                // A pressure that is held at the end of the format does not count.
                 if !chamber.pressure.is_held() {
                     prop_assert_eq!(oil(&chamber) - oil(&before), i128::from(gain.to_bits()) * raising);
                 }

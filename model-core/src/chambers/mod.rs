@@ -8,7 +8,7 @@
 //! dpa/dt = E0/Va·(Qa − A·dy/dt)      dpb/dt = E0/Vb·(α·A·dy/dt − Qb)     (11)
 //! ```
 //!
-//! The chambers link: flows and velocity → pressures. As it runs, with the mean flows and the mean velocity v of a tick h:
+//! The chambers link: flows and velocity → pressures. As computed, with the mean flows and the mean velocity v of a tick h:
 //!
 //! ```text
 //! pa' = pa + ca·(qa − v)             ca = h·(E0/Va)·Aa·(velocity base)/(pressure base)
@@ -16,9 +16,9 @@
 //! ```
 //!
 //! Formats: pressures are signals, 1 being the supply pressure; flows are signals, scaled so that 1 is what the piston's side A displaces at
-//! velocity 1; ca, cb and α are gains (below 4). What rounding leaves of a pressure is carried, so that no flow is lost.
+//! velocity 1; ca, cb and α are gains (below 4). The rounding remainder of a pressure is carried to the next tick, so that no flow is lost.
 //!
-//! Signs: flow a > 0 fills A, flow b > 0 empties B; v > 0 extends, which makes room in A and takes it in B.
+//! Signs: flow a > 0 fills A, flow b > 0 empties B; v > 0 extends, which makes room in A and reduces the room in B.
 //!
 //! With entrained air or volumes that follow the piston, ca and cb are those of the tick's start, see `capacity`.
 
@@ -35,13 +35,13 @@ use crate::ports::{ChamberState, Filling, Flows, Linearised};
 /// Coefficients of both chambers at one tick, with those of their effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chambers<N: Number, E = ChamberEffects<N>> {
-    /// ca: pressure rise in A over a tick at flow 1; where the capacity varies, at the least there is.
+    /// ca: pressure rise in A over a tick at flow 1; where the capacity varies, at the least capacity.
     pub(crate) stiffness_a: N::Gain,
     /// cb: pressure rise in B over a tick at flow −1.
     pub(crate) stiffness_b: N::Gain,
     /// γ·ca and γ·cb as signals, for the diagonal of the implicit step.
     pub(crate) implicit: Flows<N>,
-    /// γ·ca and −γ·α·cb: force on the rod of the pressures' rise that a stage has ahead, per net oil of each chamber.
+    /// γ·ca and −γ·α·cb: force on the rod by the pressure rise of a stage, per net oil of each chamber.
     pub(crate) ahead: [N::Gain; 2],
     /// α = Ab/Aa. (5)
     pub(crate) ratio: N::Gain,
@@ -55,13 +55,13 @@ pub struct Chambers<N: Number, E = ChamberEffects<N>> {
 pub struct ChamberEffects<N: Number> {
     /// Internal leakage: flow per pressure difference, in the thinnest oil. 0 is neutral.
     pub(crate) leakage: N,
-    /// Whether leakage evens the pressures within a few ticks, so that its mean flow has to be the solved one.
+    /// Whether leakage equalises the pressures within a few ticks, so that its mean flow must be the solved one.
     pub(crate) leaks_fast: bool,
     /// Leakage to tank.
     pub(crate) external: Option<ExternalLeakage<N>>,
-    /// What makes the chambers softer than they are here.
+    /// Effects that make the chambers softer than these coefficients.
     pub(crate) capacity: Option<Capacity<N>>,
-    /// What keeps their pressures above a floor.
+    /// Cavitation, which keeps the pressures above a floor.
     pub(crate) cavitation: Option<Cavitation<N>>,
 }
 
@@ -74,7 +74,7 @@ pub(crate) struct ExternalLeakage<N> {
     pub(crate) tank: N,
 }
 
-/// What the net oil of each chamber does to the rod within a stage, as far as the chamber yields.
+/// Effect of each chamber's net oil on the rod within a stage, as far as the chamber yields.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pushing<N: Number> {
     /// Force on the rod per flow that would stay in A, and in B.
@@ -95,7 +95,7 @@ impl<N: Number, E> Chambers<N, E> {
 impl<N: Number> LinkEffects for ChamberEffects<N> {}
 
 impl<N: Number> ChamberEffects<N> {
-    /// In oil of this thinness.
+    /// The same effects in oil of this thinness.
     #[inline]
     fn thinned(self, thinness: N) -> Self {
         let external = self.external.map(|out| ExternalLeakage {
@@ -120,8 +120,8 @@ impl<N: Number> Chambers<N> {
     /// One tick with the mean flows (net of leakage), the mean velocity of that tick, and the position at its start in strokes. Exact:
     /// the volume balance (11), at the capacity of the tick's start.
     ///
-    /// `rest` is what rounding left of both pressures, for [`Number::accumulated`]: a flow that raises a pressure by less than
-    /// half a step a tick still fills the chamber. `voids` grow where oil would have to pull, with `cavitation`.
+    /// `rest` is the rounding remainder of both pressures, for [`Number::accumulated`]: with it, a flow that raises a pressure by less than
+    /// half a step of the format per tick still fills the chamber. `voids` grow where oil would have to pull, with `cavitation`.
     #[inline]
     pub fn step(
         &self,
@@ -142,7 +142,7 @@ impl<N: Number> Chambers<N> {
         }
     }
 
-    /// The same of chambers that may cavitate, with how they did.
+    /// The same for chambers that may cavitate; returns for each whether it emptied or filled in the tick.
     pub(crate) fn take(
         &self,
         cavitation: &Cavitation<N>,
@@ -226,7 +226,7 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
         Flows { a: flows.a - velocity, b: self.displaced_b(velocity) - flows.b }
     }
 
-    /// Mean flows of a tick at the ports, of which the rod did not make room for `beyond`: each chamber takes of that what it yields to.
+    /// Mean flows of a tick at the ports, corrected for the velocity `beyond` that a stop took from the rod: each chamber takes its yielding share.
     #[inline]
     pub(crate) fn stopped(&self, flows: Flows<N>, beyond: N, yielding: &Flows<N>) -> Flows<N> {
         let beyond_b = self.displaced_b(beyond);
@@ -239,7 +239,7 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
         ChamberState { a: N::dot([self.stiffness_a], [net.a]), b: N::dot([self.stiffness_b], [net.b]) }
     }
 
-    /// How a tick fills both chambers, in which a rod at this velocity makes room, with these flows into A and out of B beside the feed's.
+    /// How a tick fills both chambers while a rod at this velocity makes room; `beside` are flows into A and out of B in addition to the feed's.
     #[inline]
     pub(crate) fn filling(&self, velocity: N, beside: Flows<N>) -> Flows<Filling<N>> {
         Flows {
@@ -248,7 +248,7 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
         }
     }
 
-    /// What the oil does to the rod within a stage in chambers that yield so.
+    /// Effect of the oil on the rod within a stage, in chambers that yield this far.
     #[inline]
     pub(crate) fn pushing(&self, yielding: &Flows<N>) -> Pushing<N> {
         let [a, b] = self.ahead;
@@ -256,7 +256,7 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
         Pushing { force: [a, b], stiffness: N::of_gain(a) - self.displaced_b(N::of_gain(b)) }
     }
 
-    /// What is left of flows that stay in the chambers, as the rod moves at a velocity more.
+    /// Net flows that remain in the chambers when the rod moves faster by `velocity`.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn beside_rod(&self, net: Flows<N>, velocity: N) -> Flows<N> {
@@ -280,9 +280,9 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
         Flows { a: inner.a - a.times(pressures.a - tank), b: inner.b + b.times(pressures.b - tank) }
     }
 
-    /// Mean flow of a tick at one port: as solved, where it depends on the pressure and there is a solution; else that of its ends.
+    /// Mean flow of a tick at one port: the solved one, where it depends on the pressure and there is a solution; else the mean of start and end.
     ///
-    /// Of its ends, leakage leaves one chamber with the very word that enters the other, and no oil comes from rounding.
+    /// With the mean of start and end, leakage out of one chamber equals leakage into the other to the bit, and rounding creates no oil.
     #[inline]
     pub(crate) fn mean<V: Vocabulary>(&self, side: &Linearised<N>, from: N, to: N, solved: Option<N>) -> N {
         let of_its_ends = || (from + to).halved();

@@ -16,14 +16,14 @@ pub(crate) const PUMP_SPEED_REV_PER_S: f64 = 50.0;
 
 /// Largest gain that a choice of scales aims at.
 pub(crate) const GAIN_AIM: f64 = 3.9;
-/// What the mass on the oil spring may be smaller by, at most: see `sprung_mass`.
+/// Largest factor by which the mass on the oil spring may be smaller: see `sprung_mass`.
 pub(crate) const SPRUNG: f64 = 1.05;
 
 /// Scales in which all coefficients of a sensible drive fit.
 ///
 /// Pressures are scaled by the supply, so the velocity's scale decides: a larger one makes the pressure rise per tick
-/// larger, a smaller one the flow at full opening and the velocity gained per tick. The one preferred holds the largest
-/// flow and a velocity gain of 2; it gives way as far as the others need. What cannot be had is an oil spring so stiff
+/// larger, a smaller one the flow at full opening and the velocity gained per tick. The preferred scale holds the largest
+/// flow and a velocity gain of 2; it is changed as far as the others need. No scale fits an oil spring so stiff
 /// that (ω·tick)² exceeds about 15.
 pub(crate) fn bases(machine: &Machine<f64>, tick: Tick) -> Bases {
     let (tick_s, area_a, area_b) = (tick.seconds(), machine.get(P::AreaA), machine.get(P::AreaB));
@@ -61,7 +61,7 @@ pub(crate) fn inertia(machine: &Machine<f64>, tick_s: f64) -> f64 {
     machine.get(P::MovingMass) + GAMMA * tick_s * machine.get(P::ViscousFriction) * least_drag(machine)
 }
 
-/// Least viscous friction that the rod meets anywhere and at any time, of the one that the machine's values are for.
+/// Least viscous friction that the rod meets anywhere and at any time, as a share of the one that the machine's values are for.
 pub(crate) fn least_drag<R: Real>(machine: &Machine<R>) -> R {
     let (slope, bow) = (machine.get(P::PositionDragSlope), machine.get(P::PositionDragBow));
     let smaller = |one: R, other: R| if other.value() < one.value() { other } else { one };
@@ -71,10 +71,10 @@ pub(crate) fn least_drag<R: Real>(machine: &Machine<R>) -> R {
     thinnest(machine) * if least.value() > SLIPPERIEST { least } else { R::constant(SLIPPERIEST) }
 }
 
-/// Nowhere along its stroke has the rod less of its viscous friction than this share.
+/// Least share of its viscous friction that the rod has anywhere along its stroke.
 pub(crate) const SLIPPERIEST: f64 = 0.05;
 
-/// Least viscosity there can be, of the one that the machine's values are for.
+/// Least possible viscosity, as a share of the one that the machine's values are for.
 pub(crate) fn thinnest<R: Real>(machine: &Machine<R>) -> R {
     let loss = machine.get(P::ViscosityLoss);
     let warmed = if loss.value() > 0.0 { R::ONE - loss } else { R::ONE };
@@ -82,7 +82,7 @@ pub(crate) fn thinnest<R: Real>(machine: &Machine<R>) -> R {
     if thins { warmed * R::constant(THINNEST) } else { warmed }
 }
 
-/// That of the stiffer chamber. (7)
+/// Capacity of the stiffer chamber. (7)
 pub(crate) fn smaller_capacity(machine: &Machine<f64>) -> f64 {
     let capacity = |volume: P| machine.get(volume) / machine.get(P::BulkModulus) + machine.get(P::HoseCompliance);
     capacity(P::VolumeA).min(capacity(P::VolumeB))

@@ -10,8 +10,8 @@ use crate::mechanics::GAMMA;
 use crate::number::{Number, Real};
 use crate::ports::Flows;
 
-/// Share of a pressure difference that leakage evens within a tick, from where on it is solved for. Explicit, a share of 2 is
-/// unstable.
+/// Share of a pressure difference that leakage removes within a tick; from this share on, leakage is solved for. Explicitly computed, a share
+/// of 2 is unstable.
 const FAST_LEAKAGE: f64 = 0.5;
 
 impl<R: Real> Builder<'_, R> {
@@ -20,7 +20,7 @@ impl<R: Real> Builder<'_, R> {
         R::constant(self.tick_s * self.bases.flow_m3_per_s / self.bases.pressure_pa) / self.capacity(volume)
     }
 
-    /// That of the least capacity there is.
+    /// The same at the least possible capacity.
     pub(super) fn stiffest(&self, volume: P) -> R {
         if self.get(P::VolumeShare).is_nil() {
             self.stiffness(volume)
@@ -85,7 +85,7 @@ impl<R: Real> Builder<'_, R> {
         self.get(volume) / self.get(P::BulkModulus) + self.get(P::HoseCompliance)
     }
 
-    /// The oil's share of it.
+    /// The oil's share of the capacity.
     fn oil(&self, volume: P) -> R {
         self.get(volume) / self.get(P::BulkModulus) / self.capacity(volume)
     }

@@ -1,4 +1,4 @@
-//! Coefficients of the table without a name; `None` where it adds nothing.
+//! Coefficients of the correction table; `None` where it adds nothing.
 
 use super::Builder;
 use crate::correction_table::{ACROSS, Axis, NODES, Push, State, Table, Unnamed};

@@ -1,4 +1,4 @@
-//! Coefficients of the flow link's effects; `None` where the strength is nil.
+//! Coefficients of the flow link's effects; `None` where the amount is 0.
 
 use super::Builder;
 use crate::flow::effects::{EdgeEffects, EdgeSizes, GainCurve, ReturnLine, SLOPE_SCALE, ValveLeakage};
@@ -8,7 +8,7 @@ use crate::number::relaxation::fineness;
 use crate::number::{Number, Real};
 use crate::ports::Overlap;
 
-/// A-T, P-B and B-T by the two shares that each is larger by than P-A.
+/// A-T, P-B and B-T, each with the two shares by which it is larger than P-A.
 const OTHER_EDGES: [[P; 2]; 3] = [
     [P::MeteringRatio, P::MeteringDirections],
     [P::MeteringPorts, P::MeteringDirections],
@@ -51,7 +51,7 @@ impl<R: Real> Builder<'_, R> {
         Ok((differ || droop.is_some()).then_some(effects))
     }
 
-    /// What each edge is more than P-A: tank edges by one share, B's by another, those open while retracting by a third.
+    /// By how much each edge exceeds P-A: tank edges by one share, B's by another, those open while retracting by a third.
     fn edge_sizes<N: Number<Real = R>>(&self) -> Result<EdgeSizes<N>, MachineError> {
         let sized = |shares: [P; 2]| {
             let (excess, of) = self.edge_excess(shares);
@@ -67,7 +67,7 @@ impl<R: Real> Builder<'_, R> {
         (a + b + a * b, if b.value() > a.value() { second } else { first })
     }
 
-    /// An opening that the format holds: full travel, bent, on the largest edge, and the leakage.
+    /// Checks that the format holds the largest opening: full travel, bent, on the largest edge, and the leakage.
     fn check_largest_opening<N: Number<Real = R>>(&self) -> Result<(), MachineError> {
         let bent = self.get(P::FlowGainLinear) + self.get(P::FlowGainBeyond);
         let larger = |most: (R, P), edge: (R, P)| if edge.0.value() > most.0.value() { edge } else { most };
@@ -117,7 +117,7 @@ impl<R: Real> Builder<'_, R> {
         let time_constant = self.get(P::DroopTime);
         let share = R::ONE - self.decay(time_constant);
         let at_end = R::ONE - share * time_constant / R::constant(self.tick_s);
-        // For a slow supply that is a difference of two near 1: of its series then, h/2τ − (h/τ)²/6.
+        // For a slow supply this is a difference of two numbers near 1; then its series is used, h/2τ − (h/τ)²/6.
         let ticks = time_constant.value() / self.tick_s;
         let at_end = if ticks > 1e4 {
             let turn = R::constant(self.tick_s) / time_constant;

@@ -11,19 +11,19 @@ use crate::mechanics::position_load::{PositionLoad, Signed};
 use crate::mechanics::{GAMMA, MechanicalEffects, Mechanics, Resistance, Row};
 use crate::number::{Number, Real};
 
-/// Largest steep coefficient of the bristles and of a rod that meets a stop: what the format holds. Steeper ones are as steep as that.
+/// Largest steep coefficient of the bristles and of a rod that meets a stop, given by the format. Steeper ones are limited to it.
 const STEEPEST: f64 = 6e4;
-/// Velocity at which the bristles count as going one way by half.
+/// Velocity at which the direction counts half for the bristles.
 const AT_REST: f64 = 6.1e-5;
 /// Positions beyond this many strokes are out of a signal's range: no stop is there.
 const OUT_OF_REACH: f64 = 7.9;
 
 impl<R: Real> Builder<'_, R> {
-    /// The mass at which the step turns the oil spring as fast as the moving mass turns it in truth.
+    /// The mass with which the step gives the oil spring the frequency that the moving mass gives it in reality.
     ///
-    /// One step multiplies a mode by R(z) = eᶻ + (γ − γ² − 1/6)·z³ + …, so an oil spring of K on m, with θ² = h²·K/m, turns
-    /// slower by (γ − γ² − 1/6)·θ²; a mass smaller by twice that makes up for it. Of second order like the step itself, it
-    /// fades where there is no ringing to keep: under strong damping, D² ≫ K·m, and where the step resolves none, θ > 1.
+    /// One step multiplies a mode by R(z) = eᶻ + (γ − γ² − 1/6)·z³ + …, so an oil spring of K on m, with θ² = h²·K/m, oscillates
+    /// more slowly by (γ − γ² − 1/6)·θ²; a mass smaller by twice that compensates. The correction is of second order like the step itself and
+    /// fades where there is no oscillation to keep: under strong damping, D² ≫ K·m, and where the step resolves none, θ > 1.
     pub(super) fn sprung_mass(&self) -> R {
         self.get(P::MovingMass)
             / self.lightening(self.spring_of(P::AreaA, P::VolumeA) + self.spring_of(P::AreaB, P::VolumeB))
@@ -34,7 +34,7 @@ impl<R: Real> Builder<'_, R> {
         self.get(area) * self.get(area) / self.capacity(volume)
     }
 
-    /// The moving mass over the one at which the step turns this spring as fast.
+    /// The moving mass over the mass with which the step gives this spring the same frequency.
     fn lightening(&self, spring: R) -> R {
         let (mass, damping) = (self.get(P::MovingMass), self.get(P::ViscousFriction));
         let turn = R::constant(self.tick_s * self.tick_s) * spring / mass;
@@ -42,7 +42,7 @@ impl<R: Real> Builder<'_, R> {
         R::ONE + R::constant(2.0 * (GAMMA - GAMMA * GAMMA - 1.0 / 6.0)) * turn / fading
     }
 
-    /// What the mass gains where chambers cavitate.
+    /// By how much the mass grows where chambers cavitate.
     pub(super) fn unsprung<N: Number<Real = R>>(&self) -> Result<Unsprung<N>, MachineError> {
         let (a, b) = (self.spring_of(P::AreaA, P::VolumeA), self.spring_of(P::AreaB, P::VolumeB));
         let both = self.lightening(a + b);
@@ -52,7 +52,7 @@ impl<R: Real> Builder<'_, R> {
         Ok(Unsprung { a: gain(no_a)?, b: gain(no_b)?, together: gain(without(R::ONE) - no_a - no_b)? })
     }
 
-    /// h·D/m in the thinnest oil where it brakes least, with what the table of forces is damped by.
+    /// h·D/m in the thinnest oil at the place where it brakes least, plus the damping of the table of forces.
     fn damping(&self, mass: R) -> R {
         let damping = self.get(P::ViscousFriction) * least_drag(self.machine) + self.table_damping();
         damping * R::constant(self.tick_s) / mass
@@ -131,7 +131,7 @@ impl<R: Real> Builder<'_, R> {
         let alike = share(P::CoulombFriction) + share(P::StribeckForce) + share(P::PreslidingForce);
         let extending = alike + share(P::AsymmetricExtending);
         let retracting = alike + share(P::AsymmetricRetracting);
-        // The one that moves it most.
+        // The parameter that moves it most.
         let largest = [P::StribeckForce, P::PreslidingForce, P::AsymmetricExtending, P::AsymmetricRetracting]
             .into_iter()
             .fold(P::CoulombFriction, |most, of| if self.get(of).value() > self.get(most).value() { of } else { most });
@@ -241,7 +241,7 @@ impl<R: Real> Builder<'_, R> {
         })
     }
 
-    /// The load's stiffness where it holds the rod, N/m: solved for. One that throws it out is not.
+    /// The load's stiffness where it holds the rod, N/m: this is solved implicitly. A stiffness that pushes the rod away from mid-stroke is not.
     fn solved_stiffness(&self) -> R {
         let stiffness = self.get(P::LoadSpring);
         if stiffness.value() > 0.0 { stiffness } else { R::ZERO }
@@ -291,7 +291,7 @@ impl<R: Real> Builder<'_, R> {
 
     fn bristles<N: Number<Real = R>>(&self, mass: R) -> Result<Bristles<N>, MachineError> {
         let reference_n = self.largest_friction();
-        // Per stiffness: what a tick at velocity 1 bends, and what is solved on the mass.
+        // Per stiffness: the bend of a tick at velocity 1, and the part that is solved on the mass.
         let bend = self.tick_s * self.bases.velocity_m_per_s / reference_n;
         let weight = R::constant(GAMMA * self.tick_s) * self.weight(mass);
         let stiffest = STEEPEST / bend.max(weight.value());

@@ -84,7 +84,7 @@ impl<R: Real> Builder<'_, R> {
         }
     }
 
-    /// The oil spring where it is what leaves no scale that fits, else the error as it is.
+    /// An error about the oil spring, where the oil spring is why no scale fits; else the error as it is.
     ///
     /// `bases` lets the velocity gained per tick fit first, so that too fast an oil spring shows in the chambers' pressure rise.
     fn with_cause(&self, error: MachineError) -> MachineError {
@@ -162,7 +162,7 @@ impl<R: Real> Builder<'_, R> {
         })
     }
 
-    /// A delay in whole ticks of a line that is long enough, and the rest of it in ticks.
+    /// A delay in whole ticks, for which the line is long enough, and the remainder of the delay in ticks.
     fn delay(&self, of: P, line: usize) -> Result<(usize, R), MachineError> {
         let delay = self.get(of) / R::constant(self.tick_s);
         #[expect(
@@ -253,7 +253,7 @@ mod tests {
     use super::*;
     use crate::number::PerUnit;
 
-    /// A 63/40 × 300 mm cylinder that moves next to nothing, without friction.
+    /// A 63/40 × 300 mm cylinder that moves almost no mass, without friction.
     fn light() -> Machine<f64> {
         let mut machine = Machine::with_defaults(Source::Valve);
         for (parameter, value) in [
@@ -273,7 +273,7 @@ mod tests {
         Drive::<PerUnit>::new::<64>(machine, tick).err()
     }
 
-    /// A bent gain and large edges together may open further than the format holds, where neither does alone.
+    /// A nonlinear flow gain and large edges together may open further than the format holds, where neither does alone.
     #[test]
     fn an_opening_that_is_too_large_is_refused_by_what_makes_most_of_it() {
         let with = |linear: f64, ratio: f64| {

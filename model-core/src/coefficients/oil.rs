@@ -6,7 +6,7 @@ use crate::machine::{MachineError, Parameter as P};
 use crate::number::{Number, Real};
 use crate::oil::{SQUARINGS, THINNEST, Thinning, Viscosity, Warming};
 
-/// Least e-folds a tick at which an exponential is taken instead of its first terms.
+/// Least exponent per tick for which the exponential is computed, instead of the first terms of its series.
 const SLOW: f64 = 1e-4;
 
 impl<R: Real> Builder<'_, R> {

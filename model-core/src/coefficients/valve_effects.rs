@@ -1,4 +1,4 @@
-//! Coefficients of the valve link's effects; `None` where the strength is nil.
+//! Coefficients of the valve link's effects; `None` where the amount is 0.
 
 use super::Builder;
 use crate::machine::{MachineError, Parameter as P};
@@ -7,7 +7,7 @@ use crate::number::{Number, Real};
 use crate::valve::effects::{FlowForce, Hysteresis, NullDrift, SolenoidSaturation, Stiction, ValveEffects};
 
 impl<R: Real> Builder<'_, R> {
-    /// `share` is how much of a set value the lags let through in a tick.
+    /// `share` is the part of a set value that the lags let through in a tick.
     pub(super) fn valve_effects<N: Number<Real = R>>(&self, share: R) -> Result<ValveEffects<N>, MachineError> {
         Ok(ValveEffects {
             drift: self.unless_nil(P::NullDriftTravel, |travel| self.null_drift(travel))?,
@@ -27,7 +27,7 @@ impl<R: Real> Builder<'_, R> {
         })
     }
 
-    /// An effect where its strength, or a derivative by it, is there.
+    /// An effect, where its amount, or a derivative by the amount, is not 0.
     pub(super) fn unless_nil<T>(
         &self,
         strength: P,
@@ -73,7 +73,7 @@ impl<R: Real> Builder<'_, R> {
 
     fn flow_force<N: Number<Real = R>>(&self, closing: R, share: R) -> Result<FlowForce<N>, MachineError> {
         let closing = closing * R::constant(self.bases.pressure_pa);
-        // Rounding may leave slow lags a share just below none.
+        // Rounding may leave slow lags a share slightly below 0.
         let share = if share.value() < 0.0 { R::ZERO } else { share };
         let late = self.late_weight();
         let early = R::ONE - late;
@@ -88,7 +88,7 @@ impl<R: Real> Builder<'_, R> {
         })
     }
 
-    /// Weight of the end of a tick in what a lag makes of a straight line over it, (1 − (1 − e^−a)/a)/(1 − e^−a) with a = h/T, T the
+    /// Weight of a tick's end in a lag's response to a straight line over the tick, (1 − (1 − e^−a)/a)/(1 − e^−a) with a = h/T, T the
     /// slower lag: ½ for a slow one, 1 for none.
     fn late_weight(&self) -> R {
         let (t1, t2) = (self.get(P::TimeConstant1), self.get(P::TimeConstant2));
@@ -97,7 +97,7 @@ impl<R: Real> Builder<'_, R> {
         if slower.value() <= 0.0 {
             R::ONE
         } else if turn.value() < 1e-3 {
-            // A difference of two near 1: of its series then.
+            // A difference of two numbers near 1: then its series is used.
             R::constant(0.5) + turn / R::constant(12.0)
         } else {
             let share = R::ONE - self.decay(slower);

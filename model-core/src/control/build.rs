@@ -13,19 +13,19 @@ use crate::number::{Number, PerUnit};
 /// Why a machine and a tuning do not become a follower.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum FollowError {
-    /// Only a valve has an overlap and edges to be turned round.
+    /// Only a valve has an overlap, and edges whose flow can be inverted.
     #[error("the machine is driven by {found:?}, expected a valve")]
     Source {
-        /// What drives it.
+        /// The source that the machine has.
         found: Source,
     },
-    /// The machine is none.
+    /// The machine is not valid.
     #[error(transparent)]
     Machine(#[from] MachineError),
     /// A value of the tuning is out of its range.
     #[error("tuning: {name} = {value}, expected {least} to {most}")]
     Tuning {
-        /// Which, as the field is called.
+        /// The name of its field.
         name: &'static str,
         /// Its value, in its unit.
         value: f64,
@@ -90,7 +90,7 @@ impl Follower {
     }
 }
 
-/// What a first-order filter takes of a difference in a tick; all of it where it has no time constant.
+/// Share of a difference that a first-order filter takes in a tick; all of it where the filter has no time constant.
 fn share(tick_s: f64, time_constant_s: f64) -> f64 {
     if time_constant_s > 0.0 { 1.0 - libm::exp(-tick_s / time_constant_s) } else { 1.0 }
 }

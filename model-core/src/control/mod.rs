@@ -1,4 +1,4 @@
-//! Model-following control: the model is driven along the set point, and the machine is held to the model.
+//! Model-following control: the model follows the set point, and the machine is made to follow the model.
 //!
 //! Two loops (S. Skoczowski, S. Domek, K. Pietrusewicz: *Model-following control with two PID controllers*; the paper's
 //! introduction names the method for changing loads). The *model loop* closes around the reference model, which has neither
@@ -14,12 +14,12 @@
 //!                x = X(w) + g·(X(w of the model's spool) − x_measured)
 //! ```
 //!
-//! X steps over the valve's overlap (`overlap`), the opening knows area ratio and √Δp (`orifice`). ΔF is the difference of the
-//! oil's force F = pa − α·pb between machine and model where both pressures are measured: slow, it is load or friction that the model lacks, and
-//! both openings are taken for it at once, before it has become a difference of position; fast, it is the oil spring, to be damped.
+//! X steps over the valve's overlap (`overlap`); the opening takes area ratio and √Δp into account (`orifice`). ΔF is the difference of the
+//! oil's force F = pa − α·pb between machine and model, where both pressures are measured. Its slow part is load or friction that the model lacks:
+//! both openings are computed for it at once, before it causes a difference of position. Its fast part is the oil spring, which is damped.
 //!
-//! Everything is per unit in fixed point, of fixed cost; no input of any size overflows or panics. Both commands keep to the
-//! slew and the limit; the integral stands still while the output is held there against the sign of the difference.
+//! Everything is per unit in fixed point, at a fixed cost; no input of any size causes an overflow or a panic. Both commands keep to the
+//! slew and the limit; the integral stands still while a limit holds the output back and the difference pushes further in that direction.
 //!
 //! ```
 //! use model_core::control::{Follower, Observed, Predicted, SetPoint, Tuning};
@@ -80,7 +80,7 @@ pub struct SetPoint {
     pub velocity: PerUnit,
 }
 
-/// What the model says the machine does now, per unit.
+/// The model's prediction of the machine's present state, per unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Predicted {
     /// Spool position; 1 is full travel, positive extends.
@@ -95,7 +95,7 @@ pub struct Predicted {
     pub position: PerUnit,
 }
 
-/// What the machine's sensors say now, per unit; the process loop does with what there is.
+/// What the machine's sensors measure now, per unit; the process loop uses whatever is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observed {
     /// Of the stroke.
@@ -130,7 +130,7 @@ pub struct Follower {
     model_gain: U16F16,
     process_gain: U16F16,
     integral_gain: U16F16,
-    /// Half of what the position's sensor cannot tell apart.
+    /// Half of the position sensor's resolution.
     unseen: PerUnit,
     load_share: I4F28,
     damping: U16F16,
@@ -141,7 +141,7 @@ pub struct Follower {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FollowState {
-    /// The set point's velocity, later by the lead's filter.
+    /// The set point's velocity, delayed by the lead's filter.
     velocity: PerUnit,
     /// Last command to the model.
     model_command: PerUnit,
@@ -151,18 +151,18 @@ pub struct FollowState {
     integral: PerUnit,
     /// Slow part of the oil's force on the model.
     model_force: PerUnit,
-    /// Slow part of what the oil's force on the machine is more than on the model.
+    /// Slow part of the difference of the oil's force, machine less model.
     load: PerUnit,
 }
 
 impl FollowState {
-    /// The process loop's integral, of the velocity base: what the machine must be asked for beyond the model.
+    /// The process loop's integral, of the velocity base: the velocity that the machine needs in addition to the model's command.
     #[must_use]
     pub fn integral(&self) -> PerUnit {
         self.integral
     }
 
-    /// What the oil's force on the machine is more than on the model, per unit of force, without its fast part.
+    /// Difference of the oil's force, machine less model, per unit of force, without its fast part.
     #[must_use]
     pub fn load(&self) -> PerUnit {
         self.load
@@ -172,7 +172,7 @@ impl FollowState {
 impl Follower {
     /// At rest with the spool in the middle of its overlap: the first commands are the neutral one, wherever the rod is.
     ///
-    /// `model` is at rest where the machine is; what the machine bears beyond it is taken for load from the start.
+    /// `model` is at rest at the machine's position; the difference of the oil's force on the two counts as load from the start.
     #[must_use]
     pub fn at_rest(&self, model: &Predicted, seen: &Observed) -> FollowState {
         let model_force = self.orifice.force(pressures(model));
@@ -211,8 +211,8 @@ impl Follower {
         state.model_command
     }
 
-    /// Process loop: the command, in 10 V, for the machine; `model_command` is what the model gets in this tick, `model` and
-    /// `seen` are before it acts.
+    /// Process loop: the command, in 10 V, for the machine; `model_command` is the model's command in this tick, `model` and
+    /// `seen` are the states before it acts.
     #[inline]
     pub fn command(
         &self,
@@ -246,7 +246,7 @@ impl Follower {
         };
         let wanted = self.unlimited(hastened);
         state.command = self.limited(state.command, wanted);
-        // What a limit holds back is not integrated any further.
+        // No integration while a limit is active and the difference pushes further in that direction.
         let pushes_on =
             |beyond: PerUnit| beyond != PerUnit::ZERO && (beyond > PerUnit::ZERO) == (apart > PerUnit::ZERO);
         if !pushes_on(wanted - state.command) && !pushes_on(asked - velocity) {
@@ -256,7 +256,7 @@ impl Follower {
         state.command
     }
 
-    /// A coordinate of the model's, with what the machine needs otherwise: the same flow under its own load, and the correction.
+    /// A coordinate of the model, changed for the machine: the same flow under the machine's load, plus the correction.
     #[inline]
     fn corrected(&self, w: PerUnit, correction: &Correction) -> PerUnit {
         let opening = self.overlap.opening(w);
@@ -289,9 +289,9 @@ impl Follower {
 #[derive(Clone, Copy, Debug)]
 struct Correction {
     velocity: PerUnit,
-    /// Force of the oil that the model's opening was found for.
+    /// Force of the oil for which the model's opening was computed.
     assumed: PerUnit,
-    /// Force that is there.
+    /// Force of the oil that acts on the machine.
     found: PerUnit,
 }
 

@@ -1,21 +1,21 @@
-//! The opening that a velocity takes under a load: the steady flow through both edges, turned round.
+//! The opening that a velocity needs under a load: the inverse of the steady flow through both edges.
 //!
-//! With both edges of a way open alike and the flows of the piston, Qb = α·Qa, both pressure drops follow from the one over the
-//! edge of A, d, and the force of the oil from d. So
+//! With both edges of a direction equally open and the flows of the piston, Qb = α·Qa, both pressure drops follow from d, the drop over the
+//! edge of A, and so does the force of the oil. So
 //!
 //! ```text
 //! extending    d = (ps − α·pt − φ)/(1 + α³)       retracting    d = (φ + α·ps − pt)/(1 + α³)
 //! opening = v/(K·√d)                              φ = pa − α·pb
 //! ```
 //!
-//! per unit. Effects that make the edges differ are left to the loops' gains.
+//! per unit. Effects that make the edges differ are not included; the loops' gains have to correct them.
 
 use fixed::types::{I4F28, U16F16};
 
 use crate::number::{Number, PerUnit};
 use crate::ports::ChamberState;
 
-/// Coefficients of the edges, turned round.
+/// Coefficients of the inverse of the edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Orifice {
     /// α
@@ -28,11 +28,11 @@ pub(super) struct Orifice {
     pub(super) retracting: PerUnit,
     /// 1/K
     pub(super) inverse_gain: U16F16,
-    /// Where the root becomes linear.
+    /// Pressure drop below which the root becomes linear.
     pub(super) transition: PerUnit,
 }
 
-/// √d and 1/√d of one way of the spool.
+/// √d and 1/√d for one direction of the spool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Drop {
     pub(super) root: PerUnit,
@@ -40,7 +40,7 @@ pub(super) struct Drop {
 }
 
 impl Orifice {
-    /// Less than this share of the supply's pressure is never counted on: the opening would be without bound.
+    /// Least pressure drop to compute with, as a share of the supply pressure: with less the opening would be unbounded.
     const LEAST: PerUnit = PerUnit::from_bits(1 << 23);
 
     /// φ, the force of the oil per unit.
@@ -49,7 +49,7 @@ impl Orifice {
         pressures.a - PerUnit::dot([self.ratio], [pressures.b])
     }
 
-    /// What drops over the edges of the way that extends, or of the one that retracts.
+    /// Pressure drop over the edges that extend, or over those that retract.
     #[inline]
     pub(super) fn drop(&self, extends: bool, force: PerUnit) -> Drop {
         let both = if extends { self.extending - force } else { self.retracting + force };

@@ -1,7 +1,7 @@
 //! The valve's overlap and how a loop steps over it.
 //!
-//! A loop speaks of the spool in a coordinate w in which the overlap is only `kept` wide. The map to the spool is monotone,
-//! piecewise linear, and is undone exactly but for rounding:
+//! A loop uses a coordinate w for the spool, in which the overlap is only `kept` wide. The map to the spool is monotone and
+//! piecewise linear, and its inverse is exact except for rounding:
 //!
 //! ```text
 //! x = w·overlap/kept            |w| ≤ kept      the overlap, crossed fast
@@ -9,8 +9,8 @@
 //! ```
 //!
 //! So the spool jumps over nearly all of its overlap, as in I. Lee, D. Oh, S. Ji, S. Yun: *Control of an overlap-type proportional
-//! directional control valve using input shaping filter*, Mechatronics 29 (2015), and what is kept lets small corrections of
-//! either sign pass none at all instead of chattering from edge to edge.
+//! directional control valve using input shaping filter*, Mechatronics 29 (2015), and within the kept part small corrections of
+//! either sign pass no oil at all, instead of chattering from edge to edge.
 
 use fixed::types::U16F16;
 
@@ -48,7 +48,7 @@ impl Overlap {
         w - w.limited(self.kept)
     }
 
-    /// Coordinate of an opening: what is kept of the overlap is crossed while the opening grows by as much.
+    /// Coordinate of an opening: the kept part of the overlap is crossed while the opening grows by the same amount.
     #[inline]
     pub(super) fn opened(&self, opening: PerUnit) -> PerUnit {
         opening + opening.limited(self.kept)

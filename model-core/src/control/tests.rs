@@ -145,7 +145,7 @@ fn what_the_sensor_cannot_tell_corrects_nothing() {
     assert!(volts(command - follower.neutral()) > 0.1);
 }
 
-/// The model on its own, sent far at once: by how much it overshoots, and how far it is off at most in the last second, m.
+/// The model on its own, commanded far in one step: its overshoot, and its largest error in the last second, m.
 fn jump(tuning: &Tuning) -> (f64, f64) {
     let follower = Follower::new(&press(), tuning, Tick::OneMillisecond).unwrap();
     let drive = Drive::<PerUnit>::new::<64>(&press(), Tick::OneMillisecond).unwrap();

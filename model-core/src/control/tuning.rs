@@ -1,4 +1,4 @@
-//! What an engineer states of the controller, in SI units; and a rule that finds it from the machine.
+//! The controller's parameters as an engineer states them, in SI units, and a rule that computes them from the machine.
 #![expect(clippy::float_arithmetic, reason = "a tuning is found once, before a run, in real arithmetic")]
 
 use crate::machine::{Machine, Parameter as P};
@@ -10,16 +10,16 @@ pub struct Tuning {
     pub command_limit_v: f64,
     /// Fastest change of the command, V/s.
     pub slew_v_per_s: f64,
-    /// Fastest that either loop asks of the rod, m/s.
+    /// Largest velocity that either loop demands of the rod, m/s.
     pub velocity_limit_m_per_s: f64,
-    /// Spool travel to either side, in the loops' own coordinate, that is left of the valve's overlap: within it a correction
-    /// moves the spool and passes no oil. It covers what is not known of the overlap; below that the valve chatters.
+    /// Spool travel to either side that remains of the valve's overlap in the loops' own coordinate: within it a correction
+    /// moves the spool and passes no oil. It covers the uncertainty of the overlap; with a smaller value the valve chatters.
     pub kept_overlap: f64,
-    /// How far ahead in time the model loop drives the valve: what is left of its lags and delay as `spool_gain` hastens it, s.
+    /// How far ahead in time the model loop drives the valve: the valve's lags and delay that remain with `spool_gain`, s.
     pub lead_s: f64,
-    /// Time over which the set point's acceleration is taken for that, s.
+    /// Time over which the set point's acceleration is filtered for this lead, s.
     pub lead_filter_s: f64,
-    /// What a spool's distance from its target is answered with, 1: it hastens the spool over its overlap.
+    /// Gain on the spool's distance from its target, 1: it makes the spool cross its overlap faster.
     pub spool_gain: f64,
     /// Model loop, velocity per distance between set point and model, 1/s.
     pub model_gain_per_s: f64,
@@ -27,39 +27,39 @@ pub struct Tuning {
     pub process_gain_per_s: f64,
     /// Process loop, velocity gained per distance and time, 1/s².
     pub process_integral_per_s2: f64,
-    /// What the position's sensor cannot tell apart, m: half of it to either side is no difference between model and machine.
+    /// Resolution of the position's sensor, m: within half of it to either side, a difference between model and machine is ignored.
     pub position_resolution_m: f64,
-    /// Time over which the difference of the load between model and machine is taken for real, s.
+    /// Filter time of the difference of load between model and machine: only slower differences count as load, s.
     pub load_filter_s: f64,
-    /// Velocity that opposes what of the oil's force changes faster, m/s per N: it damps an oil spring. In the model loop the model's
-    /// force counts, in the process loop the machine's less the model's.
+    /// Velocity against the faster changes of the oil's force, m/s per N: it damps an oil spring. The model loop uses the model's
+    /// force, the process loop the machine's less the model's.
     pub pressure_damping_m_per_s_n: f64,
 }
 
-/// A tick of 1 ms: what a controller adds to any delay.
+/// A tick of 1 ms: the delay that a controller adds to any other.
 const CONTROLLER_DELAY_S: f64 = 1e-3;
-/// Below this an effective lag is the controller's own, s.
+/// Least effective lag, s; a shorter one would be the controller's own.
 const LEAST_LAG_S: f64 = 4e-3;
-/// Damping that an oil spring is given.
+/// Damping ratio that the controller gives to an oil spring.
 const DAMPED: f64 = 0.4;
-/// A spring that turns further than this within the valve's lag is not damped by the valve, rad: it would rather stiffen it.
+/// If a spring's phase advances by more than this within the valve's lag, rad, the valve does not damp it: it would rather stiffen it.
 const WITHIN_REACH: f64 = 0.8;
-/// Turns of the spring, rad, over which the load's difference is taken for real.
+/// Phase of the spring, rad, that the filter time of the load's difference covers.
 const LOAD_TURN: f64 = 6.0;
-/// With more than this a loop that has to turn over the overlap at full command swings on.
+/// With a larger gain, a loop that has to reverse over the overlap at full command keeps oscillating.
 const LARGEST_SPOOL_GAIN: f64 = 1.0;
 
 impl Tuning {
-    /// A tuning by rule, from the machine's lags; `spool_is_measured` tells whether the process loop has the spool.
+    /// A tuning by rule, from the machine's lags; `spool_is_measured` says whether the process loop has the spool.
     ///
-    /// With T the valve's lags and τ its delay (with the controller's), the spool is hastened by g = T/3τ, at most 1: to slow signals
-    /// it is then late by (T + τ)/(1 + g), which is the lead. A loop around it sees τ + T/(1 + g), and where it turns the time that
-    /// the valve's rate limit takes over the overlap; the one around the machine what its position's sensor is late by as well. Two thirds of that sum's inverse is the gain of a loop around an integrator
-    /// (damped by 0.6), and ten times its inverse the time in which the integral removes what is left.
+    /// With T the valve's lags and τ its delay (including the controller's), the spool's gain is g = T/3τ, at most 1. For slow signals
+    /// the spool is then late by (T + τ)/(1 + g), which is the lead. The effective lag of a loop is τ + T/(1 + g), plus the time in which
+    /// the rate limit lets the spool cross its overlap on reversing; for the loop around the machine, plus its position sensor's lag. Two thirds
+    /// of its inverse is the gain of a loop around an integrator (damping 0.6); in ten times this lag the integral removes what is left.
     ///
-    /// An oil spring of frequency ω and damping ζ = D/(2·√(c·m)) that the valve can follow is damped by the pressures to 0.4, as
-    /// dF/dt = c·(v* − k·F − v) gives it k·√(c·m)/2. No gain is above ζ·ω, half of what swings. The position's resolution stays 0:
-    /// the sensor is not the machine's.
+    /// An oil spring of frequency ω and damping ζ = D/(2·√(c·m)) that the valve can follow is damped to 0.4 by the pressures, since
+    /// dF/dt = c·(v* − k·F − v) adds a damping of k·√(c·m)/2. No gain is above ζ·ω, half of the gain that oscillates. The position's
+    /// resolution stays 0: the sensor is not part of the machine.
     #[must_use]
     pub fn by_rule(machine: &Machine<f64>, spool_is_measured: bool) -> Self {
         let lags_s = machine.get(P::TimeConstant1) + machine.get(P::TimeConstant2);

@@ -17,7 +17,7 @@ pub(crate) trait Feed<N: Number> {
     /// Flows at the end of a tick that started with these roots.
     fn end<V: Vocabulary>(&self, pressures: ChamberState<N>, supply: N, started: Option<Flows<Root<N>>>) -> Flows<N>;
 
-    /// The supply at the end of a tick that ends at these pressures, of which `drawn` was drawn at its start, in so many rounds; it stays
+    /// The supply at the end of a tick that ends at these pressures; `drawn` is the flow at its start; in this many rounds. It stays constant
     /// where nothing feeds from it.
     fn supplied<V: Vocabulary, const ROUNDS: usize>(
         &self,
@@ -32,7 +32,7 @@ pub(crate) trait Feed<N: Number> {
 pub(crate) struct Metered<'a, N: Number, E = Option<EdgeEffects<N>>> {
     edges: &'a Edges<N, E>,
     spool: Spool<N>,
-    /// At the end of the tick.
+    /// Openings at the end of the tick.
     opened: Opened<N>,
 }
 

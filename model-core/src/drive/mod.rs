@@ -41,15 +41,15 @@ pub struct Drive<N: Number> {
     pub(crate) source: OilSource<N>,
     pub(crate) chambers: Chambers<N>,
     pub(crate) mechanics: Mechanics<N>,
-    /// The mechanics under a given force: without the oil spring, whose turning the others' mass is matched to.
+    /// The mechanics under a given force: without the oil spring, to whose frequency the mass of the other mechanics is matched.
     pub(crate) unsprung: Mechanics<N>,
     pub(crate) weights: StageWeights<N>,
     pub(crate) sensors: Sensors<N>,
-    /// Of the oil, where it changes.
+    /// Viscosity of the oil, where it changes.
     pub(crate) viscosity: Option<Viscosity<N>>,
-    /// Flow or spool travel without a name; a force stands in the mechanics.
+    /// Correction table of a flow or a spool travel; one of a force is in the mechanics.
     pub(crate) unnamed: Option<Unnamed<N>>,
-    /// Whether it is a valve-controlled drive without any effect, and without viscous friction that is too hard for its step.
+    /// Whether it is a valve-controlled drive without any effect, and without viscous friction that is too strong for its step.
     pub(crate) plain: bool,
     pub(crate) bases: Bases,
 }
@@ -82,7 +82,7 @@ impl<N: Number> Drive<N> {
         &self.mechanics
     }
 
-    /// The flow link at a point: flows into A and out of B without leakage, from a supply of which nothing was drawn.
+    /// The flow link at a point: flows into A and out of B without leakage, from an unloaded supply.
     #[must_use]
     pub fn flows(&self, spool: N, pump: PumpDrive<N>, pressures: ChamberState<N>) -> Flows<N> {
         self.flows_from(self.unloaded().pressure, spool, pump, pressures)
@@ -100,7 +100,7 @@ impl<N: Number> Drive<N> {
         }
     }
 
-    /// The supply of which nothing was drawn for long.
+    /// The supply after a long time without any flow drawn.
     fn unloaded(&self) -> SupplyState<N> {
         match &self.source {
             OilSource::Valve(_, edges) => SupplyState::at_rest(edges.lines.supply),
@@ -124,7 +124,7 @@ impl<N: Number> Drive<N> {
         DriveState { oil_temperature: self.reference_temperature(), ..state }
     }
 
-    /// The spool that the edges see: the valve's own, with the travel of an unnamed table.
+    /// The spool that the edges see: the valve's own, plus the travel of a correction table.
     #[must_use]
     #[inline]
     pub fn spool<const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> N {
@@ -135,14 +135,14 @@ impl<N: Number> Drive<N> {
         }
     }
 
-    /// What the sensors read. The spool is the valve's own; a drive that is entered at a measured spool has it from there.
+    /// Readings of the sensors. The spool is the valve's own; where a measured spool drives the model, the caller has it from the measurement.
     #[must_use]
     #[inline]
     pub fn sensed<const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> Sensed<N> {
         self.sensors.read(&state.sensed, self.spool(state), state.chambers, &state.motion)
     }
 
-    /// One tick. Fixed cost; no input of any size overflows or panics.
+    /// One tick. Fixed cost; no input of any size causes an overflow or a panic.
     ///
     /// ```
     /// # use model_core::ports::ChamberState;
@@ -194,8 +194,8 @@ impl<N: Number> Drive<N> {
         self.step_links((&self.chambers, &self.mechanics), state, drive_input, load)
     }
 
-    /// One tick of a drive that may have any effect, with these chambers and this mass for its own. Out of line, so that it takes no registers
-    /// from the one without.
+    /// One tick of a drive that may have any effect, with these chambers and this mass instead of its own. Out of line, so that it takes no registers
+    /// from the step without effects.
     #[inline(never)]
     pub(crate) fn step_links<const DELAY: usize>(
         &self,
@@ -269,7 +269,7 @@ impl<N: Number> Drive<N> {
         valve.step_with::<AnyEffect, DELAY>(&mut state.valve, command, across)
     }
 
-    /// The spool over a tick with the travel of an unnamed table.
+    /// The spool over a tick, plus the travel of a correction table.
     #[inline]
     fn shifted<const DELAY: usize>(&self, state: &DriveState<N, DELAY>, spool: Spool<N>) -> Spool<N> {
         let Some(Unnamed::Travel(table)) = &self.unnamed else { return spool };
@@ -294,7 +294,7 @@ impl<N: Number> Drive<N> {
         Interfaces { spool: None, flows: Flows { a: N::ZERO, b: N::ZERO }, forces, velocity, position }
     }
 
-    /// Temperature that the machine's values are for, where the viscosity goes by it.
+    /// Temperature that the machine's values are for, where the viscosity depends on temperature.
     fn reference_temperature(&self) -> N {
         self.viscosity.and_then(|viscosity| viscosity.thinning).map_or(N::ZERO, |thinning| thinning.reference)
     }

@@ -31,9 +31,9 @@ pub struct PaperDrive<N: Number> {
 }
 
 impl<N: Number> Drive<N> {
-    /// The drive as one of the paper's model; `None` where it has a pump, an effect that a step asks for, or so much viscous friction that
+    /// The drive as one of the paper's model; `None` where it has a pump, an effect that a step computes, or so much viscous friction that
     /// full force moves it at a quarter of [`Bases::velocity_m_per_s`] at most. Hose compliance, unequal dead zones, the laminar transition
-    /// and sensors' gain and offset are coefficients only, and stay with it.
+    /// and sensors' gain and offset only change coefficients, and are kept.
     #[must_use]
     pub fn without_effects(&self) -> Option<PaperDrive<N>> {
         let OilSource::Valve(valve, edges) = &self.source else { return None };

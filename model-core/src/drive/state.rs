@@ -1,4 +1,4 @@
-//! State of a drive, what enters it in a tick, and what its links handed to each other.
+//! State of a drive, its inputs in a tick, and the values that its links handed to each other.
 
 use crate::chambers::cavitation::Voids;
 use crate::flow::{PumpDrive, SupplyState};
@@ -22,32 +22,32 @@ pub struct DriveState<N: Number, const DELAY: usize = 64> {
     pub valve: ValveState<N, DELAY>,
     /// Chamber pressures.
     pub chambers: ChamberState<N>,
-    /// What rounding left of the chamber pressures, below their step.
+    /// Rounding remainder of the chamber pressures, below their step.
     pub rest: ChamberState<N>,
-    /// What of both chambers is void, with `cavitation`.
+    /// Voids of both chambers, with `cavitation`.
     pub voids: Voids<N>,
     /// Velocity and position.
     pub motion: MotionState<N>,
-    /// Supply pressure; constant but for `supply-droop`.
+    /// Supply pressure; constant without `supply-droop`.
     pub supply: SupplyState<N>,
-    /// What the position's sensor has seen.
+    /// State of the sensors.
     pub sensed: SensedState<N, DELAY>,
     /// How much of the oil's warming is done, 0..1.
     pub warmth: N::Travel,
-    /// Temperature of the oil, per unit of [`Bases::temperature_c`](crate::machine::Bases::temperature_c): an input, for whoever measures it to set before a tick. It stays at
-    /// the machine's reference temperature where nobody does (0 where the viscosity does not go by it).
+    /// Temperature of the oil, per unit of [`Bases::temperature_c`](crate::machine::Bases::temperature_c): an input. If it is measured, set it
+    /// before a tick; else it stays at the machine's reference temperature (0 where the viscosity does not depend on it).
     pub oil_temperature: N,
 }
 
-/// Where the chain is entered in a tick, and with what.
+/// What drives the model in a tick: the input point and the values there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DriveInput<N> {
     /// Command, in 10 V, held over the tick.
     Command(N),
     /// Measured spool; the valve link is left out.
     Spool(Spool<N>),
-    /// Both: the valve runs beside, and the measured spool meters the oil. The valve's
-    /// error reaches nothing below it, and what is below reaches the valve by its flow force only.
+    /// Both: the command moves the valve link, and the measured spool meters the oil. An error of
+    /// the valve link reaches no other link, and the other links act on the valve only by its flow force.
     Followed {
         /// Command, in 10 V, held over the tick.
         command: N,
@@ -86,10 +86,10 @@ impl<N: Number> Load<N> {
     pub const NONE: Self = Self { from: N::ZERO, to: N::ZERO };
 }
 
-/// What the links handed to each other during a tick.
+/// Values that the links handed to each other during a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Hash)]
 pub struct Interfaces<N> {
-    /// Spool, where the tick entered above it.
+    /// Spool, where the drive input is the spool or lies above it.
     pub spool: Option<Spool<N>>,
     /// Mean net flows of the tick, leakage included.
     pub flows: Flows<N>,
@@ -124,7 +124,7 @@ impl<N: Number, const DELAY: usize> DriveState<N, DELAY> {
 }
 
 impl<N: Number> States<N> {
-    /// Those of a drive with the spool here.
+    /// The states of a drive with the spool at this position.
     #[inline]
     pub(crate) fn of<const DELAY: usize>(state: &DriveState<N, DELAY>, spool: N) -> Self {
         Self {

@@ -10,27 +10,27 @@
 //! zₙ₊₁ = zₙ + 3/2·k1 + 1/2·k2
 //! ```
 //!
-//! It is computed in j = (3/2 − γ)·k1 + 1/2·k2 for k2, which is the smaller the less a tick bends and needs no second look at what is
-//! linear. With f the flow that fills a chamber, or the force on the rod, and as γ² = 2γ − 1/2,
+//! k2 is computed through j = (3/2 − γ)·k1 + 1/2·k2. j is smaller the less the solution curves within a tick, and linear terms need not be
+//! evaluated again. With f the flow that fills a chamber, or the force on the rod, and as γ² = 2γ − 1/2,
 //!
 //! ```text
 //! (1 − γhJ)·j = (3/2 − γ)·h·f(tₙ, zₙ) + 1/2·h·f(tₙ₊₁, zₙ + k1) − k1
 //! zₙ₊₁ = zₙ + γ·k1 + j
 //! ```
 //!
-//! of which a chamber's share is (2 − γ)·n + 1/2·(change of its flow) − yielding·n − γ·jv, with n the flow that it started to be filled
-//! with and yielding·n what of it stays, and the rod's
+//! A chamber's share of this is (2 − γ)·n + 1/2·(change of its flow) − yielding·n − γ·jv, with n the flow that filled the chamber at the
+//! start of the tick and yielding·n the part of n that stays. The rod's share is
 //! jv = mobility·(γ·(force of j) + 1/2·(change of the other forces)) + (1 − γ)/(1 + γ·h·D/m)·v1.
 //!
-//! For an orifice J takes the slope of the chord to Δp = 0, never the flatter tangent: with the tangent a stiff chamber that
+//! For an orifice, J takes the slope of the chord to Δp = 0, never the flatter tangent: with the tangent, a stiff chamber that
 //! empties through its orifice overshoots within a stage to where the root is steep, and the two stages can cancel far from the true
 //! steady state.
 //!
-//! The velocity couples to both pressures and each pressure to the velocity only, so the system is eliminated to one
-//! equation for the velocity by hand. The method keeps its second order with any approximate Jacobian J.
+//! The velocity couples to both pressures, and each pressure only to the velocity, so the system is reduced by hand to one
+//! equation for the velocity. The method keeps its second order with any approximate Jacobian J.
 //!
-//! Both stages are written so that the links do the last step themselves: the solution yields each tick's mean flows and
-//! stage forces, from which [`Chambers`] and [`Mechanics`] alone reproduce the chain bit for bit.
+//! Both stages are written so that the links do the last part of the step themselves: the solution gives each tick's mean flows and
+//! stage forces, from which [`Chambers`] and [`Mechanics`] alone reproduce the whole model bit for bit.
 
 use crate::chambers::{ChamberEffects, Chambers};
 use crate::correction_table::Unnamed;
@@ -47,9 +47,9 @@ use crate::ports::{ChamberState, Flows, Forces, States, Surroundings};
 /// Weights of a chamber's second stage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct StageWeights<N: Number> {
-    /// 1 − γ, of the flow that the first stage started to fill the chamber with.
+    /// 1 − γ: weight of the flow that started to fill the chamber in the first stage.
     pub(crate) rest: N::Gain,
-    /// ½, of what that flow changes by.
+    /// ½: weight of the change of that flow.
     pub(crate) half: N::Gain,
 }
 
@@ -97,7 +97,7 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Lin
         let pushing = chambers.pushing(&yielding);
         let spring = equation.on_spring(contact, pushing.stiffness);
 
-        // First stage. What flows into a chamber while the rod gains nothing, then what is left to it as it does.
+        // First stage. First the flow into a chamber while the rod gains no velocity, then the flow that is left when it does.
         let inflow1 = Flows { a: flows.a.flow + beside.a, b: flows.b.flow + beside.b };
         let net = Flows { a: inflow1.a - velocity, b: chambers.displaced_b(velocity) - inflow1.b };
         let stage = equation.first_stage(contact, velocity);
@@ -115,7 +115,7 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Lin
         let supply2 = feed.supplied::<V, ROUNDS_OF_STAGE>(pressures2, state.supply, drawn);
         let inflow2 = with(chambers.inflow::<V>(feed.end::<V>(pressures2, supply2.pressure, roots), pressures2));
         let StageWeights { rest, half } = self.weights;
-        // In this order no sum leaves the format before the others do.
+        // In this order no partial sum leaves the format before the other sums do.
         let left = |net: N, more: N, stays: N| N::dot([rest, half], [net, more]) + (net - stays);
         let net =
             Flows { a: left(net.a, inflow2.a - inflow1.a, net1.a), b: left(net.b, inflow1.b - inflow2.b, net1.b) };
@@ -134,8 +134,8 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Lin
         let mean = moved.solved;
         let kept =
             Flows { a: net1.a.small_part(mechanics.gamma) + net2.a, b: net1.b.small_part(mechanics.gamma) + net2.b };
-        // A flow that no pressure moves has the mean of its ends. Taken so, a closed valve passes exactly nothing: the solved
-        // flow's rounding would pump the closed chambers up within hours.
+        // A flow that does not depend on the pressure has the mean of start and end. So a closed valve passes exactly nothing: rounding of
+        // the solved flow would pump the closed chambers up within hours.
         let solved = |flow: N| if moved.held { None } else { Some(flow) };
         let flows = Flows {
             a: chambers.mean::<V>(&flows.a, inflow1.a, inflow2.a, solved(kept.a + mean)),
@@ -163,7 +163,7 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Lin
         V::on(self.viscosity).map(|viscosity| viscosity.oil(state.warmth, state.oil_temperature))
     }
 
-    /// What friction depends on beside the motion.
+    /// What friction depends on, in addition to the motion.
     #[inline]
     pub(crate) fn surroundings<V: Vocabulary, const DELAY: usize>(
         &self,

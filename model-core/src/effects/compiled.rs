@@ -1,6 +1,6 @@
-//! Which effects a step is compiled for: the equations stand once, and a drive without effects does not pay for asking after each.
+//! Which effects a step is compiled for: the equations are written once, and a drive without effects spends no time on checks for each of them.
 
-/// A set of effects that a drive may have.
+/// A group of effects that a drive may have.
 pub(crate) trait Vocabulary: Copy + core::fmt::Debug {
     /// Whether there is none.
     const PLAIN: bool;
@@ -9,7 +9,7 @@ pub(crate) trait Vocabulary: Copy + core::fmt::Debug {
     fn on<T>(effect: Option<&T>) -> Option<&T>;
 }
 
-/// Coefficients of a link's effects, or the place where none are kept.
+/// Coefficients of a link's effects, or a type that keeps none.
 pub trait Keeps<T>: Copy {
     /// The coefficients.
     fn kept(&self) -> Option<&T>;

@@ -14,15 +14,15 @@
 //! ```
 //!
 //! From it come [`Effect`] with name and link, [`Parameter`](crate::machine::Parameter) with keys, units and ranges, and the forms of
-//! [`Effect::trial`] and [`Effect::strong`], which the tests go through. What an effect adds to the equations stands in its link's folder. How a plant
-//! really does it stands in the virtual plant, which takes nothing from here on purpose.
+//! [`Effect::trial`] and [`Effect::strong`], which the tests go through. The equations of an effect are in its link's folder. How a plant
+//! really behaves is in the virtual plant, which on purpose takes nothing from here.
 
 mod compiled;
 
 pub(crate) use compiled::{AnyEffect, Keeps, LinkEffects, Nothing, Plain, Vocabulary};
 
-/// Hands the table to the macro `$then`, behind whatever else it is given. A new effect is a new entry, in the order of the chain; the order is that of
-/// the machine file.
+/// Passes the table to the macro `$then`, after that macro's other arguments. A new effect is a new entry, in the order of the chain, which is also
+/// the order of the machine file.
 macro_rules! effects {
     ($then:ident => $($with:tt)*) => {
         $then! {
@@ -337,7 +337,7 @@ pub enum Link {
 }
 
 impl Link {
-    /// Its name, as a finding has it.
+    /// Its name, as used in a finding.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

@@ -1,7 +1,7 @@
 //! Effects of the flow link: what the openings of the four metering edges have beyond the paper's dead zone.
 //!
-//! Everything here is in spool travel, before the flow gain `K_Q`. Each is `None` where its strength is nil; where all are,
-//! and the supply does not droop, the flow link does not come here at all.
+//! Everything here is in spool travel, before the flow gain `K_Q`. Each is `None` where its amount is 0; where all are,
+//! and the supply does not droop, the flow link does not use this module at all.
 
 use crate::effects::LinkEffects;
 use crate::flow::supply::Droop;
@@ -17,14 +17,14 @@ pub struct EdgeEffects<N: Number> {
     pub(crate) half_laminar: Option<N::Gain>,
     pub(crate) leakage: Option<ValveLeakage<N>>,
     pub(crate) droop: Option<Droop<N>>,
-    /// 1/`SLOPE_SCALE`: steepnesses are carried that much smaller, so that they fit a signal.
+    /// 1/`SLOPE_SCALE`: steepnesses are stored smaller by this factor, so that they fit a signal.
     pub(crate) slope_fraction: N,
     /// `SLOPE_SCALE`
     pub(crate) slope_scale: N::Steep,
 }
 
-/// What an opening times its root's slope is divided by to fit a signal: 8192 at most, where a root has 2600 at Δp = 0 with the
-/// machine's laminar transition at its least. Resolved to 4e-6, finer than the slope itself.
+/// Divisor with which an opening times its root's slope fits a signal: 8192 at most; a root has 2600 at Δp = 0 with the
+/// machine's least laminar transition. Resolution 4e-6, finer than the slope itself.
 pub(crate) const SLOPE_SCALE: f64 = 1024.0;
 
 impl<N: Number> LinkEffects for EdgeEffects<N> {}
@@ -36,7 +36,7 @@ impl<N: Number> EdgeEffects<N> {
         self.curve.as_ref().map_or(beyond, |curve| curve.opening(beyond))
     }
 
-    /// What every edge is open beside its metering opening.
+    /// Opening of every edge in addition to its metering opening.
     #[inline]
     pub(crate) fn leaking(&self, spool: N) -> N {
         self.leakage.as_ref().map_or(N::ZERO, |leakage| leakage.opening(spool))
@@ -52,7 +52,7 @@ impl<N: Number> EdgeEffects<N> {
     }
 }
 
-/// `metering-asymmetry`: what the metering openings of the other edges are more than that of P-A, as a share. −1..4.
+/// `metering-asymmetry`: by which share the metering openings of the other edges exceed that of P-A. −1..4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct EdgeSizes<N: Number> {
     pub(crate) tank_a: Option<N::Gain>,
@@ -61,7 +61,7 @@ pub(crate) struct EdgeSizes<N: Number> {
 }
 
 impl<N: Number> EdgeSizes<N> {
-    /// Whether no edge is of another size.
+    /// Whether all edges have the same size.
     pub(crate) const fn are_one(&self) -> bool {
         self.tank_a.is_none() && self.supply_b.is_none() && self.tank_b.is_none()
     }
@@ -78,11 +78,11 @@ impl<N: Number> EdgeSizes<N> {
 
 /// `flow-gain-nonlinearity`: o becomes o·(1 + linear·o) + beyond·max(0, o − notch), held where it would change its sign.
 ///
-/// o is the travel beyond the dead zone: `linear` bends the whole edge, `beyond` is the full edge that follows a notch.
+/// o is the travel beyond the dead zone: `linear` bends the characteristic of the whole edge, `beyond` is the full edge that follows a notch.
 /// Two steps (7.5e-9) of error. Notched edges: Jelali & Kroll 2003, ch. 4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct GainCurve<N: Number> {
-    /// A quarter of both coefficients, which reach 10.
+    /// A quarter of both coefficients, which may be as large as 10.
     pub(crate) quarters: [N::Gain; 2],
     /// Opening at which the notch ends.
     pub(crate) notch: N,
@@ -99,8 +99,8 @@ impl<N: Number> GainCurve<N> {
 
 /// `tank-back-pressure`, its turbulent part: the return line, an orifice in series with the tank edge, o becomes o/√(1 + R·o²).
 ///
-/// With Q = o·√(p − pr) and pr − pt = R·Q² the pressure pr between them drops out: Q = o/√(1 + R·o²)·√(p − pt). So each chamber
-/// has its own line, which holds as only one of them returns at a time. R per unit, `K_Q`² included; error 4e-8 of the opening.
+/// With Q = o·√(p − pr) and pr − pt = R·Q², the pressure pr between them is eliminated: Q = o/√(1 + R·o²)·√(p − pt). So each chamber
+/// has its own line; this is valid because only one of them returns at a time. R per unit, `K_Q`² included; error 4e-8 of the opening.
 /// Two orifices in series: Merritt 1967, ch. 3.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ReturnLine<N: Number> {
@@ -111,14 +111,14 @@ impl<N: Number> ReturnLine<N> {
     #[inline]
     fn opening(&self, unity: N::Steep, edge: N) -> N {
         let drop = N::dot([self.resistance], [edge.times(edge)]);
-        // (1 + z)^-½ as √(1 + z) / (1 + z): smooth in R down to none.
+        // (1 + z)^-½ as √(1 + z) / (1 + z): smooth in R down to R = 0.
         let (root, _) = (N::ONE + drop).orifice_root(N::ZERO);
         edge.times(root).times(N::inverse_one_plus([drop], [unity]))
     }
 }
 
 /// Flow of an orifice with a laminar line behind it, per opening: with a pressure drop of 2·ℓ·Q in the line,
-/// Q = o·(√(Δp + (ℓ·o)²) − ℓ·o). Taken as a difference of two regular roots it is odd and nothing at Δp = 0. `reduced` is ℓ·o.
+/// Q = o·(√(Δp + (ℓ·o)²) − ℓ·o). As a difference of two regular roots it is odd, and 0 at Δp = 0. `reduced` is ℓ·o.
 ///
 /// The slope is that of the first root, which is steeper than the true chord.
 #[inline]
@@ -130,10 +130,10 @@ pub(crate) fn behind_laminar_line<N: Number>(across: N, reduced: N, transition: 
     (across.select_positive(root, -root), slope)
 }
 
-/// `valve-leakage`: beside its metering opening every edge is open by `opening`/(1 + (x/reach)²).
+/// `valve-leakage`: in addition to its metering opening, every edge is open by `opening`/(1 + (x/reach)²).
 ///
 /// x is the spool's travel from the centre. Turbulent like the edges themselves, and limited with them. Error 2e-8 of the opening,
-/// and 2e-9/reach² of it where x is of the reach's size. The leakage flow of a worn or underlapped spool: Merritt 1967, 5-4.
+/// and 2e-9/reach² of it where x is about as large as reach. The leakage flow of a worn or underlapped spool: Merritt 1967, 5-4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ValveLeakage<N: Number> {
     pub(crate) opening: N,
@@ -177,7 +177,7 @@ mod tests {
     }
 
     fn assert_near(found: Flows<f64>, [a, b]: [f64; 2]) {
-        // 2 kPa of laminar transition change a root by 1e-6 of itself at the most here.
+        // 2 kPa of laminar transition change a root by at most 1e-6 of itself here.
         assert!((found.a - a).abs() < 1e-6 && (found.b - b).abs() < 1e-6, "{found:?}, expected {a} {b}");
     }
 

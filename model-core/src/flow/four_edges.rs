@@ -5,8 +5,8 @@
 //! Q(edge) = K·opening·g(Δp), within the flow limit
 //! ```
 //!
-//! With every effect at nil this is the flow of [`Edges`] but for rounding: the opening that the paper's valve has is then one edge
-//! of each port, and the other is closed.
+//! With every effect at 0 this is the flow of [`Edges`] except for rounding: one edge of each port then has the opening of the paper's
+//! valve, and the other is closed.
 
 use crate::effects::{Keeps, Vocabulary};
 use crate::flow::effects::{EdgeEffects, EdgeSizes, behind_laminar_line};
@@ -16,11 +16,11 @@ use crate::flow::{Edges, Lines};
 use crate::number::{Mask, Number};
 use crate::ports::{ChamberState, Filling, Flows, Linearised, Spool};
 
-/// What passes an edge.
+/// Flow through an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Passing<N: Number> {
     flow: N,
-    /// What would pass without the limit.
+    /// The flow without the limit.
     free: N,
     /// Slope of the root's chord.
     slope: N::Steep,
@@ -38,7 +38,7 @@ impl<N: Number> Four<Passing<N>> {
     }
 }
 
-/// What both edges of each kind are opened by.
+/// Openings of both edges of each kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Metered<N> {
     extending: N,
@@ -77,7 +77,7 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         let ends = from.with(to, |from, to| from.is_nothing() & to.is_nothing());
         let closed = ends.with(&larger, |ends, larger| ends & larger.is_nothing());
         let passing = self.passing(effects, &from, &closed, pressures, supply);
-        // An edge fills what the other edge of its port does not empty.
+        // An edge fills the chamber with what the other edge of its port does not take away.
         let steep = |passing: Passing<N>, opening: N, across: N, filling: Filling<N>| {
             let opening = self.sloping(opening, [passing.flow, passing.free], across, filling);
             Self::steepness(effects, passing.slope, opening)
@@ -112,7 +112,7 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         (linearised, passing.drawn())
     }
 
-    /// The supply at the end of a tick that ends with these openings and pressures, with `drawn` drawn at its start; in so many rounds.
+    /// The supply at the end of a tick that ends with these openings and pressures; `drawn` is the flow at its start; in this many rounds.
     #[inline]
     pub(crate) fn supplied<V: Vocabulary, const ROUNDS: usize>(
         &self,
@@ -166,7 +166,7 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         }
     }
 
-    /// What passes an edge of this opening and root.
+    /// Flow through an edge of this opening and root.
     #[inline]
     fn through(&self, opening: N, (root, slope): (N, N::Steep)) -> Passing<N> {
         let free = opening.times(root);
@@ -192,7 +192,7 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         }
     }
 
-    /// What passes edges of these openings, of which nothing is asked where they are `closed`.
+    /// Flows through edges of these openings; nothing is computed where they are `closed`.
     #[inline]
     fn passing(
         &self,
@@ -231,7 +231,7 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
 
 /// The larger openings of a tick, for its slopes; `way` is the sign of the opening that the tick works over.
 ///
-/// A spool that crosses the centre within the tick has its end's larger opening counted where it started, as without effects.
+/// If the spool crosses the centre within the tick, the larger opening at its end counts for the edge where it started, as without effects.
 #[inline]
 fn larger<N: Number>(way: N, from: &Four<N>, to: &Four<N>) -> Four<N> {
     // (working, other) edge of a port at both ends.

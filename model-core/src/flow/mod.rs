@@ -3,7 +3,7 @@
 //! x < 0:  Qa = K_Q·√|pa|·x           Qb = K_Q·√(p0 − pb)·x        (4)
 //! ```
 //!
-//! The flow link: spool (or [pump](crate::flow::Pump)) and pressures → flow into A and out of B. As it runs, with the dead zone x0 and the flow limit of §3:
+//! The flow link: spool (or [pump](crate::flow::Pump)) and pressures → flow into A and out of B. As computed, with dead zone x0 and flow limit of §3:
 //!
 //! ```text
 //! o  = max(0, x − x0) + min(0, x + x0)                           opening, signed like x, not renormalised
@@ -13,10 +13,10 @@
 //! ```
 //!
 //! Formats: spool, pressures and flows are signals (±8, step 3.7e-9), 1 being full travel, the supply pressure and [`Bases::flow_m3_per_s`]; `K_Q`
-//! is a gain (below 4). Error of a flow: half a step beside that of the root (2 steps + 6e-9 of it).
+//! is a gain (below 4). Error of a flow: half a step, in addition to that of the root (2 steps + 6e-9 of the root).
 //!
-//! Signs: x > 0 opens P-A and B-T, x < 0 opens A-T and P-B. Flow a > 0 goes into chamber A, flow b > 0 comes out of chamber B. (3) and (4)
-//! keep their sign through x. The paper's |p| under the root is no way to sign it: the root here has the sign of what is across, so that a chamber
+//! Signs: x > 0 opens P-A and B-T, x < 0 opens A-T and P-B. Flow a > 0 goes into chamber A, flow b > 0 comes out of chamber B. In (3) and (4)
+//! the sign comes from x. The paper's |p| under the root loses the sign of the pressure difference; the root here keeps it, so that a chamber
 //! above the supply pushes oil back.
 //!
 //! [`Bases::flow_m3_per_s`]: crate::machine::Bases::flow_m3_per_s
@@ -43,7 +43,7 @@ pub(crate) struct Started<N: Number> {
     pub(crate) flows: Flows<Linearised<N>>,
     /// Drawn from a supply that droops.
     pub(crate) drawn: N,
-    /// Of an orifice each, from which the roots at the end may be taken.
+    /// The root of each orifice, from which the roots at the end may be derived.
     pub(crate) roots: Option<Flows<Root<N>>>,
 }
 
@@ -52,7 +52,7 @@ pub(crate) struct Started<N: Number> {
 pub(crate) struct Root<N: Number> {
     across: N,
     value: N,
-    /// Of its chord.
+    /// Slope of its chord.
     slope: N::Steep,
 }
 
@@ -77,10 +77,10 @@ pub struct Edges<N: Number, E = Option<EdgeEffects<N>>> {
     pub(crate) unity: N::Steep,
     /// Pressure difference at which the root turns from laminar to turbulent, `laminar-transition` included.
     pub(crate) transition: N,
-    /// 256 times that: from there on the root's slope is half of its chord's to 8e-6 of it.
+    /// 256 times that: above it the root's slope is half of its chord's slope, with an error of 8e-6 of it.
     pub(crate) turbulent: N,
     pub(crate) lines: Lines<N>,
-    /// What makes the four edges differ; `None` leaves two equal ones at a time.
+    /// Effects that make the four edges differ; `None`: the two edges that are open at a time are equal.
     pub(crate) effects: E,
 }
 
@@ -92,24 +92,24 @@ impl<N: Number, E> Edges<N, E> {
         Edges { overlap, gain, limit, unity, transition, turbulent, lines, effects }
     }
 
-    /// The opening whose chord is that of a limited flow: all of it, or where it would pass more than the limit the share that does not.
+    /// The opening whose chord is that of a limited flow: all of it, or, where the flow would exceed the limit, the share that just passes the limit.
     #[inline]
     pub(crate) fn within_limit(&self, opening: N, flow: N, free: N) -> N {
         N::choose(flow.equals(free), || opening, || self.share_within_limit(free).of(opening))
     }
 
-    /// The opening that a tick's slope is of: of a limited flow none, for no pressure moves it, unless the tick brings the pressures to where it
-    /// is not limited; then that of the limit's chord.
+    /// The opening for the pressure slope of a tick. A saturated flow has slope 0, since no pressure changes it; only when the tick brings the
+    /// pressures to where the flow is not limited does the step use the limit's chord.
     ///
-    /// Without that one, a chamber that one tick at the limit overfills would rest between the lines, short of both. With it all the time, a
-    /// rod on the oil's spring would swing up, as if the step's slope took from the swing what no flow does.
+    /// Without that chord, a chamber that a single tick at the limit overfills would rest between the lines, short of both. With the chord in every
+    /// tick, a rod on the oil spring would build up an oscillation: the step's slope would assume a damping that the saturated flow does not give.
     #[inline]
     pub(crate) fn sloping(&self, opening: N, [flow, free]: [N; 2], across: N, filling: Filling<N>) -> N {
         N::choose(flow.equals(free), || opening, || self.sloping_at_limit(opening, [flow, free], across, filling))
     }
 
-    /// Whether a tick at the limit takes the pressures past where the limit's chord begins: what it fills, with that chord's share of what is
-    /// across, is more than what is across.
+    /// The chord's share of the opening if a tick at the limit takes the pressure difference past the point where the limit's chord begins (the
+    /// tick's change of pressure plus the difference at that point exceeds the present difference); else 0.
     #[cold]
     #[inline(never)]
     fn sloping_at_limit(&self, opening: N, [flow, free]: [N; 2], across: N, filling: Filling<N>) -> N {
@@ -145,7 +145,7 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         }
     }
 
-    /// Flows with the edges opened so, in a tick that started with these roots.
+    /// Flows through edges with these openings, in a tick that started with these roots.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn flow_with<V: Vocabulary>(
@@ -166,7 +166,7 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         }
     }
 
-    /// Flows at the start of a tick at whose end the edges are opened so.
+    /// Flows at the start of a tick; `end` is how far the edges are open at its end.
     #[inline]
     pub(crate) fn linearised_with<V: Vocabulary>(
         &self,
@@ -199,8 +199,8 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
 
     /// The root at the end of a tick that started with this one.
     ///
-    /// Where the tick moves what is across by less than 2⁻¹³ of it, half of the chord's slope leads there: to less than a step
-    /// of the format, so that nobody sees which way it was computed.
+    /// Where the tick changes the pressure difference by less than 2⁻¹³ of it, half of the chord's slope gives the new root: its error is less than
+    /// a step of the format, so that the result does not show which way it was computed.
     #[inline(always)]
     #[expect(clippy::inline_always, reason = "a call is half of what the shorter way computes")]
     fn root_after(&self, started: Root<N>, across: N) -> N {
@@ -251,7 +251,7 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         (Linearised { flow: N::pick(closed, N::ZERO, flow), opening, slope: root.slope }, root)
     }
 
-    /// Pressure over both edges that either way of the spool opens, without sign.
+    /// Sum of the pressure differences over the two open edges, for either direction of the spool, without sign.
     #[inline]
     pub(crate) fn across_open(&self, pressures: ChamberState<N>, supply: N) -> AcrossEdges<N> {
         let Lines { supply, tank } = self.lines_at(supply);
@@ -259,14 +259,14 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         AcrossEdges { extending: sum(pressures.a, pressures.b), retracting: sum(pressures.b, pressures.a) }
     }
 
-    /// The lines, with the supply as it is now where it droops.
+    /// The supply and tank pressures, with the supply as it is now where it droops.
     #[inline]
     pub(crate) fn lines_at(&self, supply: N) -> Lines<N> {
         let droops = self.effects.kept().is_some_and(|effects| effects.droop.is_some());
         if droops { Lines { supply, ..self.lines } } else { self.lines }
     }
 
-    /// Dead zone, times the flow gain.
+    /// Spool travel beyond the dead zone, times the flow gain.
     #[inline]
     fn opening(&self, spool: N) -> N {
         N::dot([self.gain], [self.overlap.beyond(spool)])

@@ -3,9 +3,9 @@
 /// How far the edges are open at a spool position, flow gain included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Opened<N> {
-    /// Of two equal edges, signed like the spool.
+    /// Opening of two equal edges, signed like the spool.
     pub(super) way: N,
-    /// Of each, where an effect makes them differ.
+    /// Opening of each edge, where an effect makes them differ.
     pub(super) four: Option<Four<N>>,
 }
 

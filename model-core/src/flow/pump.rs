@@ -12,7 +12,7 @@ use super::Lines;
 use crate::number::Number;
 use crate::ports::{Flows, Linearised};
 
-/// What a pump-controlled drive is driven with over a tick.
+/// Input of a pump-controlled drive over a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PumpDrive<N> {
     /// Speed, in 50 revolutions per second; only its magnitude counts, the directional valve gives the sign.
@@ -40,7 +40,7 @@ pub struct Pump<N: Number> {
 }
 
 impl<N: Number> Pump<N> {
-    /// Flows at a drive and two chamber pressures, with their slopes.
+    /// Flows for an input and two chamber pressures, with their slopes.
     #[inline]
     pub fn flow(&self, drive: PumpDrive<N>, pressure_a: N, pressure_b: N) -> Flows<Linearised<N>> {
         let (over_a, over_b) = (pressure_a - self.lines.tank, pressure_b - self.lines.tank);

@@ -1,19 +1,19 @@
-//! The supply: a pressure that falls with what is drawn, with an accumulator's memory (`supply-droop`).
+//! The supply: a pressure that falls with the flow drawn from it, delayed by an accumulator (`supply-droop`).
 //!
 //! τ·dps/dt = p0 − R·Qs − ps, with Qs the flow from the supply into both ports (below 0 where a chamber pushes back). τ = R·C:
 //! a pump of source resistance R beside an accumulator of capacity C (Merritt, *Hydraulic Control Systems*, 1967, ch. 11).
 //!
-//! Over a tick in which Qs goes straight from Q0 to Q1 the solution is exact:
+//! Over a tick in which Qs changes linearly from Q0 to Q1 the solution is exact:
 //!
 //! ```text
 //! ps' = ps + (1 − e)·(p0 − ps) − R·(w0·Q0 + w1·Q1),   e = e^(−h/τ),  w1 = 1 − (1 − e)·τ/h,  w0 = 1 − e − w1
 //! ```
 //!
-//! Q1 depends on ps' itself, the more the faster the supply is; it is solved for along chords: what is missing, divided by
-//! 1 + R·w1·∂Q1/∂ps, three times; twice for the second stage, of which the tick takes half of what it changes. A chord is steeper than
-//! its root, by two at most, so each round closes at least half of what the last one left and never goes beyond: with τ = 0 (w1 = 1) the
-//! static droop follows to an eighth of its change within the same tick. With one round alone a droop of more than the supply pressure
-//! could keep a soft drive swinging.
+//! Q1 depends on ps' itself, more so the faster the supply is. It is solved by iteration along chords: the remaining error, divided by
+//! 1 + R·w1·∂Q1/∂ps, three times; twice for the second stage, of whose change the tick takes only half. A chord is steeper than
+//! its root by a factor of two at most, so each round removes at least half of the remaining error and never overshoots: with τ = 0 (w1 = 1)
+//! the static droop is reached to an eighth of its change within the same tick. With a single round, a droop of more than the supply pressure
+//! could keep a soft drive oscillating.
 
 use crate::number::Number;
 
@@ -23,12 +23,12 @@ use crate::number::Number;
 pub struct SupplyState<N> {
     /// Supply pressure at the valve, per unit: 1 is p0, where it stays without droop.
     pub pressure: N,
-    /// What rounding left of it.
+    /// Its rounding remainder.
     rest: N,
 }
 
 impl<N: Number> SupplyState<N> {
-    /// Nothing has been drawn for long.
+    /// No flow has been drawn for a long time.
     pub(crate) fn at_rest(pressure: N) -> Self {
         Self { pressure, rest: N::ZERO }
     }
@@ -41,9 +41,9 @@ pub(crate) struct Draw<N> {
     pub(crate) steepness: N,
 }
 
-/// How often the draw at the end of a tick is taken anew, for the tick's second stage; two would do for stability.
+/// Number of rounds for the flow drawn at the end of a tick, for the tick's second stage; two are enough for stability.
 pub(crate) const ROUNDS_OF_STAGE: usize = 2;
-/// The same for its end.
+/// The same for the tick's end.
 pub(crate) const ROUNDS_OF_TICK: usize = 3;
 
 /// Coefficients of the droop at one tick.
@@ -53,13 +53,13 @@ pub(crate) struct Droop<N: Number> {
     pub(crate) shares: [N::Gain; 3],
     /// 1 / fineness.
     pub(crate) fine: N::Gain,
-    /// R·w1: what the supply pressure falls by at once per flow.
+    /// R·w1: fall of the supply pressure at once, per flow.
     pub(crate) at_once: N::Gain,
 }
 
 impl<N: Number> Droop<N> {
-    /// The supply a tick later, in so many rounds: `drawn` at its start; `draw` says what a supply pressure at its end would have drawn
-    /// there.
+    /// The supply a tick later, computed in this many rounds: `drawn` is the flow at its start; `draw` gives the flow at its end for a supply
+    /// pressure there.
     #[inline]
     pub(crate) fn after<const ROUNDS: usize>(
         &self,
@@ -69,7 +69,7 @@ impl<N: Number> Droop<N> {
         slope_scale: N::Steep,
         draw: impl Fn(N) -> Draw<N>,
     ) -> SupplyState<N> {
-        // What the pressure moves by, at the fineness of the shares.
+        // Change of the pressure, at the fineness of the shares.
         let mut moved = N::ZERO;
         for _ in 0..ROUNDS {
             let at_end = draw(supply.pressure + N::dot([self.fine], [moved]));
@@ -86,8 +86,8 @@ impl<N: Number> Droop<N> {
         N::inverse_one_plus([N::dot([self.at_once], [steepness])], [slope_scale])
     }
 
-    /// What is left of an edge's slope against its chamber's pressure as the supply gives way with it, where edges of `whole`
-    /// steepness draw and this one has `own`: 1 − ρ·s/(1 + ρ·Σs).
+    /// Slope of an edge against its chamber's pressure, reduced because the supply pressure gives way with it; all edges that draw have the
+    /// steepness `whole`, this one has `own`: 1 − ρ·s/(1 + ρ·Σs).
     #[inline]
     pub(crate) fn softened(&self, own: N, whole: N, slope_scale: N::Steep) -> N {
         let given = own.times(self.gives(whole, slope_scale));

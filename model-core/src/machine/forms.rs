@@ -3,7 +3,7 @@
 use super::parameter::Parameter;
 use crate::effects::{Effect, effects};
 
-/// An effect, or something else, switched on: a name, and what is set, in SI units.
+/// An effect, or something else, switched on: a name, and the values that are set, in SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Form {
     /// The effect's name, with what distinguishes the form where one effect has several.
@@ -27,7 +27,7 @@ macro_rules! forms {
                 match self { $(Effect::$effect => &[$(Parameter::$parameter),*],)* }
             }
 
-            /// Forms of a moderate size, on a 63/40 × 300 mm press: host and target run them alike, and what they cost is counted. The first, which
+            /// Forms of a moderate size, on a 63/40 × 300 mm press: host and target compute the same, and their cost is counted. The first, which
             /// costs most, is part of all effects at once.
             #[must_use]
             pub const fn trial(self) -> &'static [Form] {

@@ -114,20 +114,20 @@ pub enum MachineError {
         .parameter.description().key, .parameter.description().unit, .parameter.description().min, .parameter.description().max
     )]
     OutOfRange {
-        /// Which.
+        /// The parameter.
         parameter: Parameter,
         /// Its value in its unit.
         value: f64,
     },
-    /// A parameter that is a number of a list lies between two.
+    /// A parameter that selects an entry of a list is not a whole number.
     #[error("{} = {value}: expected a whole number", .parameter.description().key)]
     NotWhole {
-        /// Which.
+        /// The parameter.
         parameter: Parameter,
         /// Its value.
         value: f64,
     },
-    /// The pressure that oil cavitates at is none that it can have, or above the tank's.
+    /// The pressure at which oil cavitates is physically impossible, or above the tank's.
     #[error(
         "effects.cavitation.floor_pa = {floor_pa} Pa: expected {LOWEST_FLOOR_PA} (vacuum) to supply.tank_pressure_pa = {tank_pa} Pa"
     )]
@@ -154,7 +154,7 @@ pub enum MachineError {
         /// What its magnitude must stay below.
         limit: f64,
     },
-    /// The oil spring turns too fast for the tick.
+    /// The oil spring's frequency is too high for the tick.
     #[error(
         "cylinder.moving_mass_kg = {mass_kg} kg: too little for its oil spring at a tick of {tick_s} s, as (ω·tick)² = {turn:.1}; \
          expected below {limit:.1}: a shorter tick, at least {least_kg:.6} kg, or a chamber {times:.2} times the volume"
@@ -170,7 +170,7 @@ pub enum MachineError {
         limit: f64,
         /// The least mass that fits, in kg.
         least_kg: f64,
-        /// How many times the stiffer chamber's capacity fits.
+        /// Factor on the stiffer chamber's capacity that would fit.
         times: f64,
     },
     /// The delay line is shorter than a delay.

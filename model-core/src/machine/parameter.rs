@@ -5,7 +5,7 @@
 
 use crate::effects::{Effect, effects};
 
-/// What a parameter is when the machine file does not give it.
+/// Value of a parameter that the machine file does not give.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fallback {
     /// The machine file must give it.
@@ -27,7 +27,7 @@ pub struct Description {
     pub min: f64,
     /// Largest admissible value, included.
     pub max: f64,
-    /// What it is when the file does not say.
+    /// Value where the file does not give one.
     pub default: Fallback,
     /// One line for people, with sign convention and the paper's equation where it has one.
     pub meaning: &'static str,
@@ -74,7 +74,7 @@ macro_rules! rows {
                 }
             }
 
-            /// The effect that it is of; none of a base parameter, and of the correction table.
+            /// The effect that it belongs to; none for a base parameter and for the correction table.
             #[must_use]
             pub const fn effect(self) -> Option<Effect> {
                 match self { $(Parameter::$name => $effect,)* }
@@ -154,7 +154,7 @@ effects! { parameters =>
 }
 
 impl Parameter {
-    /// Values of the unnamed table: one a node, or row by row three a node where there is a second state.
+    /// Values of the correction table: one per node, or, with a second state, three per node, row by row.
     pub const TABLE_VALUES: [Parameter; 21] = [
         Parameter::TableValue0,
         Parameter::TableValue1,
@@ -179,7 +179,7 @@ impl Parameter {
         Parameter::TableValue20,
     ];
 
-    /// Whether it is a number of a list, which has nothing between.
+    /// Whether it selects an entry of a list, so that only whole numbers are valid.
     #[must_use]
     pub const fn is_whole(self) -> bool {
         matches!(self, Parameter::TableQuantity | Parameter::TableOver | Parameter::TableOver2)

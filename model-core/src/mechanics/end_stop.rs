@@ -1,10 +1,10 @@
 //! End stops: beyond them a stiff spring with damping pushes the rod back, and never pulls.
 //!
-//! F = −k·depth − c·v into the stop. A stop of 1e8 N/m turns 20 kg within a tick or two, so it is part of the implicit step: stage for
-//! stage the rod is held by the stop or free of it, whichever moves it less into the stop, so that neither a stage nor the tick
-//! is ever pulled. A rod that meets a stop within a tick is set down on its face: a spring that started with depth already
-//! in it would throw the rod back faster than it came. The oil that its way beyond the face would have made room for stays where
-//! it is, so that the pressures know when within the tick the rod was stopped.
+//! F = −k·depth − c·v into the stop. A stop of 1e8 N/m reverses 20 kg within a tick or two, so it is part of the implicit step: each stage is
+//! computed with the rod held by the stop and free of it, and the result that moves the rod less into the stop is taken, so that neither
+//! a stage nor the tick is ever pulled. A rod that meets a stop within a tick is set on the stop's face: a spring that started with a depth
+//! would throw the rod back faster than it came. The oil for the rod's way beyond the face stays where
+//! it is, so that the pressures depend on when within the tick the rod was stopped.
 
 use crate::number::{Compared, Mask, Number};
 
@@ -59,8 +59,8 @@ impl<N: Number> Stops<N> {
         Touch { retracted: retracted & !extended, extended, depth: N::pick(extended, beyond, before) }
     }
 
-    /// Sets a rod down that was free before it moved here: what of the tick's mean velocity was beyond a face, 0 where it still is
-    /// free; `None` where there is none that met a stop.
+    /// Sets a rod that was free before on the face that it has met. Returns the tick's mean velocity beyond the face, 0 where the rod is still
+    /// free; `None` where no rod met a stop.
     #[inline]
     pub(crate) fn set_down(&self, position: &mut N::Travel, was_free: N::Mask) -> Option<N> {
         let touch = self.touched(*position).only(was_free);
@@ -77,25 +77,25 @@ impl<N: Number> Stops<N> {
 }
 
 impl<N: Number> Touch<N> {
-    /// Of either.
+    /// Whether the rod touches either stop.
     #[inline]
     pub(crate) fn any(&self) -> N::Mask {
         self.retracted | self.extended
     }
 
-    /// Only of these.
+    /// Only the touches of these lanes.
     #[inline]
     fn only(self, these: N::Mask) -> Self {
         Self { retracted: self.retracted & these, extended: self.extended & these, ..self }
     }
 
-    /// A force into the stop's face becomes one on the rod.
+    /// A force of the stop, positive out of its face, as a force on the rod.
     #[inline]
     pub(crate) fn push(&self, force: N) -> N {
         N::pick(self.extended, -force, force)
     }
 
-    /// Of a free and a held motion the one less into the stop that it touches: a stop does not pull.
+    /// Of a free and a held motion, the one that goes less into the stop that the rod touches: a stop does not pull.
     #[inline]
     pub(crate) fn hold(&self, free: N, held: N) -> N {
         N::pick(self.extended, free.min(held), N::pick(self.retracted, free.max(held), free))

@@ -1,8 +1,8 @@
-//! The equation of the mass in one tick, from where the rod stands: its diagonal, what acts at the two stages, and the step.
+//! The equation of motion of the mass in one tick, from the rod's present state: its diagonal, the forces at the two stages, and the step.
 //!
-//! Effects that add to the mass's own diagonal 1 + γ·h·D/m (viscosity, a spring, bristles, a stop) do so as dampers s that act on the
-//! velocity at the stage, v + γ·k: a spring of stiffness k is one of s = γ·h·k, with its force at the tick's start beside it. With
-//! r the old diagonal over the new, mobility and `back` shrink by r and the drag becomes drag·r + (1 − r)/γ.
+//! Effects that add to the mass's own diagonal 1 + γ·h·D/m (viscosity, a spring, bristles, a stop) are computed as dampers s that act on the
+//! velocity at the stage, v + γ·k. A spring of stiffness k is a damper s = γ·h·k plus the spring's force at the tick's start. With r = old
+//! diagonal over new one, mobility and `back` are multiplied by r, and the drag becomes drag·r + (1 − r)/γ.
 
 use core::marker::PhantomData;
 
@@ -14,62 +14,62 @@ use crate::mechanics::lugre::Gripping;
 use crate::number::{Mask, Number};
 use crate::ports::{MotionState, States, Surroundings};
 
-/// The oil that a stage's velocity works against: springs that yield as far as their chambers do.
+/// The oil springs that a stage's velocity works against; they yield as far as their chambers do.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OilSpring<N> {
-    /// None of a rod that sticks.
+    /// None for a rod that sticks.
     gives: Option<Gives<N>>,
 }
 
-/// 1/(1 + γ·mobility·stiffness): what is left under the oil's spring of what would move the rod; for one that is free of a stop and one
-/// that is held.
+/// 1/(1 + γ·mobility·stiffness): the share of a driving force or velocity that remains against the oil spring; for a rod free of a stop and for
+/// one that a stop holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Gives<N> {
     free: N,
     held: N,
 }
 
-/// The equation of the mass in one tick, from where the rod stands.
+/// The equation of motion of the mass in one tick, from the rod's present state.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Equation<'a, N: Number, V, E> {
     mechanics: &'a Mechanics<N, E>,
     vocabulary: PhantomData<V>,
     pub(crate) row: Row<N>,
-    /// Of friction that holds rigidly.
+    /// Level of dry friction, where it holds rigidly.
     level: Level<N>,
     held: Option<Held<N>>,
     own: Option<Own<'a, N>>,
     /// States at the start of the tick, for the table of forces.
     states: States<N>,
-    /// Force of the table there.
+    /// Force of that table at these states.
     pushed: Option<N>,
 }
 
-/// What acts on the mass at a stage beside the net force and its own diagonal; at the second, half of what it changes by.
+/// Forces on the mass at a stage, in addition to the net force and its own diagonal; at the second stage, half of their change.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stage<N: Number> {
     sticks: N::Mask,
     /// Velocity at the start of the tick.
     velocity: N,
-    /// Force of the mass's own viscous friction at it.
+    /// Force of the mass's own viscous friction at this velocity.
     slowed: N,
-    /// All but a stop.
+    /// All forces except the stop's.
     beside: N,
     /// Force of the stop that the rod touches.
     stop: Option<N>,
 }
 
-/// What the first stage gains.
+/// Velocity that the first stage gains.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Gained<N> {
     pub(crate) velocity: N,
-    /// Force that it comes of, friction taken off, where that is one product.
+    /// The force that causes it, less friction, where the gain is a single product of that force.
     effort: N,
-    /// What a rod free of the stop and one that is held would gain, where it touches one.
+    /// Gain of a rod free of the stop and gain of a held one, where the rod touches a stop.
     either: [N; 2],
 }
 
-/// One of a rod free of the stop and one that is held.
+/// Which of two cases is computed: a rod free of the stop, or one that the stop holds.
 #[derive(Clone, Copy, Debug)]
 enum Which {
     Free,
@@ -86,7 +86,7 @@ impl Which {
     }
 }
 
-/// What a spring leaves of a signal.
+/// The part of a signal that a spring leaves.
 #[inline]
 fn yields<N: Number>(give: Option<N>, signal: N) -> N {
     give.map_or(signal, |give| give.of(signal))
@@ -99,14 +99,14 @@ fn together<N: Number>(pushed: Option<N>, dry: N, own: Option<N>) -> N {
     own.map_or(dry, |own| dry + own)
 }
 
-/// Forces of the rod's own position in one tick.
+/// Forces that depend on the rod's own position, in one tick.
 #[derive(Clone, Copy, Debug)]
 struct Own<'a, N: Number> {
     resistance: &'a Resistance<N>,
     from_middle: N,
     /// The bristles that dry friction acts through.
     grip: Option<Gripping<'a, N>>,
-    /// At the start of the tick.
+    /// Their sum at the start of the tick.
     start: N,
 }
 
@@ -115,9 +115,9 @@ struct Own<'a, N: Number> {
 pub(crate) struct Moved<N> {
     /// Mean velocity, as the equations were solved.
     pub(crate) solved: N,
-    /// What of it a stop took that the rod met.
+    /// The part of it that a stop took away, where the rod met a stop.
     pub(crate) beyond: Option<N>,
-    /// Whether what a stage gained is beyond the format.
+    /// Whether a stage's gain was beyond the format.
     pub(crate) held: bool,
 }
 
@@ -136,7 +136,7 @@ impl<N: Number> Held<N> {
         self.touch.push(depth.amplified(self.stiffness))
     }
 
-    /// A force with that of the stop, where it is touched.
+    /// A force plus the stop's, where the rod touches the stop.
     #[inline]
     fn with(&self, force: N, stop: N) -> N {
         N::pick(self.touch.any(), force + stop, force)
@@ -144,7 +144,7 @@ impl<N: Number> Held<N> {
 }
 
 impl<N: Number> Row<N> {
-    /// With more on the diagonal; `share` is the old one over the new.
+    /// The row with a larger diagonal; `share` is the old diagonal over the new one.
     #[inline]
     fn braked(&self, share: N, per_gamma: N::Gain) -> Self {
         let shrunk = |gain: N::Gain| N::scaled(gain, share);
@@ -159,7 +159,7 @@ impl<N: Number> Row<N> {
 }
 
 impl<N: Number> Own<'_, N> {
-    /// Of the second stage, at the velocity `there`, after `ahead` of mean velocity in the first, which moved the rod by `moved`
+    /// Their sum at the second stage, at the velocity `there`, after a first stage of mean velocity `ahead`, which moved the rod by `moved`
     /// strokes.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
@@ -170,7 +170,7 @@ impl<N: Number> Own<'_, N> {
 }
 
 impl<N: Number, E: Keeps<MechanicalEffects<N>>> Mechanics<N, E> {
-    /// The equation of the mass from where it stands.
+    /// The equation of motion of the mass from this state.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn equation<V: Vocabulary>(
@@ -228,7 +228,7 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
         V::on(self.mechanics.effects.kept())
     }
 
-    /// Forces of the rod's own position.
+    /// Forces that depend on the rod's own position.
     #[inline]
     fn own(&self) -> Option<&Own<'a, N>> {
         V::on(self.own.as_ref())
@@ -240,7 +240,7 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
         V::on(self.held.as_ref())
     }
 
-    /// How dry friction acts on a rod with this velocity under this force at the start.
+    /// How dry friction acts on a rod with this velocity under this force at the start of the tick.
     #[inline]
     pub(crate) fn contact(&self, velocity: N, force: N) -> Contact<N::Mask> {
         if V::PLAIN {
@@ -252,15 +252,15 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
         self.level.contact(velocity, force)
     }
 
-    /// Force per velocity of all that brakes the rod, where that is viscous friction which fits a gain. An effort is then the force that
-    /// accelerates it, and needs one product to become what it gains.
+    /// Force per velocity that brakes the rod, where this is viscous friction alone and fits a gain. An effort is then the accelerating force;
+    /// a single product turns it into the velocity gained.
     #[inline]
     fn viscous(&self) -> Option<N::Gain> {
         let otherwise = !V::PLAIN && (self.mechanics.hard || self.row.share.is_some());
         if otherwise { None } else { Some(self.mechanics.viscous) }
     }
 
-    /// The oil's spring of this stiffness under the rod.
+    /// The oil spring of this stiffness that the rod works against.
     #[inline]
     pub(crate) fn on_spring(&self, contact: Contact<N::Mask>, stiffness: N) -> OilSpring<N> {
         let give = |row: &Row<N>| N::inverse_one_plus_product(row.pull, stiffness);
@@ -285,7 +285,7 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
         }
     }
 
-    /// What acts at the second stage, after the velocity that the first has gained: half of what it changes by.
+    /// What acts at the second stage, after the first stage gained this velocity: half of the change from the first stage.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn second_stage(&self, contact: Contact<N::Mask>, first: &Stage<N>, gained: N) -> Stage<N> {
@@ -304,14 +304,14 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
         let ahead = velocity + gained.small_part(self.mechanics.gamma);
         let moved = N::dot([self.mechanics.travel], [ahead]);
         let stop = self.held().zip(first.stop).map(|(held, stop)| {
-            // How much deeper a spring's second stage starts, in the direction out of the face.
+            // The share of the first stage's travel that is left in a spring's second; `push` counts it out of the stop's face.
             let left = N::dot([own.resistance.second], [moved]);
             (held.pushes(held.touch.depth - held.touch.push(left)) - stop).halved()
         });
         Stage { beside: changed(Some(own.second(there, ahead, moved))), stop, ..plain }
     }
 
-    /// Net force at the first stage, where it is `trial` with the rod at its velocity and `after` so much more of it.
+    /// Net force at the first stage; `trial` is this force at the rod's present velocity, `after` is this force after a gain of velocity.
     #[inline]
     pub(crate) fn first_force(&self, stage: &Stage<N>, trial: N, spring: &OilSpring<N>, after: impl Fn(N) -> N) -> N {
         let Some(gives) = spring.gives else { return trial };
@@ -325,14 +325,14 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
         N::choose(stage.sticks, || trial, force)
     }
 
-    /// What the first stage gains under a net force.
+    /// Velocity that the first stage gains under a net force.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn first(&self, stage: &Stage<N>, force: N) -> Gained<N> {
         self.first_under(stage, force, None)
     }
 
-    /// Net force of the second stage likewise, where it is `trial` with no velocity gained.
+    /// Net force at the second stage, likewise; `trial` is this force if no velocity is gained.
     #[inline]
     pub(crate) fn second_force(
         &self,
@@ -354,7 +354,7 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
         N::choose(stage.sticks, || trial, force)
     }
 
-    /// What the second stage gains under a net force.
+    /// Velocity that the second stage gains under a net force.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn second(&self, stage: &Stage<N>, first: &Gained<N>, force: N) -> N {
@@ -365,7 +365,7 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
         N::dot([self.row.mobility], [N::choose(stage.sticks, || N::ZERO, effort)])
     }
 
-    /// [`Self::first`] held back by what an oil's spring gives.
+    /// [`Self::first`], reduced by the oil spring.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
     fn first_under(&self, stage: &Stage<N>, force: N, gives: Option<Gives<N>>) -> Gained<N> {
@@ -377,18 +377,18 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
         Gained { velocity: self.less_into_stop(stage, either), effort, either }
     }
 
-    /// [`Self::second`] likewise.
+    /// [`Self::second`], likewise.
     #[inline]
     fn second_under(&self, stage: &Stage<N>, first: &Gained<N>, force: N, gives: Option<Gives<N>>) -> N {
         let either = self.either(stage, force, gives, |row, force, give, which| {
             let gained = N::dot([row.mobility, row.back], [yields(give, force), yields(give, first.velocity)]);
-            // The one that the rod did not go by in the first stage starts from where it would have been by it.
+            // The case (free or held) that did not apply in the first stage starts from the velocity that it would have had there.
             which.map_or(gained, |which| gained + yields(give, (which.of(first.either) - first.velocity).halved()))
         });
         self.less_into_stop(stage, either)
     }
 
-    /// What a stage's equation, `solved` for a row, yields for a rod free of the stop and for one that is held, where it touches one.
+    /// Gain of a rod free of the stop and gain of a held one, where it touches a stop; `solved` evaluates the stage's equation for a row.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
     fn either(
@@ -406,18 +406,18 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
         [solved(&self.row, force, free, Some(Which::Free)), by_stop]
     }
 
-    /// Of what a stage yields the one that moves the rod less into a stop that it touches; none of a rod that sticks.
+    /// Of the two gains of a stage, the one that moves the rod less into the stop that it touches; 0 for a rod that sticks.
     #[inline]
     fn less_into_stop(&self, stage: &Stage<N>, [free, held]: [N; 2]) -> N {
         let moves = || self.held().map_or(free, |stop| stop.touch.hold(free, held));
         N::choose(stage.sticks, || N::ZERO, moves)
     }
 
-    /// Moves the rod by what both stages gain, of which γ is `ahead`, and returns how fast.
+    /// Moves the rod by the gains of both stages, of which the share γ is `ahead`, and returns how it moved.
     ///
-    /// Where what a stage gains is held at the end of the format the step is no longer the method's, and no longer stable: two
-    /// held stages can throw the rod to and fro for ever. It then goes on where it is pushed to, with a velocity of one half at
-    /// most, from where the step is linear.
+    /// Where a stage's gain is held at the end of the format, the step no longer follows the method and is no longer stable: two
+    /// held stages can throw the rod to and fro for ever. The rod then moves on in the direction of the push, with a velocity of one half at
+    /// most, where the step is linear again.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn finish(
@@ -438,7 +438,7 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
             (mean, moved) = (limit(mean), limit(moved));
         }
         state.position = N::travelled(state.position, [mechanics.travel], [mean]);
-        // Friction turned with the velocity somewhere within the tick: give back what it took too much, at most to rest.
+        // Friction reversed with the velocity somewhere within the tick: give back what it took in excess, at most until the rod rests.
         let retracts = contact.retracts & moved.above(N::ZERO);
         let back = || N::choose(retracts, || (moved - self.turn()).max(self.turned(moved)), || moved);
         let extends = contact.extends & N::ZERO.above(moved);
@@ -455,13 +455,13 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
         Moved { solved: mean, beyond: None, held }
     }
 
-    /// What is left of a velocity that has turned within the tick, if friction holds as hard as it can.
+    /// What remains of a velocity that has reversed within the tick, if friction holds as hard as it can.
     #[inline]
     fn turned(&self, moved: N) -> N {
         self.own().and_then(|own| own.grip).map_or(N::ZERO, |grip| moved.times(grip.turned()))
     }
 
-    /// What all dry friction takes of the velocity in a tick, to both sides.
+    /// Velocity that dry friction of both directions together takes in a tick.
     #[inline]
     fn turn(&self) -> N {
         let Some(effects) = self.effects() else { return N::ZERO };

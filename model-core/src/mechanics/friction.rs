@@ -1,7 +1,7 @@
-//! Dry friction: how hard the rod is held at rest, and braked in motion.
+//! Dry friction: how strongly the rod is held at rest, and braked in motion.
 //!
-//! Set-valued where no bristles are given: at rest any force below the break-away is held exactly, in motion the friction points
-//! against it. Else it acts through the bristles of `lugre`. All laws add up:
+//! Without bristles, friction is set-valued: at rest any force below the break-away is held exactly, in motion the friction acts
+//! against the motion. With bristles it acts as `lugre` describes. All laws add up:
 //!
 //! ```text
 //! constant            coulomb-friction, presliding, the force of stribeck-friction, friction-asymmetry by direction
@@ -10,16 +10,16 @@
 //! area·(pa⁺ + pb⁺)    pressure-dependent-friction, at the tick's start
 //! ```
 //!
-//! Viscous friction is D·v with the mass's own coefficients, and D·u·max(0.05, 1 + d·s + e·s²)·v where the oil warms to a
-//! viscosity u or where position-dependent-friction has it change along the stroke.
+//! Viscous friction is D·v with the mass's own coefficients. It is D·u·max(0.05, 1 + d·s + e·s²)·v where the oil warms to a
+//! viscosity u or where position-dependent-friction lets it change along the stroke.
 //!
-//! The falling branch over the velocity is explicit: it drives the velocity away from where it is, never to and fro.
+//! The falling branch over the velocity is explicit: it drives the velocity away from its present value, but makes no oscillation.
 //! Source: Armstrong-Hélouvry, Dupont, Canudas de Wit, *A survey of models, analysis tools and compensation methods for the
 //! control of machines with friction*, Automatica 30, 1994.
 
 use crate::number::{Mask, Number};
 
-/// How dry friction acts during one tick. Where none of these holds, none acts.
+/// How dry friction acts during one tick. Where all are false, none acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Contact<M> {
     /// The rod sticks.
@@ -42,7 +42,7 @@ pub(crate) struct DryFriction<N: Number> {
     pub(crate) extending: N,
     /// Against retracting, the constant part.
     pub(crate) retracting: N,
-    /// What both constant parts together take of the velocity in a tick.
+    /// Velocity that both constant parts together take in a tick.
     pub(crate) turn: N,
     pub(crate) stribeck: Option<Stribeck<N>>,
     pub(crate) placed: Option<Placed<N>>,
@@ -55,38 +55,38 @@ pub(crate) struct DryFriction<N: Number> {
 pub(crate) struct Stribeck<N: Number> {
     /// At rest.
     pub(crate) excess: N,
-    /// Velocity base over the velocity at which half of it is gone.
+    /// Velocity base over the velocity at which half of it has disappeared.
     pub(crate) per_velocity: N::Steep,
     /// 1
     pub(crate) unity: N::Steep,
 }
 
-/// Friction that depends on where the rod is.
+/// Friction that depends on the rod's position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Placed<N> {
     /// At mid-stroke.
     pub(crate) level: N,
-    /// More with the rod fully out.
+    /// Additional friction with the rod fully out.
     pub(crate) slope: N,
-    /// More at both ends.
+    /// Additional friction at both ends.
     pub(crate) bow: N,
 }
 
-/// Viscous friction that depends on where the rod is, in shares of the machine's.
+/// Viscous friction that depends on the rod's position, as a share of the machine's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PlacedDrag<N> {
     /// In the oil that the machine's values are for.
     pub(crate) share: Placed<N>,
-    /// Least over the stroke that the slope and the bow may leave.
+    /// Least value over the stroke that slope and bow may leave.
     pub(crate) slipperiest: N,
     /// Least of the oil's viscosity.
     pub(crate) thinnest: N,
-    /// Least of both together, which the rod's own coefficients hold.
+    /// Least of both together, which the rod's own coefficients contain.
     pub(crate) least: N,
 }
 
 impl<N: Number> PlacedDrag<N> {
-    /// What is above the least, where the oil's viscosity is so much above its own; held at the end of the format, 8.
+    /// Viscous friction above the least, where the oil's viscosity is this much above its own least; held at the end of the format, 8.
     #[inline]
     pub(crate) fn excess(&self, from_middle: N, viscosity: N) -> N {
         (self.thinnest + viscosity).times(self.share.along(from_middle).max(self.slipperiest)) - self.least
@@ -96,7 +96,7 @@ impl<N: Number> PlacedDrag<N> {
 impl<N: Number> Stribeck<N> {
     /// excess/(1 + t²), t = |v|/vs. Error 1e-7 of the excess, and 1.5e-5 of (velocity base)/vs in t.
     ///
-    /// By r = 1/(1 + t), which fits every t: 1/(1 + t²) = 2r²/(1 + (1 − 2r)²).
+    /// Computed from r = 1/(1 + t), which fits the format for every t: 1/(1 + t²) = 2r²/(1 + (1 − 2r)²).
     #[inline]
     fn at(&self, velocity: N) -> N {
         let r = N::inverse_one_plus([velocity.magnitude()], [self.per_velocity]);
@@ -134,7 +134,7 @@ impl<N: Number> DryFriction<N> {
         level
     }
 
-    /// Whether there is none.
+    /// Whether there is no dry friction.
     pub(crate) fn is_off(&self) -> bool {
         self.extending == N::ZERO && self.retracting == N::ZERO && !self.varies()
     }
@@ -158,7 +158,7 @@ impl<N: Number> Level<N> {
     /// No friction.
     pub(crate) const NONE: Self = Self::constant(N::ZERO, N::ZERO);
 
-    /// Friction that no velocity changes.
+    /// Friction that does not depend on velocity.
     pub(crate) const fn constant(extending: N, retracting: N) -> Self {
         Self { extending, retracting, stribeck: None }
     }
@@ -173,7 +173,7 @@ impl<N: Number> Level<N> {
         self.stribeck.map_or(N::ZERO, |stribeck| stribeck.excess)
     }
 
-    /// Sticks, or slides which way. Set-valued: at rest, any force below the friction is held exactly.
+    /// Whether the rod sticks, or in which direction it slides. Set-valued: at rest, any force below the friction is held exactly.
     #[inline]
     pub(crate) fn contact(&self, velocity: N, force: N) -> Contact<N::Mask> {
         let (out, back) = (velocity.above(N::ZERO), N::ZERO.above(velocity));
@@ -191,7 +191,7 @@ impl<N: Number> Level<N> {
         }
     }
 
-    /// The friction force at a stage's velocity; a velocity that has turned within the tick counts as rest.
+    /// The friction force at a stage's velocity; a velocity that has reversed within the tick counts as rest.
     #[inline]
     pub(crate) fn force(&self, contact: Contact<N::Mask>, velocity: N) -> N {
         let falling = |along: N| self.stribeck.map(|stribeck| stribeck.at(along.max(N::ZERO)));
@@ -200,14 +200,14 @@ impl<N: Number> Level<N> {
         N::choose(contact.extends, || -level(self.extending, velocity), retracts)
     }
 
-    /// A force of the bristles as far as a rod at rest is held by it.
+    /// A force of the bristles, limited to what holds a rod at rest.
     #[inline]
     pub(crate) fn held(&self, force: N) -> N {
         let excess = self.excess();
         force.min(self.extending + excess).max(-(self.retracting + excess))
     }
 
-    /// The friction against this velocity; at rest that of the harder direction.
+    /// The friction against this velocity; at rest that of the direction with more friction.
     #[inline]
     pub(crate) fn against(&self, velocity: N) -> N {
         let still = || self.extending.max(self.retracting);
@@ -216,7 +216,7 @@ impl<N: Number> Level<N> {
         self.stribeck.map_or(constant, |stribeck| constant + stribeck.at(velocity))
     }
 
-    /// How much harder the friction against the direction of one velocity is at another; one that has turned counts as rest.
+    /// Change of the friction in the direction of `from` when the velocity becomes `to`; a velocity that has reversed counts as rest.
     #[inline]
     pub(crate) fn change(&self, from: N, to: N) -> N {
         let Some(stribeck) = &self.stribeck else { return N::ZERO };
@@ -226,7 +226,7 @@ impl<N: Number> Level<N> {
         N::pick(back, -change, change)
     }
 
-    /// What the frictions of both directions are together, breaking away included.
+    /// Sum of the frictions of both directions, break-away included.
     #[inline]
     pub(crate) fn both(&self) -> N {
         let excess = self.excess();

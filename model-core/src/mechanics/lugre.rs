@@ -1,18 +1,18 @@
-//! Bristles: the elastic contact that all dry friction acts through before the rod slides (`LuGre`).
+//! Bristles: the elastic contact through which all dry friction acts before the rod slides (`LuGre`).
 //!
 //! ```text
 //! dF/dt = stiffness·(v − |v|·F/g)     g: what all laws of dry friction add up to, in the direction of v, at v
 //! ```
 //!
-//! and light damping of dF/dt. At steady speed F is g, at rest the rod hangs on a spring. The state is F, in shares of a
+//! and light damping of dF/dt. At steady speed F is g; at rest the rod is held by a spring. The state is F, as a share of a
 //! reference that g rarely exceeds. With x = h·stiffness·|v|/g its own step is F ← F·e + g·(1 − e)·sgn v, e = 1/(1 + x + x²/2):
-//! of second order, and bounded whatever the speed. To the velocity the bristles are an implicit spring of the stiffness that they
-//! still have in the direction of motion, q = (1 − sgn v·F/g)/(1 + γ·x), and a damper that fades with q/(1 + γ·x). Bristles bent
-//! beyond what holds them, because the pressure fell, slip to that at once.
+//! of second order, and bounded at any speed. For the velocity, the bristles are an implicit spring with the stiffness that they
+//! still have in the direction of motion, q = (1 − sgn v·F/g)/(1 + γ·x), and a damper that fades with q/(1 + γ·x). Where bristles are
+//! bent further than friction holds them, because the pressure fell, they slip back to that limit at once.
 //!
-//! The damping is not a parameter: it is the critical one of the moving mass on its bristles, 2·√(stiffness·m), or what the step
-//! itself has on them, γ·h·stiffness, where that is less. Bristles that bend by less than 1/60000 of a tick's travel at velocity 1 are
-//! taken to bend by that: the force stays.
+//! The damping is not a parameter: it is the critical damping of the moving mass on its bristles, 2·√(stiffness·m), or the damping that
+//! the step itself gives them, γ·h·stiffness, where that is less. Bristles whose bend is less than 1/60000 of a tick's travel at velocity 1
+//! are computed with that bend: the force is unchanged.
 //! Source: Canudas de Wit, Olsson, Åström, Lischinsky, *A new model for control of systems with friction*, IEEE TAC 40, 1995.
 
 use crate::mechanics::friction::Level;
@@ -21,28 +21,28 @@ use crate::number::Number;
 /// Coefficients of the bristles at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bristles<N: Number> {
-    /// What the dry friction's levels and the bristles' force are shares of.
+    /// Unit of the dry friction's levels and of the bristles' force.
     pub(crate) reference: N,
     /// h·(velocity base)·stiffness/reference.
     pub(crate) bend: Bend<N>,
     /// What the stiffness adds to the mass's own diagonal at q = 1.
     pub(crate) stiffness_weight: N::Steep,
-    /// What the damping adds to it.
+    /// What the damping adds to that diagonal.
     pub(crate) damping_weight: N::Steep,
-    /// Velocity at which half of the direction counts.
+    /// Velocity at which the direction counts half.
     pub(crate) at_rest: N::Steep,
     /// 1
     pub(crate) unity: N::Steep,
 }
 
-/// What a tick at velocity 1 bends, over the bend at the reference, in the shares that the step takes of it.
+/// Bend of a tick at velocity 1, over the bend at the reference, times the factors that the step needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bend<N: Number> {
     /// ½
     pub(crate) half: N::Steep,
     /// γ
     pub(crate) ahead: N::Steep,
-    /// 1 − 2γ: what of the first stage is left in the second.
+    /// 1 − 2γ: the share of the first stage that is left in the second.
     pub(crate) second: N::Steep,
 }
 
@@ -61,7 +61,7 @@ pub(crate) struct Gripping<'a, N: Number> {
 }
 
 impl<N: Number> Bristles<N> {
-    /// From a state of any size, at a velocity, with friction of this level.
+    /// The bristles for a state of any size, at a velocity, with friction of this level.
     #[inline]
     pub(crate) fn gripping(&self, state: N, velocity: N, level: Level<N>) -> Gripping<'_, N> {
         let bent = level.held(state);
@@ -69,7 +69,7 @@ impl<N: Number> Bristles<N> {
         let slow = N::share(most, [velocity.magnitude()], [self.bend.ahead]);
         let share = bent.magnitude().min(most);
         let share = N::share(share, [most - share], [self.unity]);
-        // A rod that all but rests may go either way.
+        // A rod that is nearly at rest may move either way.
         let going = N::share(velocity.magnitude(), [N::ONE], [self.at_rest]);
         let across = velocity.above(N::ZERO) ^ bent.above(N::ZERO);
         let full = share.times(N::pick(across, -going, going));
@@ -78,7 +78,7 @@ impl<N: Number> Bristles<N> {
 }
 
 impl<N: Number> Gripping<'_, N> {
-    /// q and q/(1 + γ·x): what the stiffness and the damping have of their weights.
+    /// q and q/(1 + γ·x): the shares of their weights with which stiffness and damping count.
     #[inline]
     pub(crate) fn yielding(&self) -> [N; 2] {
         let q = (N::ONE - self.full).times(self.slow);
@@ -97,12 +97,12 @@ impl<N: Number> Gripping<'_, N> {
         self.law.reference.times(self.bent)
     }
 
-    /// The same at the second, after `ahead` of mean velocity in the first, at the velocity `there`.
+    /// The same at the second stage, at the velocity `there`, after a first stage of mean velocity `ahead`.
     #[inline]
     pub(crate) fn second(&self, ahead: N, there: N) -> N {
         let [_, fading] = self.yielding();
         let bent = self.bent + fading.times(ahead).amplified(self.law.bend.second);
-        // As far as they slide they follow the level at once.
+        // As far as the bristles slide, they follow the level at once.
         let sliding = self.full.times(N::ONE - self.slow);
         let change = self.level.change(self.velocity, there);
         self.law.reference.times(self.level.held(bent + sliding.times(change)))
@@ -123,14 +123,14 @@ impl<N: Number> Gripping<'_, N> {
         N::choose(mean.equals(N::ZERO), || self.bent, bent)
     }
 
-    /// What is left of a velocity that has turned within the tick: by bending back the bristles are stiffer by 2·F/g.
+    /// Remainder of a velocity that has reversed within the tick: while they bend back, the bristles are stiffer by 2·F/g.
     #[inline]
     pub(crate) fn turned(&self) -> N {
         let stiffer = self.full.max(N::ZERO);
         N::inverse_one_plus([stiffer + stiffer; 2], self.weights())
     }
 
-    /// What the frictions of both directions are together.
+    /// Sum of the frictions of both directions.
     #[inline]
     pub(crate) fn both(&self) -> N {
         self.law.reference.times(self.level.both())

@@ -5,8 +5,8 @@
 //! d²y/dt² = (F + Fa − Fb − Dw·dy/dt)/m                                   (14)
 //! ```
 //!
-//! The mechanics link: forces → velocity and position. The tick is the two-stage L-stable linearly implicit step of `drive::step`; alone, this
-//! link takes the forces f1 and f2 of the two stages. As it runs over a tick h, with γ = 1 − 1/√2 and the diagonal d = 1 + γ·h·Dw/m:
+//! The mechanics link: forces → velocity and position. The tick is the two-stage L-stable linearly implicit step of `drive::step`; stepped alone,
+//! this link takes the forces f1 and f2 of the two stages. As computed over a tick h, with γ = 1 − 1/√2 and the diagonal d = 1 + γ·h·Dw/m:
 //!
 //! ```text
 //! v1 = h/(m·d)·f1 − h·Dw/(m·d)·v     what the first stage gains
@@ -44,11 +44,11 @@ pub const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
 /// Coefficients of the mass at one tick, with those of its effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mechanics<N: Number, E = MechanicalEffects<N>> {
-    /// With the least viscous friction.
+    /// The row with the least viscous friction.
     pub(crate) row: Row<N>,
-    /// That friction: force per velocity. 0 where it does not fit, as it is `hard`.
+    /// That friction: force per velocity. 0 where it does not fit the format, because the mass is `hard`.
     pub(crate) viscous: N::Gain,
-    /// Whether viscous friction holds the rod so hard that full force moves it at a quarter of the velocity base at most.
+    /// Whether viscous friction is so strong that full force moves the rod at a quarter of the velocity base at most.
     pub(crate) hard: bool,
     /// γ
     pub(crate) gamma: N::Gain,
@@ -64,28 +64,28 @@ pub struct Mechanics<N: Number, E = MechanicalEffects<N>> {
 pub struct MechanicalEffects<N: Number> {
     /// Dry friction.
     pub(crate) dry: DryFriction<N>,
-    /// What adds to the mass's own diagonal.
+    /// Effects that add to the mass's own diagonal.
     pub(crate) resistance: Option<Resistance<N>>,
-    /// A force without a name.
+    /// Correction table of forces.
     pub(crate) push: Option<Push<N>>,
 }
 
-/// The equation of the velocity. All are divided by 1 + γ·h·D/m, the mass's own diagonal, and what else is on it.
+/// The equation of the velocity. All are divided by the whole diagonal: the mass's own, 1 + γ·h·D/m, and what effects add to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Row<N: Number> {
     /// Velocity gained in a tick per force.
     pub(crate) mobility: N::Gain,
-    /// γ of it: the oil's springs in the eliminated equation.
+    /// γ times `mobility`, for the oil springs in the eliminated equation.
     pub(crate) pull: N::Gain,
     /// Velocity lost in a tick to viscous friction, per velocity.
     pub(crate) drag: N::Gain,
-    /// (1 − γ)/(1 + γ·h·D/m): what of the first stage the second goes on with.
+    /// (1 − γ)/(1 + γ·h·D/m): the share of the first stage that the second continues with.
     pub(crate) back: N::Gain,
-    /// The mass's own diagonal over this one, where more is on it.
+    /// The mass's own diagonal over this one, where effects add to it.
     pub(crate) share: Option<N>,
 }
 
-/// Effects on the mass's own diagonal. Weights are γ·h/m·s over the diagonal without them; 0 for what is not on.
+/// Effects on the mass's own diagonal. Weights are γ·h/m·s over the diagonal without them; 0 for those that are off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Resistance<N: Number> {
     /// Weight of the machine's whole viscous friction.
@@ -98,14 +98,14 @@ pub(crate) struct Resistance<N: Number> {
     pub(crate) stops: Option<Stops<N>>,
     /// 1/γ
     pub(crate) per_gamma: N::Gain,
-    /// 1 − 2γ: what of the first stage's travel is left in a spring's second.
+    /// 1 − 2γ: the share of the first stage's travel that is left in a spring's second stage.
     pub(crate) second: N::Gain,
     /// 0
     pub(crate) none: N::Steep,
 }
 
 impl<N: Number, E: Keeps<MechanicalEffects<N>>> Mechanics<N, E> {
-    /// Velocity at which the rod makes room for oil over a tick that it begins so: none where a stop has caught it by the end.
+    /// Velocity at which the rod makes room for oil over a tick that starts in this state: 0 where a stop has caught the rod by the end.
     #[inline]
     pub(crate) fn making_room<V: Vocabulary>(&self, motion: &MotionState<N>) -> N {
         let resistance = V::on(self.effects.kept()).and_then(|effects| effects.resistance.as_ref());
@@ -134,10 +134,10 @@ impl<N: Number> MechanicalEffects<N> {
 }
 
 impl<N: Number> Mechanics<N> {
-    /// The same with a mass on which a force does this share, 0..1, of what it does here. What else is on the mass's diagonal grows with it.
+    /// The same with a heavier mass: a force has this share, 0..1, of its effect here. What effects add to the mass's diagonal grows with it.
     pub(crate) fn heavier(&self, share: N) -> Self {
         let shrunk = |gain: N::Gain| N::scaled(gain, share);
-        // 1 − γ of the mass over its diagonal, as the mass's part of that grows.
+        // 1 − γ of the mass over its diagonal, as the mass's part of the diagonal grows.
         let lost = N::of_gain(N::scaled(self.row.drag, N::ONE - share)).small_part(self.gamma);
         let back = N::of_gain(self.row.back) + (lost - lost.small_part(self.gamma));
         let row = Row {

@@ -11,7 +11,7 @@ pub(crate) struct PositionLoad<N: Number> {
     pub(crate) force: N,
     pub(crate) stiffness: Signed<N>,
     pub(crate) bow: Signed<N>,
-    /// 2γ·stiffness where it is solved for: what the second stage takes back of the first.
+    /// 2γ·stiffness where it is solved for: what the second stage takes back of the first stage's part.
     pub(crate) taken_back: N::Steep,
 }
 
@@ -37,7 +37,7 @@ impl<N: Number> PositionLoad<N> {
         -(self.force + self.stiffness.times(from_middle) + self.bow.times(from_middle.times(from_middle)))
     }
 
-    /// The force of the second stage, `moved` strokes on.
+    /// The force of the second stage, after the rod moved by `moved` strokes.
     #[inline]
     pub(crate) fn second(&self, from_middle: N, moved: N) -> N {
         self.at(from_middle + moved) + moved.amplified(self.taken_back)

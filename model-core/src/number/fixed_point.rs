@@ -8,8 +8,9 @@
 //! | position | `I8F56` | ±128 strokes | 1.4e-17 | products of gain and velocity are added exactly: no drift, no dead band |
 //!
 //! A product of two 32-bit words is one instruction with a 64-bit result on every target; [`Number::dot`] keeps that
-//! result to the end and rounds once, to nearest, ties upward. A result beyond the range is held at its end, that of a product of
-//! two signals or gains within 15 steps of it. What is integrated over a run loses nothing: the position has the digits, a pressure carries the rest of its rounding ([`Number::accumulated`]).
+//! result to the end and rounds once, to nearest, ties upward. A result beyond the range is held at its end; that of a product of two signals or
+//! gains is held within 15 steps of the end. Integration over a run loses nothing: the position has enough digits, and a pressure carries its
+//! rounding remainder ([`Number::accumulated`]).
 //!
 //! Error bounds, asserted in this file's tests: `times`, `dot` half a step (1.9e-9); `orifice_root` 2 steps + 6e-9
 //! of the value; `inverse_one_plus` and `share` 2e-8; chords 2e-5 + 1e-6 of the value (a Rosenbrock step is of second order
@@ -100,12 +101,12 @@ fn words(wide: i64) -> (i32, u32) {
     (upper.cast_signed(), lower)
 }
 
-/// How many steps from an end of the range a word may lie that is held there: a product keeps its lowest four digits.
+/// A held word may lie this many steps from the end of the range, since a product keeps its lowest four digits.
 const END: i32 = 15;
 
 /// A 64-bit product or sum of products with 56 fractional bits, rounded to a signal; beyond the range within [`END`] of its end.
 ///
-/// An Arm instruction holds the upper word of what is rounded to 28 bits, which are the signal's upper ones.
+/// An Arm instruction saturates the upper word of the rounded value to 28 bits; these are the signal's upper bits.
 #[inline]
 fn rounded(wide: i64) -> PerUnit {
     const HALF: i64 = 1 << (FRACTION - 1);
@@ -114,7 +115,7 @@ fn rounded(wide: i64) -> PerUnit {
     PerUnit::from_bits(upper.clamp(-LARGEST - 1, LARGEST) << (32 - FRACTION) | (lower >> FRACTION).cast_signed())
 }
 
-/// The same of what is known to stay in the range.
+/// The same for a value that is known to stay in the range.
 #[inline]
 fn rounded_within(wide: i64) -> PerUnit {
     #[expect(clippy::cast_possible_truncation, reason = "it is in the range")]
@@ -130,14 +131,14 @@ fn rounded_steep(wide: i64) -> PerUnit {
     PerUnit::from_bits(if upper >> 15 == sign { word } else { sign ^ i32::MAX })
 }
 
-/// The limit on this side. Out of line: where it is not met, the compiler then knows the signal to be the same.
+/// The limit with the word's sign. Out of line: for a signal within the limit, the compiler then knows that it stays unchanged.
 #[cold]
 #[inline(never)]
 fn at_limit(word: i32, limit: i32) -> PerUnit {
     PerUnit::from_bits(if word < 0 { -limit } else { limit })
 }
 
-/// What rounding to a signal takes from `wide`: within half a step, in units of 2⁻⁵⁶.
+/// Rounding remainder of `wide` as a signal: within half a step, in units of 2⁻⁵⁶.
 #[inline]
 fn left_by_rounding(wide: i64) -> i32 {
     const HALF: i32 = 1 << (FRACTION - 1);
@@ -214,7 +215,7 @@ impl Number for PerUnit {
     #[inline]
     fn small_part(self, of: I4F28) -> Self {
         debug_assert!((I4F28::ZERO..I4F28::ONE / 2).contains(&of), "a small part is in 0..1/2: {of}");
-        // To the bit what `part` yields; the rounded upper word is one instruction on the M4.
+        // Bit for bit the result of `part`; the rounded upper word is one instruction on the M4.
         let wide = i64::from(of.to_bits() << (32 - FRACTION)) * i64::from(self.to_bits());
         let (nearest, _) = words(wide + (1 << 31));
         PerUnit::from_bits(nearest)
@@ -256,7 +257,7 @@ impl Number for PerUnit {
     }
     #[inline]
     fn is_held(self) -> bool {
-        // From here through the end and around it, to as far from the other.
+        // From this word through the upper end, wrapping around, to the same distance from the lower end.
         self.to_bits().wrapping_sub(i32::MAX - END).cast_unsigned() <= (2 * END + 1).cast_unsigned()
     }
     #[inline]
@@ -309,7 +310,7 @@ impl Number for PerUnit {
     #[inline]
     fn travelled<const K: usize>(from: I8F56, gains: [I4F28; K], signals: [Self; K]) -> I8F56 {
         let ((upper, lower), (more, below)) = (words(from.to_bits()), words(products(gains, signals)));
-        // Held by its upper word, within 2⁻²⁴ of a stroke of the ends.
+        // Saturated by its upper word, within 2⁻²⁴ of a stroke of the ends.
         let (lower, carry) = lower.overflowing_add(below);
         let upper = upper.saturating_add(more.wrapping_add(i32::from(carry)));
         I8F56::from_bits(i64::from(upper) << 32 | i64::from(lower))

@@ -1,9 +1,9 @@
-//! The number a model is computed in.
+//! The number types that a model is computed in.
 //!
 //! The equations of this crate are written once, over [`Number`]. Several kinds of number run them:
 //! [`PerUnit`] on the controller; `f64`, dual numbers, and vectors with the signals of several drives on
-//! the desktop. `f64` and dual numbers are [`Real`]s, which are also what coefficients are computed in before a run. A number that
-//! is one signal of one drive is a [`Scalar`].
+//! the desktop. `f64` and dual numbers are [`Real`]s; coefficients, too, are computed in these, before a run. A number that
+//! holds one signal of one drive is a [`Scalar`].
 
 pub(crate) mod fixed_point;
 mod real;
@@ -16,20 +16,20 @@ use core::ops::{Add, BitAnd, BitOr, BitXor, Neg, Not, Sub};
 pub use fixed_point::PerUnit;
 pub use real::{Field, Real};
 
-/// What a comparison of two numbers says: `bool`, or one for each of several that are computed in SIMD lanes.
+/// Result of a comparison of two numbers: `bool`, or one result for each SIMD lane.
 pub trait Mask:
     Copy + Debug + PartialEq + BitAnd<Output = Self> + BitOr<Output = Self> + BitXor<Output = Self> + Not<Output = Self>
 {
-    /// Of none.
+    /// False in every lane.
     const NONE: Self;
 
-    /// Whether it says so of all.
+    /// Whether it is true in all lanes.
     fn all(self) -> bool;
 
-    /// Whether it says so of any.
+    /// Whether it is true in any lane.
     fn any(self) -> bool;
 
-    /// `yes` where it says so, else `no`; where it says so of some only, both of them `merged`.
+    /// `yes` where it is true in all lanes, `no` where it is true in none; otherwise both are computed and `merged`.
     #[inline(always)]
     #[expect(clippy::inline_always, reason = "as `Number::choose`")]
     fn branch<T>(self, yes: impl FnOnce() -> T, no: impl FnOnce() -> T, merged: impl FnOnce(T, T) -> T) -> T {
@@ -61,23 +61,23 @@ impl Mask for bool {
     }
 }
 
-/// What 1 of a sum of signals is ([`Number::summed`]).
+/// The signal value that 1 stands for in a sum of signals ([`Number::summed`]).
 pub const SUM_UNIT: f64 = (1_u64 << SUM_BITS) as f64;
-/// Its power of two.
+/// Its exponent, to base 2.
 pub(crate) const SUM_BITS: u8 = 14;
 
-/// What can be compared: one, or several at once, each with its own.
+/// Numbers that can be compared: a single one, or several at once, each with its counterpart.
 pub trait Compared: Copy {
-    /// What a comparison says.
+    /// Result of a comparison.
     type Mask: Mask;
 
     /// Whether it is above another.
     fn above(self, other: Self) -> Self::Mask;
 
-    /// Whether it equals another.
+    /// Whether it is equal to another.
     fn equals(self, other: Self) -> Self::Mask;
 
-    /// One of two.
+    /// `yes` where the mask is true, else `no`.
     #[must_use]
     fn pick(of: Self::Mask, yes: Self, no: Self) -> Self;
 
@@ -115,13 +115,13 @@ impl<T: Copy + PartialOrd> Compared for T {
 
 /// A scaled signal, with the few operations the model's step is made of.
 ///
-/// Sums and differences saturate where the type has a range. A product rounds to nearest. What the step decides by a signal it
-/// decides by a [`Mask`], so that a type may hold several signals of as many drives; but for [`Number::is_held`], so that such a type has no
-/// range to be held at.
+/// Sums and differences saturate where the type has a range. A product rounds to nearest. Where a decision of the step depends on a signal,
+/// it uses a [`Mask`], so that a type may hold one signal each of several drives. The only exception is [`Number::is_held`]; such a type must
+/// therefore have no range limits.
 pub trait Number: Compared + Debug + PartialEq + Add<Output = Self> + Sub<Output = Self> + Neg<Output = Self> {
-    /// What coefficients are computed in before they become gains.
+    /// Type in which coefficients are computed before they become gains.
     type Real: Real;
-    /// What a signal is told in.
+    /// Type in which the value of a signal is returned.
     type Value: Field<Real = Self::Real>;
     /// A coefficient of magnitude below 4.
     type Gain: Copy + Debug + PartialEq;
@@ -130,7 +130,7 @@ pub trait Number: Compared + Debug + PartialEq + Add<Output = Self> + Sub<Output
     /// The position: an accumulator that loses nothing of what is added to it.
     type Travel: Compared<Mask = Self::Mask> + Debug + PartialEq;
 
-    /// Whether steps of drives without effects are worth code of their own: on a controller, where each question after one counts.
+    /// Whether drives without effects get step code of their own: on a controller, where every check for an effect costs time.
     const LEAN: bool = false;
 
     /// 0
@@ -187,8 +187,8 @@ pub trait Number: Compared + Debug + PartialEq + Add<Output = Self> + Sub<Output
     /// Sum of up to four signals, each with its gain, rounded once.
     fn dot<const K: usize>(gains: [Self::Gain; K], signals: [Self; K]) -> Self;
 
-    /// This signal after Σ gain·signal more, and what its rounding leaves for the next time, in units of 2⁻²⁸; `rest` is what
-    /// was left last time. So nothing is lost of what is added, however little it is.
+    /// This signal plus Σ gain·signal, and the remainder of its rounding for the next call, in units of 2⁻²⁸; `rest` is the
+    /// remainder of the last call. So nothing that is added is lost, however small it is.
     #[must_use]
     fn accumulated<const K: usize>(self, rest: Self, gains: [Self::Gain; K], signals: [Self; K]) -> (Self, Self);
 
@@ -196,19 +196,19 @@ pub trait Number: Compared + Debug + PartialEq + Add<Output = Self> + Sub<Output
     #[must_use]
     fn amplified(self, by: Self::Steep) -> Self;
 
-    /// The same where it cannot leave the range.
+    /// The same for a product that cannot leave the range.
     #[must_use]
     fn amplified_within(self, by: Self::Steep) -> Self {
         self.amplified(by)
     }
 
-    /// Whether the signal is held at an end of its range, or as near it as what is held there may lie: it then says only that the true
+    /// Whether the signal is held at an end of its range, or so near to the end that it may be a held one: all it shows then is that the true
     /// value lies beyond.
     fn is_held(self) -> bool {
         false
     }
 
-    /// Whether it is 0, and would be for any parameter.
+    /// Whether it is 0 for any parameter value, not only for the present one.
     fn is_nothing(self) -> Self::Mask {
         self.equals(Self::ZERO)
     }
@@ -231,7 +231,7 @@ pub trait Number: Compared + Debug + PartialEq + Add<Output = Self> + Sub<Output
     /// 1 / (1 + gain·signal) for a product that is not negative.
     fn inverse_one_plus_product(gain: Self::Gain, signal: Self) -> Self;
 
-    /// part / (part + Σ wᵢ·sᵢ) for a part and weights wᵢ that are not negative; no part of nothing.
+    /// part / (part + Σ wᵢ·sᵢ) for a part and weights wᵢ that are not negative; 0 for a part of 0.
     fn share<const K: usize>(part: Self, weights: [Self; K], steep: [Self::Steep; K]) -> Self;
 
     /// This signal as a gain, held at the ends of a gain's range.
@@ -284,13 +284,13 @@ pub trait Number: Compared + Debug + PartialEq + Add<Output = Self> + Sub<Output
     /// The position that a signal gives in strokes; nothing is rounded away.
     fn as_travel(self) -> Self::Travel;
 
-    /// The position after Σ gain·signal strokes more; nothing is rounded away.
+    /// The position plus Σ gain·signal strokes; nothing is rounded away.
     fn travelled<const K: usize>(from: Self::Travel, gains: [Self::Gain; K], signals: [Self; K]) -> Self::Travel;
 
-    /// A sum of signals after one more, in units of 2¹⁴ ([`SUM_UNIT`]); nothing is rounded away, and beyond 2²¹ it is held.
+    /// A sum of signals plus one more, in units of 2¹⁴ ([`SUM_UNIT`]); nothing is rounded away, and beyond 2²¹ it is held.
     fn summed(sum: Self::Travel, more: Self) -> Self::Travel;
 
-    /// Such a sum as a signal: to the bit, held at the ends of its range.
+    /// Such a sum as a signal: exact to the bit, held at the ends of its range.
     fn of_sum(sum: Self::Travel) -> Self;
 
     /// The position as a signal, in strokes, rounded down to the signal's step and held at the ends of its range.

@@ -1,4 +1,4 @@
-//! Real arithmetic: what coefficients are computed in, and what numbers on the desktop are made of.
+//! Real arithmetic, in which coefficients are computed and of which the numbers on the desktop are made.
 
 #![expect(clippy::float_arithmetic, reason = "this file is the real arithmetic that coefficients and desktop runs use")]
 
@@ -7,7 +7,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::{Compared, Number, SUM_BITS, SUM_UNIT};
 
-/// Less than a fixed-point number can hold is nothing: its share would have slopes without bound.
+/// A value that is too small for a fixed-point number counts as 0: the slopes of its share would be unbounded.
 const NOTHING: f64 = 1.0 / (1_u64 << 31) as f64;
 
 /// Real arithmetic of one signal, or of several at once, each as if it were alone: what a [`Number`] on the desktop is made of.
@@ -21,7 +21,7 @@ pub trait Field:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// What coefficients are computed in.
+    /// Type in which coefficients are computed.
     type Real: Real;
 
     /// 0
@@ -39,7 +39,7 @@ pub trait Field:
     #[must_use]
     fn sqrt(self) -> Self;
 
-    /// Whether it is 0, and would be for any parameter: a dual number of value 0 that has a derivative is not.
+    /// Whether it is 0 for any parameter value: a dual number of value 0 that has a derivative is not.
     #[inline(always)]
     fn vanishes(self) -> Self::Mask {
         self.equals(Self::ZERO)
@@ -58,7 +58,7 @@ pub trait Real: Field<Real = Self, Mask = bool> + PartialOrd {
     /// The value without derivatives.
     fn value(self) -> f64;
 
-    /// Whether it is 0, and would be for any parameter: a dual number of value 0 that has a derivative is not nil.
+    /// Whether it is 0 for any parameter value: a dual number of value 0 that has a derivative is not nil.
     fn is_nil(self) -> bool;
 
     /// Exponential.
@@ -205,7 +205,7 @@ impl<F: Field> Number for F {
     }
 }
 
-/// By reference: a dual number is too large to be moved through an iterator. What fades in a step, fades through here.
+/// By reference: a dual number is too large to be moved through an iterator. Derivatives that fade in a step pass through here.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "the arrays of a call are half of what it computes on dual numbers")]
 fn sum<F: Field, const K: usize>(gains: [F; K], signals: [F; K]) -> F {

@@ -1,12 +1,12 @@
 //! A first-order approach to a level, as slow as 10⁵ s at ticks of half a millisecond.
 //!
 //! In a tick the distance shrinks by 1 − e^(−h/τ), at the slowest 5e-9, little more than one step of a gain. So the share is
-//! held times a power of two that makes it about 1, and what it moves is added at that much finer a scale, with the rest of
-//! the rounding carried ([`Number::accumulated`]): rate and end are right to 4e-7 of themselves, whatever the time constant.
+//! stored times a power of two that makes it about 1, and the change is added at a scale finer by that power, with the
+//! rounding remainder carried ([`Number::accumulated`]): rate and end have a relative error of 4e-7, whatever the time constant.
 
 use crate::number::Number;
 
-/// Largest power of two that a share is held times: 2 to this.
+/// Exponent, to base 2, of the largest power of two by which a share is multiplied.
 const FINEST: u32 = 20;
 
 /// The largest power of two up to 2²⁰ with which `share` stays at 1 at most.
@@ -25,7 +25,7 @@ pub(crate) struct Relaxation<N: Number> {
 }
 
 impl<N: Number> Relaxation<N> {
-    /// The value and its rest a tick later, on the way to `level`.
+    /// The value and its rounding remainder a tick later, on the way to `level`.
     #[inline]
     pub(crate) fn towards(&self, level: N, value: N, rest: N) -> (N, N) {
         value.accumulated(rest, [self.fine], [N::dot([self.share], [level - value])])

@@ -1,4 +1,4 @@
-//! Roots and reciprocals in integers: a table's seed and one Newton step each, without division but one of two words.
+//! Roots and reciprocals in integers: a seed from a table and one Newton step each, without any division except one of two words.
 
 use fixed::types::U16F16;
 
@@ -15,14 +15,14 @@ impl PerUnit {
     /// Δ·w^-¼.
     #[inline]
     pub(crate) fn rooted(self, inverse: InverseFourthRoot) -> Self {
-        // |Δ| is below 2³¹ when moved up, so the upper word keeps all its digits.
+        // |Δ| is below 2³¹ after the shift, so the upper word keeps all its digits.
         let wide = i64::from(self.to_bits() << inverse.up) * i64::from(inverse.mantissa.cast_signed());
         #[expect(
             clippy::cast_possible_truncation,
             reason = "a word below 2^31 times a mantissa of 2^30 at most, shifted by 30"
         )]
         let word = (wide >> 30) as i32;
-        // `word` holds Δ·mantissa with 27 + up fractional bits; times 2^exponent and back to 28. As the exponent is about up/2, `down` is 0 at least.
+        // `word` holds Δ·mantissa with 27 + up fractional bits; times 2^exponent and back to 28. As the exponent is about up/2, `down` is at least 0.
         let down = inverse.up - inverse.quarters;
         Self::from_bits((word >> down).wrapping_add(1) >> 1)
     }
@@ -35,11 +35,11 @@ pub(crate) struct InverseFourthRoot {
     mantissa: u32,
     /// A quarter of the leading zeros of w in 64 bits with 56 fractional bits, rounded down.
     quarters: u32,
-    /// How far Δ and pt can be moved up.
+    /// How far Δ and pt can be shifted up.
     up: u32,
 }
 
-/// Behind one address.
+/// Both tables behind one address.
 struct Tables {
     /// μ^-¼ over [½, 1) in 32 intervals: value (F31) at the left end, and drop to the right end (F31).
     seeds: [(u32, u32); 32],
@@ -55,7 +55,7 @@ impl InverseFourthRoot {
     #[expect(clippy::inline_always, reason = "with it the caller drops what it does not need")]
     pub(crate) fn of(delta: PerUnit, transition: PerUnit) -> Self {
         let (delta, transition) = (delta.to_bits().saturating_abs(), transition.to_bits().max(1));
-        // Both moved up as far as their squares' sum stays below 2⁶³; its upper word then holds 28 digits at least.
+        // Both are shifted up as far as the sum of their squares stays below 2⁶³; its upper word then holds at least 28 digits.
         let up = (delta | transition).leading_zeros() - 1;
         let square = |magnitude: i32| {
             let moved = u64::from(magnitude.cast_unsigned() << up);
@@ -116,7 +116,7 @@ const fn inverse_fourth_root(n: u128) -> u32 {
 /// 1 / (1 + sum) with 28 fractional bits, from a sum with 44.
 #[inline]
 pub(crate) fn reciprocal_of_one_plus(sum: u64) -> PerUnit {
-    // 2⁴⁴ at least, so there are 19 zeros at most, all of them in the upper word.
+    // At least 2⁴⁴, so there are at most 19 zeros, all of them in the upper word.
     inverse::<44>(sum.saturating_add(1 << 44))
 }
 
@@ -126,19 +126,19 @@ pub(crate) fn reciprocal_of_one_plus_fine(sum: u64) -> PerUnit {
     inverse::<56>(sum + (1 << 56))
 }
 
-/// The inverse, with 28 fractional bits, of 1 or more with so many.
+/// The inverse, with 28 fractional bits, of a number of at least 1 with this many fractional bits.
 #[inline]
 fn inverse<const BITS: u32>(whole: u64) -> PerUnit {
     #[expect(clippy::cast_possible_truncation, reason = "the two words of it")]
     let (upper, lower) = ((whole >> 32) as u32, whole as u32);
     let zeros = upper.leading_zeros();
-    // z has 30 fractional bits: 28 wanted. It is below 2, and its shift a signed one: where the compiler knows that a share is not
-    // negative, it no longer takes the one instruction for a product with it.
+    // z has 30 fractional bits: 28 wanted. It is below 2 and shifted as a signed number: if the compiler knew that a share is not
+    // negative, it would no longer use the single instruction for a product with it.
     let z = reciprocal(upper << zeros | lower >> 1 >> (31 - zeros)).cast_signed();
     PerUnit::from_bits(z >> (66 - BITS - zeros))
 }
 
-/// part / (part + sum) with 28 fractional bits, from a part below 2³¹ with 28 and a sum with 44. No part of nothing.
+/// part / (part + sum) with 28 fractional bits, from a part below 2³¹ with 28 and a sum with 44. 0 for a part of 0.
 #[inline]
 pub(crate) fn share_of(part: u32, sum: u64) -> PerUnit {
     if part == 0 {
@@ -147,7 +147,7 @@ pub(crate) fn share_of(part: u32, sum: u64) -> PerUnit {
     let whole = sum.saturating_add(u64::from(part) << 16);
     let zeros = whole.leading_zeros();
     let z = reciprocal(((whole << zeros) >> 32) as u32);
-    // The product has 58 fractional bits and is below 2⁶³. The whole is 2¹⁶ at least, so there are 47 zeros at most.
+    // The product has 58 fractional bits and is below 2⁶³. The whole is at least 2¹⁶, so there are at most 47 zeros.
     let share = (u64::from(part) * u64::from(z)) >> 50_u32.saturating_sub(zeros);
     let word = share.min(1 << FRACTION) as i32;
     PerUnit::from_bits(word)

@@ -70,10 +70,10 @@ pub enum LinkageError {
         base_m: f64,
         /// Joint to the rod's eye.
         arm_m: f64,
-        /// The cylinder at one end of its stroke.
+        /// Length of the cylinder at one end of its stroke.
         length_m: f64,
     },
-    /// Close to a stretched triangle the angle says little about the length.
+    /// Near a stretched triangle the angle gives little information about the length.
     #[error(
         "linkage: the series misses by {error:.2e} of the stroke; expected at most {SERIES_TOLERANCE:e}: the triangle is nearly stretched"
     )]
@@ -142,7 +142,7 @@ impl<N: Scalar<Real = f64>> Linkage<N> {
     }
 }
 
-/// Scale of `N::counted` (which counts in 65536) to a unit of `per_count` a count.
+/// Scale from `N::counted` (in units of 65536 counts) to a unit of which a count is `per_count`.
 fn count_scale<N: Number<Real = f64>>(parameter: P, value: f64, per_count: f64) -> Result<N::Steep, MachineError> {
     let scaled = 65536.0 * per_count;
     N::steep(scaled).ok_or(MachineError::DoesNotFit { parameter, value, coefficient: "counts", scaled, limit: 65536.0 })

@@ -1,4 +1,4 @@
-//! The sensing link: what the sensors make of the rod's position, of the pressures and of the spool. §2, §3 of the paper.
+//! The sensing link: the sensors' readings of the rod's position, the pressures and the spool. §2, §3 of the paper.
 //!
 //! [`Linkage`] and [`Lvdt`] turn counts into per-unit signals and back; [`Sensors`] have the errors that a real sensor adds.
 

@@ -1,13 +1,13 @@
-//! Sensors that do not read the truth: play, lag and dead time of the position's, offsets and gain errors of all.
+//! Sensors with errors: play, lag and dead time of the position's sensor, offsets and gain errors of all sensors.
 //!
 //! rod → play → first-order lag → dead time → gain error → sensed position. The others read true·(1 + factor) + offset. The lag
-//! is exact for a position that moves linearly within each tick; a dead time of part of a tick is linear between two. A sensed
-//! position is a signal: steps of 2⁻²⁸ strokes, ±8 strokes. Where nothing is on, it is the position itself.
+//! is exact for a position that moves linearly within each tick; a fraction of a tick in the dead time is interpolated linearly. A sensed
+//! position is a signal: steps of 2⁻²⁸ strokes, ±8 strokes. Where no sensor effect is on, it is the position itself.
 
 use crate::number::Number;
 use crate::ports::{ChamberState, MotionState};
 
-/// Coefficients of all sensors at one tick. `None` reads the truth.
+/// Coefficients of all sensors at one tick. With `None` the sensor reads the true value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensors<N: Number> {
     /// Half the play between rod and sensor, strokes.
@@ -28,7 +28,7 @@ pub struct Sensors<N: Number> {
 pub(crate) struct Lag<N: Number> {
     /// e^(−h/T)
     pub(crate) decay: N::Gain,
-    /// T/h·(1 − e^(−h/T)): what it falls behind per travel of a tick.
+    /// T/h·(1 − e^(−h/T)): by how much the output falls behind, per travel of a tick.
     pub(crate) behind: N::Gain,
 }
 
@@ -37,16 +37,16 @@ pub(crate) struct Lag<N: Number> {
 pub(crate) struct Delay<N> {
     /// Whole ticks.
     pub(crate) ticks: usize,
-    /// The rest, in ticks, 0..1.
+    /// Remainder of the dead time, in ticks, 0..1.
     pub(crate) rest: N,
 }
 
-/// What a sensor reads.
+/// Gain and offset of a sensor's reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Reading<N: Number> {
     /// 1 + gain error.
     pub(crate) factor: N::Gain,
-    /// What it reads too much.
+    /// Offset that is added to the true value.
     pub(crate) offset: N,
 }
 
@@ -57,7 +57,7 @@ impl<N: Number> Reading<N> {
     }
 }
 
-/// State of the sensors, with the dead time's line of `DELAY` ticks (a power of two). Untouched where the position reads true.
+/// State of the sensors, with the dead time's line of `DELAY` ticks (a power of two). Unchanged where the position is read without error.
 #[derive(Clone, Copy, Debug, PartialEq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -65,16 +65,16 @@ impl<N: Number> Reading<N> {
     serde(bound(serialize = "N: serde::Serialize", deserialize = "N: serde::Deserialize<'de>"))
 )]
 pub struct SensedState<N: Number, const DELAY: usize> {
-    /// Position at the state's start, strokes: from where a gain error counts.
+    /// Position at the state's start, strokes: the gain error is relative to it.
     origin: N,
-    /// What the play hands on, strokes. At the start the rod stands in the middle of its play.
+    /// Output of the play, strokes. At the start the rod stands in the middle of its play.
     played: N,
-    /// How far the lag's output is behind.
+    /// By how much the lag's output is behind.
     behind: N,
     /// Outputs of the lag at past ticks, a ring.
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     line: [N; DELAY],
-    /// Where the next is written.
+    /// Where the next output is written.
     head: u32,
     /// Sensed position before its gain error.
     position: N,
@@ -96,7 +96,7 @@ pub struct Sensed<N: Number> {
 }
 
 impl<N: Number, const DELAY: usize> SensedState<N, DELAY> {
-    /// With the rod having stood here for long.
+    /// At rest, after the rod stood here for a long time.
     pub(crate) fn at_rest(position: N::Travel) -> Self {
         let origin = N::of_travel(position);
         Self { origin, played: origin, behind: N::ZERO, line: [origin; DELAY], head: 0, position: origin }
@@ -165,7 +165,7 @@ impl<N: Number> Sensors<N> {
 }
 
 impl<N: Number> Delay<N> {
-    /// Takes in a value and hands out the one of `ticks + rest` ticks before.
+    /// Stores a value and returns the value of `ticks + rest` ticks before.
     #[inline]
     #[expect(clippy::indexing_slicing, reason = "the index is masked to the length, a power of two")]
     fn passed<const DELAY: usize>(&self, line: &mut [N; DELAY], head: &mut u32, value: N) -> N {

@@ -1,8 +1,8 @@
-//! Effects of the valve link: what the spool does beyond Fig. 5.
+//! Effects of the valve link: behaviour of the spool that Fig. 5 does not have.
 //!
-//! In the order of the chain: the neutral drifts, the solenoid saturates, the play lags behind (all before the rate limiter); the
-//! flow force pushes closed (before the lags); the spool sticks (after them). Each is `None` where its strength is nil, and
-//! the valve's step is then the one without it, bit for bit.
+//! In the order of the chain: the neutral drifts, the solenoid saturates, the hysteresis lags behind (all before the rate limiter); the
+//! flow force pushes closed (before the lags); the spool sticks (after them). Each is `None` where its amount is 0, and
+//! the valve's step is then the one without the effect, bit for bit.
 
 use crate::effects::LinkEffects;
 use crate::number::Number;
@@ -25,16 +25,16 @@ pub struct ValveEffects<N: Number> {
 pub(crate) struct ValveEffectState<N> {
     /// Outputs of the three plays.
     plays: [N; 3],
-    /// Share of the null drift that has come, 0..1.
+    /// Share of the null drift that has happened, 0..1.
     drifted: N,
-    /// What its rounding left.
+    /// Its rounding remainder.
     drifted_rest: N,
     /// The spool without stiction: output of the second lag.
     free: N,
 }
 
 impl<N: Number> ValveEffectState<N> {
-    /// At rest for long at `target`: every play has settled there from the middle, nothing has drifted, nothing is stuck.
+    /// At rest for a long time at `target`: every play has settled there from its middle, nothing has drifted, nothing is stuck.
     pub(crate) fn at_rest(target: N) -> Self {
         Self { plays: [target; 3], drifted: N::ZERO, drifted_rest: N::ZERO, free: target }
     }
@@ -43,13 +43,13 @@ impl<N: Number> ValveEffectState<N> {
 impl<N: Number> LinkEffects for ValveEffects<N> {}
 
 impl<N: Number> ValveEffects<N> {
-    /// Whether there is none.
+    /// Whether no effect is on.
     pub(crate) fn are_off(&self) -> bool {
         let Self { drift, saturation, hysteresis, flow_force, stiction } = self;
         drift.is_none() && saturation.is_none() && hysteresis.is_none() && flow_force.is_none() && stiction.is_none()
     }
 
-    /// The static characteristic's output with drift, saturation and play, over a tick.
+    /// Output of the static characteristic over a tick, with drift, saturation and play.
     #[inline]
     pub(crate) fn characteristic(&self, target: N, state: &mut ValveEffectState<N>) -> N {
         let drifted = match &self.drift {
@@ -63,7 +63,7 @@ impl<N: Number> ValveEffects<N> {
         }
     }
 
-    /// The target that the solenoid feeds.
+    /// The target after the solenoid's saturation.
     #[inline]
     pub(crate) fn fed(&self, target: N) -> N {
         match &self.saturation {
@@ -72,13 +72,13 @@ impl<N: Number> ValveEffects<N> {
         }
     }
 
-    /// Output of the second lag at the start of a tick, where the spool handed on stands at `spool`.
+    /// Output of the second lag at the start of a tick; `spool` is the position that was handed on.
     #[inline]
     pub(crate) fn second_lag(&self, state: &ValveEffectState<N>, spool: N) -> N {
         if self.stiction.is_some() { state.free } else { spool }
     }
 
-    /// The spool handed on, from where it was to where the second lag's output is at the end of the tick.
+    /// The spool to hand on, from its last position and the second lag's output at the end of the tick.
     #[inline]
     pub(crate) fn handed_on(&self, state: &mut ValveEffectState<N>, spool: N, free: N) -> N {
         let Some(stiction) = &self.stiction else { return free };
@@ -87,10 +87,10 @@ impl<N: Number> ValveEffects<N> {
     }
 }
 
-/// `null-drift`: the neutral moves by `travel`·(1 − e^(−t/τ)), t from where the state began; positive extends.
+/// `null-drift`: the neutral moves by `travel`·(1 − e^(−t/τ)), t since the state began; positive extends.
 ///
-/// Per unit spool travel. The mean of both ends stands for the tick: off by (h/τ)²/12 of what is left, and by 4e-7 of the
-/// travel in fixed point. The drift stands still while the chain is entered below the command.
+/// Per unit spool travel. A tick uses the mean of both ends: its error is (h/τ)²/12 of the drift that is left, and 4e-7 of the
+/// travel in fixed point. The drift stands still while the drive input is below the command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct NullDrift<N: Number> {
     pub(crate) travel: N,
@@ -106,9 +106,9 @@ impl<N: Number> NullDrift<N> {
     }
 }
 
-/// `solenoid-saturation`: beyond the onset the travel d becomes `kept`·d/(1 + `curvature`·d), to both sides.
+/// `solenoid-saturation`: beyond the onset the travel d becomes `kept`·d/(1 + `curvature`·d), in both directions.
 ///
-/// Per unit spool travel from the centre; smooth to the first derivative where all is kept. In fixed point within 2e-8 and
+/// Per unit spool travel from the centre; smooth to the first derivative where the whole gain is kept. Error in fixed point: 2e-8 and
 /// 8e-6·d² (the curvature's step). After the force characteristic of a proportional solenoid near its stop: Jelali & Kroll, *Hydraulic Servo-systems*, 2003, ch. 4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SolenoidSaturation<N: Number> {
@@ -149,28 +149,28 @@ impl<N: Number> Hysteresis<N> {
     }
 }
 
-/// `flow-force`: the oil that flows through the open edges pushes the spool closed, by c = `closing`·o·Δp of set value.
+/// `flow-force`: the oil that flows through the open edges pushes the spool closed; it reduces the set value by c = `closing`·o·Δp.
 ///
-/// o is the travel beyond the dead zone: the steady flow force, 2·Cd·w·o·Δp·cos θ (Merritt, *Hydraulic Control Systems*, 1967,
-/// eq. 5-29), is one of the opening. Δp ≥ 0 is the sum of both open edges' differences at the start of the tick. Over the tick
-/// stands the mean of c at both ends, weighed as the slower lag weighs them: ½ each where it is slow, all at the end without lags.
-/// c at the end is solved for, so that no force, however strong, makes the spool swing from tick to tick. A stuck spool's force is
-/// that of where it would be.
+/// o is the travel beyond the dead zone, since the steady flow force, 2·Cd·w·o·Δp·cos θ (Merritt, *Hydraulic Control Systems*, 1967,
+/// eq. 5-29), depends on the opening. Δp ≥ 0 is the sum of both open edges' differences at the start of the tick. A tick uses the
+/// mean of c at both ends, weighted as the slower lag weights them: ½ each where it is slow, only the end where there are no lags.
+/// c at the end is solved for, so that no force, however strong, makes the spool oscillate from tick to tick. For a stuck spool the
+/// force at its free position is used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FlowForce<N: Number> {
-    /// Share of its opening that the spool closes by, per pressure.
+    /// Share of its opening by which the spool closes, per pressure.
     pub(crate) closing: N,
     pub(crate) overlap: Overlap<N>,
     /// Weights of both ends of the tick.
     pub(crate) weights: [N::Gain; 2],
-    /// How much of each end's c the lags let through within the tick.
+    /// Share of each end's c that the lags let through within the tick.
     pub(crate) shares: [N; 2],
     /// 1, as a slope.
     pub(crate) unity: N::Steep,
 }
 
 impl<N: Number> FlowForce<N> {
-    /// What the set value is reduced by, signed like the opening, for the spool at the start of the tick and at its end without
+    /// Reduction of the set value, signed like the opening, from the spool at the start of the tick and at its end without
     /// the force.
     #[inline]
     pub(crate) fn closes(&self, from: N, to: N, across: AcrossEdges<N>) -> N {
@@ -184,11 +184,11 @@ impl<N: Number> FlowForce<N> {
     }
 }
 
-/// `spool-stiction`: the spool stays until it is asked for more than `band` elsewhere, then jumps to within `kept` of there
+/// `spool-stiction`: the spool stays until its target is more than `band` away, then jumps to within `kept` of the target
 /// and stays again: static friction holds it, the smaller kinetic friction stops it short.
 ///
-/// Per unit spool travel; exact. The free spool that a jump goes to is that at the end of the tick; see
-/// [`Spool`](crate::ports::Spool) for how it lies within the tick. A stick-slip limit of Armstrong-Hélouvry, Dupont &
+/// Per unit spool travel; exact. A jump goes towards the free spool at the end of the tick; see
+/// [`Spool`](crate::ports::Spool) for how the jump is placed within the tick. A stick-slip limit of Armstrong-Hélouvry, Dupont &
 /// Canudas de Wit, *Automatica* 30, 1994.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stiction<N: Number> {
@@ -224,7 +224,7 @@ mod tests {
         *Drive::new::<64>(&machine, Tick::OneMillisecond).unwrap().valve().unwrap()
     }
 
-    /// The spool after each of a few set values, one a tick.
+    /// The spool after each of a few set values, one per tick.
     fn spools<const K: usize>(changes: &[(P, f64)], targets: [f64; K]) -> [f64; K] {
         let valve = valve::<PerUnit>(changes);
         let mut state: ValveState<PerUnit, 64> = valve.at_rest(PerUnit::ZERO);

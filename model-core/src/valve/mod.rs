@@ -3,8 +3,8 @@
 //! G(s) = 1/((1 + 0.018·s)·(1 + 0.0279·s))·e^(−0.007·s)                   (16)
 //! ```
 //!
-//! The valve link: command → spool, Fig. 5: static characteristic → rate limiter → transport delay → two first-order lags. As it runs, over a
-//! tick h with the command U held, every number of (15) and (16) a parameter:
+//! The valve link: command → spool, Fig. 5: static characteristic → rate limiter → transport delay → two first-order lags. As computed, over a
+//! tick h with the command U held; every number of (15) and (16) is a parameter:
 //!
 //! ```text
 //! y  = gain·U + offset                                                   (15)
@@ -14,11 +14,11 @@
 //! x' = d + e^(−h/T2)·(x − d) + cross·(l − d)       1/(1 + T2·s)          (16)
 //! ```
 //!
-//! Within a tick the set value ramps at the limit until it arrives, so its *mean* over the tick is exact in the area
-//! that reaches the spool whatever the tick is; the lags answer that mean exactly (no discretisation error of their own).
+//! Within a tick the set value ramps at the limit until it arrives. Its *mean* over the tick keeps the area that reaches the spool
+//! exact for any tick length; the lags answer that mean exactly (no discretisation error of their own).
 //!
 //! Formats: the command is a signal, 1 being 10 V; the spool is a signal, 1 being full travel (±8, step 3.7e-9); gains and decays are gains
-//! (below 4). Signs: a positive command moves the spool to where it opens P-A and B-T; the sign of the gain may turn that round.
+//! (below 4). Signs: a positive command moves the spool in the direction that opens P-A and B-T; a negative gain reverses this.
 
 pub(crate) mod effects;
 
@@ -41,7 +41,7 @@ pub struct Valve<N: Number, E = ValveEffects<N>> {
     pub(crate) half_per_step: N::Steep,
     /// Whole ticks of delay.
     pub(crate) delay_ticks: usize,
-    /// The rest of the delay, in ticks, 0..1.
+    /// Remainder of the delay, in ticks, 0..1.
     pub(crate) delay_rest: N,
     /// e^(−h/T1)
     pub(crate) decay_1: N::Gain,
@@ -85,9 +85,9 @@ impl<N: Number, E> Valve<N, E> {
 }
 
 impl<N: Number> Valve<N> {
-    /// The valve at rest with `command` (in 10 V) having been held for long, and no oil flowing.
+    /// The valve at rest after `command` (in 10 V) was held for a long time, with no oil flowing.
     ///
-    /// Hysteresis has settled in the middle of its width, the neutral has yet to drift, and the spool is stuck nowhere.
+    /// Hysteresis has settled in the middle of its width, the neutral has not yet drifted, and the spool is not stuck.
     #[must_use]
     pub fn at_rest<const DELAY: usize>(&self, command: N) -> ValveState<N, DELAY> {
         ValveState::at_rest(self.effects.fed(self.target(command)))
@@ -143,7 +143,7 @@ impl<N: Number, E: Keeps<ValveEffects<N>>> Valve<N, E> {
 }
 
 impl<N: Number, E> Valve<N, E> {
-    /// Both lags a tick later, relaxing towards `set`; `cross` is what the first hands to the second meanwhile.
+    /// Both lags a tick later, on the way to `set`; `cross` is what the first hands to the second meanwhile.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
     fn lagged(&self, first: N, second: N, set: N) -> (N, N) {
@@ -157,7 +157,7 @@ impl<N: Number, E> Valve<N, E> {
         N::dot([self.gain], [command]) + self.offset
     }
 
-    /// Moves the set value and returns its mean over the tick: it ramps for the share |d|/limit of it, then rests.
+    /// Moves the set value and returns its mean over the tick: it ramps for the share |d|/limit of the tick, then rests.
     #[inline]
     fn limit_rate(&self, set: &mut N, target: N) -> N {
         let step = (target - *set).limited(self.step_limit);
@@ -185,7 +185,7 @@ impl<N: Number, const DELAY: usize> ValveState<N, DELAY> {
         Self::at_rest(N::ZERO)
     }
 
-    /// Everything having settled at this set value.
+    /// Everything settled at this set value.
     pub(crate) fn at_rest(set: N) -> Self {
         let effects = ValveEffectState::at_rest(set);
         Self { set, line: [set; DELAY], head: 0, lag: set, spool: set, effects }

@@ -1,4 +1,4 @@
-//! Fixed point and f64 are one model with each effect on, alone and all together, and no input overflows.
+//! Fixed point and f64 are the same model with each effect on, alone and all together, and no input overflows.
 
 use proptest::prelude::*;
 
@@ -10,9 +10,9 @@ use model_core::ports::ChamberState;
 
 use super::bench::{State, at_rest, cases, command, commanded, drive, effects, every_effect, oil_at, press, with};
 
-/// Of the sensed position over 1.2 s, strokes. Dry friction decides: the last bit may let the rod go a tick earlier.
+/// Tolerance of the sensed position over 1.2 s, strokes. Dry friction decides it: the last bit may let the rod go a tick earlier.
 const POSITION: f64 = 2e-6;
-/// Of the pressures at its end, supply pressures; a stop that is met a tick sooner presses sooner.
+/// Tolerance of the pressures at its end, supply pressures; a stop that is met a tick sooner presses sooner.
 const PRESSURE: f64 = 1e-5;
 
 fn run<N: Scalar<Real = f64>>(machine: &Machine<f64>) -> (Vec<f64>, [f64; 2]) {
@@ -37,7 +37,7 @@ fn apart(machine: &Machine<f64>) -> (f64, f64) {
     (position, pressure)
 }
 
-/// From the farthest in to the farthest out, strokes.
+/// Distance from the farthest in to the farthest out, strokes.
 fn travelled(machine: &Machine<f64>) -> f64 {
     let (positions, _) = run::<f64>(machine);
     positions.iter().copied().fold(f64::MIN, f64::max) - positions.iter().copied().fold(f64::MAX, f64::min)

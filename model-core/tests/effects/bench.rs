@@ -48,13 +48,13 @@ pub(crate) fn at_rest<N: Scalar<Real = f64>>(drive: &Drive<N>, [a, b]: [f64; 2],
     drive.at_rest(N::ZERO, ChamberState { a: N::saturated(a), b: N::saturated(b) }, N::travel(position))
 }
 
-/// Under a force of the oil alone, N.
+/// One tick under a force of the oil alone, N.
 pub(crate) fn pushed<N: Scalar<Real = f64>>(drive: &Drive<N>, state: &mut State<N>, force_n: f64) -> Interfaces<N> {
     let force = N::saturated(force_n / drive.bases().force_n);
     drive.step(state, DriveInput::Force { from: force, to: force }, Load::NONE)
 }
 
-/// Under a command, in 10 V.
+/// One tick under a command, in 10 V.
 pub(crate) fn commanded<N: Scalar<Real = f64>>(drive: &Drive<N>, state: &mut State<N>, command: f64) -> Interfaces<N> {
     drive.step(state, DriveInput::Command(N::saturated(command)), Load::NONE)
 }
@@ -64,7 +64,7 @@ pub(crate) fn command(tick: usize) -> f64 {
     [0.5, 0.0, -0.6, 0.3, -0.3, 0.9, 0.0, -0.8][tick / 150 % 8]
 }
 
-/// Oil that is measured to be so warm, °C.
+/// Sets the measured temperature of the oil, °C.
 pub(crate) fn oil_at<N: Scalar<Real = f64>>(drive: &Drive<N>, state: &mut State<N>, temperature_c: f64) {
     state.oil_temperature = N::saturated(temperature_c / drive.bases().temperature_c);
 }

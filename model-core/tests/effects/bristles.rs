@@ -1,4 +1,4 @@
-//! Every law of dry friction acts through bristles as `LuGre` integrated apart from the core.
+//! Every law of dry friction acts through bristles like `LuGre` integrated independently of the core.
 
 use proptest::prelude::*;
 
@@ -15,11 +15,11 @@ const STEPS: usize = 1000;
 /// Sum of both pressures on the seals, Pa.
 const PRESSED_PA: f64 = 4e6;
 
-/// Largest distance to the integration over 0.9 s and 6 cm of travel, m. What rigid friction has to bristles of 1e9 N/m is 1.3e-5.
+/// Largest distance to the integration over 0.9 s and 6 cm of travel, m. Between rigid friction and bristles of 1e9 N/m it is 1.3e-5.
 const POSITION_M: f64 = 4e-5;
-/// Root mean square of the velocity's, m/s.
+/// Root mean square distance of the velocity, m/s.
 const VELOCITY_M_PER_S: f64 = 5e-4;
-/// Of fixed point to f64, m.
+/// Largest distance of fixed point to f64, m.
 const ROUNDING_M: f64 = 5e-8;
 
 /// The friction at a velocity and a position, in strokes from mid-stroke times two, N.
@@ -98,7 +98,7 @@ fn lugre(level: Level, stiffness: f64, damping: f64) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// The core's damping: critical, or what its step has.
+/// The core's damping: critical, or that of its step.
 fn damping(stiffness: f64) -> f64 {
     f64::min(2.0 * (stiffness * MASS_KG).sqrt(), (1.0 - 0.5_f64.sqrt()) * TICK_S * stiffness)
 }
@@ -115,7 +115,7 @@ fn core<N: Scalar<Real = f64>>(law: &[(P, f64)], stiffness: f64) -> Vec<[f64; 2]
         .collect()
 }
 
-/// Most that the positions are apart, m, and the velocities' root mean square, m/s.
+/// Largest distance of the positions, m, and root mean square distance of the velocities, m/s.
 fn apart(found: &[[f64; 2]], truth: &[[f64; 2]]) -> [f64; 2] {
     let position = found.iter().zip(truth).map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f64::max);
     let square: f64 = found.iter().zip(truth).map(|(a, b)| (a[1] - b[1]).powi(2)).sum();
@@ -153,7 +153,7 @@ fn bristles_without_friction_are_nothing() {
     assert_eq!(core::<PerUnit>(&[], 1e8), core::<PerUnit>(&[], 0.0));
 }
 
-/// Pressed against its bristles the rod neither swings nor creeps, but for the last bit of fixed point: 3 nm a second.
+/// Pressed against its bristles the rod neither oscillates nor creeps, except for the last bit of fixed point: 3 nm a second.
 #[test]
 fn a_rod_that_hangs_on_its_bristles_stays() {
     fn check<N: Scalar<Real = f64>>(ticks: u32, creep_m: f64) {

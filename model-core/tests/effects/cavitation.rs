@@ -28,8 +28,8 @@ fn pulled<N: Scalar<Real = f64>>(drive: &Drive<N>, state: &mut State<N>, force_n
     drive.step(state, DriveInput::Command(N::ZERO), Load { from: force, to: force });
 }
 
-/// A closed drive whose rod 20 kN pull out and let go: A's pressure is flat while B's oil is compressed, and A's oil and void make up what
-/// the rod went.
+/// A closed drive whose rod is pulled out by 20 kN and released: A's pressure is constant while B's oil is compressed, and A's oil and void
+/// fill the rod's travel.
 #[test]
 fn the_void_is_what_the_rod_ran_ahead_and_the_pressure_rises_once_it_is_back() {
     fn check<N: Scalar<Real = f64>>() {
@@ -44,7 +44,7 @@ fn the_void_is_what_the_rod_ran_ahead_and_the_pressure_rises_once_it_is_back() {
             let [void, other] = voids_m3(&drive, &state);
             let drawn_m3 = 3.117e-3 * (position_m(&drive, &state) - start.0);
             let given_m3 = 5.2e-4 / 1.2e9 * (start.1 - a);
-            // To the rounding of its coefficients.
+            // Within the rounding of its coefficients.
             let off = void - (drawn_m3 - given_m3);
             assert!(off.abs() < 1e-5 * drawn_m3.abs() + 1e-13, "tick {tick}: {void} of {drawn_m3}");
             assert!(a > FLOOR_PA - 0.05 && other == 0.0, "tick {tick}: {a} {other}");
@@ -63,7 +63,7 @@ fn the_void_is_what_the_rod_ran_ahead_and_the_pressure_rises_once_it_is_back() {
     check::<f64>();
 }
 
-/// From a tank at 0 through an edge of K·0.2·√0.8 bar into a void.
+/// Oil flows from a tank at 0 into a void, through an edge of K·0.2·√0.8 bar.
 #[test]
 fn an_open_edge_to_tank_fills_the_void_by_what_the_tank_pushes() {
     fn check<N: Scalar<Real = f64>>() {
@@ -117,7 +117,7 @@ fn loads() -> impl Strategy<Value = Vec<(f64, usize)>> {
 proptest! {
     #![proptest_config(cases(60))]
 
-    /// A floor that no pressure comes to changes nothing, to the bit.
+    /// A floor that no pressure reaches changes nothing, to the bit.
     #[test]
     fn a_floor_that_is_not_met_is_none(air in prop::sample::select(vec![0.0, 0.01]), leakage in prop::sample::select(vec![0.0, 2e-12])) {
         fn run<N: Scalar<Real = f64>>(machine: &Machine<f64>) -> Vec<State<N>> {
@@ -138,8 +138,8 @@ proptest! {
         prop_assert!(run::<PerUnit>(&machine) == run::<PerUnit>(&without));
     }
 
-    /// Pulled and pushed with a closed valve: the pressures stay above the floor, the oil of each chamber makes room with its void for
-    /// what the rod went, and fixed point is as f64.
+    /// Pulled and pushed with a closed valve: the pressures stay above the floor, the oil and the void of each chamber together follow the rod's
+    /// travel, and fixed point agrees with f64.
     #[test]
     fn oil_and_void_fill_what_the_rod_leaves(
         loads in loads(), mass_kg in 20.0..500.0_f64, damping in 1e3..5e4_f64, floor in -1e5..0.0_f64,
@@ -162,7 +162,7 @@ proptest! {
                     let given = [5.2e-4 / 1.2e9 * (start.1[0] - a), 3.3e-4 / 1.2e9 * (start.1[1] - b)];
                     for side in 0..2 {
                         let off = voids[side] - (room[side] - given[side]);
-                        // Of a coefficient's rounding, and of the velocity's on its way to B.
+                        // From the rounding of a coefficient, and of the velocity on its way to B.
                         let allowed = 1e-5 * (room[side].abs() + given[side].abs()) + 1e-12;
                         assert!(held || off.abs() < allowed, "{side}: {off} of {voids:?}");
                     }
@@ -181,7 +181,7 @@ proptest! {
         }
     }
 
-    /// With its valve closed a drive comes to rest, whatever is void at the start.
+    /// With its valve closed a drive comes to rest, whatever voids there are at the start.
     #[test]
     fn a_drive_with_voids_comes_to_rest(
         start in prop::array::uniform2(-0.01..1.5_f64), velocity in -4.0..4.0_f64, mass_kg in 20.0..500.0_f64,

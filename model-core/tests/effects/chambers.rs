@@ -8,7 +8,7 @@ use super::bench::{State, at_rest, commanded, drive, press, with};
 const SUPPLY_PA: f64 = 7e6;
 const ATMOSPHERE_PA: f64 = 1.013e5;
 
-/// The press with a rod that hardly moves, so that only the chamber tells.
+/// The press with a rod that hardly moves, so that only the chamber has an effect.
 fn clamped(changes: &[(P, f64)]) -> model_core::machine::Machine<f64> {
     with(&with(&press(), &[(P::CoulombFriction, 5e4)]), changes)
 }

@@ -146,7 +146,7 @@ proptest! {
         braked(&drive::<f64>(&machine), velocity.to_f64(), from);
     }
 
-    /// Work done on the rod over a run from rest is never negative: the friction only takes.
+    /// Work done on the rod over a run from rest is never negative: friction only takes energy.
     #[test]
     fn friction_takes_energy(
         law in any_law(),

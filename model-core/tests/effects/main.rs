@@ -1,4 +1,4 @@
-//! What effects do: neutral is nothing, examples by hand, fixed point as f64 for every effect of the table.
+//! What effects do: an amount of 0 changes nothing, examples by hand, fixed point agrees with f64 for every effect of the table.
 
 mod agreement;
 mod bench;

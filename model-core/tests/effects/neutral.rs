@@ -1,4 +1,4 @@
-//! An effect of strength 0 is the model without it, bit for bit, whatever its other parameters are.
+//! An effect whose amount is 0 is the model without it, bit for bit, whatever its other parameters are.
 
 use proptest::prelude::*;
 
@@ -28,7 +28,7 @@ fn run<N: Scalar<Real = f64>>(machine: &Machine<f64>) -> Vec<State<N>> {
     (0..1200).map(step).collect()
 }
 
-/// Parameters that say nothing while the strength of their effect is 0.
+/// Parameters without any influence while the amount of their effect is 0.
 const SECONDARY: [(P, f64, f64); 7] = [
     (P::StribeckVelocity, 1e-5, 10.0),
     (P::StopRetracted, -1.0, 1.0),
@@ -58,7 +58,7 @@ proptest! {
     }
 }
 
-/// Where a strength is too small to move a bit, the code that it switches on computes what the code without it does.
+/// Where an amount is too small to change a bit, the code that it switches on computes the same as the code without it.
 #[test]
 fn next_to_nothing_of_an_effect_is_next_to_nothing() {
     let plain = run::<f64>(&press());

@@ -24,7 +24,7 @@ fn a_spring_bears_its_force_where_its_formula_says() {
     check::<f64>();
 }
 
-/// A light, undamped mass on a spring of 1e6 N/m: its swing and its period stay.
+/// A light, undamped mass on a spring of 1e6 N/m: its amplitude and its period stay constant.
 #[test]
 fn a_stiff_spring_swings_with_its_own_period_and_no_more_than_it_was_given() {
     let machine = with(&press(), &[(P::LoadSpring, 1e6), (P::MovingMass, 100.0), (P::ViscousFriction, 0.0)]);
@@ -78,7 +78,7 @@ fn a_stop_bears_a_force_at_its_depth_and_lets_go_of_the_rod() {
 proptest! {
     #![proptest_config(cases(500))]
 
-    /// Kinetic energy and that of the stop's spring, without any force: never more than the rod came with.
+    /// Kinetic energy plus that of the stop's spring, without any force: never more than the rod had at first.
     #[test]
     fn a_stop_gives_back_no_more_than_it_took(
         exponent in 6.0..9.0_f64, damping in prop::sample::select(vec![0.0, 1e3, 1e4, 1e5]),
@@ -136,7 +136,7 @@ fn friction_follows_a_measured_temperature_from_tick_to_tick() {
         let thinning = [(P::ViscosityLossPerKelvin, 0.04), (P::ReferenceTemperature, 45.0), (P::Stroke, 3.0)];
         let drive = drive::<N>(&with(&press(), &thinning));
         let mut state = at_rest(&drive, [0.4, 0.4], 0.1);
-        // Nobody measures it at first; at the end it is beyond three halvings.
+        // Not measured at first; at the end the temperature is beyond three halvings of the viscosity.
         for temperature_c in [None, Some(45.0), Some(65.0), Some(28.0), Some(110.0)] {
             if let Some(temperature_c) = temperature_c {
                 oil_at(&drive, &mut state, temperature_c);
@@ -167,11 +167,11 @@ fn viscous_friction_changes_along_the_stroke_as_its_formula_says() {
             for tick in 1..=800 {
                 pushed(&drive, &mut state, 300.0);
                 let after = (velocity_m_per_s(&drive, &state), position_m(&drive, &state));
-                // Of the place where the tick starts.
+                // At the position where the tick starts.
                 let place = 2.0 * before.1 / STROKE_M - 1.0;
                 let oil = 1.0 - loss * (1.0 - (-f64::from(tick) * 1e-3 / 0.5).exp());
                 let factor = oil * f64::max(0.05, 1.0 + slope * place + bow * place * place);
-                // What the mass does not take up.
+                // The part of the force that does not accelerate the mass.
                 let friction = 300.0 - 50.0 * (after.0 - before.0) / 1e-3;
                 let expected = 1e4 * factor * (after.1 - before.1) / 1e-3;
                 assert!((friction - expected).abs() < 3.0, "{tick}, {place}: {friction} {expected}");

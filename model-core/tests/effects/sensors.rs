@@ -1,4 +1,4 @@
-//! Sensors that do not read the truth.
+//! Sensors with errors.
 
 use model_core::drive::Drive;
 use model_core::machine::{MachineError, Parameter as P};
@@ -31,7 +31,7 @@ fn play_hides_half_of_it_from_the_middle_and_all_of_it_at_a_reversal() {
     check::<f64>();
 }
 
-/// On a ramp the reading is behind by speed times lag and delay.
+/// On a ramp the reading is behind by speed times the sum of lag and delay.
 #[test]
 fn a_slow_sensor_is_behind_by_its_time() {
     fn check<N: Scalar<Real = f64>>() {

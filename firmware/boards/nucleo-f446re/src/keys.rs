@@ -1,4 +1,4 @@
-//! What is typed at the desktop, kept as it arrives: a period takes longer than a character, and the peripheral keeps but one.
+//! Stores characters from the desktop as they arrive: a period takes longer than a character, and the peripheral keeps only one.
 
 use core::cell::RefCell;
 
@@ -10,7 +10,7 @@ use stm32f4xx_hal::pac::{Interrupt, USART2, interrupt};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::serial::{Rx, RxListen};
 
-/// What stands for a character that was lost or damaged; it is no command.
+/// Stands for a character that was lost or damaged; it is not a command.
 const LOST: u8 = 0xff;
 
 /// The line, and what has arrived.
@@ -26,13 +26,13 @@ pub(crate) fn listen(mut line: Rx<USART2>) {
     line.listen();
     free(|section| KEYS.borrow(section).borrow_mut().line = Some(line));
     #[expect(unsafe_code, reason = "an interrupt is let through")]
-    // SAFETY: the handler below shares nothing but what stands behind the mutex, and no critical section relies on the mask.
+    // SAFETY: the handler below shares only what is behind the mutex, and no critical section relies on the mask.
     unsafe {
         NVIC::unmask(Interrupt::USART2);
     }
 }
 
-/// The oldest character that was not asked for yet.
+/// The oldest character that was not fetched yet.
 pub(crate) fn next() -> Option<u8> {
     free(|section| KEYS.borrow(section).borrow_mut().arrived.pop_front())
 }
@@ -48,7 +48,7 @@ fn USART2() {
             Err(nb::Error::Other(_)) => LOST,
         };
         if arrived.push_back(character).is_err() {
-            // What comes after is no command either, until it is asked for.
+            // Without room, later characters count as lost too, until one is fetched.
             let _ = arrived.pop_back();
             let _ = arrived.push_back(LOST);
         }

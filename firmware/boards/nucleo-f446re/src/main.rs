@@ -1,6 +1,6 @@
-//! The firmware on a NUCLEO-F446RE: clocks, an SPI bus a part, the period's timer, the watchdog, the valve's relay, the line to the desktop.
+//! The firmware on a NUCLEO-F446RE: clocks, one SPI bus per part, the period's timer, the watchdog, the valve's relay, the line to the desktop.
 //!
-//! `README.md` beside this crate has the wiring. Everything that is no pin and no peripheral is the library's.
+//! `README.md` beside this crate describes the wiring. Everything except pins and peripherals is in the library.
 #![no_std]
 #![no_main]
 
@@ -28,12 +28,12 @@ use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 /// Baud of the line through the ST-LINK.
 const BAUD: u32 = 460_800;
-/// Time without a healthy period after which the watchdog starts anew, ms; by its own clock, which may be half as fast or half faster again.
+/// Time without a healthy period after which the watchdog restarts the controller, ms; its own clock may be half slower or half faster.
 const WATCHDOG_MS: u32 = 10;
 /// From power to a steady reference of the ADS8688, ms: 15, and some more.
 const POWER_UP_MS: u32 = 20;
 
-/// How fast somebody at a keyboard sends the rod.
+/// How fast an operator at a keyboard sends the rod.
 const BY_HAND: Bounds = Bounds { velocity_m_per_s: 0.03, acceleration_m_per_s2: 0.3, ..BOUNDS };
 
 #[entry]
@@ -48,7 +48,7 @@ fn main() -> ! {
     }
 }
 
-/// Wires the board and runs its periods; comes back only where it cannot begin.
+/// Wires the board and runs its periods; returns only if it cannot begin.
 fn run(board: Peripherals, core: cortex_m::Peripherals, memory: &'static mut Option<Ring>) {
     // 8 MHz from the ST-LINK; 168 MHz without overdrive: 84 MHz for SPI1 and the timers, 42 MHz for SPI2, SPI3 and USART2.
     let mut rcc = board.RCC.freeze(Config::hse(8.MHz()).bypass_hse_oscillator().sysclk(168.MHz()));
@@ -110,7 +110,7 @@ fn run(board: Peripherals, core: cortex_m::Peripherals, memory: &'static mut Opt
             if line.is_tx_empty()
                 && let Some(byte) = desk.byte()
             {
-                // It was found empty, so it takes the byte.
+                // The register was found empty, so it takes the byte.
                 let _ = line.write(byte);
             }
         }
@@ -128,7 +128,7 @@ fn run(board: Peripherals, core: cortex_m::Peripherals, memory: &'static mut Opt
         lamp.set_state(PinState::from(report.mode.is_running()));
 
         let took_us = timer.now().ticks();
-        // The next period was due before this one ended: it begins at once, and knows.
+        // The next period was due before this one ended: it begins at once, and is told of the overrun.
         timing = if timer.wait().is_ok() { Timing::Overrun } else { Timing::Kept };
         if took_us > longest_us {
             longest_us = took_us;

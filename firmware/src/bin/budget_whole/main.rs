@@ -1,7 +1,7 @@
 //! What the whole control period costs on the emulated target
 //! (`cargo run --release -p firmware --bin budget_whole --target thumbv7em-none-eabihf`, or `thumbv7m-none-eabi`).
 //!
-//! Not in one image with the budget of the model's step: who else calls a step decides on what the compiler makes of it.
+//! In a separate image from the budget of the model's step, because other callers of the step change how the compiler optimises it.
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]

@@ -1,6 +1,6 @@
-//! Parts that answer at once, from memory, and the machine that they are wired to: as much of each data sheet as the drivers ask for.
+//! Parts that answer at once, from memory, and the machine that they are wired to: as much of each data sheet as the drivers use.
 //!
-//! What the parts were asked is kept, so that it can be asked again without the firmware: what that costs is none of the firmware's.
+//! The frames sent to the parts are kept, so that they can be sent again without the firmware: that cost does not belong to the firmware.
 
 use core::cell::RefCell;
 
@@ -22,7 +22,7 @@ pub(crate) enum Part {
 
 /// Longest frame, bytes.
 const LONGEST: usize = 6;
-/// Most frames of a period: three attempts at everything are fewer.
+/// Most frames of a period: three attempts at everything need fewer.
 const FRAMES: usize = 64;
 
 /// What a part was sent.
@@ -38,7 +38,7 @@ struct Frame {
 #[derive(Debug)]
 pub(crate) struct Parts {
     frames: Vec<Frame, FRAMES>,
-    /// Answers nothing but zeros.
+    /// This part answers only zeros.
     pub(crate) silent: Option<Part>,
     registers: [u8; 64],
     selected: Option<u8>,
@@ -73,7 +73,7 @@ impl Parts {
         for (kept, byte) in bytes.iter_mut().zip(sent) {
             *kept = *byte;
         }
-        // More frames than there is room for would not be taken off: the period then looks dearer.
+        // Frames beyond this room would not be subtracted: the period would then look more expensive.
         let _ = self.frames.push(Frame { part, bytes, length: sent.len(), answered });
         match part {
             _ if self.silent == Some(part) => [0; LONGEST],
@@ -160,7 +160,7 @@ impl ErrorType for Wire<'_> {
 }
 
 impl SpiDevice for Wire<'_> {
-    // The same code whoever asks.
+    // Not inlined: the same code for every caller.
     #[inline(never)]
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), ErrorKind> {
         for operation in operations {
@@ -179,7 +179,7 @@ impl SpiDevice for Wire<'_> {
     }
 }
 
-/// Asks what was asked since the last time once more.
+/// Sends again what was sent since the last time.
 #[inline(never)]
 pub(crate) fn ask_again(parts: &RefCell<Parts>) {
     let frames = core::mem::take(&mut parts.borrow_mut().frames);
@@ -205,12 +205,12 @@ impl Plant {
         Ok(Self { model, counts })
     }
 
-    /// What 1 means.
+    /// What 1 per unit stands for.
     pub(crate) fn bases(&self) -> &Bases {
         self.model.bases()
     }
 
-    /// A millisecond of it; not counted.
+    /// One millisecond of the machine; not counted.
     pub(crate) fn tick(&mut self, parts: &RefCell<Parts>) {
         let mut parts = parts.borrow_mut();
         let seen = self.model.step(PerUnit::from_bits(i32::from(parts.output) << 13));
@@ -225,7 +225,7 @@ impl Plant {
     }
 }
 
-/// Where the rod stands at the start, of the stroke.
+/// Where the rod stands at the start, as a share of the stroke.
 pub(crate) const PLACE: f64 = 0.3;
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a cast from f64 saturates")]

@@ -26,13 +26,13 @@ use crate::parts::{PLACE, Part, Parts, Plant, Wire, ask_again};
 const INPUT_UV: u32 = <Ads8688<Wire<'static>> as AnalogIn>::SPAN_UV;
 const OUTPUT_UV: u32 = <Ad5754<Wire<'static>> as AnalogOut>::SPAN_UV;
 
-/// The firmware did not do what is to be counted.
+/// The firmware did not do what should be counted.
 #[derive(Clone, Copy, Debug, thiserror::Error)]
 pub(crate) enum SceneError {
-    /// It is in another mode.
+    /// It is in an unexpected mode.
     #[error("{scene}: the mode is {found:?}; {active_faults:?}")]
     Mode { scene: &'static str, found: Mode, active_faults: ActiveFaults },
-    /// The moves are none.
+    /// The moves are not valid.
     #[error(transparent)]
     Moves(#[from] SetPointError),
 }
@@ -72,7 +72,7 @@ struct Bench<'a> {
 }
 
 impl<'a> Bench<'a> {
-    /// A controller that takes the press for `model`.
+    /// A controller whose model of the press is `model`.
     fn begin(
         model: &Machine<f64>,
         parts: &'a RefCell<Parts>,
@@ -130,7 +130,7 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// Four moves and their rests.
+    /// Four moves and the rests after them.
     fn moves(&mut self) -> Result<Mode, SceneError> {
         let bounds = Bounds { velocity_m_per_s: 0.03, acceleration_m_per_s2: 0.3, ..BOUNDS };
         let from_m = 0.3 * PLACE;
@@ -150,7 +150,7 @@ impl<'a> Bench<'a> {
         Ok(mode)
     }
 
-    /// A fault that stays for a while, its cause gone, and the way back.
+    /// A fault that lasts for a while, then its cause removed, and the return to following.
     fn fault(&mut self, silent: Option<Part>, timing: Timing) -> Mode {
         self.parts.borrow_mut().silent = silent;
         for _ in 0..40 {

@@ -1,4 +1,4 @@
-//! Every recording simulated before and after, for whoever shows the diagnosis.
+//! Every recording, simulated by the models before and after, for the report of the diagnosis.
 
 use identification::parallel;
 
@@ -9,7 +9,7 @@ use simulation::simulate_f64;
 
 use crate::outcome::Shown;
 
-/// All recordings by the models before and after, from the fitted starts; held-out ones have none.
+/// All recordings, simulated by the models before and after from the fitted initial states; held-out recordings have no fitted state.
 pub(crate) fn show_all(
     trained: Vec<Prepared>,
     held: Vec<Prepared>,
@@ -21,7 +21,7 @@ pub(crate) fn show_all(
     parallel::try_each(together, |(prepared, starts)| show(prepared, starts, &before.machine, &after.machine))
 }
 
-/// Simulates before and after, from the fitted starts; a held-out recording has none and starts from what suits each best.
+/// Simulates before and after from the fitted initial states; a held-out recording has none and starts from the state that suits each model best.
 fn show(
     prepared: Prepared,
     starts: Option<(StartState, StartState)>,

@@ -1,8 +1,8 @@
 //! A table for what no effect of the catalogue accounts for: better than nothing on the controller, and never a finding.
 //!
-//! Tables that suit the located link are refitted with the base parameters, roughly, and the best of them to the end. A table
-//! stays that gains on recordings that were left out, on all but one of them (what happens once is a disturbance), by more than its
-//! values cost, and that follows the held-out recordings better: all together, at least half of them, and no signal clearly worse.
+//! Tables that suit the located link are first fitted roughly, together with the base parameters; the best of them are then fitted to the end.
+//! A table is kept if it gains more than its values cost on left-out recordings, on all but one of them (what happens once is a disturbance),
+//! and if the model with it follows the held-out recordings better: all together, at least half of them, and no signal clearly worse.
 
 use std::fmt;
 
@@ -22,20 +22,20 @@ use crate::localisation::{Case, Location};
 use crate::selection::decision_rule::{TABLE_GAINS, TABLE_MAY_LOSE_POINTS};
 use crate::selection::{Candidate, Confirmation, Gained, Question, confirm};
 
-/// The search of a first look ends when the loss falls by less than this share in a step.
+/// The first, rough search ends when the loss falls by less than this share in a step.
 const ROUGHLY: f64 = 0.03;
 /// The same for the tables that are fitted to the end.
 const PRECISION: f64 = 1e-4;
-/// Tables that are.
+/// Number of tables that are fitted to the end.
 const FINISHED: usize = 3;
 /// Share of the rows that lie below the first node, and above the last.
 const OUTSIDE: f64 = 0.01;
-/// How large a table usually is, of full force, full flow or full travel.
+/// Usual size of a table's values, as a share of full force, full flow or full travel.
 const USUAL: f64 = 0.05;
 /// Nodes over the first state, and over the second.
 const NODES: [usize; 2] = [7, 3];
 
-/// What a table adds to, by the machine file's number.
+/// The quantity that a table adds to, with its number in the machine file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Force on the rod; positive extends.
@@ -80,7 +80,7 @@ impl Quantity {
     }
 }
 
-/// A state that a table is over, by the machine file's number.
+/// A state that a table depends on, with its number in the machine file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TableState {
     /// Velocity.
@@ -130,20 +130,20 @@ impl TableState {
 pub struct Axis {
     /// The state.
     pub state: TableState,
-    /// At the first node, SI.
+    /// Value of the state at the first node, SI.
     pub from: f64,
-    /// At the last node, SI.
+    /// Value of the state at the last node, SI.
     pub to: f64,
     /// Nodes, equally spaced.
     pub nodes: usize,
 }
 
-/// A table that follows the recordings better.
+/// A table with which the model follows the recordings better.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unnamed {
     /// What it adds to.
     pub quantity: Quantity,
-    /// The states it is over: one or two.
+    /// The states that it depends on: one or two.
     pub over: Vec<Axis>,
     /// Its values, row by row.
     pub values: Vec<Estimate>,
@@ -169,7 +169,7 @@ impl fmt::Display for Unnamed {
     }
 }
 
-/// A quantity with the states that it is tried over.
+/// A quantity, with the states over which a table of it is tried.
 type Plan = (Quantity, &'static [TableState]);
 
 /// Tables that suit the link, the likeliest first.
@@ -218,7 +218,7 @@ fn plans(subsystem: Subsystem) -> &'static [Plan] {
     }
 }
 
-/// Whether a drive that is entered here has the quantity and the states.
+/// Whether the model has the quantity and the states at this input point.
 fn applies(scene: &Scene<'_>, (quantity, states): &Plan) -> bool {
     let spool = matches!(scene.input_point, InputPoint::Command | InputPoint::Spool);
     let hydraulic = scene.input_point != InputPoint::Force;
@@ -229,17 +229,17 @@ fn applies(scene: &Scene<'_>, (quantity, states): &Plan) -> bool {
     });
     states
         && match quantity {
-            // A load that balances the recorded pressures holds every force already.
+            // A load computed from the recorded pressures already contains every force.
             Quantity::Force => scene.load != LoadSource::RecordedPressures,
             Quantity::FlowA | Quantity::FlowB => hydraulic,
             Quantity::Travel => scene.input_point == InputPoint::Command,
         }
 }
 
-/// The base with the best table, where that follows the held-out recordings better.
+/// The base model with the best table, if it follows the held-out recordings better.
 ///
-/// None for what happens once, which is no function of the drive's state; and none where the machine has a
-/// table already, or nothing was held out.
+/// None for an error that happens once, since it is no function of the drive's state; and none where the machine already
+/// has a table, or nothing was held out.
 pub fn improved(
     question: &Question<'_>,
     base: &Candidate,
@@ -287,7 +287,7 @@ fn count(over: &[Axis]) -> usize {
     over.iter().map(|axis| axis.nodes).product()
 }
 
-/// The base with a table, refitted.
+/// The base model with a table, refitted.
 fn fitted(
     question: &Question<'_>,
     base: &Candidate,
@@ -313,7 +313,7 @@ fn fitted(
     Candidate::of(question, Vec::new(), fit, Vec::new(), true)
 }
 
-/// Log-likelihood gained on left-out recordings less what `values` cost; none where it gains on too few, or nothing.
+/// Log-likelihood gained on left-out recordings less what `values` cost; none if that is too little, or if too few recordings gain.
 fn net(before: &Residuals, after: &Residuals, values: usize, counts: Counts) -> Option<f64> {
     let gained = Gained::of(before, after, counts);
     let net = gained.all - gained.cost(values);
@@ -338,11 +338,11 @@ fn fits_better(before: &Machine<f64>, after: &Machine<f64>, held: &[&Prepared]) 
     Ok(sum > 0.0 && rises.iter().all(|(_, rise)| *rise > -TABLE_MAY_LOSE_POINTS))
 }
 
-/// What the states went through on the training recordings.
+/// The values that the states took on the training recordings.
 struct Seen(Vec<(TableState, Vec<f64>)>);
 
 impl Seen {
-    /// Simulated by the base; the spool as recorded where the chain is entered at it.
+    /// Simulated by the base model; the spool as recorded where it drives the model.
     fn of(machine: &Machine<f64>, cases: &[Case<'_>]) -> Result<Self, FitError> {
         const STATES: [TableState; 5] = [
             TableState::Velocity,
@@ -366,7 +366,7 @@ impl Seen {
         Ok(Self(seen))
     }
 
-    /// Nodes over the states; none where one of them stays where it is. Velocity and spool have one at 0.
+    /// Nodes over the states; none where a state is constant. Velocity and spool have a node at 0.
     fn axes(&self, states: &[TableState]) -> Option<Vec<Axis>> {
         let axis = |(&state, nodes): (&TableState, usize)| {
             let (_, values) = self.0.iter().find(|(known, _)| *known == state)?;

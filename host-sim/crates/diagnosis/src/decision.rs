@@ -1,4 +1,4 @@
-//! What is accepted of a selection once the held-out recordings are opened, and how well its values are known.
+//! Which effects of a selection are accepted once the held-out recordings are opened, and how well their values are known.
 
 use identification::experiment::Prepared;
 use identification::fit::{Estimate, FitError};
@@ -21,7 +21,7 @@ pub(crate) struct Decision {
 }
 
 impl Decision {
-    /// Nothing is.
+    /// The decision that accepts nothing.
     fn without(
         question: &Question<'_>,
         selection: &Selection,
@@ -34,8 +34,8 @@ impl Decision {
     }
 }
 
-/// Opens the held-out recordings for the chosen set: they confirm each of its effects beside the others, and it as a whole, or
-/// veto it.
+/// Opens the held-out recordings for the chosen candidate model: they confirm or veto each of its effects beside the others, and then
+/// the model as a whole.
 pub(crate) fn decide(
     question: &Question<'_>,
     selection: &mut Selection,
@@ -59,8 +59,8 @@ pub(crate) fn decide(
     Ok(Decision { findings, not_confirmed: vetoed, confirmation, after: chosen.clone(), estimates })
 }
 
-/// Values of the chosen set. Free runs do not tell when a spool jumps: the effect parameters of one that no sensor sees have no standard deviation but
-/// what is said of its jumps, and those of one that hardly jumps none.
+/// Estimates of the chosen candidate model. Free runs do not show when a spool jumps. So the stiction parameters have no standard deviation where
+/// no sensor sees the spool (only its jump spacing says how well they are known), and none where the spool hardly jumps.
 fn estimates(question: &Question<'_>, selection: &Selection) -> Result<Vec<Estimate>, FitError> {
     let mut estimates = selection.chosen.estimates(question)?;
     let is_untold = selection.heard.is_some() || selection.chosen.hardly_jumps();

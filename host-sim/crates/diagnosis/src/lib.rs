@@ -1,11 +1,11 @@
 //! Which physics a model of a drive leaves out, and where: recordings and a machine file in, a [`Diagnosis`] out.
 //!
-//! The data's way: recordings are prepared, the base parameters refitted, the effects of the [`catalogue`] screened and combined into candidate
-//! models ([`selection`]), the accepted one held against recordings that took no part, and what is missing located in the drive ([`localisation`]).
+//! The order of work: recordings are prepared, the base parameters refitted, the effects of the [`catalogue`] screened and combined into candidate
+//! models ([`selection`]), the accepted one checked on recordings that took no part, and what is missing located in the drive ([`localisation`]).
 //! Start at [`diagnose()`], which does all of that; what it takes to accept an effect stands in [`selection::decision_rule`]. Held-out recordings
 //! only veto, and nothing here writes sentences of a report.
 #![forbid(unsafe_code)]
-// What there is to say is returned: nothing but the program prints.
+// All results are returned: only the program prints.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
 
 mod before_after;

@@ -34,35 +34,35 @@ pub struct Diagnosis {
     pub machine: String,
     /// How it ended.
     pub verdict: Verdict,
-    /// Where; `None` if nothing is missing and nothing was all but named.
+    /// Where the misfit is; `None` if nothing is missing and no effect is suspected or was withdrawn.
     pub located: Option<Location>,
-    /// While all is within the noise: the effect that the training recordings would make likelier than none by more than chance,
-    /// but not by the decision rule. Never a finding.
+    /// Only while everything is within the noise: the effect that the training recordings make likelier than none by more than chance,
+    /// but that the decision rule does not accept. Never a finding.
     pub suspected: Option<&'static Hypothesis>,
-    /// What is accepted, most certain first.
+    /// The accepted effects, most certain first.
     pub findings: Vec<Finding>,
-    /// Signals that are still further off than the noise explains with the effects accepted, over training recordings.
+    /// Signals whose misfit on the training recordings is still above the noise with the accepted effects.
     pub left: Vec<Miss>,
     /// Effects that training recordings chose and held-out ones did not confirm.
     pub not_confirmed: Vec<&'static Hypothesis>,
-    /// A table for what no name accounts for, where that follows the held-out recordings better. Never a finding.
+    /// A correction table for what no effect explains, where the model with it follows the held-out recordings better. Never a finding.
     pub unnamed: Option<Unnamed>,
     /// What the held-out recordings said; `None` if there was no choice to confirm.
     pub confirmation: Option<Confirmation>,
     /// Base parameters that were refitted (with the effects, if any).
     pub refitted: Vec<Estimate>,
-    /// Pairs of fitted values, base ones and effect parameters, whose estimates are correlated; the closest first.
+    /// Pairs of fitted base or effect parameters whose estimates are correlated; the strongest correlation first.
     pub correlated: Vec<Correlation>,
     /// Every recording with its simulations.
     pub shown: Vec<Shown>,
     /// The course of the selection.
     pub selection: Selection,
-    /// The machine after: refitted, with the effects accepted.
+    /// The machine after the diagnosis: refitted, with the accepted effects.
     pub machine_after: Machine<f64>,
-    /// Share of supply pressure in B at rest that the training recordings start from with that machine, in the mean; `None`
-    /// where they have their pressures. The held-out recordings are shown from the start that suits each best.
+    /// Mean level at rest (pressure in B as a share of the supply) from which the training recordings start with that machine; `None`
+    /// where their pressures are recorded. Held-out recordings are shown from the initial state that suits each best.
     pub level_at_rest: Option<f64>,
-    /// Effects that these recordings cannot show, whatever the drive.
+    /// Effects that these recordings cannot show on any drive.
     pub not_testable: Vec<&'static Hypothesis>,
 }
 
@@ -83,7 +83,7 @@ pub struct Shown {
 pub type Fits = BTreeMap<&'static str, f64>;
 
 impl Shown {
-    /// Fit of each judged signal before or after, but for the rows where its sensor failed.
+    /// Fit of each judged signal before or after, without the rows where its sensor failed.
     pub fn fits(&self, after: bool) -> impl Iterator<Item = SignalFit> + '_ {
         let trajectory = if after { &self.after } else { &self.before };
         self.prepared.channels.iter().filter_map(move |channel| {
@@ -116,13 +116,13 @@ impl Diagnosis {
         self.shown.iter().filter(move |shown| shown.held_out == held_out)
     }
 
-    /// Whether the model after is another one than before: with effects that are accepted, or with a table without a name.
+    /// Whether the model after differs from the one before: by accepted effects, or by a correction table.
     #[must_use]
     pub fn changes(&self) -> bool {
         !self.findings.is_empty() || self.unnamed.is_some()
     }
 
-    /// What the model before is called: where none comes after, it is the model.
+    /// What the model before is called in reports: it is the only model where nothing changes.
     pub fn before_is_called(&self) -> &'static str {
         if self.changes() { "before" } else { "refitted" }
     }

@@ -1,8 +1,8 @@
-//! Which short test, or which further sensor, would tell a accepted effect from the ones that may be taken for it.
+//! Which short test, or which further sensor, would distinguish an accepted effect from those that may be confused with it.
 //!
-//! The chosen machine and each rival's refitted one are simulated on the standard excitations. A refit with the new recording
-//! would move base parameters and effect parameters within what is known of them, so what such a move can imitate is taken out
-//! first; the rest, in standard deviations of each sensor's noise, is how far apart the two would be.
+//! The chosen machine and each rival's refitted one are simulated on the standard excitations. A refit with the new recording would
+//! move base parameters and effect parameters within their uncertainty, so what such a move can imitate is subtracted first; the
+//! remaining difference, in standard deviations of each sensor's noise, is the distance of the two.
 
 use std::cmp::Ordering;
 
@@ -20,16 +20,16 @@ use simulation::{InputPoint, Run, StartOffset, Stimulus, run_in_lanes};
 use crate::sensor;
 use crate::standard_tests::{StandardTest, standard_tests};
 
-/// Most rivals that a finding is held against.
+/// Largest number of rivals that a finding is compared with.
 const MOST_RIVALS: usize = 3;
-/// Rivals with less probability are only tried if the catalogue names them as look-alikes.
+/// Rivals with a lower probability are only tried if the catalogue names them as look-alikes.
 const NEGLIGIBLE: f64 = 0.01;
-/// Length that tests are compared over, s: a short one may be repeated.
+/// Length of time for which tests are compared, s: a short one may be repeated.
 const PER_S: f64 = 20.0;
-/// A test tells two apart that are so many standard deviations of the noise apart in some signal.
+/// A test distinguishes two machines if they differ by this many standard deviations of the noise in some signal.
 pub const TELLS: f64 = 1.0;
 
-/// How far apart two machines are in one test.
+/// Distance of two machines in one test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Distance {
     /// The test.
@@ -38,39 +38,39 @@ pub struct Distance {
     pub how: String,
     /// Its length, s.
     pub duration_s: f64,
-    /// The signal in which they are furthest apart.
+    /// The signal with the largest distance.
     pub signal: Signal,
-    /// So many standard deviations of its noise, root mean square over the test.
+    /// The distance in standard deviations of this signal's noise, root mean square over the test.
     pub over_noise: f64,
     /// All signals together over 20 s: root of the sum of squares, in standard deviations.
     pub per_20_s: f64,
 }
 
 impl Distance {
-    /// Whether it tells the two apart in some signal.
+    /// Whether the test distinguishes the two in some signal.
     #[must_use]
     pub fn tells(&self) -> bool {
         self.over_noise >= TELLS
     }
 }
 
-/// A accepted effect against another.
+/// An accepted effect compared with another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Separation {
     /// The accepted effect.
     pub effect: &'static str,
     /// The other.
     pub rival: &'static str,
-    /// Probability of the other among the sets tried.
+    /// Probability of the other among the candidate models tried.
     pub confidence: f64,
-    /// Tests with the channels at hand: those that tell the two apart first, and the one that separates most before others.
+    /// Tests with the channels at hand: those that distinguish the two first, and otherwise by the distance, largest first.
     pub tests: Vec<Distance>,
     /// The sensor that would add most, and the best test with it.
     pub sensor: Option<(Signal, Distance)>,
 }
 
 impl Separation {
-    /// Whether the best test with the channels at hand tells the two apart.
+    /// Whether the best test with the channels at hand distinguishes the two.
     #[must_use]
     pub fn is_told(&self) -> bool {
         self.tests.first().is_some_and(Distance::tells)
@@ -94,7 +94,7 @@ impl Separation {
     }
 }
 
-/// Every accepted effect against its rivals.
+/// Every accepted effect compared with its rivals.
 pub fn separations(
     diagnosis: &Diagnosis,
     load: LoadSource,
@@ -138,7 +138,7 @@ struct Pair {
     machine: Machine<f64>,
 }
 
-/// For each finding the sets that have another effect in its place: the probable ones, then look-alikes.
+/// For each finding, the candidate models that have another effect in its place: the probable ones, then look-alikes.
 fn rivals(diagnosis: &Diagnosis) -> Vec<Pair> {
     let chosen = &diagnosis.selection.chosen.effects;
     let Some(round) = chosen.len().checked_sub(1).and_then(|round| diagnosis.selection.rounds.get(round)) else {
@@ -152,7 +152,7 @@ fn rivals(diagnosis: &Diagnosis) -> Vec<Pair> {
         let mut nearest: Option<(f64, Pair)> = None;
         for (trial, rival) in instead {
             let confidence = confidence(finding, rival);
-            // Without any of these, the one that came nearest.
+            // If there is neither, the rival that came nearest is used.
             let wanted = confidence >= NEGLIGIBLE || looks_alike(finding.effect, rival);
             let pair = Pair { effect: finding.effect.name, rival: rival.name, confidence, machine: trial.machine };
             if wanted {
@@ -164,7 +164,7 @@ fn rivals(diagnosis: &Diagnosis) -> Vec<Pair> {
         if found.is_empty() {
             found.extend(nearest);
         }
-        // Equally improbable ones in the order of how well they fitted.
+        // Equally improbable rivals are sorted by how well they fitted.
         found.sort_by(|a, b| b.1.confidence.total_cmp(&a.1.confidence).then(b.0.total_cmp(&a.0)));
         pairs.extend(found.into_iter().take(MOST_RIVALS).map(|(_, pair)| pair));
     }
@@ -180,7 +180,7 @@ fn looks_alike(effect: &Hypothesis, rival: &Hypothesis) -> bool {
     names(effect, rival.name) || names(rival, effect.name)
 }
 
-/// A sensor, its noise, and whether it is there.
+/// A sensor, its noise, and whether it is present.
 #[derive(Clone, Copy, Debug)]
 struct Sensor {
     signal: Signal,
@@ -205,7 +205,7 @@ fn sensors(diagnosis: &Diagnosis) -> Vec<Sensor> {
     found
 }
 
-/// Products of what two machines differ by in each sensor, and of what moves of parameters do.
+/// Products of the differences of two machines in each sensor, and of the changes by moves of parameters.
 struct Told {
     rows: usize,
     /// For each sensor: Δ·Δ, Jᵀ·Δ, Jᵀ·J.
@@ -213,8 +213,8 @@ struct Told {
 }
 
 impl Told {
-    /// What is left in each of these sensors, as a sum of squares, once the best move is taken out. What is known of the moves, the recordings
-    /// have said: `precision`, where a step of one parameter may need another's beside it.
+    /// Remaining difference in each of these sensors, as a sum of squares, after the best move is subtracted. `precision` is
+    /// what the recordings say about the moves: a step of one parameter may require a step of another.
     fn left(&self, sensors: &[usize], precision: &DMatrix<f64>) -> Vec<f64> {
         let count = precision.nrows();
         let (mut normal, mut right) = (precision.clone(), DVector::zeros(count));
@@ -231,7 +231,7 @@ impl Told {
     }
 }
 
-/// Every rival on each of a few tests; none where a test does not run on the drive.
+/// Every rival on each of a few tests; empty where a test cannot be run on the drive.
 fn told_by(
     tests: &[StandardTest],
     chosen: &Machine<f64>,
@@ -253,7 +253,7 @@ fn told_by(
         let mut moved = *chosen;
         let description = parameter.description();
         moved.set(*parameter, (chosen.get(*parameter) + step).clamp(description.min, description.max));
-        // A move that does not become a drive is none.
+        // A move that does not become a drive changes nothing.
         columns.push(less(seen(&moved, &runs, sensors).unwrap_or_else(|_| base.clone()), &base));
     }
     let rivals = pairs.iter().map(|pair| Ok(less(seen(&pair.machine, &runs, sensors)?, &base)));
@@ -277,7 +277,7 @@ fn told_by(
     Ok(each.collect())
 }
 
-/// What each sensor reads over its noise, in each of some runs.
+/// Readings of each sensor over its noise, in each of some runs.
 type Seen = Vec<Vec<DVector<f64>>>;
 
 fn seen(machine: &Machine<f64>, runs: &[Run<'_>], sensors: &[Sensor]) -> Result<Seen, MachineError> {
@@ -291,7 +291,7 @@ fn seen(machine: &Machine<f64>, runs: &[Run<'_>], sensors: &[Sensor]) -> Result<
     Ok(series.into_iter().map(|series| series.into_iter().map(DVector::from_vec).collect()).collect())
 }
 
-/// A difference of what was seen.
+/// The difference of two such readings.
 fn less(mut there: Seen, base: &Seen) -> Seen {
     for (there, base) in there.iter_mut().flatten().zip(base.iter().flatten()) {
         *there -= base;
@@ -315,7 +315,7 @@ fn separation(
         let order = |distance: &Distance| (distance.tells(), distance.per_20_s);
         order(&a.1).partial_cmp(&order(&b.1)).unwrap_or(Ordering::Equal)
     });
-    // Worth its price is one that doubles the distance, or without which nothing tells.
+    // A sensor is worth its price if it doubles the distance, or if nothing distinguishes the two without it.
     let worth = |(_, distance): &(Signal, Distance)| {
         at_hand
             .first()
@@ -330,7 +330,7 @@ fn separation(
     }
 }
 
-/// Those that tell first, of them and of the others the one that separates most in the same time.
+/// The tests that distinguish come first; within each group, the order is by the distance in the same time.
 fn ranked(
     tests: &[(&StandardTest, &Told)],
     sensors: &[Sensor],

@@ -1,10 +1,10 @@
-//! Which recordings tell effects apart: what one can test before it is fitted, and what to record next.
+//! Which recordings distinguish effects: what a recording can test before it is fitted, and what to record next.
 //!
-//! A recording or a planned excitation and a machine go in; which effects they would show, and which would pass for each other, comes out. Start at
-//! [`plan`] for an experiment still to be made, at [`inspect`] for a recording at hand, and at [`discriminate`] for the test that tells an accepted effect
-//! from its alternatives. The thresholds are those of `diagnosis`. Nothing here fits or accepts an effect.
+//! The input is a recording or a planned excitation, and a machine; the result is which effects they would show, and which would be confused with
+//! each other. Start at [`plan`] for an experiment still to be made, at [`inspect`] for a recording at hand, and at [`discriminate`] for the test
+//! that distinguishes an accepted effect from its alternatives. The thresholds are those of `diagnosis`. Nothing here fits or accepts an effect.
 #![forbid(unsafe_code)]
-// What there is to say is returned: nothing but the program prints.
+// Results are returned: only the program prints.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
 
 pub mod discriminate;

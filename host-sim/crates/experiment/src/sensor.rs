@@ -16,7 +16,7 @@ pub struct Sensor {
     pub noise: f64,
 }
 
-/// Why a text is no sensor.
+/// Why a text does not describe a sensor.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SensorError {
     /// No signal has this name.
@@ -24,15 +24,15 @@ pub enum SensorError {
     Unknown {
         /// The name.
         name: String,
-        /// The one that was perhaps meant.
+        /// The one that was perhaps intended.
         nearest: &'static str,
     },
-    /// The noise is no positive number with a unit of the signal.
+    /// The noise is not a positive number with a unit of the signal.
     #[error("noise `{text}` of {signal}; expected a positive number with a unit of it, one of: {}", .signal.units())]
     Noise {
-        /// What it should be the noise of.
+        /// The signal with this noise.
         signal: Signal,
-        /// What was given.
+        /// The given text.
         text: String,
     },
 }
@@ -42,14 +42,14 @@ fn known() -> String {
     names.join(", ")
 }
 
-/// Signals that the chain computes, and a sensor may record.
+/// Signals that the model computes and a sensor may record.
 fn sensed() -> impl Iterator<Item = Signal> {
     computed_below(InputPoint::Command).iter().copied()
 }
 
 impl Sensor {
-    /// A usual sensor of this signal: spool 0.1 % of its travel, pressures and force 0.2 % of the supply's, flow and speed 0.5 % of full
-    /// opening's, position 0.01 % of the stroke.
+    /// A usual sensor of this signal: spool 0.1 % of its travel, pressures and force 0.2 % of the supply's, flow and speed
+    /// 0.5 % of those at full opening, position 0.01 % of the stroke.
     #[must_use]
     pub fn usual(signal: Signal, machine: &Machine<f64>) -> Self {
         let get = |parameter| machine.get(parameter);

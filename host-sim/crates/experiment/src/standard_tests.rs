@@ -1,6 +1,6 @@
-//! The standard tests of a drive: short commands that anyone can give, each of which brings out something else.
+//! The standard tests of a drive: short commands that anyone can give, each of which shows something different.
 //!
-//! They are laid out for the drive: no larger than the commands it was recorded with, and slow enough to stay within its stroke.
+//! They are designed for the drive: no larger than the commands it was recorded with, and slow enough to stay within its stroke.
 
 use machine_file::LoadSource;
 use model_core::machine::{Machine, Parameter, Tick};
@@ -8,28 +8,28 @@ use recording::excitation::signals::Excitation;
 use recording::{Column, Recording, RecordingError, Signal};
 use simulation::{InputPoint, Stimulus};
 
-/// Rows of a test come at this interval, s.
+/// Interval between the rows of a test, s.
 const INTERVAL_S: f64 = 2e-3;
-/// The rod moves this share of its stroke either way.
+/// The rod moves by this share of its stroke in each direction.
 const TRAVEL: f64 = 0.3;
 
-/// A command over time, and a load where it takes one.
+/// A command over time, and a load where the test needs one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StandardTest {
     /// Its name.
     pub name: &'static str,
     /// How to run it.
     pub how: String,
-    /// Between rows, s.
+    /// Interval between rows, s.
     pub interval_s: f64,
-    /// V, a value a row.
+    /// V, one value per row.
     pub command_v: Vec<f64>,
-    /// External force, N, a value a row; empty for none.
+    /// External force, N, one value per row; empty for none.
     pub load_n: Vec<f64>,
 }
 
 impl StandardTest {
-    /// An excitation that somebody has named, with a row a tick.
+    /// An excitation with a given name and one row per tick.
     #[must_use]
     pub fn of_input(excitation: &Excitation, how: &str, tick: Tick) -> Self {
         let interval_s = tick.seconds();
@@ -43,13 +43,13 @@ impl StandardTest {
         self.interval_s * (self.command_v.len().max(2) - 1) as f64
     }
 
-    /// Its command, and the load where it takes one, with the rod at mid-stroke.
+    /// Its command, and the load where it needs one, with the rod at mid-stroke.
     pub fn recording(&self, machine: &Machine<f64>) -> Result<Recording, RecordingError> {
         let position = vec![0.5 * machine.get(Parameter::Stroke); self.command_v.len()];
         Recording::new(self.name, self.columns().chain([Column::si(Signal::Position, position)]).collect())
     }
 
-    /// Time, command, and the load where it takes one.
+    /// Time, command, and the load where it needs one.
     pub fn columns(&self) -> impl Iterator<Item = Column> {
         // Times to the nanosecond: 0.006 and not 0.0060000000000000001.
         let time = |row: usize| (row as f64 * self.interval_s * 1e9).round() / 1e9;
@@ -58,7 +58,7 @@ impl StandardTest {
         [Column::si(Signal::Time, times), Column::si(Signal::Command, self.command_v.clone())].into_iter().chain(load)
     }
 
-    /// What a drive with a valve does in it is simulated from this.
+    /// The stimulus from which a drive with a valve is simulated in this test.
     #[must_use]
     pub fn stimulus(&self, machine: &Machine<f64>, tick: Tick) -> Option<Stimulus> {
         let recording = self.recording(machine).ok()?;
@@ -133,12 +133,12 @@ pub(crate) fn command_for(machine: &Machine<f64>, largest_v: f64, speed_m_per_s:
     volts.copysign(speed_m_per_s * machine.get(Parameter::ValveGain))
 }
 
-/// What laying out takes of a drive.
+/// The values of a drive that the design of tests needs.
 struct Drive {
     gain: f64,
     offset: f64,
     dead_zone: f64,
-    /// m/s per opening, about.
+    /// Approximate speed per opening, m/s.
     speed: f64,
     stroke_m: f64,
     full_force_n: f64,
@@ -160,7 +160,7 @@ impl Drive {
         }
     }
 
-    /// Command that moves the rod at about this speed, m/s, to the slower side's measure.
+    /// Command that moves the rod at about this speed, m/s, computed for the slower direction.
     fn volts_for(&self, speed: f64) -> f64 {
         ((self.dead_zone + speed / self.speed + self.offset.abs()) / self.gain.abs()).min(self.largest_v)
     }
@@ -175,7 +175,7 @@ impl Drive {
         rows
     }
 
-    /// Each command both ways with a rest after, as long as the stroke allows at its speed.
+    /// Each command in both directions with a rest after it, for as long as the stroke allows at its speed.
     fn strokes(&self, commands: &[(f64, f64)]) -> Vec<f64> {
         let mut volts = vec![0.0; Self::rows(0.1)];
         for (command, speed) in commands {
@@ -201,7 +201,7 @@ impl Drive {
             .collect()
     }
 
-    /// Out to the extended end and back beyond the middle, at a moderate command.
+    /// To the extended end and back beyond the middle, at a moderate command.
     fn whole_stroke(&self, volts: f64) -> Vec<f64> {
         let half = 0.47 * self.stroke_m / self.speed_at(volts).max(0.02);
         let half = half.min(2.5);
@@ -209,7 +209,7 @@ impl Drive {
         phase(1.0, half).chain(phase(-1.0, 2.0 * half)).chain(phase(1.0, half)).collect()
     }
 
-    /// Valve closed, a load on and off again.
+    /// The valve closed, with a load switched on and off.
     fn hold(&self) -> StandardTest {
         let command_v = vec![0.0; Self::rows(6.0)];
         let load_n = (0..command_v.len())

@@ -1,8 +1,8 @@
-//! The clock of a recording: its time stamps, and what a channel comes late or early against the model.
+//! The clock of a recording: its time stamps, and the delay of a channel relative to the model.
 //!
-//! A recording has one clock and nothing to hold it against. One that runs fast looks like a drive that is faster in everything
-//! and goes into the valve's gain and time constants; a shift that all channels share goes into its transport delay. Neither is
-//! told from the drive, and neither is accepted. What is left is a channel whose residual has the shape of its own slope.
+//! A recording has one clock and nothing to compare it with. A clock that runs fast looks like a drive that is faster in everything, and
+//! changes the valve's fitted gain and time constants; a shift that all channels share changes the fitted transport delay. Neither can be
+//! distinguished from the drive, so neither is accepted. What can be found is a channel whose residual has the shape of its own derivative.
 
 use recording::Signal;
 use simulation::signal::noise::median;
@@ -10,16 +10,16 @@ use simulation::signal::slope::slopes;
 
 use crate::fit::effective_samples;
 
-/// An interval so many times the usual one has lost rows.
+/// An interval of more than this many times the usual one has lost rows.
 const LOST: f64 = 1.5;
-/// An interval that differs by more than this part from the usual one is uneven: times are written with a few digits.
+/// An interval that differs from the usual one by more than this share is uneven: times are written with a few digits.
 const UNEVEN: f64 = 0.02;
-/// Share of the residual's square that a shift has to account for: less is something else that is also larger while moving.
+/// Share of the residual's square that a shift has to explain; if it explains less, something else that also grows with motion is the cause.
 const EXPLAINED: f64 = 0.5;
-/// How many standard deviations a shift is at least.
+/// Least size of a shift, in standard deviations.
 const CERTAIN: f64 = 5.0;
 
-/// What the time stamps say.
+/// What the time stamps show.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stamps {
     /// Median interval between rows, s.
@@ -31,7 +31,7 @@ pub struct Stamps {
 }
 
 impl Stamps {
-    /// Of rising times, two at least.
+    /// From at least two rising times.
     #[must_use]
     pub fn of(time_s: &[f64]) -> Self {
         let mut intervals: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
@@ -49,21 +49,21 @@ impl Stamps {
     }
 }
 
-/// What a channel is late against the model.
+/// Delay of a channel relative to the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shift {
     /// The channel.
     pub signal: Signal,
-    /// How much later it shows what the model computes, s; negative is earlier.
+    /// Delay of the recorded signal after the simulated one, s; negative is earlier.
     pub late_s: f64,
-    /// Its standard deviation, s, with the correlation of what is left in time counted in.
+    /// Its standard deviation, s, which accounts for the correlation of the remaining residual in time.
     pub std_s: f64,
 }
 
 impl Shift {
-    /// The shift that accounts for most of what the model misses, where it accounts for half of it and is certain.
+    /// The shift that explains most of the residual, if it explains at least half of it and is certain.
     ///
-    /// `missed` is recorded minus simulated; rows where the sensor `failed` count for nothing.
+    /// `missed` is recorded minus simulated; rows where the sensor `failed` are not counted.
     #[must_use]
     pub fn of(signal: Signal, time_s: &[f64], missed: &[f64], simulated: &[f64], failed: &[bool]) -> Option<Self> {
         let judged = |series: &[f64]| -> Vec<f64> {

@@ -1,4 +1,4 @@
-//! Recording → what a fit and a verdict need to know of it: the stimulus, the judged signals, and the noise in each.
+//! From a recording to what a fit and a verdict need of it: the stimulus, the judged signals, and the noise in each.
 
 use machine_file::LoadSource;
 use model_core::machine::{Machine, Source, Tick};
@@ -11,22 +11,22 @@ use crate::compare::judged;
 use crate::error::CompareError;
 use crate::input_noise::at_most_by_noise_of_input;
 
-/// One measured signal that a simulation is held against.
+/// One measured signal that a simulation is compared with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
     /// The signal.
     pub signal: Signal,
     /// What was recorded, SI.
     pub recorded: Vec<f64>,
-    /// How many times the noise the residual of the refitted model is, 1 at least: residuals far beyond that steer no fit.
+    /// Ratio of the refitted model's residual to the noise, at least 1: residuals far beyond that do not steer a fit.
     pub tolerance: f64,
     /// Rows where the sensor failed. They are not judged.
     pub failed: Vec<bool>,
     /// Where it failed for longer than a moment.
     pub stretches: Vec<Stretch>,
-    /// Standard deviation of the sensor's noise and quantisation, and of what is inherited, SI.
+    /// Standard deviation of the sensor's noise and quantisation, including the input noise, SI.
     pub noise: f64,
-    /// What of it the noise of the recorded signal makes that drives the chain, SI.
+    /// The part of this noise that the noise of the recorded signal driving the model causes, SI.
     pub input_noise: f64,
 }
 
@@ -37,7 +37,7 @@ impl Channel {
         Self::with(signal, recorded, Failures::of(signal, time_s, recorded))
     }
 
-    /// A signal as recorded, with its noise, where it is known how its sensor failed.
+    /// A signal as recorded, with its noise, where the failures of its sensor are known.
     fn with(signal: Signal, recorded: &[f64], failures: Failures) -> Self {
         Self {
             signal,
@@ -60,13 +60,13 @@ impl Channel {
         }
     }
 
-    /// The same with what a simulation is off by for the noise of what drives it.
+    /// Adds the error that the noise of the driving signal causes in a simulation.
     pub fn inherit(&mut self, off_by: f64) {
         self.noise = self.noise.hypot(off_by);
         self.input_noise = self.input_noise.hypot(off_by);
     }
 
-    /// The NRMSE fit, %, that a perfect model would reach: only the noise is left.
+    /// The NRMSE fit, %, that a perfect model would reach: only the noise remains.
     #[must_use]
     pub fn noise_floor_percent(&self) -> f64 {
         self.fit_of_square(self.kept().count() as f64)
@@ -91,7 +91,7 @@ impl Channel {
             .collect()
     }
 
-    /// The NRMSE fit, %, of residuals over noise.
+    /// The NRMSE fit, %, from residuals over noise.
     #[must_use]
     pub fn fit_percent(&self, over_noise: &[f64]) -> f64 {
         self.fit_of_square(over_noise.iter().map(|value| value * value).sum())
@@ -104,29 +104,29 @@ impl Channel {
     }
 }
 
-/// A recording, ready to be fitted to and judged by.
+/// A recording, ready for fitting and judging.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prepared {
     /// The recording's name.
     pub name: String,
     /// Times, s.
     pub time_s: Vec<f64>,
-    /// What drives the chain.
+    /// What drives the model.
     pub stimulus: Stimulus,
     /// The judged signals in the chain's order.
     pub channels: Vec<Channel>,
     /// Measured signals whose sensors failed, judged or not.
     pub failures: Vec<(Signal, Failures)>,
-    /// Standard deviation of the position at the start, m: what its sensor leaves open.
+    /// Standard deviation of the initial position, m: what its sensor leaves open.
     pub start_sigma_m: f64,
-    /// Standard deviation of the noise of the recorded spool, flow or force that the chain is entered at, SI; 0 where it is a command or a pump's
-    /// speed, which are set.
+    /// Standard deviation of the noise of the recorded spool, flow or force that drives the model, SI; 0 where a command or a
+    /// pump's speed drives it, as these are set.
     pub input_noise: f64,
 }
 
 impl Prepared {
-    /// Prepares a recording, entered as far upstream as it allows. Where that is a sensor's signal, every judged signal's noise holds what the noise
-    /// of that sensor does to it: a rod that is moved by a measured flow adds up the meter's noise.
+    /// Prepares a recording, driven as far upstream as it allows. If a sensor's signal drives the model, the noise of every judged
+    /// signal includes what that sensor's noise causes in it: a rod that is moved by a measured flow integrates the meter's noise.
     pub fn new(
         recording: &Recording,
         machine: &Machine<f64>,
@@ -142,7 +142,7 @@ impl Prepared {
         Ok(prepared)
     }
 
-    /// Prepares a recording, entered at a given signal.
+    /// Prepares a recording, driven at a given input point.
     pub fn entered_at(
         input_point: InputPoint,
         recording: &Recording,
@@ -204,7 +204,7 @@ impl Prepared {
     }
 
     /// The same with the recorded spool metering the oil, where the command drives the valve and the spool is judged: the
-    /// valve is then judged by its spool alone, and all below it by what the real spool let through.
+    /// valve is then judged by its spool alone, and everything below it by the flow that the real spool let through.
     #[must_use]
     pub fn following(&self) -> Option<Self> {
         let is_judged = self.channels.iter().any(|channel| channel.signal == Signal::Spool);
@@ -220,5 +220,5 @@ impl Prepared {
     }
 }
 
-/// Rows that the start is averaged over at least.
+/// Fewest rows that the initial state is averaged over.
 const ROWS_AT_REST: f64 = 20.0;

@@ -1,8 +1,8 @@
-//! What the noise of recorded signals makes of a simulation that they drive.
+//! The error that the noise of recorded signals causes in a simulation that they drive.
 //!
-//! A position that is computed from recorded pressures adds up their noise: it is off by a random walk, however right the model is.
-//! The noise is put on the recorded signals once more, and the simulation repeated: what it differs by has the distribution of what
-//! the recorded noise did to it already.
+//! A position that is computed from recorded pressures integrates their noise: its error is a random walk, however right
+//! the model is. Therefore noise is added to the recorded signals once more and the simulation is repeated: the
+//! difference has the same distribution as the error that the recorded noise has already caused.
 
 use model_core::machine::{Machine, MachineError};
 use recording::seeded_noise::Noise;
@@ -13,19 +13,19 @@ use simulation::{SimulateError, StartOffset, Stimulus, Trajectory, simulate_f64}
 
 use crate::experiment::Prepared;
 
-/// Rows that are simulated again at least, where a recording is short: a single random walk may be anywhere.
+/// Fewest rows that are simulated again, where a recording is short: a single random walk may be anywhere.
 const ROWS_AGAIN: usize = 400_000;
-/// And so many times at most.
+/// Largest number of repetitions.
 const MOST: usize = 16;
-/// But of a long recording twice.
+/// Smallest number of repetitions, for a long recording.
 const LEAST: usize = 2;
 
-/// How many times the noise is put on a recording of so many rows.
+/// Number of times that noise is added to a recording of this many rows.
 pub(crate) fn realisations(rows: usize) -> usize {
     (ROWS_AGAIN / rows.max(1)).clamp(LEAST, MOST)
 }
 
-/// RMS by which each of the `signals` of a simulation is off through the noise of what the recording's sensors measured, SI.
+/// RMS error of each of the `signals` of a simulation caused by the noise of the recording's sensors, SI.
 pub(crate) fn input_noise(
     mended: &Mended<'_>,
     trajectory: &Trajectory,
@@ -37,7 +37,7 @@ pub(crate) fn input_noise(
     off_by(trajectory, signals, realisations(mended.recording.rows()), again)
 }
 
-/// RMS by which each of the `signals` of a simulation is off in so many others, the seed of whose noise is handed to each, SI.
+/// RMS difference of each of the `signals` between a simulation and several others, SI; each of these gets its own seed for the noise.
 pub(crate) fn off_by<E>(
     trajectory: &Trajectory,
     signals: &[Signal],
@@ -57,8 +57,8 @@ pub(crate) fn off_by<E>(
     Ok(squares.into_iter().map(f64::sqrt).collect())
 }
 
-/// RMS by which each judged signal of a recording is off through noise of this standard deviation in the recorded spool, flow or force that
-/// drives it, SI, in the mean of so many draws.
+/// RMS error of each judged signal of a recording, SI, caused by noise of this standard deviation in the recorded spool,
+/// flow or force that drives it; the mean of several draws.
 pub fn by_noise_of_input(
     case: &Prepared,
     machine: &Machine<f64>,
@@ -70,8 +70,8 @@ pub fn by_noise_of_input(
     })
 }
 
-/// The same, through the noise that was found there, of the draw that each signal is furthest off in: of a sum of noise the root mean square is
-/// anywhere from a third to twice its mean, and of as many draws as of a short recording the largest is what nineteen of twenty stay below.
+/// The same for the noise that was estimated there, but with the largest of the draws for each signal. The root mean square of integrated noise lies
+/// anywhere from a third to twice its mean; with as many draws as for a short recording, the largest is a value that nineteen of twenty stay below.
 pub(crate) fn at_most_by_noise_of_input(case: &Prepared, machine: &Machine<f64>) -> Result<Vec<f64>, MachineError> {
     let signals = signals(case);
     let mut most = vec![0.0_f64; signals.len()];
@@ -114,7 +114,7 @@ fn noisy(recording: &Recording) -> Vec<Noisy<'_>> {
         .collect()
 }
 
-/// The recording with as much noise again on all that its sensors measured.
+/// The recording with the same noise once more on every signal that its sensors measured.
 fn disturbed<'a>(mended: &Mended<'a>, noisy: &[Noisy<'_>], seed: u64) -> Mended<'a> {
     let mut disturbed = mended.clone();
     for (stream, &(signal, values, deviation)) in (0..).zip(noisy) {
@@ -131,7 +131,7 @@ mod tests {
 
     use super::*;
 
-    /// A sum of what was recorded, as an integrator has it.
+    /// The sum of the recorded values, as an integrator gives it.
     fn summed(mended: &Mended<'_>) -> Trajectory {
         let mut sum = 0.0;
         let force = mended.recording.signal(Signal::Force).unwrap();
@@ -154,7 +154,7 @@ mod tests {
         let recording = Recording::new("r", columns).unwrap();
         let mended = Mended::of(&recording);
         let found = input_noise(&mended, &summed(&mended), &[Signal::Position], |mended| Ok(summed(mended))).unwrap();
-        // The mean square of a walk over n steps is n/2 of a step's.
+        // The mean square of a random walk over n steps is n/2 of a single step's.
         let expected = 0.02 * (f64::from(ROWS) / 2.0).sqrt();
         assert!((found[0] / expected - 1.0).abs() < 0.4, "{} {expected}", found[0]);
     }

@@ -1,6 +1,6 @@
-//! What is computed for each of several things, on all threads.
+//! Computes one result for each of several items, on all threads.
 //!
-//! Rayon does it. Every kind of iterator of its own that is mapped and collected takes a second to compile; here it sees one, over indices.
+//! Rayon does it. Every different iterator type that is mapped and collected takes a second to compile; here Rayon gets only one, over indices.
 
 use std::sync::{Mutex, PoisonError};
 

@@ -19,21 +19,21 @@ pub enum MachineFileError {
     NotUtf8 { place: Place },
     /// The file is not TOML.
     Syntax { place: Place, message: String },
-    /// A table that nobody knows.
+    /// An unknown table.
     UnknownTable { place: Place, table: String, nearest: Option<String>, known: Box<[String]> },
-    /// A key that its table does not have; `table` is empty at the top of the file.
+    /// A key that is not known in its table; `table` is empty at the top of the file.
     UnknownKey { place: Place, table: String, key: String, nearest: Option<String>, known: Box<[String]> },
-    /// A table that every machine file of this drive must have.
+    /// A table that is required in every machine file of this drive.
     MissingTable { place: Place, table: &'static str },
-    /// A key that its table must have.
+    /// A key that is required in its table.
     MissingKey { place: Place, key: &'static str, unit: &'static str, meaning: &'static str },
-    /// A value of another type.
+    /// A value of the wrong type.
     WrongType { place: Place, key: String, found: String, expected: &'static str },
-    /// A value that the drive cannot have, NaN among them.
+    /// A value outside the range of the parameter, including NaN.
     OutOfRange { place: Place, key: String, value: f64, min: f64, max: f64, unit: &'static str },
     /// A floor of the pressures that is below vacuum or above the tank's pressure.
     Floor { place: Place, key: &'static str, floor_pa: f64, tank_key: &'static str, tank_pa: f64, vacuum_pa: f64 },
-    /// A number of a list that lies between two.
+    /// A number of a list that is not a whole number.
     NotWhole { place: Place, key: String, value: f64, max: f64 },
     /// A standard deviation that is not a positive finite number.
     BadSigma { place: Place, key: String, value: f64 },
@@ -45,9 +45,9 @@ pub enum MachineFileError {
     NoSource { place: Place },
     /// `[directional_valve]` in a drive without pump.
     DirectionalValveWithoutPump { place: Place },
-    /// A text that is none of the choices of its key.
+    /// A text that is not one of the choices of its key.
     UnknownChoice { place: Place, key: String, found: String, choices: &'static str },
-    /// A key of `[channels]` that is no signal.
+    /// A key of `[channels]` that is not a signal.
     UnknownSignal { place: Place, found: String, nearest: &'static str },
     /// A signal is mapped to the empty text.
     EmptyHeader { place: Place, signal: &'static str },

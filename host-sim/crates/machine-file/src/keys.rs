@@ -2,7 +2,7 @@
 
 use model_core::machine::{Fallback, Machine, Parameter, Source};
 
-/// A parameter's key, taken apart: `valve.time_constants_s[0]` is entry 0 of an array in `[valve]`.
+/// A parameter's key, split into its parts: `valve.time_constants_s[0]` is entry 0 of an array in `[valve]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Address {
     pub(crate) table: &'static str,
@@ -23,7 +23,7 @@ pub(crate) fn address(parameter: Parameter) -> Address {
     }
 }
 
-/// Every parameter whose place is in a table.
+/// Every parameter of a table.
 pub(crate) fn in_table(table: &str) -> impl Iterator<Item = (Parameter, Address)> {
     Parameter::ALL.iter().map(|&parameter| (parameter, address(parameter))).filter(move |(_, at)| at.table == table)
 }
@@ -57,12 +57,12 @@ pub fn table_of(parameter: Parameter) -> &'static str {
     address(parameter).table
 }
 
-/// The effect whose table it is.
+/// The effect to which a table belongs.
 pub fn effect_of(table: &str) -> Option<&str> {
     table.strip_prefix(EFFECTS)
 }
 
-/// Whether a table has a meaning for a drive with this source of oil.
+/// Whether a table is meaningful for a drive with this source of oil.
 pub fn belongs(table: &str, source: Source) -> bool {
     match table {
         "valve" => source == Source::Valve,
@@ -71,7 +71,7 @@ pub fn belongs(table: &str, source: Source) -> bool {
     }
 }
 
-/// The value of a parameter that the file does not give; NaN for one that it must give.
+/// The value of a parameter that is not in the file; NaN for a required parameter.
 pub(crate) fn fallback(parameter: Parameter, machine: &Machine<f64>) -> f64 {
     let half_stroke = |area| machine.get(area) * machine.get(Parameter::Stroke) / 2.0;
     match (parameter.description().default, parameter) {
@@ -82,7 +82,7 @@ pub(crate) fn fallback(parameter: Parameter, machine: &Machine<f64>) -> f64 {
     }
 }
 
-/// The known name most like an unknown one, when any is like it at all.
+/// The known name most similar to an unknown one, if any is similar enough.
 pub(crate) fn nearest<S: AsRef<str>>(found: &str, known: impl IntoIterator<Item = S>) -> Option<String> {
     const ALIKE: f64 = 0.75;
     known

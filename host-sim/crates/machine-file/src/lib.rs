@@ -1,13 +1,13 @@
 //! Machine files: the parameters of one drive in TOML, SI units, the unit in the key.
 //!
-//! Keys, ranges and defaults are those of [`Parameter`]. Beside them stand `name`, `load.source`,
+//! Keys, ranges and defaults are those of [`Parameter`]. In addition there are `name`, `load.source`,
 //! `[channels]` and `[fit.sigma]`. Anything else is an error, and every error names file, line, key
 //! and what was expected there.
 //!
-//! Start at [`read`], which makes a [`MachineFile`] of a file; [`data_sheet`] makes one of data-sheet values. Nothing here simulates: a machine
-//! is checked and kept, no more.
+//! Start at [`read`], which makes a [`MachineFile`] of a file; [`data_sheet`] makes one from data-sheet values. Nothing here simulates: a machine
+//! is only checked and stored.
 #![forbid(unsafe_code)]
-// What there is to say is returned: nothing but the program prints.
+// All output is returned to the caller: only the program prints.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
 
 mod channels;
@@ -28,12 +28,12 @@ pub use reader::{MAX_FILE_BYTES, read, read_text};
 /// Where the external force on the rod comes from in a simulation of a recording.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LoadSource {
-    /// `load.force_n`, always the same.
+    /// `load.force_n`, constant over time.
     #[default]
     Constant,
     /// The force that balances the recorded chamber pressures: F = −(A·pa − aA·pb), with A =
     /// `cylinder.area_a_m2` and aA = `cylinder.area_b_m2`; positive extends. It holds for slow motion,
-    /// where inertia and friction are small beside the load.
+    /// where inertia and friction are small compared with the load.
     RecordedPressures,
 }
 
@@ -58,7 +58,7 @@ impl LoadSource {
 /// the rest of its text as it was.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MachineFile {
-    /// What the drive is called; the file's name when it does not say.
+    /// The name of the drive; the file's name where the file gives none.
     pub name: String,
     /// The parameters, SI; those that the file does not give have their defaults.
     pub machine: Machine<f64>,
@@ -68,7 +68,7 @@ pub struct MachineFile {
     pub effects: BTreeSet<&'static str>,
     /// Standard deviations of nominal values from `[fit.sigma]`, each in its parameter's unit.
     pub sigma: BTreeMap<Parameter, f64>,
-    /// Whether there is a table `[fit.sigma]`, empty or not: without it a documented default applies.
+    /// Whether there is a table `[fit.sigma]`, even an empty one: without it a documented default applies.
     pub has_sigma_table: bool,
     /// `[channels]`: which columns of a recording hold which signals. Its columns may be absent.
     pub channels: ChannelMap,
@@ -104,7 +104,7 @@ impl MachineFile {
         }
     }
 
-    /// Sets the level at rest that simulations of recordings without pressures start from, where a fit found one.
+    /// Sets the level at rest from which recordings without pressures are simulated, if a fit has found one.
     pub fn start_at(&mut self, level_at_rest: Option<f64>) {
         if let Some(level) = level_at_rest {
             self.machine.set(Parameter::LevelAtRest, level);

@@ -168,7 +168,7 @@ impl<'a> Reader<'a> {
         MachineFileError::UnknownKey { place, table: String::new(), key: name, nearest, known }
     }
 
-    /// A table of parameters; `name` with its parents.
+    /// Reads a table of parameters; `name` includes its parent tables.
     fn parameters(&mut self, name: &str, table: &dyn TableLike) -> Result<(), MachineFileError> {
         for (key, item) in table.iter() {
             if (name, key) == ("load", "source") {
@@ -301,7 +301,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Checks what must be there, and sets defaults that depend on other values.
+    /// Checks that required values are there, and sets defaults that depend on other values.
     fn finish(mut self, root: &dyn TableLike) -> Result<MachineFile, MachineFileError> {
         let required: &[&'static str] = match self.result.machine.source {
             Source::Valve => &["supply", "cylinder"],
@@ -329,7 +329,7 @@ impl<'a> Reader<'a> {
         Ok(self.result)
     }
 
-    /// A table for cavitation has to say where the pressures end: above vacuum, and not above the tank's.
+    /// A table for cavitation has to give the lowest pressure: above vacuum, and not above the tank's pressure.
     fn floor(&self, root: &dyn TableLike) -> Result<(), MachineFileError> {
         const VACUUM_PA: f64 = -1.013e5;
         let what = Parameter::CavitationFloor.description();
@@ -343,7 +343,7 @@ impl<'a> Reader<'a> {
         };
         let value = |parameter| self.result.machine.get(parameter);
         let (floor_pa, tank_pa) = (value(Parameter::CavitationFloor), value(Parameter::TankPressure));
-        // The default stands for no floor; a file that was saved with it is read again.
+        // The default means that there is no floor; it is allowed because a saved file may contain it.
         if floor_pa <= what.min || (VACUUM_PA..=tank_pa).contains(&floor_pa) {
             return Ok(());
         }

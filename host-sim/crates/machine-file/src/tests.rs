@@ -29,7 +29,7 @@ fn parse(text: &str) -> Result<MachineFile, MachineFileError> {
     read_text("machine.toml", text)
 }
 
-/// The error of the valve drive's text with lines put behind one of its table headers.
+/// The error for the text of the valve drive, with lines inserted after one of its table headers.
 #[track_caller]
 fn refused(table: &str, lines: &str, line: usize) -> MachineFileError {
     let header = format!("[{table}]\n");
@@ -266,7 +266,7 @@ fn a_sensor_that_reads_volts_has_its_zero_and_full_reading_beside_its_column() {
     assert_eq!(scale(Signal::Spool), Some(Scale { zero: 5.0, full: 5.0 }));
     assert_eq!(scale(Signal::Command), Some(Scale { zero: 5.0, full: 1.0 }));
     assert_eq!(scale(Signal::Position), None);
-    // It goes out as it came in, and a new one is written so that it reads back.
+    // A file is written as it was read, and a new mapping is written so that it can be read back.
     assert!(file.to_text("machine.toml").unwrap().contains("zero = 5, full = 5.0 }"));
     let mut made = MachineFile::from_machine("made", file.machine);
     made.channels = file.channels.clone();

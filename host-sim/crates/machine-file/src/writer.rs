@@ -14,11 +14,11 @@ use crate::reader::read_text;
 use crate::{LoadSource, MachineFile};
 
 impl MachineFile {
-    /// Writes the file: the text that was read, with comments and order, and in it whatever changed.
+    /// Writes the file: the text that was read, with its comments and order, and with the changed values in it.
     ///
     /// A value is written when the text gives it or when it is not its default. Each number is the
-    /// shortest text that reads back to the same bits. Values that the drive has no use for (those
-    /// of a valve in a pump drive) are not written. What could not be read back is an error, and
+    /// shortest text that reads back to the same bits. Values that the drive does not use (those
+    /// of a valve in a pump drive) are not written. A value that could not be read back is an error, and
     /// then nothing is written.
     pub fn save(&self, path: &Path) -> Result<(), MachineFileError> {
         let file = path.display().to_string();
@@ -34,7 +34,7 @@ impl MachineFile {
             message: error.message().replace('\n', "; "),
         };
         let before = if self.text.is_empty() { None } else { Some(read_text(file, &self.text)?) };
-        // A drive that has got another source of oil keeps nothing of its text.
+        // If the source of oil has changed, nothing of the old text is kept.
         let before = before.filter(|before| before.machine.source == self.machine.source);
         let mut document = match before {
             Some(_) => Document::parse(self.text.as_str()).map_err(|error| syntax(&error))?.into_mut(),
@@ -97,7 +97,7 @@ impl MachineFile {
         }
     }
 
-    /// Switches an effect off, unless its values say otherwise.
+    /// Switches an effect off by removing its table, unless one of its values differs from its default.
     fn remove_effect(&self, document: &mut DocumentMut, name: &str, effect: &str) {
         let off = keys::in_table(name).all(|(parameter, _)| {
             self.machine.get(parameter).to_bits() == keys::fallback(parameter, &self.machine).to_bits()
@@ -151,7 +151,7 @@ fn number(value: f64) -> Value {
     format!("{value:?}").parse().unwrap_or_else(|_| Value::from(value))
 }
 
-/// Sets a key; a comment behind an old value stays.
+/// Sets a key; a comment after the old value is kept.
 fn put(table: &mut dyn TableLike, key: &str, mut value: Value) {
     match table.get_mut(key).and_then(Item::as_value_mut) {
         Some(old) => {
@@ -164,7 +164,7 @@ fn put(table: &mut dyn TableLike, key: &str, mut value: Value) {
     }
 }
 
-/// A table below another, made where it is not there.
+/// A table below another; it is created if it is missing.
 fn table<'t>(parent: &'t mut dyn TableLike, name: &str) -> &'t mut dyn TableLike {
     let item = parent.entry(name).or_insert_with(|| Item::Table(Table::new()));
     if !item.is_table_like() {
@@ -173,7 +173,7 @@ fn table<'t>(parent: &'t mut dyn TableLike, name: &str) -> &'t mut dyn TableLike
     item.as_table_like_mut().expect("the item was just made a table")
 }
 
-/// The table of a dotted name; a new parent has no header of its own.
+/// The table with a dotted name; a new parent table gets no header of its own.
 fn nested<'t>(document: &'t mut DocumentMut, name: &str) -> &'t mut dyn TableLike {
     match name.split_once('.') {
         None => table(document.as_table_mut(), name),

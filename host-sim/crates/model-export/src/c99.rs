@@ -1,8 +1,8 @@
 //! The same constants as a C99 header, for a controller that is written in C.
 //!
-//! Macros of SI values, each as a hexadecimal floating constant that the compiler reads back to the last bit, with the
-//! decimal number beside it. Who writes C has no defaults at hand: every value that the drive uses is there, and for every
-//! effect whether it is on. The fixed-point coefficients are not: the core keeps them to itself, and only it knows their
+//! Macros of SI values, each as a hexadecimal floating constant that the compiler reads back bit for bit, with the
+//! decimal number beside it. C code has no access to the defaults, so the header holds every value that the drive uses, and for every
+//! effect whether it is on. The fixed-point coefficients are not included: they are private to the core, and only the core knows their
 //! formats.
 
 use std::fmt::{self, Write};
@@ -71,14 +71,14 @@ impl Constants {
     }
 }
 
-/// A key as it stands in the name of a macro: `valve.time_constants_s[0]` is `VALVE_TIME_CONSTANTS_S_0`.
+/// A key in the form used in the name of a macro: `valve.time_constants_s[0]` is `VALVE_TIME_CONSTANTS_S_0`.
 fn identifier(key: &str) -> String {
     let letter = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_uppercase() } else { '_' };
     key.trim_end_matches(']').chars().map(letter).collect()
 }
 
-/// A string literal. What is not plain ASCII goes in as octal bytes, which end after three digits; a question mark is
-/// escaped, for two of them begin a trigraph.
+/// A string literal. Bytes other than plain ASCII become octal escapes, which end after three digits; a question mark is
+/// escaped, because two of them would begin a trigraph.
 fn quoted(text: &str) -> String {
     let mut literal = String::from("\"");
     for byte in text.bytes() {
@@ -93,14 +93,14 @@ fn quoted(text: &str) -> String {
     literal
 }
 
-/// A floating constant of C99 with its decimal number in a comment; a negative one in brackets.
+/// A floating constant of C99 with its decimal number in a comment; a negative number stands in brackets.
 fn constant(value: f64) -> String {
     let bare = hexadecimal(value.abs());
     let signed = if value.is_sign_negative() { format!("(-{bare})") } else { bare };
     format!("{signed} /* {value:?} */")
 }
 
-/// A number that is not negative, bit for bit: 24 is `0x1.8p+4`.
+/// A number that is not negative, exact to the last bit: 24 is `0x1.8p+4`.
 fn hexadecimal(value: f64) -> String {
     const FRACTION_BITS: u32 = 52;
     const BIAS: i64 = 1023;

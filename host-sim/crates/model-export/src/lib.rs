@@ -1,10 +1,10 @@
-//! A drive for programs of others: its machine file as Rust constants, as a C99 header, or as an FMU.
+//! A drive for use in other programs: its machine file as Rust constants, as a C99 header, or as an FMU.
 //!
-//! A [`MachineFile`](machine_file::MachineFile) goes in, text or an archive comes out. Start at [`rust`] for the constants in both languages, and at
-//! [`fmu`] for the archive; the library inside an FMU is the crate `drive-fmu`, which takes its variables from here. Nothing here converts SI
-//! values to fixed point: `model-core` does that, on every target alike.
+//! The input is a [`MachineFile`](machine_file::MachineFile), the output a text or an archive. Start at [`rust`] for the constants in both languages,
+//! and at [`fmu`] for the archive; the library inside an FMU is the crate `drive-fmu`, which takes its variables from here. Nothing here converts SI
+//! values to fixed point: `model-core` does this in the same way on every target.
 #![forbid(unsafe_code)]
-// What there is to say is returned: nothing but the program prints.
+// All output is returned to the caller: only the program prints.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
 
 mod c99;

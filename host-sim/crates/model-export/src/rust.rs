@@ -1,7 +1,7 @@
 //! A drive as constants for the firmware: Rust source that a controller compiles in, or a C99 header.
 //!
-//! SI values and no coefficients: the core turns them into its fixed-point coefficients on the controller as it does here, so
-//! that there is one place that converts. Every effect of the machine file is among them.
+//! It holds SI values and no coefficients: the core computes its fixed-point coefficients from them on the controller as it does here,
+//! so that only one place converts. All effects of the machine file are included.
 
 use std::fmt::{self, Write};
 
@@ -10,7 +10,7 @@ use model_core::machine::{Machine, MachineError, Parameter, Source, Tick};
 use model_core::number::PerUnit;
 use simulation::DELAY_LINE;
 
-/// What a controller has to know of a drive.
+/// What a controller needs to know about a drive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constants {
     /// What the drive is called.
@@ -19,7 +19,7 @@ pub struct Constants {
     pub machine: Machine<f64>,
     /// Control period.
     pub tick: Tick,
-    /// Ticks of the shortest delay line that holds the drive's delays: a power of two.
+    /// Ticks of the shortest delay line that holds the drive's transport delays: a power of two.
     pub delay_line: usize,
 }
 
@@ -38,7 +38,7 @@ impl Constants {
     /// The constants of a drive.
     ///
     /// # Errors
-    /// The controller's arithmetic does not hold the drive at this tick; the error names the value that does not fit.
+    /// The controller's arithmetic cannot represent the drive at this tick; the error names the value that does not fit.
     pub fn of(name: &str, machine: &Machine<f64>, tick: Tick) -> Result<Self, MachineError> {
         Drive::<PerUnit>::new::<DELAY_LINE>(machine, tick)?;
         let fits = SHORTER.iter().find(|(_, drive)| drive(machine, tick).is_ok());
@@ -85,7 +85,7 @@ impl Constants {
         for &parameter in Parameter::ALL {
             let value = self.machine.get(parameter);
             if value.to_bits() != default.get(parameter).to_bits() {
-                // Both as Rust reads them back to the last bit.
+                // Written so that Rust reads them back bit for bit.
                 writeln!(out, "    (Parameter::{parameter:?}, {value:?}), // {}", parameter.description().key)?;
             }
         }
@@ -102,7 +102,7 @@ mod tests {
         let mut machine = test_press::press(&[(Parameter::InternalLeakage, 1.0 / 3e11)]);
         machine.set(Parameter::TransportDelay, 0.0071);
         let constants = Constants::of("press \"63-40\"", &machine, Tick::OneMillisecond).unwrap();
-        // 7.1 ticks lie between the seventh and the eighth before, and this one is in the line as well.
+        // A delay of 7.1 ticks lies between the values seven and eight ticks ago, and the line holds the present value as well.
         assert_eq!(constants.delay_line, 16);
         let text = constants.rust();
         assert!(text.contains("pub const NAME: &str = \"press \\\"63-40\\\"\";"), "{text}");

@@ -1,4 +1,4 @@
-//! Which column of a file holds which signal, where the header does not say so itself.
+//! Which column of a file holds which signal, where the header alone does not show it.
 
 use std::collections::BTreeMap;
 
@@ -6,13 +6,13 @@ use crate::signal::Signal;
 
 /// How the readings of a sensor become the signal's value in SI units: (reading − zero)/full.
 ///
-/// Readings are taken as they stand in the file, in whatever unit, so that `zero` and `full` can be read off a sensor's data
+/// Readings are taken as they stand in the file, in any unit, so that `zero` and `full` can be taken from a sensor's data
 /// sheet: a spool that is centred at 5 V and fully open at 10 V has zero 5 and full 5.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
     /// The reading where the signal is 0.
     pub zero: f64,
-    /// By how much the reading rises when the signal rises by one SI unit; not 0, negative where it falls.
+    /// Rise of the reading for one SI unit of the signal; not 0, negative where the reading falls as the signal rises.
     pub full: f64,
 }
 
@@ -23,7 +23,7 @@ pub struct Mapping {
     pub header: String,
     /// Whether a recording without this column is an error, or only noted.
     pub required: bool,
-    /// How readings become values, where the header's unit does not say.
+    /// How readings become values, where the unit in the header does not determine it.
     pub scale: Option<Scale>,
 }
 
@@ -37,8 +37,8 @@ impl Mapping {
 
 /// Known name → header text, from `--map "position=Kolbenweg [mm]"` or `[channels]` in the machine file.
 ///
-/// A column that carries a known name needs no entry. Where a signal has an entry and the mapped
-/// column is there, it takes the place of a column that carries the known name.
+/// A column whose header is a known name needs no entry. Where a signal has an entry and the mapped
+/// column is in the file, the mapped column is used and not the one with the known name.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ChannelMap {
     entries: BTreeMap<Signal, Mapping>,
@@ -47,18 +47,18 @@ pub struct ChannelMap {
 /// Why a `--map` argument cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MapError {
-    /// There is no `=` in it.
+    /// The argument has no `=`.
     #[error("`{argument}` has no `=`; expected name=header, such as \"position=Kolbenweg [mm]\"")]
     NoEqualsSign {
         /// The argument.
         argument: String,
     },
-    /// The part before `=` is no known name.
+    /// The part before `=` is not a known name.
     #[error("`{name}` is not a known signal; expected one of {known}; did you mean `{nearest}`?")]
     UnknownSignal {
         /// What was found.
         name: String,
-        /// The known name most like it.
+        /// The known name most similar to it.
         nearest: &'static str,
         /// Every known name.
         known: String,
@@ -130,7 +130,7 @@ impl ChannelMap {
         self.entries.is_empty()
     }
 
-    /// This map with the entries of another laid over it: the command line over the machine file.
+    /// This map with the entries of another; where both have an entry, the other's counts: the command line overrides the machine file.
     #[must_use]
     pub fn overlaid_with(mut self, other: &Self) -> Self {
         self.entries.extend(other.entries.clone());

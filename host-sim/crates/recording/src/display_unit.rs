@@ -1,4 +1,4 @@
-//! Numbers as people read them: mm, bar, per cent of spool travel, and as many digits as say something.
+//! Numbers as people read them: mm, bar, per cent of spool travel, and only as many digits as are significant.
 
 use comfy_table::{ContentArrangement, LineStyle, Table, TableStyle};
 
@@ -12,7 +12,7 @@ pub const TABLE: TableStyle = TableStyle::new()
     .header_separator(LineStyle::none().fill('─').junction('─'))
     .bottom_border(LineStyle::none().fill('─').junction('─'));
 
-/// Makes a table as many characters wide, or as its cells are; what this process's own output is, is not asked.
+/// Sets a table's width in characters, or lets it follow from its cells. The terminal of this process is not queried.
 pub fn arrange(table: &mut Table, width: Option<u16>) {
     table.force_no_tty();
     match width {
@@ -21,7 +21,7 @@ pub fn arrange(table: &mut Table, width: Option<u16>) {
     };
 }
 
-/// The unit in which tables and plots show a signal: mm, mm/s, bar, l/min, %, kN … whatever the recording used.
+/// The unit in which tables and plots show a signal: mm, mm/s, bar, l/min, %, kN …, in whatever unit it was recorded.
 #[must_use]
 pub fn unit_for_people(signal: Signal) -> Unit {
     let si = signal.si_unit();
@@ -71,11 +71,11 @@ pub fn significant(value: f64, digits: i32) -> String {
     if !value.is_finite() {
         return value.to_string();
     }
-    // Less than any sensor sees, in any unit for people.
+    // Smaller than any sensor resolves, in any of these units.
     if value.abs() < 1e-9 {
         return "0".into();
     }
-    // The exponent after rounding: 0.09999 has three digits as 0.100.
+    // The exponent after rounding: 0.09999 with three digits is 0.100.
     let precision = usize::try_from(digits - 1).unwrap_or(0);
     let scientific = format!("{value:.precision$e}");
     let exponent = scientific.rsplit_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0_i32);
@@ -83,13 +83,13 @@ pub fn significant(value: f64, digits: i32) -> String {
     format!("{value:.decimals$}")
 }
 
-/// Share as a percentage that never shows a miss as none: `99.9987` and not `100.00`.
+/// A percentage that never hides a small difference from 100: `99.9987` and not `100.00`.
 #[must_use]
 pub fn percent(value: f64) -> String {
     let missing = (100.0 - value).abs();
     let decimals = if missing >= 0.05 || missing == 0.0 { 2 } else { 4 };
     let text = format!("{value:.decimals$}");
-    // A fit just below none is none.
+    // A fit just below zero is shown as zero.
     if text == "-0.00" { "0.00".to_owned() } else { text }
 }
 

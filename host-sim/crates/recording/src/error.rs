@@ -9,7 +9,7 @@ use crate::formats::unsupported::Unsupported;
 use crate::signal::Signal;
 use crate::unit_in_name::variable;
 
-/// Why a recording cannot be read, or not be used for what is asked of it.
+/// Why a recording cannot be read, or cannot be used for the purpose in hand.
 #[expect(missing_docs, reason = "every field is named in the text of its variant; `place` is where it was found")]
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
@@ -17,7 +17,7 @@ pub enum RecordingError {
     Io { place: Place, source: io::Error },
     /// The file cannot be written.
     Write { place: Place, source: io::Error },
-    /// There is nothing in the file but blank lines and comments.
+    /// The file holds nothing but blank lines and comments.
     Empty { place: Place },
     /// There are fewer than two rows that can be used; `skipped` rows had an empty cell or a repeated time.
     TooFewRows { place: Place, rows: usize, skipped: usize },
@@ -25,7 +25,7 @@ pub enum RecordingError {
     TooManyRows { place: Place, most: usize },
     /// More columns than the program takes.
     TooManyColumns { place: Place, most: usize },
-    /// A line is longer than a recording's can be.
+    /// A line is longer than any line of a recording.
     LineTooLong { place: Place, most_bytes: usize },
     /// More blank lines and comments than a recording can have.
     TooManySkippedLines { place: Place, most: usize },
@@ -39,15 +39,15 @@ pub enum RecordingError {
     NoTimeColumn { place: Place, header: String },
     /// Two columns hold the same signal.
     DuplicateColumn { place: Place, signal: Signal, first: String, second: String },
-    /// Known names without a unit in brackets; `place` is where the first is.
+    /// Known names without a unit in brackets; `place` is where the first one stands.
     MissingUnit { place: Place, columns: Vec<(Signal, String)> },
-    /// A known name with a unit that nobody knows.
+    /// A known name with an unknown unit.
     UnknownUnit { place: Place, signal: Signal, header: String, unit: String },
-    /// A known name with a unit that measures something else.
+    /// A known name with a unit of another quantity.
     WrongDimension { place: Place, signal: Signal, header: String, unit: String },
     /// A column that `--map` names is not in the file.
     MappedColumnAbsent { place: Place, signal: Signal, header: String, present: Vec<String> },
-    /// A column that was asked for by its header is not in the file.
+    /// A column that was requested by its header is not in the file.
     ColumnAbsent { place: Place, header: String, present: Vec<String> },
     /// A row has more or fewer cells than the header.
     RaggedRow { place: Place, found: usize, expected: usize },
@@ -57,33 +57,33 @@ pub enum RecordingError {
     NotFinite { place: Place, header: String, found: String },
     /// Time is smaller than in the row before, both in s.
     TimeBackwards { place: Place, previous_s: f64, found_s: f64 },
-    /// An export without the header rows or columns that its kind needs.
+    /// An export without the header rows or columns that this kind of export needs.
     ExportLayout { place: Place, missing: &'static str },
-    /// An export whose times are dates and not offsets; they have no room in a double.
+    /// An export whose times are dates and not offsets; a double cannot hold them precisely enough.
     FullTimestamps { place: Place, found: String },
-    /// The channels of an export have no stretch of time in common.
+    /// The channels of an export have no time interval in common.
     NoCommonTime { place: Place, from_s: f64, to_s: f64 },
-    /// A signal that is needed is not there.
+    /// A required signal is missing.
     MissingSignal { place: Place, signal: Signal, present: Vec<&'static str> },
-    /// A signal that shall be judged never changes; the value is in SI units.
+    /// A signal that is to be judged never changes; the value is in SI units.
     ConstantSignal { place: Place, signal: Signal, value: f64 },
     /// A file of a format that this build of the program does not read or write.
     FeatureAbsent { place: Place, format: Format },
-    /// A file that is neither text nor what its name says.
+    /// A file that is neither text nor of the format that its name shows.
     NotOfFormat { place: Place, format: Format },
-    /// A file of a known format, in a way that is not read.
+    /// A file of a known format, in a variant that is not read.
     Unsupported { place: Place, what: Unsupported },
-    /// A file that is not whole, or not as its format says; `what` is amiss.
+    /// A file that is incomplete or violates its format; `what` describes the fault.
     Damaged { place: Place, format: Format, what: &'static str },
-    /// More bytes than are held in memory, as they stand in the file or unpacked.
+    /// More bytes than may be held in memory, as they stand in the file or unpacked.
     TooLarge { place: Place, most_bytes: u64 },
-    /// A known signal without times to its values; `present` is what the file has.
+    /// A known signal whose values have no times; `present` is what the file has.
     NoTimes { place: Place, header: String, present: Vec<String> },
-    /// A file without times, or without anything else that is known; `present` is what it has.
+    /// A file without times, or with no known signal besides time; `present` is what it has.
     NothingKnown { place: Place, present: Vec<String> },
-    /// A known signal that holds no numbers, but something else.
+    /// A known signal that holds something other than numbers.
     NotNumbers { place: Place, header: String, found: String },
-    /// A column has not as many values as there are times.
+    /// The number of values in a column differs from the number of times.
     LengthMismatch { place: Place, header: String, found: usize, expected: usize },
 }
 
@@ -299,7 +299,7 @@ impl Explained for RecordingError {
     }
 }
 
-/// Names for a message, not all where there are many.
+/// Names for a message; where there are many, only some of them.
 fn few(names: &[String]) -> String {
     const MOST: usize = 30;
     let more = if names.len() > MOST { ", …" } else { "" };

@@ -7,19 +7,19 @@ use crate::recording::{Column, Note};
 use crate::signal::{Signal, split_header};
 use crate::unit::Unit;
 
-/// A header that a file offers, and the ways to name it.
+/// A header of a file, and the names by which it can be known.
 #[derive(Debug)]
 pub(crate) struct Offer {
-    /// The header as it is written back; also what messages call it.
+    /// The header as it is written back; messages use it too.
     pub(crate) header: String,
-    /// Names with their units; the first that fits counts.
+    /// Names with their units; the first one that fits counts.
     pub(crate) names: Vec<(String, Option<String>)>,
 }
 
-/// A column that a mapping means.
+/// A column that a mapping refers to.
 #[derive(Debug)]
 struct Meant {
-    /// Its unit, from the mapping or else from the file.
+    /// Its unit, from the mapping, or else from the file.
     unit: Option<String>,
 }
 
@@ -30,7 +30,7 @@ impl Offer {
         Self { header: header.to_owned(), names: vec![(name.to_owned(), unit.map(str::to_owned))] }
     }
 
-    /// The unit that a mapping gives this column, if it means this column.
+    /// The unit that a mapping gives this column, if the mapping refers to this column.
     fn meant_by(&self, mapping: &Mapping) -> Option<Meant> {
         let (name, unit) = split_header(&mapping.header);
         self.names.iter().find_map(|(own_name, own_unit)| match (unit, own_unit) {
@@ -86,7 +86,7 @@ pub(crate) fn assign(
             continue;
         };
         let unit = match unit_of(signal, scale, &offer.header, unit.as_deref(), || place(index)) {
-            // Whoever has to name one unit wants to know of the others at once.
+            // All columns without a unit are collected, so that the user learns of all of them at once.
             Err(RecordingError::MissingUnit { place, columns }) => {
                 without_unit.get_or_insert_with(|| (place, Vec::new())).1.extend(columns);
                 continue;
@@ -106,7 +106,7 @@ pub(crate) fn assign(
     Ok(assignment)
 }
 
-/// The column that holds a signal, if the offer means it: by the signal's mapping, or else by its name.
+/// The column of a signal, if the offered header stands for it: by the signal's mapping, or else by its name.
 pub(crate) fn one(
     offer: &Offer,
     signal: Signal,

@@ -1,10 +1,10 @@
 //! Recordings of a drive: signals with their units, and the files that they are read from and written to.
 //!
 //! [`Recording`] is what all other crates work on: signals in SI units on one time base. `formats` reads and writes it (text, MAT,
-//! MDF 4, Parquet), [`excitation`] makes input signals, [`files`] writes a file whole or not at all and says where in a source text an
-//! error stands. Start at [`read`]. Nothing here knows a model.
+//! MDF 4, Parquet), [`excitation`] makes input signals, [`files`] writes a file whole or not at all and shows where an error stands
+//! in a source text. Start at [`read`]. Nothing here knows a model.
 #![forbid(unsafe_code)]
-// What there is to say is returned: nothing but the program prints.
+// All output is returned to the caller: only the program prints.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
 #![cfg_attr(
     not(all(feature = "mat", feature = "mdf4", feature = "parquet")),

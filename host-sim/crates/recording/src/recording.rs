@@ -2,7 +2,7 @@
 //!
 //! A recording is a table: the first column is time, each further one a [`Signal`]. Inside the
 //! program every value is in SI units (pump speed in rev/s, temperature in °C, a current command in
-//! mA); header and unit of each column are kept, so that a result goes out as the recording came in.
+//! mA). Header and unit of each column are kept, so that a result is written with the headers and units of the recording.
 
 use std::fmt;
 use std::path::Path;
@@ -52,10 +52,10 @@ impl fmt::Display for At {
     }
 }
 
-/// Something about a recording that was put right, or that a user should know.
+/// A correction made while reading, or something that a user should know about a recording.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Note {
-    /// Rows with the time of the row before were left out.
+    /// Rows with the same time as the row before were left out.
     DuplicateTimes {
         /// How many.
         rows: usize,
@@ -69,7 +69,7 @@ pub enum Note {
         /// Where the first one is.
         first: At,
     },
-    /// There are intervals of more than ten usual ones without rows.
+    /// There are intervals without rows that are longer than ten usual intervals.
     Gaps {
         /// How many.
         count: usize,
@@ -133,7 +133,7 @@ impl fmt::Display for Note {
     }
 }
 
-/// A recording: rising times, and signals at these times.
+/// A recording: rising times, and the values of signals at these times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
     /// The file as the user named it.
@@ -148,9 +148,9 @@ pub struct Recording {
 /// Rows of the file that are not among the values, kept to be written back.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct LeftOut {
-    /// For each, how many kept rows stand before it.
+    /// For each of them, the number of kept rows before it.
     pub(crate) after: Vec<usize>,
-    /// For each, the cells of the known columns in SI units; what is blank or cannot be read is `None`.
+    /// For each of them, the cells of the known columns in SI units; a cell that is blank or cannot be read is `None`.
     pub(crate) cells: Vec<Option<f64>>,
 }
 
@@ -158,7 +158,7 @@ impl Recording {
     /// A recording made in the program, such as the input of a simulation.
     ///
     /// The first column is time; times rise, every value is finite, every column is as long as the
-    /// first and holds another signal, and there are at least two rows. Anything else is an error.
+    /// first and holds a different signal, and there are at least two rows. Anything else is an error.
     pub fn new(name: &str, columns: Vec<Column>) -> Result<Self, RecordingError> {
         let place = || Place::file(name);
         let rows = match columns.first() {
@@ -191,13 +191,13 @@ impl Recording {
         Ok(Self::assemble(name, columns, Vec::new(), Vec::new()))
     }
 
-    /// A recording of columns that are known to be right.
+    /// A recording of columns that are known to be valid.
     pub(crate) fn assemble(path: &str, columns: Vec<Column>, ignored: Vec<String>, mut notes: Vec<Note>) -> Self {
         notes.extend(gaps(&columns[0].values));
         Self { path: path.to_owned(), columns, ignored, notes, left_out: LeftOut::default() }
     }
 
-    /// This recording as though the signals that `kept` refuses had not been measured; their cells are not written back either.
+    /// This recording without the signals that `kept` refuses, as if they had not been measured; their cells are not written back either.
     #[must_use]
     pub fn limited_to(&self, kept: impl Fn(Signal) -> bool) -> Self {
         let stays: Vec<bool> =
@@ -214,7 +214,7 @@ impl Recording {
         limited
     }
 
-    /// The first rows of it, as many as it has at most and two at least. Rows that reading left out are not written back.
+    /// The first `rows` rows, at least two and at most all of them. Rows that were left out in reading are not written back.
     #[must_use]
     pub fn first(&self, rows: usize) -> Self {
         let mut columns = self.columns.clone();
@@ -224,7 +224,7 @@ impl Recording {
         Self { columns, left_out: LeftOut::default(), ..self.clone() }
     }
 
-    /// Puts other values in the place of a signal's, as many of them.
+    /// Replaces the values of a signal by as many other values.
     pub fn replace(&mut self, signal: Signal, values: &[f64]) {
         if let Some(column) = self.columns.iter_mut().find(|column| column.signal == signal) {
             column.values.copy_from_slice(values);
@@ -243,7 +243,7 @@ impl Recording {
         &self.path
     }
 
-    /// The times, s, as recorded: they rise and start anywhere.
+    /// The times, s, as recorded: they rise and may start at any value.
     #[must_use]
     pub fn time_s(&self) -> &[f64] {
         &self.columns[0].values
@@ -291,13 +291,13 @@ impl Recording {
         &self.ignored
     }
 
-    /// What was put right while reading, and what a user should know.
+    /// Corrections made while reading, and what a user should know.
     #[must_use]
     pub fn notes(&self) -> &[Note] {
         &self.notes
     }
 
-    /// The values of a signal that is needed, in SI units.
+    /// The values of a signal that is required, in SI units.
     pub fn require(&self, signal: Signal) -> Result<&[f64], RecordingError> {
         self.signal(signal).ok_or_else(|| RecordingError::MissingSignal {
             place: Place::file(&self.path),
@@ -306,7 +306,7 @@ impl Recording {
         })
     }
 
-    /// Checks that a signal is there and changes; one that does not cannot be judged.
+    /// Checks that a signal is there and changes; a constant signal cannot be judged.
     pub fn check_varies(&self, signal: Signal) -> Result<(), RecordingError> {
         let values = self.require(signal)?;
         if values.windows(2).any(|pair| pair[0].to_bits() != pair[1].to_bits()) {
@@ -317,7 +317,7 @@ impl Recording {
     }
 }
 
-/// What is to be noted of intervals that are longer than usual.
+/// The note about intervals that are longer than usual.
 pub(crate) fn gaps(time_s: &[f64]) -> Option<Note> {
     let usual = median_interval(time_s);
     let gaps = time_s.windows(2).filter(|pair| pair[1] - pair[0] > 10.0 * usual);
@@ -325,7 +325,7 @@ pub(crate) fn gaps(time_s: &[f64]) -> Option<Note> {
     Some(Note::Gaps { count: gaps.count(), longest_s: longest[1] - longest[0], at_s: longest[0] })
 }
 
-/// The median difference of neighbours; NaN without any.
+/// The median interval between neighbours; NaN for fewer than two times.
 fn median_interval(time_s: &[f64]) -> f64 {
     let mut intervals: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let middle = intervals.len() / 2;

@@ -1,4 +1,4 @@
-//! Repeatable noise: one seed, one stream a channel, the same numbers on every machine.
+//! Repeatable noise: a seed, one random stream for each channel, and the same numbers on every machine.
 
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
@@ -10,32 +10,32 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// `stream` keeps the channels apart: a channel added or left out changes no other.
+    /// `stream` makes the channels independent: adding or removing a channel does not change the others.
     pub fn new(seed: u64, stream: u64) -> Self {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         generator.set_stream(stream);
         Self { generator }
     }
 
-    /// Evenly distributed in [from, to).
+    /// Uniformly distributed in [from, to).
     pub fn uniform(&mut self, from: f64, to: f64) -> f64 {
         const STEP: f64 = 1.0 / 9_007_199_254_740_992.0; // 2⁻⁵³
         from + (to - from) * ((self.generator.next_u64() >> 11) as f64 * STEP)
     }
 
-    /// Evenly over the decades between two positive values.
+    /// Log-uniformly distributed between two positive values.
     pub fn decades(&mut self, from: f64, to: f64) -> f64 {
         libm::exp(self.uniform(libm::log(from), libm::log(to)))
     }
 
-    /// A number below `count`, which is not 0.
+    /// A number below `count`; `count` must not be 0.
     pub fn below(&mut self, count: usize) -> usize {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below count, not negative")]
         let drawn = self.uniform(0.0, count as f64) as usize;
         drawn.min(count - 1)
     }
 
-    /// Whether something of this chance happens.
+    /// True with this probability.
     pub fn happens(&mut self, chance: f64) -> bool {
         self.uniform(0.0, 1.0) < chance
     }
@@ -47,7 +47,7 @@ impl Noise {
 
     /// Gaussian with mean 0 and the given standard deviation (Box and Muller).
     ///
-    /// By `libm` rather than the platform's functions, whose last bit differs.
+    /// Uses `libm` rather than the platform's functions, whose last bit differs.
     pub fn gaussian(&mut self, deviation: f64) -> f64 {
         let radius = (-2.0 * libm::log(1.0 - self.uniform(0.0, 1.0))).sqrt();
         deviation * radius * libm::cos(self.uniform(0.0, std::f64::consts::TAU))

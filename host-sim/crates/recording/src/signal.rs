@@ -11,7 +11,7 @@ macro_rules! signals {
         pub enum Signal { $(#[doc = $meaning] $variant,)* }
 
         impl Signal {
-            /// Every signal, in the order in which people list them.
+            /// Every signal, in the usual order of a list.
             pub const ALL: &'static [Signal] = &[$(Signal::$variant,)*];
 
             /// The name that stands in a recording's header.
@@ -20,7 +20,7 @@ macro_rules! signals {
                 match self { $(Signal::$variant => $name,)* }
             }
 
-            /// What its unit must measure; where there are several, the first is usual.
+            /// The quantities that its unit may measure; where there are several, the first is the usual one.
             #[must_use]
             pub const fn dimensions(self) -> &'static [Dimension] {
                 match self { $(Signal::$variant => &[$(Dimension::$dimension,)+],)* }
@@ -68,7 +68,7 @@ impl Signal {
         self.dimensions() == [Dimension::Ratio]
     }
 
-    /// The known units it may stand in, for messages: `V mV mA`.
+    /// The known units in which it may be recorded, for messages: `V mV mA`.
     #[must_use]
     pub fn units(self) -> String {
         let symbols: Vec<_> = self.dimensions().iter().flat_map(|&d| Unit::of(d)).map(Unit::symbol).collect();
@@ -82,9 +82,9 @@ impl fmt::Display for Signal {
     }
 }
 
-/// A column header, taken apart: `Kolbenweg [mm]` is the name `Kolbenweg` with the unit `mm`.
+/// Splits a column header: `Kolbenweg [mm]` is the name `Kolbenweg` with the unit `mm`.
 ///
-/// The unit is the last pair of brackets, where the header ends with it.
+/// The unit stands in the last pair of brackets, where the header ends with it.
 #[must_use]
 pub(crate) fn split_header(header: &str) -> (&str, Option<&str>) {
     let header = header.trim();

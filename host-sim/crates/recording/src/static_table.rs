@@ -1,7 +1,7 @@
-//! Tables without a clock: sweeps of a static bench in the order of their samples, means of runs, any file with headers.
+//! Tables without a clock: sweeps of a static bench in the order of their samples, means of runs, any other file with headers.
 //!
 //! Text as [`crate::formats::text::csv`] reads it, but no column need be time and no header need be a known signal with a known unit: columns
-//! are asked for by header, or by the part of it before its unit. Values stay in the file's own units.
+//! are found by their header, or by its part before the unit. Values stay in the file's own units.
 
 use std::io::Read;
 use std::path::Path;
@@ -22,12 +22,12 @@ pub struct Table {
     columns: Vec<(String, Vec<f64>)>,
     /// Rows that were left out because a cell was empty.
     pub incomplete: usize,
-    /// What a user should know of how it was read.
+    /// What a user should know about how it was read.
     pub notes: Vec<Note>,
 }
 
 impl Table {
-    /// A table made in the program; columns are of one length.
+    /// A table made in the program; all columns have the same length.
     #[must_use]
     pub fn new(path: &str, columns: Vec<(String, Vec<f64>)>) -> Self {
         Self { path: path.to_owned(), columns, incomplete: 0, notes: Vec::new() }
@@ -39,7 +39,7 @@ impl Table {
         Self::read_from(&name, file)
     }
 
-    /// Reads from anywhere; `name` stands for the file in messages.
+    /// Reads from any source; `name` stands for the file in messages.
     pub fn read_from(name: &str, input: impl Read) -> Result<Self, RecordingError> {
         Self::of_text(name, Box::new(input))
     }
@@ -121,7 +121,7 @@ impl Table {
         Ok((own, values))
     }
 
-    /// The times of a first column that is a clock, s.
+    /// The times in the first column, s, if it is a clock.
     #[must_use]
     pub fn clock_s(&self) -> Option<Vec<f64>> {
         let (header, values) = self.columns.first()?;

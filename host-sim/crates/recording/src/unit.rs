@@ -1,4 +1,4 @@
-//! Units of measure of recorded signals, and their way to SI and back.
+//! Units of measure of recorded signals, and their conversion to SI and back.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ pub enum Dimension {
     Time,
     /// Voltage, V.
     Voltage,
-    /// Current of a current-driven valve, mA; it is not converted to volts.
+    /// Current of a current-driven valve, mA; it is not converted to V.
     Current,
     /// A pure number, 1.
     Ratio,
@@ -29,17 +29,17 @@ pub enum Dimension {
     Flow,
     /// Temperature, °C.
     Temperature,
-    /// Volume, m³; of data sheets, no signal.
+    /// Volume, m³; only in data sheets, not a signal.
     Volume,
-    /// Mass, kg; of data sheets, no signal.
+    /// Mass, kg; only in data sheets, not a signal.
     Mass,
-    /// Oil per turn of a pump, m³/rev; of data sheets, no signal.
+    /// Oil per turn of a pump, m³/rev; only in data sheets, not a signal.
     Displacement,
 }
 
 /// A unit of measure: `si = value · multiply / divide + add`.
 ///
-/// Factors are split in two so that every conversion by a power of ten is correctly rounded.
+/// Factors are split into multiplier and divisor so that every conversion by a power of ten is correctly rounded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
     symbol: &'static str,
@@ -53,12 +53,12 @@ const fn unit(symbol: &'static str, dimension: Dimension, multiply: f64, divide:
     Unit { symbol, dimension, multiply, divide, add }
 }
 
-/// Added to any number, -0.0 among them, it changes nothing; +0.0 would turn -0.0 into 0.0.
+/// Adding it changes no number, not even -0.0; adding +0.0 would turn -0.0 into 0.0.
 const NO_OFFSET: f64 = -0.0;
 
 const PSI_PA: f64 = 6_894.757_293_168_361;
 
-/// Every known unit; the first of a dimension is the one used inside the program.
+/// Every known unit; the first unit of a dimension is the one used inside the program.
 const UNITS: &[Unit] = &[
     unit("s", Dimension::Time, 1.0, 1.0, NO_OFFSET),
     unit("ms", Dimension::Time, 1.0, 1e3, NO_OFFSET),
@@ -100,7 +100,7 @@ const UNITS: &[Unit] = &[
 impl Unit {
     /// The unit with this symbol, if it is a known one.
     ///
-    /// Besides the symbols of the file format it takes other ways to write the same character:
+    /// Besides the symbols of the file format it accepts other spellings of the same unit:
     /// both Unicode micro signs and `us`, `m³/s`, and `-` for a pure number.
     #[must_use]
     pub fn parse(symbol: &str) -> Option<Self> {
@@ -113,14 +113,14 @@ impl Unit {
         UNITS.iter().find(|unit| unit.symbol == plain).copied()
     }
 
-    /// The unit of a dimension that the program computes in.
+    /// The unit of a dimension in which the program computes.
     #[must_use]
     #[expect(clippy::missing_panics_doc, reason = "the table has a unit for every dimension")]
     pub fn si(dimension: Dimension) -> Self {
         *UNITS.iter().find(|unit| unit.dimension == dimension).expect("the table has a unit for every dimension")
     }
 
-    /// The readings of a sensor that measures something else: they become values of `dimension` by (reading − zero)/full.
+    /// The unit of a sensor that measures another quantity: its readings become values of `dimension` by (reading − zero)/full.
     pub(crate) fn of_sensor(readings_in: Option<Self>, dimension: Dimension, zero: f64, full: f64) -> Self {
         let symbol = readings_in.map_or("reading", Self::symbol);
         Self { symbol, dimension, multiply: 1.0, divide: full, add: -zero / full }
@@ -148,13 +148,13 @@ impl Unit {
         self.dimension
     }
 
-    /// A value in this unit, turned to SI.
+    /// Converts a value in this unit to SI.
     #[must_use]
     pub fn to_si(self, value: f64) -> f64 {
         value * self.multiply / self.divide + self.add
     }
 
-    /// An SI value, turned to this unit.
+    /// Converts an SI value to this unit.
     #[must_use]
     pub fn from_si(self, si: f64) -> f64 {
         (si - self.add) * self.divide / self.multiply
@@ -163,7 +163,7 @@ impl Unit {
     /// The decimal text of an SI value in this unit.
     ///
     /// An SI unit gives the shortest text that reads back to the same bits; other units give 15
-    /// significant digits, which takes the rounding of the conversion out of sight.
+    /// significant digits, which hides the rounding of the conversion.
     #[must_use]
     pub fn print(self, si: f64) -> String {
         if self == Self::si(self.dimension) {
@@ -176,7 +176,7 @@ impl Unit {
     }
 }
 
-/// Shortest text that reads back to the same bits; powers of ten only where zeros would be many.
+/// Shortest text that reads back to the same bits; powers of ten only where there would be many zeros.
 fn shortest(value: f64) -> String {
     format!("{value:?}").trim_end_matches(".0").to_owned()
 }
@@ -223,7 +223,7 @@ mod tests {
             for typed in ["0.1", "123.456", "-7.25", "0.000123", "5.1250"] {
                 let value: f64 = typed.parse().unwrap();
                 let printed: f64 = unit.print(unit.to_si(value)).parse().unwrap();
-                // The sum of a temperature costs an absolute, not a relative rounding.
+                // The offset of a temperature causes an absolute rounding error, not a relative one.
                 assert!((printed - value).abs() <= 1e-13, "{typed} {unit}: {printed}");
             }
         }

@@ -1,12 +1,12 @@
-//! Names that hold a unit where brackets are not allowed: `position_mm`, `velocity_m_per_s`.
+//! Names that contain a unit where brackets are not allowed: `position_mm`, `velocity_m_per_s`.
 //!
-//! The unit stands behind an underscore as its symbol, or as the symbol in small letters; what is no letter is spelt out:
-//! `m_per_s`, `percent`, `degC`, `us`, `one`. Written are the symbols as they are.
+//! The unit stands after an underscore as its symbol, or as the symbol in lower case; characters that are not letters are spelt out:
+//! `m_per_s`, `percent`, `degC`, `us`, `one`. In writing, symbols keep their case.
 
 use crate::signal::split_header;
 use crate::unit::{Dimension, Unit};
 
-/// Longest name that MATLAB takes.
+/// Longest name that MATLAB accepts.
 const LONGEST: usize = 63;
 
 /// A unit's symbol in letters, digits and underscores.
@@ -20,18 +20,18 @@ fn suffix(unit: Unit) -> String {
     }
 }
 
-/// A name taken apart at its unit, where it ends with one: `position_mm` is `position` in `mm`.
+/// Splits a name at its unit, where it ends with one: `position_mm` is `position` in `mm`.
 pub(crate) fn split_suffix(name: &str) -> Option<(&str, Unit)> {
     let fits = |unit: Unit| {
         let suffix = suffix(unit);
         let before = name.strip_suffix(&suffix).or_else(|| name.strip_suffix(&suffix.to_ascii_lowercase()));
         before.and_then(|before| before.strip_suffix('_')).filter(|before| !before.is_empty()).map(|name| (name, unit))
     };
-    // Of `speed_mm_per_s` the unit is mm/s and not s.
+    // The unit of `speed_mm_per_s` is mm/s and not s.
     Unit::all().filter_map(fits).min_by_key(|(name, _)| name.len())
 }
 
-/// The header of a column as a name of letters, digits and underscores, with its unit; another one than those `taken`.
+/// The header of a column as a name of letters, digits and underscores, with its unit; it differs from all names in `taken`.
 pub(crate) fn variable(header: &str, unit: Unit, taken: &[String]) -> String {
     let (name, _) = split_header(header);
     let name = split_suffix(name).filter(|(_, own)| *own == unit).map_or(name, |(short, _)| short);

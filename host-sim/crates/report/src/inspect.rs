@@ -1,4 +1,4 @@
-//! What an inspection found, on the terminal and for programs.
+//! The result of an inspection, on the terminal and for programs.
 
 use std::fmt::Write;
 
@@ -11,7 +11,7 @@ use recording::display_unit::{TABLE, arrange, difference, significant};
 use recording::{Dimension, Signal, Unit};
 use simulation::InputPoint;
 
-/// The text of one recording; its table has so many characters a line, or as many as it takes.
+/// The text of one recording; its table has this number of characters a line, or as many as it needs.
 #[must_use]
 pub fn text(found: &Inspection, width: Option<u16>) -> String {
     let interval = significant(1e3 * found.stamps.interval_s, 3);

@@ -13,7 +13,7 @@ use recording::display_unit::{TABLE, arrange, significant};
 
 use crate::plot::{Cell, Grid};
 
-/// The whole text; its tables have so many characters a line, or 120.
+/// The whole text; its tables have this number of characters a line, or 120.
 #[must_use]
 pub fn text(name: &str, sensors: &[Sensor], plan: &Plan, width: Option<u16>) -> String {
     let mut text = format!("{name}, seen by {}\n", seen_by(sensors));
@@ -64,7 +64,7 @@ fn pairs(count: usize) -> String {
     if count == 1 { "1 pair".to_owned() } else { format!("{count} pairs") }
 }
 
-/// Characters of a line where no terminal says how many it has.
+/// Characters of a line where the terminal's width is unknown.
 const WIDTH: u16 = 120;
 
 fn table(outlook: &Outlook, width: Option<u16>) -> String {
@@ -143,7 +143,7 @@ fn outlook(outlook: &Outlook) -> Value {
                 "effect": prospect.effect.name,
                 "subsystem": prospect.effect.subsystem,
                 "usual": usual.collect::<Vec<_>>(),
-                // JSON knows no infinity: an effect that is never accepted has none.
+                // JSON has no infinity: an effect that is never accepted has no value.
                 "claimed_from_share_of_usual": prospect.smallest.is_finite().then_some(prospect.smallest),
                 "claimed": outlook.isolability.accepted[index],
                 "deviations": outlook.isolability.seen[index],
@@ -155,7 +155,7 @@ fn outlook(outlook: &Outlook) -> Value {
     json!({ "duration_s": outlook.duration_s, "effects": effects })
 }
 
-/// The isolability matrix: a row for each effect that is there, a column for each that it might pass for.
+/// The isolability matrix: a row for each effect that is present, a column for each effect that it might be taken for.
 #[must_use]
 pub fn matrix(outlook: &Outlook) -> Grid {
     let names: Vec<String> = outlook.effects.iter().map(|prospect| prospect.effect.name.to_owned()).collect();

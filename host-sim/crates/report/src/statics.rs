@@ -1,4 +1,4 @@
-//! A static recording's figures: for people, for programs, and drawn.
+//! A static recording's figures: as text, as JSON, and as a drawing.
 
 use std::fmt::Write;
 
@@ -80,7 +80,7 @@ pub fn text(statics: &Statics) -> String {
     text
 }
 
-/// The figures for programs.
+/// The figures as JSON.
 #[must_use]
 pub fn document(statics: &Statics) -> Value {
     json!({ "schema": "host-sim/statics/1", "statics": statics })

@@ -95,10 +95,10 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     text
 }
 
-/// When the error is made and how much of it, with the stretches that hold most.
+/// When the error is made, how much of it, and the stretches that hold most of it.
 #[must_use]
 pub fn when(location: &Location) -> String {
-    /// Stretches that are told one by one.
+    /// Stretches that are listed one by one.
     const TOLD: usize = 3;
     let percent = |share: f64| significant(100.0 * share, 2);
     let intervals = &location.intervals;
@@ -123,7 +123,7 @@ pub fn when(location: &Location) -> String {
     )
 }
 
-/// What a suspicion is.
+/// What "suspected" means.
 pub const SUSPECTED: &str =
     "likelier than no effect on the training recordings, but not enough to accept it; every signal is within its noise";
 
@@ -153,13 +153,13 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
     }
 }
 
-/// What the effects accepted leave above the noise.
+/// The misfit above noise that the accepted effects leave.
 #[must_use]
 pub fn still_missing(diagnosis: &Diagnosis) -> String {
     format!("something is still missing: with these effects the model is off in {}", missed(&diagnosis.left))
 }
 
-/// How far signals are off.
+/// How far signals are off, in multiples of their noise.
 #[must_use]
 pub fn missed(misses: &[Miss]) -> String {
     let signal = |miss: &Miss| format!("{} ({:.1} times its noise)", miss.signal, miss.over_noise);
@@ -201,7 +201,7 @@ fn fits(diagnosis: &Diagnosis) -> Table {
     table
 }
 
-/// What each step leaves of the error, a line each, which share of what was above the noise it took away, and what is left at the end.
+/// A line for each step: what it leaves of the error and which share of the misfit above noise it removed; at the end, what is left.
 fn waterfall(exhibits: &Exhibits) -> Table {
     let stages = &exhibits.waterfall.stages;
     let which = if exhibits.waterfall.held_out { "held out" } else { "training" };
@@ -214,7 +214,7 @@ fn waterfall(exhibits: &Exhibits) -> Table {
     for (index, stage) in stages.iter().enumerate() {
         let left = stage.signals.iter().map(|(_, left)| *left).chain([stage.total]).map(|left| significant(left, 3));
         let share = match &shares {
-            // The machine file takes nothing: all that is above the noise is above it there. The last took what was left.
+            // The machine file removes nothing: the misfit above noise starts there. The last stage, the noise, stands for what was left.
             Some(shares) if index + 1 == stages.len() => format!("{} left", share_taken(shares[index])),
             Some(shares) if index > 0 => share_taken(shares[index]),
             _ => String::new(),
@@ -228,12 +228,12 @@ fn waterfall(exhibits: &Exhibits) -> Table {
     table
 }
 
-/// A share of what the machine file leaves above the noise; a step that makes it worse takes less than nothing.
+/// A share of the machine file's misfit above noise; the share is negative for a step that makes it worse.
 fn share_taken(share: f64) -> String {
     format!("{}{:.1} %", if share < -5e-4 { "−" } else { "" }, (100.0 * share).abs())
 }
 
-/// What the preparation found, in a line, and a line for each failure and clock that is worth one.
+/// What the preprocessing found, in a line, and a line for each failure and clock that is worth reporting.
 fn prepared(exhibits: &Exhibits) -> String {
     let found = &exhibits.preprocessing;
     let failed: usize = found.iter().flat_map(|of| &of.channels).map(|channel| channel.spikes).sum();
@@ -278,7 +278,7 @@ pub fn parameters(estimates: &[Estimate]) -> Table {
     table
 }
 
-/// Pairs of parameters that the recordings tell only together, in a sentence; `None` where there are none.
+/// Pairs of parameters of which the recordings determine only the combination, in a sentence; `None` where there are none.
 #[must_use]
 pub fn correlated(pairs: &[Correlation]) -> Option<String> {
     let limit = significant(CORRELATED, 1);

@@ -1,4 +1,4 @@
-//! The number types that a whole simulation is offered in.
+//! The number types in which a whole simulation can be run.
 
 use model_core::machine::Machine;
 use model_core::number::PerUnit;
@@ -30,7 +30,7 @@ impl Arithmetic {
         self.simulate_told(machine, stimulus, offset, &|_| ())
     }
 
-    /// The same, and tells how many rows more are done.
+    /// The same, and reports how many more rows are done.
     pub fn simulate_told(
         self,
         machine: &Machine<f64>,

@@ -1,4 +1,4 @@
-//! A simulation with the derivatives of its signals by some parameters, by dual numbers through the core's own equations.
+//! A simulation with the derivatives of its signals with respect to some parameters, by dual numbers through the core's own equations.
 
 use model_core::machine::{Machine, MachineError, Parameter};
 use recording::Signal;
@@ -8,33 +8,33 @@ use crate::number::dual::{BLOCK, Dual};
 use crate::run::run;
 use crate::stimulus::Stimulus;
 
-/// Slots of the largest dual number: every parameter and the level of a start.
+/// Number of derivatives in the largest dual number: for every parameter and the level of a start.
 const MOST_SLOTS: usize = 40;
 
-/// Most parameters that one run takes derivatives by.
+/// Largest number of parameters for which one run computes derivatives.
 pub const MOST_PARAMETERS: usize = MOST_SLOTS - 1;
 
-/// A parameter that derivatives are taken by, through a coordinate of the caller's.
+/// A parameter with respect to which derivatives are computed, through a coordinate of the caller's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct By {
     /// Which.
     pub parameter: Parameter,
     /// Its value, SI.
     pub value: f64,
-    /// Derivative of the value by the coordinate.
+    /// Derivative of the value with respect to the coordinate.
     pub slope: f64,
 }
 
 /// What is simulated with derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct Derivatives<'a> {
-    /// Every value that no derivative is taken by.
+    /// Every value without a derivative.
     pub machine: &'a Machine<f64>,
-    /// What they are taken by, [`MOST_PARAMETERS`] at most.
+    /// The parameters of the derivatives, at most [`MOST_PARAMETERS`].
     pub by: &'a [By],
     /// Where the run starts.
     pub offset: StartOffset,
-    /// Derivative of the start's level by its coordinate; 0 where the start's pressures are recorded.
+    /// Derivative of the start's level with respect to its coordinate; 0 where the start's pressures are recorded.
     pub level_slope: f64,
     /// What drives it.
     pub stimulus: &'a Stimulus,
@@ -42,12 +42,12 @@ pub struct Derivatives<'a> {
     pub signals: &'a [Signal],
 }
 
-/// A signal at one row: its value, SI, and its derivatives by every coordinate and by that of the start's level.
+/// A signal at one row: its value, SI, and its derivatives with respect to every coordinate and to that of the start's level.
 pub type Derived<'a> = Option<(f64, &'a [f32])>;
 
 impl Derivatives<'_> {
-    /// Runs once and hands every wanted signal to `sink`, row by row, by its place among the wanted; `None` where the chain does not
-    /// compute it. The values are those of an f64 run to the last bit.
+    /// Runs once and hands every wanted signal to `sink`, row by row, with its index among the wanted signals; `None` where
+    /// the model does not compute it. The values equal those of an f64 run to the last bit.
     pub fn run(&self, sink: &mut dyn FnMut(usize, usize, Derived<'_>)) -> Result<(), MachineError> {
         match self.by.len() {
             0..16 => self.in_vectors::<2>(sink),

@@ -7,12 +7,12 @@ use recording::files::source_error::{engineering, rounded};
 /// Why a recording cannot drive a simulation.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SimulateError {
-    /// No signal to enter the chain with.
+    /// No signal that could drive the model.
     #[error("{recording}: nothing drives the model; expected a column {expected}")]
     NoInput {
         /// The recording.
         recording: String,
-        /// Columns that would do.
+        /// Columns that would be sufficient.
         expected: &'static str,
     },
     /// A signal that the drive input or the load needs is missing.
@@ -22,7 +22,7 @@ pub enum SimulateError {
         recording: String,
         /// The signal.
         signal: Signal,
-        /// What needs it.
+        /// Why it is needed.
         reason: &'static str,
     },
     /// The recording is longer than the grid can hold.

@@ -27,7 +27,7 @@ pub struct SignalFit {
 impl SignalFit {
     /// Compares two series over the same times.
     ///
-    /// A recorded series that never changes has no NRMSE fit: the result holds −∞ or 100 then; readers check this before.
+    /// A recorded series that never changes has no NRMSE fit: the result is then −∞ or 100; callers check this before.
     #[must_use]
     pub fn of(signal: Signal, time_s: &[f64], recorded: &[f64], simulated: &[f64]) -> Self {
         let mean = recorded.iter().sum::<f64>() / recorded.len() as f64;

@@ -13,12 +13,12 @@ const MAX_TICKS: usize = 50_000_000;
 pub(crate) struct Origin {
     /// Time of point 0, s.
     pub(crate) time_s: f64,
-    /// The point at which a part of a recording is taken up; what is before it was simulated with the part before.
+    /// The point at which a part of a recording begins; what is before it was simulated with the part before.
     pub(crate) point: usize,
 }
 
 impl Origin {
-    /// A recording's own: its first row.
+    /// For a whole recording: its first row.
     pub(crate) fn of(recording: &Recording) -> Self {
         Self { time_s: recording.time_s()[0], point: 0 }
     }
@@ -30,7 +30,7 @@ pub(crate) struct Grid<'a> {
     tick_s: f64,
     origin: Origin,
     pub(crate) ticks: usize,
-    /// Of each row, from where the recording is taken up; of one before, that point.
+    /// For each row, counted from the point where the recording begins; for an earlier row, that point.
     pub(crate) rows: Vec<(usize, f64)>,
 }
 
@@ -47,7 +47,7 @@ impl<'a> Grid<'a> {
             .iter()
             .map(|time| {
                 let at = (time - origin.time_s) / tick_s;
-                // Times are written with a few digits: within a thousandth of a tick they are on the grid.
+                // Times are written with a few digits: within a thousandth of a tick a row counts as on the grid.
                 let nearest = at.round();
                 let (point, share) =
                     if (at - nearest).abs() < 1e-3 { (nearest, 0.0) } else { (at.floor(), at - at.floor()) };
@@ -64,7 +64,7 @@ impl<'a> Grid<'a> {
         Ok(Self { time_s, tick_s, origin, ticks, rows })
     }
 
-    /// For each tick the last recorded value at or before its start.
+    /// For each tick, the last recorded value at or before its start.
     pub(crate) fn held(&self, values: &[f64]) -> Vec<f64> {
         let mut row = 0;
         (0..self.ticks)
@@ -81,7 +81,7 @@ impl<'a> Grid<'a> {
             .collect()
     }
 
-    /// At each grid point the recorded values, linear in between.
+    /// At each grid point, the recorded values, linear in between.
     pub(crate) fn points(&self, values: &[f64]) -> Vec<f64> {
         let mut row = 0;
         (0..=self.ticks)

@@ -1,4 +1,4 @@
-//! A recording that is simulated part by part, each from where the one before has led.
+//! A recording that is simulated in chunks, each from the state in which the last one ended.
 
 use std::ops::Range;
 
@@ -16,15 +16,15 @@ use crate::run::{Trajectory, computed_below, run_on, unbraked};
 use crate::sensor_fault::Mended;
 use crate::stimulus::{InputPoint, Stimulus};
 
-/// Rows that two parts have in common on either side of where one ends and the other is taken up: what is bridged or smoothed there
-/// sees past it.
+/// Rows that two parts have in common on either side of the border between them: bridging and smoothing at the border
+/// need the rows beyond it.
 const OVERLAP: usize = 1000;
 
-/// A simulation that goes on from part to part of a recording.
+/// A simulation that continues from part to part of a recording.
 ///
-/// Every value is that of a simulation of the whole, to the last bit, but for what is found out about a recording, which is found out about
-/// each part by itself: rows in which a sensor failed, and how noisy pressures are that the load balances. A failure that lasts beyond
-/// what two parts have in common is bridged in each as if it were at an end of the recording.
+/// Every value equals that of a simulation of the whole, to the last bit, except for what is estimated from the recording itself,
+/// because this is estimated for each part alone: rows in which a sensor failed, and the noise of pressures that the load balances.
+/// A failure that lasts beyond the common rows of two parts is bridged in each as if it were at an end of the recording.
 #[derive(Debug)]
 pub struct InChunks {
     machine: Machine<f64>,
@@ -34,35 +34,35 @@ pub struct InChunks {
     going: Going,
 }
 
-/// Where it has come to, in its number type.
+/// The state reached so far, in its number type.
 #[derive(Debug)]
 enum Going {
     Fixed(Option<Box<Led<PerUnit>>>),
     Float(Option<Box<Led<f64>>>),
 }
 
-/// Where the parts before have led.
+/// The state reached by the parts before.
 #[derive(Debug)]
 struct Led<N: Scalar<Real = f64>> {
     state: DriveState<N, DELAY_LINE>,
     origin: Origin,
-    /// Of the last rows before.
+    /// The last rows of the parts before.
     tail: Trajectory,
 }
 
-/// What was simulated of a part.
+/// What was simulated for a part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Advance {
-    /// Its rows that no part before had.
+    /// Its rows that were in no part before.
     pub rows: Range<usize>,
-    /// The signals from its first row to the end of those, SI.
+    /// The signals from its first row to the end of these rows, SI.
     pub trajectory: Trajectory,
-    /// The row that the next part has to begin with.
+    /// The row with which the next part has to begin.
     pub next_from: usize,
 }
 
 impl InChunks {
-    /// Nothing is simulated yet.
+    /// Nothing has been simulated yet.
     #[must_use]
     pub fn new(
         machine: &Machine<f64>,
@@ -78,7 +78,7 @@ impl InChunks {
         Self { machine: *machine, input_point, load, tick, going }
     }
 
-    /// Simulates the next part: all of it where it is the last, else some rows less than it has.
+    /// Simulates the next part: all of it if it is the last, otherwise some rows less.
     pub fn part(&mut self, part: &Part) -> Result<Advance, SimulateError> {
         let Self { machine, input_point, load, tick, going } = self;
         let next = Next { machine, input_point: *input_point, load: *load, tick: *tick, part };
@@ -89,7 +89,7 @@ impl InChunks {
     }
 }
 
-/// The part that is simulated next.
+/// The part to be simulated next.
 struct Next<'a> {
     machine: &'a Machine<f64>,
     input_point: InputPoint,
@@ -143,7 +143,7 @@ mod tests {
 
     use super::*;
 
-    /// What a recording has beside its time: the column that drives it, and what acts on it all along.
+    /// The columns of a recording in addition to time: the one that drives it, and those that act on it throughout.
     const DRIVEN: [(InputPoint, &str); 4] = [
         (InputPoint::Command, "command [V]"),
         (InputPoint::Spool, "spool"),
@@ -151,8 +151,8 @@ mod tests {
         (InputPoint::Pump, "pump_speed [rpm]"),
     ];
 
-    /// A recording of so many rows at such intervals, as a text. Every seventh row stands twice, with another after it that has an empty
-    /// cell: whatever row a part begins or ends with, some do so beside one that is left out.
+    /// A recording of this many rows at these intervals, as a text. Every seventh row stands twice, followed by a row with an
+    /// empty cell: so, whatever rows the parts begin and end with, some of them are next to a row that is left out.
     fn text(rows: usize, driven_by: &str, interval_s: impl Fn(usize) -> f64) -> String {
         let (mut time_s, mut text) =
             (3.0, format!("time [s],{driven_by},position [mm],oil_temperature [°C],load_force [N]\n"));
@@ -178,7 +178,7 @@ mod tests {
         String::from_utf8(recording.csv_rows(Path::new("out.csv"), rows, &series, &series).unwrap()).unwrap()
     }
 
-    /// What is simulated in parts and written is what is simulated and written as a whole.
+    /// Simulating and writing in parts gives the same as simulating and writing the whole.
     fn as_a_whole(arithmetic: Arithmetic, text: &str, input_point: InputPoint, tick: Tick) {
         let further = [(Parameter::ViscosityLossPerKelvin, 0.03), (Parameter::CoulombFriction, 300.0)];
         let mut machine = press(&further);
@@ -212,7 +212,7 @@ mod tests {
     fn in_parts_a_recording_is_simulated_and_written_as_a_whole() {
         for (input_point, driven_by) in DRIVEN {
             as_a_whole(Arithmetic::Float, &text(7_000, driven_by, |_| 1e-3), input_point, Tick::OneMillisecond);
-            // Faster than the tick, slower, and uneven with gaps: no row lies on a point but by chance.
+            // Faster than the tick, slower, and uneven with gaps: rows lie on a grid point only by chance.
             as_a_whole(Arithmetic::Fixed, &text(9_000, driven_by, |_| 2.3e-4), input_point, Tick::HalfMillisecond);
             as_a_whole(Arithmetic::Float, &text(4_000, driven_by, |_| 7.1e-3), input_point, Tick::TwoMilliseconds);
             let uneven = |row: usize| 1e-4 * (1 + row * 7919 % 23) as f64 + if row % 999 == 500 { 0.25 } else { 0.0 };

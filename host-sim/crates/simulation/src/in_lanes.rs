@@ -1,4 +1,4 @@
-//! Several recordings simulated at once in SIMD lanes. What a step asks of the machine it asks once for all of them.
+//! Several recordings simulated at once in SIMD lanes. What a step looks up in the machine, it looks up once for all of them.
 
 use std::array::from_fn;
 use std::cmp::Reverse;
@@ -17,25 +17,25 @@ use crate::run::{Rows, reading, run, through_valve, unbraked};
 use crate::sensor_bias::{true_spool, within};
 use crate::stimulus::{InputPoint, Stimulus, value_at};
 
-/// What is simulated of one recording.
+/// The simulation of one recording.
 #[derive(Clone, Debug)]
 pub struct Run<'a> {
     /// The recording on the core's grid.
     pub stimulus: &'a Stimulus,
-    /// What a fit moved about its start.
+    /// The changes that a fit makes to its initial state.
     pub offset: StartOffset,
     /// Signals that are wanted at its rows.
     pub signals: Vec<Signal>,
 }
 
-/// Runs the core over several stimuli, and hands each recorded row's signals to `sink`: which run, which row, and the values in SI
-/// units, 0 for what the chain does not compute. The rows of one run come in order; each value is that of `run` to the last bit.
+/// Runs the core over several stimuli, and hands each recorded row's signals to `sink`: index of the run, row, and the values in SI units, 0
+/// for what the model does not compute. The rows of one run come in order; each value equals that of `run` to the last bit.
 pub fn run_in_lanes(
     machine: &Machine<f64>,
     runs: &[Run<'_>],
     sink: &mut dyn FnMut(usize, usize, &[f64]),
 ) -> Result<(), MachineError> {
-    // Lanes run as long as the longest of theirs.
+    // All lanes run until the longest of their recordings ends.
     let mut left: Vec<usize> = (0..runs.len()).collect();
     left.sort_by_key(|&index| Reverse(runs[index].stimulus.ticks));
     while !left.is_empty() {
@@ -71,7 +71,7 @@ fn alone(machine: &Machine<f64>, one: &Run<'_>, sink: &mut dyn FnMut(usize, &[f6
 /// Several recordings in the lanes of one drive.
 struct InLanes<'a> {
     machine: Machine<f64>,
-    /// Of each lane; one without a recording of its own repeats the first.
+    /// The stimulus of each lane; a lane without a recording of its own repeats the first.
     stimuli: [&'a Stimulus; LANES],
     drive: Drive<Lanes>,
     edges: Option<Edges<Lanes>>,
@@ -79,7 +79,7 @@ struct InLanes<'a> {
 }
 
 impl<'a> InLanes<'a> {
-    /// Runs that go together, `LANES` at most, where each starts.
+    /// Runs that can share lanes, at most `LANES`, each at its initial state.
     fn at_start(machine: &Machine<f64>, runs: &[&Run<'a>]) -> Result<Self, MachineError> {
         let of = |lane: usize| *runs.get(lane).unwrap_or(&runs[0]);
         let stimuli: [&Stimulus; LANES] = from_fn(|lane| of(lane).stimulus);
@@ -113,13 +113,13 @@ impl<'a> InLanes<'a> {
         self.drive.step(&mut self.state, drive_input, Load { from: load(tick), to: load(tick + 1) });
     }
 
-    /// The spool behind what its sensors read.
+    /// The true spool behind the sensor's readings.
     fn truly(&self, Spool { from, to }: Spool<Lanes>) -> Spool<Lanes> {
         let behind = |reading: Lanes| Lanes::new(reading.values().map(|reading| true_spool(&self.machine, reading)));
         Spool { from: behind(from), to: behind(to) }
     }
 
-    /// A signal at a point of the grid, SI; 0 for what the chain does not compute.
+    /// A signal at a point of the grid, SI; 0 for what the model does not compute.
     fn signal(&self, signal: Signal, point: usize) -> [f64; LANES] {
         let Self { machine, stimuli, drive, state, .. } = self;
         let metering = |lane: usize| stimuli[lane].metering_at::<f64>(point);
@@ -137,7 +137,7 @@ impl<'a> InLanes<'a> {
     }
 }
 
-/// Runs that go together, `LANES` at most.
+/// Simulates runs that can share lanes, at most `LANES`.
 fn in_lanes(
     machine: &Machine<f64>,
     runs: &[&Run<'_>],
@@ -150,7 +150,7 @@ fn in_lanes(
             signals.push(*signal);
         }
     }
-    // Rows of each run, and where its signals are among those of all.
+    // Rows of each run, and the index of its signals among those of all runs.
     let place = |signal: &Signal| signals.iter().position(|known| known == signal);
     let places = |run: &&Run<'_>| run.signals.iter().filter_map(place).collect();
     let places: Vec<Vec<usize>> = runs.iter().map(places).collect();

@@ -1,4 +1,4 @@
-//! Where a run departs from: the state of a recording's start, with what a fit moves about it.
+//! Initial state of a run: that of the recording, with the changes that a fit makes to it.
 
 use model_core::drive::{Drive, DriveState};
 use model_core::machine::{Bases, Machine, Parameter};
@@ -8,15 +8,15 @@ use model_core::ports::ChamberState;
 use crate::recorded_start::Start;
 use crate::sensor_bias::{PRESSURE_A, PRESSURE_B, behind, within};
 
-/// Ticks of delay line on the desktop: more than a quarter of a second at any tick.
+/// Ticks in the delay line on the desktop: more than a quarter of a second at any tick.
 pub const DELAY_LINE: usize = 512;
 
-/// Freedom of a run beyond the recording: what a fit may move about the start.
+/// Freedom of a run in addition to the recording: what a fit may change in the initial state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StartOffset {
-    /// Share of supply pressure in chamber B at rest, where pressures are not recorded; the machine's where it is `None`.
+    /// Share of supply pressure in chamber B at rest, where pressures are not recorded; `None` for the machine's value.
     pub level: Option<f64>,
-    /// What the rod stands further out than the recording's start, m: less than its sensor resolves.
+    /// Distance of the rod further out than the recorded initial position, m: less than its sensor resolves.
     pub shift_m: f64,
 }
 
@@ -40,7 +40,7 @@ pub(crate) struct Offset<R> {
     pub(crate) shift_m: R,
 }
 
-/// Pressures at the start where the recording has none: the level in B, and the balance of forces.
+/// Initial pressures where the recording has none: from the level in B and the balance of forces.
 fn balanced<R: Real>(machine: &Machine<R>, level: R, position_m: R) -> (R, R) {
     let get = |parameter| machine.get(parameter);
     let beyond = position_m - get(Parameter::Stroke) * R::constant(0.5);

@@ -1,11 +1,11 @@
 //! The reference model run along a recording: in fixed point as on the target, in `f64`, with derivatives, or several drives at once.
 //!
-//! A recording and a machine become a [`Stimulus`] (what drives the model, tick by tick); a stimulus and a machine become a [`Trajectory`]. Start at
-//! [`simulate_fixed`] or [`simulate_f64`]; [`run_in_lanes`] runs up to four recordings in SIMD lanes, [`Derivatives`] adds the slopes by parameters,
-//! [`Live`] steps a drive that somebody else drives. The equations are those of `model-core`, run on other number types that stay inside this
-//! crate. It judges nothing: noise levels are in [`signal`], fits in `identification`.
+//! A recording and a machine become a [`Stimulus`] (what drives the model, tick by tick); a stimulus and a machine become a [`Trajectory`].
+//! Start at [`simulate_fixed`] or [`simulate_f64`]; [`run_in_lanes`] runs up to four recordings in SIMD lanes, [`Derivatives`] adds the
+//! derivatives with respect to parameters, [`Live`] steps a drive whose inputs its caller supplies. The equations are those of `model-core`,
+//! run on other number types that stay inside this crate. Nothing is judged here: noise levels are in [`signal`], fits in `identification`.
 #![forbid(unsafe_code)]
-// What there is to say is returned: nothing but the program prints.
+// Results are returned: only the program prints.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
 
 mod arithmetic;

@@ -1,25 +1,25 @@
-//! What leaves B where only the flow into A is recorded.
+//! The flow out of B where only the flow into A is recorded.
 //!
-//! At constant pressures it is the area ratio's share. But a rod that turns takes both chambers of a differential cylinder to other
-//! pressures, and what they hold of oil with them. Both edges of a valve are one spool's, so that they are equally open, and each
-//! passes the root of the pressure across it, (3) and (4): of what enters A, √(Δpb/Δpa) leaves B. So much as both edges know of each
-//! other, the pressures stay where a valve holds them.
+//! At constant pressures it is the share by area ratio. But when the rod reverses, both chambers of a differential
+//! cylinder go to other pressures, and the oil that they store changes. Both edges of a valve belong to one spool, so
+//! they are equally open, and the flow through each is proportional to the root of the pressure across it, (3) and (4):
+//! if 1 enters A, √(Δpb/Δpa) leaves B. With the edges coupled in this way, the pressures stay where a valve holds them.
 //!
-//! Where hardly anything flows, a meter's noise would be rectified by that, for it differs between both ways. There it is the area
-//! ratio's share.
+//! With hardly any flow this would rectify a meter's noise, because the ratio differs between both directions. Then the
+//! share by area ratio is used.
 
 use model_core::machine::{Bases, Machine, Parameter, Source};
 use model_core::number::{Field, Real};
 use model_core::ports::{ChamberState, Flows};
 
-/// Share of the full flow below which the area ratio's share leaves: twice a usual meter's noise, which is 0.5 %.
+/// Share of the full flow below which the flow out of B is the share by area ratio: twice a usual meter's noise, which is 0.5 %.
 const HARDLY: f64 = 0.01;
-/// The edge of A has at least this share of the supply's pressure across it, so that what passes there says how far it is open.
+/// The edge of A has at least this share of the supply pressure across it, so that the flow through it shows how far it is open.
 const ACROSS: f64 = 0.01;
-/// Pressure across the edge of B, of the supply's, below which the root turns into a straight line.
+/// Pressure across the edge of B, as a share of the supply pressure, below which the root turns into a straight line.
 const STRAIGHT: f64 = 1e-4;
 
-/// Where the rest of the chain stands at the start of a tick, per unit.
+/// State of the other links at the start of a tick, per unit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Below<F> {
     /// Pressures of both chambers.
@@ -28,21 +28,21 @@ pub(crate) struct Below<F> {
     pub(crate) velocity: F,
 }
 
-/// What a flow through both edges of a valve is computed with, per unit.
+/// Coefficients of the flow through both edges of a valve, per unit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Edges<F> {
     supply: F,
     tank: F,
     /// Ab/Aa.
     ratio: F,
-    /// Square of the flow that is hardly one.
+    /// Square of the flow below which there is hardly any.
     hardly: F,
     /// Pressure rise over a tick at flow 1, in A and in B.
     stiffness: (F, F),
 }
 
 impl<F: Field> Edges<F> {
-    /// Of this drive; `None` of a pump drive, whose B is open to tank: its pressure hardly changes.
+    /// The edges of this drive; `None` for a pump drive, whose B is open to tank: its pressure hardly changes.
     pub(crate) fn of(machine: &Machine<F::Real>, bases: &Bases) -> Option<Self> {
         if machine.source != Source::Valve {
             return None;
@@ -64,7 +64,7 @@ impl<F: Field> Edges<F> {
         })
     }
 
-    /// Flows at both ends of a tick with what leaves B through the valve's other edge, of such as enter A.
+    /// Flows at both ends of a tick, with the flow out of B through the valve's other edge, for these flows into A.
     pub(crate) fn through(&self, entering: (F, F), Below { pressures, velocity }: Below<F>) -> (Flows<F>, Flows<F>) {
         let begun = self.at(entering.0, pressures);
         let from = begun.leaving(begun.root(F::ZERO, F::ZERO));
@@ -73,14 +73,14 @@ impl<F: Field> Edges<F> {
         let displaced = self.stiffness.1 * (self.ratio * velocity - ended.share);
         let root = ended.root(F::pick(ended.extends, displaced, -displaced), self.stiffness.1);
         let to = ended.leaving(root);
-        // The tick takes the mean of both ends. The faster B follows, the more its end has to count.
+        // The tick uses the mean of both ends. The faster the pressure in B follows, the more weight its end needs.
         let follows = self.stiffness.1 * ended.opening;
         let magnitude = F::pick(root.above(F::ZERO), root, -root) + F::constant(STRAIGHT);
         let from = from + (to - from) * follows / (follows + F::constant(4.0) * magnitude);
         (Flows { a: entering.0, b: from }, Flows { a: entering.1, b: to })
     }
 
-    /// How B is left while this enters A.
+    /// The two parts of the flow out of B while this flow enters A.
     fn at(&self, entering: F, pressures: ChamberState<F>) -> Passing<F> {
         let extends = entering.above(F::ZERO);
         let across_a = F::pick(extends, self.supply - pressures.a, pressures.a - self.tank);
@@ -97,27 +97,27 @@ impl<F: Field> Edges<F> {
     }
 }
 
-/// How B is left: the area ratio's share of what is hardly a flow, and what passes the edge.
+/// The two parts of the flow out of B: the share by area ratio, for hardly any flow, and the flow through the edge.
 #[derive(Clone, Copy, Debug)]
 struct Passing<F: Field> {
     extends: F::Mask,
     share: F,
-    /// How far the edge is open: flow per root of what is across it.
+    /// Opening of the edge: flow per root of the pressure across it.
     opening: F,
     /// Pressure across it.
     across: F,
 }
 
 impl<F: Field> Passing<F> {
-    /// Root of what is across the edge at the end of a tick in which that rises by so much, and falls by `stiffness` of what passes: solved
-    /// for its end, however little the chamber holds, it does not swing.
+    /// Root of the pressure across the edge at the end of a tick, in which this pressure rises by `rises` and falls by
+    /// `stiffness` times the flow. It is solved implicitly for the end, so it does not oscillate, however small the chamber.
     fn root(&self, rises: F, stiffness: F) -> F {
         let (all, half) = (self.across + rises, stiffness * self.opening);
         let magnitude = F::pick(all.above(F::ZERO), all, -all) + F::constant(STRAIGHT);
         (all + all) / (half + (half * half + F::constant(4.0) * magnitude).sqrt())
     }
 
-    /// What leaves B with this root.
+    /// Flow out of B with this root.
     fn leaving(&self, root: F) -> F {
         let passes = self.opening * root;
         self.share + F::pick(self.extends, passes, -passes)
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn where_a_valve_holds_both_pressures_the_area_ratios_share_leaves() {
-        // Both edges pass what the rod displaces at pb = α²·(p0 − pa) extending, and at p0 − pb = α²·pa retracting.
+        // Both edges pass the displaced oil at pb = α²·(p0 − pa) extending, and at p0 − pb = α²·pa retracting.
         let (extending, retracting) =
             (leaving(0.1, 0.3, RATIO * RATIO * 0.7), leaving(-0.1, 0.3, 1.0 - RATIO * RATIO * 0.3));
         assert!((extending / 0.1 - RATIO).abs() < 1e-3, "{extending}");

@@ -1,26 +1,26 @@
-//! The state that a recording starts from.
+//! The initial state of a recording.
 
 use model_core::machine::{Machine, Parameter};
 use recording::{Recording, Signal};
 
-/// State that a simulation starts from.
+/// Initial state of a simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
-    /// Command held before, V.
+    /// Command held before the start, V.
     pub command_v: f64,
-    /// Chamber pressures, Pa; `None` where the recording does not have them: the level at rest and the balance of forces.
+    /// Chamber pressures, Pa; `None` where the recording does not have them: then the level at rest and the balance of forces give them.
     pub pressures_pa: Option<(f64, f64)>,
     /// Position, m.
     pub position_m: f64,
 }
 
-/// The start is averaged over this time at least, s: shorter than a valve needs to move a rod.
+/// Shortest time over which the initial state is averaged, s: less than a valve needs to move a rod.
 const REST_LEAST_S: f64 = 0.02;
-/// And as long as the command stays where it began, at most this long, s.
+/// Longest time, s, while the command keeps its first value.
 const REST_MOST_S: f64 = 0.1;
 
-/// The state a recording starts from: means over the rest at its start, so that the noise of one row does not shift all others.
-/// Rows whose sensor failed are bridged in it. Where no position is recorded, the rod stands at mid-stroke.
+/// The initial state of a recording: means over the rest at its start, so that the noise of one row does not shift all
+/// others. Rows with a failed sensor are bridged in it. Where no position is recorded, the rod stands at mid-stroke.
 pub(crate) fn start(recording: &Recording, machine: &Machine<f64>) -> Start {
     let time_s = recording.time_s();
     let command = recording.signal(Signal::Command);
@@ -39,8 +39,8 @@ pub(crate) fn start(recording: &Recording, machine: &Machine<f64>) -> Start {
     }
 }
 
-/// The value of a signal at its first row, from the rows around: their mean, or where they clearly rise or fall, the start of
-/// the line through them.
+/// The value of a signal at its first row, from the rows around it: their mean, or where they clearly rise or fall, the
+/// start of the line through them.
 fn at_start(time_s: &[f64], values: &[f64]) -> f64 {
     let count = values.len() as f64;
     let (middle, mean) = (time_s.iter().sum::<f64>() / count, values.iter().sum::<f64>() / count);

@@ -1,7 +1,7 @@
 //! Recording → simulation: the core driven by what was recorded.
 //!
-//! A [`Stimulus`] is a recording laid on the core's tick grid. [`run`] steps the core over it in any number type and hands out the
-//! signals at the recorded rows.
+//! A [`Stimulus`] is a recording on the core's tick grid. [`run`] steps the core over it in any number type and hands out
+//! the signals at the recorded rows.
 
 use model_core::drive::{Drive, DriveInput, DriveState};
 use model_core::machine::{Machine, MachineError, Parameter};
@@ -14,7 +14,7 @@ use crate::outflow::{Below, Edges};
 use crate::sensor_bias::{true_spool, within};
 use crate::stimulus::{InputPoint, Stimulus};
 
-/// The chain at one recorded row; each signal is computed when it is asked for.
+/// The model at one recorded row; a signal is computed only when it is requested.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample<'a, N: Scalar> {
     drive: &'a Drive<N>,
@@ -22,21 +22,21 @@ pub(crate) struct Sample<'a, N: Scalar> {
     stimulus: &'a Stimulus,
     state: &'a DriveState<N, DELAY_LINE>,
     point: usize,
-    /// Where the row lies before the point.
+    /// Position of the row, where it lies before the point.
     since: Option<Since<'a, N::Real>>,
 }
 
 /// A row between two points.
 #[derive(Clone, Copy, Debug)]
 struct Since<'a, R> {
-    /// Every signal at the first.
+    /// Every signal at the first point.
     before: &'a [(Signal, R)],
-    /// How far on from there the row is, 0..1.
+    /// Position of the row between the two points, 0..1.
     share: f64,
 }
 
 impl<N: Scalar> Sample<'_, N> {
-    /// The value of a recorded signal as its sensor reads it, in SI units, if the chain computes it.
+    /// The value of a recorded signal as its sensor reads it, in SI units, if the model computes it.
     #[must_use]
     #[inline]
     pub(crate) fn signal(&self, signal: Signal) -> Option<N::Real> {
@@ -51,14 +51,14 @@ impl<N: Scalar> Sample<'_, N> {
         reading(self.drive, self.machine, self.state, signal, || self.spool(), || self.flow_a())
     }
 
-    /// The spool as it is read; a drive that is entered at the spool has it from the recording.
+    /// The spool as it is read; a drive that is driven by the spool takes it from the recording.
     fn spool(&self) -> N {
         let recorded = || self.stimulus.metering_at::<N>(self.point);
         let given = if self.stimulus.input_point == InputPoint::Spool { recorded() } else { None };
         given.unwrap_or_else(|| self.drive.sensed(self.state).spool)
     }
 
-    /// Flow into A, from the spool that meters the oil.
+    /// Flow into A, computed from the spool that meters the oil.
     fn flow_a(&self) -> N {
         let recorded = self.stimulus.metering_at::<N>(self.point);
         let spool = recorded.map_or_else(|| self.drive.spool(self.state), |reading| true_spool(self.machine, reading));
@@ -67,8 +67,8 @@ impl<N: Scalar> Sample<'_, N> {
     }
 }
 
-/// The value of a recorded signal as its sensor reads it, in SI units, if the chain computes it; the spool and the flow into A by
-/// what is known of them.
+/// The value of a recorded signal as its sensor reads it, in SI units, if the model computes it; the caller supplies the
+/// spool and the flow into A.
 #[inline]
 pub(crate) fn reading<N: Number>(
     drive: &Drive<N>,
@@ -96,7 +96,7 @@ pub(crate) fn reading<N: Number>(
     })
 }
 
-/// Signals that the chain computes below a drive input, in its order. A supply pressure only where the valve draws from it.
+/// Signals that the model computes below a drive input, in the model's order. The supply pressure only where the valve draws from it.
 #[must_use]
 pub fn computed_below(input_point: InputPoint) -> &'static [Signal] {
     const ALL: &[Signal] = &[
@@ -132,30 +132,30 @@ impl Trajectory {
         self.series.iter().find(|(found, _)| *found == signal).map(|(_, values)| values.as_slice())
     }
 
-    /// No rows of these signals yet, and room for so many.
+    /// No rows of these signals yet, but space for this many.
     pub(crate) fn of(signals: &[Signal], rows: usize) -> Self {
         Self { series: signals.iter().map(|&signal| (signal, Vec::with_capacity(rows))).collect() }
     }
 
-    /// How many rows it has.
+    /// Its number of rows.
     pub(crate) fn rows(&self) -> usize {
         self.series.first().map_or(0, |(_, values)| values.len())
     }
 
-    /// One row more.
+    /// Adds one row.
     pub(crate) fn push(&mut self, value: impl Fn(Signal) -> Option<f64>) {
         for (signal, values) in &mut self.series {
             values.extend(value(*signal));
         }
     }
 
-    /// Its rows from this one on.
+    /// Its rows from this one to the end.
     pub(crate) fn since(&self, row: usize) -> Self {
         Self { series: self.series.iter().map(|(signal, values)| (*signal, values[row..].to_vec())).collect() }
     }
 }
 
-/// Rows of a recording in their order: each lies on a point of the grid, or in the tick before it and is then mixed of both.
+/// Rows of a recording in their order: each lies on a point of the grid, or in the tick before it and is then interpolated between both points.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rows<'a> {
     pub(crate) rows: &'a [(usize, f64)],
@@ -163,7 +163,8 @@ pub(crate) struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// The next row, if it lies at this point or in the tick before; and how far on from the point before, 0 where it is this one.
+    /// The next row, if it lies at this point or in the tick before; with its position after the previous point as a share of the tick, 0 where it is
+    /// at this point.
     #[inline]
     pub(crate) fn at(&mut self, point: usize) -> Option<(usize, f64)> {
         let &(at, share) = self.rows.get(self.next)?;
@@ -174,7 +175,7 @@ impl Rows<'_> {
         Some((self.next - 1, share))
     }
 
-    /// Whether the next row lies at this point, or in a tick that it bounds.
+    /// Whether the next row lies at this point, or in a tick that this point bounds.
     #[inline]
     pub(crate) fn is_wanted(&self, point: usize) -> bool {
         self.rows.get(self.next).is_some_and(|(at, share)| *at == point || (*share != 0.0 && at + 1 == point))
@@ -201,11 +202,11 @@ pub(crate) fn run<N: Scalar>(
     Ok(())
 }
 
-/// A signal at a row as its sensor reads it, SI; `None` where the chain does not compute it.
+/// A signal at a row as its sensor reads it, SI; `None` where the model does not compute it.
 pub type SignalsOfRow<'a> = dyn Fn(Signal) -> Option<f64> + 'a;
 
-/// Simulates in f64 and hands each recorded row to `sink`, in order, with its signals as their sensors read them, SI: each is computed when
-/// it is asked for, and `None` where the chain does not compute it.
+/// Simulates in f64 and hands each recorded row to `sink`, in order, with its signals as their sensors read them, SI:
+/// each is computed only when it is requested, and is `None` where the model does not compute it.
 pub fn rows_f64(
     machine: &Machine<f64>,
     stimulus: &Stimulus,
@@ -215,7 +216,7 @@ pub fn rows_f64(
     run::<f64>(machine, stimulus, offset.lifted(), &mut |row, sample| sink(row, &|signal| sample.signal(signal)))
 }
 
-/// The same from a state, which it leaves at the end of the stimulus.
+/// The same from a given state; afterwards this holds the state at the end of the stimulus.
 pub(crate) fn run_on<N: Scalar>(
     drive: &Drive<N>,
     machine: &Machine<N::Real>,
@@ -247,7 +248,7 @@ pub(crate) fn run_on<N: Scalar>(
     }
 }
 
-/// What the chain is entered with where the recording has the reading of a sensor.
+/// What drives the model, with true values in place of sensor readings.
 fn entered<N: Scalar>(
     machine: &Machine<N::Real>,
     edges: Option<&Edges<N::Value>>,
@@ -263,7 +264,7 @@ fn entered<N: Scalar>(
     }
 }
 
-/// The flow drive input with what leaves B through the valve's other edge.
+/// The flow drive input, with the flow out of B through the valve's other edge.
 pub(crate) fn through_valve<N: Number>(
     edges: Option<&Edges<N::Value>>,
     state: &DriveState<N, DELAY_LINE>,
@@ -279,7 +280,7 @@ pub(crate) fn through_valve<N: Number>(
     DriveInput::Flow { from: Flows { b: signal(begun.b), ..from }, to: Flows { b: signal(ended.b), ..to } }
 }
 
-/// What a load that balances the recorded pressures holds already: every force on the rod but viscous friction and the constant load.
+/// Forces that a load balancing the recorded pressures already includes: every force on the rod except viscous friction and the constant load.
 const BALANCED: [Parameter; 17] = [
     Parameter::CoulombFriction,
     Parameter::StribeckForce,
@@ -300,7 +301,7 @@ const BALANCED: [Parameter; 17] = [
     Parameter::StopDamping,
 ];
 
-/// The machine with light damping in place of its friction where the load balances the recorded pressures.
+/// The machine with light damping instead of its friction, where the load balances the recorded pressures.
 pub(crate) fn unbraked<R: Real>(machine: &Machine<R>, stimulus: &Stimulus) -> Machine<R> {
     let mut machine = *machine;
     if let Some(damping) = stimulus.damping {
@@ -308,7 +309,7 @@ pub(crate) fn unbraked<R: Real>(machine: &Machine<R>, stimulus: &Stimulus) -> Ma
         for parameter in BALANCED {
             machine.set(parameter, R::ZERO);
         }
-        // So is a table of forces.
+        // A table of forces is also included in this load.
         if (machine.get(Parameter::TableQuantity).value() - 1.0).abs() < 0.5 {
             machine.set(Parameter::TableQuantity, R::ZERO);
         }
@@ -354,10 +355,10 @@ pub fn simulate_f64(
     simulate::<f64>(machine, stimulus, offset, &|_| ())
 }
 
-/// Rows between two reports of a simulation: some milliseconds of work.
+/// Rows between two reports of a simulation: some milliseconds of computing.
 const ROWS_TOLD: usize = 4096;
 
-/// A whole simulation; `told` hears after every few thousand rows how many more are done.
+/// A whole simulation; after every few thousand rows it reports to `told` how many more are done.
 pub(crate) fn simulate<N: Scalar<Real = f64>>(
     machine: &Machine<f64>,
     stimulus: &Stimulus,

@@ -1,4 +1,4 @@
-//! From what a sensor read to the true value behind it.
+//! From a sensor's reading to the true value behind it.
 
 use model_core::machine::{Machine, Parameter};
 use model_core::number::{Real, Scalar};
@@ -9,7 +9,7 @@ pub(crate) const PRESSURE_A: SensorError = (Parameter::PressureAFactor, Paramete
 pub(crate) const PRESSURE_B: SensorError = (Parameter::PressureBFactor, Parameter::PressureBOffset);
 const SPOOL: SensorError = (Parameter::SpoolFactor, Parameter::SpoolOffset);
 
-/// The true value behind what a sensor read: (reading − offset)/(1 + factor).
+/// The true value behind a sensor's reading: (reading − offset)/(1 + factor).
 pub(crate) fn behind<R: Real>(machine: &Machine<R>, (factor, offset): SensorError, reading: R) -> R {
     (reading - machine.get(offset)) / (R::ONE + machine.get(factor))
 }
@@ -23,7 +23,7 @@ pub(crate) fn true_spool<N: Scalar>(machine: &Machine<N::Real>, reading: N) -> N
     within(behind(machine, SPOOL, reading.to_real()))
 }
 
-/// A signal, at the end of its range where the value is beyond.
+/// A signal; a value beyond its range becomes the end of the range.
 pub(crate) fn within<N: Scalar>(value: N::Real) -> N {
     N::signal(value).unwrap_or_else(|| N::saturated(value.value()))
 }

@@ -1,4 +1,4 @@
-//! A drive that is stepped by whoever drives it, tick by tick, with inputs that nobody knows beforehand.
+//! A drive that its caller steps tick by tick, with inputs that are not known beforehand.
 //!
 //! It starts, steps and reads as [`run`](crate::run::run) does for a recording of the same inputs, bit for bit.
 
@@ -14,7 +14,7 @@ use crate::recorded_start::Start;
 use crate::run::reading;
 use crate::stimulus::sign;
 
-/// What acts on a drive over a tick, SI; a drive uses what its source of oil takes.
+/// Inputs that act on a drive over a tick, SI; a drive uses those that its source of oil needs.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Inputs {
     /// Command at the valve, V; positive extends.
@@ -23,7 +23,7 @@ pub struct Inputs {
     pub pump_speed_rev_per_s: f64,
     /// Directional valve: positive leads the pump to A, negative to B, 0 is closed.
     pub valve_direction: f64,
-    /// External force on the rod beside the machine's constant load, N; positive extends.
+    /// External force on the rod in addition to the machine's constant load, N; positive extends.
     pub load_force_n: f64,
     /// Temperature of the oil, °C.
     pub oil_temperature_c: f64,
@@ -39,7 +39,7 @@ enum Number {
     Float(Box<Stepped<f64>>),
 }
 
-/// A state that is kept, to go on from.
+/// A stored state, from which a simulation can be continued.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Kept {
     /// Of a drive in fixed point.
@@ -48,7 +48,7 @@ pub enum Kept {
     Float(Box<DriveState<f64, DELAY_LINE>>),
 }
 
-/// A kept state is of another number type than the drive.
+/// A stored state has another number type than the drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the state is of another number type than the drive")]
 pub struct OtherArithmetic;
@@ -78,7 +78,7 @@ impl Live {
         }
     }
 
-    /// The value of a signal as its sensor reads it, SI, if the drive computes it; the flow of a pump under these inputs.
+    /// The value of a signal as its sensor reads it, SI, if the drive computes it; for a pump, the flow under these inputs.
     #[must_use]
     pub fn signal(&self, signal: Signal, inputs: &Inputs) -> Option<f64> {
         match &self.0 {
@@ -87,7 +87,7 @@ impl Live {
         }
     }
 
-    /// The state, to be kept.
+    /// The state, to be stored.
     #[must_use]
     pub fn kept(&self) -> Kept {
         match &self.0 {
@@ -96,7 +96,7 @@ impl Live {
         }
     }
 
-    /// Goes on from a state that was kept.
+    /// Continues from a stored state.
     pub fn restore(&mut self, kept: &Kept) -> Result<(), OtherArithmetic> {
         match (&mut self.0, kept) {
             (Number::Fixed(drive), Kept::Fixed(state)) => drive.state = **state,
@@ -134,7 +134,7 @@ impl<N: Scalar<Real = f64>> Stepped<N> {
         self.drive.step(&mut self.state, drive_input, Load { from: load, to: load });
     }
 
-    /// The value of a signal as its sensor reads it, SI, if the drive computes it; the flow of a pump under these inputs.
+    /// The value of a signal as its sensor reads it, SI, if the drive computes it; for a pump, the flow under these inputs.
     fn signal(&self, signal: Signal, inputs: &Inputs) -> Option<f64> {
         let spool = || self.drive.spool(&self.state);
         let sensed = || self.drive.sensed(&self.state).spool;
@@ -170,7 +170,7 @@ mod tests {
     const TICK: Tick = Tick::OneMillisecond;
     const ROWS: usize = 1500;
 
-    /// Every signal of a drive that is driven live is that of a simulation, at every tick.
+    /// Every signal of a drive that is stepped live equals that of a simulation, at every tick.
     fn as_simulated(
         arithmetic: Arithmetic,
         machine: &Machine<f64>,
@@ -195,7 +195,7 @@ mod tests {
         let stimulus = Stimulus::new(&recording, machine, input_point, LoadSource::Constant, TICK).unwrap();
         let simulated = arithmetic.simulate(machine, &stimulus, StartOffset::none()).unwrap();
         let mut live = Live::new(machine, TICK, &stimulus.start, arithmetic).unwrap();
-        // After the last row of a recording nothing acts any more: a pump's flow there is none.
+        // After the last row of a recording nothing acts any more: a pump's flow is 0 there.
         for k in 0..ROWS - 1 {
             for (signal, values) in &simulated.series {
                 assert_eq!(live.signal(*signal, &inputs(k)), Some(values[k]), "{signal} at {k}");

@@ -1,6 +1,6 @@
 //! The drive that tests use: a valve on a 63/40 × 300 mm cylinder.
 #![forbid(unsafe_code)]
-// What there is to say is returned: nothing but the program prints.
+// Results are returned: only the program prints.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
 
 use machine_file::LoadSource;
@@ -9,7 +9,7 @@ use recording::seeded_noise::Noise;
 use recording::{Column, Recording, Signal};
 use simulation::{InputPoint, StartOffset, Stimulus, simulate_f64};
 
-/// The press, with what a test sets beside its cylinder, the valve's gain and its speed.
+/// The press; a test sets further parameters in addition to its cylinder, the valve's gain and its speed.
 pub fn press(further: &[(Parameter, f64)]) -> Machine<f64> {
     let mut machine = Machine::with_defaults(Source::Valve);
     let always = [
@@ -40,7 +40,7 @@ pub fn with_papers_valve() -> Machine<f64> {
     ])
 }
 
-/// Two seconds of a machine driven to and fro from 0.12 m, as sensors of these noises record it; the same noise for the same sensors.
+/// Two seconds of a machine driven to and fro from 0.12 m, as recorded by sensors with this noise; the same sensors get the same noise.
 ///
 /// # Panics
 /// Never: the press and these signals can be simulated.
@@ -48,7 +48,7 @@ pub fn recorded(machine: &Machine<f64>, sensors: &[(Signal, f64)]) -> Recording 
     recorded_for(machine, sensors, 2000)
 }
 
-/// So many milliseconds of it.
+/// The same for this many milliseconds.
 ///
 /// # Panics
 /// Never: the press and these signals can be simulated.

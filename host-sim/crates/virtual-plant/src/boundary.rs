@@ -1,6 +1,6 @@
-//! What acts on the hydraulics from outside, cut into stretches on which it is smooth.
+//! What acts on the hydraulics from outside, divided into intervals on which it is smooth.
 //!
-//! The integrator is stopped at the end of each stretch, so that no corner of the spool's path, of
+//! The integrator is stopped at the end of each interval, so that no corner of the spool's path, of
 //! the load or of the dead zone lies within one of its steps.
 
 use model_core::machine::{Parameter, Source};
@@ -12,7 +12,7 @@ use crate::plant::{Plant, PlantError, PlantState};
 use crate::spool::linear::{Spool, SpoolParameters, SpoolPiece};
 use crate::spool::with_effects::{Curve, ShapedSpool};
 
-/// The spool on a stretch of time.
+/// The spool on an interval of time.
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::large_enum_variant, reason = "one at a time, copied from a cell; a box could not be copied")]
 enum Path {
@@ -29,7 +29,7 @@ impl Path {
     }
 }
 
-/// The spool with its history: in closed form, or in small steps where effects shape it.
+/// The spool with its history: in closed form, or in small steps where effects act on it.
 enum AnySpool {
     Plain(Spool),
     Shaped(Box<ShapedSpool>),
@@ -51,14 +51,14 @@ impl AnySpool {
     }
 }
 
-/// A stretch of time on which everything that acts from outside is smooth.
+/// An interval of time on which everything that acts from outside is smooth.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Segment {
     spool: Path,
     pump: Option<PumpCommand>,
     load: LoadLine,
-    /// Which side of the dead zone the spool is on: decided once, so that no rounding at the edge
-    /// of the stretch puts a kink inside it.
+    /// Which side of the dead zone the spool is on: decided once, so that no rounding at the end
+    /// of the interval puts a kink inside it.
     side: i8,
     /// Overlap on the extending and on the retracting side.
     dead_zone: [f64; 2],
@@ -90,7 +90,7 @@ impl<'a> Outside<'a> {
         Self { plant, spool: None, pump: None }
     }
 
-    /// Holds a command from `time_s` on. The first one has always been there.
+    /// Holds a command from `time_s` on. The first command counts as having been held since always.
     pub(crate) fn command(&mut self, tick: usize, time_s: f64, command: Command) -> Result<(), PlantError> {
         let value = match command {
             Command::Valve(volts) => volts,
@@ -110,7 +110,7 @@ impl<'a> Outside<'a> {
         Ok(())
     }
 
-    /// What is in force from `from_s` on, and until when it is smooth, at most until `to_s`; `scaled` is the state there.
+    /// What acts from `from_s` on, and until when it is smooth, at most until `to_s`; `scaled` is the state at `from_s`.
     pub(crate) fn segment_from(&mut self, from_s: f64, to_s: f64, scaled: &[f64]) -> (Segment, f64) {
         let (load, load_end_s) = self.plant.load.line_from(from_s);
         let physics = &self.plant.physics;
@@ -166,8 +166,8 @@ fn spool_at_rest(plant: &Plant, time_s: f64, volts: f64) -> AnySpool {
 /// The side of the dead zone (+1 beyond it, 0 inside, −1) right after `from_s`, and when the spool
 /// leaves that side, at most `to_s`.
 ///
-/// A spool that touches an edge and turns back between two ticks is not noticed here: the error
-/// control of the integrator has to see that one.
+/// A spool that crosses an edge and turns back between two ticks is not detected here: the error
+/// control of the integrator has to handle it.
 fn dead_zone_side(spool: &Path, [extending, retracting]: [f64; 2], from_s: f64, to_s: f64) -> (i8, f64) {
     let side = |time_s: f64| {
         let x = spool.position(time_s);
@@ -179,7 +179,7 @@ fn dead_zone_side(spool: &Path, [extending, retracting]: [f64; 2], from_s: f64, 
             0
         }
     };
-    // A hair inside the stretch, since at its start the spool may stand exactly on an edge.
+    // A point slightly inside the interval, since at its start the spool may be exactly on an edge.
     let inside_s = from_s + (to_s - from_s) * 1e-6;
     let start = side(inside_s);
     if side(to_s) == start {

@@ -1,6 +1,6 @@
 //! The stiff integrator: crate `diffsol` with a fifth-order tableau.
 //!
-//! One-step, so that a corner of the input costs no history: Kværnø's ESDIRK 5(4) with seven stages
+//! One-step, so that it loses no history at a corner of the input: Kværnø's ESDIRK 5(4) with seven stages
 //! (A. Kværnø, BIT 44 (2004) 489–502), stiffly accurate, explicit first stage.
 
 use std::cell::{Cell, RefCell};
@@ -18,7 +18,7 @@ use crate::physics::Physics;
 use crate::tangent::Tangent;
 
 const STAGES: usize = 7;
-/// The diagonal.
+/// The diagonal element.
 const G: f64 = 0.26;
 /// The rows below the diagonal; the last is the solution, the one before it the embedded solution.
 #[rustfmt::skip]
@@ -60,13 +60,13 @@ fn tableau() -> Tableau<f64> {
         b[row] = entry(STAGES - 1, row);
         d[row] = entry(STAGES - 1, row) - entry(STAGES - 2, row);
     }
-    // Order 4 is what the error estimate has, and so what the step-size control needs to know.
+    // The error estimate has order 4; this is the order that the step-size control needs.
     Tableau::new(a, b, c, d, 4, None)
 }
 
 type Matrix = NalgebraMat<f64>;
 
-/// The error of one step in parts of the tolerance that the whole solution is to keep: errors add up.
+/// The error allowed in one step, relative to the tolerance of the whole solution: errors of steps add up.
 const SHARE_OF_A_STEP: f64 = 0.1;
 
 /// Builds the problem: `states` scaled, `segment` says what acts from outside.
@@ -110,7 +110,7 @@ pub(crate) fn problem(
         .init(move |_p, _t, y| y.copy_from_slice(&states), count)
         .build()?;
     let options = &mut problem.ode_options;
-    // Counted over the whole run by the library; a kink may cost a few.
+    // The library counts them over the whole run; a kink may cause a few.
     options.max_nonlinear_solver_failures = usize::MAX;
     options.nonlinear_solver_tolerance = 0.02;
     options.min_timestep = 1e-16;
@@ -147,10 +147,10 @@ where
         self.solver.state().y.get_index(index)
     }
 
-    /// Integrates to `end_s`, over a stretch on which the input is smooth. The input may have jumped
+    /// Integrates to `end_s`, over an interval on which the input is smooth. The input may have jumped
     /// at the start.
     pub(crate) fn advance(&mut self, end_s: f64) -> Result<(), DiffsolError> {
-        // Shorter than this, a stretch is rounding of two corners that are one.
+        // An interval shorter than this is a rounding error between two corners that coincide.
         const SHORTEST_S: f64 = 1e-11;
         let problem = self.solver.problem();
         let free_step_s = self.free_step_s;
@@ -168,7 +168,7 @@ where
             let proposed_s = self.solver.state().h;
             match reason {
                 OdeSolverStopReason::TstopReached => {
-                    // A step that the stop has cut short says little about the next one.
+                    // A step that was shortened by the stop says little about the next step.
                     self.free_step_s = proposed_s.max(if left_s < self.free_step_s { self.free_step_s } else { 0.0 });
                     *self.solver.state_mut().t = end_s;
                     return Ok(());
@@ -185,7 +185,7 @@ where
 mod tests {
     use super::*;
 
-    /// Sums over the tableau that a method of order five must meet (Hairer & Wanner's trees).
+    /// The sums over the tableau that a method of order five must satisfy (Hairer & Wanner's trees).
     #[test]
     fn the_tableau_has_order_five_and_its_estimate_order_four() {
         let a = |i: usize, j: usize| entry(i, j);

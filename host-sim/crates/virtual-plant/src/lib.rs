@@ -2,12 +2,12 @@
 //!
 //! It shares no equation with `model-core`, only the SI parameters, and has two uses: solved to 1e-10
 //! it is the oracle of the fixed-point core's accuracy tests; solved to 1e-7, with effects and
-//! sensors, it makes the recordings that the diagnosis is tried on.
+//! sensors, it makes the recordings on which the diagnosis is tested.
 //!
-//! Start at [`Bench`], which runs a [`Plant`] with its [`Sensors`] to a recording, or at [`concealed`] for drives with known truth. It never sees
-//! `simulation` or a step of `model-core`: of that it uses the table of parameters alone.
+//! Start at [`Bench`], which runs a [`Plant`] with its [`Sensors`] to a recording, or at [`concealed`] for drives with known truth. It does not
+//! use `simulation` or a step of `model-core`; of `model-core` it uses only the table of parameters.
 #![forbid(unsafe_code)]
-// What there is to say is returned: nothing but the program prints.
+// All output is returned to the caller: only the program prints.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
 
 mod boundary;

@@ -1,8 +1,8 @@
 //! The plant's differential equations, written from the physics.
 //!
 //! x > 0 opens P-A and B-T and extends. Qa > 0 flows into chamber A, Qb > 0 flows out of chamber B.
-//! The states are scaled so that one tolerance fits them all: pressures in parts of the supply
-//! pressure, position in parts of the stroke, velocity in m/s, an effect's own states of order one.
+//! The states are scaled so that one tolerance fits them all: pressures relative to the supply
+//! pressure, position relative to the stroke, velocity in m/s, an effect's own states of order one.
 
 use model_core::machine::{Machine, Parameter, Source};
 
@@ -16,7 +16,7 @@ pub(crate) use crate::terms::{Conditions, Inputs, State, Terms};
 /// Number of the drive's own states: pa, pb, v, y.
 pub(crate) const BASE_STATES: usize = 4;
 
-/// The plant: parameters and effects. Immutable; all state is the caller's.
+/// The plant: parameters and effects. Immutable; the caller holds all state.
 #[derive(Clone, Debug)]
 pub(crate) struct Physics {
     source: Source,
@@ -117,7 +117,7 @@ impl Physics {
         }
     }
 
-    /// The state in SI units, with the conditions as the effects have changed them.
+    /// The state in SI units, with the supply pressure and viscosity as the effects have changed them.
     pub(crate) fn state<R: Real>(&self, inputs: &Inputs, scaled: &[R]) -> State<R> {
         let mut conditions = Conditions { supply: self.supply_pa.into(), viscosity: 1.0.into() };
         let mut from = BASE_STATES;
@@ -136,7 +136,7 @@ impl Physics {
         }
     }
 
-    /// Qa and Qb, m³/s, through the valve (3), (4), or from the pump and through the return.
+    /// Qa and Qb, m³/s, through the valve (3), (4), or from the pump and through the return line.
     pub(crate) fn flows<R: Real>(&self, inputs: &Inputs, state: &State<R>) -> (R, R) {
         match self.source {
             Source::Valve => {

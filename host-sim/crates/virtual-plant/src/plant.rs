@@ -29,13 +29,13 @@ pub struct InitialState {
 }
 
 impl InitialState {
-    /// At rest with the forces balanced and pa + pb = p0: what a closed, even valve settles to.
+    /// At rest with the forces balanced and pa + pb = p0: the state to which a closed valve with equal edges settles.
     #[must_use]
     pub fn at_rest(machine: &Machine<f64>, position_m: f64) -> Self {
         Self::at_rest_with_level(machine, position_m, 0.5 * machine.get(Parameter::SupplyPressure))
     }
 
-    /// At rest with the forces balanced and `level_pa` the mean of both pressures.
+    /// At rest with the forces balanced; `level_pa` is the mean of both pressures.
     #[must_use]
     pub fn at_rest_with_level(machine: &Machine<f64>, position_m: f64, level_pa: f64) -> Self {
         let (area_a, area_b) = (machine.get(Parameter::AreaA), machine.get(Parameter::AreaB));
@@ -69,7 +69,7 @@ pub struct PlantState {
 /// Why a plant could not be simulated.
 #[derive(Debug, Error)]
 pub enum PlantError {
-    /// Commands and times do not pair up.
+    /// The numbers of commands and of times differ.
     #[error("{commands} commands for {times} times; expected one command per time")]
     Lengths {
         /// Number of commands found.
@@ -111,10 +111,10 @@ pub enum PlantError {
         /// Its value.
         value: f64,
     },
-    /// The tolerance is not one the arithmetic can keep.
+    /// The tolerance is outside the range that the arithmetic can keep.
     #[error("relative tolerance {found}, expected {} to {}", TOLERANCES.0, TOLERANCES.1)]
     Tolerance {
-        /// What was asked for.
+        /// The tolerance found.
         found: f64,
     },
     /// The integrator gave up.
@@ -122,7 +122,7 @@ pub enum PlantError {
     Integration {
         /// Start of the interval on which it failed, s.
         time_s: f64,
-        /// What the integrator says.
+        /// The integrator's error.
         cause: DiffsolError,
     },
 }
@@ -140,8 +140,8 @@ pub struct Plant {
 }
 
 impl Plant {
-    /// The paper's model of `machine`, solved to `tolerance` (relative, and absolute in parts of the
-    /// supply pressure, of the stroke and of 1 m/s): 1e-10 for an oracle, 1e-7 for recordings.
+    /// The paper's model of `machine`, solved to `tolerance` (relative; and absolute, relative to the
+    /// supply pressure, to the stroke and to 1 m/s): 1e-10 for an oracle, 1e-7 for recordings.
     pub fn new(machine: &Machine<f64>, tolerance: f64) -> Result<Self, PlantError> {
         if !(TOLERANCES.0..=TOLERANCES.1).contains(&tolerance) {
             return Err(PlantError::Tolerance { found: tolerance });
@@ -159,21 +159,21 @@ impl Plant {
     }
 
     /// The same plant with effects that the paper's model leaves out, in the plant's own forms.
-    /// The effect parameters that the machine itself may hold are those of the core: not used here.
+    /// The effect parameters in the machine itself belong to the core and are not used here.
     #[must_use]
     pub fn with_effects(mut self, effects: &[PlantEffect]) -> Self {
         self.physics = Arc::new(Physics::new(&self.machine, effects));
         self
     }
 
-    /// The same plant with a force on the rod beside the machine's constant load.
+    /// The same plant with a force on the rod in addition to the machine's constant load.
     #[must_use]
     pub fn with_load(mut self, load: LoadProfile) -> Self {
         self.load = load;
         self
     }
 
-    /// The machine it was made of.
+    /// The machine that it was made from.
     #[must_use]
     pub fn machine(&self) -> &Machine<f64> {
         &self.machine
@@ -196,8 +196,8 @@ impl Plant {
     }
 
     /// The true signals at `times_s`, with a command chosen at each tick from the state at that tick:
-    /// a controller in the loop. Before the first tick the first command has always been there; the
-    /// state shown at that tick, before the command is known, has the spool at its offset.
+    /// a controller in the loop. The first command counts as having been held since always; the
+    /// state shown at the first tick, before that command is known, has the spool at its offset.
     pub fn run(
         &self,
         initial: &InitialState,
@@ -244,7 +244,7 @@ impl Plant {
                 command = choose(tick, &state);
                 drive.command(tick, time_s, command)?;
             }
-            // With a pump, or a valve without delay and lags, the command acts in this very tick.
+            // With a pump, or a valve without delay and lags, the command acts already at this tick.
             state = drive.observe(&scaled, time_s);
             states.push(state);
         }

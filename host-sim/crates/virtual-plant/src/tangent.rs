@@ -1,12 +1,12 @@
-//! A number that carries its derivative along one direction: the plant's exact Jacobian, for free.
+//! A number that carries its derivative along one direction: it gives the plant's exact Jacobian without further code.
 //!
 //! The plant's equations are written once over [`Real`]. Evaluated with `f64` they give the
 //! derivatives of the state; evaluated with [`Tangent`] they give, beside them, the product of the
-//! Jacobian with a direction, which is what the implicit solver asks for.
+//! Jacobian with a direction, which the implicit solver needs.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// What the plant's equations need of a number.
+/// The operations that the plant's equations need.
 pub(crate) trait Real:
     Copy
     + Add<Output = Self>
@@ -25,7 +25,7 @@ pub(crate) trait Real:
     /// Square root; the argument is positive.
     #[must_use]
     fn sqrt(self) -> Self;
-    /// Distance from zero; its slope at zero is taken as +1.
+    /// Absolute value; its derivative at zero is taken as +1.
     #[must_use]
     fn abs(self) -> Self;
     /// The exponential.
@@ -75,7 +75,7 @@ impl Real for f64 {
     }
 }
 
-/// A value and its slope along the chosen direction (forward-mode dual number).
+/// A value and its derivative along the chosen direction (forward-mode dual number).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Tangent {
     /// The value, as `f64` arithmetic would give it.
@@ -85,7 +85,7 @@ pub(crate) struct Tangent {
 }
 
 impl Tangent {
-    /// A variable with its component of the direction.
+    /// A variable with its component in the direction.
     #[must_use]
     pub(crate) const fn new(value: f64, slope: f64) -> Self {
         Self { value, slope }

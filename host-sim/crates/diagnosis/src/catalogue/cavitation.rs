@@ -1,20 +1,20 @@
 //! # Cavitation
 //!
 //! ## What it adds
-//! Oil cannot pull. A chamber that more is drawn from than flows in keeps its pressure at a floor, that of the oil's vapour or of the air
-//! that it gives off, while a void grows. The pressure rises again only once the void is filled.
+//! Oil cannot pull. If more oil is drawn from a chamber than flows in, the pressure stays at a floor, that of the oil's vapour or of the air
+//! that the oil gives off, while a void grows. The pressure rises again only once the void is filled.
 //!
 //! ## How it shows
 //! A pressure stays flat near zero while the rod is drawn on: by an overrunning load, or by the moving mass when the valve closes at once. Then
-//! it rises late and steeply. The model without it simulates pressures far below vacuum there, and a rod that stops too early.
+//! it rises late and steeply. The model without this effect simulates pressures far below vacuum there, and a rod that stops too early.
 //!
 //! ## What looks alike
 //! Entrained air bends the pressure at low values, but never holds it flat. A sensor at the end of its range is flat as well, while the
 //! rod follows the model.
 //!
 //! ## Parameters
-//! The floor, from the same zero as the tank's pressure and at most that: −1 to −0.3 bar. Recordings hardly tell it, since half a bar is little
-//! beside the supply. It is tried only where the model without it falls below the floor and no sensor contradicts.
+//! The floor, measured from the same zero as the tank's pressure and not above it: −1 to −0.3 bar. Recordings hardly determine it, since half
+//! a bar is little beside the supply. It is tried only where the pressure of the model without it falls below the floor and no sensor contradicts.
 //!
 //! ## Source
 //! H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967, §5-5: the cavity of a valve under an overrunning load.

@@ -5,7 +5,7 @@
 //! bristles that are stiff but give by some micrometres (`LuGre`).
 //!
 //! ## How it shows
-//! The force that the model lacks steps at v = 0. After a stop the pressures stay apart by 2·Fc/A between the directions; the
+//! The force that the model lacks steps at v = 0. After a stop the pressures differ by 2·Fc/A between the two directions; the
 //! rod starts late and stops early.
 //!
 //! ## What looks alike
@@ -14,7 +14,7 @@
 //!
 //! ## Parameters
 //! Fc in N, not negative; 1–5 % of the cylinder's full force. Stiffness of the bristles in N/m: one to thirty times that of the
-//! oil columns; softer than about a third of it, it is presliding.
+//! oil columns; with less than about a third of it, the effect is presliding.
 //!
 //! ## Source
 //! B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, *A survey of models … for the control of machines with friction*,
@@ -61,6 +61,6 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "constant-speed strokes below 10 mm/s",
     source: "Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30, 1994",
-    // With the load taken from the pressures the force balance is an input.
+    // Where the load is taken from the pressures, the force balance is an input.
     shows_in: |scene| scene.load == machine_file::LoadSource::Constant,
 };

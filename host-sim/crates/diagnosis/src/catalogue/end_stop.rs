@@ -9,14 +9,14 @@
 //! missing within a millimetre of that position only.
 //!
 //! ## What looks alike
-//! A load spring pushes along the whole stroke, and one that begins inside it gives by more than a few hundredths of it. Friction that
+//! A load spring pushes along the whole stroke; one that begins inside the stroke yields by more than a few hundredths of it. Friction that
 //! rises towards an end flips with the direction.
 //!
 //! ## Parameters
-//! Position of the stop in m, where the recording turns or ends flat. Stiffness k in N/m, not negative: the full force makes it give
+//! Position of the stop in m, where the recording turns or ends flat. Stiffness k in N/m, not negative: the full force compresses it
 //! by a hundredth of the stroke (rubber) to a ten-thousandth (steel), which is 1e7–1e9 N/m for 25 kN and 0.25 m. Damping d in N·s/m,
-//! not negative: around the critical damping of the moving mass on the stop; a cushion has far more. What
-//! gives by more than three hundredths is a load that begins inside the stroke, and never accepted as a stop.
+//! not negative: around the critical damping of the moving mass on the stop; a cushion has far more. A stop
+//! that yields by more than three hundredths is a load that begins inside the stroke, and is never accepted as a stop.
 //!
 //! ## Source
 //! K. H. Hunt and F. R. E. Crossley, *Coefficient of restitution interpreted as damping in vibroimpact*, J. Applied
@@ -40,7 +40,7 @@ const DAMPING: EffectParameter = EffectParameter {
         (0.02 * critical, 20.0 * critical)
     }),
 };
-// No rod went further than a stop let it: at a hard one the travel ends, a soft one lies a little before its end.
+// No rod moves further than a stop permits: the recorded travel ends at a hard stop; a soft stop begins a little before that end.
 const EXTENDED_AT: EffectParameter = EffectParameter {
     parameter: Parameter::StopExtended,
     kind: Kind::Place(|scene| (from_lowest_m(scene, 0.7), scene.travel_m.1), &[0.4, 0.8, 0.95, 1.0]),
@@ -50,7 +50,7 @@ const RETRACTED_AT: EffectParameter = EffectParameter {
     kind: Kind::Place(|scene| (scene.travel_m.0, from_lowest_m(scene, 0.3)), &[0.0, 0.05, 0.2, 0.6]),
 };
 
-/// The stiffness that gives by this share of the stroke under the full force, N/m.
+/// The stiffness that yields by this share of the stroke under the full force, N/m.
 fn giving(scene: &Scene<'_>, share: f64) -> f64 {
     scene.full_force_n() / (share * scene.machine.get(Parameter::Stroke))
 }
@@ -80,7 +80,7 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "strokes over the whole stroke, slowly into the end, both pressures recorded",
     source: "Hunt & Crossley, J. Applied Mechanics 42, 1975",
-    // With the load taken from the pressures the force balance is an input; a rod that never moved met no stop.
+    // Where the load is taken from the pressures, the force balance is an input; a rod that never moved met no stop.
     shows_in: |scene| {
         scene.load == LoadSource::Constant && scene.judges(Signal::Position) && scene.travel_m.0 < scene.travel_m.1
     },

@@ -9,7 +9,7 @@
 //! rod lags at the start of each stroke.
 //!
 //! ## What looks alike
-//! Hoses are as soft at high pressure. A volume that changes with the position depends on where the rod is, not on the
+//! Hoses are equally soft at high pressure. A volume that changes with the position depends on where the rod is, not on the
 //! pressure.
 //!
 //! ## Parameters

@@ -9,7 +9,7 @@
 //! it.
 //!
 //! ## What looks alike
-//! Past the piston, what one chamber loses the other gains. A pressure sensor that reads wrong shows in the force as
+//! With leakage past the piston, one chamber gains what the other loses. A pressure sensor that reads wrong shows in the force as
 //! well, and does not drain a chamber at rest.
 //!
 //! ## Parameters

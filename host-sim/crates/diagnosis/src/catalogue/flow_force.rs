@@ -9,8 +9,8 @@
 //! the whole supply nothing is missing.
 //!
 //! ## What looks alike
-//! Hysteresis depends on the direction of the command, saturation on the command alone. A supply that droops takes flow
-//! with the spool in place.
+//! Hysteresis depends on the direction of the command, saturation on the command alone. A supply that droops reduces the
+//! flow while the spool keeps its travel.
 //!
 //! ## Parameters
 //! k in 1/Pa, not negative: 0.5–40 % of the travel at full supply pressure. A valve with a position loop shows next to

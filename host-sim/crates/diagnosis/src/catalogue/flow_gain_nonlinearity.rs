@@ -1,15 +1,15 @@
 //! # Flow-gain nonlinearity
 //!
 //! ## What it adds
-//! Notches and round holes make the area of an edge a curve over the opening o beyond the overlap: the gain bends with the
-//! opening, and where a notch ends the full edge follows with a gain of its own.
+//! Notches and round holes make the area of an edge a curve over the opening o beyond the overlap: the gain changes with the
+//! opening, and where a notch ends the full edge follows with another gain.
 //!
 //! ## How it shows
 //! The flow that the model lacks is a function of the spool alone, on all four edges alike: small steps fit and large
 //! ones do not, or the other way round, at every load.
 //!
 //! ## What looks alike
-//! A drooping supply depends on the flow that all take together, and on time. A saturated magnet leaves the spool
+//! A drooping supply depends on the total flow, and on time. A saturated magnet leaves the spool
 //! short of its travel. A flow limit is sharp.
 //!
 //! ## Parameters

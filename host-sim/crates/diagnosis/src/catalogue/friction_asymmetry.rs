@@ -8,12 +8,12 @@
 //! The missing force steps at v = 0, by unequal amounts to both sides of zero.
 //!
 //! ## What looks alike
-//! Coulomb friction with a constant load has the same two levels in motion: at rest and in a hold the load goes on,
-//! friction does not. A pressure sensor's offset acts like such a load. Seals pressed by the pressure differ with the
+//! Coulomb friction with a constant load has the same two levels in motion: at rest and in a hold the load remains,
+//! friction does not. A pressure sensor's offset acts like such a load. The friction of seals pressed by the pressure depends on the
 //! load, not with the direction alone.
 //!
 //! ## Parameters
-//! F1 and F2 in N, not negative: 1–5 % of full force, apart by 10–60 %. Stiffness of the bristles as with Coulomb friction.
+//! F1 and F2 in N, not negative: 1–5 % of full force, differing by 10–60 %. Stiffness of the bristles as with Coulomb friction.
 //!
 //! ## Source
 //! A. Bonchis, P. I. Corke, D. C. Rye, *A pressure-based, velocity independent, friction model for asymmetric hydraulic
@@ -65,6 +65,6 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     }),
     separated_by: "constant-speed strokes both ways, both pressures recorded",
     source: "Bonchis, Corke, Rye, IEEE ICRA 1999",
-    // With the load taken from the pressures the force balance is an input.
+    // Where the load is taken from the pressures, the force balance is an input.
     shows_in: |scene| scene.load == LoadSource::Constant,
 };

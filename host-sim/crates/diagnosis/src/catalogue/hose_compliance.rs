@@ -2,7 +2,7 @@
 //!
 //! ## What it adds
 //! Hoses (and a gas accumulator beside them) take up volume with pressure, in addition to the oil's own compression:
-//! dp/dt = (Q − A·v) / (V/E0 + C). (7) becomes softer in both chambers, at all pressures and positions.
+//! dp/dt = (Q − A·v) / (V/E0 + C). Equation (7) becomes softer in both chambers, at all pressures and positions.
 //!
 //! ## How it shows
 //! The flow that the model lacks follows dp/dt: the rod lags while pressure builds, and creeps on when it falls. Under
@@ -10,7 +10,7 @@
 //!
 //! ## What looks alike
 //! A larger dead volume has the same form: one name for both, and the report says so. Entrained air acts below 30–50 bar
-//! only. Leakage goes on at constant pressure, compliance does not.
+//! only. Leakage continues at constant pressure, flow into compliance does not.
 //!
 //! ## Parameters
 //! C in m³/Pa, not negative; effective bulk moduli of `0.4–1 GPa` are usual with hoses.

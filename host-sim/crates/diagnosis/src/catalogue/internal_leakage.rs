@@ -4,10 +4,10 @@
 //! Oil passes the piston from the chamber at higher pressure to the other, laminar: Q = G·(pa − pb), into B and out of A.
 //!
 //! ## How it shows
-//! What A lacks B has too much of, at every spool position, also at rest: a loaded rod drifts with the valve closed.
+//! Chamber B has too much of the oil that A lacks, at every spool position and also at rest: a loaded rod drifts with the valve closed.
 //!
 //! ## What looks alike
-//! External leakage concerns one chamber. Valve leakage acts near the valve's centre only. Pump slip rests with the pump.
+//! External leakage concerns one chamber. Valve leakage acts near the valve's centre only. Pump slip stops with the pump.
 //!
 //! ## Parameters
 //! G in m³/s/Pa, not negative; 1e-14 (new seal) to 1e-11 (worn).

@@ -2,14 +2,14 @@
 //!
 //! ## What it adds
 //! Below a pressure difference `p_t` the flow through an edge is laminar and grows with Δp instead of its root:
-//! `Q ∝ Δp/(Δp² + p_t²)^¼`. Narrow gaps and cold oil raise `p_t`; the effect is what it is more than the valve's own.
+//! `Q ∝ Δp/(Δp² + p_t²)^¼`. Narrow gaps and cold oil raise `p_t`; the effect is the increase over the valve's own.
 //!
 //! ## How it shows
 //! Flow is missing at small pressure differences only: slow approach under a load that takes nearly the whole supply,
 //! slow equalisation of the pressures.
 //!
 //! ## What looks alike
-//! Valve leakage concerns the centre, at large pressure differences too. Internal leakage goes on with the valve
+//! Valve leakage acts near the centre, at large pressure differences too. Internal leakage continues with the valve
 //! closed.
 //!
 //! ## Parameters

@@ -2,14 +2,14 @@
 //!
 //! ## What it adds
 //! Play between the rod and the position's sensor: after a reversal the rod travels by the play before the sensor
-//! moves. The drive itself does not know.
+//! moves. The drive itself is not affected.
 //!
 //! ## How it shows
 //! The measured position is off by half the play, with the sign of the direction; it rests at each reversal while
 //! pressures and flow show motion.
 //!
 //! ## What looks alike
-//! A rod held by friction rests in truth, and the pressures build up. Valve hysteresis delays the spool. A slow sensor
+//! A rod held by friction really rests, and the pressures build up. Valve hysteresis delays the spool. A slow sensor
 //! is off by an amount that grows with the velocity.
 //!
 //! ## Parameters

@@ -1,18 +1,18 @@
 //! # Metering asymmetry
 //!
 //! ## What it adds
-//! The four edges are not of one size, as on spools for differential cylinders. Against P-A the flow gain of the edges to tank is
+//! The four edges are not of one size, as on spools for differential cylinders. Relative to P-A the flow gain of the edges to tank is
 //! multiplied by 1 + r, of those at port B by 1 + s, and of those that are open while retracting by 1 + d: B-T has
 //! (1 + r)·(1 + s), P-B (1 + s)·(1 + d), A-T (1 + r)·(1 + d).
 //!
 //! ## How it shows
 //! Both chamber pressures of a steady stroke lie higher (r < 0) or lower (r > 0) than the model's, while the position
-//! may look right. Unequal ports (s < 0) raise both while extending and lower both while retracting; unequal directions leave them and
-//! change the speed of one way.
+//! may look right. Unequal ports (s < 0) raise both while extending and lower both while retracting; unequal directions (d) leave
+//! the pressures unchanged and change the speed in one direction.
 //!
 //! ## What looks alike
-//! With wrong piston areas the balance of forces is off at rest, too, and so it is with a pressure sensor's offset.
-//! Back-pressure of the return line is quadratic in the flow. Unequal overlap takes travel, not a share.
+//! With wrong piston areas, or with an offset of a pressure sensor, the balance of forces is wrong at rest, too.
+//! Back-pressure of the return line is quadratic in the flow. Unequal overlap removes a travel, not a share.
 //!
 //! ## Parameters
 //! r or s, either sign: ±10–40 %; a spool cut for a 2:1 cylinder has s = −50 %. Edges that were cut alike still differ by some per cent,

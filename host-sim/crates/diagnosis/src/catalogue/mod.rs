@@ -1,7 +1,7 @@
-//! Effects that a drive may have and the paper's model leaves out: one file an effect, one line in the [`CATALOGUE`].
+//! Effects that a drive may have and the paper's model leaves out: one file for each effect, one line in the [`CATALOGUE`].
 //!
 //! Every file has the same headings: What it adds · How it shows · What looks alike · Parameters · Source. An effect's equation
-//! runs in model-core; here stands what the diagnosis needs to try it.
+//! runs in model-core; the files here contain what the diagnosis needs to try it.
 
 mod cavitation;
 mod coulomb_friction;
@@ -42,7 +42,7 @@ use model_core::machine::{Machine, Parameter};
 use recording::Signal;
 use simulation::InputPoint;
 
-/// A part of the chain, as a finding names it.
+/// A link of the model, as a finding names it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Subsystem {
@@ -78,12 +78,12 @@ impl fmt::Display for Subsystem {
     }
 }
 
-/// An effect whose form takes another's in, so that data may not tell them apart.
+/// An effect that produces nearly the same residual as another one, so that data may not distinguish the two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LookAlike {
     /// Its name in the vocabulary.
     pub effect: &'static str,
-    /// What tells them apart.
+    /// What distinguishes them.
     pub told_apart_by: &'static str,
 }
 
@@ -92,7 +92,7 @@ pub struct LookAlike {
 pub struct Scene<'a> {
     /// The nominal machine.
     pub machine: &'a Machine<f64>,
-    /// Where the chain is entered.
+    /// Which signal drives the model.
     pub input_point: InputPoint,
     /// Where the load comes from.
     pub load: LoadSource,
@@ -102,7 +102,7 @@ pub struct Scene<'a> {
     pub travel_m: (f64, f64),
     /// Longest recording, s.
     pub duration_s: f64,
-    /// Lowest pressure of a chamber in the recordings, by the sensors and by the model without effects, Pa; infinite where nothing tells.
+    /// Lowest pressure of a chamber in the recordings, by the sensors and by the model without effects, Pa; infinite where neither gives one.
     pub lowest_pa: f64,
 }
 
@@ -130,20 +130,20 @@ impl Scene<'_> {
 /// How an effect parameter moves in a search.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
-    /// How much of the effect there is: positive, 0 is neutral. Moves in its logarithm; the range is what is usual.
+    /// How much of the effect there is: positive, 0 is neutral. A search moves its logarithm; the range is the usual one.
     Amount(fn(&Scene<'_>) -> (f64, f64)),
-    /// The same for an amount of which there is never little: far below what is usual it is another effect's.
+    /// The same for an amount that is never small: far below its usual range it belongs to another effect.
     Firm(fn(&Scene<'_>) -> (f64, f64)),
-    /// The same for an amount that the residuals jump with, so that no slope leads to it.
+    /// The same for an amount with which the residuals jump, so that they have no usable derivative.
     Jump(fn(&Scene<'_>) -> (f64, f64)),
     /// The same as an amount, of either sign; the value is the largest usual magnitude, 0 where a scene cannot show it.
     Signed(fn(&Scene<'_>) -> f64),
-    /// How the effect acts, not how much: positive, moves in its logarithm; tried first at so many points of the usual range.
+    /// How the effect acts, not how much: positive; a search moves its logarithm, and first tries this many points of the usual range.
     Shape(fn(&Scene<'_>) -> (f64, f64), usize),
-    /// The same for a place, which may have either sign: moves linearly; tried first at these shares of the usual range.
+    /// The same for a place, which may have either sign: a search moves it linearly, and first tries these shares of the usual range.
     Place(fn(&Scene<'_>) -> (f64, f64), &'static [f64]),
-    /// What a pressure does not fall below; the parameter's default is neutral, and every other value acts. The value that does best of those at
-    /// these shares of the usual range is refined without slopes. Where it lies says nothing for or against the effect.
+    /// A limit that a pressure does not fall below; the parameter's default is neutral, and every other value acts. Values at these shares of
+    /// the usual range are tried, and the best is refined without derivatives. The value says nothing for or against the effect.
     Floor(fn(&Scene<'_>) -> (f64, f64), &'static [f64]),
 }
 
@@ -157,23 +157,23 @@ pub struct EffectParameter {
 }
 
 impl EffectParameter {
-    /// The base parameter that it is the negative of, if it is one: what a set without it has to say by that.
+    /// The base parameter that acts like its negative, if there is one: a candidate model without this effect parameter uses that one instead.
     #[must_use]
     pub fn negative_of(&self) -> Option<Parameter> {
-        // A constant force against extending is the load's.
+        // A constant force against extending is a negative constant load.
         (self.parameter == Parameter::LoadSpringForce).then_some(Parameter::LoadForce)
     }
 }
 
-/// The bristles that every law of dry friction acts through before the rod slides: about as stiff as the oil columns, or stiffer. Those
-/// softer than about a third of the oil columns are presliding; stiffer ones are how all dry friction is. Each law has a form that
-/// holds rigidly and one with bristles: recordings without pressures hardly show them.
+/// The bristles through which every law of dry friction acts before the rod slides: about as stiff as the oil columns, or stiffer. Bristles
+/// softer than about a third of the oil columns are the effect presliding; all dry friction has stiffer ones. Each law has a rigid form
+/// and one with bristles, because recordings without pressures hardly show the bristles.
 const LUGRE: EffectParameter = EffectParameter {
     parameter: Parameter::PreslidingStiffness,
     kind: Kind::Shape(|scene| (scene.machine.oil_spring_n_per_m(), 30.0 * scene.machine.oil_spring_n_per_m()), 1),
 };
 
-/// A set of effect parameters that an effect is fitted with; the others stay neutral.
+/// The effect parameters of an effect that are fitted together; the others stay neutral.
 pub type Form = &'static [EffectParameter];
 
 /// Whether dry friction of this form acts through bristles.
@@ -193,7 +193,7 @@ pub struct Extension {
     pub taken: &'static [Parameter],
 }
 
-/// An effect that can be switched on in the chain.
+/// An effect that can be switched on in the model.
 #[derive(Clone, Copy, Debug)]
 pub struct Hypothesis {
     /// Its name in the vocabulary.
@@ -202,20 +202,20 @@ pub struct Hypothesis {
     pub subsystem: Subsystem,
     /// Its equation, for people.
     pub equation: &'static str,
-    /// The ways it is fitted in, the plainest first: with more effect parameters, or with others.
+    /// The forms in which it is fitted, the plainest first: the next ones have more effect parameters, or others.
     pub forms: &'static [Form],
-    /// What may be taken for it.
+    /// Effects that may be mistaken for it.
     pub look_alikes: &'static [LookAlike],
-    /// What refines these forms, with further effect parameters: tried where one of them was found, and kept where it takes three quarters of what
-    /// that leaves.
+    /// Forms that refine these by further effect parameters: tried where one of the forms above was found, and kept where they remove three
+    /// quarters of the misfit that the plainer form leaves.
     pub refined: &'static [Form],
-    /// The effect that it is an extension of, if any: it has to earn what it has more.
+    /// The effect that it is an extension of, if any: its additional effect parameters have to gain enough.
     pub extends: Option<Extension>,
-    /// The test that shows it apart from others.
+    /// The test that distinguishes it from others.
     pub separated_by: &'static str,
     /// Where the physics is described.
     pub source: &'static str,
-    /// Whether a drive in this scene can show it in the forms that it has there.
+    /// Whether a drive in this scene can show it in the forms that are possible there.
     pub shows_in: fn(&Scene<'_>) -> bool,
 }
 
@@ -268,14 +268,14 @@ impl Hypothesis {
         self.extends.map_or(self.name, |extension| extension.plain)
     }
 
-    /// Every parameter of its own table in the machine file. Friction shares its bristles with other laws.
+    /// Every parameter of its own table in the machine file. The laws of friction share the parameter of the bristles.
     pub fn parameters(&self) -> impl Iterator<Item = Parameter> {
         let table = format!("effects.{}.", self.name);
         Parameter::ALL.iter().copied().filter(move |parameter| parameter.description().key.starts_with(&table))
     }
 
-    /// Whether it acts slowly: the usual range of one of its times follows the length of the recordings, so that the beginning
-    /// of a long one does not show it.
+    /// Whether it acts slowly: the usual range of one of its times depends on the length of the recordings, so that the beginning
+    /// of a long recording does not show it.
     #[must_use]
     pub fn is_slow(&self, scene: &Scene<'_>) -> bool {
         let short = Scene { duration_s: 0.0, ..scene.clone() };
@@ -290,7 +290,7 @@ impl Hypothesis {
         self.forms.iter().chain(self.refined).copied()
     }
 
-    /// The effect parameters of all of them; what forms share comes with each.
+    /// The effect parameters of all its forms; one that several forms share comes once for each form.
     pub fn effect_parameters(&self) -> impl Iterator<Item = &'static EffectParameter> {
         self.every_form().flatten()
     }
@@ -324,7 +324,7 @@ impl Hypothesis {
         (self.shows_in)(scene) && self.forms_in(scene).next().is_some()
     }
 
-    /// Whether the recordings come near where it acts: a floor that no pressure falls to changes nothing.
+    /// Whether the recordings come near the range in which it acts: a floor that no pressure reaches changes nothing.
     #[must_use]
     pub fn is_reached(&self, scene: &Scene<'_>) -> bool {
         self.effect_parameters().all(|effect_parameter| match effect_parameter.kind {
@@ -425,7 +425,7 @@ mod tests {
             else {
                 continue;
             };
-            // The table for what has no name is never a hypothesis.
+            // The correction table is never a hypothesis.
             if name == "unnamed" {
                 continue;
             }

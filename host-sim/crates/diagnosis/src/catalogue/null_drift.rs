@@ -1,11 +1,11 @@
 //! # Null drift
 //!
 //! ## What it adds
-//! The neutral of the valve wanders, with the temperature of magnet, electronics and pilot, or with the supply
+//! The neutral of the valve moves, with the temperature of magnet, electronics and pilot, or with the supply
 //! pressure: x = g·U + x0 + Δx·(1 − e^(−t/T)), t from the start of the recording.
 //!
 //! ## How it shows
-//! What the valve link misses in the spool is slow and of the same sign at every command; the command that holds the
+//! The valve link's residual of the spool is slow and of the same sign at every command; the command that holds the
 //! rod still changes in the course of the recording.
 //!
 //! ## What looks alike

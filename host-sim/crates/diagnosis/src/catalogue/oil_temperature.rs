@@ -6,8 +6,8 @@
 //! of the recording: u = 1 − s·(1 − e^(−t/T)).
 //!
 //! ## How it shows
-//! Strokes become faster and drift at rest larger, slowly and together: the product of friction and leakage stays
-//! constant. Recordings in oil of another temperature are those of another drive, each the same throughout.
+//! Strokes become faster and the drift at rest becomes larger, slowly and together: the product of friction and leakage stays
+//! constant. A recording in oil of another temperature looks like one of another drive, from start to end.
 //!
 //! ## What looks alike
 //! A worn seal leaks more at the same friction. Drift of the valve's neutral favours one direction. Dry friction does
@@ -16,9 +16,9 @@
 //! ## Parameters
 //! Share s of the viscosity that is lost in the end, either sign (negative: the oil cools), up to 0.5 usually. T in s,
 //! from less than a stroke to far longer than the recording, where the change is a ramp. κ, 0.02–0.06 1/K, is the mean
-//! between the temperatures recorded: mineral oil loses more when cold. ϑ0, 40 °C give or take 10 K, is what the file's
-//! values are for: 40 °C is where ISO 3448 grades oil. A recording without the temperature counts as one at ϑ0, and where
-//! none has it the form changes nothing.
+//! between the temperatures recorded: mineral oil loses more when cold. ϑ0, 40 °C ± 10 K, is the temperature that the
+//! file's values hold for: ISO 3448 grades oil at 40 °C. A recording without the temperature counts as one at ϑ0; where no recording
+//! has it, the form changes nothing.
 //!
 //! ## Source
 //! ISO 3448 (viscosity grades); ASTM D341 (viscosity over temperature, after Walther); G. E. Totten (ed.), *Handbook of
@@ -60,6 +60,6 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "long run for warming up with the oil's temperature recorded, constant-speed strokes and closed-valve hold repeated",
     source: "Totten (ed.), Handbook of Hydraulic Fluid Technology, 2000; ASTM D341",
-    // With the load taken from the pressures the force balance is an input.
+    // Where the load is taken from the pressures, the force balance is an input.
     shows_in: |scene| scene.load == LoadSource::Constant,
 };

@@ -6,17 +6,17 @@
 //! gap, F = −D·(1 + d1·η + d2·η²)·v, which grows with the speed.
 //!
 //! ## How it shows
-//! The missing force flips with the direction and its size varies with the position; Δp of slow strokes both ways opens
-//! and closes along the stroke.
+//! The missing force flips with the direction and its size varies with the position; the gap between Δp of slow strokes
+//! in the two directions varies along the stroke.
 //!
 //! ## What looks alike
-//! A spring or a linkage's geometry also varies with the position, but does not flip. Pressed seals follow the
-//! pressure.
+//! A spring or a linkage's geometry also varies with the position, but does not flip. Friction of pressed seals follows
+//! the pressure.
 //!
 //! ## Parameters
-//! F0 at mid-stroke in N, not negative, 1–5 % of full force; slope F1 and bow F2 in N, either sign: 10–300 % of it, up
-//! to 10 % of full force where the rod was. Stiffness of the bristles as with Coulomb friction. Slope d1 and bow d2 of
-//! the viscous friction as shares of D, either sign: as much as D itself where the rod was.
+//! F0 at mid-stroke in N, not negative, 1–5 % of full force; slope F1 and curvature F2 in N, either sign: 10–300 % of F0,
+//! up to 10 % of full force within the recorded travel. Stiffness of the bristles as with Coulomb friction. Slope d1 and curvature d2 of
+//! the viscous friction as shares of D, either sign: up to D itself within the recorded travel.
 //!
 //! ## Source
 //! B. Armstrong-Hélouvry, *Control of Machines with Friction*, Kluwer 1991 (friction as a function of position).
@@ -49,10 +49,10 @@ const DRAG_BOW: EffectParameter = EffectParameter {
     kind: Kind::Signed(|scene| (1.0 / reached(scene).powi(2)).min(STEEPEST)),
 };
 
-/// What a coefficient that is usual at most may be, so that three times it is within the parameter's range.
+/// Largest usual value of a coefficient, chosen so that three times this is within the parameter's range.
 const STEEPEST: f64 = 2.4;
 
-/// How far η comes from the middle in the recordings: what the friction is beyond, they do not say.
+/// How far η goes from the middle in the recordings, which do not show the friction beyond.
 fn reached(scene: &Scene<'_>) -> f64 {
     let stroke = scene.machine.get(Parameter::Stroke);
     let from_middle = |position_m: f64| (2.0 * position_m / stroke - 1.0).abs();
@@ -97,7 +97,7 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     }),
     separated_by: "constant-speed strokes over the whole stroke both ways, both pressures recorded",
     source: "Armstrong-Hélouvry, Control of Machines with Friction, 1991",
-    // With the load taken from the pressures the force balance is an input; without motion no place is known.
+    // Where the load is taken from the pressures, the force balance is an input; without motion no place is known.
     shows_in: |scene| {
         scene.load == LoadSource::Constant && (scene.judges(Signal::Position) || scene.judges(Signal::Velocity))
     },

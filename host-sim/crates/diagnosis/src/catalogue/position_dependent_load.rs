@@ -5,10 +5,10 @@
 //! mid-stroke, F = −(F0 + K·z + B·z²).
 //!
 //! ## How it shows
-//! The missing force varies with the position, is the same in both directions and goes on at rest.
+//! The missing force varies with the position, is the same in both directions and remains at rest.
 //!
 //! ## What looks alike
-//! Friction of the place flips with the direction. A stop acts within a millimetre. Wrong readings of a pressure are
+//! Position-dependent friction flips with the direction. A stop acts within a millimetre. Wrong readings of a pressure are
 //! the same at every position.
 //!
 //! ## Parameters
@@ -65,6 +65,6 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "constant-speed strokes over the whole stroke both ways, both pressures recorded",
     source: "Jelali & Kroll, Hydraulic Servo-systems, 2003, ch. 4",
-    // With the load taken from the pressures the force balance is an input; without a position the place is unknown.
+    // Where the load is taken from the pressures, the force balance is an input; without a position the place is unknown.
     shows_in: |scene| scene.load == LoadSource::Constant && scene.judges(Signal::Position),
 };

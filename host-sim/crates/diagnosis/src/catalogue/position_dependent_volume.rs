@@ -2,18 +2,18 @@
 //!
 //! ## What it adds
 //! The oil in a chamber changes with the stroke, Va = Va0 + s·A·(y − mid-stroke) and Vb = Vb0 − s·aA·(y − mid-stroke);
-//! (7) holds it at its value of mid-stroke.
+//! equation (7) keeps it at its mid-stroke value.
 //!
 //! ## How it shows
 //! The flow that the model lacks follows dp/dt and changes its sign with the side of mid-stroke. Near an end the small
 //! chamber is stiff: the oil-spring frequency rises towards both ends.
 //!
 //! ## What looks alike
-//! Hoses are as soft at every position; air is soft at low pressure.
+//! Hoses are equally soft at every position; air is soft at low pressure.
 //!
 //! ## Parameters
 //! Share s of the geometric change, not negative: 1 is geometry; 0.2 where the volume beside the piston is large or not
-//! well known, 1.2 where the areas are.
+//! well known, 1.2 where the areas are not well known.
 //!
 //! ## Source
 //! H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967, chapter 6 (valve-controlled piston); M. Jelali and A. Kroll,
@@ -44,6 +44,6 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "strokes over the whole stroke, or small steps near both ends, both pressures recorded",
     source: "Merritt, Hydraulic Control Systems, 1967, ch. 6",
-    // Without a position nobody knows on which side of mid-stroke the rod is.
+    // Without a position it is not known on which side of mid-stroke the rod is.
     shows_in: |scene| scene.input_point != InputPoint::Force && scene.judges(Signal::Position),
 };

@@ -9,7 +9,7 @@
 //! time.
 //!
 //! ## What looks alike
-//! A slower valve delays everything behind it; the spool, where it is recorded, or the pressures tell. Soft hoses let
+//! A slower valve delays everything behind it; a recorded spool or the pressures show which it is. Soft hoses let
 //! the rod itself lag while pressure builds, and only then. Play does not grow with the speed.
 //!
 //! ## Parameters

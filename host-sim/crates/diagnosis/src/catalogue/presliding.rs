@@ -1,7 +1,7 @@
 //! # Presliding
 //!
 //! ## What it adds
-//! Coulomb friction on bristles that are soft: before it slides the rod hangs on a spring of stiffness σ up to the force Fc, and
+//! Coulomb friction on bristles that are soft: before the rod slides, a spring of stiffness σ holds it up to the force Fc, and
 //! the deflection Fc/σ has to be taken back at each reversal.
 //!
 //! ## How it shows
@@ -9,12 +9,12 @@
 //! at higher frequency.
 //!
 //! ## What looks alike
-//! Coulomb friction gives less than the oil does, and steps. Stribeck friction has a hump, but no loop. Play in the linkage hides small
+//! Coulomb friction yields less than the oil does, and steps. Stribeck friction has a hump, but no loop. Play in the linkage hides small
 //! motion from the sensor, while the pressures show none of it.
 //!
 //! ## Parameters
 //! Fc in N, not negative: 1–5 % of full force. σ in N/m: a thousandth to a tenth of the stiffness of the oil columns. Bristles that
-//! are stiffer than about a third of it give way less than the oil does anyway: the pressures then tell of a rod that sticks, which
+//! are stiffer than about a third of it yield less than the oil does anyway: the pressures then show a rod that sticks, which
 //! is Coulomb friction.
 //!
 //! ## Source
@@ -66,6 +66,6 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     }),
     separated_by: "sine sweep of small amplitude, both pressures recorded",
     source: "Canudas de Wit, Olsson, Åström, Lischinsky, IEEE Trans. Automatic Control 40, 1995",
-    // With the load taken from the pressures the force balance is an input.
+    // Where the load is taken from the pressures, the force balance is an input.
     shows_in: |scene| scene.load == LoadSource::Constant,
 };

@@ -8,8 +8,8 @@
 //! The missing force flips with the direction and grows with the level of the pressures at equal velocity.
 //!
 //! ## What looks alike
-//! Coulomb friction is the same at every load. Friction of the place repeats with the position at any load. Direction
-//! alone is the same at every load, too.
+//! Coulomb friction is the same at every load. Position-dependent friction repeats with the position at any load.
+//! Friction that depends on the direction alone is the same at every load, too.
 //!
 //! ## Parameters
 //! a in m², not negative: 0.2–10 % of the piston area, usually 0.5–5 %. Stiffness of the bristles as with Coulomb friction.
@@ -54,7 +54,7 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "strokes at two loads at the same constant speed, both pressures recorded",
     source: "Bonchis, Corke, Rye, IEEE ICRA 1999",
-    // With the load taken from the pressures the force balance is an input.
-    // Driven by the force, the chain has no pressures.
+    // Where the load is taken from the pressures, the force balance is an input.
+    // A model that is driven by the force has no pressures.
     shows_in: |scene| scene.load == LoadSource::Constant && scene.input_point != simulation::InputPoint::Force,
 };

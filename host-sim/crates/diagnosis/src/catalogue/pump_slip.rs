@@ -5,10 +5,10 @@
 //! pump from turning back, so slip never empties a chamber.
 //!
 //! ## How it shows
-//! The gain from speed to velocity falls with load pressure; nothing at rest.
+//! The gain from speed to velocity falls with load pressure; nothing shows at rest.
 //!
 //! ## What looks alike
-//! Internal leakage goes on with the pump at rest. A smaller displacement does not depend on pressure.
+//! Internal leakage continues with the pump at rest. A smaller displacement does not depend on pressure.
 //!
 //! ## Parameters
 //! S in m³/s/Pa, not negative; 3–20 % of the flow at rated pressure.

@@ -6,11 +6,11 @@
 //!
 //! ## How it shows
 //! The same in every recording and at every instant: a constant pressure that is there without supply, a spool off its
-//! centre at rest, strokes that are all too long by the same share. What the channel says disagrees with all others,
-//! which agree among themselves. With spool and position alone no other tells of the motion, and its scale is not tried.
+//! centre at rest, strokes that are all too long by the same share. The channel disagrees with all others,
+//! which agree among themselves. With spool and position alone, no other channel shows the motion, and the position's scale is not tried.
 //!
 //! ## What looks alike
-//! Physics varies with time, load or position, a wrong reading does not: test it first. Without the spool's sensor, an
+//! Physics varies with time, load or position, a wrong reading does not: test for it first. Without the spool's sensor, an
 //! offset of the spool and unequal overlap are one and the same.
 //!
 //! ## Parameters
@@ -26,7 +26,7 @@ use recording::Signal;
 
 use super::{EffectParameter, Hypothesis, Kind, LookAlike, Scene, Subsystem};
 
-/// An error of a sensor that is there.
+/// The largest usual error of a sensor; 0 where the sensor is not there.
 fn of(scene: &Scene<'_>, signal: Signal, largest: f64) -> f64 {
     if scene.judges(signal) { largest } else { 0.0 }
 }
@@ -39,8 +39,8 @@ fn pressure_b_pa(scene: &Scene<'_>) -> f64 {
     of(scene, Signal::PressureB, 0.1 * scene.machine.get(Parameter::SupplyPressure))
 }
 
-/// A scale of all motion that no other channel contradicts is nobody's error: flow, areas or the sensor. A spool tells how wide
-/// the valve opens, not what comes of it.
+/// A wrong scale of all motion that no other channel contradicts may come from flow, areas or the sensor, so it is not tried. A spool shows
+/// how far the valve opens, not the motion that results.
 fn position_factor(scene: &Scene<'_>) -> f64 {
     const OF_MOTION: [Signal; 5] =
         [Signal::Flow, Signal::PressureA, Signal::PressureB, Signal::Force, Signal::Velocity];
@@ -103,6 +103,6 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "closed-valve hold with the supply shut off, all sensors recorded",
     source: "Isermann, Fault-Diagnosis Systems, 2006",
-    // Its forms say by themselves which sensors are there.
+    // Each of its forms is only possible where its sensor is there.
     shows_in: |_| true,
 };

@@ -10,11 +10,11 @@
 //!
 //! ## What looks alike
 //! A rate limit acts only while the spool moves. A curved flow gain has the same effect on the rod, but the spool
-//! arrives. Flow force grows with the pressure difference as well.
+//! reaches its set value. Flow force grows with the pressure difference as well.
 //!
 //! ## Parameters
 //! Onset in parts of full travel, 0.1–1. Curvature c, not negative: 0.1 takes 5 % at half a travel beyond the onset, 10
-//! leaves next to nothing. Share d of the gain that is gone beyond a knee, 0.03–0.6.
+//! leaves next to nothing. Share d of the gain that is lost beyond a knee, 0.03–0.6.
 //!
 //! ## Source
 //! N. D. Vaughan and J. B. Gamble, *The modeling and simulation of a proportional solenoid valve*, J. Dynamic Systems,

@@ -5,18 +5,18 @@
 //! than the band; then it jumps at once, to where kinetic friction stops it: x holds while `|x_set − x| ≤ band`.
 //!
 //! ## How it shows
-//! Flats in the spool while the command moves, then steps: what the valve link misses is a saw-tooth as high as the
+//! Flats in the spool while the command moves, then steps: the residual of the valve link is a saw-tooth as high as the
 //! band.
 //!
 //! ## What looks alike
 //! Valve hysteresis follows without jumps once its play is taken up. Dither hides both. A rod that sticks and slips
 //! lets the pressures build up before it jumps; a stuck spool leaves them flat. A stiction that keeps most of its
-//! band does not jump either, and is a play: beside a hysteresis three times as wide as its band it only bends the loop of
-//! that, and is never accepted there.
+//! band does not jump either, and acts as a play: beside a hysteresis three times as wide as its band it only changes the shape
+//! of the hysteresis loop, and is never accepted there.
 //!
 //! ## Parameters
-//! Band in parts of full travel, not negative: 0.5–3 %, 6 % in a silted valve; the share of the band that a jump ends short by,
-//! the ratio of kinetic to static friction.
+//! Band in parts of full travel, not negative: 0.5–3 %, 6 % in a silted valve; the share of the band by which a jump ends short,
+//! which is the ratio of kinetic to static friction.
 //!
 //! ## Source
 //! J. F. Blackburn, G. Reethof, J. L. Shearer, *Fluid Power Control*, MIT Press 1960 (lateral forces, hydraulic lock);

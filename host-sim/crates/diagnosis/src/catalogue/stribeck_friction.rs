@@ -1,12 +1,12 @@
 //! # Stribeck friction
 //!
 //! ## What it adds
-//! Dry friction with a higher force to break away, of which half is gone at the Stribeck velocity vs: the seal's
+//! Dry friction with a higher force to break away; half of the excess is gone at the Stribeck velocity vs, since the seal's
 //! lubricating film has to form first. F falls from Fc + Fe at rest to Fc at speed; at rest any force up to Fc + Fe is
 //! held. It includes Coulomb friction.
 //!
 //! ## How it shows
-//! A hump of the missing force at low speed: Δp builds up, the rod breaks away, and the pressures fall though it moves
+//! A hump of the missing force at low speed: Δp builds up, the rod breaks away, and the pressures fall although it moves
 //! faster. Slow strokes stick and slip.
 //!
 //! ## What looks alike
@@ -64,6 +64,6 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     }),
     separated_by: "constant-speed strokes from 1 to 100 mm/s, both pressures recorded",
     source: "Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30, 1994",
-    // With the load taken from the pressures the force balance is an input.
+    // Where the load is taken from the pressures, the force balance is an input.
     shows_in: |scene| scene.load == LoadSource::Constant,
 };

@@ -5,12 +5,12 @@
 //! R·C that an accumulator or the volume of the line gives it.
 //!
 //! ## How it shows
-//! Only flow through the supply edge is missing, the more the faster the stroke. With an accumulator it has memory: the
-//! first centimetres are fast, the next stroke starts from a supply not yet recovered.
+//! Only flow through the supply edge is missing, and more of it in a faster stroke. With an accumulator the supply has memory: the
+//! first centimetres are fast, and the next stroke starts before the supply has recovered.
 //!
 //! ## What looks alike
 //! A curved flow gain depends on the opening alone and acts on all edges. Back-pressure shows at the tank edge. A
-//! recorded supply pressure settles it.
+//! recorded supply pressure decides.
 //!
 //! ## Parameters
 //! R in Pa·s/m³, not negative: 1–60 bar at full flow, usually 5–30. T in s: 5 ms (line) to 2 s (accumulator).

@@ -5,8 +5,8 @@
 //! in narrow lines or cold oil also `r·Q`.
 //!
 //! ## How it shows
-//! Only flow through the tank edge is missing: the outlet pressure of a fast stroke lies higher than the model's, that
-//! of a slow stroke does not.
+//! Only flow through the tank edge is missing: the outlet pressure of a fast stroke is higher than the model's, that
+//! of a slow stroke is not.
 //!
 //! ## What looks alike
 //! A drooping supply shows at the other edge. A smaller tank edge raises the outlet pressure in the same proportion at

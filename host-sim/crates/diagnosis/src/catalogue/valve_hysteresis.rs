@@ -6,7 +6,7 @@
 //! spread, the mean of three plays of different width, which rounds the corners of the loop.
 //!
 //! ## How it shows
-//! What the valve link misses in the spool has the sign of −dU/dt. The width of the loop of x over U does not depend
+//! The valve link's residual of the spool has the sign of −dU/dt. The width of the loop of x over U does not depend
 //! on how fast the command changes, and it is there at every opening.
 //!
 //! ## What looks alike

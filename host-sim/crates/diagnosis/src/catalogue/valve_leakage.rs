@@ -5,7 +5,7 @@
 //! 0 on all four, half of it at |x| = reach, next to nothing far out.
 //!
 //! ## How it shows
-//! With the valve at its centre the chambers find a common level between supply and tank, and the rod creeps under
+//! With the valve at its centre the chambers settle at a common level between supply and tank, and the rod creeps under
 //! load; flow that the model lacks is there near x = 0 only.
 //!
 //! ## What looks alike

@@ -1,7 +1,7 @@
-//! What each link's own balance leaves over, from measured signals alone: no simulation, no pointwise derivative.
+//! The residual of each link's own balance, from measured signals alone: no simulation, no pointwise derivative.
 //!
-//! Every balance is weighed with a bump φ(t) (Hann's, so that φ and φ′ vanish at both ends) over a short window; a rate of change
-//! becomes ∫φ·ż dt = −∫φ′·z dt, an acceleration ∫φ·z̈ dt = ∫φ″·z dt. With C the capacity of a chamber:
+//! Every balance is weighted with a window function φ(t) (Hann's, so that φ and φ′ vanish at both ends) over a short time; a rate of
+//! change becomes ∫φ·ż dt = −∫φ′·z dt, an acceleration ∫φ·z̈ dt = ∫φ″·z dt. With C the capacity of a chamber:
 //!
 //! ```text
 //! r_a = Ca·Δpa +  A·Δy − ∫φ·Qa dt          m³
@@ -10,8 +10,8 @@
 //! r_v = Δ(y − ŷ)                            m, where no pressures are recorded; ŷ is simulated from the spool
 //! ```
 //!
-//! Each is linear in what was measured, so the standard deviation that sensor noise alone gives it is known, and residuals of
-//! different links compare as multiples of it.
+//! Each residual is linear in the measured signals, so that the standard deviation that sensor noise alone gives it is known.
+//! Residuals of different links are compared as multiples of it.
 
 use identification::experiment::Channel;
 use model_core::drive::Drive;
@@ -34,24 +34,24 @@ pub(crate) const OF_VALVE: &[Parameter] = &[
     Parameter::TransportDelay,
 ];
 
-/// The flow link at one row, with its slopes.
+/// The flow link at one row, with its derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowFlow {
-    /// Into A, m³/s, internal leakage taken off.
+    /// Flow into A, m³/s, less internal leakage.
     pub a: f64,
-    /// Out of B, m³/s, internal leakage taken off.
+    /// Flow out of B, m³/s, less internal leakage.
     pub b: f64,
-    /// Slopes of both by the spool, m³/s.
+    /// Derivatives of both by the spool, m³/s.
     pub by_spool: (f64, f64),
-    /// Slopes of both by the supply pressure, m³/s/Pa.
+    /// Derivatives of both by the supply pressure, m³/s/Pa.
     pub by_supply: (f64, f64),
-    /// Slopes of both by the tank pressure, m³/s/Pa.
+    /// Derivatives of both by the tank pressure, m³/s/Pa.
     pub by_tank: (f64, f64),
     /// −∂Qa/∂pa and ∂Qb/∂pb, m³/s/Pa.
     pub yield_per_pa: (f64, f64),
 }
 
-/// All that is known of the drive's state along one recording, a value a row.
+/// All that is known of the drive's state along one recording, one value per row.
 #[derive(Clone, Debug)]
 pub struct Observed {
     /// The recording's name.
@@ -60,17 +60,17 @@ pub struct Observed {
     pub time_s: Vec<f64>,
     /// Command, V; zeros where none is recorded.
     pub command: Vec<f64>,
-    /// Spool, measured where it is.
+    /// Spool, measured if recorded, else simulated.
     pub spool: Vec<f64>,
-    /// Pressure in A, Pa, measured where it is.
+    /// Pressure in A, Pa, measured if recorded, else simulated.
     pub pressure_a_pa: Vec<f64>,
-    /// Pressure in B, Pa, measured where it is.
+    /// Pressure in B, Pa, measured if recorded, else simulated.
     pub pressure_b_pa: Vec<f64>,
-    /// Position, m, measured where it is.
+    /// Measured position, m.
     pub position_m: Vec<f64>,
     /// Measured less simulated position, m.
     pub missed_m: Vec<f64>,
-    /// Velocity, m/s, of a window's slope where both pressures are measured, else simulated.
+    /// Velocity, m/s: slope of the position over half a window where both pressures are measured, else simulated.
     pub velocity_m_per_s: Vec<f64>,
     /// Recorded supply less the machine's, Pa.
     pub supply_off_pa: Option<Vec<f64>>,
@@ -100,7 +100,7 @@ pub struct Noise {
 }
 
 impl Observed {
-    /// Lays a recording out. `case` is entered at the measured spool where there is one; position has to be recorded.
+    /// Computes all of this from a recording; nothing without a recorded position. `case` is driven by the measured spool where there is one.
     pub fn of(machine: &Machine<f64>, case: &Case<'_>) -> Result<Option<Self>, MachineError> {
         let prepared = case.prepared;
         let simulated = simulate_f64(machine, &prepared.stimulus, case.start.offset(machine, prepared))?;
@@ -215,7 +215,7 @@ impl Observed {
     }
 }
 
-/// Slope of a series, by a line through the rows within half a window.
+/// Slope of a series at each row: of a straight line fitted to the rows of half a window around it.
 fn slopes(time_s: &[f64], values: &[f64]) -> Vec<f64> {
     let half = (rows_in(time_s, 0.5 * WINDOW_S) / 2).max(1);
     (0..values.len())
@@ -241,11 +241,11 @@ pub enum Balance {
     ChamberA,
     /// Oil of chamber B, `r_b`.
     ChamberB,
-    /// Spool against the one that the valve makes of the command, `r_x`.
+    /// Measured spool against the one that the valve computes from the command, `r_x`.
     Spool,
     /// Momentum of the rod, `r_F`.
     Force,
-    /// Motion against the simulated one, `r_v`.
+    /// Measured motion against the simulated one, `r_v`.
     Motion,
 }
 
@@ -254,7 +254,7 @@ pub enum Balance {
 pub struct Residual {
     /// Which.
     pub balance: Balance,
-    /// What is left over, SI.
+    /// The residual, SI.
     pub value: f64,
     /// Standard deviation that sensor noise alone gives it.
     pub sigma: f64,
@@ -291,8 +291,8 @@ impl Coefficients {
     }
 }
 
-/// The balances over every window, one after the other: oil and momentum where both pressures are measured, else the motion.
-/// Without `force` the load was taken from the pressures, and their balance says nothing.
+/// The residuals of every window, one window after the other: oil and momentum where both pressures are measured, else the motion.
+/// Without `force` the load was taken from the pressures, so that the balance of forces says nothing and is left out.
 #[must_use]
 pub fn residuals(observed: &Observed, by: &Coefficients, windows: &[Window], force: bool) -> Vec<Residual> {
     let noise = &observed.noise;
@@ -341,7 +341,7 @@ pub fn residuals(observed: &Observed, by: &Coefficients, windows: &[Window], for
 }
 
 /// The spool's balance over every window: recorded less simulated from the command, each row's `missed` in standard deviations
-/// of the noise. Its noise is taken from what is left over too, should the spool itself have hidden some.
+/// of the noise. The noise is also estimated from these residuals, in case the spool's own signal hides a part of it.
 #[must_use]
 pub fn spool_residuals(missed: &[f64], windows: &[Window]) -> Vec<Residual> {
     let noise = simulation::signal::noise::noise(missed, 0.0).max(1.0);

@@ -9,7 +9,7 @@ use simulation::signal::spectrum::Line;
 /// What an error looks like over time or over the state of the drive.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
-    /// Most of it is made in one stretch of one recording.
+    /// Most of the error arises in one stretch of one recording.
     Once {
         /// The recording.
         recording: String,
@@ -17,7 +17,7 @@ pub enum Shape {
         from_s: f64,
         /// End, s.
         to_s: f64,
-        /// Share of the squared error that is made there.
+        /// Share of the squared error that arises there.
         share: f64,
     },
     /// It oscillates at one frequency.
@@ -39,7 +39,7 @@ pub enum Shape {
         explained: f64,
         /// Bins in order of the state.
         bins: Vec<Bin>,
-        /// The pair of states that explains most, with the share, where it clearly explains more than one.
+        /// The pair of states that explains most, with its share, where it clearly explains more than a single state.
         pair: Option<(&'static str, &'static str, f64)>,
     },
     /// None of these.
@@ -74,20 +74,20 @@ pub struct State {
 const BINS: usize = 12;
 /// Bins along each of two states.
 const BINS_OF_PAIR: usize = 6;
-/// A single event holds so much of the error.
+/// Share of the error that a single event holds at least.
 const ONCE: f64 = 0.8;
-/// And takes at most so much of all time.
+/// Share of all time that a single event takes at most.
 const BRIEF: f64 = 0.12;
-/// A line is one that holds so much of the error's power.
+/// Share of the error's power that a spectral line has to hold to count as an oscillation.
 const OF_POWER: f64 = 0.25;
-/// And is so far above the spectrum around it: white noise, whose power is exponentially distributed, is once in 10⁹ bins (2⁻³⁰).
+/// And its least power over the spectrum around it: in white noise, whose power is exponentially distributed, one bin in 10⁹ reaches this (2⁻³⁰).
 const ABOVE: f64 = 30.0;
-/// An error is made within so many rows at most; those further apart are independent.
+/// Errors are correlated over at most this many rows; rows further apart are independent.
 const MOST_ALIKE: f64 = 50.0;
-/// A state that explains less is none.
+/// A state that explains less than this share of the error's variance does not count.
 const EXPLAINED: f64 = 0.1;
 
-/// A stretch of the recording in which most of the error is made: `errors` of each recording, with their times.
+/// The stretch of a recording in which most of the error arises, from the name, the times and the `errors` of each recording.
 #[must_use]
 pub fn once(recordings: &[(&str, &[f64], &[f64])]) -> Option<Shape> {
     let total: f64 = recordings.iter().flat_map(|(.., errors)| *errors).map(|error| error * error).sum();
@@ -95,7 +95,7 @@ pub fn once(recordings: &[(&str, &[f64], &[f64])]) -> Option<Shape> {
     let all: f64 = recordings.iter().map(|(_, time_s, _)| time(time_s)).sum();
     let mut best: Option<(f64, Shape)> = None;
     for (name, time_s, errors) in recordings {
-        // The shortest stretch that holds enough, by two fingers.
+        // The shortest stretch that holds enough, found by moving its two ends forward.
         let (mut from, mut held) = (0, 0.0);
         for to in 0..errors.len() {
             held += errors[to] * errors[to];
@@ -115,29 +115,29 @@ pub fn once(recordings: &[(&str, &[f64], &[f64])]) -> Option<Shape> {
     best.map(|(_, shape)| shape)
 }
 
-/// Whether a line is none that noise makes.
+/// Whether a line is stronger than noise makes one.
 #[must_use]
 pub fn stands_out(line: Line) -> bool {
     line.above > ABOVE
 }
 
-/// Whether a line makes an oscillation of a series with this mean square.
+/// The oscillation that a line stands for, if the line holds enough of a series with this mean square.
 #[must_use]
 pub fn periodic(line: Line, mean_square: f64, signal: Signal) -> Option<Shape> {
     let is = stands_out(line) && 0.5 * line.amplitude.powi(2) > OF_POWER * mean_square;
     is.then_some(Shape::Periodic { hz: line.hz, amplitude: line.amplitude, signal })
 }
 
-/// How many rows of an error tell something of their own.
+/// Number of independent samples in an error.
 pub(crate) fn independent_samples(errors: &[f64]) -> f64 {
     effective_samples(errors).max(errors.len() as f64 / MOST_ALIKE)
 }
 
-/// The state that explains an error best, by the means of equally filled bins, less what so many means explain by chance.
+/// The state that explains most of an error by the means of equally filled bins, less what that many means explain by chance.
 #[must_use]
 pub fn over(errors: &[f64], states: &[State]) -> Shape {
     let rows = errors.len() as f64;
-    // Neighbours tell the same: so many means explain the more by chance.
+    // Neighbouring rows are correlated, so that the same number of means explains more by chance.
     let independent = independent_samples(errors);
     let mean = errors.iter().sum::<f64>() / rows.max(1.0);
     let spread: f64 = errors.iter().map(|error| (error - mean).powi(2)).sum();
@@ -151,7 +151,7 @@ pub fn over(errors: &[f64], states: &[State]) -> Shape {
             sums[*bin].1 += 1.0;
         }
         let between: f64 = sums.iter().filter(|(_, rows)| *rows > 0.0).map(|(sum, rows)| sum * sum / rows).sum();
-        // Adjusted for the number of means; too few samples say nothing.
+        // Adjusted for the number of means; with too few samples nothing counts as explained.
         if independent < 2.0 * count as f64 {
             return 0.0;
         }
@@ -190,7 +190,7 @@ pub fn over(errors: &[f64], states: &[State]) -> Shape {
     Shape::Over { state: states[best].name, unit: states[best].unit, explained: share, bins, pair }
 }
 
-/// The bin of each value, bins equally filled; equal values share one.
+/// The bin of each value; bins are equally filled, and equal values share a bin.
 fn ranked(values: &[f64], bins: usize) -> Vec<usize> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! When an error is made: the stretches of the recordings that hold more of it than their share of the time.
+//! When an error arises: the stretches of the recordings that hold more of it than their share of the time.
 
 use simulation::signal::window::running_sums;
 
@@ -13,7 +13,7 @@ pub struct Interval {
     pub from_s: f64,
     /// End, s.
     pub to_s: f64,
-    /// Share of the error of all recordings that is made in it.
+    /// Share of the error of all recordings that arises in it.
     pub share: f64,
 }
 
@@ -24,10 +24,10 @@ pub(crate) struct Series<'a> {
     pub(crate) errors: Vec<f64>,
 }
 
-/// When the error of all recordings is made.
+/// When the error of all recordings arises.
 #[derive(Debug, Default)]
 pub(crate) struct When {
-    /// The largest first, five a recording at most; empty where no time is distinguished.
+    /// The intervals with the largest share first, at most five per recording; empty where no time is distinguished.
     pub(crate) intervals: Vec<Interval>,
     /// Share of the error in them.
     pub(crate) share: f64,
@@ -35,15 +35,15 @@ pub(crate) struct When {
     pub(crate) of_time: f64,
 }
 
-/// Most intervals of a recording.
+/// Largest number of intervals per recording.
 const MOST: usize = 5;
-/// An error over a stretch is its mean square over so many parts of the recording.
+/// The error at a row is the mean square around it, over the recording's length divided by this.
 const PARTS: usize = 100;
-/// Least mean square that is one, in variances of the noise: three standard deviations.
+/// Least mean square that counts as an error, in variances of the noise: three standard deviations.
 const LEAST_SQUARE: f64 = 9.0;
-/// They take at most so much of all time: more is no time of its own.
+/// Share of all time that the intervals take at most: with more, no time is distinguished.
 const MOST_ROWS: f64 = 0.5;
-/// Times the mean of all recordings that the mean square of a stretch is above, the first at which they distinguish.
+/// Multiples of the mean over all recordings that the mean square of a stretch has to exceed; the first at which stretches are distinguished is used.
 const ABOVE: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
 
 /// First and last row of a stretch, and the squared error in it.
@@ -60,8 +60,8 @@ impl Stretch {
     }
 }
 
-/// The stretches in which the error is twice what it is elsewhere, in root mean square, over all recordings together: a whole recording
-/// where the others hold little.
+/// The stretches in which the error is at least twice the error elsewhere, in root mean square, over all recordings together. A stretch may be
+/// a whole recording, where the others hold little of the error.
 pub(crate) fn when(all: &[Series<'_>]) -> When {
     let rows: f64 = all.iter().map(|series| series.errors.len() as f64).sum();
     let square: f64 = all.iter().flat_map(|series| &series.errors).map(|error| error * error).sum();
@@ -78,7 +78,7 @@ pub(crate) fn when(all: &[Series<'_>]) -> When {
         };
         let (share, of_time) = shares(&found);
         if of_time > 0.0 && of_time <= MOST_ROWS && share * (1.0 - of_time) >= TWICE * (1.0 - share) * of_time {
-            // What distinguishes is all of them; those with most of the error are told.
+            // All stretches together decide whether they are distinguished; those with most of the error are reported.
             for found in &mut found {
                 found.truncate(MOST);
             }
@@ -102,7 +102,7 @@ pub(crate) fn when(all: &[Series<'_>]) -> When {
     When::default()
 }
 
-/// The stretches of a recording whose mean square over a hundredth of it is above a threshold, those with most of the error first.
+/// The stretches of a recording in which the mean square over a hundredth of its length is above a threshold, those with most of the error first.
 fn stretches(errors: &[f64], threshold: f64) -> Vec<Stretch> {
     let half = errors.len() / (2 * PARTS);
     let sums = running_sums(errors.iter().map(|error| error * error));
@@ -121,7 +121,7 @@ fn stretches(errors: &[f64], threshold: f64) -> Vec<Stretch> {
             _ => {}
         }
     }
-    // What is above it for less than half of what was averaged only touches it.
+    // A stretch shorter than half of the rows that are averaged only touches the threshold.
     found.retain(|stretch| stretch.last - stretch.first >= half.max(1));
     found.sort_by(|a, b| b.square.total_cmp(&a.square));
     found
@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn what_only_touches_the_level_is_no_stretch() {
-        // Means are over 41 rows: a large row lifts as many of them, and another one 30 rows later lifts the eleven that hold both twice as far.
+        // Means are over 41 rows: one large row raises 41 means; with another 30 rows later, the eleven means that contain both rise twice as far.
         let errors =
             |large: &[usize]| (0..4000).map(|row| if large.contains(&row) { 6.0 } else { 0.0 }).collect::<Vec<f64>>();
         assert_eq!(stretches(&errors(&[1000]), 0.8).len(), 1);

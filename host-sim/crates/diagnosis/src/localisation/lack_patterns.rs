@@ -13,7 +13,7 @@ const WRONG: f64 = 0.05;
 /// Atmospheric pressure, Pa.
 const ATMOSPHERE_PA: f64 = 1e5;
 
-/// What a usual error of each base parameter would be, as a lack.
+/// A usual error of each base parameter, expressed as a lack.
 #[must_use]
 pub(super) fn wrong_parameters(observed: &Observed, by: &Coefficients, supply_pa: f64) -> Vec<Lack> {
     let flows = &observed.flows;
@@ -23,7 +23,7 @@ pub(super) fn wrong_parameters(observed: &Observed, by: &Coefficients, supply_pa
         // Flow coefficient, dead zone.
         Lack::Flow(each(&|row| WRONG * flows[row].a), each(&|row| WRONG * flows[row].b)),
         along_spool(observed, |row| -0.01 * observed.spool[row].signum()),
-        // Capacities, the load, and what viscous friction there is.
+        // Capacities, load, and viscous friction if there is any.
         Lack::Stored(each(&|row| WRONG * by.capacity.0 * observed.pressure_a_pa[row]), zeros()),
         Lack::Stored(zeros(), each(&|row| WRONG * by.capacity.1 * observed.pressure_b_pa[row])),
         Lack::Force(vec![0.01 * supply_pa * by.area.0; observed.rows()]),
@@ -38,7 +38,7 @@ pub(super) fn wrong_parameters(observed: &Observed, by: &Coefficients, supply_pa
     wrong
 }
 
-/// The flows that another spool travel would pass.
+/// The flows that an additional spool travel would add.
 fn along_spool(observed: &Observed, travel: impl Fn(usize) -> f64) -> Lack {
     let flows = &observed.flows;
     Lack::Flow(
@@ -47,7 +47,7 @@ fn along_spool(observed: &Observed, travel: impl Fn(usize) -> f64) -> Lack {
     )
 }
 
-/// Rate of change over two windows' halves; the sign is what counts.
+/// Rate of change over a fifth of a window to both sides; its sign matters most.
 fn rates(observed: &Observed, values: &[f64]) -> Vec<f64> {
     slopes(&observed.time_s, values, rows_in(&observed.time_s, 0.2 * WINDOW_S).max(1))
 }
@@ -77,13 +77,13 @@ fn flow(observed: &Observed) -> Vec<(Subsystem, Lack)> {
     };
     let extends = |row: usize| if spool[row] > 0.0 { 1.0 } else { 0.0 };
     let mut found = vec![
-        // One side opens earlier; one edge of the two in series is larger; gain over opening.
+        // One side opens earlier; one of the two edges in series is larger; the gain depends on the opening.
         along_spool(observed, |_| 1.0),
         scaled(&|row| (1.0 - extends(row), extends(row))),
         scaled(&|row| (spool[row].abs(), spool[row].abs())),
         scaled(&|row| (spool[row].powi(2), spool[row].powi(2))),
     ];
-    // Supply that sags with what it delivers, at once or late, or as recorded; a return line that backs up.
+    // A supply pressure that falls with the delivered flow, at once or with a lag, or as recorded; back-pressure of the return line.
     let delivered = observed.each(|row| if spool[row] > 0.0 { flows[row].a } else { -flows[row].b });
     let returned = observed.each(|row| if spool[row] > 0.0 { flows[row].b } else { -flows[row].a });
     let by_supply = |off: &[f64]| {
@@ -172,7 +172,7 @@ fn mechanics(observed: &Observed, stroke_m: f64) -> Vec<(Subsystem, Lack)> {
     let (v, y) = (&observed.velocity_m_per_s, &observed.position_m);
     let (a, b) = (&observed.pressure_a_pa, &observed.pressure_b_pa);
     let fastest = largest(v);
-    // Sign of the velocity, as far as it is known.
+    // Sign of the velocity, smoothed near zero, where it is not known.
     let sense = |row: usize| (v[row] / (0.01 * fastest)).tanh();
     let middle = |row: usize| y[row] / stroke_m - 0.5;
     let mut found = vec![

@@ -1,10 +1,10 @@
-//! Which link the balances speak for: what is left over is compared with simple shapes that a lack in each link would give it.
+//! Which link the balances point to: their residuals are compared with the simple shapes that a lack in each link would give them.
 //!
 //! A lack is a flow that the ports pass beyond the model's, oil that a chamber takes up, a force on the rod, a travel of the spool
-//! that was not measured, or an error of the position. Each goes into every balance by physics: a position's error into all of
-//! them, a force only into the momentum's. Where no pressures are recorded, flows and forces move the rod as they do at rest of
-//! the pressures: δv·(D + A²/Ga + aA²/Gb) = δF + A·δQa/Ga + aA·δQb/Gb, with Ga, Gb what the open ports yield per pressure.
-//! What wrong base parameters would give is taken out first.
+//! that was not measured, or an error of the position. Physics determines how each enters the balances: an error of the position
+//! enters all of them, a force only the momentum. Where no pressures are recorded, flows and forces move the rod as they do while
+//! the pressures are constant: δv·(D + A²/Ga + aA²/Gb) = δF + A·δQa/Ga + aA·δQb/Gb, with Ga, Gb the change of flow of
+//! the open ports per pressure. What wrong base parameters would explain is removed first.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -14,7 +14,7 @@ use simulation::signal::window::Window;
 use super::balances::{Balance, Coefficients, Observed, Residual};
 use crate::catalogue::Subsystem;
 
-/// Something that the drive does and the model lacks, as a value a row.
+/// Something that the drive does and the model lacks, as one value per row.
 #[derive(Clone, Debug)]
 pub(super) enum Lack {
     /// Flow into A and out of B beyond the model's, m³/s.
@@ -27,25 +27,25 @@ pub(super) enum Lack {
     Position(Vec<f64>),
 }
 
-/// One recording's balances with what is needed to say what a lack would do to them.
+/// One recording's balances, with all that is needed to compute how a lack would change them.
 #[derive(Clone, Debug)]
 pub(super) struct Account {
     /// The states.
     pub observed: Observed,
     /// Windows.
     pub windows: Vec<Window>,
-    /// Balances, so many a window.
+    /// Residuals of the balances, the same number for every window.
     pub residuals: Vec<Residual>,
 }
 
 impl Account {
-    /// Balances a window.
+    /// Number of balances per window.
     #[must_use]
     pub(super) fn per_window(&self) -> usize {
         self.residuals.len() / self.windows.len().max(1)
     }
 
-    /// What a lack would leave over in each balance, in standard deviations.
+    /// The residual that a lack would cause in each balance, in standard deviations.
     #[must_use]
     pub(super) fn left_by(&self, lack: &Lack, by: &Coefficients) -> Vec<f64> {
         let (area_a, area_b) = by.area;
@@ -79,7 +79,7 @@ impl Account {
     fn motion(&self, lack: &Lack, by: &Coefficients) -> Vec<f64> {
         let observed = &self.observed;
         let (area_a, area_b) = by.area;
-        // A closed port yields nothing; so much less than an open one keeps the quotients finite.
+        // The flow of a closed port does not change with pressure; this small share of an open port's value keeps the quotients finite.
         let most = observed.flows.iter().map(|flow| flow.yield_per_pa.0 + flow.yield_per_pa.1).fold(0.0, f64::max);
         let least = 1e-4 * most.max(f64::MIN_POSITIVE);
         let (filled_a, filled_b) = match lack {
@@ -106,7 +106,7 @@ impl Account {
 pub(super) struct Pattern {
     /// The link.
     pub subsystem: Subsystem,
-    /// What it would leave over, over all recordings.
+    /// The residuals that it would cause, over all recordings.
     pub left: DVector<f64>,
 }
 
@@ -115,14 +115,14 @@ pub(super) struct Pattern {
 pub(super) struct Evidence {
     /// Log-likelihood gained by the best one or two shapes of each link, less their penalty; the largest first.
     pub links: Vec<(Subsystem, f64)>,
-    /// Root mean square of each balance, in standard deviations, with wrong base parameters taken out.
+    /// Root mean square of each balance, in standard deviations, without what wrong base parameters explain.
     pub over_noise: Vec<(Balance, f64)>,
     /// All that is above the noise, as a log-likelihood.
     pub total: f64,
 }
 
-/// Weighs the patterns against what is left over. `wrong` is what a usual error of each base parameter would leave, `balances`
-/// the balance that each belongs to.
+/// Weighs the patterns against the residuals. `wrong` holds the residuals that a usual error of each base parameter would cause,
+/// `balances` the balance that each residual belongs to.
 #[must_use]
 pub(super) fn weigh(
     left: &DVector<f64>,
@@ -133,7 +133,7 @@ pub(super) fn weigh(
     let rest = Rest::of(left, wrong);
     let rows = left.len() as f64;
     let penalty = 0.5 * rows.max(2.0).ln();
-    // The noise is known: what is left cannot be told from it below one a row.
+    // The noise is known: a sum of squares below one per row cannot be distinguished from it.
     let gain = |square: f64| 0.5 * rows * (rest.square.max(rows) / square.max(rows)).ln();
     let projected: Vec<DVector<f64>> = patterns.iter().map(|pattern| rest.without_wrong(&pattern.left)).collect();
     let mut links: Vec<(Subsystem, f64)> = Vec::new();
@@ -170,7 +170,7 @@ pub(super) fn weigh(
     Evidence { links, over_noise, total: gain(rows) }
 }
 
-/// What is left over once wrong base parameters are taken out, each within its usual error.
+/// The residuals without what wrong base parameters explain, each within its usual error.
 struct Rest {
     wrong: DMatrix<f64>,
     solved: nalgebra::Cholesky<f64, nalgebra::Dyn>,
@@ -194,7 +194,7 @@ impl Rest {
         values - &self.wrong * self.solved.solve(&self.wrong.tr_mul(values))
     }
 
-    /// Square left with one or two patterns (each as it is and projected) in any amount.
+    /// Sum of squares that is left after one or two patterns (each given as it is and projected) are fitted in any amount.
     fn after(&self, patterns: &[(&DVector<f64>, &DVector<f64>)]) -> f64 {
         match *patterns {
             [(one, without)] => {

@@ -1,6 +1,6 @@
-//! Where a mismatch sits: which link, which signal, when, and in which states of the drive.
+//! Where a misfit is: in which link, which signal, when, and in which states of the drive.
 //!
-//! The refitted model is run twice over every recording: entered where the chain begins, and entered at the measured spool,
+//! The refitted model is run twice over every recording: driven by the recording's own input, and driven by the measured spool,
 //! where there is one. A link that is driven by its measured input and still misses its measured output lacks physics.
 
 use identification::experiment::{Channel, Prepared};
@@ -21,7 +21,7 @@ use super::spool_behaviour::{Habit, habits};
 use crate::catalogue::Subsystem;
 use crate::selection::decision_rule::MISSED_FROM;
 
-/// How far one signal misses, in standard deviations of its noise (root mean square over all recordings).
+/// Misfit of one signal, in standard deviations of its noise (root mean square over all recordings).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Miss {
     /// The signal.
@@ -31,44 +31,44 @@ pub struct Miss {
 }
 
 impl Miss {
-    /// Whether that is more than noise.
+    /// Whether the misfit is more than noise.
     #[must_use]
     pub fn is_above_noise(&self) -> bool {
         self.over_noise > MISSED_FROM
     }
 }
 
-/// The place of a mismatch.
+/// The place of a misfit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Location {
     /// The link.
     pub subsystem: Subsystem,
-    /// The signal that misses most.
+    /// The signal with the largest misfit.
     pub signal: Signal,
     /// Share of that signal's squared error that lies in the intervals.
     pub share: f64,
-    /// Share of all recorded time that they take.
+    /// Share of all recorded time that the intervals take.
     pub of_time: f64,
-    /// When the error is made, the largest first, five a recording at most; empty where no time is distinguished.
+    /// When the error arises: the intervals with the largest share first, at most five per recording; empty where no time is distinguished.
     pub intervals: Vec<Interval>,
     /// Operating regions of the drive, in words.
     pub region: String,
     /// What the error looks like.
     pub shape: Shape,
-    /// What a recorded spool does that the model's does not, where its link misses.
+    /// What a recorded spool does that the model's spool does not, where the located link is the valve.
     pub spool: Vec<Habit>,
-    /// Every judged signal, end to end.
+    /// Misfit of every judged signal, by the whole model.
     pub misses: Vec<Miss>,
 }
 
-/// What a place is looked for in.
+/// What the localisation works on.
 #[derive(Clone, Copy, Debug)]
 pub struct Sought<'a> {
-    /// Refitted already.
+    /// The machine, already refitted.
     pub machine: &'a Machine<f64>,
     /// Where its load comes from.
     pub load: LoadSource,
-    /// The recordings that it misses.
+    /// The recordings that it does not follow.
     pub cases: &'a [Case<'a>],
     /// Subsystems of the effects that are accepted, the one that explains most first.
     pub named: &'a [Subsystem],
@@ -78,8 +78,8 @@ pub struct Sought<'a> {
 
 /// Locates what a refitted machine misses.
 ///
-/// The subsystem is the first that is named; without any, the one that the balances of the links speak for. What the hypotheses promise
-/// decides with the balances where no pressures were recorded.
+/// The subsystem is the first that is named; if none is named, the one that the balances of the links point to. Where no pressures were
+/// recorded, the predicted gains of the hypotheses count beside the balances.
 pub fn locate(sought: &Sought<'_>) -> Result<Location, MachineError> {
     let Sought { machine, load, cases, named, predicted_gains } = *sought;
     let misses = misses(machine, cases.iter().map(|case| (case.prepared, case.start)))?;
@@ -100,12 +100,12 @@ pub fn locate(sought: &Sought<'_>) -> Result<Location, MachineError> {
         matches!(&oscillating, Some(Shape::Periodic { hz, .. }) if cases.iter().any(|case| is_driven(case, *hz)));
     let subsystem = match (named.first(), &event, &oscillating) {
         (Some(named), ..) => *named,
-        // What happens once and never again is pushed from outside.
+        // An error that happens once and never again comes from a push from outside.
         (None, Some(_), _) if !link.has_pressures => Subsystem::Mechanics,
         (None, _, Some(Shape::Periodic { signal, .. })) => oscillates(*signal, &link, commanded),
         _ => link.subsystem,
     };
-    // What was confirmed on recordings that were held out does not happen once.
+    // An effect that held-out recordings confirmed does not happen only once.
     let event = event.filter(|_| subsystem == Subsystem::Mechanics && named.is_empty());
     let signal = worst(&misses, subsystem);
     let spool = if subsystem == Subsystem::Valve { habits(cases, &trajectories) } else { Vec::new() };
@@ -126,7 +126,7 @@ pub fn locate(sought: &Sought<'_>) -> Result<Location, MachineError> {
 }
 
 /// The link that an oscillation in this signal comes from: the supply's ripple reaches the chambers; a structure that rings
-/// carries the encoder along, and the chambers do not know. A valve's lags have no resonance: it passes on what is commanded.
+/// moves the encoder, but not the pressures. A valve's lags have no resonance: the valve only passes on what is commanded.
 fn oscillates(signal: Signal, link: &MissingLink, commanded: bool) -> Subsystem {
     match signal {
         Signal::PressureA | Signal::PressureB | Signal::SupplyPressure => Subsystem::Flow,
@@ -135,7 +135,7 @@ fn oscillates(signal: Signal, link: &MissingLink, commanded: bool) -> Subsystem 
     }
 }
 
-/// Whether what drives a recording, or the spool in it, oscillates at this frequency itself: a line within a tenth of it.
+/// Whether the command or the spool of a recording oscillates at this frequency itself: it has a line within a tenth of it.
 fn is_driven(case: &Case<'_>, hz: f64) -> bool {
     let prepared = case.prepared;
     let interval_s = prepared.duration_s() / (prepared.time_s.len().max(2) - 1) as f64;
@@ -145,10 +145,10 @@ fn is_driven(case: &Case<'_>, hz: f64) -> bool {
     })
 }
 
-/// Slowest oscillation that is not the motion itself, Hz.
+/// Lowest frequency of an oscillation that is not the motion itself, Hz.
 const SLOWEST_HZ: f64 = 8.0;
 
-/// The strongest line in what the model misses of any signal, or in the recorded supply.
+/// The strongest spectral line in the residual of any signal, or in the recorded supply pressure.
 fn oscillation(case: &Case<'_>, trajectory: &Trajectory) -> Option<Shape> {
     let prepared = case.prepared;
     let interval_s = prepared.duration_s() / (prepared.time_s.len().max(2) - 1) as f64;
@@ -160,7 +160,7 @@ fn oscillation(case: &Case<'_>, trajectory: &Trajectory) -> Option<Shape> {
     let supply = case.recording.signal(Signal::SupplyPressure).map(|values| (Signal::SupplyPressure, values.to_vec()));
     let found = missed.chain(supply).filter_map(|(signal, values)| {
         let line = strongest_line(&values, interval_s, SLOWEST_HZ)?;
-        // Only what is faster than the motion counts: the rest of the power is taken from differences over a window.
+        // Only what is faster than the motion counts: the line is compared with the power of the series less its moving mean.
         let fast = high_passed(&values, rows_in(&prepared.time_s, 0.5 / SLOWEST_HZ));
         let mean_square = fast.iter().map(|value| value * value).sum::<f64>() / fast.len().max(1) as f64;
         Some((line.above, periodic(line, mean_square, signal)?))
@@ -177,7 +177,7 @@ fn high_passed(values: &[f64], rows: usize) -> Vec<f64> {
         .collect()
 }
 
-/// The states of the drive along one more recording: measured where they are, simulated elsewhere.
+/// Adds the states of the drive along one more recording: measured if recorded, else simulated.
 pub fn extend(course: &mut Course, recording: &Recording, prepared: &Prepared, trajectory: &Trajectory) {
     let time_s = &prepared.time_s;
     let of = |signal: Signal| {
@@ -227,7 +227,7 @@ pub fn misses<'a>(
     Ok(misfits.iter().map(miss).collect())
 }
 
-/// The signal that misses most of those that the link puts out: the spool for the valve, all others for the rest.
+/// The signal with the largest misfit among the outputs of the link: the spool for the valve, all other signals for the other links.
 fn worst(misses: &[Miss], subsystem: Subsystem) -> Signal {
     let of_link = |miss: &&Miss| (miss.signal == Signal::Spool) == (subsystem == Subsystem::Valve);
     let worst = misses.iter().filter(of_link).max_by(|a, b| a.over_noise.total_cmp(&b.over_noise));
@@ -236,7 +236,7 @@ fn worst(misses: &[Miss], subsystem: Subsystem) -> Signal {
         .map_or(Signal::Position, |miss| miss.signal)
 }
 
-/// Where an error is *made*: a position keeps what was lost before, so its change over 50 ms counts.
+/// Where an error is *made*: the error of a position still contains all earlier ones, so its change over 50 ms counts.
 pub fn made(signal: Signal, time_s: &[f64], errors: &[f64]) -> Vec<f64> {
     if signal != Signal::Position || errors.len() < 3 {
         return errors.to_vec();

@@ -1,4 +1,4 @@
-//! Which link a mismatch sits in, by the balances of the links alone.
+//! Which link a misfit is in, determined from the balances of the links alone.
 
 use nalgebra::DVector;
 
@@ -16,29 +16,29 @@ use super::lack_patterns::{patterns, wrong_parameters};
 use super::link_evidence::{Account, Evidence, Lack, Pattern, weigh};
 use crate::catalogue::Subsystem;
 
-/// What is left over in one recording's balances of one link.
+/// Residual of one recording's balances of one link.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct LeftOver {
     /// The recording.
     pub recording: String,
     /// Middle of each window, s.
     pub time_s: Vec<f64>,
-    /// What is above the noise there, in its standard deviations.
+    /// Residual above the noise in each window, in standard deviations of the noise.
     pub above_noise: Vec<f64>,
 }
 
-/// The link that misses its output, with what it leaves over.
+/// The link whose output the model misses, with its residuals.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct MissingLink {
     /// The link.
     pub subsystem: Subsystem,
-    /// Momentum of the rod, or where no pressures are recorded its motion; empty without a position.
+    /// Residuals of the rod's momentum, or of its motion where no pressures are recorded; empty without a position.
     pub of_rod: Vec<LeftOver>,
     /// Whether both pressures are recorded.
     pub has_pressures: bool,
 }
 
-/// The link that misses its output, as far as the recordings tell.
+/// The link whose output the model misses, as far as the recordings show it.
 ///
 /// `predicted_gains` are the log-likelihoods that the best hypothesis of each subsystem would gain; where no pressures are recorded they
 /// count as much as the balances.
@@ -68,7 +68,7 @@ pub(super) fn missing_link(
     Ok(MissingLink { subsystem, of_rod, has_pressures: accounts.iter().any(|account| account.observed.has_pressures) })
 }
 
-/// The recordings entered at the measured spool, where it was left out above.
+/// The recordings; those that the command drives although their spool is measured are driven by the measured spool instead.
 fn entered_at_spool<'a>(machine: &Machine<f64>, load: LoadSource, cases: &[Case<'a>]) -> Vec<Below<'a>> {
     cases
         .iter()
@@ -86,7 +86,7 @@ fn entered_at_spool<'a>(machine: &Machine<f64>, load: LoadSource, cases: &[Case<
         .collect()
 }
 
-/// A recording entered as far down the chain as its spool allows.
+/// A recording driven by its measured spool, or by its original input where no spool is recorded.
 struct Below<'a> {
     recording: &'a Recording,
     prepared: Prepared,
@@ -99,13 +99,14 @@ impl Below<'_> {
     }
 }
 
-/// What the balances of the links leave over, and which link that speaks for.
+/// Residuals of the balances of the links, and the evidence that they give for each link.
 fn evidence(
     machine: &Machine<f64>,
     load: LoadSource,
     mut below: Vec<Below<'_>>,
 ) -> Result<(Vec<Account>, Evidence), MachineError> {
-    // Pressures make balances of their own; without them the motion is simulated, by a model that the valve's lacks did not bend.
+    // Pressures give balances of their own; without them the motion is simulated by a model that was refitted without the spool's signal,
+    // so that what the valve lacks does not pull it.
     let has_pressures =
         below.iter().any(|case| case.prepared.channels.iter().any(|channel| channel.signal == Signal::PressureA));
     let alone = if has_pressures {
@@ -160,7 +161,7 @@ fn evidence(
     Ok((accounts, evidence))
 }
 
-/// The link that the evidence speaks for.
+/// The link that the evidence points to.
 fn judged(
     machine: &Machine<f64>,
     cases: &[Case<'_>],
@@ -184,14 +185,14 @@ fn judged(
     Ok(best.unwrap_or(Subsystem::Flow))
 }
 
-/// A link is missed when what is left over, wrong parameters taken out, is further off than half the noise again.
+/// A link counts as missed when its residual, without what wrong parameters explain, exceeds 1.5 times the noise.
 const GATE: f64 = 1.5;
 
-/// Parameters of the links below it that are never known well.
+/// Parameters of the links below the spool that are never known well.
 const BELOW_SPOOL: &[Parameter] =
     &[Parameter::FlowCoefficient, Parameter::DeadZone, Parameter::BulkModulus, Parameter::ViscousFriction];
 
-/// A link's own parameters refitted to its own output, so that what other links lack does not bend it.
+/// Refits a link's own parameters to its own output, so that what other links lack does not pull them.
 fn refitted(machine: &Machine<f64>, cases: &[Prepared], parameters: &[Parameter]) -> Option<Fit> {
     let free: Vec<Free> = parameters
         .iter()
@@ -209,7 +210,7 @@ fn refitted(machine: &Machine<f64>, cases: &[Prepared], parameters: &[Parameter]
     fit(machine, &free, &references, &From::default(), 1e-5).ok()
 }
 
-/// What the valve leaves over between the command and the measured spool.
+/// Evidence from the valve's residual: measured less simulated spool, driven by the command.
 fn valve(machine: &Machine<f64>, cases: &[Case<'_>]) -> Result<Evidence, MachineError> {
     let alone: Vec<Prepared> =
         cases.iter().map(|case| case.prepared.judged_by(|signal| signal == Signal::Spool)).collect();
@@ -357,7 +358,7 @@ mod tests {
             let recording = Recording::new("position alone", columns).unwrap();
             let prepared = Prepared::new(&recording, &press(), LoadSource::Constant, None).unwrap();
             let case = Case { recording: &recording, prepared: &prepared, start: StartState::default() };
-            // The hypotheses of the valve promise most.
+            // The hypotheses of the valve have the largest predicted gain.
             let predicted_gains = [(Subsystem::Valve, 1000.0), (Subsystem::Flow, 1.0)];
             locate(&sought(&press(), &[case], &predicted_gains)).unwrap().subsystem
         };

@@ -1,11 +1,11 @@
-//! Operating regions of the drive an error is made, in words, with thresholds that the data give.
+//! Operating regions of the drive in which an error arises, in words, with thresholds that the data give.
 
 use recording::display_unit::significant;
 
 use super::error_shape::independent_samples;
 use crate::selection::decision_rule::REGION_TOLD;
 
-/// The drive along all recordings, a value a row, SI.
+/// States of the drive along all recordings, one value per row, SI.
 #[derive(Clone, Debug, Default)]
 pub struct Course {
     /// Time in the recording, s.
@@ -26,7 +26,7 @@ pub struct Course {
     pub since_reversal_s: Vec<f64>,
     /// Time since the rod last rested, s.
     pub since_rest_s: Vec<f64>,
-    /// Whether anything below the spool is measured; else pressures and motion are only a model's.
+    /// Whether anything below the spool is measured; else pressures and motion are only simulated.
     pub is_below_spool_seen: bool,
 }
 
@@ -36,33 +36,33 @@ struct Family {
     values: Vec<(f64, bool)>,
     /// Whether the region is below the threshold.
     below: bool,
-    /// Thresholds at and below this do not tell a state from its zero.
+    /// Thresholds at or below this are not used: they do not distinguish a state from zero.
     least: f64,
-    /// What people read the value in, of SI.
+    /// Factor from SI to the unit in which people read the value.
     scale: f64,
-    /// Digits that are told.
+    /// Digits of the threshold in words.
     digits: i32,
     words: fn(&str) -> String,
 }
 
 /// Thresholds tried for each family: quantiles of its values.
 const TRIES: usize = 24;
-/// A region, or a time, distinguishes where the error in it is twice what it is elsewhere: in mean square four times.
+/// A region or a time is distinguished if the error in it is at least twice the error elsewhere: four times in mean square.
 pub(crate) const TWICE: f64 = 4.0;
-/// It holds at most two thirds of all rows: more is the drive at large.
+/// A region holds at most two thirds of all rows: a larger one is simply the whole drive.
 const MOST_ROWS: f64 = 2.0 / 3.0;
-/// And at least a third of the error: less leaves open where most of it is made.
+/// And at least a third of the error: with less it stays open where most of the error arises.
 const LEAST_SHARE: f64 = 1.0 / 3.0;
-/// A value so small, of the largest one, is its zero.
+/// A value below this share of the largest one counts as zero.
 const OF_LARGEST: f64 = 0.01;
-/// What is told where no region distinguishes.
+/// The words where no region is distinguished.
 pub const ALIKE: &str = "everywhere alike";
 
 impl Family {
-    /// Thresholds as they are told, in SI: quantiles, rounded to the digits of the words.
+    /// Thresholds in SI, with their words: quantiles, rounded to the digits that the words show.
     fn thresholds(&self) -> Vec<(f64, String)> {
         let mut sorted: Vec<f64> = self.values.iter().filter(|(_, inside)| *inside).map(|(value, _)| *value).collect();
-        // A signal that was never there has no regions.
+        // A signal that never changes has no regions.
         if sorted.len() < TRIES || sorted.iter().all(|value| value.to_bits() == sorted[0].to_bits()) {
             return Vec::new();
         }
@@ -121,7 +121,7 @@ impl Course {
             family(self.each(|row| v[row].abs(), everywhere), true, slow, MM, |t| {
                 format!("velocity within {t} mm/s of zero")
             }),
-            // Whether it rests: no threshold of its own.
+            // Only whether the rod rests: the words need no threshold.
             family(self.each(|row| f64::from(u8::from(!rests(row))), everywhere), true, any, 1.0, |_| {
                 "while the rod rests".to_owned()
             }),
@@ -169,9 +169,9 @@ impl Course {
         all
     }
 
-    /// The region that tells most of where the error is made: how its share of the error differs from its share of the time,
-    /// as the divergence of the two in nats. [`ALIKE`] where in none the error is twice what it is elsewhere, or only by chance:
-    /// so many regions of independent samples show so much in one of them.
+    /// The region that shows best where the error arises: its share of the error differs most from its share of the time,
+    /// measured by the divergence of the two in nats. [`ALIKE`] where in no region the error is twice the error elsewhere, or where
+    /// the best of so many regions would differ as much by chance, given the number of independent samples.
     #[must_use]
     pub fn region(&self, errors: &[f64]) -> String {
         let rows_in_all = errors.len() as f64;
@@ -214,10 +214,10 @@ impl Course {
     }
 }
 
-/// Time since an event that never was, s.
+/// Time since an event that never happened, s.
 const NEVER_S: f64 = 1e3;
 
-/// Time since a condition last changed (or held), at each row, s.
+/// Time since an event (a change, or a condition that holds) last happened, at each row, s.
 #[must_use]
 pub fn since(time_s: &[f64], event: impl Fn(usize) -> bool) -> Vec<f64> {
     let mut last = f64::NEG_INFINITY;
@@ -268,7 +268,7 @@ mod tests {
         let words = course.region(&errors);
         let found = told(&words, "extending faster than ");
         assert!((found - 60.0).abs() < 15.0, "{words}");
-        // Its shares are those of the number that is told.
+        // The shares in the words belong to the rounded threshold in the words.
         let inside = course.velocity_m_per_s.iter().filter(|v| **v >= 1e-3 * found).count() as f64 / 6000.0;
         assert!(words.ends_with(&format!("in {} % of the time", significant(100.0 * inside, 2))), "{words}");
         assert_eq!(course.region(&vec![1.0; 6000]), ALIKE);
@@ -296,7 +296,7 @@ mod tests {
 
     #[test]
     fn next_to_nothing_is_no_threshold() {
-        // A spool that is off its centre by a thousandth of its travel half of the time, and the error with it.
+        // A spool that is off its centre by a thousandth of its travel for nearly half of the time; the error is large at the same times.
         let mut course = swinging();
         let is_off = |row: usize| row % 100 < 45;
         course.spool = (0..6000)

@@ -1,5 +1,5 @@
-//! What a recorded spool does that the model's does not: it sticks while it is driven, breaks away faster than the model ever goes, and
-//! rests in different places at the same command. These are descriptions, not effects: hysteresis, stiction, dirt and a worn spring share them.
+//! What a recorded spool does that the model's spool does not: it sticks while it is driven, breaks away faster than the model's ever moves,
+//! and rests in different places at the same command. These are descriptions, not effects: hysteresis, stiction, dirt and a worn spring share them.
 
 use std::fmt;
 
@@ -12,7 +12,7 @@ use super::case::Case;
 /// What a spool does.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Habit {
-    /// It stays behind while the model's goes on.
+    /// It stays where it is while the model's spool moves on.
     Sticks {
         /// The recording that shows most of it.
         recording: String,
@@ -20,48 +20,48 @@ pub enum Habit {
         from_s: f64,
         /// End, s.
         to_s: f64,
-        /// Where, of full travel.
+        /// Where it sticks, as a share of full travel.
         at: f64,
-        /// How far the model's goes meanwhile, of full travel.
+        /// How far the model's spool moves meanwhile, as a share of full travel.
         modelled: f64,
         /// Recordings in which it is stuck.
         recordings: usize,
-        /// Recordings of a spool.
+        /// Number of recordings with a spool signal.
         of: usize,
     },
-    /// It lets go faster than the model's moves there.
+    /// It breaks away faster than the model's spool moves there.
     BreaksAway {
         /// The recording.
         recording: String,
         /// When, s.
         at_s: f64,
-        /// How fast, of full travel a second.
+        /// Its speed, in full travels per second.
         speed_per_s: f64,
-        /// The fastest of the model's meanwhile.
+        /// The highest speed of the model's spool meanwhile.
         modelled_per_s: f64,
     },
     /// It rests in two places at one command.
     RestsApart {
         /// The command, V.
         command_v: f64,
-        /// Recording and place, of full travel, of the one rest and of the other.
+        /// Recording and position (share of full travel) of each of the two rests.
         rests: [(String, f64); 2],
-        /// How far the model's rests there are apart.
+        /// Distance between the model's two positions there.
         modelled: f64,
     },
 }
 
-/// A difference of two readings is one beyond six standard deviations of a reading: noise alone differs so far once in fifty thousand pairs.
+/// Two readings differ if they are more than six standard deviations of a reading apart: by noise alone that happens once in fifty thousand pairs.
 const DIFFERS: f64 = 6.0;
-/// A spool is stuck while it goes less than this share of what the model's goes.
+/// A spool is stuck while it moves less than this share of the distance that the model's spool moves.
 const HANGS: f64 = 0.25;
-/// Longest time that it is looked for to be stuck, s.
+/// Longest stretch over which a stuck spool is searched for, s.
 const LONGEST_S: f64 = 0.5;
-/// It breaks away where it is so many times faster than the model's.
+/// It breaks away where it is more than this many times as fast as the model's spool.
 const FASTER: f64 = 1.5;
 /// Shortest time that a command is held for the spool to come to rest, s.
 const HELD_S: f64 = 0.2;
-/// Two commands are the same within this share of all that was commanded.
+/// Two commands are the same if they differ by at most this share of the commanded range.
 const SAME: f64 = 0.01;
 
 /// A recorded spool beside the model's.
@@ -127,12 +127,12 @@ fn described(spools: &[Spool<'_>]) -> Vec<Habit> {
 struct Stuck {
     first: usize,
     last: usize,
-    /// How much further the model's goes, in standard deviations of the noise.
+    /// How much further the model's spool moves, in standard deviations of the noise.
     behind: f64,
 }
 
 impl Spool<'_> {
-    /// The stretch in which it falls furthest behind the model's while hardly moving.
+    /// The stretch in which it falls furthest behind the model's spool while it hardly moves.
     fn sticks(&self) -> Option<Stuck> {
         let moved = |series: &[f64], from: usize, to: usize| series[to] - series[from];
         let mut best: Option<Stuck> = None;
@@ -143,7 +143,7 @@ impl Spool<'_> {
                 }
                 let (own, modelled) = (moved(&self.recorded, first, last), moved(self.modelled, first, last));
                 let behind = (modelled.abs() - own.abs()) / self.noise;
-                // Noise alone is no motion, nor does it hide one.
+                // The model's motion is so large that noise can neither imitate nor hide the share of it that counts.
                 let is_one = modelled.abs() * HANGS > DIFFERS * self.noise && own.abs() < HANGS * modelled.abs();
                 if is_one && best.as_ref().is_none_or(|known| behind > known.behind) {
                     best = Some(Stuck { first, last, behind });
@@ -153,12 +153,12 @@ impl Spool<'_> {
         best
     }
 
-    /// Where it lets go after it hung, if it does so faster than the model's moves from there on for as long again.
+    /// Where it breaks away after it was stuck, if it is then faster than the model's spool at any time up to half a second after the stretch.
     fn breaks_away(&self, stuck: &Stuck) -> Option<Habit> {
         let until_s = self.time_s[stuck.last] + LONGEST_S;
         let rows =
             || (stuck.first..self.time_s.len().saturating_sub(2)).take_while(|row| self.time_s[row + 2] < until_s);
-        // Over two rows: a single step of a noisy reading is no speed.
+        // Over two rows: a single step of a noisy reading gives no usable speed.
         let speed = |series: &[f64], row: usize| {
             (series[row + 2] - series[row]).abs() / (self.time_s[row + 2] - self.time_s[row])
         };
@@ -176,7 +176,7 @@ impl Spool<'_> {
         })
     }
 
-    /// Its rests at held commands, each by the mean of its last quarter.
+    /// Its rests at held commands, each the mean over the last quarter of the time that the command is held.
     fn rests(&self, same_v: f64) -> Vec<Rest<'_>> {
         let Some(command) = self.command_v else { return Vec::new() };
         let mut rests = Vec::new();
@@ -202,7 +202,7 @@ impl Spool<'_> {
     }
 }
 
-/// The two rests at one command that are further apart than any others, if the model's are not.
+/// The two rests at one command whose distance differs most from the model's, if the model explains less than half of the distance.
 fn rests_apart(spools: &[Spool<'_>]) -> Option<Habit> {
     let commands = || spools.iter().filter_map(|spool| spool.command_v).flatten().copied();
     let (low, high) = simulation::signal::noise::extent(commands());
@@ -307,7 +307,7 @@ mod tests {
     fn one_that_hangs_and_lets_go_is_told_with_place_and_speed() {
         let time_s = times();
         let (command, free) = followed(&time_s);
-        // It holds at 0.04 until the free one is 0.1 ahead, and is back with it 20 ms later.
+        // It sticks at 0.04 until the free spool is 0.1 ahead, and has caught up with it 20 ms later.
         let sticks = time_s.iter().zip(&free).map(|(t, free)| match t {
             t if *t < 0.35 => *free,
             t if *t < 0.475 => 0.04,
@@ -322,7 +322,7 @@ mod tests {
         else {
             panic!("{found:?}")
         };
-        // It went a little before it held: less than a quarter of what the free one went.
+        // It moved a little before it stuck: less than a quarter of what the free spool moved.
         assert!((0.3..0.37).contains(from_s) && (0.46..0.48).contains(to_s), "{found:?}");
         assert!(*at < 0.045 && *modelled > 0.09, "{found:?}");
         assert!((0.47..0.5).contains(at_s) && (speed_per_s - 5.8).abs() < 0.1 && (modelled_per_s - 0.8).abs() < 0.01);
@@ -343,7 +343,7 @@ mod tests {
             found.iter().find(|habit| matches!(habit, Habit::RestsApart { .. })).unwrap_or_else(|| panic!("{found:?}"));
         let Habit::RestsApart { command_v, rests: [(one, here), (other, there)], .. } = apart else { unreachable!() };
         assert_eq!((one.as_str(), other.as_str()), ("up", "down"));
-        // The command counts as held until it has changed by a hundredth of all that is commanded.
+        // The command counts as held until it has changed by a hundredth of the commanded range.
         assert!(command_v.abs() < 1e-3 && here.abs() < 1e-3 && (there - 0.05).abs() < 1e-9, "{found:?}");
         let told = apart.to_string();
         assert!(told.starts_with("it does not return: at a command of ") && told.contains("at 5.0 % (down)"), "{told}");

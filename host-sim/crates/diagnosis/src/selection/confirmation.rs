@@ -1,4 +1,4 @@
-//! What held-out recordings gain by a machine over another one.
+//! What held-out recordings gain by one machine over another.
 
 use identification::experiment::Prepared;
 use identification::fit::residuals::counts_from;
@@ -11,7 +11,7 @@ use super::decision_rule::{
 };
 use super::likelihood::gained;
 
-/// What the held-out recordings say of what they left of a choice.
+/// What the held-out recordings say about a choice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Confirmation {
     /// Log-likelihood gained over the base on all held-out recordings.
@@ -20,9 +20,9 @@ pub struct Confirmation {
     pub least_gain: f64,
     /// Lowest NRMSE fit of a signal with the effects, %.
     pub least_fit_percent: f64,
-    /// Held-out recordings on which it gained.
+    /// Number of held-out recordings on which it gained.
     pub improved: usize,
-    /// Held-out recordings.
+    /// Number of held-out recordings.
     pub recordings: usize,
 }
 
@@ -33,7 +33,7 @@ impl Confirmation {
         self.gains_in_all() && self.least_gain > -SIGNAL_MAY_LOSE.max(SIGNAL_MAY_LOSE_SHARE * self.gain)
     }
 
-    /// Whether they gain by it in all and on at least half of the recordings, whatever becomes of one signal.
+    /// Whether they gain by it in all and on at least half of the recordings, even if a single signal gets worse.
     pub(super) fn gains_in_all(&self) -> bool {
         self.recordings > 0 && self.gain > 0.0 && ONE_GAINS_OF * self.improved >= self.recordings
     }
@@ -45,7 +45,7 @@ impl Confirmation {
     }
 }
 
-/// Adds to the sum of a signal.
+/// Adds an amount to the sum of a signal.
 pub(super) fn add(signals: &mut Vec<(Signal, f64)>, signal: Signal, amount: f64) {
     match signals.iter_mut().find(|(known, _)| *known == signal) {
         Some((_, sum)) => *sum += amount,

@@ -1,7 +1,7 @@
-//! Recordings cut to what a search can afford: it runs each of them a thousand times, a refit of the whole a dozen times.
+//! Recordings cut to what a search can afford: a search simulates each of them a thousand times, a refit of the whole only a dozen times.
 //!
-//! Of long recordings the first part is searched, of very many some that are spread evenly over all. What is found there is refitted on all of them,
-//! whole, which have to accept it ([`super::full_length::lengthened`]).
+//! Of long recordings the first part is searched; of very many recordings, some that are spread evenly over all. What is found there is refitted on
+//! all recordings in full length, which have to accept it ([`super::full_length::lengthened`]).
 
 use identification::experiment::{Channel, Prepared};
 use identification::fit::StartState;
@@ -14,20 +14,20 @@ use simulation::{SimulateError, Stimulus};
 /// Ticks up to which recordings are searched as they are: four minutes at 1 kHz, which two cores search in about as much time.
 pub const AFFORDABLE_TICKS: usize = 250_000;
 
-/// Ticks that longer ones are cut to, all together: a minute at 1 kHz tells of dozens of strokes, and half an hour of the same
-/// strokes says no more of what happens in each.
+/// Ticks that longer ones are cut to, all together: a minute at 1 kHz has dozens of strokes, and half an hour of the same strokes shows no more of
+/// what happens in each.
 pub const MOST_TICKS: usize = 60_000;
 
-/// But none to less than ten seconds at 1 kHz: of a short one the first second is mostly rest.
+/// No recording is cut to less than ten seconds at 1 kHz, since its first second is mostly rest.
 const LEAST_TICKS: usize = 10_000;
 
-/// More recordings than can be searched for that long: so many of them are.
+/// Most recordings that are searched; of more, this number is taken.
 const MOST_RECORDINGS: usize = AFFORDABLE_TICKS / LEAST_TICKS;
 
 /// The first parts of recordings, each in both of its forms.
 #[derive(Clone, Debug)]
 pub struct Excerpt {
-    /// Which recordings they are of.
+    /// Indices of the recordings that they are parts of.
     of: Vec<usize>,
     /// As recorded.
     pub recordings: Vec<Recording>,
@@ -36,7 +36,7 @@ pub struct Excerpt {
 }
 
 impl Excerpt {
-    /// The excerpt of training recordings, each prepared beside; `None` where a search can afford them as they are.
+    /// The excerpt of training recordings, given as recorded and as prepared; `None` where a search can afford them as they are.
     pub fn of(
         recordings: &[Recording],
         prepared: &[Prepared],
@@ -60,7 +60,7 @@ impl Excerpt {
         Ok(Some(Self { of, recordings, cases }))
     }
 
-    /// Where so many recordings start, of which the excerpt's start so: those that are not of it where machine and recording say.
+    /// Initial states of all `recordings`: `starts` for those in the excerpt, for the others the default from machine and recording.
     #[must_use]
     pub fn starts_of_all(&self, starts: &[StartState], recordings: usize) -> Vec<StartState> {
         let mut all = vec![StartState::default(); recordings];
@@ -71,14 +71,14 @@ impl Excerpt {
     }
 }
 
-/// So many of `count`, spread evenly; all where there are no more.
+/// At most `most` of `count`, spread evenly; all where there are no more.
 fn spread(count: usize, most: usize) -> Vec<usize> {
     let taken = count.min(most);
     (0..taken).map(|index| index * count / taken).collect()
 }
 
-/// The most that each may have so that all together have no more than `most`: what short ones leave goes to the long ones. `None`
-/// where every one may have all it has.
+/// The most that each may have so that all together have no more than `most`; what short ones do not need is given to the long ones. `None` where
+/// every one fits in full.
 fn fair_share(sizes: &[usize], most: usize) -> Option<usize> {
     let mut sorted = sizes.to_vec();
     sorted.sort_unstable();
@@ -93,14 +93,14 @@ fn fair_share(sizes: &[usize], most: usize) -> Option<usize> {
     None
 }
 
-/// Rows of a recording up to so many ticks, at least two.
+/// Rows of a recording within this number of ticks, at least two.
 fn rows_within(case: &Prepared, ticks: usize) -> usize {
     let first = case.time_s.first().copied().unwrap_or_default();
     let longest_s = ticks as f64 * case.stimulus.tick.seconds();
     case.time_s.partition_point(|time| time - first <= longest_s).max(2)
 }
 
-/// A recording's first part, prepared as the whole is.
+/// A recording's first part, prepared like the whole recording.
 fn begun(
     recording: &Recording,
     whole: &Prepared,

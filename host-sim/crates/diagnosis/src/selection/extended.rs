@@ -8,8 +8,8 @@ use model_core::machine::MachineError;
 use super::screen::{Lead, Values, combined};
 use crate::catalogue::{EffectParameter, Hypothesis, Kind, Scene};
 
-/// The most promising start of every form of an extension from a solution with the plainer effect: what that had is taken over,
-/// and the rest is tried.
+/// The most promising start of every form of an extension from a solution with the plainer effect: the value of the plainer effect is taken over, and
+/// for the other parameters several values are tried.
 pub fn extended(
     scene: &Scene<'_>,
     fit: &Fit,
@@ -30,7 +30,7 @@ pub fn extended(
             let known = fit.free.iter().any(|free| free.parameter == effect_parameter.parameter);
             let fitted = fit.machine.get(effect_parameter.parameter);
             let values = match effect_parameter.kind {
-                // What both have, the plainer one's refit knows.
+                // A parameter that both have keeps the value of the plainer effect's refit.
                 _ if known && (low..=high).contains(&fitted) => vec![fitted],
                 Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) => vec![0.1 * given, 0.5 * given, given],
                 Kind::Signed(_) => vec![-0.5 * given, 0.05 * given, 0.5 * given],

@@ -1,13 +1,12 @@
 //! Which effects are accepted, decided on the training recordings alone, then confirmed or vetoed on the held-out ones.
 //!
-//! Every effect is screened; the most promising are refitted in the chain; the best few are each tried with a second one, and so
-//! on, so that a pair is found even where neither of it is best alone. Sets are compared by a log-likelihood in which each
-//! signal's noise level is unknown: ½·n·ln(loss), with n the number of *independent* samples in the residual (neighbouring samples
-//! of a mismatch tell the same), less a Bayesian information penalty for the effect parameters, plus what the base parameters gain by coming
-//! back to their nominal values. What is accepted must also gain on recordings that
-//! were left out, on all but one of them (what happens once is a disturbance), and take away at least half of what is above the
-//! noise: an effect that does less is a stand-in for something else. So is a set that another of its size is likelier than, by more
-//! than chance, even if that one cannot be accepted.
+//! Every effect is screened; the most promising are refitted in the whole model; each of the best few is tried with a second one, and so on, so that
+//! a pair is found even where neither of the two is best alone. Candidate models are compared by a log-likelihood in which each signal's noise level
+//! is unknown: ½·n·ln(loss), with n the number of *independent* samples in the residual (neighbouring samples of a mismatch repeat each other), less
+//! a Bayesian information penalty for the effect parameters, plus what the base parameters gain by coming back to their nominal values. What is
+//! accepted must also gain on recordings that were left out, on all but one of them (what happens once is a disturbance), and take away at least half
+//! of what is above the noise: an effect that does less is a stand-in for something else. A candidate model is also not accepted if another of its
+//! size is likelier by more than chance, even if that other one cannot be accepted.
 
 use identification::fit::{Fit, FitError};
 
@@ -29,28 +28,28 @@ const BESIDE: usize = 4;
 
 /// How far a selection has come.
 pub(crate) struct Course {
-    /// The machine file's model, refitted to recordings that are believed only as far as it follows them.
+    /// The machine file's model, refitted with inflated noise: the noise of each channel is raised to the model's own misfit.
     inflated: InflatedNoise,
     /// The machine file's model, refitted.
     pub(crate) base: Candidate,
-    /// The chosen set; the base while nothing is accepted.
+    /// The chosen candidate model; the base while nothing is accepted.
     pub(crate) chosen: Candidate,
-    /// Sets that the next round starts from.
+    /// Candidate models from which the next round starts.
     pub(crate) beam: Vec<Candidate>,
-    /// The plainest of effects that were found with the links apart.
+    /// The plainest effects of those that were found by the valve-first search.
     pub(crate) joined: Vec<&'static str>,
-    /// Sides of the recorded spool that explain themselves by what was found with the links apart.
+    /// Sides of the recorded spool that are explained by what the valve-first search found.
     pub(crate) explained: Vec<Side>,
-    /// Sets of as many effects that were nearly as likely as the chosen one when it was chosen.
+    /// Candidate models with as many effects as the chosen one that were nearly as likely when it was chosen.
     pub(crate) rivals: Vec<Candidate>,
-    /// Every set that was refitted, round by round, the best first.
+    /// Every refitted candidate model, round by round, the best first.
     pub(crate) rounds: Vec<Vec<Trial>>,
 }
 
-/// Chooses the effects. `near` is a first refit of the machine file's model; `done` is told after each refit.
+/// Chooses the effects. `near` is a first refit of the machine file's model; `done` is called after each refit.
 ///
-/// Where the spool is recorded and the model is far off, effects are looked for with the links apart first. The chain as a whole
-/// then has to accept what was found, and is searched on.
+/// Where the spool is recorded and the model is far off, the valve-first search comes first. The whole model then has to accept what it found, and
+/// the search goes on in the whole model.
 pub fn select(question: &Question<'_>, near: &Fit, done: &(impl Fn(&str) + Sync)) -> Result<Selection, FitError> {
     let mut course = Course::of(question, near)?;
     if course.base.worst_over_noise(question) > VALVE_FIRST_FROM {
@@ -86,7 +85,7 @@ impl Course {
         self.base = better;
     }
 
-    /// Adds effects round by round, until the best set is within `near` times the noise or nothing more is worth it.
+    /// Adds effects round by round, until the best candidate model is within `near` times the noise or no further effect is worth its parameters.
     pub(crate) fn forward(
         &mut self,
         question: &Question<'_>,
@@ -115,7 +114,8 @@ impl Course {
                     self.rivals = rivals;
                 }
             }
-            // Two that go together may each be nothing alone, but a third is only looked for beside what was found.
+            // Two effects may gain only together, so a second round follows even a round without a finding; a third effect is only looked for beside
+            // accepted ones.
             if self.is_enough(question, near) || (round > 0 && self.chosen.effects.len() <= round) {
                 break;
             }
@@ -123,7 +123,7 @@ impl Course {
         Ok(())
     }
 
-    /// A ranked round with what refines its finished sets that are not `near` their noise.
+    /// A ranked round, with refined forms added for its finished candidate models that are not `near` their noise.
     fn refined(
         &self,
         question: &Question<'_>,
@@ -140,8 +140,8 @@ impl Course {
         finished(question, &self.base, candidates(ranked).into_iter().chain(finer).collect())
     }
 
-    /// A ranked round with the extensions of what the best set of it had before its newest effect, where that is not `near` its noise: alone,
-    /// what is missing beside it may have hidden what an extension has more.
+    /// A ranked round, with extensions added for the effects that its best candidate model had before its newest one, where that model is not `near`
+    /// its noise: without the newest effect, the misfit may have hidden what an extension gains.
     fn extended(
         &self,
         question: &Question<'_>,
@@ -160,8 +160,8 @@ impl Course {
         finished(question, &self.base, all)
     }
 
-    /// What may be accepted of the first set of the beam of which anything may; where nothing may, of the best one without an effect that only
-    /// showed the way.
+    /// The acceptable part of the first candidate model of the beam that has one. Where none has, that of the best one without one of its effects,
+    /// which may only have led the search there.
     fn first_accepted(&mut self, question: &Question<'_>) -> Result<Option<Candidate>, FitError> {
         let over = self.base.clone();
         for candidate in self.beam.clone() {
@@ -179,8 +179,8 @@ impl Course {
         Ok(None)
     }
 
-    /// What of a set may be accepted: it, but for every effect that the others make superfluous. `None` where it may not be accepted, or what is
-    /// left may not. `over` is the base that the rounds were ranked over.
+    /// The acceptable part of a candidate model: the model without every effect that the others make superfluous. `None` where the model or this part
+    /// may not be accepted. `over` is the base that the rounds were ranked over.
     fn accepted(
         &mut self,
         question: &Question<'_>,
@@ -201,16 +201,15 @@ impl Course {
         Ok(Some(rest))
     }
 
-    /// Whether no other set of as many effects is likelier by more than chance. What cannot be accepted may still be what it
-    /// is, and nothing less likely stands in for it; an extension only says more of the same.
+    /// Whether no other candidate model of as many effects is likelier by more than chance. One that cannot be accepted may still be the true one, so
+    /// nothing less likely is taken in its place; an extension and its plainer effect count as the same.
     fn is_likely(&self, question: &Question<'_>, over: &Candidate, set: &Candidate) -> bool {
         let Some(round) = self.rounds.get(set.effects.len() - 1) else { return true };
         let now = ranked(question, over, vec![set.clone()]);
         is_likeliest(set, now.first().map(|(_, net)| *net), round)
     }
 
-    /// Whether a set may be accepted over what is chosen: each of its effects is one that can be, and they are worth their
-    /// effect parameters.
+    /// Whether a candidate model may be accepted over the chosen one: each of its effects is plausible, and they are worth their effect parameters.
     pub(crate) fn is_accepted(&mut self, question: &Question<'_>, set: &Candidate) -> Result<bool, FitError> {
         if !set.is_plausible(question.scene) || !accepts(question, &self.base, &self.chosen, set)? {
             return Ok(false);
@@ -218,19 +217,19 @@ impl Course {
         if self.chosen.effects.is_empty() { self.stands(question, set) } else { Ok(true) }
     }
 
-    /// Whether what is worth its effect parameters over nothing is so twice: its effects may only have led the base parameters to where those do as
-    /// well alone.
+    /// Whether a candidate model is still worth its effect parameters after the base was refitted from its solution: its effects may only have led
+    /// the base parameters to values that do as well without them.
     fn stands(&mut self, question: &Question<'_>, set: &Candidate) -> Result<bool, FitError> {
         let Some(plain) = Candidate::below(question, &set.fit, self.base.fit.loss)? else { return Ok(true) };
         self.base = plain;
-        // What was chosen has to be worth its effect parameters over that as well.
+        // The chosen model has to be worth its effect parameters over the new base as well.
         if self.chosen.effects.is_empty() || !accepts(question, &self.base, &self.base, &self.chosen)? {
             self.chosen = self.base.clone();
         }
         accepts(question, &self.base, &self.base, set)
     }
 
-    /// Whether the best set explains enough.
+    /// Whether the best candidate model explains enough.
     pub(crate) fn is_enough(&self, question: &Question<'_>, near: f64) -> bool {
         self.beam.first().is_none_or(|best| explains_enough(question, &self.base, best, near))
     }

@@ -1,8 +1,8 @@
-//! What was found on the first part of long recordings, held against the whole of them.
+//! What was found on the first part of long recordings, checked on the whole recordings.
 //!
-//! Base and chosen set are refitted on the whole, which has to accept the set once more; what it makes superfluous goes, where what is
-//! left was the likeliest of its size on the first part. What acts slowly does not show in a first part: where the whole is left above
-//! its noise, the effects that act over time are tried on it.
+//! Base and chosen candidate model are refitted on the whole recordings, which have to accept the model once more. Effects that are superfluous there
+//! are removed, if the reduced model was the likeliest of its size on the first part. Slow effects are not visible in a first part: where the misfit
+//! of the whole is above the noise, the effects that act over time are tried on the whole.
 
 use identification::fit::FitError;
 
@@ -14,9 +14,9 @@ use super::round::{explains_enough, is_likeliest, reduced, trials};
 use super::screen::Lead;
 use super::search::{open_to, refit_each};
 
-/// The selection that the whole recordings make of what was `found` on their first part. `done` is told after each refit.
+/// The selection on the whole recordings, from what was `found` on their first part. `done` is called after each refit.
 ///
-/// Few runs of a recording, whatever was tried before: what grows with its length is a dozen refits' steps.
+/// It needs few runs of a recording, whatever was tried before: only the steps of a dozen refits grow with the length.
 pub fn lengthened(
     question: &Question<'_>,
     found: &Selection,
@@ -50,7 +50,7 @@ pub fn lengthened(
         && accepts(question, &selection.base, &selection.chosen, &slow)?
         && let Some(accepted) = reduced(question, &selection.base, slow.clone(), &found.joined)?
     {
-        // It stands against what else the whole recordings were asked about.
+        // It is ranked against the other candidate models that were tried on the whole recordings.
         let mut of_its_size = others;
         of_its_size.extend([slow, selection.chosen, accepted.clone()]);
         of_its_size.retain(|set| set.effects.len() == accepted.effects.len());
@@ -62,7 +62,7 @@ pub fn lengthened(
 }
 
 impl Selection {
-    /// Whether an effect that is left of the chosen set was the likeliest of its size, where that was decided.
+    /// Whether the part of the chosen candidate model that is left was the likeliest of its size in its round of the search.
     fn makes_likeliest(&self, accepted: &Candidate) -> bool {
         let count = accepted.effects.len();
         count == self.chosen.effects.len()
@@ -70,13 +70,15 @@ impl Selection {
     }
 }
 
-/// The machine file's model on the whole: to the end only where that is near, for what lacks an effect never quite arrives.
+/// The machine file's model on the whole: refitted to the end only where it is near the noise, since a model that lacks an effect never quite
+/// converges.
 fn base(question: &Question<'_>, from: &Candidate) -> Result<Candidate, FitError> {
     let rough = Candidate::rough(question, Some(&from.fit))?;
     if rough.worst_over_noise(question) < WHOLE_REFITTED_BELOW { rough.finished(question) } else { Ok(rough) }
 }
 
-/// A set with the effect beside it that acts slowly and follows the whole recordings best, refitted, and those with each of the others.
+/// The candidate model with the slow effect added that follows the whole recordings best, refitted to the end, and those with each of the other slow
+/// effects.
 fn slow(
     question: &Question<'_>,
     from: &Candidate,

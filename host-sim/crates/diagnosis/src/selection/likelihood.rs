@@ -1,5 +1,6 @@
-//! What a set of effects is worth over another: log-likelihoods in which each signal's noise level is unknown, ½·n·ln(loss) with n the
-//! independent samples of its residual, less what the effect parameters cost, plus what the base parameters gain by coming back.
+//! How much better one candidate model is than another: log-likelihoods in which each signal's noise level is unknown, ½·n·ln(loss) with n the
+//! independent samples of its residual, less the penalty for the effect parameters, plus what the base parameters gain by coming back to their
+//! nominal values.
 
 use identification::fit::{Counts, FitError, Residuals, loss};
 
@@ -15,7 +16,7 @@ pub(crate) fn ranked(question: &Question<'_>, base: &Candidate, found: Vec<Candi
     ranked_by(question, base, found, question.counts())
 }
 
-/// The same by other counts of the independent samples of a series.
+/// The same with another way to count the independent samples of a series.
 pub(crate) fn ranked_by(
     question: &Question<'_>,
     base: &Candidate,
@@ -23,7 +24,7 @@ pub(crate) fn ranked_by(
     counts: Counts,
 ) -> Vec<(Candidate, f64)> {
     let Some(best) = found.iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss)) else { return Vec::new() };
-    // The independent samples of the best residuals, so that all are measured alike.
+    // The independent samples of the best candidate model's residuals are used for all, so that all are compared alike.
     let samples: Vec<f64> = best.residuals.iter().flatten().map(|series| counts(series)).collect();
     let total: f64 = samples.iter().sum();
     let net = |candidate: &Candidate| {
@@ -40,7 +41,7 @@ pub(crate) fn ranked_by(
         (candidate, net)
     };
     let mut ranked: Vec<(Candidate, f64)> = found.into_iter().map(valued).collect();
-    // Sets that are as likely as each other stay in the catalogue's order.
+    // Candidate models that are equally likely stay in the catalogue's order.
     ranked.sort_by(|a, b| b.1.round().total_cmp(&a.1.round()).then_with(|| order(&a.0).cmp(&order(&b.0))));
     let mut seen: Vec<Vec<&str>> = Vec::new();
     ranked.retain(|(candidate, _)| {
@@ -52,14 +53,14 @@ pub(crate) fn ranked_by(
     ranked
 }
 
-/// Places of a set's effects in the catalogue.
+/// Places of a candidate model's effects in the catalogue.
 fn order(candidate: &Candidate) -> Vec<usize> {
     let place =
         |chosen: &Chosen| CATALOGUE.iter().position(|known| known.name == chosen.effect.name).unwrap_or(usize::MAX);
     candidate.effects.iter().map(place).collect()
 }
 
-/// Puts a set with the plainer effect before the one with its extension, where that does not earn what it has more.
+/// Puts a candidate model with the plainer effect before the one with its extension, where the extension does not earn its additional parameters.
 pub(crate) fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>) {
     let Some((best, best_net)) = ranked.first() else { return };
     let most = misfit_above_noise(&base.residuals);
@@ -79,7 +80,7 @@ pub(crate) fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>)
     });
     if let Some(index) = plainer {
         let plain = ranked.remove(index);
-        // What does not earn its place is less likely than what it extends, whatever its own form fits better.
+        // An extension that does not earn its place is ranked below the plainer effect, however well its own form fits.
         for (_, net) in ranked.iter_mut().take(index) {
             *net = net.min(plain.1 - UNEARNED_BEHIND);
         }
@@ -87,15 +88,15 @@ pub(crate) fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>)
     }
 }
 
-/// Whether a finer form takes enough of what the plain one leaves.
+/// Whether a finer form explains enough of the plain form's misfit.
 pub(crate) fn is_earned(plain: &Candidate, finer: &Candidate) -> bool {
     misfit_above_noise(&finer.residuals) < (1.0 - FINER_FORM_TAKES) * misfit_above_noise(&plain.residuals)
 }
 
-/// The loss of a series, or what pure noise would lose if that is more: nothing below it can be gained.
+/// The loss of a series, but at least that of pure noise: nothing can be gained below it.
 fn floored(series: &[f64]) -> f64 {
     let loss = loss(series);
-    // A sensor that failed in every row tells nothing, one way or the other.
+    // A sensor that failed in every row speaks neither for a model nor against it.
     if loss.is_finite() { loss.max(series.len() as f64).max(1.0) } else { f64::INFINITY }
 }
 
@@ -108,23 +109,22 @@ fn gained_by(samples: f64, before: &[f64], after: &[f64]) -> f64 {
     0.5 * samples * (floored(before) / floored(after)).ln()
 }
 
-/// The independent samples of the residual that has fewer, so that a gain one way is a loss the other.
+/// The independent samples of the residual that has fewer, so that the gain from one to the other is the loss in the opposite direction.
 fn independent(before: &[f64], after: &[f64], counts: Counts) -> f64 {
     counts(before).min(counts(after))
 }
 
-/// Log-likelihood gained as the base parameters come back to where they were said to be: a model that lacks an effect bends
-/// them.
+/// Log-likelihood gained as the base parameters come back to their nominal values: a model that lacks an effect pulls them away.
 pub(crate) fn straightened(question: &Question<'_>, without: &Candidate, with: &Candidate) -> f64 {
     without.pulled(question) - with.pulled(question)
 }
 
-/// What is above the noise.
+/// The misfit above noise.
 pub(crate) fn misfit_above_noise(residuals: &Residuals) -> f64 {
     residuals.iter().flatten().map(|series| above_noise(series)).sum()
 }
 
-/// What a series has above the noise.
+/// The misfit above noise of a series.
 pub(crate) fn above_noise(series: &[f64]) -> f64 {
     floored(series) - series.len() as f64
 }
@@ -149,13 +149,13 @@ pub(crate) fn accepts(
     let pays = |gained: &Gained| {
         let penalty =
             gained.cost(with.effect_parameters().saturating_sub(without.effect_parameters())) + BEYOND_PENALTY;
-        // Parameters that come back may pay for the effect parameters, but the recordings themselves have to tell.
+        // Parameters that come back may pay for the effect parameters, but the recordings themselves have to gain as well.
         gained.all > RECORDINGS_GAIN && gained.all + straightened(question, without, with) > penalty && gained.repeats
     };
     if pays(&Gained::of(&without.left_out(question)?, &with.left_out(question)?, counts)) {
         return Ok(true);
     }
-    // One step says little where much hangs on the recording that was left out; of very many not much does.
+    // One step is inaccurate where much depends on the recording that was left out; with very many recordings little depends on each.
     if question.training.len() > MOST_REFITTED_WITHOUT {
         return Ok(false);
     }
@@ -163,11 +163,11 @@ pub(crate) fn accepts(
         && pays(&Gained::of(&without.left_out_refitted(question)?, &with.left_out_refitted(question)?, counts)))
 }
 
-/// What recordings say of residuals `after` over those `before`.
+/// What recordings gain by the residuals `after` over those `before`.
 pub(crate) struct Gained {
     /// Log-likelihood gained on all of them.
     pub(crate) all: f64,
-    /// Whether that is so on all but one of them: what happens once is a disturbance.
+    /// Whether all of them but one gain: what happens once is a disturbance.
     pub(crate) repeats: bool,
     /// Independent samples.
     samples: f64,
@@ -191,7 +191,7 @@ impl Gained {
         Self { all: gains.iter().sum(), repeats: improved >= needed, samples }
     }
 
-    /// What so many values that were fitted cost: half the logarithm of the samples each.
+    /// Penalty for this number of fitted values: half the logarithm of the samples for each.
     pub(crate) fn cost(&self, values: usize) -> f64 {
         0.5 * values as f64 * f64::max(self.samples, 2.0).ln()
     }

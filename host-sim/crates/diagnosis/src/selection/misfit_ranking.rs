@@ -1,9 +1,9 @@
-//! Sets compared where even the best one does not follow the recordings down to their noise: those are believed only as far as it does.
+//! Misfit ranking: where even the best candidate model does not reach the noise, candidate models are compared with the noise inflated to its misfit.
 //!
-//! An effect follows its textbook form within some per cent, and what the valve's misses adds up in all that the rod does. Taken at their
-//! noise, recordings bend the base parameters without end to make up for that, whichever set is refitted; the priors, which count once,
-//! then judge the sets by what was bent. With the noise of every channel what the best set leaves, and as correlated, the parameters
-//! stay where they can be, and what the sets differ in decides.
+//! An effect follows its textbook form within some per cent, and errors of the valve's effects accumulate in the motion of the rod. With the sensors'
+//! noise, every refit pulls the base parameters far from their nominal values to make up for that, whichever candidate model it is; the priors, which
+//! count once, then judge the models by these parameters. With noise of every channel as large and as correlated as the best model's residual, the
+//! parameters stay where they can be, and the differences between the models decide.
 
 use identification::parallel;
 
@@ -16,9 +16,9 @@ use super::decision_rule::{MISFIT_RANKING_FROM, MISFIT_REFIT_STAYS};
 use super::inflated_noise::as_far_as;
 use super::likelihood::{misfit_above_noise, prefer_plain, ranked_by};
 
-/// Finished sets, ranked, and one `beside` that the chain may have had no use for, ranked by refits to recordings that are believed as far as
-/// the best of them follows those. A set that is far off, or whose base parameters were bent, is so refitted from here on; any other stays as it was.
-/// All as they are, where the best is at its noise, or where there is nothing to compare or to straighten.
+/// Ranks finished candidate models, and one `beside` that the whole model may have dropped, by refits with the noise inflated to the best one's
+/// misfit. A candidate model that is far off, or whose base parameters were pulled from their nominal values, keeps this refit from here on; any
+/// other stays as it was. All stay as they are where the best is at its noise, or where there is nothing to compare or to pull back.
 pub(crate) fn believed(
     question: &Question<'_>,
     base: &Candidate,

@@ -1,5 +1,5 @@
-//! The choice of effects: screening, refits of candidate models, forward selection on the training recordings, and the veto of the held-out ones. Start
-//! at [`forward`]; every threshold stands in [`decision_rule`].
+//! The choice of effects: screening, refits of candidate models, forward selection on the training recordings, and the veto of the held-out ones.
+//! Start at [`forward`]; every threshold is in [`decision_rule`].
 
 pub mod candidate;
 mod confirmation;

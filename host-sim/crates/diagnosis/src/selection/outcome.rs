@@ -1,4 +1,4 @@
-//! What a selection came to: the sets that were tried, and the one that is chosen.
+//! The result of a selection: the candidate models that were tried, and the chosen one.
 
 use std::fmt;
 
@@ -10,7 +10,7 @@ use super::decision_rule::{KEPT_ALONE, SUSPECTED_FROM};
 use crate::catalogue::Hypothesis;
 use crate::selection::valve::jump_spacing::JumpSpacing;
 
-/// What one set gained over the one before it.
+/// What one candidate model gained over the base.
 #[derive(Clone, Debug)]
 pub struct Trial {
     /// The effect that is new in it.
@@ -24,12 +24,12 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// Whether its effects are those of a set.
+    /// Whether its effects are those of a candidate model.
     pub(crate) fn is_of(&self, set: &Candidate) -> bool {
         self.effects.len() == set.effects.len() && self.effects.iter().all(|own| set.has(own))
     }
 
-    /// The effect that it has in the place of one of the chosen ones; `None` where it has that one too, or lacks or has another.
+    /// The effect that it has in the place of one of the chosen ones; `None` where it also has that one, or where any other effect differs.
     pub fn instead_of(&self, effect: &Hypothesis, chosen: &[Chosen]) -> Option<&'static Hypothesis> {
         let is_chosen = |own: &Hypothesis| chosen.iter().any(|one| one.effect.name == own.name);
         let stays = |one: &Chosen| self.has_any(&[one.effect]) != (one.effect.name == effect.name);
@@ -43,23 +43,23 @@ impl Trial {
     }
 }
 
-/// The outcome of the selection: on training recordings, and what held-out ones left of it.
+/// The outcome of the selection on training recordings, later reduced by the held-out ones.
 #[derive(Clone, Debug)]
 pub struct Selection {
     /// The machine file's model, refitted.
     pub base: Candidate,
-    /// The chosen set; the base again if nothing is accepted.
+    /// The chosen candidate model; the base again if nothing is accepted.
     pub chosen: Candidate,
-    /// Every set that was refitted, round by round, the best first.
+    /// Every refitted candidate model, round by round, the best first.
     pub rounds: Vec<Vec<Trial>>,
-    /// The plainest of several effects that were found with the links apart: the chain only had to accept them all together.
+    /// The plainest of several effects that the valve-first search found: the whole model only had to accept them all together.
     pub joined: Vec<&'static str>,
-    /// The jumps of a spool that no sensor sees, where the chosen set has them from the position.
+    /// The jumps of a spool that no sensor measures, where the chosen candidate model has them from the position.
     pub heard: Option<Heard>,
 }
 
 impl Selection {
-    /// The effect alone that the training recordings make likelier than none by more than chance does, where nothing is accepted.
+    /// The single effect that the training recordings make likelier than none by more than chance, where nothing is accepted.
     #[must_use]
     pub fn suspected(&self) -> Option<&'static Hypothesis> {
         let best = self.rounds.first()?.first()?;
@@ -67,17 +67,17 @@ impl Selection {
     }
 }
 
-/// What a position says of the jumps of a spool that no sensor sees.
+/// What a position shows of the jumps of a spool that no sensor measures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Told {
-    /// How long they are, and how surely.
+    /// Their length, and the evidence for them.
     pub jump_spacing: JumpSpacing,
-    /// Share of its band that a stiction alone would keep, to lag as far as the spool does.
+    /// Share of its band that a stiction alone would have to keep to lag as far as the spool does.
     pub kept_alone: f64,
 }
 
 impl Told {
-    /// Whether a stiction alone may keep so much.
+    /// Whether a stiction alone may keep this share.
     pub(super) fn is_alone(&self) -> bool {
         self.kept_alone <= KEPT_ALONE
     }
@@ -91,12 +91,12 @@ impl fmt::Display for Told {
     }
 }
 
-/// The jumps of a spool that no sensor sees.
+/// The jumps of a spool that no sensor measures.
 #[derive(Clone, Debug)]
 pub struct Heard {
-    /// What the position says of them.
+    /// What the position shows of them.
     pub told: Told,
-    /// The model without jumps that it is held against.
+    /// The model without jumps with which the position is compared.
     pub(super) following: Machine<f64>,
     /// What was chosen before.
     pub(super) chosen: Candidate,

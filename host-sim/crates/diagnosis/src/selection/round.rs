@@ -1,4 +1,4 @@
-//! One round of the search: candidate models ranked, the best refitted to the end, and what of one stays when superfluous effects go.
+//! One round of the search: candidate models are ranked, the best are refitted to the end, and superfluous effects are removed.
 
 use identification::parallel;
 
@@ -11,12 +11,13 @@ use super::outcome::Trial;
 use super::search::{is_hopeful, least_above};
 use crate::catalogue::Hypothesis;
 
-/// Sets of a round that are refitted to the end.
+/// Candidate models of a round that are refitted to the end.
 const FINISHED: usize = 4;
-/// Sets that the next round starts from.
+/// Candidate models from which the next round starts.
 pub(super) const BEAM: usize = 2;
 
-/// Whether no other set of a round is likelier by more than chance than one that gains so much `now`, or what it gained in that round.
+/// Whether no other candidate model of a round is likelier than this one by more than chance. This one counts with its gain in that round or its gain
+/// `now`, whichever is larger.
 pub(crate) fn is_likeliest(set: &Candidate, now: Option<f64>, round: &[Trial]) -> bool {
     let plainest = |effects: &mut dyn Iterator<Item = &'static Hypothesis>| {
         let mut names: Vec<&str> = effects.map(Hypothesis::plainest).collect();
@@ -30,7 +31,7 @@ pub(crate) fn is_likeliest(set: &Candidate, now: Option<f64>, round: &[Trial]) -
     now.into_iter().fold(nets(same), f64::max) > nets(others) - LIKELIER_BY
 }
 
-/// Enters a set into the round of its size, unless a better fit of the same effects is there.
+/// Enters a candidate model into the round of its size, unless a better fit of the same effects is already there.
 pub(crate) fn enter(question: &Question<'_>, base: &Candidate, rounds: &mut [Vec<Trial>], candidate: &Candidate) {
     let Some(round) = rounds.get_mut(candidate.effects.len() - 1) else { return };
     for (candidate, net) in ranked(question, base, vec![candidate.clone()]) {
@@ -43,8 +44,8 @@ pub(crate) fn enter(question: &Question<'_>, base: &Candidate, rounds: &mut [Vec
     round.sort_by(|a, b| b.net.total_cmp(&a.net));
 }
 
-/// A set without every effect that the others make superfluous, but for those of these plainest names. `None` where what is left is not worth
-/// its effect parameters over nothing.
+/// A candidate model without the effects that the others make superfluous; effects whose plainest name is in `stay` are kept. `None` where the
+/// reduced model is not worth its effect parameters over the base.
 pub(crate) fn reduced(
     question: &Question<'_>,
     base: &Candidate,
@@ -63,7 +64,7 @@ pub(crate) fn reduced(
         let may_go = |&index: &usize| !stay.contains(&rest.effects[index].effect.plainest());
         let indices: Vec<usize> = (0..rest.effects.len()).filter(may_go).collect();
         let fewer: Vec<Option<(bool, Candidate)>> = parallel::try_each(indices, without)?;
-        // Of two that each make the other superfluous, the one that is acceptable stays, or the one that leaves less.
+        // Of two effects that make each other superfluous, the one that is acceptable stays, otherwise the one with the smaller loss.
         let best = fewer
             .into_iter()
             .flatten()
@@ -74,7 +75,8 @@ pub(crate) fn reduced(
     Ok(is_accepted.then_some(rest))
 }
 
-/// A set with the plain form of each refined one that no longer takes most of what that leaves, now that other effects are beside it.
+/// A candidate model in which each refined form goes back to its plain form, if it no longer explains most of the plain form's misfit now that other
+/// effects are beside it.
 fn unrefined(question: &Question<'_>, mut set: Candidate) -> Result<Candidate, FitError> {
     if set.effects.len() < 2 {
         return Ok(set);
@@ -92,8 +94,8 @@ fn unrefined(question: &Question<'_>, mut set: Candidate) -> Result<Candidate, F
     Ok(set)
 }
 
-/// Whether nothing is left that a further effect could explain: the base parameters of the best set are where they were
-/// said to be, and it is `near` its noise, or what it leaves would not be told from its own form's error.
+/// Whether nothing is left that a further effect could explain: the base parameters of the best candidate model are at their nominal values within
+/// the priors, and its misfit is `near` the noise, or too small to be distinguished from the error of its own form.
 pub(crate) fn explains_enough(question: &Question<'_>, base: &Candidate, best: &Candidate, near: f64) -> bool {
     let fits = || {
         best.worst_over_noise(question) < near
@@ -102,8 +104,8 @@ pub(crate) fn explains_enough(question: &Question<'_>, base: &Candidate, best: &
     !best.is_pulled(question) && fits()
 }
 
-/// Sets of a round that are nearly as likely as one of it: less so by no more than chance, or than its form's own error may gain.
-/// `None` where it is not of the round.
+/// Candidate models of a round that are nearly as likely as a given one: less likely by no more than chance, or by no more than the error of its form
+/// may gain. `None` where the given one is not in the round.
 pub(super) fn rivals(set: &Candidate, ranked: Vec<(Candidate, f64)>) -> Option<Vec<Candidate>> {
     let names = set.names();
     let net = ranked.iter().find(|(other, _)| other.names() == names).map(|(_, net)| *net)?;
@@ -113,7 +115,7 @@ pub(super) fn rivals(set: &Candidate, ranked: Vec<(Candidate, f64)>) -> Option<V
     Some(candidates(ranked.into_iter().filter(is_near).take(FINISHED - 1).collect()))
 }
 
-/// Possible sets ranked, the best of them refitted to the end.
+/// Possible candidate models, ranked, the best of them refitted to the end.
 pub(crate) fn finished(
     question: &Question<'_>,
     base: &Candidate,
@@ -126,7 +128,8 @@ pub(crate) fn finished(
     let least = least_above(&rough);
     let leading = rough.iter().take_while(|candidate| is_hopeful(candidate, least)).count();
     let rest = rough.split_off(leading.min(FINISHED).max(BEAM.min(rough.len())));
-    // One that has gone beyond what can be, and beside which all that can be is hopeless, may come back from there.
+    // A candidate model that left the possible range may return to it when it is refitted; the best such one is kept if all possible ones are
+    // hopeless beside it.
     let astray = astray.into_iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss));
     let beside_it = |least: f64| rough.iter().all(|candidate| !is_hopeful(candidate, least));
     let astray = astray.filter(|one| beside_it(misfit_above_noise(&one.residuals)));
@@ -137,7 +140,7 @@ pub(crate) fn finished(
     loop {
         let mut ranked = ranked(question, base, all);
         prefer_plain(base, &mut ranked);
-        // A set that comes up only now is refitted to the end before it may be chosen.
+        // A candidate model that moves up only now is refitted to the end before it may be chosen.
         if !ranked.iter().take(BEAM).all(|(candidate, _)| candidate.is_finished) {
             let mut first = candidates(ranked);
             let rest = first.split_off(BEAM.min(first.len()));
@@ -145,7 +148,7 @@ pub(crate) fn finished(
             all.extend(rest);
             continue;
         }
-        // Nor is an extension, before what it extends was looked for where it has ended.
+        // Nor is an extension chosen before the plainer effect was refitted from the extension's solution.
         let Some((best, _)) = ranked.first().filter(|(best, _)| !simplified.contains(&best.names())) else {
             return Ok(ranked);
         };
@@ -155,12 +158,12 @@ pub(crate) fn finished(
     }
 }
 
-/// Ranked sets in their order.
+/// Ranked candidate models in their order.
 pub(crate) fn candidates(ranked: Vec<(Candidate, f64)>) -> Vec<Candidate> {
     ranked.into_iter().map(|(candidate, _)| candidate).collect()
 }
 
-/// The sets in their order, each refitted to the end.
+/// The candidate models in their order, each refitted to the end.
 pub(super) fn to_the_end(question: &Question<'_>, sets: Vec<Candidate>) -> Result<Vec<Candidate>, FitError> {
     let finished =
         |candidate: Candidate| if candidate.is_finished { Ok(candidate) } else { candidate.finished(question) };

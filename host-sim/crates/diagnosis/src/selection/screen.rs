@@ -1,5 +1,5 @@
-//! Which effects are worth a refit: each is tried at a few points of its usual range, and what it would gain once everything
-//! that is free has settled anew is read off the residuals' slopes. One simulation a point instead of a fit.
+//! Which effects are worth a refit: each is tried at a few points of its usual range. What it would gain once all free values are refitted is
+//! computed from the Jacobian of the residuals: one simulation per point instead of a fit.
 
 use identification::parallel;
 
@@ -8,7 +8,7 @@ use model_core::machine::{Machine, MachineError, Parameter};
 
 use crate::catalogue::{EffectParameter, Form, Hypothesis, Kind, Scene};
 
-/// A form of an effect at the point of its range where it promises most.
+/// A form of an effect at the point of its range with the largest predicted gain.
 #[derive(Clone, Debug)]
 pub struct Lead {
     /// The effect.
@@ -21,7 +21,7 @@ pub struct Lead {
     pub gain: f64,
     /// Half the sum of squares that it would leave.
     pub loss: f64,
-    /// Coordinates that what was free before settles at: parameters, then each recording's start.
+    /// Coordinates after the refit of all values that were free before: parameters, then each recording's initial state.
     pub settled: Vec<f64>,
 }
 
@@ -49,7 +49,7 @@ impl Lead {
 pub type Values = Vec<(Parameter, f64)>;
 
 impl EffectParameter {
-    /// How a fit moves it: a broad prior over its usual range.
+    /// How a fit moves this parameter: a broad prior over its usual range.
     #[must_use]
     pub fn free(&self, scene: &Scene<'_>) -> Free {
         // The usual range, widened threefold, is ±2 standard deviations.
@@ -75,7 +75,7 @@ impl EffectParameter {
         matches!(self.kind, Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) | Kind::Signed(_))
     }
 
-    /// The value at which there is nothing of the effect; `None` of what says only how it acts.
+    /// The value at which the effect is absent; `None` for a parameter that describes only how the effect acts.
     #[must_use]
     pub fn neutral(&self) -> Option<f64> {
         match self.kind {
@@ -85,13 +85,13 @@ impl EffectParameter {
         }
     }
 
-    /// Whether no slope leads to it: it is not among what a fit moves.
+    /// Whether it has no usable derivative, so that a fit does not move it.
     #[must_use]
     pub fn is_jump(&self) -> bool {
         matches!(self.kind, Kind::Jump(_) | Kind::Floor(..))
     }
 
-    /// The size that directions are taken at.
+    /// The amount at which its direction is simulated.
     pub fn unit(&self, scene: &Scene<'_>) -> f64 {
         match self.kind {
             Kind::Amount(range) | Kind::Firm(range) | Kind::Jump(range) | Kind::Shape(range, _) => {
@@ -104,7 +104,7 @@ impl EffectParameter {
         }
     }
 
-    /// Its usual range, of a value of either sign about 0, in the unit of its parameter.
+    /// Its usual range in the unit of its parameter; symmetric about 0 for a value of either sign.
     #[must_use]
     pub fn range(&self, scene: &Scene<'_>) -> (f64, f64) {
         match self.kind {
@@ -134,18 +134,18 @@ impl EffectParameter {
     }
 }
 
-/// A point that promises less than this share of the most promising one is not looked at again.
+/// A point whose predicted gain is less than this share of the largest is not evaluated further.
 const WORTHWHILE: f64 = 0.02;
-/// Points that are looked at again, at most.
+/// Most points that are evaluated further.
 const MOST_TRIED: usize = 18;
 
-/// What a point of a form's shapes promises along the directions of its amounts.
+/// Predicted gain of a point of a form's shapes along the directions of its amounts.
 #[derive(Debug)]
 struct PredictedGain {
     /// Which form.
     form: usize,
     shape: Values,
-    /// Of each amount, in its unit.
+    /// Value of each amount, in its unit.
     shares: Vec<f64>,
     gain: f64,
 }
@@ -155,7 +155,7 @@ pub fn amounts(form: Form) -> impl Iterator<Item = &'static EffectParameter> {
     form.iter().filter(|effect_parameter| effect_parameter.is_amount())
 }
 
-/// What each amount simulates at its unit, the others at nil.
+/// Simulation with each amount at its unit and the others at 0.
 fn directions(
     fit: &Fit,
     sensitivity: &Sensitivity<'_>,
@@ -169,7 +169,7 @@ fn directions(
     values.map(|values| sensitivity.simulated(&with(&fit.machine, &values))).collect()
 }
 
-/// How much of each amount lowers the loss most, in units of each, by the direction that it moves the residuals in; and the gain.
+/// The value of each amount, in its unit, that lowers the loss most, from the direction in which it moves the residuals; and the gain.
 fn directed(sensitivity: &Sensitivity<'_>, form: Form, directions: &[Simulated]) -> (Vec<f64>, f64) {
     let positive: Vec<bool> =
         amounts(form).map(|effect_parameter| !matches!(effect_parameter.kind, Kind::Signed(_))).collect();
@@ -177,8 +177,8 @@ fn directed(sensitivity: &Sensitivity<'_>, form: Form, directions: &[Simulated])
     sensitivity.amounts(&changes, &positive)
 }
 
-/// The best point of every form, the most promising first, by each of several weighings of the same recordings. Forms that promise
-/// nothing are left out.
+/// The best point of every form, the most promising first, for each of several weightings of the same recordings. Forms without a predicted gain are
+/// left out.
 pub fn screen(
     scene: &Scene<'_>,
     fit: &Fit,
@@ -193,14 +193,14 @@ pub fn screen(
         .enumerate()
         .flat_map(|(index, (_, form))| shapes(scene, form).into_iter().map(move |shape| (index, shape)))
         .collect();
-    // What each point promises along its directions, by each weighing.
+    // Predicted gain of each point along its directions, for each weighting.
     let predicted_gain: Vec<Vec<PredictedGain>> = parallel::each(points, |(index, shape)| {
         let form = forms[index].1;
         let units: Vec<f64> = amounts(form).map(|effect_parameter| effect_parameter.unit(scene)).collect();
-        // A point that does not become a drive promises nothing.
+        // A point that is no valid drive has no predicted gain.
         let directions = directions(fit, any, form, &shape, &units).ok();
         let predicted = |sensitivity| {
-            // Without an amount there is no direction: what the point itself gains.
+            // Without an amount there is no direction: the gain is that of the point itself.
             if units.is_empty() {
                 let lead = Lead::at(sensitivity, fit, forms[index].0, form, shape.clone());
                 let gain = lead.map_or(0.0, |lead| lead.gain);
@@ -218,7 +218,7 @@ pub fn screen(
     Ok(weighings.iter().enumerate().map(by).collect())
 }
 
-/// The best of the promising points of every form, for real.
+/// The best of the promising points of every form, by simulation at the point itself.
 fn best(
     scene: &Scene<'_>,
     fit: &Fit,
@@ -232,7 +232,7 @@ fn best(
     let worthwhile = predicted_gain.into_iter().filter(|predicted| predicted.gain >= least);
     let leads: Vec<(usize, Option<Lead>)> = parallel::each(worthwhile, |predicted| {
         let (effect, form) = forms[predicted.form];
-        // A point that does not become a drive is no lead.
+        // A point that is no valid drive is no lead.
         (predicted.form, lead(scene, fit, sensitivity, effect, form, predicted).ok().flatten())
     });
     let mut best: Vec<Option<Lead>> = vec![None; forms.len()];
@@ -254,7 +254,7 @@ pub fn shapes(scene: &Scene<'_>, form: Form) -> Vec<Values> {
     combined(Vec::new(), shapes.map(|effect_parameter| (effect_parameter.parameter, effect_parameter.tries(scene))))
 }
 
-/// What is given with every combination of the values to try.
+/// The `given` values with every combination of the values to try.
 pub fn combined(given: Values, tries: impl Iterator<Item = (Parameter, Vec<f64>)>) -> Vec<Values> {
     tries.fold(vec![given], |points, (parameter, values)| {
         points
@@ -292,7 +292,7 @@ fn lead(
     }
     let (mut shares, mut predicted_gain) = (predicted.shares.clone(), predicted.gain);
     let mut best: Option<Lead> = None;
-    // The second time from where the first arrives: a large amount shows another direction than a small one.
+    // The second pass starts from the result of the first: a large amount has another direction than a small one.
     for last in [false, true] {
         if predicted_gain <= 0.0 || shares.iter().all(|share| *share == 0.0) {
             break;
@@ -327,7 +327,7 @@ fn lead(
             directed(sensitivity, form, &directions(fit, sensitivity, form, &predicted.shape, &units)?);
     }
     Ok(best.filter(|lead| lead.gain > 0.0).map(|mut lead| {
-        // An effect parameter that this point does without starts small.
+        // An effect parameter that is 0 at this point starts at a small value.
         for (effect_parameter, unit) in amounts(form).zip(&units) {
             if lead.values.iter().all(|(parameter, _)| *parameter != effect_parameter.parameter) {
                 lead.values.push((effect_parameter.parameter, 0.03 * unit));
@@ -337,8 +337,8 @@ fn lead(
     }))
 }
 
-/// The best values of effect parameters that residuals jump with: no slope leads there, so the ranges are tried and then narrowed down,
-/// one effect parameter at a time.
+/// The best values of effect parameters with which residuals change in jumps: there is no usable derivative, so points of the ranges are tried and
+/// then narrowed down, one effect parameter at a time.
 fn jump(
     scene: &Scene<'_>,
     form: Form,

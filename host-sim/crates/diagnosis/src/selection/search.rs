@@ -1,4 +1,4 @@
-//! Sets with one more effect: what is worth a refit, refitted roughly.
+//! Candidate models with one more effect: those worth a refit are refitted roughly.
 
 use identification::parallel;
 
@@ -11,13 +11,13 @@ use super::likelihood::{is_earned, misfit_above_noise};
 use super::screen::Lead;
 use crate::catalogue::Hypothesis;
 
-/// An effect that promises less than this share of what the best does is not refitted.
+/// An effect whose predicted gain is less than this share of the best one's is not refitted.
 const PROMISING: f64 = 0.05;
 
-/// Every set of the beam with one more effect, at most `most` effects from each reference, in their promising forms.
+/// Every candidate model of the beam with one more effect, at most `most` effects from each reference, in their promising forms.
 ///
-/// Where nothing is in a set yet and what is missing has bent the base parameters, the inflated model is a reference as
-/// well. Extensions of an effect start from its refit.
+/// Where a candidate model has no effect yet and its base parameters are pulled from their nominal values by what is missing, the model with inflated
+/// noise is a reference as well. Extensions of an effect start from its refit.
 pub(super) fn widened(
     question: &Question<'_>,
     inflated: &InflatedNoise,
@@ -34,11 +34,12 @@ pub(super) fn widened(
     of_each(beam, of_set)
 }
 
-/// Refits of a set with one more effect, from where the set stands and, where that is bent, from the inflated model.
+/// Refits of a candidate model with one more effect, from its own solution and, where that is pulled from the nominal values, from the model with
+/// inflated noise.
 ///
-/// The inflated model's leads are those of its correlated residuals, and what only independent ones lead to. From both models a form
-/// mostly ends alike, so what correlated residuals lead to is refitted from the inflated one, and only what comes near the best from the
-/// other too.
+/// The leads of the model with inflated noise are those of its correlated residuals, then those that only independent residuals give. From both
+/// models a form mostly ends at the same solution, so the leads of correlated residuals are refitted from the model with inflated noise, and from the
+/// other one only if they come near the best.
 fn added(
     question: &Question<'_>,
     inflated: &InflatedNoise,
@@ -79,7 +80,7 @@ pub(crate) fn of_each<T: Sync>(
     Ok(found.into_iter().flatten().collect())
 }
 
-/// A rough refit from each lead, in their order. `done` is told after each.
+/// A rough refit from each lead, in their order. `done` is called after each.
 pub(crate) fn refit_each(
     leads: &[Lead],
     done: &(impl Fn(&str) + Sync),
@@ -100,8 +101,8 @@ pub(crate) fn open_to(question: &Question<'_>, from: &Candidate) -> Vec<&'static
     question.hypotheses.iter().copied().filter(open).collect()
 }
 
-/// The leads of the most promising effects, each of which promises more than the `least`: what chance gives, but beside the
-/// inflated model nothing, for there all that is left counts as noise.
+/// The leads of the most promising effects, each with a predicted gain above the `least`. That is what chance gives, but 0 for the model with
+/// inflated noise, where the whole misfit counts as noise.
 fn promising(mut leads: Vec<Lead>, most: usize, least: f64) -> Vec<Lead> {
     leads.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let best = leads.first().map_or(0.0, |lead| lead.gain);
@@ -128,21 +129,21 @@ fn promising(mut leads: Vec<Lead>, most: usize, least: f64) -> Vec<Lead> {
     leads
 }
 
-/// One that leaves so many times what the best does is not worth another refit.
+/// A candidate model with this many times the misfit above noise of the best one is not worth another refit.
 const HOPELESS: f64 = 10.0;
 
-/// The least that any leaves above the noise.
+/// The least misfit above noise of any of these.
 pub(crate) fn least_above<'c>(found: impl IntoIterator<Item = &'c Candidate>) -> f64 {
     found.into_iter().map(|candidate| misfit_above_noise(&candidate.residuals)).fold(f64::INFINITY, f64::min)
 }
 
-/// Whether a set may come near the best, which leaves the `least` above the noise.
+/// Whether a candidate model may come near the best one, whose misfit above noise is the `least`.
 pub(crate) fn is_hopeful(candidate: &Candidate, least: f64) -> bool {
     misfit_above_noise(&candidate.residuals) < HOPELESS * least.max(2.0 * candidate.effect_parameters() as f64)
 }
 
-/// Refits of the extensions of effects that were refitted, from the best refit of each form; of what was refitted itself, only
-/// where an extension promises more.
+/// Refits of the extensions of refitted effects, from the best refit of each form; an extension that was refitted itself is only refitted again where
+/// its predicted loss is lower.
 fn extensions(
     question: &Question<'_>,
     from: &Candidate,
@@ -162,8 +163,8 @@ fn extensions(
     of_each(plainer, of_plain)
 }
 
-/// A set with each refinement of one of its effects in the place of the plain form, refitted to the end. That can follow much that is not
-/// its own: it stays where it takes most of what the set leaves.
+/// A candidate model with each refined form of one of its effects in the place of the plain form, refitted to the end. A refined form can follow much
+/// that has another cause: it is only kept where it explains most of the misfit.
 pub(super) fn refined(
     question: &Question<'_>,
     set: &Candidate,
@@ -182,7 +183,8 @@ pub(super) fn refined(
     Ok(found)
 }
 
-/// Refits of a set with extensions in the place of an effect that it had before its newest: what they have more shows beside that.
+/// Refits of a candidate model with extensions in the place of an effect that it had before its newest one: beside the newest effect their additional
+/// gain becomes visible.
 pub(super) fn enriched(
     question: &Question<'_>,
     set: &Candidate,
@@ -193,7 +195,7 @@ pub(super) fn enriched(
     of_each(older, of_one)
 }
 
-/// Refits of a set with each extension of one of its effects in the place of that, but from leads that are known.
+/// Refits of a candidate model with each extension of one of its effects in the place of that effect; known leads are left out.
 fn in_its_place(
     question: &Question<'_>,
     set: &Candidate,

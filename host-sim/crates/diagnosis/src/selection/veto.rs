@@ -1,5 +1,5 @@
-//! The held-out recordings, opened once the training recordings have chosen: they may take an effect out of the choice, or veto it,
-//! and never put one in.
+//! The held-out recordings, opened after the choice on the training recordings: they may remove an effect from the choice, or veto it, but never add
+//! one.
 
 use identification::experiment::Prepared;
 use identification::fit::{FitError, settle, softened};
@@ -16,11 +16,11 @@ use crate::catalogue::Hypothesis;
 use crate::selection::valve::valve_first::gains_apart;
 
 impl Selection {
-    /// Takes out of a set of several every effect that held-out recordings gain nothing by beside the others, refitted without it
-    /// to the training recordings; the last added first. A signal may get worse by as little as the forms of the others may be off:
-    /// that is not the fault of the one in question. While the chain is far off, one may also gain on its own side of the spool.
-    /// What is left has to be acceptable by itself, else it goes as well: a pair may have been accepted because neither was enough
-    /// alone. Those that were taken out.
+    /// Removes from a chosen candidate model with several effects every effect by which held-out recordings gain nothing beside the others, compared
+    /// with a refit without it to the training recordings; the last added is tried first. A signal may get worse within the form error of the other
+    /// effects: that is not the fault of the one in question. While the whole model is far off, an effect may also gain on its own side of the spool.
+    /// What is left has to be acceptable by itself, else it is removed as well: a pair may have been accepted because neither effect was enough
+    /// alone. Returns the removed effects.
     pub fn refused(
         &mut self,
         question: &Question<'_>,
@@ -65,7 +65,7 @@ impl Selection {
     }
 }
 
-/// What a machine leaves above the noise on held-out recordings, by signal.
+/// Misfit above noise of a machine on held-out recordings, by signal.
 fn left(machine: &Machine<f64>, held_out: &[&Prepared]) -> Result<Vec<(Signal, f64)>, MachineError> {
     let mut signals = Vec::new();
     for case in held_out {
@@ -77,7 +77,7 @@ fn left(machine: &Machine<f64>, held_out: &[&Prepared]) -> Result<Vec<(Signal, f
     Ok(signals)
 }
 
-/// Whether no signal is worse with an effect than without it by more than the form of the others is off by, of what those explain of it over
+/// Whether no signal gets worse with the effect by more than the form error of the other effects, a share of what those explain of the signal over
 /// the base.
 fn is_by_form(base: &[(Signal, f64)], without: &[(Signal, f64)], with: &[(Signal, f64)]) -> bool {
     let signals = base.iter().zip(without).zip(with);

@@ -1,4 +1,4 @@
-//! Separation on drives that are known.
+//! Separation of effects on known drives.
 
 use test_press::with_papers_valve as press;
 

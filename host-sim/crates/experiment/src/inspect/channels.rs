@@ -8,7 +8,7 @@ use simulation::signal::noise::{extent, noise, resolution};
 /// What was found in one column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InspectedColumn {
-    /// What it holds.
+    /// The signal that it contains.
     pub signal: Signal,
     /// Its header in the file.
     pub header: String,
@@ -18,9 +18,9 @@ pub struct InspectedColumn {
     pub low: f64,
     /// Highest value, SI.
     pub high: f64,
-    /// Standard deviation of noise and quantisation, SI; `None` where nothing changes, and of signals that are set and not measured.
+    /// Standard deviation of noise and quantisation, SI; `None` where nothing changes, and for signals that are set and not measured.
     pub noise: Option<f64>,
-    /// Step of its sensor, SI, where one shows.
+    /// Resolution of its sensor, SI, where it can be seen.
     pub step: Option<f64>,
     /// Rows where its sensor failed.
     pub failed: usize,

@@ -1,23 +1,23 @@
-//! Whether a command is counted in the unit that the machine file takes it in: `valve.gain_per_v` is travel per whatever the
-//! recording's command is in, volts or milliamperes, and neither file says which of the two the other means.
+//! Whether a command is in the unit that the machine file expects: `valve.gain_per_v` is travel per unit of the
+//! recording's command, volts or milliamperes, and neither file states which of the two the other means.
 
 use model_core::machine::{Machine, Parameter, Source};
 use recording::display_unit::significant;
 use recording::{Dimension, Recording, Signal};
 use simulation::signal::noise::extent;
 
-/// Currents with a live zero, mA, with what a loop may be off.
+/// Range of currents with a live zero, mA, including the tolerance of a current loop.
 const LIVE_ZERO_MA: std::ops::RangeInclusive<f64> = 3.5..=21.0;
-/// The closed valve of such a current, mA.
+/// The current at which the valve is closed, mA.
 const MIDDLE_MA: f64 = 12.0;
-/// A current opens the valve by more than this where the file means volts.
+/// If the file means volts, a current opens the valve by more than this.
 const WIDE_OPEN: f64 = 1.1;
-/// The measured spool goes by less than this share of what the file says, or by more than its inverse: the usual mistakes are
-/// off by two.
+/// The measured spool travels by less than this share of what the file says, or by more than its inverse: the usual
+/// mistakes are a factor of two.
 const SHARE: f64 = 0.65;
-/// A command is held where it stays within this share of its range.
+/// A command is held while it stays within this share of its range.
 const HELD: f64 = 5e-3;
-/// Rows that are needed to hold the spool against the command.
+/// Fewest rows for a comparison of the spool with the command.
 const LEAST_ROWS: usize = 20;
 
 /// What is doubtful about the command's unit; a sentence without full stop.
@@ -68,7 +68,7 @@ pub(crate) fn command_doubt(recording: &Recording, machine: &Machine<f64>) -> Op
     })
 }
 
-/// How far the measured spool goes, over what the machine file says, where the command was held until it got there.
+/// Travel of the measured spool over that from the machine file, where the command was held until the spool arrived.
 fn followed(recording: &Recording, machine: &Machine<f64>) -> Option<f64> {
     let (time_s, command) = (recording.time_s(), recording.signal(Signal::Command)?);
     let spool = recording.signal(Signal::Spool)?;

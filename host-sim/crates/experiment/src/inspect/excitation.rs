@@ -1,4 +1,4 @@
-//! What moved, how far, and whether it also held: a link that was not excited cannot be judged.
+//! What moved, how far, and whether it also rested: a link that was not excited cannot be judged.
 
 use model_core::machine::{Machine, Parameter, Source};
 use recording::display_unit::{significant, unit_for_people, unit_of};
@@ -12,26 +12,26 @@ use super::channels::InspectedColumn;
 
 /// Velocity is the slope over this time, s.
 const OVER_S: f64 = 0.1;
-/// The rod moves where it travels more than so many times its sensor's noise in that time.
+/// The rod moves where it travels more than this many times its sensor's noise in that time.
 const MOVES: f64 = 6.0;
-/// A rod that holds for so long shows leakage and drift, s.
+/// A rod that is held for this long shows leakage and drift, s.
 const HOLD_S: f64 = 0.3;
-/// Less of the stroke shows little of what depends on the position.
+/// A smaller share of the stroke shows little of what depends on the position.
 const LITTLE_TRAVEL: f64 = 0.2;
 
 /// How the valve was opened.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Opened {
-    /// The measured spool, or the command where no spool is.
+    /// The measured spool, or the command where no spool is recorded.
     pub by: Signal,
-    /// The unit in which people read `low` and `high`: that of a spool position, or the command's own where no machine file tells
-    /// where a command puts the spool.
+    /// The unit in which people read `low` and `high`: that of a spool position, or the command's own where no machine file
+    /// gives the spool position for a command.
     pub unit: Unit,
-    /// Lowest spool position, 1; of a command without machine file, V or mA.
+    /// Lowest spool position, 1; for a command without machine file, V or mA.
     pub low: f64,
-    /// Highest, the same.
+    /// Highest, in the same unit.
     pub high: f64,
-    /// Share of the rows beyond the dead zone on the retracting and on the extending side, where a machine file says how wide it is.
+    /// Share of the rows beyond the dead zone on the retracting and on the extending side, where a machine file gives its width.
     pub beyond: Option<(f64, f64)>,
 }
 
@@ -42,7 +42,7 @@ pub struct Travelled {
     pub low_m: f64,
     /// Highest position, m.
     pub high_m: f64,
-    /// Share of the machine file's stroke.
+    /// Covered share of the machine file's stroke.
     pub of_stroke: Option<f64>,
     /// Largest velocity retracting, m/s, not positive.
     pub retracting_m_per_s: f64,
@@ -50,7 +50,7 @@ pub struct Travelled {
     pub extending_m_per_s: f64,
     /// Share of the rows in which it moves.
     pub moving: f64,
-    /// The longest time for which it does not, s.
+    /// The longest time without motion, s.
     pub held_s: f64,
 }
 
@@ -160,7 +160,7 @@ fn held(time_s: &[f64], moves: &[bool]) -> f64 {
     longest
 }
 
-/// Channels that tell nothing.
+/// Channels that show nothing.
 pub(crate) fn doubts(channels: &[InspectedColumn]) -> Vec<String> {
     let constant = |channel: &&InspectedColumn| {
         channel.is_constant() && channel.noise.is_none() && channel.signal != Signal::ValveDirection

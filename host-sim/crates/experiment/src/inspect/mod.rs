@@ -1,5 +1,5 @@
-//! What a recording holds and what it can tell, before any model is fitted: its channels, which links of a drive it can test, and
-//! how well the drive was excited.
+//! What a recording contains and what it can show, before any model is fitted: its channels, which links of a drive it
+//! can test, and how well the drive was excited.
 
 mod channels;
 mod command;
@@ -17,7 +17,7 @@ pub use excitation::{Excited, Opened, Travelled};
 pub use testable::{LinkTest, Reach};
 pub use units::unit_doubts;
 
-/// All that is found in one recording.
+/// Everything that is found in one recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inspection {
     /// The recording's name.
@@ -26,17 +26,17 @@ pub struct Inspection {
     pub rows: usize,
     /// From the first row to the last, s.
     pub duration_s: f64,
-    /// What its time stamps say.
+    /// What its time stamps show.
     pub stamps: Stamps,
     /// The known columns but time, in the order of the file.
     pub channels: Vec<InspectedColumn>,
     /// Headers of columns that hold no known signal.
     pub ignored: Vec<String>,
-    /// What reading had to put right: duplicates, gaps, empty cells.
+    /// What had to be corrected when reading: duplicates, gaps, empty cells.
     pub notes: Vec<String>,
-    /// Whether a valve or a pump feeds the cylinder: as the machine file says, else as the columns suggest.
+    /// Whether a valve or a pump feeds the cylinder: from the machine file, or else from the columns.
     pub source: Source,
-    /// The links in the chain's order.
+    /// The links in the model's order.
     pub links: Vec<LinkTest>,
     /// What moved, and how far.
     pub excited: Excited,
@@ -45,7 +45,7 @@ pub struct Inspection {
 }
 
 impl Inspection {
-    /// Inspects a recording; with a machine file also against its dead zone, stroke and supply pressure.
+    /// Inspects a recording; with a machine file it is also compared with its dead zone, stroke and supply pressure.
     #[must_use]
     pub fn of(recording: &Recording, file: Option<&MachineFile>) -> Self {
         let time_s = recording.time_s();
@@ -76,7 +76,7 @@ impl Inspection {
     }
 }
 
-/// A recording with a pump's speed and no valve is one of a pump-controlled drive.
+/// A recording with a pump's speed and no valve belongs to a pump-controlled drive.
 fn suggested(recording: &Recording) -> Source {
     let has = |signal| recording.has(signal);
     if has(Signal::PumpSpeed) && !has(Signal::Command) && !has(Signal::Spool) { Source::Pump } else { Source::Valve }

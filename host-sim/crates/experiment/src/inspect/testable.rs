@@ -1,41 +1,41 @@
-//! Which links a recording can test: a link is tested where what goes in and what comes out is measured.
+//! Which links a recording can test: a link is tested where both its input and its output are measured.
 
 use diagnosis::catalogue::Subsystem;
 use model_core::machine::Source;
 use recording::Signal;
 use simulation::{InputPoint, computed_below};
 
-/// How far a recording reaches a link.
+/// How well a recording can test a link.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Reach {
-    /// By itself: a miss is made there.
+    /// Alone: a misfit is caused there.
     Alone {
-        /// Where the chain is entered.
+        /// Where the model is driven.
         input_point: InputPoint,
-        /// What it is judged by.
+        /// The signals by which it is judged.
         judged: Vec<Signal>,
     },
-    /// Together with others: a miss may be made in any of them.
+    /// Together with others: a misfit may be caused in any of them.
     Together {
-        /// Where the chain is entered.
+        /// Where the model is driven.
         input_point: InputPoint,
-        /// What they are judged by.
+        /// The signals by which they are judged.
         judged: Vec<Signal>,
     },
     /// Not at all.
     No,
 }
 
-/// One link, and what a recording can say of it.
+/// One link, and how well a recording can test it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LinkTest {
     /// The link.
     pub link: Subsystem,
-    /// How far it is reached.
+    /// How well it is tested.
     pub reach: Reach,
-    /// Signals that would have to be recorded too, to test it alone; empty where it is.
+    /// Signals that would also have to be recorded to test it alone; empty where it is tested alone.
     pub missing: Vec<Signal>,
-    /// Signals of which one is enough to test it with other links; empty where it is tested, or where it takes more than one.
+    /// Signals of which one is sufficient to test it together with other links; empty where it is tested, or where more than one is needed.
     pub enough: Vec<Signal>,
 }
 
@@ -48,21 +48,21 @@ struct Way {
 
 use Signal::{Command, Flow, Force, Position, PressureA, PressureB, PumpSpeed, Spool, Velocity};
 
-/// What may be added to a recording, the usual first.
+/// Signals that may be added to a recording, the most usual first.
 const ENOUGH: [Signal; 6] = [Command, Spool, PumpSpeed, Position, PressureA, PressureB];
 
 fn ways(link: Subsystem, source: Source) -> Vec<Way> {
     const MOTION: &[Signal] = &[Position, Velocity];
     const PRESSURES: &[Signal] = &[PressureA, PressureB];
     let way = |input_point, needs, judged| Way { input_point, needs, judged };
-    // A pump's speed takes the place of the spool.
+    // A pump's speed replaces the spool.
     let (feed, with_pressures): (InputPoint, &'static [Signal]) = match source {
         Source::Valve => (InputPoint::Spool, &[Spool, PressureA, PressureB, Position]),
         Source::Pump => (InputPoint::Pump, &[PumpSpeed, PressureA, PressureB, Position]),
     };
     match link {
         Subsystem::Valve => vec![way(InputPoint::Command, &[Command, Spool], &[Spool])],
-        // What two sensors say of one motion has to agree.
+        // Two sensors of the same motion have to agree.
         Subsystem::Flow | Subsystem::Sensing => vec![way(feed, with_pressures, MOTION)],
         Subsystem::Chambers => vec![
             way(feed, with_pressures, PRESSURES),
@@ -75,7 +75,7 @@ fn ways(link: Subsystem, source: Source) -> Vec<Way> {
     }
 }
 
-/// Every link of a drive with this source of oil, in the chain's order, and how far signals reach it.
+/// Every link of a drive with this source of oil, in the model's order, and how well the signals test it.
 #[must_use]
 pub(crate) fn links(source: Source, has: impl Fn(Signal) -> bool) -> Vec<LinkTest> {
     let all = [Subsystem::Valve, Subsystem::Flow, Subsystem::Chambers, Subsystem::Mechanics, Subsystem::Sensing];
@@ -84,7 +84,7 @@ pub(crate) fn links(source: Source, has: impl Fn(Signal) -> bool) -> Vec<LinkTes
 }
 
 fn tested(link: Subsystem, source: Source, has: &impl Fn(Signal) -> bool) -> LinkTest {
-    // A velocity does where a position is missing.
+    // A velocity is sufficient where a position is missing.
     let there = |signal: Signal| has(signal) || (signal == Position && has(Velocity));
     let lacks = |way: &Way| way.needs.iter().copied().filter(|signal| !there(*signal)).collect::<Vec<_>>();
     let nearest = ways(link, source).into_iter().min_by_key(|way| lacks(way).len());
@@ -103,7 +103,7 @@ fn tested(link: Subsystem, source: Source, has: &impl Fn(Signal) -> bool) -> Lin
     LinkTest { link, reach, missing, enough }
 }
 
-/// The drive input furthest upstream, where it lies above the link and something below the link is measured.
+/// The drive input furthest upstream, if it lies above the link and something below the link is measured.
 fn together(link: Subsystem, source: Source, has: &impl Fn(Signal) -> bool) -> Reach {
     let input_points = match source {
         Source::Valve => &[(InputPoint::Command, Command), (InputPoint::Spool, Spool), (InputPoint::Flow, Flow)][..],

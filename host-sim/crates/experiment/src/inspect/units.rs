@@ -1,5 +1,5 @@
-//! Whether a recording's values can be in the units that its headers say: against the stroke, the supply pressure, and the speed that
-//! the opened valve gives.
+//! Whether a recording's values can be in the units of its headers: compared with the stroke, the supply pressure, and
+//! the speed that the opened valve gives.
 
 use model_core::machine::{Machine, Parameter, Source};
 use recording::display_unit::significant;
@@ -10,19 +10,19 @@ use simulation::signal::window::rows_in;
 
 use super::command::command_doubt;
 
-/// A position is at most so many strokes: the zero is not always at an end.
+/// Largest position, in strokes: the zero is not always at an end.
 const MOST_STROKES: f64 = 1.02;
-/// A chamber's pressure is at most so many times the supply's: less than a rod of a third of the piston gives, which is thin.
+/// Largest pressure of a chamber, over that of the supply: less than with a rod of a third of the piston, which is thin.
 const MOST_SUPPLIES: f64 = 1.5;
-/// And exceeds this share of it at some time: 0.14 bar of 70.
+/// It exceeds this share of the supply pressure at some time: 0.14 bar of 70.
 const LEAST_SUPPLIES: f64 = 2e-3;
-/// The rod goes at its fastest by so much as the opened valve gives, under any load that it moves, and with any load that helps.
+/// The largest speed of the rod over that of the opened valve, for any load that it can move and any load that helps.
 const SPEED: std::ops::RangeInclusive<f64> = 0.02..=5.0;
-/// The fastest is exceeded in this share of the rows.
+/// The largest speed is the one that this share of the rows does not exceed.
 const FASTEST: f64 = 0.99;
 /// Speed is the slope over this time, s, or over two rows where they are further apart.
 const OVER_S: f64 = 0.02;
-/// A rod that goes by less than so many times its sensor's noise does not move.
+/// A rod that travels less than this many times its sensor's noise does not move.
 const MOVES: f64 = 20.0;
 /// The valve opens by more than this beyond the dead zone, 1; for less, the dead zone is not known well enough.
 const OPENS: f64 = 0.02;
@@ -32,7 +32,7 @@ const OPENS: f64 = 0.02;
 pub fn unit_doubts(recording: &Recording, machine: &Machine<f64>) -> Vec<String> {
     let command = command_doubt(recording, machine);
     let position = position_doubt(recording, machine);
-    // What stands beyond the stroke is too fast as well, and what is opened too far too slow.
+    // A position beyond the stroke also gives too high a speed, and too large an opening gives too low a speed.
     let speed = if position.is_none() && command.is_none() { speed_doubt(recording, machine) } else { None };
     let pressures = [Signal::PressureA, Signal::PressureB, Signal::SupplyPressure];
     let pressures = pressures.into_iter().filter_map(|signal| pressure_doubt(recording.column(signal)?, machine));
@@ -50,7 +50,7 @@ fn pressure_doubt(column: &Column, machine: &Machine<f64>) -> Option<String> {
     let supply = machine.get(Parameter::SupplyPressure);
     let (least, most) = (LEAST_SUPPLIES * supply, MOST_SUPPLIES * supply);
     let high = extent(&column.values).1;
-    // A load may raise the pressures of a pump's cylinder beyond those that it was relieved at.
+    // A load may raise the pressures in a pump's cylinder above the pressure at which the pump is relieved.
     if high > most && machine.source == Source::Valve {
         return Some(beyond(column, "1.5 times the supply pressure or more of the machine file", (least, most)));
     }
@@ -58,7 +58,7 @@ fn pressure_doubt(column: &Column, machine: &Machine<f64>) -> Option<String> {
     low.then(|| beyond(column, "less than a hundredth of the supply pressure of the machine file", (least, most)))
 }
 
-/// That a column reaches what it cannot, and the unit in which that comes nearest to the middle of what it can.
+/// Message that a column reaches an impossible value, with the unit in which this value comes nearest to the middle of the possible ones.
 fn beyond(column: &Column, which: &str, (least, most): (f64, f64)) -> String {
     let high = extent(&column.values).1;
     let shown = |unit: Unit| format!("{} {unit}", significant(column.unit.from_si(high), 3));
@@ -69,7 +69,7 @@ fn beyond(column: &Column, which: &str, (least, most): (f64, f64)) -> String {
     format!("{} reaches {}, {which}: is its unit right?{instead}", column.signal, shown(column.unit))
 }
 
-/// Whether the rod goes about as fast as the opened valve lets it.
+/// Whether the speed of the rod agrees roughly with the opening of the valve.
 fn speed_doubt(recording: &Recording, machine: &Machine<f64>) -> Option<String> {
     if machine.source == Source::Pump {
         return None;

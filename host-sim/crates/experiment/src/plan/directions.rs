@@ -1,4 +1,4 @@
-//! What moves when a parameter moves, or an effect is there: machines to be held against the one as it is.
+//! Changes by a parameter or an effect: machines that are compared with the original one.
 
 use diagnosis::catalogue::{EffectParameter, Form, Hypothesis, Kind, Scene};
 use diagnosis::selection::screen::{Values, amounts, combined, shapes, with};
@@ -13,12 +13,12 @@ use crate::sensor::Sensor;
 const SHARE: f64 = 0.1;
 /// Standard deviation of the logit of the level at rest, where no pressure is recorded.
 const LEVEL: f64 = 0.4;
-/// Rows at rest that tell where the rod starts.
+/// Rows at rest from which the initial position is determined.
 const ROWS_AT_REST: f64 = 20.0;
-/// Values that are tried of effect parameters which no slope leads to.
+/// Number of values tried for effect parameters that no derivative leads to.
 const TRIED: usize = 8;
 
-/// A machine that differs from the one as it is, and how many times its difference counts.
+/// A machine that differs from the original one, and the factor of its difference.
 #[derive(Clone, Debug)]
 pub(crate) struct Direction {
     pub(crate) machine: Machine<f64>,
@@ -27,38 +27,38 @@ pub(crate) struct Direction {
 }
 
 impl Direction {
-    /// The machine with these values, counted once.
+    /// The machine with these values, with factor 1.
     fn once(machine: &Machine<f64>, values: &[(Parameter, f64)]) -> Self {
         Self { machine: with(machine, values), offset: StartOffset::none(), times: 1.0 }
     }
 }
 
-/// One way in which an effect may act: its shapes given, its amounts free.
+/// One way in which an effect may act: its shapes are given, its amounts are free.
 #[derive(Clone, Debug)]
 pub(crate) struct Way {
-    /// Which of the effects.
+    /// Index of the effect.
     pub(crate) effect: usize,
-    /// Directions of its amounts, the first of them and how many.
+    /// Directions of its amounts: index of the first, and their number.
     pub(crate) first: usize,
     pub(crate) count: usize,
     /// Whether each amount can only be positive.
     pub(crate) positive: Vec<bool>,
-    /// Values that a refit has to find.
+    /// Number of values that a refit has to find.
     pub(crate) effect_parameters: usize,
-    /// Whether it acts as it is, without more or less.
+    /// Whether it acts only as it is, without a variable amount.
     pub(crate) jumps: bool,
 }
 
-/// Everything that a drive is held against.
+/// Everything that a drive is compared with.
 #[derive(Clone, Debug)]
 pub(crate) struct Directions {
     pub(crate) effects: Vec<&'static Hypothesis>,
-    /// The base parameters and the start first, then the ways of the effects, then each effect as it usually is.
+    /// The base parameters and the initial state first, then the ways of the effects, then each effect at its usual size.
     pub(crate) all: Vec<Direction>,
-    /// How many belong to parameters and start.
+    /// How many of them belong to base parameters and initial state.
     pub(crate) base_parameters: usize,
     pub(crate) ways: Vec<Way>,
-    /// Effect parameters of each effect as it usually is; its direction is at `usual` and on.
+    /// Effect parameters of each effect at its usual size; their directions begin at `usual`.
     pub(crate) effect_parameters: Vec<Values>,
     pub(crate) usual: usize,
 }
@@ -94,16 +94,16 @@ impl Directions {
         Self { effects: effects.to_vec(), all, base_parameters: count, ways, effect_parameters, usual }
     }
 
-    /// Fewest effect parameters that an effect takes.
+    /// Smallest number of effect parameters that an effect needs.
     pub(crate) fn fewest(&self, effect: usize) -> usize {
         self.ways.iter().filter(|way| way.effect == effect).map(|way| way.effect_parameters).min().unwrap_or(1)
     }
 }
 
-/// The machine with each base parameter moved; its standard deviation is one.
+/// The machine with each base parameter moved; a move of 1 is one standard deviation.
 fn parameters(machine: &Machine<f64>, base_parameters: &[Free]) -> Vec<Direction> {
     let moved = |free: &Free| {
-        // At an end of its range it moves the other way.
+        // At an end of its range it is moved in the other direction.
         [SHARE, -SHARE].into_iter().find_map(|share| {
             let value = free.value(free.coordinate(machine.get(free.parameter)) + share);
             let there = (value - machine.get(free.parameter)).abs() > 0.0;
@@ -113,7 +113,7 @@ fn parameters(machine: &Machine<f64>, base_parameters: &[Free]) -> Vec<Direction
     base_parameters.iter().filter_map(moved).collect()
 }
 
-/// What stays open of the start: the level of pressure where none is recorded, and the position below its noise.
+/// What is uncertain about the initial state: the level of pressure where none is recorded, and the position within its noise.
 fn start(machine: &Machine<f64>, sensors: &[Sensor]) -> Vec<Direction> {
     let mut found = Vec::new();
     let is_pressure = |sensor: &&Sensor| matches!(sensor.signal, Signal::PressureA | Signal::PressureB);
@@ -134,7 +134,7 @@ fn is_jump(form: Form) -> bool {
     form.iter().all(EffectParameter::is_jump)
 }
 
-/// Every point of a form's shapes, with the amounts that are free there, each at its usual size, and whether they can only be positive.
+/// Every combination of a form's shapes, with the amounts that are free there, each at its usual size, and whether they can only be positive.
 fn points(scene: &Scene<'_>, form: Form) -> Vec<(Values, Vec<(Values, bool)>)> {
     if is_jump(form) {
         let tries = form.iter().map(|effect_parameter| {
@@ -153,7 +153,7 @@ fn points(scene: &Scene<'_>, form: Form) -> Vec<(Values, Vec<(Values, bool)>)> {
     shapes(scene, form).into_iter().map(|shape| (shape, free.clone())).collect()
 }
 
-/// The plainest form of an effect as it usually is: the middle of every range.
+/// The plainest form of an effect at its usual size: the middle of every range.
 fn usual(scene: &Scene<'_>, hypothesis: &Hypothesis) -> Values {
     let Some(form) = hypothesis.forms_in(scene).next() else { return Vec::new() };
     let all = shapes(scene, form);

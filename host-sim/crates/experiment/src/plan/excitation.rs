@@ -1,4 +1,4 @@
-//! The excitation that separates most: the best choice of standard tests, one after the other.
+//! The excitation that separates effects best: the best choice of standard tests, one after the other.
 
 use identification::parallel;
 
@@ -12,14 +12,14 @@ use super::products::{Products, View};
 use crate::sensor::Sensor;
 use crate::standard_tests::{StandardTest, command_for};
 
-/// Between two tests the rod is brought back at this speed, m/s.
+/// Speed at which the rod is brought back between two tests, m/s.
 const BACK_M_PER_S: f64 = 0.05;
 /// Longest way back, s.
 const LONGEST_BACK_S: f64 = 4.0;
 /// Rest after it, s.
 const REST_S: f64 = 0.3;
 
-/// A standard test with the way back to mid-stroke after it, and what it tells.
+/// A standard test followed by the way back to mid-stroke, and what it shows.
 #[derive(Clone, Debug)]
 pub(crate) struct Leg {
     pub(crate) test: StandardTest,
@@ -27,7 +27,7 @@ pub(crate) struct Leg {
 }
 
 impl Leg {
-    /// One that can be simulated on the drive.
+    /// A test that can be simulated on the drive.
     pub(crate) fn of(
         test: &StandardTest,
         machine: &Machine<f64>,
@@ -44,7 +44,7 @@ impl Leg {
     }
 }
 
-/// Where the rod is in every row, m.
+/// Position of the rod in every row, m.
 fn positions(test: &StandardTest, machine: &Machine<f64>, tick: Tick) -> Result<Vec<f64>, MachineError> {
     let mut found = Vec::new();
     if let Some(stimulus) = test.stimulus(machine, tick) {
@@ -89,7 +89,8 @@ fn brought_back(
     Ok(test)
 }
 
-/// The choice of legs, no longer than `longest_s` together, that tells most with the sensors at hand; the shortest of equals. Their places.
+/// Indices of the best choice of legs, no longer than `longest_s` together: the one that shows most with the sensors at hand; among equals the
+/// shortest.
 pub(crate) fn best(legs: &[Leg], directions: &Directions, at_hand: &[usize], longest_s: f64) -> Vec<usize> {
     let choices: Vec<(Vec<usize>, f64)> = (1_u32..1 << legs.len())
         .map(|choice| (0..legs.len()).filter(|leg| choice & (1 << leg) != 0).collect::<Vec<usize>>())
@@ -114,7 +115,7 @@ pub(crate) fn best(legs: &[Leg], directions: &Directions, at_hand: &[usize], lon
         .map_or(Vec::new(), |best| best.2)
 }
 
-/// Tests one after the other.
+/// Tests joined one after the other.
 pub(crate) fn joined(tests: &[&StandardTest]) -> Option<StandardTest> {
     let first = tests.first()?;
     let mut all = StandardTest {

@@ -1,4 +1,4 @@
-//! Which effects would be seen, and which would pass for which: by the decision rule of the diagnosis.
+//! Which effects would be seen, and which would be confused with which: by the decision rule of the diagnosis.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -6,21 +6,21 @@ use diagnosis::selection::decision_rule::{BEYOND_PENALTY, PLAN_RIVAL_LEAVES, PLA
 
 use super::directions::{Directions, Way};
 
-/// One effect, as it usually is, against every other.
+/// Each effect at its usual size, compared with every other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Isolability {
-    /// How far each effect takes the sensors, in standard deviations of their noise (root of the sum of squares), once ordinary
-    /// parameters have settled.
+    /// Change that each effect causes in the sensors, in standard deviations of their noise (root of the sum of squares),
+    /// after a refit of the base parameters.
     pub seen: Vec<f64>,
     /// Whether that is enough to accept it.
     pub accepted: Vec<bool>,
-    /// For each effect that is there, each other one: what the best of its forms leaves, in standard deviations.
+    /// For each effect that is present and each other effect: the difference that the other's best form leaves, in standard deviations.
     pub left: Vec<Vec<f64>>,
-    /// Whether that tells the two apart. Every effect is told from itself.
+    /// Whether this difference distinguishes the two. Every effect counts as distinguished from itself.
     pub told: Vec<Vec<bool>>,
 }
 
-/// What is left of everything once the base parameters and the start have settled.
+/// Products of everything that remains after a refit of the base parameters and the initial state.
 pub(crate) fn settled(products: &DMatrix<f64>, base_parameters: usize) -> DMatrix<f64> {
     let count = products.nrows() - base_parameters;
     let own =
@@ -33,13 +33,13 @@ pub(crate) fn settled(products: &DMatrix<f64>, base_parameters: usize) -> DMatri
     }
 }
 
-/// Half a sum of squares that an effect with so many effect parameters has to gain of so many samples: its penalty, and what comes by chance.
+/// Half the sum of squares that an effect with this many effect parameters has to gain with this many samples: its penalty, and what chance gives.
 pub(crate) fn needed(effect_parameters: usize, samples: f64) -> f64 {
     0.5 * effect_parameters as f64 * samples.max(2.0).ln() + BEYOND_PENALTY
 }
 
 impl Isolability {
-    /// By products over the sensors at hand and the number of their samples.
+    /// From products over the sensors at hand and the number of their samples.
     pub(crate) fn of(directions: &Directions, products: &DMatrix<f64>, samples: f64) -> Self {
         let settled = settled(products, directions.base_parameters);
         let at = |index: usize| index - directions.base_parameters;
@@ -53,12 +53,12 @@ impl Isolability {
         };
         let accepted = |effect: usize| 0.5 * square(effect) > needed(directions.fewest(effect), samples);
         let told = |truth: usize, rival: usize, left: f64| {
-            // What takes the other in is only named where it earns what it has more.
+            // An extension of an effect is only named if it gains enough for its additional parameters.
             let takes_in =
                 directions.effects[rival].extends.is_some_and(|of| of.plain == directions.effects[truth].name);
             let more = directions.fewest(rival) as f64 - directions.fewest(truth) as f64;
             let net = 0.5 * left + 0.5 * more * samples.max(2.0).ln();
-            // One with more effect parameters that follows as well is the less likely for them; among equals, the form decides.
+            // Among rivals that follow equally well, one with more effect parameters is less likely; with equal numbers, the form decides.
             truth == rival
                 || takes_in
                 || (net > PLAN_TELLS_BY && (more > 0.0 || left > PLAN_RIVAL_LEAVES * square(truth)))
@@ -75,22 +75,22 @@ impl Isolability {
         }
     }
 
-    /// Effects that would be accepted as they usually are.
+    /// Effects that would be accepted at their usual size.
     pub fn accepted(&self) -> impl Iterator<Item = usize> + '_ {
         self.accepted.iter().enumerate().filter(|(_, accepted)| **accepted).map(|(effect, _)| effect)
     }
 
-    /// Pairs (what is there, what it would pass for) of those.
+    /// Pairs (effect that is present, effect that it is confused with) of the accepted effects.
     pub fn confused(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         self.accepted().flat_map(|truth| self.rivals(truth).map(move |rival| (truth, rival)))
     }
 
-    /// What an effect would pass for.
+    /// Effects that an effect would be confused with.
     pub fn rivals(&self, truth: usize) -> impl Iterator<Item = usize> + '_ {
         self.told[truth].iter().enumerate().filter(|(_, told)| !**told).map(|(rival, _)| rival)
     }
 
-    /// How much is told: effects that are accepted and the pairs of them, and, where these are equal, by how far.
+    /// Value of an excitation: the number of accepted effects and distinguished pairs of them, and, where these are equal, by how much.
     pub(crate) fn worth(&self) -> (usize, f64) {
         self.accepted().fold((0, 0.0), |(count, far), truth| {
             let told = self.told[truth].iter().filter(|told| **told).count();
@@ -100,12 +100,12 @@ impl Isolability {
     }
 }
 
-/// What the best amounts of one way explain of an effect, as a sum of squares.
+/// Part of an effect that the best amounts of one way explain, as a sum of squares.
 fn explained(settled: &DMatrix<f64>, way: &Way, first: usize, truth: usize) -> f64 {
     if way.jumps {
         return 2.0 * settled[(first, truth)] - settled[(first, first)];
     }
-    // Few amounts: every choice of those that are there is tried, and the best admissible one counts.
+    // There are few amounts: every selection of them is tried, and the best admissible one counts.
     let mut best = 0.0_f64;
     for chosen in 1_u32..(1 << way.count) {
         let there: Vec<usize> = (0..way.count).filter(|amount| chosen & (1 << amount) != 0).collect();

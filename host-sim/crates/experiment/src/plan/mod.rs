@@ -1,10 +1,10 @@
-//! What a recording will be able to show, before it is made: effects that would be seen, and those that would pass for each other.
+//! What a recording will be able to show, before it is made: effects that would be seen, and effects that would be confused with each other.
 //!
-//! Every effect is switched on in the model, as it usually is, and the sensors' noise is what a difference counts in. What a refit of the
-//! base parameters and of the start would imitate is taken out first. An effect is seen where the rest would be accepted: half its sum
-//! of squares beyond the penalty for its effect parameters and beyond chance. It passes for another one where that, in the best of its forms
-//! and effect parameters, leaves too little to be preferred. Effect parameters count linearly, about where they usually lie, and the noise is taken to
-//! be white: a real recording shows less, never more.
+//! Every effect is switched on in the model at its usual size, and the differences are measured in the sensors' noise. What a refit
+//! of the base parameters and of the initial state would imitate is subtracted first. An effect is seen if the remaining difference
+//! would be accepted: half its sum of squares exceeds the penalty for its effect parameters and what chance gives. It is confused
+//! with another effect if that effect, with its best form and effect parameters, leaves too little to prefer the first. Effect
+//! parameters are treated as linear around their usual values, and the noise as white: a real recording shows less, never more.
 
 mod directions;
 mod excitation;
@@ -31,7 +31,7 @@ use crate::standard_tests::{StandardTest, standard_tests};
 
 pub use isolability::Isolability;
 
-/// What is planned for.
+/// The input of a plan.
 #[derive(Clone, Debug)]
 pub struct Planned<'a> {
     /// The drive as it is known.
@@ -48,10 +48,10 @@ pub struct Planned<'a> {
     pub longest_s: f64,
 }
 
-/// Why there is no plan.
+/// Why a plan is not possible.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PlanError {
-    /// The drive has no valve to be commanded.
+    /// The drive has no valve that could be commanded.
     #[error(
         "a drive whose oil comes from {source_of_drive:?}; expected one with a valve: the standard tests are commands to it"
     )]
@@ -59,10 +59,10 @@ pub enum PlanError {
         /// Where its oil comes from.
         source_of_drive: Source,
     },
-    /// No sensor.
+    /// No sensor is given.
     #[error("no sensor; expected at least one, such as position:0.05mm")]
     NoSensor,
-    /// Nothing is short enough.
+    /// No test is short enough.
     #[error("no standard test is shorter than {longest_s} s; expected a longer time")]
     TooShort {
         /// The longest time that was asked for, s.
@@ -78,9 +78,9 @@ pub enum PlanError {
 pub struct Prospect {
     /// The effect.
     pub effect: &'static Hypothesis,
-    /// Its effect parameters as it usually is, SI, the shapes among them.
+    /// Its effect parameters at their usual values, SI, including the shapes.
     pub usual: Vec<(Parameter, f64)>,
-    /// The smallest amount that would be accepted, as a share of the usual one; infinite where even the largest usual one is not.
+    /// The smallest amount that would be accepted, as a share of the usual one; infinite where not even the largest usual amount is.
     pub smallest: f64,
 }
 
@@ -98,7 +98,7 @@ impl Prospect {
     }
 }
 
-/// Whether this says how much of the effect there is; of effect parameters that no slope leads to, the first does.
+/// Whether this parameter says how much of the effect there is; if no derivative leads to its effect parameters, the first one does.
 fn is_amount(effect: &Hypothesis, parameter: Parameter) -> bool {
     effect.every_form().any(|form| {
         let place = form
@@ -108,46 +108,46 @@ fn is_amount(effect: &Hypothesis, parameter: Parameter) -> bool {
     })
 }
 
-/// What one excitation can tell.
+/// What one excitation can show.
 #[derive(Clone, Debug)]
 pub struct Outlook {
     /// Its length, s.
     pub duration_s: f64,
     /// Every effect that can show at all.
     pub effects: Vec<Prospect>,
-    /// The same effects against each other.
+    /// The same effects compared with each other.
     pub isolability: Isolability,
 }
 
-/// A sensor that is not there, and what it would add.
+/// A sensor that is not present, and what it would add.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Addition {
     /// The sensor, with usual noise.
     pub sensor: Sensor,
     /// Effects that would be accepted with it.
     pub accepted: usize,
-    /// Pairs of those that would still pass for each other.
+    /// Pairs of these that would still be confused.
     pub confused: usize,
 }
 
 /// A plan.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// What the excitation at hand can tell; `None` where none was given.
+    /// What the given excitation can show; `None` where none was given.
     pub given: Option<Outlook>,
     /// The excitation that separates most.
     pub excitation: StandardTest,
     /// Standard tests that it is made of.
     pub tests: Vec<&'static str>,
-    /// What it can tell.
+    /// What this excitation can show.
     pub best: Outlook,
-    /// What each further sensor would add to it, the best first.
+    /// What each further sensor would add to this, the best first.
     pub additions: Vec<Addition>,
     /// Effects that cannot show in any of this.
     pub not_testable: Vec<&'static Hypothesis>,
 }
 
-/// Plans a recording; `given` is an excitation that is judged beside the best one. `done` is told after each of [`steps`].
+/// Plans a recording; `given` is an excitation that is judged in addition to the best one. `done` is called after each of [`steps`].
 pub fn plan(planned: &Planned<'_>, given: Option<&Stimulus>, done: &(dyn Fn() + Sync)) -> Result<Plan, PlanError> {
     let machine = planned.machine;
     if machine.source != Source::Valve {
@@ -164,7 +164,7 @@ pub fn plan(planned: &Planned<'_>, given: Option<&Stimulus>, done: &(dyn Fn() + 
         judged: &judged,
         travel_m: (0.2 * machine.get(Parameter::Stroke), 0.8 * machine.get(Parameter::Stroke)),
         duration_s: planned.longest_s,
-        // Nobody has seen this drive yet: effects that need a pressure near zero are not planned for.
+        // No recording of this drive exists yet: effects that need a pressure near zero are not planned for.
         lowest_pa: f64::INFINITY,
     };
     let (effects, not_testable): (Vec<&Hypothesis>, Vec<&Hypothesis>) = CATALOGUE
@@ -195,7 +195,7 @@ pub fn plan(planned: &Planned<'_>, given: Option<&Stimulus>, done: &(dyn Fn() + 
     Ok(Plan { given, excitation, tests, best, additions, not_testable })
 }
 
-/// How often [`plan`] tells that it has come on.
+/// Number of times that [`plan`] reports its progress.
 #[must_use]
 pub fn steps(planned: &Planned<'_>) -> usize {
     3 + tests(planned).len()
@@ -210,7 +210,7 @@ fn tests(planned: &Planned<'_>) -> Vec<StandardTest> {
     tests
 }
 
-/// The sensors at hand and those that could be bought, and the places of the former.
+/// The sensors at hand and those that could be bought, and the indices of the former.
 fn with_further(planned: &Planned<'_>) -> (Vec<Sensor>, Vec<usize>) {
     let at_hand = (0..planned.sensors.len()).collect();
     let further = [Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Position]
@@ -220,11 +220,11 @@ fn with_further(planned: &Planned<'_>) -> (Vec<Sensor>, Vec<usize>) {
     (planned.sensors.iter().copied().chain(further).collect(), at_hand)
 }
 
-/// What looks at an excitation.
+/// Judges an excitation.
 struct Judge<'a> {
     scene: &'a Scene<'a>,
     directions: &'a Directions,
-    /// Those at hand first.
+    /// The sensors at hand come first.
     sensors: &'a [Sensor],
 }
 
@@ -246,9 +246,9 @@ impl Judge<'_> {
         Ok((Outlook { duration_s, effects, isolability }, products))
     }
 
-    /// The share of an effect's usual amounts from which on it is accepted.
+    /// The share of an effect's usual amounts from which it is accepted.
     fn smallest(&self, effect: usize, seen: f64, scale: &Scale<'_>, samples: f64) -> f64 {
-        /// How often the share is corrected by what it does.
+        /// Number of times that the share is corrected by its simulated effect.
         const ROUNDS: usize = 4;
         let needed = (2.0 * needed(self.directions.fewest(effect), samples)).sqrt();
         let values = &self.directions.effect_parameters[effect];
@@ -264,7 +264,7 @@ impl Judge<'_> {
             }
             share *= (needed / far).clamp(0.1, 10.0);
         }
-        // Beyond a thousand times what is usual there is no telling.
+        // Above a thousand times the usual amount, no statement is possible.
         if share < 1e3 { share } else { f64::INFINITY }
     }
 
@@ -285,17 +285,17 @@ impl Judge<'_> {
     }
 }
 
-/// How far a machine is from the one as it is, once the base parameters have settled.
+/// Distance of a machine from the original one, after a refit of the base parameters.
 struct Scale<'a> {
     view: &'a View<'a>,
     base: &'a [DVector<f64>],
-    /// Changes by the base parameters and the start, a matrix a sensor.
+    /// Changes by the base parameters and the initial state, one matrix per sensor.
     base_parameters: Vec<DMatrix<f64>>,
     inverse: DMatrix<f64>,
 }
 
 impl<'a> Scale<'a> {
-    /// By what the first `count` directions change in the view's sensors, the first of those that changes were seen by.
+    /// From the changes of the first `count` directions in the view's sensors, which are the first of those in `changes`.
     fn of(view: &'a View<'a>, changes: &'a Changes, count: usize) -> Self {
         let base = &changes.base[..view.sensors.len()];
         let base_parameters: Vec<DMatrix<f64>> =
@@ -308,7 +308,7 @@ impl<'a> Scale<'a> {
         Self { view, base, base_parameters, inverse }
     }
 
-    /// In standard deviations of the noise; `None` where the machine does not become a drive.
+    /// The distance in standard deviations of the noise; `None` where the machine does not become a drive.
     fn far(&self, machine: &Machine<f64>) -> Option<f64> {
         let there = self.view.of(machine, StartOffset::none()).ok()?;
         let mut square = 0.0;

@@ -1,4 +1,4 @@
-//! What every direction does to every sensor in one excitation, as products of whitened changes: they add up over excitations.
+//! Changes of every sensor by every direction in one excitation, as products of whitened changes: these can be summed over excitations.
 
 use identification::parallel;
 use nalgebra::{DMatrix, DVector};
@@ -9,13 +9,13 @@ use simulation::{StartOffset, Stimulus, rows_f64};
 use super::directions::Direction;
 use crate::sensor::Sensor;
 
-/// Rows that are kept at most; of longer excitations every so-manieth, which stands for those left out.
+/// Largest number of rows that are kept; of longer excitations every n-th row is kept and stands for those left out.
 const MOST_ROWS: usize = 20_000;
 
-/// One simulation over the noise of each sensor: a vector a sensor.
+/// One simulation over the noise of each sensor: one vector per sensor.
 pub(crate) type Seen = Vec<DVector<f64>>;
 
-/// An excitation, ready to be simulated and looked at.
+/// An excitation, ready to be simulated and judged.
 #[derive(Debug)]
 pub(crate) struct View<'a> {
     pub(crate) stimulus: &'a Stimulus,
@@ -42,7 +42,7 @@ impl View<'_> {
         Ok(series.into_iter().map(DVector::from_vec).collect())
     }
 
-    /// Simulates the machine as it is and in every direction.
+    /// Simulates the original machine and every direction.
     pub(crate) fn changes(&self, machine: &Machine<f64>, directions: &[Direction]) -> Result<Changes, MachineError> {
         let base = self.of(machine, StartOffset::none())?;
         let each = parallel::each(directions, |direction| {
@@ -54,17 +54,17 @@ impl View<'_> {
     }
 }
 
-/// What every direction changes.
+/// The changes by every direction.
 #[derive(Debug)]
 pub(crate) struct Changes {
-    /// The machine as it is.
+    /// The original machine.
     pub(crate) base: Seen,
-    /// Each direction beside it; one that does not become a drive changes nothing.
+    /// The change by each direction; one that does not become a drive changes nothing.
     each: Vec<Option<Seen>>,
 }
 
 impl Changes {
-    /// Those of some directions in one sensor, a column each.
+    /// The changes by some directions in one sensor, one column each.
     pub(crate) fn columns(&self, directions: std::ops::Range<usize>, sensor: usize) -> DMatrix<f64> {
         let each = &self.each[directions];
         let mut columns = DMatrix::zeros(self.base[sensor].len(), each.len());
@@ -77,7 +77,7 @@ impl Changes {
     }
 }
 
-/// Products of all directions, a matrix a sensor.
+/// Products of all directions, one matrix per sensor.
 #[derive(Clone, Debug)]
 pub(crate) struct Products {
     pub(crate) by_sensor: Vec<DMatrix<f64>>,
@@ -86,7 +86,7 @@ pub(crate) struct Products {
 }
 
 impl Products {
-    /// Of what every direction changes in an excitation of so many rows.
+    /// From the changes by every direction in an excitation of this many rows.
     pub(crate) fn of(changes: &Changes, rows: usize) -> Self {
         let by_sensor = parallel::each(0..changes.base.len(), |sensor| {
             let columns = changes.columns(0..changes.each.len(), sensor);
@@ -95,7 +95,7 @@ impl Products {
         Self { by_sensor, rows: rows as f64 }
     }
 
-    /// Those of several excitations together.
+    /// The sum over several excitations.
     pub(crate) fn sum<'a>(all: impl IntoIterator<Item = &'a Self>) -> Option<Self> {
         all.into_iter().cloned().reduce(|mut sum, one| {
             for (sum, one) in sum.by_sensor.iter_mut().zip(&one.by_sensor) {

@@ -1,4 +1,4 @@
-//! Plans for drives of which it is known what can be told.
+//! Plans for drives for which it is known what can be distinguished.
 
 use identification::fit::{Free, Freedom};
 use test_press::with_papers_valve as drive;
@@ -47,7 +47,7 @@ fn with_the_position_alone_effects_pass_for_each_other_that_a_spool_and_pressure
     assert!(share(&blind) > 2 * share(&seeing), "{} {}", share(&blind), share(&seeing));
     let (hysteresis, stiction) = (place(&seeing.best, "valve-hysteresis"), place(&seeing.best, "spool-stiction"));
     assert!(seeing.best.isolability.told[hysteresis][stiction] && seeing.best.isolability.told[stiction][hysteresis]);
-    // A spool or a pressure is what the position alone lacks, and nothing more is advised where all are there.
+    // A spool or a pressure sensor is what the position alone lacks, and nothing more is advised where all are present.
     let better = &blind.additions[0];
     assert!(better.confused < share(&blind) || better.accepted > blind.best.isolability.accepted().count());
     assert!(seeing.additions.is_empty());
@@ -73,7 +73,7 @@ fn what_is_accepted_from_the_smallest_amount_on_is_not_accepted_below_it() {
         let (parameter, usual) = prospect.amount().unwrap();
         let smallest = prospect.smallest_value().unwrap();
         assert!(smallest > 0.0 && smallest < usual, "{name}: {smallest} of {usual}");
-        // The noise of every sensor tenfold: what could just be seen is ten times as large, or about that.
+        // The noise of every sensor is ten times as large: the smallest visible amount is then also about ten times as large.
         let noisy = sensors.map(|sensor| Sensor { noise: 10.0 * sensor.noise, ..sensor });
         let louder = plan(&Planned { sensors: &noisy, ..asked.clone() }, None, &|| {}).unwrap().best;
         let larger = louder.effects[place(&louder, name)].smallest_value().unwrap();

@@ -1,7 +1,7 @@
 //! Judging a recording by some of its signals only.
 //!
-//! A signal that is not judged counts as not recorded, so that no link is entered at it and no effect is tried for it: with the
-//! spool alone, only the valve is looked at. What drives the model stays: command, pump, load, and the pressures where the
+//! A signal that is not judged counts as not recorded, so no link is driven by it and no effect is tried for it: with the
+//! spool alone, only the valve is examined. What drives the model stays: command, pump, load, and the pressures where the
 //! load is taken from them.
 
 use machine_file::LoadSource;
@@ -18,7 +18,7 @@ pub enum JudgeError {
     /// Nothing drives the model.
     #[error(transparent)]
     Simulate(#[from] SimulateError),
-    /// A signal is not there, or is an input.
+    /// A signal is not recorded, or is an input.
     #[error("{recording}: {signal} cannot be judged; expected some of: {judgeable}")]
     NotJudgeable {
         /// The recording.
@@ -40,7 +40,7 @@ pub fn named(name: &str) -> Result<Signal, String> {
     })
 }
 
-/// The recording as though of the signals that the model computes only `wanted` had been measured; as it is without `wanted`.
+/// The recording as if, of the signals that the model computes, only `wanted` had been measured; unchanged without `wanted`.
 pub fn judged_by(
     recording: Recording,
     source: Source,

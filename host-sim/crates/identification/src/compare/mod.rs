@@ -1,6 +1,6 @@
-//! Fit of every measured signal, end to end and link by link.
+//! Fit of every measured signal, for the whole model and link by link.
 //!
-//! A link that is driven by its measured input and still misses its measured output is the link that lacks physics.
+//! If a link is driven by its measured input and its measured output still does not fit, physics is missing in that link.
 
 pub mod judged;
 pub mod weakest;
@@ -19,7 +19,7 @@ use simulation::{
 pub use crate::error::CompareError;
 use crate::input_noise::{input_noise, realisations};
 
-/// A part of the chain between measured signals.
+/// A part of the model between measured signals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Section {
     /// From the furthest measured signal upstream to every measured signal.
@@ -37,7 +37,7 @@ pub enum Section {
 }
 
 impl Section {
-    /// Whether the section holds so few links that a miss in it names the place.
+    /// Whether the section holds so few links that a misfit in it identifies the link.
     #[must_use]
     pub fn is_link(self) -> bool {
         matches!(self, Section::Valve | Section::FlowAndChambers | Section::Mechanics)
@@ -57,16 +57,16 @@ impl fmt::Display for Section {
     }
 }
 
-/// One section of the chain simulated from its measured input.
+/// One section of the model, simulated from its measured input.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionFit {
     /// Which.
     pub section: Section,
-    /// Where it was entered.
+    /// Where it is driven.
     pub input_point: InputPoint,
     /// The fit of each measured signal that it computes.
     pub fits: Vec<SignalFit>,
-    /// RMS by which each of these signals is off through the noise of the recorded signals that drive the section, in SI units.
+    /// RMS error of each of these signals that the noise of the recorded signals driving the section causes, in SI units.
     pub input_noise: Vec<f64>,
     /// What it computed.
     pub trajectory: Trajectory,
@@ -81,7 +81,7 @@ pub struct Comparison {
     pub sections: Vec<SectionFit>,
 }
 
-/// One planned section: where it is entered, where its load comes from, what it is judged by.
+/// One planned section: where it is driven, where its load comes from, which signals it is judged by.
 struct Plan {
     section: Section,
     input_point: InputPoint,
@@ -90,7 +90,7 @@ struct Plan {
 }
 
 impl Plan {
-    /// Whether signals drive it that a sensor has recorded: a command and a pump's speed are set.
+    /// Whether it is driven by signals that a sensor has recorded; a command and a pump's speed are set, not measured.
     fn is_driven_by_sensors(&self) -> bool {
         !self.input_point.is_set() || self.load == LoadSource::RecordedPressures
     }
@@ -129,7 +129,7 @@ pub fn compare(
     compare_told(machine, load, recording, arithmetic, tick, &|_| ())
 }
 
-/// As [`compare`], and tells how many rows more are simulated, of [`rows_simulated`] in all.
+/// As [`compare`], and reports how many more rows have been simulated, of [`rows_simulated`] in all.
 pub fn compare_told(
     machine: &Machine<f64>,
     load: LoadSource,
@@ -174,7 +174,7 @@ pub fn rows_simulated(source: Source, load: LoadSource, recording: &Recording) -
     recording.rows() * plans(source, load, recording).map_or(0, |plans| plans.iter().map(times).sum())
 }
 
-/// Measured signals below a drive input that can be judged: pressures that are an input cannot, nor yet that of the supply.
+/// Measured signals below a drive input that can be judged; not pressures that are an input, and not the supply pressure.
 #[must_use]
 pub fn judged(recording: &Recording, input_point: InputPoint, load: LoadSource) -> Vec<Signal> {
     let given = |signal: Signal| match signal {

@@ -1,4 +1,4 @@
-//! Which link misses most, and what would have to be measured to say it where it cannot be said.
+//! Which link has the largest misfit, and which signals would have to be measured to identify it where it cannot be identified.
 
 use machine_file::LoadSource;
 use recording::Signal;
@@ -6,48 +6,48 @@ use simulation::figures_of_merit::SignalFit;
 
 use super::{Comparison, Section, SectionFit};
 
-/// The part of the chain that follows its recordings least.
+/// The part of the model that follows its recordings least.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weakest {
     /// The part.
     pub section: Section,
-    /// The signal that it misses most.
+    /// The signal with the largest misfit.
     pub signal: Signal,
     /// The NRMSE fit of this signal from the part's measured input, %; over several recordings the mean.
     pub nrmse_percent: f64,
-    /// Its RMSE over what noise makes, that of the signal and what it inherits from the part's measured input; over several
+    /// Its RMSE over its noise, which is that of the signal and the input noise from the part's measured input; over several
     /// recordings the mean.
     pub over_noise: f64,
-    /// The part that misses most after it, its lowest fit, %, and whether it follows; `None` when no other could be judged by itself.
+    /// The part with the next largest misfit, its lowest fit, %, and whether it follows; `None` when no other could be judged by itself.
     pub runner_up: Option<RunnerUp>,
 }
 
-/// The part that misses most after the weakest.
+/// The part with the largest misfit after the weakest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunnerUp {
     /// The part.
     pub section: Section,
     /// Its lowest fit, %.
     pub nrmse_percent: f64,
-    /// Whether it follows its recordings within what noise makes.
+    /// Whether it follows its recordings within the noise.
     pub follows: bool,
 }
 
-/// A part that misses its signal by less than twice what noise makes follows it. Noise that a position adds up makes a random
-/// walk: its RMS is more than twice the usual in one of fifty.
+/// A part whose error is less than twice its noise follows the signal. Noise that a position integrates makes a random
+/// walk: its RMS is more than twice the usual in one case of fifty.
 const FOLLOWS: f64 = 2.0;
-/// And one that fits better than this, %, follows as well as a part alone can be simulated: the load from the pressures leaves
-/// inertia out, and rows are joined by straight lines.
+/// A part whose fit is better than this, %, also follows, because a part alone cannot be simulated better: the load from
+/// the pressures leaves inertia out, and rows are joined by straight lines.
 const FOLLOWS_PERCENT: f64 = 99.5;
 
 impl Weakest {
-    /// Whether even this part follows its recordings within the noise, so that nothing says that physics is missing.
+    /// Whether even this part follows its recordings within the noise, so that nothing indicates missing physics.
     #[must_use]
     pub fn follows(&self) -> bool {
         follows(self.nrmse_percent, self.over_noise)
     }
 
-    /// Another part that misses nearly as much (at least four fifths) and more than noise makes: the order of the two means little.
+    /// Another part whose misfit is nearly as large (at least four fifths) and above the noise: the order of the two then means little.
     #[must_use]
     pub fn rival(&self) -> Option<(Section, f64)> {
         let near = |other: &RunnerUp| 100.0 - other.nrmse_percent >= 0.8 * (100.0 - self.nrmse_percent);
@@ -59,20 +59,20 @@ fn follows(nrmse_percent: f64, over_noise: f64) -> bool {
     over_noise < FOLLOWS || nrmse_percent > FOLLOWS_PERCENT
 }
 
-/// What keeps links from being told apart.
+/// What prevents the links from being judged separately.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Obstacle {
-    /// Command to rod cannot be cut: no spool is recorded.
+    /// Command to rod cannot be divided: no spool is recorded.
     NoSpool,
-    /// Flow, chambers and mechanics cannot be cut: no pressures are recorded.
+    /// Flow, chambers and mechanics cannot be divided: no pressures are recorded.
     NoPressures,
-    /// The pressures are recorded, but no motion that they could be held against.
+    /// The pressures are recorded, but no motion that they could be compared with.
     NoMotion,
     /// The load is taken from the recorded pressures, so that the mechanics follow them by construction.
     LoadFromPressures,
 }
 
-/// The parts that a comparison is cut into: links, and what could not be cut further.
+/// The parts that a comparison is divided into: links, and what could not be divided further.
 fn parts(comparison: &Comparison) -> impl Iterator<Item = (Section, SignalFit)> + '_ {
     let cut = |wanted: Section| comparison.sections.iter().any(|section| section.section == wanted);
     let below = cut(Section::FlowAndChambers) || cut(Section::Mechanics);
@@ -88,7 +88,7 @@ fn parts(comparison: &Comparison) -> impl Iterator<Item = (Section, SignalFit)> 
         .flat_map(|section| noise_counted(section).map(move |fit| (section.section, fit)))
 }
 
-/// The fits of a section over what noise makes: the signal's own, and what it inherits from the section's input.
+/// The fits of a section over noise: the signal's own noise, and the input noise from the section's input.
 fn noise_counted(section: &SectionFit) -> impl Iterator<Item = SignalFit> + '_ {
     section.fits.iter().zip(&section.input_noise).map(|(fit, input_noise)| {
         let noise = (fit.rmse / fit.over_noise).hypot(*input_noise);
@@ -96,8 +96,8 @@ fn noise_counted(section: &SectionFit) -> impl Iterator<Item = SignalFit> + '_ {
     })
 }
 
-/// The part with the lowest fit over all the comparisons, of those that miss more than noise makes where there are any; where a
-/// part is in several, its mean counts.
+/// The part with the lowest fit over all the comparisons. Parts with an error above the noise come first, if there are
+/// any; for a part that is in several comparisons, its mean counts.
 #[must_use]
 pub fn weakest(comparisons: &[Comparison]) -> Option<Weakest> {
     let mut parts_of: Vec<(Section, Vec<SignalFit>)> = Vec::new();
@@ -125,7 +125,7 @@ pub fn weakest(comparisons: &[Comparison]) -> Option<Weakest> {
     Some(Weakest { section, signal, nrmse_percent, over_noise, runner_up })
 }
 
-/// The signal that the whole chain misses most, by more than noise makes, and its fit, %; over several recordings the worst.
+/// The signal with the lowest fit of the whole model among those with an error above the noise, and its fit, %; over several recordings the worst.
 #[must_use]
 pub fn missed_by_the_whole(comparisons: &[Comparison]) -> Option<(Signal, f64)> {
     let fits = comparisons.iter().filter_map(|comparison| comparison.sections.first()).flat_map(noise_counted);
@@ -134,7 +134,7 @@ pub fn missed_by_the_whole(comparisons: &[Comparison]) -> Option<(Signal, f64)> 
     worst.map(|fit| (fit.signal, fit.nrmse_percent))
 }
 
-/// What keeps the links of a comparison from being told apart; empty when each stands alone.
+/// What prevents the links of a comparison from being judged separately; empty when each stands alone.
 #[must_use]
 pub fn obstacles(comparison: &Comparison, load: LoadSource) -> Vec<Obstacle> {
     let judged = |wanted: Section| comparison.sections.iter().any(|section| section.section == wanted);
@@ -228,7 +228,7 @@ mod tests {
         ]);
         let found = weakest(std::slice::from_ref(&one)).unwrap();
         assert_eq!((found.section, found.rival()), (Section::Mechanics, Some((Section::FlowAndChambers, 95.0))));
-        // The noise of the pressures, added up, makes as much.
+        // The integrated noise of the pressures is as large.
         one.sections[2].input_noise = vec![8.0];
         let found = weakest(std::slice::from_ref(&one)).unwrap();
         assert_eq!((found.section, found.rival(), found.follows()), (Section::FlowAndChambers, None, false));

@@ -1,7 +1,7 @@
-//! Recordings at twice the tick: half the work of every simulation, for a first look.
+//! Recordings at twice the tick: half the work of every simulation, for a first estimate.
 //!
-//! What a step of twice the length misses at a solution is taken off the recorded values, so there the residuals are those of the
-//! recording's own tick. Elsewhere they lack what that miss changes by.
+//! The error of the doubled step at a solution is removed from the recorded values, so the residuals there are those of
+//! the recording's own tick. Elsewhere the change of this error is missing in them.
 
 use model_core::machine::{Machine, MachineError};
 use simulation::{Coarser, Run};
@@ -10,7 +10,7 @@ use super::initial_state::StartState;
 use super::residuals::{runs, simulated};
 use crate::experiment::{Channel, Prepared};
 
-/// Recordings at twice the tick, around a machine and the start of each; as they are, where the core has no such tick.
+/// Recordings at twice the tick, around a machine and the initial state of each; unchanged where the core has no such tick.
 pub fn coarse(
     cases: &[&Prepared],
     machine: &Machine<f64>,
@@ -32,10 +32,10 @@ pub fn coarse(
     Ok(each.collect())
 }
 
-/// A recording of which so much is simulated at its own tick and at twice that.
+/// A recording at twice the tick, given what is simulated at its own tick (`fine`) and at twice that (`rough`).
 fn at_twice_the_tick(case: &Prepared, Coarser { stimulus, kept }: Coarser, fine: &[f64], rough: &[f64]) -> Prepared {
     let channels = case.channels.len();
-    // Fewer rows have to weigh as much.
+    // Fewer rows have to weigh as much as all of them.
     let weight = (kept.len() as f64 / case.rows() as f64).sqrt();
     let channel = |(index, channel): (usize, &Channel)| Channel {
         recorded: kept
@@ -79,7 +79,7 @@ mod tests {
     fn residuals_at_twice_the_tick_are_those_of_the_rows_that_are_kept_and_a_small_change_moves_them_as_much() {
         let machine = press(&[(Parameter::ViscousFriction, 4e4), (Parameter::TimeConstant2, 0.02)]);
         let fine = Prepared::new(&extending(&machine), &machine, LoadSource::Constant, None).unwrap();
-        // Around a machine that is off, where residuals are far more than noise.
+        // Around a machine with an error, where residuals are far larger than noise.
         let around = machine.with(&[(Parameter::FlowCoefficient, 1.02 * machine.get(Parameter::FlowCoefficient))]);
         let coarser = coarse(&[&fine], &around, &[StartState::default()]).unwrap().remove(0);
         assert_eq!((coarser.rows(), coarser.stimulus.ticks()), (600, 599));

@@ -1,4 +1,4 @@
-//! Parameters that the recordings tell only together: pairs whose estimates are correlated.
+//! Parameters that the recordings determine only together: pairs whose estimates are correlated.
 
 use std::fmt;
 
@@ -7,18 +7,18 @@ use model_core::machine::Parameter;
 use super::Fit;
 use super::normal_equations::NormalEquations;
 
-/// Estimates that are correlated further than this are told of. There each is 1/√(1 − 0.9²) = 2.3 times as uncertain as it would be if
-/// the other were known.
+/// Estimates that are correlated more strongly than this are reported. The uncertainty of each is then 1/√(1 − 0.9²) =
+/// 2.3 times what it would be if the other were known.
 pub const CORRELATED: f64 = 0.9;
 
-/// Two fitted parameters of which the recordings, and what is known before, leave one combination more open than the other.
+/// Two fitted parameters of which the recordings and the priors determine one combination less well than the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Correlation {
-    /// The one, as they were fitted.
+    /// The first, in the order in which they were fitted.
     pub one: Parameter,
-    /// The other.
+    /// The second.
     pub other: Parameter,
-    /// Correlation coefficient, −1 to 1: below 0 more of the one goes with less of the other.
+    /// Correlation coefficient, −1 to 1; below 0, more of the first means less of the second.
     pub coefficient: f64,
 }
 
@@ -26,7 +26,7 @@ impl fmt::Display for Correlation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (one, other) = (self.one.description().key, self.other.description().key);
         let (size, sign) = (self.coefficient.abs(), if self.coefficient < 0.0 { "−" } else { "" });
-        // What is left to 1 is what counts.
+        // Near 1, the difference from 1 matters.
         let decimals = if size < 0.9995 { 3 } else { 5 };
         write!(f, "{one} and {other}: {sign}{size:.decimals$}")
     }
@@ -44,7 +44,7 @@ impl Fit {
         let slots: Vec<usize> = (0..self.free.len()).filter(fitted).collect();
         let pairs =
             slots.iter().enumerate().flat_map(|(at, &one)| slots[at + 1..].iter().map(move |&other| (one, other)));
-        // A value grows with its coordinate, so that both have the same sign.
+        // A value grows with its coordinate, so both correlations have the same sign.
         let of = |(one, other): (usize, usize)| Correlation {
             one: self.free[one].parameter,
             other: self.free[other].parameter,
@@ -67,7 +67,7 @@ mod tests {
     use crate::fit::normal_equations::OF_START;
     use crate::fit::{Free, Freedom};
 
-    /// A fit of three values, of which the recordings tell the first two by their sum and the third by itself.
+    /// A fit of three values: the recordings determine the first two only by their sum, and the third by itself.
     fn fit(gain_at: f64) -> Fit {
         let machine = press(&[]);
         let around = |parameter, nominal, sigma| Free { parameter, freedom: Freedom::Around { nominal, sigma } };
@@ -103,7 +103,7 @@ mod tests {
         assert_eq!(pair.to_string(), "valve.gain_per_v and valve.flow_coefficient: −0.990");
         let close = Correlation { coefficient: 0.999_87, ..*pair };
         assert!(close.to_string().ends_with(": 0.99987"), "{close}");
-        // Rows that tell the same a hundred times over leave the priors, which know of no correlation.
+        // If the rows repeat the same information a hundred times, the priors dominate, and they have no correlation.
         assert!(fit(0.0).correlations(100.0).is_empty());
     }
 

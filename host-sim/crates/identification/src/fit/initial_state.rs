@@ -1,4 +1,4 @@
-//! The state that a recording starts from, as far as its sensors leave it open.
+//! The initial state of a recording, as far as its sensors leave it open.
 
 use model_core::machine::{Machine, MachineError, Parameter};
 use recording::Signal;
@@ -10,47 +10,47 @@ use crate::experiment::Prepared;
 /// Standard deviation of the logit of the level at rest: a tenth of supply about its half.
 const LOGIT_SIGMA: f64 = 0.4;
 
-/// Coordinates of a recording's start, each with a unit normal prior; 0 is what machine and recording say.
+/// Coordinates of a recording's initial state, each with a unit normal prior; 0 is the value from machine and recording.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StartState {
     /// Level of pressure at rest, where pressures are not recorded.
     pub level: f64,
-    /// Position below the sensor's step.
+    /// Difference of the position from the recorded one, smaller than the sensor's resolution.
     pub shift: f64,
 }
 
 impl StartState {
-    /// The start of a recording in the simulation's terms, on a machine.
+    /// The initial state of a recording on a machine, in the form that the simulation needs.
     #[must_use]
     pub fn offset(&self, machine: &Machine<f64>, case: &Prepared) -> StartOffset {
         StartOffset { level: Some(self.level_on(machine)), shift_m: self.shift * case.start_sigma_m }
     }
 
-    /// Share of supply pressure in B at rest, around the machine's: its logit moves, for a hard bound would stop the search at it,
-    /// with a slope that is not there.
+    /// Share of supply pressure in B at rest, around the machine's value. Its logit is moved, because a hard bound would stop
+    /// the search there with a zero derivative.
     pub(crate) fn level_on(&self, machine: &Machine<f64>) -> f64 {
         let usual = machine.get(Parameter::LevelAtRest);
         at_logit((usual / (1.0 - usual)).ln() + LOGIT_SIGMA * self.level)
     }
 
-    /// Derivative of the level by its coordinate.
+    /// Derivative of the level with respect to its coordinate.
     pub(crate) fn level_slope(&self, machine: &Machine<f64>) -> f64 {
         let level = self.level_on(machine);
         LOGIT_SIGMA * level * (1.0 - level)
     }
 }
 
-/// The share whose logit is given, 0..1.
+/// The share with this logit, 0..1.
 fn at_logit(logit: f64) -> f64 {
     1.0 / (1.0 + (-logit).exp())
 }
 
-/// Whether the level of pressure at rest is not recorded.
+/// Whether the level of pressure at rest is needed, as it is not recorded.
 pub(crate) fn needs_level(case: &Prepared) -> bool {
     case.stimulus.start.pressures_pa.is_none()
 }
 
-/// The level at rest that a machine file should hold after a fit: the mean of its recordings' levels, in their coordinate.
+/// The level at rest that a machine file should have after a fit: the mean of its recordings' levels, in their coordinate.
 /// `None` where every recording has its pressures.
 #[must_use]
 pub fn level_at_rest(machine: &Machine<f64>, cases: &[&Prepared], starts: &[StartState]) -> Option<f64> {
@@ -61,8 +61,8 @@ pub fn level_at_rest(machine: &Machine<f64>, cases: &[&Prepared], starts: &[Star
     (count > 0.0).then(|| mean.level_on(machine).clamp(range.min, range.max))
 }
 
-/// The start that suits a machine best on a recording that it was not fitted to: Gauss-Newton in the start's two coordinates
-/// alone, the level's slope by a difference.
+/// The initial state that suits a machine best on a recording that it was not fitted to: Gauss-Newton in the two
+/// coordinates of the initial state alone, the level's derivative by a difference.
 pub fn settle(machine: &Machine<f64>, case: &Prepared) -> Result<StartState, MachineError> {
     const STEP: f64 = 0.05;
     let mut state = StartState::default();

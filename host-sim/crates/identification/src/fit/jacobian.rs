@@ -1,4 +1,4 @@
-//! A recording simulated with the slopes of its judged signals by everything that is free.
+//! A recording simulated with the derivatives of its judged signals with respect to everything that is free.
 
 use model_core::machine::{Machine, MachineError};
 use recording::Signal;
@@ -8,14 +8,14 @@ use super::Free;
 use super::initial_state::{StartState, needs_level};
 use crate::experiment::{Channel, Prepared};
 
-/// The coordinates that slopes are taken at.
+/// The coordinates at which derivatives are computed.
 #[derive(Clone, Copy)]
 pub(crate) struct At<'a> {
     /// What is not free.
     pub(crate) base: &'a Machine<f64>,
     /// What is free.
     pub(crate) free: &'a [Free],
-    /// Coordinates of the free parameters, first of all; what follows is not looked at.
+    /// Coordinates, those of the free parameters first; what follows is not used.
     pub(crate) coordinates: &'a [f64],
 }
 
@@ -23,13 +23,13 @@ pub(crate) struct At<'a> {
 pub(crate) struct Judged<'a> {
     /// The row.
     pub(crate) row: usize,
-    /// What it is held against.
+    /// The channel that it is compared with.
     pub(crate) channel: &'a Channel,
-    /// Simulated, SI; `None` where the chain does not compute it or its sensor failed.
+    /// Simulated, SI; `None` where the model does not compute it or its sensor failed.
     pub(crate) simulated: Option<f64>,
-    /// Its derivative by the coordinate of every free parameter, then of the start's level; empty where nothing is simulated.
+    /// Its derivative with respect to the coordinate of every free parameter, then of the start's level; empty where nothing is simulated.
     pub(crate) jacobian: &'a [f32],
-    /// Its derivative by the coordinate of the start's shift.
+    /// Its derivative with respect to the coordinate of the start's shift.
     pub(crate) by_shift: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What a recording tells at a step nearby, by the slopes of where the step began: one plain run in place of one with slopes.
+//! What a recording says at a step nearby, by the kept Jacobian of the point where the step began: a plain run replaces one with derivatives.
 
 use nalgebra::DVector;
 
@@ -9,10 +9,10 @@ use super::normal_equations::{NormalEquations, OF_START};
 use super::residuals::{missed, runs, simulated, soft};
 use crate::experiment::Prepared;
 
-/// Slopes of more than so many values are not kept: 16 MB of a recording.
+/// A Jacobian of more than this many values is not kept: 16 MB per recording.
 const MOST_KEPT: usize = 4 << 20;
 
-/// The slopes of one recording's residuals by every coordinate, before they are softened, row after row.
+/// The derivatives of one recording's residuals with respect to every coordinate, before they are softened, row after row.
 #[derive(Debug)]
 pub(crate) struct Jacobian {
     columns: usize,
@@ -22,7 +22,7 @@ pub(crate) struct Jacobian {
 }
 
 impl Jacobian {
-    /// Room for a recording's slopes by so many free parameters.
+    /// Space for a recording's derivatives with respect to this many free parameters.
     pub(crate) fn new(free: usize, case: &Prepared) -> Self {
         let columns = free + OF_START;
         let count = columns * case.rows() * case.channels.len();
@@ -40,7 +40,7 @@ impl Jacobian {
 }
 
 impl NormalEquations {
-    /// What they become at a machine and starts nearby: residuals anew, and slopes as they were kept. `None` where they were not.
+    /// The normal equations at a machine and starts nearby: residuals computed anew, the Jacobian as kept. `None` where it was not kept.
     pub(crate) fn by_kept_jacobian(
         here: &[Self],
         jacobian: &[Jacobian],
@@ -59,7 +59,7 @@ impl NormalEquations {
         Ok(Some(here.iter().zip(jacobian).zip(cases.iter().zip(&there)).map(moved).collect()))
     }
 
-    /// With the residuals of what one recording simulates.
+    /// The same with the residuals of what one recording simulates.
     fn moved(&self, jacobian: &Jacobian, case: &Prepared, simulated: &[f64]) -> Self {
         let mut rows = jacobian.values.chunks_exact(jacobian.columns);
         let mut gradient = vec![0.0; jacobian.columns];
@@ -91,7 +91,7 @@ mod tests {
     use crate::fit::jacobian::At;
     use crate::fit::{Free, Freedom};
 
-    /// Own slopes at some coordinates of two parameters.
+    /// Derivatives computed at some coordinates of two parameters.
     fn own(
         machine: &Machine<f64>,
         free: &[Free],
@@ -111,7 +111,7 @@ mod tests {
     fn where_slopes_were_taken_they_tell_what_they_told_and_a_step_on_what_new_ones_nearly_do() {
         let machine = press(&[(Parameter::ViscousFriction, 4e4)]);
         let mut case = Prepared::new(&extending(&machine), &machine, LoadSource::Constant, None).unwrap();
-        // Rows that are not judged have no slopes either.
+        // Rows that are not judged have no derivatives either.
         for (row, failed) in case.channels[0].failed.iter_mut().enumerate() {
             *failed = row % 7 == 3;
         }

@@ -1,7 +1,7 @@
-//! The least-squares problem, as the optimiser wants it.
+//! The least-squares problem, in the form that the optimiser needs.
 //!
-//! The optimiser sees the triangle of the normal equations instead of one line a row: the same minimum, the same steps, and a
-//! few dozen numbers instead of a hundred thousand.
+//! The optimiser gets the triangular factor of the normal equations instead of one line per row: the same minimum, the
+//! same steps, and a few dozen numbers instead of a hundred thousand.
 
 use std::cell::Cell;
 use std::sync::Arc;
@@ -19,22 +19,22 @@ use super::normal_equations::{NormalEquations, OF_START};
 use super::{Free, From};
 use crate::experiment::Prepared;
 
-/// What is told of an evaluated recording.
+/// Called with each recording after its evaluation.
 pub type Told<'a> = dyn Fn(&Prepared) + Sync + 'a;
 
-/// A model that lacks an effect creeps along a valley: evaluations per coordinate, after which it is far enough.
+/// Largest number of evaluations per coordinate: a model that lacks an effect creeps along a valley, and is far enough then.
 const PATIENCE: usize = 3;
 
-/// Slopes hold as long as a step gains what it promised to within this share.
+/// The Jacobian is kept as long as the gain of a step equals the predicted gain within this share.
 const FAITHFUL: f64 = 0.15;
-/// A hundredth of a unit of log-likelihood is not worth a step.
+/// A gain below a hundredth of a unit of log-likelihood is not worth a step.
 const NEGLIGIBLE: f64 = 0.01;
-/// A search of this precision ends with slopes of its own.
+/// A search of at least this precision ends with a newly computed Jacobian.
 const FINE: f64 = 1e-5;
-/// Times that it sets out, at most.
+/// Largest number of times that the search is started.
 const ROUNDS: usize = 3;
 
-/// Most evaluations of a search over so many coordinates.
+/// Largest number of evaluations of a search over this many coordinates.
 pub(crate) const fn most_evaluations(coordinates: usize) -> usize {
     PATIENCE * (coordinates + 1)
 }
@@ -43,11 +43,11 @@ pub(crate) struct Problem<'a> {
     base: &'a Machine<f64>,
     free: &'a [Free],
     cases: &'a [&'a Prepared],
-    /// Told after each evaluation of a recording with its slopes.
+    /// Called after each evaluation of a recording with its Jacobian.
     told: &'a Told<'a>,
     /// Free parameters, then level and shift of each recording's start.
     pub(crate) coordinates: DVector<f64>,
-    /// Of each recording, at the coordinates.
+    /// For each recording, at the coordinates.
     pub(crate) normal_equations: Vec<NormalEquations>,
 }
 
@@ -104,7 +104,7 @@ impl<'a> Problem<'a> {
             .with_xtol(1e-6)
             .with_gtol(0.0)
             .with_patience(PATIENCE)
-            // Every coordinate is in standard deviations of its prior already: a first step of several of them is far.
+            // Every coordinate is already in standard deviations of its prior, so a first step of several of them is far.
             .with_scale_diag(false)
             .with_stepbound(5.0);
         let mut slots = Slots::new(self, precision);
@@ -113,7 +113,7 @@ impl<'a> Problem<'a> {
             let (end, report) = solver.minimize(slots);
             slots = end;
             rounds += 1;
-            // Where kept slopes say that it ends, new ones have to say so as well.
+            // Where the search ends by a kept Jacobian, a newly computed one has to confirm the end.
             if precision > FINE || !slots.here.is_by_kept_jacobian {
                 break report.termination.was_successful();
             }
@@ -137,28 +137,28 @@ pub(crate) struct Minimum {
     pub(crate) loss: f64,
 }
 
-/// The problem as the optimiser wants it: where it is and where it was.
+/// The problem in the form that the optimiser needs: the present point and the one before.
 struct Slots<'p, 'a> {
     problem: &'p mut Problem<'a>,
     precision: f64,
-    /// Here, and where the search was before: a step that is not taken leads back there.
+    /// The present point, and the point before it, to which the search returns if it does not take the step.
     here: Point,
     before: Point,
     /// Whether the search has taken the step that led here.
     is_taken: Cell<bool>,
 }
 
-/// The triangle at some coordinates.
+/// The triangular factor at some coordinates.
 #[derive(Clone, Default)]
 struct Point {
     at: DVector<f64>,
     normal_equations: Vec<NormalEquations>,
-    /// Of each recording, from here or, where it is `by_kept_jacobian`, from where the steps began.
+    /// For each recording: computed here or, with `by_kept_jacobian`, at the point where the steps began.
     jacobian: Arc<Vec<Jacobian>>,
     is_by_kept_jacobian: bool,
-    /// Whether every step from here that was looked at gained what it promised.
+    /// Whether every step tried from here gained what was predicted.
     holds: bool,
-    /// Residuals and Jacobian; none where the machine does not become a drive.
+    /// Residuals and Jacobian; `None` where the machine does not become a drive.
     triangle: Option<(DVector<f64>, DMatrix<f64>)>,
 }
 
@@ -178,20 +178,20 @@ impl Point {
         self.triangle.as_ref().map_or(f64::NAN, |(residuals, _)| 0.5 * residuals.norm_squared())
     }
 
-    /// How far the loss falls by a step to there, if the residuals are as linear as the triangle says.
+    /// Fall of the loss by a step to `there`, if the residuals are linear with this Jacobian.
     fn promises(&self, there: &DVector<f64>) -> f64 {
         self.triangle.as_ref().map_or(f64::NAN, |(residuals, jacobian)| {
             0.5 * (residuals.norm_squared() - (residuals + jacobian * (there - &self.at)).norm_squared())
         })
     }
 
-    /// The same by the best of all steps.
+    /// The same for the best possible step.
     fn falls(&self) -> f64 {
         let reached = |residuals: &DVector<f64>| residuals.rows(0, residuals.len() - 1).norm_squared();
         self.triangle.as_ref().map_or(f64::NAN, |(residuals, _)| 0.5 * reached(residuals))
     }
 
-    /// A fall of the loss that is not worth a step: of the log-likelihood of noise as large as what is left here.
+    /// A fall of the loss that is not worth a step: a negligible gain of log-likelihood, with noise as large as the misfit here.
     fn negligible(&self) -> f64 {
         let rows: f64 = self.normal_equations.iter().map(|one| one.rows).sum();
         NEGLIGIBLE * (2.0 * self.loss() / rows.max(1.0)).max(1.0)
@@ -207,7 +207,7 @@ impl<'p, 'a> Slots<'p, 'a> {
         slots
     }
 
-    /// A point with slopes of its own.
+    /// A point with its own, newly computed Jacobian.
     fn evaluated(&self, coordinates: &DVector<f64>) -> Point {
         let Problem { base, free, cases, told, .. } = *self.problem;
         let at = At { base, free, coordinates: coordinates.as_slice() };
@@ -221,7 +221,7 @@ impl<'p, 'a> Slots<'p, 'a> {
         Point::of(coordinates, normal_equations, Arc::new(jacobian), false)
     }
 
-    /// A point with the slopes of where the search was before; `None` where those are not kept or there is no drive.
+    /// A point with the Jacobian of the previous point; `None` where that is not kept or the machine does not become a drive.
     fn by_kept_jacobian(&self, coordinates: &DVector<f64>) -> Option<Point> {
         let cases = self.problem.cases;
         let machine = self.problem.machine();
@@ -234,7 +234,7 @@ impl<'p, 'a> Slots<'p, 'a> {
         point.triangle.is_some().then_some(point)
     }
 
-    /// What a step leads to. One that promises too little is not looked at: there the search ends.
+    /// The result of a step. A step whose predicted gain is too small is not simulated: the search ends there.
     fn tried(&mut self, coordinates: &DVector<f64>) -> Point {
         let promised = self.before.promises(coordinates);
         if promised <= (self.precision * self.before.loss()).min(self.before.negligible()) {
@@ -242,7 +242,7 @@ impl<'p, 'a> Slots<'p, 'a> {
         }
         if let Some(by_kept_jacobian) = self.by_kept_jacobian(coordinates) {
             let gained = self.before.loss() - by_kept_jacobian.loss();
-            // A step that gains nothing is not taken, and one that gains what it promised says that the slopes hold.
+            // A step without a gain is not taken, and a step that gains what was predicted shows that the Jacobian still holds.
             let holds = (gained - promised).abs() <= FAITHFUL * promised;
             if gained <= 0.0 || (holds && self.before.holds) {
                 self.before.holds = holds;
@@ -253,7 +253,7 @@ impl<'p, 'a> Slots<'p, 'a> {
     }
 }
 
-/// The normal equations' triangle, as residuals and Jacobian.
+/// The triangular factor of the normal equations, as residuals and Jacobian.
 fn assembled(normal_equations: &[NormalEquations], coordinates: &DVector<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
     let size = coordinates.len();
     let (matrix, gradient, square) = NormalEquations::assembled(normal_equations, coordinates);
@@ -288,7 +288,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Slots<'_, '_> {
         }
         self.here = self.tried(coordinates);
         if self.here.triangle.is_none() {
-            // A step to where there is no drive is one that goes wrong: the search then takes a shorter one.
+            // A step to where there is no drive is reported as a bad step, so that the search takes a shorter one.
             let wrong = |(residuals, jacobian): &(DVector<f64>, DMatrix<f64>)| (residuals * 10.0, jacobian.clone());
             self.here.triangle = self.before.triangle.as_ref().map(wrong);
         }
@@ -303,7 +303,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Slots<'_, '_> {
     }
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
-        // It is asked for only where the search goes on from.
+        // The optimiser requests the Jacobian only at points from which the search goes on.
         self.is_taken.set(true);
         self.here.triangle.as_ref().map(|(_, jacobian)| jacobian.clone())
     }

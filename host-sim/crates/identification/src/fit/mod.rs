@@ -1,10 +1,10 @@
 //! Refit of parameters on all training recordings together.
 //!
-//! Levenberg-Marquardt (crate `levenberg-marquardt`, a port of MINPACK) over residuals divided by each channel's noise, with the
-//! derivatives from the core run on dual numbers. A pseudo-Huber loss keeps single spikes from steering. Every free value has a
-//! prior: a nominal one with a stated standard deviation, or the usual range of an effect's effect parameter, which positive effect parameters
-//! move in by their logarithm, and which none leaves far. The state that each recording starts from is free as well, within what
-//! its sensors leave open.
+//! Levenberg-Marquardt (crate `levenberg-marquardt`, a port of MINPACK) over residuals divided by each channel's noise,
+//! with the derivatives from the core run on dual numbers. A pseudo-Huber loss keeps single spikes from steering the fit.
+//! Every free value has a prior: a base parameter a nominal value with a stated standard deviation, an effect parameter
+//! its usual range. Positive effect parameters move by their logarithm, and no effect parameter moves far out of its
+//! usual range. The initial state of each recording is free as well, within what its sensors leave open.
 
 pub mod coarse;
 mod correlation;
@@ -36,7 +36,7 @@ pub use residuals::{
 };
 pub use sensitivity::{Change, Sensitivity, Settled, Simulated};
 
-/// Most parameters of one fit.
+/// Largest number of parameters in one fit.
 pub const MOST_PARAMETERS: usize = simulation::MOST_PARAMETERS;
 
 /// How a free parameter moves; its own coordinate has a unit normal prior in each case.
@@ -49,7 +49,7 @@ pub enum Freedom {
         /// Its standard deviation.
         sigma: f64,
     },
-    /// Of either sign and of roughly known size: moves ever more stiffly towards one and a half times [`REACH`].
+    /// Of either sign and of roughly known size: moves ever more stiffly towards a limit of one and a half times [`REACH`].
     Signed {
         /// Standard deviation.
         sigma: f64,
@@ -65,20 +65,20 @@ pub enum Freedom {
     },
 }
 
-/// A positive value comes no further from the middle of its prior than this, in standard deviations: where the recordings cannot
-/// tell a large value from one yet larger (a hard stop from a harder one), the search would run away. A coordinate far beyond
-/// says that they press against it.
+/// The largest distance of a positive value from the middle of its prior, in standard deviations. Without this limit the
+/// search would run away where the recordings cannot distinguish a large value from a still larger one (a hard stop from
+/// a harder one). A coordinate far beyond the limit shows that the recordings press against it.
 pub const REACH: f64 = 2.2;
 
-/// The same for values and places of either sign.
+/// The same limit for values and places of either sign.
 pub const REACH_SIGNED: f64 = 1.5 * REACH;
 
-/// Standard deviations from the middle at a coordinate: the coordinate itself near 0, and never more than [`REACH`].
+/// Standard deviations from the middle of the prior at a coordinate: the coordinate itself near 0, and never more than [`REACH`].
 fn reached(coordinate: f64, vanishes: bool) -> f64 {
     if vanishes && coordinate < 0.0 { coordinate } else { REACH * (coordinate / REACH).tanh() }
 }
 
-/// Longest dead time of a valve that a search comes to, s: two ticks less than the delay line holds at the shortest tick.
+/// Longest dead time of a valve that a search can reach, s: two ticks less than the delay line holds at the shortest tick.
 const LONGEST_DELAY_S: f64 = (DELAY_LINE - 2) as f64 * Tick::HalfMillisecond.seconds();
 
 /// A parameter that a fit may move.
@@ -91,8 +91,9 @@ pub struct Free {
 }
 
 impl Free {
-    /// The ends of the value's range: the parameter's own, and of a dead time what the delay line holds at the shortest tick, or what the machine
-    /// file says if that is more. A search at twice the tick would end at one that no drive at the recordings' own tick can have.
+    /// The ends of the value's range: those of the parameter itself. A dead time is also limited to what the delay line holds at the shortest tick,
+    /// or to the machine file's value if that is longer. Otherwise a search at twice the tick could end at a dead time that is not possible at the
+    /// recordings' own tick.
     fn ends(&self) -> (f64, f64) {
         let description = self.parameter.description();
         let nominal = if let Freedom::Around { nominal, .. } = self.freedom { nominal } else { 0.0 };
@@ -103,7 +104,7 @@ impl Free {
         (description.min, most)
     }
 
-    /// The value at the fit's own coordinate, which is 0 at the middle of the prior.
+    /// The value at a coordinate of the fit; coordinate 0 is the middle of the prior.
     #[must_use]
     pub fn value(&self, coordinate: f64) -> f64 {
         let value = match self.freedom {
@@ -128,7 +129,7 @@ impl Free {
                 if vanishes && deviations < 0.0 {
                     deviations
                 } else {
-                    // Values at the end of the reach and beyond are as far as a coordinate is taken to be.
+                    // Values at or beyond the limit get the largest coordinate.
                     REACH * (deviations / REACH).clamp(-0.99, 0.99).atanh()
                 }
             }
@@ -141,7 +142,7 @@ impl Free {
         value <= least || value >= most
     }
 
-    /// Derivative of the value by the coordinate; 0 where the value is held at an end of its range.
+    /// Derivative of the value with respect to the coordinate; 0 where the value is held at an end of its range.
     fn slope(&self, coordinate: f64) -> f64 {
         match self.freedom {
             _ if self.at_bound(coordinate) => 0.0,
@@ -165,14 +166,14 @@ pub struct Estimate {
     pub before: f64,
     /// The fitted value, SI.
     pub value: f64,
-    /// Its standard deviation, SI, with the correlation of the residuals in time counted in; NaN where the recordings do
+    /// Its standard deviation, SI, which accounts for the correlation of the residuals in time; NaN where the recordings do
     /// not determine it.
     pub std: f64,
-    /// Whether it ended at an end of its admissible range, and is no estimate then.
+    /// Whether it ended at an end of its admissible range; then it is no estimate.
     pub at_bound: bool,
 }
 
-/// How far fitted values may be off, together.
+/// Joint uncertainty of the fitted values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Uncertainty {
     /// Parameters that recordings determine, each with its standard deviation, SI.
@@ -192,7 +193,7 @@ pub struct Fit {
     pub coordinates: Vec<f64>,
     /// The state each recording starts from.
     pub starts: Vec<StartState>,
-    /// What each recording tells of the free parameters, at the solution.
+    /// What each recording says about the free parameters, at the solution.
     pub normal_equations: Vec<NormalEquations>,
     /// Whether the optimiser met one of its criteria.
     pub converged: bool,
@@ -220,7 +221,7 @@ impl Fit {
             .collect()
     }
 
-    /// What is known of the free parameters' values together; see [`Self::estimates`].
+    /// The joint uncertainty of the free parameters' values; see [`Self::estimates`].
     #[must_use]
     pub fn uncertainty(&self, inflation: f64) -> Uncertainty {
         let estimates = self.estimates(inflation);
@@ -248,7 +249,7 @@ impl Fit {
         )
     }
 
-    /// This solution and one of other parameters, as a search of all of them starts: each recording where it does in this.
+    /// This solution together with that of other parameters, as the start of a search over all of them; the recordings start as in this one.
     #[must_use]
     pub fn beside(&self, other: &Self) -> Self {
         let mut both = self.clone();
@@ -266,7 +267,7 @@ impl Fit {
         let step = NormalEquations::step_without(&self.normal_equations, recording, &self.coordinates);
         let mut machine = self.machine;
         for (free, (&coordinate, step)) in self.free.iter().zip(self.coordinates.iter().zip(&step)) {
-            // A step far beyond the prior is not to be trusted as far.
+            // A step far beyond the prior is not reliable, so it is limited.
             machine.set(free.parameter, free.value(coordinate + step.clamp(-2.0, 2.0)));
         }
         machine
@@ -292,9 +293,9 @@ pub enum FitError {
 pub struct From<'a> {
     /// A former solution; parameters that it does not have start at the middle of their prior.
     pub solution: Option<&'a Fit>,
-    /// Coordinates of single parameters that go before the former solution's.
+    /// Coordinates of single parameters, which take precedence over the former solution's.
     pub coordinates: &'a [(Parameter, f64)],
-    /// Every coordinate of the former solution, moved; empty where they start as they were.
+    /// Every coordinate of the former solution after a move; empty where the search starts at the former solution itself.
     pub moved: &'a [f64],
 }
 
@@ -311,13 +312,13 @@ pub fn fit(
     fit_told(machine, free, cases, from, precision, &|_| ())
 }
 
-/// Most times that [`fit`] evaluates each recording; as a rule it is done much earlier.
+/// Largest number of times that [`fit`] evaluates each recording; usually it ends much earlier.
 #[must_use]
 pub const fn most_evaluations(free: usize, recordings: usize) -> usize {
     levenberg_marquardt::most_evaluations(free + OF_START * recordings)
 }
 
-/// As [`fit`], and tells each recording after each of its evaluations.
+/// As [`fit`], and reports each recording after each of its evaluations.
 pub fn fit_told(
     machine: &Machine<f64>,
     free: &[Free],
@@ -330,7 +331,7 @@ pub fn fit_told(
         return Err(FitError::TooMany { count: free.len() });
     }
     let mut problem = Problem::new(machine, free, cases, from, told);
-    // The optimiser has no way to report why residuals fail, so the start is tried first.
+    // The optimiser cannot report why residuals fail, so the start is tried first.
     model_core::drive::Drive::<f64>::new::<DELAY_LINE>(
         &problem.machine(),
         cases.first().map_or(Tick::OneMillisecond, |case| case.stimulus.tick),
@@ -343,7 +344,7 @@ pub fn fit_told(
         coordinates: problem.coordinates.iter().take(free.len()).copied().collect(),
         normal_equations: problem.normal_equations,
         converged,
-        // A start that does not become a drive, or whose slopes are none, is no fit.
+        // A start that does not become a drive, or whose derivatives are not finite, gives no fit.
         loss: if loss.is_finite() { loss } else { f64::INFINITY },
     })
 }
@@ -367,7 +368,7 @@ mod tests {
             Drive::<f64>::new::<DELAY_LINE>(&machine, tick).unwrap();
         }
         assert!(delay(0.01).at_bound(1e6) && !delay(0.01).at_bound(3.0));
-        // What the machine file says, a drive has.
+        // A dead time from the machine file is kept, as the drive has it.
         assert!((delay(0.4).value(0.0) - 0.4).abs() < 1e-12);
     }
 }

@@ -1,5 +1,5 @@
-//! What one recording tells of the free parameters: the normal equations of its residuals, gathered row by row while it is
-//! simulated, so that an hour of recording needs no more memory than a second.
+//! What one recording says about the free parameters: the normal equations of its residuals, gathered row by row during
+//! the simulation, so that an hour of recording needs no more memory than a second.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -12,7 +12,7 @@ use super::kept_jacobian::Jacobian;
 use super::residuals::{missed, soft};
 use crate::experiment::Prepared;
 
-/// Normal equations of one recording, by the free parameters and then the level and the shift of its start.
+/// Normal equations of one recording, for the free parameters and then the level and the shift of its initial state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NormalEquations {
     /// `JᵀJ`
@@ -29,7 +29,7 @@ pub struct NormalEquations {
 pub(crate) const OF_START: usize = 2;
 
 impl NormalEquations {
-    /// Runs a recording with the slopes of its residuals, which are put aside in the `jacobian`.
+    /// Runs a recording with the derivatives of its residuals, which are stored in the `jacobian`.
     pub(crate) fn of(
         at: &At<'_>,
         start: StartState,
@@ -49,8 +49,8 @@ impl NormalEquations {
         Ok(sums.total())
     }
 
-    /// Normal equations of all recordings together, by the free parameters and then each recording's start; every coordinate
-    /// has a unit normal prior.
+    /// Normal equations of all recordings together, for the free parameters and then each recording's initial state; every
+    /// coordinate has a unit normal prior.
     pub(crate) fn assembled(all: &[NormalEquations], coordinates: &DVector<f64>) -> (DMatrix<f64>, DVector<f64>, f64) {
         let size = coordinates.len();
         let count = size - OF_START * all.len();
@@ -70,7 +70,7 @@ impl NormalEquations {
         (matrix, gradient, square)
     }
 
-    /// The free parameters' own equations once the start's two coordinates are eliminated; the start's priors are in.
+    /// The equations of the free parameters alone, after the initial state's two coordinates are eliminated; the priors of these two are included.
     fn reduced(&self) -> (DMatrix<f64>, DVector<f64>) {
         let count = self.gradient.len() - OF_START;
         let own = self.matrix.view((0, 0), (count, count)).into_owned();
@@ -86,8 +86,8 @@ impl NormalEquations {
         Self::precision(all, inflation).cholesky().map(|factor| factor.inverse())
     }
 
-    /// Its inverse: what one coordinate's error says of another's is in it. The residuals are correlated in time, so what the recordings tell is
-    /// divided by their mean square and by how many neighbours tell the same; the priors keep theirs.
+    /// Inverse of the covariance; it includes the correlations between coordinates. The residuals are correlated in time, so the recordings' part
+    /// is divided by the residuals' mean square and by the number of rows per independent sample; the priors are not divided.
     pub(crate) fn precision(all: &[NormalEquations], inflation: f64) -> DMatrix<f64> {
         let Some(first) = all.first() else { return DMatrix::zeros(0, 0) };
         let count = first.gradient.len() - OF_START;
@@ -100,7 +100,7 @@ impl NormalEquations {
         matrix
     }
 
-    /// The Newton step from the common solution to that without one recording.
+    /// The Newton step from the common solution to the solution without one recording.
     pub(crate) fn step_without(all: &[NormalEquations], without: usize, coordinates: &[f64]) -> Vec<f64> {
         let count = coordinates.len();
         let mut matrix = DMatrix::identity(count, count);
@@ -114,14 +114,14 @@ impl NormalEquations {
     }
 }
 
-/// Rows that are summed up at a time.
+/// Number of rows that are summed at a time.
 const ROWS: usize = 4;
 
-/// Sums over rows. In double: what single precision rounds away of two nearly equal columns is more than any prior.
+/// Sums over rows, in double precision: with two nearly equal columns, the rounding error of single precision is larger than any prior.
 struct Sums {
-    /// Coordinates, and the residual as one more column.
+    /// Number of coordinates, plus one column for the residual.
     columns: usize,
-    /// Rows that wait, a row after the other.
+    /// Rows that are not summed yet, one after the other.
     waiting: Vec<f64>,
     /// Lower triangle of the products of columns, column after column.
     products: Vec<f64>,
@@ -144,14 +144,14 @@ impl Sums {
         }
     }
 
-    /// Adds the products of the rows that wait, in their order.
+    /// Adds the products of the waiting rows, in their order.
     fn gather(&mut self) {
         self.waiting.resize(ROWS * self.columns, 0.0);
         let mut rows = self.waiting.chunks_exact(self.columns);
         if let [Some(a), Some(b), Some(c), Some(d)] = std::array::from_fn(|_| rows.next()) {
             for (index, sums) in self.products.chunks_exact_mut(self.columns).enumerate() {
                 let by = [a[index], b[index], c[index], d[index]];
-                // Most rows know nothing of some parameters.
+                // In most rows some derivatives are 0.
                 if by.iter().all(|slope| *slope == 0.0) {
                     continue;
                 }

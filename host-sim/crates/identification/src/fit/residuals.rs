@@ -25,7 +25,7 @@ pub fn softened(machine: &Machine<f64>, case: &Prepared, start: StartState) -> R
     Ok(softened_all(machine, [(case, start)])?.swap_remove(0))
 }
 
-/// The same of several recordings.
+/// The same for several recordings.
 pub fn softened_all<'a>(
     machine: &Machine<f64>,
     cases: impl IntoIterator<Item = (&'a Prepared, StartState)>,
@@ -42,7 +42,7 @@ pub fn softened_all<'a>(
     Ok(all)
 }
 
-/// Gives every channel the tolerance that a model's residuals on all recordings ask for: their root mean square over the noise.
+/// Sets the tolerance of every channel by a model's residuals on all recordings: their root mean square over the noise.
 pub fn set_tolerances(
     machine: &Machine<f64>,
     cases: &mut [Prepared],
@@ -56,7 +56,7 @@ pub fn set_tolerances(
     Ok(())
 }
 
-/// What a machine misses of one signal in several recordings.
+/// Misfit of a machine in one signal over several recordings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Misfit {
     /// The signal.
@@ -75,7 +75,7 @@ impl Misfit {
     }
 }
 
-/// What a machine misses of each judged signal in these recordings together, each from its start.
+/// Misfit of a machine in each judged signal of these recordings together, each from its initial state.
 pub fn misfits<'a>(
     machine: &Machine<f64>,
     cases: impl IntoIterator<Item = (&'a Prepared, StartState)>,
@@ -94,16 +94,16 @@ pub fn misfits<'a>(
     Ok(misfits)
 }
 
-/// Residuals over noise: for each recording one series a channel.
+/// Residuals over noise: for each recording one series per channel.
 pub type Residuals = Vec<Vec<Vec<f64>>>;
 
-/// Residuals of a machine on one recording, each over its channel's noise: one series for each channel, of the rows in which its
-/// sensor worked. As rows that miss nothing, the others would make every mean smaller than it is.
+/// Residuals of a machine on one recording, each over its channel's noise: one series for each channel, only of the rows
+/// in which its sensor worked. The other rows, counted as residual 0, would make every mean too small.
 pub fn standardised(machine: &Machine<f64>, case: &Prepared, start: StartState) -> Result<Vec<Vec<f64>>, MachineError> {
     Ok(standardised_all(machine, [(case, start)])?.swap_remove(0))
 }
 
-/// The same of several recordings.
+/// The same for several recordings.
 pub fn standardised_all<'a>(
     machine: &Machine<f64>,
     cases: impl IntoIterator<Item = (&'a Prepared, StartState)>,
@@ -123,7 +123,7 @@ pub fn standardised_all<'a>(
     Ok(all)
 }
 
-/// What runs yield at some of their rows, SI: one vector each, row by row; 0 for what the chain does not compute.
+/// What runs yield at some of their rows, SI: one vector each, row by row; 0 for what the model does not compute.
 pub(crate) fn simulated(
     machine: &Machine<f64>,
     runs: &[Run<'_>],
@@ -168,10 +168,10 @@ pub fn effective_samples(series: &[f64]) -> f64 {
     (series.len() as f64 * (1.0 - r) / (1.0 + r)).max(1.0)
 }
 
-/// The same by the means of blocks, each twice as long as the last, down to sixteen of them (Flyvbjerg and Petersen 1989), where they say
-/// less: what is smooth beneath independent noise hardly shows in the correlation at lag one.
+/// The same by the means of blocks, each twice as long as the last, down to sixteen of them (Flyvbjerg and Petersen 1989), if that
+/// gives fewer samples: a smooth part beneath independent noise hardly shows in the correlation at lag one.
 pub fn samples_by_blocks(series: &[f64]) -> f64 {
-    /// With fewer blocks their mean square says little.
+    /// With fewer blocks their mean square is not reliable.
     const FEWEST: usize = 16;
     let mean_square = |of: &[f64]| loss(of) / of.len() as f64;
     let (mut blocks, mut rows, mut most) = (series.to_vec(), 1.0, 0.0_f64);
@@ -198,8 +198,8 @@ pub fn inflation(residuals: &Residuals, counts: Counts) -> f64 {
 /// How the independent samples of a residual are counted.
 pub type Counts = fn(&[f64]) -> f64;
 
-/// How they are counted of recordings that enter the chain there. What a sensor's signal drives adds up that sensor's noise, smooth beneath the
-/// independent noise of what it is judged by.
+/// How they are counted in recordings that drive the model at this input point. If a sensor's signal drives the model,
+/// its noise is integrated: the residual then has a smooth part beneath the independent noise of the judged signal.
 pub fn counts_from(input_point: InputPoint) -> Counts {
     if input_point.is_set() { effective_samples } else { samples_by_blocks }
 }

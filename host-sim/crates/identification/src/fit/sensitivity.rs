@@ -1,4 +1,4 @@
-//! How each residual moves with each free parameter at a solution, for many questions about small changes at little cost.
+//! How each residual changes with each free parameter at a solution: answers many questions about small changes at little cost.
 
 use crate::parallel;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -13,21 +13,21 @@ use super::residuals::{missed, runs, simulated, soft};
 use super::{Fit, MOST_PARAMETERS};
 use crate::experiment::Prepared;
 
-/// Rows that are kept at most; of longer recordings every so-manieth, which stands for those left out: residuals and slopes weigh
-/// as much as all of them.
+/// Largest number of rows that are kept. Of longer recordings every n-th row is kept and stands for those left out:
+/// residuals and derivatives weigh as much as those of all rows.
 const MOST_ROWS: usize = 60_000;
 
 /// Which rows are kept.
 #[derive(Clone, Copy, Debug)]
 struct Kept {
-    /// Every so-manieth.
+    /// n: every n-th row is kept.
     stride: usize,
-    /// Root of the rows that each stands for.
+    /// Root of the number of rows that each kept row stands for.
     weight: f64,
 }
 
 impl Kept {
-    /// The rows to keep of so many.
+    /// Which rows to keep out of this many.
     fn of(rows: usize) -> Self {
         let stride = rows.div_ceil(MOST_ROWS).max(1);
         Self { stride, weight: (stride as f64).sqrt() }
@@ -38,12 +38,12 @@ impl Kept {
     }
 }
 
-/// Residuals of one recording at a solution, with their slopes.
+/// Residuals of one recording at a solution, with their derivatives.
 #[derive(Debug)]
 struct Block {
-    /// Softened residual, weighted, and the slope of the softening, per kept row and channel.
+    /// Softened residual, weighted, and the derivative of the softening, per kept row and channel.
     residuals: Vec<(f64, f64)>,
-    /// Weighted slope by each coordinate of the recording (free parameters, level, shift), row by row.
+    /// Weighted derivative with respect to each coordinate of the recording (free parameters, level, shift), row by row.
     jacobian: Vec<f32>,
 }
 
@@ -58,20 +58,20 @@ pub struct Sensitivity<'a> {
     gradient: DVector<f64>,
 }
 
-/// Every channel at the kept rows, row by row, SI; 0 where it is not simulated: one vector a recording.
+/// Every channel at the kept rows, row by row, SI; 0 where it is not simulated: one vector per recording.
 pub type Simulated = Vec<Vec<f64>>;
 
-/// A change of all residuals: one vector a recording.
+/// A change of all residuals: one vector per recording.
 pub type Change = Vec<Vec<f64>>;
 
-/// The free parameters settled anew after a change of the residuals.
+/// Result of a linearised refit of the free parameters after a change of the residuals.
 #[derive(Clone, Debug)]
 pub struct Settled {
-    /// Half the sum of squares that is gained.
+    /// Decrease of half the sum of squares.
     pub gain: f64,
-    /// Half the sum of squares that is left.
+    /// Half the sum of squares that remains.
     pub loss: f64,
-    /// Where the free parameters, and each recording's start, settle.
+    /// Values of the free parameters, and of each recording's initial state, after the refit.
     pub coordinates: Vec<f64>,
 }
 
@@ -91,13 +91,13 @@ impl<'a> Sensitivity<'a> {
         Ok(matrix.cholesky().map(|factor| Self { cases, fit, blocks, kept, factor, gradient }))
     }
 
-    /// What another machine simulates from the solution's starts.
+    /// What another machine simulates from the solution's initial states.
     pub fn simulated(&self, machine: &Machine<f64>) -> Result<Simulated, MachineError> {
         let cases = self.cases.iter().copied().zip(self.fit.starts.iter().copied());
         simulated(machine, &runs(machine, cases), |row| self.kept.has(row))
     }
 
-    /// Where a row's channels begin in what is simulated, in steps of as many channels; `None` where the row is left out.
+    /// Index in the simulated values at which a row's channels begin; `None` where the row is left out.
     #[must_use]
     pub fn place_of(&self, row: usize) -> Option<usize> {
         self.kept.has(row).then_some(row / self.kept.stride)
@@ -125,7 +125,7 @@ impl<'a> Sensitivity<'a> {
             .collect()
     }
 
-    /// Slopes by every coordinate times a change.
+    /// Derivatives with respect to every coordinate times a change.
     fn across(&self, change: &Change) -> DVector<f64> {
         let count = self.fit.free.len();
         let mut sum = DVector::zeros(self.gradient.len());
@@ -143,7 +143,7 @@ impl<'a> Sensitivity<'a> {
         sum
     }
 
-    /// Where the free parameters settle when residuals change so, and what that is worth.
+    /// Linearised refit of the free parameters after this change of the residuals, with its gain.
     #[must_use]
     pub fn settle(&self, change: &Change) -> Settled {
         let mut by = 0.0;
@@ -167,8 +167,8 @@ impl<'a> Sensitivity<'a> {
         }
     }
 
-    /// How much of each direction lowers the loss most once the free parameters have settled, each at least 0 where `positive`
-    /// says so; and what that gains.
+    /// Amount of each direction that lowers the loss most after a linearised refit of the free parameters, at least 0 where
+    /// `positive` is set; and the gain of all of them.
     #[must_use]
     pub fn amounts(&self, directions: &[Change], positive: &[bool]) -> (Vec<f64>, f64) {
         let across: Vec<DVector<f64>> = directions.iter().map(|direction| self.across(direction)).collect();
@@ -192,7 +192,7 @@ impl<'a> Sensitivity<'a> {
                 matrix[(column, row)] = matrix[(row, column)];
             }
         }
-        // A direction that the free parameters can imitate counts for nothing.
+        // A direction that the free parameters can imitate has no effect.
         for index in 0..count {
             let size: f64 = matrix[(index, index)];
             matrix[(index, index)] = size * (1.0 + 1e-9) + 1e-6;
@@ -222,7 +222,7 @@ impl<'a> Sensitivity<'a> {
 }
 
 impl Block {
-    /// Runs a recording with the slopes of its residuals, and keeps every so-manieth row.
+    /// Runs a recording with the derivatives of its residuals, and keeps every n-th row.
     fn at(at: &At<'_>, start: StartState, case: &Prepared, kept: Kept) -> Result<Self, MachineError> {
         let mut block = Self { residuals: Vec::new(), jacobian: Vec::new() };
         at.each(start, case, &mut |judged| {

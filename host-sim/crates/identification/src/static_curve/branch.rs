@@ -1,10 +1,10 @@
-//! A sweep taken apart where its input turns back, and where its branches cross a level of the output.
+//! A sweep divided where its input turns back, and the inputs at which its branches cross a level of the output.
 
 use std::ops::Range;
 
 use simulation::signal::noise::extent;
 
-/// A stretch of a sweep without a turn.
+/// A part of a sweep without a turn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Branch {
     /// Its rows.
@@ -13,9 +13,9 @@ pub struct Branch {
     pub rising: bool,
 }
 
-/// A turn is real that goes back by this share of the input's span: a sensor's noise does not.
+/// A turn counts if the input goes back by this share of its span: a sensor's noise does not.
 const TURN: f64 = 0.05;
-/// A branch counts that goes over this share of the input's span.
+/// A branch counts if it covers this share of the input's span.
 const LEAST_SPAN: f64 = 0.25;
 
 /// The branches of a sweep that are long enough to be read, in the order of their rows.
@@ -64,8 +64,8 @@ impl Branch {
         self.rows.clone().map(|row| (input[row], output[row])).collect()
     }
 
-    /// The input at which the output goes through a level: the mean of all crossings that noise makes of one. On a staircase that
-    /// is the edge of a step, wherever on it the level lies.
+    /// The input at which the output crosses a level: the mean of the several crossings that noise makes of one. On a
+    /// staircase this is the edge of a step, wherever on the step's height the level lies.
     #[must_use]
     pub fn crossing(&self, input: &[f64], output: &[f64], level: f64) -> Option<f64> {
         let rows = self.rows.start..self.rows.end - 1;

@@ -1,4 +1,4 @@
-//! The static characteristic: width of its loop, null, edges of the dead zone, gain and where it falls.
+//! The static characteristic: width of its loop, null, edges of the dead zone, gain and where the gain falls.
 
 use serde::Serialize;
 
@@ -12,9 +12,9 @@ use super::line::{Line, median_and_std};
 pub struct Hysteresis {
     /// Horizontal distance of the branches, input unit: median over levels of the output, positive where the output lags.
     pub width: f64,
-    /// How it varies over the levels (1.4826 × median absolute deviation), input unit.
+    /// Scatter of the width over the levels (1.4826 × median absolute deviation), input unit.
     pub std: f64,
-    /// At how many levels it was read.
+    /// Number of levels at which it was read.
     pub levels: usize,
     /// Distance of the branches' nulls.
     pub at_null: Option<f64>,
@@ -27,9 +27,9 @@ pub struct Hysteresis {
 pub struct Null {
     /// Mean of the branches, input unit.
     pub input: f64,
-    /// Of the rising branches.
+    /// Null of the rising branches.
     pub rising: Option<f64>,
-    /// Of the falling branches.
+    /// Null of the falling branches.
     pub falling: Option<f64>,
 }
 
@@ -38,13 +38,13 @@ pub struct Null {
 pub struct Edge {
     /// Where a line through small outputs (5–40 % of the largest) meets zero, input unit.
     pub extrapolated: f64,
-    /// Last input at rest and first one with an output above a thousandth of the largest, where rows are at rest.
+    /// Last input at rest and first input with an output above a thousandth of the largest, where there are rows at rest.
     pub begins_between: Option<(f64, f64)>,
     /// Slope of the line: the gain there.
     pub gain: f64,
 }
 
-/// The gain of a stretch of the input.
+/// The gain in one interval of the input.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LocalGain {
     /// From this input.
@@ -53,7 +53,7 @@ pub struct LocalGain {
     pub to: f64,
     /// Rise of the output over rise of the input.
     pub gain: f64,
-    /// Mean output there.
+    /// Mean output in the interval.
     pub output: f64,
 }
 
@@ -64,7 +64,7 @@ pub struct Saturation {
     pub share: f64,
     /// From this input on.
     pub from: f64,
-    /// Whether that is the upper end of the sweep.
+    /// Whether the gain has fallen at the upper end of the sweep.
     pub upper: bool,
 }
 
@@ -78,9 +78,9 @@ pub(crate) struct Sweep<'a> {
 
 /// Levels of the output at which the loop is read.
 const LEVELS: u32 = 200;
-/// Share of the largest output within which a line tells the edge of the dead zone.
+/// Share of the largest output within which a line is fitted to find the edge of the dead zone.
 const SMALL: std::ops::Range<f64> = 0.05..0.4;
-/// Output that counts as none, of the largest.
+/// Output below this share of the largest counts as none.
 const REST: f64 = 1e-3;
 
 impl Sweep<'_> {
@@ -91,14 +91,14 @@ impl Sweep<'_> {
     /// The line through small outputs of one sign, over some rows.
     fn edge_line(&self, points: &[(f64, f64)], sign: f64) -> Option<Line> {
         let largest = self.largest(sign);
-        // A sign that hardly occurs is noise or leakage.
+        // A sign whose output stays so small is noise or leakage.
         if largest < 0.05 * self.largest(-sign) {
             return None;
         }
         let mut opened: Vec<(f64, f64)> =
             points.iter().copied().filter(|point| sign * point.1 / largest >= SMALL.start).collect();
         opened.sort_by(|a, b| (sign * a.1).total_cmp(&(sign * b.1)));
-        // Of a table with few rows, the three smallest outputs.
+        // In a table with few rows, the three smallest outputs are used.
         let small = opened.iter().take_while(|point| sign * point.1 / largest < SMALL.end).count();
         opened.truncate(small.max(3));
         Line::robust(&opened).filter(|line| line.slope != 0.0)
@@ -110,7 +110,7 @@ impl Sweep<'_> {
         above.zip(below).map(|(above, below)| f64::midpoint(above, below))
     }
 
-    /// Where the output is zero: midway between the edges of both signs, by branches.
+    /// Where the output is zero: midway between the edges of both signs, for each direction of the input.
     pub(crate) fn null(&self) -> Option<Null> {
         let mean = |rising: bool| {
             let nulls: Vec<f64> =
@@ -170,8 +170,8 @@ impl Sweep<'_> {
         (at_rest.len() > 1 && first < f64::MAX).then_some((outwards * rest, outwards * first))
     }
 
-    /// The gain along the input, in stretches that hold several levels of a staircase of this step; `play` of the input is spent
-    /// at each turn before the output follows.
+    /// The gain along the input, in intervals that hold several levels of a staircase of this step; at each turn the input
+    /// moves by `play` before the output follows.
     pub(crate) fn gains(&self, gain: f64, step: Option<f64>, play: f64) -> Vec<LocalGain> {
         const DENSE: usize = 200;
         let (low, high) = extent(self.input);
@@ -205,7 +205,7 @@ impl Sweep<'_> {
         found
     }
 
-    /// Of a table of few rows: from row to row, those closer than `least` together.
+    /// The same for a table of few rows: the gain from row to row; rows closer than `least` are joined.
     fn gains_of_table(&self, least: f64) -> Vec<LocalGain> {
         let mut points: Vec<(f64, f64)> =
             self.branches.iter().flat_map(|branch| branch.points(self.input, self.output)).collect();
@@ -223,13 +223,13 @@ impl Sweep<'_> {
     }
 }
 
-/// Where at either end of a sweep the gain has fallen to a half, and to a tenth.
+/// Where, at either end of a sweep, the gain has fallen to a half and to a tenth.
 pub(crate) fn saturation(gains: &[LocalGain], gain: f64) -> Vec<Saturation> {
     let largest = gains.iter().map(|local| local.output.abs()).fold(0.0, f64::max);
     let mut found = Vec::new();
     for share in [0.5, 0.1] {
         let fallen = |local: &&LocalGain| local.gain / gain < share && local.output.abs() > 0.5 * largest;
-        // A gain that is small all along has not fallen.
+        // A gain that is small everywhere has not fallen.
         if gains.iter().all(|local| fallen(&local)) {
             continue;
         }

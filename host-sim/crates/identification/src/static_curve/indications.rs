@@ -1,4 +1,4 @@
-//! From figures to effects of the vocabulary, each with what speaks for it.
+//! From the figures to effects of the catalogue, each with its evidence.
 
 use serde::Serialize;
 
@@ -8,23 +8,23 @@ use simulation::signal::noise::extent;
 use super::Statics;
 use super::curve::LocalGain;
 
-/// An effect of the vocabulary that a static recording shows.
+/// An effect of the catalogue that a static recording shows.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Indication {
     /// Its name.
     pub effect: &'static str,
-    /// What speaks for it.
+    /// The evidence for it.
     pub evidence: String,
 }
 
-/// A figure is accepted that is so many times its scatter.
+/// A figure is accepted if it is more than this many times its scatter.
 const SURE: f64 = 3.0;
-/// And that is worth a word: loops from this share of the span on, pressures from this share of the supply on.
+/// Least size that is reported: loops as a share of the span, pressures as a share of the supply.
 const LEAST: f64 = 1e-3;
-/// Gains that differ by more than this share of the gain at small outputs are no straight line.
+/// If gains differ by more than this share of the gain at small outputs, the characteristic is no straight line.
 const STRAIGHT: f64 = 0.3;
 
-/// What an output measures, as far as its header tells.
+/// Whether an output is a pressure, judging by its header.
 fn is_pressure(header: &str) -> bool {
     header.contains("pressure") || header.contains("[bar]")
 }
@@ -33,7 +33,7 @@ fn is_spool(header: &str) -> bool {
     ["spool", "slider"].iter().any(|name| header.contains(name))
 }
 
-/// Three digits.
+/// Rounded to three digits.
 pub fn short(value: f64) -> String {
     format!("{value:.2e}").parse::<f64>().map_or_else(|_| value.to_string(), |value| rounded(value).to_string())
 }
@@ -96,8 +96,8 @@ pub(crate) fn indications(statics: &Statics) -> Vec<Indication> {
     found
 }
 
-/// Lowest and highest local gain over the gain at small outputs, without both ends of the sweep where the spool stops, where
-/// they are too far apart for a straight line.
+/// Lowest and highest local gain over the gain at small outputs, without both ends of the sweep where the spool stops;
+/// only if they differ too much for a straight line.
 fn unequal_gains(statics: &Statics) -> Option<(f64, f64)> {
     let gain = statics.gain?;
     let largest = statics.gains.iter().map(|local| local.output.abs()).fold(0.0, f64::max);

@@ -1,22 +1,22 @@
-//! What the instrument does to the output, which is not physics of the valve: a staircase, and jumps at certain readings.
+//! What the instrument does to the output and the valve does not: a staircase, and jumps at certain readings.
 
 use simulation::signal::noise::extent;
 
 use super::branch::Branch;
 use super::line::median;
 
-/// The output has levels at equal distances and nothing between.
+/// The output has levels at equal distances and no values between.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Staircase {
     /// The distance of the levels, in the output's unit.
     pub step: f64,
     /// How many levels there are.
     pub levels: usize,
-    /// Below this magnitude of the output there are values between; 0 where the staircase is everywhere.
+    /// Below this magnitude of the output there are values between the levels; 0 where the staircase is everywhere.
     pub from_magnitude: f64,
 }
 
-/// A jump of the output at the same reading on the way up and on the way down, and at no other.
+/// A jump of the output at the same reading on the way up and on the way down, and at no other reading.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Jump {
     /// Lowest and highest reading of it.
@@ -25,12 +25,12 @@ pub struct Jump {
     pub input: f64,
 }
 
-/// Levels are worth the name from this share of the output's span on.
+/// Smallest distance of levels that counts, as a share of the output's span.
 const LEAST_STEP: f64 = 5e-3;
-/// Distances of levels are equal within this share.
+/// Distances of levels count as equal within this share.
 const EQUAL: f64 = 0.05;
 const LEAST_LEVELS: usize = 6;
-/// So many rows a level at least: rows of a table at equal inputs are no staircase.
+/// Fewest rows per level: rows of a table at equal inputs are no staircase.
 const ROWS_A_LEVEL: usize = 3;
 
 /// The staircase in the output, if it has one.
@@ -58,15 +58,15 @@ pub fn staircase(output: &[f64]) -> Option<Staircase> {
     })
 }
 
-/// How fine levels of the output are taken for jumps, as a share of its span.
+/// Number of steps into which the output's span is divided to look for jumps.
 const GRID: usize = 100;
-/// A jump takes less than this share of the input that the same rise of the output takes elsewhere.
+/// At a jump, the output needs less than this share of the input that the same rise needs elsewhere.
 const SHORT: f64 = 0.7;
 
 /// Jumps outside the staircase that every branch makes at the same reading.
 ///
-/// With a smooth gain no stretch of the output is crossed twice as fast as usual; so this asks for a gain that is nearly constant
-/// elsewhere, and finds nothing where it is not.
+/// With a smooth gain, no interval of the output is crossed twice as fast as usual. So the gain has to be nearly constant
+/// elsewhere; where it is not, nothing is found.
 #[must_use]
 pub fn jumps(input: &[f64], output: &[f64], branches: &[Branch], staircase: Option<Staircase>) -> Vec<Jump> {
     let (low, high) = extent(output);

@@ -1,6 +1,6 @@
 //! Lines through points, and robust statistics.
 
-/// The middle value; NaN of nothing.
+/// The middle value; NaN for no values.
 pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     let (count, middle) = (values.len(), values.len() / 2);
     if values.is_empty() {
@@ -11,7 +11,7 @@ pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     if count % 2 == 1 { high } else { f64::midpoint(below, high) }
 }
 
-/// Median, and the standard deviation that the median of absolute deviations stands for in Gaussian noise.
+/// Median, and the standard deviation that corresponds to the median of absolute deviations for Gaussian noise.
 pub(crate) fn median_and_std(values: &[f64]) -> (f64, f64) {
     let middle = median(values.to_vec());
     (middle, 1.4826 * median(values.iter().map(|value| (value - middle).abs()).collect()))

@@ -1,9 +1,9 @@
-//! Static recordings: what a slow sweep, a table of means or runs at constant command tell of a valve without a clock.
+//! Static recordings: what a slow sweep, a table of means or runs at constant command show of a valve without a clock.
 //!
-//! Only rate-independent indications are made: width of the loop, null, dead zone, gain and where it falls, droop of the supply and
-//! rise of the return pressure with flow. What the instrument does to its reading (a staircase, a jump at one reading) is told
-//! apart from the valve and said. A loop that is as wide at every level is hysteresis if the sweep was slow; a triangular sweep
-//! of one rate cannot exclude a lag, and the remarks say so.
+//! Only rate-independent indications are given: width of the loop, null, dead zone, gain and where it falls, droop of the
+//! supply and rise of the return pressure with flow. What the instrument does to its reading (a staircase, a jump at one
+//! reading) is separated from the valve and reported. A loop of the same width at every level is hysteresis if the sweep
+//! was slow; a triangular sweep at only one rate cannot exclude a lag, and the remarks say so.
 
 mod branch;
 mod curve;
@@ -26,12 +26,12 @@ pub use instrument::{Jump, Staircase, jumps, staircase};
 pub use line::Line;
 pub use runs::{VELOCITY, means};
 
-/// Which columns of a table are what; headers, with or without their units.
+/// Which column of a table is what; headers, with or without their units.
 #[derive(Clone, Debug, Default)]
 pub struct Columns {
     /// What was set: current, voltage, percent.
     pub input: String,
-    /// What came of it: flow, speed, load pressure, spool.
+    /// What resulted: flow, speed, load pressure, spool.
     pub output: String,
     /// The measured spool between them, where there is one.
     pub spool: Option<String>,
@@ -101,13 +101,13 @@ pub struct Port {
     pub at_rest: f64,
     /// Pressure at the largest flow on the line.
     pub at_full: f64,
-    /// What the rows scatter about the line (1.4826 × median absolute deviation).
+    /// Scatter of the rows about the line (1.4826 × median absolute deviation).
     pub scatter: f64,
     /// The robust line over |output|.
     pub line: Line,
 }
 
-/// What a static recording tells.
+/// What a static recording shows.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Statics {
     /// The table.
@@ -122,9 +122,9 @@ pub struct Statics {
     pub branches: Vec<bool>,
     /// Gain at small outputs, mean of both signs.
     pub gain: Option<f64>,
-    /// The loop, where the input goes both ways.
+    /// The loop, where the input rises and falls.
     pub hysteresis: Option<Hysteresis>,
-    /// Where the output is zero, where it has both signs.
+    /// Where the output is zero, if it has both signs.
     pub null: Option<Null>,
     /// Where positive output begins.
     pub positive: Option<Edge>,
@@ -132,7 +132,7 @@ pub struct Statics {
     pub negative: Option<Edge>,
     /// The gain along the input.
     pub gains: Vec<LocalGain>,
-    /// Where it has fallen.
+    /// Where the gain has fallen.
     pub saturation: Vec<Saturation>,
     /// Where the measured spool no longer follows the input.
     pub spool_saturation: Vec<Saturation>,
@@ -144,7 +144,7 @@ pub struct Statics {
     pub supply: Option<Port>,
     /// The return pressure over flow.
     pub returning: Option<Port>,
-    /// Effects of the vocabulary, with what speaks for them.
+    /// Effects of the catalogue, with the evidence for each.
     pub indications: Vec<Indication>,
     /// What a reader should know.
     pub remarks: Vec<String>,
@@ -214,7 +214,7 @@ pub fn analyse(table: &Table, columns: &Columns) -> Result<Statics, StaticsError
     Ok(statics)
 }
 
-/// Where the spool no longer follows the input, beside its usual gain.
+/// Where the spool no longer follows the input, compared with its usual gain.
 fn spool_stops(input: &[f64], spool: &[f64], branches: &[Branch]) -> Vec<Saturation> {
     let (low, high) = extent(spool);
     let centred: Vec<f64> = spool.iter().map(|value| value - f64::midpoint(low, high)).collect();

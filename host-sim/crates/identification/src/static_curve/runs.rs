@@ -1,4 +1,4 @@
-//! Runs at a constant command → one row each.
+//! Runs at a constant command are reduced to one row each.
 
 use recording::Table;
 use simulation::signal::noise::extent;
@@ -6,7 +6,7 @@ use simulation::signal::noise::extent;
 use super::StaticsError;
 use super::line::Line;
 
-/// The header of the velocity that a run's position gives, in the position's unit over seconds.
+/// The header of the velocity computed from a run's position, in the position's unit per second.
 pub const VELOCITY: &str = "velocity";
 
 /// The means of each run's columns, and the velocity from a column `position` where there is a clock. The rows are in the order

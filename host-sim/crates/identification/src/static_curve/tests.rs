@@ -1,4 +1,4 @@
-//! What is found on characteristics that are known.
+//! What is found on known characteristics.
 
 use super::*;
 
@@ -15,7 +15,7 @@ fn table(input: Vec<f64>, output: Vec<f64>) -> Table {
     Table::new("sweep.csv", vec![("I [mA]".to_owned(), input), ("Q [l/min]".to_owned(), output)])
 }
 
-/// The output of a play of this width, then a dead zone, gain and saturation.
+/// The output of a backlash of this width, followed by a dead zone, gain and saturation.
 fn valve(width: f64, dead_zone: f64, full: f64) -> Table {
     let input = triangle();
     let mut spool = input[0];

@@ -1,4 +1,4 @@
-//! From the answers to the parameters of a machine file.
+//! Derives the parameters of a machine file from the answers.
 
 use std::f64::consts::PI;
 
@@ -21,16 +21,16 @@ pub enum Edges {
 /// Where a value comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
-    /// As it was given.
+    /// Given by the user.
     Given,
-    /// By a formula from what was given.
+    /// Computed by a formula from given values.
     Derived,
-    /// Nobody gave it.
+    /// Assumed, because nobody gave it.
     Assumed,
 }
 
 impl Origin {
-    /// The word in front of a comment.
+    /// The word at the beginning of the value's comment.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -48,26 +48,26 @@ pub struct Entry {
     pub table: &'static str,
     /// Its key, with the unit.
     pub key: &'static str,
-    /// Its value, SI; several make an array.
+    /// Its value, SI; several values make an array.
     pub values: Vec<f64>,
     /// Where it comes from.
     pub origin: Origin,
-    /// From what, by which formula, or why.
+    /// From which values, by which formula, or for what reason.
     pub why: String,
 }
 
 /// A standard deviation of `[fit.sigma]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sigma {
-    /// The parameter's whole key.
+    /// The full key of the parameter.
     pub key: &'static str,
     /// In the parameter's unit.
     pub value: f64,
-    /// Why so much.
+    /// The reason for this size.
     pub why: String,
 }
 
-/// All that is written.
+/// Everything that is written to the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Derived {
     /// Values in the order of the file.
@@ -76,13 +76,13 @@ pub struct Derived {
     pub sigma: Vec<Sigma>,
 }
 
-/// Why answers make no drive.
+/// Why the answers do not describe a drive.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SheetError {
-    /// What the drive cannot do without is not given.
+    /// Values that the drive needs are missing.
     #[error("missing {}; expected these flags, or a terminal to be asked on", flags(.0))]
     Missing(Vec<Item>),
-    /// A valve's value beside a pump.
+    /// A value of a valve is given together with a pump.
     #[error(
         "--{flag} beside --pump-displacement; expected a valve or a pump that feeds the cylinder directly, not both"
     )]
@@ -98,18 +98,18 @@ pub enum SheetError {
         /// The piston's.
         bore: String,
     },
-    /// Half of a hose.
+    /// Only one of the two values of a hose is given.
     #[error("--{given} without --{absent}; expected both or neither")]
     HalfAHose {
-        /// What is there.
+        /// The flag that is given.
         given: &'static str,
-        /// What is not.
+        /// The flag that is missing.
         absent: &'static str,
     },
 }
 
 impl SheetError {
-    /// The flag that it is about, without dashes, where it is about one that was given.
+    /// The flag that the error is about, without dashes, if that flag was given.
     #[must_use]
     pub fn flag(&self) -> Option<&str> {
         match self {
@@ -129,26 +129,26 @@ fn flags(items: &[Item]) -> String {
     each.collect::<Vec<_>>().join(", ")
 }
 
-/// −2·ln(1 − √0.9): time to 90 % of two lags, one twice the other, over the shorter.
+/// −2·ln(1 − √0.9): the time to 90 % of two lags in series, one of which is twice the other, divided by the shorter lag.
 fn response_of_lags() -> f64 {
     -2.0 * (1.0 - 0.9_f64.sqrt()).ln()
 }
 
-/// Dead time as a share of the response.
+/// Dead time as a share of the response time.
 const DEAD_TIME: f64 = 0.05;
 /// Dead volume as a share of the chamber at mid-stroke, where none is given.
 const DEAD_VOLUME: f64 = 0.05;
 /// Friction at full speed as a share of the force at supply pressure, where none is given.
 const FRICTION: f64 = 0.1;
-/// Speed of a pump that full speed is taken for, rev/s.
+/// Pump speed that is taken as full speed, rev/s.
 const PUMP_REV_PER_S: f64 = 25.0;
-/// Bulk modulus, Pa, where none is given: oil with the usual bit of air, in a cylinder and not in a laboratory.
+/// Bulk modulus, Pa, where none is given: oil with the usual small amount of air, in a real cylinder and not in a laboratory.
 const BULK_MODULUS_PA: f64 = 1.2e9;
 
 /// Derives every value that a machine file needs.
 ///
 /// # Errors
-/// Where something is missing, or does not go together.
+/// Where a value is missing, or values contradict each other.
 pub fn derived(answers: &Answers, edges: Edges) -> Result<Derived, SheetError> {
     let sheet = Sheet { answers, missing: answers.missing() };
     if answers.is_pump()
@@ -185,7 +185,7 @@ pub fn derived(answers: &Answers, edges: Edges) -> Result<Derived, SheetError> {
     Ok(made)
 }
 
-/// The answers, of which none is missing.
+/// The answers, with none missing.
 struct Sheet<'a> {
     answers: &'a Answers,
     missing: Vec<Item>,
@@ -197,7 +197,7 @@ impl<'a> Sheet<'a> {
     }
 }
 
-/// What full speed is, m/s, and how it is said.
+/// The full speed, m/s, and the words that say how it was found.
 struct FullSpeed {
     m_per_s: f64,
     how: &'static str,
@@ -212,7 +212,7 @@ impl Derived {
         self.push(table, key, vec![si], Origin::Given, quantity.to_string());
     }
 
-    /// A value that is known exactly has no standard deviation.
+    /// A value that is known exactly gets no standard deviation.
     fn sigma(&mut self, key: &'static str, value: f64, why: &str) {
         if value > 0.0 {
             self.sigma.push(Sigma { key, value, why: why.to_owned() });
@@ -226,7 +226,7 @@ impl Derived {
         let rated = reading.map_or(1.0, |reading| reading.si);
         let shown = reading.map_or_else(|| "100 % assumed".to_owned(), ToString::to_string);
         let gain = rated / signal.si;
-        // A model that counts in mA does not see that a recording counts in V.
+        // A model whose command is in mA does not notice that a recording is in V.
         let counts =
             if signal.unit.dimension() == Dimension::Current { "; commands have to be recorded in mA" } else { "" };
         let origin = format!("x_N/U_N: {shown} at {signal}{counts}");
@@ -354,7 +354,7 @@ impl Derived {
     }
 }
 
-/// Oil on each side beside the chamber's own, m³, how it is said, and whether anybody said so.
+/// Oil on each side outside the chamber itself, m³; how it is described; and whether it was given.
 fn dead_volume(answers: &Answers) -> Result<(Option<f64>, String, bool), SheetError> {
     let (length, diameter) = (answers.get(Item::HoseLength), answers.get(Item::HoseDiameter));
     let (length_flag, diameter_flag) = (Item::HoseLength.question().flag, Item::HoseDiameter.question().flag);
@@ -431,7 +431,7 @@ mod tests {
     fn the_lags_reach_90_percent_when_the_data_sheet_says() {
         let shorter = (0.096 - 0.0048) / response_of_lags();
         let u = (-(0.096 - 0.0048) / (2.0 * shorter)).exp();
-        // Of two lags T and 2 T the response is 1 − 2 e^(−t/2T) + e^(−t/T).
+        // The step response of two lags T and 2 T is 1 − 2 e^(−t/2T) + e^(−t/T).
         assert!((1.0 - 2.0 * u + u * u - 0.9).abs() < 1e-12);
         assert!((response_of_lags() - 5.939).abs() < 1e-3);
     }

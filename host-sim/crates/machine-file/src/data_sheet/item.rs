@@ -1,4 +1,4 @@
-//! What a data sheet and a drawing say, item by item: the one table of flags, questions and units.
+//! The values of data sheets and drawings: the one table of flags, questions and units.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use recording::Dimension;
 
 use super::quantity::{Quantity, QuantityError};
 
-/// Which drives an item belongs to, and whether they can do without it.
+/// Which drives an item belongs to, and whether it is required there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Need {
     /// Every drive needs it.
@@ -15,9 +15,9 @@ pub enum Need {
     OfValve,
     /// It makes the drive a pump-controlled one.
     MakesPump,
-    /// A drive with a valve may have it; what is taken otherwise.
+    /// A drive with a valve may have it; the text says what is assumed otherwise.
     MayOfValve(&'static str),
-    /// Any drive may have it; what is taken otherwise.
+    /// Any drive may have it; the text says what is assumed otherwise.
     May(&'static str),
 }
 
@@ -103,7 +103,7 @@ impl Item {
     /// Reads an answer.
     ///
     /// # Errors
-    /// Where it is no number with a unit of this, or one that this cannot be.
+    /// If the text is not a number with a unit of this item, or its value is impossible for this item.
     pub fn parse(self, text: &str) -> Result<Quantity, QuantityError> {
         let Question { dimensions, example, range, .. } = self.question();
         let quantity = Quantity::parse(text, dimensions, example)?;
@@ -120,7 +120,7 @@ impl Item {
         }
     }
 
-    /// Whether a drive of this kind has it at all.
+    /// Whether a drive of this kind has such a value at all.
     #[must_use]
     pub const fn belongs(self, pump: bool) -> bool {
         match self.question().need {
@@ -130,7 +130,7 @@ impl Item {
         }
     }
 
-    /// Whether a drive of this kind cannot do without.
+    /// Whether a drive of this kind requires it.
     #[must_use]
     pub const fn is_needed(self, pump: bool) -> bool {
         match self.question().need {
@@ -142,7 +142,7 @@ impl Item {
     }
 }
 
-/// What was given.
+/// The values that were given.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Answers(BTreeMap<Item, Quantity>);
 
@@ -158,13 +158,13 @@ impl Answers {
         self.0.get(&item)
     }
 
-    /// Whether it describes a pump-controlled drive.
+    /// Whether the answers describe a pump-controlled drive.
     #[must_use]
     pub fn is_pump(&self) -> bool {
         self.get(Item::PumpDisplacement).is_some()
     }
 
-    /// What this drive cannot do without and does not have, in the order of the questions.
+    /// The required items of this drive that are missing, in the order of the questions.
     #[must_use]
     pub fn missing(&self) -> Vec<Item> {
         let pump = self.is_pump();

@@ -1,4 +1,4 @@
-//! A machine file from what a data sheet and a drawing give: each value given, derived by a formula, or assumed with a reason.
+//! A machine file from the values of a data sheet and a drawing: each value is given, derived by a formula, or assumed with a reason.
 //!
 //! ```text
 //! A = π/4·bore²,  aA = A − π/4·rod²                              areas
@@ -11,10 +11,10 @@
 //! D = F_friction/v                                                viscous friction
 //! ```
 //!
-//! 5.939 = −2·ln(1 − √0.9): two lags of which one is twice the other reach 90 % of a step after 5.939·T1. The lags are not taken
-//! alike, for then no recording says which way they differ: the response is stationary there.
+//! 5.939 = −2·ln(1 − √0.9): two lags, one twice the other, reach 90 % of a step after 5.939·T1. The lags are not taken
+//! as equal, because then no recording shows in which direction they differ: the response is stationary there.
 //!
-//! `[fit.sigma]` is narrow for what was given and wide for what was assumed, so that a fit moves what nobody knew. Areas, stroke
+//! `[fit.sigma]` is narrow for given values and wide for assumed ones, so that a fit moves the values that were unknown. Areas, stroke
 //! and supply pressure are taken as exact.
 
 mod derive;

@@ -15,7 +15,7 @@ pub struct Quantity {
     number: String,
 }
 
-/// Why a text is no quantity of this kind.
+/// Why a text is not a quantity of this kind.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum QuantityError {
     /// It does not begin with a number.
@@ -23,37 +23,37 @@ pub enum QuantityError {
     NoNumber {
         /// The text.
         text: String,
-        /// What would do.
+        /// A valid example.
         example: &'static str,
     },
-    /// There is nothing behind the number.
+    /// No unit follows the number.
     #[error("`{text}` has no unit; expected one of {known}, such as `{example}`")]
     NoUnit {
         /// The text.
         text: String,
-        /// Units that would do.
+        /// Units that are allowed.
         known: String,
-        /// What would do.
+        /// A valid example.
         example: &'static str,
     },
-    /// What is behind the number is no unit, or one of something else.
+    /// The text after the number is not a unit, or is a unit of another quantity.
     #[error("`{found}` is not a unit of this quantity; expected one of {known}, such as `{example}`")]
     WrongUnit {
         /// What was found.
         found: String,
-        /// Units that would do.
+        /// Units that are allowed.
         known: String,
-        /// What would do.
+        /// A valid example.
         example: &'static str,
     },
-    /// A number that this cannot be.
+    /// A number outside the range of this quantity.
     #[error("`{text}` is out of range; expected {expected}, such as `{example}`")]
     OutOfRange {
         /// The text.
         text: String,
-        /// What would do, in words.
+        /// The allowed range, in words.
         expected: &'static str,
-        /// What would do.
+        /// A valid example.
         example: &'static str,
     },
 }
@@ -62,7 +62,7 @@ impl Quantity {
     /// Reads a number with a unit of one of these dimensions. A decimal comma is read as a point, and `±10V` as `10V`.
     ///
     /// # Errors
-    /// Where there is no finite number, no unit, or one of another dimension.
+    /// If there is no finite number, no unit, or a unit of another dimension.
     pub fn parse(text: &str, dimensions: &[Dimension], example: &'static str) -> Result<Self, QuantityError> {
         let typed = text.trim().trim_start_matches(['±', ' ']);
         let text = &if typed.contains('.') { typed.to_owned() } else { typed.replacen(',', ".", 1) };

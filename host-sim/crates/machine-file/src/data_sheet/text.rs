@@ -1,4 +1,4 @@
-//! The machine file as text: every value with where it comes from behind it.
+//! The machine file as text: the origin of every value follows it in a comment.
 
 use std::fmt::Write;
 
@@ -6,7 +6,7 @@ use recording::files::source_error::rounded;
 
 use super::derive::{Derived, Origin};
 
-/// Comments begin in this column where the line before them is shorter.
+/// Comments begin in this column, unless the line before them is longer.
 const COMMENTS: usize = 48;
 
 /// The text of a machine file. `name` is the drive's.
@@ -47,12 +47,12 @@ fn line(text: &mut String, value: &str, comment: &str) {
     let _ = writeln!(text, "{value:<COMMENTS$}# {comment}");
 }
 
-/// What was given keeps every digit; what was computed has six.
+/// Given values keep every digit; computed values have six.
 fn number(value: f64, origin: Origin) -> String {
     plain(if origin == Origin::Given { format!("{value:.14e}").parse().unwrap_or(value) } else { rounded(value) })
 }
 
-/// TOML's own way to write it: with a point or a power of ten.
+/// A number as TOML writes it: with a point or a power of ten.
 fn plain(value: f64) -> String {
     format!("{value:?}")
 }
@@ -66,7 +66,7 @@ mod tests {
     use crate::data_sheet::item::{Answers, Item};
     use crate::reader::read_text;
 
-    /// Every item's example, of a drive with a valve or a pump.
+    /// The example of every item, for a drive with a valve or a pump.
     fn examples(pump: bool) -> Answers {
         let mut answers = Answers::default();
         for item in Item::ALL.iter().filter(|item| item.belongs(pump)) {

@@ -1,4 +1,4 @@
-//! The archive that an FMU is.
+//! The archive of an FMU.
 
 use std::env::consts::{ARCH, DLL_SUFFIX, OS};
 use std::io::{Cursor, Write};
@@ -10,7 +10,7 @@ use super::contents::{Contents, FmuError};
 use super::description::{MODEL_IDENTIFIER, description};
 use super::library::Library;
 
-/// The bytes of an FMU: the same for the same drive and library. The library is one for the computer this runs on.
+/// The bytes of an FMU: identical for the same drive and library. It holds one library, for the kind of computer that this program runs on.
 ///
 /// # Errors
 /// The drive's name or values cannot be written into one of its files.
@@ -22,7 +22,7 @@ pub fn pack(contents: &Contents, library: &Library) -> Result<Vec<u8>, FmuError>
         .compression_method(CompressionMethod::Deflated)
         .last_modified_time(DateTime::DEFAULT)
         .unix_permissions(0o644);
-    // Before all others: who only wants to know what it is reads no further.
+    // First in the archive: a tool that only wants to identify the FMU need not read further.
     archive.start_file("modelDescription.xml", options)?;
     archive.write_all(description.as_bytes())?;
     for (name, bytes) in contents.resources()? {
@@ -34,7 +34,7 @@ pub fn pack(contents: &Contents, library: &Library) -> Result<Vec<u8>, FmuError>
     Ok(archive.finish()?.into_inner())
 }
 
-/// Where the library is in the archive: in the folder of this computer's kind, by FMI's name for it.
+/// The path of the library in the archive: in the folder of this kind of computer, named as FMI requires.
 fn binary() -> String {
     let system = if OS == "macos" { "darwin" } else { OS };
     format!("binaries/{ARCH}-{system}/{MODEL_IDENTIFIER}{DLL_SUFFIX}")

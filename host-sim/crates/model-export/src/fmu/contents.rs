@@ -1,4 +1,4 @@
-//! What an FMU's library reads: the drive as a machine file, and how it is computed.
+//! What the library of an FMU reads: the drive as a machine file, and the settings of its computation.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -15,9 +15,9 @@ use simulation::{Arithmetic, DELAY_LINE, Inputs};
 
 /// The drive's machine file among the resources of an FMU.
 pub(crate) const MACHINE: &str = "machine.toml";
-/// How it is computed, among the resources of an FMU.
+/// The settings of the computation among the resources of an FMU.
 pub(crate) const SETTINGS: &str = "settings.json";
-/// Largest settings, in bytes.
+/// Largest settings file, in bytes.
 const MAX_SETTINGS_BYTES: u64 = 4096;
 
 /// How a drive is computed.
@@ -52,10 +52,10 @@ pub enum ContentsError {
     Unread {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the system.
         cause: io::Error,
     },
-    /// The settings are none.
+    /// The settings are not valid.
     #[error("{}: {cause}; expected a tick and an arithmetic, as host-sim export writes them", path.display())]
     Settings {
         /// The file.
@@ -65,10 +65,10 @@ pub enum ContentsError {
     },
 }
 
-/// Why a drive does not become an FMU.
+/// Why a drive cannot be made into an FMU.
 #[derive(Debug, thiserror::Error)]
 pub enum FmuError {
-    /// The number type does not hold the drive at this tick.
+    /// The number type cannot represent the drive at this tick.
     #[error(transparent)]
     Machine(#[from] MachineError),
     /// Its machine file could not be read back.
@@ -89,10 +89,10 @@ pub enum FmuError {
 }
 
 impl Contents {
-    /// A drive that its number type holds.
+    /// A drive, after checking that its number type can represent it.
     ///
     /// # Errors
-    /// The number type does not hold the drive at this tick; the error names the value that does not fit.
+    /// The number type cannot represent the drive at this tick; the error names the value that does not fit.
     pub fn of(name: &str, machine: &Machine<f64>, settings: Settings) -> Result<Self, MachineError> {
         match settings.arithmetic {
             Arithmetic::Fixed => drop(Drive::<PerUnit>::new::<DELAY_LINE>(machine, settings.tick)?),
@@ -101,7 +101,7 @@ impl Contents {
         Ok(Self { name: name.to_owned(), machine: *machine, settings })
     }
 
-    /// The drive among an FMU's resources.
+    /// The drive in an FMU's resources.
     ///
     /// # Errors
     /// A file is missing, too large, or not what [`pack`](super::archive::pack) wrote there.
@@ -127,7 +127,7 @@ impl Contents {
         Ok([(MACHINE, machine.into_bytes()), (SETTINGS, settings)])
     }
 
-    /// The inputs before anybody sets one: nothing acts, and the oil is as warm as the machine's values are for.
+    /// The inputs before a tool sets any: all zero, except the oil temperature, which is the one that the machine's values are for.
     #[must_use]
     pub fn inputs_at_start(&self) -> Inputs {
         super::variable::inputs_at_start(&self.machine)

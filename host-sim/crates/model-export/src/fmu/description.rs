@@ -1,4 +1,4 @@
-//! `modelDescription.xml` of an FMU, by the types of FMI 3.0.
+//! `modelDescription.xml` of an FMU, with the types of FMI 3.0.
 
 use fmi_schema::fmi3::{
     Category, Causality, DefaultExperiment, Fmi3CoSimulation, Fmi3ModelDescription, Fmi3Unknown, FmiFloat64, Initial,
@@ -41,7 +41,7 @@ pub fn description(contents: &Contents) -> Fmi3ModelDescription {
             model_identifier: MODEL_IDENTIFIER.to_owned(),
             can_get_and_set_fmu_state: Some(true),
             can_serialize_fmu_state: Some(true),
-            // By whole ticks.
+            // Steps are whole numbers of ticks.
             can_handle_variable_communication_step_size: Some(true),
             fixed_internal_step_size: Some(tick_s),
             ..Fmi3CoSimulation::default()
@@ -91,8 +91,8 @@ fn described(variable: Variable, contents: &Contents) -> FmiFloat64 {
     }
 }
 
-/// Outputs follow from the state; only a pump's flow changes in the moment in which its drive does. The state at the start
-/// follows from what is given before it.
+/// Outputs depend on the state; only a pump's flow changes at the same moment as the pump's inputs. The initial state
+/// depends on values that are given before it.
 fn structure(source: Source) -> ModelStructure {
     let outputs = || Variable::of(source).filter(|variable| matches!(variable.role(), Role::Output));
     let at_once = |output: Variable| match (source, output) {
@@ -132,7 +132,7 @@ fn quantities(source: Source) -> Vec<Quantity> {
     all
 }
 
-/// A name without what XML cannot hold.
+/// A name in which characters that XML does not allow are replaced by spaces.
 fn printable(name: &str) -> String {
     let allowed = |c: char| if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') { ' ' } else { c };
     name.chars().map(allowed).collect()

@@ -4,7 +4,7 @@ use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-/// A function that every library of an FMU has, by whose name it is known.
+/// A function that every library of an FMU exports; its name identifies such a library.
 const A_FUNCTION: &[u8] = b"fmi3InstantiateCoSimulation";
 
 /// A shared library with the functions of FMI 3.0.
@@ -16,15 +16,15 @@ pub struct Library {
 /// Why there is no library.
 #[derive(Debug, thiserror::Error)]
 pub enum LibraryError {
-    /// Not beside the program.
+    /// It is not beside the program.
     #[error(
         "no {name} beside this program, in {}; expected the library that computes the model in other tools: \
          `cargo build --release -p drive-fmu` builds it, or --library names it", folder.display()
     )]
     Missing {
-        /// What it is called here.
+        /// Its file name on this computer.
         name: String,
-        /// Where it was looked for.
+        /// The folder that was searched.
         folder: PathBuf,
     },
     /// It cannot be read.
@@ -32,7 +32,7 @@ pub enum LibraryError {
     Unread {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the system.
         cause: io::Error,
     },
     /// It is something else.
@@ -50,7 +50,7 @@ impl Library {
     /// The library in a file.
     ///
     /// # Errors
-    /// The file cannot be read, or is no such library.
+    /// The file cannot be read, or it is not such a library.
     pub fn read(path: &Path) -> Result<Self, LibraryError> {
         let bytes = fs::read(path).map_err(|cause| LibraryError::Unread { path: path.to_owned(), cause })?;
         if bytes.windows(A_FUNCTION.len()).any(|window| window == A_FUNCTION) {

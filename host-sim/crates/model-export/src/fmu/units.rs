@@ -1,7 +1,7 @@
-//! The units of an FMU's variables, in base units of SI and with those that people read.
+//! The units of an FMU's variables, in base units of SI and in the units that people read.
 //!
-//! Volt and degree Celsius go without base units: `fmi-schema` writes the exponents of ampere and kelvin in lower case,
-//! which the standard's schema does not have.
+//! Volt and degree Celsius have no base units here: `fmi-schema` writes the exponents of ampere and kelvin in lower case,
+//! which the standard's schema does not allow.
 
 use std::f64::consts::TAU;
 
@@ -9,15 +9,15 @@ use fmi_schema::fmi3::{BaseUnit, DisplayUnit, Float64Type, Fmi3Unit};
 
 use recording::Dimension;
 
-/// A physical quantity, the unit it is in, and the one in which people read it.
+/// A physical quantity, its unit, and the unit in which people read it.
 pub(crate) struct Quantity {
-    /// Its name as a type of the description.
+    /// Its name as a type in the description.
     pub(crate) name: &'static str,
     /// SI unit.
     pub(crate) unit: &'static str,
-    /// Exponents of kg, m, s and rad, and how many of these make one of the unit.
+    /// Exponents of kg, m, s and rad, and the number of such base units in one of the unit.
     base: Option<([i32; 4], f64)>,
-    /// A unit for people, and how many of it make one.
+    /// A unit for people, and the number of them in one SI unit.
     shown: Option<(&'static str, f64)>,
 }
 
@@ -44,7 +44,7 @@ pub(crate) fn quantity(dimension: Dimension) -> Quantity {
 }
 
 impl Quantity {
-    /// As a type that variables refer to.
+    /// The type that variables refer to.
     pub(crate) fn declared(&self) -> Float64Type {
         Float64Type {
             name: self.name.to_owned(),

@@ -1,4 +1,4 @@
-//! The variables of an FMU: which there are, what they mean, and the number by which a tool asks for them.
+//! The variables of an FMU: which exist, what they mean, and the numbers by which a tool refers to them.
 
 use model_core::machine::{Machine, Parameter, Source};
 use recording::Signal;
@@ -28,7 +28,7 @@ pub enum Variable {
     PumpSpeed,
     /// Directional valve: positive leads the pump to A, negative to B, 0 is closed.
     ValveDirection,
-    /// External force on the rod beside the machine's constant load, N; positive extends.
+    /// External force on the rod in addition to the machine's constant load, N; positive extends.
     LoadForce,
     /// Temperature of the oil, °C.
     OilTemperature,
@@ -78,7 +78,7 @@ impl Variable {
         })
     }
 
-    /// The number by which a tool asks for it.
+    /// The number by which a tool refers to it.
     #[must_use]
     pub const fn reference(self) -> u32 {
         self as u32
@@ -105,7 +105,7 @@ impl Variable {
         }
     }
 
-    /// The signal that it is, or for the position at the start the signal that it is a value of.
+    /// The recorded signal that it corresponds to; for the position at the start, the signal whose value it is.
     #[must_use]
     pub const fn signal(self) -> Signal {
         match self {
@@ -125,7 +125,7 @@ impl Variable {
         }
     }
 
-    /// Its name: as a recording would call it.
+    /// Its name, as in a recording.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -134,7 +134,7 @@ impl Variable {
         }
     }
 
-    /// What it is, with its sign convention; for people.
+    /// Its meaning, with its sign convention; for people.
     #[must_use]
     pub const fn meaning(self) -> &'static str {
         match self {
@@ -161,7 +161,7 @@ impl Variable {
         }
     }
 
-    /// Its value before anybody sets it; `None` for what the drive computes.
+    /// Its value before the tool sets it; `None` for values that the drive computes.
     #[must_use]
     pub fn start(self, machine: &Machine<f64>) -> Option<f64> {
         let inputs = inputs_at_start(machine);
@@ -198,7 +198,7 @@ impl Variable {
     }
 }
 
-/// The inputs before anybody sets one: nothing acts, and the oil is as warm as the machine's values are for.
+/// The inputs before a tool sets any: all zero, except the oil temperature, which is the one that the machine's values are for.
 #[must_use]
 pub(crate) fn inputs_at_start(machine: &Machine<f64>) -> Inputs {
     Inputs {

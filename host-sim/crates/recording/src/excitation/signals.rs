@@ -35,7 +35,7 @@ pub enum Excitation {
     },
     /// 0.1 s of rest, then steps of random height and length.
     Random {
-        /// Heights lie evenly within ± this, V.
+        /// Heights are distributed evenly within ± this value, V.
         amplitude_v: f64,
         /// Shortest step, s.
         shortest_s: f64,
@@ -43,7 +43,7 @@ pub enum Excitation {
         longest_s: f64,
         /// Length, s.
         duration_s: f64,
-        /// The same seed is the same signal.
+        /// The same seed gives the same signal.
         seed: u64,
     },
     /// A triangle wave that starts upwards from zero.
@@ -96,7 +96,7 @@ impl Excitation {
     /// The command at each control tick, V, from 0 to the length inclusive.
     #[must_use]
     pub fn sample(&self, tick_s: f64) -> Vec<f64> {
-        // A tick that falls on an edge of the signal, but for rounding, is past it.
+        // A tick that lies on an edge of the signal, except for rounding, counts as after the edge.
         let hair_s = 1e-6 * tick_s;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of ticks")]
         let last = (self.duration_s() / tick_s).round() as usize;
@@ -152,7 +152,7 @@ pub struct Dither {
 }
 
 impl Dither {
-    /// What it adds at a time, V.
+    /// Its contribution to the command at this time, V.
     #[must_use]
     pub fn at(&self, time_s: f64) -> f64 {
         self.amplitude_v * libm::sin(std::f64::consts::TAU * self.frequency_hz * time_s)

@@ -6,7 +6,7 @@
 //! unit       = "V" | "mV" | "s" | "ms" | "Hz"
 //! ```
 //!
-//! The unit of an item says what it is; among items of one unit the order counts. What is left out
+//! The unit of an item shows what the item is; items with the same unit are distinguished by their order. An item that is left out
 //! has the default in brackets.
 //!
 //! | name | items |
@@ -26,10 +26,10 @@ use super::signals::Excitation;
 
 const NAMES: [&str; 6] = ["zero", "step", "steps", "sweep", "random", "triangle"];
 
-/// Why a text is no excitation.
+/// Why a text is not an excitation.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ExcitationError {
-    /// The name is none of those known.
+    /// The name is not a known one.
     #[error("input \"{found}\" is not known; expected one of {}", NAMES.join(", "))]
     Name {
         /// The name found.
@@ -52,20 +52,20 @@ pub enum ExcitationError {
         unit: &'static str,
         /// How many were found.
         found: usize,
-        /// How many it takes.
+        /// How many the excitation takes.
         most: usize,
     },
-    /// An item that has no default is not there.
+    /// An item without a default is missing.
     #[error("input {name}: {what} is missing; expected a value in {unit}")]
     Missing {
         /// The excitation's name.
         name: &'static str,
-        /// What the value would be.
+        /// What the value would mean.
         what: &'static str,
         /// Its unit.
         unit: &'static str,
     },
-    /// A value that makes no signal.
+    /// A value outside the admissible range.
     #[error("input {name}: {what} is {found} {unit}; expected {least} to {most} {unit}")]
     Range {
         /// The excitation's name.
@@ -84,7 +84,7 @@ pub enum ExcitationError {
 }
 
 impl ExcitationError {
-    /// The part of the text that it is about; `None` for all of it.
+    /// The part of the text that the error is about; `None` for the whole text.
     #[must_use]
     pub fn part(&self) -> Option<&str> {
         match self {
@@ -128,7 +128,7 @@ impl Items {
         Ok(items)
     }
 
-    /// At most so many values in volts, seconds, hertz and seeds.
+    /// Checks that there are at most so many values in volts, seconds, hertz and seeds.
     fn at_most(&self, most: [usize; 4]) -> Result<(), ExcitationError> {
         let found = [self.volts.len(), self.seconds.len(), self.hertz.len(), self.seeds.len()];
         for ((found, most), unit) in found.into_iter().zip(most).zip(["V", "s", "Hz", "seed"]) {

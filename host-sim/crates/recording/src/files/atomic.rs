@@ -8,12 +8,12 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::{NamedTempFile, TempPath};
 
-/// The temporary files of this process that have no name of their own yet.
+/// The temporary files of this process that do not have their final name yet.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// Writes a file by way of a temporary one beside it, which takes its name when everything is on disk.
+/// Writes a file through a temporary one in the same folder, which is renamed to the target when everything is on disk.
 ///
-/// When writing fails, the target is as it was before. A target that exists and is no regular file
+/// When writing fails, the target is as it was before. A target that exists and is not a regular file
 /// (a pipe, a terminal) is written directly. No error names the temporary file.
 pub fn write(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let mut begun = Begun::new(path)?;
@@ -21,17 +21,17 @@ pub fn write(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -
     begun.finish()
 }
 
-/// A file as [`write()`] writes it, by whoever has it: it is there once it is finished, and never without.
+/// A file that is written as by [`write()`], but piece by piece: it appears when it is finished, and otherwise not at all.
 #[derive(Debug)]
 pub struct Begun {
     path: PathBuf,
     out: BufWriter<File>,
-    /// `None` for what is written directly.
+    /// `None` for a target that is written directly.
     unfinished: Option<Unfinished>,
 }
 
 impl Begun {
-    /// Nothing is in it yet.
+    /// Begins an empty file.
     pub fn new(path: &Path) -> io::Result<Self> {
         let path = resolved(path);
         let (file, unfinished) = if leads_to_standard_output(&path) {
@@ -45,12 +45,12 @@ impl Begun {
         Ok(Self { path, out: BufWriter::new(file), unfinished })
     }
 
-    /// Everything is in it.
+    /// Ends the file: everything has been written into it.
     pub fn finish(self) -> io::Result<()> {
         self.whole()?.finish()
     }
 
-    /// Everything is in it and on disk, and it is closed; only its name is still to come.
+    /// Closes the file with everything in it and on disk; only the renaming to its final name is left to do.
     pub fn whole(mut self) -> io::Result<Whole> {
         self.out.flush()?;
         let Self { path, out, unfinished } = self;
@@ -59,16 +59,16 @@ impl Begun {
     }
 }
 
-/// A file that is on disk, and will have its name.
+/// A file that is on disk and still has to be renamed to its final name.
 #[derive(Debug)]
 pub struct Whole {
     path: PathBuf,
-    /// `None` for what is written directly.
+    /// `None` for a target that is written directly.
     unfinished: Option<Closed>,
 }
 
 impl Whole {
-    /// Gives it its name.
+    /// Renames it to its final name.
     pub fn finish(self) -> io::Result<()> {
         self.unfinished.map_or(Ok(()), |closed| closed.finish(&self.path))
     }
@@ -83,18 +83,18 @@ impl Write for Begun {
     }
 }
 
-/// Removes every temporary file and lets no other file be begun or finished: the process is about to end.
+/// Removes every temporary file and prevents any other file from being begun or finished: the process is about to end.
 pub fn abandon() {
     let mut unfinished = unfinished();
     for path in unfinished.drain(..) {
-        // What is not there any more need not be removed.
+        // A file that no longer exists need not be removed.
         let _ = fs::remove_file(path);
     }
     mem::forget(unfinished);
 }
 
 fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
-    // A list is whole after every operation on it, even where a thread panicked.
+    // The list is consistent after every operation on it, even where a thread panicked.
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -105,7 +105,7 @@ struct Unfinished {
     listed: Listed,
 }
 
-/// A line of [`UNFINISHED`], as long as it lives.
+/// An entry of [`UNFINISHED`]; it is removed when this value is dropped.
 #[derive(Debug)]
 struct Listed(PathBuf);
 
@@ -139,25 +139,25 @@ struct Closed {
 }
 
 impl Closed {
-    /// Gives it its name. Not while another thread abandons: it is given whole, or never.
+    /// Renames it to its final name. The lock excludes a concurrent call that abandons: the file is renamed completely or not at all.
     fn finish(self, path: &Path) -> io::Result<()> {
         let Self { file, listed } = self;
         let renamed = {
             let _unfinished = unfinished();
             file.persist(path)
         };
-        // Which asks for the list as well.
+        // Dropping it locks the list as well, so the lock above is released first.
         drop(listed);
         renamed.map_err(|failed| failed.error)
     }
 }
 
-/// Checks that [`write()`] could write this file now, and leaves nothing.
+/// Checks that [`write()`] could write this file now, and leaves no file behind.
 pub fn check(path: &Path) -> io::Result<()> {
     if is_stream(path) { Ok(()) } else { Unfinished::beside(&resolved(path))?.file.close() }
 }
 
-/// What a link leads to, so that it stays one; else the file's own name in its folder, by the folder's real one.
+/// The target of a link, so that the link stays a link; for any other path the file's name in its folder, with links in the folder's path resolved.
 pub fn resolved(path: &Path) -> PathBuf {
     if leads_to_standard_output(path) {
         return path.to_owned();
@@ -169,7 +169,7 @@ pub fn resolved(path: &Path) -> PathBuf {
     })
 }
 
-/// A name of this process's standard output, whatever that has been led to.
+/// Whether the path names this process's standard output, wherever that is redirected to.
 pub fn leads_to_standard_output(path: &Path) -> bool {
     cfg!(unix) && ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| path == Path::new(name))
 }
@@ -177,7 +177,7 @@ pub fn leads_to_standard_output(path: &Path) -> bool {
 #[cfg(unix)]
 fn standard_output() -> io::Result<File> {
     use std::os::fd::AsFd;
-    // Opened by its name, a file would be written from its beginning.
+    // If it were opened by its name, a redirected file would be written from its beginning.
     Ok(io::stdout().as_fd().try_clone_to_owned()?.into())
 }
 
@@ -186,7 +186,7 @@ fn standard_output() -> io::Result<File> {
     Err(io::ErrorKind::Unsupported.into())
 }
 
-/// What would have been right where [`write()`] or [`check`] has failed; a phrase.
+/// What was expected where [`write()`] or [`check`] has failed; a phrase.
 #[must_use]
 pub fn expected(error: &io::Error) -> &'static str {
     match error.kind() {
@@ -198,7 +198,7 @@ pub fn expected(error: &io::Error) -> &'static str {
     }
 }
 
-/// A pipe, a terminal: something that is there and neither file nor folder; standard output, whatever that is.
+/// A pipe or a terminal: something that exists and is neither file nor folder. Standard output always counts as one.
 pub fn is_stream(path: &Path) -> bool {
     leads_to_standard_output(path) || fs::metadata(path).is_ok_and(|meta| !meta.is_file() && !meta.is_dir())
 }
@@ -216,10 +216,10 @@ fn temporary(path: &Path) -> io::Result<NamedTempFile> {
     // A temporary file is private by default; the result is an ordinary file under the user's umask.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    // The system's own words where the folder is not there; then those of the kind alone, for `tempfile` adds its path.
+    // For a missing folder, the system's own message; for other errors only the kind, because `tempfile` adds the path of its temporary file.
     fs::metadata(folder)?;
     let file = builder.tempfile_in(folder).map_err(|error| io::Error::from(error.kind()))?;
-    // What takes the place of a file may be read by whom that could.
+    // A file that replaces another keeps its permissions.
     if let Ok(old) = fs::metadata(path) {
         file.as_file().set_permissions(old.permissions())?;
     }

@@ -11,16 +11,16 @@ pub struct Spot {
     pub line: usize,
     /// Column of the first character concerned, counted in characters from 1.
     pub column: usize,
-    /// How many characters are concerned; at least 1.
+    /// Number of characters concerned; at least 1.
     pub width: usize,
     /// The line, without its end.
     pub text: String,
 }
 
-/// A file, and where known the line and column in it.
+/// A file, and the line and column in it where they are known.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// The file, as the user named it; behind it the part that is meant, where the file has no lines.
+    /// The file, as the user named it; where the file has no lines, followed by the part that is meant.
     pub file: String,
     /// `None` when the error is about the file as a whole, or the file has no lines.
     pub spot: Option<Box<Spot>>,
@@ -41,7 +41,7 @@ impl Place {
 
     /// The bytes `span` of a line.
     ///
-    /// A span that does not fit the line is cut to it.
+    /// A span that extends beyond the line is cut to it.
     #[must_use]
     pub fn in_line(file: &str, line: usize, text: &str, span: std::ops::Range<usize>) -> Self {
         let start = floor_boundary(text, span.start);
@@ -52,7 +52,7 @@ impl Place {
         Self { file: file.to_owned(), spot: Some(Box::new(spot)) }
     }
 
-    /// The bytes `span` of a whole text; of a span over several lines only the first is marked.
+    /// The bytes `span` of a whole text; if a span covers several lines, only the first is marked.
     #[must_use]
     pub fn in_text(file: &str, text: &str, span: std::ops::Range<usize>) -> Self {
         let start = floor_boundary(text, span.start);
@@ -80,7 +80,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// An error that knows its place and what would have been right there.
+/// An error that knows its place and what was expected there.
 pub trait Explained: std::error::Error {
     /// Where it is.
     fn place(&self) -> &Place;
@@ -122,7 +122,7 @@ pub fn render(error: &impl Explained) -> String {
     }
 }
 
-/// A piece of a file as it can stand in a message: short, and with control characters spelt out.
+/// A piece of a file for use in a message: short, and with control characters escaped.
 pub fn quoted(text: &str) -> String {
     const LONGEST: usize = 60;
     if text.is_empty() {
@@ -135,7 +135,7 @@ pub fn quoted(text: &str) -> String {
     format!("`{short}`")
 }
 
-/// So many things: `1 row`, `2 rows`.
+/// A count with its noun: `1 row`, `2 rows`.
 pub(crate) fn counted(count: usize, thing: &str) -> String {
     let plural = if count == 1 { "" } else { "s" };
     format!("{count} {thing}{plural}")
@@ -146,12 +146,12 @@ pub fn after_number(unit: &str) -> String {
     if unit == "1" { String::new() } else { format!(" {unit}") }
 }
 
-/// A number to six digits, as much as says something of a duration.
+/// A number rounded to six significant digits, which is enough for a duration.
 pub fn rounded(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
-/// A number with every digit it has, and from a million on, or below a thousandth, a power of ten that is a multiple of three:
+/// A number with all its digits. From a million on, and below a thousandth, it has a power of ten that is a multiple of three:
 /// `0.25`, `31.5e6`.
 pub fn engineering(value: f64) -> String {
     if value == 0.0 || !value.is_finite() || (1e-3..1e6).contains(&value.abs()) {
@@ -168,7 +168,7 @@ pub fn engineering(value: f64) -> String {
     format!("{whole}{moved}{point}{rest}e{}", exponent.div_euclid(3) * 3)
 }
 
-/// A text of ours with names from files in it, as it may go to a terminal, which would obey control characters: they are spelt out.
+/// A message that may contain names from files, made safe for a terminal, which would obey control characters: they are escaped.
 pub fn printable(text: &impl fmt::Display) -> String {
     let kept = |character: char| matches!(character, '\n' | '\t');
     text.to_string()
@@ -181,7 +181,7 @@ pub fn printable(text: &impl fmt::Display) -> String {
 }
 
 fn visible(character: char) -> impl Iterator<Item = char> {
-    // The last two are no characters, and XML refuses them.
+    // The last two are not characters, and XML refuses them.
     let escaped = character.is_control() || matches!(character, '\u{fffe}' | '\u{ffff}');
     character.escape_debug().filter(move |_| escaped).chain((!escaped).then_some(character))
 }

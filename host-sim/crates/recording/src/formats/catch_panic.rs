@@ -1,4 +1,4 @@
-//! A boundary that a panic of a library does not cross.
+//! Contains the panics of a library.
 
 use std::cell::Cell;
 use std::panic::{self, AssertUnwindSafe};
@@ -8,9 +8,9 @@ thread_local! {
     static QUIET: Cell<bool> = const { Cell::new(false) };
 }
 
-/// What the work gives; `None` where it panics, of which nothing is said.
+/// The result of the work; `None` where it panics. The panic prints no message.
 ///
-/// For a library that reads files and does not promise not to panic on damaged ones; nothing of what it leaves behind may be used again.
+/// For a library that reads files and may panic on damaged ones; nothing that a panic leaves behind may be used again.
 pub(crate) fn contained<T>(work: impl FnOnce() -> T) -> Option<T> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {

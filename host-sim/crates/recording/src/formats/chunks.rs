@@ -1,4 +1,4 @@
-//! A recording that is read from front to back in parts, so that its length takes no memory.
+//! A recording that is read from front to back in parts, so that the memory needed does not depend on its length.
 
 use std::fmt;
 
@@ -7,10 +7,10 @@ use crate::error::RecordingError;
 use crate::formats::text::csv::Opened;
 use crate::recording::Recording;
 
-/// Rows that a part usually has.
+/// Usual number of rows of a part.
 pub const PART_ROWS: usize = 500_000;
 
-/// A recording that is read in parts. What is no text of rows, and so is held in memory anyway, comes as one.
+/// A recording that is read in parts. A file that is not text by rows is held in memory anyway and comes as a single part.
 pub struct Parts<'a> {
     /// `None` after the last part, or an error.
     left: Option<Opened<'a>>,
@@ -26,23 +26,23 @@ impl fmt::Debug for Parts<'_> {
 /// A part of a recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// Its rows, as a recording of their own. It notes what no part before has; how many rows were left out in all, the last.
+    /// Its rows, as a recording of its own. It carries only notes that no earlier part had; the last part notes the number of rows left out in all.
     pub recording: Recording,
-    /// Whether the recording ends with it.
+    /// Whether it is the last part of the recording.
     pub is_last: bool,
 }
 
 impl<'a> Parts<'a> {
-    /// Parts of some `usual_rows` each.
+    /// Parts of about `usual_rows` rows each.
     pub(crate) fn of(opened: Opened<'a>, usual_rows: usize) -> Self {
         Self { left: Some(opened), usual_rows }
     }
 
-    /// The rows that are held, filled up to those of a part; half of one more where that many are held already. `None` after the last
-    /// part.
+    /// The next part: the rows that are still held, filled up to the usual number of rows, but with at least half a part of new rows. `None` after
+    /// the last part.
     ///
     /// # Errors
-    /// A row that is none, as in [`read`](super::read::read); or [`RecordingError::TooFewRows`] where the whole has fewer than two.
+    /// An invalid row, as in [`read`](super::read::read); or [`RecordingError::TooFewRows`] where the whole recording has fewer than two rows.
     pub fn read_next(&mut self) -> Result<Option<Part>, RecordingError> {
         let mut reader = match self.left.take() {
             None => return Ok(None),
@@ -59,7 +59,7 @@ impl<'a> Parts<'a> {
         Ok(Some(Part { recording, is_last: false }))
     }
 
-    /// Forgets the rows of the last part before this one: the next part begins with it.
+    /// Forgets the rows of the last part that come before this row: the next part begins with this row.
     pub fn forget_before(&mut self, row: usize) {
         if let Some(Opened::Rows(reader)) = &mut self.left {
             reader.forget_before(row);

@@ -1,13 +1,13 @@
-//! From what a file without lines offers, series of numbers and their times, to a recording.
+//! From the number series and times of a file without lines to a recording.
 //!
-//! Every such format comes out here, by the same rules:
+//! All such formats are converted here, by the same rules:
 //!
 //! - A series is known by its name with its unit in brackets (`position [mm]`), by a name and a unit that the format stores
-//!   apart, or by a unit behind an underscore (`position_mm`); or it is mapped. Series that are not known are never decoded.
-//! - Series stand on *bases*, each with times of its own: the base's clock, or else the series on it that is known as time.
-//! - All known series on one base are a table: a row without a number somewhere (NaN, null) or with the time of the row before is
-//!   left out and counted, as a row with an empty cell is in a text. On several bases they are interpolated as the channels of
-//!   an export are.
+//!   separately, or by a unit after an underscore (`position_mm`); or it is mapped. Series that are not known are never decoded.
+//! - Series belong to *bases*, each with its own times: the base's clock, or else the series of the base that is known as time.
+//! - All known series of one base form a table: a row with a missing number (NaN, null) or with the time of the row before is
+//!   left out and counted, like a row with an empty cell in a text. Series of several bases are interpolated like the channels of
+//!   an export.
 
 use super::resample::{self, Sampled};
 use crate::channel_map::ChannelMap;
@@ -29,21 +29,21 @@ pub(crate) struct Offered {
     pub(crate) also: Vec<String>,
     /// Its unit, where the file stores one beside the name.
     pub(crate) unit: Option<String>,
-    /// On which of the file's bases it stands.
+    /// Index of the file's base that it belongs to.
     pub(crate) base: usize,
-    /// Whether it is its base's clock, by what the file says and not by its name; then in s, where the file gives no unit.
+    /// Whether the file itself, not the name, marks it as its base's clock; its unit is then s, where the file gives none.
     pub(crate) clock: bool,
 }
 
 /// A file that offers series.
 pub(crate) trait Contents {
-    /// What a series is called in messages.
+    /// The word for a series in messages.
     const KIND: &'static str;
     /// The series in the order of the file.
     fn offered(&self) -> &[Offered];
-    /// How many values stand on a base.
+    /// The number of values on a base.
     fn rows(&self, base: usize) -> usize;
-    /// What a series holds instead of numbers, where it holds none.
+    /// What a series holds, where it does not hold numbers.
     fn instead(&self, _: usize) -> Option<&'static str> {
         None
     }
@@ -70,7 +70,7 @@ pub(crate) fn recording<C: Contents>(name: &str, contents: &C, map: &ChannelMap)
         .map(|(index, column)| (others[index], titled(column, &offered[others[index]], map)))
         .collect();
     let present = || offered.iter().map(|offered| offered.name.clone()).collect::<Vec<_>>();
-    // Each may have times of its own.
+    // Each series may have its own times.
     let most = most_rows(2 * known.len());
     let mut pairs = Vec::new();
     for (index, column) in known {
@@ -112,7 +112,7 @@ fn offer(offered: &Offered) -> Offer {
     Offer { header: offered.name.clone(), names }
 }
 
-/// A column under the name it is known by, with its unit: so it reads back from a text.
+/// A column under the name by which it is known, with its unit, so that a text written from it can be read again.
 fn titled(mut column: Column, offered: &Offered, map: &ChannelMap) -> Column {
     let mapped = map.get(column.signal).map(|mapping| split_header(&mapping.header).0);
     let name = mapped.unwrap_or(column.signal.name());
@@ -139,7 +139,7 @@ impl<C: Contents> File<'_, C> {
         Place::part(self.name, &format!("{} `{}`", C::KIND, self.contents.offered()[index].name))
     }
 
-    /// The series that is each base's time: the one that is mapped or known as such, or else the base's clock.
+    /// The time series of each base: the series that is mapped to time or known as time, or else the base's clock.
     fn clocks(&self, map: &ChannelMap) -> Result<Vec<(usize, Column)>, RecordingError> {
         let mut clocks: Vec<(usize, Column)> = Vec::new();
         let mapping = map.get(Signal::Time);
@@ -166,7 +166,7 @@ impl<C: Contents> File<'_, C> {
             let before = clocks.iter().position(|(at, _)| self.contents.offered()[*at].base == offered.base);
             match before {
                 None => clocks.push((index, column)),
-                // What the user maps goes before what the file calls its clock.
+                // The user's mapping takes precedence over the clock that the file names.
                 Some(at) if self.contents.offered()[clocks[at].0].clock && mapping.is_some() => {
                     clocks[at] = (index, column);
                 }
@@ -272,7 +272,7 @@ impl<C: Contents> File<'_, C> {
         Ok(recording)
     }
 
-    /// Series of several bases, at the times of the first.
+    /// Joins series of several bases, at the times of the first base.
     fn together(
         &self,
         known: Vec<Known<'_>>,

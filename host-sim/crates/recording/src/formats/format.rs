@@ -1,6 +1,6 @@
-//! The formats that recordings come in, told apart by what a file holds.
+//! The file formats of recordings, recognised by the content of a file.
 //!
-//! A name's extension decides nothing when reading: it only makes a message better. When writing it chooses the format.
+//! In reading, the extension of the name does not choose the format; it only improves messages. In writing, it chooses the format.
 
 use std::fmt;
 use std::path::Path;
@@ -9,11 +9,11 @@ use super::unsupported::Unsupported;
 
 /// Largest file of a format that is not text, in bytes: such a file is held in memory.
 pub const MAX_BINARY_BYTES: u64 = 4 << 30;
-/// Most bytes that packed data may become: of a MAT-file all together, of an MDF file those of a group that is read, of a Parquet file those of a
-/// column.
+/// Most bytes that packed data may take when unpacked: for a MAT-file all data together, for an MDF file those of a group that is read, for a
+/// Parquet file those of a column.
 pub const MAX_UNPACKED_BYTES: u64 = 1 << 30;
 
-/// Bytes at the start of a file that tell its format.
+/// Number of bytes at the start of a file that show its format.
 pub(super) const HEAD: usize = 20;
 
 /// A format of recordings.
@@ -30,7 +30,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format whose files usually have this extension, in letters of any size.
+    /// The format whose files usually have this extension, in upper or lower case.
     #[must_use]
     pub fn of_extension(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
@@ -43,7 +43,7 @@ impl Format {
         }
     }
 
-    /// The format that a file shows by its first bytes; text where it shows none.
+    /// The format that the first bytes of a file show; text where they show none.
     pub(super) fn of_content(head: &[u8]) -> Result<Self, Unsupported> {
         let starts = |magic: &[u8]| head.starts_with(magic);
         if starts(b"MATLAB 5.0 MAT-file") {
@@ -61,7 +61,7 @@ impl Format {
         }
     }
 
-    /// The feature of the program that reads and writes it; `None` for what is always there.
+    /// The feature of the program that reads and writes this format; `None` for a format that is always included.
     #[must_use]
     pub fn feature(self) -> Option<&'static str> {
         match self {

@@ -1,5 +1,5 @@
-//! The file formats that recordings come in, one file or folder each. Start at [`read`], which tells them apart ([`format`](mod@format)); `columns` turns what any of
-//! them holds into a recording.
+//! The file formats of recordings, one file or folder for each. Start at [`read`], which recognises the format ([`format`](mod@format));
+//! `columns` turns the content of any of them into a recording.
 
 #[cfg(feature = "parquet")]
 mod catch_panic;

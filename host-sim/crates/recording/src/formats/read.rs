@@ -1,4 +1,4 @@
-//! Reading: a file or anything else that can be read, in the format that its first bytes show, whole or in parts.
+//! Reading: a file or any other source, in the format that its first bytes show, as a whole or in parts.
 
 use std::fs::File;
 use std::io::{self, Cursor, Read};
@@ -18,7 +18,7 @@ pub fn read(path: &Path, map: &ChannelMap) -> Result<Recording, RecordingError> 
     read_through(path, map, |file| file)
 }
 
-/// As [`read`], through a reader that is laid around the file, such as one that counts.
+/// As [`read`], through a reader that wraps the file, such as one that counts bytes.
 pub fn read_through<R: Read>(
     path: &Path,
     map: &ChannelMap,
@@ -52,10 +52,10 @@ fn whole(name: &str, input: Input<'_>, map: &ChannelMap) -> Result<Recording, Re
     opened(name, input, map)?.whole().map_err(|error| of_its_name(name, error))
 }
 
-/// Reads a recording in parts of some [`PART_ROWS`] rows, through a reader that is laid around the file.
+/// Reads a recording in parts of about [`PART_ROWS`] rows, through a reader that wraps the file.
 ///
 /// # Errors
-/// As in [`read`], as far as the header of a text; what is no text is read here.
+/// Those of [`read`] that occur up to the header of a text; a file that is not text is read completely here.
 pub fn in_parts<'a, R: Read + 'a>(
     path: &Path,
     map: &ChannelMap,
@@ -65,7 +65,7 @@ pub fn in_parts<'a, R: Read + 'a>(
     parts_of(&name, Box::new(around(file)), map, PART_ROWS)
 }
 
-/// The same from anywhere, in parts of some `usual_rows`.
+/// The same from any source, in parts of about `usual_rows` rows.
 pub fn parts_of<'a>(
     name: &str,
     input: Box<dyn Read + 'a>,
@@ -75,7 +75,7 @@ pub fn parts_of<'a>(
     Ok(Parts::of(opened(name, input, map)?, usual_rows))
 }
 
-/// A file that is there, and what messages call it.
+/// Opens a file; also gives its name for messages.
 pub(crate) fn open(path: &Path) -> Result<(String, File), RecordingError> {
     let name = path.display().to_string();
     match File::open(path) {
@@ -88,7 +88,7 @@ fn unreadable(name: &str, source: io::Error) -> RecordingError {
     RecordingError::Io { place: Place::file(name), source }
 }
 
-/// A recording in the format that its first bytes show: of a text the header is read, anything else whole.
+/// Opens a recording in the format that its first bytes show: of a text only the header is read, any other format is read as a whole.
 fn opened<'a>(name: &str, mut input: Input<'a>, map: &ChannelMap) -> Result<Opened<'a>, RecordingError> {
     let mut head = Vec::new();
     (&mut input).take(HEAD as u64).read_to_end(&mut head).map_err(|source| unreadable(name, source))?;
@@ -101,7 +101,7 @@ fn opened<'a>(name: &str, mut input: Input<'a>, map: &ChannelMap) -> Result<Open
     unpacked(name, format, all, map).map(Opened::Whole)
 }
 
-/// Reads what is no text.
+/// Reads a file that is not text.
 fn unpacked(
     name: &str,
     format: Format,
@@ -129,7 +129,7 @@ fn unpacked(
     }
 }
 
-/// What is no text, in a file whose name promises another format, is a file of that format that is none.
+/// Where the file is not text and its name has the extension of another format, the error says that the file is not of that format.
 pub(crate) fn of_its_name(name: &str, error: RecordingError) -> RecordingError {
     let no_text = matches!(
         error,

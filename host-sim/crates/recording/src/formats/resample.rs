@@ -1,7 +1,7 @@
-//! Channels with times of their own, brought to the times of the first.
+//! Channels with their own times, resampled to the times of the first channel.
 //!
 //! All signals come out at the times of the first channel: those with other times are interpolated linearly there. Times outside
-//! any channel's own are left out, as are repeated ones, and written back where the recording is. Time goes out as `time [s]`.
+//! any channel's range and repeated times are left out; they are written back where the recording is. Time goes out as `time [s]`.
 
 use std::ops::RangeInclusive;
 
@@ -15,7 +15,7 @@ use crate::signal::Signal;
 pub(crate) struct Sampled {
     pub(crate) column: Column,
     time_s: Vec<f64>,
-    /// Samples that repeat the time before them: how many stand before each, and its value.
+    /// Samples that repeat the time before them: how many samples precede each of them, and its value.
     repeated: Vec<(usize, f64)>,
 }
 
@@ -25,7 +25,7 @@ impl Sampled {
         Self { column, time_s: Vec::new(), repeated: Vec::new() }
     }
 
-    /// Adds a sample in SI units; `false` when it repeats the time before it and is left out. The time before it where it goes backwards.
+    /// Adds a sample in SI units; `false` when it repeats the time before it and is left out. An error holds the previous time, if time goes back.
     pub(crate) fn push(&mut self, time_s: f64, value: f64) -> Result<bool, f64> {
         match self.time_s.last() {
             Some(&previous_s) if time_s < previous_s => return Err(previous_s),
@@ -48,7 +48,7 @@ impl Sampled {
     }
 }
 
-/// The recording of channels, at least one, of which `repeated` samples repeat a time, the first at a place.
+/// The recording of at least one channel; `repeated` is the number of samples that repeat a time, and the place of the first of them.
 pub(crate) fn together(
     name: &str,
     known: Vec<Sampled>,
@@ -91,8 +91,8 @@ pub(crate) fn together(
     Ok(recording)
 }
 
-/// Samples of the first channel that are not among the recording's rows, outside the time that is `common` to all channels or at
-/// a time that is there already; with what the other channels have at their times.
+/// Samples of the first channel that are not among the recording's rows: outside the time that is `common` to all channels, or with a
+/// repeated time. The values of the other channels at their times are included.
 fn left_out(known: &[Sampled], common: RangeInclusive<f64>) -> LeftOut {
     let mut left_out = LeftOut::default();
     let Some((first, others)) = known.split_first() else { return left_out };
@@ -116,7 +116,7 @@ fn left_out(known: &[Sampled], common: RangeInclusive<f64>) -> LeftOut {
     left_out
 }
 
-/// Values at `at_s` on the lines between samples; every `at_s` lies within `time_s`, and both rise.
+/// Values at `at_s` by linear interpolation between samples; every `at_s` lies within `time_s`, and both rise.
 fn interpolate(time_s: &[f64], values: &[f64], at_s: &[f64]) -> Vec<f64> {
     let mut next = 1;
     let value_at = |&at: &f64| {
@@ -130,14 +130,14 @@ fn interpolate(time_s: &[f64], values: &[f64], at_s: &[f64]) -> Vec<f64> {
     at_s.iter().map(value_at).collect()
 }
 
-/// How much of the way between two times a third one between them is.
+/// The fraction of the interval from `from` to `to` that lies before `at`.
 pub(crate) fn share_of(from: f64, to: f64, at: f64) -> f64 {
     let whole = to - from;
-    // Halves where the way itself is beyond all numbers.
+    // Half values are used where the difference would exceed the range of a double.
     if whole.is_finite() { (at - from) / whole } else { (0.5 * at - 0.5 * from) / (0.5 * to - 0.5 * from) }
 }
 
-/// The value on the line between two others.
+/// Linear interpolation between two values.
 pub(crate) fn on_line(from: f64, to: f64, share: f64) -> f64 {
     let rise = to - from;
     if rise.is_finite() { from + rise * share } else { from * (1.0 - share) + to * share }

@@ -1,4 +1,4 @@
-//! The table of a recording as it is written: its own columns in their units, with what replaces or joins them.
+//! The table of a recording as it is written: its own columns in their units, with replaced and added signals.
 
 use std::io::{self, Write};
 use std::ops::Range;
@@ -9,7 +9,7 @@ use crate::signal::Signal;
 use crate::unit::Unit;
 
 impl Recording {
-    /// The columns of the file with what they hold now, and those that are added.
+    /// The columns of the file with their present values, followed by the added signals.
     pub(super) fn sheet<'a>(&'a self, replaced: &[Series<'a>], added: &[Series<'a>]) -> Sheet<'a> {
         let own = self.columns.iter().enumerate().map(|(index, column)| {
             let new = replaced.iter().find(|(signal, _)| *signal == column.signal);
@@ -23,7 +23,7 @@ impl Recording {
         Sheet { recording: self, columns: own.chain(further).collect() }
     }
 
-    /// Rows of the file in their order, those left out with the one after them.
+    /// Rows of the file in their order; each row that was left out comes together with the row after it.
     fn rows_of_the_file(&self, rows: Range<usize>) -> impl Iterator<Item = Row> {
         let before = self.left_out.after.partition_point(|&after| after < rows.start);
         let mut left_out = self.left_out.after.iter().enumerate().skip(before).peekable();
@@ -37,7 +37,7 @@ impl Recording {
         })
     }
 
-    /// The row at or before a time, and the share of the way to the next one.
+    /// The row at or before a time, and the fraction of the interval to the next row.
     fn between(&self, time: f64) -> Option<(usize, f64)> {
         let time_s = self.time_s();
         let row = time_s.partition_point(|&row| row <= time).checked_sub(1)?;
@@ -64,16 +64,16 @@ pub(crate) struct Written<'a> {
     pub(crate) unit: Unit,
     /// SI, one for each row that was read.
     values: &'a [f64],
-    /// Its place among the cells of a row that was left out, where it has one there.
+    /// Index of its cell in rows that were left out, where it has one there.
     cell: Option<usize>,
 }
 
 /// A row of the file.
 #[derive(Clone, Copy)]
 enum Row {
-    /// One that was read, by its place among them.
+    /// A row that was read; its index among those.
     Read(usize),
-    /// One that was left out, by its place among them.
+    /// A row that was left out; its index among those.
     LeftOut(usize),
 }
 
@@ -93,7 +93,7 @@ impl Written<'_> {
         mixed(self.values, row, share)
     }
 
-    /// The value of each row in the column's unit: the number that stands in a text, to the bit.
+    /// The value of each row in the column's unit: bit for bit the number that a text would hold.
     #[cfg(any(feature = "mat", feature = "parquet"))]
     pub(crate) fn values(&self) -> impl Iterator<Item = Option<f64>> {
         self.recording
@@ -126,13 +126,13 @@ impl Sheet<'_> {
     }
 }
 
-/// The value at a share of the way from a row to the next; none beyond what there is.
+/// The value interpolated between a row and the next by `share`; none beyond the end.
 fn mixed(values: &[f64], row: usize, share: f64) -> Option<f64> {
     let from = *values.get(row)?;
     if share > 0.0 { Some(on_line(from, *values.get(row + 1)?, share)) } else { Some(from) }
 }
 
-/// A header, in one line, and in quotation marks where it holds a separator or a quotation mark.
+/// A header on one line; in quotation marks where it contains a separator or a quotation mark.
 pub fn quoted(header: &str) -> String {
     let header = header.replace(|character: char| character.is_control() && character != '\t', " ");
     if header.contains([',', ';', '\t', '"']) { format!("\"{}\"", header.replace('"', "\"\"")) } else { header }

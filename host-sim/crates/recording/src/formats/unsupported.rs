@@ -1,27 +1,27 @@
-//! What the formats allow and this program does not read.
+//! Features of the formats that this program does not read.
 
-/// A way to write a file that is not read, and what to do instead.
+/// A feature of a file that is not read, and what to do instead.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Unsupported {
     /// MATLAB's version 7.3, or any other HDF5 file.
     Hdf5,
-    /// A MAT-file of a processor that writes the high byte first.
+    /// A MAT-file of a processor that writes the high byte first (big-endian).
     BigEndian,
     /// An MDF file that its recorder has not closed.
     Unfinished,
     /// An MDF file of another version than 4; its version.
     MdfVersion(String),
-    /// Data of an MDF file that stand column by column, as version 4.2 allows.
+    /// Data of an MDF file that are stored column by column, as version 4.2 allows.
     ColumnOriented,
-    /// A packing that is not unpacked; its name or number.
+    /// An unsupported compression; its name or number.
     Packing(String),
-    /// A conversion of an MDF channel that is no formula of numbers; its number in the standard.
+    /// A conversion of an MDF channel that is not a numeric formula; its number in the standard.
     Conversion(u8),
-    /// An MDF file to be written.
+    /// A request to write an MDF file.
     Writing,
-    /// Values that stand in another file; its name, as this one has it.
+    /// Values that are stored in another file; the name of that file, as it stands in this one.
     Elsewhere(String),
-    /// A number that is not laid out as numbers usually are; how.
+    /// A number with an unusual layout; a description of it.
     Layout(String),
 }
 

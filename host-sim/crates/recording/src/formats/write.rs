@@ -19,8 +19,8 @@ impl Recording {
     /// One row for each row of the file, its known columns in their order under their own headers and
     /// in their own units; signals that are `added` follow in SI units. `replaced` and `added` hold SI
     /// values, one for each row of the recording; a replaced signal that the recording has no column
-    /// for is left out. A row that was left out in reading stands in its place with what it held, and
-    /// with the replaced and added signals at its time, linear between the rows around it; where it has
+    /// for is left out. A row that was left out in reading is written in its place with its original cells, and
+    /// with the replaced and added signals at its time, interpolated linearly between the rows around it; where it has
     /// no time, or one outside the recording's, they are blank. Separator is the comma and decimals
     /// have a point, whatever the recording used; ignored columns are not written. The file appears
     /// whole or not at all.
@@ -30,9 +30,9 @@ impl Recording {
             .map_err(|source| RecordingError::Write { place: Place::file(&path.display().to_string()), source })
     }
 
-    /// Rows of the text that [`Self::write_csv`] writes, by their places in this recording; its header comes before the first.
+    /// Rows of the text that [`Self::write_csv`] writes, by their index in this recording; the header comes before the first row.
     ///
-    /// A row that was left out comes with the one after it, at the end of the recording with the last. Series end where the rows do;
+    /// A row that was left out comes together with the row after it, or with the last row at the end of the recording. Series end where the rows end;
     /// `path` stands for the file in messages.
     pub fn csv_rows(
         &self,
@@ -50,7 +50,7 @@ impl Recording {
         Ok(text)
     }
 
-    /// As [`Self::write_csv`], in the format that the file's name asks for: `.mat` and `.parquet`, in letters of any size; CSV otherwise.
+    /// As [`Self::write_csv`], in the format that the extension selects: `.mat` and `.parquet`, in upper or lower case; CSV otherwise.
     ///
     /// What is blank in CSV is NaN in a MAT-file and null in Parquet.
     pub fn write(&self, path: &Path, replaced: &[Series<'_>], added: &[Series<'_>]) -> Result<(), RecordingError> {
@@ -71,7 +71,7 @@ impl Recording {
         }
     }
 
-    /// Writes the bytes that a format makes of the table.
+    /// Writes the table as the bytes that a format makes of it.
     #[cfg(any(feature = "mat", feature = "parquet"))]
     fn write_packed(
         &self,
@@ -85,7 +85,7 @@ impl Recording {
             .map_err(|source| RecordingError::Write { place: Place::file(&path.display().to_string()), source })
     }
 
-    /// What is to be written, once every series has as many values as are expected, all of them finite.
+    /// The table to be written, after checking that every series has the expected number of values and all are finite.
     fn checked<'a>(
         &'a self,
         path: &Path,

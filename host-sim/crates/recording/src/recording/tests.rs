@@ -69,7 +69,7 @@ fn other_names_are_mapped_and_the_map_wins() {
     assert_eq!(recording.signal(Signal::Command).unwrap(), [0.0, 0.001]);
     assert_eq!(recording.ignored(), ["position [m]"]);
     assert_error!(mapped(PLAIN, &["spool=Schieber [%]"]).unwrap_err(), RecordingError::MappedColumnAbsent { .. });
-    // A unit that contradicts the file's is not taken for it.
+    // A mapping whose unit contradicts the file's does not match the column.
     assert_error!(mapped(text, &["time=Zeit [s]"]).unwrap_err(), RecordingError::MappedColumnAbsent { .. });
 }
 
@@ -111,7 +111,7 @@ fn a_spreadsheet_s_own_letters_are_read_and_noted() {
     assert_eq!(recording.signal(Signal::OilTemperature).unwrap(), [40.5, 41.0]);
     assert_eq!((recording.time_s()[1], recording.ignored()), (100e-6, ["Ventilhub ü".to_owned()].as_slice()));
     assert_eq!(recording.notes(), [Note::ReadAsWindows1252 { first: At::Line(1) }]);
-    // One that is UTF-8 is none.
+    // A text in UTF-8 has no such note.
     assert_eq!(read_text("time [µs],oil_temperature [°C]\n0,40\n1,41\n").unwrap().notes(), []);
 }
 

@@ -1,5 +1,5 @@
-//! What a report shows beside the diagnosis itself, all as data: where the error went, what is left, what was prepared, and what
-//! would make sure. Pictures are computed only where a page asks for them.
+//! The evidence that a report shows beside the diagnosis itself, all as data: where the error was removed, the residuals, the preprocessing, and
+//! which test would settle a finding. Pictures are computed only for a page.
 
 mod effect_picture;
 pub(crate) mod preprocessing;
@@ -26,26 +26,26 @@ use crate::plot::{Cells, Rows};
 /// Everything that is shown beside a diagnosis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Exhibits {
-    /// Where the error went.
+    /// What each stage of the diagnosis leaves of the error.
     pub waterfall: Waterfall,
-    /// Whether what is left is white, each signal.
+    /// Whether the residual is white, for each signal.
     pub whiteness: Vec<Whiteness>,
-    /// The same of the model before.
+    /// The same for the model before.
     pub whiteness_before: Vec<Whiteness>,
     /// Each accepted effect against its rivals.
     pub separations: Vec<Separation>,
-    /// What was found in each recording.
+    /// What the preprocessing found in each recording.
     pub preprocessing: Vec<Preprocessing>,
     /// The effects' own pictures; empty unless asked for.
     pub pictures: Vec<Picture>,
     /// When the error is made, all training recordings together; `None` unless asked for and located.
     pub timeline: Option<Rows>,
-    /// Operating regions it is made, before and, with something accepted, after; empty unless asked for and located.
+    /// The operating regions in which it is made, before and, with something accepted, after; empty unless asked for and located.
     pub maps: Vec<Cells>,
 }
 
 impl Exhibits {
-    /// Computes them; `with_pictures` for a page.
+    /// Computes the evidence; `with_pictures` for a page.
     pub fn of(
         file: &MachineFile,
         training: &[Recording],
@@ -77,7 +77,7 @@ impl Exhibits {
         self.separations.iter().filter(move |separation| separation.effect == effect)
     }
 
-    /// The test that tells a finding from what it may be taken for: of its most probable rival, or the catalogue's where none
+    /// The test that separates a finding from its look-alikes: from its most probable rival, or the catalogue's test where no rival
     /// was simulated.
     #[must_use]
     pub fn separated_by(&self, finding: &Finding) -> String {

@@ -1,5 +1,5 @@
-//! What the preparation found in each recording: noise, steps of the sensors, rows that failed, dither, the clock, the state at
-//! the start.
+//! What the preprocessing found in each recording: noise, steps of the sensors, rows that failed, dither, the clock, the initial
+//! state.
 
 use std::fmt;
 
@@ -14,9 +14,9 @@ use simulation::signal::spectrum::{Line, strongest_line};
 
 /// Slowest dither, Hz: below it a command is motion.
 const SLOWEST_DITHER_HZ: f64 = 30.0;
-/// How far a line is above the spectrum around it at least to be dither and no edge of a step.
+/// Factor by which a line exceeds the spectrum around it at least; below this it is the edge of a step and no dither.
 const ABOVE: f64 = 1e3;
-/// Share of the command's span that a dither is at least: less moves no spool, and is how the numbers were written.
+/// Smallest dither as a share of the command's span: a smaller one moves no spool, and comes from how the numbers were written.
 const LEAST_SHARE: f64 = 1e-3;
 
 /// What was found in one channel.
@@ -26,24 +26,24 @@ pub struct PreparedChannel {
     pub signal: Signal,
     /// Standard deviation of its noise, SI.
     pub noise: f64,
-    /// Step of its sensor, SI, where one shows.
+    /// Step of its sensor, SI, where one is visible.
     pub step: Option<f64>,
     /// Rows where it failed for a moment; they are not judged.
     pub spikes: usize,
-    /// Where it failed for longer; not judged either.
+    /// Where it failed for longer; these rows are not judged either.
     pub failures: Vec<FailedRows>,
-    /// Its value at the start, SI, from the rows around.
+    /// Its value at the start, SI, from the neighbouring rows.
     pub start: f64,
     /// Fit that a perfect model would reach, %.
     pub ceiling_percent: f64,
 }
 
-/// A sensor that repeated one value that is none.
+/// A sensor that repeated one value that is not a measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FailedRows {
     /// The signal.
     pub signal: Signal,
-    /// What it did.
+    /// How it failed.
     pub kind: FailureKind,
     /// Time of its first row, s.
     pub from_s: f64,
@@ -60,7 +60,7 @@ impl FailedRows {
     }
 }
 
-/// In words, without what becomes of it.
+/// In words, without how its rows are treated.
 impl fmt::Display for FailedRows {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let unit = unit_for_people(self.signal);
@@ -69,7 +69,7 @@ impl fmt::Display for FailedRows {
     }
 }
 
-/// A measured signal that is not judged and failed in some rows: a straight line drives or starts the model there.
+/// A measured signal that is not judged and failed in some rows: there a straight line replaces it, as a drive input or as the initial state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bridged {
     /// The signal.
@@ -95,23 +95,23 @@ pub struct Preprocessing {
     pub bridged: Vec<Bridged>,
     /// Dither in the command.
     pub dither: Option<Line>,
-    /// What its time stamps say.
+    /// What its time stamps show.
     pub stamps: Stamps,
     /// Channels that are late against the model after the diagnosis.
     pub shifts: Vec<Shift>,
-    /// What reading it had to put right.
+    /// What had to be corrected when it was read.
     pub notes: Vec<String>,
 }
 
 impl Preprocessing {
-    /// Every failure of more than a moment, each with what became of its rows.
+    /// Every failure of more than a moment, each with how its rows are treated.
     pub fn failures(&self) -> impl Iterator<Item = (&FailedRows, &'static str)> {
         let judged = self.channels.iter().flat_map(|channel| &channel.failures).map(|failure| (failure, "not judged"));
         let driving = self.bridged.iter().flat_map(|bridged| &bridged.failures);
         judged.chain(driving.map(|failure| (failure, "bridged by a straight line")))
     }
 
-    /// What the clock is worth a word, in sentences.
+    /// What is worth reporting about the clock, in sentences.
     #[must_use]
     pub fn of_clock(&self) -> Vec<String> {
         let mut said = Vec::new();
@@ -129,7 +129,7 @@ impl Preprocessing {
     }
 }
 
-/// Sums up what was prepared of a recording.
+/// Sums up the preprocessing of a recording.
 #[must_use]
 pub(crate) fn preprocessing(recording: &Recording, shown: &Shown) -> Preprocessing {
     let (prepared, time_s) = (&shown.prepared, recording.time_s());
@@ -182,7 +182,7 @@ fn bridged(prepared: &Prepared) -> Vec<Bridged> {
         .collect()
 }
 
-/// Channels that are late against the model after.
+/// Channels that are late against the model after the diagnosis.
 fn shifts(shown: &Shown) -> Vec<Shift> {
     let prepared = &shown.prepared;
     prepared
@@ -197,7 +197,7 @@ fn shifts(shown: &Shown) -> Vec<Shift> {
         .collect()
 }
 
-/// A line in the command's differences: they hold no level, and the edge of a step is no line.
+/// A line in the spectrum of the command's differences: they have no level, and the edge of a step makes no line.
 fn dither(command: &[f64], interval_s: f64) -> Option<Line> {
     let changes: Vec<f64> = command.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let line = strongest_line(&changes, interval_s, SLOWEST_DITHER_HZ).filter(|line| line.above > ABOVE)?;
@@ -221,7 +221,7 @@ mod tests {
             .collect();
         let line = dither(&with, 1e-3).unwrap();
         assert!((line.hz - 120.0).abs() < 0.5 && (line.amplitude - 0.3).abs() < 0.05, "{line:?}");
-        // A slow sweep written with four decimals: the rounding has lines of its own.
+        // A slow sweep written with four decimals: the rounding has spectral lines of its own.
         let rounded: Vec<f64> = (0..4000)
             .map(|row| (4.0 * (f64::from(row) * 2e-3).sin() * 1e4).round() / 1e4 + 1e-4 * f64::from(row % 2))
             .collect();

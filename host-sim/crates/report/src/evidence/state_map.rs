@@ -1,4 +1,4 @@
-//! Operating regions of the drive the error is made: its mean size over the two states that tell most of it.
+//! Operating regions in which the error is made: its mean size over the two states that it depends on most.
 
 use diagnosis::localisation::error_shape::{Shape, State};
 use diagnosis::localisation::locate::{extend, states};
@@ -14,11 +14,11 @@ use crate::plot::Cells;
 
 /// Cells across and upwards.
 const COUNT: [usize; 2] = [28, 18];
-/// Rows at each end of a state that lie in the outermost cells, as a share.
+/// Share of the rows at each end of a state that lie in the outermost cells.
 const OUTSIDE: f64 = 0.002;
-/// A cell with fewer rows says nothing.
+/// A cell with fewer rows is left empty.
 const LEAST_ROWS: usize = 3;
-/// States that go with one that was found, the most telling first.
+/// Partners for a single state that was found, the most informative first.
 const PARTNERS: [&str; 4] = ["velocity", "pressure in A", "spool", "position"];
 
 /// The map before and, where it differs, after, over all training recordings; none where nothing was located.
@@ -47,7 +47,7 @@ pub(super) fn state_maps(diagnosis: &Diagnosis, recordings: &[&Recording]) -> Ve
     if diagnosis.changes() {
         drawn("after", |shown| &shown.after);
     }
-    // One scale for both.
+    // One colour scale for both maps.
     let most = maps.first().map_or(1.0, |map| map.most);
     for map in &mut maps {
         map.most = most;
@@ -59,7 +59,7 @@ fn measures(shown: &Shown, signal: Signal) -> bool {
     shown.prepared.channels.iter().any(|channel| channel.signal == signal)
 }
 
-/// The two states that the error follows; what was found of one is drawn with a partner, and what follows none with the usual.
+/// The two states that the error depends on. A single state is drawn with a partner; an error that depends on none is drawn with the usual two.
 fn pair<'a>(shape: &Shape, states: &'a [State], has_pressures: bool) -> Option<(&'a State, &'a State)> {
     let varies = |state: &&State| state.values.iter().any(|value| value.to_bits() != state.values[0].to_bits());
     let find = |name: &str| states.iter().filter(varies).find(|state| state.name == name);
@@ -101,7 +101,7 @@ fn map(title: String, errors: &[f64], x: &State, y: &State) -> Cells {
     cells
 }
 
-/// From where to where all but the outermost values lie.
+/// The range that holds all but the outermost values.
 fn middle(values: &[f64]) -> (f64, f64) {
     let at = |share: f64| quantile(values.to_vec(), share).unwrap_or(0.0);
     let (from, to) = (at(OUTSIDE), at(1.0 - OUTSIDE));

@@ -1,7 +1,7 @@
 //! When the error is made: every training recording in a row, with the located intervals.
 //!
-//! What is shown is what was located: the signal that misses most in its link, in standard deviations of its noise; of a position
-//! its change, since a position keeps what was lost before. Of each stretch of time the largest size stays.
+//! It shows the located signal: the one with the largest misfit in its link, in standard deviations of its noise; for a position,
+//! the change of its error, since a position keeps earlier errors. The largest value in each stretch of time is shown.
 
 use diagnosis::localisation::locate::made;
 use diagnosis::{Diagnosis, Shown};
@@ -11,9 +11,9 @@ use simulation::signal::noise::quantile;
 
 use crate::plot::{Row, Rows, Style, Trace, within_title};
 
-/// Stretches of the longest recording.
+/// Number of stretches in the longest recording.
 const STRETCHES: u32 = 400;
-/// A row's top is what so much of all stretches stays below: single spikes do not flatten the rest.
+/// Share of all stretches that stay below the top of a row: single spikes do not flatten the others.
 const BELOW_TOP: f64 = 0.99;
 
 /// The rows of all training recordings, before and, where it differs, after; `None` where nothing was located.
@@ -56,19 +56,19 @@ pub(super) fn timeline(diagnosis: &Diagnosis) -> Option<Rows> {
     Some(Rows { title, unit: "× noise".to_owned(), time_s, most, rows })
 }
 
-/// What [`errors`] are of a signal.
+/// What [`errors`] show for a signal.
 pub(crate) fn error_in(signal: Signal) -> String {
     let what = if signal == Signal::Position { "change of the error" } else { "error" };
     format!("{what} in {}", within_title(signal))
 }
 
-/// Error over noise where it is made, each row.
+/// Error over noise at the moment when it is made, for each row.
 pub(crate) fn errors(shown: &Shown, trajectory: &Trajectory, signal: Signal) -> Option<Vec<f64>> {
     let channel = shown.prepared.channels.iter().find(|channel| channel.signal == signal)?;
     Some(made(signal, &shown.prepared.time_s, &channel.over_noise(trajectory.signal(signal)?)))
 }
 
-/// The largest size in each stretch of time; not finite where there is no row.
+/// The largest absolute value in each stretch of time; not finite where there is no row.
 fn largest(time_s: &[f64], errors: &[f64], from_s: f64, step_s: f64) -> Vec<f64> {
     let mut sizes = vec![f64::NAN; STRETCHES as usize];
     for (time, error) in time_s.iter().zip(errors) {
@@ -77,7 +77,7 @@ fn largest(time_s: &[f64], errors: &[f64], from_s: f64, step_s: f64) -> Vec<f64>
         let size = &mut sizes[stretch.min(STRETCHES as usize - 1)];
         *size = size.max(error.abs());
     }
-    // A recording with fewer rows than stretches holds its values between them.
+    // If a recording has fewer rows than stretches, its values are held between the rows.
     for index in 1..sizes.len() {
         let here = from_s + (index as f64 + 0.5) * step_s;
         if sizes[index].is_nan() && time_s.last().is_some_and(|last| here <= *last) {

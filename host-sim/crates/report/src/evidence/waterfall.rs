@@ -1,7 +1,7 @@
-//! Where the error went: what each stage of the diagnosis leaves of it, from the machine file down to the noise.
+//! The waterfall of the error: what each stage of the diagnosis leaves of it, from the machine file down to the noise.
 //!
-//! Every stage is a whole machine, run freely over the held-out recordings from the start that suits it best. Its mean square
-//! error in multiples of the noise's variance is 1 where nothing is left to explain.
+//! Every stage is a whole machine, in free run over the held-out recordings from the initial state that fits best. Its mean square
+//! error as a multiple of the noise's variance is 1 where nothing is left to explain.
 
 use diagnosis::catalogue::Hypothesis;
 use diagnosis::selection::Selection;
@@ -11,14 +11,14 @@ use identification::fit::{misfits, settle};
 use model_core::machine::{Machine, MachineError};
 use recording::Signal;
 
-/// What one machine leaves.
+/// The error that one machine leaves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stage {
-    /// What was done to get here, in words.
+    /// What was done up to this stage, in words.
     pub label: String,
     /// The effect that is new in it, if one is.
     pub effect: Option<&'static str>,
-    /// Mean square error over the noise's variance, each signal.
+    /// Mean square error over the noise's variance, for each signal.
     pub signals: Vec<(Signal, f64)>,
     /// The same over all signals.
     pub total: f64,
@@ -52,8 +52,8 @@ impl Waterfall {
         Ok(Self { held_out, stages })
     }
 
-    /// Share of what the machine file leaves above the noise that each stage takes away, in all signals together; 0 for the
-    /// first, and for the last what nothing took away. `None` where the machine file is at the noise already.
+    /// Share of the machine file's error above the noise that each stage removes, over all signals together; 0 for the
+    /// first stage, and for the last the share that no stage removed. `None` where the machine file is already at the noise.
     #[must_use]
     pub fn shares(&self) -> Option<Vec<f64>> {
         let first = self.stages.first()?.total;
@@ -69,8 +69,8 @@ fn judged(shown: &[Shown], held_out: bool) -> impl Iterator<Item = &Shown> {
     shown.iter().filter(move |shown| shown.held_out == held_out)
 }
 
-/// The chosen effects one after the other, each with the machine that was refitted with it and those before: of the sets that
-/// were tried and lead to the chosen one, the best of each size.
+/// The chosen effects one after the other, each with the machine that was refitted with it and those before: from the candidate models
+/// that were tried and lead to the chosen one, the best of each size.
 fn steps(selection: &Selection) -> Vec<(&'static Hypothesis, Machine<f64>)> {
     let chosen: Vec<&'static Hypothesis> = selection.chosen.effects.iter().map(|chosen| chosen.effect).collect();
     let mut known: Vec<&'static Hypothesis> = Vec::new();
@@ -87,7 +87,7 @@ fn steps(selection: &Selection) -> Vec<(&'static Hypothesis, Machine<f64>)> {
         known.push(new);
         found.push((new, trial.machine));
     }
-    // What is not known one by one came together.
+    // Effects that are not known one by one were added together.
     for effect in chosen.iter().copied().filter(|effect| !holds(&known, effect.name)).collect::<Vec<_>>() {
         found.push((effect, selection.chosen.fit.machine));
     }

@@ -1,8 +1,8 @@
-//! Whether what the model after leaves is white: a good model leaves nothing that follows from what was before.
+//! Whether the residual of the model after is white: a good model leaves no residual that can be predicted from earlier values.
 //!
 //! Autocorrelation of the residual, and its correlation with what drives the model, over the lags of 100 rows. Within the 99 %
 //! band a correlation is chance: ±2.58/√n for a white residual; with the input by Bartlett's formula, since neighbouring samples
-//! of both are alike.
+//! of both are correlated.
 
 use diagnosis::{Diagnosis, Shown};
 use recording::display_unit::significant;
@@ -12,10 +12,10 @@ use recording::{Recording, Signal};
 const LAGS: usize = 100;
 /// Half width of the 99 % band, in standard deviations.
 const BAND: f64 = 2.576;
-/// Largest of all lags' correlations that chance leaves inside, ninety-nine times of a hundred, over the band of a single lag (Bonferroni: 201
+/// Limit of the largest correlation over all lags, in bands of a single lag: chance stays below it in ninety-nine of a hundred cases (Bonferroni: 201
 /// lags, 4.06 standard deviations).
 const SURE: f64 = 4.06 / BAND;
-/// Most rows of a recording that count: more say the same.
+/// Most rows of a recording that count: more rows do not change the result.
 const MOST_ROWS: usize = 30_000;
 
 /// Correlations of one signal's residual.
@@ -29,7 +29,7 @@ pub struct Whiteness {
     pub auto: Vec<f64>,
     /// Half width of its 99 % band.
     pub auto_band: f64,
-    /// Correlation with the input at lags −n … n: positive where the input came before. Empty where no input is recorded.
+    /// Correlation with the input at lags −n … n: positive where the input comes before the residual. Empty where no input is recorded.
     pub cross: Vec<f64>,
     /// Half width of its 99 % band.
     pub cross_band: f64,
@@ -48,14 +48,14 @@ impl Whiteness {
         outside(&self.cross, self.cross_band)
     }
 
-    /// After how long the residual is most like what it was before, s; `None` where it is white.
+    /// Lag at which the residual autocorrelation is largest, s; `None` where the residual is white.
     #[must_use]
     pub fn lasts(&self) -> Option<f64> {
         let index = largest(&self.auto, self.auto_band)?;
         Some(self.lag_s * (index + 1) as f64)
     }
 
-    /// How long after the input the residual is most like it, s; `None` where the input does not show in it. Negative where the residual is first.
+    /// Lag at which the correlation with the input is largest, s; `None` where it is only chance. Negative where the residual comes before the input.
     #[must_use]
     pub fn follows_input(&self) -> Option<f64> {
         let index = largest(&self.cross, self.cross_band)?;
@@ -63,21 +63,21 @@ impl Whiteness {
     }
 }
 
-/// Where a correlation is largest, if it is no chance among so many.
+/// Where a correlation is largest, if it is larger than chance makes it among so many lags.
 fn largest(values: &[f64], band: f64) -> Option<usize> {
     let sizes = values.iter().map(|value| value.abs()).enumerate();
     let (index, size) = sizes.max_by(|a, b| a.1.total_cmp(&b.1))?;
     (size > SURE * band).then_some(index)
 }
 
-/// Of which signals what is left is not white, in words; `None` where all of it is.
+/// The signals whose residual is not white, in words; `None` where all residuals are white.
 #[must_use]
 pub(crate) fn in_words(signals: &[Whiteness]) -> Option<String> {
     let said: Vec<String> = signals.iter().filter_map(said).collect();
     (!said.is_empty()).then(|| said.join("; "))
 }
 
-/// What is left of one signal, in words.
+/// The correlations of one signal's residual, in words.
 fn said(of: &Whiteness) -> Option<String> {
     let in_ms = |lag: f64| Some(significant(1e3 * lag.abs(), 2)).filter(|ms| ms != "0");
     let input = of.follows_input().map(|lag| match in_ms(lag) {
@@ -93,7 +93,7 @@ fn outside(values: &[f64], band: f64) -> f64 {
     values.iter().filter(|value| value.abs() > band).count() as f64 / values.len().max(1) as f64
 }
 
-/// Every judged signal, `after` or before, over the held-out recordings (the training ones where none is held out). `recordings`
+/// Every judged signal, of the model `after` or before, over the held-out recordings (the training ones where none is held out). `recordings`
 /// are all that the diagnosis shows, in its order.
 #[must_use]
 pub(crate) fn whiteness(diagnosis: &Diagnosis, recordings: &[&Recording], after: bool) -> Vec<Whiteness> {
@@ -129,7 +129,7 @@ fn pair(shown: &Shown, recording: &Recording, signal: Signal, after: bool) -> Op
     Some((missed, input.iter().copied().take(MOST_ROWS).collect()))
 }
 
-/// Correlations of residuals with themselves and with the input, over pairs of series.
+/// Autocorrelations of residuals and their correlations with the input, over pairs of series.
 #[must_use]
 #[expect(clippy::type_complexity, reason = "pairs of series")]
 pub(crate) fn correlations(signal: Signal, lag_s: f64, series: &[(Vec<f64>, Vec<f64>)]) -> Whiteness {

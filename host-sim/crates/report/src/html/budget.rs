@@ -1,22 +1,22 @@
-//! How much of the recordings goes into one page, drawings and numbers together, so that it can be sent by mail.
+//! How much of the recordings is put into one page, drawings and numbers together, so that it can be sent by mail.
 
 use diagnosis::{Diagnosis, Shown};
 
-/// About how many bytes all that is drawn over time may take, in a page of 3 MB with all else.
+/// Approximate number of bytes for everything that is drawn over time, in a page of 3 MB.
 const BYTES: f64 = 2_100_000.0;
-/// What of it the drawings may take; the numbers for the script take the rest.
+/// Share of it for the drawings; the numbers for the script take the other part.
 const OF_DRAWINGS: f64 = 0.4;
 /// Bytes of a panel's frame, grid, labels and headings.
 const PER_PANEL: f64 = 6_000.0;
 /// Bytes of a point of a drawing.
 const PER_POINT: f64 = 11.0;
-/// Bytes of a number for the script, and of the time of a row that was thinned.
+/// Bytes of a number for the script, and of the time of a thinned row.
 const PER_NUMBER: f64 = 4.5;
 /// Fewest and most points of a drawn trace.
 const POINTS: (f64, f64) = (150.0, 700.0);
 /// Fewest rows for the script.
 const LEAST_ROWS: f64 = 300.0;
-/// Panels at the top of the page and beside what was located.
+/// Panels at the top of the page and beside the localisation.
 const BESIDE: f64 = 5.0;
 
 /// What every recording may take.
@@ -31,13 +31,13 @@ pub(crate) struct Budget {
 }
 
 impl Budget {
-    /// Of all recordings that are shown.
+    /// The budget for all recordings that are shown.
     pub(crate) fn of(diagnosis: &Diagnosis) -> Self {
         let panels = diagnosis.shown.iter().map(|shown| shown.prepared.channels.len()).max().unwrap_or(1);
         Self::shared(diagnosis.shown.len(), panels, diagnosis.changes())
     }
 
-    /// For so many recordings of so many panels, each with the traces before and recorded, and after where it differs.
+    /// The budget for this number of recordings and panels, each with the traces before and recorded, and after where it differs.
     fn shared(recordings: usize, panels: usize, changes: bool) -> Self {
         let (series, traces) = if changes { (3.0, 5.0) } else { (2.0, 3.0) };
         let per_panel =
@@ -67,7 +67,7 @@ mod tests {
     use crate::html::data::{for_page, time};
     use crate::plot::{Panel, Style, Trace, svg};
 
-    /// Bytes of the drawings and numbers of so many recordings of four noisy signals, four seconds at 1 kHz.
+    /// Bytes of the drawings and numbers of this number of recordings of four noisy signals, four seconds at 1 kHz.
     fn bytes(budget: Budget) -> usize {
         let time_s: Vec<f64> = (0..4000).map(|row| f64::from(row) * 1e-3).collect();
         let mut seed = 11_u64;
@@ -91,7 +91,7 @@ mod tests {
 
     #[test]
     fn six_recordings_twenty_and_a_hundred_leave_a_page_below_three_megabytes() {
-        // What else there is: the library, tables, and pictures of effects, states and correlations.
+        // The other parts of a page: the library, tables, and pictures of effects, states and correlations.
         let rest = 60_000 + 500_000;
         for recordings in [1, 6, 20, 100] {
             let budget = Budget::shared(recordings, 4, true);

@@ -1,4 +1,4 @@
-//! A drawing with the numbers behind it: the drawing stays on paper and where no script runs.
+//! A drawing with the numbers behind it: the drawing remains on paper and where no script runs.
 
 use maud::{Markup, PreEscaped, html};
 use serde_json::Value;
@@ -11,7 +11,7 @@ use super::data;
 use super::overlay::{named, panels};
 use crate::plot::{Cells, Figure, Rows, cells, rows, scatter, svg};
 
-/// What the page's charts are made with, and its licence, which wants to stay with it.
+/// The page's chart library, and its licence, which must be kept with it.
 const LIBRARY: &str = include_str!("assets/uplot/uPlot.iife.min.js");
 const LICENCE: &str = include_str!("assets/uplot/LICENSE");
 const SCRIPT: &str = include_str!("assets/charts.js");
@@ -25,12 +25,12 @@ pub(crate) fn scripts() -> Markup {
     }
 }
 
-/// A chart as wide as it is readable.
+/// A chart that is as wide as it is readable.
 pub(crate) fn chart(figure: &Figure) -> Markup {
     with_data("chart", &scatter(figure), &data::figure(figure))
 }
 
-/// One row a recording.
+/// One row for each recording.
 pub(crate) fn in_rows(figure: &Rows) -> Markup {
     with_data("overlay", &rows(figure), &data::rows(figure))
 }

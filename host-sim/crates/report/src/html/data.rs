@@ -1,18 +1,18 @@
 //! The numbers behind a drawing, as compact JSON that the page's script reads.
 //!
-//! A series is written as whole steps of a small unit from one value to the next: two or three letters a value.
+//! A series is written as the differences between neighbouring values, in whole steps of a small unit: two or three letters a value.
 
 use serde_json::{Value, json};
 
 use crate::plot::cells::{EDGES, HEIGHT, WIDTH};
 use crate::plot::{Cells, Figure, Marks, Panel, Rows, Style, Trace, kept_rows};
 
-/// Units in the range of what is shown: fine enough to zoom in.
+/// Number of units in the range of the shown values: fine enough to zoom in.
 const FINE: f64 = 20_000.0;
-/// Interval by which times differ from even ones, in intervals, without being uneven.
+/// Largest deviation of times from even spacing, in intervals, that still counts as even.
 const EVEN: f64 = 1e-3;
 
-/// Panels over time, each with at most so many rows. Residuals are not written: the script subtracts.
+/// Panels over time, each with at most this number of rows. Residuals are not written: the script subtracts.
 pub(crate) fn time(panels: &[Panel], most_rows: usize) -> Value {
     let panels: Vec<Value> = panels.iter().map(|panel| one_panel(panel, most_rows)).collect();
     json!({ "kind": "time", "panels": panels })
@@ -33,7 +33,7 @@ fn one_panel(panel: &Panel, most_rows: usize) -> Value {
     })
 }
 
-/// One row a recording.
+/// One row for each recording.
 pub(crate) fn rows(figure: &Rows) -> Value {
     let all: Vec<usize> = (0..figure.time_s.len()).collect();
     let rows: Vec<Value> = figure
@@ -88,7 +88,7 @@ pub(crate) fn cells(figure: &Cells) -> Value {
     })
 }
 
-/// JSON that may stand in a page whatever names it holds: none of its letters begins a tag, a comment or an entity.
+/// JSON that may stand in a page whatever names it holds: none of its characters begins a tag, a comment or an entity.
 pub(crate) fn for_page(data: &Value) -> String {
     let text = data.to_string();
     let mut safe = String::with_capacity(text.len());
@@ -122,7 +122,7 @@ fn packed_trace(trace: &Trace, values: &[f64], unit: f64) -> Value {
     packed
 }
 
-/// Values as whole steps of a unit; what is not finite is null.
+/// Values in whole steps of a unit; a value that is not finite becomes null.
 fn packed(values: &[f64], unit: f64) -> Value {
     let mut at = 0_i64;
     let steps: Vec<Option<i64>> = values
@@ -138,7 +138,7 @@ fn packed(values: &[f64], unit: f64) -> Value {
     json!({ "unit": unit, "from": 0, "steps": steps })
 }
 
-/// The times of some rows: start and interval where all rows are kept and even, else steps.
+/// The times of some rows: start and interval where all rows are kept and evenly spaced, else differences.
 fn times(time_s: &[f64], kept: &[usize]) -> Value {
     let (Some(first), Some(last)) = (time_s.first(), time_s.last()) else { return packed(&[], 1.0) };
     let interval = (last - first) / (time_s.len().max(2) - 1) as f64;

@@ -1,4 +1,4 @@
-//! Where the error went, what is left of it, and what the recordings were like.
+//! Where the error was removed, the residuals, and the recordings' preprocessing.
 
 use maud::{Markup, PreEscaped, html};
 
@@ -35,7 +35,7 @@ pub(crate) fn waterfall(waterfall: &Waterfall) -> Markup {
     }
 }
 
-/// One group of bars a signal.
+/// One group of bars for each signal.
 fn groups(waterfall: &Waterfall) -> Vec<BarGroup> {
     let signals = waterfall.stages.first().map_or(&[][..], |stage| &stage.signals);
     let last = waterfall.stages.len().saturating_sub(1);
@@ -107,7 +107,7 @@ pub(crate) fn whiteness(exhibits: &Exhibits, diagnosis: &Diagnosis) -> Markup {
     }
 }
 
-/// Correlations over the lag, of the model before where it is another, and after.
+/// Correlations over the lag, of the model before where it differs, and after.
 fn correlation(name: &str, lag_s: f64, first: i32, (before, after): (Option<&Vec<f64>>, &[f64]), band: f64) -> Figure {
     let layer = |label: &str, style, values: &[f64]| {
         let points = (first..).zip(values).map(|(lag, value)| (1e3 * lag_s * f64::from(lag), *value)).collect();

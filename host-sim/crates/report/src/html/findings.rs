@@ -1,4 +1,4 @@
-//! What is accepted, how sure it is, and how it gets to the controller.
+//! Accepted effects, how certain they are, and how they are brought to the controller.
 
 use std::fmt::Write;
 
@@ -38,7 +38,7 @@ pub(crate) fn findings(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
                     }
                 }
                 @for (number, picture) in exhibits.pictures.iter().filter(|picture| picture.effect == finding.effect.name).enumerate() {
-                    // The first of all is at the top of the page.
+                    // The first picture of all is at the top of the page.
                     @if index > 0 || number > 0 { (chart(&picture.figure)) p class="soft" { (picture.caption) } }
                 }
                 @if !finding.effect.look_alikes.is_empty() {
@@ -93,7 +93,7 @@ pub(crate) fn how_sure(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
     }
 }
 
-/// A finding's probability, and what would settle it.
+/// A finding's probability, and the test that would settle it.
 fn sureness(finding: &Finding, exhibits: &Exhibits) -> Markup {
     let rivals: Vec<&Separation> = exhibits.rivals(finding).collect();
     html! {
@@ -159,7 +159,7 @@ fn capital(text: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// The effect's tables of the machine file: its own, and that of the bristles which frictions share.
+/// The effect's tables in the machine file: its own, and the table of the bristles that several frictions share.
 fn snippet(finding: &Finding) -> String {
     let (mut text, mut table) = (String::new(), "");
     for estimate in &finding.parameters {

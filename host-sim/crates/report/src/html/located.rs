@@ -66,7 +66,7 @@ pub(crate) fn where_it_is(diagnosis: &Diagnosis) -> Option<&Shown> {
     diagnosis.shown.iter().find(|shown| shown.prepared.name == *named && !shown.held_out)
 }
 
-/// The error over the state that it follows.
+/// The error over the state that it depends on.
 fn of_shape(shape: &Shape) -> Option<Figure> {
     let Shape::Over { state, unit, bins, .. } = shape else { return None };
     let (unit, scale) = state_unit(unit);

@@ -1,4 +1,4 @@
-//! The diagnosis as one self-contained page: no network, readable on paper and on a phone, with charts that answer where scripts
+//! The diagnosis as one self-contained page: no network, readable on paper and on a phone, with interactive charts where scripts
 //! run and drawings where they do not.
 
 mod budget;
@@ -39,7 +39,7 @@ pub fn page(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
             head {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
-                // Whatever a page holds, it loads nothing.
+                // Whatever a page holds, it must load nothing.
                 meta http-equiv="Content-Security-Policy" content=(POLICY);
                 title { "Diagnosis of " (diagnosis.machine) }
                 style { (PreEscaped(chart::LOOKS)) (PreEscaped(style::STYLE)) }
@@ -78,7 +78,7 @@ fn class(verdict: Verdict) -> &'static str {
 
 /// Fit of each signal before and after, in a line of large numbers.
 fn improvement(diagnosis: &Diagnosis) -> Markup {
-    /// Fit of a perfect model, %, below which a signal is mostly noise: no fit says anything of it.
+    /// Fit of a perfect model, %, below which a signal is mostly noise, so that its fit means nothing.
     const MOSTLY_NOISE: f64 = 50.0;
     let held_out = diagnosis.shown.iter().any(|shown| shown.held_out);
     let (before, after) = (diagnosis.mean_fits(held_out, false), diagnosis.mean_fits(held_out, true));
@@ -117,7 +117,7 @@ fn main_picture(diagnosis: &Diagnosis, exhibits: &Exhibits, budget: Budget) -> M
     }
 }
 
-/// The signal that misses most in its link; where nothing is located, what the drive is for.
+/// The signal with the largest misfit in its link; where nothing is located, the position, or else the last signal.
 fn most_telling(diagnosis: &Diagnosis, shown: &Shown) -> Signal {
     let last =
         || signals(shown).into_iter().find(|signal| *signal == Signal::Position).or(signals(shown).last().copied());

@@ -6,9 +6,9 @@ use recording::display_unit::unit_for_people;
 
 use crate::plot::{Panel, Style, Trace, svg, title};
 
-/// About how many bytes of drawing a file may hold.
+/// Approximate limit of the bytes of drawings in a file.
 const BYTES: usize = 1_600_000;
-/// About how many bytes a point takes.
+/// Approximate number of bytes of a point.
 const PER_POINT: usize = 11;
 
 /// Recorded, before and after with residuals, as SVG: every judged signal of one recording.
@@ -24,12 +24,12 @@ pub(crate) fn signals(shown: &Shown) -> Vec<Signal> {
     shown.prepared.channels.iter().map(|channel| channel.signal).collect()
 }
 
-/// What a recording is called, and what it was for.
+/// A recording's name, and what it was used for.
 pub(crate) fn named(shown: &Shown) -> (&str, &'static str) {
     (&shown.prepared.name, if shown.held_out { "held out" } else { "training" })
 }
 
-/// A panel of each of some signals, drawn with at most so many points a trace.
+/// A panel for each of these signals, drawn with at most this number of points a trace.
 pub(crate) fn panels(diagnosis: &Diagnosis, shown: &Shown, signals: &[Signal], points: usize) -> Vec<Panel> {
     let changes = diagnosis.changes();
     let channels = shown.prepared.channels.iter().filter(|channel| signals.contains(&channel.signal));
@@ -60,7 +60,7 @@ pub(crate) fn panels(diagnosis: &Diagnosis, shown: &Shown, signals: &[Signal], p
         .collect()
 }
 
-/// Points a trace may have, so that all recordings would go into one file.
+/// Points that a trace may have, so that all recordings would fit into one file.
 fn points(diagnosis: &Diagnosis) -> usize {
     let traces = if diagnosis.changes() { 5 } else { 3 };
     let all: usize = diagnosis.shown.iter().map(|shown| traces * shown.prepared.channels.len()).sum();

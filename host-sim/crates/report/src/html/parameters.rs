@@ -8,11 +8,11 @@ use recording::display_unit::significant;
 
 use crate::terminal::{correlated, uncertainty};
 
-/// A value moved when it is further off than this many of its standard deviations.
+/// A value counts as moved when its change exceeds this many of its standard deviations.
 const MOVED: f64 = 3.0;
-/// The recordings tell a value when they leave less than this share of what was allowed.
+/// The recordings determine a value when its standard deviation is below this share of what was allowed.
 const TOLD: f64 = 0.5;
-/// A value stood in for an effect when it moves by so many allowed deviations with the effect in its place.
+/// A value stood in for an effect when adding the effect moves it by this many allowed deviations.
 const STOOD_IN: f64 = 0.3;
 
 pub(crate) fn parameters(diagnosis: &Diagnosis) -> Markup {
@@ -47,7 +47,7 @@ pub(crate) fn parameters(diagnosis: &Diagnosis) -> Markup {
     }
 }
 
-/// What the machine file allows a value to be off, if it does.
+/// The standard deviation that the machine file allows for a value, if it gives one.
 fn sigma(diagnosis: &Diagnosis, estimate: &Estimate) -> Option<f64> {
     let free = diagnosis.selection.base.fit.free.iter().find(|free| free.parameter == estimate.parameter)?;
     match free.freedom {
@@ -56,7 +56,7 @@ fn sigma(diagnosis: &Diagnosis, estimate: &Estimate) -> Option<f64> {
     }
 }
 
-/// By how much, of the value that the machine file gives.
+/// Change relative to the value in the machine file.
 fn moved(estimate: &Estimate) -> String {
     let change = estimate.value - estimate.before;
     if change == 0.0 {
@@ -71,8 +71,8 @@ fn moved(estimate: &Estimate) -> String {
     }
 }
 
-/// In words: what the recordings say of the value, and whether it stood in for what was missing. `sigma` is what the machine file
-/// allows, `alone` the value that was fitted without what was found.
+/// In words: what the recordings say about the value, and whether it stood in for missing effects. `sigma` is what the machine file
+/// allows, `alone` the value that was fitted without the effects found.
 fn why(estimate: &Estimate, sigma: Option<f64>, alone: Option<f64>) -> String {
     if estimate.at_bound {
         return "at the end of its range: no estimate".to_owned();
@@ -107,7 +107,7 @@ pub(crate) fn deviation(estimate: &Estimate) -> String {
     if estimate.std.is_finite() && !estimate.at_bound { number(estimate.std, 2) } else { uncertainty(estimate) }
 }
 
-/// A number with so many digits, by powers of ten where it is far from one.
+/// A number with this number of digits, with a power of ten where it is far from one.
 pub(crate) fn number(value: f64, digits: i32) -> String {
     let size = value.abs();
     if value == 0.0 || (1e-4..1e6).contains(&size) {

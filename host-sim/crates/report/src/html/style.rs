@@ -1,4 +1,4 @@
-//! How the page looks: on a screen, on a phone, in the dark and on paper.
+//! The look of the page: on a screen, on a phone, in dark mode and on paper.
 
 pub(crate) const STYLE: &str = "
 :root { color-scheme: light dark; --line: #8884; --soft: #8881; --ink: #212529; --paper: #fff; --faint: #5f6770; --accent: #0060b0;

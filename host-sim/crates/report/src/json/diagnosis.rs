@@ -79,7 +79,7 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
     })
 }
 
-/// What a recorded spool does: its kind, the sentence, and the numbers behind it.
+/// The behaviour of a recorded spool: its kind, the sentence, and the numbers behind it.
 fn spool(habit: &Habit) -> Value {
     let (kind, sentence) = (habit.name(), habit.to_string());
     match habit {
@@ -102,7 +102,7 @@ fn spool(habit: &Habit) -> Value {
     }
 }
 
-/// What an error looks like: its kind, the sentence, and the numbers behind it.
+/// The shape of an error: its kind, the sentence, and the numbers behind it.
 fn shape(shape: &Shape) -> Value {
     let sentence = shape.to_string();
     match shape {
@@ -134,7 +134,7 @@ fn shape(shape: &Shape) -> Value {
     }
 }
 
-/// A table for what has no name.
+/// A table for an unnamed effect.
 fn unnamed(found: &Unnamed) -> Value {
     let axis = |axis: &Axis| {
         json!({
@@ -204,7 +204,7 @@ fn rounded(fits: &diagnosis::Fits) -> Value {
         .into()
 }
 
-/// A number with so many significant digits: the rest is noise, and short numbers compare. What is not known is null.
+/// A number with this number of significant digits: further digits are noise, and short numbers are easy to compare. An unknown value is null.
 pub(crate) fn digits(value: f64, significant: usize) -> Option<f64> {
     let precision = significant.saturating_sub(1);
     value.is_finite().then(|| format!("{value:.precision$e}").parse().unwrap_or(value))

@@ -11,7 +11,7 @@ use crate::evidence::preprocessing::{FailedRows, Preprocessing};
 use crate::evidence::waterfall::Waterfall;
 use crate::evidence::whiteness::Whiteness;
 
-/// Where the error went.
+/// What each stage leaves of the error.
 pub(crate) fn waterfall(waterfall: &Waterfall) -> Value {
     let shares = waterfall.shares();
     let stages: Vec<Value> = waterfall
@@ -36,7 +36,7 @@ pub(crate) fn waterfall(waterfall: &Waterfall) -> Value {
     json!({ "recordings": if waterfall.held_out { "holdout" } else { "train" }, "stages": stages })
 }
 
-/// Whiteness of what is left, each signal.
+/// Whiteness of the residuals, for each signal.
 pub(crate) fn residuals(signals: &[Whiteness]) -> Value {
     signals
         .iter()
@@ -116,7 +116,7 @@ fn clock(of: &Preprocessing) -> Value {
     })
 }
 
-/// What would tell a finding from its rivals.
+/// The test that would distinguish a finding from its rivals.
 pub(crate) fn separation(exhibits: &Exhibits, finding: &Finding) -> Value {
     let distance = |distance: &Distance| {
         json!({

@@ -1,4 +1,4 @@
-//! Axes: ranges with air around the data, ticks at round numbers, labels with as many digits as the step has.
+//! Axes: ranges with a margin around the data, ticks at round numbers, labels with as many digits as the step has.
 
 /// A linear axis from data to pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,13 +37,13 @@ impl Axis {
         Self { from_px: self.from_px * factor, to_px: self.to_px * factor, ..*self }
     }
 
-    /// Round values on the axis, about so many, with their labels.
+    /// Round values on the axis, about this many, with their labels.
     pub(crate) fn ticks(&self, about: f64) -> Vec<(f64, String)> {
         let rough = (self.high - self.low) / about;
         let unit = 10.0_f64.powf(rough.log10().floor());
         let steps = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * unit);
         let coarse = steps.iter().position(|step| *step >= rough * 0.999).unwrap_or(steps.len() - 1);
-        // One number on an axis tells nothing of its scale.
+        // With a single number, an axis shows no scale.
         let enough = |step: f64| (self.high / step).floor() - (self.low / step).ceil() >= 1.0;
         let step = steps[..=coarse].iter().rev().copied().find(|step| enough(*step)).unwrap_or(0.5 * unit);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..12")]
@@ -61,7 +61,7 @@ impl Axis {
     }
 }
 
-/// A range that is not empty.
+/// The range, widened if it is empty.
 fn widened(low: f64, high: f64) -> (f64, f64) {
     let least = (low.abs().max(high.abs()) * 1e-9).max(1e-9);
     if high - low >= least {

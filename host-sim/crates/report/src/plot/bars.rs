@@ -1,4 +1,4 @@
-//! Bars on a logarithmic axis, lying, in groups: what is left after each step.
+//! Horizontal bars on a logarithmic axis, in groups: what is left after each step.
 
 use plotters::element::{PathElement, Rectangle};
 use plotters::style::Color;

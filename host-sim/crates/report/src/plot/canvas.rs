@@ -15,7 +15,7 @@ use super::{Panel, Style, Trace};
 
 /// Width of a figure, px.
 pub(crate) const WIDTH: i32 = 1000;
-/// Coordinates inside the SVG are this much finer than a pixel, since they are whole numbers.
+/// Coordinates inside the SVG are this many times finer than a pixel, since they are whole numbers.
 pub(crate) const FINE: i32 = 8;
 
 pub(crate) const LEFT: i32 = 74;
@@ -43,7 +43,7 @@ pub(crate) type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
 
 /// Draws panels below each other over one time axis; the text of an SVG with a `viewBox`, 1000 px wide.
 ///
-/// Series of more than 2000 points are thinned: of each stretch the lowest and the highest point stay.
+/// Series of more than 2000 points are thinned: the lowest and the highest point of each stretch stay.
 #[must_use]
 pub fn svg(title: &str, subtitle: &str, panels: &[Panel]) -> String {
     let height = head(title) + panels.iter().map(height_of).sum::<i32>() + BOTTOM;
@@ -63,7 +63,7 @@ pub(crate) fn drawn((width, height): (i32, i32), draw: impl FnOnce(&Area<'_>) ->
     text.replacen(&fine, &format!("width=\"{width}\" height=\"{height}\""), 1)
 }
 
-/// Room for the title; little where there is none.
+/// Room for the title; little without a title.
 fn head(title: &str) -> i32 {
     if title.is_empty() { 0 } else { TOP }
 }
@@ -72,7 +72,7 @@ fn height_of(panel: &Panel) -> i32 {
     HEADING + if panel.residuals.is_empty() { chart_height(panel) } else { chart_height(panel) + GAP + LOWER } + LABELS
 }
 
-/// What drives the model needs less room than what is judged.
+/// A drive input needs less room than a judged signal.
 fn chart_height(panel: &Panel) -> i32 {
     if panel.traces.iter().all(|trace| trace.style == Style::Input) { INPUT } else { UPPER }
 }
@@ -205,11 +205,11 @@ pub(crate) fn write_at(area: &Area<'_>, text: &str, at: (i32, i32), place: TextP
     // The SVG backend writes a font size that is smaller by this factor.
     let size = 1.24 * f64::from(place.size * FINE);
     let style: TextStyle<'_> = ("sans-serif", size).into_font().color(&colour).pos(place.anchor);
-    // XML has no control characters, not even escaped.
+    // XML has no control characters, not even escaped ones.
     area.draw(&Text::new(printable(&text), fine(at), style))
 }
 
-/// About how wide a text is, px: no font is at hand.
+/// Approximate width of a text, px: no font is available.
 pub(crate) fn text_width(text: &str, size: i32) -> i32 {
     let letters = i32::try_from(text.chars().count()).unwrap_or(i32::MAX / 100).min(10_000);
     letters * size * 50 / 100

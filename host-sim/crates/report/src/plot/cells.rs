@@ -1,7 +1,7 @@
-//! How large something is over two states: cells with a colour each.
+//! The size of a quantity over two states: cells with a colour each.
 //!
-//! The colours go from light to dark without turning back, so they keep their order for every eye, in print, and where a page
-//! inverts them for the dark.
+//! The colours get darker from one end to the other without turning back, so they keep their order for every eye, in print, and where a page
+//! inverts them for dark mode.
 
 use plotters::element::{PathElement, Rectangle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -21,7 +21,7 @@ pub(crate) const HEIGHT: i32 = 410;
 /// Where the cells are: left, right, top and bottom edge, px.
 pub(crate) const EDGES: [i32; 4] = [74, WIDTH - 92, 64, HEIGHT - 52];
 
-/// Colours of the lowest, of the highest value and of those between.
+/// Colours from the lowest value to the highest.
 const SCALE: [(u8, u8, u8); 5] = [(255, 241, 208), (252, 196, 104), (232, 126, 42), (172, 58, 40), (84, 20, 54)];
 /// Steps of the scale beside the chart.
 const STEPS: i32 = 32;
@@ -31,7 +31,7 @@ const STEPS: i32 = 32;
 pub struct Cells {
     /// What is shown.
     pub title: String,
-    /// Across and upwards, each with its unit.
+    /// Titles of the horizontal and the vertical axis, each with its unit.
     pub axes: [String; 2],
     /// The unit of the values.
     pub unit: String,
@@ -41,7 +41,7 @@ pub struct Cells {
     pub step: [f64; 2],
     /// Cells across and upwards.
     pub count: [usize; 2],
-    /// Value and number of rows of each cell, the lowest line from left to right first; `None` where the drive never was.
+    /// Value and number of rows of each cell, the lowest line first, from left to right; `None` where the drive never was.
     pub cells: Vec<Option<(f64, usize)>>,
     /// The value that has the darkest colour.
     pub most: f64,

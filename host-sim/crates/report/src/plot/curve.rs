@@ -11,18 +11,18 @@ use super::canvas::{
     Area, BOTTOM, Drawn, FAINT_INK, FINE, FRAME, GRID, INK, LEFT, PAPER, RIGHT, WIDTH, fine, line, look, write,
 };
 
-/// A place on the horizontal axis that is worth a line.
+/// A place on the horizontal axis that is marked by a line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// What is there.
+    /// Its label.
     pub label: String,
-    /// Where.
+    /// Its value.
     pub at: f64,
 }
 
 const UPPER_EDGE: i32 = 66;
 const LOWER_EDGE: i32 = 466;
-/// More points than can be told apart are left out evenly.
+/// Beyond this number, points cannot be distinguished and are left out evenly.
 const MOST_POINTS: usize = 6000;
 
 /// Draws `y` over `x`, each with its header, in the order of the rows; the text of an SVG.

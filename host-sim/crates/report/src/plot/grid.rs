@@ -1,4 +1,4 @@
-//! A square of cells: everything against everything else.
+//! A square of cells: each name against each other name.
 
 use plotters::element::{PathElement, Rectangle, Text};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -17,20 +17,20 @@ const SIZE: i32 = 12;
 
 const ALIKE: RGBColor = RGBColor(214, 102, 0);
 const OWN: RGBColor = RGBColor(206, 212, 218);
-/// Just apart, and a thousand times further.
+/// Colours of a pair that is just distinguishable, and of one a thousand times beyond that.
 const NEAR: [u8; 3] = [190, 218, 240];
 const FAR: [u8; 3] = [16, 72, 128];
 
-/// What is known of a pair.
+/// What is known about a pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cell {
-    /// Nothing: the row's own is not seen.
+    /// Nothing: the row's own effect is not visible.
     None,
     /// The diagonal.
     Own,
-    /// The row would pass for the column.
+    /// The row would be taken for the column.
     Alike,
-    /// Told apart, by so many standard deviations.
+    /// Distinguishable, by this number of standard deviations.
     Apart(f64),
 }
 
@@ -136,7 +136,7 @@ mod tests {
         let text = grid(&Grid { title: "t".into(), rows: "r".into(), columns: "c".into(), names, cells });
         assert!(text.contains("a&lt;b") && !text.contains("a<b"));
         let inside = text.matches("<rect").count();
-        // The paper, three cells, three filled entries of the legend, four frames of it.
+        // The background, three cells, three filled entries of the legend, four frames in it.
         assert_eq!(inside, 1 + 3 + 3 + 4, "{text}");
     }
 }

@@ -1,7 +1,7 @@
 //! Recorded against simulated, as SVG.
 //!
-//! A figure is a column of [`Panel`]s over one time axis. Each has its traces, and where it is given residuals a smaller
-//! chart of them below. The result is text that depends on nothing but its input: no clock, no fonts of the machine.
+//! A figure is a column of [`Panel`]s over one time axis. Each panel has its traces and, where it is given residuals, a smaller
+//! chart of them below. The result is text that depends on its input only: not on a clock or on fonts of the machine.
 //!
 //! ```
 //! use report::plot::{Panel, Style, Trace, svg};
@@ -37,7 +37,7 @@ pub use rows::{Row, Rows, rows};
 pub use scatter::{Figure, Layer, Marks, RangeBin, scatter};
 pub(crate) use thin::kept_rows;
 
-/// What a trace is, which says how it is drawn.
+/// What a trace shows, which determines how it is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Style {
     /// What drives the model: thin, grey-brown.
@@ -59,7 +59,7 @@ pub struct Trace {
     pub label: String,
     /// One value for each time of the panel, in the panel's unit. A value that is not finite is left out.
     pub values: Vec<f64>,
-    /// What it is.
+    /// What it shows, which determines how it is drawn.
     pub style: Style,
 }
 
@@ -78,17 +78,17 @@ pub struct Panel {
     pub title: String,
     /// The unit of all values, as people read it: `mm`.
     pub unit: String,
-    /// A remark behind the title: `NRMSE fit 98.71 %`.
+    /// A remark after the title: `NRMSE fit 98.71 %`.
     pub note: String,
     /// The times of all traces, s, rising.
     pub time_s: Vec<f64>,
     /// The lines, drawn in this order.
     pub traces: Vec<Trace>,
-    /// Recorded minus simulated, one line for each simulation; none leaves the lower chart out.
+    /// Recorded minus simulated, one line for each simulation; without any, there is no lower chart.
     pub residuals: Vec<Trace>,
     /// Stretches of time that are shaded, (from, to) in s.
     pub intervals: Vec<(f64, f64)>,
-    /// Most points of a trace; 2000 where it is not said.
+    /// Most points of a trace; 2000 if not given.
     pub points: Option<usize>,
 }
 
@@ -106,7 +106,7 @@ impl Panel {
         self
     }
 
-    /// The panel with a remark behind its title.
+    /// The panel with a remark after its title.
     #[must_use]
     pub fn note(mut self, note: &str) -> Self {
         note.clone_into(&mut self.note);

@@ -7,7 +7,7 @@ use simulation::{InputPoint, Trajectory};
 
 use super::{Panel, Style, Trace};
 
-/// A panel of what drives the model, then one of every signal that `judged` names, recorded against simulated with the
+/// A panel of the drive input, then one of every signal that `judged` names, recorded against simulated with the
 /// residual below.
 #[must_use]
 pub fn panels(recording: &Recording, input_point: InputPoint, simulated: &Trajectory, judged: &[Signal]) -> Vec<Panel> {
@@ -38,7 +38,7 @@ pub fn panels(recording: &Recording, input_point: InputPoint, simulated: &Trajec
     input.into_iter().chain(compared).collect()
 }
 
-/// A signal's name within a heading: its first letter is small, a chamber's is not.
+/// A signal's name within a heading: its first letter is small, but a chamber's letter stays a capital.
 pub(crate) fn within_title(signal: Signal) -> String {
     let mut letters = title(signal).chars();
     letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())

@@ -1,4 +1,4 @@
-//! One row a recording over one time axis: how large something is when, and which stretches are marked.
+//! One row for each recording over one time axis: the size of a quantity over time, and which stretches are marked.
 
 use plotters::element::{PathElement, Rectangle};
 use plotters::style::Color;
@@ -14,7 +14,7 @@ use super::canvas::{
 const LEFT: i32 = 130;
 const TOP: i32 = 58;
 const ROW: i32 = 46;
-/// Letters of a label that find room.
+/// Letters of a label that fit in.
 const LETTERS: usize = 18;
 
 /// One row.
@@ -37,7 +37,7 @@ pub struct Rows {
     pub unit: String,
     /// The times of all traces, s, rising.
     pub time_s: Vec<f64>,
-    /// The value that reaches to the top of a row.
+    /// The value that reaches the top of a row.
     pub most: f64,
     /// From top to bottom.
     pub rows: Vec<Row>,

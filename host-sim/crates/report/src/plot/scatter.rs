@@ -1,4 +1,4 @@
-//! One quantity over another: clouds of points, ranges with their middle, curves.
+//! One quantity over another: clouds of points, ranges with their medians, curves.
 
 use plotters::element::{Circle, PathElement, Rectangle};
 use plotters::style::Color;
@@ -34,7 +34,7 @@ pub enum Marks {
     Dots(Vec<(f64, f64)>),
     /// Points with a line through them.
     Line(Vec<(f64, f64)>),
-    /// Middle of the values in a range of x, with the quartiles.
+    /// Median of the values in a range of x, with the quartiles.
     Bins(Vec<RangeBin>),
 }
 
@@ -43,7 +43,7 @@ pub enum Marks {
 pub struct Layer {
     /// Its name in the legend; empty to leave it out.
     pub label: String,
-    /// What it is of.
+    /// What it shows, which determines how it is drawn.
     pub style: Style,
     /// What is drawn.
     pub marks: Marks,
@@ -54,9 +54,9 @@ pub struct Layer {
 pub struct Figure {
     /// What is shown.
     pub title: String,
-    /// Across, with its unit.
+    /// Title of the horizontal axis, with its unit.
     pub x: String,
-    /// Upwards, with its unit.
+    /// Title of the vertical axis, with its unit.
     pub y: String,
     /// The layers.
     pub layers: Vec<Layer>,

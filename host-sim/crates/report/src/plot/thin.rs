@@ -3,7 +3,7 @@
 /// Most points of a thinned trace.
 pub(crate) const MOST_POINTS: usize = 2000;
 
-/// The finite points of a series, at most `most` or [`MOST_POINTS`]: of each of equal stretches the lowest and the highest, in order.
+/// The finite points of a series, at most `most` or [`MOST_POINTS`]: the lowest and the highest of each of equal stretches, in order.
 pub(crate) fn thinned(time_s: &[f64], values: &[f64], most: Option<usize>) -> Vec<(f64, f64)> {
     let most = most.unwrap_or(MOST_POINTS).max(4);
     let points: Vec<(f64, f64)> = time_s
@@ -31,7 +31,7 @@ pub(crate) fn thinned(time_s: &[f64], values: &[f64], most: Option<usize>) -> Ve
     kept
 }
 
-/// Rows of series over the same times, at most `most`: of each of equal stretches the lowest and the highest of every series.
+/// Rows of series over the same times, at most `most`: the lowest and the highest of every series in each of equal stretches.
 pub(crate) fn kept_rows(series: &[&[f64]], most: usize) -> Vec<usize> {
     let rows = series.iter().map(|values| values.len()).min().unwrap_or(0);
     if rows <= most {

@@ -1,4 +1,4 @@
-//! Whether the processor has what this build was compiled for.
+//! Whether the processor has the instructions that this build was compiled for.
 
 /// The build uses instructions that the processor lacks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -8,7 +8,7 @@
 )]
 pub struct Unsuited;
 
-/// Looks before anything that takes such an instruction; after one of them it is too late for a message.
+/// Checks before the first use of such an instruction; afterwards it is too late for a message.
 #[inline(never)]
 pub fn check() -> Result<(), Unsuited> {
     #[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
@@ -18,8 +18,8 @@ pub fn check() -> Result<(), Unsuited> {
     Ok(())
 }
 
-/// The standard library's own macro does not look where the build says that it is there; nor may anything wide be moved on the way, as what
-/// the crate knows of a processor is: only two registers are looked at (Intel SDM, CPUID: leaf 0, EAX; leaf 7, EBX bit 5).
+/// The standard library's own macro does not check instructions that the build assumes. Nor may wide data be moved before the check, such as
+/// the crate's full description of a processor: so only two registers are read (Intel SDM, CPUID: leaf 0, EAX; leaf 7, EBX bit 5).
 #[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
 fn has_avx2() -> bool {
     const FEATURES: u32 = 7;

@@ -1,10 +1,10 @@
-//! Dual numbers: a value and its derivatives with respect to as many parameters as `B` vectors of the processor hold.
+//! Dual numbers: a value and its derivatives with respect to as many parameters as `B` vectors of the processor can hold.
 //!
-//! The value is an f64 run to the last bit; the derivatives are single precision, which a search for a minimum never misses and
-//! which halves their cost.
+//! The value equals an f64 run to the last bit; the derivatives are in single precision, which is always enough for a
+//! search and halves their cost.
 //!
-//! With them the core's own equations yield the sensitivities that identification needs (forward mode), so these cannot
-//! drift from what the controller computes. Comparisons look at the value only.
+//! On them the core's own equations give the sensitivities that identification needs (forward mode), so these cannot
+//! deviate from what the controller computes. Comparisons use the value only.
 
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -24,7 +24,7 @@ pub struct Dual<const B: usize> {
 }
 
 impl<const B: usize> Dual<B> {
-    /// A parameter's value, whose coordinate `index` is: `slope` = ∂value/∂θᵢ.
+    /// A parameter's value with coordinate `index`: `slope` = ∂value/∂θᵢ.
     ///
     /// # Panics
     /// Without a slot for it.
@@ -35,26 +35,26 @@ impl<const B: usize> Dual<B> {
         variable
     }
 
-    /// ∂value/∂θᵢ, each.
+    /// Every ∂value/∂θᵢ.
     #[must_use]
     pub fn partials(&self) -> &[f32] {
         bytemuck::must_cast_slice(&self.partials)
     }
 
-    /// A value that no parameter moves.
+    /// A value that depends on no parameter.
     #[must_use]
     pub const fn constant_of(value: f64) -> Self {
         Self { value, partials: [f32x8::ZERO; B] }
     }
 
-    /// f(self) by its value and slope.
+    /// f(self), from its value and derivative.
     #[inline(always)]
     fn chain(self, value: f64, slope: f64) -> Self {
         let slope = f32x8::splat(single(slope));
         Self { value, partials: self.partials.map(|partial| partial * slope) }
     }
 
-    /// Σ of two duals' partials, each with its weight.
+    /// Weighted sum of the partial derivatives of two duals.
     #[inline(always)]
     fn combine(value: f64, a: &Self, weight_a: f64, b: &Self, weight_b: f64) -> Self {
         let (weight_a, weight_b) = (f32x8::splat(single(weight_a)), f32x8::splat(single(weight_b)));
@@ -62,13 +62,13 @@ impl<const B: usize> Dual<B> {
     }
 }
 
-/// A derivative below this is none.
+/// A derivative below this is set to 0.
 ///
-/// What a state owes to a parameter fades for ever once nothing moves. Below 1.2e-38 it would be subnormal, and processors take a
-/// hundred cycles for each product of such numbers.
+/// Once nothing moves, the derivative of a state decays for ever. Below 1.2e-38 it would be subnormal, and processors
+/// take a hundred cycles for each product of such numbers.
 const NONE_BELOW: f32 = 1e-30;
 
-/// A slope in single precision.
+/// A derivative in single precision.
 #[inline(always)]
 #[expect(clippy::cast_possible_truncation, reason = "derivatives are single precision")]
 pub fn single(slope: f64) -> f32 {
@@ -123,7 +123,7 @@ impl<const B: usize> Div for Dual<B> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        // Not by the inverse: the value must be that of an f64 run to the last bit.
+        // Not by the inverse: the value must equal an f64 run to the last bit.
         let value = self.value / other.value;
         let inverse = 1.0 / other.value;
         Self::combine(value, &self, inverse, &other, -value * inverse)

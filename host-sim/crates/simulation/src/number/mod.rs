@@ -1,5 +1,5 @@
-//! The numbers that the core's equations run on beside `f64` and fixed point: dual numbers for derivatives and SIMD lanes. Both hold the `f64` run to the
-//! last bit.
+//! The numbers on which the core's equations run in addition to `f64` and fixed point: dual numbers for derivatives, and
+//! SIMD lanes. The values of both equal those of the `f64` run to the last bit.
 
 pub mod cpu;
 pub mod dual;

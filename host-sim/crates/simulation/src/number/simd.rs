@@ -1,7 +1,7 @@
-//! Several signals of as many drives in one number: the core's own equations, run on the lanes of a processor's vectors.
+//! Several signals, of as many drives, in one number: the core's own equations, run on the lanes of a processor's vectors.
 //!
-//! Every lane is an f64 run to the last bit. What a step asks of the machine (which effects are on, which coefficients) it asks once
-//! for all lanes; what it decides by a signal it decides for each by a mask.
+//! Every lane equals an f64 run to the last bit. What a step looks up in the machine (which effects are on, which
+//! coefficients), it looks up once for all lanes; decisions that depend on a signal are made for each lane by a mask.
 
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
@@ -9,26 +9,26 @@ use wide::f64x4;
 
 use model_core::number::{Compared, Field, Mask};
 
-/// How many.
+/// Number of lanes.
 pub const LANES: usize = 4;
 
-/// A signal of each.
+/// A signal in each lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lanes(f64x4);
 
-/// What a comparison says of each.
+/// Result of a comparison in each lane.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneMask(f64x4);
 
 impl Lanes {
-    /// One signal of each.
+    /// The same signal in each lane.
     #[inline(always)]
     #[must_use]
     pub fn new(values: [f64; LANES]) -> Self {
         Self(f64x4::new(values))
     }
 
-    /// Each.
+    /// The values of all lanes.
     #[inline(always)]
     #[must_use]
     pub fn values(self) -> [f64; LANES] {
@@ -142,7 +142,7 @@ impl Compared for Lanes {
     fn pick(of: LaneMask, yes: Self, no: Self) -> Self {
         Self(of.0.select(yes.0, no.0))
     }
-    // One instruction each there, to the bit what `pick` gives: of two that are equal or no numbers, the second operand.
+    // One instruction each on that processor, with the same bits as `pick`: if both operands are equal or one is no number, the second.
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     fn larger(self, other: Self) -> Self {

@@ -46,7 +46,7 @@ fn run_of(machine: &Machine<f64>, recording: &Recording, input_point: InputPoint
     simulate_f64(machine, &stimulus, StartOffset::none()).unwrap()
 }
 
-/// What sensors without noise would have recorded of a run at 1 kHz, without the command.
+/// What sensors without noise would have recorded in a run at 1 kHz, without the command.
 fn measured(run: &Trajectory) -> Recording {
     let signals = [Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Position];
     let series = |signal| (signal, run.signal(signal).unwrap().to_vec());
@@ -88,7 +88,7 @@ fn entered_at_its_own_spool_the_rest_of_the_chain_is_the_same() {
     assert!(farthest(below.signal(Signal::PressureA).unwrap(), &series(Signal::PressureA)) < 1e-3);
 }
 
-/// What wrong sensors recorded, entered with the same sensors, is the same drive.
+/// A recording of wrong sensors, simulated with the same sensor errors, gives the same drive.
 #[test]
 fn readings_of_wrong_sensors_are_taken_back_to_the_truth() {
     let mut machine = press();
@@ -131,7 +131,7 @@ fn a_slower_and_an_uneven_recording_of_the_same_command_give_the_same_motion() {
             fine[row] + (time * 1e3 - (time * 1e3).floor()) * (fine[row + 1] - fine[row])
         })
         .collect();
-    // 2 ms at the largest speed.
+    // Distance in 2 ms at the largest speed.
     assert!(farthest(found.signal(Signal::Position).unwrap(), &expected) < 2e-3 * 0.16);
 }
 
@@ -159,7 +159,7 @@ fn entered_at_its_own_flow_the_rest_of_the_chain_is_nearly_the_same() {
         ],
     );
     let below = run(&flow, InputPoint::Flow, LoadSource::Constant);
-    // The other edge lags by a part of a tick, and below a hundredth of the full flow it is not asked.
+    // The other edge lags by a part of a tick, and below a hundredth of the full flow it is not used.
     for (signal, tolerance) in [(Signal::Position, 3e-5), (Signal::PressureA, 1e5), (Signal::PressureB, 1.5e5)] {
         let error = farthest(below.signal(signal).unwrap(), &series(signal));
         assert!(error < tolerance, "{signal}: {error}");
@@ -183,7 +183,7 @@ fn without_recorded_pressures_the_machine_says_at_which_level_the_chambers_start
     };
     let commanded = commanded(grid(1e-3, 50));
     assert!((first(InputPoint::Command, &commanded) / machine.get(Parameter::SupplyPressure) - 0.3).abs() < 1e-6);
-    // Recorded ones are believed.
+    // Recorded pressures are used as they are.
     let recorded = measured(&run_of(&press(), &commanded, InputPoint::Command, LoadSource::Constant));
     assert!((first(InputPoint::Spool, &recorded) / machine.get(Parameter::SupplyPressure) - 0.5).abs() < 1e-6);
 }
@@ -302,7 +302,7 @@ fn a_recorded_oil_temperature_thins_the_oil_and_without_one_it_is_at_the_referen
     let thins = set(&[(Parameter::ViscosityLossPerKelvin, 0.04), (Parameter::ReferenceTemperature, 40.0)]);
     let thinned = (-0.04_f64 * 25.0).exp();
     let thin = set(&[(Parameter::ViscousFriction, 4e4 * thinned), (Parameter::InternalLeakage, 2e-12 / thinned)]);
-    // The step's mass is matched to the oil spring under the file's friction, whatever the oil.
+    // The step's mass is adapted to the oil spring with the file's friction, whatever the oil.
     assert!(apart(&position(&thins, &warm), &position(&thin, &plain)) < 1e-5);
     assert!(apart(&position(&thins, &warm), &position(&thins, &plain)) > 1e-3);
     assert!(apart(&position(&thins, &plain), &position(&set(&[]), &plain)) < 1e-9);

@@ -5,19 +5,19 @@ use recording::Signal;
 use super::{FailureKind, Stretch};
 use crate::signal::noise::median;
 
-/// Rows that repeat one value at least to be more than a spike.
+/// Fewest rows that repeat one value and are more than a spike.
 const LEAST_ROWS: usize = 4;
-/// A jump is so many times larger than every change that is none.
+/// A jump is at least this many times larger than every change that is no jump.
 const JUMP: f64 = 3.0;
-/// More jumps than this are the signal's habit.
+/// More jumps than this are normal for the signal.
 const MOST_JUMPS: usize = 16;
-/// Changes that show how the signal moves: so many at least, and so many for each jump.
+/// Number of changes needed to show how the signal moves: at least this many for each jump.
 const USUAL_CHANGES: usize = 20;
-/// An interval so many times the median is a gap in time: what changes over it is no jump.
+/// An interval of more than this many times the median is a gap in time: a change over it is no jump.
 const GAP: f64 = 1.5;
-/// A silence is none that noise makes more often than once in so many recordings.
+/// A repeated reading is a failure if noise causes it less often than once in this many recordings.
 const ONCE_IN: f64 = 1e6;
-/// Rows whose repeated readings show how often the noise repeats itself.
+/// Number of rows in which it is counted how often the noise repeats a reading.
 const SEGMENT: usize = 32;
 
 /// Rows from `from` to before `to` with one and the same reading.
@@ -27,20 +27,20 @@ struct Run {
     to: usize,
 }
 
-/// Failures of a sensor over several rows; `grain` is what noise and step make of any change.
+/// Failures of a sensor over several rows; `grain` is the part of any change that noise and resolution cause.
 pub(crate) fn stretches(signal: Signal, time_s: &[f64], values: &[f64], spikes: &[bool], grain: f64) -> Vec<Stretch> {
     let changes = changes(time_s, values, spikes);
     let runs = runs(values);
     let Some(least) = least_jump(&changes, &runs, grain) else { return Vec::new() };
-    // The jump that leads to a row, with its sign; none leads to the first, and none from the last.
+    // The jump that leads to a row, with its sign; none leads to the first row, and none leads away from the last.
     let jump = |row: usize| row.checked_sub(1).and_then(|at| changes.get(at)).copied().filter(|by| by.abs() >= least);
     let suspects: Vec<Run> =
         runs.into_iter().filter(|run| jump(run.from).is_some() || jump(run.to).is_some()).collect();
     let repeats = if signal == Signal::Position { 0.0 } else { repeats(values, &suspects) };
     let away = |run: &Run| jump(run.from).zip(jump(run.to)).is_some_and(|(there, back)| there * back < 0.0);
     let mut found = Vec::new();
-    // A jump accuses one run: the one that it leads away and back, else the one that it ends. What begins with a jump and goes on
-    // smoothly is where the signal really was.
+    // A jump is assigned to one run: a run that it leads to and the next jump leads back from, or else the run that it ends.
+    // A run that begins with a jump and goes on smoothly is where the signal really was.
     let mut explained = 0;
     for (index, run) in suspects.iter().enumerate() {
         let begins = jump(run.from).is_some() && explained != run.from;
@@ -61,7 +61,7 @@ pub(crate) fn stretches(signal: Signal, time_s: &[f64], values: &[f64], spikes: 
     found
 }
 
-/// Change from each row to the next; 0 at a spike and over a gap in time, where it tells nothing.
+/// Change from each row to the next; 0 at a spike and over a gap in time, where the change shows nothing.
 fn changes(time_s: &[f64], values: &[f64], spikes: &[bool]) -> Vec<f64> {
     let mut intervals: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let longest = GAP * median(&mut intervals);
@@ -87,8 +87,8 @@ fn runs(values: &[f64]) -> Vec<Run> {
     runs
 }
 
-/// The least change that is a jump: those above it lead into or out of a run each, and every other change is several times
-/// smaller. `None` where there is no such gap, or where the signal moves so little that its changes say nothing.
+/// The least change that is a jump: each larger change is at the beginning or end of a run, and every other change is several times
+/// smaller. `None` where the changes show no such gap, or where the signal moves so little that they show nothing.
 fn least_jump(changes: &[f64], runs: &[Run], grain: f64) -> Option<f64> {
     let mut is_edge = vec![false; changes.len()];
     for run in runs {
@@ -103,7 +103,7 @@ fn least_jump(changes: &[f64], runs: &[Run], grain: f64) -> Option<f64> {
     sorted.sort_by(|a, b| b.0.total_cmp(&a.0));
     let edges = sorted.iter().take_while(|(_, edge)| *edge).count().min(MOST_JUMPS);
     let most = edges.min(usual / USUAL_CHANGES);
-    // Every other change is more than the grain of a reading makes of it.
+    // Other changes count at least as much as the grain of a reading.
     let stands_out = |count: &usize| {
         let others = sorted.get(*count).map_or(0.0, |(size, _)| *size).max(grain);
         sorted[*count - 1].0 > JUMP * others
@@ -111,8 +111,8 @@ fn least_jump(changes: &[f64], runs: &[Run], grain: f64) -> Option<f64> {
     (1..=most).rev().find(stands_out).map(|count| sorted[count - 1].0)
 }
 
-/// How often a reading repeats the one before, where it does so most, outside the suspects: 1 for a sensor that rests
-/// without noise.
+/// How often a reading repeats the one before, in the rows where it does so most, outside the suspects: 1 for a sensor at
+/// rest without noise.
 fn repeats(values: &[f64], suspects: &[Run]) -> f64 {
     let touched = |from: usize| suspects.iter().any(|run| run.from < from + SEGMENT && from < run.to);
     (0..values.len().saturating_sub(SEGMENT - 1))

@@ -1,11 +1,11 @@
-//! Readings that no sensor that works gives: spikes, drop-outs, and a reading that hangs.
+//! Readings that a working sensor never gives: spikes, dropouts, and a reading that is stuck.
 //!
-//! A rod at rest reads a constant, and so does a spool that sticks. A constant alone is no failure, then: what is found here
-//! starts or ends with a jump, several times larger than every other change of the recording. A position cannot jump, as its
-//! velocity is bounded by what the recording shows. What may jump (a spool that breaks away, a pressure between two slow
-//! samples) has to fall silent as well: repeat one reading for longer than its own noise allows. A sensor without noise that
-//! hangs to the end of the recording, or comes back where it left, cannot be told from a drive at rest, and is not; of two constants
-//! with one jump between, the first is blamed.
+//! A rod at rest gives a constant reading, and so does a spool that sticks, so a constant alone is no failure. A failure as found
+//! here starts or ends with a jump that is several times larger than every other change of the recording. A position cannot jump,
+//! as its velocity is bounded by what the recording shows. A signal that may jump (a spool that breaks away, a pressure between two
+//! slow samples) must also repeat one reading for longer than its own noise allows. A sensor without noise that is stuck to the end
+//! of the recording, or comes back to where it left, cannot be distinguished from a drive at rest and is not found; of two
+//! constants with one jump between, the first counts as the failure.
 
 mod dropouts;
 mod spikes;
@@ -19,12 +19,12 @@ use recording::{Recording, Signal};
 
 use crate::signal::noise::{noise, resolution};
 
-/// What a sensor did over several rows.
+/// Kind of failure over several rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FailureKind {
     /// It jumped away, repeated one value, and jumped back.
     Dropout,
-    /// It repeated one value and jumped to, or from, where the signal really was.
+    /// It repeated one value and jumped to, or from, the signal's true value.
     Stuck,
 }
 
@@ -39,7 +39,7 @@ impl FailureKind {
     }
 }
 
-/// Rows over which a sensor repeated one value that is none.
+/// Rows over which a failed sensor repeated one value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
     /// What it did.
@@ -55,14 +55,14 @@ pub struct Stretch {
 /// Where a sensor failed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Failures {
-    /// Rows that stand alone, up to three together.
+    /// Failed rows that stand alone, up to three together.
     pub spikes: Vec<bool>,
     /// Longer failures, in order; they do not overlap.
     pub stretches: Vec<Stretch>,
 }
 
 impl Failures {
-    /// Looks for them in what a sensor recorded.
+    /// Looks for failures in what a sensor recorded.
     #[must_use]
     pub fn of(signal: Signal, time_s: &[f64], values: &[f64]) -> Self {
         let step = resolution(values);
@@ -78,7 +78,7 @@ impl Failures {
         self.spikes.contains(&true) || !self.stretches.is_empty()
     }
 
-    /// Rows that are not to be believed.
+    /// Rows in which the sensor failed.
     #[must_use]
     pub fn rows(&self) -> Vec<bool> {
         let mut failed = self.spikes.clone();
@@ -116,7 +116,7 @@ pub fn bridged(recorded: &[f64], failed: &[bool]) -> Vec<f64> {
     values
 }
 
-/// Measured signals that a simulation may start from or be driven by. A command is not measured: what it jumps to is meant.
+/// Measured signals that a simulation may start from or be driven by. A command is not measured: its jumps are intended.
 pub const MEASURED: [Signal; 7] = [
     Signal::Spool,
     Signal::Flow,
@@ -127,10 +127,10 @@ pub const MEASURED: [Signal; 7] = [
     Signal::OilTemperature,
 ];
 
-/// A recording with what its sensors failed to measure bridged.
+/// A recording in which the failed rows of its sensors are bridged.
 #[derive(Clone, Debug)]
 pub struct Mended<'a> {
-    /// The recording, bridged where that was.
+    /// The recording, bridged where a sensor failed.
     pub recording: Cow<'a, Recording>,
     /// What was found in each of [`MEASURED`] that was recorded, in that order.
     pub failures: Vec<(Signal, Failures)>,

@@ -1,13 +1,13 @@
-//! Rows that stand alone.
+//! Failed rows that stand alone.
 
 use super::bridged;
 
-/// A row is a spike that is further from its neighbours than so many standard deviations of the noise…
+/// A spike differs from its neighbours by more than this many standard deviations of the noise…
 const SPIKE: f64 = 8.0;
-/// … and so many times what a moving signal makes.
+/// … plus this many times the variation of a moving signal.
 const MOVING: f64 = 6.0;
 
-/// Rows where the sensor failed for a moment: up to three in a row where the signal hardly moves, and single ones where it does.
+/// Rows where the sensor failed for a moment: up to three together where the signal hardly moves, and single ones where it moves.
 pub(crate) fn spikes(values: &[f64], noise: f64) -> Vec<bool> {
     let mut spikes = off_the_median(values, noise);
     let known = bridged(values, &spikes);
@@ -17,7 +17,7 @@ pub(crate) fn spikes(values: &[f64], noise: f64) -> Vec<bool> {
     spikes
 }
 
-/// Rows far from the median of the seven around them, for as much as those lie from it themselves (Hampel's identifier).
+/// Rows far from the median of the seven around them, compared with the distance of these seven from it (Hampel's identifier).
 fn off_the_median(values: &[f64], noise: f64) -> Vec<bool> {
     let last = values.len() - 1;
     let is_spike = |row: usize| {
@@ -36,15 +36,15 @@ fn off_the_median(values: &[f64], noise: f64) -> Vec<bool> {
     let mut spikes = vec![false; values.len()];
     for row in 0..values.len() {
         let far = |other: usize| (values[row] - values[other]).abs() > 0.5 * SPIKE * noise;
-        // Most rows are next to their neighbours, and cost no median; the second of two spikes is next to the first.
+        // Most rows are close to their neighbours, and need no median; the second of two spikes is close to the first.
         let suspect = far(row.saturating_sub(1)) || far((row + 1).min(last)) || (row > 0 && spikes[row - 1]);
         spikes[row] = suspect && is_spike(row);
     }
     spikes
 }
 
-/// Rows far outside what lies between their neighbours, for as much as the three rows before and the three after bend: a signal that
-/// moves evenly, however fast, bends little, and one that jumps lies between its neighbours.
+/// Rows far outside the range between their two neighbours, compared with the curvature of the three rows before and the three
+/// after: a signal that moves evenly, however fast, has little curvature, and a signal that jumps lies between its neighbours.
 fn off_the_line(values: &[f64], noise: f64) -> impl Iterator<Item = usize> {
     values.windows(7).enumerate().filter_map(move |(from, around)| {
         let &[a, b, c, value, d, e, f] = around else { return None };

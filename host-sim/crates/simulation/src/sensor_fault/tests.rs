@@ -33,7 +33,7 @@ fn found(signal: Signal, (time_s, values): &(Vec<f64>, Vec<f64>)) -> Vec<(Failur
 #[test]
 fn a_rod_that_rests_and_a_spool_that_sticks_have_not_failed() {
     assert_eq!(found(Signal::Position, &rod()), []);
-    // Breaks away from rest by a tenth of its travel, again and again, and reads no noise.
+    // Breaks away from rest by a tenth of its travel, again and again, with readings free of noise.
     let (time_s, _) = rod();
     let spool = time_s
         .iter()
@@ -65,7 +65,7 @@ fn readings_of_nothing_are_drop_outs_in_whatever_signal() {
 
 #[test]
 fn the_rests_before_and_after_a_failure_are_none() {
-    // It hangs while the rod moves, and jumps to where the rod rests by then.
+    // The reading is stuck while the rod moves, and jumps to where the rod is at rest by then.
     let mut late = rod();
     let held = late.1[3300];
     late.1[3300..3600].fill(held);
@@ -76,7 +76,7 @@ fn the_rests_before_and_after_a_failure_are_none() {
     resting.1[200..250].fill(0.0);
     let expected = [(FailureKind::Dropout, 100, 150), (FailureKind::Dropout, 200, 250)];
     assert_eq!(found(Signal::Position, &resting), expected);
-    // One from which it does not come back.
+    // A failure from which the sensor does not come back.
     let mut moving = rod();
     moving.1[2000..].fill(0.0);
     assert_eq!(found(Signal::Position, &moving), [(FailureKind::Stuck, 2000, 4000)]);
@@ -86,7 +86,7 @@ fn the_rests_before_and_after_a_failure_are_none() {
 fn a_silent_pressure_has_to_jump_and_a_jumping_one_to_be_silent() {
     let mut silent = noisy();
     let held = silent.1[393];
-    // Over a whole period it comes back to where it left.
+    // Over a whole period, the signal comes back to where it left.
     silent.1[393..393 + 1571].fill(held);
     assert_eq!(found(Signal::PressureA, &silent), []);
     let mut stuck = noisy();
@@ -129,7 +129,7 @@ fn spikes_stand_out_of_a_signal_that_moves_and_its_corners_jumps_and_ringing_do_
     let clean = stroking_spool();
     assert!(spikes(&clean).is_empty(), "{:?}", spikes(&clean));
     let mut values = clean;
-    // Both ways, on the way up and down; the median of seven rows that move so lies as far from them as these do.
+    // In both directions, on the way up and down; the median of seven rows that move like this is as far from them as these failures are.
     for (row, off) in [(110, 0.17), (215, -0.17), (470, 0.2), (575, -0.3)] {
         values[row] += off;
     }

@@ -1,4 +1,4 @@
-//! What can be said of a recorded signal without a model: its noise, slope, spectrum and running means.
+//! What a recorded signal shows without a model: its noise, slope, spectrum and running means.
 
 pub mod noise;
 pub mod slope;

@@ -2,14 +2,14 @@
 
 use std::borrow::Borrow;
 
-/// Rows of one segment that the noise is estimated from: few, so that where a signal moves and rings most of the time some still rest.
+/// Rows of one segment from which the noise is estimated: few, so that some segments are at rest even if a signal moves and rings most of the time.
 const SEGMENT: usize = 16;
-/// Median of the segments' mean squares of white noise, over its variance.
+/// Median of the segments' mean squares for white noise, over its variance.
 const MEDIAN: f64 = 0.9;
 
 /// Standard deviation of white noise in a smooth signal: root mean square of its third differences over √20 (Gasser, Sroka,
-/// Jennen-Steinmetz 1986) in short segments, of which the median counts, so that steps and spikes do not; at least what
-/// rounding to the resolution makes, and at least 1e-5 of the signal's span: no sensor is better, and no tick finer.
+/// Jennen-Steinmetz 1986) in short segments, of which the median is taken, so that steps and spikes have no influence. It is at
+/// least that of rounding to the resolution, and at least 1e-5 of the signal's span: no sensor is better, and no tick finer.
 pub fn noise(values: &[f64], resolution: f64) -> f64 {
     let squares: Vec<f64> = values.windows(4).map(|w| ((w[3] - w[0]) - 3.0 * (w[2] - w[1])).powi(2) / 20.0).collect();
     let mut segments: Vec<f64> =
@@ -22,8 +22,8 @@ pub fn noise(values: &[f64], resolution: f64) -> f64 {
         .max(f64::MIN_POSITIVE)
 }
 
-/// The step that most neighbouring values differ by, where a sensor shows one: the smallest difference that is not nil
-/// and occurs more than rarely.
+/// The step by which most neighbouring values differ, if a sensor has one: the smallest difference that is not zero and
+/// is not rare.
 pub fn resolution(values: &[f64]) -> f64 {
     let mut steps: Vec<f64> =
         values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0).collect();
@@ -33,7 +33,7 @@ pub fn resolution(values: &[f64]) -> f64 {
     let rank = steps.len() / 20;
     let (_, step, _) = steps.select_nth_unstable_by(rank, f64::total_cmp);
     let step = *step;
-    // A resolution shows in that steps are multiples of it; noise of many digits has none.
+    // With a resolution, steps are multiples of it; noise with many digits has no resolution.
     let multiples = values
         .windows(2)
         .map(|pair| (pair[1] - pair[0]).abs() / step)
@@ -42,20 +42,20 @@ pub fn resolution(values: &[f64]) -> f64 {
     if multiples * 10 >= values.len() * 9 { step } else { 0.0 }
 }
 
-/// Lowest and highest value; of nothing, a lowest above the highest.
+/// Lowest and highest value; without values, the lowest is above the highest.
 pub fn extent<V: Borrow<f64>>(values: impl IntoIterator<Item = V>) -> (f64, f64) {
     let widened = |(low, high): (f64, f64), value: V| (low.min(*value.borrow()), high.max(*value.borrow()));
     values.into_iter().fold((f64::MAX, f64::MIN), widened)
 }
 
-/// The value that this share of all lies below, by rank; of nothing, `None`.
+/// The value that this share of all values lies below, by rank; `None` without values.
 pub fn quantile(mut values: Vec<f64>, share: f64) -> Option<f64> {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a rank")]
     let rank = (share * values.len().checked_sub(1)? as f64).round() as usize;
     Some(*values.select_nth_unstable_by(rank, f64::total_cmp).1)
 }
 
-/// The median; 0 for nothing.
+/// The median; 0 without values.
 pub fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return 0.0;

@@ -1,9 +1,9 @@
-//! The slope of what was sampled.
+//! The slope of a sampled signal.
 
-/// Slope of a series at each row, in its unit per second: over the row `reach` before and the one `reach` after, or as far as
-/// there are rows.
+/// Slope of a series at each row, in its unit per second: between the row `reach` before and the one `reach` after, or as
+/// far as there are rows.
 ///
-/// As many rising times as values; `reach` is 1 at least.
+/// There are as many rising times as values; `reach` is at least 1.
 pub fn slopes(time_s: &[f64], values: &[f64], reach: usize) -> Vec<f64> {
     let last = values.len().saturating_sub(1);
     (0..values.len())

@@ -1,4 +1,4 @@
-//! The strongest line of a series that is not its trend.
+//! The strongest line in the spectrum of a series, apart from its trend.
 
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
@@ -14,14 +14,14 @@ pub struct Line {
     pub above: f64,
 }
 
-/// Bins around a bin that its background is taken from, to each side.
+/// Bins on each side of a bin from which its background is taken.
 const AROUND: usize = 25;
-/// Bins next to a line that belong to it, with Hann's window.
+/// Bins next to a line that belong to it with Hann's window.
 const OF_LINE: usize = 2;
 
-/// The line that stands out most between `least_hz` and half the sampling rate; `None` for a series too short to show one.
+/// The line that exceeds its background most between `least_hz` and half the sampling rate; `None` for a series too short to show one.
 ///
-/// Samples are taken to be even. The window is Hann's.
+/// Samples are assumed to be evenly spaced. The window is Hann's.
 #[must_use]
 pub fn strongest_line(values: &[f64], interval_s: f64, least_hz: f64) -> Option<Line> {
     let count = values.len();

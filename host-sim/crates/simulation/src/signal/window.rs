@@ -1,18 +1,18 @@
-//! Short windows with a smooth bump, over which balances are weighed.
+//! Short windows with a smooth bump as weight, over which balances are integrated.
 
-/// Length of a window, s: longer than a tick's noise, shorter than a stroke's start.
+/// Length of a window, s: longer than the noise of a tick, shorter than the start of a stroke.
 pub const WINDOW_S: f64 = 0.05;
-/// And at least so many rows.
+/// Fewest rows of a window.
 const LEAST_ROWS: usize = 9;
 
-/// How many rows of such times so many seconds are: at least 1.
+/// Number of rows in this many seconds: at least 1.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small positive count")]
 pub fn rows_in(time_s: &[f64], span_s: f64) -> usize {
     let interval_s = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1).max(1) as f64;
     (span_s / interval_s).round().clamp(1.0, 1e6) as usize
 }
 
-/// The sum of the values before each row, and of all.
+/// The sum of the values before each row, and of all values.
 pub fn running_sums(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let mut sums = vec![0.0];
     for value in values {
@@ -21,12 +21,12 @@ pub fn running_sums(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
     sums
 }
 
-/// A bump over a few rows: weights of the value, of its change and of its curvature.
+/// A bump over a few rows: weights of the value, of its first and of its second derivative.
 #[derive(Clone, Debug)]
 pub struct Window {
     /// First row.
     pub from: usize,
-    /// φ, −φ′ and φ″ at each row, times the row's share of time; of both derivatives the differences.
+    /// φ, −φ′ and φ″ at each row, times the row's share of time; both derivatives are differences.
     weights: Vec<[f64; 3]>,
 }
 
@@ -71,7 +71,7 @@ impl Window {
     }
 
     fn weighed(&self, values: &[f64], derivative: usize) -> f64 {
-        // What is constant has no change; taken off, rounding of the weights' sum does not matter.
+        // A constant has no derivative; with it subtracted, rounding of the weights' sum does not matter.
         let off = if derivative == 0 { 0.0 } else { values[self.middle()] };
         self.weights.iter().zip(&values[self.from..]).map(|(weight, value)| weight[derivative] * (value - off)).sum()
     }
@@ -94,7 +94,7 @@ impl Window {
         self.weighed(values, 2)
     }
 
-    /// Variance of what white noise makes of a combination of sum, change and curvature, each with a factor a row.
+    /// Variance that white noise causes in a combination of value, first and second derivative, each with a factor per row.
     pub fn variance(&self, factors: impl Fn(usize) -> [f64; 3]) -> f64 {
         self.weights
             .iter()

@@ -4,19 +4,19 @@ use model_core::machine::Tick;
 
 use super::{Input, Stimulus};
 
-/// A stimulus on a grid of twice the tick, with the rows of the recording that it keeps.
+/// A stimulus on a grid of twice the tick, with the rows of the recording that are kept.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coarser {
-    /// It drives the chain at the rows that are kept.
+    /// The stimulus, which drives the model at the kept rows.
     pub stimulus: Stimulus,
-    /// Which those are, in order: at most one a tick.
+    /// The kept rows, in order: at most one per tick.
     pub kept: Vec<usize>,
 }
 
 impl Stimulus {
     /// The same on a grid of twice the tick; `None` where the core has no such tick.
     ///
-    /// What is held over a tick is the mean of two: nothing is late on the average, and what changes sign at every tick is gone.
+    /// A value that is held over a tick becomes the mean of two: on average nothing is delayed, and what changes sign at every tick disappears.
     #[must_use]
     pub fn coarser(&self) -> Option<Coarser> {
         let tick = match self.tick {
@@ -59,7 +59,7 @@ impl Stimulus {
     }
 }
 
-/// Means of two values that are held one after the other; the last may be alone.
+/// Means of two values that are held one after the other; the last may be single.
 fn means(held: &[f64]) -> Vec<f64> {
     held.chunks(2).map(|pair| pair.iter().sum::<f64>() / pair.len() as f64).collect()
 }
@@ -101,7 +101,7 @@ mod tests {
         simulate_f64(&machine, stimulus, StartOffset::none()).unwrap()
     }
 
-    /// Largest distance of a signal at the kept rows from that at the stimulus' own tick, as a share of its span.
+    /// Largest difference of a signal at the kept rows from that at the stimulus' own tick, as a share of its span.
     fn apart(fine: &Stimulus, signal: Signal) -> f64 {
         let Coarser { stimulus, kept } = fine.coarser().unwrap();
         let (fine, coarse) = (run(fine), run(&stimulus));
@@ -117,13 +117,13 @@ mod tests {
         for (tick, input_point) in
             [(Tick::OneMillisecond, Command), (Tick::OneMillisecond, Spool), (Tick::HalfMillisecond, Command)]
         {
-            // An even and an odd number of ticks, rows at half and twice the rate, and rows beside the grid.
+            // An even and an odd number of ticks, rows at half and twice the rate, and rows between the grid points.
             for times_s in
                 [every(1e-3, 801), every(1e-3, 800), every(5e-4, 1601), every(2e-3, 401), every(0.93e-3, 860)]
             {
                 let fine = at(times_s, tick, input_point);
                 let (position, pressure) = (apart(&fine, Signal::Position), apart(&fine, Signal::PressureA));
-                // Where a step falls within a tick, a limited rate sets out up to half a tick early.
+                // Where a step falls within a tick, motion at the rate limit begins up to half a tick early.
                 assert!(
                     position < 3e-3 && pressure < 0.02,
                     "{tick:?} {input_point:?}, {} rows: {position} {pressure}",

@@ -8,7 +8,7 @@ use crate::sensor_bias::{PRESSURE_A, PRESSURE_B, behind};
 use crate::signal::noise::{extent, noise, resolution};
 use crate::signal::slope::slopes;
 
-/// Aa·pa − Ab·pb of the pressures behind the recorded readings, N.
+/// Aa·pa − Ab·pb from the true pressures behind the recorded readings, N.
 pub(crate) fn pressure_force(recording: &Recording, machine: &Machine<f64>) -> Result<Vec<f64>, SimulateError> {
     let need = |signal| {
         recording.signal(signal).ok_or_else(|| SimulateError::Missing {
@@ -24,8 +24,8 @@ pub(crate) fn pressure_force(recording: &Recording, machine: &Machine<f64>) -> R
     Ok(a.iter().zip(b).map(force).collect())
 }
 
-/// Viscous friction that keeps the rod from ringing on the oil and hardly brakes it otherwise, N s/m: a twentieth of critical
-/// damping, or the machine's where that is less.
+/// Viscous friction that keeps the rod from ringing on the oil spring and hardly brakes it otherwise, N s/m: a twentieth
+/// of critical damping, or the machine's where that is less.
 pub(crate) fn light_damping(machine: &Machine<f64>) -> f64 {
     let side = |area: Parameter, volume: Parameter| {
         machine.get(area).powi(2) * machine.get(Parameter::BulkModulus) / machine.get(volume)
@@ -35,8 +35,8 @@ pub(crate) fn light_damping(machine: &Machine<f64>) -> f64 {
     (0.05 * critical).min(machine.get(Parameter::ViscousFriction))
 }
 
-/// The force beside the machine's constant load that balances the recorded pressures, and the damping at the recorded
-/// velocity where the position is recorded, N.
+/// The force, N, in addition to the machine's constant load, that balances the recorded pressures, and the damping at the
+/// recorded velocity where the position is recorded.
 pub(crate) fn balance(recording: &Recording, machine: &Machine<f64>, damping: f64) -> Result<Vec<f64>, SimulateError> {
     let pressures = pressure_force(recording, machine)?;
     let rows_in = |time_s: f64| time_s / recording.sample_interval_s();
@@ -53,9 +53,9 @@ pub(crate) fn balance(recording: &Recording, machine: &Machine<f64>, damping: f6
     Ok(force.iter().zip(braked).map(|(force, braked)| braked - force - constant).collect())
 }
 
-/// A force taken from noisy pressures is smoothed over this time, s: as long as it does not blur a stroke's start and end.
+/// A force from noisy pressures is smoothed over this time, s: short enough not to blur the start and end of a stroke.
 const SMOOTHED_S: f64 = 0.05;
-/// From this share of noise on; over less time where there is less.
+/// Share of noise from which the full time is used; with less noise, the time is shorter in proportion.
 const SMOOTHED_AT: f64 = 0.01;
 
 /// Noise of a series over its span.

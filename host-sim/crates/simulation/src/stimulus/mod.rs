@@ -1,4 +1,4 @@
-//! A recording laid on the core's grid: where the chain is entered, with what, from which state.
+//! A recording on the core's grid: where and by which signals it drives the model, and from which initial state.
 
 pub(crate) mod coarse;
 mod load_balance;
@@ -20,7 +20,7 @@ use crate::grid::{Grid, Origin};
 use crate::recorded_start::{Start, start};
 use crate::sensor_fault::Mended;
 
-/// Where the chain is entered.
+/// Where a recording drives the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum InputPoint {
     /// Command at the valve.
@@ -29,14 +29,15 @@ pub enum InputPoint {
     Spool,
     /// Speed of the pump and direction of its valve.
     Pump,
-    /// Measured flow into A; what leaves B is what the valve's other edge passes as far open, or of a pump drive the area ratio's share.
+    /// Measured flow into A; the flow out of B is what the valve's other edge passes at the same opening, or for a pump drive the share by area
+    /// ratio.
     Flow,
-    /// Measured force of the oil, or the one that follows from both recorded pressures.
+    /// Measured force of the oil, or the force computed from both recorded pressures.
     Force,
 }
 
 impl InputPoint {
-    /// The signal that drives the chain there.
+    /// The signal that drives the model there.
     #[must_use]
     pub fn driving(self) -> Signal {
         match self {
@@ -48,14 +49,14 @@ impl InputPoint {
         }
     }
 
-    /// Whether that is set, as a command and a pump's speed are, and not measured by a sensor.
+    /// Whether this signal is set, as a command and a pump's speed are, and not measured by a sensor.
     #[must_use]
     pub fn is_set(self) -> bool {
         matches!(self, InputPoint::Command | InputPoint::Pump)
     }
 }
 
-/// What drives the chain, one value a grid point (`ticks + 1` of them) or a tick (`ticks`), in SI units.
+/// What drives the model, one value per grid point (`ticks + 1` of them) or per tick (`ticks`), in SI units.
 #[derive(Clone, Debug, PartialEq)]
 enum Input {
     /// Held over each tick, V.
@@ -70,10 +71,10 @@ enum Input {
     Force(Vec<f64>),
 }
 
-/// A recording laid on the core's grid.
+/// A recording on the core's grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stimulus {
-    /// Where the chain is entered.
+    /// Where it drives the model.
     pub input_point: InputPoint,
     /// The core's tick.
     pub tick: Tick,
@@ -81,19 +82,19 @@ pub struct Stimulus {
     pub start: Start,
     pub(crate) ticks: usize,
     input: Input,
-    /// At grid points, 1: the recorded spool, where the chain is entered at the command and it could meter the oil in the
-    /// valve's place. Copies of a stimulus share it.
+    /// At grid points, 1: the recorded spool, where the command drives the model. It could meter the oil in place of the
+    /// simulated spool. Copies of a stimulus share it.
     spool: Option<Arc<[f64]>>,
-    /// Whether it does, while the valve runs beside.
+    /// Whether it meters the oil while the valve is simulated as well.
     follows: bool,
     /// External force at grid points, N.
     load_n: Option<Vec<f64>>,
-    /// Temperature of the oil at grid points, °C. An input, with whatever noise its sensor has: so slow a signal needs no smoothing.
+    /// Temperature of the oil at grid points, °C. It is an input, including its sensor's noise: so slow a signal needs no smoothing.
     oil_c: Option<Vec<f64>>,
-    /// Viscous friction, N s/m, in place of all friction of the machine, where that force balances the recorded pressures: these
-    /// hold the machine's friction already.
+    /// Viscous friction, N s/m, that replaces all friction of the machine where the load balances the recorded pressures:
+    /// these already contain the machine's friction.
     pub(crate) damping: Option<f64>,
-    /// For each recorded row: the grid point at or before it, and how far on to the next, 0..1.
+    /// For each recorded row: the grid point at or before it, and its position towards the next point, 0..1.
     pub(crate) rows: Vec<(usize, f64)>,
 }
 
@@ -128,7 +129,7 @@ pub fn natural_tick(recording: &Recording) -> Tick {
 }
 
 impl Stimulus {
-    /// Lays a recording on the grid of `tick`; where a sensor failed that drives the chain, by a straight line.
+    /// Puts a recording on the grid of `tick`; where a sensor that drives the model failed, by a straight line.
     pub fn new(
         recording: &Recording,
         machine: &Machine<f64>,
@@ -139,7 +140,7 @@ impl Stimulus {
         Self::of_mended(&Mended::of(recording), machine, input_point, load, tick)
     }
 
-    /// Lays a recording that is mended on the grid of `tick`.
+    /// Puts a mended recording on the grid of `tick`.
     pub fn of_mended(
         mended: &Mended<'_>,
         machine: &Machine<f64>,
@@ -150,7 +151,7 @@ impl Stimulus {
         Self::from_origin(mended, machine, input_point, load, tick, Origin::of(&mended.recording))
     }
 
-    /// Lays a part of a recording that is mended on the grid of the whole.
+    /// Puts a part of a mended recording on the grid of the whole.
     pub(crate) fn from_origin(
         mended: &Mended<'_>,
         machine: &Machine<f64>,
@@ -216,7 +217,7 @@ impl Stimulus {
         })
     }
 
-    /// Ends it at the last point of the grid at or before the last of so many rows; rows between that and the next are not in it then.
+    /// Ends it at the last grid point at or before the last of this many rows; rows between this point and the next are then left out.
     pub(crate) fn end_at(&mut self, rows: usize) {
         let Some(&(last, _)) = self.rows[..rows.min(self.rows.len())].last() else { return };
         self.ticks = last;
@@ -224,15 +225,15 @@ impl Stimulus {
         self.rows.truncate(kept.min(rows));
     }
 
-    /// The same with the recorded spool metering the oil, beside the valve that the command moves: what the valve misses
-    /// reaches nothing below it. `None` where the chain is not entered at the command, or the spool was not recorded.
+    /// The same with the recorded spool metering the oil, while the command still moves the valve: a misfit of the valve then
+    /// changes nothing below it. `None` where the command does not drive the model, or the spool was not recorded.
     #[must_use]
     pub fn following(&self) -> Option<Self> {
         self.spool.is_some().then(|| Self { follows: true, ..self.clone() })
     }
 
-    /// The same with an error of the sensor that drives what is below it (the recorded spool, beside the valve that the command moves; else
-    /// the spool, flow or force that the chain is entered at), drawn for every row and in between along a straight line.
+    /// The same with an added sensor error of the signal that drives what is below it (the recorded spool where the command moves the valve as
+    /// well; otherwise the spool, flow or force that drives the model). The error is drawn for every row and is linear in between.
     #[must_use]
     pub fn disturbed(&self, error: impl FnMut() -> f64) -> Self {
         let mut disturbed = self.clone();
@@ -269,32 +270,32 @@ impl Stimulus {
         Self { rows, ..self.clone() }
     }
 
-    /// Whether both enter the chain at the same place, at the same tick, so that they can be run in SIMD lanes. A pump's valve has a
-    /// direction of its own in each.
+    /// Whether both drive the model at the same input point and at the same tick, so that they can be run in SIMD lanes. Pump
+    /// drives cannot: the direction of the pump's valve may differ between them.
     pub(crate) fn goes_with(&self, other: &Self) -> bool {
         let ratio = |one: &Self| if let Input::Flow(_, ratio) = &one.input { Some(*ratio) } else { None };
         let kind = |one: &Self| (one.input_point, one.tick, one.follows, one.damping, ratio(one));
         self.input_point != InputPoint::Pump && kind(self) == kind(other)
     }
 
-    /// The recorded spool, where it meters the oil beside the valve.
+    /// The recorded spool, where it meters the oil while the command moves the valve.
     fn followed(&self) -> Option<&[f64]> {
         if self.follows { self.spool.as_deref() } else { None }
     }
 
-    /// How many rows the recording has.
+    /// Number of rows of the recording.
     #[must_use]
     pub fn rows(&self) -> usize {
         self.rows.len()
     }
 
-    /// How many ticks a run takes.
+    /// Number of ticks of a run.
     #[must_use]
     pub fn ticks(&self) -> usize {
         self.ticks
     }
 
-    /// Where a tick enters the chain, and with what. `read` gives the value of a series at a grid point over a base.
+    /// Where and with what the model is driven in a tick. `read` gives the value of a series at a grid point over a base.
     pub(crate) fn drive_input_by<N: Number>(
         &self,
         tick: usize,
@@ -330,7 +331,7 @@ impl Stimulus {
         self.drive_input_by(tick, bases, |series, index, base| N::saturated(value_at(series(self), index) / base))
     }
 
-    /// The series that drives the chain.
+    /// The series that drives the model.
     fn entering(&self) -> &[f64] {
         match &self.input {
             Input::Command(series)
@@ -341,7 +342,7 @@ impl Stimulus {
         }
     }
 
-    /// The recorded spool beside a command.
+    /// The recorded spool in addition to a command.
     fn spool(&self) -> &[f64] {
         self.spool.as_deref().unwrap_or_default()
     }
@@ -379,7 +380,7 @@ impl Stimulus {
     }
 }
 
-/// Puts an error on a series at grid points, drawn for every row and in between along a straight line.
+/// Adds an error to a series at grid points, drawn for every row and linear in between.
 fn disturb(series: &mut [f64], rows: &[(usize, f64)], mut error: impl FnMut() -> f64) {
     let errors: Vec<f64> = rows.iter().map(|_| error()).collect();
     for (rows, errors) in rows.windows(2).zip(errors.windows(2)) {

@@ -1,4 +1,4 @@
-//! What each effect and the pump drive must do, by head, and the exactness of the Jacobian.
+//! What each effect and the pump drive must do, by hand calculation, and the exactness of the Jacobian.
 
 use model_core::machine::Parameter::*;
 use model_core::machine::{Machine, Source};
@@ -79,7 +79,7 @@ fn the_tangent_jacobian_agrees_with_differences_with_every_effect_on() {
 #[test]
 fn dry_friction_holds_a_load_below_its_force_and_lets_go_above() {
     let effects = [PlantEffect::coulomb_friction(1000.0)];
-    // Chambers too soft to hold the rod themselves, so that only the friction can.
+    // Chambers so soft that they cannot hold the rod; only the friction can.
     let mut machine = press();
     machine.set(VolumeA, 10.0);
     machine.set(VolumeB, 10.0);
@@ -90,10 +90,10 @@ fn dry_friction_holds_a_load_below_its_force_and_lets_go_above() {
     let states = plant.with_load(load).simulate(&Commands::Valve(vec![0.0; 1001]), &initial, &ticks(1001)).unwrap();
     let held = states[600].position_m - states[150].position_m;
     assert!(held.abs() < 1e-8, "it creeps by {held:.2e} m");
-    // Bristles give by Fc/stiffness · ln(1/(1 − F/Fc)): 76.8 µm, less a little that the oil bears.
+    // Bristles give by Fc/stiffness · ln(1/(1 − F/Fc)): 76.8 µm, less a small part because the oil carries some of the load.
     let give_m = 1000.0 / 3e7 * 10.0_f64.ln();
     assert!((states[150].position_m - 0.15 - give_m).abs() < 0.01 * give_m);
-    // (1500 − 1000) N / 1e4 N s/m = 50 mm/s once it slides, less what the oil spring takes.
+    // (1500 − 1000) N / 1e4 N s/m = 50 mm/s once it slides, less the effect of the oil spring.
     let spring_n_per_m = 1.2e8 * (3.117e-3_f64.powi(2) + 1.861e-3_f64.powi(2));
     let expected = (500.0 - spring_n_per_m * (states[1000].position_m - 0.15)) / 1e4;
     assert!((states[1000].velocity_m_per_s - expected).abs() < 3e-4, "{}", states[1000].velocity_m_per_s);
@@ -125,7 +125,7 @@ fn a_hose_makes_the_oil_spring_softer_by_its_share_of_the_capacity() {
     let stiffness =
         |extra: f64| 3.117e-3_f64.powi(2) / (1.0 / 2.3e12 + extra) + 1.861e-3_f64.powi(2) / (1.0 / 3.6e12 + extra);
     assert!((give(&[]) * stiffness(0.0) / 2000.0 - 1.0).abs() < 1e-6);
-    // at about 3 MPa of 60 the hose has stiffened by a tenth
+    // At about 3 MPa, compared with 60 MPa, the hose has become stiffer by a tenth.
     let found = give(&[PlantEffect::hose_compliance(4e-13)]) * stiffness(4e-13) / 2000.0;
     assert!((0.88..0.97).contains(&found), "{found}");
 }
@@ -192,7 +192,7 @@ fn what_cannot_be_simulated_is_said_with_its_values() {
     assert!(Plant::new(&machine, 1e-20).is_err());
 }
 
-/// Also far from the validation drives: three decades of mass, damping and volume, every effect.
+/// Also far from the validation drives: over three decades of mass, damping and volume, with every effect.
 #[test]
 fn no_plausible_drive_makes_the_integrator_fail() {
     let mut noise = Noise::new(99, 0);

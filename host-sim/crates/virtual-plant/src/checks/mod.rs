@@ -1,4 +1,4 @@
-//! The plant held against independent solutions, and each of its effects against what it must do by head. Tests only.
+//! The plant compared with independent solutions, and each of its effects with a hand calculation. Tests only.
 
 #[cfg(test)]
 mod behaviour;

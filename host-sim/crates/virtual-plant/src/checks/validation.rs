@@ -1,4 +1,4 @@
-//! The plant against an independent solution, and against itself at another tolerance.
+//! The plant compared with an independent solution, and with itself at another tolerance.
 
 use model_core::machine::Parameter::{self, *};
 use model_core::machine::{Machine, Source};
@@ -51,7 +51,7 @@ pub(crate) fn heavy() -> Machine<f64> {
     machine
 }
 
-/// Classical RK4 with substeps of `h`, states r-lag, x, pa, pb, v, y, everything written out.
+/// Classical RK4 with substeps of `h`, states r-lag, x, pa, pb, v, y, all equations written out.
 fn reference(machine: &Machine<f64>, volts: &[f64], tick_s: f64, substeps: u32) -> Vec<[f64; 4]> {
     let p = |parameter: Parameter| machine.get(parameter);
     let (gain, offset, rate, delay) = (p(ValveGain), p(ValveOffset), p(RateLimit), p(TransportDelay));
@@ -118,7 +118,7 @@ fn times(count: usize) -> Vec<f64> {
     (0..count).map(|k| k as f64 * 1e-3).collect()
 }
 
-/// Steps of both signs, small and large, one of them too short for the ramp to arrive.
+/// Steps of both signs, small and large; one of them is too short for the ramp to reach its end.
 fn steps(count: usize) -> Vec<f64> {
     let pattern = [(0, 0.0), (50, 4.0), (250, -9.5), (270, 7.0), (550, 0.0), (650, -3.0), (800, 2.3)];
     (0..count).map(|k| pattern.iter().rev().find(|entry| entry.0 <= k % 900).map_or(0.0, |entry| entry.1)).collect()
@@ -176,7 +176,7 @@ fn the_solution_converges_with_the_tolerance() {
     }
 }
 
-/// Saturated flow, a spool that jumps, friction that sticks: kinks that nobody announces to the
+/// Saturated flow, a spool that jumps, friction that sticks: kinks that are not announced to the
 /// integrator.
 #[test]
 fn the_solution_converges_through_saturation_jumps_and_sticking() {

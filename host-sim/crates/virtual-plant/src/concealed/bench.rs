@@ -1,4 +1,4 @@
-//! The drive of a case on its bench: signals that keep it inside its stroke, and what is recorded.
+//! The drive of a case on its bench: signals that keep it inside its stroke, and the recordings made.
 
 use model_core::machine::{Machine, Parameter as P, Source};
 use recording::seeded_noise::Noise;
@@ -11,14 +11,14 @@ use crate::rig::recorded::SyntheticRecording;
 use crate::rig::run::{Bench, Drive};
 use crate::sensor::sensors::{PositionSensor, PressureSensor, Sensors, SpoolSensor, Thermometer};
 
-/// Tolerance of drawn recordings: an order below what their sensors tell.
+/// Tolerance of drawn recordings: an order of magnitude below what their sensors resolve.
 const TOLERANCE: f64 = 1e-6;
 /// The drive settles before the recording starts, s.
 const SETTLING_S: f64 = 0.4;
-/// Share of the stroke at both ends that is kept free.
+/// Share of the stroke that is kept free at each end.
 const MARGIN: f64 = 0.02;
 
-/// How a recording is driven; scaled until the rod stays inside its stroke.
+/// The excitation of a recording; it is scaled until the rod stays inside its stroke.
 #[derive(Clone, Debug)]
 pub(crate) struct Signal {
     /// Within ±1, from the start of the recording.
@@ -40,7 +40,7 @@ pub(crate) struct Setting {
     pub(crate) mode: Mode,
     pub(crate) channels: Channels,
     pub(crate) tick_s: f64,
-    /// In parts of the usual noise.
+    /// Relative to the usual noise.
     pub(crate) noise: f64,
     pub(crate) pressure_noise_share: f64,
     pub(crate) pressure_bits: u8,
@@ -81,7 +81,7 @@ impl Setting {
         ]
     }
 
-    /// A run of the drive with these effects from rest, cut to the recording.
+    /// A run of the drive with these effects from rest, without the settling time before the recording.
     pub(crate) fn run(&self, effects: &[PlantEffect], signal: &Signal) -> Result<SyntheticRecording, PlantError> {
         let settling = signals::ticks(SETTLING_S, self.tick_s);
         let shape = std::iter::repeat_n(0.0, settling).chain(signal.shape.iter().copied());
@@ -93,7 +93,7 @@ impl Setting {
             },
             Mode::Open => Drive::Commands(scaled),
             Mode::Pump => {
-                // The bench holds a speed over a tick, a real pump goes on: its mean over the tick.
+                // The bench holds a speed over a tick, but a real pump changes it continuously: the mean over the tick is used.
                 let next = scaled.iter().skip(1).chain(scaled.last());
                 Drive::Pump(scaled.iter().zip(next).map(|(now, next)| turning(0.5 * (now + next))).collect())
             }
@@ -114,7 +114,7 @@ impl Setting {
         Ok(recording)
     }
 
-    /// The same commands again, for another drive, as ideal sensors see it.
+    /// The same commands applied to another drive, seen by ideal sensors.
     pub(crate) fn repeat(
         &self,
         machine: &Machine<f64>,
@@ -154,7 +154,7 @@ impl Setting {
         Ok(Bench { tick_s: self.tick_s, seed: signal.seed, ..Bench::new(plant, sensors) })
     }
 
-    /// The recording, with the signal made smaller and the start moved until the rod stays inside its stroke.
+    /// The recording, after the signal was made smaller and the start was moved until the rod stays inside its stroke.
     pub(crate) fn fitted(
         &self,
         effects: &[PlantEffect],
@@ -173,7 +173,7 @@ impl Setting {
                 signal.start_m = signal.start_m.clamp(2.0 * MARGIN * stroke_m, (1.0 - 2.0 * MARGIN) * stroke_m);
                 continue;
             }
-            // The side to which the rod wanders is driven less; if it does not, both.
+            // The side towards which the rod drifts is driven less; if it does not drift, both sides are.
             let ends = recording.truth.first().zip(recording.truth.last());
             let wandered = ends.map_or(0.0, |(first, last)| last.position_m - first.position_m);
             let [extending, retracting] = &mut signal.amplitude;
@@ -189,7 +189,7 @@ impl Setting {
     }
 }
 
-/// Turns per second with a sign, as the pump and its directional valve take it; closed at rest.
+/// Signed turns per second as a command of the pump and its directional valve; the valve is closed at rest.
 fn turning(signed_rev_per_s: f64) -> PumpCommand {
     let direction = if signed_rev_per_s.abs() < 1e-3 {
         0
@@ -201,13 +201,13 @@ fn turning(signed_rev_per_s: f64) -> PumpCommand {
     PumpCommand { speed_rev_per_s: signed_rev_per_s.abs(), direction }
 }
 
-/// Commands, with the first one held for some rows before them.
+/// Commands, preceded by some rows in which the first one is held.
 fn held_before<T: Copy>(commands: &[T], rows: usize) -> Vec<T> {
     let before = commands.first().into_iter().flat_map(|&first| std::iter::repeat_n(first, rows));
     before.chain(commands.iter().copied()).collect()
 }
 
-/// At rest; a pump leaves its chambers near the tank's pressure, a valve at half the supply.
+/// At rest; in a pump drive the chambers are near the tank's pressure, in a valve drive at half the supply pressure.
 fn resting(machine: &Machine<f64>, position_m: f64) -> InitialState {
     match machine.source {
         Source::Valve => InitialState::at_rest(machine, position_m),
@@ -221,7 +221,7 @@ pub(crate) fn travel(recording: &SyntheticRecording) -> (f64, f64) {
     positions.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| (low.min(y), high.max(y)))
 }
 
-/// Now and then a value that has nothing to do with the signal, up to three of its standard deviations away.
+/// Adds occasional spikes, independent of the signal, of up to three of its standard deviations.
 pub(crate) fn spiked(values: &mut [f64], rate: f64, dice: &mut Noise) {
     let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
     let deviation = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len().max(1) as f64).sqrt();

@@ -1,4 +1,4 @@
-//! One case: drive, setting, effects, recordings; drawn again until it shows what it conceals.
+//! One case: drive, setting, effects, recordings; it is drawn again until its effects show in the recordings.
 
 use machine_file::MachineFile;
 use model_core::machine::{Machine, Parameter as P, Source};
@@ -16,16 +16,16 @@ use crate::excitation::input::LoadProfile;
 use crate::plant::PlantError;
 use crate::rig::recorded::SyntheticRecording;
 
-/// Draws of one case before the last one is taken as it is, if it can be used at all.
+/// Draws of one case before the last one is accepted as it is, if it can be used at all.
 const ATTEMPTS: u64 = 12;
-/// An effect has to leave at least this, noise included, in parts of the noise.
+/// The misfit, noise included, that a refit without the effect must at least leave, relative to the noise.
 const SHOWS_FROM: f64 = 1.04;
 
-/// Case `index` of a lot, from 0. None if no draw of it stays inside its stroke.
+/// Case `index` of a lot, counted from 0. None if no draw of it stays inside its stroke.
 pub fn draw(lot: &Lot, index: u64) -> Result<Option<Drawn>, PlantError> {
     let mut kept = None;
     for attempt in 0..ATTEMPTS {
-        // A stream for each attempt of each case.
+        // A random stream for each attempt of each case.
         let mut dice = Noise::new(lot.seed, (index << 8) | (attempt + 1));
         let Some(drawn) = attempt_at(lot, index, &names(lot, index), &mut dice)? else { continue };
         let shows = drawn.truth.visible.iter().all(|&visible| visible >= SHOWS_FROM);
@@ -37,7 +37,7 @@ pub fn draw(lot: &Lot, index: u64) -> Result<Option<Drawn>, PlantError> {
     Ok(kept)
 }
 
-/// What the case conceals. Over a lot, every name has its turn before one comes again.
+/// The effects that the case conceals. Over a lot, every name is used once before one is used again.
 fn names(lot: &Lot, index: u64) -> Vec<String> {
     let mut order = Noise::new(lot.seed, 0);
     let (outside, asked): (Vec<String>, Vec<String>) = lot.only.iter().cloned().partition(|name| name.starts_with('~'));
@@ -74,7 +74,7 @@ fn names(lot: &Lot, index: u64) -> Vec<String> {
     }
 }
 
-/// Two kinds of dry friction are one richer kind; two of a name are one.
+/// Two kinds of dry friction are the same as one richer kind; two effects with the same name are the same as one.
 fn compatible(one: &str, other: &str) -> bool {
     let friction = |name: &str| name.ends_with("friction") || name == "friction-asymmetry" || name == "presliding";
     one != other && !(friction(one) && friction(other)) && one != PUMP_SLIP && other != PUMP_SLIP
@@ -94,7 +94,7 @@ fn attempt_at(lot: &Lot, index: u64, names: &[String], dice: &mut Noise) -> Resu
         warm(&mut signals, &mut Noise::new(lot.seed, u64::MAX - index));
     }
 
-    // The range of the drive without effects says where stops and tight places can be.
+    // The travel of the drive without effects shows where stops and tight places can be.
     let probe = needs_range(names);
     let mut reach = Vec::new();
     if probe {
@@ -148,15 +148,15 @@ fn setting(lot: &Lot, machine: &Machine<f64>, names: &[String], dice: &mut Noise
         12..=15 if rate_hz > 300.0 => Mode::Dither,
         _ => Mode::Open,
     };
-    // Stiction under dither is no stiction.
+    // Dither removes stiction.
     let mode =
         if mode == Mode::Dither && names.iter().any(|name| name == "spool-stiction") { Mode::Open } else { mode };
-    // In closed loop the heavy load would swing, and no valve would close at once.
+    // In closed loop the heavy load would oscillate, and no valve would close suddenly.
     let mode = if names.iter().any(|name| name == CAVITATION) { Mode::Open } else { mode };
     let pump = machine.source == Source::Pump;
     let (mode, channels) = if pump { (Mode::Pump, Channels::Pump) } else { (mode, channels) };
     let noise = if lot.hard { [1.0, 1.0, 2.0, 3.0][dice.below(4)] } else { [1.0, 1.0, 1.0, 2.0][dice.below(4)] };
-    // Speed of the rod per volt beyond the dead zone, at half the pressure.
+    // Speed of the rod per volt beyond the dead zone, at half the supply pressure.
     let area = 0.5 * (machine.get(P::AreaA) + machine.get(P::AreaB));
     let flow_per_volt =
         machine.get(P::ValveGain) * machine.get(P::FlowCoefficient) * (0.5 * machine.get(P::SupplyPressure)).sqrt();
@@ -178,14 +178,14 @@ fn signals(setting: &Setting, training: usize, names: &[String], dice: &mut Nois
     let (stroke_m, seed) = (machine.get(P::Stroke), dice.uniform(0.0, 1e9).to_bits());
     let dead_v = machine.get(P::DeadZone) / machine.get(P::ValveGain);
     let first = dice.below(TRAINING.len());
-    // Steps and random steps are always among the first two.
+    // Steps and random steps are always the first two.
     let kinds = (0..training).map(|k| if k < 2 { TRAINING[k] } else { TRAINING[2 + (first + k) % 4] });
     let pushed = names.iter().any(|name| name == "~external-disturbance");
     kinds
         .chain(HELD_OUT)
         .enumerate()
         .map(|(index, kind)| {
-            // A pump has to gather speed.
+            // A pump needs time to reach its speed.
             let kind = if setting.mode == Mode::Pump { Kind::Trapezoids } else { kind };
             let duration_s = dice.uniform(4.0, 5.5);
             let amplitude = match setting.mode {
@@ -193,7 +193,7 @@ fn signals(setting: &Setting, training: usize, names: &[String], dice: &mut Nois
                 Mode::Pump => dice.uniform(15.0, 40.0),
                 Mode::Open | Mode::Dither => (1.2 * dead_v + dice.uniform(1.8, 6.0)).min(9.5),
             };
-            // Extending, the whole piston has to be filled.
+            // In extension, the whole piston area has to be filled.
             let slower = if setting.mode == Mode::Closed { 1.0 } else { dice.uniform(0.75, 1.0) };
             let load = if pushed && (index == 0 || index == training) {
                 push(machine, duration_s, dice)
@@ -212,7 +212,7 @@ fn signals(setting: &Setting, training: usize, names: &[String], dice: &mut Nois
         .collect()
 }
 
-/// The drive warms up from recording to recording, those held out the warmest.
+/// The drive warms up from recording to recording; the held-out ones are the warmest.
 fn warm(signals: &mut [Signal], dice: &mut Noise) {
     let (first_c, rise_k) = (dice.uniform(18.0, 34.0), dice.uniform(5.0, 9.0));
     for (index, signal) in signals.iter_mut().enumerate() {
@@ -220,7 +220,7 @@ fn warm(signals: &mut [Signal], dice: &mut Noise) {
     }
 }
 
-/// Somebody leans on the rod once.
+/// Somebody pushes on the rod once.
 fn push(machine: &Machine<f64>, duration_s: f64, dice: &mut Noise) -> LoadProfile {
     let force_n = dice.sign() * machine.get(P::SupplyPressure) * machine.get(P::AreaA) * dice.decades(0.05, 0.25);
     let (start_s, rise_s, hold_s) =
@@ -250,7 +250,7 @@ fn usual_travel(reach: &[(f64, f64)], stroke_m: f64) -> (f64, f64) {
     (middle(reach.iter().map(|r| r.0).collect()), middle(reach.iter().map(|r| r.1).collect()))
 }
 
-/// Where a rod begins that would begin there: no rod can beyond a stop.
+/// A start position on the near side of any stop, since no rod can start beyond one.
 fn before_stops(effects: &[PlantEffect], start_m: f64) -> f64 {
     effects.iter().fold(start_m, |start_m, effect| match effect {
         PlantEffect::Load(LoadEffect::EndStop { at_m, extending: true, .. }) => start_m.min(*at_m),
@@ -259,7 +259,7 @@ fn before_stops(effects: &[PlantEffect], start_m: f64) -> f64 {
     })
 }
 
-/// A stop that no training recording presses on is no effect.
+/// False if there is a stop that no training recording reaches: it would have no effect.
 fn stops_are_met(effects: &[PlantEffect], made: &[(Signal, SyntheticRecording)]) -> bool {
     effects.iter().all(|effect| match effect {
         PlantEffect::Load(LoadEffect::EndStop { at_m, extending, .. }) => {
@@ -273,7 +273,7 @@ fn stops_are_met(effects: &[PlantEffect], made: &[(Signal, SyntheticRecording)])
     })
 }
 
-/// A case that is in its stroke, before its recordings are made poor.
+/// A case that stays inside its stroke, before its recordings are degraded.
 struct Attempt<'a> {
     lot: &'a Lot,
     setting: Setting,
@@ -286,7 +286,7 @@ struct Attempt<'a> {
 }
 
 impl Attempt<'_> {
-    /// Spikes, rounding, only the channels that the case records, and the truth.
+    /// Adds spikes and rounding, keeps only the channels that the case records, and adds the truth.
     fn finished(self, dice: &mut Noise) -> Drawn {
         let spikes = if dice.happens(if self.lot.hard { 0.25 } else { 0.08 }) { 0.003 } else { 0.0 };
         let mut floors = Vec::new();

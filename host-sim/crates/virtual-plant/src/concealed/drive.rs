@@ -1,4 +1,4 @@
-//! A drive at random: what it is, and what its machine file says of it.
+//! A drive at random: its true values, and those in its machine file.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use machine_file::MachineFile;
 use model_core::machine::{Machine, Parameter as P, Source};
 use recording::seeded_noise::Noise;
 
-/// A drive that could stand in a workshop: pressures of 50 to 160 bar, pistons of 40 to 80 mm, loads of 15 to 200 kg.
+/// A drive of realistic size: pressures of 50 to 160 bar, pistons of 40 to 80 mm, loads of 15 to 200 kg.
 pub(crate) fn draw(dice: &mut Noise) -> Machine<f64> {
     let mut machine = Machine::with_defaults(Source::Valve);
     let supply_pa = dice.decades(5.0e6, 1.6e7);
@@ -15,7 +15,7 @@ pub(crate) fn draw(dice: &mut Noise) -> Machine<f64> {
     let stroke_m = dice.uniform(0.2, 0.45);
     let gain = dice.uniform(0.05, 0.09);
     let dead_zone = dice.uniform(0.02, 0.11);
-    // Speed at an opening of 0.4, and the viscous share of the force that the drive has there.
+    // Speed at an opening of 0.4, and the viscous share of the force that the drive has at that speed.
     let speed = dice.decades(0.08, 0.3);
     let coefficient = speed * 0.5 * (area_a + area_b) / (0.4 * (0.5 * supply_pa).sqrt());
     let viscous = dice.decades(0.06, 0.5) * supply_pa * area_b / speed;
@@ -46,18 +46,18 @@ pub(crate) fn draw(dice: &mut Noise) -> Machine<f64> {
     machine
 }
 
-/// The same drive with a load so heavy that the valve closes before it has stopped, and draws the rod on.
+/// The same drive with a load so heavy that the valve closes before the load has stopped, so that the load pulls the rod on.
 pub(crate) fn heavy(machine: &Machine<f64>, dice: &mut Noise) -> Machine<f64> {
     let get = |parameter| machine.get(parameter);
     let (area_b, supply_pa) = (get(P::AreaB), get(P::SupplyPressure));
     let speed = 0.4 * get(P::FlowCoefficient) * (0.5 * supply_pa).sqrt() / (0.5 * (get(P::AreaA) + area_b));
     let closes_s = get(P::TimeConstant1) + get(P::TimeConstant2);
-    // What it takes to stop it within that time, in parts of the drive's force.
+    // The mass that the drive's force, times a random factor, stops within this time.
     let mass_kg = dice.decades(0.5, 1.5) * supply_pa * area_b * closes_s / speed;
     machine.with(&[(P::MovingMass, rounded(mass_kg, 6))])
 }
 
-/// A small drive behind a pump of its own: the valve only gives the direction.
+/// A small drive with its own pump: the valve only sets the direction.
 pub(crate) fn draw_pump(dice: &mut Noise) -> Machine<f64> {
     let mut machine = Machine::with_defaults(Source::Pump);
     let area_a = dice.decades(1.2e-3, 3.5e-3);
@@ -83,7 +83,7 @@ pub(crate) fn draw_pump(dice: &mut Noise) -> Machine<f64> {
 
 const PUMP: [(P, f64); 4] =
     [(P::PumpDisplacement, 0.02), (P::BulkModulus, 0.06), (P::ViscousFriction, 0.1), (P::ReturnCoefficient, 0.05)];
-/// Which nominal values may be off, and by how much: in parts of the value.
+/// Which nominal values may be off, and by how much: relative to the value.
 const MODERATE: [(P, f64); 9] = [
     (P::ValveGain, 0.05),
     (P::TimeConstant1, 0.05),
@@ -110,11 +110,11 @@ const HARD: [(P, f64); 13] = [
     (P::SupplyPressure, 0.01),
     (P::MovingMass, 0.1),
 ];
-/// The offset's deviation in hard cases, and the load's in parts of the full force.
+/// Standard deviation of the offset in hard cases, and that of the load relative to the full force.
 const HARD_OFFSET: f64 = 0.006;
 const HARD_LOAD_SHARE: f64 = 0.025;
 
-/// The machine file: the truth with Gaussian errors, and what it says of them.
+/// The machine file: the true values with Gaussian errors, and the standard deviations of these errors.
 pub(crate) fn file(name: &str, truth: &Machine<f64>, hard: bool, dice: &mut Noise) -> MachineFile {
     let valve = truth.source == Source::Valve;
     let list: &[(P, f64)] = match (valve, hard) {
@@ -141,7 +141,7 @@ pub(crate) fn file(name: &str, truth: &Machine<f64>, hard: bool, dice: &mut Nois
     file
 }
 
-/// A value with so many significant digits, as in a data sheet.
+/// A value rounded to so many significant digits, as in a data sheet.
 pub(crate) fn rounded(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
 }

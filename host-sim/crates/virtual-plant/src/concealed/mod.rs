@@ -1,8 +1,8 @@
-//! Concealed cases: drives at random, with effects that their machine files know nothing of.
+//! Concealed cases: drives at random, with effects that their machine files do not contain.
 //!
-//! A [`Lot`] says what is drawn; case `index` of it is the same whatever else is drawn. Each case is a drive of its own
-//! with a machine file that is off the truth by what its `[fit.sigma]` says, two to four recordings to train on and two
-//! held out, and the truth. An effect that its sensors could not show is drawn again.
+//! A [`Lot`] specifies what is drawn; case `index` of it does not depend on which other cases are drawn. Each case is a drive of its own
+//! with a machine file that differs from the truth as its `[fit.sigma]` states, two to four recordings for training and two
+//! held out, and the truth. If the sensors could not show an effect, the case is drawn again.
 
 mod bench;
 mod case;
@@ -28,9 +28,9 @@ pub enum Concealed {
     Single,
     /// Two effects each.
     Pair,
-    /// Something outside the vocabulary.
+    /// An effect outside the vocabulary.
     Outside,
-    /// Of all of them some, most of them single.
+    /// Some of each kind, most of them single effects.
     Mixed,
 }
 
@@ -43,16 +43,16 @@ pub struct Lot {
     pub concealed: Concealed,
     /// Whether nominal values are rough and recordings poor.
     pub hard: bool,
-    /// Names to choose from; without any, all of [`VOCABULARY`], and of [`OUTSIDE`] where that is asked for.
+    /// Names to choose from; if empty, all of [`VOCABULARY`], and all of [`OUTSIDE`] where effects outside the vocabulary are drawn.
     pub only: Vec<String>,
-    /// Whether the oil's temperature is recorded: each recording is made in warmer oil than the one before, and `oil-temperature` is
-    /// oil that thins by it, not oil that warms in the course of a recording.
+    /// Whether the oil's temperature is recorded. If so, each recording is made in warmer oil than the one before, and `oil-temperature` is
+    /// oil whose viscosity falls with this temperature, not oil that warms up during a recording.
     pub thermometer: bool,
 }
 
-/// The effects that are drawn without being asked for: those that differ in more than name from another one.
-/// (`hose-compliance` is a softer oil and a larger volume, `pump-slip` makes another kind of drive, `cavitation` a heavier one; these and
-/// `laminar-transition` can be asked for.)
+/// The effects that are drawn by default: those that differ from one another in more than their name.
+/// (`hose-compliance` is a softer oil and a larger volume, `pump-slip` needs another kind of drive, `cavitation` a heavier load; these and
+/// `laminar-transition` can be requested.)
 pub const VOCABULARY: [&str; 27] = [
     "valve-hysteresis",
     "spool-stiction",
@@ -83,26 +83,26 @@ pub const VOCABULARY: [&str; 27] = [
     "oil-temperature",
 ];
 
-/// What can be asked for beside [`VOCABULARY`].
+/// Effects that can be requested in addition to [`VOCABULARY`].
 pub const ON_REQUEST: [&str; 4] = ["hose-compliance", "laminar-transition", PUMP_SLIP, CAVITATION];
 
-/// The one that makes a pump-controlled drive of the case.
+/// The effect that makes the case a pump-controlled drive.
 const PUMP_SLIP: &str = "pump-slip";
-/// The one that needs a load heavy enough to draw the rod on.
+/// The effect that needs a load heavy enough to pull the rod on.
 const CAVITATION: &str = "cavitation";
 
-/// What is drawn from outside the vocabulary.
+/// The effects outside the vocabulary that are drawn.
 pub const OUTSIDE: [&str; 3] = ["~external-disturbance", "~pump-ripple", "~structural-flexibility"];
 
-/// Which channels a case records beside the command.
+/// Which channels a case records in addition to the command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Channels {
     Position,
     Spool,
     Pressures,
-    /// Everything, the supply pressure too.
+    /// Everything, including the supply pressure.
     Full,
-    /// Of a pump drive: its speed and direction, pressures, position.
+    /// In a pump drive: its speed and direction, pressures, position.
     Pump,
 }
 
@@ -147,13 +147,13 @@ impl Mode {
 /// A drawn case.
 #[derive(Clone, Debug)]
 pub struct Drawn {
-    /// Its name, which is its folder's.
+    /// Its name, which is also the name of its folder.
     pub id: String,
     /// Nominal values.
     pub file: MachineFile,
-    /// File names and what is in them; the held-out ones last.
+    /// File names and contents; the held-out recordings come last.
     pub recordings: Vec<(String, SyntheticRecording)>,
-    /// What is concealed.
+    /// The concealed effects.
     pub truth: CaseTruth,
 }
 

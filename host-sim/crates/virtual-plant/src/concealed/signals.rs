@@ -1,9 +1,9 @@
-//! Excitations at random, between −1 and 1: to be scaled to a command or to a set position.
+//! Excitations at random, between −1 and 1, to be scaled to a command or to a set position.
 
 use recording::excitation::signals::Excitation;
 use recording::seeded_noise::Noise;
 
-/// What a recording is driven with.
+/// The kind of excitation of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// Steps of several sizes, each to both sides, with rests.
@@ -18,7 +18,7 @@ pub(crate) enum Kind {
     Trapezoids,
 }
 
-/// What a case is trained on in this order, each case from another start, and what it is held against.
+/// The excitations of the training recordings in this order, each case with another start, and those of the held-out recordings.
 pub(crate) const TRAINING: [Kind; 6] =
     [Kind::Steps, Kind::RandomSteps, Kind::Triangle, Kind::Sweep, Kind::Trapezoids, Kind::SlowTriangle];
 pub(crate) const HELD_OUT: [Kind; 2] = [Kind::RandomSteps, Kind::Trapezoids];
@@ -70,7 +70,7 @@ pub(crate) fn draw(kind: Kind, duration_s: f64, tick_s: f64, dice: &mut Noise) -
     }
 }
 
-/// Levels from their times on, each approached at `slope_per_s` (0: at once).
+/// Levels that apply from given times on, each approached at `slope_per_s` (0: at once).
 fn held(points: &[(f64, f64)], duration_s: f64, tick_s: f64, slope_per_s: f64) -> Vec<f64> {
     let mut level = 0.0;
     (0..=ticks(duration_s, tick_s))

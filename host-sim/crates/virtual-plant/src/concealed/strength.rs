@@ -1,4 +1,4 @@
-//! An effect at random: its form, and a strength spread evenly over the decades of its typical range.
+//! An effect at random: its form, and a strength distributed log-uniformly over its typical range.
 
 use model_core::machine::{Machine, Parameter as P};
 use recording::seeded_noise::Noise;
@@ -13,7 +13,7 @@ use crate::effect::valve::ValveEffect;
 use crate::effect::{Cavitation, PlantEffect};
 use crate::flow::edges::GainCurve;
 
-/// What a strength is measured by.
+/// What the size of an effect is scaled by.
 pub(crate) struct About<'a> {
     pub(crate) machine: &'a Machine<f64>,
     pub(crate) channels: Channels,
@@ -28,12 +28,12 @@ impl About<'_> {
         self.machine.get(parameter)
     }
 
-    /// Supply pressure on the whole piston, N.
+    /// Supply pressure times the whole piston area, N.
     fn full_n(&self) -> f64 {
         self.get(P::SupplyPressure) * self.get(P::AreaA)
     }
 
-    /// Flow at an opening of 0.4 and half the pressure, m³/s.
+    /// Flow at an opening of 0.4 and half the supply pressure, m³/s.
     fn full_flow(&self) -> f64 {
         0.4 * self.get(P::FlowCoefficient) * (0.5 * self.get(P::SupplyPressure)).sqrt()
     }
@@ -44,7 +44,7 @@ impl About<'_> {
     }
 }
 
-/// The effect of that name, or none where the name is not one of a valve-controlled drive's.
+/// The effect with this name; none where the name is not an effect of a valve-controlled drive.
 pub(crate) fn draw(name: &str, about: &About<'_>, dice: &mut Noise) -> Option<PlantEffect> {
     valve(name, about, dice)
         .map(PlantEffect::Valve)
@@ -103,7 +103,7 @@ fn flow(name: &str, about: &About<'_>, dice: &mut Noise) -> Option<FlowEffect> {
             GainCurve::Power { exponent: 1.0 + dice.decades(0.08, 0.4), unchanged_at: dice.uniform(0.2, 0.4) }
         }),
         "metering-asymmetry" => {
-            // The edges to tank are of another size than those of the supply, or B's than A's.
+            // The edges to tank differ in size from those of the supply, or B's edges from A's.
             let to_tank = dice.happens(0.7);
             let size = 1.0 + dice.sign() * dice.decades(0.1, if to_tank { 0.4 } else { 0.5 });
             let [supply_b, tank_a] = if to_tank { [1.0, size] } else { [size, 1.0] };
@@ -157,14 +157,14 @@ fn chambers(name: &str, about: &About<'_>, dice: &mut Noise) -> Option<PlantEffe
         "entrained-air" => {
             PlantEffect::EntrainedAir { share: dice.decades(0.003, 0.05), dissolving_pa: dice.decades(4.0e6, 1.5e7) }
         }
-        // Half of them vapour alone, half of them air that the oil gives off as well.
+        // Half of them are vapour alone; the other half also contain air that the oil releases.
         "cavitation" => PlantEffect::Cavitation(Cavitation {
             floor_pa: -dice.uniform(3e4, 1e5),
             steepness_pa: dice.decades(5e2, 3e3),
             released: if dice.happens(0.5) { 0.0 } else { dice.decades(1e-3, 2e-2) },
         }),
         "position-dependent-volume" => PlantEffect::PositionDependentVolume,
-        // 3 to 20 % of what the pump delivers at 20 turns a second and 3·10⁶ Pa
+        // 3 to 20 % of the pump's flow at 20 turns per second and 3·10⁶ Pa.
         "pump-slip" => PlantEffect::PumpSlip {
             conductance_m3_per_s_pa: dice.decades(0.03, 0.2) * 20.0 * about.get(P::PumpDisplacement) / 3.0e6,
             turbulent_share: dice.uniform(0.0, 0.3),
@@ -184,10 +184,10 @@ fn chambers(name: &str, about: &About<'_>, dice: &mut Noise) -> Option<PlantEffe
     })
 }
 
-/// ISO VG 22 to 68 of a usual viscosity index; the machine's values are for about 40 °C.
+/// ISO VG 22 to 68 with a usual viscosity index; the machine's values are for about 40 °C.
 fn oil_grade(dice: &mut Noise) -> OilGrade {
     let at_40_mm2_per_s = dice.decades(22.0, 68.0);
-    // An index of 100 has 4.3 mm²/s of 22, and 8.7 of 68.
+    // At a viscosity index of 100, VG 22 has 4.3 mm²/s at 100 °C, and VG 68 has 8.7.
     let at_100_mm2_per_s = 4.3 * libm::pow(at_40_mm2_per_s / 22.0, 0.625) * dice.uniform(0.97, 1.15);
     let reference_c = dice.uniform(35.0, 45.0);
     OilGrade { at_40_mm2_per_s, at_100_mm2_per_s, reference_c, temperature_c: reference_c }
@@ -210,7 +210,7 @@ fn friction(name: &str, about: &About<'_>, dice: &mut Noise) -> Option<DryFricti
                 FrictionLevel::Asymmetric { extending_n: mean_n * (1.0 + off), retracting_n: mean_n * (1.0 - off) };
             stiff(level, dice)
         }
-        // Else the oil's own friction changes along the stroke.
+        // Otherwise the viscous friction changes along the stroke.
         "position-dependent-friction" if dice.happens(0.5) => {
             let force_n = full_n * dice.decades(0.008, 0.03);
             if dice.happens(0.6) {
@@ -241,7 +241,7 @@ fn friction(name: &str, about: &About<'_>, dice: &mut Noise) -> Option<DryFricti
             let break_away_n = sliding_n * dice.uniform(1.02, 1.2);
             DryFriction {
                 level: FrictionLevel::Presliding { sliding_n, break_away_n },
-                // From soft ones to a third of the oil's stiffness: stiffer ones are how all dry friction is.
+                // From soft bristles to a third of the oil's stiffness; stiffer bristles occur in all dry friction.
                 stiffness_n_per_m: about.machine.oil_spring_n_per_m() * dice.decades(3e-3, 1.0 / 3.0),
                 damping_n_s_per_m: 4e3,
             }

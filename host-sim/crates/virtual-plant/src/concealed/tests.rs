@@ -1,4 +1,4 @@
-//! What a drawn case has to be.
+//! Properties that a drawn case must have.
 
 use rayon::prelude::*;
 
@@ -46,7 +46,7 @@ fn every_name_can_be_drawn_and_stays_inside_its_stroke() {
 
 #[test]
 fn no_rod_begins_beyond_a_stop() {
-    /// What a stop gives under the full force, m.
+    /// How far a stop yields under the full force, m.
     const GIVES_M: f64 = 1e-3;
     (0..8_u64).into_par_iter().for_each(|index| {
         let drawn = draw(&lot(Concealed::Single, 77, &["end-stop"]), index).unwrap().unwrap();
@@ -103,7 +103,7 @@ fn an_effect_that_the_noise_hides_may_be_left_out() {
     truth.visible = vec![3.0, 1.1];
     let [whole, plainer] = [["presliding", "null-drift"], ["coulomb-friction", "null-drift"]];
     assert_eq!(truth.accept(), [&whole[..], &plainer, &whole[..1]]);
-    // What each of two makes alone, the noise may hide, and show what both make together.
+    // The noise may hide each of two effects alone, and still show both together.
     truth.visible = vec![1.1, 1.1];
     truth.visible_together = Some(1.3);
     assert_eq!(truth.accept(), [&whole[..], &plainer, &whole[1..], &whole[..1]]);
@@ -126,7 +126,7 @@ fn what_the_noise_or_a_load_hides_of_a_richer_friction_may_be_called_plain() {
     for drawn in soft {
         let PlantEffect::Friction(friction) = drawn.truth.forms[0] else { panic!("{:?}", drawn.truth.forms) };
         let share = friction.stiffness_n_per_m / drawn.file.machine.oil_spring_n_per_m();
-        // What shows of soft bristles, plain friction does not make.
+        // Plain friction does not reproduce what soft bristles show.
         let shows = drawn.truth.visible[0] >= 1.25;
         assert!(share > 0.1 || !shows || !is_plain(&drawn), "{share}");
     }

@@ -9,7 +9,7 @@ use crate::rig::recorded::SyntheticRecording;
 /// What a case conceals, and how it was recorded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaseTruth {
-    /// Names; a leading ~ marks what is outside the vocabulary.
+    /// Names; a leading ~ marks an effect outside the vocabulary.
     pub effects: Vec<&'static str>,
     /// The effects' forms and strengths, SI.
     pub forms: Vec<PlantEffect>,
@@ -17,30 +17,30 @@ pub struct CaseTruth {
     pub channels: &'static str,
     /// open, dither or closed.
     pub mode: &'static str,
-    /// Noise in parts of the usual.
+    /// Noise relative to the usual noise.
     pub noise: f64,
     /// Hz.
     pub rate_hz: f64,
     /// Share of the rows that are spikes.
     pub spikes: f64,
-    /// Whether nominal values are rough.
+    /// Whether nominal values are inaccurate.
     pub hard: bool,
-    /// By recording: what noise, rounding and spikes make of each channel, NRMSE as a fraction.
+    /// By recording: what noise, rounding and spikes contribute to each channel, NRMSE as a fraction.
     pub noise_floor: Vec<(String, Vec<(&'static str, f64)>)>,
-    /// For each effect: what a refit without it leaves, in parts of the noise.
+    /// For each effect: the misfit that a refit without it leaves, relative to the noise.
     pub visible: Vec<f64>,
-    /// Of several effects: what a refit without any leaves, in parts of the noise.
+    /// For several effects: the misfit that a refit without any of them leaves, relative to the noise.
     pub visible_together: Option<f64>,
-    /// For each effect that has one: its plainer form, and what a refit with that in its place leaves, in parts of the noise.
+    /// For each effect that has a plainer form: that form, and the misfit that a refit with it leaves, relative to the noise.
     pub plainer: Vec<Option<(&'static str, f64)>>,
 }
 
-/// Below this an answer without the effect, or with its plainer form, is as good.
+/// Below this misfit an answer without the effect, or with its plainer form, also counts as right.
 const HIDDEN_BELOW: f64 = 1.25;
 
 impl CaseTruth {
-    /// The sets of names that are right answers, the whole truth first: without one effect that the noise hides, too, or with a plainer one in
-    /// its place where the noise hides what it has more; none, where the noise hides all of them together.
+    /// The combinations of effects that are right answers; the whole truth comes first. Also right: without one effect, if the noise hides it; with
+    /// its plainer form, if the noise hides the difference; no effect, if the noise hides all of them together.
     #[must_use]
     pub fn accept(&self) -> Vec<Vec<&'static str>> {
         let is_hidden = |left: f64| left < HIDDEN_BELOW;
@@ -103,7 +103,7 @@ pub fn to_json(cases: &[(String, CaseTruth)]) -> String {
     text
 }
 
-/// NRMSE of what is recorded against what ideal sensors would show, by channel.
+/// NRMSE of the recording against what ideal sensors would show, by channel.
 pub(crate) fn noise_floor(recording: &SyntheticRecording, channels: Channels) -> Vec<(&'static str, f64)> {
     let seen = |of: fn(&crate::sensor::sensors::Reading) -> f64| recording.seen.iter().map(of).collect::<Vec<f64>>();
     let all = [

@@ -1,8 +1,8 @@
-//! How far an effect shows beside the noise, once the uncertain parameters have taken what they can.
+//! How far an effect rises above the noise, after the uncertain parameters have compensated as much of it as they can.
 //!
-//! The difference that the effect makes to each recorded signal, in parts of its noise, less its projection on what one
-//! standard deviation of each uncertain parameter would make: a linear refit with the machine file's prior. What an effect has more than
-//! a plainer one shows by the same measure, with that one's strength free.
+//! It is the difference that the effect makes to each recorded signal, relative to its noise, less the part that the uncertain
+//! parameters can explain, each with its standard deviation: a linear refit with the machine file's prior. How far an effect differs from
+//! a plainer one is measured in the same way, with the strength of the plainer one free.
 
 use std::collections::BTreeMap;
 
@@ -15,36 +15,36 @@ use crate::effect::PlantEffect;
 use crate::plant::PlantError;
 use crate::rig::recorded::SyntheticRecording;
 
-/// Rows of a recording that are looked at, about.
+/// Approximate number of rows of a recording that are used.
 const ROWS: usize = 400;
-/// By how much of itself a plainer effect is made stronger to see what its strength does.
+/// Relative increase of a plainer effect's strength, for the derivative by that strength.
 const STRONGER: f64 = 0.1;
 
 /// A case's recordings, to be repeated without an effect.
 pub(crate) struct Shown<'a> {
     pub(crate) setting: &'a Setting,
     pub(crate) sigma: &'a BTreeMap<Parameter, f64>,
-    /// Signals and the recordings they made.
+    /// Excitations and the recordings made with them.
     pub(crate) made: &'a [(Signal, SyntheticRecording)],
     pub(crate) effects: &'a [PlantEffect],
 }
 
-/// What a case's recordings show with all effects, and what the base parameters could change of it.
+/// What a case's recordings show with all effects, and how the base parameters could change that.
 pub(crate) struct Refits<'a> {
     shown: Shown<'a>,
     base: DVector<f64>,
-    /// One standard deviation of each uncertain parameter, and another start of each recording.
+    /// The change for one standard deviation of each uncertain parameter, and for another start of each recording.
     base_parameters: Vec<DVector<f64>>,
 }
 
-/// RMS of what refits leave, noise included, in parts of the noise, in the worst channel.
+/// RMS residual of refits, noise included, relative to the noise, in the worst channel.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Visible {
-    /// Without each effect, or, without any, without the push.
+    /// Without each effect in turn; where the rod is pushed, without the push instead.
     pub(crate) each: Vec<f64>,
-    /// Without any of several effects.
+    /// Without all of several effects.
     pub(crate) together: Option<f64>,
-    /// With its plainer form in the place of each effect that has one, and that one's name.
+    /// With its plainer form instead of each effect that has one, and the name of that form.
     pub(crate) plainer: Vec<Option<(&'static str, f64)>>,
 }
 
@@ -97,7 +97,7 @@ impl Refits<'_> {
 }
 
 impl<'a> Shown<'a> {
-    /// Repeated with all effects, and with each base parameter a little off.
+    /// Repeats the recordings with all effects, and with each base parameter changed a little.
     pub(crate) fn refits(self) -> Result<Refits<'a>, PlantError> {
         let (machine, effects) = (&self.setting.machine, self.effects);
         let base = self.repeated(machine, effects, true)?;
@@ -113,7 +113,7 @@ impl<'a> Shown<'a> {
         Ok(Refits { shown: self, base, base_parameters })
     }
 
-    /// How many recorded rows one row that is looked at stands for.
+    /// Number of recorded rows for each row that is used.
     fn weight(&self) -> f64 {
         let rows = self.made.iter().map(|(_, made)| made.len()).max().unwrap_or(ROWS);
         (rows as f64 / ROWS as f64).max(1.0)
@@ -133,7 +133,7 @@ impl<'a> Shown<'a> {
         Ok(DVector::from_vec(all))
     }
 
-    /// Spool, position and pressures at some of the rows, in parts of their noise; a channel that is not recorded is 0.
+    /// Spool, position and pressures in some of the rows, relative to their noise; a channel that is not recorded is 0.
     fn rows(&self, made: &SyntheticRecording) -> Vec<f64> {
         let noise = self.setting.noise_of();
         let seen = self.setting.channels.recorded();
@@ -146,7 +146,7 @@ impl<'a> Shown<'a> {
         rows
     }
 
-    /// What a start of one recording a centimetre away would make: a simulation starts where the recording does.
+    /// The change if one recording started a centimetre away: a simulation starts where its recording starts.
     fn other_start(&self, moved: usize) -> DVector<f64> {
         const AWAY_M: f64 = 0.01;
         let away = AWAY_M / self.setting.noise_of()[1];
@@ -168,7 +168,7 @@ impl<'a> Shown<'a> {
     }
 }
 
-/// What is left of `difference` when the parameters, each with a deviation of 1, have taken their part of it.
+/// The residual of `difference` after the parameters, each with a deviation of 1, have explained their part.
 fn projected(jacobian: &DMatrix<f64>, difference: &DVector<f64>, weight: f64) -> DVector<f64> {
     let transposed = jacobian.transpose();
     let normal = &transposed * jacobian * weight + DMatrix::identity(jacobian.ncols(), jacobian.ncols());

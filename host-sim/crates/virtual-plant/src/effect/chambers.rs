@@ -13,7 +13,7 @@ pub(crate) fn hose_compliance<R: Real>(compliance: f64, stiffening_pa: f64, stat
     terms.capacity_b = terms.capacity_b + at(state.pressure_b);
 }
 
-/// A share of the flow turns turbulent beyond the transition.
+/// Flow through a gap; a share of it becomes turbulent beyond the transition.
 fn gap<R: Real>(across: R, conductance: f64, share: f64, transition_pa: f64) -> R {
     let relative = across / transition_pa;
     let fading = (relative * relative + 1.0).sqrt().sqrt();
@@ -32,7 +32,7 @@ pub(crate) fn internal_leakage<R: Real>(
     terms.into_b = terms.into_b + flow;
 }
 
-/// To the outside, from each chamber by its own conductance.
+/// Leakage to the outside, with a conductance for each chamber.
 pub(crate) fn external_leakage<R: Real>(
     conductances: [f64; 2],
     share: f64,
@@ -45,8 +45,8 @@ pub(crate) fn external_leakage<R: Real>(
     terms.into_b = terms.into_b - gap(state.pressure_b, b, share, transition_pa) / state.viscosity;
 }
 
-/// Air in bubbles, polytropic, that goes into solution as the pressure rises: its share of the volume is
-/// α·(p0/p)^(1/n)·1/(1 + (p/pd)²), and its compressibility that share over n·p.
+/// Bubbles of air, polytropic, which dissolve as the pressure rises: their share of the volume is
+/// α·(p0/p)^(1/n)·1/(1 + (p/pd)²), and their compressibility is that share over n·p.
 pub(crate) fn entrained_air<R: Real>(share: f64, dissolving_pa: f64, state: &State<R>, terms: &mut Terms<R>) {
     const ATMOSPHERE_PA: f64 = 1.013e5;
     const POLYTROPIC: f64 = 1.3;
@@ -60,7 +60,7 @@ pub(crate) fn entrained_air<R: Real>(share: f64, dissolving_pa: f64, state: &Sta
     terms.softness_b = terms.softness_b + softness(state.pressure_b);
 }
 
-/// The chambers' volumes follow the piston, down to a twentieth of what they are at mid-stroke.
+/// The chambers' volumes follow the piston, down to a twentieth of their size at mid-stroke.
 pub(crate) fn moving_volumes<R: Real>(areas: [f64; 2], stroke_m: f64, state: &State<R>, terms: &mut Terms<R>) {
     let from_middle = state.position - 0.5 * stroke_m;
     let [least_a, least_b] = [0.05 * terms.volume_a.value(), 0.05 * terms.volume_b.value()];

@@ -1,4 +1,4 @@
-//! What the edges, the supply and the return line do beyond the paper's.
+//! What the edges, the supply and the return line do beyond the paper's model.
 
 use crate::flow::edges::{Edges, GainCurve, Line};
 use crate::flow::orifice::signed_root;
@@ -8,16 +8,16 @@ use crate::terms::{Conditions, Inputs, State, Terms};
 /// An effect between spool and chambers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FlowEffect {
-    /// One side overlaps more than the machine says.
+    /// One side has more overlap than the machine file states.
     DeadZone {
         /// Spool travel added to the overlap of the extending side.
         extending: f64,
         /// Spool travel added to the overlap of the retracting side.
         retracting: f64,
     },
-    /// The flow is not in proportion to the opening.
+    /// The flow is not proportional to the opening.
     Gain(GainCurve),
-    /// Each edge has a size of its own, in parts of the nominal one: P-A, B-T, P-B, A-T.
+    /// Each edge has its own size, relative to the nominal one: P-A, B-T, P-B, A-T.
     Metering {
         /// The four sizes.
         sizes: [f64; 4],
@@ -38,23 +38,23 @@ pub enum FlowEffect {
         /// Pa·s²/m⁶.
         quadratic_pa_s2_per_m6: f64,
     },
-    /// All four edges pass oil about the centre: an opening that falls off as a Gaussian, partly laminar.
+    /// All four edges leak near the centre: an opening that falls off as a Gaussian; the flow is partly laminar.
     Leakage {
         /// Opening at the centre, 1.
         opening: f64,
-        /// Spool travel at which it has fallen to 1/e.
+        /// Spool travel at which the opening has fallen to 1/e.
         reach: f64,
         /// Pressure difference up to which the gap is laminar, Pa.
         laminar_pa: f64,
     },
     /// Sharp edges are laminar up to a pressure difference: a laminar and a turbulent resistance in series.
     LaminarTransition {
-        /// Where both take the same share of the flow, Pa.
+        /// Pressure difference at which both take the same share, Pa.
         pressure_pa: f64,
     },
     /// The pump's pressure pulsates (not in the vocabulary).
     PumpRipple {
-        /// Amplitude in parts of the supply pressure.
+        /// Amplitude relative to the supply pressure.
         share: f64,
         /// Hz.
         frequency_hz: f64,
@@ -62,7 +62,7 @@ pub enum FlowEffect {
 }
 
 impl FlowEffect {
-    /// The name in the project's vocabulary; a leading ~ marks what is outside of it.
+    /// The name in the project's vocabulary; a leading ~ marks an effect outside the vocabulary.
     #[must_use]
     pub const fn name(&self) -> &'static str {
         match self {
@@ -77,7 +77,7 @@ impl FlowEffect {
         }
     }
 
-    /// States of its own: the accumulator's pressure, off the nominal one, in parts of it.
+    /// Number of its own states: the accumulator's deviation from the nominal pressure, relative to the nominal pressure.
     pub(crate) const fn states(&self) -> usize {
         match self {
             Self::SupplyDroop { .. } => 1,
@@ -85,7 +85,7 @@ impl FlowEffect {
         }
     }
 
-    /// What of it is a property of the edges.
+    /// Applies the part of the effect that is a property of the edges.
     pub(crate) fn configure(&self, edges: &mut Edges) {
         match *self {
             Self::DeadZone { extending, retracting } => {
@@ -103,7 +103,7 @@ impl FlowEffect {
         }
     }
 
-    /// What of it changes the supply.
+    /// Applies the part of the effect that changes the supply.
     pub(crate) fn condition<R: Real>(&self, inputs: &Inputs, own: &[R], conditions: &mut Conditions<R>) {
         match *self {
             Self::SupplyDroop { .. } => {
@@ -120,7 +120,7 @@ impl FlowEffect {
         }
     }
 
-    /// What of it has to be integrated or added to the flows.
+    /// Applies the part of the effect that has to be integrated or added to the flows.
     pub(crate) fn apply<R: Real>(
         &self,
         edges: &Edges,
@@ -132,7 +132,7 @@ impl FlowEffect {
         match *self {
             Self::SupplyDroop { resistance_pa_s_per_m3, gas_volume_m3, .. } => {
                 if let ([fall], [rate]) = (own, rates) {
-                    // Gas of p·Vⁿ = const, filled through the pump's resistance, emptied by what the valve takes.
+                    // Gas with p·Vⁿ = const, filled through the pump's resistance, emptied by the flow that the valve takes.
                     const POLYTROPIC: f64 = 1.25;
                     let relative = (*fall + 1.0).at_least(0.02);
                     let filled = *fall * (-inputs.supply_pa / resistance_pa_s_per_m3);

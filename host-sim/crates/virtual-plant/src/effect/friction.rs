@@ -3,7 +3,7 @@
 use crate::tangent::Real;
 use crate::terms::{State, Terms};
 
-/// By how much plain dry friction gives before it slides, m.
+/// How far plain dry friction yields elastically before it slides, m.
 const PLAIN_GIVES_M: f64 = 2e-6;
 const PLAIN_DAMPING_N_S_PER_M: f64 = 1e4;
 
@@ -14,7 +14,7 @@ pub enum FrictionLevel {
     Constant(f64),
     /// Falls from the break-away force as exp(−(v/vs)²).
     Stribeck {
-        /// At speed, N.
+        /// At high speed, N.
         sliding_n: f64,
         /// At rest, N.
         break_away_n: f64,
@@ -30,36 +30,36 @@ pub enum FrictionLevel {
     },
     /// A tight place: a Gaussian bump over the position.
     Bump {
-        /// Away from it, N.
+        /// Away from the tight place, N.
         force_n: f64,
-        /// What it adds, N.
+        /// Additional force at its middle, N.
         rise_n: f64,
-        /// Where it is, m.
+        /// Position of its middle, m.
         at_m: f64,
-        /// Where it has fallen to 1/e, m from there.
+        /// Distance from there at which it has fallen to 1/e, m.
         width_m: f64,
     },
     /// A bore that narrows: linear over the position.
     Slope {
-        /// With the rod in, N.
+        /// With the rod fully in, N.
         retracted_n: f64,
-        /// With the rod out, N.
+        /// With the rod fully out, N.
         extended_n: f64,
         /// Length of travel, m.
         stroke_m: f64,
     },
-    /// Seals press harder: most of it by the higher of both pressures.
+    /// Seals press harder as the pressure rises: mainly by the higher one of the two pressures.
     Pressure {
         /// Force per pressure, m².
         area_m2: f64,
-        /// Share of the higher pressure; the rest goes by the lower one.
+        /// Share of the higher pressure; the remaining share depends on the lower one.
         share_of_higher: f64,
-        /// What is left at no pressure, N.
+        /// Force that remains at zero pressure, N.
         least_n: f64,
     },
     /// Soft bristles with a small excess at rest.
     Presliding {
-        /// At speed, N.
+        /// At high speed, N.
         sliding_n: f64,
         /// At rest, N.
         break_away_n: f64,
@@ -78,19 +78,19 @@ pub struct DryFriction {
 }
 
 impl DryFriction {
-    /// With bristles that give by `give_m` before they slide, damped as those of plain dry friction usually are.
+    /// With bristles that yield by `give_m` before they slide, damped as in plain dry friction usually.
     #[must_use]
     pub fn stiff(level: FrictionLevel, give_m: f64) -> Self {
         Self::giving(level, give_m, PLAIN_DAMPING_N_S_PER_M)
     }
 
-    /// With bristles that give by `give_m` before they slide.
+    /// With bristles that yield by `give_m` before they slide.
     #[must_use]
     pub fn giving(level: FrictionLevel, give_m: f64, damping_n_s_per_m: f64) -> Self {
         Self { level, stiffness_n_per_m: level.usual_n() / give_m, damping_n_s_per_m }
     }
 
-    /// As strong everywhere, on bristles as stiff as those of plain dry friction usually are.
+    /// The same usual force everywhere times a factor, on bristles as stiff as in plain dry friction usually.
     pub(crate) fn plainer(&self, factor: f64) -> Option<Self> {
         let level = FrictionLevel::Constant(factor * self.level.usual_n());
         (self.name() != "coulomb-friction").then(|| Self::stiff(level, PLAIN_GIVES_M))
@@ -107,7 +107,7 @@ impl DryFriction {
         }
     }
 
-    /// `bristle` is the deflection in parts of usual force over stiffness; the answer is its rate.
+    /// `bristle` is the deflection, in units of usual force over stiffness; the result is its rate of change.
     pub(crate) fn apply<R: Real>(&self, bristle: R, state: &State<R>, terms: &mut Terms<R>) -> R {
         let usual_n = self.level.usual_n();
         if usual_n <= 0.0 {
@@ -121,7 +121,7 @@ impl DryFriction {
 }
 
 impl FrictionLevel {
-    /// The scale of the bristle's state: a force as the level usually is, N.
+    /// The scale of the bristle's state: a typical force of this level, N.
     fn usual_n(&self) -> f64 {
         match *self {
             Self::Constant(force_n) | Self::Bump { force_n, .. } => force_n,

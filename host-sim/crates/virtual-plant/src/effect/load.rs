@@ -1,14 +1,14 @@
-//! Forces on the rod that go by its position: springs, linkages, stops, a bore that narrows.
+//! Forces on the rod that depend on its position: springs, linkages, stops, a bore that narrows.
 
 use crate::tangent::Real;
 use crate::terms::{State, Terms};
 
-/// A force that goes by the position.
+/// A force that depends on the position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LoadEffect {
-    /// A spring that is met at a point and stiffens: k·depth^1.5 against extending.
+    /// A spring that touches from a certain position on and becomes stiffer: k·depth^1.5 against extending.
     ProgressiveSpring {
-        /// Where it is met, m.
+        /// The position from which it touches, m.
         from_m: f64,
         /// k, N/m^1.5.
         stiffness: f64,
@@ -17,7 +17,7 @@ pub enum LoadEffect {
     Linkage {
         /// F, N.
         force_n: f64,
-        /// y0, where the weight hangs straight, m.
+        /// y0, the position at which the weight hangs straight down, m.
         neutral_m: f64,
         /// r, metres of travel per radian.
         reach_m: f64,
@@ -26,14 +26,14 @@ pub enum LoadEffect {
     EndStop {
         /// Where it is, m.
         at_m: f64,
-        /// Whether it stops the extending rod; else the retracting one.
+        /// True if it stops the extending rod; false if it stops the retracting one.
         extending: bool,
         /// k, N/m^1.5.
         stiffness: f64,
         /// c, s/m.
         damping_s_per_m: f64,
     },
-    /// A film of oil that is sheared more away from where bore and rod fit: D·u²/(1 + u²) beside the velocity, u = (y − y0)/w.
+    /// A film of oil, sheared more strongly away from the position where bore and rod fit: D·u²/(1 + u²) times the velocity, u = (y − y0)/w.
     NarrowBore {
         /// D, N s/m.
         most_n_s_per_m: f64,
@@ -44,7 +44,7 @@ pub enum LoadEffect {
     },
 }
 
-/// depth^1.5, and nothing outside.
+/// depth^1.5, and 0 for a negative depth.
 fn pressed<R: Real>(depth: R) -> R {
     if depth.value() > 1e-12 { depth * depth.sqrt() } else { 0.0.into() }
 }

@@ -1,9 +1,9 @@
 //! The effects the plant can have beyond the paper's model.
 //!
-//! Each is one variant of [`PlantEffect`] and one function below. Their forms are on purpose not
-//! those of a plain textbook hypothesis, so that a diagnosis is tried on physics it has not written
-//! itself. To add one: a variant, its name, its function, its line in [`PlantEffect::apply`]; what
-//! has a memory takes an extra state.
+//! Each is one variant of [`PlantEffect`] and one function below. Their forms deliberately differ from
+//! those of a plain textbook hypothesis, so that a diagnosis is tested on physics that it does not
+//! contain itself. To add one: a variant, its name, its function, its line in [`PlantEffect::apply`]; an
+//! effect with a memory needs an extra state.
 
 pub(crate) mod cavitation;
 mod chambers;
@@ -32,33 +32,33 @@ pub(crate) use valve::ValveEffect;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum PlantEffect {
-    /// Hoses widen with pressure, less and less: each takes up C·p/(1 + p/ps).
+    /// Hoses widen with pressure, at a decreasing rate: each takes up C·p/(1 + p/ps).
     HoseCompliance {
         /// C, volume per pressure at zero pressure, m³/Pa, in each chamber.
         compliance_m3_per_pa: f64,
-        /// ps, Pa: at this pressure half of the volume is missing. Large.
+        /// ps, Pa: at this pressure the volume is half of C·p. Large.
         stiffening_pressure_pa: f64,
     },
-    /// The turning pump loses flow: laminar gaps, and a small share that goes with the root.
+    /// The turning pump loses flow: through laminar gaps, and a small share that is proportional to √p.
     PumpSlip {
         /// Flow lost per pressure across the pump at the reference pressure, m³/s/Pa.
         conductance_m3_per_s_pa: f64,
         /// Share of the loss that is turbulent at the reference pressure, 0–1.
         turbulent_share: f64,
-        /// Pressure at which both shares are meant, Pa.
+        /// Pressure at which both values apply, Pa.
         reference_pressure_pa: f64,
     },
-    /// Leakage past the piston, A to B: laminar, a small share turns turbulent beyond a transition.
+    /// Leakage past the piston, A to B: laminar; a small share becomes turbulent beyond a transition.
     InternalLeakage {
         /// Flow per pressure difference at small differences, m³/s/Pa.
         conductance_m3_per_s_pa: f64,
-        /// Share that turns turbulent, 0–1.
+        /// Share that becomes turbulent, 0–1.
         turbulent_share: f64,
         /// Pressure difference of the transition, Pa.
         transition_pa: f64,
     },
-    /// Dry friction by elastic bristles (`LuGre` without the Stribeck dip): it holds, elastically, below
-    /// its force, and slides at that force.
+    /// Dry friction by elastic bristles (`LuGre` without the Stribeck dip): below its force it holds the rod
+    /// elastically, and at that force the rod slides.
     CoulombFriction {
         /// Force in steady sliding, N.
         force_n: f64,
@@ -69,21 +69,21 @@ pub enum PlantEffect {
     },
     /// Leakage out of the chambers, partly turbulent.
     ExternalLeakage {
-        /// Flow per small pressure out of A and out of B, m³/s/Pa.
+        /// Flow per pressure, at small pressures, out of A and out of B, m³/s/Pa.
         conductances_m3_per_s_pa: [f64; 2],
-        /// Share that turns turbulent, 0–1.
+        /// Share that becomes turbulent, 0–1.
         turbulent_share: f64,
         /// Pressure of the transition, Pa.
         transition_pa: f64,
     },
-    /// Air in the oil, polytropic, which goes into solution as the pressure rises.
+    /// Air in the oil, polytropic, which dissolves as the pressure rises.
     EntrainedAir {
         /// Share of the volume at atmospheric pressure.
         share: f64,
         /// Absolute pressure at which half of it is in solution, Pa.
         dissolving_pa: f64,
     },
-    /// Oil that is drawn on boils, or gives off its air: the void grows steeply below a pressure.
+    /// Oil under suction boils, or releases its air: below a certain pressure the void grows steeply.
     Cavitation(Cavitation),
     /// The chambers' volumes follow the piston.
     PositionDependentVolume,
@@ -93,13 +93,13 @@ pub enum PlantEffect {
     Flow(FlowEffect),
     /// Dry friction.
     Friction(DryFriction),
-    /// A force that goes by the position.
+    /// A force that depends on the position.
     Load(LoadEffect),
     /// Between the true signals and the sensors.
     Sensing(SensingEffect),
     /// The oil warms up.
     OilTemperature(OilTemperature),
-    /// The oil is at another temperature than the one that the machine's values are for.
+    /// The oil has another temperature than the one that the machine's values are for.
     OilGrade(OilGrade),
 }
 
@@ -110,25 +110,25 @@ impl PlantEffect {
         Self::HoseCompliance { compliance_m3_per_pa, stiffening_pressure_pa: 6.0e7 }
     }
 
-    /// Pump slip with a tenth of it turbulent at 5·10⁶ Pa.
+    /// Pump slip, a tenth of it turbulent at 5·10⁶ Pa.
     #[must_use]
     pub const fn pump_slip(conductance_m3_per_s_pa: f64) -> Self {
         Self::PumpSlip { conductance_m3_per_s_pa, turbulent_share: 0.1, reference_pressure_pa: 5.0e6 }
     }
 
-    /// Internal leakage of which a tenth turns turbulent beyond 3·10⁶ Pa.
+    /// Internal leakage, a tenth of which becomes turbulent beyond 3·10⁶ Pa.
     #[must_use]
     pub const fn internal_leakage(conductance_m3_per_s_pa: f64) -> Self {
         Self::InternalLeakage { conductance_m3_per_s_pa, turbulent_share: 0.1, transition_pa: 3.0e6 }
     }
 
-    /// Dry friction on bristles of 3·10⁷ N/m with 2·10⁴ N·s/m.
+    /// Dry friction with bristles of 3·10⁷ N/m and 2·10⁴ N·s/m.
     #[must_use]
     pub const fn coulomb_friction(force_n: f64) -> Self {
         Self::CoulombFriction { force_n, stiffness_n_per_m: 3.0e7, damping_n_s_per_m: 2.0e4 }
     }
 
-    /// Its plainer form, of a strength near its own times a factor; none where it has no plainer form.
+    /// Its plainer form, with a strength near its own times a factor; none where it has no plainer form.
     #[must_use]
     pub fn plainer(&self, factor: f64) -> Option<Self> {
         match self {
@@ -137,7 +137,7 @@ impl PlantEffect {
         }
     }
 
-    /// The name in the project's vocabulary; a leading ~ marks what is outside of it.
+    /// The name in the project's vocabulary; a leading ~ marks an effect outside the vocabulary.
     #[must_use]
     pub const fn name(&self) -> &'static str {
         match self {
@@ -158,7 +158,7 @@ impl PlantEffect {
         }
     }
 
-    /// The same effect in oil that is measured to be so warm, °C.
+    /// The same effect in oil whose measured temperature is this, °C.
     #[must_use]
     pub const fn in_oil_at(self, temperature_c: f64) -> Self {
         match self {
@@ -228,7 +228,7 @@ impl PlantEffect {
     }
 }
 
-/// What of the plant does not change.
+/// The properties of the plant that do not change.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fixed<'a> {
     pub(crate) edges: &'a Edges,
@@ -249,7 +249,7 @@ struct Slip {
     reference_pressure_pa: f64,
 }
 
-/// Taken from the port that the pump feeds, while it turns (fades below a fifth of a turn per second).
+/// Pump slip: the loss is taken from the port that the pump feeds, while it turns (it fades out below a fifth of a turn per second).
 fn pump_slip<R: Real>(law: Slip, inputs: &Inputs, state: &State<R>, terms: &mut Terms<R>) {
     const FADE_REV_PER_S: f64 = 0.2;
     let Some(pump) = inputs.pump else { return };

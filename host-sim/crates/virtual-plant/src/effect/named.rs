@@ -1,4 +1,4 @@
-//! Effects by name and one number, for the command line.
+//! Effects by name and a number, for the command line.
 
 use super::flow::FlowEffect;
 use super::friction::{DryFriction, FrictionLevel};
@@ -11,7 +11,7 @@ use crate::flow::edges::GainCurve;
 
 type Make = fn(f64) -> PlantEffect;
 
-/// Name, unit of the number, and the effect with its other parameters as usual.
+/// Name, unit of the number, and the effect, with usual values of its other parameters.
 #[rustfmt::skip]
 const EFFECTS: [(&str, &str, Make); 33] = [
     ("hose-compliance", "m3/Pa", PlantEffect::hose_compliance),
@@ -54,13 +54,13 @@ fn friction(level: FrictionLevel) -> PlantEffect {
 }
 
 impl PlantEffect {
-    /// Leakage out of A and of B of which a third turns turbulent beyond 2·10⁶ Pa.
+    /// Leakage out of A and of B, a third of which becomes turbulent beyond 2·10⁶ Pa.
     #[must_use]
     pub const fn external_leakage(conductances_m3_per_s_pa: [f64; 2]) -> Self {
         Self::ExternalLeakage { conductances_m3_per_s_pa, turbulent_share: 0.35, transition_pa: 2.0e6 }
     }
 
-    /// Air of which half is in solution at 6·10⁶ Pa.
+    /// Air, half of which is in solution at 6·10⁶ Pa.
     #[must_use]
     pub const fn entrained_air(share: f64) -> Self {
         Self::EntrainedAir { share, dissolving_pa: 6.0e6 }
@@ -71,7 +71,7 @@ impl PlantEffect {
         EFFECTS.iter().map(|&(name, unit, _)| (name, unit))
     }
 
-    /// The effect of this name and strength, in the unit that [`Self::known`] says, with its other parameters as usual.
+    /// The effect with this name and strength, in the unit that [`Self::known`] gives, with usual values of its other parameters.
     #[must_use]
     pub fn named(name: &str, strength: f64) -> Option<Self> {
         EFFECTS.iter().find(|effect| effect.0 == name).map(|effect| effect.2(strength))

@@ -1,4 +1,4 @@
-//! Oil that warms up over a recording, and oil that a thermometer finds at another temperature in each.
+//! Oil that warms up during a recording, and oil with a measured temperature that differs from recording to recording.
 
 use crate::tangent::Real;
 use crate::terms::{Conditions, Terms};
@@ -8,13 +8,13 @@ use crate::terms::{Conditions, Terms};
 pub struct OilTemperature {
     /// Rise at the reference power, K/s.
     pub rise_k_per_s: f64,
-    /// Share of the rise that goes by the power; the rest goes by time alone.
+    /// Share of the rise that depends on the power; the remaining share depends on time alone.
     pub share_of_power: f64,
-    /// Power at which both are meant, W.
+    /// Power at which both values apply, W.
     pub reference_power_w: f64,
 }
 
-/// Kelvin per unit of the state.
+/// Kelvin per unit of the state variable.
 const UNIT_K: f64 = 10.0;
 
 impl OilTemperature {
@@ -62,7 +62,7 @@ impl OilGrade {
         libm::log(self.kinematic_mm2_per_s(from_c) / self.kinematic_mm2_per_s(to_c)) / (to_c - from_c)
     }
 
-    /// lg lg(ν + 0.7) = A − B·lg T, through both given values. The density's change is left out.
+    /// lg lg(ν + 0.7) = A − B·lg T, through both given values. The change of density is neglected.
     fn kinematic_mm2_per_s(&self, temperature_c: f64) -> f64 {
         let kelvin = |celsius: f64| libm::log10(celsius + 273.15);
         let ordinate = |viscosity: f64| libm::log10(libm::log10(viscosity + 0.7));

@@ -1,4 +1,4 @@
-//! What the sensors do beyond noise and rounding; the motion of what they see is in [`crate::sensor::before_noise`].
+//! What the sensors do beyond noise and rounding; the motion as the sensors see it is in [`crate::sensor::before_noise`].
 
 /// Which channel reads wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,7 +16,7 @@ pub enum Channel {
 /// An effect between the true signals and the sensors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SensingEffect {
-    /// Play between rod and encoder, with a little elastic rounding where it is taken up.
+    /// Play between rod and encoder, with slight elastic rounding near its flanks.
     Backlash {
         /// Travel between the two flanks, m.
         play_m: f64,
@@ -28,19 +28,19 @@ pub enum SensingEffect {
         /// Damping ratio.
         damping: f64,
     },
-    /// The position comes late.
+    /// The position is measured with a delay.
     PositionDelay {
-        /// By this time, s.
+        /// The delay, s.
         delay_s: f64,
     },
-    /// A channel reads too much by a constant, in its SI unit.
+    /// A channel reads too high by a constant, in its SI unit.
     Offset {
         /// Which one.
         channel: Channel,
         /// By how much.
         offset: f64,
     },
-    /// A channel has a wrong factor.
+    /// A channel reads with a wrong scale factor.
     Factor {
         /// Which one.
         channel: Channel,
@@ -53,13 +53,13 @@ pub enum SensingEffect {
         frequency_hz: f64,
         /// Damping ratio.
         damping: f64,
-        /// Deflection against acceleration, in parts of what the rod's own inertia would give.
+        /// Deflection for a given acceleration, relative to what the rod's own inertia would give.
         share: f64,
     },
 }
 
 impl SensingEffect {
-    /// The name in the project's vocabulary; a leading ~ marks what is outside of it.
+    /// The name in the project's vocabulary; a leading ~ marks an effect outside the vocabulary.
     #[must_use]
     pub const fn name(&self) -> &'static str {
         match self {

@@ -46,14 +46,14 @@ impl Commands {
     }
 }
 
-/// Force on the rod over time, beside the machine's constant load: linear between its points,
+/// Force on the rod over time, in addition to the machine's constant load: linear between its points,
 /// constant before the first and after the last.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadProfile {
     points: Vec<(f64, f64)>,
 }
 
-/// A load profile that is none.
+/// Why points do not make a load profile.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum LoadError {
     /// A point lies before its predecessor.
@@ -79,7 +79,7 @@ pub enum LoadError {
 }
 
 impl LoadProfile {
-    /// No force beside the machine's own.
+    /// No force in addition to the machine's own load.
     #[must_use]
     pub const fn none() -> Self {
         Self { points: Vec::new() }
@@ -100,13 +100,13 @@ impl LoadProfile {
         Ok(Self { points })
     }
 
-    /// The same profile, later by a time.
+    /// The same profile, delayed by a time.
     #[must_use]
     pub(crate) fn later(&self, by_s: f64) -> Self {
         Self { points: self.points.iter().map(|&(time_s, force_n)| (time_s + by_s, force_n)).collect() }
     }
 
-    /// The straight line in force from `time_s` on, and the time of the next corner (or infinity).
+    /// The straight line that applies from `time_s` on, and the time of the next corner (or infinity).
     pub(crate) fn line_from(&self, time_s: f64) -> (LoadLine, f64) {
         let next = self.points.partition_point(|&(at, _)| at <= time_s);
         let corner_s = self.points.get(next).map_or(f64::INFINITY, |point| point.0);

@@ -1,4 +1,4 @@
-//! The valve's four edges with the lines before and behind them: spool position and pressures to Qa and Qb.
+//! The valve's four edges with the lines before and after them: from spool position and pressures to Qa and Qb.
 
 use super::orifice::{limited, signed_root};
 use crate::tangent::Real;
@@ -6,18 +6,18 @@ use crate::tangent::Real;
 /// How the flow grows with the opening beyond the dead zone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GainCurve {
-    /// In proportion: the paper's.
+    /// In proportion: the paper's model.
     Proportional,
     /// Notches: a smaller slope up to a rounded knee, the full one beyond.
     Notch {
         /// Opening at the knee, 1.
         knee: f64,
-        /// Slope below the knee, in parts of the slope beyond it.
+        /// Slope below the knee, relative to the slope beyond it.
         slope: f64,
         /// How far the knee is rounded, 1.
         rounding: f64,
     },
-    /// A power of the opening, which leaves one opening as it is.
+    /// A power of the opening, which leaves the flow unchanged at one opening.
     Power {
         /// The exponent; 1 is proportional.
         exponent: f64,
@@ -27,7 +27,7 @@ pub enum GainCurve {
 }
 
 impl GainCurve {
-    /// The opening of a proportional valve with the same flow; odd.
+    /// The opening of a proportional valve that has the same flow; an odd function.
     #[must_use]
     pub fn shaped(&self, opening: f64) -> f64 {
         let size = opening.abs();
@@ -79,7 +79,7 @@ pub(crate) struct Edges {
     pub(crate) laminar_pa: f64,
     pub(crate) flow_limit: f64,
     pub(crate) gain: GainCurve,
-    /// Sizes of P-A, B-T (extending), P-B and A-T (retracting), in parts of the coefficient.
+    /// Sizes of P-A, B-T (extending), P-B and A-T (retracting), relative to the coefficient.
     pub(crate) sizes: [f64; 4],
     pub(crate) supply_line: Line,
     pub(crate) return_line: Line,
@@ -117,12 +117,12 @@ impl Edges {
         (limited(a, self.flow_limit), limited(b, self.flow_limit))
     }
 
-    /// What the supply delivers of these flows, m³/s.
+    /// The one of these flows that the supply delivers, m³/s.
     pub(crate) fn delivered<R: Real>(&self, spool: f64, (flow_a, flow_b): (R, R)) -> R {
         if self.opening(spool) < 0.0 { -flow_b } else { flow_a }
     }
 
-    /// Flow through an edge of `gain` (m³/s per √Pa, its sign is the flow's) with a line in series.
+    /// Flow through an edge of `gain` (m³/s per √Pa; its sign is that of the flow) with a line in series.
     fn edge<R: Real>(&self, gain: f64, across: R, line: Line) -> R {
         let root = signed_root(across, self.transition_pa);
         let linear = line.linear + self.laminar_pa.sqrt() / gain.abs();

@@ -2,7 +2,7 @@
 
 use crate::tangent::Real;
 
-/// The signed root of a pressure difference, made finite at zero: `Δ/(Δ² + p_t²)^¼`, √Pa.
+/// The signed root of a pressure difference, with a finite slope at zero: `Δ/(Δ² + p_t²)^¼`, √Pa.
 ///
 /// For |Δ| ≫ `p_t` it is sgn(Δ)·√|Δ| (3), (4); below `p_t` it is linear (laminar).
 #[must_use]

@@ -1,4 +1,4 @@
-//! What a run on the test bed leaves behind: the recording the sensors made, and the truth beside it.
+//! The results of a run on the test bed: the recording that the sensors made, and the truth that belongs to it.
 
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
@@ -36,19 +36,19 @@ pub struct SyntheticRecording {
     pub oil_temperature_c: Vec<f64>,
     /// Set position of a closed-loop run, m; empty otherwise.
     pub reference_m: Vec<f64>,
-    /// The true signals, which no recording has.
+    /// The true signals, which no real recording contains.
     pub truth: Vec<PlantState>,
     /// What sensors without noise and rounding would have shown.
     pub seen: Vec<Reading>,
 }
 
-/// A recording that could not be written.
+/// A recording could not be written.
 #[derive(Debug, Error)]
 #[error("cannot write {}: {cause}", path.display())]
 pub struct WriteError {
-    /// Where to.
+    /// The path of the file.
     pub path: PathBuf,
-    /// What the system says.
+    /// The error of the system.
     #[source]
     pub cause: io::Error,
 }
@@ -66,9 +66,9 @@ impl SyntheticRecording {
         self.time_s.is_empty()
     }
 
-    /// The recording as text, as the readers take it; only what sensors see, no empty columns.
+    /// The recording as text in the format of the readers; only what sensors see, no empty columns.
     ///
-    /// Every number is the shortest text that reads back as the same `f64`, but the time, which is
+    /// Every number is the shortest text that reads back as the same `f64`, except the time, which is
     /// rounded to 1 ns. A pump's speed carries the sign of its valve's direction, as in measured
     /// recordings of such drives.
     #[must_use]
@@ -102,7 +102,7 @@ impl SyntheticRecording {
         text
     }
 
-    /// Leaves out the first rows; time starts anew.
+    /// Leaves out the first rows; the times keep their original start.
     pub(crate) fn cut_before(&mut self, rows: usize) {
         let rows = rows.min(self.len());
         let channels = [
@@ -124,7 +124,7 @@ impl SyntheticRecording {
         self.time_s.truncate(self.time_s.len() - rows);
     }
 
-    /// The recording with each channel rounded to what its sensor can tell, so that its text is short: command 0.1 mV,
+    /// The recording with each channel rounded to what its sensor can resolve, so that its text is short: command 0.1 mV,
     /// spool 1e-6, position 0.1 µm, pressure 1 Pa, temperature 0.01 K.
     #[must_use]
     pub fn rounded(mut self) -> Self {
@@ -145,7 +145,7 @@ impl SyntheticRecording {
         self
     }
 
-    /// The recording of a valve drive as the rest of the program takes it; only what sensors see.
+    /// The recording of a valve drive in the form that the other crates use; only what sensors see.
     pub fn to_recording(&self, name: &str) -> Result<Recording, RecordingError> {
         let mut columns = vec![
             Column::si(Signal::Time, self.time_s.clone()),
@@ -161,7 +161,7 @@ impl SyntheticRecording {
         Recording::new(name, columns)
     }
 
-    /// Writes [`Self::to_csv`] beside `path` and renames it into place: never half a file.
+    /// Writes [`Self::to_csv`] to a temporary file beside `path` and renames it: never half a file.
     pub fn write_csv(&self, path: &Path) -> Result<(), WriteError> {
         let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let write = || -> io::Result<()> {
@@ -174,7 +174,7 @@ impl SyntheticRecording {
     }
 }
 
-/// A temporary file with the rights of any new file, not only for its owner.
+/// A temporary file with the permissions of any new file, so that not only its owner can read it.
 fn file_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]

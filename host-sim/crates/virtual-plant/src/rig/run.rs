@@ -1,4 +1,4 @@
-//! A run on the test bed: plant, sensors, and what drives them, to a recording.
+//! A run on the test bed: from plant, sensors, and the excitation to a recording.
 
 use recording::excitation::signals::{Dither, Excitation};
 
@@ -34,9 +34,9 @@ const COMMAND_LIMIT_V: f64 = 10.0;
 pub struct Bench {
     /// The drive.
     pub plant: Plant,
-    /// What is seen of it.
+    /// Its sensors.
     pub sensors: Sensors,
-    /// What the oil's temperature is measured by, where it is.
+    /// The sensor of the oil's temperature, where that is measured.
     pub thermometer: Option<Thermometer>,
     /// Control tick, s.
     pub tick_s: f64,
@@ -102,13 +102,13 @@ impl Bench {
                 Drive::Closed { reference_m, gain_v_per_m } => gain_v_per_m * (reference_m[tick] - reading.position_m),
             };
             let dither_v = self.dither.map_or(0.0, |dither| dither.at(time_s[tick]));
-            // The valve's card adds its dither behind its input.
+            // The valve's amplifier adds its dither after its input.
             let command_v = wanted_v.clamp(-COMMAND_LIMIT_V, COMMAND_LIMIT_V) + dither_v;
             recording.command_v.push(command_v);
             recording.spool.push(reading.spool);
             Command::Valve(command_v)
         })?;
-        // The spool rests on the first command, which was not chosen yet when the sensors were read.
+        // The spool rests at the position of the first command, which was not yet chosen when the sensors were read.
         if let (Some(state), Some(seen)) = (recording.truth.first(), recording.seen.first_mut()) {
             *seen = Sight::new(self.plant.physics.effects()).see(0.0, state);
             if let Some(spool) = recording.spool.first_mut() {
@@ -161,11 +161,11 @@ mod tests {
         let recording = bench(&[], None).record(&drive, &initial).unwrap();
         assert!(recording.command_v.iter().all(|volts| volts.abs() <= 10.0));
         assert!((recording.command_v[0] - 10.0).abs() < 1e-12);
-        // The dead zone leaves a rest of (dead zone - offset) / (gain / V) / (V / m) = 6.3 mm.
+        // The dead zone leaves an error of (dead zone - offset) / (gain / V) / (V / m) = 6.3 mm.
         assert!((recording.position_m[2999] - 0.2).abs() < 8e-3, "{}", recording.position_m[2999]);
     }
 
-    /// Prints run times; bounds are generous, for debug builds on busy machines.
+    /// Prints run times; the limits are generous, for debug builds on busy machines.
     #[test]
     fn runs_take_milliseconds() {
         let friction = [PlantEffect::coulomb_friction(800.0)];

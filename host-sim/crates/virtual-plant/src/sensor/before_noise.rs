@@ -1,4 +1,4 @@
-//! What the sensors would show without noise and rounding: the true signals behind play, lag, ringing and wrong scales.
+//! What the sensors would show without noise and rounding: the true signals after play, lag, ringing and wrong scales.
 
 use std::collections::VecDeque;
 
@@ -7,7 +7,7 @@ use crate::effect::PlantEffect;
 use crate::effect::sensing::{Channel, SensingEffect};
 use crate::plant::PlantState;
 
-/// The position at one moment, with its speed.
+/// The position at one moment, with its velocity.
 #[derive(Clone, Copy, Debug)]
 struct Point {
     time_s: f64,
@@ -15,18 +15,18 @@ struct Point {
     velocity_m_per_s: f64,
 }
 
-/// Longest step of what has a memory, s.
+/// Longest step for effects that have a memory, s.
 const STEP_S: f64 = 1e-4;
 
 /// One effect on the position, with its memory.
 #[derive(Clone, Debug)]
 enum View {
-    /// Half of the play, and how far the rod is from the middle of it.
+    /// Half of the play, and how far the rod is from the middle of the play.
     Backlash {
         half_m: f64,
         off_m: f64,
     },
-    /// Second order: output and its speed.
+    /// Second order: output and its derivative.
     Filter {
         rad_per_s: f64,
         damping: f64,
@@ -36,7 +36,7 @@ enum View {
         delay_s: f64,
         history: VecDeque<Point>,
     },
-    /// A mode that the rod's speed excites: deflection and its integral.
+    /// A mode that the rod's motion excites: deflection and its integral.
     Ringing {
         rad_per_s: f64,
         damping: f64,
@@ -62,7 +62,7 @@ impl View {
         }
     }
 
-    /// The position as it is seen, after the rod has gone from one point to the next.
+    /// The position as the sensor sees it, after the rod has moved from one point to the next.
     fn pass(&mut self, from: Point, to: Point) -> f64 {
         let parts = ((to.time_s - from.time_s) / STEP_S).ceil().max(1.0);
         let step_s = (to.time_s - from.time_s) / parts;
@@ -83,7 +83,7 @@ impl View {
                     output[0]
                 }
                 Self::Ringing { rad_per_s, damping, share, mode } => {
-                    // q̈ + 2ζω·q̇ + ω²·q = −a, with the acceleration as the change of the rod's own speed.
+                    // q̈ + 2ζω·q̇ + ω²·q = −a; the acceleration is the change of the rod's own velocity.
                     let speed = (at_m - before_m) / step_s.max(1e-12);
                     let change = speed - mode_speed(from, to, (done - 1.0) / parts, step_s);
                     mode[1] -= change + step_s * *rad_per_s * (2.0 * *damping * mode[1] + *rad_per_s * mode[0]);
@@ -112,7 +112,7 @@ impl View {
     }
 }
 
-/// The rod's mean speed over the step that ends at `along`; before the first point it goes as there.
+/// The rod's mean velocity over the step that ends at `along`; before the first point it is the velocity at that point.
 fn mode_speed(from: Point, to: Point, along: f64, step_s: f64) -> f64 {
     let part = step_s / (to.time_s - from.time_s).max(1e-12);
     if along > 0.0 {
@@ -122,14 +122,14 @@ fn mode_speed(from: Point, to: Point, along: f64, step_s: f64) -> f64 {
     }
 }
 
-/// The cubic through both points with their speeds.
+/// The cubic through both points that has their velocities.
 fn between(from: Point, to: Point, u: f64) -> f64 {
     let (rest, length_s) = (1.0 - u, to.time_s - from.time_s);
     let ends = from.position_m * rest * rest * (1.0 + 2.0 * u) + to.position_m * u * u * (1.0 + 2.0 * rest);
     ends + length_s * u * rest * (from.velocity_m_per_s * rest - to.velocity_m_per_s * u)
 }
 
-/// Play with rounded corners: the rod moves within it freely at first and takes the encoder along near the flank.
+/// Play with rounded corners: the rod first moves freely within it, and near the flank it takes the encoder along.
 fn taken_up(off_m: f64, change_m: f64, half_m: f64) -> f64 {
     let parts = (change_m.abs() / (0.02 * half_m)).ceil().clamp(1.0, 1000.0);
     let part = change_m / parts;
@@ -147,7 +147,7 @@ fn taken_up(off_m: f64, change_m: f64, half_m: f64) -> f64 {
 pub(crate) struct Sight {
     effects: Vec<SensingEffect>,
     views: Vec<View>,
-    /// The last point, and what each view made of it.
+    /// The last point, and the result of each view at it.
     last: Option<Point>,
     seen_m: Vec<Point>,
 }
@@ -159,7 +159,7 @@ impl Sight {
         Self { effects: effects.iter().filter_map(sensing).collect(), ..Self::default() }
     }
 
-    /// What sensors without noise show. Times rise from call to call.
+    /// What sensors without noise would show. Times rise from call to call.
     pub(crate) fn see(&mut self, time_s: f64, state: &PlantState) -> Reading {
         let now = Point { time_s, position_m: state.position_m, velocity_m_per_s: state.velocity_m_per_s };
         let mut reading = Reading {
@@ -224,7 +224,7 @@ mod tests {
         let seen = seen(SensingEffect::Backlash { play_m: 1e-3 });
         assert!((seen[1500].1 - seen[1500].0 - 0.5e-3).abs() < 5e-5, "retracting");
         assert!((seen[1900].1 - seen[1900].0 + 0.5e-3).abs() < 5e-5, "extending");
-        // 1 mm below the crest takes 41 ms; half of it is free.
+        // After the reversal the rod takes 41 ms to move 1 mm; half of this is within the play.
         let rest = (seen[1250].1 - seen[1275].1).abs();
         assert!(rest < 1e-4, "{rest}");
     }

@@ -1,14 +1,14 @@
 //! The linkage between rod and joint: rod position to joint angle and back.
 //!
-//! Joint, cylinder foot and rod eye are a triangle. Its sides at the joint are fixed (base and arm),
-//! the third is the cylinder, `length_retracted + y`; the angle at the joint follows by the law of
+//! Joint, cylinder foot and rod eye form a triangle. Its two sides at the joint are fixed (base and arm);
+//! the third side is the cylinder, `length_retracted + y`. The angle at the joint follows from the law of
 //! cosines and grows as the rod extends.
 
 use thiserror::Error;
 
 use model_core::machine::{Machine, Parameter};
 
-/// The triangle, with where the encoder counts zero.
+/// The triangle, and the angle at which the encoder counts zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Linkage {
     base_m: f64,
@@ -48,7 +48,7 @@ impl Linkage {
         Ok(linkage)
     }
 
-    /// Joint angle from the encoder's zero, rad. Beyond the triangle's limits it stays at them.
+    /// Joint angle from the encoder's zero, rad. Outside the triangle's limits it keeps the limit value.
     #[must_use]
     pub fn angle_rad(&self, position_m: f64) -> f64 {
         let length_m = self.length_retracted_m + position_m;
@@ -57,7 +57,7 @@ impl Linkage {
         libm::acos(cosine.clamp(-1.0, 1.0)) - self.angle_at_zero_rad
     }
 
-    /// Rod position, m, of an angle from the encoder's zero.
+    /// Rod position, m, for an angle from the encoder's zero.
     #[must_use]
     pub fn position_m(&self, angle_rad: f64) -> f64 {
         let sides = self.base_m * self.base_m + self.arm_m * self.arm_m;

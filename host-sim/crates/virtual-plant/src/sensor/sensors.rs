@@ -5,7 +5,7 @@ use recording::seeded_noise::Noise;
 
 use super::linkage::{Linkage, LinkageError};
 
-/// A value rounded to the steps of a converter.
+/// A value rounded to the steps of an analogue-digital converter.
 fn quantised(value: f64, step: f64) -> f64 {
     if step > 0.0 { (value / step).round() * step } else { value }
 }
@@ -15,14 +15,14 @@ fn quantised(value: f64, step: f64) -> f64 {
 pub struct SpoolSensor {
     /// Counts per full spool travel; it reads −counts to counts − 1.
     pub counts_per_unit: f64,
-    /// Standard deviation of its noise before rounding, in parts of the travel.
+    /// Standard deviation of its noise before rounding, relative to the travel.
     pub noise_std: f64,
 }
 
-/// What measures the rod's position.
+/// The sensor of the rod's position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PositionSensor {
-    /// An incremental encoder on the joint, seen back as rod position through the linkage.
+    /// An incremental encoder on the joint, converted back to rod position through the linkage.
     Encoder {
         /// Triangle between rod and joint.
         linkage: Linkage,
@@ -31,7 +31,7 @@ pub enum PositionSensor {
     },
     /// A linear scale on the rod.
     Linear {
-        /// Its step, m; 0 is exact.
+        /// Its resolution, m; 0 is exact.
         resolution_m: f64,
     },
 }
@@ -43,7 +43,7 @@ impl PositionSensor {
         Ok(Self::Encoder { linkage: Linkage::of(machine)?, counts_per_rev })
     }
 
-    /// The rod position, m, as it is seen. No noise: an encoder counts.
+    /// The rod position, m, as the sensor shows it. It has no noise, because an encoder counts.
     #[must_use]
     pub fn measure(&self, position_m: f64) -> f64 {
         match self {
@@ -61,15 +61,15 @@ impl PositionSensor {
 pub struct PressureSensor {
     /// Standard deviation of its noise, Pa.
     pub noise_std_pa: f64,
-    /// Full scale, Pa; it clips at ± this.
+    /// Full scale, Pa; it clips at ± this value.
     pub range_pa: f64,
-    /// Bits of the converter over ± the range; 0 is exact.
+    /// Bits of the converter over ± the full scale; 0 is exact.
     pub bits: u8,
 }
 
 impl PressureSensor {
     fn measure(&self, pressure_pa: f64, noise: &mut Noise) -> f64 {
-        // The noise is drawn in any case, so that a quieter sensor sees the same numbers scaled.
+        // The noise is always drawn, so that a sensor with less noise gets the same random numbers, scaled.
         let seen = pressure_pa + noise.gaussian(self.noise_std_pa);
         let step = if self.bits == 0 { 0.0 } else { self.range_pa * 2.0_f64.powi(1 - i32::from(self.bits)) };
         quantised(seen, step).clamp(-self.range_pa, self.range_pa)
@@ -83,14 +83,14 @@ pub struct Thermometer {
     pub oil_c: f64,
     /// Standard deviation of its noise, K.
     pub noise_std_k: f64,
-    /// Its step, K; 0 is exact.
+    /// Its resolution, K; 0 is exact.
     pub resolution_k: f64,
 }
 
 impl Thermometer {
-    /// So many readings, °C.
+    /// As many readings as there are ticks, °C.
     pub(crate) fn read(&self, seed: u64, ticks: usize) -> Vec<f64> {
-        // The streams before are the other sensors'.
+        // The lower streams belong to the other sensors.
         let mut noise = Noise::new(seed, 6);
         (0..ticks).map(|_| quantised(self.oil_c + noise.gaussian(self.noise_std_k), self.resolution_k)).collect()
     }
@@ -112,13 +112,13 @@ pub struct Sensors {
 }
 
 impl Sensors {
-    /// The paper's: LVDT and joint encoder as the machine has them; pressure transmitters of
+    /// The paper's sensors: LVDT and joint encoder as the machine has them; pressure transmitters of
     /// 2.5·10⁷ Pa and 16 bit with 3·10⁴ Pa of noise.
     pub fn of(machine: &Machine<f64>) -> Result<Self, LinkageError> {
         Ok(Self::with_position(machine, PositionSensor::encoder(machine)?))
     }
 
-    /// As [`Self::of`], with another sensor of the position: a drive without linkage has a scale at its rod.
+    /// As [`Self::of`], with another position sensor: a drive without linkage has a scale at its rod.
     #[must_use]
     pub fn with_position(machine: &Machine<f64>, position: PositionSensor) -> Self {
         Self {
@@ -130,7 +130,7 @@ impl Sensors {
         }
     }
 
-    /// Sensors that show the truth.
+    /// Sensors that show the true values.
     #[must_use]
     pub const fn exact() -> Self {
         Self {
@@ -158,7 +158,7 @@ pub struct Reading {
     pub supply_pressure_pa: f64,
 }
 
-/// The sensors at work, with the noise of each.
+/// The sensors in operation, with a noise source for each.
 #[derive(Clone, Debug)]
 pub(crate) struct Measuring {
     sensors: Sensors,
@@ -170,7 +170,7 @@ impl Measuring {
         Self { sensors, noise: [1, 2, 3, 4, 5].map(|stream| Noise::new(seed, stream)) }
     }
 
-    /// What is shown of the signals as sensors without noise would see them.
+    /// The readings for signals as sensors without noise would see them.
     pub(crate) fn read(&mut self, seen: &Reading) -> Reading {
         let [spool_noise, noise_a, noise_b, position_noise, supply_noise] = &mut self.noise;
         let Sensors { spool, position, position_noise_m, pressure, .. } = &self.sensors;

@@ -1,9 +1,9 @@
-//! The valve's spool: command to spool position, in closed form.
+//! The valve's spool: from command to spool position, in closed form.
 //!
 //! Set value w = gain·U + offset (15), held over each command interval; a rate limiter that is exact
-//! in continuous time (r moves towards w at ± the rate and stays on it); a transport delay; two
+//! in continuous time (r moves towards w at ± the rate and then stays at w); a transport delay; two
 //! first-order lags in series (16). Since r is piecewise linear, the lags have a closed solution on
-//! each piece of r, and x(t) carries no error of integration.
+//! each piece of r, and x(t) has no integration error.
 
 use std::collections::VecDeque;
 
@@ -56,12 +56,12 @@ impl Ramp {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SpoolPiece {
     start_s: f64,
-    /// Delayed set value at the start, and its slope.
+    /// Delayed set value at the start of the piece, and its slope.
     value: f64,
     slope_per_s: f64,
-    /// Lags in the order they are passed; those of 0 stand first.
+    /// Lags in the order in which they act; those of 0 come first.
     lags_s: [f64; 2],
-    /// What the first lag and the spool are off their particular solution, at the start.
+    /// Deviations of the first lag and of the spool from their particular solutions, at the start of the piece.
     transient: [f64; 2],
 }
 
@@ -99,7 +99,7 @@ impl SpoolPiece {
         let mut x = set - self.slope_per_s * (first + second) + self.transient[1] * (-t / second).exp();
         if first > 0.0 {
             inner += self.transient[0] * (-t / first).exp() - self.slope_per_s * first;
-            // The second lag's answer to exp(-t/first), finite and exact for equal lags too.
+            // The second lag's response to exp(-t/first), finite and exact also for equal lags.
             let gap = (t * (1.0 / second - 1.0 / first)).abs();
             let quotient = if gap > 0.0 { -(-gap).exp_m1() / gap } else { 1.0 };
             x += self.transient[0] * (t / second) * (-t / first.max(second)).exp() * quotient;
@@ -118,7 +118,7 @@ impl SpoolPiece {
 #[derive(Clone, Debug)]
 pub(crate) struct Spool {
     parameters: SpoolParameters,
-    /// Pieces of r, by the time they act on the lags (delay added). The first is in force.
+    /// Pieces of r, by the time at which they act on the lags (delay added). The first one is active.
     ramps: VecDeque<Ramp>,
     target: f64,
     piece: SpoolPiece,
@@ -148,7 +148,7 @@ impl Spool {
         }
         self.target = target;
         let acts_s = time_s + self.parameters.delay_s;
-        // What the former command would have done from here on does not happen.
+        // The remaining part of the previous command is dropped.
         while self.ramps.len() > 1 && self.ramps.back().is_some_and(|ramp| ramp.start_s >= acts_s) {
             self.ramps.pop_back();
         }
@@ -161,8 +161,8 @@ impl Spool {
         self.ramps.push_back(Ramp { start_s: acts_s + duration_s, value: target, slope_per_s: 0.0 });
     }
 
-    /// The piece in force from `time_s` on, and the time of the next corner of the set value
-    /// (infinite if none is known). Times do not go back.
+    /// The piece that is active from `time_s` on, and the time of the next corner of the set value
+    /// (infinite if none is known). Times must not decrease.
     pub(crate) fn piece_from(&mut self, time_s: f64) -> (SpoolPiece, f64) {
         while let Some(&next) = self.ramps.get(1)
             && next.start_s <= time_s

@@ -1,20 +1,20 @@
-//! A spool with effects: small steps over the exact set value, a smooth curve through them.
+//! A spool with effects: small steps over the exact set value, joined by a smooth curve.
 //!
-//! The set value behind rate limit and delay is exact ([`Spool`] without lags). From there: hysteresis, saturation and
-//! drift on the set value; the two lags, exact over each step for a set value that is linear in it; flow force as what
-//! the second lag's spring is off; stiction on what it moves. Steps of at most 0.125 ms keep the spool to 1e-5 of its travel.
+//! The set value after rate limit and delay is exact ([`Spool`] without lags). On it act, in this order: hysteresis, saturation and
+//! drift on the set value; the two lags, exact over each step for a set value that is linear in it; flow force, which shifts the target
+//! of the second lag; stiction on the result. Steps of at most 0.125 ms keep the error of the spool within 1e-5 of its travel.
 
 use super::linear::{Spool, SpoolParameters};
 use crate::effect::valve::ValveEffect;
 use crate::flow::edges::Edges;
 use crate::physics::State;
 
-/// Steps of one curve.
+/// Number of steps of a curve.
 const STEPS: usize = 8;
 /// Longest curve, s.
 const LONGEST_S: f64 = 1e-3;
 
-/// Start and end of a step: positions, and speeds inside the step.
+/// A step: positions at its start and end, and the velocities there, taken from inside the step.
 #[derive(Clone, Copy, Debug, Default)]
 struct Step {
     from: f64,
@@ -23,7 +23,7 @@ struct Step {
     speed_to: f64,
 }
 
-/// The spool over a short stretch: a cubic on each step.
+/// The spool over a short interval: a cubic on each step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Curve {
     start_s: f64,
@@ -49,7 +49,7 @@ impl Curve {
     }
 }
 
-/// A shape of the set value, with its memory.
+/// An effect on the set value, with its memory.
 #[derive(Clone, Copy, Debug)]
 enum Shape {
     /// Half widths, and the outputs of the elements.
@@ -72,7 +72,7 @@ enum Shape {
     },
 }
 
-/// Half widths of the plays in parts of the mean half width, and their weights.
+/// Half widths of the plays relative to the mean half width, and their weights.
 const PLAYS: ([f64; 3], [f64; 3]) = ([0.5, 1.0, 1.9], [0.45, 0.32, 0.23]);
 
 impl Shape {
@@ -89,7 +89,7 @@ impl Shape {
         }
     }
 
-    /// The shaped set value after it has gone from `before` to `set` at `time_s`.
+    /// The set value after this effect, when the input has moved from `before` to `set` at `time_s`.
     fn pass(&mut self, time_s: f64, before: f64, set: f64) -> f64 {
         match self {
             Self::Plays { half, outputs } => {
@@ -142,14 +142,14 @@ pub(crate) struct ShapedSpool {
     sticking: Option<Sticking>,
     flow_force: FlowForce,
     time_s: f64,
-    /// Set value as it comes, and shaped.
+    /// Set value before and after the effects on it.
     raw: f64,
     shaped: f64,
     /// Output of the first lag.
     inner: f64,
-    /// What the second lag's spring pulls to.
+    /// The position to which the second lag's spring pulls.
     pulled_to: f64,
-    /// Output of the second lag: the spool, if it does not stick.
+    /// Output of the second lag: the spool position, if it does not stick.
     free: f64,
     x: f64,
     curve: Curve,
@@ -195,12 +195,12 @@ impl ShapedSpool {
         self.set.command(time_s, command_v);
     }
 
-    /// Where it is at the end of the last curve.
+    /// Its position at the end of the last curve.
     pub(crate) fn position(&self) -> f64 {
         self.x
     }
 
-    /// The curve from `from_s` on and its end, at most `to_s`. The pressures hold at its start.
+    /// The curve from `from_s` on and its end, at most `to_s`. The pressures at its start are used throughout.
     pub(crate) fn curve_from(&mut self, from_s: f64, to_s: f64, edges: &Edges, state: &State<f64>) -> (Curve, f64) {
         if from_s < self.time_s || to_s <= from_s {
             return (self.curve, self.time_s);
@@ -220,7 +220,7 @@ impl ShapedSpool {
         let raw = self.set.piece_from(end_s).0.position(end_s);
         let before = self.raw;
         self.raw = raw;
-        // Each shape sees what the one before it gives; only the first needs the path, the others are memoryless.
+        // The input of each effect is the output of the one before; only the first needs the input before the step, the others are memoryless.
         let shaped = self.shapes.iter_mut().fold(raw, |set, shape| shape.pass(end_s, before, set));
         let inner = lagged(self.inner, self.shaped, shaped, step_s, self.lags_s[0]);
         self.shaped = shaped;
@@ -250,7 +250,7 @@ impl ShapedSpool {
         }
     }
 
-    /// How far the flow pushes the spool towards closed, and what it adds to the second lag, s.
+    /// How far the flow pushes the spool closed, and by how much it lengthens the second lag, s.
     fn pushed(&self, edges: &Edges, state: &State<f64>) -> (f64, f64) {
         let opening = edges.opening(self.x);
         let (high, low) =
@@ -262,7 +262,7 @@ impl ShapedSpool {
 }
 
 impl Sticking {
-    /// Where the spool goes from `x` while its spring would have it at `free`.
+    /// The new position of the spool from `x`, while its spring pulls it to `free`.
     fn moved(&mut self, x: f64, free: f64, step_s: f64) -> f64 {
         let pull = free - x;
         self.moving |= pull.abs() > self.break_away;
@@ -275,7 +275,7 @@ impl Sticking {
             return x;
         }
         let moved = x + left.copysign(pull) * -libm::expm1(-step_s / self.jump_s);
-        // Arrived, or as nearly as makes no difference: it sticks again.
+        // It has arrived, or very nearly: it sticks again.
         self.moving = self.jump_s > 0.0 && left > 0.02 * self.break_away;
         moved
     }

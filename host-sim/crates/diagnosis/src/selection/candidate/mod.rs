@@ -1,4 +1,4 @@
-//! A set of effects with its refit in the chain.
+//! A candidate model: a combination of effects with its refit in the whole model.
 
 mod neighbours;
 mod plausibility;
@@ -23,7 +23,7 @@ pub use neighbours::{Reference, Weighing, noisier};
 /// The question put to the training recordings.
 #[derive(Clone, Copy, Debug)]
 pub struct Question<'a> {
-    /// What is known of the drive before.
+    /// What is known of the drive beforehand.
     pub scene: &'a Scene<'a>,
     /// Base parameters that may move.
     pub base_parameters: &'a [Free],
@@ -63,27 +63,27 @@ impl Chosen {
     }
 }
 
-/// A set of effects with its fit.
+/// A combination of effects with its fit.
 #[derive(Clone, Debug)]
 pub struct Candidate {
     /// The effects beyond the machine file's own.
     pub effects: Vec<Chosen>,
     /// Fitted on all training recordings.
     pub fit: Fit,
-    /// Effect parameters that no slope leads to, as they were found.
+    /// Effect parameters without a usable derivative, with the values that were found for them.
     pub jumps: Vec<(Parameter, f64)>,
     /// Residuals on the training recordings.
     pub residuals: Residuals,
     /// Whether it was refitted to the end.
     pub is_finished: bool,
-    /// Whether the noise that it was fitted with was as correlated: standard deviations hold what neighbouring rows have in common.
+    /// Whether it was fitted with inflated noise, which already includes the correlation of neighbouring rows in the standard deviations.
     pub is_inflated: bool,
     /// How the independent samples of its residuals are counted.
     pub counts: Counts,
 }
 
 impl Candidate {
-    /// The machine file's model, refitted from two solutions that are near.
+    /// The machine file's model, refitted from two nearby solutions.
     pub fn base(question: &Question<'_>, one: &Fit, other: &Fit) -> Result<Self, FitError> {
         let nearly = |near: &Fit| Self::base_parameters(question, Some(near), NEARLY);
         let (one, other) = rayon::join(|| nearly(one), || nearly(other));
@@ -91,15 +91,16 @@ impl Candidate {
         if other.fit.loss < one.fit.loss { &other } else { &one }.to_the_end(question)
     }
 
-    /// The machine file's model, refitted from a solution where that ends below a loss: nearly first, to the end only where it does.
+    /// The machine file's model, refitted from a solution; `None` unless it ends below a loss. It is refitted coarsely first, and to the end only if
+    /// that is below the loss.
     pub fn below(question: &Question<'_>, solution: &Fit, loss: f64) -> Result<Option<Self>, FitError> {
         let nearly = Self::base_parameters(question, Some(solution), NEARLY)?;
         if nearly.fit.loss < loss { nearly.to_the_end(question).map(Some) } else { Ok(None) }
     }
 
-    /// The machine file's model, as all sets are measured against it.
+    /// The machine file's model with the precision of the reference for all candidate models.
     fn to_the_end(&self, question: &Question<'_>) -> Result<Self, FitError> {
-        // Of residuals that are alike for so many rows, a fall of the loss says so many times less.
+        // Where residuals are correlated over n rows, a fall of the loss has n times less significance.
         let precision = (inflation(&self.residuals, self.counts) * FINELY).min(PRECISION);
         Self::base_parameters(question, Some(&self.fit), precision)
     }
@@ -109,9 +110,8 @@ impl Candidate {
         Self::base_parameters(question, from, SETTLED)
     }
 
-    /// The machine file's model refitted, after which every channel tolerates what that leaves: residuals far beyond count
-    /// linearly in all that follows.
-    /// That refit is returned.
+    /// Refits the machine file's model and sets the tolerance of every channel to the misfit of that refit: residuals far beyond it count linearly in
+    /// all later fits. Returns that refit.
     pub fn tolerated(scene: &Scene<'_>, base_parameters: &[Free], training: &mut [Prepared]) -> Result<Fit, FitError> {
         let nominal = vec![StartState::default(); training.len()];
         set_tolerances(scene.machine, training, &nominal)?;
@@ -122,8 +122,8 @@ impl Candidate {
         Ok(base)
     }
 
-    /// With the effect that its newest one extends in the place of that, refitted to the end from where that has ended: there the search
-    /// with the plainer one may never have come. `None` where the newest extends none that these recordings can show.
+    /// With the plainer effect in the place of the newest one, which extends it, refitted to the end from the extension's solution: the search with
+    /// the plainer effect may never have reached that place. `None` where the newest effect extends none that these recordings can show.
     pub fn with_plain(&self, question: &Question<'_>) -> Result<Option<Self>, FitError> {
         let Some((newest, others)) = self.effects.split_last() else { return Ok(None) };
         let Some(extension) = newest.effect.extends else { return Ok(None) };
@@ -147,8 +147,8 @@ impl Candidate {
         self.again_from(question, &[])?.unstuck(question)
     }
 
-    /// What was refitted to the end, refitted again where that leaves less. An amount that vanished beside others has left no slope that
-    /// leads back, nor has an effect parameter at the end of what is admissible: the middle of its range is tried.
+    /// The candidate model after a refit to the end, refitted once more if that lowers the loss. An amount that vanished beside others has no
+    /// derivative that leads back, nor has an effect parameter at an end of its admissible range: the middle of the range is tried.
     pub fn unstuck(self, question: &Question<'_>) -> Result<Self, FitError> {
         let lost: Vec<(Parameter, f64)> =
             self.vanished(question.scene).into_iter().chain(self.stranded(question.scene)).collect();
@@ -159,13 +159,13 @@ impl Candidate {
         Ok(if again.fit.loss < self.fit.loss { again } else { self })
     }
 
-    /// Refitted to the end from where it is, but from these values.
+    /// Refitted to the end from its own solution, except for these starting values.
     fn again_from(&self, question: &Question<'_>, values: &[(Parameter, f64)]) -> Result<Self, FitError> {
         let from = Beginning { fit: &self.fit, values, settled: &[], goes: Goes::ToTheEnd };
         Self::refitted(question, self.effects.clone(), self.jumps.clone(), &from)
     }
 
-    /// This set and one with other effects and other parameters together, refitted to the end.
+    /// This candidate model together with one of other effects and other parameters, refitted to the end.
     pub fn beside(&self, question: &Question<'_>, other: &Self) -> Result<Self, FitError> {
         let effects = other.effects.iter().chain(&self.effects).copied().collect();
         let jumps = other.jumps.iter().chain(&self.jumps).copied().collect();
@@ -203,7 +203,7 @@ impl Candidate {
         self.left(question, effects, &[gone])
     }
 
-    /// What is left without some of its effects. What those had of a base parameter goes to it.
+    /// The candidate model without some of its effects. The share of a base parameter that those had is given back to it.
     fn left(&self, question: &Question<'_>, kept: Vec<Chosen>, gone: &[Chosen]) -> Result<Self, FitError> {
         let mut jumps = self.jumps.clone();
         jumps.retain(|(parameter, _)| gone.iter().all(|chosen| !is_jump(chosen.form, *parameter)));
@@ -218,12 +218,12 @@ impl Candidate {
         Self::refitted(question, kept, jumps, &from)
     }
 
-    /// Residuals on each training recording by a model that never saw it, one Newton step away, from the start that suits that model.
+    /// Residuals on each training recording of a model that was fitted without it, by one Newton step, from the initial state that fits that model.
     pub fn left_out(&self, question: &Question<'_>) -> Result<Residuals, FitError> {
         self.left_out_by(question, |index| Ok(self.fit.without(index)))
     }
 
-    /// The same by models refitted without the recording.
+    /// The same with models that are refitted without the recording.
     pub fn left_out_refitted(&self, question: &Question<'_>) -> Result<Residuals, FitError> {
         let coarser = coarse(question.training, &self.fit.machine, &self.fit.starts)?;
         self.left_out_by(question, |index| self.refitted_without(question, &coarser, index))
@@ -260,7 +260,7 @@ impl Candidate {
         self.effects.last().map(|newest| (newest.effect.name, newest.form.as_ptr()))
     }
 
-    /// Whether what was added last is what a lead points to.
+    /// Whether the effect that was added last is the one of a lead.
     pub(crate) fn newest_is_like(&self, lead: &Lead) -> bool {
         self.newest() == Some((lead.effect.name, lead.form.as_ptr()))
     }
@@ -290,7 +290,7 @@ impl Candidate {
     }
 }
 
-/// The effect parameters of a set, one that effects share once.
+/// The effect parameters of these effects; one that several effects share is listed once.
 fn effect_parameters(effects: &[Chosen]) -> Vec<EffectParameter> {
     let mut found: Vec<EffectParameter> = Vec::new();
     for effect_parameter in effects.iter().flat_map(|chosen| chosen.form.iter()) {

@@ -1,4 +1,4 @@
-//! What a set leads to: sets with one more effect, looked for and roughly refitted at twice the tick.
+//! Neighbours of a candidate model: models with one more effect, screened and roughly refitted at twice the tick.
 
 use identification::experiment::Prepared;
 use identification::fit::{FitError, Sensitivity, coarse};
@@ -9,7 +9,7 @@ use crate::catalogue::{Hypothesis, is_elastic};
 use crate::selection::extended;
 use crate::selection::screen::{Lead, screen};
 
-/// A set that others begin at, with the training recordings at twice the tick around it.
+/// A candidate model from which others begin, with the training recordings at twice the tick around it.
 #[derive(Debug)]
 pub struct Reference<'a> {
     question: &'a Question<'a>,
@@ -17,17 +17,17 @@ pub struct Reference<'a> {
     coarser: Vec<Prepared>,
 }
 
-/// How many times its own the noise of every channel of each training recording is taken to be.
+/// Factors by which the noise of every channel of each training recording is multiplied.
 pub type Weighing = Vec<Vec<f64>>;
 
 impl<'a> Reference<'a> {
-    /// A set as others begin at it.
+    /// A candidate model as the start of others.
     pub fn new(question: &'a Question<'a>, set: &'a Candidate) -> Result<Self, FitError> {
         let coarser = coarse(question.training, &set.fit.machine, &set.fit.starts)?;
         Ok(Self { question, set, coarser })
     }
 
-    /// What could be added to the set, the most promising first.
+    /// Effects that could be added to the candidate model, the most promising first.
     pub fn leads(&self, hypotheses: &[&'static Hypothesis]) -> Result<Vec<Lead>, FitError> {
         let coarser: Vec<&Prepared> = self.coarser.iter().collect();
         let Some(sensitivity) = Sensitivity::at(&self.set.fit, &coarser)? else { return Ok(Vec::new()) };
@@ -35,7 +35,7 @@ impl<'a> Reference<'a> {
         Ok(leads.into_iter().flatten().collect())
     }
 
-    /// The same by each of two weighings.
+    /// The same with each of two weightings.
     pub fn leads_by(
         &self,
         weighings: [&Weighing; 2],
@@ -50,7 +50,7 @@ impl<'a> Reference<'a> {
         Ok(std::array::from_fn(|_| leads.next().unwrap_or_default()))
     }
 
-    /// Where extensions of one of its effects could start: of friction on bristles those on bristles, of rigid friction the others.
+    /// Where extensions of one of its effects could start: with bristles those with bristles, for rigid friction the others.
     pub fn extensions(&self, of: &Chosen, by: &[&'static Hypothesis]) -> Result<Vec<Lead>, FitError> {
         let coarser: Vec<&Prepared> = self.coarser.iter().collect();
         let Some(sensitivity) = Sensitivity::at(&self.set.fit, &coarser)? else { return Ok(Vec::new()) };
@@ -62,12 +62,12 @@ impl<'a> Reference<'a> {
         Ok(found)
     }
 
-    /// The set with one more effect, roughly refitted from where the lead points; [`Candidate::finished`] does the rest.
+    /// The candidate model with one more effect, roughly refitted from the lead's values; [`Candidate::finished`] does the rest.
     pub fn with(&self, lead: &Lead) -> Result<Candidate, FitError> {
         self.beside(self.set.effects.clone(), lead)
     }
 
-    /// The set with an extension in the place of the effect that it extends.
+    /// The candidate model with an extension in the place of the effect that it extends.
     pub fn with_extension(&self, lead: &Lead) -> Result<Candidate, FitError> {
         let plain = lead.effect.extends.map_or("", |extension| extension.plain);
         let mut effects = self.set.effects.clone();

@@ -1,4 +1,5 @@
-//! Where a set's effect parameters have ended: what an effect can be, what is next to nothing, and how far the base parameters are bent.
+//! Where the fit of a candidate model has ended: whether its effect parameters are possible and not negligible, and how far the base parameters are
+//! pulled from their nominal values.
 
 use model_core::machine::Parameter;
 
@@ -10,7 +11,7 @@ use crate::selection::decision_rule::{
 };
 
 impl Candidate {
-    /// Where an effect parameter is: as it was fitted, or else by its value.
+    /// Coordinate of an effect parameter: the fitted one, or else that of its value.
     fn coordinate(&self, scene: &Scene<'_>, effect_parameter: &EffectParameter) -> f64 {
         let mut known = self.fit.free.iter().zip(&self.fit.coordinates);
         let fitted = known.find(|(free, _)| free.parameter == effect_parameter.parameter).map(|(_, at)| *at);
@@ -19,7 +20,7 @@ impl Candidate {
         })
     }
 
-    /// Amounts that have become negligible in effects that have not, with the middle of their ranges.
+    /// Amounts that have become negligible in effects that as a whole have not, with the middle of their ranges.
     pub(crate) fn vanished(&self, scene: &Scene<'_>) -> Vec<(Parameter, f64)> {
         let is_amount =
             |effect_parameter: &&EffectParameter| matches!(effect_parameter.kind, Kind::Amount(_) | Kind::Firm(_));
@@ -33,13 +34,13 @@ impl Candidate {
             .collect()
     }
 
-    /// Effect parameters at an end of what is admissible, and amounts beyond what can be, with the middle of their ranges.
+    /// Effect parameters at an end of their admissible range, and amounts above their possible range, with the middle of their ranges.
     pub(crate) fn stranded(&self, scene: &Scene<'_>) -> Vec<(Parameter, f64)> {
         let at_bound = |effect_parameter: &EffectParameter| {
             let mut known = self.fit.free.iter().zip(&self.fit.coordinates);
             known.any(|(free, at)| free.parameter == effect_parameter.parameter && free.at_bound(*at))
         };
-        // What has vanished is at an end as well.
+        // An amount that has vanished is at a bound too, so amounts count only above their possible range.
         let is_stranded = |effect_parameter: &EffectParameter| match effect_parameter.kind {
             Kind::Signed(_) => at_bound(effect_parameter),
             Kind::Amount(_) | Kind::Firm(_) => self.coordinate(scene, effect_parameter) > PRESSED,
@@ -63,7 +64,7 @@ impl Candidate {
                 };
                 let possible = chosen.form.iter().map(at).all(|(kind, coordinate)| match kind {
                     Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) => coordinate < PRESSED,
-                    // A shape stays where shapes are; where it runs to the end, the recordings leave it open.
+                    // Any value of a shape is possible; where it ends at a bound, the recordings do not determine it.
                     Kind::Shape(..) | Kind::Floor(..) => true,
                     Kind::Signed(_) => coordinate.abs() < PRESSED_SIGNED,
                     Kind::Place(..) => coordinate.abs() < PLACE_WITHIN,
@@ -71,7 +72,7 @@ impl Candidate {
                 let notable = chosen.form.iter().map(at).any(|(kind, coordinate)| match kind {
                     Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) => coordinate > AMOUNT_NEGLIGIBLE,
                     Kind::Signed(_) => coordinate.abs() > SIGNED_NEGLIGIBLE,
-                    // It acts wherever it lies.
+                    // A floor acts wherever it lies.
                     Kind::Floor(..) => true,
                     Kind::Shape(..) | Kind::Place(..) => false,
                 });
@@ -79,8 +80,9 @@ impl Candidate {
             })
     }
 
-    /// Whether it may be accepted: possible, and with enough of what there is never little of. A stop as soft as a spring is not what its
-    /// name says; nor is a stiction that only shapes a play. Both are ranked all the same, for nothing less likely may be accepted in their place.
+    /// Whether it may be accepted: it is possible, and amounts that are never small on a real drive are large enough. A stop as soft as a spring is
+    /// no stop, and a stiction that only shapes a play is no stiction. Both are ranked all the same, since nothing less likely may be accepted in
+    /// their place.
     #[must_use]
     pub fn is_plausible(&self, scene: &Scene<'_>) -> bool {
         let firm = |effect_parameter: &EffectParameter| match effect_parameter.kind {
@@ -90,15 +92,15 @@ impl Candidate {
         self.is_possible(scene) && !self.shapes_a_play() && self.effects.iter().flat_map(|chosen| chosen.form).all(firm)
     }
 
-    /// Whether its stiction only shapes the play beside it. One that keeps most of its band hardly jumps, and is a play itself, of twice the band:
-    /// where that is small beside the play that is there, it bends the loop of that one, whose own form is not exact either.
+    /// Whether its stiction only shapes the play beside it. A stiction that keeps most of its band hardly jumps and acts like a play of twice the
+    /// band: where that is small compared with the play beside it, it only corrects the loop of that play, whose own form is not exact either.
     fn shapes_a_play(&self) -> bool {
         let value = |parameter| self.fit.machine.get(parameter);
         self.hardly_jumps() && value(Parameter::StictionBand) < SHAPES_A_PLAY_BELOW * value(Parameter::HysteresisWidth)
     }
 
-    /// Whether it has a stiction that hardly jumps. Some do; and free runs, in which a jump that is a row late costs more than none, end there
-    /// whatever the spool does: effect parameters from there say little of it.
+    /// Whether it has a stiction that hardly jumps. Some real ones are so; but fits in free run end there whatever the spool does, since a jump that
+    /// is a row late costs more than no jump: effect parameters found there say little about the spool.
     #[must_use]
     pub fn hardly_jumps(&self) -> bool {
         let is_of = |chosen: &Chosen| chosen.has(Parameter::StictionBand);
@@ -113,7 +115,7 @@ impl Candidate {
         0.5 * own.map(|coordinate| coordinate * coordinate).sum::<f64>()
     }
 
-    /// Whether they are further away than their standard deviations allow in 999 of 1000 drives: by χ², its quantile after Wilson
+    /// Whether the base parameters are further away than their standard deviations allow in 999 of 1000 drives: by the quantile of χ² after Wilson
     /// and Hilferty 1931.
     #[must_use]
     pub fn is_pulled(&self, question: &Question<'_>) -> bool {

@@ -1,4 +1,4 @@
-//! Refits of a set: to the end at the recordings' own tick, short of that at twice the tick.
+//! Refits of a candidate model: to the end at the recordings' own tick, rougher ones at twice the tick.
 
 use identification::experiment::Prepared;
 use identification::fit::{Fit, FitError, Free, From, Sensitivity, StartState, coarse, fit, loss, softened_all};
@@ -9,15 +9,15 @@ use crate::selection::screen::with;
 
 /// The search ends when the loss falls by less than this share in a step.
 pub(crate) const PRECISION: f64 = 1e-5;
-/// The same for what all sets are measured against: of twenty thousand samples a hundredth of a unit of log-likelihood.
+/// The same for the base, against which all candidate models are measured: with twenty thousand samples a hundredth of a unit of log-likelihood.
 pub(crate) const FINELY: f64 = 1e-6;
-/// The same for one of several starts, the best of which is gone on with.
+/// The same for one of several starts; the search goes on from the best.
 pub(crate) const NEARLY: f64 = 1e-4;
-/// The same for a model that another search begins at.
+/// The same for a model from which another search begins.
 pub(crate) const SETTLED: f64 = 1e-3;
 /// The same for a first look.
 const ROUGHLY: f64 = 0.03;
-/// An effect parameter that no slope leads to is looked for down to this share of itself.
+/// An effect parameter without a usable derivative is searched down to steps of this share of itself.
 pub(crate) const NARROWEST: f64 = 0.01;
 
 /// How far a refit goes.
@@ -31,16 +31,16 @@ pub(crate) enum Goes<'a> {
 /// Where a refit begins.
 pub(crate) struct Beginning<'a> {
     pub(crate) fit: &'a Fit,
-    /// Effect parameters that are new.
+    /// Starting values of new effect parameters.
     pub(crate) values: &'a [(Parameter, f64)],
-    /// Where the former fit's coordinates settle with them.
+    /// Predicted coordinates of the former fit's values with them.
     pub(crate) settled: &'a [f64],
     pub(crate) goes: Goes<'a>,
 }
 
 impl Candidate {
-    /// A fit with its residuals. One that was not searched to the end was searched at twice the tick or more noise: its loss is told
-    /// anew by the recordings as they are.
+    /// A fit with its residuals. A fit that was not searched to the end used twice the tick or more noise: its loss is computed again from the
+    /// recordings as they are.
     pub(crate) fn of(
         question: &Question<'_>,
         effects: Vec<Chosen>,
@@ -79,7 +79,8 @@ impl Candidate {
         searched(&coarser.iter().collect::<Vec<_>>())
     }
 
-    /// A refit of a set to the end, from values of what no former solution has; effect parameters that no slope leads to stay as they are given.
+    /// A refit of a candidate model to the end, from given values of the parameters that no former solution has; effect parameters without a usable
+    /// derivative keep the given values.
     pub(crate) fn given(
         question: &Question<'_>,
         effects: Vec<Chosen>,
@@ -93,7 +94,7 @@ impl Candidate {
         Self::of(question, effects, found, jumps, true)
     }
 
-    /// A refit of a set with everything that is free in it.
+    /// A refit of a candidate model with all its free values.
     pub(crate) fn refitted(
         question: &Question<'_>,
         effects: Vec<Chosen>,
@@ -122,7 +123,8 @@ impl Candidate {
         Self::of(question, effects, found, jumps, precision <= PRECISION)
     }
 
-    /// Refitted to the end to `others`, the same recordings with more noise, from where it is; told by the recordings as they are.
+    /// Refitted to the end, from its own solution, to `others`, the same recordings with more noise; its residuals and loss are those on the
+    /// recordings as they are.
     pub(crate) fn refitted_to(&self, question: &Question<'_>, others: &Question<'_>) -> Result<Self, FitError> {
         let found = self.finished(others)?;
         let told = Self::of(question, found.effects, found.fit, found.jumps, false)?;
@@ -146,7 +148,7 @@ impl Candidate {
     }
 }
 
-/// What a fit moves: the base parameters, and every effect parameter that a slope leads to.
+/// What a fit moves: the base parameters, and every effect parameter with a usable derivative.
 fn free(question: &Question<'_>, effects: &[Chosen]) -> Vec<Free> {
     let smooth = effect_parameters(effects).into_iter().filter(|effect_parameter| !effect_parameter.is_jump());
     question
@@ -166,7 +168,7 @@ fn coordinates(free: &[Free], values: &[(Parameter, f64)]) -> Vec<(Parameter, f6
     values.iter().filter_map(of).collect()
 }
 
-/// A better value of an effect parameter that no slope leads to, near where it is.
+/// A better value of an effect parameter without a usable derivative, near its present one.
 fn better(
     machine: &Machine<f64>,
     sensitivity: &Sensitivity<'_>,
@@ -181,7 +183,7 @@ fn better(
     while width > NARROWEST {
         let (mut moved, around) = (false, best.0);
         for there in [around * (1.0 - width), (around * (1.0 + width)).min(parameter.description().max)] {
-            // A value that does not become a drive, such as a floor below vacuum, is no better one.
+            // A value that gives no valid drive, such as a floor below vacuum, is not better.
             let found = gain(there).unwrap_or(f64::NEG_INFINITY);
             if found > best.1 {
                 best = (there, found);

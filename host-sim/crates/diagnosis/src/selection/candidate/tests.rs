@@ -7,7 +7,7 @@ use super::*;
 use crate::catalogue::CATALOGUE;
 use crate::test_scene::scene;
 
-/// A set of one effect in its plainest form, as if a fit had ended at a machine.
+/// A candidate model of one effect in its plainest form, as if a fit had ended at this machine.
 fn accepted_alone(name: &str, scene: &Scene<'_>, base_parameters: &[Free], machine: &Machine<f64>) -> Candidate {
     let effect = CATALOGUE.iter().find(|effect| effect.name == name).unwrap();
     let form = effect.forms[0];
@@ -45,7 +45,7 @@ fn a_spring_that_begins_inside_the_stroke_is_no_stop_however_damped() {
     };
     // The full force makes steel give by a ten-thousandth of the stroke, rubber by a hundredth.
     assert_eq!([1e-4, 1e-3, 1e-2].map(|share| stop(share, 1e3)), [(true, true); 3]);
-    // One that gives by a tenth may be what is likeliest, and is not accepted.
+    // A stop that gives by a tenth may be the likeliest effect, but is not accepted.
     assert_eq!([stop(0.1, 1e3), stop(0.3, 1e4)], [(true, false); 2]);
 }
 
@@ -61,9 +61,9 @@ fn a_small_stiction_that_hardly_jumps_is_the_form_of_the_play_beside_it() {
         set.effects.push(Chosen { effect: play, form: play.forms[0] });
         (set.is_possible(&scene), set.is_plausible(&scene))
     };
-    // It may be what is likeliest, and is not accepted.
+    // It may be the likeliest effect, but is not accepted.
     assert_eq!(beside(0.005, 0.9, 0.02), (true, false));
-    // One that jumps is there however small, and one that is as wide as the play shapes no part of it.
+    // A stiction that jumps is accepted however small it is, and one as wide as the play does not only shape the play.
     assert_eq!([beside(0.005, 0.2, 0.02), beside(0.02, 0.9, 0.02)], [(true, true); 2]);
 }
 
@@ -82,7 +82,7 @@ fn what_keeps_more_than_two_thirds_of_its_band_hardly_jumps() {
 
 #[test]
 fn without_an_effect_a_base_parameter_has_what_that_had_of_it() {
-    // A load of 500 N, said by more force than the supply has one way and nearly as much the other.
+    // A load of 500 N, as the difference of two forces, one larger than the supply can give and the other nearly as large.
     let machine = press(&[(Parameter::ViscousFriction, 4e4), (Parameter::LoadForce, 500.0)]);
     let case = Prepared::new(&extending(&machine), &machine, LoadSource::Constant, None).unwrap();
     let training = [&case];

@@ -1,4 +1,4 @@
-//! How well the values of a set are known: standard deviations from the curvature of what was minimised, or, where there is no slope, from
+//! How well the values of a candidate model are known: standard deviations from the curvature of the loss or, where it has no usable derivative, from
 //! its profile.
 
 use identification::fit::{Correlation, Estimate, FitError, Sensitivity, Uncertainty, inflation, loss};
@@ -8,11 +8,12 @@ use super::refit::NARROWEST;
 use super::{Candidate, Question, effect_parameters};
 use crate::selection::screen::with;
 
-/// Steps to either side of an effect parameter that no slope leads to, each twice the last: from what it was looked for by to 1.28 of it.
+/// Steps to either side of an effect parameter without a usable derivative, each twice the last: from the smallest step of its search to 1.28 times
+/// its value.
 const STEPS: i32 = 8;
 
 impl Candidate {
-    /// Fitted values of what was free, with the effect parameters that were found without a slope.
+    /// Fitted values of all free parameters, and of the effect parameters that were found without a derivative.
     pub fn estimates(&self, question: &Question<'_>) -> Result<Vec<Estimate>, FitError> {
         let mut estimates = self.fit.estimates(self.inflation());
         if self.jumps.is_empty() {
@@ -30,13 +31,13 @@ impl Candidate {
         Ok(estimates)
     }
 
-    /// Pairs of what was free whose estimates are correlated; of effect parameters without a slope nothing is known.
+    /// Pairs of free values whose estimates are correlated; effect parameters without a usable derivative are not covered.
     #[must_use]
     pub fn correlations(&self) -> Vec<Correlation> {
         self.fit.correlations(self.inflation())
     }
 
-    /// What is known of its fitted values together.
+    /// The joint uncertainty of its fitted values.
     #[must_use]
     pub fn uncertainty(&self) -> Uncertainty {
         self.fit.uncertainty(self.inflation())
@@ -46,9 +47,9 @@ impl Candidate {
         if self.is_inflated { 1.0 } else { inflation(&self.residuals, self.counts) }
     }
 
-    /// Standard deviation of an effect parameter that no slope leads to: half the interval outside of which the log-likelihood, with all that is free
-    /// settled anew, is lower by more than ½, and what the steps of its search leave open. Rows count as many as are independent, each with the noise that is left. `None` where the
-    /// likelihood does not fall so far on either side.
+    /// Standard deviation of an effect parameter without a usable derivative: half the interval outside of which the log-likelihood, with all free
+    /// values refitted, is lower by more than ½, combined with the uncertainty from the step of its search. Only independent rows count, each with
+    /// the remaining misfit as its noise. `None` where the likelihood does not fall so far on either side.
     fn by_profile(
         &self,
         question: &Question<'_>,
@@ -70,7 +71,7 @@ impl Candidate {
         let usual = effect_parameters(&self.effects)
             .into_iter()
             .find(|effect_parameter| effect_parameter.parameter == parameter);
-        // A value next to nothing is moved by the least that is usual.
+        // A value near 0 is moved by steps relative to the low end of its usual range.
         let step =
             NARROWEST * value.max(usual.map_or(0.0, |effect_parameter| effect_parameter.range(question.scene).0));
         let here = gain(value)?;
@@ -79,7 +80,7 @@ impl Candidate {
             let mut profile = vec![(0.0, 0.0)];
             for index in 0..STEPS {
                 let there = value + sign * step * 2.0_f64.powi(index);
-                // A value that does not become a drive, such as a floor below vacuum, says nothing.
+                // A value that gives no valid drive, such as a floor below vacuum, is left out.
                 if (description.min..=description.max).contains(&there)
                     && let Ok(found) = gain(there)
                 {
@@ -88,13 +89,14 @@ impl Candidate {
             }
             sides.extend(end_of_likely(&profile));
         }
-        // Between two steps of its search it may be anywhere.
+        // Between two steps of its search the value may be anywhere.
         let unsearched = step / 12.0_f64.sqrt();
         Ok((!sides.is_empty()).then(|| unsearched.hypot(sides.iter().sum::<f64>() / sides.len() as f64)))
     }
 }
 
-/// How far away a value is last as likely but for ½, by a straight line between the points of a profile: distance, and what is lost there.
+/// The distance beyond which the log-likelihood stays lower by more than ½, interpolated linearly between the points of a profile (distance, loss of
+/// log-likelihood).
 fn end_of_likely(profile: &[(f64, f64)]) -> Option<f64> {
     let last = profile.iter().rposition(|(_, lost)| *lost <= 0.5)?;
     let (&(from, less), &(to, more)) = (profile.get(last)?, profile.get(last + 1)?);
@@ -110,7 +112,7 @@ mod tests {
         let parabola: Vec<(f64, f64)> = (0..6).map(f64::from).map(|at| (at, 0.5 * (at / 2.5).powi(2))).collect();
         let end = end_of_likely(&parabola).unwrap();
         assert!((end - 2.5).abs() < 0.05, "{end}");
-        // Beyond a hill it is likely once more.
+        // Beyond a region of low likelihood the value is likely again.
         assert_eq!(end_of_likely(&[(0.0, 0.0), (1.0, 3.0), (2.0, 0.25), (4.0, 0.75)]), Some(3.0));
         assert_eq!(end_of_likely(&[(0.0, 0.0), (1.0, 0.2), (2.0, 0.3)]), None);
     }

@@ -6,7 +6,7 @@ use crate::selection::decision_rule::VALVE_FIRST_FROM;
 use crate::selection::misfit_ranking::believed;
 use crate::selection::search::tests::{added, with_press};
 
-/// A set of two effects, refitted, on a press whose machine file lacks what is unknown, and the base of it.
+/// A refitted candidate model of two effects and its base, on a press whose machine file lacks the `unknown` parameters.
 fn with_two(unknown: &[(P, f64)], effects: [&str; 2], seen: impl FnOnce(&Question<'_>, &Candidate, Candidate)) {
     with_press(unknown, |question| {
         let base = Candidate::rough(question, None).unwrap();
@@ -46,7 +46,7 @@ fn of_effects_that_follow_little_of_what_is_missing_nothing_is_left() {
     });
 }
 
-/// Edges of all sizes, refitted beside friction where the machine file lacks both and these sizes.
+/// Metering edges of different sizes, refitted beside friction, where the machine file lacks the friction and these sizes.
 fn of_all_sizes(sizes: &[(P, f64)], seen: impl FnOnce(&Question<'_>, Candidate)) {
     let unknown = [sizes, &[(P::CoulombFriction, 300.0)]].concat();
     with_press(&unknown, |question| {
@@ -81,7 +81,7 @@ fn a_set_enters_its_round_unless_a_better_fit_of_its_effects_is_there() {
             let nets: Vec<f64> = rounds[0].iter().map(|trial| trial.net).collect();
             assert_eq!(nets, [left]);
         }
-        // What gained nothing when its round was ranked is not likely now, unless it is told otherwise.
+        // A candidate model that gained little when its round was ranked is not likely now, unless its gain `now` says otherwise.
         let round = [trial(&both.without(question, 1).unwrap(), 50.0), trial(set, 10.0)];
         assert!(!is_likeliest(set, None, &round));
         assert!(!is_likeliest(set, Some(40.0), &round));
@@ -89,7 +89,7 @@ fn a_set_enters_its_round_unless_a_better_fit_of_its_effects_is_there() {
     });
 }
 
-/// Sets of one effect each, beside which a bent flow gain is missing, where the flow coefficient and the mass are free.
+/// Candidate models of one effect each that lack a nonlinear flow gain, where the flow coefficient and the mass are free.
 fn beside_a_bent_gain(effects: [&str; 2], seen: impl FnOnce(&Question<'_>, &Candidate, Vec<(Candidate, f64)>)) {
     with_press(&[(P::FlowGainLinear, 0.8), (P::CoulombFriction, 300.0)], |question| {
         let free = [P::FlowCoefficient, P::MovingMass].map(|parameter| {

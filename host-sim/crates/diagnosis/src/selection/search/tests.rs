@@ -8,7 +8,7 @@ use super::*;
 use crate::catalogue::CATALOGUE;
 use crate::test_scene::scene;
 
-/// A press of which pressures and position are recorded, with what its machine file does not know, handed to `seen`.
+/// Hands to `seen` a press with recorded pressures and position, which has parameters that its machine file lacks.
 pub(crate) fn with_press(unknown: &[(P, f64)], seen: impl FnOnce(&Question<'_>)) {
     let nominal = press(&[(P::ViscousFriction, 2e4)]);
     let truth = nominal.with(unknown);
@@ -19,7 +19,7 @@ pub(crate) fn with_press(unknown: &[(P, f64)], seen: impl FnOnce(&Question<'_>))
     seen(&Question { scene: &scene, base_parameters: &[], hypotheses: CATALOGUE, training: &training });
 }
 
-/// A set with one more effect, in the form that begins with an effect parameter, refitted.
+/// A candidate model with one more effect, in the form that begins with a given effect parameter, refitted.
 pub(crate) fn added(question: &Question<'_>, set: &Candidate, name: &str, first: Option<P>) -> Candidate {
     let effect = *CATALOGUE.iter().find(|effect| effect.name == name).unwrap();
     let reference = Reference::new(question, set).unwrap();
@@ -29,7 +29,7 @@ pub(crate) fn added(question: &Question<'_>, set: &Candidate, name: &str, first:
     reference.with(lead).unwrap().finished(question).unwrap()
 }
 
-/// What an effect extends was found before what else is missing: the extension is looked for beside that as well, and found.
+/// The plainer effect was found before the other missing effect: its extension is then also looked for beside that one, and found.
 #[test]
 fn an_extension_is_found_beside_what_was_added_later() {
     let unknown = [
@@ -56,14 +56,14 @@ fn an_extension_is_found_beside_what_was_added_later() {
         let sliding = best.fit.machine.get(P::StribeckForce);
         assert!((sliding / 300.0 - 1.0).abs() < 0.05, "{sliding}");
 
-        // What was added last has been extended in its own round.
+        // The effect that was added last had its extensions tried in its own round.
         let alone = with(&base, "tank-back-pressure");
         assert!(enriched(question, &with(&alone, "coulomb-friction"), &|_| ()).unwrap().is_empty());
         assert!(enriched(question, &base, &|_| ()).unwrap().is_empty());
     });
 }
 
-/// Edges of four sizes beside friction, of which the plain form with one effect parameter was found, and what refines it.
+/// Edges of four sizes beside friction, of which the plain form with one effect parameter was found, and its refined forms.
 fn refined_edges(sizes: [(P, f64); 3], found: P, seen: impl FnOnce(&Candidate, &[Candidate])) {
     let unknown = [sizes[0], sizes[1], sizes[2], (P::CoulombFriction, 300.0)];
     with_press(&unknown, |question| {
@@ -91,7 +91,7 @@ fn edges_of_four_sizes_refine_those_of_two_wherever_the_set_has_them() {
     }
 }
 
-/// Edges of two sizes beside a return line that nobody looks for: all sizes follow some of that, but not most.
+/// Edges of two sizes beside a return line that is not looked for: edges of all sizes explain some of its misfit, but not most.
 #[test]
 fn what_takes_less_than_three_quarters_refines_nothing() {
     with_press(&[(P::MeteringRatio, -0.3), (P::ReturnResistance, 1.5e13)], |question| {

@@ -1,5 +1,5 @@
-//! What the valve needs beyond the common search: both sides of a recorded spool searched by themselves, and a spool that sticks, which is judged by
-//! its jumps, recorded or left in the position.
+//! What the valve needs beyond the common search: both sides of a recorded spool searched by themselves, and a sticking spool, judged by its jumps,
+//! which are seen in the recorded spool or in the position's residual.
 
 pub(crate) mod jump_spacing;
 pub(crate) mod side;

@@ -13,9 +13,9 @@ use crate::selection::decision_rule::{BELOW_SPOOL_SEARCHED_TO, VALVE_SEARCHED_TO
 /// A side of the spool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Side {
-    /// The valve, which moves it.
+    /// The valve, which moves the spool.
     Valve,
-    /// All that it meters the oil for.
+    /// Everything that the spool meters the oil for.
     Below,
 }
 
@@ -32,8 +32,8 @@ impl Side {
         if effect.subsystem == Subsystem::Valve { Self::Valve } else { Self::Below }
     }
 
-    /// Times its noise that its worst signal is searched down to. What the recorded spool did between two rows is not known: below it
-    /// that adds to all.
+    /// The search of a side ends when its worst signal is within this many times its noise. The spool's motion between two rows is not known: this
+    /// adds to the misfit of every signal below the spool.
     pub(super) fn near(self) -> f64 {
         match self {
             Self::Valve => VALVE_SEARCHED_TO,
@@ -41,12 +41,12 @@ impl Side {
         }
     }
 
-    /// Its base parameters.
+    /// The base parameters of this side.
     pub(super) fn base_parameters(self, question: &Question<'_>) -> Vec<Free> {
         question.base_parameters.iter().copied().filter(|free| Self::of_parameter(free.parameter) == self).collect()
     }
 
-    /// Recordings judged by its signals alone.
+    /// Recordings, judged by the signals of this side alone.
     pub(super) fn judging(self, cases: &[Prepared]) -> Vec<Prepared> {
         cases.iter().map(|case| case.judged_by(|signal| Self::of_signal(signal) == self)).collect()
     }

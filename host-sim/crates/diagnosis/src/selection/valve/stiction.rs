@@ -1,8 +1,8 @@
-//! What a valve lacks beside stiction, by the instants at which its spool jumps.
+//! Effects of the valve beside stiction, found from the instants at which its spool jumps.
 //!
-//! Free running, a jump that is a tick late costs more than most effects explain, and a search ends wherever fewest are: at a band that is mostly
-//! kept, with jumps that hardly are. What the jumps measure of the free spool is smooth in all parameters, and
-//! tells stiction from the play that stands beside it.
+//! In a free run, a jump that is a tick late costs more than most effects explain, so that a search ends where the model jumps least: at a band that
+//! is mostly kept, with very small jumps. The position of the free spool that the jumps measure depends smoothly on all parameters, and distinguishes
+//! stiction from a play beside it.
 
 use identification::parallel;
 
@@ -24,10 +24,10 @@ use crate::selection::screen::Lead;
 
 /// Forms that are refitted beside stiction.
 const REFITTED: usize = 4;
-/// How far the free spool may be ahead, in lengths of a jump: jumps that end up to seven tenths short.
+/// Starting values for how far the free spool is ahead, in lengths of a jump: jumps that end short by up to seven tenths of the band.
 const AHEAD: [f64; 5] = [0.5, 0.75, 1.1, 1.6, 2.6];
 
-/// A set of effects beside stiction, refitted to the free spool.
+/// A candidate model of the effects beside stiction, refitted to the free spool.
 struct Beside {
     set: Candidate,
     /// How far the free spool is ahead.
@@ -35,7 +35,7 @@ struct Beside {
     left_out: Residuals,
 }
 
-/// Where a refit beside stiction may start: how far the free spool is ahead, the base parameters there, and what promises most.
+/// Where a refit beside stiction may start: how far the free spool is ahead, the base parameters there, and the most promising lead.
 struct Start {
     ahead: f64,
     from: Candidate,
@@ -50,19 +50,19 @@ struct Search<'q, 'a> {
 }
 
 impl Search<'_, '_> {
-    /// Asks the free spool that is so far ahead.
+    /// Evaluates a question on the recordings of a free spool that is this far ahead.
     fn at<T>(&self, ahead: f64, ask: impl FnOnce(&Question<'_>) -> Result<T, FitError>) -> Result<T, FitError> {
         let freed = self.sticking.freed(ahead);
         let training: Vec<&Prepared> = freed.iter().collect();
         ask(&Question { hypotheses: &self.effects, training: &training, ..*self.question })
     }
 
-    /// Least that the free spool can be ahead by: a jump that ends where that is.
+    /// The least distance that the free spool can be ahead: that of a jump that ends at the free spool.
     fn least(&self) -> f64 {
         0.5 * self.sticking.length
     }
 
-    /// A set refitted with how far the free spool is ahead.
+    /// A candidate model, refitted together with the distance that the free spool is ahead.
     fn settled(&self, mut set: Candidate, mut ahead: f64) -> Result<Beside, FitError> {
         /// Newton steps, at most.
         const STEPS: usize = 12;
@@ -115,7 +115,7 @@ impl Search<'_, '_> {
         Ok((nearest(plain), forms))
     }
 
-    /// A form refitted from wherever that leaves least.
+    /// A form, refitted from the start that leaves the smallest misfit.
     fn refitted(&self, starts: &[Start]) -> Result<Beside, FitError> {
         let rough = |Start { ahead, from, lead }: &Start| {
             let set = self.at(*ahead, |question| Reference::new(question, from)?.with(lead))?;
@@ -138,18 +138,18 @@ impl Search<'_, '_> {
     }
 }
 
-/// How far the free spool is ahead, with a set that was refitted there.
+/// How far the free spool is ahead, with a candidate model that was refitted there.
 type Beginning = (f64, Candidate);
 
-/// The one that leaves least.
+/// The one with the smallest loss.
 fn nearest(all: Vec<Beginning>) -> Beginning {
     let best = all.into_iter().min_by(|(_, a), (_, b)| a.fit.loss.total_cmp(&b.fit.loss));
     best.expect("it was tried somewhere")
 }
 
-/// Whether held-out jumps say that an effect of the valve's is there, in a set with stiction: that the spool jumps as far in them as in
-/// training, or that they measure a free spool which is followed better with the effect. `None` where the set has no stiction, or no jumps
-/// tell.
+/// Whether held-out jumps confirm an effect of the valve in a candidate model with stiction. Stiction itself is confirmed if the spool jumps as far
+/// there as in training, any other effect if the free spool that the jumps measure is followed better with it. `None` where the model has no
+/// stiction, or there are too few jumps.
 pub(crate) fn confirms(
     question: &Question<'_>,
     set: &Candidate,
@@ -183,8 +183,8 @@ pub(crate) fn confirms(
     Ok(Some(gained.all > HELD_OUT_JUMPS_GAIN))
 }
 
-/// What the valve's side chooses where its spool sticks, and the sets of as many effects that were tried if those are two; `None` where it
-/// does not stick, or further ahead than a drive's can be.
+/// What the valve's side chooses where its spool sticks and, if that is two effects, all tried candidate models of two. `None` where the spool does
+/// not stick, or where band or kept share would be above their admissible maximum.
 pub(crate) fn stuck(
     question: &Question<'_>,
     done: &(impl Fn(&str) + Sync),
@@ -218,7 +218,7 @@ pub(crate) fn stuck(
         Some(set)
     };
     let ranked = ranked(question, &plain.set, tried.iter().map(|beside| beside.set.clone()).collect());
-    // Of an effect only its best form was ranked.
+    // Of each effect only the best form is in the ranking.
     let beside = |set: &Candidate| tried.iter().find(|beside| beside.set.newest() == set.newest());
     let best = ranked.first().and_then(|(best, _)| beside(best)).filter(|best| search.accepts(&plain, best));
     let Some(best) = best else { return Ok(with_stiction(&plain).map(|set| (set, Vec::new()))) };

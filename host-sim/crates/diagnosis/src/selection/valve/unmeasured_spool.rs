@@ -1,4 +1,4 @@
-//! Valves of which no sensor sees the spool: a play that the search missed, and stiction by what its jumps leave in the position.
+//! Valves whose spool no sensor measures: a play that the search missed, and stiction, found by what its jumps leave in the position.
 
 use identification::parallel;
 
@@ -19,24 +19,25 @@ use crate::selection::outcome::{Heard, Selection, Told};
 use crate::selection::round::{candidates, finished, trial};
 use crate::selection::screen::with;
 
-/// Widths of a play that a search for one starts from, of full travel.
+/// Widths of a play, of full travel, from which the search for a play starts.
 const WIDTHS: [f64; 2] = [0.01, 0.03];
-/// Lengths of a jump that are tried, of that which the position tells: it does so within some fifths.
+/// Jump lengths that are tried, as a multiple of the one found in the position: that one is accurate to about a fifth.
 const LENGTHS: [f64; 5] = [0.85, 0.92, 1.0, 1.08, 1.18];
-/// Shares of its band that a stiction beside a play may keep.
+/// Kept shares that are tried for a stiction beside a play.
 const KEPT: [f64; 4] = [0.0, 0.1, 0.2, 0.3];
-/// Widths of the play that a stiction alone lags as, of the one that follows: where it turns, it is late by a jump more or less.
+/// Widths of the play to which the lag of a stiction alone is equal, as a multiple of the fitted play's width: where it turns, it is late by a jump
+/// more or less.
 const LAGS: [f64; 4] = [0.8, 0.9, 1.0, 1.1];
-/// Simulated ones that are refitted.
+/// Number of the simulated candidates that are refitted.
 const REFITTED: usize = 3;
 
-/// Whether a sensor sees the spool.
+/// Whether a sensor measures the spool.
 fn is_seen(question: &Question<'_>) -> bool {
     question.training.iter().flat_map(|case| &case.channels).any(|channel| channel.signal == Signal::Spool)
 }
 
-/// A set with a play, refitted from several widths, from where the set is and from the nominal machine: a play moves the end of every stroke, so
-/// that slopes at none say little of it. Empty where a sensor sees the spool, or a play is in the set.
+/// A candidate model with a play added, refitted from several widths, both from its own solution and from the nominal machine: a play moves the end
+/// of every stroke, so that derivatives at zero play say little about it. Empty where a sensor measures the spool, or the model already has a play.
 fn played(question: &Question<'_>, set: &Candidate) -> Result<Vec<Candidate>, FitError> {
     let play = question.form_with(&[Parameter::HysteresisWidth, Parameter::HysteresisSpread]);
     let Some(play) = play.filter(|play| !is_seen(question) && !set.has(play.effect)) else { return Ok(Vec::new()) };
@@ -50,7 +51,7 @@ fn played(question: &Question<'_>, set: &Candidate) -> Result<Vec<Candidate>, Fi
 }
 
 impl Course {
-    /// A first round with the play of a valve of which no sensor sees the spool, where the best set is far off.
+    /// A first round, with a play added where no sensor measures the spool and the best candidate model is far off.
     pub(crate) fn played(
         &self,
         question: &Question<'_>,
@@ -67,7 +68,7 @@ impl Course {
     }
 }
 
-/// A stiction beside a play that is so wide.
+/// A stiction beside a play of this width (0: stiction alone).
 #[derive(Clone, Copy)]
 struct Sticks {
     band: f64,
@@ -76,15 +77,15 @@ struct Sticks {
 }
 
 impl Sticks {
-    /// With jumps so long, and so much of its band kept; it lags by ½·band·(1 + kept), as a play does by half its width, and what is left of
-    /// the `width` of one that follows as well is a play's. `None` where nothing is left.
+    /// A stiction with jumps of this length and this kept share. It lags by ½·band·(1 + kept), as a play lags by half its width; the remainder of the
+    /// `width` of a play that fits as well is given to the play beside it. `None` where nothing remains.
     fn beside(length: f64, kept: f64, width: f64) -> Option<Self> {
         let band = length / (1.0 - kept);
         let width = width - band * (1.0 + kept);
         (width > 0.0).then_some(Self { band, kept, width })
     }
 
-    /// With jumps so long that it lags as a play so wide does, and no play left.
+    /// A stiction with jumps of this length that lags as a play of this width does, without a play beside it.
     fn alone(length: f64, width: f64) -> Self {
         let kept = ((width - length) / (width + length)).max(0.0);
         Self { band: length / (1.0 - kept), kept, width: 0.0 }
@@ -96,11 +97,12 @@ impl Sticks {
 }
 
 impl Selection {
-    /// Takes a stiction into the chosen set where no sensor sees the spool and the position holds its jumps.
+    /// Takes a stiction into the chosen candidate model where no sensor measures the spool and the position shows its jumps.
     ///
-    /// They are looked for in what a play leaves, for so a spool that sticks looks in a free run, fitted to recordings that are believed as
-    /// far as it follows them. How far that lags, and how long a jump is, say how much of its band a stiction alone would keep; where that is more
-    /// than one keeps, a play stands beside it. How much is kept then, no jump tells: it is taken from where least is left.
+    /// The jumps are looked for in the residual of a model with a play, since in a free run a sticking spool looks like a play; that model is fitted
+    /// with inflated noise. Its lag and the jump length give the share of its band that a stiction alone would keep; where that is more than a real
+    /// one keeps, there is a play beside it. The jumps do not show the kept share in that case: it is taken from the simulation with the smallest
+    /// misfit.
     pub fn listen(&mut self, question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<(), FitError> {
         let Some(stiction) = question.form_with(&[Parameter::StictionBand, Parameter::StictionKept]) else {
             return Ok(());
@@ -125,7 +127,7 @@ impl Selection {
             played(question, set)?.into_iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss))
         };
         let Some(following) = following else { return Ok(()) };
-        // What jumps leave would bend the base parameters without end.
+        // At the sensors' own noise, the residual of the jumps would pull the base parameters far from their nominal values.
         let believed = as_far_as(question, &following)?;
         let believed: Vec<&Prepared> = believed.iter().collect();
         let less = Question { training: &believed, ..*question };
@@ -156,7 +158,7 @@ impl Selection {
         self.rounds.resize(best.effects.len(), Vec::new());
         if let Some(last) = self.rounds.last_mut() {
             last.retain(|set| !set.is_of(&best));
-            // Over what free runs tell of the same recordings without jumps, they gain by these what the position says of them.
+            // Its net gain is that of the best one without jumps in free run, plus the evidence for jumps in the position.
             let without = last.iter().map(|set| set.net).fold(0.0, f64::max);
             last.insert(0, trial(&best, without + jump_spacing.evidence));
         }
@@ -164,7 +166,7 @@ impl Selection {
         Ok(())
     }
 
-    /// Goes back to what was chosen before, where held-out recordings do not tell of jumps as long; the stiction that goes.
+    /// Goes back to what was chosen before, where held-out recordings show no jumps of this length. Returns the stiction that is removed by this.
     pub(crate) fn unheard(&mut self, held_out: &[&Prepared]) -> Result<Option<&'static Hypothesis>, FitError> {
         let Some(heard) = &self.heard else { return Ok(None) };
         if heard.told.jump_spacing.is_in(&heard.following, held_out)? {
@@ -176,15 +178,15 @@ impl Selection {
         Ok(gone.filter(|gone| !self.chosen.has(gone)))
     }
 
-    /// Whether an effect is the stiction whose jumps the position holds.
+    /// Whether an effect is the stiction whose jumps were found in the position.
     pub(crate) fn is_heard(&self, effect: &Hypothesis) -> bool {
         let is_stiction = |one: &Chosen| one.effect.name == effect.name && one.has(Parameter::StictionBand);
         self.heard.is_some() && self.chosen.effects.iter().any(is_stiction)
     }
 }
 
-/// Sets with a stiction that leave least, refitted. Which those are is told by simulations alone: which jumps come when is as good as
-/// chance, and what a refit gains is little beside that.
+/// The candidate models with a stiction that have the smallest misfit, refitted. They are selected by simulation alone: the instants of the jumps are
+/// practically random, and what a refit gains is small compared with that.
 fn nearest(
     question: &Question<'_>,
     less: &Question<'_>,

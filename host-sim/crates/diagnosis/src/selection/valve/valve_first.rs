@@ -1,8 +1,8 @@
-//! The links apart: where the spool is recorded, what it does and what it meters are two questions. Its command answers the one; in
-//! the other the recorded spool meters the oil, so that no error of the valve's reaches what is below it.
+//! Valve first: where the spool is recorded, its motion and the flow that it meters are two separate questions. The first is answered by the command;
+//! for the second the recorded spool meters the oil, so that no error of the valve's model reaches what is below it.
 //!
-//! Each is searched by itself, with the parameters and the effects of its own link. What both find together the chain as a whole
-//! has to accept.
+//! Each side is searched by itself, with the parameters and the effects of its own links. What both find is then tried together, and the whole model
+//! has to accept it.
 
 use identification::parallel;
 
@@ -25,7 +25,7 @@ use crate::selection::round::{explains_enough, finished, reduced, trial};
 use crate::selection::search::open_to;
 
 impl Side {
-    /// What its own signals choose.
+    /// The effects that the signals of this side choose.
     fn searched(
         self,
         question: &Question<'_>,
@@ -58,7 +58,7 @@ impl Side {
         if explains_enough(&own, &course.base, &course.chosen, SIDE_EXPLAINED_TO) {
             course.explained.push(self);
         }
-        // What jumps is judged by its jumps.
+        // A spool that jumps is judged by its jumps.
         if self == Self::Valve
             && let Some((chosen, round)) = super::stiction::stuck(&own, done)?
         {
@@ -74,7 +74,7 @@ impl Side {
     }
 }
 
-/// The recordings driven by their spools; `None` unless each can be and tells of both sides.
+/// The recordings, driven by their recorded spools; `None` unless each recording can be driven so and has signals of both sides.
 fn followed(cases: &[&Prepared], machine: &Machine<f64>) -> Result<Option<Vec<Prepared>>, MachineError> {
     let following = |case: &&Prepared| case.following().filter(|case| case.channels.len() > 1);
     let followed: Option<Vec<Prepared>> = cases.iter().map(following).collect();
@@ -82,9 +82,9 @@ fn followed(cases: &[&Prepared], machine: &Machine<f64>) -> Result<Option<Vec<Pr
     followed.map(|cases| parallel::try_each(cases, with_noise)).transpose()
 }
 
-/// A recording driven by its spool, the noise of every other channel with what the spool's adds to it.
+/// A recording driven by its spool; to the noise of every other channel is added what the spool's noise causes there.
 fn with_noise_of_spool(mut case: Prepared, machine: &Machine<f64>) -> Result<Prepared, MachineError> {
-    /// Draws that it is the mean of.
+    /// Random draws over which the added noise is averaged.
     const DRAWS: usize = 4;
     let of_spool = case.channels.iter().find(|channel| channel.signal == Signal::Spool);
     let of_spool = of_spool.map_or(0.0, |spool| spool.noise);
@@ -95,8 +95,9 @@ fn with_noise_of_spool(mut case: Prepared, machine: &Machine<f64>) -> Result<Pre
     Ok(case)
 }
 
-/// Whether held-out recordings gain by an effect of a set on its own side of their spools, where that side is refitted to the training
-/// recordings by itself with it and without: that it is there, whatever its effect parameter is in the chain.
+/// Whether held-out recordings gain by an effect of a candidate model on the effect's own side of the spool. That side is refitted to the training
+/// recordings by itself, with the effect and without. This shows that the effect is there, whatever value its effect parameter has in the whole
+/// model.
 pub(crate) fn gains_apart(
     question: &Question<'_>,
     set: &Candidate,
@@ -126,7 +127,7 @@ pub(crate) fn gains_apart(
 }
 
 impl Course {
-    /// Looks for effects on each side of the recorded spool, and takes over what the chain as a whole accepts of what is found.
+    /// Looks for effects on each side of the recorded spool, and takes over the found effects that the whole model accepts.
     pub(crate) fn join(&mut self, question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<(), FitError> {
         let Some(followed) = followed(question.training, question.scene.machine)? else { return Ok(()) };
         let searched = |side: Side| side.searched(question, &followed, done);
@@ -140,7 +141,7 @@ impl Course {
             return Ok(());
         }
         let ranked = joined(question, &self.base, &valve, &below)?;
-        // What cannot be accepted may still be what it is, and nothing less likely stands in for it.
+        // A candidate model that cannot be accepted may still be the true one, and nothing less likely is taken in its place.
         let least = ranked.first().map_or(f64::INFINITY, |(_, net)| net - TOGETHER_WITHIN);
         for (found, net) in ranked.iter().take_while(|(_, net)| *net > least) {
             if self.is_accepted(question, found)? {
@@ -149,7 +150,7 @@ impl Course {
                 if found.effects.len() > 1 {
                     self.joined = found.effects.iter().map(|chosen| chosen.effect.plainest()).collect();
                 }
-                // A side has explained itself by what it chose, not by what the chain put in the place of that.
+                // A side counts as explained only by the effects that it chose itself, not by those that the whole model put in their place.
                 let both = [valve.chosen.effects.as_slice(), &below.chosen.effects].concat();
                 if both.len() == found.effects.len() && both.iter().all(|own| found.has(own.effect)) {
                     self.explained = [valve.explained.as_slice(), &below.explained].concat();
@@ -162,8 +163,8 @@ impl Course {
         Ok(())
     }
 
-    /// Effects that may still be added. Where the chain is far off, a side that has explained itself is not asked again: what the
-    /// chain misses there comes from the other, or from the forms of both.
+    /// Effects that may still be added. Where the whole model is far off, a side that is already explained is not searched again: the misfit of the
+    /// whole model then comes from the other side, or from the form errors of both.
     pub(crate) fn open(&self, question: &Question<'_>) -> Vec<&'static Hypothesis> {
         let is_far = !self.explained.is_empty() && self.chosen.worst_over_noise(question) > EXPLAINED_SIDE_REST_FROM;
         let is_open = |effect: &&'static Hypothesis| !(is_far && self.explained.contains(&Side::of_effect(effect)));
@@ -171,7 +172,8 @@ impl Course {
     }
 }
 
-/// What both sides chose, and what was nearly as likely on one of them, refitted in the chain and ranked by it, as far as it is believed.
+/// What both sides chose, and what was nearly as likely on one of them, refitted in the whole model and ranked there, with inflated noise where
+/// needed.
 fn joined(
     question: &Question<'_>,
     base: &Candidate,
@@ -187,7 +189,7 @@ fn joined(
     let mut sets: Vec<Candidate> = parallel::try_each(few, together)?;
     let exchanged = sets.first().map(|found| misread(question, found)).transpose()?.flatten();
     if let Some(other) = exchanged.clone() {
-        // Only the valve may have had an effect for what was misread: the others stay.
+        // Of the effects, only those that the valve's side chose may become superfluous by the exchange: the others stay.
         let stay = other.effects.iter().filter(|chosen| !valve.chosen.has(chosen.effect));
         let stay: Vec<&str> = stay.map(|chosen| chosen.effect.plainest()).collect();
         sets.extend(reduced(question, base, other, &stay)?);
@@ -195,7 +197,8 @@ fn joined(
     believed(question, base, finished(question, base, sets)?, exchanged)
 }
 
-/// In the last round, what the chain says of the sets that were refitted in it; the others stay as far behind the chosen one as apart.
+/// Puts into the last round the net gains of the candidate models that were refitted in the whole model; the others keep the distance behind the
+/// chosen one that they had when each side was searched by itself.
 fn told_by_chain(rounds: &mut Vec<Vec<Trial>>, ranked: &[(Candidate, f64)], (chosen, net): (&Candidate, f64)) {
     rounds.truncate(chosen.effects.len());
     let Some(round) = rounds.last_mut() else { return };
@@ -206,7 +209,7 @@ fn told_by_chain(rounds: &mut Vec<Vec<Trial>>, ranked: &[(Candidate, f64)], (cho
                 set.net += shift;
             }
         }
-        // One that neither side had has nothing behind it there.
+        // If neither side had tried the chosen one, the round has no distances to it.
         None => round.clear(),
     }
     round.retain(|trial| !ranked.iter().any(|(set, _)| trial.is_of(set)));
@@ -214,8 +217,8 @@ fn told_by_chain(rounds: &mut Vec<Vec<Trial>>, ranked: &[(Candidate, f64)], (cho
     round.sort_by(|a, b| b.net.total_cmp(&a.net));
 }
 
-/// The set with a spool that reads o too much in the place of edges that lie 2·o further apart on one side, or the other way round: below
-/// the spool both are the same, and only the valve's own offset tells them apart. `None` where it has neither.
+/// The candidate model with a spool that reads o too much in the place of edges that lie 2·o further apart on one side, or the other way round: below
+/// the spool both have the same effect, and only the valve's own offset distinguishes them. `None` where it has neither.
 fn misread(question: &Question<'_>, set: &Candidate) -> Result<Option<Candidate>, FitError> {
     let value = |parameter| set.fit.machine.get(parameter);
     let (read, edges) = (Parameter::SpoolOffset, Parameter::DeadZoneDifference);
@@ -240,10 +243,10 @@ fn misread(question: &Question<'_>, set: &Candidate) -> Result<Option<Candidate>
     Ok(None)
 }
 
-/// A set of one side: its effects, its net gain and its machine.
+/// A candidate model of one side: its effects, its net gain and its machine.
 type Part = (Vec<&'static Hypothesis>, f64, Machine<f64>);
 
-/// Rounds of a side as far as it chose, that of no effect at all first.
+/// Rounds of a side up to the number of effects that it chose; the first round is that without any effect.
 fn parts(course: &Course) -> Vec<Vec<Part>> {
     let rounds = course.rounds.iter().take(course.chosen.effects.len());
     let part = |trial: &Trial| (trial.effects.clone(), trial.net, trial.machine);
@@ -251,7 +254,8 @@ fn parts(course: &Course) -> Vec<Vec<Part>> {
     std::iter::once(none).chain(rounds.map(|round| round.iter().map(part).collect())).collect()
 }
 
-/// Sets of both sides together, round by round, the valve's effects before those below: what one side gains, the other does not know of.
+/// Candidate models of both sides together, round by round, the valve's effects before those below: the gains of the two sides are independent and
+/// add up.
 fn together(nominal: &Machine<f64>, valve: &Course, below: &Course) -> Vec<Vec<Trial>> {
     let (valve, below) = (parts(valve), parts(below));
     let last = valve.len() - 1;
@@ -265,7 +269,7 @@ fn together(nominal: &Machine<f64>, valve: &Course, below: &Course) -> Vec<Vec<T
     rounds.map(joined).collect()
 }
 
-/// A set of each side as one; `None` where neither has an effect.
+/// One candidate model of each side, joined; `None` where neither has an effect.
 fn both(nominal: &Machine<f64>, valve: &Part, below: &Part) -> Option<Trial> {
     let effects: Vec<&'static Hypothesis> = valve.0.iter().chain(&below.0).copied().collect();
     let effect = *effects.last()?;

@@ -1,4 +1,4 @@
-//! Rows in which a sensor failed weigh nothing.
+//! Rows in which a sensor failed have no weight.
 
 use machine_file::LoadSource;
 use recording::Recording;
@@ -7,7 +7,7 @@ use test_press::{extending, press};
 use super::*;
 use crate::fit::initial_state::settle;
 
-/// The recording with its position read two standard deviations of its noise too far out, all rows or every fourth.
+/// The recording with its position read too far out by two standard deviations of its noise, in all rows or in every fourth.
 fn read_too_far(recording: &Recording, machine: &Machine<f64>, every_fourth: bool) -> Prepared {
     let mut prepared = Prepared::new(recording, machine, LoadSource::Constant, None).unwrap();
     let channel = &mut prepared.channels[0];
@@ -41,7 +41,7 @@ fn rows_in_which_the_position_failed_hold_no_start_back() {
     let recording = extending(&machine);
     let [all, some] = [false, true]
         .map(|every_fourth| settle(&machine, &read_too_far(&recording, &machine, every_fourth)).unwrap().shift);
-    // A quarter of the rows weighs less against the start's prior; counted as rows that miss nothing, the others leave less than half.
+    // A quarter of the rows weighs less against the start's prior; if the others counted with residual 0, less than half would remain.
     assert!(all > 1.0 && some > 0.7 * all, "{some} of {all}");
 }
 
@@ -49,7 +49,7 @@ fn rows_in_which_the_position_failed_hold_no_start_back() {
 fn what_is_smooth_beneath_noise_is_worth_few_samples() {
     let mut noise = recording::seeded_noise::Noise::new(3, 0);
     let white: Vec<f64> = (0..4096).map(|_| noise.gaussian(1.0)).collect();
-    // Of white noise the most that any length of blocks says is a little more than it is.
+    // For white noise, the largest value over all block lengths is slightly too large.
     assert!(
         (0.4 * 4096.0..=effective_samples(&white)).contains(&samples_by_blocks(&white)),
         "{}",

@@ -2,7 +2,7 @@
 //!
 //! After "MAT-File Format" (The `MathWorks`): a head of 128 bytes, then elements, each a type, a length and its bytes. A variable is an
 //! element whose bytes are elements again: flags, dimensions, name, then numbers or fields. In version 7 each variable is packed
-//! by deflate. No length is believed that goes beyond the bytes that are there.
+//! by deflate. No length is trusted that goes beyond the bytes that are present.
 
 use std::io::Read;
 use std::rc::Rc;
@@ -15,11 +15,11 @@ use crate::formats::unsupported::Unsupported;
 
 /// Bytes of the head.
 const HEAD: usize = 128;
-/// How deep structures are looked into.
+/// Deepest level of nested structures that is read.
 const DEEPEST: usize = 3;
-/// Most fields of a structure, or most structures of an array, that are looked at.
+/// Most fields of a structure, or most structures of an array, that are read.
 const MOST_FIELDS: usize = 4096;
-/// Longest name of a variable or a field, in bytes; MATLAB's own have 63.
+/// Longest name of a variable or a field, in bytes; MATLAB's own names have at most 63.
 const LONGEST_NAME: usize = 4096;
 
 const MATRIX: u32 = 14;
@@ -43,11 +43,11 @@ pub(crate) enum Content {
     Text(String),
     /// Structures, each with its fields.
     Structures(Vec<Vec<Variable>>),
-    /// Anything else; what it is.
+    /// Anything else, described in words.
     Other(&'static str),
 }
 
-/// Why bytes are no MAT-file.
+/// Why bytes are not a valid MAT-file.
 pub(crate) enum Fault {
     Damaged(&'static str),
     TooLarge,
@@ -92,7 +92,7 @@ pub(crate) fn variables(name: &str, bytes: &[u8]) -> Result<Vec<Variable>, Recor
             _ => Err(Fault::Damaged("an element that is not a variable")),
         });
         let variable = found.map_err(|fault| fault.at(place()))?;
-        // Without a name stand the inner parts of objects.
+        // Variables without a name are the inner parts of objects.
         if !variable.name.is_empty() {
             variables.push(variable);
         }
@@ -100,7 +100,7 @@ pub(crate) fn variables(name: &str, bytes: &[u8]) -> Result<Vec<Variable>, Recor
     Ok(variables)
 }
 
-/// Packed bytes, unpacked: as many as their first element says, and no more than are `left`.
+/// Unpacks bytes: as many as their first element states, and no more than `left`.
 fn inflated(packed: &[u8], left: &mut u64) -> Result<Vec<u8>, Fault> {
     let broken = |_| Fault::Damaged("packed data that cannot be unpacked");
     let mut decoder = flate2::read::ZlibDecoder::new(packed);
@@ -115,14 +115,14 @@ fn inflated(packed: &[u8], left: &mut u64) -> Result<Vec<u8>, Fault> {
     Ok(content)
 }
 
-/// What is left of a row of elements.
+/// The elements of a sequence that are not read yet.
 struct Elements<'a>(&'a [u8]);
 
 impl<'a> Elements<'a> {
     /// Type and bytes of the next element.
     fn next(&mut self) -> Result<(u32, &'a [u8]), Fault> {
         let first = word(self.0, 0).ok_or(CUT)?;
-        // A short element has its length in the upper half of the type, and its bytes in the place of the length.
+        // A short element has its length in the upper half of the type, and its bytes where the length would be.
         let (kind, start, length, padded) = match (first & 0xffff, (first >> 16) as usize) {
             (kind, 0) => {
                 let length = word(self.0, 4).ok_or(CUT)? as usize;
@@ -133,7 +133,7 @@ impl<'a> Elements<'a> {
             (kind, short) => (kind, 4, short, Some(4)),
         };
         let content = self.0.get(start..).and_then(|rest| rest.get(..length)).ok_or(CUT)?;
-        // The padding of the last one may be missing.
+        // The padding of the last element may be missing.
         let after = start.saturating_add(padded.ok_or(CUT)?).min(self.0.len());
         self.0 = &self.0[after..];
         Ok((kind, content))
@@ -148,7 +148,7 @@ fn words(bytes: &[u8]) -> impl Iterator<Item = usize> + '_ {
     bytes.as_chunks::<4>().0.iter().map(|bytes| u32::from_le_bytes(*bytes) as usize)
 }
 
-/// The variable of which these are the elements, in a structure at this depth.
+/// The variable that consists of these elements, in a structure at this depth.
 fn variable(bytes: &[u8], depth: usize) -> Result<Variable, Fault> {
     let mut elements = Elements(bytes);
     if bytes.is_empty() {
@@ -157,7 +157,7 @@ fn variable(bytes: &[u8], depth: usize) -> Result<Variable, Fault> {
     let flags = word(elements.next()?.1, 0).ok_or(CUT)?;
     let other = |name: &[u8], what| Ok(Variable { name: named(name)?, content: Content::Other(what) });
     if flags & 0xff == 17 {
-        // An object has its name in the place of dimensions.
+        // An object has its name where the dimensions would be.
         return other(elements.next()?.1, "an object");
     }
     let dimensions: Vec<usize> = words(elements.next()?.1).collect();
@@ -195,7 +195,7 @@ fn variable(bytes: &[u8], depth: usize) -> Result<Variable, Fault> {
     Ok(Variable { name: named(name)?, content })
 }
 
-/// A name, which all fields of it share: an array of structures has it once for all.
+/// A name that is shared by all fields with this name: an array of structures stores it once for all.
 fn named(bytes: &[u8]) -> Result<Rc<str>, Fault> {
     if bytes.len() > LONGEST_NAME {
         return Err(Fault::Damaged("a name of more than 4096 bytes"));
@@ -203,7 +203,7 @@ fn named(bytes: &[u8]) -> Result<Rc<str>, Fault> {
     Ok(String::from_utf8_lossy(bytes).into())
 }
 
-/// The structures of an array, whose field names come first.
+/// The structures of an array; their field names come first.
 fn structures(mut elements: Elements<'_>, count: usize, depth: usize) -> Result<Vec<Vec<Variable>>, Fault> {
     let length = word(elements.next()?.1, 0).ok_or(CUT)? as usize;
     let names = elements.next()?.1;

@@ -2,15 +2,15 @@
 //!
 //! Series are
 //!
-//! - variables that are vectors: those of one length stand on one base (`time_s`, `position_mm`);
+//! - variables that are vectors: those of the same length belong to one base (`time_s`, `position_mm`);
 //! - fields of a structure that are vectors: `run.position_mm`, or `position_mm` alone;
-//! - a structure with a vector `Time` and a vector `Data` (or `Values`), in letters of any size, as a timeseries becomes when its
-//!   two parts are saved: named as the structure is, with `Time` its clock in s;
-//! - a structure `time` and `signals`, as Simulink writes "Structure With Time": each signal with `values` under its `label`.
+//! - a structure with a vector `Time` and a vector `Data` (or `Values`), in upper or lower case: the form of a timeseries whose
+//!   two parts are saved. The series has the structure's name, and `Time` is its clock in s;
+//! - a structure `time` and `signals`, as Simulink writes "Structure With Time": each signal has its `values` and its `label`.
 //!
-//! Objects are not read, a timeseries object neither: MATLAB's classes are not part of the documented format.
+//! Objects are not read, and so no timeseries objects either: MATLAB's classes are not part of the documented format.
 //!
-//! The elements are read here, over `flate2`: the libraries that were found read no structures, or are C with HDF5 behind it.
+//! The elements are read here, with `flate2`: the libraries that were found read no structures, or are written in C and need HDF5.
 
 mod elements;
 mod numbers;
@@ -35,16 +35,16 @@ pub(crate) fn read(name: &str, bytes: &[u8], map: &ChannelMap) -> Result<Recordi
     columns::recording(name, &file, map)
 }
 
-/// The base of what holds no numbers.
+/// The base of everything that holds no numbers.
 const NOWHERE: usize = usize::MAX;
 
 /// The vectors of a file.
 #[derive(Default)]
 struct MatFile<'a> {
     offered: Vec<Offered>,
-    /// Its numbers, or what it holds instead.
+    /// The numbers of the series, or what it holds instead.
     vectors: Vec<Result<&'a Numbers, &'static str>>,
-    /// Structure and length of what stands on each base.
+    /// Structure and length of the vectors of each base.
     bases: Vec<(String, usize)>,
 }
 
@@ -69,7 +69,7 @@ impl Contents for MatFile<'_> {
 }
 
 impl<'a> MatFile<'a> {
-    /// Takes the series of these variables, which stand in a structure of this name.
+    /// Adds the series among these variables, which are fields of a structure with this name.
     fn take(&mut self, within: &str, variables: &'a [Variable]) {
         for Variable { name, content } in variables {
             if self.offered.len() > MAX_COLUMNS {
@@ -86,14 +86,14 @@ impl<'a> MatFile<'a> {
                     [fields] => self.take(&path, fields),
                     _ => {}
                 },
-                // Inside structures there are parameters, which may have a signal's name.
+                // Inside structures this is not reported: parameters there may have the same name as a signal.
                 Content::Other(what) if within.is_empty() => self.offer(&path, name, NOWHERE, false, Err(what)),
                 _ => {}
             }
         }
     }
 
-    /// Takes a structure with a clock of its own; `false` where it is none.
+    /// Adds a structure that has its own clock; `false` where the structure is not of this kind.
     fn take_timed(&mut self, path: &str, name: &str, fields: &'a [Variable]) -> bool {
         let Some(time) = vector(fields, &["time"]) else { return false };
         let base = self.bases.len();
@@ -136,7 +136,7 @@ impl<'a> MatFile<'a> {
     }
 }
 
-/// The field of one of these names, in letters of any size, if it is a vector.
+/// The field with one of these names, in upper or lower case, if it is a vector.
 fn vector<'a>(fields: &'a [Variable], names: &[&str]) -> Option<&'a Numbers> {
     fields.iter().find_map(|field| match &field.content {
         Content::Vector(numbers) if names.iter().any(|name| field.name.eq_ignore_ascii_case(name)) => Some(numbers),

@@ -1,4 +1,4 @@
-//! Numbers of a MAT-file: stored in the smallest type that holds them, whatever the type that MATLAB works with.
+//! Numbers of a MAT-file: stored in the smallest type that holds them, whatever type they have in MATLAB.
 
 /// How numbers are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,12 +44,12 @@ impl Stored {
     }
 }
 
-/// What the numbers are in MATLAB, as far as it matters here.
+/// The type of the numbers in MATLAB, as far as it matters here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Class {
-    /// `single`: stored values are rounded to it.
+    /// `single`: stored values are rounded to single precision.
     Single,
-    /// Any other.
+    /// Any other type.
     Plain,
 }
 

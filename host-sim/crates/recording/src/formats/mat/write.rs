@@ -12,11 +12,11 @@ const DOUBLE: u32 = 9;
 const MATRIX: u32 = 14;
 const DOUBLE_CLASS: u32 = 6;
 
-/// The bytes of a file; NaN stands for a value that is not there.
+/// The bytes of a file; NaN stands for a missing value.
 pub(crate) fn write(sheet: &Sheet<'_>) -> io::Result<Vec<u8>> {
     let mut file = b"MATLAB 5.0 MAT-file, written by host-sim".to_vec();
     file.resize(116, b' ');
-    // No subsystem; version 1; the low byte first.
+    // No subsystem; version 1; little-endian.
     file.extend([0; 8]);
     file.extend(0x0100_u16.to_le_bytes());
     file.extend(b"IM");

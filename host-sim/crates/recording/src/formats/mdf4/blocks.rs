@@ -5,9 +5,9 @@ use super::channel::{Channel, Conversion};
 use crate::formats::text::lines::{MAX_COLUMNS, MAX_ROWS};
 use crate::formats::unsupported::Unsupported;
 
-/// Most channel groups that are looked at.
+/// Most channel groups that are read.
 const MAX_GROUPS: usize = 4096;
-/// Where the header block stands.
+/// Position of the header block.
 const HEADER: u8 = 64;
 /// Longest name or unit.
 const LONGEST_TEXT: usize = 4096;
@@ -21,7 +21,7 @@ pub(crate) struct Block<'a> {
 }
 
 impl<'a> Block<'a> {
-    /// Where a link leads to; 0 where there is none.
+    /// The position that a link points to; 0 where there is no link.
     pub(crate) fn link(&self, index: usize) -> u64 {
         self.links.get(index).map_or(0, |bytes| u64::from_le_bytes(*bytes))
     }
@@ -58,22 +58,22 @@ impl<'a> Block<'a> {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Group {
     pub(crate) name: Option<String>,
-    /// Where its data group's data are.
+    /// Position of the data of its data group.
     pub(crate) data: u64,
-    /// Bytes of the number that tells records of several groups apart; 0 where there is one group.
+    /// Bytes of the number that distinguishes the records of several groups; 0 where there is one group.
     pub(crate) id_bytes: usize,
     pub(crate) id: u64,
     pub(crate) cycles: u64,
-    /// Bytes of a record's values, and of its marks of invalid ones.
+    /// Bytes of a record's values, and of the bits that mark invalid values.
     pub(crate) value_bytes: usize,
     pub(crate) mark_bytes: usize,
-    /// Whether its records are of any length, each with its own.
+    /// Whether its records have variable lengths, each record with its own length.
     pub(crate) variable: bool,
     pub(crate) first_channel: u64,
 }
 
 impl Group {
-    /// Bytes of a record, without its number.
+    /// Bytes of a record, without its group number.
     pub(crate) fn record_bytes(&self) -> usize {
         self.value_bytes + self.mark_bytes
     }
@@ -84,7 +84,7 @@ impl Group {
 pub(crate) struct File<'a>(&'a [u8]);
 
 impl<'a> File<'a> {
-    /// A file of a version that is read.
+    /// Opens a file, if its version is one that is read.
     pub(crate) fn open(bytes: &'a [u8]) -> Result<Self, Fault> {
         let head = bytes.get(..usize::from(HEADER)).ok_or(Fault::Damaged("a head that is not whole"))?;
         let version = String::from_utf8_lossy(&head[8..16]).trim_end_matches([' ', '\0']).to_owned();
@@ -123,7 +123,7 @@ impl<'a> File<'a> {
         if block.id == id { Ok(block) } else { Err(Fault::Damaged("a link to a block of another kind")) }
     }
 
-    /// The blocks of a list of which each links to the next by its first link, at most so many.
+    /// The blocks of a linked list, in which the first link of each block points to the next; at most so many.
     fn list(&self, mut at: u64, id: [u8; 2], most: usize) -> Result<Vec<Block<'a>>, Fault> {
         let mut blocks = Vec::new();
         while at != 0 {
@@ -137,7 +137,7 @@ impl<'a> File<'a> {
         Ok(blocks)
     }
 
-    /// A name, a unit: as plain text or within a comment's `TX`.
+    /// A name or a unit: as plain text, or in the `TX` element of a comment.
     fn text(&self, at: u64) -> Result<Option<String>, Fault> {
         if at == 0 {
             return Ok(None);
@@ -212,7 +212,7 @@ impl<'a> File<'a> {
         Ok(channels)
     }
 
-    /// The conversion that stands at a place: read where it is used, for a few blocks can be the long tables of thousands of channels.
+    /// The conversion at a position. It is read only where it is used, since a few blocks can hold the long tables of thousands of channels.
     pub(crate) fn conversion(&self, at: u64) -> Result<Conversion, Fault> {
         if at == 0 { Ok(Conversion::None) } else { conversion_of(self.block_of(at, *b"CC")?) }
     }

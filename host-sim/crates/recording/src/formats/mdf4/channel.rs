@@ -4,7 +4,7 @@ use super::Fault;
 use super::blocks::Group;
 use crate::formats::unsupported::Unsupported;
 
-/// From raw values to the ones that are meant.
+/// How raw values become physical values.
 #[derive(Clone, Debug)]
 pub(crate) enum Conversion {
     None,
@@ -14,12 +14,12 @@ pub(crate) enum Conversion {
     },
     /// (a·x² + b·x + c)/(d·x² + e·x + f).
     Rational([f64; 6]),
-    /// Raw values and what they mean; linear `between` them, or the nearest.
+    /// Raw values and their physical values; linear `between` them, or the nearest.
     Table {
         pairs: Vec<(f64, f64)>,
         between: bool,
     },
-    /// No formula of numbers; its type in the standard.
+    /// A conversion that is not a numeric formula; its type in the standard.
     Unsupported(u8),
 }
 
@@ -35,10 +35,10 @@ pub(crate) struct Channel {
     pub(crate) byte_offset: usize,
     pub(crate) bits: u32,
     pub(crate) flags: u32,
-    /// The bit that marks its value invalid.
+    /// Number of the bit that marks its value as invalid.
     pub(crate) mark: usize,
     pub(crate) conversion: Conversion,
-    /// Where its conversion stands that is not read yet; 0 where it has none.
+    /// Position of its conversion, as long as that is not read; 0 where it has none.
     pub(crate) conversion_at: u64,
 }
 
@@ -52,7 +52,7 @@ const ALL_INVALID: u32 = 1;
 const MARKED: u32 = 2;
 
 impl Channel {
-    /// Whether it holds its group's times.
+    /// Whether it holds the times of its group.
     pub(crate) fn is_clock(&self) -> bool {
         matches!(self.kind, MASTER | VIRTUAL_MASTER) && self.sync == SYNC_TIME
     }
@@ -62,7 +62,7 @@ impl Channel {
         matches!(self.kind, VIRTUAL_MASTER | VIRTUAL_DATA)
     }
 
-    /// Checks that it holds numbers that are understood.
+    /// Checks that it holds numbers of a supported layout.
     pub(crate) fn check(&self) -> Result<(), Fault> {
         if let Conversion::Unsupported(kind) = self.conversion {
             return Err(Fault::Unsupported(Unsupported::Conversion(kind)));
@@ -86,7 +86,7 @@ impl Channel {
         }
     }
 
-    /// The values of all records, which [`Self::check`] has found good; NaN for those marked invalid.
+    /// The values of all records, after [`Self::check`] has accepted the channel; NaN for values that are marked invalid.
     pub(crate) fn values(&self, group: &Group, records: &[u8]) -> Result<Vec<f64>, Fault> {
         if self.flags & ALL_INVALID != 0 {
             return Ok(vec![f64::NAN; usize::try_from(group.cycles).unwrap_or(0)]);
@@ -107,11 +107,11 @@ impl Channel {
             }
             self.conversion.of(self.raw(&record[self.byte_offset..end]))
         };
-        // A record has bytes, for the channel lies in it.
+        // The record length is not zero, because the channel lies in the record.
         Ok(records.chunks_exact(group.record_bytes()).map(value).collect())
     }
 
-    /// The raw value in at most eight bytes.
+    /// The raw value, from at most eight bytes.
     #[expect(clippy::cast_possible_truncation, reason = "the bits are those of a 32-bit number")]
     fn raw(&self, bytes: &[u8]) -> f64 {
         let mut wide = [0; 8];
@@ -132,7 +132,7 @@ impl Channel {
 }
 
 impl Conversion {
-    /// What a raw value means.
+    /// The physical value of a raw value.
     fn of(&self, raw: f64) -> f64 {
         match self {
             Conversion::None => raw,
@@ -225,7 +225,7 @@ mod tests {
         let wide = channel(0, 0, 64, Conversion::None);
         assert!(matches!(wide.values(&group(2), &[0; 6]), Err(Fault::Damaged(_))));
         assert!(matches!(channel(0, 60, 8, Conversion::None).check(), Err(Fault::Unsupported(_))));
-        // Their sum is 4, when it is not looked at closely.
+        // In 32 bits their sum overflows to 4.
         assert!(matches!(channel(0, 5, u32::MAX, Conversion::None).check(), Err(Fault::Unsupported(_))));
         assert!(matches!(channel(6, 0, 8, Conversion::None).check(), Err(Fault::NotNumbers(_))));
     }

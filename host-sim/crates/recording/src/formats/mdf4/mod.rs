@@ -1,12 +1,12 @@
-//! ASAM MDF 4, versions 4.00 to 4.11 and what of later ones is like them.
+//! ASAM MDF 4, versions 4.00 to 4.11, and those parts of later versions that are the same.
 //!
-//! Every channel group has its samples, at the times of its master channel; groups with known channels on several masters are
+//! Every channel group has its samples, at the times of its master channel; where known channels have different masters, they are
 //! interpolated. A channel is known by its name, its name before a backslash (`position\XCP:1`), or both behind its group's name
-//! (`Bench.position`), with the unit that the file stores beside. Raw values are converted as the file says: linear, rational,
-//! by a table of numbers. A value that the file marks invalid is none.
+//! (`Bench.position`), with the unit that the file stores separately. Raw values are converted as the file specifies: linear, rational,
+//! or by a table of numbers. A value that the file marks as invalid counts as missing.
 //!
-//! The blocks are read here, because no library was found that unpacks data blocks, which loggers and asammdf pack by default,
-//! joins records over the ends of blocks, and believes no length that the file claims.
+//! The blocks are read here, because no library was found that unpacks data blocks (loggers and asammdf pack them by default),
+//! joins records across the ends of blocks, and does not trust the lengths that the file states.
 
 mod blocks;
 mod channel;
@@ -33,7 +33,7 @@ pub(crate) enum Fault {
     Damaged(&'static str),
     Unsupported(Unsupported),
     TooLarge(u64),
-    /// A channel without numbers; what it holds.
+    /// A channel without numbers; the text names what it holds.
     NotNumbers(&'static str),
 }
 
@@ -65,16 +65,16 @@ struct Mdf<'a> {
     file: File<'a>,
     groups: Vec<Group>,
     offered: Vec<Offered>,
-    /// Group and channel of what is offered.
+    /// Group and channel of each offered series.
     channels: Vec<(usize, Channel)>,
-    /// The group that was read last, and its records: its channels follow each other.
+    /// The group that was read last, and its records: they are kept because channels of one group follow each other.
     last: RefCell<Option<(usize, Rc<Vec<u8>>)>>,
 }
 
 impl Mdf<'_> {
     fn list(&mut self) -> Result<(), Fault> {
         for (base, group) in self.groups.iter().enumerate() {
-            // Without samples there is nothing to know; loggers leave such groups behind.
+            // A group without samples holds nothing to read; loggers leave such groups behind.
             if group.cycles == 0 {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! The records of a channel group: joined from the blocks they are spread over, unpacked, and told apart from those of others.
+//! The records of a channel group: joined from several blocks, unpacked, and separated from the records of other groups.
 
 use std::collections::HashMap;
 use std::io::Read;
@@ -8,7 +8,7 @@ use super::blocks::{Block, File, Group};
 use crate::formats::format::MAX_UNPACKED_BYTES;
 use crate::formats::unsupported::Unsupported;
 
-/// The records of a group, one after the other and without numbers: as many as the group says.
+/// The records of a group, one after the other and without group numbers: as many as the group states.
 pub(crate) fn of(file: &File<'_>, group: &Group) -> Result<Vec<u8>, Fault> {
     let fewer = || Fault::Damaged("fewer records than a channel group says");
     let cycles = usize::try_from(group.cycles).map_err(|_| fewer())?;
@@ -29,7 +29,7 @@ pub(crate) fn of(file: &File<'_>, group: &Group) -> Result<Vec<u8>, Fault> {
     Ok(records)
 }
 
-/// Joins the data that a link leads to.
+/// Joins the data that a link points to.
 fn collect(file: &File<'_>, at: u64, bytes: &mut Vec<u8>) -> Result<(), Fault> {
     if at == 0 {
         return Ok(());
@@ -38,7 +38,7 @@ fn collect(file: &File<'_>, at: u64, bytes: &mut Vec<u8>) -> Result<(), Fault> {
     if block.id == *b"HL" {
         block = file.block(block.link(0))?;
     }
-    // A list visits each block once: there are not more than fit into the file.
+    // A list visits each block once, so there are no more blocks than fit into the file.
     let mut most = file.len() / 24;
     while block.id == *b"DL" {
         for link in block.links_from(1).filter(|link| *link != 0) {
@@ -54,7 +54,7 @@ fn collect(file: &File<'_>, at: u64, bytes: &mut Vec<u8>) -> Result<(), Fault> {
     append(block, bytes)
 }
 
-/// Appends the data of a block that holds them.
+/// Appends the data of a data block.
 fn append(block: Block<'_>, bytes: &mut Vec<u8>) -> Result<(), Fault> {
     let left = MAX_UNPACKED_BYTES.saturating_sub(bytes.len() as u64);
     let room = |length: u64| if length > left { Err(Fault::TooLarge(MAX_UNPACKED_BYTES)) } else { Ok(()) };
@@ -89,7 +89,7 @@ fn append(block: Block<'_>, bytes: &mut Vec<u8>) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Records of so many bytes, of which the first bytes came first, then the second ones; what makes no whole record follows as it is.
+/// Restores records that were stored transposed: all first bytes, then all second bytes, and so on. An incomplete last record follows unchanged.
 fn untransposed(bytes: &[u8], columns: usize) -> Vec<u8> {
     let rows = bytes.len() / columns;
     let mut plain = Vec::with_capacity(bytes.len());
@@ -100,10 +100,10 @@ fn untransposed(bytes: &[u8], columns: usize) -> Vec<u8> {
     plain
 }
 
-/// The records of a group among those of the groups it shares its data with, each behind the number of its group.
+/// The records of one group out of data that several groups share; each record comes after the number of its group.
 fn sorted(groups: &[&Group], group: &Group, bytes: &[u8]) -> Result<Vec<u8>, Fault> {
     let mut records = Vec::new();
-    // The first of a number counts, and each is found at once: records may be a byte long, and groups thousands.
+    // Where groups have the same number, the first one counts. A map, because records may be as short as a byte, and groups may be thousands.
     let by_number: HashMap<u64, &Group> = groups.iter().rev().map(|group| (group.id, *group)).collect();
     let mut rest = bytes;
     let cut = || Fault::Damaged("a record that is not whole");
@@ -147,7 +147,7 @@ mod tests {
 
     #[test]
     fn transposed_data_come_back_record_by_record() {
-        // Records of three bytes, and one byte of a fourth record.
+        // Three records of three bytes, and one byte of a fourth record.
         assert_eq!(untransposed(&[1, 4, 7, 2, 5, 8, 3, 6, 9, 10], 3), [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]);
     }
 }

@@ -1,8 +1,8 @@
 //! Apache Parquet, uncompressed, with snappy as pandas and pyarrow write it, or with gzip, zstd or lz4 as Spark, `Polars` and `DuckDB` do.
 //!
-//! Every flat column of numbers is a series; its name holds its unit (`position [mm]`, `position_mm`). A column of timestamps counts
-//! in s from its first one. Nulls are no values. Columns of lists and structures are not read, and whatever pandas or Arrow keep
-//! in the file beside the columns is not needed.
+//! Every flat column of numbers is a series; its name contains its unit (`position [mm]`, `position_mm`). Timestamps are
+//! converted to s since the first timestamp of their column. Nulls count as missing values. Columns of lists and structures are not read, and
+//! the metadata that pandas or Arrow add to the file are not needed.
 
 mod pages;
 pub(crate) mod write;
@@ -33,7 +33,7 @@ pub(crate) use write::write;
 
 /// Reads a file.
 pub(crate) fn read(name: &str, bytes: Vec<u8>, map: &ChannelMap) -> Result<Recording, RecordingError> {
-    // The library guards against damaged files, but does not promise not to panic.
+    // The library guards against damaged files, but it does not promise that it never panics.
     let bytes = Bytes::from(bytes);
     let opened = contained(|| ParquetMetaDataReader::new().parse_and_finish(&bytes));
     let Some(Ok(metadata)) = opened else {
@@ -78,7 +78,7 @@ struct Table<'a> {
     rows: usize,
 }
 
-/// How the numbers of a column are to be taken.
+/// How the numbers of a column are interpreted.
 #[derive(Clone, Copy)]
 enum Kind {
     Signed,
@@ -125,7 +125,7 @@ impl Contents for Table<'_> {
         let mut unpacked = 0_u64;
         for group in self.metadata.row_groups() {
             let chunk = group.columns().get(index);
-            // A summary of several files. None of them is opened: what a recording says is no place to read from.
+            // The file is a summary of several files. None of them is opened: a recording must not determine which other files are read.
             if let Some(path) = chunk.and_then(ColumnChunkMetaData::file_path).filter(|path| !path.is_empty()) {
                 let what = Unsupported::Elsewhere(path.to_owned());
                 return Err(RecordingError::Unsupported { place: place(), what });
@@ -150,7 +150,7 @@ impl Contents for Table<'_> {
                 return Err(RecordingError::TooLarge { place: place(), most_bytes: MAX_UNPACKED_BYTES });
             }
         }
-        // As above.
+        // The library may panic here too.
         match contained(|| self.column(index, kind)) {
             Some(Ok(values)) => Ok(values),
             Some(Err(error)) if pages::become_too_much(&error) => {
@@ -168,7 +168,7 @@ impl Table<'_> {
         let full = described.max_def_level();
         let mut values = Vec::new();
         let mut first = None;
-        // Any number of groups may point at the same pages.
+        // Without this limit, any number of row groups could refer to the same pages.
         let left = Arc::new(AtomicUsize::new(usize::try_from(MAX_UNPACKED_BYTES)?));
         for group in self.metadata.row_groups() {
             let rows = usize::try_from(group.num_rows())?;
@@ -184,7 +184,7 @@ impl Table<'_> {
                 ColumnReader::Int64ColumnReader(reader) => numbers(reader, rows, full, |value| match kind {
                     Kind::Signed => *value as f64,
                     Kind::Unsigned => value.cast_unsigned() as f64,
-                    // The difference is exact, the count since 1970 would not be.
+                    // The difference of the integers is exact; the count since 1970 would be rounded.
                     Kind::Stamp(unit_s) => value.wrapping_sub(*first.get_or_insert(*value)) as f64 * unit_s,
                 })?,
                 ColumnReader::FloatColumnReader(reader) => numbers(reader, rows, full, |value| f64::from(*value))?,
@@ -232,7 +232,7 @@ mod tests {
         std::fs::read(path).unwrap()
     }
 
-    /// The same with an index that says something else of each column.
+    /// The same file, with changed column metadata in its index.
     fn said(change: impl Fn(ColumnChunkMetaDataBuilder) -> ColumnChunkMetaDataBuilder) -> Vec<u8> {
         let mut bytes = written();
         let metadata = ParquetMetaDataReader::new().parse_and_finish(&Bytes::from(bytes.clone())).unwrap();
@@ -244,7 +244,7 @@ mod tests {
         };
         let groups = metadata.take_row_groups().into_iter().map(changed).collect();
         let metadata = metadata.set_row_groups(groups).build();
-        // The length of the index stands before the mark at the end.
+        // The length of the index stands before the magic number at the end.
         let end = bytes.len() - 8;
         let index = u32::from_le_bytes(bytes[end..end + 4].try_into().unwrap());
         bytes.truncate(end - usize::try_from(index).unwrap());
@@ -270,7 +270,7 @@ mod tests {
     #[test]
     fn what_becomes_too_much_without_saying_so_is_refused_as_well() {
         let mut bytes = written();
-        // The times as a dictionary: snappy says first how long it is, from now on 2 GiB.
+        // The times are stored as a dictionary. Snappy states the unpacked length first; it is changed here to 2 GiB.
         let times: Vec<u8> = [0.0_f64, 1.0, 2.0].iter().flat_map(|time| time.to_le_bytes()).collect();
         let packed = snap::raw::Encoder::new().compress_vec(&times).unwrap();
         let at = bytes.windows(packed.len()).position(|window| window == packed).unwrap();

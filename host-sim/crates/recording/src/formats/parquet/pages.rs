@@ -1,7 +1,7 @@
-//! The pages of a column, without what the library would believe of them and should not.
+//! The pages of a column, read without those statements of the file that the library would trust and should not.
 //!
-//! The library makes room for what a page says that it becomes, and unpacks gzip without any end. So it is told that nothing is packed: it reads the
-//! heads, and what stands behind them is unpacked here.
+//! The library allocates memory for the unpacked size that a page states, and unpacks gzip without limit. Therefore the metadata that it gets say
+//! that nothing is packed: it reads only the page headers, and the data after them are unpacked here.
 
 use std::io::Read;
 use std::sync::Arc;
@@ -17,19 +17,19 @@ use parquet::file::metadata::ColumnChunkMetaData;
 use parquet::file::serialized_reader::SerializedPageReader;
 use ruzstd::decoding::StreamingDecoder;
 
-/// The pages of a column of numbers in a group of rows, unpacked as far as all of the column may be; and no dictionary of more values than its page has room for:
-/// of the values that one says it has, the library makes room for all before it reads the first, and a file of half a kilobyte may say 16 GiB.
+/// The pages of a column of numbers in a group of rows, unpacked up to the limit for the whole column. A dictionary that states more values than its
+/// page can hold is refused: the library allocates memory for all stated values before it reads the first; half a kilobyte may state 16 GiB.
 pub(crate) struct Pages {
     packed: SerializedPageReader<Bytes>,
     packing: Compression,
-    /// Bytes that those to come may become, these and those of other groups.
+    /// Bytes that the pages still to come may take when unpacked, in this and all other groups.
     left: Arc<AtomicUsize>,
-    /// Bytes of a value; nobody writes a dictionary of booleans.
+    /// Bytes of a value; dictionaries of booleans do not occur.
     width: usize,
 }
 
 impl Pages {
-    /// Those of a group, of which no more may be unpacked than is `left` of the column's.
+    /// The pages of a group, of which no more may be unpacked than the `left` bytes of the column.
     pub(crate) fn new(
         file: &Arc<Bytes>,
         chunk: &ColumnChunkMetaData,
@@ -50,7 +50,7 @@ impl Pages {
         })
     }
 
-    /// Unpacks what stands behind the levels of a page.
+    /// Unpacks the data after the levels of a page.
     fn unpack(&mut self, page: &mut Bytes, levels: usize) -> Result<(), ParquetError> {
         if self.packing == Compression::UNCOMPRESSED {
             return Ok(());
@@ -104,7 +104,7 @@ impl Iterator for Pages {
     }
 }
 
-/// Pages become more than they may.
+/// Unpacked pages exceed their limit.
 #[derive(Debug, thiserror::Error)]
 #[error("pages that become too much")]
 struct TooMuch;
@@ -113,15 +113,15 @@ fn too_much() -> ParquetError {
     ParquetError::External(Box::new(TooMuch))
 }
 
-/// Whether this says that pages become more than they may.
+/// Whether this error says that unpacked pages exceed their limit.
 pub(crate) fn become_too_much(error: &ParquetError) -> bool {
     matches!(error, ParquetError::External(source) if source.is::<TooMuch>())
 }
 
-/// Unpacks behind what is there, if that makes no more than `most` bytes. Room is made for what comes out, not for what is said to.
+/// Appends unpacked bytes, unless they are more than `most`. Memory is allocated for actual output, not for the stated size.
 fn append(packing: Compression, packed: &[u8], most: usize, into: &mut Vec<u8>) -> Result<(), ParquetError> {
     match packing {
-        // Of a page without values.
+        // A page without values.
         _ if packed.is_empty() => Ok(()),
         Compression::GZIP(_) => append_all(MultiGzDecoder::new(packed), most, into),
         Compression::ZSTD(_) => append_zstd(packed, most, into),
@@ -131,7 +131,7 @@ fn append(packing: Compression, packed: &[u8], most: usize, into: &mut Vec<u8>) 
     }
 }
 
-/// Frame by frame; the decoder keeps up to 100 MiB besides: a frame that asks for more is refused.
+/// Unpacks frame by frame; a decoder uses up to 100 MiB in addition, and a frame that needs more is refused.
 fn append_zstd(packed: &[u8], most: usize, into: &mut Vec<u8>) -> Result<(), ParquetError> {
     let (mut rest, start) = (packed, into.len());
     while !rest.is_empty() {
@@ -141,14 +141,14 @@ fn append_zstd(packed: &[u8], most: usize, into: &mut Vec<u8>) -> Result<(), Par
     Ok(())
 }
 
-/// All that comes out, piece by piece.
+/// Appends the whole output, piece by piece.
 fn append_all(source: impl Read, most: usize, into: &mut Vec<u8>) -> Result<(), ParquetError> {
-    // A byte more shows that there is more.
+    // One byte more than allowed shows that the output is too long.
     let length = source.take(most as u64 + 1).read_to_end(into)?;
     if length > most { Err(too_much()) } else { Ok(()) }
 }
 
-/// Snappy says first how much comes out: three bytes make 64 at most.
+/// Snappy states the unpacked size first: three packed bytes give at most 64.
 fn append_snappy(packed: &[u8], most: usize, into: &mut Vec<u8>) -> Result<(), ParquetError> {
     let length = snap::raw::decompress_len(packed)?;
     if length > most {
@@ -163,7 +163,7 @@ fn append_snappy(packed: &[u8], most: usize, into: &mut Vec<u8>) -> Result<(), P
     Ok(())
 }
 
-/// LZ4 does not say how much comes out: the room grows until it suffices.
+/// LZ4 does not state the unpacked size: the buffer grows until it suffices.
 fn append_lz4(packed: &[u8], most: usize, into: &mut Vec<u8>) -> Result<(), ParquetError> {
     let start = into.len();
     let mut room = packed.len().saturating_mul(4).min(most);
@@ -217,7 +217,7 @@ mod tests {
         }
     }
 
-    /// A column of doubles in these pages, each of which says that it becomes 2 GiB; they may become so many bytes.
+    /// A column of doubles in these pages, each of which states an unpacked size of 2 GiB; `most` is what they may take.
     fn column(packing: Compression, pages: &[Page], most: usize) -> Pages {
         let mut file = TrackedWrite::new(Vec::new());
         for page in pages {
@@ -251,7 +251,7 @@ mod tests {
             assert!(!become_too_much(&cut), "{packing}: {cut}");
             assert_eq!(unpacked(&[], 0).unwrap(), b"before");
         }
-        // 2 GiB, in seven bytes.
+        // A stated size of 2 GiB, in seven bytes.
         let lie = append(Compression::SNAPPY, &[0x80, 0x80, 0x80, 0x80, 0x08, 0, 7], usize::MAX, &mut Vec::new());
         assert!(matches!(lie, Err(ParquetError::General(_))), "{lie:?}");
     }

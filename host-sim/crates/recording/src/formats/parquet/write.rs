@@ -12,7 +12,7 @@ use parquet::schema::types::Type;
 
 use crate::formats::sheet::Sheet;
 
-/// The bytes of a file; null stands for a value that is not there.
+/// The bytes of a file; null stands for a missing value.
 pub(crate) fn write(sheet: &Sheet<'_>) -> io::Result<Vec<u8>> {
     bytes(sheet).map_err(io::Error::other)
 }

@@ -1,12 +1,12 @@
 //! The reader of recordings in text form.
 //!
-//! One header row of `name [unit]`, first column time, then one row a line. Read besides the plain
-//! form: `;` and tab as separators (taken from the header row) with decimal commas, a byte order
-//! mark, Windows-1252 in place of UTF-8, CRLF, comment lines beginning with `#`, quoted cells. Times may be uneven and have gaps. A
+//! One header row of `name [unit]`, time in the first column, then one row per line. Besides this plain form, the reader
+//! accepts `;` and tab as separators (detected in the header row) with decimal commas, a byte order
+//! mark, Windows-1252 in place of UTF-8, CRLF, comment lines that begin with `#`, and quoted cells. Times may be uneven and have gaps. A
 //! row that repeats the time before it, or has an empty cell in a known column, is left out and
-//! counted in the recording's notes, and written back where the recording is; no value is made up. Whatever else is wrong is an error.
+//! counted in the recording's notes, and written back where the recording is; no value is made up. Any other fault is an error.
 //!
-//! Memory: one line and the values of known columns, whatever the file holds.
+//! Memory: one line and the values of the known columns, however large the file is.
 
 use super::lines::{Cells, Input, Line, Lines, Splitter, most_rows, parse_number};
 use super::twincat;
@@ -20,12 +20,12 @@ use crate::signal::Signal;
 pub(crate) enum Opened<'a> {
     /// Its rows are read one after the other.
     Rows(Box<Reader<'a>>),
-    /// All of it: an export whose channels have clocks of their own, and what is no text, is read as a whole.
+    /// A recording read as a whole: an export whose channels have their own clocks, or a file that is not text.
     Whole(Recording),
 }
 
 impl<'a> Opened<'a> {
-    /// A text from anywhere; `name` stands for the file in messages.
+    /// A text from any source; `name` stands for the file in messages.
     pub(crate) fn text(name: &str, input: Input<'a>, map: &ChannelMap) -> Result<Self, RecordingError> {
         let mut lines = Lines::new(name, input);
         let file = lines.file();
@@ -86,17 +86,17 @@ pub(crate) struct Reader<'a> {
     splitter: Splitter,
     table: Table,
     ignored: Vec<String>,
-    /// Of the header.
+    /// Notes about the header.
     notes: Vec<Note>,
-    /// The first line of the whole text that is Windows-1252, once that was told.
+    /// The first line of the whole text that is Windows-1252, once it has been noted.
     western: Option<usize>,
-    /// The row up to which gaps were told.
+    /// The row up to which gaps have been noted.
     told_gaps: usize,
     is_at_end: bool,
 }
 
 impl Reader<'_> {
-    /// Reads on until so many rows are held, two of them to be used at least, or to the end.
+    /// Reads on until so many rows are held and at least two of them can be used, or to the end.
     pub(crate) fn read_on(&mut self, rows: usize) -> Result<(), RecordingError> {
         while self.table.held() < rows || self.table.kept() < 2 {
             let Some(line) = self.lines.next()? else {
@@ -113,12 +113,12 @@ impl Reader<'_> {
         self.lines.file_name()
     }
 
-    /// Whether the text has no more rows than those that were read.
+    /// Whether the text has no further rows.
     pub(crate) fn is_at_end(&self) -> bool {
         self.is_at_end
     }
 
-    /// Rows that are held, those left out among them.
+    /// The number of rows held, including those left out.
     pub(crate) fn rows_held(&self) -> usize {
         self.table.held()
     }
@@ -130,7 +130,7 @@ impl Reader<'_> {
         self.told_gaps = self.told_gaps.saturating_sub(row);
     }
 
-    /// The rows that are held, some of which a later part may have as well. What is noted was not noted before.
+    /// The rows that are held; a later part may contain some of them again. It has only notes that no earlier part had.
     pub(crate) fn held(&mut self) -> Result<Recording, RecordingError> {
         let columns = self.table.columns.iter().map(|(_, column)| column.clone()).collect();
         let (left_out, ignored) = (self.table.left_out.clone(), self.ignored.clone());
@@ -139,7 +139,7 @@ impl Reader<'_> {
         recording
     }
 
-    /// The same of a text that has been read to its end, of which there is no later part; and how many rows were left out in all.
+    /// The same for a text that has been read to its end, without a later part. It also notes how many rows were left out in all.
     pub(crate) fn rest(mut self) -> Result<Recording, RecordingError> {
         let columns = std::mem::take(&mut self.table.columns).into_iter().map(|(_, column)| column).collect();
         let (left_out, ignored) = (std::mem::take(&mut self.table.left_out), std::mem::take(&mut self.ignored));
@@ -178,7 +178,7 @@ struct Table {
     columns: Vec<(usize, Column)>,
     width: usize,
     separator: u8,
-    /// The row at hand, SI.
+    /// The values of the current row, SI.
     row: Vec<f64>,
     /// How many rows repeat a time, and the line of the first.
     repeated: Option<(usize, usize)>,
@@ -188,12 +188,12 @@ struct Table {
 }
 
 impl Table {
-    /// Rows that are held.
+    /// The number of rows held.
     fn held(&self) -> usize {
         self.kept() + self.left_out.after.len()
     }
 
-    /// The same without those left out.
+    /// The number of rows held, without those left out.
     fn kept(&self) -> usize {
         self.columns.first().map_or(0, |(_, time)| time.values.len())
     }

@@ -1,7 +1,7 @@
 //! The lines of a text file, read with bounded memory, and their cells.
 //!
-//! The limits stand here: whatever is fed in, at most one line is held, and what is not a recording
-//! is refused at the first line that shows it.
+//! The limits are defined here: for any input, at most one line is held, and an input that is not a recording
+//! is refused at the first line that shows this.
 
 use std::io::{BufRead, BufReader, Read};
 use std::ops::Range;
@@ -25,7 +25,7 @@ pub(crate) fn most_rows(columns: usize) -> usize {
     MAX_ROWS.min(MAX_VALUES / columns.max(1))
 }
 
-/// What a text is read from. Of one type, so that the readers are compiled here and once, and not by whoever reads.
+/// The source of a text. It is a single type, so that the readers are compiled once in this crate and not in each crate that uses them.
 pub(crate) type Input<'a> = Box<dyn Read + 'a>;
 
 /// The lines of a file that are neither blank nor comments (`#`).
@@ -91,7 +91,7 @@ impl<'a> Lines<'a> {
         self.western
     }
 
-    /// The header: the first line with content, and what splits it and those after it into cells.
+    /// The header: the first line with content, and the splitter for this and all later lines.
     pub(crate) fn header(&mut self) -> Result<(Line<'_>, Splitter), RecordingError> {
         let place = self.file();
         let header = self.next()?.ok_or(RecordingError::Empty { place })?;
@@ -117,7 +117,7 @@ impl<'a> Lines<'a> {
                 self.bytes.drain(..3);
             }
             let kept = self.bytes.trim_ascii_end().len();
-            // Trailing separators count as cells: tabs stay.
+            // Trailing separators count as cells, so trailing tabs are kept.
             let kept = kept + self.bytes[kept..].iter().take_while(|&&byte| byte == b'\t' || byte == b' ').count();
             self.bytes.truncate(kept);
             let start = self.bytes.trim_ascii_start();
@@ -130,7 +130,7 @@ impl<'a> Lines<'a> {
                 return Err(RecordingError::TooManySkippedLines { place, most: MAX_SKIPPED_LINES });
             }
         }
-        // UTF-16 begins with a byte order mark, which is no text in Windows-1252 either.
+        // UTF-16 begins with a byte order mark, which does not occur in a Windows-1252 text either.
         let is_utf_16 = self.number == 1 && matches!(self.bytes.first(), Some(0xFE | 0xFF));
         if str::from_utf8(&self.bytes).is_err()
             && !is_utf_16
@@ -154,8 +154,8 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// The text of a line in Windows-1252; `None` where it has control characters, or bytes that stand for nothing there, as noise and
-/// other files have.
+/// The text of a line in Windows-1252; `None` where it has control characters or bytes that are undefined there, as in noise and
+/// in files of other kinds.
 fn western(bytes: &[u8]) -> Option<String> {
     let text = encoding_rs::WINDOWS_1252.decode_without_bom_handling(bytes).0;
     let is_text = |character: char| !character.is_control() || character == '\t';
@@ -187,7 +187,7 @@ impl Splitter {
         self.core.reset();
         self.text.resize(line.text.len() + 1, 0);
         let (outcome, _, text_end, count) = self.core.read_record(line.text.as_bytes(), &mut self.text, &mut self.ends);
-        // The end of the line, as an end of input.
+        // The end of the line counts as the end of the input.
         let (outcome, text_more, count) = match outcome {
             Outcome::InputEmpty => {
                 if open_quote(line.text, self.separator) {
@@ -223,7 +223,7 @@ impl<'a> Cells<'a> {
         self.ends.len()
     }
 
-    /// A cell without surrounding blanks; the empty text past the last one.
+    /// A cell without surrounding blanks; the empty text for an index past the last cell.
     pub(crate) fn get(self, index: usize) -> &'a str {
         let start = index.checked_sub(1).map_or(Some(0), |before| self.ends.get(before).copied());
         match (start, self.ends.get(index)) {

@@ -1,14 +1,14 @@
 //! The text export of `TwinCAT` Scope.
 //!
-//! What is assumed of its layout, after the maker's documentation of the text export and exports of
+//! The layout is assumed as follows, after the maker's documentation of the text export and exports of
 //! Scope 3.4:
 //!
 //! - A block about the file (`Name`, `File`, `Starttime of export`, …), then a block about the
 //!   channels that begins with a row `Name` again. Each row of a block begins with its key: `Name`,
 //!   `SymbolComment`, `Data-Type`, `SampleTime[ms]`, `SymbolName`, `Unit` and others. Blank lines
-//!   stand between; an export without the first block is read too.
+//!   separate the blocks; an export without the first block is read too.
 //! - A column that repeats the key in every row of the channel block is a time column. The channels
-//!   to its right, up to the next time column, are sampled at its times. Hence both forms are read:
+//!   to its right, up to the next time column, are sampled at its times. Two forms are therefore read:
 //!   one time column for each channel, and one for each sample time.
 //! - Then the rows: times in ms since the start of the export, and values as scaled by the export.
 //!   Channels with fewer samples end early, with empty cells. A line `EOF` may close the file.
@@ -17,8 +17,8 @@
 //! A channel is known by its name (`position [mm]`), or by name or symbol through the channel map
 //! (`GVL.Kolbenweg [mm]`); its unit stands in brackets in the map or in the name, or else in the row
 //! `Unit` (`mm (Length)`). All signals come out at the times of the first known channel of the file:
-//! those with other times are interpolated linearly there, and times outside any signal's own are
-//! left out, as are repeated ones, and written back where the recording is. Time goes out as `time [s]`. Full timestamps
+//! those with other times are interpolated linearly there. Times outside any signal's range and repeated times are
+//! left out; they are written back where the recording is. Time goes out as `time [s]`. Full timestamps
 //! instead of ms are refused.
 
 use super::csv::number;
@@ -41,10 +41,10 @@ const MAX_HEADER_ROWS: usize = 200;
 /// Larger than any time in ms: a full timestamp counts 100 ns since 1601.
 const FULL_TIMESTAMP: f64 = 1e15;
 
-/// The channel block: rows of cells, the first of each its key.
+/// The channel block: rows of cells; the first cell of each row is its key.
 type Block = Vec<Vec<String>>;
 
-/// One known channel: where its samples stand, and they.
+/// One known channel: its samples, and the columns in which they stand.
 struct Channel {
     time_cell: usize,
     value_cell: usize,
@@ -88,7 +88,7 @@ pub(crate) fn read(
             none => none.insert(Channels::find(&block, map, &file)?),
         };
         rows += 1;
-        // Every channel has times of its own.
+        // Every channel has its own times.
         let most = most_rows(2 * channels.known.len());
         if rows > most {
             return Err(RecordingError::TooManyRows { place: line.whole(), most });
@@ -129,7 +129,7 @@ fn milliseconds() -> Unit {
 }
 
 impl Channel {
-    /// An export has the unit elsewhere; a recording that is written needs it in the header.
+    /// An export has the unit in a separate row; a recording that is written needs it in the header.
     fn with_unit_in_header(mut self) -> Self {
         let column = &mut self.samples.column;
         if split_header(&column.header).1 != Some(column.unit.symbol()) {

@@ -1,4 +1,4 @@
-//! What is drawn of each effect: one small measurement a family.
+//! The measurement that is drawn for each effect: one small measurement for each family.
 
 use diagnosis::catalogue::{Hypothesis, Subsystem};
 use model_core::machine::{Machine, Parameter};
@@ -6,7 +6,7 @@ use recording::Signal;
 
 use super::view::{Law, Moment};
 
-/// A measurement on a drive over one window: across, upwards, and the branch that it belongs to.
+/// A measurement on a drive over one window: the values across and upwards, and the branch that the point belongs to.
 type Point = fn(&Law, &Moment) -> Option<(f64, f64, i8)>;
 
 /// A kind of picture.
@@ -15,7 +15,7 @@ pub(crate) struct Family {
     pub(crate) caption: &'static str,
     pub(crate) x: (&'static str, &'static str),
     pub(crate) y: (&'static str, &'static str),
-    /// Channels that the recorded drive needs to be drawn.
+    /// Channels that must be recorded, so that the recorded drive can be drawn.
     pub(crate) needs: &'static [Signal],
     pub(crate) point: Point,
 }
@@ -32,7 +32,7 @@ const LOW_PA: f64 = 1e6;
 /// Opening below which an edge's law cannot be measured.
 const OPEN: f64 = 0.02;
 
-/// The picture of an effect. `after` tells which channel's sensor is off.
+/// The picture of an effect. `after` shows which channel's sensor is off.
 #[expect(clippy::too_many_lines, reason = "one entry a family")]
 pub(crate) fn of(effect: &Hypothesis, after: &Machine<f64>) -> Family {
     match effect.name {
@@ -285,7 +285,7 @@ pub(crate) fn of(effect: &Hypothesis, after: &Machine<f64>) -> Family {
     }
 }
 
-/// Viscous friction over what the oil's viscosity goes by: its measured temperature, or the time.
+/// Viscous friction over what the oil's viscosity depends on: its measured temperature, or the time.
 fn oil(after: &Machine<f64>) -> Family {
     if after.get(Parameter::ViscosityLossPerKelvin) > 0.0 {
         viscous("Viscous friction over the oil's temperature", ("oil temperature", "°C"), |law, m| {
@@ -309,19 +309,19 @@ fn viscous(title: &'static str, x: (&'static str, &'static str), point: Point) -
     }
 }
 
-/// Viscous friction, kN s/m; none to be seen in a rod that hardly moves.
+/// Viscous friction, kN s/m; no value while the rod hardly moves.
 fn drag(law: &Law, m: &Moment) -> Option<f64> {
     /// m/s
     const FAST: f64 = 0.03;
     (m.velocity.abs() > FAST).then(|| 1e-3 * (braking(law, m) / m.velocity + law.by.damping))
 }
 
-/// Whether it is the viscous friction that changes along the stroke.
+/// Whether the viscous friction is what changes along the stroke.
 fn is_viscous(after: &Machine<f64>) -> bool {
     after.get(Parameter::PositionDragSlope) != 0.0 || after.get(Parameter::PositionDragBow) != 0.0
 }
 
-/// What a sensor reads beside the model before, of the channel that is off.
+/// The reading of the sensor that is off less the model before, for this channel.
 fn sensor(after: &Machine<f64>) -> Family {
     let is_off = |offset, factor| after.get(offset) != 0.0 || after.get(factor) != 0.0;
     let family = |x, y, needs, point| Family {
@@ -346,7 +346,7 @@ fn sensor(after: &Machine<f64>) -> Family {
     }
 }
 
-/// The motion that the model before lacks: what can always be drawn.
+/// The motion that the model before lacks, which can always be drawn.
 pub(crate) fn lacking_motion(effect: &Hypothesis) -> Family {
     let family = |x, point| Family {
         title: "Velocity that the model lacks without the effect",
@@ -367,7 +367,7 @@ pub(crate) fn lacking_motion(effect: &Hypothesis) -> Family {
     }
 }
 
-/// Force on the rod that neither the pressures, inertia nor viscous friction account for, positive against extending, N.
+/// Force on the rod that neither the pressures, nor inertia, nor viscous friction explain, positive against extending, N.
 fn braking(law: &Law, m: &Moment) -> f64 {
     let (area_a, area_b) = law.by.area;
     area_a * m.a_pa - area_b * m.b_pa + law.by.load + m.load_n
@@ -387,22 +387,22 @@ fn missing_a(law: &Law, m: &Moment) -> f64 {
     m.port_a - into_a(law, m)
 }
 
-/// Into B: what the port passes in less what the chamber takes.
+/// Into B: the flow through the port less the flow that the chamber takes up.
 fn missing_b(law: &Law, m: &Moment) -> f64 {
     out_of_b(law, m) - m.port_b
 }
 
-/// Whether the edges pass so little that an error of their law does not hide a leak.
+/// Whether the edges pass so little oil that an error of their law does not hide a leak.
 fn nearly_closed(law: &Law, m: &Moment) -> bool {
     m.spool.abs() < law.dead_zone + OPEN
 }
 
-/// Which way oil goes at A, and over which pressure difference.
+/// Direction of the flow at A, and its pressure difference.
 fn edge_a(law: &Law, m: &Moment) -> (f64, f64) {
     if m.spool > 0.0 { (1.0, m.supply_pa - m.a_pa) } else { (-1.0, m.a_pa - law.tank_pa) }
 }
 
-/// Opening at A, signed as the flow.
+/// Opening at A, with the sign of the flow.
 fn opening_a(law: &Law, m: &Moment) -> Option<f64> {
     let (_, over) = edge_a(law, m);
     (over > 1e5).then(|| into_a(law, m) / (law.flow_coefficient * over.sqrt()))
@@ -413,7 +413,7 @@ fn opening_b(law: &Law, m: &Moment) -> Option<f64> {
     (over > 1e5).then(|| out_of_b(law, m) / (law.flow_coefficient * over.sqrt()))
 }
 
-/// What the edge itself drops at this flow, Pa.
+/// Pressure drop of the edge itself at this flow, Pa.
 fn drop(law: &Law, m: &Moment, flow: f64) -> Option<f64> {
     let open = m.spool.abs() - law.dead_zone;
     (open > 4.0 * OPEN && flow > 0.0).then(|| (flow / (law.flow_coefficient * open)).powi(2))

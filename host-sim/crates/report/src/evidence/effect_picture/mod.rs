@@ -1,8 +1,8 @@
-//! The effect's own picture: what the recordings say of it, and over that what the model says before and after.
+//! The effect's own picture: what the recordings show of it, and over that what the models before and after show.
 //!
-//! One measurement, three drives: the recorded one, the model before and the model after are each taken for a drive on the bench,
-//! and the same balance over short windows is drawn from all three. So the curve of the model after is the law that was
-//! fitted, seen as the data are. What cannot be measured with the channels recorded is drawn of the models alone, beside the
+//! One measurement, three drives: the recorded drive, the model before and the model after are each treated as a drive on the bench,
+//! and the same balance over short windows is drawn for all three. So the curve of the model after is the law that was
+//! fitted, measured in the same way as the data. What cannot be measured with the recorded channels is drawn for the models only, beside the
 //! motion that the model before lacks.
 
 mod families;
@@ -109,12 +109,12 @@ fn picture(effect: &'static Hypothesis, family: &Family, law: &Law, drives: &Dri
     Picture { effect: effect.name, caption: format!("{}{unmeasured}", family.caption), figure }
 }
 
-/// A curve that scatters more than this share of its range is none.
+/// A curve whose scatter exceeds this share of its range is not drawn as a curve.
 const SCATTERED: f64 = 0.1;
-/// Most points of a model that makes no curve.
+/// Most points of a model that are drawn where they make no curve.
 const MOST_OF_MODEL: usize = 400;
 
-/// A line through the middles; where the model makes no curve of it, its points.
+/// A line through the medians; where the points of the model make no curve, the points themselves.
 fn curve(points: Vec<(f64, f64)>) -> Marks {
     let bins = binned(points.clone());
     let mut spread: Vec<f64> = bins.iter().map(|bin| bin.quartiles[2] - bin.quartiles[0]).collect();
@@ -130,7 +130,7 @@ fn curve(points: Vec<(f64, f64)>) -> Marks {
     }
 }
 
-/// Points of each branch that there is.
+/// Points of each branch that has any.
 fn branches(points: &[(f64, f64, i8)]) -> Vec<(i8, Vec<(f64, f64)>)> {
     let of = |wanted: i8| points.iter().filter(|point| point.2 == wanted).map(|point| (point.0, point.1)).collect();
     [-1, 0, 1]
@@ -140,7 +140,7 @@ fn branches(points: &[(f64, f64, i8)]) -> Vec<(i8, Vec<(f64, f64)>)> {
         .collect()
 }
 
-/// Most single points of a picture.
+/// Most single points in a picture.
 const MOST_DOTS: usize = 1500;
 
 fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
@@ -148,7 +148,7 @@ fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     points.into_iter().step_by(step).collect()
 }
 
-/// Without the few that lie far off the others in y: they would flatten what is to be seen.
+/// Without the few points that lie far from the others in y: they would flatten the picture.
 fn within(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     let at = |share: f64| quantile(points.iter().map(|point| point.1).collect(), share);
     let (Some(low), Some(high)) = (at(0.02), at(0.98)) else { return points };
@@ -158,9 +158,9 @@ fn within(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
 
 /// Bins of a curve, each with the same number of points.
 const BINS: usize = 40;
-/// And at least so many points.
+/// Least number of points in a bin.
 const LEAST_IN_BIN: usize = 5;
-/// Bins closer than this share of the whole range are one.
+/// Bins closer than this share of the whole range are merged.
 const CLOSEST: f64 = 0.012;
 
 /// Medians and quartiles over equally filled ranges of x.

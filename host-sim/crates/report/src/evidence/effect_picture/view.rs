@@ -1,5 +1,5 @@
-//! A drive as its sensors show it, moment by moment: means and slopes over short windows, for a recorded drive and for a simulated
-//! one alike.
+//! A drive as its sensors show it, moment by moment: means and derivatives over short windows, for recorded and for simulated
+//! drives alike.
 
 use std::borrow::Cow;
 
@@ -19,7 +19,7 @@ use super::Drives;
 /// Length of a moment, s.
 const MOMENT_S: f64 = 0.03;
 
-/// The model's laws that a picture measures against, the effect itself taken out.
+/// The model's laws that a picture is measured against, with the effect itself taken out.
 pub(crate) struct Law {
     /// The machine after without the effect.
     pub(crate) machine: Machine<f64>,
@@ -52,10 +52,10 @@ pub(crate) struct Moment {
     /// Since the recording's start, s.
     pub(crate) time_s: f64,
     pub(crate) command_v: f64,
-    /// Which way the spool was sent last.
+    /// Direction of the spool's last movement.
     pub(crate) turned: i8,
     pub(crate) spool: f64,
-    /// Spool less that of the model without the effect.
+    /// Spool position less that of the model without the effect.
     pub(crate) spool_off: f64,
     pub(crate) a_pa: f64,
     pub(crate) b_pa: f64,
@@ -71,17 +71,17 @@ pub(crate) struct Moment {
     pub(crate) velocity_off: f64,
     pub(crate) velocity: f64,
     pub(crate) acceleration: f64,
-    /// External force beside the constant one, N.
+    /// External force without the constant one, N.
     pub(crate) load_n: f64,
     pub(crate) pump_rev_per_s: f64,
     /// `None` where it is not recorded.
     pub(crate) oil_c: Option<f64>,
-    /// What the model's ports pass at this spool and these pressures, m³/s.
+    /// Flow through the model's ports at this spool position and these pressures, m³/s.
     pub(crate) port_a: f64,
     pub(crate) port_b: f64,
 }
 
-/// One value a row, of one drive.
+/// One value per row, of one drive.
 struct View<'a> {
     spool: Cow<'a, [f64]>,
     a: Cow<'a, [f64]>,
@@ -127,7 +127,7 @@ fn simulated<'a>(law: &Law, shown: &Shown, recording: &'a Recording, trajectory:
     }
 }
 
-/// The recorded drive; what is not recorded is the model's before.
+/// The recorded drive; what is not recorded is taken from the model before.
 fn recorded<'a>(shown: &Shown, before: &View<'a>) -> View<'a> {
     let of = |signal: Signal, simulated: &Cow<'a, [f64]>| {
         let channel = shown.prepared.channels.iter().find(|channel| channel.signal == signal);
@@ -142,7 +142,7 @@ fn recorded<'a>(shown: &Shown, before: &View<'a>) -> View<'a> {
     }
 }
 
-/// Flow into A and out of B that the law's ports pass at every row.
+/// Flow into A and out of B through the law's ports at every row.
 fn ports(law: &Law, tick: Tick, recording: &Recording, view: &View<'_>) -> Result<(Vec<f64>, Vec<f64>), MachineError> {
     let drive = Drive::<f64>::new::<DELAY_LINE>(&law.machine, tick)?;
     let bases = *drive.bases();
@@ -217,10 +217,10 @@ fn over(
         .collect()
 }
 
-/// The spool went one way once it has gone this far, in parts of its travel.
+/// Smallest travel that counts as a movement of the spool, as a share of its full travel.
 const TURNS: f64 = 2e-3;
 
-/// Which way a series went last, at each row.
+/// Direction of a series' last movement, at each row.
 fn turns(values: &[f64]) -> Vec<i8> {
     let (mut last, mut low, mut high) = (0, f64::MAX, f64::MIN);
     values
@@ -232,7 +232,7 @@ fn turns(values: &[f64]) -> Vec<i8> {
             } else if *value < high - TURNS && last != -1 {
                 (last, low) = (-1, *value);
             }
-            // While it goes one way the other end follows.
+            // While it moves one way, the opposite extreme is updated with it.
             match last {
                 1 => low = high,
                 -1 => high = low,

@@ -20,7 +20,7 @@ fn edges() -> Edges {
     }
 }
 
-/// Spool positions every millisecond under a command over time.
+/// Spool positions at every millisecond for a command over time.
 fn run(effects: &[ValveEffect], pressure_pa: f64, ticks: u32, command: impl Fn(f64) -> f64) -> Vec<f64> {
     let state = State {
         pressure_a: 0.4 * pressure_pa,
@@ -68,7 +68,7 @@ fn hysteresis_is_as_wide_as_said_at_any_rate() {
             let command = sine(5.0, 1.0 / period_s);
             let positions = run(&[effect], 7e6, ticks, &command);
             let none = run(&[], 7e6, ticks, &command);
-            // On the way down through zero and up through it again, one period and a bit in.
+            // At the downward passage through zero and the next upward one; the run lasts a little longer than one period.
             let [half, whole] = [2, 4].map(|quarters| quarters * positions.len() / 5);
             let width = (positions[half] - none[half]) - (positions[whole] - none[whole]);
             assert!((width - 0.04).abs() < 2e-3, "{effect:?} {period_s}: {width}");
@@ -84,7 +84,7 @@ fn a_sticking_spool_holds_and_jumps_short() {
     assert!(held > 3500, "{held}");
     let jumps = positions.windows(6).filter(|six| six[5] - six[0] > 0.01 && six[0].total_cmp(&six[0]).is_eq()).count();
     assert!(jumps > 8, "{jumps}");
-    // 0.2 of travel asked for, in jumps of 0.85 of the break-away: never further away than that.
+    // A commanded travel of 0.2, in jumps of 0.85 of the break-away: the spool is never further away than the break-away.
     for (tick, x) in positions.iter().enumerate() {
         let free = 0.1 * 0.5 * tick as f64 * 1e-3;
         assert!((free - x).abs() < 0.0225, "{tick}");
@@ -95,7 +95,7 @@ fn a_sticking_spool_holds_and_jumps_short() {
 fn a_spool_that_jumps_at_once_makes_a_staircase_even_of_a_fast_ramp() {
     let effect = ValveEffect::Stiction { break_away: 0.02, kinetic_share: 0.25, jump_s: 0.0 };
     let positions = run(&[effect], 7e6, 200, |time_s| 20.0 * time_s);
-    // 2 travel a second: a jump of 0.015 every 7.5 ms.
+    // 2 full travels per second: a jump of 0.015 every 7.5 ms.
     let jumps: Vec<f64> = positions.windows(2).map(|pair| pair[1] - pair[0]).filter(|jump| *jump > 0.0).collect();
     assert!((20..30).contains(&jumps.len()), "{}", jumps.len());
     assert!(jumps.iter().all(|jump| (jump - 0.015).abs() < 1e-3), "{jumps:?}");

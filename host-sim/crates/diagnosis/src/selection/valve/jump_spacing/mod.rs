@@ -1,14 +1,15 @@
-//! What the jumps of a spool that no sensor sees leave in the position.
+//! The jumps of a spool that no sensor measures, found by what they leave in the position.
 //!
-//! A spool that sticks follows the free one, x, as a saw-tooth of its travel: from −½·L to ½·L around it and back at a jump,
-//! L = band·(1 − kept) long, wherever a stroke began. The rod goes k = |v|/(|x| − dead zone) faster for each opening, so a model without jumps
-//! leaves in the position ∫ k·saw(x/L + θ) dt. It repeats with x, and L and its height are one: of a stroke only the phase θ is not known.
+//! The difference between a sticking spool and the free one, x, is a saw-tooth over the spool's travel: it runs from −½·L to ½·L and back at a jump,
+//! with L = band·(1 − kept), wherever a stroke began. The rod's speed changes by k = |v|/(|x| − dead zone) per opening, so a model without jumps
+//! leaves the residual ∫ k·saw(x/L + θ) dt in the position. It is periodic in x, and L is both its period and its height: of a stroke only the phase
+//! θ is unknown.
 //!
-//! A simulation with jumps does not find that. When one of them comes hangs on the valve's gain to a three-hundredth, which the position does
-//! not tell from the flow gain, and every neighbouring value has other jumps. Here the phase is free instead: the evidence for jumps of a length
-//! is the likelihood of what is left under that saw-tooth, averaged over all courses of the phase, over that of noise alone.
+//! A fit by simulation with jumps does not find this. The instant of a jump depends on the valve's gain to a three-hundredth, which the position
+//! cannot separate from the flow gain, and every neighbouring value of the gain has other jumps. Here the phase is free instead: the evidence for
+//! jumps of a length is the likelihood of the residual under that saw-tooth, averaged over all courses of the phase, relative to that of noise alone.
 //!
-//! What is left is made white first, by an autoregression of its own: what is smooth in it, of whatever form's error, has little weight then.
+//! The residual is made white first, by an autoregression of its own: its smooth parts, whichever form error they come from, then have little weight.
 
 mod track;
 mod whiten;
@@ -27,25 +28,25 @@ use crate::selection::decision_rule::{
     HELD_OUT_SPACING, INDEPENDENT_SPACINGS, OTHER_SPACING_FROM, SAME_SPACING_WITHIN, SPACING_STANDS_OUT, SPACING_TOLD,
 };
 
-/// Shortest and longest jump that is looked for, of full travel. Shorter ones a position hardly holds.
+/// Shortest and longest jump that is looked for, of full travel. Shorter ones are hardly visible in a position.
 const LENGTHS: (f64, f64) = (0.003, 0.03);
 /// Lengths between them, each 2 % longer than the last.
 const COUNT: usize = 116;
 /// Phases of a stroke.
 const PHASES: usize = 24;
-/// Times the height that belongs to a length: gain and dead zone are not exact.
+/// Heights that are tried, as multiples of the one that belongs to a length: gain and dead zone are not exact.
 const HEIGHTS: [f64; 5] = [0.5, 0.7, 0.85, 1.0, 1.2];
-/// Speeds of the spool, 1/s, beyond which it no longer jumps: where a jump takes its time, a fast one glides.
+/// Speeds of the spool, 1/s, beyond which it no longer jumps: since a jump takes some time, a fast spool glides.
 const GLIDES: [f64; 4] = [f64::INFINITY, 1.0, 0.3, 0.1];
-/// Length of a block, s: over so long a phase may be taken as it is.
+/// Length of a block, s: over this time the phase may be taken as constant.
 const BLOCK_S: f64 = 0.1;
 
-/// Jumps of a spool that the position holds.
+/// Jumps of a spool that are found in the position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JumpSpacing {
     /// How long a jump is, of full travel.
     pub length: f64,
-    /// Log-likelihood that the recordings gain by jumps of any length over none.
+    /// Log-likelihood that the recordings gain by jumps, averaged over all lengths, over none.
     pub evidence: f64,
 }
 
@@ -61,8 +62,8 @@ impl fmt::Display for JumpSpacing {
 }
 
 impl JumpSpacing {
-    /// What training recordings say, by a machine that follows them without jumps; `None` where they do not tell of any, or
-    /// hold no position of a drive that its command alone drives.
+    /// The jump spacing in training recordings, from the residuals of a machine that follows them without jumps. `None` where they show no jumps, or
+    /// where a recording has no position or is not driven by the command alone.
     pub fn of(machine: &Machine<f64>, training: &[&Prepared]) -> Result<Option<Self>, MachineError> {
         let Some(by_length) = evidence(machine, training)? else { return Ok(None) };
         let lengths = lengths();
@@ -72,12 +73,12 @@ impl JumpSpacing {
         let is_far = |length: &f64| (length / lengths[best]).ln().abs() > OTHER_SPACING_FROM;
         let elsewhere = lengths.iter().zip(&by_length).filter(|(length, _)| is_far(length)).map(|(_, value)| *value);
         let evidence = mean_of_logarithms(&by_length);
-        // What form errors leave is alike at every length; what jumps leave stands out at theirs.
+        // Form errors give nearly the same evidence at every length; jumps stand out at their own length.
         let stands_out = most - elsewhere.fold(f64::NEG_INFINITY, f64::max) > SPACING_STANDS_OUT;
         Ok((evidence > SPACING_TOLD && stands_out).then_some(Self { length: lengths[best], evidence }))
     }
 
-    /// Whether held-out recordings prefer jumps as long as these to none, by more than chance.
+    /// Whether held-out recordings prefer jumps of this length to none, by more than chance.
     pub fn is_in(&self, machine: &Machine<f64>, held_out: &[&Prepared]) -> Result<bool, MachineError> {
         let Some(by_length) = evidence(machine, held_out)? else { return Ok(false) };
         let is_near = |length: &f64| (length / self.length).ln().abs() < SAME_SPACING_WITHIN;
@@ -101,7 +102,7 @@ fn mean_of_logarithms(values: &[f64]) -> f64 {
     most + (values.iter().map(|value| (value - most).exp()).sum::<f64>() / values.len() as f64).ln()
 }
 
-/// Log-likelihood that recordings gain by jumps of each length. `None` where they cannot say.
+/// Log-likelihood that recordings gain by jumps of each length. `None` where they cannot show it.
 fn evidence(machine: &Machine<f64>, cases: &[&Prepared]) -> Result<Option<Vec<f64>>, MachineError> {
     let Some(mut tracks) = tracks(machine, cases)? else { return Ok(None) };
     let Some(memory) = whitened(&mut tracks) else { return Ok(None) };
@@ -121,10 +122,10 @@ fn evidence(machine: &Machine<f64>, cases: &[&Prepared]) -> Result<Option<Vec<f6
 
 /// Log-likelihood that a recording gains by jumps of a length and a height, averaged over all courses of their phase.
 ///
-/// At a turn and after a rest the phase is open. Along a stroke it strays: a jump goes as far as the free spool has come at the end of a row,
-/// and further the faster that is.
+/// At a turn and after a rest the phase is unknown. Along a stroke it drifts at random: a jump ends where the free spool is at the end of a row, so
+/// that it is longer the faster the free spool moves.
 fn along(chain: &[Heard<'_>], length: f64, height: usize, glides: f64) -> f64 {
-    /// Variance of the phase, in turns², for each length of a jump that the spool goes.
+    /// Variance that the phase gains, in turns², per jump length of spool travel.
     const STRAYS: f64 = 0.002;
     /// What a change of speed adds to a jump, s.
     const LATE_S: f64 = 1e-3;
@@ -156,9 +157,10 @@ fn along(chain: &[Heard<'_>], length: f64, height: usize, glides: f64) -> f64 {
     sum
 }
 
-/// Phases after they have strayed with a variance, in turns²: convolved with a normal distribution that is wrapped around.
+/// Distribution of the phase after a random drift with this variance, in turns²: convolved with a normal distribution that is wrapped around the
+/// circle.
 fn strayed(phases: &[f64; PHASES], variance: f64) -> [f64; PHASES] {
-    /// Probability that is left where none would be: no number is so small that it cannot come back.
+    /// Least probability of a phase, so that none becomes so small that it cannot recover.
     const LEAST: f64 = 1e-12;
     let mut kernel: [f64; PHASES] = std::array::from_fn(|step| {
         let turns = step as f64 / PHASES as f64;

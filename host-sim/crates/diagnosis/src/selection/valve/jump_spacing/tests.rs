@@ -8,7 +8,7 @@ use super::*;
 const BAND: f64 = 0.02;
 const KEPT: f64 = 0.2;
 
-/// The press without what its spool does, and what follows that in the mean: a play.
+/// The press without stiction, and with the play that follows its sticking spool on average.
 fn play() -> (Machine<f64>, Machine<f64>) {
     let machine = press(&[(Parameter::ViscousFriction, 2e4), (Parameter::DeadZone, 0.03)]);
     (machine, machine.with(&[(Parameter::HysteresisWidth, BAND * (1.0 + KEPT))]))

@@ -1,5 +1,5 @@
-//! A recording of the position with what a machine simulates of it: how much faster the rod is for each opening, the spool's strokes in
-//! blocks, and what each block says of jumps of a length.
+//! A recording of the position with its simulation: how much faster the rod is per opening, the spool's strokes in blocks, and the evidence of each
+//! block for jumps of a length.
 
 use identification::parallel;
 use rustfft::num_complex::Complex;
@@ -16,44 +16,44 @@ use super::{BLOCK_S, HEIGHTS, PHASES};
 
 /// Harmonics of the saw-tooth.
 const HARMONICS: usize = 2;
-/// Most rows that are looked at: more say the same.
+/// Most rows that are evaluated: more would not change the result.
 const MOST_ROWS: usize = 60_000;
-/// Opening, of full travel, below which a valve that hardly opens says little of its gain.
+/// Opening, of full travel, below which the gain of the valve is too inaccurate to use.
 const LEAST_OPENING: f64 = 0.004;
 
-/// A recording of the position, with what a machine simulates.
+/// A recording of the position, with its simulation.
 pub(crate) struct Track {
     pub(crate) time_s: Vec<f64>,
-    /// Position recorded less simulated, m; then white, in the same unit.
+    /// Position recorded less simulated, m; later made white, in the same unit.
     pub(crate) missed_m: Vec<f64>,
     /// Noise of the position's sensor, m.
     pub(crate) noise_m: f64,
     /// The simulated spool, of full travel.
     pub(crate) x: Vec<f64>,
-    /// How much faster the rod is for each opening, m/s.
+    /// How much faster the rod is per opening, m/s.
     pub(crate) gain: Vec<f64>,
     pub(crate) blocks: Vec<Block>,
 }
 
-/// Rows of a stroke over which a phase is taken as it is.
+/// Rows of a stroke over which the phase is taken as constant.
 pub(crate) struct Block {
     pub(crate) first: usize,
     pub(crate) end: usize,
-    /// Which way the spool goes.
+    /// Whether the spool moves in the positive direction.
     pub(crate) rises: bool,
-    /// How far it goes, of full travel.
+    /// How far it moves, of full travel.
     pub(crate) travel: f64,
     /// Its mean speed, 1/s.
     pub(crate) speed: f64,
 }
 
-/// What a block says of jumps of a length: its log-likelihood over noise alone, for each height and phase.
+/// Evidence of a block for jumps of a length: its log-likelihood relative to noise alone, for each height and phase.
 pub(crate) struct Heard<'a> {
     pub(crate) block: &'a Block,
     pub(crate) gains: [[f64; PHASES]; HEIGHTS.len()],
 }
 
-/// The recordings with what a machine simulates of them; `None` unless all hold a position, and none the spool, which says itself when it jumps.
+/// The recordings with their simulation. `None` unless all have a position and none the spool: a recorded spool shows its jumps itself.
 pub(crate) fn tracks(machine: &Machine<f64>, cases: &[&Prepared]) -> Result<Option<Vec<Track>>, MachineError> {
     let of = |case: &'_ Prepared, signal| case.channels.iter().position(|channel| channel.signal == signal);
     let position = |case: &&Prepared| {
@@ -96,7 +96,7 @@ impl Track {
             if opening > LEAST_OPENING { velocity.abs() / opening } else { 0.0 }
         };
         let mut gain: Vec<f64> = x.iter().zip(velocity).map(gain).collect();
-        // Next to the dead zone a little is divided by a little.
+        // Next to the dead zone one small number is divided by another.
         let most = quantile(gain.iter().copied().filter(|gain| *gain > 0.0).collect(), 0.9).unwrap_or(0.0);
         for gain in &mut gain {
             *gain = gain.min(1.5 * most);
@@ -114,19 +114,19 @@ impl Track {
         rows.filter(|(_, gain)| **gain > 0.0).map(|(missed, _)| missed * missed)
     }
 
-    /// What each block says of jumps of a length. `variance` is that of the noise, m²; `memory` makes it white.
+    /// Evidence of each block for jumps of a length. `variance` is that of the noise, m²; `memory` is the filter that makes it white.
     pub(crate) fn heard<'s>(&'s self, length: f64, memory: &[f64], variance: f64) -> Vec<Heard<'s>> {
-        /// Of neighbouring rows, whose noise is not quite independent, so many are.
+        /// Share of the rows that counts as independent: the noise of neighbouring rows is not quite independent.
         const INDEPENDENT: f64 = 0.8;
-        /// The usual variance counts as so many rows: that of a short block says little.
+        /// The usual variance counts as this many rows, since the variance of a short block is inaccurate.
         const ROWS_BEFORE: f64 = 10.0;
-        /// Share of what is left above which no saw-tooth explains it.
+        /// Least share of the residual that remains, however well a saw-tooth explains it.
         const LEAST_LEFT: f64 = 1e-3;
         let waves: [Vec<Complex<f64>>; HARMONICS] = std::array::from_fn(|index| self.wave(length, index + 1, memory));
         let of_block = |block: &'s Block| {
             let rows = block.first..block.end;
             let missed = &self.missed_m[rows.clone()];
-            // Of each harmonic its sine and its cosine.
+            // Sine and cosine of each harmonic.
             let parts: Vec<Vec<f64>> = waves
                 .iter()
                 .flat_map(|wave| {
@@ -161,7 +161,7 @@ impl Track {
         self.blocks.iter().map(of_block).collect()
     }
 
-    /// What a harmonic of the saw-tooth leaves in the position, m, as what is missed was made white.
+    /// What a harmonic of the saw-tooth leaves in the position, m, filtered like the residual that was made white.
     fn wave(&self, length: f64, harmonic: usize, memory: &[f64]) -> Vec<Complex<f64>> {
         let per_travel = std::f64::consts::TAU * harmonic as f64 / length;
         let height = length / (std::f64::consts::PI * harmonic as f64);
@@ -170,7 +170,7 @@ impl Track {
         for row in 1..self.rows() {
             let (x, before) = (self.x[row], self.x[row - 1]);
             let gain = 0.5 * (self.gain[row] + self.gain[row - 1]);
-            // The mean over a row in which the spool goes on evenly.
+            // The mean over a row in which the spool moves at constant speed.
             let half = 0.5 * per_travel * (x - before);
             let mean = if half.abs() < 1e-6 { 1.0 } else { half.sin() / half };
             let angle = per_travel * (0.5 * (x + before) - self.x[0]);
@@ -181,15 +181,15 @@ impl Track {
     }
 }
 
-/// The strokes of a spool in which it is not at rest nor the valve closed, cut into blocks.
+/// The strokes of a spool, cut into blocks; without those where the spool rests or the valve is closed.
 fn blocks(time_s: &[f64], x: &[f64], gain: &[f64]) -> Vec<Block> {
-    /// Rows to each side that a direction is taken over.
+    /// Rows to each side over which the direction is determined.
     const AROUND: usize = 2;
-    /// Less than so much in a row, of full travel, is none.
+    /// A step per row below this, of full travel, counts as rest.
     const RESTS: f64 = 1e-6;
     /// Least rows of a block.
     const FEWEST: usize = 6;
-    /// Least share of them in which the rod moves.
+    /// Least share of its rows in which the rod moves.
     const MOVES: f64 = 0.3;
     /// Least travel of a block.
     const LEAST_TRAVEL: f64 = 1e-4;

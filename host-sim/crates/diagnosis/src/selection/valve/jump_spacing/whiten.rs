@@ -1,4 +1,5 @@
-//! What a model misses, made white by an autoregression of its own: what is smooth in it, of whatever form's error, has little weight then.
+//! The residual of a model, made white by an autoregression of its own: its smooth parts, whichever form error they come from, then have little
+//! weight.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -17,7 +18,7 @@ pub(crate) fn usual(mut squares: Vec<f64>) -> f64 {
     median(&mut squares) / MEDIAN
 }
 
-/// A series with the rows that stand out of seven replaced by their median: what a spike leaves would ring on.
+/// A series in which each row that stands out is replaced by the median of seven around it: a spike would ring on in the filter.
 pub(crate) fn without_spikes(series: &[f64]) -> Vec<f64> {
     /// Rows to each side.
     const AROUND: usize = 3;
@@ -30,18 +31,18 @@ pub(crate) fn without_spikes(series: &[f64]) -> Vec<f64> {
     series.iter().zip(&levels).zip(&apart).map(kept).collect()
 }
 
-/// Makes what is missed white, by one autoregression of all recordings; its filter, of the row itself first. `None` where there are too
-/// few rows.
+/// Makes the residuals white, by one autoregression of all recordings. Returns its filter, with the coefficient of the row itself first. `None` where
+/// there are too few rows.
 pub(crate) fn whitened(tracks: &mut [Track]) -> Option<Vec<f64>> {
     /// Least and most rows that the autoregression looks back.
     const ORDERS: (usize, usize) = (8, 40);
-    /// Rounds in which rows where much is left lose their weight.
+    /// Rounds in which rows with large residuals lose their weight.
     const ROUNDS: usize = 3;
-    /// A row weighs as much as noise of this share of the usual variance, at most.
+    /// Greatest weight of a row: that of noise with this share of the usual variance.
     const LEAST_VARIANCE: f64 = 0.3;
-    /// A squared row counts as so many times the median, at most.
+    /// A squared row counts at most as this many times the median.
     const MOST_SQUARE: f64 = 25.0;
-    /// Beyond so many standard deviations a white row is cut off.
+    /// A white row is limited to this many standard deviations.
     const CUT: f64 = 6.0;
     let rows = tracks.iter().map(Track::rows).min()?;
     if rows < 4 * ORDERS.1 {
@@ -78,14 +79,15 @@ pub(crate) fn whitened(tracks: &mut [Track]) -> Option<Vec<f64>> {
         for value in &mut white {
             *value = value.clamp(-limit, limit);
         }
-        // Before the first rows nothing is known.
+        // The first rows have too few rows before them.
         white[..=order].fill(0.0);
         track.missed_m = white;
     }
     Some(memory)
 }
 
-/// The filter that leaves least of what is missed, by weighted least squares; a ridge of the sensor's noise keeps it from what that hides.
+/// The filter that leaves the smallest residual, by weighted least squares; a ridge from the sensor's noise keeps it from fitting what is hidden in
+/// that noise.
 fn autoregression(tracks: &[Track], weights: &[Vec<f64>], order: usize, noise: f64) -> Option<Vec<f64>> {
     const RIDGE: f64 = 1e-3;
     let mut normal = DMatrix::<f64>::zeros(order, order);

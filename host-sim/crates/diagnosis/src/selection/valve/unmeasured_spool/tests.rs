@@ -8,7 +8,8 @@ use crate::test_scene::scene;
 
 const POSITION: [(Signal, f64); 1] = [(Signal::Position, 1e-5)];
 
-/// What a selection that has chosen nothing hears in a spool that does this, and what is left of it where held-out recordings are of another.
+/// The effects that `listen` adds to an empty selection for a spool with these parameters, the one that `unheard` removes where held-out recordings
+/// have other spool parameters, and the effects that remain.
 fn heard(
     truth: &[(Parameter, f64)],
     held_out: &[(Parameter, f64)],
@@ -67,7 +68,7 @@ fn what_a_play_and_a_stiction_lag_by_is_shared_between_both() {
         (alone.band * (1.0 - alone.kept) - 0.01).abs() < 1e-15
             && (alone.band * (1.0 + alone.kept) - 0.03).abs() < 1e-15
     );
-    // Jumps longer than it lags begin where nothing is kept.
+    // For jumps longer than the lag allows, the kept share is 0.
     assert!(Sticks::alone(0.03, 0.01).kept.abs() < 1e-15);
 }
 

@@ -28,7 +28,8 @@ fn what_the_spools_noise_does_below_it_adds_to_the_noise_there_and_nothing_to_it
     let (spool, with_spool) = of(Signal::Spool);
     assert!((with_spool - spool).abs() < 1e-12, "{spool} {with_spool}");
     assert!((spool / OF_SPOOL - 1.0).abs() < 0.2, "{spool}");
-    // Held for a row each, independent errors e of the opening add K·e·h a row: over n rows a walk of K·e·h·√n, and half of that in the mean.
+    // Independent errors e of the opening, each held for one row, add K·e·h per row: over n rows a random walk of K·e·h·√n, and half of that in the
+    // mean.
     let speed = (machine.get(Parameter::FlowCoefficient) * (0.5 * machine.get(Parameter::SupplyPressure)).sqrt())
         / machine.get(Parameter::AreaA);
     let walk = speed * OF_SPOOL * 1e-3 * (2000.0_f64 / 2.0).sqrt();
@@ -81,7 +82,7 @@ fn a_spool_that_reads_too_much_and_edges_that_lie_apart_are_the_same_but_for_the
     let value = |set: &Candidate, parameter| set.fit.machine.get(parameter);
     assert!((value(&other, Parameter::SpoolOffset) - 0.015).abs() < 2e-4, "{}", value(&other, Parameter::SpoolOffset));
     assert!((value(&edges, Parameter::DeadZoneDifference) - 0.03).abs() < 4e-4);
-    // Only the prior of the valve's offset tells: the spool that reads too much needs none.
+    // Only the prior of the valve's offset distinguishes them: the spool that reads too much needs no offset.
     let (apart, read) = (edges.fit.loss, other.fit.loss);
     let bent = 0.5 * (0.015_f64 / 0.02).powi(2);
     assert!((apart - read - bent).abs() < 0.2 * bent, "{apart} {read} {bent}");
@@ -91,8 +92,8 @@ fn a_spool_that_reads_too_much_and_edges_that_lie_apart_are_the_same_but_for_the
     assert!(misread(&question, &base).unwrap().is_none());
 }
 
-/// A spool that saturates, which the model does not know, hides nothing below it: where the recorded one meters the oil, friction gains if it is
-/// there, and only then.
+/// A saturation of the spool that the model lacks hides nothing below the spool: where the recorded spool meters the oil, friction gains if, and only
+/// if, it is there.
 #[test]
 fn an_effect_gains_on_its_own_side_whatever_the_valve_lacks() {
     let nominal = press(&[(Parameter::ViscousFriction, 2e4)]);
@@ -137,11 +138,11 @@ fn a_side_that_has_explained_itself_is_not_asked_again_while_the_chain_is_far_of
     assert_eq!(open(0.7, &[Side::Valve]), only(Side::Below));
     assert!(open(0.7, &[Side::Valve, Side::Below]).is_empty());
     assert_eq!(open(0.7, &[]), all);
-    // Near the noise the whole chain tells the rest.
+    // Near the noise, all effects are open and the whole model is searched.
     assert_eq!(open(0.0, &[Side::Below]), all);
 }
 
-/// Two recordings of a valve with stiction, one held out, asked of the valve's side alone.
+/// Two training recordings and a held-out one of a valve with stiction, judged by the valve's side alone.
 fn asked_of_a_sticking_valve(further: &[(Parameter, f64)], ask: impl FnOnce(&Question<'_>, &Prepared)) {
     let nominal = press(&[(Parameter::ViscousFriction, 4e4), (Parameter::DeadZone, 0.03)]);
     let sticking = nominal.with(&[(Parameter::StictionBand, 0.012), (Parameter::StictionKept, 0.2)]).with(further);
@@ -180,7 +181,7 @@ fn jumps_tell_a_play_beside_stiction_with_both_effect_parameters_and_held_out_on
         assert!(round.iter().any(|trial| trial.is_of(&chosen)));
         let value = |parameter| chosen.fit.machine.get(parameter);
         assert!((value(Parameter::StictionBand) / 0.012 - 1.0).abs() < 0.1, "{}", value(Parameter::StictionBand));
-        // Half the play adds to how far the free spool is ahead, but for where it turns: of the two, less is known than of their sum.
+        // Except where it turns, half the play adds to how far the free spool is ahead: the two are less well determined than their sum.
         let width = value(Parameter::HysteresisWidth);
         assert!((width / 0.02 - 1.0).abs() < 0.2, "{width}");
         for effect in &chosen.effects {
@@ -213,7 +214,7 @@ fn a_spool_that_does_not_stick_is_left_alone() {
     });
 }
 
-/// A long recording's slopes are those of every so-manieth row, and jumps are at any.
+/// Derivatives of a long recording are computed only at every n-th row, whereas jumps can be at any row.
 #[test]
 fn jumps_tell_how_far_ahead_the_free_spool_is_however_long_the_recording_is() {
     const FURTHER: f64 = 1e-3;
@@ -239,7 +240,7 @@ fn jumps_tell_how_far_ahead_the_free_spool_is_however_long_the_recording_is() {
             sticking.further(&set, &training).unwrap()
         };
         let (nearer, there) = (told(at - FURTHER), told(at));
-        // A jump is seen up to a row after the spool broke away, and the free one has gone on meanwhile.
+        // A jump is seen up to one row after the spool broke away; meanwhile the free spool has moved on.
         assert!(there.abs() < 0.1 * at, "{rows} rows: {there} beside {at}");
         assert!(((nearer - there) / FURTHER - 1.0).abs() < 0.05, "{rows} rows: {nearer} {there}");
     }
