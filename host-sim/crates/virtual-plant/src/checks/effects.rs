@@ -246,8 +246,8 @@ fn oil_that_boils_stays_at_its_pressure_until_the_rod_is_back() {
 
 #[test]
 fn vapour_and_released_air_fill_what_the_rod_leaves() {
-    // As large as the chamber's oil does not fill it, both as shares of what the piston sweeps; without air the vapour alone.
-    for released in [0.0, 2e-3, 0.02] {
+    // Bubbles by the law, and the volume that the oil of the chamber does not fill, both as shares of what the piston sweeps.
+    for released in [0.0, 0.02, 0.5] {
         let (floor_pa, steepness_pa) = (-8e4, 1.5e3);
         let states = drawn_on(&[PlantEffect::Cavitation(Cavitation { floor_pa, steepness_pa, released })]);
         let (start, most) = (states[0], states[400]);
@@ -260,7 +260,8 @@ fn vapour_and_released_air_fill_what_the_rod_leaves() {
         let air = released * absolute(floor_pa) / absolute(most.pressure_a_pa) / (1.0 + above.exp());
         let bubbles = (-above).exp() + air;
         assert!(share > 4e-3 && (bubbles / share - 1.0).abs() < 0.02, "{released}: {bubbles} {share}");
-        assert!(released < 0.01 || air > 0.5 * share, "{air} of {share}");
+        // Half of the oil as air is more than any oil dissolves; but then its part counts.
+        assert!(released < 0.5 || air > 0.2 * share, "{air} of {share}");
         let back = states[999];
         assert!((back.position_m - start.position_m).abs() < 1e-7, "{released}: what it gave off is dissolved again");
     }
