@@ -8,8 +8,6 @@
 use crate::number::Number;
 use crate::ports::{ChamberState, Flows};
 
-/// Atmospheric pressure, Pa.
-pub(crate) const ATMOSPHERE_PA: f64 = 1.013e5;
 /// Least volume of a chamber, as a share of the one at mid-stroke.
 pub(crate) const LEAST_VOLUME: f64 = 0.02;
 

@@ -8,24 +8,15 @@
 //! with w the void, in ticks of flow 1, and m the part of the oil that raises the pressure. Nothing of w is rounded: together with the rounding
 //! remainder of the pressure, oil is conserved to the bit.
 //!
-//! A tick of the model starts with each chamber full or empty. An empty one has no stiffness: its pressure stays, whatever flows. Only the
-//! tick's end shows whether a chamber emptied or filled within it. Such a tick is taken back and repeated with a share of the stiffness,
-//! chosen so that the chamber pushes the rod as much as in reality: its pressure moves over a part τ of the tick only. If it falls to the
-//! floor after τ, its mean fall is (1 − τ/2)·τ of the whole; twice that, the share, is 1 − (1 − τ)². If it rises in the last τ, the
-//! mean is τ²/2, and the share τ². The chamber takes in the resulting flow by the law above, with its whole stiffness.
+//! How a tick in which a chamber empties or fills is stepped: `drive/cavitating.rs`.
 //!
 //! The rod's mass is matched to the springs of the oil (`coefficients`), and an empty chamber is no spring. Everything else on the mass's diagonal
 //! (a stop, bristles, thickened oil) grows with the mass in such a tick, by 5 % at most.
 //!
 //! Source: Merritt, *Hydraulic Control Systems*, 1967, 5.5 (a valve's cavity under an overrunning load).
 
-use crate::chambers::capacity::ATMOSPHERE_PA;
-use crate::drive::{Drive, DriveInput, DriveState, Interfaces, Load};
 use crate::number::{Compared, Mask, Number};
 use crate::ports::{ChamberState, Flows};
-
-/// Lowest possible floor, Pa: the vacuum, where pressures are relative to the atmosphere. A lower value means that there is no floor.
-pub(crate) const LOWEST_FLOOR_PA: f64 = -ATMOSPHERE_PA;
 
 /// Coefficients of cavitation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,9 +45,9 @@ pub type Voids<N> = ChamberState<<N as Number>::Travel>;
 /// How far a chamber was full in a tick, and whether it emptied or filled in that tick.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Crossing<N: Number> {
-    crosses: N::Mask,
+    pub(crate) crosses: N::Mask,
     /// Share of its stiffness.
-    share: N,
+    pub(crate) share: N,
 }
 
 /// Pressure of a chamber, its rounding remainder, and its void.
@@ -69,7 +60,7 @@ pub(crate) struct Content<N: Number> {
 
 impl<N: Number> Unsprung<N> {
     /// Effect of a force on the mass that is matched to chambers full by these shares, over its effect where both are full.
-    fn share(&self, full: &Flows<N>) -> N {
+    pub(crate) fn share(&self, full: &Flows<N>) -> N {
         let (a, b) = (N::ONE - full.a, N::ONE - full.b);
         (N::ONE - N::dot([self.a, self.b, self.together], [a, b, a.times(b)])).min(N::ONE)
     }
@@ -77,7 +68,7 @@ impl<N: Number> Unsprung<N> {
 
 impl<N: Number> Cavitation<N> {
     /// How far both chambers are full as a tick begins, 0 or 1; `None` where both are full.
-    fn full(voids: &Voids<N>) -> Option<Flows<N>> {
+    pub(crate) fn full(voids: &Voids<N>) -> Option<Flows<N>> {
         let nothing = N::ZERO.as_travel();
         let (a, b) = (voids.a.above(nothing), voids.b.above(nothing));
         let full = |empty| N::pick(empty, N::ZERO, N::ONE);
@@ -124,51 +115,6 @@ impl<N: Number> Cavitation<N> {
         let void = N::summed(content.void, raising - net).larger(nothing);
         *content = Content { pressure, rest, void: N::Travel::pick(fills, nothing, void) };
         Crossing { crosses: fills | empties, share }
-    }
-}
-
-impl<N: Number> Drive<N> {
-    /// A tick of a drive whose chambers may cavitate.
-    #[cold]
-    #[inline(never)]
-    pub(crate) fn step_cavitating<const DELAY: usize>(
-        &self,
-        cavitation: &Cavitation<N>,
-        state: &mut DriveState<N, DELAY>,
-        drive_input: DriveInput<N>,
-        load: Load<N>,
-    ) -> Interfaces<N> {
-        let &mut DriveState { chambers, rest, voids, motion, supply, warmth, .. } = state;
-        let sensed = self.sensors.follows().then_some(state.sensed);
-        let mut full = Cavitation::<N>::full(&voids);
-        let (mut drive_input, mut again) = (drive_input, true);
-        loop {
-            let left = full.as_ref().map(|full| {
-                let share = cavitation.unsprung.share(full);
-                (self.chambers.softened(*full), self.mechanics.heavier(share), share)
-            });
-            let links = left.as_ref().map(|(chambers, mechanics, _)| (chambers, mechanics));
-            let mut seen =
-                self.step_links(links.unwrap_or((&self.chambers, &self.mechanics)), state, drive_input, load);
-            if let DriveInput::Force { .. } = drive_input {
-                return seen;
-            }
-            seen.forces.around.sprung = left.as_ref().map_or(N::ONE, |&(_, _, share)| share);
-            (state.chambers, state.rest) = (chambers, rest);
-            let taken = (seen.flows, seen.velocity, seen.position);
-            let crossing =
-                self.chambers.take(cavitation, &mut state.chambers, &mut state.rest, &mut state.voids, taken);
-            if !again || !(crossing.a.crosses | crossing.b.crosses).any() {
-                return seen;
-            }
-            again = false;
-            full = Some(Flows { a: crossing.a.share, b: crossing.b.share });
-            // The valve has done its tick already; the repeated tick takes the spool that resulted.
-            drive_input = seen.spool.map_or(drive_input, DriveInput::Spool);
-            (state.chambers, state.rest, state.voids) = (chambers, rest, voids);
-            (state.motion, state.supply, state.warmth) = (motion, supply, warmth);
-            state.sensed = sensed.unwrap_or(state.sensed);
-        }
     }
 }
 

@@ -1,11 +1,11 @@
 //! Coefficients of the chambers.
 
 use super::Builder;
-use crate::chambers::capacity::{ATMOSPHERE_PA, Capacity, ChamberCapacity, LEAST_VOLUME};
-use crate::chambers::cavitation::{Cavitation, LOWEST_FLOOR_PA};
+use crate::chambers::capacity::{Capacity, ChamberCapacity, LEAST_VOLUME};
+use crate::chambers::cavitation::Cavitation;
 use crate::chambers::{ChamberEffects, Chambers, ExternalLeakage};
 use crate::coefficients::bases::{GAIN_AIM, thinnest};
-use crate::machine::{MachineError, Parameter as P};
+use crate::machine::{ATMOSPHERE_PA, LOWEST_FLOOR_PA, MachineError, Parameter as P};
 use crate::mechanics::GAMMA;
 use crate::number::{Number, Real};
 use crate::ports::Flows;

@@ -2,6 +2,7 @@
 //!
 //! The valve goes first; how the links below it are solved together is in `step`.
 
+mod cavitating;
 mod feed;
 mod paper;
 mod state;

@@ -3,11 +3,17 @@
 mod forms;
 mod parameter;
 
-use crate::chambers::cavitation::LOWEST_FLOOR_PA;
 use crate::number::{Real, SUM_UNIT};
 
 pub use forms::Form;
 pub use parameter::{Description, Fallback, Parameter};
+
+/// Atmospheric pressure, Pa.
+pub const ATMOSPHERE_PA: f64 = 1.013e5;
+
+/// Lowest possible floor of cavitation, Pa: the vacuum, where pressures are relative to the atmosphere. A lower value means that there is
+/// no floor.
+pub const LOWEST_FLOOR_PA: f64 = -ATMOSPHERE_PA;
 
 /// Where the oil comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

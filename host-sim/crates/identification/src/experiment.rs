@@ -61,7 +61,7 @@ impl Channel {
     }
 
     /// Adds the error that the noise of the driving signal causes in a simulation.
-    pub fn inherit(&mut self, off_by: f64) {
+    pub fn add_input_noise(&mut self, off_by: f64) {
         self.noise = self.noise.hypot(off_by);
         self.input_noise = self.input_noise.hypot(off_by);
     }
@@ -137,7 +137,7 @@ impl Prepared {
         let mut prepared = Self::entered_at(input_point, recording, machine, load, tick)?;
         let added = at_most_by_noise_of_input(&prepared, machine).map_err(SimulateError::from)?;
         for (channel, added) in prepared.channels.iter_mut().zip(added) {
-            channel.inherit(added);
+            channel.add_input_noise(added);
         }
         Ok(prepared)
     }

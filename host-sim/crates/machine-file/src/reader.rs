@@ -8,7 +8,7 @@ use std::path::Path;
 
 use toml_edit::{Document, Item, TableLike, Value};
 
-use model_core::machine::{Fallback, Machine, Parameter, Source};
+use model_core::machine::{Fallback, LOWEST_FLOOR_PA, Machine, Parameter, Source};
 use recording::ChannelMap;
 use recording::files::source_error::Place;
 
@@ -331,7 +331,6 @@ impl<'a> Reader<'a> {
 
     /// A table for cavitation has to give the lowest pressure: above vacuum, and not above the tank's pressure.
     fn floor(&self, root: &dyn TableLike) -> Result<(), MachineFileError> {
-        const VACUUM_PA: f64 = -1.013e5;
         let what = Parameter::CavitationFloor.description();
         let address = keys::address(Parameter::CavitationFloor);
         let Some(effect) = address.table.strip_prefix(EFFECTS) else { return Ok(()) };
@@ -344,11 +343,11 @@ impl<'a> Reader<'a> {
         let value = |parameter| self.result.machine.get(parameter);
         let (floor_pa, tank_pa) = (value(Parameter::CavitationFloor), value(Parameter::TankPressure));
         // The default means that there is no floor; it is allowed because a saved file may contain it.
-        if floor_pa <= what.min || (VACUUM_PA..=tank_pa).contains(&floor_pa) {
+        if floor_pa <= what.min || (LOWEST_FLOOR_PA..=tank_pa).contains(&floor_pa) {
             return Ok(());
         }
         let tank_key = Parameter::TankPressure.description().key;
         let place = self.place(given.span());
-        Err(MachineFileError::Floor { place, key: what.key, floor_pa, tank_key, tank_pa, vacuum_pa: VACUUM_PA })
+        Err(MachineFileError::Floor { place, key: what.key, floor_pa, tank_key, tank_pa, vacuum_pa: LOWEST_FLOOR_PA })
     }
 }

@@ -78,13 +78,13 @@ impl Segment {
 }
 
 /// Everything that acts on the hydraulics from outside, in the order of time.
-pub(crate) struct Outside<'a> {
+pub(crate) struct Boundary<'a> {
     plant: &'a Plant,
     spool: Option<AnySpool>,
     pump: Option<PumpCommand>,
 }
 
-impl<'a> Outside<'a> {
+impl<'a> Boundary<'a> {
     /// Nothing has been commanded yet.
     pub(crate) fn new(plant: &'a Plant) -> Self {
         Self { plant, spool: None, pump: None }

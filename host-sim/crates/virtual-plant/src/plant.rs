@@ -9,7 +9,7 @@ use thiserror::Error;
 
 use model_core::machine::{Machine, Parameter, Source};
 
-use crate::boundary::Outside;
+use crate::boundary::Boundary;
 use crate::effect::PlantEffect;
 use crate::excitation::input::{Command, Commands, LoadProfile};
 use crate::integrator::{self, Stepper};
@@ -217,7 +217,7 @@ impl Plant {
             *state = value / scale;
         }
 
-        let mut drive = Outside::new(self);
+        let mut drive = Boundary::new(self);
         let mut state = drive.observe(&scaled, start_s);
         let mut command = choose(0, &state);
         drive.command(0, start_s, command)?;

@@ -54,7 +54,7 @@ pub enum Habit {
 /// Two readings differ if they are more than six standard deviations of a reading apart: by noise alone that happens once in fifty thousand pairs.
 const DIFFERS: f64 = 6.0;
 /// A spool is stuck while it moves less than this share of the distance that the model's spool moves.
-const HANGS: f64 = 0.25;
+const STUCK: f64 = 0.25;
 /// Longest stretch over which a stuck spool is searched for, s.
 const LONGEST_S: f64 = 0.5;
 /// It breaks away where it is more than this many times as fast as the model's spool.
@@ -144,7 +144,7 @@ impl Spool<'_> {
                 let (own, modelled) = (moved(&self.recorded, first, last), moved(self.modelled, first, last));
                 let behind = (modelled.abs() - own.abs()) / self.noise;
                 // The model's motion is so large that noise can neither imitate nor hide the share of it that counts.
-                let is_one = modelled.abs() * HANGS > DIFFERS * self.noise && own.abs() < HANGS * modelled.abs();
+                let is_one = modelled.abs() * STUCK > DIFFERS * self.noise && own.abs() < STUCK * modelled.abs();
                 if is_one && best.as_ref().is_none_or(|known| behind > known.behind) {
                     best = Some(Stuck { first, last, behind });
                 }

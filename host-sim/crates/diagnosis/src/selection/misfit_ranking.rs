@@ -19,7 +19,7 @@ use super::likelihood::{misfit_above_noise, prefer_plain, ranked_by};
 /// Ranks finished candidate models, and one `beside` that the whole model may have dropped, by refits with the noise inflated to the best one's
 /// misfit. A candidate model that is far off, or whose base parameters were pulled from their nominal values, keeps this refit from here on; any
 /// other stays as it was. All stay as they are where the best is at its noise, or where there is nothing to compare or to pull back.
-pub(crate) fn believed(
+pub(crate) fn ranked_by_misfit(
     question: &Question<'_>,
     base: &Candidate,
     finished: Vec<(Candidate, f64)>,

@@ -13,7 +13,7 @@ use super::likelihood::{above_noise, accepts};
 use super::outcome::Selection;
 use super::round::enter;
 use crate::catalogue::Hypothesis;
-use crate::selection::valve::valve_first::gains_apart;
+use crate::selection::valve::valve_first::gains_on_own_side;
 
 impl Selection {
     /// Removes from a chosen candidate model with several effects every effect by which held-out recordings gain nothing beside the others, compared
@@ -44,7 +44,7 @@ impl Selection {
                     let left = |machine: &Machine<f64>| left(machine, held_out);
                     is_by_form(&left(&self.base.fit.machine)?, &left(without)?, &left(with)?)
                 });
-            let gains = gains || (is_hidden && gains_apart(question, &self.chosen, effect, held_out)?);
+            let gains = gains || (is_hidden && gains_on_own_side(question, &self.chosen, effect, held_out)?);
             if !(gains || self.is_heard(effect)) {
                 refused.push(effect);
                 self.chosen = fewer;

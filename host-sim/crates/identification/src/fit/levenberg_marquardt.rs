@@ -179,7 +179,7 @@ impl Point {
     }
 
     /// Fall of the loss by a step to `there`, if the residuals are linear with this Jacobian.
-    fn promises(&self, there: &DVector<f64>) -> f64 {
+    fn predicted_gain(&self, there: &DVector<f64>) -> f64 {
         self.triangle.as_ref().map_or(f64::NAN, |(residuals, jacobian)| {
             0.5 * (residuals.norm_squared() - (residuals + jacobian * (there - &self.at)).norm_squared())
         })
@@ -236,14 +236,14 @@ impl<'p, 'a> Slots<'p, 'a> {
 
     /// The result of a step. A step whose predicted gain is too small is not simulated: the search ends there.
     fn tried(&mut self, coordinates: &DVector<f64>) -> Point {
-        let promised = self.before.promises(coordinates);
-        if promised <= (self.precision * self.before.loss()).min(self.before.negligible()) {
+        let predicted = self.before.predicted_gain(coordinates);
+        if predicted <= (self.precision * self.before.loss()).min(self.before.negligible()) {
             return Point { at: coordinates.clone(), ..self.before.clone() };
         }
         if let Some(by_kept_jacobian) = self.by_kept_jacobian(coordinates) {
             let gained = self.before.loss() - by_kept_jacobian.loss();
             // A step without a gain is not taken, and a step that gains what was predicted shows that the Jacobian still holds.
-            let holds = (gained - promised).abs() <= FAITHFUL * promised;
+            let holds = (gained - predicted).abs() <= FAITHFUL * predicted;
             if gained <= 0.0 || (holds && self.before.holds) {
                 self.before.holds = holds;
                 return by_kept_jacobian;

@@ -3,7 +3,7 @@ use model_core::machine::Parameter as P;
 
 use super::*;
 use crate::selection::decision_rule::VALVE_FIRST_FROM;
-use crate::selection::misfit_ranking::believed;
+use crate::selection::misfit_ranking::ranked_by_misfit;
 use crate::selection::search::tests::{added, with_press};
 
 /// A refitted candidate model of two effects and its base, on a press whose machine file lacks the `unknown` parameters.
@@ -107,7 +107,7 @@ fn beside_a_bent_gain(effects: [&str; 2], seen: impl FnOnce(&Question<'_>, &Cand
 fn sets_that_are_far_off_are_refitted_to_recordings_that_are_believed_less_and_bend_less() {
     beside_a_bent_gain(["coulomb-friction", "internal-leakage"], |question, base, sets| {
         let before: Vec<Candidate> = sets.iter().map(|(set, _)| set.clone()).collect();
-        let after = believed(question, base, sets, None).unwrap();
+        let after = ranked_by_misfit(question, base, sets, None).unwrap();
         assert_eq!(after.len(), before.len());
         for (set, _) in &after {
             let was = before.iter().find(|one| one.names() == set.names()).unwrap();
@@ -127,6 +127,6 @@ fn where_a_set_is_at_its_noise_recordings_are_believed() {
             sets.iter().map(|(set, net)| (set.names(), *net, set.fit.machine)).collect()
         };
         let before = told(&sets);
-        assert_eq!(told(&believed(question, &base, sets, None).unwrap()), before);
+        assert_eq!(told(&ranked_by_misfit(question, &base, sets, None).unwrap()), before);
     });
 }

@@ -128,9 +128,9 @@ impl Selection {
         };
         let Some(following) = following else { return Ok(()) };
         // At the sensors' own noise, the residual of the jumps would pull the base parameters far from their nominal values.
-        let believed = as_far_as(question, &following)?;
-        let believed: Vec<&Prepared> = believed.iter().collect();
-        let less = Question { training: &believed, ..*question };
+        let inflated = as_far_as(question, &following)?;
+        let inflated: Vec<&Prepared> = inflated.iter().collect();
+        let less = Question { training: &inflated, ..*question };
         let following = following.refitted_to(question, &less)?;
         let Some(jump_spacing) = JumpSpacing::of(&following.fit.machine, question.training)? else { return Ok(()) };
         done(stiction.effect.name);

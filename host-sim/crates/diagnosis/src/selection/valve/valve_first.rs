@@ -19,7 +19,7 @@ use crate::selection::confirmation::confirm;
 use crate::selection::decision_rule::{EXPLAINED_SIDE_REST_FROM, MOST_EFFECTS, SIDE_EXPLAINED_TO, TOGETHER_WITHIN};
 use crate::selection::forward::Course;
 use crate::selection::likelihood::accepts;
-use crate::selection::misfit_ranking::believed;
+use crate::selection::misfit_ranking::ranked_by_misfit;
 use crate::selection::outcome::Trial;
 use crate::selection::round::{explains_enough, finished, reduced, trial};
 use crate::selection::search::open_to;
@@ -90,7 +90,7 @@ fn with_noise_of_spool(mut case: Prepared, machine: &Machine<f64>) -> Result<Pre
     let of_spool = of_spool.map_or(0.0, |spool| spool.noise);
     let added = by_noise_of_input(&case, machine, of_spool, DRAWS)?;
     for (channel, added) in case.channels.iter_mut().zip(added) {
-        channel.inherit(added);
+        channel.add_input_noise(added);
     }
     Ok(case)
 }
@@ -98,7 +98,7 @@ fn with_noise_of_spool(mut case: Prepared, machine: &Machine<f64>) -> Result<Pre
 /// Whether held-out recordings gain by an effect of a candidate model on the effect's own side of the spool. That side is refitted to the training
 /// recordings by itself, with the effect and without. This shows that the effect is there, whatever value its effect parameter has in the whole
 /// model.
-pub(crate) fn gains_apart(
+pub(crate) fn gains_on_own_side(
     question: &Question<'_>,
     set: &Candidate,
     effect: &Hypothesis,
@@ -194,7 +194,7 @@ fn joined(
         let stay: Vec<&str> = stay.map(|chosen| chosen.effect.plainest()).collect();
         sets.extend(reduced(question, base, other, &stay)?);
     }
-    believed(question, base, finished(question, base, sets)?, exchanged)
+    ranked_by_misfit(question, base, finished(question, base, sets)?, exchanged)
 }
 
 /// Puts into the last round the net gains of the candidate models that were refitted in the whole model; the others keep the distance behind the

@@ -113,7 +113,7 @@ fn an_effect_gains_on_its_own_side_whatever_the_valve_lacks() {
         let chosen = Chosen { effect: coulomb, form: coulomb.forms[0] };
         let with = Candidate { effects: vec![chosen], ..base };
         assert!(with.worst_over_noise(&question) > VALVE_FIRST_FROM);
-        assert_eq!(gains_apart(&question, &with, coulomb, &[&held_out]).unwrap(), expected, "{force} N");
+        assert_eq!(gains_on_own_side(&question, &with, coulomb, &[&held_out]).unwrap(), expected, "{force} N");
     }
 }
 
