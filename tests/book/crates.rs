@@ -37,15 +37,22 @@ struct Dependency {
     is_for_tests: bool,
 }
 
-/// The packages of the workspace with their dependencies.
-fn packages() -> BTreeMap<String, Vec<Dependency>> {
+/// What cargo says of the workspace, from what is there already.
+fn cargo(arguments: &str) -> String {
     let asked = Command::new(env!("CARGO"))
-        .args(["metadata", "--no-deps", "--offline", "--format-version", "1", "--manifest-path"])
+        .args(arguments.split(' '))
+        .args(["--offline", "--manifest-path"])
         .arg(root().join("Cargo.toml"))
         .output()
         .unwrap();
     assert!(asked.status.success(), "{}", String::from_utf8_lossy(&asked.stderr));
-    let metadata: Value = serde_json::from_slice(&asked.stdout).unwrap();
+    String::from_utf8(asked.stdout).unwrap()
+}
+
+/// The packages of the workspace with their dependencies.
+fn packages() -> BTreeMap<String, Vec<Dependency>> {
+    let said = cargo("metadata --no-deps --format-version 1");
+    let metadata: Value = serde_json::from_str(&said).unwrap();
     let text = |value: &Value| value.as_str().unwrap().to_owned();
     let dependency =
         |value: &Value| Dependency { name: text(&value["name"]), is_for_tests: value["kind"].as_str() == Some("dev") };
@@ -105,26 +112,7 @@ fn only_the_program_has_a_command_line() {
 
 #[test]
 fn the_library_of_an_fmu_links_no_command_line_no_plots_and_no_parquet() {
-    let asked = Command::new(env!("CARGO"))
-        .args([
-            "tree",
-            "--offline",
-            "--locked",
-            "--package",
-            "drive-fmu",
-            "--edges",
-            "normal",
-            "--prefix",
-            "none",
-            "--format",
-            "{p}",
-        ])
-        .arg("--manifest-path")
-        .arg(root().join("Cargo.toml"))
-        .output()
-        .unwrap();
-    assert!(asked.status.success(), "{}", String::from_utf8_lossy(&asked.stderr));
-    let tree = String::from_utf8(asked.stdout).unwrap();
+    let tree = cargo("tree --locked --package drive-fmu --edges normal --prefix none --format {p}");
     let linked: Vec<&str> = tree.lines().filter_map(|line| line.split_whitespace().next()).collect();
     assert!(linked.contains(&"simulation"), "{linked:?}");
     for forbidden in NOT_IN_AN_FMU {

@@ -20,7 +20,7 @@ use super::target::{check_targets, write};
 
 Columns are named by their headers, with or without the unit, and stay in the file's units; no column need be time. With --runs
 each file is one row: the mean of its columns, and `velocity` from the slope of `position` over its clock. Only what does not
-depend on the rate is accepted: hysteresis, null, dead zone, gain and saturation, droop and return pressure over flow.")]
+depend on the rate is read: hysteresis, null, dead zone, gain and saturation, droop and return pressure over flow.")]
 pub struct Arguments {
     /// Sweep in the order of its samples, or table of means (CSV)
     #[arg(long, value_name = "R.csv", required_unless_present = "runs", conflicts_with = "runs")]
