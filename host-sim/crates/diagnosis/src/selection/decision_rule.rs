@@ -263,7 +263,7 @@ pub(crate) const FIT_ABOVE_PERCENT: f64 = 0.0;
 
 /// A signal on which a perfect model would not exceed this NRMSE fit, %, is mostly noise and not judged so. Source: at 50 % noise is half of its
 /// spread.
-pub(crate) const MOSTLY_NOISE_PERCENT: f64 = 50.0;
+pub const MOSTLY_NOISE_PERCENT: f64 = 50.0;
 
 /// Times its noise beyond which held-out recordings may confirm an effect on its own side of the spool. Source: far off: the misfit of
 /// the whole model hides it.

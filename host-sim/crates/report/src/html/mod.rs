@@ -16,6 +16,7 @@ use chart::{chart, over_time};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use overlay::signals;
 
+use diagnosis::selection::decision_rule::MOSTLY_NOISE_PERCENT;
 use diagnosis::{Diagnosis, Fits, Shown, Verdict};
 use identification::experiment::Channel;
 use recording::Signal;
@@ -78,15 +79,13 @@ fn class(verdict: Verdict) -> &'static str {
 
 /// Fit of each signal before and after, in a line of large numbers.
 fn improvement(diagnosis: &Diagnosis) -> Markup {
-    /// Fit of a perfect model, %, below which a signal is mostly noise, so that its fit means nothing.
-    const MOSTLY_NOISE: f64 = 50.0;
     let held_out = diagnosis.shown.iter().any(|shown| shown.held_out);
     let (before, after) = (diagnosis.mean_fits(held_out, false), diagnosis.mean_fits(held_out, true));
     let floor = diagnosis.noise_floor(held_out);
     let changes = diagnosis.changes();
     html! {
         ul class="gains" {
-            @for (signal, before) in before.iter().filter(|(signal, _)| floor.get(*signal).is_none_or(|floor| *floor > MOSTLY_NOISE)) {
+            @for (signal, before) in before.iter().filter(|(signal, _)| floor.get(*signal).is_none_or(|floor| *floor > MOSTLY_NOISE_PERCENT)) {
                 li {
                     span class="name" { (signal) }
                     span class="number" {
