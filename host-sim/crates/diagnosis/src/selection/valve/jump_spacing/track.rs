@@ -2,7 +2,7 @@
 //! block for jumps of a length.
 
 use identification::parallel;
-use rustfft::num_complex::Complex;
+use nalgebra::Complex;
 
 use identification::experiment::{Channel, Prepared};
 use identification::fit::{StartState, settle};
