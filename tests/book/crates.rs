@@ -138,6 +138,20 @@ fn the_virtual_plant_takes_parameters_of_the_core_and_no_equation() {
     }
 }
 
+/// Below `report` a type prints itself only where it is a name; what was found is put into sentences in `report::wording`.
+#[test]
+fn only_names_print_themselves_below_the_report() {
+    const NAMES: [&str; 2] = ["Section", "Subsystem"];
+    for folder in ["simulation", "identification", "diagnosis", "experiment"] {
+        for (path, source) in sources(&root().join("host-sim/crates").join(folder).join("src")) {
+            for line in source.lines().filter(|line| line.starts_with("impl ") && line.contains("Display for ")) {
+                let name = line.rsplit("Display for ").next().unwrap_or_default().trim_end_matches(" {");
+                assert!(NAMES.contains(&name), "{}: {line}", path.display());
+            }
+        }
+    }
+}
+
 /// A public function that is generic over the number type would be compiled once more in every crate that calls it.
 #[test]
 fn no_public_function_of_simulation_is_generic_in_its_number() {
@@ -160,6 +174,25 @@ fn the_numbers_of_simulation_stay_in_it() {
                 let taken = ["cpu", "simd::LANES", "dual::single"].iter().any(|taken| rest.starts_with(taken));
                 assert!(taken, "{}: {}", path.display(), rest.lines().next().unwrap_or_default());
             }
+        }
+    }
+}
+
+/// `tests/run` names the tests that it runs and those that it leaves to `--all`: a new one must be in a list, or it would be left out in silence.
+#[test]
+fn every_test_is_in_a_list_of_the_test_command() {
+    let script = std::fs::read_to_string(root().join("tests/run")).unwrap();
+    let listed: Vec<&str> = ["short=(", "long=("]
+        .iter()
+        .flat_map(|list| script.split_once(list).unwrap().1.split_once(')').unwrap().0.split_whitespace())
+        .collect();
+    let metadata: Value = serde_json::from_str(&cargo("metadata --no-deps --format-version 1")).unwrap();
+    let packages =
+        metadata["packages"].as_array().unwrap().iter().filter(|package| package["name"] != "system-benches");
+    for target in packages.flat_map(|package| package["targets"].as_array().unwrap()) {
+        let name = target["name"].as_str().unwrap();
+        if target["kind"][0] == "test" {
+            assert!(listed.contains(&name), "{name} is in neither list of tests/run");
         }
     }
 }
