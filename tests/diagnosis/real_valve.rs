@@ -40,7 +40,7 @@ fn the_valve_of_a_real_crane_is_located_and_no_other_link_is_blamed() {
     assert_ne!(diagnosis.verdict, Verdict::NothingMissing);
     let located = diagnosis.located.unwrap();
     for habit in &located.spool {
-        println!("{habit}");
+        println!("{}", report::wording::spool_habit(habit));
     }
     let [Habit::Sticks { at, .. }, Habit::BreaksAway { speed_per_s, .. }, Habit::RestsApart { rests, .. }] =
         located.spool.as_slice()

@@ -62,7 +62,7 @@ fn tabled(case: &Case, with: impl Fn(Location) -> Location) -> Option<(Unnamed, 
 fn dry_friction_without_its_name_becomes_a_table_of_force() {
     let case = valve_case(31, PlantEffect::named("coulomb-friction", 900.0), true, None);
     let (table, [before, after]) = tabled(&case, |location| location).unwrap();
-    println!("{table}: position {before:.2} to {after:.2} times its noise");
+    println!("{}: position {before:.2} to {after:.2} times its noise", report::wording::correction_table(&table));
     assert_eq!(table.quantity, Quantity::Force);
     assert!(after < 0.5 * before, "{before} {after}");
 }

@@ -208,8 +208,12 @@ fn sentences(comparisons: &[Comparison], load: LoadSource) -> Vec<String> {
         }
         lines.push(meaning(found, missed_by_the_whole(comparisons)));
     }
-    let missing: BTreeSet<String> =
-        comparisons.iter().flat_map(|comparison| obstacles(comparison, load)).map(|found| found.to_string()).collect();
+    let missing: BTreeSet<String> = comparisons
+        .iter()
+        .flat_map(|comparison| obstacles(comparison, load))
+        .map(report::wording::obstacle)
+        .map(str::to_owned)
+        .collect();
     lines.extend(missing.into_iter().map(|missing| format!("But {missing}.")));
     lines
 }

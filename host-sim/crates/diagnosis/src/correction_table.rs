@@ -4,8 +4,6 @@
 //! A table is kept if it gains more than its values cost on left-out recordings, on all but one of them (what happens once is a disturbance),
 //! and if the model with it follows the held-out recordings better: all together, at least half of them, and no signal clearly worse.
 
-use std::fmt;
-
 use identification::parallel;
 
 use identification::experiment::Prepared;
@@ -13,7 +11,6 @@ use identification::fit::{Counts, Estimate, FitError, Free, Freedom, From, Resid
 use machine_file::LoadSource;
 use model_core::machine::{Machine, Parameter};
 use recording::Signal;
-use simulation::signal::noise::extent;
 use simulation::{InputPoint, simulate_f64};
 
 use crate::catalogue::{Scene, Subsystem};
@@ -151,22 +148,6 @@ pub struct Unnamed {
     pub net: f64,
     /// What the held-out recordings said.
     pub confirmation: Confirmation,
-}
-
-impl fmt::Display for Unnamed {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let states: Vec<_> = self.over.iter().map(|axis| axis.state.name()).collect();
-        let (low, high) = extent(self.values.iter().map(|estimate| estimate.value));
-        let unit = if self.quantity.unit() == "1" { String::new() } else { format!(" {}", self.quantity.unit()) };
-        write!(
-            f,
-            "without a name: a table of {} over {}, from {low:.3e} to {high:.3e}{unit}, follows {} of {} held-out recordings better",
-            self.quantity.name(),
-            states.join(" and "),
-            self.confirmation.improved,
-            self.confirmation.recordings
-        )
-    }
 }
 
 /// A quantity, with the states over which a table of it is tried.

@@ -43,9 +43,9 @@ pub enum DiagnoseError {
     /// There is nothing to train on.
     #[error("no training recording; expected at least one")]
     NoTraining,
-    /// The training recordings do not start the chain at the same place.
+    /// The training recordings do not drive the model at the same place.
     #[error(
-        "{first} enters the chain at {input_point}, {other} at {other_input_point}; expected all training and held-out recordings to have the same inputs"
+        "{first} drives the model at its {input_point}, {other} at its {other_input_point}; expected all training and held-out recordings to have the same inputs"
     )]
     MixedEntries {
         /// A recording.

@@ -75,23 +75,6 @@ impl Separation {
     pub fn is_told(&self) -> bool {
         self.tests.first().is_some_and(Distance::tells)
     }
-
-    /// What to do, in a sentence without the effects' names.
-    #[must_use]
-    pub fn advice(&self) -> String {
-        let apart = |best: &Distance| {
-            let times = recording::display_unit::significant(best.over_noise, 2);
-            format!("{}: the two models differ by {times} times the noise in {}", best.test, best.signal)
-        };
-        match (self.tests.first(), &self.sensor) {
-            (Some(best), _) if self.is_told() => apart(best),
-            (_, Some((sensor, best))) if best.tells() => {
-                format!("{}, with {sensor} recorded too", apart(best))
-            }
-            (Some(best), _) => format!("no standard test distinguishes them at this noise; best: {}", apart(best)),
-            (None, _) => "no standard test runs on this drive".to_owned(),
-        }
-    }
 }
 
 /// Every accepted effect compared with its rivals.

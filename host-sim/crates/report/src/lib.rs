@@ -15,3 +15,4 @@ pub mod plan;
 pub mod plot;
 pub mod statics;
 pub mod terminal;
+pub mod wording;

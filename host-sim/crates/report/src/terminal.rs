@@ -11,6 +11,7 @@ use identification::fit::{CORRELATED, Correlation, Estimate};
 use recording::display_unit::{TABLE, significant};
 
 use crate::evidence::{Exhibits, whiteness};
+use crate::wording;
 
 /// The whole text.
 #[must_use]
@@ -18,11 +19,11 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     let mut text = sentence(diagnosis);
     text.push('\n');
     if let Some(location) = &diagnosis.located {
-        let (link, signal, region) = (location.subsystem, location.signal, &location.region);
+        let (link, signal, region) = (location.subsystem, location.signal, wording::region(location.region));
         let _ = writeln!(text, "\nlocated    {link} · {signal} · {region}");
-        let _ = writeln!(text, "           {}\n           {}", when(location), location.shape);
+        let _ = writeln!(text, "           {}\n           {}", when(location), wording::error_shape(&location.shape));
         for habit in &location.spool {
-            let _ = writeln!(text, "           {habit}");
+            let _ = writeln!(text, "           {}", wording::spool_habit(habit));
         }
     }
     if let Some(effect) = diagnosis.suspected {
@@ -42,7 +43,7 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
             );
         }
         if let Some(told) = finding.heard {
-            let _ = writeln!(text, "source     {told}");
+            let _ = writeln!(text, "source     {}", wording::jumps(told));
         }
         for (effect, confidence) in &finding.alternatives {
             let _ = writeln!(text, "or         {} (probability {confidence:.3})", effect.name);
@@ -52,7 +53,7 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
             let _ = writeln!(text, "to be sure {}", finding.effect.separated_by);
         }
         for rival in rivals {
-            let _ = writeln!(text, "to exclude {}: {}", rival.rival, rival.advice());
+            let _ = writeln!(text, "to exclude {}: {}", rival.rival, wording::advice(rival));
         }
     }
     for effect in &diagnosis.not_confirmed {
@@ -63,7 +64,7 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
         );
     }
     if let Some(unnamed) = &diagnosis.unnamed {
-        let _ = writeln!(text, "\n{unnamed}");
+        let _ = writeln!(text, "\n{}", wording::correction_table(unnamed));
     }
     let _ = write!(text, "\n{}\n", fits(diagnosis));
     let _ = write!(text, "\n{}\n", waterfall(exhibits));
@@ -282,7 +283,7 @@ pub fn parameters(estimates: &[Estimate]) -> Table {
 #[must_use]
 pub fn correlated(pairs: &[Correlation]) -> Option<String> {
     let limit = significant(CORRELATED, 1);
-    let listed = pairs.iter().map(Correlation::to_string).collect::<Vec<_>>().join("; ");
+    let listed = pairs.iter().map(wording::correlation).collect::<Vec<_>>().join("; ");
     (!pairs.is_empty())
         .then(|| format!("strongly correlated (|r| > {limit}), only their combination is well determined: {listed}"))
 }

@@ -16,7 +16,7 @@ use super::case::Case;
 use super::error_shape::{Shape, State, once, over, periodic, stands_out};
 use super::intervals::{Interval, Series, When, when};
 use super::missing_link::{MissingLink, missing_link};
-use super::operating_region::{Course, since};
+use super::operating_region::{Course, Region, since};
 use super::spool_behaviour::{Habit, habits};
 use crate::catalogue::Subsystem;
 use crate::selection::decision_rule::MISSED_FROM;
@@ -51,8 +51,8 @@ pub struct Location {
     pub of_time: f64,
     /// When the error arises: the intervals with the largest share first, at most five per recording; empty where no time is distinguished.
     pub intervals: Vec<Interval>,
-    /// Operating regions of the drive, in words.
-    pub region: String,
+    /// The operating region that shows best where it arises; `None` where it is alike everywhere.
+    pub region: Option<Region>,
     /// What the error looks like.
     pub shape: Shape,
     /// What a recorded spool does that the model's spool does not, where the located link is the valve.

@@ -1,4 +1,4 @@
-//! Operating regions of the drive in which an error arises, in words, with thresholds that the data give.
+//! Operating regions of the drive in which an error arises, with thresholds that the data give.
 
 use recording::display_unit::significant;
 
@@ -30,19 +30,87 @@ pub struct Course {
     pub is_below_spool_seen: bool,
 }
 
+/// An operating region in which most of an error arises.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Region {
+    /// What the drive does there.
+    pub condition: Condition,
+    /// The threshold of the condition, SI; 0 where it has none.
+    pub threshold: f64,
+    /// Share of the squared error that arises there.
+    pub share: f64,
+    /// Share of the rows that lie there.
+    pub of_time: f64,
+}
+
+/// What a drive does in an operating region.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Condition {
+    /// The opening is larger than the threshold.
+    OpeningBeyond,
+    /// The opening is smaller.
+    OpeningBelow,
+    /// The opening is smaller, and the rod moves.
+    OpeningBelowWhileMoving,
+    /// The command's magnitude is larger, V.
+    CommandBeyond,
+    /// Later in the recording, s.
+    After,
+    /// It extends more slowly, m/s.
+    SlowWhileExtending,
+    /// It retracts more slowly, m/s.
+    SlowWhileRetracting,
+    /// It moves more slowly either way, or rests, m/s.
+    Slow,
+    /// The rod rests; no threshold.
+    AtRest,
+    /// It extends faster, m/s.
+    ExtendingFast,
+    /// It retracts faster, m/s.
+    RetractingFast,
+    /// The position is larger, m.
+    PositionBeyond,
+    /// The position is smaller, m.
+    PositionBelow,
+    /// Sooner after a reversal, s.
+    AfterReversal,
+    /// Sooner after the rod has rested, s.
+    AfterStart,
+    /// The lower of the pressures is lower, Pa.
+    PressureBelow,
+    /// The higher of the pressures is higher, Pa.
+    PressureAbove,
+}
+
+impl Condition {
+    /// Factor from SI to the unit in which people read its threshold, and the digits that they read.
+    #[must_use]
+    pub const fn display(self) -> (f64, i32) {
+        match self {
+            Condition::OpeningBeyond | Condition::OpeningBelow | Condition::OpeningBelowWhileMoving => (100.0, 2),
+            Condition::CommandBeyond | Condition::After | Condition::AtRest => (1.0, 2),
+            Condition::SlowWhileExtending
+            | Condition::SlowWhileRetracting
+            | Condition::Slow
+            | Condition::ExtendingFast
+            | Condition::RetractingFast
+            | Condition::AfterReversal
+            | Condition::AfterStart => (1e3, 2),
+            Condition::PositionBeyond | Condition::PositionBelow => (1e3, 3),
+            Condition::PressureBelow | Condition::PressureAbove => (1e-5, 2),
+        }
+    }
+}
+
 /// A family of regions: all rows of a group whose value is on one side of a threshold.
 struct Family {
+    condition: Condition,
     /// Value and whether the row belongs to the group at all.
     values: Vec<(f64, bool)>,
     /// Whether the region is below the threshold.
     below: bool,
     /// Thresholds at or below this are not used: they do not distinguish a state from zero.
     least: f64,
-    /// Factor from SI to the unit in which people read the value.
-    scale: f64,
-    /// Digits of the threshold in words.
-    digits: i32,
-    words: fn(&str) -> String,
 }
 
 /// Thresholds tried for each family: quantiles of its values.
@@ -55,23 +123,22 @@ const MOST_ROWS: f64 = 2.0 / 3.0;
 const LEAST_SHARE: f64 = 1.0 / 3.0;
 /// A value below this share of the largest one counts as zero.
 const OF_LARGEST: f64 = 0.01;
-/// The words where no region is distinguished.
-pub const ALIKE: &str = "everywhere alike";
 
 impl Family {
-    /// Thresholds in SI, with their words: quantiles, rounded to the digits that the words show.
-    fn thresholds(&self) -> Vec<(f64, String)> {
+    /// Thresholds in SI: quantiles, rounded to the digits that people read.
+    fn thresholds(&self) -> Vec<f64> {
         let mut sorted: Vec<f64> = self.values.iter().filter(|(_, inside)| *inside).map(|(value, _)| *value).collect();
         // A signal that never changes has no regions.
         if sorted.len() < TRIES || sorted.iter().all(|value| value.to_bits() == sorted[0].to_bits()) {
             return Vec::new();
         }
         sorted.sort_by(f64::total_cmp);
-        let told = |index: usize| {
-            let number = significant(self.scale * sorted[index * sorted.len() / TRIES], self.digits);
-            Some((number.parse::<f64>().ok()? / self.scale, (self.words)(&number)))
+        let (scale, digits) = self.condition.display();
+        let rounded = |index: usize| {
+            let number = significant(scale * sorted[index * sorted.len() / TRIES], digits).parse::<f64>();
+            number.ok().map(|number| number / scale)
         };
-        (1..TRIES).filter_map(told).filter(|(threshold, _)| *threshold > self.least).collect()
+        (1..TRIES).filter_map(rounded).filter(|threshold| *threshold > self.least).collect()
     }
 }
 
@@ -81,7 +148,11 @@ impl Course {
     }
 
     fn families(&self) -> Vec<Family> {
-        const MM: f64 = 1e3;
+        use Condition::{
+            After, AfterReversal, AfterStart, AtRest, CommandBeyond, ExtendingFast, OpeningBelow,
+            OpeningBelowWhileMoving, OpeningBeyond, PositionBelow, PositionBeyond, PressureAbove, PressureBelow,
+            RetractingFast, Slow, SlowWhileExtending, SlowWhileRetracting,
+        };
         let v = &self.velocity_m_per_s;
         let largest = |values: &[f64]| values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
         let fastest = largest(v);
@@ -89,94 +160,55 @@ impl Course {
         let everywhere = |_: usize| true;
         let happened = |since: &[f64], row: usize| since[row] < NEVER_S && !rests(row);
         let (a, b) = (&self.pressure_a_pa, &self.pressure_b_pa);
-        let family = |values, below, least, scale, words| Family { values, below, least, scale, digits: 2, words };
+        let beyond = |condition, least, values| Family { condition, values, below: false, least };
+        let below = |condition, least, values| Family { condition, values, below: true, least };
         let (slow, ajar) = (OF_LARGEST * fastest, OF_LARGEST * largest(&self.spool));
         let any = f64::NEG_INFINITY;
+        let opening = || self.each(|row| self.spool[row].abs(), everywhere);
         let of_valve = vec![
-            family(self.each(|row| self.spool[row].abs(), everywhere), false, ajar, 100.0, |t| {
-                format!("beyond {t} % opening")
-            }),
-            family(self.each(|row| self.spool[row].abs(), everywhere), true, ajar, 100.0, |t| {
-                format!("below {t} % opening")
-            }),
-            family(
-                self.each(|row| self.command_v[row].abs(), everywhere),
-                false,
+            beyond(OpeningBeyond, ajar, opening()),
+            below(OpeningBelow, ajar, opening()),
+            beyond(
+                CommandBeyond,
                 OF_LARGEST * largest(&self.command_v),
-                1.0,
-                |t| format!("at a command beyond {t} V"),
+                self.each(|row| self.command_v[row].abs(), everywhere),
             ),
-            family(self.each(|row| self.time_s[row], everywhere), false, 0.0, 1.0, |t| format!("after {t} s")),
+            beyond(After, 0.0, self.each(|row| self.time_s[row], everywhere)),
         ];
         if !self.is_below_spool_seen {
             return of_valve;
         }
         let mut all = vec![
-            family(self.each(|row| v[row].abs(), |row| v[row] > 0.0 && !rests(row)), true, slow, MM, |t| {
-                format!("velocity within {t} mm/s of zero, while extending")
-            }),
-            family(self.each(|row| v[row].abs(), |row| v[row] < 0.0 && !rests(row)), true, slow, MM, |t| {
-                format!("velocity within {t} mm/s of zero, while retracting")
-            }),
-            family(self.each(|row| v[row].abs(), everywhere), true, slow, MM, |t| {
-                format!("velocity within {t} mm/s of zero")
-            }),
-            // Only whether the rod rests: the words need no threshold.
-            family(self.each(|row| f64::from(u8::from(!rests(row))), everywhere), true, any, 1.0, |_| {
-                "while the rod rests".to_owned()
-            }),
-            family(self.each(|row| v[row], everywhere), false, slow, MM, |t| format!("extending faster than {t} mm/s")),
-            family(self.each(|row| -v[row], everywhere), false, slow, MM, |t| {
-                format!("retracting faster than {t} mm/s")
-            }),
-            family(self.each(|row| self.spool[row].abs(), |row| !rests(row)), true, ajar, 100.0, |t| {
-                format!("below {t} % opening, while moving")
-            }),
-            Family {
-                digits: 3,
-                ..family(self.each(|row| self.position_m[row], everywhere), false, any, MM, |t| {
-                    format!("position beyond {t} mm")
-                })
-            },
-            Family {
-                digits: 3,
-                ..family(self.each(|row| self.position_m[row], everywhere), true, any, MM, |t| {
-                    format!("position below {t} mm")
-                })
-            },
-            family(
+            below(SlowWhileExtending, slow, self.each(|row| v[row].abs(), |row| v[row] > 0.0 && !rests(row))),
+            below(SlowWhileRetracting, slow, self.each(|row| v[row].abs(), |row| v[row] < 0.0 && !rests(row))),
+            below(Slow, slow, self.each(|row| v[row].abs(), everywhere)),
+            below(AtRest, any, self.each(|row| f64::from(u8::from(!rests(row))), everywhere)),
+            beyond(ExtendingFast, slow, self.each(|row| v[row], everywhere)),
+            beyond(RetractingFast, slow, self.each(|row| -v[row], everywhere)),
+            below(OpeningBelowWhileMoving, ajar, self.each(|row| self.spool[row].abs(), |row| !rests(row))),
+            beyond(PositionBeyond, any, self.each(|row| self.position_m[row], everywhere)),
+            below(PositionBelow, any, self.each(|row| self.position_m[row], everywhere)),
+            below(
+                AfterReversal,
+                0.0,
                 self.each(|row| self.since_reversal_s[row], |row| happened(&self.since_reversal_s, row)),
-                true,
-                0.0,
-                1e3,
-                |t| format!("within {t} ms after a reversal"),
             ),
-            family(
-                self.each(|row| self.since_rest_s[row], |row| happened(&self.since_rest_s, row)),
-                true,
-                0.0,
-                1e3,
-                |t| format!("within {t} ms after a start"),
-            ),
-            family(self.each(|row| a[row].min(b[row]), everywhere), true, any, 1e-5, |t| {
-                format!("with a chamber below {t} bar")
-            }),
-            family(self.each(|row| a[row].max(b[row]), everywhere), false, any, 1e-5, |t| {
-                format!("with a chamber above {t} bar")
-            }),
+            below(AfterStart, 0.0, self.each(|row| self.since_rest_s[row], |row| happened(&self.since_rest_s, row))),
+            below(PressureBelow, any, self.each(|row| a[row].min(b[row]), everywhere)),
+            beyond(PressureAbove, any, self.each(|row| a[row].max(b[row]), everywhere)),
         ];
         all.extend(of_valve);
         all
     }
 
     /// The region that shows best where the error arises: its share of the error differs most from its share of the time,
-    /// measured by the divergence of the two in nats. [`ALIKE`] where in no region the error is twice the error elsewhere, or where
+    /// measured by the divergence of the two in nats. `None` where in no region the error is twice the error elsewhere, or where
     /// the best of so many regions would differ as much by chance, given the number of independent samples.
     #[must_use]
-    pub fn region(&self, errors: &[f64]) -> String {
+    pub fn region(&self, errors: &[f64]) -> Option<Region> {
         let rows_in_all = errors.len() as f64;
         let total: f64 = errors.iter().map(|error| error * error).sum();
-        let families: Vec<(Family, Vec<(f64, String)>)> = self
+        let families: Vec<(Family, Vec<f64>)> = self
             .families()
             .into_iter()
             .map(|family| {
@@ -186,9 +218,9 @@ impl Course {
             .collect();
         let tries = families.iter().map(|(_, thresholds)| thresholds.len()).sum::<usize>().max(1);
         let least_told = (REGION_TOLD + (tries as f64).ln()) / independent_samples(errors);
-        let mut best: Option<(f64, String)> = None;
+        let mut best: Option<(f64, Region)> = None;
         for (family, thresholds) in families {
-            for (threshold, words) in thresholds {
+            for threshold in thresholds {
                 let (mut rows, mut held) = (0.0, 0.0);
                 for ((value, inside), error) in family.values.iter().zip(errors) {
                     if *inside && (if family.below { *value <= threshold } else { *value >= threshold }) {
@@ -205,12 +237,11 @@ impl Course {
                 let told =
                     share * (share / of_time).ln() + if out > 0.0 { out * (out / (1.0 - of_time)).ln() } else { 0.0 };
                 if told > least_told && best.as_ref().is_none_or(|(known, _)| told > *known) {
-                    let (share, of_time) = (significant(100.0 * share, 2), significant(100.0 * of_time, 2));
-                    best = Some((told, format!("{words}: {share} % of the error in {of_time} % of the time")));
+                    best = Some((told, Region { condition: family.condition, threshold, share, of_time }));
                 }
             }
         }
-        best.map_or_else(|| ALIKE.to_owned(), |(_, words)| words)
+        best.map(|(_, region)| region)
     }
 }
 
@@ -255,23 +286,19 @@ mod tests {
         }
     }
 
-    /// The number after these words.
-    fn told(words: &str, prefix: &str) -> f64 {
-        let rest = words.strip_prefix(prefix).unwrap_or_else(|| panic!("{words}"));
-        rest.split(' ').next().unwrap().parse().unwrap()
-    }
-
     #[test]
-    fn the_threshold_in_words_is_the_one_in_the_data() {
+    fn the_threshold_is_the_one_in_the_data_to_the_digits_that_people_read() {
         let course = swinging();
         let errors: Vec<f64> = course.velocity_m_per_s.iter().map(|v| if *v > 0.06 { 9.0 } else { 1.0 }).collect();
-        let words = course.region(&errors);
-        let found = told(&words, "extending faster than ");
-        assert!((found - 60.0).abs() < 15.0, "{words}");
-        // The shares in the words belong to the rounded threshold in the words.
-        let inside = course.velocity_m_per_s.iter().filter(|v| **v >= 1e-3 * found).count() as f64 / 6000.0;
-        assert!(words.ends_with(&format!("in {} % of the time", significant(100.0 * inside, 2))), "{words}");
-        assert_eq!(course.region(&vec![1.0; 6000]), ALIKE);
+        let found = course.region(&errors).unwrap();
+        assert_eq!(found.condition, Condition::ExtendingFast);
+        assert!((found.threshold - 0.06).abs() < 0.015, "{found:?}");
+        let digits = 1e3 * found.threshold;
+        assert!((digits - digits.round()).abs() < 1e-9, "{found:?}");
+        // The shares belong to the rounded threshold.
+        let inside = course.velocity_m_per_s.iter().filter(|v| **v >= found.threshold).count() as f64 / 6000.0;
+        assert!((found.of_time - inside).abs() < 1e-12, "{found:?}");
+        assert_eq!(course.region(&vec![1.0; 6000]), None);
     }
 
     #[test]
@@ -280,18 +307,16 @@ mod tests {
         let errors = |times: f64| {
             course.velocity_m_per_s.iter().map(|v| if *v > 0.06 { times } else { 1.0 }).collect::<Vec<_>>()
         };
-        assert_eq!(course.region(&errors(1.8)), ALIKE);
-        assert_ne!(course.region(&errors(2.5)), ALIKE);
+        assert_eq!(course.region(&errors(1.8)), None);
+        assert!(course.region(&errors(2.5)).is_some());
     }
 
     #[test]
     fn a_region_that_holds_most_of_all_rows_is_not_told() {
         let course = swinging();
         let errors: Vec<f64> = course.velocity_m_per_s.iter().map(|v| if *v > -0.06 { 9.0 } else { 1.0 }).collect();
-        let words = course.region(&errors);
-        assert!(!words.contains("faster than −") && !words.contains("faster than -"), "{words}");
-        let of_time = words.rsplit_once(" in ").map(|(_, rest)| told(rest, ""));
-        assert!(of_time.is_none_or(|share| share <= 67.0), "{words}");
+        let found = course.region(&errors);
+        assert!(found.is_none_or(|region| region.of_time <= MOST_ROWS), "{found:?}");
     }
 
     #[test]
@@ -311,7 +336,7 @@ mod tests {
             })
             .collect();
         let errors: Vec<f64> = (0..6000).map(|row| if is_off(row) { 9.0 } else { 1.0 }).collect();
-        assert_eq!(course.region(&errors), ALIKE);
+        assert_eq!(course.region(&errors), None);
     }
 
     #[test]
@@ -320,14 +345,15 @@ mod tests {
         course.is_below_spool_seen = false;
         course.spool = course.velocity_m_per_s.iter().map(|v| 5.0 * v).collect();
         let errors: Vec<f64> = course.spool.iter().map(|x| if x.abs() > 0.4 { 9.0 } else { 1.0 }).collect();
-        let words = course.region(&errors);
-        assert!(told(&words, "beyond ") > 20.0 && words.contains("% opening"), "{words}");
+        let found = course.region(&errors).unwrap();
+        assert!(found.condition == Condition::OpeningBeyond && found.threshold > 0.2, "{found:?}");
     }
 
     #[test]
     fn time_since_an_event_that_never_was_is_no_time() {
         let course = Course { since_reversal_s: since(&swinging().time_s, |_| false), ..swinging() };
         let errors: Vec<f64> = (0..6000).map(|row| if row < 600 { 9.0 } else { 1.0 }).collect();
-        assert!(!course.region(&errors).contains("reversal"), "{}", course.region(&errors));
+        let found = course.region(&errors);
+        assert!(found.is_some_and(|region| region.condition != Condition::AfterReversal), "{found:?}");
     }
 }

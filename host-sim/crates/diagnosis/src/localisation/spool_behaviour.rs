@@ -1,10 +1,7 @@
 //! What a recorded spool does that the model's spool does not: it sticks while it is driven, breaks away faster than the model's ever moves,
 //! and rests in different places at the same command. These are descriptions, not effects: hysteresis, stiction, dirt and a worn spring share them.
 
-use std::fmt;
-
 use recording::Signal;
-use recording::display_unit::significant;
 use simulation::Trajectory;
 
 use super::case::Case;
@@ -239,37 +236,6 @@ impl Habit {
     }
 }
 
-impl fmt::Display for Habit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let travel = |share: f64| significant(100.0 * share, 2);
-        match self {
-            Habit::Sticks { recording, from_s, to_s, at, modelled, recordings, of } => write!(
-                f,
-                "the spool is stuck at {} % of its travel while the model's spool moves on by {} % ({recording} from {} to {} s; seen in {recordings} of {of} recordings)",
-                travel(*at),
-                travel(*modelled),
-                significant(*from_s, 4),
-                significant(*to_s, 4)
-            ),
-            Habit::BreaksAway { recording, at_s, speed_per_s, modelled_per_s } => write!(
-                f,
-                "it then breaks away at {} % of its travel per second; the model's spool moves at {} at most ({recording} at {} s)",
-                travel(*speed_per_s),
-                travel(*modelled_per_s),
-                significant(*at_s, 4)
-            ),
-            Habit::RestsApart { command_v, rests: [(one, here), (other, there)], modelled } => write!(
-                f,
-                "it does not return: at a command of {} V it rests at {} % of its travel ({one}) and at {} % ({other}); the model's two positions differ by {} %",
-                significant(*command_v, 2),
-                travel(*here),
-                travel(*there),
-                travel(*modelled)
-            ),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -345,7 +311,5 @@ mod tests {
         assert_eq!((one.as_str(), other.as_str()), ("up", "down"));
         // The command counts as held until it has changed by a hundredth of the commanded range.
         assert!(command_v.abs() < 1e-3 && here.abs() < 1e-3 && (there - 0.05).abs() < 1e-9, "{found:?}");
-        let told = apart.to_string();
-        assert!(told.starts_with("it does not return: at a command of ") && told.contains("at 5.0 % (down)"), "{told}");
     }
 }

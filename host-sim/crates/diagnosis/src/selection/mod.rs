@@ -24,3 +24,4 @@ pub use extended::extended;
 pub use full_length::lengthened;
 pub(crate) use likelihood::Gained;
 pub use outcome::{Heard, Selection, Told, Trial};
+pub use valve::jump_spacing::JumpSpacing;

@@ -1,9 +1,6 @@
 //! The result of a selection: the candidate models that were tried, and the chosen one.
 
-use std::fmt;
-
 use model_core::machine::Machine;
-use recording::display_unit::significant;
 
 use super::candidate::{Candidate, Chosen};
 use super::decision_rule::{KEPT_ALONE, SUSPECTED_FROM};
@@ -78,16 +75,9 @@ pub struct Told {
 
 impl Told {
     /// Whether a stiction alone may keep this share.
-    pub(super) fn is_alone(&self) -> bool {
+    #[must_use]
+    pub fn is_alone(&self) -> bool {
         self.kept_alone <= KEPT_ALONE
-    }
-}
-
-impl fmt::Display for Told {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let kept = significant(100.0 * self.kept_alone, 2);
-        let whose = if self.is_alone() { "as one does" } else { "more than one does, so a play stands beside it" };
-        write!(f, "{}; a stiction alone would keep {kept} % of its band, {whose}", self.jump_spacing)
     }
 }
 

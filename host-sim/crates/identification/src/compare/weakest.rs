@@ -158,24 +158,6 @@ pub fn obstacles(comparison: &Comparison, load: LoadSource) -> Vec<Obstacle> {
     found
 }
 
-impl std::fmt::Display for Obstacle {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Obstacle::NoSpool => {
-                "the valve cannot be told from the links below it: record `spool` for this"
-            }
-            Obstacle::NoPressures => {
-                "flow, chambers and mechanics cannot be told apart: record both chamber pressures (`pressure_a`, `pressure_b`) for this"
-            }
-            Obstacle::NoMotion => "the links below the valve are not judged by their motion: record `position` or `velocity` for this",
-            Obstacle::LoadFromPressures => {
-                "the mechanics cannot be judged: the load is taken from the recorded pressures, which takes a measured \
-                 `load_force` to avoid"
-            }
-        })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use simulation::{InputPoint, Trajectory};

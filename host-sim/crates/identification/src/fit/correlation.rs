@@ -1,7 +1,5 @@
 //! Parameters that the recordings determine only together: pairs whose estimates are correlated.
 
-use std::fmt;
-
 use model_core::machine::Parameter;
 
 use super::Fit;
@@ -20,16 +18,6 @@ pub struct Correlation {
     pub other: Parameter,
     /// Correlation coefficient, −1 to 1; below 0, more of the first means less of the second.
     pub coefficient: f64,
-}
-
-impl fmt::Display for Correlation {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (one, other) = (self.one.description().key, self.other.description().key);
-        let (size, sign) = (self.coefficient.abs(), if self.coefficient < 0.0 { "−" } else { "" });
-        // Near 1, the difference from 1 matters.
-        let decimals = if size < 0.9995 { 3 } else { 5 };
-        write!(f, "{one} and {other}: {sign}{size:.decimals$}")
-    }
 }
 
 impl Fit {
@@ -100,9 +88,6 @@ mod tests {
         let [pair] = found.as_slice() else { panic!("{found:?}") };
         assert_eq!((pair.one, pair.other), (P::ValveGain, P::FlowCoefficient));
         assert!((pair.coefficient + 0.99).abs() < 1e-12, "{pair:?}");
-        assert_eq!(pair.to_string(), "valve.gain_per_v and valve.flow_coefficient: −0.990");
-        let close = Correlation { coefficient: 0.999_87, ..*pair };
-        assert!(close.to_string().ends_with(": 0.99987"), "{close}");
         // If the rows repeat the same information a hundred times, the priors dominate, and they have no correlation.
         assert!(fit(0.0).correlations(100.0).is_empty());
     }

@@ -81,6 +81,6 @@ impl Exhibits {
     /// was simulated.
     #[must_use]
     pub fn separated_by(&self, finding: &Finding) -> String {
-        self.rivals(finding).next().map_or_else(|| finding.effect.separated_by.to_owned(), Separation::advice)
+        self.rivals(finding).next().map_or_else(|| finding.effect.separated_by.to_owned(), crate::wording::advice)
     }
 }

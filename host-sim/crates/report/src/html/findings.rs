@@ -13,6 +13,7 @@ use super::chart::chart;
 use super::parameters::{deviation, number};
 use crate::evidence::Exhibits;
 use crate::terminal::still_missing;
+use crate::wording;
 
 pub(crate) fn findings(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
     html! {
@@ -22,7 +23,7 @@ pub(crate) fn findings(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
                 p { "No effect that was tried explains it on recordings left out of the fit. Its place and shape are described above." }
                 (not_confirmed(diagnosis))
                 @if let Some(unnamed) = &diagnosis.unnamed {
-                    p class="fact" { (capital(&unnamed.to_string())) ". It can be used in the controller, but it does not explain the cause." }
+                    p class="fact" { (capital(&wording::correction_table(unnamed))) ". It can be used in the controller, but it does not explain the cause." }
                 }
             }
         }
@@ -74,7 +75,7 @@ pub(crate) fn how_sure(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
                 code { "docs/diagnosis.md" } "." }
             details {
                 summary { "All refitted candidate models" }
-                p class="soft" { "In the chain, on all training recordings together. Gain in log-likelihood, less a penalty for its parameters." }
+                p class="soft" { "Simulated as a whole, on all training recordings together. Gain in log-likelihood, less a penalty for its parameters." }
                 table {
                     tr { th { "refitted with" } th { "gain" } }
                     @for trial in diagnosis.selection.rounds.iter().flatten() {
@@ -107,7 +108,7 @@ fn sureness(finding: &Finding, exhibits: &Exhibits) -> Markup {
             }
         }
         @if let Some(told) = finding.heard {
-            p { "Told by: " (told.to_string()) "." }
+            p { "Told by: " (wording::jumps(told)) "." }
         }
         @if rivals.is_empty() {
             p { "To be sure: " (finding.effect.separated_by) "." }

@@ -11,6 +11,7 @@ use super::chart::{chart, in_rows, on_map, over_time};
 use crate::evidence::Exhibits;
 use crate::plot::{Figure, Layer, Marks, Style};
 use crate::terminal::{SUSPECTED, when};
+use crate::wording;
 
 pub(crate) fn located(diagnosis: &Diagnosis, exhibits: &Exhibits, budget: Budget) -> Markup {
     let Some(location) = &diagnosis.located else { return html! {} };
@@ -18,11 +19,11 @@ pub(crate) fn located(diagnosis: &Diagnosis, exhibits: &Exhibits, budget: Budget
         section {
             h2 { "Where" }
             div class="fact" {
-                p { "In the " strong { (location.subsystem) } " link, seen most in " strong { (location.signal.name()) } ": " (location.region) "." }
+                p { "In the " strong { (location.subsystem) } " link, seen most in " strong { (location.signal.name()) } ": " (wording::region(location.region)) "." }
                 @if let Some(effect) = diagnosis.suspected { p { "Suspected: " strong { (effect.name) } ", " (SUSPECTED) "." } }
                 p { "When: " (when(location)) "." }
-                p { "How it looks: " (location.shape.to_string()) "." }
-                @for habit in &location.spool { p { (habit.to_string()) "." } }
+                p { "How it looks: " (wording::error_shape(&location.shape)) "." }
+                @for habit in &location.spool { p { (wording::spool_habit(habit)) "." } }
             }
             @if let Some(timeline) = &exhibits.timeline {
                 h3 { "When" }

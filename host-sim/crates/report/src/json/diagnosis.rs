@@ -10,6 +10,7 @@ use diagnosis::{Diagnosis, Finding};
 
 use super::evidence;
 use crate::evidence::Exhibits;
+use crate::wording;
 
 /// The document.
 #[must_use]
@@ -35,7 +36,7 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
             "share": digits(location.share, 3),
             "share_of_time": digits(location.of_time, 3),
             "intervals": intervals,
-            "region": location.region,
+            "region": wording::region(location.region),
             "shape": shape(&location.shape),
             "slider": location.spool.iter().map(spool).collect::<Vec<_>>(),
         })
@@ -81,7 +82,7 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
 
 /// The behaviour of a recorded spool: its kind, the sentence, and the numbers behind it.
 fn spool(habit: &Habit) -> Value {
-    let (kind, sentence) = (habit.name(), habit.to_string());
+    let (kind, sentence) = (habit.name(), wording::spool_habit(habit));
     match habit {
         Habit::Sticks { recording, from_s, to_s, at, modelled, recordings, of } => json!({
             "kind": kind, "sentence": sentence, "recording": recording, "from_s": digits(*from_s, 6), "to_s": digits(*to_s, 6),
@@ -104,7 +105,7 @@ fn spool(habit: &Habit) -> Value {
 
 /// The shape of an error: its kind, the sentence, and the numbers behind it.
 fn shape(shape: &Shape) -> Value {
-    let sentence = shape.to_string();
+    let sentence = wording::error_shape(shape);
     match shape {
         Shape::Once { recording, from_s, to_s, share } => json!({
             "kind": "once", "sentence": sentence, "recording": recording,
@@ -151,7 +152,7 @@ fn unnamed(found: &Unnamed) -> Value {
         }).collect::<Vec<_>>(),
         "improved": found.confirmation.improved,
         "recordings": found.confirmation.recordings,
-        "sentence": found.to_string(),
+        "sentence": wording::correction_table(found),
     })
 }
 
@@ -191,7 +192,7 @@ fn finding_of(diagnosis: &Diagnosis, exhibits: &Exhibits, finding: &Finding) -> 
             "length": digits(told.jump_spacing.length, 3),
             "log_likelihood": digits(told.jump_spacing.evidence, 3),
             "kept_alone": digits(told.kept_alone, 3),
-            "sentence": told.to_string(),
+            "sentence": wording::jumps(told),
         });
     }
     found

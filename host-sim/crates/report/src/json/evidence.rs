@@ -10,6 +10,7 @@ use crate::evidence::Exhibits;
 use crate::evidence::preprocessing::{FailedRows, Preprocessing};
 use crate::evidence::waterfall::Waterfall;
 use crate::evidence::whiteness::Whiteness;
+use crate::wording;
 
 /// What each stage leaves of the error.
 pub(crate) fn waterfall(waterfall: &Waterfall) -> Value {
@@ -132,7 +133,7 @@ pub(crate) fn separation(exhibits: &Exhibits, finding: &Finding) -> Value {
                 rival.sensor.as_ref().map(|(sensor, best)| json!({ "sensor": sensor.name(), "best": distance(best) }));
             json!({
                 "effect": rival.rival, "confidence": digits(rival.confidence, 3), "told_apart": rival.is_told(),
-                "advice": rival.advice(), "tests": rival.tests.iter().take(3).map(distance).collect::<Vec<_>>(),
+                "advice": wording::advice(rival), "tests": rival.tests.iter().take(3).map(distance).collect::<Vec<_>>(),
                 "with_sensor": sensor,
             })
         })

@@ -170,16 +170,14 @@ impl Stimulus {
             })
         };
         let input = match input_point {
-            InputPoint::Command => {
-                Input::Command(grid.held(need(Signal::Command, "the chain is entered at the command")?))
-            }
-            InputPoint::Spool => Input::Spool(grid.points(need(Signal::Spool, "the chain is entered at the spool")?)),
+            InputPoint::Command => Input::Command(grid.held(need(Signal::Command, "the command drives the model")?)),
+            InputPoint::Spool => Input::Spool(grid.points(need(Signal::Spool, "the spool drives the model")?)),
             InputPoint::Flow => Input::Flow(
-                grid.points(need(Signal::Flow, "the chain is entered at the flow")?),
+                grid.points(need(Signal::Flow, "the flow drives the model")?),
                 machine.get(Parameter::AreaB) / machine.get(Parameter::AreaA),
             ),
             InputPoint::Pump => {
-                let speed = grid.points(need(Signal::PumpSpeed, "the pump drives the chain")?);
+                let speed = grid.points(need(Signal::PumpSpeed, "the pump drives the model")?);
                 let mean: Vec<f64> = speed.windows(2).map(|pair| f64::midpoint(pair[0], pair[1])).collect();
                 let direction = match recording.signal(Signal::ValveDirection) {
                     Some(direction) => grid.held(direction).iter().map(|&value| sign(value)).collect(),

@@ -14,15 +14,12 @@
 mod track;
 mod whiten;
 
-use std::fmt;
-
 use identification::parallel;
 use track::{Block, Heard, Track, tracks};
 use whiten::{usual, whitened};
 
 use identification::experiment::Prepared;
 use model_core::machine::{Machine, MachineError};
-use recording::display_unit::significant;
 
 use crate::selection::decision_rule::{
     HELD_OUT_SPACING, INDEPENDENT_SPACINGS, OTHER_SPACING_FROM, SAME_SPACING_WITHIN, SPACING_STANDS_OUT, SPACING_TOLD,
@@ -48,17 +45,6 @@ pub struct JumpSpacing {
     pub length: f64,
     /// Log-likelihood that the recordings gain by jumps, averaged over all lengths, over none.
     pub evidence: f64,
-}
-
-impl fmt::Display for JumpSpacing {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "the spool is not measured, but the position's residual repeats every {} % of spool travel, as jumps of this length leave it (log-likelihood {} more than without jumps)",
-            significant(100.0 * self.length, 2),
-            significant(self.evidence, 2)
-        )
-    }
 }
 
 impl JumpSpacing {

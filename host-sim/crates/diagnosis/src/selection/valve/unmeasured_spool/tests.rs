@@ -71,13 +71,3 @@ fn what_a_play_and_a_stiction_lag_by_is_shared_between_both() {
     // For jumps longer than the lag allows, the kept share is 0.
     assert!(Sticks::alone(0.03, 0.01).kept.abs() < 1e-15);
 }
-
-#[test]
-fn what_the_position_says_is_told_with_what_it_leaves_open() {
-    let told =
-        |kept_alone| Told { jump_spacing: JumpSpacing { length: 0.0075, evidence: 16.1 }, kept_alone }.to_string();
-    assert!(
-        told(0.2).contains("every 0.75 % of spool travel") && told(0.2).ends_with("keep 20 % of its band, as one does")
-    );
-    assert!(told(0.55).ends_with("keep 55 % of its band, more than one does, so a play stands beside it"));
-}
