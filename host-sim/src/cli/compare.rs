@@ -208,12 +208,8 @@ fn sentences(comparisons: &[Comparison], load: LoadSource) -> Vec<String> {
         }
         lines.push(meaning(found, missed_by_the_whole(comparisons)));
     }
-    let missing: BTreeSet<String> = comparisons
-        .iter()
-        .flat_map(|comparison| obstacles(comparison, load))
-        .map(report::wording::obstacle)
-        .map(str::to_owned)
-        .collect();
+    let missing: BTreeSet<&str> =
+        comparisons.iter().flat_map(|comparison| obstacles(comparison, load)).map(report::wording::obstacle).collect();
     lines.extend(missing.into_iter().map(|missing| format!("But {missing}.")));
     lines
 }

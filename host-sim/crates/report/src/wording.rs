@@ -9,10 +9,10 @@ use diagnosis::selection::Told;
 use experiment::discriminate::{Distance, Separation};
 use identification::compare::weakest::Obstacle;
 use identification::fit::Correlation;
-use recording::display_unit::{difference, significant};
+use recording::display_unit::{difference, significant, state_unit};
 use simulation::signal::noise::extent;
 
-/// The operating region in which most of an error arises.
+/// The operating region that shows best where an error arises.
 #[must_use]
 pub fn region(region: Option<Region>) -> String {
     let Some(Region { condition, threshold, share, of_time }) = region else { return "everywhere alike".to_owned() };
@@ -58,17 +58,12 @@ pub fn error_shape(shape: &Shape) -> String {
             let explained = significant(100.0 * explained.max(0.0), 2);
             let peak = bins.iter().max_by(|a, b| a.mean.abs().total_cmp(&b.mean.abs()));
             let largest = peak.map_or_else(String::new, |peak| {
-                let (unit, scale) = match *unit {
-                    "1" => (" %", 100.0),
-                    "m" => (" mm", 1e3),
-                    "m/s" => (" mm/s", 1e3),
-                    "Pa" => (" bar", 1e-5),
-                    "V" => (" V", 1.0),
-                    _ => (" s", 1.0),
-                };
+                let (unit, scale) = state_unit(unit);
+                // The state says already what it is a share of.
+                let unit = unit.trim_end_matches(" of travel");
                 let (from, to) = (significant(scale * peak.from, 2), significant(scale * peak.to, 2));
                 let range = if from == to { format!("at {from}") } else { format!("from {from} to {to}") };
-                format!(" and is largest {range}{unit}")
+                format!(" and is largest {range} {unit}")
             });
             let together = pair.map_or_else(String::new, |(one, other, share)| {
                 format!("; {one} and {other} together explain {} %", significant(100.0 * share, 2))
@@ -206,6 +201,33 @@ mod tests {
         };
         assert!(shape(0.0, 0.0).ends_with("is largest at 0 mm/s"), "{}", shape(0.0, 0.0));
         assert!(shape(0.01, 0.02).ends_with("is largest from 10 to 20 mm/s"), "{}", shape(0.01, 0.02));
+    }
+
+    #[test]
+    fn the_test_that_distinguishes_two_effects_is_advised_with_the_sensor_that_it_takes() {
+        let distance = |test, over_noise| Distance {
+            test,
+            how: String::new(),
+            duration_s: 10.0,
+            signal: Signal::PressureA,
+            over_noise,
+            per_20_s: over_noise,
+        };
+        let told = |tests: &[Distance], sensor| {
+            let (effect, rival) = ("internal-leakage", "external-leakage");
+            advice(&Separation { effect, rival, confidence: 0.1, tests: tests.to_vec(), sensor })
+        };
+        assert_eq!(
+            told(&[distance("ramps", 40.0)], None),
+            "ramps: the two models differ by 40 times the noise in pressure_a"
+        );
+        let sensor = Some((Signal::PressureB, distance("hold", 40.0)));
+        assert!(told(&[distance("ramps", 0.0)], sensor).ends_with(", with pressure_b recorded too"));
+        assert!(
+            told(&[distance("ramps", 0.0)], None)
+                .starts_with("no standard test distinguishes them at this noise; best: ramps")
+        );
+        assert_eq!(told(&[], None), "no standard test runs on this drive");
     }
 
     #[test]

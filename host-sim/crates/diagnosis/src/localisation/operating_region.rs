@@ -30,7 +30,7 @@ pub struct Course {
     pub is_below_spool_seen: bool,
 }
 
-/// An operating region in which most of an error arises.
+/// The operating region that shows best where an error arises: there it is at least twice as large as elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Region {
     /// What the drive does there.
