@@ -18,10 +18,11 @@ pub fn check() -> Result<(), Unsuited> {
     Ok(())
 }
 
-/// The standard library's own macro does not check instructions that the build assumes. Nor may wide data be moved before the check, such as
-/// the crate's full description of a processor: so only two registers are read (Intel SDM, CPUID: leaf 0, EAX; leaf 7, EBX bit 5).
+/// The standard library's macro for this does not check instructions that the build assumes, and wide data must not be moved before the check:
+/// so two registers are read (Intel SDM, CPUID: leaf 0, EAX; leaf 7, EBX bit 5).
 #[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
 fn has_avx2() -> bool {
+    use std::arch::x86_64::{__cpuid, __cpuid_count};
     const FEATURES: u32 = 7;
-    raw_cpuid::cpuid!(0).eax >= FEATURES && raw_cpuid::cpuid!(FEATURES, 0).ebx & (1 << 5) != 0
+    __cpuid(0).eax >= FEATURES && __cpuid_count(FEATURES, 0).ebx & (1 << 5) != 0
 }
