@@ -7,6 +7,7 @@ use identification::compare::judged::judged_by;
 use machine_file::MachineFile;
 use model_core::machine::{Machine, Tick};
 use recording::{ChannelMap, Recording, Signal};
+use report::wording::unit_doubt;
 use simulation::Arithmetic;
 
 use super::console::{Console, Progress};
@@ -122,7 +123,7 @@ pub(crate) fn judged(recording: Recording, file: &MachineFile, wanted: &[Signal]
 /// The notes of a recording, and doubts about it for this drive, each with the recording's name.
 pub(crate) fn notes<'a>(recording: &'a Recording, machine: &Machine<f64>) -> impl Iterator<Item = String> + 'a {
     let doubts = unit_doubts(recording, machine).into_iter();
-    own_notes(recording).chain(doubts.map(|doubt| format!("{}: {doubt}", recording.name())))
+    own_notes(recording).chain(doubts.map(|doubt| format!("{}: {}", recording.name(), unit_doubt(&doubt))))
 }
 
 /// The notes made when a recording was read, with its name.

@@ -10,8 +10,7 @@ use rexpect::session::{PtySession, spawn_with_options};
 
 use machine_file::data_sheet::Item;
 
-use super::init::PRESS;
-use super::{MACHINE, at_hand, done, example, folder_with, listing, root};
+use super::{MACHINE, PRESS, at_hand, done, example, folder_with, listing, root};
 
 /// The program at a terminal of its own, with the default action of signals (`nohup` and a shell's background ignore some of them); `None`
 /// where no terminal is available.

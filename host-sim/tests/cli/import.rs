@@ -1,26 +1,6 @@
 //! Recordings that the firmware has streamed out.
 
-use firmware::recorder::frame::FrameWriter;
-use firmware::recorder::{Channel, Progress, Range, Recorder, Stream};
-use model_core::number::{Number, PerUnit};
-
-use super::{MACHINE, done, folder_with, refused, run, text};
-
-/// A second of recording: the command rises, and the rod stays in place.
-pub(super) fn streamed() -> Vec<u8> {
-    let channel = |name, unit, base| Channel { name, unit, base, range: Range::One };
-    let channels = [channel("command", "V", 10.0), channel("position", "m", 0.3)];
-    let mut recorder: Recorder<2, 1000> = Recorder::new(channels, 999).unwrap();
-    for tick in 0..1000 {
-        if tick == 999 {
-            recorder.trigger();
-        }
-        recorder.record(&[Some(PerUnit::saturated(f64::from(tick) * 2e-4)), Some(PerUnit::saturated(0.5))]);
-    }
-    let (mut bytes, mut stream, mut frames) = (Vec::new(), Stream::new(), FrameWriter::default());
-    while stream.write(&recorder, "press", 1_000_000, &mut frames, &mut bytes).unwrap() == Progress::More {}
-    bytes
-}
+use super::{MACHINE, done, folder_with, refused, run, streamed, text};
 
 const IMPORT: [&str; 5] = ["import", "--frames", "frames.bin", "--out", "taken.csv"];
 

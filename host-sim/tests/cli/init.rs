@@ -9,39 +9,7 @@ use machine_file::data_sheet::Item;
 use recording::ChannelMap;
 use simulation::Arithmetic;
 
-use super::{done, refused, root};
-
-/// The press of the presets as a catalogue would print it: 5 l/min at 5 bar over one edge, 17.7 % overlap, 96 ms to 90 %.
-pub(super) const PRESS: [&str; 28] = [
-    "init",
-    "--out",
-    "press.toml",
-    "--bore",
-    "63mm",
-    "--rod",
-    "40mm",
-    "--stroke",
-    "300mm",
-    "--mass",
-    "18.3kg",
-    "--supply",
-    "70bar",
-    "--rated-flow",
-    "5l/min",
-    "--rated-drop",
-    "5bar",
-    "--rated-signal",
-    "10V",
-    "--valve-response",
-    "96ms",
-    "--overlap",
-    "17.7%",
-    "--spool-at-rated",
-    "59.35%",
-    "--valve-stroke-time",
-    "50ms",
-    "--dead-volume=50cm3",
-];
+use super::{PRESS, done, refused, root};
 
 #[test]
 fn a_valve_that_is_driven_by_a_current_counts_in_milliamperes() {

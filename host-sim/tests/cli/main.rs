@@ -10,7 +10,6 @@ mod at_terminal;
 mod bad_input;
 mod compare;
 mod export;
-mod faults;
 #[cfg(unix)]
 mod first_minutes;
 mod import;
@@ -19,8 +18,9 @@ mod inspect;
 mod interrupted;
 #[cfg(target_os = "linux")]
 mod long;
-mod outside;
 mod plan;
+#[path = "../process/mod.rs"]
+mod process;
 mod processor;
 mod readme;
 mod report;
@@ -31,71 +31,9 @@ mod targets;
 mod terminal;
 mod testbed;
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-
 use tempfile::TempDir;
 
-/// The top of the repository.
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
-}
-
-fn example(name: &str) -> String {
-    root().join("examples/press-63-40").join(name).display().to_string()
-}
-
-fn program(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
-    command.current_dir(folder).args(arguments);
-    command
-}
-
-fn run(folder: &Path, arguments: &[&str]) -> Output {
-    program(folder, arguments).output().unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
-}
-
-/// Runs a command that must succeed, and returns what it printed.
-fn done(folder: &Path, arguments: &[&str]) -> String {
-    let output = run(folder, arguments);
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
-    text(&output.stdout)
-}
-
-/// Runs a command that must fail; returns its message, and checks that the folder is unchanged.
-fn refused(folder: &Path, arguments: &[&str]) -> String {
-    let before = listing(folder);
-    let output = run(folder, arguments);
-    let message = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
-    assert_eq!(text(&output.stdout), "", "{arguments:?}");
-    assert!(message.starts_with("error: ") && !message.contains("panicked"), "{message}");
-    assert_eq!(listing(folder), before, "{arguments:?}");
-    message
-}
-
-fn listing(folder: &Path) -> Vec<PathBuf> {
-    let mut files: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    files.sort();
-    files
-}
-
-const MACHINE: &str = "\
-[supply]
-pressure_pa = 7.0e6
-[valve]
-gain_per_v = 0.0559
-dead_zone = 0.1049
-time_constants_s = [0.018, 0.0279]
-flow_coefficient = 2.4e-7
-[cylinder]
-area_a_m2 = 3.117e-3
-area_b_m2 = 1.861e-3
-";
+use process::{MACHINE, PRESS, done, example, listing, program, refused, root, run, streamed, text};
 
 /// A folder with `machine.toml` and `run.csv`.
 fn folder_with(machine: &str, recording: &str) -> TempDir {

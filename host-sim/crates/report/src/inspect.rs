@@ -11,6 +11,8 @@ use recording::display_unit::{TABLE, arrange, difference, significant};
 use recording::{Dimension, Signal, Unit};
 use simulation::InputPoint;
 
+use crate::wording::recording_advice;
+
 /// The text of one recording; its table has this number of characters a line, or as many as it needs.
 #[must_use]
 pub fn text(found: &Inspection, width: Option<u16>) -> String {
@@ -74,7 +76,7 @@ pub fn text(found: &Inspection, width: Option<u16>) -> String {
         );
     }
     for (index, advice) in found.advice.iter().enumerate() {
-        let _ = writeln!(text, "{:<10} {advice}", if index == 0 { "advice" } else { "" });
+        let _ = writeln!(text, "{:<10} {}", if index == 0 { "advice" } else { "" }, recording_advice(advice));
     }
     text
 }
@@ -187,6 +189,6 @@ fn recording(found: &Inspection) -> Value {
         "source": match found.source { Source::Valve => "valve", Source::Pump => "pump" },
         "channels": found.channels.iter().map(channel).collect::<Vec<_>>(),
         "links": found.links.iter().map(link).collect::<Vec<_>>(),
-        "valve_opened": opened, "rod": rod, "advice": found.advice,
+        "valve_opened": opened, "rod": rod, "advice": found.advice.iter().map(recording_advice).collect::<Vec<_>>(),
     })
 }

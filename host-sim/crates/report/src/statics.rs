@@ -4,13 +4,14 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use identification::static_curve::{Edge, Port, Statics};
+use identification::static_curve::{Edge, Evidence, Indication, Port, PortPressure, Remark, Statics};
+use recording::files::source_error::rounded;
 
 use crate::plot::{Mark, curve};
 
 /// Three digits.
 fn short(value: f64) -> String {
-    identification::static_curve::indications::short(value)
+    format!("{value:.2e}").parse::<f64>().map_or_else(|_| value.to_string(), |value| rounded(value).to_string())
 }
 
 /// The figures as lines of text.
@@ -68,13 +69,13 @@ pub fn text(statics: &Statics) -> String {
         }
     }
     for indication in &statics.indications {
-        line("found", format!("{}: {}", indication.effect, indication.evidence));
+        line("found", format!("{}: {}", indication.effect, evidence(indication, statics)));
     }
     if statics.indications.is_empty() {
         line("found", "no effect of the vocabulary".to_owned());
     }
     for remark in &statics.remarks {
-        line("note", remark.clone());
+        line("note", self::remark(remark, statics));
     }
     text.truncate(text.trim_end().len());
     text
@@ -83,7 +84,88 @@ pub fn text(statics: &Statics) -> String {
 /// The figures as JSON.
 #[must_use]
 pub fn document(statics: &Statics) -> Value {
-    json!({ "schema": "host-sim/statics/1", "statics": statics })
+    let indications: Vec<Value> = statics
+        .indications
+        .iter()
+        .map(|found| json!({ "effect": found.effect, "evidence": evidence(found, statics) }))
+        .collect();
+    let remarks: Vec<String> = statics.remarks.iter().map(|found| remark(found, statics)).collect();
+    let mut figures = json!(statics);
+    figures["indications"] = json!(indications);
+    figures["remarks"] = json!(remarks);
+    json!({ "schema": "host-sim/statics/1", "statics": figures })
+}
+
+fn evidence(indication: &Indication, statics: &Statics) -> String {
+    match &indication.evidence {
+        Evidence::Loop { width, std, levels, share_of_span } => format!(
+            "the way back is {} ± {} from the way up at {levels} levels of {}: {:.1} % of the span",
+            short(*width),
+            short(*std),
+            statics.output.header,
+            100.0 * share_of_span,
+        ),
+        Evidence::SpoolStops { from } => {
+            format!("the spool follows with less than a tenth of its gain from {} on", short(*from))
+        }
+        Evidence::UnequalGains { low, high } => {
+            format!("the gain is {:.0} to {:.0} % of that at small openings", 100.0 * low, 100.0 * high)
+        }
+        Evidence::SupplyFalls(PortPressure { header, at_rest, at_full }) => {
+            format!("{header} falls from {} at rest to {} at the largest flow", short(*at_rest), short(*at_full))
+        }
+        Evidence::ReturnRises(PortPressure { header, at_rest, at_full }) => {
+            format!("{header} rises from {} at little flow to {} at the largest", short(*at_rest), short(*at_full))
+        }
+    }
+}
+
+fn remark(remark: &Remark, statics: &Statics) -> String {
+    let output = &statics.output.header;
+    let plain = match remark {
+        Remark::NoRate { clock: true } => "the clock is not used: only what does not depend on the rate is read",
+        Remark::NoRate { clock: false } => {
+            "rows in the order of the file, no clock: only what does not depend on the rate is read"
+        }
+        Remark::LagOrLoop => "a lag would also open a loop; the sweep is assumed to be slow against the valve",
+        Remark::Staircase(stairs) => {
+            let coarse = stairs.from_magnitude > 0.0;
+            let from = if coarse { format!(" from ±{} on", short(stairs.from_magnitude)) } else { String::new() };
+            let also = if coarse { ", and a different gain there is attributed to the meter" } else { "" };
+            return format!(
+                "instrument: {output} stands on {} levels {} apart{from}: a staircase of the meter, not of the valve; the loop is read at the \
+                 edges of its steps{also}",
+                stairs.levels,
+                short(stairs.step),
+            );
+        }
+        Remark::Jump(jump) => {
+            return format!(
+                "instrument: {output} jumps from {} to {} near {} on every branch and nowhere else: attributed to the meter",
+                short(jump.output.0),
+                short(jump.output.1),
+                short(jump.input)
+            );
+        }
+        Remark::PressureEnds => {
+            "the output is a pressure and ends at the supply's: this is not saturation of the valve"
+        }
+        Remark::SpoolOrOrifice => {
+            "without a measured spool it cannot be decided whether spool or orifice stops following at the end"
+        }
+        Remark::EdgesOrOffset => {
+            "edges of unequal distance from zero may be a dead-zone-asymmetry or an offset of the input: not separable here"
+        }
+        Remark::NoEdge => "no output from which an edge could be read",
+        Remark::OneDirection => "one direction only: neither null nor the other side's dead zone",
+        Remark::LimitStopOrSensor => {
+            "a spool that stops may be at its solenoid's limit, at its stop or at the end of its sensor: not separable here"
+        }
+        Remark::PortHoldsEdge => {
+            "a pressure at the valve's port holds the drop of the edge behind it as well as that of the line"
+        }
+    };
+    plain.to_owned()
 }
 
 /// Output over input, with the null and the edges marked.

@@ -7,8 +7,10 @@ use diagnosis::localisation::error_shape::Shape;
 use diagnosis::localisation::operating_region::{Condition, Region};
 use diagnosis::selection::Told;
 use experiment::discriminate::{Distance, Separation};
+use experiment::inspect::{Advice, Bound, CommandRange, UnitDoubt};
 use identification::compare::weakest::Obstacle;
 use identification::fit::Correlation;
+use recording::Unit;
 use recording::display_unit::{difference, significant, state_unit};
 use simulation::signal::noise::extent;
 
@@ -263,5 +265,85 @@ mod tests {
             |coefficient| Correlation { one: Parameter::ValveGain, other: Parameter::FlowCoefficient, coefficient };
         assert_eq!(correlation(&pair(-0.99)), "valve.gain_per_v and valve.flow_coefficient: −0.990");
         assert!(correlation(&pair(0.999_87)).ends_with(": 0.99987"));
+    }
+}
+
+/// What is worth a second look in a recording, or another recording.
+#[must_use]
+pub fn recording_advice(advice: &Advice) -> String {
+    match advice {
+        Advice::Constant { signal, unit, value } => {
+            format!("{signal} is {} {unit} in every row and cannot be judged", significant(unit.from_si(*value), 3))
+        }
+        Advice::Unit(doubt) => unit_doubt(doubt),
+        Advice::NeverOpens { by } => {
+            format!(
+                "with this {by} the valve never leaves the dead zone, so nothing below it moves: use larger commands"
+            )
+        }
+        Advice::OpensOneWay { by, extending } => {
+            let way = if *extending { "extend" } else { "retract" };
+            format!("by its {by} the valve opens to {way} only; commands both ways show both sides")
+        }
+        Advice::DoesNotMove => {
+            "the rod does not move by more than its sensor's noise: friction and flow do not show".to_owned()
+        }
+        Advice::MovesOneWay => "the rod moves one way only; move both ways to tell friction from load".to_owned(),
+        Advice::LittleTravel => {
+            "the rod covers little of its stroke: what depends on the position does not show".to_owned()
+        }
+        Advice::NeverHolds { least_s } => format!(
+            "the rod never holds for {least_s} s; a pause with the valve closed shows leakage, drift and friction at rest"
+        ),
+    }
+}
+
+/// Why a unit can hardly be right for this drive, and what would do.
+#[must_use]
+pub fn unit_doubt(doubt: &UnitDoubt) -> String {
+    match doubt {
+        UnitDoubt::Current { command, closed_at_ma } => {
+            let CommandRange { header, unit, low, high, opening } = command;
+            let (unit, opening) = (unit.symbol(), significant(100.0 * opening, 3));
+            let range =
+                format!("command goes from {} {unit} to {} {unit}", significant(*low, 3), significant(*high, 3));
+            let by_file = format!("by the machine file's gain_per_v it opens the valve to {opening} %");
+            let in_channels = |zero: f64, full: f64| {
+                format!(
+                    "if the file counts in volts, its [channels] can say command = {{ column = \"{header}\", zero = {zero}, full = {full} }}"
+                )
+            };
+            match closed_at_ma {
+                Some(middle) => format!(
+                    "{range}, as a current of 4 to 20 mA that closes the valve at {middle} mA does, but {by_file} and never closes it: {}",
+                    in_channels(*middle, 0.8)
+                ),
+                None => format!("{range}, and {by_file}: {}", in_channels(0.0, 2.0)),
+            }
+        }
+        UnitDoubt::SpoolTravel { unit, share } => format!(
+            "the measured spool goes {} times as far as gain_per_v says of a held command: does the machine file count in {}, as the recording does?",
+            significant(*share, 2),
+            unit.symbol()
+        ),
+        UnitDoubt::Beyond { signal, unit, high, bound, fitting } => {
+            let shown = |unit: Unit| format!("{} {unit}", significant(*high, 3));
+            let passed = match bound {
+                Bound::Stroke => "beyond the stroke of the machine file",
+                Bound::FarAboveSupply => "1.5 times the supply pressure or more of the machine file",
+                Bound::FarBelowSupply => "less than a hundredth of the supply pressure of the machine file",
+            };
+            let instead = fitting.map_or_else(String::new, |unit| format!(" {} would be possible", shown(unit)));
+            format!("{signal} reaches {}, {passed}: is its unit right?{instead}", shown(*unit))
+        }
+        UnitDoubt::Speed { share, fitting } => {
+            let instead = fitting.map_or_else(String::new, |(unit, share)| {
+                format!(" With times in {unit}, it would be {}", significant(share, 2))
+            });
+            format!(
+                "the rod goes {} times as fast as the valve, opened as it was, lets it without load: are the units of time and position right?{instead}",
+                significant(*share, 2)
+            )
+        }
     }
 }

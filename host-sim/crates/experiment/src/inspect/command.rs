@@ -2,9 +2,10 @@
 //! recording's command, volts or milliamperes, and neither file states which of the two the other means.
 
 use model_core::machine::{Machine, Parameter, Source};
-use recording::display_unit::significant;
 use recording::{Dimension, Recording, Signal};
 use simulation::signal::noise::extent;
+
+use super::advice::{CommandRange, UnitDoubt};
 
 /// Range of currents with a live zero, mA, including the tolerance of a current loop.
 const LIVE_ZERO_MA: std::ops::RangeInclusive<f64> = 3.5..=21.0;
@@ -20,52 +21,25 @@ const HELD: f64 = 5e-3;
 /// Fewest rows for a comparison of the spool with the command.
 const LEAST_ROWS: usize = 20;
 
-/// What is doubtful about the command's unit; a sentence without full stop.
+/// What is doubtful about the command's unit.
 #[must_use]
-pub(crate) fn command_doubt(recording: &Recording, machine: &Machine<f64>) -> Option<String> {
+pub(crate) fn command_doubt(recording: &Recording, machine: &Machine<f64>) -> Option<UnitDoubt> {
     let column = recording.column(Signal::Command).filter(|_| machine.source == Source::Valve)?;
     let get = |parameter| machine.get(parameter);
     let opened = |command: f64| get(Parameter::ValveGain) * command + get(Parameter::ValveOffset);
     let (low, high) = extent(&column.values);
-    let unit = column.unit.symbol();
     let is_current = column.unit.dimension() == Dimension::Current;
-    let shown = |command: f64| format!("{} {unit}", significant(command, 3));
-    let percent = |opening: f64| format!("{} %", significant(100.0 * opening, 3));
-    let by_file = format!("by the machine file's gain_per_v it opens the valve to {}", percent(opened(high)));
-    let in_channels = |zero: f64, full: f64| {
-        format!(
-            "if the file counts in volts, its [channels] can say command = {{ column = \"{}\", zero = {zero}, full = {full} }}",
-            column.header
-        )
-    };
+    let command =
+        || CommandRange { header: column.header.clone(), unit: column.unit, low, high, opening: opened(high) };
     if is_current && low < high && [low, high].iter().all(|end| LIVE_ZERO_MA.contains(end)) {
         let closed = opened(MIDDLE_MA).abs() < get(Parameter::DeadZone) + 0.1;
-        return (!closed).then(|| {
-            format!(
-                "command goes from {} to {}, as a current of 4 to 20 mA that closes the valve at {MIDDLE_MA} mA does, but {by_file} \
-                 and never closes it: {}",
-                shown(low),
-                shown(high),
-                in_channels(MIDDLE_MA, 0.8)
-            )
-        });
+        return (!closed).then(|| UnitDoubt::Current { command: command(), closed_at_ma: Some(MIDDLE_MA) });
     }
     if is_current && opened(low).abs().max(opened(high).abs()) > WIDE_OPEN {
-        return Some(format!(
-            "command goes from {} to {}, and {by_file}: {}",
-            shown(low),
-            shown(high),
-            in_channels(0.0, 2.0)
-        ));
+        return Some(UnitDoubt::Current { command: command(), closed_at_ma: None });
     }
     let share = followed(recording, machine)?;
-    (!(SHARE..=1.0 / SHARE).contains(&share)).then(|| {
-        format!(
-            "the measured spool goes {} times as far as gain_per_v says of a held command: does the machine file count in {unit}, as the \
-             recording does?",
-            significant(share, 2)
-        )
-    })
+    (!(SHARE..=1.0 / SHARE).contains(&share)).then_some(UnitDoubt::SpoolTravel { unit: column.unit, share })
 }
 
 /// Travel of the measured spool over that from the machine file, where the command was held until the spool arrived.
@@ -93,7 +67,7 @@ fn followed(recording: &Recording, machine: &Machine<f64>) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use recording::{ChannelMap, read_from};
+    use recording::{ChannelMap, Unit, read_from};
     use test_press::press;
 
     use super::*;
@@ -109,7 +83,7 @@ mod tests {
         read_from("r.csv", text.as_bytes(), &ChannelMap::default()).unwrap()
     }
 
-    fn doubt(unit: &str, ends: (f64, f64), gain: f64, offset: f64) -> Option<String> {
+    fn doubt(unit: &str, ends: (f64, f64), gain: f64, offset: f64) -> Option<UnitDoubt> {
         let machine = press(&[(Parameter::ValveGain, gain), (Parameter::ValveOffset, offset)]);
         command_doubt(&recording(unit, ends), &machine)
     }
@@ -123,17 +97,28 @@ mod tests {
     }
 
     #[test]
-    fn milliamperes_on_a_file_in_volts_are_doubted_with_what_to_do() {
-        let live = doubt("mA", (4.0, 20.0), 0.1, 0.0).unwrap();
-        for part in
-            ["from 4.00 mA to 20.0 mA", "to 200 %", "command = { column = \"command [mA]\", zero = 12, full = 0.8 }"]
-        {
-            assert!(live.contains(part), "{part}: {live}");
-        }
-        assert!(doubt("mA", (-20.0, 20.0), 0.1, 0.0).unwrap().contains("zero = 0, full = 2 }"));
+    fn milliamperes_on_a_file_in_volts_are_doubted() {
+        let range = |low, high, opening| CommandRange {
+            header: "command [mA]".to_owned(),
+            unit: Unit::parse("mA").unwrap(),
+            low,
+            high,
+            opening,
+        };
+        assert_eq!(
+            doubt("mA", (4.0, 20.0), 0.1, 0.0),
+            Some(UnitDoubt::Current { command: range(4.0, 20.0, 2.0), closed_at_ma: Some(12.0) })
+        );
+        assert_eq!(
+            doubt("mA", (-20.0, 20.0), 0.1, 0.0),
+            Some(UnitDoubt::Current { command: range(-20.0, 20.0, 2.0), closed_at_ma: None })
+        );
         // Half open only, but the spool is measured.
-        let spool = doubt("mA", (-10.0, 10.0), 0.1, 0.0).unwrap();
-        assert!(spool.contains("0.50 times as far") && spool.contains("count in mA"), "{spool}");
-        assert!(doubt("V", (-5.0, 5.0), 0.05, 0.0).unwrap().contains("2.0 times as far"));
+        let travel = |doubt| match doubt {
+            Some(UnitDoubt::SpoolTravel { unit, share }) => (unit.symbol(), (100.0 * share).round() / 100.0),
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(travel(doubt("mA", (-10.0, 10.0), 0.1, 0.0)), ("mA", 0.5));
+        assert_eq!(travel(doubt("V", (-5.0, 5.0), 0.05, 0.0)), ("V", 2.0));
     }
 }

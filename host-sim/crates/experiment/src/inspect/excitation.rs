@@ -1,13 +1,14 @@
 //! What moved, how far, and whether it also rested: a link that was not excited cannot be judged.
 
 use model_core::machine::{Machine, Parameter, Source};
-use recording::display_unit::{significant, unit_for_people, unit_of};
+use recording::display_unit::{unit_for_people, unit_of};
 use recording::{Recording, Signal, Unit};
 use simulation::sensor_fault::{Failures, bridged};
 use simulation::signal::noise::{extent, noise, resolution};
 use simulation::signal::slope::slopes;
 use simulation::signal::window::rows_in;
 
+use super::advice::Advice;
 use super::channels::InspectedColumn;
 
 /// Velocity is the slope over this time, s.
@@ -68,35 +69,29 @@ impl Excited {
         Self { opened: opened(recording, machine), travelled: travelled(recording, machine) }
     }
 
-    pub(crate) fn advice(&self) -> Vec<String> {
+    pub(crate) fn advice(&self) -> Vec<Advice> {
         let mut advice = Vec::new();
         if let Some(Opened { beyond: Some(beyond), by, .. }) = self.opened {
             match beyond {
-                (0.0, 0.0) => advice.push(format!(
-                    "with this {by} the valve never leaves the dead zone, so nothing below it moves: use larger commands"
-                )),
-                (0.0, _) => advice.push(format!("by its {by} the valve opens to extend only; commands both ways show both sides")),
-                (_, 0.0) => advice.push(format!("by its {by} the valve opens to retract only; commands both ways show both sides")),
+                (0.0, 0.0) => advice.push(Advice::NeverOpens { by }),
+                (0.0, _) => advice.push(Advice::OpensOneWay { by, extending: true }),
+                (_, 0.0) => advice.push(Advice::OpensOneWay { by, extending: false }),
                 _ => {}
             }
         }
         let Some(travelled) = self.travelled else { return advice };
         if travelled.moving == 0.0 {
-            advice.push(
-                "the rod does not move by more than its sensor's noise: friction and flow do not show".to_owned(),
-            );
+            advice.push(Advice::DoesNotMove);
             return advice;
         }
         if travelled.extending_m_per_s == 0.0 || travelled.retracting_m_per_s == 0.0 {
-            advice.push("the rod moves one way only; move both ways to tell friction from load".to_owned());
+            advice.push(Advice::MovesOneWay);
         }
         if travelled.of_stroke.is_some_and(|share| share < LITTLE_TRAVEL) {
-            advice.push("the rod covers little of its stroke: what depends on the position does not show".to_owned());
+            advice.push(Advice::LittleTravel);
         }
         if travelled.held_s < HOLD_S {
-            advice.push(format!(
-                "the rod never holds for {HOLD_S} s; a pause with the valve closed shows leakage, drift and friction at rest"
-            ));
+            advice.push(Advice::NeverHolds { least_s: HOLD_S });
         }
         advice
     }
@@ -161,16 +156,15 @@ fn held(time_s: &[f64], moves: &[bool]) -> f64 {
 }
 
 /// Channels that show nothing.
-pub(crate) fn doubts(channels: &[InspectedColumn]) -> Vec<String> {
+pub(crate) fn constant(channels: &[InspectedColumn]) -> impl Iterator<Item = Advice> + '_ {
     let constant = |channel: &&InspectedColumn| {
         channel.is_constant() && channel.noise.is_none() && channel.signal != Signal::ValveDirection
     };
-    let told = |channel: &InspectedColumn| {
-        let (unit, value) = (channel.unit, channel.low);
-        let shown = format!("{} {unit}", significant(unit.from_si(value), 3));
-        format!("{} is {shown} in every row and cannot be judged", channel.signal)
-    };
-    channels.iter().filter(constant).map(told).collect()
+    channels.iter().filter(constant).map(|channel| Advice::Constant {
+        signal: channel.signal,
+        unit: channel.unit,
+        value: channel.low,
+    })
 }
 
 #[cfg(test)]
@@ -189,9 +183,9 @@ mod tests {
         Recording::new("made", [vec![time], columns].concat()).unwrap()
     }
 
-    fn advice(recording: &Recording) -> String {
+    fn advice(recording: &Recording) -> Vec<Advice> {
         let machine = test_press::press(&[(Parameter::DeadZone, 0.1), (Parameter::ValveOffset, 0.0)]);
-        Excited::of(recording, Some(&machine)).advice().join("; ")
+        Excited::of(recording, Some(&machine)).advice()
     }
 
     #[test]
@@ -202,26 +196,22 @@ mod tests {
             time => 0.2 - 0.1 * (time - 2.0),
         };
         let made = recording(|time| if time < 1.0 { 5.0 } else { -5.0 }, there_and_back);
-        assert_eq!(advice(&made), "");
+        assert_eq!(advice(&made), []);
         let travelled = Excited::of(&made, None).travelled.unwrap();
         assert!((travelled.extending_m_per_s - 0.1).abs() < 2e-3 && (travelled.retracting_m_per_s + 0.1).abs() < 2e-3);
         assert!((travelled.held_s - 1.0).abs() < 0.12, "{travelled:?}");
     }
 
     #[test]
-    fn a_command_within_the_dead_zone_is_told() {
-        let told = advice(&recording(|time| (9.0 * time).sin(), |_| 0.15));
-        assert!(
-            told.contains("with this command the valve never leaves the dead zone") && told.contains("does not move"),
-            "{told}"
-        );
+    fn a_command_within_the_dead_zone_is_found() {
+        let found = advice(&recording(|time| (9.0 * time).sin(), |_| 0.15));
+        assert_eq!(found, [Advice::NeverOpens { by: Signal::Command }, Advice::DoesNotMove]);
     }
 
     #[test]
-    fn one_way_without_a_pause_is_told() {
-        let told = advice(&recording(|_| 5.0, |time| 0.1 + 0.01 * time));
-        for part in ["opens to extend only", "one way only", "little of its stroke", "never holds for 0.3 s"] {
-            assert!(told.contains(part), "{part}: {told}");
-        }
+    fn one_way_without_a_pause_is_found() {
+        let found = advice(&recording(|_| 5.0, |time| 0.1 + 0.01 * time));
+        let opens = Advice::OpensOneWay { by: Signal::Command, extending: true };
+        assert_eq!(found, [opens, Advice::MovesOneWay, Advice::LittleTravel, Advice::NeverHolds { least_s: 0.3 }]);
     }
 }

@@ -1,6 +1,7 @@
 //! What a recording contains and what it can show, before any model is fitted: its channels, which links of a drive it
 //! can test, and how well the drive was excited.
 
+mod advice;
 mod channels;
 mod command;
 mod excitation;
@@ -12,6 +13,7 @@ use machine_file::MachineFile;
 use model_core::machine::Source;
 use recording::{Recording, Signal};
 
+pub use advice::{Advice, Bound, CommandRange, UnitDoubt};
 pub use channels::InspectedColumn;
 pub use excitation::{Excited, Opened, Travelled};
 pub use testable::{LinkTest, Reach};
@@ -40,8 +42,8 @@ pub struct Inspection {
     pub links: Vec<LinkTest>,
     /// What moved, and how far.
     pub excited: Excited,
-    /// What is worth a second look, or another recording; sentences without full stop.
-    pub advice: Vec<String>,
+    /// What is worth a second look, or another recording.
+    pub advice: Vec<Advice>,
 }
 
 impl Inspection {
@@ -57,8 +59,9 @@ impl Inspection {
             .map(|column| InspectedColumn::of(time_s, column))
             .collect();
         let excited = Excited::of(recording, file.map(|file| &file.machine));
-        let mut advice = excitation::doubts(&channels);
-        advice.extend(file.map(|file| unit_doubts(recording, &file.machine)).unwrap_or_default());
+        let mut advice: Vec<Advice> = excitation::constant(&channels).collect();
+        let doubts = file.map(|file| unit_doubts(recording, &file.machine)).unwrap_or_default();
+        advice.extend(doubts.into_iter().map(Advice::Unit));
         advice.extend(excited.advice());
         Self {
             recording: recording.name().to_owned(),

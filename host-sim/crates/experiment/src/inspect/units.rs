@@ -2,12 +2,12 @@
 //! the speed that the opened valve gives.
 
 use model_core::machine::{Machine, Parameter, Source};
-use recording::display_unit::significant;
 use recording::{Column, Recording, Signal, Unit};
 use simulation::signal::noise::{extent, noise, quantile, resolution};
 use simulation::signal::slope::slopes;
 use simulation::signal::window::rows_in;
 
+use super::advice::{Bound, UnitDoubt};
 use super::command::command_doubt;
 
 /// Largest position, in strokes: the zero is not always at an end.
@@ -27,9 +27,9 @@ const MOVES: f64 = 20.0;
 /// The valve opens by more than this beyond the dead zone, 1; for less, the dead zone is not known well enough.
 const OPENS: f64 = 0.02;
 
-/// What is doubtful about the units of a recording for this drive; sentences without full stop.
+/// What is doubtful about the units of a recording for this drive.
 #[must_use]
-pub fn unit_doubts(recording: &Recording, machine: &Machine<f64>) -> Vec<String> {
+pub fn unit_doubts(recording: &Recording, machine: &Machine<f64>) -> Vec<UnitDoubt> {
     let command = command_doubt(recording, machine);
     let position = position_doubt(recording, machine);
     // A position beyond the stroke also gives too high a speed, and too large an opening gives too low a speed.
@@ -39,38 +39,36 @@ pub fn unit_doubts(recording: &Recording, machine: &Machine<f64>) -> Vec<String>
     command.into_iter().chain(position).chain(pressures).chain(speed).collect()
 }
 
-fn position_doubt(recording: &Recording, machine: &Machine<f64>) -> Option<String> {
+fn position_doubt(recording: &Recording, machine: &Machine<f64>) -> Option<UnitDoubt> {
     let column = recording.column(Signal::Position)?;
     let most = MOST_STROKES * machine.get(Parameter::Stroke);
     let high = extent(&column.values).1;
-    (high > most).then(|| beyond(column, "beyond the stroke of the machine file", (0.01 * most, most)))
+    (high > most).then(|| beyond(column, Bound::Stroke, (0.01 * most, most)))
 }
 
-fn pressure_doubt(column: &Column, machine: &Machine<f64>) -> Option<String> {
+fn pressure_doubt(column: &Column, machine: &Machine<f64>) -> Option<UnitDoubt> {
     let supply = machine.get(Parameter::SupplyPressure);
     let (least, most) = (LEAST_SUPPLIES * supply, MOST_SUPPLIES * supply);
     let high = extent(&column.values).1;
     // A load may raise the pressures in a pump's cylinder above the pressure at which the pump is relieved.
     if high > most && machine.source == Source::Valve {
-        return Some(beyond(column, "1.5 times the supply pressure or more of the machine file", (least, most)));
+        return Some(beyond(column, Bound::FarAboveSupply, (least, most)));
     }
     let low = high < least && high > 0.0;
-    low.then(|| beyond(column, "less than a hundredth of the supply pressure of the machine file", (least, most)))
+    low.then(|| beyond(column, Bound::FarBelowSupply, (least, most)))
 }
 
-/// Message that a column reaches an impossible value, with the unit in which this value comes nearest to the middle of the possible ones.
-fn beyond(column: &Column, which: &str, (least, most): (f64, f64)) -> String {
-    let high = extent(&column.values).1;
-    let shown = |unit: Unit| format!("{} {unit}", significant(column.unit.from_si(high), 3));
-    let off = |unit: &Unit| (unit.to_si(column.unit.from_si(high)) / (0.5 * most)).ln().abs();
-    let possible = |unit: &Unit| (least..=most).contains(&unit.to_si(column.unit.from_si(high)));
+/// A column that reaches an impossible value, with the unit in which this value comes nearest to the middle of the possible ones.
+fn beyond(column: &Column, bound: Bound, (least, most): (f64, f64)) -> UnitDoubt {
+    let high = column.unit.from_si(extent(&column.values).1);
+    let off = |unit: &Unit| (unit.to_si(high) / (0.5 * most)).ln().abs();
+    let possible = |unit: &Unit| (least..=most).contains(&unit.to_si(high));
     let fitting = Unit::of(column.unit.dimension()).filter(possible).min_by(|a, b| off(a).total_cmp(&off(b)));
-    let instead = fitting.map_or_else(String::new, |unit| format!(" {} would be possible", shown(unit)));
-    format!("{} reaches {}, {which}: is its unit right?{instead}", column.signal, shown(column.unit))
+    UnitDoubt::Beyond { signal: column.signal, unit: column.unit, high, bound, fitting }
 }
 
 /// Whether the speed of the rod agrees roughly with the opening of the valve.
-fn speed_doubt(recording: &Recording, machine: &Machine<f64>) -> Option<String> {
+fn speed_doubt(recording: &Recording, machine: &Machine<f64>) -> Option<UnitDoubt> {
     if machine.source == Source::Pump {
         return None;
     }
@@ -88,14 +86,7 @@ fn speed_doubt(recording: &Recording, machine: &Machine<f64>) -> Option<String> 
     let time = recording.column(Signal::Time)?;
     let slower = |unit: Unit| unit.to_si(1.0) / time.unit.to_si(1.0);
     let fitting = Unit::of(time.unit.dimension()).find(|unit| SPEED.contains(&(share / slower(*unit))));
-    let instead = fitting.map_or_else(String::new, |unit| {
-        format!(" With times in {unit}, it would be {}", significant(share / slower(unit), 2))
-    });
-    Some(format!(
-        "the rod goes {} times as fast as the valve, opened as it was, lets it without load: are the units of time and position \
-         right?{instead}",
-        significant(share, 2)
-    ))
+    Some(UnitDoubt::Speed { share, fitting: fitting.map(|unit| (unit, share / slower(unit))) })
 }
 
 /// The speed without load at the widest opening: each edge takes half of the supply pressure.
@@ -143,7 +134,7 @@ mod tests {
     const RIGHT: [(&str, f64); 4] =
         [("time [s]", 1.0), ("spool", 1.0), ("position [mm]", 1e3), ("pressure_a [bar]", 1e-5)];
 
-    fn doubts(index: usize, header: &'static str, factor: f64) -> Vec<String> {
+    fn doubts(index: usize, header: &'static str, factor: f64) -> Vec<UnitDoubt> {
         let mut columns = RIGHT;
         columns[index] = (header, factor);
         unit_doubts(&recording(columns), &test_press::press(&[]))
@@ -151,33 +142,33 @@ mod tests {
 
     #[test]
     fn what_is_in_its_units_is_not_doubted() {
-        assert_eq!(unit_doubts(&recording(RIGHT), &test_press::press(&[])), Vec::<String>::new());
-        assert_eq!(doubts(0, "time [ms]", 1e3), Vec::<String>::new());
-        assert_eq!(doubts(3, "pressure_a [psi]", 1.0 / 6894.757), Vec::<String>::new());
+        assert_eq!(unit_doubts(&recording(RIGHT), &test_press::press(&[])), []);
+        assert_eq!(doubts(0, "time [ms]", 1e3), []);
+        assert_eq!(doubts(3, "pressure_a [psi]", 1.0 / 6894.757), []);
     }
 
     #[test]
     fn every_usual_mistake_is_doubted_with_the_unit_that_would_do() {
-        for (index, header, factor, said, instead) in [
-            (0, "time [s]", 1e3, "the rod goes 0.0010 times as fast", "With times in ms, it would be 1.0"),
-            (
-                0,
-                "time [ms]",
-                1.0,
-                "times as fast as the valve, opened as it was, lets it",
-                " With times in s, it would be",
-            ),
-            (2, "position [m]", 1e3, "beyond the stroke of the machine file", " mm would be possible"),
-            (2, "position [mm]", 1.0, "the rod goes 0.0010 times as fast", ""),
-            (3, "pressure_a [Pa]", 1e-5, "less than a hundredth of the supply pressure", " bar would be possible"),
-            (3, "pressure_a [bar]", 1.0, "1.5 times the supply pressure or more", " Pa would be possible"),
-            (3, "pressure_a [bar]", 1.0 / 6894.757, "1.5 times the supply pressure or more", " psi would be possible"),
+        for (index, header, factor, passed, instead) in [
+            (0, "time [s]", 1e3, None, Some("ms")),
+            (0, "time [ms]", 1.0, None, Some("s")),
+            (2, "position [m]", 1e3, Some(Bound::Stroke), Some("mm")),
+            (2, "position [mm]", 1.0, None, Some("ms")),
+            (3, "pressure_a [Pa]", 1e-5, Some(Bound::FarBelowSupply), Some("bar")),
+            (3, "pressure_a [bar]", 1.0, Some(Bound::FarAboveSupply), Some("Pa")),
+            (3, "pressure_a [bar]", 1.0 / 6894.757, Some(Bound::FarAboveSupply), Some("psi")),
         ] {
-            let told = doubts(index, header, factor);
-            assert!(
-                told.len() == 1 && told[0].contains(said) && told[0].contains(instead),
-                "{header} · {factor}: {told:?}"
-            );
+            let found = doubts(index, header, factor);
+            let as_expected = match &found[..] {
+                [UnitDoubt::Beyond { bound, fitting, .. }] => {
+                    (Some(*bound), fitting.map(|unit| unit.symbol())) == (passed, instead)
+                }
+                [UnitDoubt::Speed { fitting, .. }] => {
+                    (None, fitting.map(|(unit, _)| unit.symbol())) == (passed, instead)
+                }
+                _ => false,
+            };
+            assert!(as_expected, "{header} · {factor}: {found:?}");
         }
     }
 }

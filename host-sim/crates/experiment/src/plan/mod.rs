@@ -321,6 +321,3 @@ impl<'a> Scale<'a> {
         Some((square - across.dot(&(&self.inverse * &across))).max(0.0).sqrt())
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -1,20 +1,91 @@
-//! From the figures to effects of the catalogue, each with its evidence.
+//! From the figures to effects of the catalogue, each with its evidence, and what a reader should know of the recording. Sentences for both
+//! are formed by `report`.
 
-use serde::Serialize;
-
-use recording::files::source_error::rounded;
 use simulation::signal::noise::extent;
 
-use super::Statics;
 use super::curve::LocalGain;
+use super::{Hysteresis, Jump, Port, Staircase, Statics};
 
 /// An effect of the catalogue that a static recording shows.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Indication {
     /// Its name.
     pub effect: &'static str,
     /// The evidence for it.
-    pub evidence: String,
+    pub evidence: Evidence,
+}
+
+/// What shows an effect; inputs and outputs in the units of their columns.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Evidence {
+    /// The way back lies beside the way up.
+    Loop {
+        /// Distance of the two, in the input.
+        width: f64,
+        /// Its standard deviation.
+        std: f64,
+        /// At how many levels of the output.
+        levels: usize,
+        /// The width as a share of the input's span.
+        share_of_span: f64,
+    },
+    /// The spool follows with less than a tenth of its gain.
+    SpoolStops {
+        /// From this input on.
+        from: f64,
+    },
+    /// The gain is no straight line: lowest and highest over that at small openings.
+    UnequalGains {
+        /// Lowest.
+        low: f64,
+        /// Highest.
+        high: f64,
+    },
+    /// The supply pressure falls with the flow.
+    SupplyFalls(PortPressure),
+    /// The return pressure rises with the flow.
+    ReturnRises(PortPressure),
+}
+
+/// A port's pressure without flow and at the largest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PortPressure {
+    /// The column.
+    pub header: String,
+    /// Without flow.
+    pub at_rest: f64,
+    /// At the largest flow.
+    pub at_full: f64,
+}
+
+/// What a reader of a static recording should know.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Remark {
+    /// Only what does not depend on the rate is read.
+    NoRate {
+        /// Whether the table has a clock, which is not used.
+        clock: bool,
+    },
+    /// A lag would also open a loop.
+    LagOrLoop,
+    /// The meter's staircase.
+    Staircase(Staircase),
+    /// A jump of the meter.
+    Jump(Jump),
+    /// The output is a pressure and ends at the supply's.
+    PressureEnds,
+    /// Spool or orifice stops following at the end: not decided.
+    SpoolOrOrifice,
+    /// A dead zone that is wider on one side or an offset of the input: not decided.
+    EdgesOrOffset,
+    /// No edge could be read.
+    NoEdge,
+    /// Neither null nor the other side's dead zone.
+    OneDirection,
+    /// A solenoid's limit, a stop or a sensor's end: not decided.
+    LimitStopOrSensor,
+    /// A port's pressure holds the drop of its edge as well.
+    PortHoldsEdge,
 }
 
 /// A figure is accepted if it is more than this many times its scatter.
@@ -33,11 +104,6 @@ fn is_spool(header: &str) -> bool {
     ["spool", "slider"].iter().any(|name| header.contains(name))
 }
 
-/// Rounded to three digits.
-pub fn short(value: f64) -> String {
-    format!("{value:.2e}").parse::<f64>().map_or_else(|_| value.to_string(), |value| rounded(value).to_string())
-}
-
 pub(crate) fn indications(statics: &Statics) -> Vec<Indication> {
     let mut found = Vec::new();
     let mut indication = |effect, evidence| found.push(Indication { effect, evidence });
@@ -45,53 +111,34 @@ pub(crate) fn indications(statics: &Statics) -> Vec<Indication> {
         && hysteresis.width > SURE * hysteresis.std
         && hysteresis.share_of_span > LEAST
     {
-        indication(
-            "valve-hysteresis",
-            format!(
-                "the way back is {} ± {} from the way up at {} levels of {}: {:.1} % of the span",
-                short(hysteresis.width),
-                short(hysteresis.std),
-                hysteresis.levels,
-                statics.output.header,
-                100.0 * hysteresis.share_of_span,
-            ),
-        );
+        let Hysteresis { width, std, levels, share_of_span, .. } = hysteresis;
+        indication("valve-hysteresis", Evidence::Loop { width, std, levels, share_of_span });
     }
     let flow = !is_pressure(&statics.output.header);
     let spool_stops = statics.spool_saturation.iter().find(|fallen| fallen.share < 0.2).or_else(|| {
         is_spool(&statics.output.header).then(|| statics.saturation.iter().find(|fallen| fallen.share < 0.2))?
     });
     if let Some(fallen) = spool_stops {
-        let from = short(fallen.from);
-        indication(
-            "solenoid-saturation",
-            format!("the spool follows with less than a tenth of its gain from {from} on"),
-        );
+        indication("solenoid-saturation", Evidence::SpoolStops { from: fallen.from });
     }
     if flow
         && !is_spool(&statics.output.header)
         && let Some((low, high)) = unequal_gains(statics)
     {
-        indication(
-            "flow-gain-nonlinearity",
-            format!("the gain is {:.0} to {:.0} % of that at small openings", 100.0 * low, 100.0 * high),
-        );
+        indication("flow-gain-nonlinearity", Evidence::UnequalGains { low, high });
     }
+    let pressure =
+        |port: &Port| PortPressure { header: port.header.clone(), at_rest: port.at_rest, at_full: port.at_full };
     if let Some(port) = &statics.supply
         && port.at_rest - port.at_full > (SURE * port.scatter).max(LEAST * port.at_rest)
     {
-        let (rest, full) = (short(port.at_rest), short(port.at_full));
-        indication("supply-droop", format!("{} falls from {rest} at rest to {full} at the largest flow", port.header));
+        indication("supply-droop", Evidence::SupplyFalls(pressure(port)));
     }
     if let Some(port) = &statics.returning
         && port.at_full - port.at_rest > SURE * port.scatter
         && port.line.r_squared > 0.5
     {
-        let (rest, full) = (short(port.at_rest), short(port.at_full));
-        indication(
-            "tank-back-pressure",
-            format!("{} rises from {rest} at little flow to {full} at the largest", port.header),
-        );
+        indication("tank-back-pressure", Evidence::ReturnRises(pressure(port)));
     }
     found
 }
@@ -123,60 +170,29 @@ fn unequal_gains(statics: &Statics) -> Option<(f64, f64)> {
     (high - low > STRAIGHT).then_some((low, high))
 }
 
-pub(crate) fn remarks(statics: &Statics, clock: bool, spool: bool) -> Vec<String> {
-    let mut found = Vec::new();
-    let mut say = |text: String| found.push(text);
-    say(if clock {
-        "the clock is not used: only what does not depend on the rate is read".to_owned()
-    } else {
-        "rows in the order of the file, no clock: only what does not depend on the rate is read".to_owned()
-    });
-    if statics.indications.iter().any(|indication| indication.effect == "valve-hysteresis") {
-        say("a lag would also open a loop; the sweep is assumed to be slow against the valve".to_owned());
+pub(crate) fn remarks(statics: &Statics, clock: bool, spool: bool) -> Vec<Remark> {
+    let indicated = |effect| statics.indications.iter().any(|indication| indication.effect == effect);
+    let mut found = vec![Remark::NoRate { clock }];
+    if indicated("valve-hysteresis") {
+        found.push(Remark::LagOrLoop);
     }
-    if let Some(stairs) = statics.staircase {
-        let from = if stairs.from_magnitude > 0.0 {
-            format!(" from ±{} on", short(stairs.from_magnitude))
-        } else {
-            String::new()
-        };
-        say(format!(
-            "instrument: {} stands on {} levels {} apart{from}: a staircase of the meter, not of the valve; the loop is read at the \
-             edges of its steps{}",
-            statics.output.header,
-            stairs.levels,
-            short(stairs.step),
-            if stairs.from_magnitude > 0.0 { ", and a different gain there is attributed to the meter" } else { "" },
-        ));
-    }
-    for jump in &statics.jumps {
-        say(format!(
-            "instrument: {} jumps from {} to {} near {} on every branch and nowhere else: attributed to the meter",
-            statics.output.header,
-            short(jump.output.0),
-            short(jump.output.1),
-            short(jump.input)
-        ));
-    }
+    found.extend(statics.staircase.map(Remark::Staircase));
+    found.extend(statics.jumps.iter().copied().map(Remark::Jump));
     if is_pressure(&statics.output.header) && !statics.saturation.is_empty() {
-        say("the output is a pressure and ends at the supply's: this is not saturation of the valve".to_owned());
+        found.push(Remark::PressureEnds);
     } else if !spool && !is_spool(&statics.output.header) && !statics.saturation.is_empty() {
-        say("without a measured spool it cannot be decided whether spool or orifice stops following at the end"
-            .to_owned());
+        found.push(Remark::SpoolOrOrifice);
     }
-    match (statics.positive, statics.negative) {
-        (Some(_), Some(_)) => {
-            say("edges of unequal distance from zero may be a dead-zone-asymmetry or an offset of the input: not separable here".to_owned());
-        }
-        (None, None) => say("no output from which an edge could be read".to_owned()),
-        _ => say("one direction only: neither null nor the other side's dead zone".to_owned()),
-    }
-    if statics.indications.iter().any(|indication| indication.effect == "solenoid-saturation") {
-        say("a spool that stops may be at its solenoid's limit, at its stop or at the end of its sensor: not separable here".to_owned());
+    found.push(match (statics.positive, statics.negative) {
+        (Some(_), Some(_)) => Remark::EdgesOrOffset,
+        (None, None) => Remark::NoEdge,
+        _ => Remark::OneDirection,
+    });
+    if indicated("solenoid-saturation") {
+        found.push(Remark::LimitStopOrSensor);
     }
     if statics.returning.is_some() {
-        say("a pressure at the valve's port holds the drop of the edge behind it as well as that of the line"
-            .to_owned());
+        found.push(Remark::PortHoldsEdge);
     }
     found
 }

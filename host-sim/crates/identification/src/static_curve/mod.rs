@@ -21,7 +21,7 @@ use simulation::signal::noise::extent;
 
 pub use branch::{Branch, branches};
 pub use curve::{Edge, Hysteresis, LocalGain, Null, Saturation};
-pub use indications::Indication;
+pub use indications::{Evidence, Indication, PortPressure, Remark};
 pub use instrument::{Jump, Staircase, jumps, staircase};
 pub use line::Line;
 pub use runs::{VELOCITY, means};
@@ -145,9 +145,11 @@ pub struct Statics {
     /// The return pressure over flow.
     pub returning: Option<Port>,
     /// Effects of the catalogue, with the evidence for each.
+    #[serde(skip)]
     pub indications: Vec<Indication>,
     /// What a reader should know.
-    pub remarks: Vec<String>,
+    #[serde(skip)]
+    pub remarks: Vec<Remark>,
 }
 
 const LEAST_ROWS: usize = 5;

@@ -156,6 +156,3 @@ pub struct Drawn {
     /// The concealed effects.
     pub truth: CaseTruth,
 }
-
-#[cfg(test)]
-mod tests;

@@ -4,9 +4,8 @@ use rayon::prelude::*;
 
 use model_core::machine::Parameter as P;
 
-use super::*;
-use crate::effect::PlantEffect;
-use crate::effect::load::LoadEffect;
+use virtual_plant::concealed::{Concealed, Drawn, Lot, ON_REQUEST, OUTSIDE, VOCABULARY, draw, to_json};
+use virtual_plant::{LoadEffect, PlantEffect};
 
 fn lot(concealed: Concealed, seed: u64, only: &[&str]) -> Lot {
     let only = only.iter().map(|name| (*name).to_owned()).collect();

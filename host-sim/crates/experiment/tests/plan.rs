@@ -1,9 +1,14 @@
 //! Plans for drives for which it is known what can be distinguished.
 
-use identification::fit::{Free, Freedom};
-use test_press::with_papers_valve as drive;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::*;
+use experiment::plan::{Outlook, Plan, PlanError, Planned, plan, steps};
+use experiment::sensor::Sensor;
+use identification::fit::{Free, Freedom};
+use model_core::machine::{Machine, Parameter, Tick};
+use recording::Signal;
+use simulation::{StartOffset, rows_f64};
+use test_press::with_papers_valve as drive;
 
 fn uncertain(machine: &Machine<f64>) -> Vec<Free> {
     [Parameter::FlowCoefficient, Parameter::ViscousFriction, Parameter::BulkModulus, Parameter::DeadZone]
@@ -25,11 +30,11 @@ fn planned(machine: &Machine<f64>, signals: &[Signal], longest_s: f64) -> Result
         can_load: false,
         longest_s,
     };
-    let told = std::sync::atomic::AtomicUsize::new(0);
+    let taken = AtomicUsize::new(0);
     let plan = plan(&asked, None, &|| {
-        told.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        taken.fetch_add(1, Ordering::Relaxed);
     })?;
-    assert_eq!(told.into_inner(), steps(&asked));
+    assert_eq!(taken.into_inner(), steps(&asked));
     Ok(plan)
 }
 
@@ -86,11 +91,12 @@ fn the_excitation_comes_back_to_the_middle_after_every_test_and_is_no_longer_tha
     let machine = drive();
     let plan = planned(&machine, &[Signal::Position, Signal::PressureA], 12.0).unwrap();
     assert!(!plan.tests.is_empty() && plan.excitation.duration_s() <= 12.0);
-    let stimulus = plan.excitation.stimulus(&machine, TICK).unwrap();
-    let seen = View { stimulus: &stimulus, sensors: &[Sensor { signal: Signal::Position, noise: 1.0 }] };
-    let position = &seen.of(&machine, StartOffset::none()).unwrap()[0];
-    let middle = 0.5 * machine.get(Parameter::Stroke);
-    assert!((position[position.len() - 1] - middle).abs() < 0.1 * middle, "{}", position[position.len() - 1]);
+    let stimulus = plan.excitation.stimulus(&machine, Tick::OneMillisecond).unwrap();
+    let mut end_m = f64::NAN;
+    rows_f64(&machine, &stimulus, StartOffset::none(), &mut |_, signal| end_m = signal(Signal::Position).unwrap())
+        .unwrap();
+    let middle_m = 0.5 * machine.get(Parameter::Stroke);
+    assert!((end_m - middle_m).abs() < 0.1 * middle_m, "{end_m}");
 }
 
 #[test]

@@ -2,6 +2,13 @@
 //! process that is killed. Existing files stay, nothing is half-written, and the same command works when it is run again.
 #![cfg(unix)]
 
+#[allow(dead_code, reason = "no recording of others is needed here")]
+#[path = "../at_hand/mod.rs"]
+mod at_hand;
+mod names;
+#[path = "../process/mod.rs"]
+mod process;
+
 use std::collections::BTreeMap;
 use std::fs::{self, Permissions};
 use std::io::Write;
@@ -13,9 +20,7 @@ use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
-use super::import::streamed;
-use super::init::PRESS;
-use super::{at_hand, done, example, listing, refused, text};
+use process::{MACHINE, PRESS, done, example, listing, program, refused, run, streamed, text};
 
 /// Commands that write files or a folder; the target follows one of [`RESULTS`].
 const WRITING: [&str; 16] = [
@@ -221,7 +226,7 @@ fn a_recording_that_ends_while_it_is_read_is_what_was_there_or_refused() {
         let _ = fs::remove_file(folder.path().join("simulated.csv"));
         let (path, part) = (folder.path().join("pipe.csv"), whole[..whole.len() * share / 1000].to_vec());
         let writer = thread::spawn(move || fs::OpenOptions::new().write(true).open(path).unwrap().write_all(&part));
-        let output = super::run(folder.path(), &simulate);
+        let output = run(folder.path(), &simulate);
         let _ = writer.join().unwrap();
         let message = text(&output.stderr);
         assert!(matches!(output.status.code(), Some(0 | 2)) && !message.contains("panicked"), "{share}: {message}");
@@ -234,7 +239,7 @@ fn a_recording_that_ends_while_it_is_read_is_what_was_there_or_refused() {
         let further: Vec<u8> = (0..400_000).flat_map(|row| format!("{row},0,0,0,0,0\n").into_bytes()).collect();
         let head = [&whole[..rows], &further].concat();
         fs::write(&long, head).unwrap();
-        let mut child = super::program(folder.path(), &["inspect", "long.csv"]);
+        let mut child = program(folder.path(), &["inspect", "long.csv"]);
         let child = child.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         std::thread::sleep(Duration::from_millis(20 * attempt));
         fs::OpenOptions::new().write(true).open(&long).unwrap().set_len(20_000).unwrap();
@@ -262,7 +267,7 @@ fn killed_in_the_middle(shares: &[f64]) {
         };
         for share in shares {
             let old = aged(folder.path(), &before);
-            let mut command = super::program(folder.path(), &arguments);
+            let mut command = program(folder.path(), &arguments);
             let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
             thread::sleep(takes.mul_f64(*share));
             // SIGKILL; the command may have ended by then.
@@ -286,7 +291,7 @@ fn a_command_that_is_killed_leaves_old_files_or_new_ones() {
 }
 
 #[test]
-#[ignore = "minutes: cargo test -p host-sim --features virtual-plant --test cli killed -- --ignored"]
+#[ignore = "minutes: cargo test -p host-sim --features virtual-plant --test faults killed -- --ignored"]
 fn a_command_that_is_killed_at_any_moment_leaves_old_files_or_new_ones() {
     killed_in_the_middle(&[0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.93, 0.96, 0.98, 0.99, 1.0, 1.01]);
 }
@@ -295,7 +300,7 @@ fn a_command_that_is_killed_at_any_moment_leaves_old_files_or_new_ones() {
 fn a_reader_that_leaves_takes_nothing_from_the_results() {
     for arguments in writing() {
         let folder = bench();
-        let mut command = super::program(folder.path(), &arguments);
+        let mut command = program(folder.path(), &arguments);
         let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         drop(child.stdout.take());
         let output = child.wait_with_output().unwrap();
@@ -310,8 +315,7 @@ fn a_reader_that_leaves_takes_nothing_from_the_results() {
 #[test]
 fn a_lot_is_whole_and_an_exit_code_true_for_a_reader_that_leaves() {
     let left = |folder: &Path, arguments: &[&str]| {
-        let mut child =
-            super::program(folder, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let mut child = program(folder, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         drop(child.stdout.take());
         let output = child.wait_with_output().unwrap();
         (output.status.code(), text(&output.stderr))
@@ -374,7 +378,7 @@ fn piped(folder: &Path, rows: u32) -> JoinHandle<usize> {
 }
 
 #[test]
-#[ignore = "3 GB through a pipe, some minutes: cargo test -p host-sim --features virtual-plant --test cli hundred_million -- --ignored"]
+#[ignore = "3 GB through a pipe, some minutes: cargo test -p host-sim --features virtual-plant --test faults hundred_million -- --ignored"]
 fn hundred_million_rows_are_simulated_in_the_memory_of_one() {
     let (folder, rows) = (bench(), 100_000_000);
     let writer = piped(folder.path(), rows);
@@ -390,7 +394,7 @@ fn hundred_million_rows_are_simulated_in_the_memory_of_one() {
 }
 
 #[test]
-#[ignore = "1 GB through a pipe: cargo test -p host-sim --features virtual-plant --test cli hundred_million -- --ignored"]
+#[ignore = "1 GB through a pipe: cargo test -p host-sim --features virtual-plant --test faults hundred_million -- --ignored"]
 fn hundred_million_rows_that_would_have_to_be_held_are_refused_before_memory_is_gone() {
     let folder = bench();
     let writer = piped(folder.path(), 100_000_000);
