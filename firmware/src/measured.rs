@@ -34,7 +34,7 @@ impl Measured {
 /// A signal that comes in as a voltage. Each is a row of the calibration table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Signal {
+pub enum AnalogSignal {
     /// The output's own voltage, read back at the valve's end of its wire.
     Command,
     /// Spool position.
@@ -47,10 +47,15 @@ pub enum Signal {
     OilTemperature,
 }
 
-impl Signal {
+impl AnalogSignal {
     /// Every signal, in the order of the calibration table.
-    pub const ALL: [Signal; 5] =
-        [Signal::Command, Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::OilTemperature];
+    pub const ALL: [AnalogSignal; 5] = [
+        AnalogSignal::Command,
+        AnalogSignal::Spool,
+        AnalogSignal::PressureA,
+        AnalogSignal::PressureB,
+        AnalogSignal::OilTemperature,
+    ];
 
     /// How many there are.
     pub const COUNT: usize = Self::ALL.len();

@@ -70,7 +70,7 @@ pub(crate) const ACROSS: usize = 3;
 
 /// The table, per unit of its quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Table<N: Number> {
+pub(crate) struct ValueGrid<N: Number> {
     /// `None`: the first node everywhere.
     pub(crate) first: Option<Axis<N>>,
     /// `None`: the first of each node's values.
@@ -95,7 +95,7 @@ fn along<N: Number>(mut values: impl Iterator<Item = N>, nodes: N) -> N {
     total
 }
 
-impl<N: Number> Table<N> {
+impl<N: Number> ValueGrid<N> {
     /// What the table adds in these states.
     #[inline]
     pub(crate) fn at(&self, states: States<N>) -> N {
@@ -114,11 +114,11 @@ impl<N: Number> Table<N> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Unnamed<N: Number> {
     /// Flow into A.
-    IntoA(Table<N>),
+    IntoA(ValueGrid<N>),
     /// Flow out of B.
-    OutOfB(Table<N>),
+    OutOfB(ValueGrid<N>),
     /// Spool travel, after the lags.
-    Travel(Table<N>),
+    Travel(ValueGrid<N>),
 }
 
 impl<N: Number> Unnamed<N> {
@@ -136,7 +136,7 @@ impl<N: Number> Unnamed<N> {
 /// A table of forces on the rod.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Push<N: Number> {
-    pub(crate) table: Table<N>,
+    pub(crate) table: ValueGrid<N>,
     /// s: its steepest damping slope, which is part of the implicit side too.
     pub(crate) damping: N::Steep,
 }
@@ -212,9 +212,9 @@ mod tests {
                 *value = PerUnit::saturated(0.1 * node as f64 * node as f64 + 0.5 * across as f64);
             }
         }
-        let table = Table { first: axis(State::Velocity, 10.0), second: None, values };
-        let two = Table { second: axis(State::Spool, 5.0), ..table };
-        let at = |table: &Table<PerUnit>, velocity: f64, spool: f64| {
+        let table = ValueGrid { first: axis(State::Velocity, 10.0), second: None, values };
+        let two = ValueGrid { second: axis(State::Spool, 5.0), ..table };
+        let at = |table: &ValueGrid<PerUnit>, velocity: f64, spool: f64| {
             let [velocity, spool] = [velocity, spool].map(PerUnit::saturated);
             table.at(States { velocity, spool, ..States::NONE }).to_f64()
         };

@@ -7,7 +7,7 @@ use system_tests::drives;
 use system_tests::simulate::{Distance, Row, core, core_pump, distance, oracle_with};
 use virtual_plant::{Cavitation, Commands, InitialState, LoadEffect, PlantEffect, PumpCommand};
 
-use crate::table::{self, Line};
+use crate::table::{self, TableLine};
 use crate::tolerances::{Case, of};
 
 const TICK: Tick = Tick::OneMillisecond;
@@ -99,7 +99,7 @@ fn out_and_back(speed_rev_per_s: impl Fn(f64) -> f64) -> Vec<PumpCommand> {
 fn each_effect_and_the_pump_drive_follow_the_oracle() {
     let mut lines = Vec::new();
     let mut add = |drive: &str, signal: &str, [real, fixed, rounding]: [Distance; 3], case, rounds| {
-        let line = Line { drive: drive.to_owned(), signal: signal.to_owned(), real, fixed, rounding };
+        let line = TableLine { drive: drive.to_owned(), signal: signal.to_owned(), real, fixed, rounding };
         lines.push((line, case, rounds));
     };
     for drive in drives::named() {

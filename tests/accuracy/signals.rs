@@ -7,7 +7,7 @@ use system_tests::drives;
 use system_tests::simulate::{Distance, core, distance, oracle};
 use virtual_plant::InitialState;
 
-use crate::table::{self, Line};
+use crate::table::{self, TableLine};
 use crate::tolerances::{Case, of};
 
 const TICK: Tick = Tick::OneMillisecond;
@@ -27,7 +27,7 @@ fn compare(machine: &Machine<f64>, excitation: &Excitation) -> [Distance; 3] {
     [distance(&real, &truth), distance(&fixed, &truth), distance(&fixed, &real)]
 }
 
-fn check(line: &Line, case: Case) {
+fn check(line: &TableLine, case: Case) {
     line.check(of(case), of(Case::Rounding));
 }
 
@@ -36,7 +36,7 @@ fn the_core_follows_the_oracle_on_every_signal() {
     let mut lines = Vec::new();
     for drive in drives::named() {
         let mut add = |signal: String, [real, fixed, rounding]: [Distance; 3], case| {
-            let line = Line { drive: drive.name.to_owned(), signal, real, fixed, rounding };
+            let line = TableLine { drive: drive.name.to_owned(), signal, real, fixed, rounding };
             lines.push((line, case));
         };
         for volts in [2, 4, 6, 8, 10] {

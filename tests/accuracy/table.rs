@@ -9,7 +9,7 @@ use crate::tolerances::Tolerance;
 
 /// A drive on a signal.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Line {
+pub(crate) struct TableLine {
     /// Which drive.
     pub(crate) drive: String,
     /// Which signal.
@@ -34,7 +34,7 @@ const RELATIVE: f64 = 0.05;
 /// Added to it: the last digit of the table, %.
 const LAST_DIGIT: f64 = 1.1e-6;
 
-impl Line {
+impl TableLine {
     fn numbers(&self) -> [f64; 6] {
         let of = |found: Distance| [100.0 * found.position, 100.0 * found.pressure];
         let ([a, b], [c, d], [e, f]) = (of(self.real), of(self.fixed), of(self.rounding));
@@ -52,7 +52,7 @@ impl Line {
     }
 }
 
-impl fmt::Display for Line {
+impl fmt::Display for TableLine {
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
         let [a, b, c, d, e, f] = self.numbers();
         let (drive, signal) = (&self.drive, &self.signal);
@@ -64,8 +64,8 @@ impl fmt::Display for Line {
 ///
 /// # Panics
 /// They differ.
-pub(crate) fn compare(name: &str, lines: &[Line]) {
-    let body: Vec<String> = lines.iter().map(Line::to_string).collect();
+pub(crate) fn compare(name: &str, lines: &[TableLine]) {
+    let body: Vec<String> = lines.iter().map(TableLine::to_string).collect();
     snapshot::compare(&format!("accuracy/{name}"), &format!("{HEAD}{}\n", body.join("\n")), |found, kept| {
         snapshot::numbers_near(found, kept, COLUMN, RELATIVE, LAST_DIGIT)
     });

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use firmware::app::press;
 use firmware::in_the_loop::lockstep::{Order, part};
 use firmware::io::Cause;
-use firmware::measured::Signal;
+use firmware::measured::AnalogSignal;
 use firmware::period::Timing;
 use firmware::set_point::SetPoint;
 use firmware::supervision::{Device, Fault, Mode};
@@ -83,7 +83,7 @@ impl Provoked {
 
 fn all() -> Vec<Provoked> {
     let silent = |device| Fault::Silent { device, cause: Cause::Bus };
-    let spool = Signal::Spool;
+    let spool = AnalogSignal::Spool;
     vec![
         Provoked::at_once(
             "open wire of the spool",
@@ -100,7 +100,7 @@ fn all() -> Vec<Provoked> {
         Provoked::at_once(
             "open wire of pressure A",
             |board, _, _, _| board.wrong.pressure_a_v = Some(0.1),
-            Fault::OpenWire { signal: Signal::PressureA, count: 0 },
+            Fault::OpenWire { signal: AnalogSignal::PressureA, count: 0 },
             Mode::RampingDown,
         ),
         Provoked::stuck(

@@ -6,7 +6,7 @@ use system_tests::snapshot;
 
 /// A machine, and how well its controllers follow: root of the mean square of the true distance to the set point.
 #[derive(Clone, Debug)]
-pub(crate) struct Line {
+pub(crate) struct TableLine {
     /// Counts of the encoder, and what the controllers do not know.
     pub(crate) name: String,
     /// Model-following control.
@@ -32,7 +32,7 @@ const RELATIVE: f64 = 0.15;
 /// Added to it, mm.
 const ABSOLUTE_MM: f64 = 0.004;
 
-impl Line {
+impl TableLine {
     /// Error of model-following control over that of the better PI controller.
     pub(crate) fn share(&self) -> f64 {
         self.following_mm / self.plain_mm.min(self.jumping_mm)
@@ -43,7 +43,7 @@ impl Line {
     }
 }
 
-impl fmt::Display for Line {
+impl fmt::Display for TableLine {
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
         let [following, worst, plain, jumping] = self.numbers();
         let (name, share) = (&self.name, self.share());
@@ -55,8 +55,8 @@ impl fmt::Display for Line {
 ///
 /// # Panics
 /// They differ.
-pub(crate) fn compare(lines: &[Line]) {
-    let body: Vec<String> = lines.iter().map(Line::to_string).collect();
+pub(crate) fn compare(lines: &[TableLine]) {
+    let body: Vec<String> = lines.iter().map(TableLine::to_string).collect();
     // The share follows from the errors before it.
     let errors = |line: &str| line.get(..SHARE).unwrap_or(line).to_owned();
     snapshot::compare("closed_loop/table.txt", &format!("{HEAD}{}\n", body.join("\n")), |found, kept| {

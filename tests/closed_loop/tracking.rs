@@ -12,7 +12,7 @@ use virtual_plant::{LoadProfile, PlantEffect};
 
 use crate::following::{Following, Sight};
 use crate::pi::{Gains, Pi, tuned};
-use crate::table::{self, Line};
+use crate::table::{self, TableLine};
 
 /// Dry friction that the model does not know, N: 9 % of the largest force.
 const FRICTION_N: f64 = 2000.0;
@@ -82,11 +82,11 @@ fn cases(nominal: &Rig) -> Vec<Case> {
     ]
 }
 
-fn line(counts: f64, case: &Case, tuning: &Tuning, plain: Gains, jumping: Gains) -> Line {
+fn line(counts: f64, case: &Case, tuning: &Tuning, plain: Gains, jumping: Gains) -> TableLine {
     let Case { name, rig, model } = case;
     let followed = rig.run(&mut Following::new(model, tuning, rig));
     let with = |gains: Gains| rms_mm(&rig.run(&mut Pi::new(&rig.machine, gains)));
-    Line {
+    TableLine {
         name: format!("{counts:<6} {name}"),
         following_mm: rms_mm(&followed),
         following_worst_mm: worst_mm(&followed),
@@ -95,7 +95,7 @@ fn line(counts: f64, case: &Case, tuning: &Tuning, plain: Gains, jumping: Gains)
     }
 }
 
-fn lines(counts: f64) -> Vec<Line> {
+fn lines(counts: f64) -> Vec<TableLine> {
     let machine = press(counts);
     let nominal = Rig::new(&machine, moves(&machine));
     let (plain, _) = tuned(&nominal, 0.0);
@@ -108,10 +108,10 @@ fn lines(counts: f64) -> Vec<Line> {
 
 #[test]
 fn the_machine_follows_with_a_third_of_a_tuned_pi_controllers_error_and_better_still_with_what_was_missing() {
-    let lines: Vec<Line> = [3600.0, 14_400.0].into_par_iter().flat_map_iter(lines).collect();
+    let lines: Vec<TableLine> = [3600.0, 14_400.0].into_par_iter().flat_map_iter(lines).collect();
     table::compare(&lines);
     for found in &lines {
-        let Line { name, following_mm, plain_mm, jumping_mm, .. } = found;
+        let TableLine { name, following_mm, plain_mm, jumping_mm, .. } = found;
         assert!(following_mm <= &(plain_mm / 3.0), "{name}: {following_mm} mm, PI {plain_mm} mm");
         // Not required, but an even fairer comparison: a PI controller that knows the overlap.
         assert!(following_mm <= &(jumping_mm / 2.0), "{name}: {following_mm} mm, PI over overlap {jumping_mm} mm");

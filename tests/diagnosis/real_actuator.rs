@@ -5,7 +5,7 @@ use std::fmt::Write;
 use diagnosis::base_parameters;
 use identification::experiment::Prepared;
 use identification::fit::{From, fit};
-use recording::{Recording, Signal, Table, read_from};
+use recording::{Recording, Signal, StaticTable, read_from};
 use simulation::{Arithmetic, InputPoint, StartOffset, Stimulus, natural_tick};
 
 use super::root;
@@ -16,7 +16,7 @@ const LINEAR: f64 = 0.949;
 const PRESSURE_PA: f64 = 1e6;
 
 /// Rows of the table as a recording; a row counts as 10 ms.
-fn recording(table: &Table, map: &recording::ChannelMap, rows: std::ops::Range<usize>) -> Recording {
+fn recording(table: &StaticTable, map: &recording::ChannelMap, rows: std::ops::Range<usize>) -> Recording {
     let (u, p) = (table.column("u_valve").unwrap().1, table.column("p_oil_pressure").unwrap().1);
     let mut text = "time [s],u,p\n".to_owned();
     for row in rows {
@@ -28,7 +28,7 @@ fn recording(table: &Table, map: &recording::ChannelMap, rows: std::ops::Range<u
 #[test]
 fn the_pressure_of_a_real_arm_is_followed_better_than_by_a_linear_model() {
     let Some(folder) = system_tests::at_hand::shared("data/actuator") else { return };
-    let table = Table::read(&folder.join("actuator.csv")).unwrap();
+    let table = StaticTable::read(&folder.join("actuator.csv")).unwrap();
     let file = machine_file::read(&root().join("tests/diagnosis/actuator.toml")).unwrap();
     let half = table.rows() / 2;
     let first = recording(&table, &file.channels, 0..half);

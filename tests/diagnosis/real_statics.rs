@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use identification::static_curve::{Columns, Statics, VELOCITY, analyse, means};
-use recording::Table;
+use recording::StaticTable;
 
 use super::{done, text};
 
@@ -16,7 +16,7 @@ fn columns(input: &str, output: &str) -> Columns {
 }
 
 /// The figures, printed.
-fn of(table: &Table, columns: &Columns) -> Statics {
+fn of(table: &StaticTable, columns: &Columns) -> Statics {
     let found = analyse(table, columns).unwrap();
     println!("{}\n", report::statics::text(&found));
     found
@@ -33,7 +33,7 @@ fn near(found: f64, expected: f64, within: f64) {
 #[test]
 fn a_servo_valves_loop_and_null_are_found_and_the_meters_staircase_is_not_physics() {
     let Some(folder) = folder("servovalve") else { return };
-    let flow = Table::read(&folder.join("flow_gain.csv")).unwrap();
+    let flow = StaticTable::read(&folder.join("flow_gain.csv")).unwrap();
     let flow = of(&flow, &columns("current_mA", "flow_lpm"));
     // 0.1 gal/min is the resolution of the meter's coarse range.
     near(flow.staircase.unwrap().step, 0.3785, 1e-3);
@@ -42,7 +42,7 @@ fn a_servo_valves_loop_and_null_are_found_and_the_meters_staircase_is_not_physic
     near(flow.null.unwrap().input, 0.0, 0.2);
     assert_eq!(names(&flow), ["valve-hysteresis"]);
 
-    let pressure = Table::read(&folder.join("pressure_gain.csv")).unwrap();
+    let pressure = StaticTable::read(&folder.join("pressure_gain.csv")).unwrap();
     let pressure = of(&pressure, &columns("current_mA", "load_pressure_bar"));
     let null = pressure.null.unwrap();
     near(null.rising.unwrap(), 0.49, 0.03);
@@ -54,7 +54,7 @@ fn a_servo_valves_loop_and_null_are_found_and_the_meters_staircase_is_not_physic
 #[test]
 fn a_crane_valves_table_shows_dead_zone_saturation_droop_and_return_pressure() {
     let Some(folder) = folder("redcrane") else { return };
-    let table = Table::read(&folder.join("jib_up_150bar.csv")).unwrap();
+    let table = StaticTable::read(&folder.join("jib_up_150bar.csv")).unwrap();
     let asked = Columns {
         spool: Some("uV_sensor".to_owned()),
         supply: Some("ps_bar".to_owned()),
@@ -78,7 +78,7 @@ fn a_crane_valves_table_shows_dead_zone_saturation_droop_and_return_pressure() {
 #[test]
 fn a_crane_valves_runs_show_dead_zone_droop_and_return_pressure() {
     let Some(folder) = folder("redcrane/runs") else { return };
-    let read = |share: u32| Table::read(&folder.join(format!("jib-up-120bar-{share}.csv"))).unwrap();
+    let read = |share: u32| StaticTable::read(&folder.join(format!("jib-up-120bar-{share}.csv"))).unwrap();
     let table = means(&[10, 30, 40, 50, 70, 100].map(read), "command_5v_centre").unwrap();
     let asked = Columns {
         supply: Some("supply_pressure".to_owned()),

@@ -4,7 +4,7 @@ use diagnosis::catalogue::{CATALOGUE, Hypothesis};
 use diagnosis::selection::Selection;
 use diagnosis::selection::candidate::Reference;
 use diagnosis::selection::{Candidate, Chosen, Question};
-use identification::experiment::{Channel, Prepared};
+use identification::experiment::{JudgedSignal, Prepared};
 use identification::fit::{Free, Freedom, From, fit};
 use model_core::machine::{Machine, Parameter as P};
 use recording::Signal;
@@ -17,7 +17,7 @@ use super::bed::{Case, Dice, press, valve_case};
 fn computed(case: &Case, truth: &Machine<f64>) -> Vec<Prepared> {
     let replace = |mut prepared: Prepared| {
         let computed = simulate_f64(truth, &prepared.stimulus, StartOffset::none()).unwrap();
-        for Channel { signal, recorded, .. } in &mut prepared.channels {
+        for JudgedSignal { signal, recorded, .. } in &mut prepared.channels {
             recorded.clear();
             recorded.extend_from_slice(computed.signal(*signal).unwrap());
         }

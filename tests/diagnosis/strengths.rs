@@ -15,7 +15,7 @@ use model_core::machine::{Machine, Parameter as P};
 use system_tests::snapshot;
 use virtual_plant::concealed::{Concealed, Drawn, Lot, draw};
 use virtual_plant::{
-    Channel, FlowEffect, FrictionLevel, LoadEffect, PlantEffect, SensingEffect, SyntheticRecording, ValveEffect,
+    FlowEffect, FrictionLevel, LoadEffect, MeasuredSignal, PlantEffect, SensingEffect, SyntheticRecording, ValveEffect,
 };
 
 use super::bed::{Case, accepted};
@@ -233,17 +233,17 @@ fn sensing(effect: SensingEffect, found: &Machine<f64>) -> Vec<Measured> {
             vec![Measured { what: "time", put_in, found: late_s }]
         }
         SensingEffect::Offset { channel, offset } => match channel {
-            Channel::Spool => of("offset", offset, P::SpoolOffset),
-            Channel::PressureA => of("offset", offset, P::PressureAOffset),
-            Channel::PressureB => of("offset", offset, P::PressureBOffset),
-            Channel::Position => Vec::new(),
+            MeasuredSignal::Spool => of("offset", offset, P::SpoolOffset),
+            MeasuredSignal::PressureA => of("offset", offset, P::PressureAOffset),
+            MeasuredSignal::PressureB => of("offset", offset, P::PressureBOffset),
+            MeasuredSignal::Position => Vec::new(),
         },
         SensingEffect::Factor { channel, excess } => {
             let parameter = match channel {
-                Channel::Spool => P::SpoolFactor,
-                Channel::PressureA => P::PressureAFactor,
-                Channel::PressureB => P::PressureBFactor,
-                Channel::Position => P::PositionFactor,
+                MeasuredSignal::Spool => P::SpoolFactor,
+                MeasuredSignal::PressureA => P::PressureAFactor,
+                MeasuredSignal::PressureB => P::PressureBFactor,
+                MeasuredSignal::Position => P::PositionFactor,
             };
             of("factor's excess", excess, parameter)
         }

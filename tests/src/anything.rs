@@ -15,7 +15,7 @@ use model_core::machine::{Machine, Parameter, Source, Tick};
 use model_core::number::{Number, PerUnit, Scalar};
 use model_core::ports::{Flows, Spool};
 use recording::files::source_error::{Explained, render};
-use recording::{ChannelMap, Mapping, Recording, RecordingError, Scale, Signal, Table};
+use recording::{ChannelMap, Mapping, Recording, RecordingError, Scale, Signal, StaticTable};
 
 use crate::drives;
 use crate::simulate::DELAY;
@@ -63,7 +63,7 @@ pub fn recording(bytes: &[u8]) {
 /// Text, as a recording and as a table without a clock.
 fn csv(bytes: &[u8]) {
     recording(bytes);
-    match Table::read_from("run", bytes) {
+    match StaticTable::read_from("run", bytes) {
         Ok(table) => {
             let finite = |(_, values): &(String, Vec<f64>)| values.iter().all(|value| value.is_finite());
             assert!(table.columns().iter().all(finite), "a number that is none");

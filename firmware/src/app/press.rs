@@ -7,7 +7,7 @@ use model_core::control::Tuning;
 use model_core::machine::{Bases, Machine};
 
 use crate::io::ads8688::{CHANNELS, Range};
-use crate::measured::Signal;
+use crate::measured::AnalogSignal;
 use crate::monitor::{Sensitivity, Spread};
 use crate::period::Rig;
 use crate::scaling::{Actuator, Band, Calibration, CalibrationError, Encoder, Point, Rising, Sensor, Travel};
@@ -97,7 +97,8 @@ pub fn rig(machine: &Machine<f64>, bases: &Bases, input_uv: u32, output_uv: u32)
         working: Band { from_v: 0.4, to_v: 4.6 },
         open: Some(Band { from_v: 0.0, to_v: 0.3 }),
     };
-    let sensors = [(Signal::Spool, spool), (Signal::PressureA, pressure(2)), (Signal::PressureB, pressure(3))];
+    let sensors =
+        [(AnalogSignal::Spool, spool), (AnalogSignal::PressureA, pressure(2)), (AnalogSignal::PressureB, pressure(3))];
     let actuator = Actuator { zero_v: 0.0, full_v: 10.0, lowest_v: -10.0, highest_v: 10.0 };
     let encoder =
         Encoder { counts_per_m: COUNTS_PER_M, rising: Rising::Extends, reference_m: 0.0, fastest_m_per_s: 0.5 };

@@ -1,6 +1,6 @@
 //! The whole firmware with its parts at the other end of a serial line, in lockstep with a simulated machine.
 //!
-//! The same drivers, period, monitor and recorder as on a board; only the SPI frames go over the line ([`Line`]). The firmware sends nothing
+//! The same drivers, period, monitor and recorder as on a board; only the SPI frames go over the line ([`SerialLine`]). The firmware sends nothing
 //! before the host has sent [`START`]. Then, before each period, it sends a report of the last period and receives the request for this
 //! one, little-endian:
 //!
@@ -18,7 +18,7 @@ use embedded_hal::delay::DelayNs;
 use embedded_io::{ErrorType, Read, Write};
 use model_core::number::PerUnit;
 
-use super::remote::{Line, MOST_BYTES, RemoteError};
+use super::remote::{MOST_BYTES, RemoteError, SerialLine};
 use crate::app::{Outcome, Ring, StationError, press, wired};
 use crate::monitor::Miss;
 use crate::period::{Answer, Request, Timing, Watchdog};
@@ -106,7 +106,7 @@ pub fn run<L: Read + Write>(
     log: &mut impl Log,
     memory: &mut Option<Ring>,
 ) -> Result<(), LockstepError> {
-    let line = Line::new(line);
+    let line = SerialLine::new(line);
     line.wait_for(START)?;
     let [inputs, counter, output] = [part::INPUTS, part::COUNTER, part::OUTPUT].map(|number| line.part(number));
     let mut station = wired(inputs, counter, output, delay, memory)?;
@@ -180,7 +180,7 @@ fn written<L>(outcome: &Outcome, model: PerUnit, heard: &Heard<'_, L>) -> [u8; R
 }
 
 /// Streams a full recorder out.
-fn streamed<L: Read + Write>(recorder: &Ring, line: &Line<L>) -> Result<(), LockstepError> {
+fn streamed<L: Read + Write>(recorder: &Ring, line: &SerialLine<L>) -> Result<(), LockstepError> {
     let (mut stream, mut frames, mut out) = (Stream::new(), FrameWriter::default(), Record { line });
     loop {
         let progress = stream.write(recorder, press::values::NAME, press::TICK_NS, &mut frames, &mut out);
@@ -196,7 +196,7 @@ fn streamed<L: Read + Write>(recorder: &Ring, line: &Line<L>) -> Result<(), Lock
 /// Where the recorder's bytes go.
 #[derive(Debug)]
 struct Record<'a, L> {
-    line: &'a Line<L>,
+    line: &'a SerialLine<L>,
 }
 
 impl<L> ErrorType for Record<'_, L> {

@@ -8,7 +8,7 @@
 //! | number of the part | n, 0…255 | m, 0…255 | n bytes to the part | m bytes from the part |
 //!
 //! A part is clocked for the longer of n and m: it gets zeros after the n bytes, and its output after the m bytes is discarded. So a write
-//! waits for no answer. [`Line::exchange`] also serves what is not an SPI part: a request for a set point, or a report.
+//! waits for no answer. [`SerialLine::exchange`] also serves what is not an SPI part: a request for a set point, or a report.
 
 use core::cell::RefCell;
 
@@ -20,7 +20,7 @@ pub const MOST_BYTES: usize = 255;
 
 /// A serial line with parts at its other end.
 #[derive(Debug)]
-pub struct Line<L> {
+pub struct SerialLine<L> {
     line: RefCell<L>,
 }
 
@@ -50,7 +50,7 @@ impl embedded_io::Error for RemoteError {
     }
 }
 
-impl<L: Read + Write> Line<L> {
+impl<L: Read + Write> SerialLine<L> {
     /// A line to parts.
     pub fn new(line: L) -> Self {
         Self { line: RefCell::new(line) }
@@ -95,7 +95,7 @@ impl<L: Read + Write> Line<L> {
 /// An SPI device at the other end of a line.
 #[derive(Debug)]
 pub struct Part<'a, L> {
-    line: &'a Line<L>,
+    line: &'a SerialLine<L>,
     number: u8,
 }
 
@@ -173,7 +173,7 @@ mod tests {
 
     #[test]
     fn what_a_part_is_asked_goes_over_the_line_and_its_answer_comes_back() {
-        let line = Line::new(Echo::default());
+        let line = SerialLine::new(Echo::default());
         let mut part = line.part(7);
         let (mut same, mut fewer, mut more) = ([0; 3], [0; 1], [0; 4]);
         part.transfer(&mut same, &[1, 2, 3]).unwrap();
@@ -187,14 +187,14 @@ mod tests {
 
     #[test]
     fn nobody_answers_a_write() {
-        let line = Line::new(Echo::default());
+        let line = SerialLine::new(Echo::default());
         line.part(7).write(&[9, 8]).unwrap();
         assert!(line.line.borrow().answer.is_empty());
     }
 
     #[test]
     fn a_frame_that_is_empty_or_too_long_is_refused() {
-        let line = Line::new(Echo::default());
+        let line = SerialLine::new(Echo::default());
         assert_eq!(line.part(7).write(&[]), Err(RemoteError::Frame { bytes: 0 }));
         for refused in [
             line.part(7).write(&[0; 256]),
@@ -207,7 +207,7 @@ mod tests {
 
     #[test]
     fn what_comes_before_the_awaited_byte_is_passed_over() {
-        let line = Line::new(Echo { answer: Vec::from([7, 0xA5, 3, 13]), ..Echo::default() });
+        let line = SerialLine::new(Echo { answer: Vec::from([7, 0xA5, 3, 13]), ..Echo::default() });
         line.wait_for(0xA5).unwrap();
         assert_eq!(line.line.borrow().answer, [3, 13]);
         assert_eq!(line.wait_for(0xA5), Err(RemoteError::Line), "it never comes");
@@ -238,6 +238,6 @@ mod tests {
 
     #[test]
     fn a_closed_line_is_an_error_of_the_bus() {
-        assert_eq!(Line::new(Closed).part(7).read(&mut [0]), Err(RemoteError::Line));
+        assert_eq!(SerialLine::new(Closed).part(7).read(&mut [0]), Err(RemoteError::Line));
     }
 }

@@ -28,7 +28,7 @@ pub use sensitivity::{MonitorError, Sensitivity, Spread};
 /// The monitored signals, in the order of the chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Signal {
+pub enum MonitoredSignal {
     /// Spool position.
     Spool,
     /// Pressure in A.
@@ -51,17 +51,18 @@ pub enum Link {
     Mechanics,
 }
 
-impl Signal {
+impl MonitoredSignal {
     /// All of them, in the order of the chain.
-    pub const ALL: [Signal; SIGNALS] = [Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Position];
+    pub const ALL: [MonitoredSignal; SIGNALS] =
+        [MonitoredSignal::Spool, MonitoredSignal::PressureA, MonitoredSignal::PressureB, MonitoredSignal::Position];
 
     /// The link whose output it is.
     #[must_use]
     pub const fn link(self) -> Link {
         match self {
-            Signal::Spool => Link::Valve,
-            Signal::PressureA | Signal::PressureB => Link::FlowAndChambers,
-            Signal::Position => Link::Mechanics,
+            MonitoredSignal::Spool => Link::Valve,
+            MonitoredSignal::PressureA | MonitoredSignal::PressureB => Link::FlowAndChambers,
+            MonitoredSignal::Position => Link::Mechanics,
         }
     }
 }
@@ -71,7 +72,7 @@ const SIGNALS: usize = 4;
 /// Measured − predicted, per unit; `None` where there is no such sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Innovation {
-    /// In the order of [`Signal::ALL`].
+    /// In the order of [`MonitoredSignal::ALL`].
     values: [Option<PerUnit>; SIGNALS],
 }
 
@@ -116,7 +117,7 @@ pub struct MonitorState {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Miss {
     /// Which.
-    pub signal: Signal,
+    pub signal: MonitoredSignal,
     /// The link whose model is wrong.
     pub link: Link,
     /// Measured − predicted in the tick of the alarm, relative to the signal's base.
@@ -157,7 +158,7 @@ impl Monitor {
         time("time between false alarms", between_false_alarms_s, memory_s, 1e10)?;
         let share = bases.tick_s / memory_s;
         let chance = bases.tick_s / between_false_alarms_s / SIGNALS as f64;
-        let watch = |signal: Signal, spread: Spread, base: f64| {
+        let watch = |signal: MonitoredSignal, spread: Spread, base: f64| {
             time("correlation", spread.correlation_s, 0.0, memory_s)?;
             let sigma = spread.sigma / base;
             // NaN fails this comparison.
@@ -173,10 +174,10 @@ impl Monitor {
         Ok(Self {
             share: PerUnit::saturated(share).as_gain(),
             watches: [
-                watch(Signal::Spool, spool, 1.0)?,
-                watch(Signal::PressureA, pressure, bases.pressure_pa)?,
-                watch(Signal::PressureB, pressure, bases.pressure_pa)?,
-                watch(Signal::Position, position, bases.stroke_m)?,
+                watch(MonitoredSignal::Spool, spool, 1.0)?,
+                watch(MonitoredSignal::PressureA, pressure, bases.pressure_pa)?,
+                watch(MonitoredSignal::PressureB, pressure, bases.pressure_pa)?,
+                watch(MonitoredSignal::Position, position, bases.stroke_m)?,
             ],
         })
     }
@@ -195,7 +196,8 @@ impl Monitor {
     /// Takes the innovation of a tick; returns the first signal beyond its limit, but only once until the state is reset.
     pub fn watch(&self, state: &mut MonitorState, innovation: &Innovation) -> Option<Miss> {
         let mut missed = None;
-        let signals = Signal::ALL.into_iter().zip(&self.watches).zip(&mut state.quarters).zip(innovation.values);
+        let signals =
+            MonitoredSignal::ALL.into_iter().zip(&self.watches).zip(&mut state.quarters).zip(innovation.values);
         for (((signal, watch), quarter), value) in signals {
             let Some(value) = value else { continue };
             let half = value.amplified(watch.half_inverse).limited(LARGEST);
@@ -360,7 +362,7 @@ mod tests {
         let mut state = monitor.at_rest();
         let told: std::vec::Vec<Miss> = (0..5000).filter_map(|_| monitor.watch(&mut state, &far)).collect();
         assert_eq!(told.len(), 1);
-        assert_eq!((told[0].signal, told[0].innovation), (Signal::PressureA, PerUnit::ONE));
+        assert_eq!((told[0].signal, told[0].innovation), (MonitoredSignal::PressureA, PerUnit::ONE));
         assert!(told[0].square() > 1.0, "{:?}", told[0]);
         assert_eq!(state.quarters[0], monitor.at_rest().quarters[0]);
     }
@@ -372,7 +374,7 @@ mod tests {
         let nothing = Spread { sigma: 0.0, correlation_s: 0.0 };
         let right = sensitivity(0.0, 0.1, 1e4);
         let found = refused(Sensitivity { spool: nothing, ..right });
-        assert!(matches!(found, MonitorError::Sigma { signal: Signal::Spool, .. }), "{found}");
+        assert!(matches!(found, MonitorError::Sigma { signal: MonitoredSignal::Spool, .. }), "{found}");
         let found = refused(Sensitivity { memory_s: f64::NAN, ..right });
         assert!(matches!(found, MonitorError::Time { name: "memory", .. }), "{found}");
         let found = refused(Sensitivity { memory_s: 0.002, between_false_alarms_s: 1e10, ..right });

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::Signal;
+use super::MonitoredSignal;
 
 /// How far a signal's innovation spreads while the model is right: the sensor's noise and what the model is known not to predict.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +36,7 @@ pub enum MonitorError {
     #[error("{signal:?}: a spread of {sigma}, expected more than {least} and below a base")]
     Sigma {
         /// Of which signal.
-        signal: Signal,
+        signal: MonitoredSignal,
         /// Its standard deviation, SI.
         sigma: f64,
         /// It must be larger than this, SI.
@@ -60,7 +60,7 @@ pub enum MonitorError {
     )]
     TooShort {
         /// Of which signal.
-        signal: Signal,
+        signal: MonitoredSignal,
         /// The limit that would be needed.
         limit: f64,
         /// The largest possible limit.

@@ -15,10 +15,10 @@
 use model_core::machine::Bases;
 use model_core::number::PerUnit;
 
-use super::line::Line;
+use super::line::StraightLine;
 use super::output::{Actuator, Output};
 use super::scale::{Band, CalibrationError, Counts, ONE, counts_per_volt};
-use crate::measured::Signal;
+use crate::measured::AnalogSignal;
 
 /// A point of a sensor's straight line; two points define the line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,12 +45,12 @@ pub struct Sensor {
 }
 
 /// What 1 per unit of a signal is, in its SI unit.
-fn base(signal: Signal, bases: &Bases) -> f64 {
+fn base(signal: AnalogSignal, bases: &Bases) -> f64 {
     match signal {
-        Signal::Command => bases.command_v,
-        Signal::Spool => 1.0,
-        Signal::PressureA | Signal::PressureB => bases.pressure_pa,
-        Signal::OilTemperature => bases.temperature_c,
+        AnalogSignal::Command => bases.command_v,
+        AnalogSignal::Spool => 1.0,
+        AnalogSignal::PressureA | AnalogSignal::PressureB => bases.pressure_pa,
+        AnalogSignal::OilTemperature => bases.temperature_c,
     }
 }
 
@@ -69,7 +69,7 @@ pub enum Reading {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Row {
     channel: u8,
-    line: Line,
+    line: StraightLine,
     working: Counts,
     open: Option<Counts>,
 }
@@ -79,12 +79,13 @@ impl Row {
     ///
     /// # Errors
     /// The sensor's points do not define a line, or its bands are not valid.
-    pub fn new(signal: Signal, sensor: &Sensor, span_uv: u32, bases: &Bases) -> Result<Self, CalibrationError> {
+    pub fn new(signal: AnalogSignal, sensor: &Sensor, span_uv: u32, bases: &Bases) -> Result<Self, CalibrationError> {
         let Sensor { low, high, .. } = *sensor;
         let per_volt = (high.value - low.value) / (high.volts - low.volts) / base(signal, bases);
         let at_zero_v = low.value / base(signal, bases) - per_volt * low.volts;
         let per_count = per_volt / counts_per_volt(span_uv);
-        let line = Line::new(per_count * ONE, at_zero_v * ONE).ok_or(CalibrationError::Slope { signal, per_count })?;
+        let line =
+            StraightLine::new(per_count * ONE, at_zero_v * ONE).ok_or(CalibrationError::Slope { signal, per_count })?;
         let working = Counts::of(sensor.working, signal, span_uv)?;
         let open = sensor.open.map(|band| Counts::of(band, signal, span_uv)).transpose()?;
         if let (Some(band), Some(open)) = (sensor.open, open)
@@ -119,7 +120,7 @@ impl Row {
 /// The table: a row for each signal that has a sensor, and the output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Calibration {
-    rows: [Option<Row>; Signal::COUNT],
+    rows: [Option<Row>; AnalogSignal::COUNT],
     /// The output to the valve.
     pub output: Output,
 }
@@ -131,13 +132,13 @@ impl Calibration {
     /// # Errors
     /// The first sensor that is not valid.
     pub fn new(
-        sensors: &[(Signal, Sensor)],
+        sensors: &[(AnalogSignal, Sensor)],
         inputs_uv: u32,
         actuator: &Actuator,
         output_uv: u32,
         bases: &Bases,
     ) -> Result<Self, CalibrationError> {
-        let mut rows = [None; Signal::COUNT];
+        let mut rows = [None; AnalogSignal::COUNT];
         for (signal, sensor) in sensors {
             if let Some(row) = rows.get_mut(*signal as usize) {
                 *row = Some(Row::new(*signal, sensor, inputs_uv, bases)?);
@@ -146,9 +147,9 @@ impl Calibration {
         Ok(Self { rows, output: Output::new(actuator, output_uv)? })
     }
 
-    /// Every signal with its row, if it has one, in the order of [`Signal::ALL`].
-    pub fn signals(&self) -> impl Iterator<Item = (Signal, Option<&Row>)> {
-        Signal::ALL.into_iter().zip(&self.rows).map(|(signal, row)| (signal, row.as_ref()))
+    /// Every signal with its row, if it has one, in the order of [`AnalogSignal::ALL`].
+    pub fn signals(&self) -> impl Iterator<Item = (AnalogSignal, Option<&Row>)> {
+        AnalogSignal::ALL.into_iter().zip(&self.rows).map(|(signal, row)| (signal, row.as_ref()))
     }
 }
 
@@ -180,7 +181,7 @@ mod tests {
     }
 
     fn row(sensor: &Sensor) -> Result<Row, CalibrationError> {
-        Row::new(Signal::PressureA, sensor, SPAN_UV, &bases())
+        Row::new(AnalogSignal::PressureA, sensor, SPAN_UV, &bases())
     }
 
     #[test]
@@ -206,14 +207,14 @@ mod tests {
     fn what_is_no_sensor_is_refused_with_its_values() {
         let mut flat = pressure();
         flat.high.volts = 0.5;
-        assert!(matches!(row(&flat), Err(CalibrationError::Slope { signal: Signal::PressureA, .. })));
+        assert!(matches!(row(&flat), Err(CalibrationError::Slope { signal: AnalogSignal::PressureA, .. })));
         let mut reversed = pressure();
         reversed.working = Band { from_v: 4.6, to_v: 0.4 };
-        let refused = CalibrationError::Band { signal: Signal::PressureA, from_v: 4.6, to_v: 0.4 };
+        let refused = CalibrationError::Band { signal: AnalogSignal::PressureA, from_v: 4.6, to_v: 0.4 };
         assert_eq!(row(&reversed), Err(refused));
         let mut open = pressure();
         open.open = Some(Band { from_v: 0.0, to_v: 0.45 });
-        let refused = CalibrationError::OpenWithinWorking { signal: Signal::PressureA, from_v: 0.0, to_v: 0.45 };
+        let refused = CalibrationError::OpenWithinWorking { signal: AnalogSignal::PressureA, from_v: 0.0, to_v: 0.45 };
         assert_eq!(row(&open), Err(refused));
     }
 
@@ -221,10 +222,10 @@ mod tests {
     fn the_table_has_a_row_for_each_sensor() {
         let actuator = Actuator { zero_v: 0.0, full_v: 10.0, lowest_v: -10.0, highest_v: 10.0 };
         let spool = Sensor { channel: 1, high: Point { volts: 4.5, value: 1.0 }, ..pressure() };
-        let sensors = [(Signal::PressureB, pressure()), (Signal::Spool, spool)];
+        let sensors = [(AnalogSignal::PressureB, pressure()), (AnalogSignal::Spool, spool)];
         let table = Calibration::new(&sensors, SPAN_UV, &actuator, 20_000_000, &bases()).unwrap();
         let channels = table.signals().map(|(signal, row)| (signal, row.map(Row::channel)));
-        let expected = Signal::ALL.into_iter().zip([None, Some(1), None, Some(2), None]);
+        let expected = AnalogSignal::ALL.into_iter().zip([None, Some(1), None, Some(2), None]);
         assert!(channels.eq(expected));
     }
 
@@ -246,7 +247,7 @@ mod tests {
             let bases = bases();
             let volts = f64::from(count) * 5.12 / 65_536.0;
             let exact: f64 = (low + (high - low) * (volts - low_v) / more_v) / bases.pressure_pa;
-            let Reading::Working(read) = Row::new(Signal::PressureA, &sensor, SPAN_UV, &bases).unwrap().read(count) else {
+            let Reading::Working(read) = Row::new(AnalogSignal::PressureA, &sensor, SPAN_UV, &bases).unwrap().read(count) else {
                 panic!("works")
             };
             let slope_part: f64 = (high - low) * volts / more_v / bases.pressure_pa;

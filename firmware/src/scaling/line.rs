@@ -15,13 +15,13 @@ const LEAST_GAIN: f64 = (1_u32 << 20) as f64;
 
 /// A straight line from counts to words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Line {
+pub(crate) struct StraightLine {
     gain: i32,
     offset: i64,
     shift: u32,
 }
 
-impl Line {
+impl StraightLine {
     /// The line with this slope (words per count) and the word `at_zero` at count 0. `None` if it has no slope or does not fit.
     pub(crate) fn new(slope: f64, at_zero: f64) -> Option<Self> {
         let mut power = (1_u64 << MOST_SHIFT) as f64;
@@ -57,13 +57,13 @@ mod tests {
 
     #[test]
     fn half_a_word_a_count_from_ten_is_twelve_at_four() {
-        assert_eq!(Line::new(0.5, 10.0).unwrap().at(4), 12);
+        assert_eq!(StraightLine::new(0.5, 10.0).unwrap().at(4), 12);
     }
 
     #[test]
     fn a_line_without_a_slope_or_beyond_all_words_is_refused() {
         for (slope, at_zero) in [(0.0, 0.0), (f64::NAN, 0.0), (1.0, f64::NAN), (1e10, 0.0), (1.0, 1e300), (1e-9, 0.0)] {
-            assert_eq!(Line::new(slope, at_zero), None, "{slope} {at_zero}");
+            assert_eq!(StraightLine::new(slope, at_zero), None, "{slope} {at_zero}");
         }
     }
 
@@ -74,7 +74,7 @@ mod tests {
         ) {
             let slope = libm::exp2(magnitude) * if down { -1.0 } else { 1.0 };
             let count = count >> less;
-            let line = Line::new(slope, at_zero).unwrap();
+            let line = StraightLine::new(slope, at_zero).unwrap();
             let within = count.clamp(-COUNT_LIMIT, COUNT_LIMIT) as f64;
             let exact = (slope * within + at_zero).clamp(f64::from(i32::MIN), f64::from(i32::MAX));
             let allowed = 0.501 + (slope.abs() * libm::exp2(-29.0) + libm::exp2(-30.0)) * within.abs();

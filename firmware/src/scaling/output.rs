@@ -2,9 +2,9 @@
 
 use model_core::number::PerUnit;
 
-use super::line::Line;
+use super::line::StraightLine;
 use super::scale::{Band, CalibrationError, Counts, ONE, counts_per_volt};
-use crate::measured::Signal;
+use crate::measured::AnalogSignal;
 
 /// The output to the valve, as its amplifier's data state it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +22,7 @@ pub struct Actuator {
 /// The output in whole numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Output {
-    line: Line,
+    line: StraightLine,
     within: Counts,
 }
 
@@ -35,9 +35,9 @@ impl Output {
         let Actuator { zero_v, full_v, lowest_v, highest_v } = *actuator;
         let refused = CalibrationError::Output { zero_v, full_v, lowest_v, highest_v };
         let per_volt = counts_per_volt(span_uv);
-        let line = Line::new((full_v - zero_v) * per_volt / ONE, zero_v * per_volt).ok_or(refused)?;
+        let line = StraightLine::new((full_v - zero_v) * per_volt / ONE, zero_v * per_volt).ok_or(refused)?;
         let band = Band { from_v: lowest_v, to_v: highest_v };
-        let within = Counts::of(band, Signal::Command, span_uv).map_err(|_| refused)?;
+        let within = Counts::of(band, AnalogSignal::Command, span_uv).map_err(|_| refused)?;
         Ok(Self { line, within })
     }
 

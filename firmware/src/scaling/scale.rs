@@ -1,6 +1,6 @@
 //! Common parts of all scales: bands of voltages and counts, the word for 1, and the errors.
 
-use crate::measured::Signal;
+use crate::measured::AnalogSignal;
 
 /// The word for 1.
 pub(super) const ONE: f64 = (1_u32 << 28) as f64;
@@ -22,7 +22,7 @@ pub enum CalibrationError {
     #[error("{signal:?}: {per_count:e} per unit a count; expected a magnitude of about 4e-9 to 1")]
     Slope {
         /// Which sensor.
-        signal: Signal,
+        signal: AnalogSignal,
         /// Slope, per unit per count.
         per_count: f64,
     },
@@ -30,7 +30,7 @@ pub enum CalibrationError {
     #[error("{signal:?}: band from {from_v} V to {to_v} V; expected two voltages in rising order")]
     Band {
         /// Which sensor.
-        signal: Signal,
+        signal: AnalogSignal,
         /// Lower end, V.
         from_v: f64,
         /// Upper end, V.
@@ -42,7 +42,7 @@ pub enum CalibrationError {
     )]
     OpenWithinWorking {
         /// Which sensor.
-        signal: Signal,
+        signal: AnalogSignal,
         /// Lower end of the open wire's band, V.
         from_v: f64,
         /// Its upper end, V.
@@ -80,7 +80,7 @@ pub(super) struct Counts {
 }
 
 impl Counts {
-    pub(super) fn of(band: Band, signal: Signal, span_uv: u32) -> Result<Self, CalibrationError> {
+    pub(super) fn of(band: Band, signal: AnalogSignal, span_uv: u32) -> Result<Self, CalibrationError> {
         let Band { from_v, to_v } = band;
         let count = |volts: f64| {
             let count = libm::round(volts * counts_per_volt(span_uv));

@@ -7,7 +7,7 @@ use model_core::machine::Bases;
 use model_core::number::PerUnit;
 use model_core::sensing::Linkage;
 
-use super::line::Line;
+use super::line::StraightLine;
 use super::scale::CalibrationError;
 
 /// Which way the rod moves while the count rises.
@@ -48,7 +48,7 @@ const HELD: i64 = 1 << 62;
 enum Way {
     /// In proportion.
     Straight {
-        line: Line,
+        line: StraightLine,
         /// Counts over the stroke, and position at count 0 as a share of the stroke: used only when the rod's position is given.
         counts: f64,
         reference: f64,
@@ -93,7 +93,7 @@ impl Travel {
         let Encoder { counts_per_m: per_m, rising, reference_m, fastest_m_per_s } = *encoder;
         let refused = CalibrationError::Position { per_m, reference_m };
         let steps_per_m = f64::from(1_u32 << 28) / bases.stroke_m;
-        let line = Line::new(steps_per_m / per_m, reference_m * steps_per_m).ok_or(refused)?;
+        let line = StraightLine::new(steps_per_m / per_m, reference_m * steps_per_m).ok_or(refused)?;
         // One count more, because both counts are whole numbers.
         let most = libm::ceil(fastest_m_per_s * bases.tick_s * per_m) + 1.0;
         if !(1.0..f64::from(i32::MAX)).contains(&most) {

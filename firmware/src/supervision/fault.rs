@@ -8,7 +8,7 @@
 use model_core::number::PerUnit;
 
 use crate::io::Cause;
-use crate::measured::Signal;
+use crate::measured::AnalogSignal;
 
 /// A device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -29,21 +29,21 @@ pub enum Fault {
     /// A sensor gives a count that no working sensor gives.
     OutOfRange {
         /// Which.
-        signal: Signal,
+        signal: AnalogSignal,
         /// What it gives.
         count: i32,
     },
     /// A sensor's wire is open.
     OpenWire {
         /// Which.
-        signal: Signal,
+        signal: AnalogSignal,
         /// What is read.
         count: i32,
     },
     /// A sensor has not moved by one count while the model moved.
     Stuck {
         /// Which.
-        signal: Signal,
+        signal: AnalogSignal,
         /// Its count.
         count: i32,
     },
@@ -216,7 +216,7 @@ mod tests {
             Fault::SetPointJump { from: zero, to: zero },
             Fault::OutputAway { command: zero, found: zero },
         ]);
-        for signal in Signal::ALL {
+        for signal in AnalogSignal::ALL {
             all.push(Fault::OutOfRange { signal, count: 1 });
             all.push(Fault::OpenWire { signal, count: 1 });
             all.push(Fault::Stuck { signal, count: 1 });

@@ -6,7 +6,7 @@ use model_core::machine::{Bases, Machine, Parameter};
 use model_core::number::{Number, PerUnit};
 
 use super::stuck_sensor::Patience;
-use crate::measured::Signal;
+use crate::measured::AnalogSignal;
 use crate::set_point::{Bounds, Envelope, SetPointError};
 
 /// How long a deviation may last.
@@ -66,8 +66,8 @@ pub struct Limits {
     pub ramp: PerUnit,
     /// How long the position may stand still; `None` means for ever.
     pub still_position: Option<Patience>,
-    /// How long each signal may stand still, in the order of [`Signal::ALL`]. The model does not compute an oil temperature.
-    pub still: [Option<Patience>; Signal::COUNT],
+    /// How long each signal may stand still, in the order of [`AnalogSignal::ALL`]. The model does not compute an oil temperature.
+    pub still: [Option<Patience>; AnalogSignal::COUNT],
     /// How far the voltage at the valve may differ from the output, in units of 10 V, and for how long by more; where it is read back.
     pub read_back: Option<Patience>,
 }

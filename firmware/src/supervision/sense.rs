@@ -8,7 +8,7 @@ use super::log::{Findings, Log};
 use super::stuck_sensor::Stillness;
 use crate::control::Predicted;
 use crate::io::{AnalogIn, IoError, PositionIn};
-use crate::measured::{Measured, Signal};
+use crate::measured::{AnalogSignal, Measured};
 use crate::scaling::{Calibration, Reading, Travel, TravelState};
 
 /// Asks up to `attempts` times, at least once, and returns the last error if no attempt is answered.
@@ -26,7 +26,7 @@ pub(crate) fn ask<T, E>(attempts: u8, mut question: impl FnMut() -> Result<T, E>
 pub(crate) struct Senses {
     pub(crate) travel: TravelState,
     still_position: Stillness,
-    still: [Stillness; Signal::COUNT],
+    still: [Stillness; AnalogSignal::COUNT],
 }
 
 /// What the sensors should show, according to the model and the output.
@@ -39,14 +39,14 @@ pub(crate) struct Expected {
 }
 
 impl Expected {
-    fn of(&self, signal: Signal) -> Option<PerUnit> {
+    fn of(&self, signal: AnalogSignal) -> Option<PerUnit> {
         let predicted = self.predicted.as_ref()?;
         match signal {
-            Signal::Command => self.put_out,
-            Signal::Spool => Some(predicted.spool),
-            Signal::PressureA => Some(predicted.pressure_a),
-            Signal::PressureB => Some(predicted.pressure_b),
-            Signal::OilTemperature => None,
+            AnalogSignal::Command => self.put_out,
+            AnalogSignal::Spool => Some(predicted.spool),
+            AnalogSignal::PressureA => Some(predicted.pressure_a),
+            AnalogSignal::PressureB => Some(predicted.pressure_b),
+            AnalogSignal::OilTemperature => None,
         }
     }
 }
@@ -54,12 +54,17 @@ impl Expected {
 impl Senses {
     /// State with the rod at the reference, at this count.
     pub(crate) fn new(count: i32) -> Self {
-        Self { travel: Travel::start(count), still_position: Stillness::NEW, still: [Stillness::NEW; Signal::COUNT] }
+        Self {
+            travel: Travel::start(count),
+            still_position: Stillness::NEW,
+            still: [Stillness::NEW; AnalogSignal::COUNT],
+        }
     }
 
     /// Forgets how long the sensors have stood still.
     pub(crate) fn rouse(&mut self) {
-        *self = Self { travel: self.travel, still_position: Stillness::NEW, still: [Stillness::NEW; Signal::COUNT] };
+        *self =
+            Self { travel: self.travel, still_position: Stillness::NEW, still: [Stillness::NEW; AnalogSignal::COUNT] };
     }
 
     /// Position in this period, as a share of the stroke.
@@ -90,7 +95,7 @@ impl Senses {
         travel.position(&self.travel)
     }
 
-    /// All voltages in this period, per unit, in the order of [`Signal::ALL`]; `None` where there is no sensor or it fails.
+    /// All voltages in this period, per unit, in the order of [`AnalogSignal::ALL`]; `None` where there is no sensor or it fails.
     ///
     /// Once the inputs are silent the remaining signals are not read, so that the duration of a period stays bounded.
     pub(crate) fn voltages<A: AnalogIn, L: Log>(
@@ -100,8 +105,8 @@ impl Senses {
         limits: &Limits,
         expected: &Expected,
         found: &mut Findings<'_, L>,
-    ) -> [Option<PerUnit>; Signal::COUNT] {
-        let mut values = [None; Signal::COUNT];
+    ) -> [Option<PerUnit>; AnalogSignal::COUNT] {
+        let mut values = [None; AnalogSignal::COUNT];
         let remembered = self.still.iter_mut().zip(&limits.still);
         for ((value, (signal, row)), (still, patience)) in values.iter_mut().zip(calibration.signals()).zip(remembered)
         {
@@ -131,7 +136,10 @@ impl Senses {
 }
 
 /// Sorts the voltages into measured values and the command that was read back.
-pub(crate) fn sorted(position: PerUnit, voltages: [Option<PerUnit>; Signal::COUNT]) -> (Measured, Option<PerUnit>) {
+pub(crate) fn sorted(
+    position: PerUnit,
+    voltages: [Option<PerUnit>; AnalogSignal::COUNT],
+) -> (Measured, Option<PerUnit>) {
     let [command, spool, pressure_a, pressure_b, oil_temperature] = voltages;
     (Measured { position, spool, pressure_a, pressure_b, oil_temperature }, command)
 }

@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use firmware::control::{Control, Predicted, Reference};
 use firmware::io::{AnalogIn, AnalogOut, FromFn, PositionIn};
-use firmware::measured::{Measured, Signal};
+use firmware::measured::{AnalogSignal, Measured};
 use firmware::monitor::Miss;
 use firmware::period::{Devices, Period, PeriodState, Place, Report, Request, Rig, Timing};
 use firmware::scaling::{Actuator, Band, Calibration, Encoder, Point, Rising, Sensor, Travel};
@@ -151,10 +151,10 @@ pub(crate) fn rig(limits: Limits) -> Rig {
         open: Some(band(-0.1, 0.3)), // 100 kΩ to ground
     };
     let sensors = [
-        (Signal::Command, ten_volts(0, 10.0)),
-        (Signal::Spool, ten_volts(1, 1.0)),
-        (Signal::PressureA, pressure(2)),
-        (Signal::PressureB, pressure(3)),
+        (AnalogSignal::Command, ten_volts(0, 10.0)),
+        (AnalogSignal::Spool, ten_volts(1, 1.0)),
+        (AnalogSignal::PressureA, pressure(2)),
+        (AnalogSignal::PressureB, pressure(3)),
     ];
     let actuator = Actuator { zero_v: 0.0, full_v: 10.0, lowest_v: -9.6, highest_v: 9.6 };
     let encoder = Encoder { counts_per_m: 72_000.0, rising: Rising::Extends, reference_m: 0.0, fastest_m_per_s: 0.5 };

@@ -1,7 +1,7 @@
 //! Every fault is caused: it leads to its mode in time, is logged once, and is cleared only by command.
 
 use firmware::io::Cause;
-use firmware::measured::Signal;
+use firmware::measured::AnalogSignal;
 use firmware::period::{Answer, Report, Request, Timing, Watchdog};
 use firmware::supervision::{Command, Device, Fault, Mode};
 
@@ -26,7 +26,7 @@ const CASES: [Case; 15] = [
         name: "pressure above its sensor's range",
         anew: false,
         bring: |world, _| world.voltages[2] = 5 * VOLT,
-        is: |fault| *fault == Fault::OutOfRange { signal: Signal::PressureA, count: 64_000 },
+        is: |fault| *fault == Fault::OutOfRange { signal: AnalogSignal::PressureA, count: 64_000 },
         mode: Mode::RampingDown,
         within: 1,
         watchdog: Watchdog::Feed,
@@ -35,7 +35,7 @@ const CASES: [Case; 15] = [
         name: "pressure's wire open, pulled to ground",
         anew: false,
         bring: |world, _| world.voltages[3] = VOLT / 5,
-        is: |fault| *fault == Fault::OpenWire { signal: Signal::PressureB, count: 2560 },
+        is: |fault| *fault == Fault::OpenWire { signal: AnalogSignal::PressureB, count: 2560 },
         mode: Mode::RampingDown,
         within: 1,
         watchdog: Watchdog::Feed,
@@ -44,7 +44,7 @@ const CASES: [Case; 15] = [
         name: "spool's wire open, pulled to the rail",
         anew: false,
         bring: |world, _| world.voltages[1] = 131_068, // 10.24 V
-        is: |fault| matches!(fault, Fault::OpenWire { signal: Signal::Spool, .. }),
+        is: |fault| matches!(fault, Fault::OpenWire { signal: AnalogSignal::Spool, .. }),
         mode: Mode::RampingDown,
         within: 1,
         watchdog: Watchdog::Feed,
@@ -53,7 +53,7 @@ const CASES: [Case; 15] = [
         name: "spool stuck",
         anew: false,
         bring: |world, _| world.predicted.spool = percent(20),
-        is: |fault| matches!(fault, Fault::Stuck { signal: Signal::Spool, .. }),
+        is: |fault| matches!(fault, Fault::Stuck { signal: AnalogSignal::Spool, .. }),
         mode: Mode::RampingDown,
         within: 41,
         watchdog: Watchdog::Feed,
@@ -62,7 +62,7 @@ const CASES: [Case; 15] = [
         name: "pressure stuck",
         anew: false,
         bring: |world, _| world.predicted.pressure_a = percent(70),
-        is: |fault| matches!(fault, Fault::Stuck { signal: Signal::PressureA, .. }),
+        is: |fault| matches!(fault, Fault::Stuck { signal: AnalogSignal::PressureA, .. }),
         mode: Mode::RampingDown,
         within: 61,
         watchdog: Watchdog::Feed,

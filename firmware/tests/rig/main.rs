@@ -7,13 +7,13 @@ mod world;
 
 use firmware::control::{Control, Predicted};
 use firmware::io::Cause;
-use firmware::measured::{Measured, Signal};
+use firmware::measured::{AnalogSignal, Measured};
 use firmware::monitor::Miss;
 use firmware::period::{Answer, Report, Request, Timing, Watchdog};
 use firmware::set_point::SetPoint;
 use firmware::supervision::{Command, Device, Fault, Log, Mode};
 use model_core::number::{Number, PerUnit};
-use parts::Line;
+use parts::WireState;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use world::{COUNTS_PER_M, GAIN_PER_V, OFFSET, OVERLAP, STROKE_M, Wired, World, simple_plant};
@@ -143,12 +143,12 @@ fn lines_that_hang_or_fail_are_found_in_their_period() {
     for (device, mode) in
         [(Device::Inputs, Mode::RampingDown), (Device::Position, Mode::Neutral), (Device::Output, Mode::Neutral)]
     {
-        for line in [Line::Hangs(0x00), Line::Hangs(0xFF), Line::Fails] {
+        for line in [WireState::Hangs(0x00), WireState::Hangs(0xFF), WireState::Fails] {
             let mut bench = Bench::on_the_way();
             *bench.world.lines[device as usize].borrow_mut() = line;
             let report = bench.step(None);
             let [Fault::Silent { device: found, cause }] = bench.told.0[..] else { panic!("{:?}", bench.told.0) };
-            assert_eq!((found, cause == Cause::Bus), (device, line == Line::Fails), "{line:?} {cause:?}");
+            assert_eq!((found, cause == Cause::Bus), (device, line == WireState::Fails), "{line:?} {cause:?}");
             assert_eq!((report.mode, report.watchdog), (mode, Watchdog::Withhold));
         }
     }
@@ -167,7 +167,11 @@ fn an_open_wire_is_found_where_a_resistor_pulls_it_out_of_the_range_and_not_wher
     let mut bench = Bench::on_the_way();
     bench.world.wired = false;
     bench.run(2);
-    assert!(matches!(bench.told.0[..], [Fault::OpenWire { signal: Signal::PressureA, .. }]), "{:?}", bench.told.0);
+    assert!(
+        matches!(bench.told.0[..], [Fault::OpenWire { signal: AnalogSignal::PressureA, .. }]),
+        "{:?}",
+        bench.told.0
+    );
     assert_eq!(bench.run(200).unwrap().mode, Mode::Neutral);
 
     let mut bench = Bench::on_the_way();
@@ -202,11 +206,11 @@ proptest! {
     ) {
         let mut bench = Bench::on_the_way();
         for (line, seed, fails, periods) in disturbances {
-            *bench.world.lines[line].borrow_mut() = if fails { Line::Fails } else { Line::Noise(seed) };
+            *bench.world.lines[line].borrow_mut() = if fails { WireState::Fails } else { WireState::Noise(seed) };
             bench.run(periods);
             let volts = bench.world.dac.borrow().volts(1).unwrap();
             prop_assert!(volts.abs() <= 9.6 + 1e-3, "{volts}");
-            *bench.world.lines[line].borrow_mut() = Line::Whole;
+            *bench.world.lines[line].borrow_mut() = WireState::Whole;
         }
         bench.run(200);
         if bench.step(None).mode != Mode::Following {

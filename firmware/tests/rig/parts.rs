@@ -12,7 +12,7 @@ pub(crate) trait Part {
 
 /// What happens to the line from a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Line {
+pub(crate) enum WireState {
     Whole,
     /// It is stuck at this level.
     Hangs(u8),
@@ -25,7 +25,7 @@ pub(crate) enum Line {
 /// A part on its own chip select, shared with the test.
 pub(crate) struct Wire<P> {
     pub(crate) part: Rc<RefCell<P>>,
-    pub(crate) line: Rc<RefCell<Line>>,
+    pub(crate) line: Rc<RefCell<WireState>>,
     pub(crate) bytes: Rc<RefCell<usize>>,
 }
 
@@ -36,7 +36,7 @@ impl<P> ErrorType for Wire<P> {
 impl<P: Part> SpiDevice for Wire<P> {
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), ErrorKind> {
         let line = *self.line.borrow();
-        if line == Line::Fails {
+        if line == WireState::Fails {
             return Err(ErrorKind::Other);
         }
         for operation in operations {
@@ -50,9 +50,9 @@ impl<P: Part> SpiDevice for Wire<P> {
             for (byte, answered) in read.iter_mut().zip(answer) {
                 let mut line = self.line.borrow_mut();
                 *byte = match &mut *line {
-                    Line::Hangs(level) => *level,
-                    Line::Whole | Line::Fails => answered,
-                    Line::Noise(word) => {
+                    WireState::Hangs(level) => *level,
+                    WireState::Whole | WireState::Fails => answered,
+                    WireState::Noise(word) => {
                         *word ^= *word << 13;
                         *word ^= *word >> 17;
                         *word ^= *word << 5;

@@ -8,7 +8,7 @@ use firmware::io::ad5754::{Ad5754, Channel, Reference};
 use firmware::io::ads8688::{Ads8688, Range};
 use firmware::io::ls7366r::{FilterClock, Ls7366r};
 use firmware::io::{AnalogIn, AnalogOut};
-use firmware::measured::Signal;
+use firmware::measured::AnalogSignal;
 use firmware::period::{Devices, Period, Place, Rig};
 use firmware::scaling::{Actuator, Band, Calibration, Encoder, Point, Rising, Sensor, Travel};
 use firmware::set_point::Bounds;
@@ -17,7 +17,7 @@ use model_core::drive::Drive;
 use model_core::machine::{Machine, Parameter, Source, Tick};
 use model_core::number::PerUnit;
 
-use crate::parts::{Adc, Counter, Dac, Line, Wire};
+use crate::parts::{Adc, Counter, Dac, Wire, WireState};
 
 /// Counts of the encoder per metre: 3600 impulses, counted fourfold, on a pinion of 0.2 m circumference.
 pub(crate) const COUNTS_PER_M: f64 = 72_000.0;
@@ -60,7 +60,7 @@ pub(crate) struct World {
     pub(crate) dac: Rc<RefCell<Dac>>,
     /// The output that leads to the valve.
     pub(crate) output: usize,
-    pub(crate) lines: [Rc<RefCell<Line>>; 3],
+    pub(crate) lines: [Rc<RefCell<WireState>>; 3],
     pub(crate) bytes: Rc<RefCell<usize>>,
     pub(crate) position_m: f64,
     pub(crate) edges: i64,
@@ -77,7 +77,7 @@ pub(crate) type Wired<C> = Period<Ads8688<Wire<Adc>>, Ls7366r<Wire<Counter>>, Ad
 
 impl World {
     pub(crate) fn new(plant: Plant) -> Self {
-        let line = || Rc::new(RefCell::new(Line::Whole));
+        let line = || Rc::new(RefCell::new(WireState::Whole));
         let mut world = Self {
             plant,
             adc: Rc::new(RefCell::new(Adc::new())),
@@ -192,7 +192,7 @@ pub(crate) fn allowed() -> Allowed {
     }
 }
 
-pub(crate) fn sensors() -> [(Signal, Sensor); 4] {
+pub(crate) fn sensors() -> [(AnalogSignal, Sensor); 4] {
     let volts = |volts, value| Point { volts, value };
     let pressure = |channel| Sensor {
         channel,
@@ -209,9 +209,9 @@ pub(crate) fn sensors() -> [(Signal, Sensor); 4] {
         open: None,
     };
     [
-        (Signal::Command, ten_volts(0, 10.0)),
-        (Signal::Spool, ten_volts(1, 1.0)),
-        (Signal::PressureA, pressure(2)),
-        (Signal::PressureB, pressure(3)),
+        (AnalogSignal::Command, ten_volts(0, 10.0)),
+        (AnalogSignal::Spool, ten_volts(1, 1.0)),
+        (AnalogSignal::PressureA, pressure(2)),
+        (AnalogSignal::PressureB, pressure(3)),
     ]
 }

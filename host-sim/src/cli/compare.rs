@@ -53,7 +53,7 @@ pub struct Arguments {
 }
 
 /// What is compared, checked.
-struct Plan {
+struct Job {
     file: MachineFile,
     recordings: Vec<Recording>,
     tick: Option<Tick>,
@@ -63,22 +63,22 @@ struct Plan {
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
-    let plan = plan(arguments, console)?;
-    let comparisons = compared(&plan, &arguments.machine.machine, console)?;
-    for (path, svg) in plan.plots.iter().zip(drawings(&plan, &comparisons)) {
+    let job = job(arguments, console)?;
+    let comparisons = compared(&job, &arguments.machine.machine, console)?;
+    for (path, svg) in job.plots.iter().zip(drawings(&job, &comparisons)) {
         write(path, svg)?;
     }
     let quiet = console.is_quiet();
     for note in
-        plan.recordings.iter().filter(|_| !quiet).flat_map(|recording| input::notes(recording, &plan.file.machine))
+        job.recordings.iter().filter(|_| !quiet).flat_map(|recording| input::notes(recording, &job.file.machine))
     {
         console.print(format_args!("note: {note}"))?;
     }
     console.print_styled(table(&comparisons, console.terminal, console.width))?;
-    for line in sentences(&comparisons, plan.file.load_source) {
+    for line in sentences(&comparisons, job.file.load_source) {
         console.print(line)?;
     }
-    for path in &plan.plots {
+    for path in &job.plots {
         console.print(format_args!("plot: {}", path.display()))?;
     }
     if !arguments.exit_code {
@@ -90,7 +90,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     Ok(if below.is_empty() { Outcome::Done } else { Outcome::OutOfTolerance })
 }
 
-fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> {
+fn job(arguments: &Arguments, console: &Console<'_>) -> Result<Job, CliError> {
     if !(f64::NEG_INFINITY..=100.0).contains(&arguments.tolerance) {
         let (argument, expected) = ("--tolerance", "at most 100 %");
         return Err(CliError::Number { argument, found: arguments.tolerance, expected });
@@ -104,13 +104,7 @@ fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> 
     let read = [arguments.recording.as_slice(), std::slice::from_ref(&arguments.machine.machine)].concat();
     check_targets(&plots.iter().map(|path| ("--plot", Some(path.as_path()), DRAWING)).collect::<Vec<_>>(), &read)?;
     arguments.plot.as_deref().map_or(Ok(()), |path| check_ending("--plot", path, DRAWING))?;
-    Ok(Plan {
-        file,
-        recordings,
-        tick: arguments.machine.tick(),
-        arithmetic: arguments.machine.arithmetic.into(),
-        plots,
-    })
+    Ok(Job { file, recordings, tick: arguments.machine.tick(), arithmetic: arguments.machine.arithmetic.into(), plots })
 }
 
 /// `out.svg` for one recording; `out-train-1.svg` … for several, numbered when their names repeat.
@@ -130,26 +124,26 @@ fn plot_paths(path: &Path, recordings: &[Recording]) -> Vec<PathBuf> {
     names.iter().enumerate().map(named).collect()
 }
 
-fn compared(plan: &Plan, machine: &Path, console: &Console<'_>) -> Result<Vec<Comparison>, CliError> {
-    let rows = |recording| rows_simulated(plan.file.machine.source, plan.file.load_source, recording) as u64;
-    let bar = console.share(plan.recordings.iter().map(rows).sum(), "comparing");
-    let comparisons = parallel::try_each(&plan.recordings, |recording| {
-        let MachineFile { machine: values, load_source, .. } = &plan.file;
+fn compared(job: &Job, machine: &Path, console: &Console<'_>) -> Result<Vec<Comparison>, CliError> {
+    let rows = |recording| rows_simulated(job.file.machine.source, job.file.load_source, recording) as u64;
+    let bar = console.share(job.recordings.iter().map(rows).sum(), "comparing");
+    let comparisons = parallel::try_each(&job.recordings, |recording| {
+        let MachineFile { machine: values, load_source, .. } = &job.file;
         let told = |rows| bar.inc(rows as u64);
-        let found = compare_told(values, *load_source, recording, plan.arithmetic, plan.tick, &told);
+        let found = compare_told(values, *load_source, recording, job.arithmetic, job.tick, &told);
         found.map_err(|cause| CliError::Compare { machine: machine.to_owned(), cause })
     });
     bar.finish_and_clear();
     comparisons
 }
 
-fn drawings<'a>(plan: &'a Plan, comparisons: &'a [Comparison]) -> impl Iterator<Item = String> + 'a {
-    plan.recordings.iter().zip(comparisons).map(|(recording, comparison)| {
+fn drawings<'a>(job: &'a Job, comparisons: &'a [Comparison]) -> impl Iterator<Item = String> + 'a {
+    job.recordings.iter().zip(comparisons).map(|(recording, comparison)| {
         let panels = comparison.sections.first().map_or_else(Vec::new, |whole| {
             let judged: Vec<Signal> = whole.fits.iter().map(|fit| fit.signal).collect();
             plot::panels(recording, whole.input_point, &whole.trajectory, &judged)
         });
-        plot::svg(recording.name(), &format!("recorded against {}, simulated end to end", plan.file.name), &panels)
+        plot::svg(recording.name(), &format!("recorded against {}, simulated end to end", job.file.name), &panels)
     })
 }
 

@@ -67,7 +67,7 @@ pub struct Arguments {
 }
 
 /// What is diagnosed, read and checked.
-struct Plan {
+struct Job {
     machine: PathBuf,
     file: MachineFile,
     training: Vec<Recording>,
@@ -76,28 +76,28 @@ struct Plan {
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
-    let plan = plan(arguments, console)?;
+    let job = job(arguments, console)?;
     for note in
-        plan.training.iter().chain(&plan.held_out).flat_map(|recording| input::notes(recording, &plan.file.machine))
+        job.training.iter().chain(&job.held_out).flat_map(|recording| input::notes(recording, &job.file.machine))
     {
         console.note(note);
     }
     console.detail(format_args!(
         "read: {} training and {} held-out recordings, {} rows",
-        plan.training.len(),
-        plan.held_out.len(),
-        plan.training.iter().chain(&plan.held_out).map(Recording::rows).sum::<usize>()
+        job.training.len(),
+        job.held_out.len(),
+        job.training.iter().chain(&job.held_out).map(Recording::rows).sum::<usize>()
     ));
-    let steps = usize::try_from(steps(&plan.file)).unwrap_or(usize::MAX);
+    let steps = usize::try_from(steps(&job.file)).unwrap_or(usize::MAX);
     let bar = console.progress(steps, "diagnosing");
     let tick = arguments.tick.map(Into::into);
-    let diagnosis = diagnose(&plan.file, &plan.training, &plan.held_out, tick, &|_| bar.inc(1));
+    let diagnosis = diagnose(&job.file, &job.training, &job.held_out, tick, &|_| bar.inc(1));
     bar.finish_and_clear();
-    let failed = |cause| CliError::Diagnose { machine: plan.machine.clone(), cause };
+    let failed = |cause| CliError::Diagnose { machine: job.machine.clone(), cause };
     let diagnosis = diagnosis.map_err(failed)?;
     console.detail(terminal::sentence(&diagnosis));
     let bar = console.working("drawing up the evidence");
-    let exhibits = Exhibits::of(&plan.file, &plan.training, &plan.held_out, &diagnosis, plan.report.is_some());
+    let exhibits = Exhibits::of(&job.file, &job.training, &job.held_out, &diagnosis, job.report.is_some());
     bar.finish_and_clear();
     let exhibits = exhibits.map_err(|cause| failed(cause.into()))?;
 
@@ -105,9 +105,9 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         write(path, format!("{:#}\n", json::document(&diagnosis, &exhibits)))?;
     }
     if let Some(path) = &arguments.save_machine {
-        saved(&plan.file, &diagnosis).save(path)?;
+        saved(&job.file, &diagnosis).save(path)?;
     }
-    if let Some(path) = &plan.report {
+    if let Some(path) = &job.report {
         write(path, html::page(&diagnosis, &exhibits))?;
     }
     if let (Some(path), Some(shown)) = (&arguments.plot, diagnosis.example()) {
@@ -117,7 +117,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let (verdict, rest) = text.split_once('\n').unwrap_or((text.as_str(), ""));
     console.verdict(verdict, tone(diagnosis.verdict))?;
     console.print(rest)?;
-    if let Some(path) = &plan.report {
+    if let Some(path) = &job.report {
         console.print(format_args!("report: {}", path.display()))?;
     }
     let missing = diagnosis.verdict != Verdict::NothingMissing;
@@ -132,7 +132,7 @@ const fn tone(verdict: Verdict) -> Tone {
     }
 }
 
-fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> {
+fn job(arguments: &Arguments, console: &Console<'_>) -> Result<Job, CliError> {
     let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
     let (machine, train, holdout, report) = match (&arguments.folder, &arguments.machine) {
         (Some(folder), _) => {
@@ -168,7 +168,7 @@ fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> 
     let mut training = judged.collect::<Result<Vec<_>, _>>()?;
     let held_out = training.split_off(train.len());
     check_distinct(&training, &held_out)?;
-    Ok(Plan { machine, file, training, held_out, report })
+    Ok(Job { machine, file, training, held_out, report })
 }
 
 /// A recording cannot confirm effects that it was used to choose, and counts only once, whatever its name, even as a copy.

@@ -66,7 +66,7 @@ const SIGNALS: [Signal; 7] = [
 ];
 
 /// What is simulated, checked.
-struct Plan {
+struct Job {
     name: String,
     machine: Machine<f64>,
     load: LoadSource,
@@ -169,25 +169,25 @@ impl Target {
 
 /// Simulates at once what needs the whole recording, or an input signal.
 fn at_once(arguments: &Arguments, console: &mut Console<'_>) -> Result<(), CliError> {
-    let plan = plan(arguments, console)?;
-    for note in input::notes(&plan.recording, &plan.machine).chain(starts_anywhere(&plan.recording)) {
+    let job = job(arguments, console)?;
+    for note in input::notes(&job.recording, &job.machine).chain(starts_anywhere(&job.recording)) {
         console.note(note);
     }
-    let bar = console.share(plan.recording.rows() as u64, "simulating");
-    let simulated = simulate(&plan, &|rows| bar.inc(rows as u64));
+    let bar = console.share(job.recording.rows() as u64, "simulating");
+    let simulated = simulate(&job, &|rows| bar.inc(rows as u64));
     bar.finish_and_clear();
     let simulated =
         simulated.map_err(|cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause })?;
     let drawing = arguments.plot.as_ref().map(|path| {
-        let signals = judged(&plan.recording, plan.input_point, plan.load);
-        let panels = plot::panels(&plan.recording, plan.input_point, &simulated, &signals);
-        (path, plot::svg(plan.recording.name(), &plan.name, &panels))
+        let signals = judged(&job.recording, job.input_point, job.load);
+        let panels = plot::panels(&job.recording, job.input_point, &simulated, &signals);
+        (path, plot::svg(job.recording.name(), &job.name, &panels))
     });
     if arguments.recording.is_some() {
-        let (replaced, added) = columns(&plan.recording, &simulated);
-        written(&plan.recording, &arguments.out, &replaced, &added, console)?;
+        let (replaced, added) = columns(&job.recording, &simulated);
+        written(&job.recording, &arguments.out, &replaced, &added, console)?;
     } else {
-        written(&response(&plan.recording, &simulated)?, &arguments.out, &[], &[], console)?;
+        written(&response(&job.recording, &simulated)?, &arguments.out, &[], &[], console)?;
     }
     if let Some((path, svg)) = drawing {
         write(path, svg)?;
@@ -225,7 +225,7 @@ fn written(
     Ok(recording.write(out, replaced, added)?)
 }
 
-fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> {
+fn job(arguments: &Arguments, console: &Console<'_>) -> Result<Job, CliError> {
     let (file, channels) = arguments.machine.read()?;
     let (machine, asked) = (file.machine, arguments.machine.tick());
     let (recording, load) = if let Some(path) = &arguments.recording {
@@ -243,7 +243,7 @@ fn plan(arguments: &Arguments, console: &Console<'_>) -> Result<Plan, CliError> 
     let input_point = first_input_point(machine.source, &recording)
         .map_err(|cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause })?;
     let tick = asked.unwrap_or_else(|| natural_tick(&recording));
-    Ok(Plan {
+    Ok(Job {
         name: file.name,
         machine,
         load,
@@ -261,7 +261,7 @@ fn response(input: &Recording, simulated: &Trajectory) -> Result<Recording, CliE
     Ok(Recording::new("the response", given.chain(computed).collect())?)
 }
 
-fn simulate(plan: &Plan, told: &dyn Fn(usize)) -> Result<Trajectory, SimulateError> {
-    let stimulus = Stimulus::new(&plan.recording, &plan.machine, plan.input_point, plan.load, plan.tick)?;
-    plan.arithmetic.simulate_told(&plan.machine, &stimulus, StartOffset::none(), told)
+fn simulate(job: &Job, told: &dyn Fn(usize)) -> Result<Trajectory, SimulateError> {
+    let stimulus = Stimulus::new(&job.recording, &job.machine, job.input_point, job.load, job.tick)?;
+    job.arithmetic.simulate_told(&job.machine, &stimulus, StartOffset::none(), told)
 }

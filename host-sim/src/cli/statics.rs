@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use identification::static_curve::{Columns, StaticsError, analyse, means};
-use recording::Table;
+use recording::StaticTable;
 
 use super::Outcome;
 use super::console::Console;
@@ -83,10 +83,10 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     Ok(Outcome::Done)
 }
 
-fn table(arguments: &Arguments) -> Result<Table, CliError> {
+fn table(arguments: &Arguments) -> Result<StaticTable, CliError> {
     if let Some(path) = &arguments.recording {
-        return Ok(Table::read(path)?);
+        return Ok(StaticTable::read(path)?);
     }
-    let runs = arguments.runs.iter().map(|path| Table::read(path)).collect::<Result<Vec<_>, _>>()?;
+    let runs = arguments.runs.iter().map(|path| StaticTable::read(path)).collect::<Result<Vec<_>, _>>()?;
     Ok(means(&runs, &arguments.input)?)
 }

@@ -80,7 +80,7 @@ pub enum Other {
 }
 
 /// What is made, checked.
-struct Plan {
+struct Job {
     file: MachineFile,
     bench: Bench,
     initial: InitialState,
@@ -99,16 +99,16 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let (Some(machine), Some(out)) = (&arguments.machine, &arguments.out) else {
         unreachable!("without a subcommand both are required")
     };
-    let plan = plan(arguments, machine)?;
+    let job = job(arguments, machine)?;
     check_folder(out)?;
-    refuse_others(out, |name| plan.recordings.iter().any(|(own, _)| own == name))?;
-    let bar = console.progress(plan.recordings.len(), "running the test bed");
-    let mut files = plan
+    refuse_others(out, |name| job.recordings.iter().any(|(own, _)| own == name))?;
+    let bar = console.progress(job.recordings.len(), "running the test bed");
+    let mut files = job
         .recordings
         .par_iter()
         .enumerate()
         .map(|(index, (name, excitation))| {
-            let text = record(&plan, index, excitation)?.to_csv();
+            let text = record(&job, index, excitation)?.to_csv();
             bar.inc(1);
             Ok((out.join(name), text))
         })
@@ -117,7 +117,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
 
     // Everything is made before the first file is written.
     let machine = out.join("machine.toml");
-    let toml = plan.file.to_text(&machine.display().to_string())?;
+    let toml = job.file.to_text(&machine.display().to_string())?;
     make_folder(out)?;
     let recordings = files.len();
     files.push((machine, toml));
@@ -128,7 +128,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     Ok(Outcome::Done)
 }
 
-fn plan(arguments: &Arguments, machine: &Path) -> Result<Plan, CliError> {
+fn job(arguments: &Arguments, machine: &Path) -> Result<Job, CliError> {
     let not_negative = "a finite number that is not negative";
     number("--spread", arguments.spread, 0.0..=100.0, "0 to 100")?;
     number("--noise", arguments.noise, 0.0..=f64::MAX, not_negative)?;
@@ -158,7 +158,7 @@ fn plan(arguments: &Arguments, machine: &Path) -> Result<Plan, CliError> {
         excitations.iter().enumerate().map(numbered).collect::<Vec<_>>()
     };
     let recordings = [named("train", &arguments.train), named("holdout", &arguments.holdout)].concat();
-    Ok(Plan { file, bench, initial, closed_loop: arguments.closed_loop, recordings })
+    Ok(Job { file, bench, initial, closed_loop: arguments.closed_loop, recordings })
 }
 
 fn number(
@@ -192,13 +192,13 @@ fn sensors(arguments: &Arguments, machine: &Path, truth: &Machine<f64>) -> Resul
     Ok(sensors)
 }
 
-fn record(plan: &Plan, index: usize, excitation: &Excitation) -> Result<SyntheticRecording, CliError> {
-    let mut bench = plan.bench.clone();
+fn record(job: &Job, index: usize, excitation: &Excitation) -> Result<SyntheticRecording, CliError> {
+    let mut bench = job.bench.clone();
     bench.seed = bench.seed.wrapping_mul(1000).wrapping_add(index as u64);
-    let drive = match plan.closed_loop {
+    let drive = match job.closed_loop {
         None => Drive::Open(*excitation),
         Some(gain_v_per_m) => {
-            let about = plan.initial.position_m;
+            let about = job.initial.position_m;
             let reference_m =
                 excitation.sample(bench.tick_s).iter().map(|volts| about + volts / gain_v_per_m).collect();
             Drive::Closed { reference_m, gain_v_per_m }
@@ -206,7 +206,7 @@ fn record(plan: &Plan, index: usize, excitation: &Excitation) -> Result<Syntheti
     };
     let described = || format!("{excitation:?}");
     let recording =
-        bench.record(&drive, &plan.initial).map_err(|cause| CliError::Plant { excitation: described(), cause })?;
+        bench.record(&drive, &job.initial).map_err(|cause| CliError::Plant { excitation: described(), cause })?;
     let positions = recording.truth.iter().map(|state| state.position_m);
     let (low, high) = extent(positions);
     let stroke = bench.plant.machine().get(Parameter::Stroke);

@@ -1,7 +1,7 @@
 //! Coefficients of the correction table; `None` where it adds nothing.
 
 use super::Builder;
-use crate::correction_table::{ACROSS, Axis, NODES, Push, State, Table, Unnamed};
+use crate::correction_table::{ACROSS, Axis, NODES, Push, State, Unnamed, ValueGrid};
 use crate::machine::{MachineError, Parameter as P};
 use crate::number::{Number, Real};
 
@@ -95,7 +95,7 @@ impl<R: Real> Builder<'_, R> {
         rows
     }
 
-    fn table<N: Number<Real = R>>(&self, base: f64) -> Result<Table<N>, MachineError> {
+    fn table<N: Number<Real = R>>(&self, base: f64) -> Result<ValueGrid<N>, MachineError> {
         let mut values = [[N::ZERO; ACROSS]; NODES];
         let across = if self.state(P::TableOver2).is_some() { ACROSS } else { 1 };
         for (row, of) in values.iter_mut().zip(P::TABLE_VALUES.chunks(across)) {
@@ -109,7 +109,7 @@ impl<R: Real> Builder<'_, R> {
                 *slot = half.halved();
             }
         }
-        Ok(Table {
+        Ok(ValueGrid {
             first: self.axis(P::TableOver, P::TableFrom, P::TableTo, (NODES - 1) as f64)?,
             second: self.axis(P::TableOver2, P::TableFrom2, P::TableTo2, (ACROSS - 1) as f64)?,
             values,

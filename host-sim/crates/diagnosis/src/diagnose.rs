@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use identification::compare::CompareError;
-use identification::experiment::{Channel, Prepared};
+use identification::experiment::{JudgedSignal, Prepared};
 use identification::fit::{Estimate, FitError, Free, Freedom, StartState, level_at_rest, set_tolerances};
 use machine_file::MachineFile;
 use model_core::machine::{Machine, MachineError, Parameter, Tick};
@@ -281,7 +281,7 @@ fn predicted_gains(leads: &[Lead]) -> Vec<(Subsystem, f64)> {
 /// Lowest and highest position judged, m; the whole stroke where none is.
 fn travelled(machine: &Machine<f64>, cases: &[Prepared]) -> (f64, f64) {
     let channels = cases.iter().flat_map(|case| &case.channels);
-    let positions = channels.filter(|channel| channel.signal == Signal::Position).flat_map(Channel::kept);
+    let positions = channels.filter(|channel| channel.signal == Signal::Position).flat_map(JudgedSignal::kept);
     let (low, high) = extent(positions);
     if low < high { (low, high) } else { (0.0, machine.get(Parameter::Stroke)) }
 }

@@ -5,7 +5,7 @@ use model_core::machine::Parameter;
 
 use crate::catalogue::Hypothesis;
 use crate::selection::decision_rule::{ALTERNATIVE_FROM, MOST_CONFIDENT};
-use crate::selection::{Chosen, Selection, Told, Trial};
+use crate::selection::{Chosen, JumpsFound, Selection, Trial};
 
 /// One accepted effect.
 #[derive(Clone, Debug)]
@@ -19,7 +19,7 @@ pub struct Finding {
     /// What may stand in its place beside the other accepted effects, with the probability of those candidate models.
     pub alternatives: Vec<(&'static Hypothesis, f64)>,
     /// The jumps that the position shows, for a stiction that no free run can determine.
-    pub heard: Option<Told>,
+    pub heard: Option<JumpsFound>,
 }
 
 /// A finding with its probability among the candidate models that were refitted in the same round, without those that hold a vetoed

@@ -98,12 +98,12 @@ pub fn separations(
     let moves = diagnosis.selection.chosen.uncertainty();
     let told = |tests| told_by(tests, chosen, &moves.steps, &pairs, &sensors, tick);
     let rows = parallel::try_each(tests.chunks(LANES), told)?;
-    let rows: Vec<Vec<(usize, Told)>> = rows.into_iter().flatten().collect();
+    let rows: Vec<Vec<(usize, Separated)>> = rows.into_iter().flatten().collect();
     Ok(pairs
         .iter()
         .enumerate()
         .map(|(index, pair)| {
-            let of_pair: Vec<(&StandardTest, &Told)> = tests
+            let of_pair: Vec<(&StandardTest, &Separated)> = tests
                 .iter()
                 .zip(&rows)
                 .filter_map(|(test, rows)| Some((test, &rows.iter().find(|(rival, _)| *rival == index)?.1)))
@@ -189,13 +189,13 @@ fn sensors(diagnosis: &Diagnosis) -> Vec<Sensor> {
 }
 
 /// Products of the differences of two machines in each sensor, and of the changes by moves of parameters.
-struct Told {
+struct Separated {
     rows: usize,
     /// For each sensor: Δ·Δ, Jᵀ·Δ, Jᵀ·J.
     of: Vec<(f64, DVector<f64>, DMatrix<f64>)>,
 }
 
-impl Told {
+impl Separated {
     /// Remaining difference in each of these sensors, as a sum of squares, after the best move is subtracted. `precision` is
     /// what the recordings say about the moves: a step of one parameter may require a step of another.
     fn left(&self, sensors: &[usize], precision: &DMatrix<f64>) -> Vec<f64> {
@@ -222,7 +222,7 @@ fn told_by(
     pairs: &[Pair],
     sensors: &[Sensor],
     tick: Tick,
-) -> Result<Vec<Vec<(usize, Told)>>, MachineError> {
+) -> Result<Vec<Vec<(usize, Separated)>>, MachineError> {
     let stimuli: Vec<Option<Stimulus>> = tests.iter().map(|test| test.stimulus(chosen, tick)).collect();
     let run = |stimulus| Run {
         stimulus,
@@ -248,7 +248,7 @@ fn told_by(
             let product = |i: usize, j: usize| columns[i][run][sensor].dot(&columns[j][run][sensor]);
             (apart.dot(apart), g, DMatrix::from_fn(columns.len(), columns.len(), product))
         });
-        Told { rows: runs[run].stimulus.rows(), of: of.collect() }
+        Separated { rows: runs[run].stimulus.rows(), of: of.collect() }
     };
     let mut run = 0..;
     let each = stimuli.iter().map(|stimulus| match stimulus {
@@ -284,7 +284,7 @@ fn less(mut there: Seen, base: &Seen) -> Seen {
 
 fn separation(
     pair: &Pair,
-    tests: &[(&StandardTest, &Told)],
+    tests: &[(&StandardTest, &Separated)],
     sensors: &[Sensor],
     precision: &DMatrix<f64>,
 ) -> Separation {
@@ -315,7 +315,7 @@ fn separation(
 
 /// The tests that distinguish come first; within each group, the order is by the distance in the same time.
 fn ranked(
-    tests: &[(&StandardTest, &Told)],
+    tests: &[(&StandardTest, &Separated)],
     sensors: &[Sensor],
     with: &[usize],
     precision: &DMatrix<f64>,

@@ -13,7 +13,7 @@ use crate::input_noise::at_most_by_noise_of_input;
 
 /// One measured signal that a simulation is compared with.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Channel {
+pub struct JudgedSignal {
     /// The signal.
     pub signal: Signal,
     /// What was recorded, SI.
@@ -30,7 +30,7 @@ pub struct Channel {
     pub input_noise: f64,
 }
 
-impl Channel {
+impl JudgedSignal {
     /// A signal as recorded, with its noise and the rows where its sensor failed.
     #[must_use]
     pub fn of(signal: Signal, time_s: &[f64], recorded: &[f64]) -> Self {
@@ -114,7 +114,7 @@ pub struct Prepared {
     /// What drives the model.
     pub stimulus: Stimulus,
     /// The judged signals in the chain's order.
-    pub channels: Vec<Channel>,
+    pub channels: Vec<JudgedSignal>,
     /// Measured signals whose sensors failed, judged or not.
     pub failures: Vec<(Signal, Failures)>,
     /// Standard deviation of the initial position, m: what its sensor leaves open.
@@ -168,8 +168,8 @@ impl Prepared {
                 let values = recording.require(signal)?;
                 let known = mended.failures.iter().find(|(of, _)| *of == signal).map(|(_, failures)| failures.clone());
                 Ok(match known {
-                    Some(failures) => Channel::with(signal, values, failures),
-                    None => Channel::of(signal, recording.time_s(), values),
+                    Some(failures) => JudgedSignal::with(signal, values, failures),
+                    None => JudgedSignal::of(signal, recording.time_s(), values),
                 })
             })
             .collect::<Result<_, CompareError>>()?;

@@ -35,5 +35,5 @@ pub use formats::text::lines::{MAX_COLUMNS, MAX_LINE_BYTES, MAX_ROWS, MAX_SKIPPE
 pub use formats::unsupported::Unsupported;
 pub use recording::{At, Column, Note, Recording};
 pub use signal::Signal;
-pub use static_table::Table;
+pub use static_table::StaticTable;
 pub use unit::{Dimension, Unit};

@@ -16,7 +16,7 @@ use crate::unit::{Dimension, Unit};
 
 /// Columns of numbers under their headers.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Table {
+pub struct StaticTable {
     path: String,
     /// Header and values of each column that holds numbers.
     columns: Vec<(String, Vec<f64>)>,
@@ -26,7 +26,7 @@ pub struct Table {
     pub notes: Vec<Note>,
 }
 
-impl Table {
+impl StaticTable {
     /// A table made in the program; all columns have the same length.
     #[must_use]
     pub fn new(path: &str, columns: Vec<(String, Vec<f64>)>) -> Self {
@@ -135,8 +135,8 @@ impl Table {
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> Result<Table, RecordingError> {
-        Table::read_from("sweep.csv", text.as_bytes())
+    fn read(text: &str) -> Result<StaticTable, RecordingError> {
+        StaticTable::read_from("sweep.csv", text.as_bytes())
     }
 
     #[test]

@@ -5,7 +5,7 @@ use diagnosis::correction_table::Unnamed;
 use diagnosis::localisation::Habit;
 use diagnosis::localisation::error_shape::Shape;
 use diagnosis::localisation::operating_region::{Condition, Region};
-use diagnosis::selection::Told;
+use diagnosis::selection::JumpsFound;
 use experiment::discriminate::{Distance, Separation};
 use experiment::inspect::{Advice, Bound, CommandRange, UnitDoubt};
 use identification::compare::weakest::Obstacle;
@@ -106,7 +106,7 @@ pub fn spool_habit(habit: &Habit) -> String {
 
 /// The jumps of a spool that no sensor measures.
 #[must_use]
-pub fn jumps(told: Told) -> String {
+pub fn jumps(told: JumpsFound) -> String {
     let kept = significant(100.0 * told.kept_alone, 2);
     let whose = if told.is_alone() { "as one does" } else { "more than one does, so a play stands beside it" };
     format!(
@@ -171,100 +171,6 @@ pub fn obstacle(obstacle: Obstacle) -> &'static str {
             "the mechanics cannot be judged: the load is taken from the recorded pressures, which takes a measured \
              `load_force` to avoid"
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use diagnosis::localisation::error_shape::Bin;
-    use diagnosis::selection::JumpSpacing;
-    use model_core::machine::Parameter;
-    use recording::Signal;
-
-    use super::*;
-
-    #[test]
-    fn a_region_is_told_in_the_units_of_a_data_sheet() {
-        let told = |condition, threshold| region(Some(Region { condition, threshold, share: 0.823, of_time: 0.214 }));
-        assert_eq!(
-            told(Condition::Slow, 0.012),
-            "velocity within 12 mm/s of zero: 82 % of the error in 21 % of the time"
-        );
-        assert!(told(Condition::PressureBelow, 3.1e5).starts_with("with a chamber below 3.1 bar: "));
-        assert!(told(Condition::PositionBeyond, 0.1234).starts_with("position beyond 123 mm: "));
-        assert_eq!(region(None), "everywhere alike");
-    }
-
-    #[test]
-    fn a_range_that_is_a_point_in_the_digits_that_are_told_is_told_as_one() {
-        let shape = |from: f64, to: f64| {
-            let bins = vec![Bin { from, to, mean: 4.0, count: 10 }, Bin { from: to, to: 0.2, mean: 0.1, count: 10 }];
-            error_shape(&Shape::Over { state: "velocity", unit: "m/s", explained: 0.4, bins, pair: None })
-        };
-        assert!(shape(0.0, 0.0).ends_with("is largest at 0 mm/s"), "{}", shape(0.0, 0.0));
-        assert!(shape(0.01, 0.02).ends_with("is largest from 10 to 20 mm/s"), "{}", shape(0.01, 0.02));
-    }
-
-    #[test]
-    fn the_test_that_distinguishes_two_effects_is_advised_with_the_sensor_that_it_takes() {
-        let distance = |test, over_noise| Distance {
-            test,
-            how: String::new(),
-            duration_s: 10.0,
-            signal: Signal::PressureA,
-            over_noise,
-            per_20_s: over_noise,
-        };
-        let told = |tests: &[Distance], sensor| {
-            let (effect, rival) = ("internal-leakage", "external-leakage");
-            advice(&Separation { effect, rival, confidence: 0.1, tests: tests.to_vec(), sensor })
-        };
-        assert_eq!(
-            told(&[distance("ramps", 40.0)], None),
-            "ramps: the two models differ by 40 times the noise in pressure_a"
-        );
-        let sensor = Some((Signal::PressureB, distance("hold", 40.0)));
-        assert!(told(&[distance("ramps", 0.0)], sensor).ends_with(", with pressure_b recorded too"));
-        assert!(
-            told(&[distance("ramps", 0.0)], None)
-                .starts_with("no standard test distinguishes them at this noise; best: ramps")
-        );
-        assert_eq!(told(&[], None), "no standard test runs on this drive");
-    }
-
-    #[test]
-    fn what_the_position_says_is_told_with_what_it_leaves_open() {
-        let told =
-            |kept_alone| jumps(Told { jump_spacing: JumpSpacing { length: 0.0075, evidence: 16.1 }, kept_alone });
-        assert!(
-            told(0.2).contains("every 0.75 % of spool travel")
-                && told(0.2).ends_with("keep 20 % of its band, as one does")
-        );
-        assert!(told(0.55).ends_with("keep 55 % of its band, more than one does, so a play stands beside it"));
-    }
-
-    #[test]
-    fn an_oscillation_is_told_with_its_frequency_and_its_signal() {
-        let told = error_shape(&Shape::Periodic { hz: 85.04, amplitude: 2e5, signal: Signal::PressureA });
-        assert_eq!(told, "it oscillates at 85.0 Hz: 2.00 bar in pressure_a");
-    }
-
-    #[test]
-    fn a_spool_that_does_not_return_is_told_with_both_places() {
-        let rests = [("up".to_owned(), 0.0), ("down".to_owned(), 0.05)];
-        let told = spool_habit(&Habit::RestsApart { command_v: 2.0, rests, modelled: 0.0 });
-        assert!(
-            told.starts_with("it does not return: at a command of 2.0 V") && told.contains("at 5.0 % (down)"),
-            "{told}"
-        );
-    }
-
-    #[test]
-    fn a_correlation_near_one_shows_how_near() {
-        let pair =
-            |coefficient| Correlation { one: Parameter::ValveGain, other: Parameter::FlowCoefficient, coefficient };
-        assert_eq!(correlation(&pair(-0.99)), "valve.gain_per_v and valve.flow_coefficient: −0.990");
-        assert!(correlation(&pair(0.999_87)).ends_with(": 0.99987"));
     }
 }
 
@@ -345,5 +251,99 @@ pub fn unit_doubt(doubt: &UnitDoubt) -> String {
                 significant(*share, 2)
             )
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use diagnosis::localisation::error_shape::Bin;
+    use diagnosis::selection::JumpSpacing;
+    use model_core::machine::Parameter;
+    use recording::Signal;
+
+    use super::*;
+
+    #[test]
+    fn a_region_is_told_in_the_units_of_a_data_sheet() {
+        let told = |condition, threshold| region(Some(Region { condition, threshold, share: 0.823, of_time: 0.214 }));
+        assert_eq!(
+            told(Condition::Slow, 0.012),
+            "velocity within 12 mm/s of zero: 82 % of the error in 21 % of the time"
+        );
+        assert!(told(Condition::PressureBelow, 3.1e5).starts_with("with a chamber below 3.1 bar: "));
+        assert!(told(Condition::PositionBeyond, 0.1234).starts_with("position beyond 123 mm: "));
+        assert_eq!(region(None), "everywhere alike");
+    }
+
+    #[test]
+    fn a_range_that_is_a_point_in_the_digits_that_are_told_is_told_as_one() {
+        let shape = |from: f64, to: f64| {
+            let bins = vec![Bin { from, to, mean: 4.0, count: 10 }, Bin { from: to, to: 0.2, mean: 0.1, count: 10 }];
+            error_shape(&Shape::Over { state: "velocity", unit: "m/s", explained: 0.4, bins, pair: None })
+        };
+        assert!(shape(0.0, 0.0).ends_with("is largest at 0 mm/s"), "{}", shape(0.0, 0.0));
+        assert!(shape(0.01, 0.02).ends_with("is largest from 10 to 20 mm/s"), "{}", shape(0.01, 0.02));
+    }
+
+    #[test]
+    fn the_test_that_distinguishes_two_effects_is_advised_with_the_sensor_that_it_takes() {
+        let distance = |test, over_noise| Distance {
+            test,
+            how: String::new(),
+            duration_s: 10.0,
+            signal: Signal::PressureA,
+            over_noise,
+            per_20_s: over_noise,
+        };
+        let told = |tests: &[Distance], sensor| {
+            let (effect, rival) = ("internal-leakage", "external-leakage");
+            advice(&Separation { effect, rival, confidence: 0.1, tests: tests.to_vec(), sensor })
+        };
+        assert_eq!(
+            told(&[distance("ramps", 40.0)], None),
+            "ramps: the two models differ by 40 times the noise in pressure_a"
+        );
+        let sensor = Some((Signal::PressureB, distance("hold", 40.0)));
+        assert!(told(&[distance("ramps", 0.0)], sensor).ends_with(", with pressure_b recorded too"));
+        assert!(
+            told(&[distance("ramps", 0.0)], None)
+                .starts_with("no standard test distinguishes them at this noise; best: ramps")
+        );
+        assert_eq!(told(&[], None), "no standard test runs on this drive");
+    }
+
+    #[test]
+    fn what_the_position_says_is_told_with_what_it_leaves_open() {
+        let told =
+            |kept_alone| jumps(JumpsFound { jump_spacing: JumpSpacing { length: 0.0075, evidence: 16.1 }, kept_alone });
+        assert!(
+            told(0.2).contains("every 0.75 % of spool travel")
+                && told(0.2).ends_with("keep 20 % of its band, as one does")
+        );
+        assert!(told(0.55).ends_with("keep 55 % of its band, more than one does, so a play stands beside it"));
+    }
+
+    #[test]
+    fn an_oscillation_is_told_with_its_frequency_and_its_signal() {
+        let told = error_shape(&Shape::Periodic { hz: 85.04, amplitude: 2e5, signal: Signal::PressureA });
+        assert_eq!(told, "it oscillates at 85.0 Hz: 2.00 bar in pressure_a");
+    }
+
+    #[test]
+    fn a_spool_that_does_not_return_is_told_with_both_places() {
+        let rests = [("up".to_owned(), 0.0), ("down".to_owned(), 0.05)];
+        let told = spool_habit(&Habit::RestsApart { command_v: 2.0, rests, modelled: 0.0 });
+        assert!(
+            told.starts_with("it does not return: at a command of 2.0 V") && told.contains("at 5.0 % (down)"),
+            "{told}"
+        );
+    }
+
+    #[test]
+    fn a_correlation_near_one_shows_how_near() {
+        let pair =
+            |coefficient| Correlation { one: Parameter::ValveGain, other: Parameter::FlowCoefficient, coefficient };
+        assert_eq!(correlation(&pair(-0.99)), "valve.gain_per_v and valve.flow_coefficient: −0.990");
+        assert!(correlation(&pair(0.999_87)).ends_with(": 0.99987"));
     }
 }

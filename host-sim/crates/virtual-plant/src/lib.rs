@@ -29,7 +29,7 @@ pub use effect::flow::FlowEffect;
 pub use effect::friction::{DryFriction, FrictionLevel};
 pub use effect::load::LoadEffect;
 pub use effect::oil::{OilGrade, OilTemperature};
-pub use effect::sensing::{Channel, SensingEffect};
+pub use effect::sensing::{MeasuredSignal, SensingEffect};
 pub use effect::valve::ValveEffect;
 pub use effect::{Cavitation, PlantEffect};
 pub use excitation::input::{Command, Commands, LoadError, LoadProfile, PumpCommand};

@@ -8,7 +8,7 @@ use model_core::machine::{Machine, Parameter, Source};
 
 use crate::effect::{Fixed, PlantEffect};
 use crate::excitation::input::PumpCommand;
-use crate::flow::edges::{Edges, GainCurve, Line, Ports};
+use crate::flow::edges::{Edges, GainCurve, Ports, SeriesLine};
 use crate::flow::orifice::signed_root;
 use crate::tangent::Real;
 pub(crate) use crate::terms::{Conditions, Inputs, State, Terms};
@@ -54,8 +54,8 @@ impl Physics {
             flow_limit: get(Parameter::FlowLimit),
             gain: GainCurve::Proportional,
             sizes: [1.0; 4],
-            supply_line: Line::default(),
-            return_line: Line::default(),
+            supply_line: SeriesLine::default(),
+            return_line: SeriesLine::default(),
         };
         for effect in effects {
             if let PlantEffect::Flow(effect) = effect {

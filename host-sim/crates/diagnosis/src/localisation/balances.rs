@@ -13,7 +13,7 @@
 //! Each residual is linear in the measured signals, so that the standard deviation that sensor noise alone gives it is known.
 //! Residuals of different links are compared as multiples of it.
 
-use identification::experiment::Channel;
+use identification::experiment::JudgedSignal;
 use model_core::drive::Drive;
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, MachineError, Parameter, Source};
@@ -108,18 +108,18 @@ impl Observed {
         let Some(position) = channel(Signal::Position) else { return Ok(None) };
         let rows = prepared.time_s.len();
         let of = |signal| simulated.signal(signal).map_or_else(|| vec![0.0; rows], <[f64]>::to_vec);
-        let best = |signal| channel(signal).map_or_else(|| of(signal), Channel::bridged);
+        let best = |signal| channel(signal).map_or_else(|| of(signal), JudgedSignal::bridged);
         let has_pressures = channel(Signal::PressureA).is_some() && channel(Signal::PressureB).is_some();
         let spool_as_read = case.recording.signal(Signal::Spool);
         let position_m = position.bridged();
         let missed_m = position_m.iter().zip(of(Signal::Position)).map(|(measured, simulated)| measured - simulated);
         let time_s = prepared.time_s.clone();
         let velocity_m_per_s = if has_pressures { slopes(&time_s, &position_m) } else { of(Signal::Velocity) };
-        let noise_of = |signal| channel(signal).map_or(0.0, Channel::own_noise);
+        let noise_of = |signal| channel(signal).map_or(0.0, JudgedSignal::own_noise);
         let recorded = |signal| case.recording.signal(signal).map(<[f64]>::to_vec);
         let supply = machine.get(Parameter::SupplyPressure);
-        let spool_as_read = spool_as_read.map(|values| Channel::of(Signal::Spool, &time_s, values));
-        let spool = spool_as_read.as_ref().map_or_else(|| of(Signal::Spool), Channel::bridged);
+        let spool_as_read = spool_as_read.map(|values| JudgedSignal::of(Signal::Spool, &time_s, values));
+        let spool = spool_as_read.as_ref().map_or_else(|| of(Signal::Spool), JudgedSignal::bridged);
         let mut observed = Self {
             name: prepared.name.clone(),
             command: recorded(Signal::Command).unwrap_or_else(|| vec![0.0; rows]),

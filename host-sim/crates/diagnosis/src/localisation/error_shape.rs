@@ -2,7 +2,7 @@
 
 use identification::fit::effective_samples;
 use recording::Signal;
-use simulation::signal::spectrum::Line;
+use simulation::signal::spectrum::SpectralLine;
 
 /// What an error looks like over time or over the state of the drive.
 #[derive(Clone, Debug, PartialEq)]
@@ -115,13 +115,13 @@ pub fn once(recordings: &[(&str, &[f64], &[f64])]) -> Option<Shape> {
 
 /// Whether a line is stronger than noise makes one.
 #[must_use]
-pub fn stands_out(line: Line) -> bool {
+pub fn stands_out(line: SpectralLine) -> bool {
     line.above > ABOVE
 }
 
 /// The oscillation that a line stands for, if the line holds enough of a series with this mean square.
 #[must_use]
-pub fn periodic(line: Line, mean_square: f64, signal: Signal) -> Option<Shape> {
+pub fn periodic(line: SpectralLine, mean_square: f64, signal: Signal) -> Option<Shape> {
     let is = stands_out(line) && 0.5 * line.amplitude.powi(2) > OF_POWER * mean_square;
     is.then_some(Shape::Periodic { hz: line.hz, amplitude: line.amplitude, signal })
 }

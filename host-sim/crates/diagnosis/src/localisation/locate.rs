@@ -3,7 +3,7 @@
 //! The refitted model is run twice over every recording: driven by the recording's own input, and driven by the measured spool,
 //! where there is one. A link that is driven by its measured input and still misses its measured output lacks physics.
 
-use identification::experiment::{Channel, Prepared};
+use identification::experiment::{JudgedSignal, Prepared};
 use identification::fit::{Misfit, StartState, misfits};
 use machine_file::LoadSource;
 use model_core::machine::{Machine, MachineError};
@@ -181,7 +181,7 @@ fn high_passed(values: &[f64], rows: usize) -> Vec<f64> {
 pub fn extend(course: &mut Course, recording: &Recording, prepared: &Prepared, trajectory: &Trajectory) {
     let time_s = &prepared.time_s;
     let of = |signal: Signal| {
-        let measured = prepared.channels.iter().find(|channel| channel.signal == signal).map(Channel::bridged);
+        let measured = prepared.channels.iter().find(|channel| channel.signal == signal).map(JudgedSignal::bridged);
         let simulated = || trajectory.signal(signal).map(<[f64]>::to_vec);
         measured.or_else(simulated).unwrap_or_else(|| vec![0.0; time_s.len()])
     };

@@ -3,7 +3,7 @@
 //! Of long recordings the first part is searched; of very many recordings, some that are spread evenly over all. What is found there is refitted on
 //! all recordings in full length, which have to accept it ([`super::full_length::lengthened`]).
 
-use identification::experiment::{Channel, Prepared};
+use identification::experiment::{JudgedSignal, Prepared};
 use identification::fit::StartState;
 use machine_file::LoadSource;
 use model_core::machine::Machine;
@@ -120,8 +120,8 @@ fn begun(
     })
 }
 
-fn first(channel: &Channel, rows: usize) -> Channel {
-    Channel {
+fn first(channel: &JudgedSignal, rows: usize) -> JudgedSignal {
+    JudgedSignal {
         signal: channel.signal,
         recorded: channel.recorded.iter().take(rows).copied().collect(),
         tolerance: channel.tolerance,

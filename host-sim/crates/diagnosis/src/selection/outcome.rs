@@ -66,14 +66,14 @@ impl Selection {
 
 /// What a position shows of the jumps of a spool that no sensor measures.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Told {
+pub struct JumpsFound {
     /// Their length, and the evidence for them.
     pub jump_spacing: JumpSpacing,
     /// Share of its band that a stiction alone would have to keep to lag as far as the spool does.
     pub kept_alone: f64,
 }
 
-impl Told {
+impl JumpsFound {
     /// Whether a stiction alone may keep this share.
     #[must_use]
     pub fn is_alone(&self) -> bool {
@@ -85,7 +85,7 @@ impl Told {
 #[derive(Clone, Debug)]
 pub struct Heard {
     /// What the position shows of them.
-    pub told: Told,
+    pub told: JumpsFound,
     /// The model without jumps with which the position is compared.
     pub(super) following: Machine<f64>,
     /// What was chosen before.

@@ -161,7 +161,7 @@ mod tests {
             let found = doubts(index, header, factor);
             let as_expected = match &found[..] {
                 [UnitDoubt::Beyond { bound, fitting, .. }] => {
-                    (Some(*bound), fitting.map(|unit| unit.symbol())) == (passed, instead)
+                    (Some(*bound), fitting.map(Unit::symbol)) == (passed, instead)
                 }
                 [UnitDoubt::Speed { fitting, .. }] => {
                     (None, fitting.map(|(unit, _)| unit.symbol())) == (passed, instead)

@@ -82,14 +82,14 @@ pub struct Comparison {
 }
 
 /// One planned section: where it is driven, where its load comes from, which signals it is judged by.
-struct Plan {
+struct PlannedSection {
     section: Section,
     input_point: InputPoint,
     load: LoadSource,
     judged: Vec<Signal>,
 }
 
-impl Plan {
+impl PlannedSection {
     /// Whether it is driven by signals that a sensor has recorded; a command and a pump's speed are set, not measured.
     fn is_driven_by_sensors(&self) -> bool {
         !self.input_point.is_set() || self.load == LoadSource::RecordedPressures
@@ -170,7 +170,8 @@ pub fn compare_told(
 /// How many rows a comparison simulates in all; 0 where it is not possible.
 #[must_use]
 pub fn rows_simulated(source: Source, load: LoadSource, recording: &Recording) -> usize {
-    let times = |plan: &Plan| if plan.is_driven_by_sensors() { 1 + realisations(recording.rows()) } else { 1 };
+    let times =
+        |plan: &PlannedSection| if plan.is_driven_by_sensors() { 1 + realisations(recording.rows()) } else { 1 };
     recording.rows() * plans(source, load, recording).map_or(0, |plans| plans.iter().map(times).sum())
 }
 
@@ -185,7 +186,7 @@ pub fn judged(recording: &Recording, input_point: InputPoint, load: LoadSource) 
     computed_below(input_point).iter().copied().filter(|&signal| recording.has(signal) && !given(signal)).collect()
 }
 
-fn plans(source: Source, load: LoadSource, recording: &Recording) -> Result<Vec<Plan>, CompareError> {
+fn plans(source: Source, load: LoadSource, recording: &Recording) -> Result<Vec<PlannedSection>, CompareError> {
     let first = first_input_point(source, recording)?;
     let all = judged(recording, first, load);
     if all.is_empty() {
@@ -201,10 +202,10 @@ fn plans(source: Source, load: LoadSource, recording: &Recording) -> Result<Vec<
         Source::Valve => has(Signal::Spool).then_some(InputPoint::Spool),
         Source::Pump => has(Signal::PumpSpeed).then_some(InputPoint::Pump),
     };
-    let mut plans = vec![Plan { section: Section::EndToEnd, input_point: first, load, judged: all }];
+    let mut plans = vec![PlannedSection { section: Section::EndToEnd, input_point: first, load, judged: all }];
     let mut add = |section, input_point, load, judged: Vec<Signal>| {
         if !judged.is_empty() {
-            plans.push(Plan { section, input_point, load, judged });
+            plans.push(PlannedSection { section, input_point, load, judged });
         }
     };
     if first == InputPoint::Command && has(Signal::Spool) {

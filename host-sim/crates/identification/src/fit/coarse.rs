@@ -8,7 +8,7 @@ use simulation::{Coarser, Run};
 
 use super::initial_state::StartState;
 use super::residuals::{runs, simulated};
-use crate::experiment::{Channel, Prepared};
+use crate::experiment::{JudgedSignal, Prepared};
 
 /// Recordings at twice the tick, around a machine and the initial state of each; unchanged where the core has no such tick.
 pub fn coarse(
@@ -37,7 +37,7 @@ fn at_twice_the_tick(case: &Prepared, Coarser { stimulus, kept }: Coarser, fine:
     let channels = case.channels.len();
     // Fewer rows have to weigh as much as all of them.
     let weight = (kept.len() as f64 / case.rows() as f64).sqrt();
-    let channel = |(index, channel): (usize, &Channel)| Channel {
+    let channel = |(index, channel): (usize, &JudgedSignal)| JudgedSignal {
         recorded: kept
             .iter()
             .zip(rough.chunks_exact(channels))

@@ -6,7 +6,7 @@ use simulation::{By, Derivatives};
 
 use super::Free;
 use super::initial_state::{StartState, needs_level};
-use crate::experiment::{Channel, Prepared};
+use crate::experiment::{JudgedSignal, Prepared};
 
 /// The coordinates at which derivatives are computed.
 #[derive(Clone, Copy)]
@@ -24,7 +24,7 @@ pub(crate) struct Judged<'a> {
     /// The row.
     pub(crate) row: usize,
     /// The channel that it is compared with.
-    pub(crate) channel: &'a Channel,
+    pub(crate) channel: &'a JudgedSignal,
     /// Simulated, SI; `None` where the model does not compute it or its sensor failed.
     pub(crate) simulated: Option<f64>,
     /// Its derivative with respect to the coordinate of every free parameter, then of the start's level; empty where nothing is simulated.

@@ -20,7 +20,7 @@ use super::{Free, From};
 use crate::experiment::Prepared;
 
 /// Called with each recording after its evaluation.
-pub type Told<'a> = dyn Fn(&Prepared) + Sync + 'a;
+pub type Progress<'a> = dyn Fn(&Prepared) + Sync + 'a;
 
 /// Largest number of evaluations per coordinate: a model that lacks an effect creeps along a valley, and is far enough then.
 const PATIENCE: usize = 3;
@@ -44,7 +44,7 @@ pub(crate) struct Problem<'a> {
     free: &'a [Free],
     cases: &'a [&'a Prepared],
     /// Called after each evaluation of a recording with its Jacobian.
-    told: &'a Told<'a>,
+    told: &'a Progress<'a>,
     /// Free parameters, then level and shift of each recording's start.
     pub(crate) coordinates: DVector<f64>,
     /// For each recording, at the coordinates.
@@ -57,7 +57,7 @@ impl<'a> Problem<'a> {
         free: &'a [Free],
         cases: &'a [&'a Prepared],
         from: &From<'_>,
-        told: &'a Told<'a>,
+        told: &'a Progress<'a>,
     ) -> Self {
         let mut coordinates = DVector::zeros(free.len() + OF_START * cases.len());
         if let Some(known) = from.solution {

@@ -27,7 +27,7 @@ use crate::experiment::Prepared;
 pub use coarse::coarse;
 pub use correlation::{CORRELATED, Correlation};
 pub use initial_state::{StartState, level_at_rest, settle};
-pub use levenberg_marquardt::Told;
+pub use levenberg_marquardt::Progress;
 pub use normal_equations::NormalEquations;
 pub(crate) use normal_equations::OF_START;
 pub use residuals::{
@@ -325,7 +325,7 @@ pub fn fit_told(
     cases: &[&Prepared],
     from: &From<'_>,
     precision: f64,
-    told: &Told<'_>,
+    told: &Progress<'_>,
 ) -> Result<Fit, FitError> {
     if free.len() > MOST_PARAMETERS {
         return Err(FitError::TooMany { count: free.len() });

@@ -5,7 +5,7 @@ use recording::Signal;
 use simulation::{InputPoint, Run, run_in_lanes};
 
 use super::initial_state::StartState;
-use crate::experiment::{Channel, Prepared};
+use crate::experiment::{JudgedSignal, Prepared};
 
 /// Residuals beyond this many times a channel's tolerance count linearly, not by their square.
 const HUBER: f64 = 5.0;
@@ -152,7 +152,7 @@ pub(crate) fn runs<'a>(
 }
 
 /// Recorded minus simulated over noise; 0 where the sensor failed.
-pub(crate) fn missed(channel: &Channel, row: usize, simulated: Option<f64>) -> f64 {
+pub(crate) fn missed(channel: &JudgedSignal, row: usize, simulated: Option<f64>) -> f64 {
     match simulated {
         Some(simulated) if !channel.failed[row] => (channel.recorded[row] - simulated) / channel.noise,
         _ => 0.0,

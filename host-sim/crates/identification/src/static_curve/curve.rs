@@ -5,7 +5,7 @@ use serde::Serialize;
 use simulation::signal::noise::extent;
 
 use super::branch::Branch;
-use super::line::{Line, median_and_std};
+use super::line::{FittedLine, median_and_std};
 
 /// The loop between rising and falling input.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -89,7 +89,7 @@ impl Sweep<'_> {
     }
 
     /// The line through small outputs of one sign, over some rows.
-    fn edge_line(&self, points: &[(f64, f64)], sign: f64) -> Option<Line> {
+    fn edge_line(&self, points: &[(f64, f64)], sign: f64) -> Option<FittedLine> {
         let largest = self.largest(sign);
         // A sign whose output stays so small is noise or leakage.
         if largest < 0.05 * self.largest(-sign) {
@@ -101,12 +101,12 @@ impl Sweep<'_> {
         // In a table with few rows, the three smallest outputs are used.
         let small = opened.iter().take_while(|point| sign * point.1 / largest < SMALL.end).count();
         opened.truncate(small.max(3));
-        Line::robust(&opened).filter(|line| line.slope != 0.0)
+        FittedLine::robust(&opened).filter(|line| line.slope != 0.0)
     }
 
     fn null_of(&self, branch: &Branch) -> Option<f64> {
         let points = branch.points(self.input, self.output);
-        let [above, below] = [1.0, -1.0].map(|sign| self.edge_line(&points, sign).map(Line::zero));
+        let [above, below] = [1.0, -1.0].map(|sign| self.edge_line(&points, sign).map(FittedLine::zero));
         above.zip(below).map(|(above, below)| f64::midpoint(above, below))
     }
 
@@ -148,7 +148,7 @@ impl Sweep<'_> {
 
     /// Where an output of this sign begins.
     pub(crate) fn edge(&self, sign: f64) -> Option<Edge> {
-        let each: Vec<Line> = self
+        let each: Vec<FittedLine> = self
             .branches
             .iter()
             .filter_map(|branch| self.edge_line(&branch.points(self.input, self.output), sign))
@@ -193,7 +193,7 @@ impl Sweep<'_> {
                 points
             };
             let points: Vec<Vec<(f64, f64)>> = self.branches.iter().map(inside).filter(|p| p.len() > 4).collect();
-            let lines: Vec<Line> = points.iter().filter_map(|points| Line::through(points)).collect();
+            let lines: Vec<FittedLine> = points.iter().filter_map(|points| FittedLine::through(points)).collect();
             if lines.is_empty() {
                 continue;
             }

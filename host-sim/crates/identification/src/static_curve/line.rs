@@ -19,7 +19,7 @@ pub(crate) fn median_and_std(values: &[f64]) -> (f64, f64) {
 
 /// y = `at_zero` + slope·x.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Line {
+pub struct FittedLine {
     /// y at x = 0.
     pub at_zero: f64,
     /// dy/dx.
@@ -28,7 +28,7 @@ pub struct Line {
     pub r_squared: f64,
 }
 
-impl Line {
+impl FittedLine {
     /// The line of least squares; `None` through fewer than three points or points of one x.
     pub(crate) fn through(points: &[(f64, f64)]) -> Option<Self> {
         let count = points.len() as f64;
@@ -73,9 +73,9 @@ mod tests {
         let mut points: Vec<(f64, f64)> = (0..20).map(|x| (f64::from(x), 3.0 - 0.5 * f64::from(x))).collect();
         points[3].1 = 40.0;
         points[11].1 = -70.0;
-        let line = Line::robust(&points).unwrap();
+        let line = FittedLine::robust(&points).unwrap();
         assert!((line.slope + 0.5).abs() < 1e-12 && (line.zero() - 6.0).abs() < 1e-9, "{line:?}");
-        assert!(Line::through(&points[..2]).is_none() && Line::through(&[(1.0, 1.0); 5]).is_none());
+        assert!(FittedLine::through(&points[..2]).is_none() && FittedLine::through(&[(1.0, 1.0); 5]).is_none());
     }
 
     #[test]

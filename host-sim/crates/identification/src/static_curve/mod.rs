@@ -16,14 +16,14 @@ use curve::Sweep;
 use line::median_and_std;
 use serde::Serialize;
 
-use recording::{RecordingError, Table};
+use recording::{RecordingError, StaticTable};
 use simulation::signal::noise::extent;
 
 pub use branch::{Branch, branches};
 pub use curve::{Edge, Hysteresis, LocalGain, Null, Saturation};
 pub use indications::{Evidence, Indication, PortPressure, Remark};
 pub use instrument::{Jump, Staircase, jumps, staircase};
-pub use line::Line;
+pub use line::FittedLine;
 pub use runs::{VELOCITY, means};
 
 /// Which column of a table is what; headers, with or without their units.
@@ -104,7 +104,7 @@ pub struct Port {
     /// Scatter of the rows about the line (1.4826 × median absolute deviation).
     pub scatter: f64,
     /// The robust line over |output|.
-    pub line: Line,
+    pub line: FittedLine,
 }
 
 /// What a static recording shows.
@@ -155,7 +155,7 @@ pub struct Statics {
 const LEAST_ROWS: usize = 5;
 
 /// Reads the static characteristic off a table.
-pub fn analyse(table: &Table, columns: &Columns) -> Result<Statics, StaticsError> {
+pub fn analyse(table: &StaticTable, columns: &Columns) -> Result<Statics, StaticsError> {
     if table.rows() < LEAST_ROWS {
         let (table, rows, least) = (table.name().to_owned(), table.rows(), LEAST_ROWS);
         return Err(StaticsError::TooFewRows { table, rows, least });
@@ -231,7 +231,7 @@ fn over_flow(header: &str, pressure: &[f64], flow: &[f64], least_share: f64) -> 
     let full = flow.iter().map(|flow| flow.abs()).fold(0.0, f64::max);
     let points: Vec<(f64, f64)> = flow.iter().zip(pressure).map(|(flow, pressure)| (flow.abs(), *pressure)).collect();
     let flowing: Vec<(f64, f64)> = points.into_iter().filter(|point| point.0 >= least_share * full).collect();
-    let line = Line::robust(&flowing)?;
+    let line = FittedLine::robust(&flowing)?;
     let at = |flow: f64| line.at_zero + line.slope * flow;
     let about: Vec<f64> = flowing.iter().map(|(flow, pressure)| pressure - at(*flow)).collect();
     let (at_rest, at_full, scatter) = (at(0.0), at(full), median_and_std(&about).1);

@@ -1,20 +1,20 @@
 //! Runs at a constant command are reduced to one row each.
 
-use recording::Table;
+use recording::StaticTable;
 use simulation::signal::noise::extent;
 
 use super::StaticsError;
-use super::line::Line;
+use super::line::FittedLine;
 
 /// The header of the velocity computed from a run's position, in the position's unit per second.
 pub const VELOCITY: &str = "velocity";
 
 /// The means of each run's columns, and the velocity from a column `position` where there is a clock. The rows are in the order
 /// of the input, which must be constant in each run.
-pub fn means(runs: &[Table], input: &str) -> Result<Table, StaticsError> {
+pub fn means(runs: &[StaticTable], input: &str) -> Result<StaticTable, StaticsError> {
     const CONSTANT: f64 = 0.01;
     let mut rows: Vec<(f64, Vec<f64>)> = Vec::new();
-    let spread = |table: &Table| -> Result<(f64, f64), StaticsError> { Ok(extent(table.column(input)?.1)) };
+    let spread = |table: &StaticTable| -> Result<(f64, f64), StaticsError> { Ok(extent(table.column(input)?.1)) };
     let each = runs.iter().map(spread).collect::<Result<Vec<_>, _>>()?;
     let (low, high) = (
         each.iter().map(|(low, _)| *low).fold(f64::MAX, f64::min),
@@ -39,12 +39,12 @@ pub fn means(runs: &[Table], input: &str) -> Result<Table, StaticsError> {
         }
         if let (true, Some(time_s)) = (with_velocity, run.clock_s()) {
             let points: Vec<(f64, f64)> = time_s.into_iter().zip(run.column("position")?.1.iter().copied()).collect();
-            row.push(Line::through(&points).map_or(f64::NAN, |line| line.slope));
+            row.push(FittedLine::through(&points).map_or(f64::NAN, |line| line.slope));
         }
         rows.push((f64::midpoint(*from, *to), row));
     }
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
     let names = headers.iter().map(|header| (*header).to_owned()).chain(with_velocity.then(|| VELOCITY.to_owned()));
     let columns = names.enumerate().map(|(index, name)| (name, rows.iter().map(|(_, row)| row[index]).collect()));
-    Ok(Table::new(&format!("{} runs", runs.len()), columns.collect()))
+    Ok(StaticTable::new(&format!("{} runs", runs.len()), columns.collect()))
 }

@@ -11,12 +11,12 @@ fn columns() -> Columns {
     Columns { input: "I".to_owned(), output: "Q".to_owned(), ..Columns::default() }
 }
 
-fn table(input: Vec<f64>, output: Vec<f64>) -> Table {
-    Table::new("sweep.csv", vec![("I [mA]".to_owned(), input), ("Q [l/min]".to_owned(), output)])
+fn table(input: Vec<f64>, output: Vec<f64>) -> StaticTable {
+    StaticTable::new("sweep.csv", vec![("I [mA]".to_owned(), input), ("Q [l/min]".to_owned(), output)])
 }
 
 /// The output of a backlash of this width, followed by a dead zone, gain and saturation.
-fn valve(width: f64, dead_zone: f64, full: f64) -> Table {
+fn valve(width: f64, dead_zone: f64, full: f64) -> StaticTable {
     let input = triangle();
     let mut spool = input[0];
     let output = input
@@ -75,8 +75,10 @@ fn droop_and_return_pressure_are_read_over_the_flow() {
     let supply = flow.iter().map(|flow| 150.0 - 0.1 * flow).collect();
     let returning = flow.iter().map(|flow| if *flow > 0.0 { 1.0 + 0.2 * flow } else { 60.0 }).collect();
     let named = |name: &str, values: Vec<f64>| (name.to_owned(), values);
-    let table =
-        Table::new("t.csv", vec![named("I", command), named("Q", flow), named("ps", supply), named("pb", returning)]);
+    let table = StaticTable::new(
+        "t.csv",
+        vec![named("I", command), named("Q", flow), named("ps", supply), named("pb", returning)],
+    );
     let columns = Columns { supply: Some("ps".into()), returning: Some("pb".into()), ..columns() };
     let found = analyse(&table, &columns).unwrap();
     assert_eq!(names(&found), ["supply-droop", "tank-back-pressure"]);
@@ -92,7 +94,7 @@ fn runs_at_constant_command_become_rows_and_others_are_refused() {
         let time: Vec<f64> = (0..50).map(|row| 10.0 * f64::from(row)).collect();
         let position = time.iter().map(|time| 0.1 + speed * 1e-3 * time).collect();
         let named = |name: &str, values: Vec<f64>| (name.to_owned(), values);
-        Table::new(
+        StaticTable::new(
             "run.csv",
             vec![named("time [ms]", time), named("U [V]", vec![command; 50]), named("position [m]", position)],
         )
@@ -101,7 +103,7 @@ fn runs_at_constant_command_become_rows_and_others_are_refused() {
     let velocity = table.column(VELOCITY).unwrap().1;
     assert!((velocity[0] - 0.01).abs() < 1e-12 && (velocity[1] - 0.02).abs() < 1e-12, "{velocity:?}");
     let mut moving = run(6.0, 0.0);
-    moving = Table::new(
+    moving = StaticTable::new(
         "m.csv",
         moving
             .columns()

@@ -10,7 +10,7 @@ use recording::display_unit::{significant, unit_for_people};
 use recording::{Recording, Signal};
 use simulation::sensor_fault::{FailureKind, Failures, Stretch};
 use simulation::signal::noise::{extent, resolution};
-use simulation::signal::spectrum::{Line, strongest_line};
+use simulation::signal::spectrum::{SpectralLine, strongest_line};
 
 /// Slowest dither, Hz: below it a command is motion.
 const SLOWEST_DITHER_HZ: f64 = 30.0;
@@ -94,7 +94,7 @@ pub struct Preprocessing {
     /// Measured signals that drive or start the model and failed.
     pub bridged: Vec<Bridged>,
     /// Dither in the command.
-    pub dither: Option<Line>,
+    pub dither: Option<SpectralLine>,
     /// What its time stamps show.
     pub stamps: Stamps,
     /// Channels that are late against the model after the diagnosis.
@@ -198,12 +198,13 @@ fn shifts(shown: &Shown) -> Vec<Shift> {
 }
 
 /// A line in the spectrum of the command's differences: they have no level, and the edge of a step makes no line.
-fn dither(command: &[f64], interval_s: f64) -> Option<Line> {
+fn dither(command: &[f64], interval_s: f64) -> Option<SpectralLine> {
     let changes: Vec<f64> = command.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let line = strongest_line(&changes, interval_s, SLOWEST_DITHER_HZ).filter(|line| line.above > ABOVE)?;
     let amplitude = line.amplitude / (2.0 * (std::f64::consts::PI * line.hz * interval_s).sin());
     let (low, high) = extent(command);
-    (amplitude > LEAST_SHARE * (high - low) && amplitude > resolution(command)).then_some(Line { amplitude, ..line })
+    (amplitude > LEAST_SHARE * (high - low) && amplitude > resolution(command))
+        .then_some(SpectralLine { amplitude, ..line })
 }
 
 #[cfg(test)]

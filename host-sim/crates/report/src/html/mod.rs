@@ -18,7 +18,7 @@ use overlay::signals;
 
 use diagnosis::selection::decision_rule::MOSTLY_NOISE_PERCENT;
 use diagnosis::{Diagnosis, Fits, Shown, Verdict};
-use identification::experiment::Channel;
+use identification::experiment::JudgedSignal;
 use recording::Signal;
 use recording::display_unit::{difference, percent};
 
@@ -160,7 +160,7 @@ fn each(diagnosis: &Diagnosis) -> Markup {
             tr { th { "recording" } th class="text" { "signal" } th { "before, %" } @if changes { th { "after, %" } } th { "noise floor, %" } th { "RMSE before" } @if changes { th { "RMSE after" } } }
             @for shown in &diagnosis.shown {
                 @for (index, (before, after)) in shown.fits(false).zip(shown.fits(true)).enumerate() {
-                    @let floor = shown.prepared.channels.iter().find(|channel| channel.signal == before.signal).map(Channel::noise_floor_percent);
+                    @let floor = shown.prepared.channels.iter().find(|channel| channel.signal == before.signal).map(JudgedSignal::noise_floor_percent);
                     tr {
                         td { @if index == 0 { (shown.prepared.name) @if shown.held_out { " (held out)" } } }
                         td class="text" { (before.signal.name()) }

@@ -5,7 +5,7 @@ use rustfft::num_complex::Complex;
 
 /// A spectral line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Line {
+pub struct SpectralLine {
     /// Frequency, Hz.
     pub hz: f64,
     /// Amplitude, in the unit of the series.
@@ -23,7 +23,7 @@ const OF_LINE: usize = 2;
 ///
 /// Samples are assumed to be evenly spaced. The window is Hann's.
 #[must_use]
-pub fn strongest_line(values: &[f64], interval_s: f64, least_hz: f64) -> Option<Line> {
+pub fn strongest_line(values: &[f64], interval_s: f64, least_hz: f64) -> Option<SpectralLine> {
     let count = values.len();
     if count < 4 * AROUND {
         return None;
@@ -40,7 +40,7 @@ pub fn strongest_line(values: &[f64], interval_s: f64, least_hz: f64) -> Option<
     FftPlanner::new().plan_fft_forward(count).process(&mut buffer);
     let power: Vec<f64> = buffer[..count / 2].iter().map(Complex::norm_sqr).collect();
     let per_bin_hz = 1.0 / (interval_s * count as f64);
-    let mut best: Option<Line> = None;
+    let mut best: Option<SpectralLine> = None;
     for (bin, &here) in power.iter().enumerate().skip(1) {
         let hz = bin as f64 * per_bin_hz;
         let neighbours = &power[bin.saturating_sub(1)..(bin + 2).min(power.len())];
@@ -56,7 +56,7 @@ pub fn strongest_line(values: &[f64], interval_s: f64, least_hz: f64) -> Option<
         let above = here / background;
         if best.is_none_or(|best| above > best.above) {
             // Hann's window halves the amplitude once more.
-            best = Some(Line { hz, amplitude: 4.0 * here.sqrt() / count as f64, above });
+            best = Some(SpectralLine { hz, amplitude: 4.0 * here.sqrt() / count as f64, above });
         }
     }
     best

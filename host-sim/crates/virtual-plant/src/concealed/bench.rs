@@ -20,7 +20,7 @@ const MARGIN: f64 = 0.02;
 
 /// The excitation of a recording; it is scaled until the rod stays inside its stroke.
 #[derive(Clone, Debug)]
-pub(crate) struct Signal {
+pub(crate) struct RunInput {
     /// Within ±1, from the start of the recording.
     pub(crate) shape: Vec<f64>,
     /// V, or m in closed loop; towards extending and retracting.
@@ -82,7 +82,7 @@ impl Setting {
     }
 
     /// A run of the drive with these effects from rest, without the settling time before the recording.
-    pub(crate) fn run(&self, effects: &[PlantEffect], signal: &Signal) -> Result<SyntheticRecording, PlantError> {
+    pub(crate) fn run(&self, effects: &[PlantEffect], signal: &RunInput) -> Result<SyntheticRecording, PlantError> {
         let settling = signals::ticks(SETTLING_S, self.tick_s);
         let shape = std::iter::repeat_n(0.0, settling).chain(signal.shape.iter().copied());
         let scaled: Vec<f64> = shape.map(|s| s * signal.amplitude[usize::from(s < 0.0)]).collect();
@@ -120,7 +120,7 @@ impl Setting {
         machine: &Machine<f64>,
         effects: &[PlantEffect],
         made: &SyntheticRecording,
-        signal: &Signal,
+        signal: &RunInput,
         pushed: bool,
     ) -> Result<SyntheticRecording, PlantError> {
         let settling = signals::ticks(SETTLING_S, self.tick_s);
@@ -137,14 +137,14 @@ impl Setting {
         Ok(recording)
     }
 
-    fn load_later(&self, signal: &Signal) -> LoadProfile {
+    fn load_later(&self, signal: &RunInput) -> LoadProfile {
         signal.load.later(signals::ticks(SETTLING_S, self.tick_s) as f64 * self.tick_s)
     }
 
     fn bench(
         &self,
         effects: &[PlantEffect],
-        signal: &Signal,
+        signal: &RunInput,
         sensors: Sensors,
         load: LoadProfile,
     ) -> Result<Bench, PlantError> {
@@ -158,7 +158,7 @@ impl Setting {
     pub(crate) fn fitted(
         &self,
         effects: &[PlantEffect],
-        signal: &mut Signal,
+        signal: &mut RunInput,
     ) -> Result<Option<SyntheticRecording>, PlantError> {
         let stroke_m = self.machine.get(P::Stroke);
         for _ in 0..14 {

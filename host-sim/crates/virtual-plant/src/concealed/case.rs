@@ -4,7 +4,7 @@ use machine_file::MachineFile;
 use model_core::machine::{Machine, Parameter as P, Source};
 use recording::seeded_noise::Noise;
 
-use super::bench::{Setting, Signal, spiked, travel};
+use super::bench::{RunInput, Setting, spiked, travel};
 use super::signals::{self, HELD_OUT, Kind, TRAINING};
 use super::strength::{self, About};
 use super::truth::{CaseTruth, noise_floor};
@@ -173,7 +173,7 @@ fn setting(lot: &Lot, machine: &Machine<f64>, names: &[String], dice: &mut Noise
     }
 }
 
-fn signals(setting: &Setting, training: usize, names: &[String], dice: &mut Noise) -> Vec<Signal> {
+fn signals(setting: &Setting, training: usize, names: &[String], dice: &mut Noise) -> Vec<RunInput> {
     let machine = &setting.machine;
     let (stroke_m, seed) = (machine.get(P::Stroke), dice.uniform(0.0, 1e9).to_bits());
     let dead_v = machine.get(P::DeadZone) / machine.get(P::ValveGain);
@@ -200,7 +200,7 @@ fn signals(setting: &Setting, training: usize, names: &[String], dice: &mut Nois
             } else {
                 LoadProfile::none()
             };
-            Signal {
+            RunInput {
                 shape: signals::draw(kind, duration_s, setting.tick_s, dice),
                 amplitude: [amplitude, amplitude * slower],
                 start_m: stroke_m * dice.uniform(0.4, 0.6),
@@ -213,7 +213,7 @@ fn signals(setting: &Setting, training: usize, names: &[String], dice: &mut Nois
 }
 
 /// The drive warms up from recording to recording; the held-out ones are the warmest.
-fn warm(signals: &mut [Signal], dice: &mut Noise) {
+fn warm(signals: &mut [RunInput], dice: &mut Noise) {
     let (first_c, rise_k) = (dice.uniform(18.0, 34.0), dice.uniform(5.0, 9.0));
     for (index, signal) in signals.iter_mut().enumerate() {
         signal.oil_c = Some(first_c + index as f64 * rise_k);
@@ -260,7 +260,7 @@ fn before_stops(effects: &[PlantEffect], start_m: f64) -> f64 {
 }
 
 /// False if there is a stop that no training recording reaches: it would have no effect.
-fn stops_are_met(effects: &[PlantEffect], made: &[(Signal, SyntheticRecording)]) -> bool {
+fn stops_are_met(effects: &[PlantEffect], made: &[(RunInput, SyntheticRecording)]) -> bool {
     effects.iter().all(|effect| match effect {
         PlantEffect::Load(LoadEffect::EndStop { at_m, extending, .. }) => {
             let pressed = |recording: &SyntheticRecording| {
@@ -281,7 +281,7 @@ struct Attempt<'a> {
     names: &'a [String],
     effects: Vec<PlantEffect>,
     visible: Visible,
-    made: Vec<(Signal, SyntheticRecording)>,
+    made: Vec<(RunInput, SyntheticRecording)>,
     training: usize,
 }
 

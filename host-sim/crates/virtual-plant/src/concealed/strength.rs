@@ -8,7 +8,7 @@ use crate::effect::flow::FlowEffect;
 use crate::effect::friction::{DryFriction, FrictionLevel};
 use crate::effect::load::LoadEffect;
 use crate::effect::oil::{OilGrade, OilTemperature};
-use crate::effect::sensing::{Channel, SensingEffect};
+use crate::effect::sensing::{MeasuredSignal, SensingEffect};
 use crate::effect::valve::ValveEffect;
 use crate::effect::{Cavitation, PlantEffect};
 use crate::flow::edges::GainCurve;
@@ -302,16 +302,18 @@ fn sensing(name: &str, about: &About<'_>, dice: &mut Noise) -> Option<SensingEff
         }
         "sensor-offset" => {
             let channel = match about.channels {
-                Channels::Position => Channel::Position,
-                Channels::Spool => [Channel::Spool, Channel::Position][dice.below(2)],
-                _ => [Channel::Spool, Channel::PressureA, Channel::PressureB][dice.below(3)],
+                Channels::Position => MeasuredSignal::Position,
+                Channels::Spool => [MeasuredSignal::Spool, MeasuredSignal::Position][dice.below(2)],
+                _ => [MeasuredSignal::Spool, MeasuredSignal::PressureA, MeasuredSignal::PressureB][dice.below(3)],
             };
             let offset = match channel {
-                Channel::Spool => dice.decades(0.004, 0.03),
-                Channel::Position => 0.0,
-                Channel::PressureA | Channel::PressureB => about.get(P::SupplyPressure) * dice.decades(0.006, 0.05),
+                MeasuredSignal::Spool => dice.decades(0.004, 0.03),
+                MeasuredSignal::Position => 0.0,
+                MeasuredSignal::PressureA | MeasuredSignal::PressureB => {
+                    about.get(P::SupplyPressure) * dice.decades(0.006, 0.05)
+                }
             };
-            if channel == Channel::Position || dice.happens(0.35) {
+            if channel == MeasuredSignal::Position || dice.happens(0.35) {
                 SensingEffect::Factor { channel, excess: dice.sign() * dice.decades(0.015, 0.08) }
             } else {
                 SensingEffect::Offset { channel, offset: dice.sign() * offset }

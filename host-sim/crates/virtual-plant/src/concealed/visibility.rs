@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 use model_core::machine::{Machine, Parameter};
 
-use super::bench::{Setting, Signal};
+use super::bench::{RunInput, Setting};
 use crate::effect::PlantEffect;
 use crate::plant::PlantError;
 use crate::rig::recorded::SyntheticRecording;
@@ -25,7 +25,7 @@ pub(crate) struct Shown<'a> {
     pub(crate) setting: &'a Setting,
     pub(crate) sigma: &'a BTreeMap<Parameter, f64>,
     /// Excitations and the recordings made with them.
-    pub(crate) made: &'a [(Signal, SyntheticRecording)],
+    pub(crate) made: &'a [(RunInput, SyntheticRecording)],
     pub(crate) effects: &'a [PlantEffect],
 }
 

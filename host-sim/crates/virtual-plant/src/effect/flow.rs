@@ -1,6 +1,6 @@
 //! What the edges, the supply and the return line do beyond the paper's model.
 
-use crate::flow::edges::{Edges, GainCurve, Line};
+use crate::flow::edges::{Edges, GainCurve, SeriesLine};
 use crate::flow::orifice::signed_root;
 use crate::tangent::Real;
 use crate::terms::{Conditions, Inputs, State, Terms};
@@ -96,7 +96,7 @@ impl FlowEffect {
             Self::Metering { sizes } => edges.sizes = sizes,
             Self::SupplyDroop { line_pa_s2_per_m6, .. } => edges.supply_line.quadratic = line_pa_s2_per_m6,
             Self::BackPressure { linear_pa_s_per_m3, quadratic_pa_s2_per_m6 } => {
-                edges.return_line = Line { linear: linear_pa_s_per_m3, quadratic: quadratic_pa_s2_per_m6 };
+                edges.return_line = SeriesLine { linear: linear_pa_s_per_m3, quadratic: quadratic_pa_s2_per_m6 };
             }
             Self::LaminarTransition { pressure_pa } => edges.laminar_pa = pressure_pa,
             Self::Leakage { .. } | Self::PumpRipple { .. } => {}

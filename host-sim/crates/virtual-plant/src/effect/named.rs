@@ -4,7 +4,7 @@ use super::flow::FlowEffect;
 use super::friction::{DryFriction, FrictionLevel};
 use super::load::LoadEffect;
 use super::oil::OilTemperature;
-use super::sensing::{Channel, SensingEffect};
+use super::sensing::{MeasuredSignal, SensingEffect};
 use super::valve::ValveEffect;
 use super::{Cavitation, PlantEffect};
 use crate::flow::edges::GainCurve;
@@ -43,7 +43,7 @@ const EFFECTS: [(&str, &str, Make); 33] = [
     ("laminar-transition", "Pa", |pressure_pa| PlantEffect::Flow(FlowEffect::LaminarTransition { pressure_pa })),
     ("linkage-backlash", "m", |play_m| PlantEffect::Sensing(SensingEffect::Backlash { play_m })),
     ("position-sensor-lag", "s", |delay_s| PlantEffect::Sensing(SensingEffect::PositionDelay { delay_s })),
-    ("sensor-offset", "Pa", |offset| PlantEffect::Sensing(SensingEffect::Offset { channel: Channel::PressureA, offset })),
+    ("sensor-offset", "Pa", |offset| PlantEffect::Sensing(SensingEffect::Offset { channel: MeasuredSignal::PressureA, offset })),
     ("oil-temperature", "K/s", |rise_k_per_s| PlantEffect::OilTemperature(OilTemperature { rise_k_per_s, share_of_power: 0.5, reference_power_w: 800.0 })),
     ("~pump-ripple", "1", |share| PlantEffect::Flow(FlowEffect::PumpRipple { share, frequency_hz: 40.0 })),
     ("~structural-flexibility", "Hz", |frequency_hz| PlantEffect::Sensing(SensingEffect::Flexibility { frequency_hz, damping: 0.03, share: 1.0 })),

@@ -2,7 +2,7 @@
 
 /// Which channel reads wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Channel {
+pub enum MeasuredSignal {
     /// Spool position.
     Spool,
     /// Rod position.
@@ -36,14 +36,14 @@ pub enum SensingEffect {
     /// A channel reads too high by a constant, in its SI unit.
     Offset {
         /// Which one.
-        channel: Channel,
+        channel: MeasuredSignal,
         /// By how much.
         offset: f64,
     },
     /// A channel reads with a wrong scale factor.
     Factor {
         /// Which one.
-        channel: Channel,
+        channel: MeasuredSignal,
         /// Factor less 1.
         excess: f64,
     },

@@ -51,7 +51,7 @@ impl GainCurve {
 
 /// A line in series with an edge: Δp = linear·Q + quadratic·Q².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Line {
+pub(crate) struct SeriesLine {
     /// Pa·s/m³.
     pub(crate) linear: f64,
     /// Pa·s²/m⁶.
@@ -81,8 +81,8 @@ pub(crate) struct Edges {
     pub(crate) gain: GainCurve,
     /// Sizes of P-A, B-T (extending), P-B and A-T (retracting), relative to the coefficient.
     pub(crate) sizes: [f64; 4],
-    pub(crate) supply_line: Line,
-    pub(crate) return_line: Line,
+    pub(crate) supply_line: SeriesLine,
+    pub(crate) return_line: SeriesLine,
 }
 
 impl Edges {
@@ -123,7 +123,7 @@ impl Edges {
     }
 
     /// Flow through an edge of `gain` (m³/s per √Pa; its sign is that of the flow) with a line in series.
-    fn edge<R: Real>(&self, gain: f64, across: R, line: Line) -> R {
+    fn edge<R: Real>(&self, gain: f64, across: R, line: SeriesLine) -> R {
         let root = signed_root(across, self.transition_pa);
         let linear = line.linear + self.laminar_pa.sqrt() / gain.abs();
         if linear <= 0.0 {
@@ -149,8 +149,8 @@ mod tests {
             flow_limit: f64::INFINITY,
             gain: GainCurve::Proportional,
             sizes: [1.0; 4],
-            supply_line: Line::default(),
-            return_line: Line::default(),
+            supply_line: SeriesLine::default(),
+            return_line: SeriesLine::default(),
         }
     }
 
@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn an_edge_and_its_line_share_the_pressure_difference() {
-        let line = Line { linear: 2e9, quadratic: 5e12 };
+        let line = SeriesLine { linear: 2e9, quadratic: 5e12 };
         let (qa, qb) = Edges { return_line: line, ..edges() }.flows(0.6, &PORTS);
         assert!((qa - 0.5e-6 * 2000.0).abs() < 1e-9);
         let across_edge = (qb / 0.5e-6).powi(2);

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::sensors::Reading;
 use crate::effect::PlantEffect;
-use crate::effect::sensing::{Channel, SensingEffect};
+use crate::effect::sensing::{MeasuredSignal, SensingEffect};
 use crate::plant::PlantState;
 
 /// The position at one moment, with its velocity.
@@ -176,10 +176,10 @@ impl Sight {
                 _ => continue,
             };
             let value = match channel {
-                Channel::Spool => &mut reading.spool,
-                Channel::Position => &mut reading.position_m,
-                Channel::PressureA => &mut reading.pressure_a_pa,
-                Channel::PressureB => &mut reading.pressure_b_pa,
+                MeasuredSignal::Spool => &mut reading.spool,
+                MeasuredSignal::Position => &mut reading.position_m,
+                MeasuredSignal::PressureA => &mut reading.pressure_a_pa,
+                MeasuredSignal::PressureB => &mut reading.pressure_b_pa,
             };
             *value = *value * factor + offset;
         }
@@ -267,7 +267,7 @@ mod tests {
 
     #[test]
     fn an_offset_moves_one_channel_only() {
-        let offset = SensingEffect::Offset { channel: Channel::PressureA, offset: 2e5 };
+        let offset = SensingEffect::Offset { channel: MeasuredSignal::PressureA, offset: 2e5 };
         let mut sight = Sight::new(&[PlantEffect::Sensing(offset)]);
         let state = PlantState { pressure_a_pa: 1e6, pressure_b_pa: 1e6, ..PlantState::default() };
         let reading = sight.see(0.0, &state);

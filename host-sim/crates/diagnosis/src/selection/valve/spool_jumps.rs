@@ -5,7 +5,7 @@
 //! ½·band·(1 + kept), and the jump is band·(1 − kept) long, whatever else the valve does. So each jump measures the free spool once, except for the
 //! distance that it is ahead, which is the same for all jumps.
 
-use identification::experiment::{Channel, Prepared};
+use identification::experiment::{JudgedSignal, Prepared};
 use identification::fit::{FitError, Sensitivity};
 use recording::Signal;
 use simulation::signal::noise::{median, resolution};
@@ -40,7 +40,7 @@ impl Jump {
 }
 
 /// Every jump of a spool between two rests; `noise` is that of a row at rest.
-fn jumps(spool: &Channel, noise: f64) -> Vec<Jump> {
+fn jumps(spool: &JudgedSignal, noise: f64) -> Vec<Jump> {
     let x = &spool.bridged();
     let is_known = |row: usize| !spool.failed[row] && !spool.failed[row - 1];
     let is_far = |row: usize| is_known(row) && (x[row] - x[row - 1]).abs() > JUMP_BEYOND_NOISE * noise;
@@ -70,7 +70,7 @@ fn jumps(spool: &Channel, noise: f64) -> Vec<Jump> {
 
 /// Noise of a row of a spool that mostly rests. It is at least the sensor's resolution, since all changes by one count are equally long and would
 /// pass for jumps.
-fn noise_at_rest(spool: &Channel) -> f64 {
+fn noise_at_rest(spool: &JudgedSignal) -> f64 {
     // For white noise: median of the absolute differences over their standard deviation, times that standard deviation over the noise's.
     const SHARE: f64 = 0.6745 * std::f64::consts::SQRT_2;
     let readings = spool.bridged();
@@ -185,11 +185,11 @@ mod tests {
     use super::*;
 
     /// A spool with so many rows that follows `at`, with a sensor's noise.
-    fn spool(rows: usize, at: impl Fn(f64) -> f64) -> Channel {
+    fn spool(rows: usize, at: impl Fn(f64) -> f64) -> JudgedSignal {
         let mut generator = recording::seeded_noise::Noise::new(5, 1);
         let time_s: Vec<f64> = (0..rows).map(|row| row as f64 * 1e-3).collect();
         let recorded: Vec<f64> = time_s.iter().map(|time_s| at(*time_s) + generator.gaussian(3e-4)).collect();
-        Channel::of(Signal::Spool, &time_s, &recorded)
+        JudgedSignal::of(Signal::Spool, &time_s, &recorded)
     }
 
     /// Position of a spool that jumps by 0.01 each time and follows a free spool that rises and falls at 0.2/s.
@@ -221,7 +221,7 @@ mod tests {
         let time_s: Vec<f64> = (0..4000).map(|row| f64::from(row) * 1e-3).collect();
         let triangle = |time_s: &f64| 0.05 * (1.0 - (time_s - 2.0).abs());
         let counted: Vec<f64> = time_s.iter().map(|at| (triangle(at) / COUNT).round() * COUNT).collect();
-        let spool = Channel::of(Signal::Spool, &time_s, &counted);
+        let spool = JudgedSignal::of(Signal::Spool, &time_s, &counted);
         assert!(jumps(&spool, noise_at_rest(&spool)).is_empty());
     }
 

@@ -15,7 +15,7 @@ use crate::selection::decision_rule::{MOST_EFFECTS, PLAY_SOUGHT_FROM, SPACING_SO
 use crate::selection::forward::Course;
 use crate::selection::inflated_noise::as_far_as;
 use crate::selection::likelihood::ranked_by;
-use crate::selection::outcome::{Heard, Selection, Told};
+use crate::selection::outcome::{Heard, JumpsFound, Selection};
 use crate::selection::round::{candidates, finished, trial};
 use crate::selection::screen::with;
 
@@ -136,7 +136,7 @@ impl Selection {
         done(stiction.effect.name);
 
         let width = following.fit.machine.get(Parameter::HysteresisWidth);
-        let told = Told { jump_spacing, kept_alone: Sticks::alone(jump_spacing.length, width).kept };
+        let told = JumpsFound { jump_spacing, kept_alone: Sticks::alone(jump_spacing.length, width).kept };
         let is_alone = told.is_alone();
         let lengths = LENGTHS.iter().map(|times| times * jump_spacing.length);
         let tries: Vec<Sticks> = if is_alone {

@@ -48,7 +48,7 @@ pub(crate) fn read(name: &str, bytes: Vec<u8>, map: &ChannelMap) -> Result<Recor
         let stamp = stamp_s(column).map(|_| "s".to_owned());
         Offered { name: column.path().parts().join("."), also: Vec::new(), unit: stamp, base: 0, clock: false }
     });
-    let table = Table { name, offered: offered.collect(), bytes: Arc::new(bytes), metadata, columns, rows };
+    let table = FileColumns { name, offered: offered.collect(), bytes: Arc::new(bytes), metadata, columns, rows };
     columns::recording(name, &table, map)
 }
 
@@ -69,7 +69,7 @@ fn stamp_s(column: &ColumnDescPtr) -> Option<f64> {
 }
 
 /// The columns of a file.
-struct Table<'a> {
+struct FileColumns<'a> {
     name: &'a str,
     offered: Vec<Offered>,
     bytes: Arc<Bytes>,
@@ -87,7 +87,7 @@ enum Kind {
     Stamp(f64),
 }
 
-impl Contents for Table<'_> {
+impl Contents for FileColumns<'_> {
     const KIND: &'static str = "column";
 
     fn offered(&self) -> &[Offered] {
@@ -161,7 +161,7 @@ impl Contents for Table<'_> {
     }
 }
 
-impl Table<'_> {
+impl FileColumns<'_> {
     /// The values of a column, group of rows by group of rows; NaN for nulls.
     fn column(&self, index: usize, kind: Kind) -> Result<Vec<f64>, ParquetError> {
         let described = &self.columns[index];

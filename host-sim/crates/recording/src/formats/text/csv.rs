@@ -8,7 +8,7 @@
 //!
 //! Memory: one line and the values of the known columns, however large the file is.
 
-use super::lines::{Cells, Input, Line, Lines, Splitter, most_rows, parse_number};
+use super::lines::{Cells, Input, Lines, Splitter, TextLine, most_rows, parse_number};
 use super::twincat;
 use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
@@ -46,7 +46,7 @@ impl<'a> Opened<'a> {
                 return Err(RecordingError::NoTimeColumn { place: header.cell(separator, 0), header: header_text });
             }
         }
-        let table = Table {
+        let table = TextRows {
             columns: assignment.known,
             width,
             separator,
@@ -84,7 +84,7 @@ impl<'a> Opened<'a> {
 pub(crate) struct Reader<'a> {
     lines: Lines<'a>,
     splitter: Splitter,
-    table: Table,
+    table: TextRows,
     ignored: Vec<String>,
     /// Notes about the header.
     notes: Vec<Note>,
@@ -162,7 +162,7 @@ impl Reader<'_> {
             notes.extend(self.western.map(|line| Note::ReadAsWindows1252 { first: At::Line(line) }));
         }
         if self.is_at_end {
-            let Table { repeated, incomplete, .. } = self.table;
+            let TextRows { repeated, incomplete, .. } = self.table;
             notes.extend(repeated.map(|(rows, line)| Note::DuplicateTimes { rows, first: At::Line(line) }));
             notes.extend(incomplete.map(|(rows, line)| Note::IncompleteRows { rows, first: At::Line(line) }));
         }
@@ -173,7 +173,7 @@ impl Reader<'_> {
 
 /// Rows as they come in; the first column is time.
 #[derive(Debug)]
-struct Table {
+struct TextRows {
     /// Known columns with their cell's index.
     columns: Vec<(usize, Column)>,
     width: usize,
@@ -187,7 +187,7 @@ struct Table {
     left_out: LeftOut,
 }
 
-impl Table {
+impl TextRows {
     /// The number of rows held.
     fn held(&self) -> usize {
         self.kept() + self.left_out.after.len()
@@ -210,7 +210,7 @@ impl Table {
         }
     }
 
-    fn push(&mut self, line: Line<'_>, cells: Cells<'_>) -> Result<(), RecordingError> {
+    fn push(&mut self, line: TextLine<'_>, cells: Cells<'_>) -> Result<(), RecordingError> {
         if cells.len() != self.width {
             return Err(RecordingError::RaggedRow { place: line.whole(), found: cells.len(), expected: self.width });
         }
@@ -255,13 +255,13 @@ impl Table {
     }
 }
 
-fn count(rows: &mut Option<(usize, usize)>, line: Line<'_>) {
+fn count(rows: &mut Option<(usize, usize)>, line: TextLine<'_>) {
     rows.get_or_insert((0, line.number())).0 += 1;
 }
 
 /// A cell of a known column in SI units.
 pub(crate) fn number(
-    line: Line<'_>,
+    line: TextLine<'_>,
     text: &str,
     column: &Column,
     separator: u8,

@@ -41,13 +41,13 @@ pub(crate) struct Lines<'a> {
 
 /// One line, and where it stands.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Line<'a> {
+pub(crate) struct TextLine<'a> {
     file: &'a str,
     number: usize,
     pub(crate) text: &'a str,
 }
 
-impl Line<'_> {
+impl TextLine<'_> {
     pub(crate) fn place(self, span: Range<usize>) -> Place {
         Place::in_line(self.file, self.number, self.text, span)
     }
@@ -92,14 +92,14 @@ impl<'a> Lines<'a> {
     }
 
     /// The header: the first line with content, and the splitter for this and all later lines.
-    pub(crate) fn header(&mut self) -> Result<(Line<'_>, Splitter), RecordingError> {
+    pub(crate) fn header(&mut self) -> Result<(TextLine<'_>, Splitter), RecordingError> {
         let place = self.file();
         let header = self.next()?.ok_or(RecordingError::Empty { place })?;
         Ok((header, Splitter::new(detect_separator(header.text))))
     }
 
     /// The next line with content, without its end; `None` after the last one.
-    pub(crate) fn next(&mut self) -> Result<Option<Line<'_>>, RecordingError> {
+    pub(crate) fn next(&mut self) -> Result<Option<TextLine<'_>>, RecordingError> {
         loop {
             self.bytes.clear();
             let mut limited = (&mut self.input).take(MAX_LINE_BYTES as u64 + 1);
@@ -145,7 +145,7 @@ impl<'a> Lines<'a> {
             let place = Place::in_line(&self.file, self.number, &good, good.len()..good.len());
             RecordingError::NotUtf8 { place, byte: rest.first().copied().unwrap_or_default() }
         })?;
-        let line = Line { file: &self.file, number: self.number, text };
+        let line = TextLine { file: &self.file, number: self.number, text };
         if let Some((at, character)) = text.char_indices().find(|&(_, c)| c.is_control() && c != '\t') {
             let place = line.place(at..at + character.len_utf8());
             return Err(RecordingError::ControlCharacter { place, character });
@@ -182,7 +182,7 @@ impl Splitter {
     }
 
     /// The cells of a line.
-    pub(crate) fn split(&mut self, line: Line<'_>) -> Result<Cells<'_>, RecordingError> {
+    pub(crate) fn split(&mut self, line: TextLine<'_>) -> Result<Cells<'_>, RecordingError> {
         use csv_core::ReadRecordResult as Outcome;
         self.core.reset();
         self.text.resize(line.text.len() + 1, 0);
@@ -304,7 +304,7 @@ mod tests {
     use super::*;
 
     fn cells(text: &str, separator: u8) -> Vec<String> {
-        let line = Line { file: "f", number: 1, text };
+        let line = TextLine { file: "f", number: 1, text };
         Splitter::new(separator).split(line).unwrap().iter().map(str::to_owned).collect()
     }
 
@@ -334,7 +334,7 @@ mod tests {
 
     #[test]
     fn a_quotation_mark_left_open_is_an_error_on_its_line() {
-        let line = Line { file: "f", number: 3, text: "1,\"2" };
+        let line = TextLine { file: "f", number: 3, text: "1,\"2" };
         let error = Splitter::new(b',').split(line).unwrap_err();
         assert!(matches!(error, RecordingError::OpenQuote { .. }), "{error}");
     }

@@ -22,7 +22,7 @@
 //! instead of ms are refused.
 
 use super::csv::number;
-use super::lines::{Line, Lines, Splitter, most_rows, parse_number};
+use super::lines::{Lines, Splitter, TextLine, most_rows, parse_number};
 use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
@@ -139,7 +139,7 @@ impl Channel {
     }
 
     /// Adds a sample; `false` when it repeats the time before it and is left out.
-    fn push(&mut self, line: Line<'_>, separator: u8, time_s: f64, value: f64) -> Result<bool, RecordingError> {
+    fn push(&mut self, line: TextLine<'_>, separator: u8, time_s: f64, value: f64) -> Result<bool, RecordingError> {
         let place = || line.cell(separator, self.time_cell);
         if time_s > FULL_TIMESTAMP * 1e-3 {
             let found = format!("{:.0}", time_s * 1e3);

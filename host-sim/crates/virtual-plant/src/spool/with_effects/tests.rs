@@ -1,7 +1,7 @@
 //! What each valve effect does to the spool.
 
 use super::*;
-use crate::flow::edges::{GainCurve, Line};
+use crate::flow::edges::{GainCurve, SeriesLine};
 
 const PARAMETERS: SpoolParameters =
     SpoolParameters { gain_per_v: 0.1, offset: 0.0, rate_per_s: 20.0, time_constants_s: [0.01, 0.015], delay_s: 0.004 };
@@ -15,8 +15,8 @@ fn edges() -> Edges {
         flow_limit: f64::INFINITY,
         gain: GainCurve::Proportional,
         sizes: [1.0; 4],
-        supply_line: Line::default(),
-        return_line: Line::default(),
+        supply_line: SeriesLine::default(),
+        return_line: SeriesLine::default(),
     }
 }
 

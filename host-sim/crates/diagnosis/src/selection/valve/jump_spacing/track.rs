@@ -4,7 +4,7 @@
 use identification::parallel;
 use nalgebra::Complex;
 
-use identification::experiment::{Channel, Prepared};
+use identification::experiment::{JudgedSignal, Prepared};
 use identification::fit::{StartState, settle};
 use model_core::machine::{Machine, MachineError, Parameter};
 use recording::Signal;
@@ -88,7 +88,14 @@ pub(crate) fn tracks(machine: &Machine<f64>, cases: &[&Prepared]) -> Result<Opti
 }
 
 impl Track {
-    fn of(time_s: &[f64], channel: &Channel, position: &[f64], x: Vec<f64>, velocity: &[f64], dead_zone: f64) -> Self {
+    fn of(
+        time_s: &[f64],
+        channel: &JudgedSignal,
+        position: &[f64],
+        x: Vec<f64>,
+        velocity: &[f64],
+        dead_zone: f64,
+    ) -> Self {
         let missed: Vec<f64> =
             channel.bridged().iter().zip(position).map(|(recorded, simulated)| recorded - simulated).collect();
         let gain = |(x, velocity): (&f64, &f64)| {
